@@ -1,0 +1,189 @@
+//! What can be asked for on the command line.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::backend::BackendKind;
+use crate::demo::status;
+use crate::error::report;
+
+/// Smooth 3D contact surfaces: gap, exact gradient and exact Hessian of the diffuse contact element.
+///
+/// Without a subcommand: the demonstration on the mesh that comes with the program.
+#[derive(Debug, Parser)]
+#[command(name = "diffuse-contact", version, propagate_version = true)]
+pub struct Arguments {
+    /// The job; `demo` if none is named.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+/// The jobs of the program.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Evaluate the contact of two surfaces of a mesh and write it for ParaView.
+    Demo(DemoArguments),
+    /// Evaluate the elements of a JSON file and print gap, normal, N, M, residual and tangent as JSON.
+    Evaluate(EvaluateArguments),
+}
+
+/// Arguments of `demo`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = status::table())]
+pub struct DemoArguments {
+    /// Mesh file, Gmsh `.msh` 4.1 or Abaqus `.inp` [default: the plate on a cylinder that comes with the program]
+    #[arg(long, value_name = "FILE")]
+    pub mesh: Option<PathBuf>,
+    /// Facet set that carries the smooth surface
+    #[arg(long, value_name = "SET", default_value = DemoArguments::MASTER)]
+    pub master: String,
+    /// Set whose nodes touch it
+    #[arg(long, value_name = "SET", default_value = DemoArguments::SLAVE)]
+    pub slave: String,
+    /// VTU file to write
+    #[arg(short, long, value_name = "OUT.vtu", default_value = DemoArguments::OUTPUT)]
+    pub output: PathBuf,
+    /// Master nodes per element to start from, 6 to 24; more are taken where the fit needs them
+    #[arg(long, value_name = "M", default_value_t = diffuse_contact::pairing::DEFAULT_NEIGHBOURS, value_parser = neighbours)]
+    pub neighbours: usize,
+}
+
+impl DemoArguments {
+    const MASTER: &str = "master";
+    const SLAVE: &str = "slave";
+    const OUTPUT: &str = "diffuse-contact.vtu";
+}
+
+impl Default for DemoArguments {
+    fn default() -> Self {
+        Self {
+            mesh: None,
+            master: Self::MASTER.into(),
+            slave: Self::SLAVE.into(),
+            output: Self::OUTPUT.into(),
+            neighbours: diffuse_contact::pairing::DEFAULT_NEIGHBOURS,
+        }
+    }
+}
+
+/// The formats of `evaluate`, for its help.
+const JSON_FORMATS: &str = r#"IN.json:
+  {"elements": [{
+    "slave": [x, y, z],
+    "masters": [[x, y, z], ...],
+    "outward": [x, y, z],            direction to the outside of the master, any length;
+                                     may be left out if a frame is given
+    "frame": "average-plane",        the default, or
+             {"origin": [x, y, z], "t1": [x, y, z], "t2": [x, y, z], "normal": [x, y, z]}
+    "frame_derivative": "frozen",    the default: the frame is held while differentiating
+    "support_radius": R,             default 1.25 x the farthest in-plane distance of a master
+    "basis": "quadratic",            or "linear"; default quadratic from 6 masters on
+    "weight": "cubic",               the default
+    "penalty": 1.0                   the default
+  }, ...]}
+
+OUT.json, in the same order; vectors and rows over slave, master 1, ... master n, global axes:
+  {"elements": [
+    {"status": "ok", "active": gap < 0, "gap": g, "foot": [3], "normal": [3], "coefficients": [6 or 3],
+     "frame": {...}, "support_radius": R, "n": [3(n+1)], "m": [[...], ...],
+     "residual": [...], "tangent": [[...], ...]},
+    {"status": "error", "code": "singular-fit", "message": "..."}
+  ]}
+Residual -penalty g N and tangent penalty (g M + N N^T) are given for either sign of the gap."#;
+
+/// Arguments of `evaluate`.
+#[derive(Args, Clone, Debug)]
+#[command(after_long_help = JSON_FORMATS)]
+pub struct EvaluateArguments {
+    /// Elements as JSON; `-` reads standard input
+    #[arg(value_name = "IN.json")]
+    pub input: PathBuf,
+    /// File to write [default: standard output]
+    #[arg(short, long, value_name = "OUT.json")]
+    pub output: Option<PathBuf>,
+    /// What computes the derivatives
+    #[arg(long, value_enum, default_value_t = BackendKind::Generated)]
+    pub backend: BackendKind,
+}
+
+/// Number of neighbours the quadratic basis can use.
+fn neighbours(text: &str) -> Result<usize, String> {
+    let allowed = diffuse_contact::Basis::Quadratic.size()..=diffuse_contact::pairing::MAX_NEIGHBOURS;
+    match text.parse() {
+        Ok(count) if allowed.contains(&count) => Ok(count),
+        _ => Err(format!("not a whole number from {} to {}", allowed.start(), allowed.end())),
+    }
+}
+
+/// Prints help and version as clap lays them out, and a wrong argument as one sentence.
+pub fn answer(answer: &clap::Error) -> ExitCode {
+    if !answer.use_stderr() {
+        // A closed pipe is no reason to complain.
+        let _ = answer.print();
+        return ExitCode::SUCCESS;
+    }
+    report(&one_sentence(&answer.render().to_string()));
+    ExitCode::from(crate::BAD_INPUT)
+}
+
+/// The statement of a clap message: everything before the usage, on one line, without the leading `error:`.
+fn one_sentence(message: &str) -> String {
+    let lines = message
+        .lines()
+        .map(str::trim)
+        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
+        .filter(|line| !line.is_empty());
+    let mut statement = String::new();
+    for line in lines {
+        let separator = if statement.is_empty() {
+            ""
+        } else if line.starts_with("tip:") {
+            "; "
+        } else {
+            " "
+        };
+        statement.push_str(separator);
+        statement.push_str(line);
+    }
+    format!("{} (see --help)", statement.strip_prefix("error: ").unwrap_or(&statement))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn no_subcommand_means_the_defaults_of_demo() {
+        let Some(Command::Demo(parsed)) =
+            Arguments::try_parse_from(["diffuse-contact", "demo"]).unwrap().command
+        else {
+            panic!("not a demo");
+        };
+        assert_eq!(format!("{parsed:?}"), format!("{:?}", DemoArguments::default()));
+    }
+
+    #[test]
+    fn a_wrong_argument_is_one_sentence() {
+        let error =
+            Arguments::try_parse_from(["diffuse-contact", "evaluate", "a", "--backend", "x"]).unwrap_err();
+        assert_eq!(
+            one_sentence(&error.render().to_string()),
+            "invalid value 'x' for '--backend <BACKEND>' [possible values: generated, ad] (see --help)"
+        );
+        let error =
+            Arguments::try_parse_from(["diffuse-contact", "evaluate", "a", "--bakend", "ad"]).unwrap_err();
+        assert_eq!(
+            one_sentence(&error.render().to_string()),
+            "unexpected argument '--bakend' found; tip: a similar argument exists: '--backend' (see --help)"
+        );
+    }
+}

@@ -1,0 +1,244 @@
+//! The smooth surface, sampled finely: every facet is subdivided, and every point of the subdivision is taken for a
+//! slave node of its own and moved to its foot.
+
+use std::collections::BTreeMap;
+
+use diffuse_contact::pairing::{PairingRule, pair};
+use diffuse_contact::{Backend, ElementError, Mode, Point};
+use diffuse_contact_mesh::Facet;
+
+use super::surfaces::Surfaces;
+use super::{progress, status};
+
+/// Pieces along each side of a facet, …
+const FINEST: usize = 6;
+/// … fewer, but at least this many, on meshes so large that …
+const COARSEST: usize = 2;
+/// … the pieces would outnumber this.
+const MOST_PIECES: usize = 100_000;
+/// Projections of each point. The smooth surface is where a point is its own foot; the first projection starts from
+/// the facet, the second from so close that a third would not show.
+const PROJECTIONS: usize = 2;
+
+/// A point of the smooth surface.
+#[derive(Clone, Copy)]
+pub struct Sample {
+    /// Its position.
+    pub position: Point,
+    /// Unit normal of the smooth surface.
+    pub normal: Point,
+    /// Signed height of the facet over the smooth surface at this point.
+    pub facet_height: f64,
+}
+
+/// The smooth surface as a fine mesh.
+pub struct SmoothSurface {
+    /// Its points, each once also where facets meet.
+    pub samples: Vec<Sample>,
+    /// Pieces between them.
+    pub pieces: Vec<Facet>,
+    /// Signed height of each master node over the smooth surface, or the code of [`status`] that says why there is
+    /// none.
+    pub node_heights: Vec<Result<f64, i32>>,
+    /// Points left out because they have no foot, with the pieces at them.
+    pub left_out: usize,
+    /// Pieces along each side of a facet.
+    pub subdivisions: usize,
+}
+
+/// Samples the smooth surface over all master facets.
+pub fn sample(backend: &dyn Backend, surfaces: &Surfaces, rule: &PairingRule) -> SmoothSurface {
+    let subdivisions = subdivisions(surfaces.facets.len());
+    let lattice = Lattice::new(&surfaces.facets, subdivisions);
+    let bar = progress("smooth surface", lattice.points.len());
+    let mut samples = Vec::with_capacity(lattice.points.len());
+    let mut node_heights = vec![Ok(0.0); surfaces.master.points().len()];
+    let mut index = Vec::with_capacity(lattice.points.len());
+    for mixture in &lattice.points {
+        let facet_point = mixture.position(surfaces.master.points());
+        let sample = project(backend, surfaces, rule, facet_point);
+        if let Some(node) = mixture.node() {
+            node_heights[node] = match &sample {
+                Ok(sample) => Ok(sample.facet_height),
+                Err(error) => Err(status::of(error)),
+            };
+        }
+        index.push(sample.is_ok().then_some(samples.len()));
+        samples.extend(sample);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let pieces = lattice.pieces.iter().filter_map(|piece| {
+        let corners: Option<Vec<usize>> = piece.nodes().iter().map(|&point| index[point]).collect();
+        Facet::from_nodes(&corners?)
+    });
+    SmoothSurface {
+        pieces: pieces.collect(),
+        left_out: index.iter().filter(|sample| sample.is_none()).count(),
+        samples,
+        node_heights,
+        subdivisions,
+    }
+}
+
+fn subdivisions(facets: usize) -> usize {
+    (COARSEST..=FINEST).rev().find(|side| facets * side * side <= MOST_PIECES).unwrap_or(COARSEST)
+}
+
+/// Moves a point of a facet to the smooth surface.
+fn project(
+    backend: &dyn Backend,
+    surfaces: &Surfaces,
+    rule: &PairingRule,
+    facet_point: Point,
+) -> Result<Sample, ElementError> {
+    let pairing = pair(backend, &surfaces.master, &surfaces.normals, facet_point, rule)?;
+    let mut sample = Sample { position: facet_point, normal: pairing.frame.normal, facet_height: 0.0 };
+    for _ in 0..PROJECTIONS {
+        let gap = backend.gap(&pairing.element(sample.position), Mode::Value)?;
+        sample.position = gap.foot;
+        sample.normal = gap.normal;
+    }
+    let offset = [0, 1, 2].map(|k| facet_point[k] - sample.position[k]);
+    sample.facet_height = offset.iter().zip(sample.normal).map(|(d, n)| d * n).sum();
+    Ok(sample)
+}
+
+/// A point of a facet: a mixture of its corners in whole parts of subdivisions². Where facets meet, both describe a
+/// point by the same mixture, so the fine mesh has no cracks.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct Mixture(Vec<(usize, usize)>);
+
+impl Mixture {
+    fn new(corners: &[usize], parts: &[usize]) -> Self {
+        let mut mixture: Vec<_> = corners.iter().copied().zip(parts.iter().copied()).collect();
+        mixture.retain(|(_, parts)| *parts > 0);
+        mixture.sort_unstable();
+        Self(mixture)
+    }
+
+    /// The node this point is, unless it lies between nodes.
+    fn node(&self) -> Option<usize> {
+        if let [(node, _)] = self.0[..] { Some(node) } else { None }
+    }
+
+    fn position(&self, nodes: &[Point]) -> Point {
+        let total: usize = self.0.iter().map(|(_, parts)| parts).sum();
+        [0, 1, 2].map(|k| {
+            let sum: f64 = self.0.iter().map(|&(node, parts)| parts as f64 * nodes[node][k]).sum();
+            sum / total as f64
+        })
+    }
+}
+
+/// All points of the subdivided facets and the pieces between them.
+struct Lattice {
+    points: Vec<Mixture>,
+    pieces: Vec<Facet>,
+}
+
+impl Lattice {
+    fn new(facets: &[Facet], subdivisions: usize) -> Self {
+        let mut points = BTreeMap::new();
+        let mut pieces = Vec::new();
+        for facet in facets {
+            match facet {
+                Facet::Triangle(corners) => {
+                    subdivide_triangle(corners, subdivisions, &mut points, &mut pieces)
+                }
+                Facet::Quadrilateral(corners) => {
+                    subdivide_quadrilateral(corners, subdivisions, &mut points, &mut pieces);
+                }
+            }
+        }
+        // Numbers were given in the order of first use; put the points in that order.
+        let mut points: Vec<(Mixture, usize)> = points.into_iter().collect();
+        points.sort_unstable_by_key(|(_, number)| *number);
+        Self { points: points.into_iter().map(|(mixture, _)| mixture).collect(), pieces }
+    }
+}
+
+/// Number of a point, a new one if it has none.
+fn number(points: &mut BTreeMap<Mixture, usize>, mixture: Mixture) -> usize {
+    let next = points.len();
+    *points.entry(mixture).or_insert(next)
+}
+
+fn subdivide_quadrilateral(
+    corners: &[usize; 4],
+    side: usize,
+    points: &mut BTreeMap<Mixture, usize>,
+    pieces: &mut Vec<Facet>,
+) {
+    let mut at = |i: usize, j: usize| {
+        let parts = [(side - i) * (side - j), i * (side - j), i * j, (side - i) * j];
+        number(points, Mixture::new(corners, &parts))
+    };
+    for j in 0..side {
+        for i in 0..side {
+            pieces.push(Facet::Quadrilateral([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]));
+        }
+    }
+}
+
+fn subdivide_triangle(
+    corners: &[usize; 3],
+    side: usize,
+    points: &mut BTreeMap<Mixture, usize>,
+    pieces: &mut Vec<Facet>,
+) {
+    let mut at = |i: usize, j: usize| {
+        let parts = [(side - i - j) * side, i * side, j * side];
+        number(points, Mixture::new(corners, &parts))
+    };
+    for j in 0..side {
+        for i in 0..side - j {
+            pieces.push(Facet::Triangle([at(i, j), at(i + 1, j), at(i, j + 1)]));
+            if i + j + 1 < side {
+                pieces.push(Facet::Triangle([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn facets_that_meet_share_their_points() {
+        // A quadrilateral and a triangle with one side in common, each with three pieces along a side.
+        let facets = [Facet::Quadrilateral([0, 1, 2, 3]), Facet::Triangle([2, 1, 4])];
+        let lattice = Lattice::new(&facets, 3);
+        assert_eq!(lattice.points.len(), 16 + 10 - 4);
+        assert_eq!(lattice.pieces.len(), 9 + 9);
+    }
+
+    #[test]
+    fn the_pieces_cover_the_facet_in_its_sense() {
+        let nodes = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        for (facet, area) in [(Facet::Quadrilateral([0, 1, 2, 3]), 2.0), (Facet::Triangle([0, 1, 2]), 1.0)] {
+            let lattice = Lattice::new(&[facet], 5);
+            let points: Vec<Point> = lattice.points.iter().map(|mixture| mixture.position(&nodes)).collect();
+            let sum: f64 = lattice.pieces.iter().map(|piece| signed_area(piece.nodes(), &points)).sum();
+            assert!((sum - area).abs() < 1e-14, "{facet:?}: {sum}");
+            assert!(lattice.pieces.iter().all(|piece| signed_area(piece.nodes(), &points) > 0.0));
+        }
+    }
+
+    fn signed_area(corners: &[usize], points: &[Point]) -> f64 {
+        let next = corners.iter().cycle().skip(1);
+        corners
+            .iter()
+            .zip(next)
+            .map(|(&i, &j)| 0.5 * (points[i][0] * points[j][1] - points[j][0] * points[i][1]))
+            .sum()
+    }
+
+    #[test]
+    fn large_meshes_are_sampled_more_coarsely() {
+        assert_eq!(subdivisions(100), FINEST);
+        assert_eq!(subdivisions(10_000), 3);
+        assert_eq!(subdivisions(10_000_000), COARSEST);
+    }
+}

@@ -1,0 +1,145 @@
+//! The picture: slave nodes, master facets and smooth surface in one VTU file.
+//!
+//! Points and cells carry `part`: 0 slave nodes, 1 master facets, 2 smooth surface. Points carry besides
+//!
+//! | array | slave nodes | master facets | smooth surface |
+//! | --- | --- | --- | --- |
+//! | `gap` | signed gap g | height of the node over the smooth surface | 0 |
+//! | `normal` | unit normal of the smooth surface at the foot | unit normal of the facets around | unit normal |
+//! | `status` | code of [`status`] | the same, of its height | 0 |
+//! | `neighbours` | number of master nodes | 0 | 0 |
+//! | `facet_height` | 0 | height of the node over the smooth surface | height of the facet over this point |
+//!
+//! Where there is no gap or height (its status says why), the number is NaN and the normal zero.
+
+use std::io;
+use std::path::Path;
+
+use diffuse_contact::Point;
+use diffuse_contact_mesh::{ElementKind, Facet, VtuError, VtuFile};
+
+use super::nodes::{SlaveNode, SlaveNodes};
+use super::sampling::{Sample, SmoothSurface};
+use super::status;
+use super::surfaces::Surfaces;
+use crate::error::CliError;
+use crate::output;
+
+/// `part` of the slave nodes.
+const SLAVE_NODES: i32 = 0;
+/// `part` of the master facets.
+const FACETS: i32 = 1;
+/// `part` of the smooth surface.
+const SMOOTH: i32 = 2;
+
+/// Writes the file.
+pub fn write(
+    path: &Path,
+    surfaces: &Surfaces,
+    nodes: &SlaveNodes,
+    smooth: &SmoothSurface,
+) -> Result<(), CliError> {
+    let mut scene = Scene::default();
+    for node in &nodes.nodes {
+        scene.add_slave_node(node);
+    }
+    scene.add_facets(surfaces, smooth);
+    scene.add_smooth_surface(smooth);
+    let grid = scene.grid();
+    output::write_file(path, |mut writer| {
+        grid.write_to(&mut writer).map_err(|error| match error {
+            VtuError::Output { cause } => cause,
+            unsound => io::Error::other(unsound),
+        })
+    })
+}
+
+/// The arrays of the file, point by point and cell by cell.
+#[derive(Default)]
+struct Scene {
+    points: Vec<Point>,
+    gap: Vec<f64>,
+    normal: Vec<Point>,
+    status: Vec<i32>,
+    neighbours: Vec<i32>,
+    facet_height: Vec<f64>,
+    part: Vec<i32>,
+    cells: Vec<(ElementKind, Vec<usize>)>,
+    cell_part: Vec<i32>,
+}
+
+impl Scene {
+    fn add_slave_node(&mut self, node: &SlaveNode) {
+        let vertex = self.points.len();
+        self.points.push(node.position);
+        self.gap.push(node.contact.map_or(f64::NAN, |contact| contact.gap));
+        self.normal.push(node.contact.map_or([0.0; 3], |contact| contact.normal));
+        self.status.push(node.status);
+        let neighbours = node.pairing.as_ref().map_or(0, |pairing| pairing.masters.len());
+        self.neighbours.push(i32::try_from(neighbours).unwrap_or(i32::MAX));
+        self.facet_height.push(0.0);
+        self.part.push(SLAVE_NODES);
+        self.cells.push((ElementKind::Point1, vec![vertex]));
+        self.cell_part.push(SLAVE_NODES);
+    }
+
+    fn add_facets(&mut self, surfaces: &Surfaces, smooth: &SmoothSurface) {
+        let first = self.points.len();
+        let nodes = surfaces.master.points().iter().zip(&surfaces.normals).zip(&smooth.node_heights);
+        for ((&point, &normal), height) in nodes {
+            self.points.push(point);
+            self.normal.push(unit(normal));
+            let value = height.unwrap_or(f64::NAN);
+            self.gap.push(value);
+            self.facet_height.push(value);
+            self.status.push(height.err().unwrap_or(status::OK));
+            self.neighbours.push(0);
+            self.part.push(FACETS);
+        }
+        self.add_cells(&surfaces.facets, first, FACETS);
+    }
+
+    fn add_smooth_surface(&mut self, smooth: &SmoothSurface) {
+        let first = self.points.len();
+        for &Sample { position, normal, facet_height } in &smooth.samples {
+            self.points.push(position);
+            self.normal.push(normal);
+            self.gap.push(0.0);
+            self.facet_height.push(facet_height);
+            self.status.push(status::OK);
+            self.neighbours.push(0);
+            self.part.push(SMOOTH);
+        }
+        self.add_cells(&smooth.pieces, first, SMOOTH);
+    }
+
+    fn add_cells(&mut self, facets: &[Facet], first: usize, part: i32) {
+        for facet in facets {
+            let kind = match facet {
+                Facet::Triangle(_) => ElementKind::Triangle3,
+                Facet::Quadrilateral(_) => ElementKind::Quadrilateral4,
+            };
+            self.cells.push((kind, facet.nodes().iter().map(|node| first + node).collect()));
+            self.cell_part.push(part);
+        }
+    }
+
+    fn grid(&self) -> VtuFile<'_> {
+        VtuFile::new()
+            .points(&self.points)
+            .cells(self.cells.iter().map(|(kind, nodes)| (*kind, nodes.as_slice())))
+            .point_scalars("gap", &self.gap)
+            .point_vectors("normal", &self.normal)
+            .point_i32("status", &self.status)
+            .point_i32("neighbours", &self.neighbours)
+            .point_scalars("facet_height", &self.facet_height)
+            .point_i32("part", &self.part)
+            .cell_i32("part", &self.cell_part)
+    }
+}
+
+/// The vector at length one; zero stays zero.
+fn unit(vector: Point) -> Point {
+    let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if length > 0.0 { vector.map(|x| x / length) } else { vector }
+}

@@ -1,0 +1,156 @@
+//! What `evaluate` answers for one element.
+
+use diffuse_contact::{Backend, Element, ElementError, Frame, Gap, Mode, Point, pairing};
+use serde::Serialize;
+
+use super::schema::{Coordinates, ElementInput, FrameInput};
+
+/// One entry of the output's `elements`.
+#[derive(Debug, Serialize)]
+#[serde(tag = "status", rename_all = "lowercase")]
+pub enum Outcome {
+    /// The element was evaluated.
+    Ok(Box<Evaluated>),
+    /// It has no result.
+    Error {
+        /// Stable machine-readable reason.
+        code: &'static str,
+        /// The reason in words, with its figures.
+        message: String,
+    },
+}
+
+/// The contact quantities of one element, in global axes; vectors and matrices over the 3(n+1) coordinates ordered
+/// slave, master 1, …, master n. Equation numbers are those of Chamoret et al. 2008.
+#[derive(Debug, Serialize)]
+pub struct Evaluated {
+    /// Whether the slave penetrates, g < 0. `residual` and `tangent` are (33) and (43) for either sign of g; a
+    /// caller whose contact cannot pull adds them only when this is true.
+    active: bool,
+    /// Signed gap g (19): positive apart, negative penetrating.
+    gap: f64,
+    /// Foot point on the smooth surface.
+    foot: Point,
+    /// Unit normal of the smooth surface at the foot (22), outward.
+    normal: Point,
+    /// Coefficients of the fit about the slave, in the axes of `frame`, in length units.
+    coefficients: Vec<f64>,
+    /// The frame that was used.
+    frame: FrameOutput,
+    /// The support radius that was used.
+    support_radius: f64,
+    /// N = ∂g/∂x (32).
+    n: Vec<f64>,
+    /// M = ∂²g/∂x∂x (42), full rows.
+    m: Vec<Vec<f64>>,
+    /// R = −ε g N (33).
+    residual: Vec<f64>,
+    /// K = −∂R/∂x = ε (g M + N Nᵀ) (43), full rows.
+    tangent: Vec<Vec<f64>>,
+}
+
+/// A frame in the form in which it can be given.
+#[derive(Debug, Serialize)]
+struct FrameOutput {
+    origin: Point,
+    t1: Point,
+    t2: Point,
+    normal: Point,
+}
+
+impl From<Frame> for FrameOutput {
+    fn from(frame: Frame) -> Self {
+        Self { origin: frame.origin, t1: frame.t1, t2: frame.t2, normal: frame.normal }
+    }
+}
+
+/// Why an element that follows the schema has no result.
+#[derive(Debug, thiserror::Error)]
+enum Refusal {
+    /// The element itself says so.
+    #[error(transparent)]
+    Element(#[from] ElementError),
+    /// The average plane has two sides and nothing tells them apart.
+    #[error("`outward` is missing: it tells which side of the average plane is outside")]
+    MissingOutward,
+    /// The penalty is not positive.
+    #[error("the penalty must be positive, not {value}")]
+    InvalidPenalty { value: f64 },
+}
+
+impl Refusal {
+    const fn code(&self) -> &'static str {
+        match self {
+            Self::Element(error) => error.code(),
+            Self::MissingOutward => "missing-outward",
+            Self::InvalidPenalty { .. } => "invalid-penalty",
+        }
+    }
+}
+
+/// Evaluates one element with all derivatives.
+pub fn evaluate(input: &ElementInput, backend: &dyn Backend) -> Outcome {
+    match evaluated(input, backend) {
+        Ok(evaluated) => Outcome::Ok(Box::new(evaluated)),
+        Err(refusal) => Outcome::Error { code: refusal.code(), message: refusal.to_string() },
+    }
+}
+
+fn evaluated(input: &ElementInput, backend: &dyn Backend) -> Result<Evaluated, Refusal> {
+    if !(input.penalty.is_finite() && input.penalty > 0.0) {
+        return Err(Refusal::InvalidPenalty { value: input.penalty });
+    }
+    let masters = input.masters();
+    let basis = input.basis();
+    if masters.len() < basis.size() {
+        return Err(ElementError::TooFewNodes { found: masters.len(), needed: basis.size() }.into());
+    }
+    let frame = frame(input, &masters)?;
+    let slave = input.slave.0;
+    let support_radius =
+        input.support_radius.unwrap_or_else(|| pairing::support_radius(&frame, slave, &masters));
+    let element = Element { slave, masters: &masters, frame, support_radius, basis, weight: input.weight() };
+    element.validate()?;
+    let gap = backend.gap(&element, Mode::Hessian)?;
+    Ok(answer(gap, &element, input.penalty)?)
+}
+
+fn frame(input: &ElementInput, masters: &[Point]) -> Result<Frame, Refusal> {
+    let outward = input.outward.map(|Coordinates(outward)| outward);
+    match &input.frame {
+        FrameInput::AveragePlane => {
+            Ok(Frame::average_plane(masters, outward.ok_or(Refusal::MissingOutward)?)?)
+        }
+        FrameInput::Given(given) => {
+            Ok(Frame::given(given.origin.0, given.t1.0, given.t2.0, given.normal.0, outward)?)
+        }
+    }
+}
+
+/// The entry of the output. JSON knows no infinity, so a product that overflows is an error.
+fn answer(gap: Gap, element: &Element<'_>, penalty: f64) -> Result<Evaluated, ElementError> {
+    let residual = gap.residual(penalty);
+    let tangent = gap.tangent(penalty);
+    finite("residual", &residual)?;
+    finite("tangent", tangent.packed())?;
+    finite("gap gradient", &gap.gradient)?;
+    finite("gap Hessian", gap.hessian.packed())?;
+    finite("coefficient", &gap.coefficients)?;
+    Ok(Evaluated {
+        active: gap.is_penetrating(),
+        gap: gap.gap,
+        foot: gap.foot,
+        normal: gap.normal,
+        coefficients: gap.coefficients,
+        frame: element.frame.into(),
+        support_radius: element.support_radius,
+        n: gap.gradient,
+        m: gap.hessian.to_rows(),
+        residual,
+        tangent: tangent.to_rows(),
+    })
+}
+
+fn finite(what: &'static str, numbers: &[f64]) -> Result<(), ElementError> {
+    if numbers.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(ElementError::Overflow { what }) }
+}

@@ -1,0 +1,388 @@
+//! What `evaluate` reads.
+//!
+//! ```json
+//! {"elements": [{
+//!   "slave": [0.1, 0.2, 0.3],
+//!   "masters": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]],
+//!   "outward": [0, 0, 1],
+//!   "frame": "average-plane",
+//!   "frame_derivative": "frozen",
+//!   "support_radius": 2.0,
+//!   "basis": "linear",
+//!   "weight": "cubic",
+//!   "penalty": 1.0
+//! }]}
+//! ```
+//!
+//! Only `slave` and `masters` are always needed. The defaults are those of [`ElementInput`]'s fields. Nothing else
+//! is accepted: a field the program does not know is an error, not ignored. All coordinates are global, in one
+//! length unit of the caller's choice; the penalty is force per length.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use diffuse_contact::{Basis, Point, Weight};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserialize, Deserializer, MapAccess, Unexpected, Visitor};
+use serde_path_to_error::{Path, Segment};
+
+use crate::error::CliError;
+
+/// A word is taken for a misspelling of another if they are at least this similar (0 to 1).
+const SIMILARITY: f64 = 0.6;
+
+/// Words that some programs write in place of a number.
+const NO_NUMBERS: [&str; 6] = ["NaN", "nan", "Infinity", "infinity", "Inf", "inf"];
+/// What the parser says of a number beyond the range of f64: the text is JSON, but the number is lost.
+const OUT_OF_RANGE: &str = "number out of range";
+
+/// The whole file.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Document {
+    /// The elements, evaluated in this order.
+    pub elements: Vec<Object<ElementInput>>,
+}
+
+/// One element.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ElementInput {
+    /// Slave node.
+    pub slave: Coordinates,
+    /// Master nodes.
+    pub masters: Vec<Coordinates>,
+    /// A direction to the outward side of the master surface, of any length. Needed for the average plane; with a
+    /// given frame it turns the normal to its side.
+    pub outward: Option<Coordinates>,
+    /// The local frame; the average plane of the masters if left out.
+    #[serde(default)]
+    pub frame: FrameInput,
+    /// What the derivatives do with the frame; `frozen` if left out.
+    #[serde(default, rename = "frame_derivative")]
+    _frame_derivative: FrameDerivative,
+    /// Radius of the domain of influence; 1.25 × the farthest in-plane distance of a master if left out.
+    pub support_radius: Option<f64>,
+    /// Basis of the fit; quadratic from six masters on, linear below, if left out.
+    basis: Option<BasisInput>,
+    /// Weight of the fit; `cubic` if left out.
+    #[serde(default)]
+    weight: WeightInput,
+    /// Penalty ε of the residual and the tangent; 1 if left out.
+    #[serde(default = "unit_penalty")]
+    pub penalty: f64,
+}
+
+impl ElementInput {
+    /// Positions of the masters.
+    pub fn masters(&self) -> Vec<Point> {
+        self.masters.iter().map(|master| master.0).collect()
+    }
+
+    /// The basis asked for, or the default for this number of masters.
+    pub fn basis(&self) -> Basis {
+        match self.basis {
+            Some(BasisInput::Quadratic) => Basis::Quadratic,
+            Some(BasisInput::Linear) => Basis::Linear,
+            None if self.masters.len() >= Basis::Quadratic.size() => Basis::Quadratic,
+            None => Basis::Linear,
+        }
+    }
+
+    /// The weight asked for.
+    pub fn weight(&self) -> Weight {
+        match self.weight {
+            WeightInput::Cubic => Weight::Cubic,
+        }
+    }
+}
+
+const fn unit_penalty() -> f64 {
+    1.0
+}
+
+/// Three numbers.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(try_from = "Vec<f64>")]
+pub struct Coordinates(pub Point);
+
+impl TryFrom<Vec<f64>> for Coordinates {
+    type Error = WrongLength;
+
+    fn try_from(numbers: Vec<f64>) -> Result<Self, WrongLength> {
+        let found = numbers.len();
+        numbers.try_into().map(Self).map_err(|_| WrongLength { found })
+    }
+}
+
+/// A point or a direction with a number of coordinates other than three.
+#[derive(Debug, thiserror::Error)]
+#[error("expected three coordinates [x, y, z], found {found}")]
+pub struct WrongLength {
+    found: usize,
+}
+
+/// The local frame.
+#[derive(Debug, Default, PartialEq)]
+pub enum FrameInput {
+    /// The word `"average-plane"`.
+    #[default]
+    AveragePlane,
+    /// The frame itself.
+    Given(GivenFrame),
+}
+
+/// A local frame written out.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GivenFrame {
+    /// A point of the plane.
+    pub origin: Coordinates,
+    /// First direction in the plane.
+    pub t1: Coordinates,
+    /// Second direction in the plane.
+    pub t2: Coordinates,
+    /// Normal of the plane.
+    pub normal: Coordinates,
+}
+
+/// The one word for a frame.
+const AVERAGE_PLANE: &str = "average-plane";
+
+impl<'de> Deserialize<'de> for FrameInput {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(FrameVisitor)
+    }
+}
+
+struct FrameVisitor;
+
+impl<'de> Visitor<'de> for FrameVisitor {
+    type Value = FrameInput;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "\"{AVERAGE_PLANE}\" or an object with origin, t1, t2 and normal")
+    }
+
+    fn visit_str<E: serde::de::Error>(self, word: &str) -> Result<FrameInput, E> {
+        if word == AVERAGE_PLANE {
+            Ok(FrameInput::AveragePlane)
+        } else {
+            Err(E::invalid_value(Unexpected::Str(word), &self))
+        }
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<FrameInput, A::Error> {
+        Deserialize::deserialize(MapAccessDeserializer::new(map)).map(FrameInput::Given)
+    }
+}
+
+/// A structure written as a JSON object. Serde by itself also takes the array of its fields, without their names.
+#[derive(Debug)]
+pub struct Object<T>(pub T);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(ObjectVisitor(PhantomData))
+    }
+}
+
+struct ObjectVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for ObjectVisitor<T> {
+    type Value = Object<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Object<T>, A::Error> {
+        T::deserialize(MapAccessDeserializer::new(map)).map(Object)
+    }
+}
+
+/// What the derivatives do with the frame.
+#[derive(Clone, Copy, Debug, Default, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum FrameDerivative {
+    /// The frame is held (Chamoret et al. 2008).
+    #[default]
+    Frozen,
+}
+
+#[derive(Clone, Copy, Debug, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum BasisInput {
+    Quadratic,
+    Linear,
+}
+
+#[derive(Clone, Copy, Debug, Default, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum WeightInput {
+    #[default]
+    Cubic,
+}
+
+/// Reads a document, or says in one sentence where it departs from the schema.
+pub fn parse(file: &str, text: &[u8]) -> Result<Document, CliError> {
+    let mut deserializer = serde_json::Deserializer::from_slice(text);
+    let mut track = serde_path_to_error::Track::new();
+    let document = Object::<Document>::deserialize(serde_path_to_error::Deserializer::new(
+        &mut deserializer,
+        &mut track,
+    ));
+    match document {
+        Ok(Object(document)) => {
+            let rest = deserializer.end();
+            rest.map(|()| document).map_err(|error| describe(file, text, &error, None))
+        }
+        Err(error) => Err(describe(file, text, &error, Some(&track.path()))),
+    }
+}
+
+fn describe(file: &str, text: &[u8], error: &serde_json::Error, path: Option<&Path>) -> CliError {
+    let (line, column) = (error.line(), error.column());
+    let message = error.to_string();
+    let statement = message.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&message);
+    let statement = match word_at(text, line, column) {
+        Some(word) if error.is_syntax() && NO_NUMBERS.contains(&word) => {
+            &format!("{word} is no number in JSON")
+        }
+        _ if (error.is_syntax() || error.is_eof()) && statement != OUT_OF_RANGE => {
+            &format!("not valid JSON: {statement}")
+        }
+        _ => statement,
+    };
+    let place = path.map(Path::to_string).filter(|place| place != ".");
+    let suggestion = path.and_then(|path| suggestion(path, statement));
+    let what = format!(
+        "{}{statement}{}",
+        place.map(|place| format!("{place}: ")).unwrap_or_default(),
+        suggestion.map(|field| format!("; did you mean `{field}`?")).unwrap_or_default()
+    );
+    CliError::Json { file: file.into(), line, column, what }
+}
+
+/// The word of letters that begins or ends at a place of the text.
+fn word_at(text: &[u8], line: usize, column: usize) -> Option<&str> {
+    let line = text.split(|&byte| byte == b'\n').nth(line.checked_sub(1)?)?;
+    let place = column.saturating_sub(1).min(line.len());
+    let letter = |byte: &u8| byte.is_ascii_alphabetic();
+    let before = line[..place].iter().rev().take_while(|byte| letter(byte)).count();
+    let after = line[place..].iter().take_while(|byte| letter(byte)).count();
+    str::from_utf8(&line[place - before..place + after]).ok()
+}
+
+/// The known field a misspelt one comes closest to. Serde lists the known ones in its statement, in backquotes
+/// after the unknown one.
+fn suggestion<'s>(path: &Path, statement: &'s str) -> Option<&'s str> {
+    let known = statement.strip_prefix("unknown field `")?.split('`').skip(2).step_by(2);
+    let Some(Segment::Map { key }) = path.iter().next_back() else { return None };
+    known
+        .map(|field| (strsim::normalized_damerau_levenshtein(key, field), field))
+        .filter(|(similarity, _)| *similarity >= SIMILARITY)
+        .max_by(|(a, _), (b, _)| a.total_cmp(b))
+        .map(|(_, field)| field)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(text: &str) -> String {
+        parse("in.json", text.as_bytes()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn the_defaults_are_the_documented_ones() {
+        let text = r#"{"elements": [{"slave": [0, 0, 1], "masters": [[1, 2, 3]]}]}"#;
+        let document = parse("in.json", text.as_bytes()).unwrap();
+        let element = &document.elements[0].0;
+        assert_eq!(element.slave, Coordinates([0.0, 0.0, 1.0]));
+        assert_eq!(element.masters(), [[1.0, 2.0, 3.0]]);
+        assert_eq!((element.outward, element.support_radius), (None, None));
+        assert_eq!(element.frame, FrameInput::AveragePlane);
+        assert_eq!((element.basis(), element.weight()), (Basis::Linear, Weight::Cubic));
+        assert_eq!(element.penalty, 1.0);
+    }
+
+    #[test]
+    fn a_frame_can_be_written_out() {
+        let text = r#"{"elements": [{"slave": [0, 0, 1], "masters": [], "frame":
+            {"origin": [0, 0, 0], "t1": [1, 0, 0], "t2": [0, 1, 0], "normal": [0, 0, 1]}}]}"#;
+        let document = parse("in.json", text.as_bytes()).unwrap();
+        let FrameInput::Given(frame) = &document.elements[0].0.frame else { panic!("average plane") };
+        assert_eq!(frame.t2, Coordinates([0.0, 1.0, 0.0]));
+    }
+
+    #[test]
+    fn a_misspelt_field_is_named_with_its_neighbour() {
+        let message = refusal("{\"elements\": [\n {\"slave\": [0,0,0], \"support_raduis\": 1}]}");
+        assert!(message.starts_with("in.json, line 2, column "), "{message}");
+        assert!(message.contains("elements[0].support_raduis: unknown field `support_raduis`"), "{message}");
+        assert!(message.ends_with("did you mean `support_radius`?"), "{message}");
+        assert!(!refusal(r#"{"elements": [], "comment": 1}"#).contains("did you mean"));
+    }
+
+    #[test]
+    fn the_place_of_a_wrong_value_is_named() {
+        for (text, expected) in [
+            (r#"{"elements": [{"slave": [0, "a", 0]}]}"#, "elements[0].slave[1]: invalid type: string \"a\""),
+            (
+                r#"{"elements": [{"slave": [0, 1]}]}"#,
+                "elements[0].slave: expected three coordinates [x, y, z], found 2",
+            ),
+            (r#"{"elements": [{"slave": [0, 1, 2, 3]}]}"#, "[x, y, z], found 4"),
+            (r#"{"elements": [{"slave": [0, 1, 1e999]}]}"#, "elements[0].slave[2]: number out of range"),
+            (r#"{"elements": [{"slave": [0, 1, NaN]}]}"#, "elements[0].slave[2]: NaN is no number in JSON"),
+            (
+                r#"{"elements": [{"slave": [-Infinity, 1, 2]}]}"#,
+                "elements[0].slave[0]: Infinity is no number in JSON",
+            ),
+            (r#"{"elements": [{"slave": [nan, 1, 2]}]}"#, "elements[0].slave[0]: nan is no number in JSON"),
+            (
+                r#"{"elements": [{"slave": [0, 1,, 2]}]}"#,
+                "elements[0].slave[2]: not valid JSON: expected value",
+            ),
+            (r#"{"elements": [{"slave": [0, 1, null]}]}"#, "elements[0].slave[2]: invalid type: null"),
+            (r#"{"elements": [{"slave": [0, 1, 2]}]}"#, "elements[0]: missing field `masters`"),
+            (
+                r#"{"elements": [{"basis": "cubic"}]}"#,
+                "elements[0].basis: unknown variant `cubic`, expected `quadratic` or `linear`",
+            ),
+            (
+                r#"{"elements": [{"weight": "gauss"}]}"#,
+                "elements[0].weight: unknown variant `gauss`, expected `cubic`",
+            ),
+            (
+                r#"{"elements": [{"frame_derivative": "co-moving"}]}"#,
+                "unknown variant `co-moving`, expected `frozen`",
+            ),
+            (
+                r#"{"elements": [{"frame": "plane"}]}"#,
+                "elements[0].frame: invalid value: string \"plane\", expected \"average-plane\" or an object",
+            ),
+            (r#"{"elements": [{"frame": {"origin": [0, 0]}}]}"#, "elements[0].frame.origin: expected three"),
+            (r#"{"elements": [{"penalty": "1"}]}"#, "elements[0].penalty: invalid type"),
+            (r#"{"elements": [{"slave": [0,0,0], "slave": [0,0,0]}]}"#, "duplicate field `slave`"),
+            (r#"{"elements": []} x"#, "not valid JSON: trailing characters"),
+            (r#"{"elements": 3}"#, "elements: invalid type: integer `3`, expected a sequence"),
+            ("", "line 1, column 0: not valid JSON: EOF while parsing a value"),
+            ("[1]", "line 1, column 0: invalid type: sequence, expected an object"),
+            ("[[]]", "expected an object"),
+            (
+                r#"{"elements": [[[0, 0, 1], [[0, 0, 0]]]]}"#,
+                "elements[0]: invalid type: sequence, expected an object",
+            ),
+            (
+                r#"{"elements": [{"frame": [[0, 0, 0]]}]}"#,
+                "elements[0].frame: invalid type: sequence, expected \"average-plane\" or",
+            ),
+        ] {
+            let message = refusal(text);
+            assert!(message.contains(expected), "{text}: {message}");
+            assert!(!message.contains('\n'), "{message}");
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Writing results so that a reader never meets half of them.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use crate::error::CliError;
+
+/// Tries to name a temporary file before giving up; more than one is needed only after a crash.
+const ATTEMPTS: u32 = 100;
+
+/// Refuses early what [`write_file`] would refuse after the computation: a missing directory, a directory.
+pub fn check_target(path: &Path) -> Result<(), CliError> {
+    let failed = |kind: ErrorKind| CliError::Write { path: path.into(), reason: kind.into() };
+    if path.is_dir() {
+        return Err(failed(ErrorKind::IsADirectory));
+    }
+    if path.file_name().is_none() {
+        return Err(failed(ErrorKind::NotFound));
+    }
+    let directory = directory_of(path);
+    match fs::metadata(&directory) {
+        Ok(found) if found.is_dir() => Ok(()),
+        Ok(_) => Err(failed(ErrorKind::NotADirectory)),
+        Err(reason) if reason.kind() == ErrorKind::NotFound => {
+            Err(CliError::NoDirectory { path: path.into(), directory })
+        }
+        Err(reason) => Err(CliError::Write { path: path.into(), reason }),
+    }
+}
+
+/// Writes a file by filling a temporary one in the same directory and renaming it when it is complete. A pipe or
+/// device that exists under this name is written to, not replaced.
+pub fn write_file(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliError> {
+    check_target(path)?;
+    replace(path, fill).map_err(|reason| CliError::Write { path: path.into(), reason })
+}
+
+/// Writes to standard output.
+pub fn write_stdout(fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliError> {
+    let mut writer = BufWriter::new(io::stdout().lock());
+    fill(&mut writer).and_then(|()| writer.flush()).map_err(CliError::Stdout)
+}
+
+fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    // A link keeps pointing to the file that is replaced.
+    let path = fs::canonicalize(path).unwrap_or_else(|_| path.into());
+    let existing = fs::metadata(&path).ok();
+    if existing.as_ref().is_some_and(|found| !found.is_file()) {
+        let mut writer = BufWriter::new(OpenOptions::new().write(true).open(&path)?);
+        return fill(&mut writer).and_then(|()| writer.flush());
+    }
+    let (temporary, file) = temporary_beside(&path)?;
+    let mut writer = BufWriter::new(file);
+    let written = fill(&mut writer)
+        .and_then(|()| writer.flush())
+        .and_then(|()| existing.map_or(Ok(()), |found| fs::set_permissions(&temporary, found.permissions())));
+    drop(writer);
+    let renamed = written.and_then(|()| fs::rename(&temporary, &path));
+    if renamed.is_err() {
+        // The first failure is the one to report.
+        let _ = fs::remove_file(&temporary);
+    }
+    renamed
+}
+
+/// A new file in the directory of `path`, under a name no other run uses.
+fn temporary_beside(path: &Path) -> io::Result<(PathBuf, File)> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let mut attempt = 0;
+    loop {
+        let temporary = directory_of(path).join(format!(".{name}.{}-{attempt}.part", std::process::id()));
+        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
+            Ok(file) => return Ok((temporary, file)),
+            Err(reason) if reason.kind() == ErrorKind::AlreadyExists && attempt < ATTEMPTS => attempt += 1,
+            Err(reason) => return Err(reason),
+        }
+    }
+}
+
+/// Directory part of a path, `.` for a bare file name.
+fn directory_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.into(),
+        _ => PathBuf::from("."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An empty directory of this test alone.
+    fn directory(name: &str) -> PathBuf {
+        let path = std::env::temp_dir().join(format!("diffuse-contact-{name}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&path);
+        fs::create_dir_all(&path).unwrap();
+        path
+    }
+
+    #[test]
+    fn a_failure_leaves_the_old_file_and_nothing_else() {
+        let directory = directory("failure");
+        let path = directory.join("out.json");
+        fs::write(&path, "old").unwrap();
+        let error = write_file(&path, |writer| {
+            writer.write_all(b"half")?;
+            Err(ErrorKind::StorageFull.into())
+        })
+        .unwrap_err();
+        assert!(error.to_string().contains("out.json: cannot be written"), "{error}");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(fs::read_dir(&directory).unwrap().count(), 1);
+        fs::remove_dir_all(&directory).unwrap();
+    }
+
+    #[test]
+    fn a_complete_file_replaces_the_old_one() {
+        let directory = directory("success");
+        let path = directory.join("out.json");
+        fs::write(&path, "old").unwrap();
+        write_file(&path, |writer| writer.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(fs::read_dir(&directory).unwrap().count(), 1);
+        fs::remove_dir_all(&directory).unwrap();
+    }
+
+    #[test]
+    fn a_target_that_cannot_be_is_refused_at_once() {
+        let directory = directory("target");
+        assert!(matches!(check_target(&directory), Err(CliError::Write { .. })));
+        let missing = directory.join("missing").join("out.json");
+        assert!(matches!(check_target(&missing), Err(CliError::NoDirectory { .. })));
+        assert!(check_target(Path::new("out.json")).is_ok());
+        fs::remove_dir_all(&directory).unwrap();
+    }
+}

@@ -1,0 +1,228 @@
+//! Runs the program's `evaluate` on good and on bad input.
+
+mod common;
+
+use common::{Run, Scratch, run, run_with_input};
+use serde_json::{Value, json};
+
+/// Nine nodes of a plane grid with spacing 1, and a slave over them.
+fn plane(slave: [f64; 3]) -> Value {
+    let masters: Vec<[f64; 3]> = (0..9).map(|k| [f64::from(k % 3), f64::from(k / 3), 0.0]).collect();
+    json!({"slave": slave, "masters": masters, "outward": [0, 0, 1]})
+}
+
+fn evaluate(elements: Value) -> Vec<Value> {
+    let Run { code, stdout, stderr } =
+        run_with_input(&["evaluate", "-"], &json!({"elements": elements}).to_string());
+    assert_eq!(code, 0, "{stderr}");
+    let answer: Value = serde_json::from_str(&stdout).unwrap();
+    answer["elements"].as_array().unwrap().clone()
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+}
+
+fn rows(value: &Value) -> Vec<Vec<f64>> {
+    value.as_array().unwrap().iter().map(numbers).collect()
+}
+
+#[track_caller]
+fn assert_close(found: f64, expected: f64) {
+    assert!((found - expected).abs() < 1e-13, "{found} instead of {expected}");
+}
+
+#[test]
+fn a_plane_has_the_gap_of_a_plane() {
+    let answers = evaluate(json!([plane([1.1, 0.9, 0.25]), plane([1.1, 0.9, -0.25])]));
+    for (answer, height) in answers.iter().zip([0.25, -0.25]) {
+        assert_eq!(answer["status"], "ok");
+        assert_eq!(answer["active"], height < 0.0);
+        assert_close(answer["gap"].as_f64().unwrap(), height);
+        let foot = numbers(&answer["foot"]);
+        for (found, expected) in foot.iter().zip([1.1, 0.9, 0.0]) {
+            assert_close(*found, expected);
+        }
+        let normal = numbers(&answer["normal"]);
+        for (found, expected) in normal.iter().zip([0.0, 0.0, 1.0]) {
+            assert_close(*found, expected);
+        }
+        assert_eq!(numbers(&answer["coefficients"]).len(), 6);
+        // The default radius: 1.25 × the farthest in-plane distance, here to the node (0, 2) or (2, 0)…
+        assert_close(answer["support_radius"].as_f64().unwrap(), 1.25 * 1.1_f64.hypot(1.1));
+    }
+}
+
+#[test]
+fn residual_and_tangent_follow_from_gap_n_and_m() {
+    let mut element = plane([1.1, 0.9, -0.25]);
+    element["penalty"] = json!(1e3);
+    element["masters"][4] = json!([1.0, 1.0, 0.1]);
+    let answer = &evaluate(json!([element]))[0];
+    let gap = answer["gap"].as_f64().unwrap();
+    let (n, m) = (numbers(&answer["n"]), rows(&answer["m"]));
+    let (residual, tangent) = (numbers(&answer["residual"]), rows(&answer["tangent"]));
+    assert_eq!((n.len(), m.len(), residual.len(), tangent.len()), (30, 30, 30, 30));
+    for i in 0..30 {
+        assert_close(residual[i] * 1e-3, -gap * n[i]);
+        for j in 0..30 {
+            assert_eq!(m[i][j], m[j][i]);
+            assert_close(tangent[i][j] * 1e-3, gap * m[i][j] + n[i] * n[j]);
+        }
+    }
+    for axis in 0..3 {
+        assert_close(n.iter().skip(axis).step_by(3).sum(), 0.0);
+    }
+}
+
+#[test]
+fn both_backends_agree() {
+    let mut element = plane([1.3, 0.8, 0.4]);
+    element["masters"][4] = json!([1.0, 1.1, 0.2]);
+    element["masters"][7] = json!([1.0, 2.0, -0.1]);
+    let text = json!({"elements": [element]}).to_string();
+    let answers = ["generated", "ad"].map(|backend| {
+        let run = run_with_input(&["evaluate", "-", "--backend", backend], &text);
+        let answer: Value = serde_json::from_str(&run.stdout).unwrap();
+        (numbers(&answer["elements"][0]["n"]), rows(&answer["elements"][0]["m"]))
+    });
+    let [(n, m), (n_ad, m_ad)] = &answers;
+    for (a, b) in n.iter().zip(n_ad).chain(m.iter().flatten().zip(m_ad.iter().flatten())) {
+        assert!((a - b).abs() < 1e-11, "{a} and {b}");
+    }
+}
+
+#[test]
+fn a_given_frame_is_used_and_oriented() {
+    let mut element = plane([1.0, 1.0, 0.5]);
+    element["frame"] = json!({"origin": [0, 0, 0], "t1": [1, 0, 0], "t2": [0, 1, 0], "normal": [0, 0, -1]});
+    let mut own_side = element.clone();
+    own_side.as_object_mut().unwrap().remove("outward");
+    let answers = evaluate(json!([element, own_side]));
+    assert_close(answers[0]["gap"].as_f64().unwrap(), 0.5);
+    assert_close(answers[1]["gap"].as_f64().unwrap(), -0.5);
+    assert_eq!(numbers(&answers[1]["frame"]["normal"]), [0.0, 0.0, -1.0]);
+}
+
+#[test]
+fn one_bad_element_does_not_stop_the_others() {
+    let two_nodes = json!({"slave": [0, 0, 1], "masters": [[0, 0, 0], [1, 0, 0]], "outward": [0, 0, 1]});
+    let with = |field: &str, value: Value| {
+        let mut element = plane([1.0, 1.0, 0.5]);
+        element[field] = value;
+        element
+    };
+    let mut no_outward = plane([1.0, 1.0, 0.5]);
+    no_outward.as_object_mut().unwrap().remove("outward");
+    let strip: Vec<[i32; 3]> = (0..8).map(|k| [k / 2, k % 2, 0]).collect();
+    let skew = json!({"origin": [0, 0, 0], "t1": [1, 0, 0], "t2": [1, 1, 0], "normal": [0, 0, 1]});
+    let elements = [
+        ("too-few-nodes", two_nodes),
+        ("missing-outward", no_outward),
+        ("ambiguous-outward", with("outward", json!([1, 0, 0]))),
+        ("ambiguous-outward", with("outward", json!([0, 0, 0]))),
+        ("invalid-support-radius", with("support_radius", json!(-1))),
+        ("invalid-penalty", with("penalty", json!(0))),
+        ("invalid-frame", with("frame", skew)),
+        ("singular-fit", with("masters", json!(strip))),
+        ("overflow", with("penalty", json!(1.7e308))),
+    ];
+    let mut input: Vec<Value> = elements.iter().map(|(_, element)| element.clone()).collect();
+    // A steep surface, so that products with the penalty leave the range of numbers.
+    let last = input.len() - 1;
+    input[last]["slave"] = json!([1.0, 1.0, 20.0]);
+    input.push(plane([1.0, 1.0, 0.5]));
+    let answers = evaluate(json!(input));
+    for ((code, _), answer) in elements.iter().zip(&answers) {
+        assert_eq!(answer["status"], "error", "{code}: {answer}");
+        assert_eq!(answer["code"], *code, "{answer}");
+        assert!(!answer["message"].as_str().unwrap().is_empty());
+        assert_eq!(answer.as_object().unwrap().len(), 3);
+    }
+    assert_eq!(answers[elements.len()]["status"], "ok");
+}
+
+#[test]
+fn the_numbers_survive_the_text() {
+    let scratch = Scratch::new("round-trip");
+    let elements = json!({"elements": [plane([1.1, 0.9, 0.1 + 0.2])]});
+    let input = scratch.file("in.json", &elements.to_string());
+    let output = scratch.path("out.json");
+    let Run { code, stdout, stderr } = run(&["evaluate", &input, "-o", &output]);
+    assert_eq!((code, stdout.as_str(), stderr.as_str()), (0, "", ""));
+    let text = std::fs::read_to_string(&output).unwrap();
+    let answer: Value = serde_json::from_str(&text).unwrap();
+    let again: Value = serde_json::from_str(&answer.to_string()).unwrap();
+    assert_eq!(answer, again);
+    assert_eq!(scratch.names(), ["in.json", "out.json"]);
+}
+
+#[test]
+fn what_does_not_follow_the_schema_is_refused_as_a_whole() {
+    let scratch = Scratch::new("schema");
+    for (text, expected) in [
+        (
+            "{\"elements\": [\n {\"slave\": [0, 0, 0], \"master\": []}]}",
+            "line 2, column 30: elements[0].master: unknown field `master`, expected one of",
+        ),
+        (
+            r#"{"elements": [{"slave": [0, 0, 1e999], "masters": []}]}"#,
+            "elements[0].slave[2]: number out of range",
+        ),
+        (
+            r#"{"elements": [{"slave": [0, 0, NaN], "masters": []}]}"#,
+            "elements[0].slave[2]: NaN is no number in JSON",
+        ),
+        (
+            r#"{"elements": [{"slave": [0, 0, 0], "masters": [[0, 0, 0], [1, "x", 0]]}]}"#,
+            "elements[0].masters[1][1]: invalid type: string",
+        ),
+        (
+            r#"{"elements": [{"slave": [0, 0, 0], "masters": [], "weight": "bell"}]}"#,
+            "elements[0].weight: unknown variant `bell`",
+        ),
+        (
+            r#"{"elements": [{"slave": [0, 0, 0], "masters": [], "frame_derivative": "co-moving"}]}"#,
+            "unknown variant `co-moving`, expected `frozen`",
+        ),
+        (r#"{"elements": [{"slave": [0, 0, 0]"#, "not valid JSON: EOF while parsing"),
+    ] {
+        let input = scratch.file("in.json", text);
+        let output = scratch.path("out.json");
+        let run = run(&["evaluate", &input, "-o", &output]);
+        run.assert_refused(&[&input, expected]);
+        assert_eq!(scratch.names(), ["in.json"], "nothing is written");
+    }
+}
+
+#[test]
+fn files_that_cannot_be_used_are_named() {
+    let scratch = Scratch::new("files");
+    let input = scratch.file("in.json", &json!({"elements": [plane([1.0, 1.0, 1.0])]}).to_string());
+    run(&["evaluate", &scratch.path("none.json")])
+        .assert_refused(&["none.json: cannot be read: there is no such file"]);
+    run(&["evaluate", &scratch.path("")]).assert_refused(&["it is a directory"]);
+    run(&["evaluate", &input, "-o", &scratch.path("none/out.json")])
+        .assert_refused(&["there is no directory", "none"]);
+    run(&["evaluate", &input, "-o", &scratch.path("")]).assert_refused(&["cannot be written"]);
+    run(&["evaluate", &input, "--backend", "guess"]).assert_refused(&["'guess'", "generated, ad"]);
+    run(&["evaluate"]).assert_refused(&["<IN.json>"]);
+}
+
+#[test]
+fn an_existing_file_is_kept_when_the_input_is_bad() {
+    let scratch = Scratch::new("kept");
+    let input = scratch.file("in.json", "{}");
+    let output = scratch.file("out.json", "old");
+    run(&["evaluate", &input, "-o", &output]).assert_refused(&["missing field `elements`"]);
+    assert_eq!(std::fs::read_to_string(&output).unwrap(), "old");
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    let elements: Vec<Value> = (0..200).map(|_| plane([1.1, 0.9, 0.25])).collect();
+    let scratch = Scratch::new("pipe");
+    let input = scratch.file("in.json", &json!({"elements": elements}).to_string());
+    let stderr = common::run_and_close_stdout(&["evaluate", &input]);
+    assert_eq!(stderr, "");
+}

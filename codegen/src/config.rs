@@ -1,0 +1,174 @@
+//! The build API: everything that reads or writes files.
+
+use std::path::{Path, PathBuf};
+
+use crate::emit::emit_file;
+use crate::model::{Basis, Weight, WeightError};
+
+/// Node counts for which kernels of fixed size are made by default.
+const QUADRATIC_RANGE: std::ops::RangeInclusive<usize> = 6..=24;
+const LINEAR_RANGE: std::ops::RangeInclusive<usize> = 3..=24;
+/// Largest node count a kernel of fixed size is made for: beyond, its node values would fill a stack.
+const MOST_NODES: usize = 64;
+
+/// Why kernels were not generated.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ConfigError {
+    /// A weight is not usable.
+    #[error(transparent)]
+    Weight(#[from] WeightError),
+    /// Two weights have one name.
+    #[error("two weights are named \"{name}\"")]
+    DuplicateWeight {
+        /// The name.
+        name: String,
+    },
+    /// A range of node counts is empty or out of bounds.
+    #[error("{} to {} master nodes is no range for the {} basis: give {} to at most {MOST_NODES}", .range.0, .range.1, .basis.name(), .basis.size())]
+    NodeRange {
+        /// The basis.
+        basis: Basis,
+        /// Start and end given.
+        range: (usize, usize),
+    },
+    /// The path of the support module is not a Rust path.
+    #[error("\"{path}\" is not a Rust path")]
+    SupportPath {
+        /// The path given.
+        path: String,
+    },
+    /// `OUT_DIR` is not set and no output folder was given.
+    #[error("OUT_DIR is not set: call this from a build script, or give an output folder")]
+    NoOutputFolder,
+    /// The file could not be written.
+    #[error("cannot write {}: {source}", .path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+}
+
+/// Which kernels to generate, and where to.
+///
+/// ```no_run
+/// # fn main() -> Result<(), diffuse_contact_codegen::ConfigError> {
+/// // build.rs
+/// diffuse_contact_codegen::Config::new()
+///     .weight("quartic", "(1 - r)^3 * (1 + 3*r)")?
+///     .compile()?;
+/// # Ok(())
+/// # }
+/// ```
+///
+/// The crate then has the kernels with
+/// `include!(concat!(env!("OUT_DIR"), "/diffuse_contact_kernels.rs"));`, one module per weight.
+#[derive(Clone, Debug)]
+pub struct Config {
+    weights: Vec<Weight>,
+    ranges: Vec<(Basis, std::ops::RangeInclusive<usize>)>,
+    support: String,
+    folder: Option<PathBuf>,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Config {
+    /// No weights yet; both bases, quadratic with 6 to 24 and linear with 3 to 24 nodes specialised; output to
+    /// `OUT_DIR`; support from the crate `diffuse-contact-kernels`.
+    #[must_use]
+    pub fn new() -> Self {
+        Self {
+            weights: Vec::new(),
+            ranges: vec![(Basis::Quadratic, QUADRATIC_RANGE), (Basis::Linear, LINEAR_RANGE)],
+            support: "::diffuse_contact_kernels::support".to_owned(),
+            folder: None,
+        }
+    }
+
+    /// Adds the paper's cubic weight (14), in the module `cubic`.
+    #[must_use]
+    pub fn cubic(mut self) -> Self {
+        self.weights.push(Weight::cubic());
+        self
+    }
+
+    /// Adds a weight given by a formula in `r`, in the module `name`.
+    ///
+    /// # Errors
+    /// [`ConfigError::Weight`], which for a formula that cannot be read points at the character.
+    pub fn weight(mut self, name: &str, formula: &str) -> Result<Self, ConfigError> {
+        self.weights.push(Weight::new(name, formula)?);
+        Ok(self)
+    }
+
+    /// Node counts for which kernels of fixed size are made; any other count is served at run time.
+    ///
+    /// # Errors
+    /// [`ConfigError::NodeRange`] if the range is empty, starts below the number of coefficients, or ends above 64.
+    pub fn nodes(mut self, basis: Basis, range: std::ops::RangeInclusive<usize>) -> Result<Self, ConfigError> {
+        if range.is_empty() || *range.start() < basis.size() || *range.end() > MOST_NODES {
+            return Err(ConfigError::NodeRange { basis, range: (*range.start(), *range.end()) });
+        }
+        for entry in &mut self.ranges {
+            if entry.0 == basis {
+                entry.1 = range.clone();
+            }
+        }
+        Ok(self)
+    }
+
+    /// Path of the support module the kernels use.
+    #[must_use]
+    pub fn support(mut self, path: &str) -> Self {
+        path.clone_into(&mut self.support);
+        self
+    }
+
+    /// Folder to write to instead of `OUT_DIR`.
+    #[must_use]
+    pub fn output_folder(mut self, folder: impl AsRef<Path>) -> Self {
+        self.folder = Some(folder.as_ref().to_owned());
+        self
+    }
+
+    /// The kernels' source text.
+    ///
+    /// # Errors
+    /// [`ConfigError::SupportPath`], [`ConfigError::DuplicateWeight`].
+    pub fn source(&self) -> Result<String, ConfigError> {
+        let support = syn::parse_str(&self.support)
+            .map_err(|_| ConfigError::SupportPath { path: self.support.clone() })?;
+        for (k, weight) in self.weights.iter().enumerate() {
+            if self.weights[..k].iter().any(|other| other.name() == weight.name()) {
+                return Err(ConfigError::DuplicateWeight { name: weight.name().to_owned() });
+            }
+        }
+        Ok(emit_file(&self.weights, &support, &self.ranges))
+    }
+
+    /// Writes `diffuse_contact_kernels.rs` if its bytes change, and tells Cargo when to run again.
+    ///
+    /// # Errors
+    /// [`ConfigError`].
+    pub fn compile(&self) -> Result<PathBuf, ConfigError> {
+        let folder = match &self.folder {
+            Some(folder) => folder.clone(),
+            None => std::env::var_os("OUT_DIR").map(PathBuf::from).ok_or(ConfigError::NoOutputFolder)?,
+        };
+        let path = folder.join("diffuse_contact_kernels.rs");
+        let source = self.source()?;
+        if !std::fs::read(&path).is_ok_and(|old| old == source.as_bytes()) {
+            std::fs::write(&path, source).map_err(|source| ConfigError::Write { path: path.clone(), source })?;
+        }
+        // The formulas are in the build script; Cargo rebuilds it when this crate changes.
+        println!("cargo::rerun-if-changed=build.rs");
+        Ok(path)
+    }
+}

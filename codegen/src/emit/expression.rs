@@ -1,0 +1,198 @@
+//! Expressions as tokens, with their operation counts.
+
+use proc_macro2::{Ident, TokenStream};
+use quote::quote;
+
+use super::count::OpCounts;
+use super::names::Names;
+use crate::graph::{ExprId, Graph, Op};
+use crate::schedule::Layout;
+
+/// Binding strength of rendered tokens.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Strength {
+    Sum,
+    Product,
+    Atom,
+}
+
+/// Writes expressions of one function.
+pub(super) struct Writer<'a> {
+    graph: &'a Graph,
+    layout: &'a Layout,
+    pub names: Names,
+    /// Operations written since the last [`take_counts`](Self::take_counts).
+    counts: OpCounts,
+}
+
+impl<'a> Writer<'a> {
+    pub fn new(graph: &'a Graph, layout: &'a Layout, names: Names) -> Self {
+        Self { graph, layout, names, counts: OpCounts::default() }
+    }
+
+    /// Operations written since the last call.
+    pub fn take_counts(&mut self) -> OpCounts {
+        std::mem::take(&mut self.counts)
+    }
+
+    /// The identifier of a bound expression.
+    pub fn ident(&mut self, expr: ExprId) -> Ident {
+        self.names.of(self.graph, expr)
+    }
+
+    /// The expression where it is used: its name, or its operation.
+    pub fn used(&mut self, expr: ExprId) -> TokenStream {
+        self.operand(expr).0
+    }
+
+    /// The operation of an expression, for its `let`.
+    pub fn definition(&mut self, expr: ExprId) -> TokenStream {
+        self.operation(expr).0
+    }
+
+    /// `sum + body`, fused where the body is a product without a name.
+    pub fn accumulated(&mut self, sum: &Ident, body: ExprId) -> TokenStream {
+        if let Op::Mul(x, y) = self.graph.op(body)
+            && !self.layout.bound.contains(&body)
+        {
+            self.counts.fused += 1;
+            let (x, y) = (self.receiver(x), self.used(y));
+            return quote!(#x.mul_add(#y, #sum));
+        }
+        self.counts.additions += 1;
+        let body = self.at_least(body, Strength::Product);
+        quote!(#sum + #body)
+    }
+
+    fn operand(&mut self, expr: ExprId) -> (TokenStream, Strength) {
+        match self.graph.op(expr) {
+            Op::Constant(bits) => (constant(f64::from_bits(bits)), Strength::Atom),
+            Op::Row(x) => {
+                let ident = self.ident(x);
+                (quote!(row.#ident), Strength::Atom)
+            }
+            Op::Column(x) => {
+                let ident = self.ident(x);
+                (quote!(column.#ident), Strength::Atom)
+            }
+            _ if self.layout.bound.contains(&expr) => {
+                let ident = self.ident(expr);
+                (quote!(#ident), Strength::Atom)
+            }
+            _ => self.operation(expr),
+        }
+    }
+
+    fn at_least(&mut self, expr: ExprId, strength: Strength) -> TokenStream {
+        let (tokens, own) = self.operand(expr);
+        if own >= strength { tokens } else { quote!((#tokens)) }
+    }
+
+    /// An expression before a method call.
+    fn receiver(&mut self, expr: ExprId) -> TokenStream {
+        self.at_least(expr, Strength::Atom)
+    }
+
+    fn operation(&mut self, expr: ExprId) -> (TokenStream, Strength) {
+        match self.graph.op(expr) {
+            Op::Add(x, y) => self.addition(expr, x, y),
+            Op::Neg(x) => {
+                self.counts.negations += 1;
+                let x = self.at_least(x, Strength::Atom);
+                (quote!(-#x), Strength::Product)
+            }
+            Op::Mul(x, y) => {
+                self.counts.multiplications += 1;
+                let (x, y) = (self.at_least(x, Strength::Product), self.at_least(y, Strength::Atom));
+                (quote!(#x * #y), Strength::Product)
+            }
+            Op::Div(x, y) => {
+                self.counts.divisions += 1;
+                let (x, y) = (self.at_least(x, Strength::Product), self.at_least(y, Strength::Atom));
+                (quote!(#x / #y), Strength::Product)
+            }
+            Op::DivOrZero(x, y) => {
+                self.counts.divisions += 1;
+                self.counts.selections += 1;
+                let (x, y) = (self.receiver(x), self.used(y));
+                (quote!(#x.div_or_zero(#y)), Strength::Atom)
+            }
+            Op::Sqrt(x) => {
+                self.counts.functions += 1;
+                let x = self.receiver(x);
+                (quote!(#x.sqrt()), Strength::Atom)
+            }
+            Op::Exp(x) => {
+                self.counts.functions += 1;
+                let x = self.receiver(x);
+                (quote!(#x.exp()), Strength::Atom)
+            }
+            Op::Select { x, y, then, otherwise } => {
+                self.counts.selections += 1;
+                let [x, y, then, otherwise] = [x, y, then, otherwise].map(|e| self.used(e));
+                (quote!(T::select_less(#x, #y, #then, #otherwise)), Strength::Atom)
+            }
+            op => unreachable!("{op:?} is always bound"),
+        }
+    }
+
+    fn addition(&mut self, sum: ExprId, x: ExprId, y: ExprId) -> (TokenStream, Strength) {
+        let Some(&fused) = self.layout.fused.get(&sum) else {
+            self.counts.additions += 1;
+            for (positive, other) in [(x, y), (y, x)] {
+                if let Some(negative) = self.free_negative(other) {
+                    let positive = self.at_least(positive, Strength::Sum);
+                    let negative = self.at_least(negative, Strength::Product);
+                    return (quote!(#positive - #negative), Strength::Sum);
+                }
+            }
+            let (x, y) = (self.at_least(x, Strength::Sum), self.at_least(y, Strength::Product));
+            return (quote!(#x + #y), Strength::Sum);
+        };
+        self.counts.fused += 1;
+        let other = if fused == x { y } else { x };
+        let (factors, negative) = match self.graph.op(fused) {
+            Op::Neg(product) => (self.graph.operands(product), true),
+            _ => (self.graph.operands(fused), false),
+        };
+        // A number is no receiver to read: it goes second.
+        let (p, q) = match self.graph.constant_value(factors[0]) {
+            Some(_) => (factors[1], factors[0]),
+            None => (factors[0], factors[1]),
+        };
+        let (p, q) = (self.receiver(p), self.used(q));
+        let tokens = match (negative, self.free_negative(other)) {
+            (false, Some(subtracted)) => {
+                let subtracted = self.used(subtracted);
+                quote!(#p.mul_sub(#q, #subtracted))
+            }
+            (false, None) => {
+                let other = self.used(other);
+                quote!(#p.mul_add(#q, #other))
+            }
+            (true, _) => {
+                let other = self.used(other);
+                quote!(#p.neg_mul_add(#q, #other))
+            }
+        };
+        (tokens, Strength::Atom)
+    }
+
+    /// x of an expression −x that has no name of its own.
+    fn free_negative(&self, expr: ExprId) -> Option<ExprId> {
+        match self.graph.op(expr) {
+            Op::Neg(inner) if !self.layout.bound.contains(&expr) => Some(inner),
+            _ => None,
+        }
+    }
+}
+
+fn constant(value: f64) -> TokenStream {
+    if value == 0.0 {
+        quote!(T::ZERO)
+    } else if value == 1.0 {
+        quote!(T::ONE)
+    } else {
+        quote!(T::splat(#value))
+    }
+}

@@ -1,0 +1,481 @@
+//! One kernel as a function, with the struct of what it keeps per node.
+
+use proc_macro2::{Ident, TokenStream};
+use quote::{format_ident, quote};
+
+use super::count::{KernelCounts, OpCounts};
+use super::expression::Writer;
+use super::names::Names;
+use crate::graph::{ExprId, Op, RootFigure, RootId, Scope};
+use crate::lower::lower;
+use crate::model::{Kernel, KernelSpec, Mode, Output};
+use crate::schedule::{NodeTarget, Program, Statement};
+
+/// A kernel's source.
+#[derive(Clone, Debug)]
+pub struct EmittedKernel {
+    /// What it is.
+    pub spec: KernelSpec,
+    /// The functions and the struct of node values.
+    pub tokens: TokenStream,
+    /// Operation counts.
+    pub counts: KernelCounts,
+    /// Statements of the function.
+    pub statements: usize,
+}
+
+/// Lowers, schedules and writes a kernel.
+#[must_use]
+pub fn emit_kernel(spec: &KernelSpec) -> EmittedKernel {
+    let program = Program::new(lower(&Kernel::new(spec.clone())));
+    FunctionWriter::new(&program).write()
+}
+
+/// Name of a kernel's function.
+pub(super) fn function_name(output: Output, mode: Mode) -> Ident {
+    format_ident!("{}_{}", output.name(), mode.name())
+}
+
+/// Name of the struct a kernel returns.
+pub(super) fn values_name(output: Output) -> Ident {
+    match output {
+        Output::Coefficients => format_ident!("CoefficientsValues"),
+        Output::Surface => format_ident!("SurfaceValues"),
+        Output::Gap => format_ident!("GapValues"),
+    }
+}
+
+/// Name of the struct with a kernel's values per node.
+pub(super) fn node_name(output: Output, mode: Mode) -> Ident {
+    let output = match output {
+        Output::Coefficients => "Coefficients",
+        Output::Surface => "Surface",
+        Output::Gap => "Gap",
+    };
+    let mode = match mode {
+        Mode::Value => "Value",
+        Mode::Gradient => "Gradient",
+        Mode::Hessian => "Hessian",
+    };
+    format_ident!("{output}{mode}Node")
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+const COMPONENTS: [&str; 6] = ["0", "1", "2", "3", "4", "5"];
+
+struct FunctionWriter<'a> {
+    program: &'a Program,
+    writer: Writer<'a>,
+    counts: KernelCounts,
+    statements: usize,
+}
+
+impl<'a> FunctionWriter<'a> {
+    fn new(program: &'a Program) -> Self {
+        let mut names = Names::default();
+        names.reserve(&[
+            "inputs", "scratch", "gradients", "hessians", "count", "freedoms", "packed", "index", "node", "master",
+            "row", "column", "row_index", "column_index", "start", "type", "in", "if", "fn", "do",
+        ]);
+        let writer = Writer::new(&program.kernel.graph, &program.layout, names);
+        Self { program, writer, counts: KernelCounts::default(), statements: 0 }
+    }
+
+    fn write(mut self) -> EmittedKernel {
+        let spec = &self.program.kernel.spec;
+        let inputs = self.inputs();
+        let phases: Vec<TokenStream> = (0..self.program.phases.len()).map(|k| self.phase(k)).collect();
+        let pairs = self.pairs();
+        let outputs = self.element_outputs();
+        let values = self.values();
+        let struct_tokens = self.node_struct();
+
+        let (output, mode) = (spec.output, spec.mode);
+        let function = function_name(output, mode);
+        let node = node_name(output, mode);
+        let returned = values_name(output);
+        let documentation = self.documentation();
+        let has_gradients = !self.program.kernel.gradients.is_empty();
+        let has_hessians = !self.program.kernel.hessians.is_empty();
+        let gradients = has_gradients.then(|| quote!(gradients: &mut [T],));
+        let hessians = has_hessians.then(|| quote!(hessians: &mut [T],));
+        let freedoms = has_gradients.then(|| quote!(let freedoms = 3 * (count + 1);));
+        let packed = (self.program.kernel.hessians.len() > 1).then(|| quote!(let packed = packed_row(freedoms);));
+        let tokens = quote! {
+            #struct_tokens
+
+            #(#[doc = #documentation])*
+            #[inline(always)]
+            pub fn #function<T: Lane>(
+                inputs: &Inputs<'_, T>,
+                scratch: &mut [#node<T>],
+                #gradients
+                #hessians
+            ) -> #returned<T> {
+                let count = inputs.masters.len();
+                #freedoms
+                #packed
+                #inputs
+                #(#phases)*
+                #pairs
+                #outputs
+                #values
+            }
+        };
+        EmittedKernel { spec: spec.clone(), tokens, counts: self.counts, statements: self.statements }
+    }
+
+    /// `let`s for the inputs of element scope.
+    fn inputs(&mut self) -> TokenStream {
+        let mut arrays = Vec::new();
+        for (field, prefix) in [("slave", "slave"), ("t1", "t1"), ("t2", "t2"), ("normal", "normal")] {
+            let field = format_ident!("{field}");
+            let names = AXES.map(|axis| format_ident!("{prefix}_{axis}"));
+            arrays.push(quote!(let [#(#names),*] = inputs.#field;));
+        }
+        if self.program.kernel.spec.output == Output::Surface {
+            arrays.push(quote!(let [point_1, point_2] = inputs.point;));
+        }
+        self.statements += arrays.len() + 1;
+        quote! {
+            #(#arrays)*
+            let support_radius = inputs.support_radius;
+        }
+    }
+
+    fn statements(&mut self, statements: &[Statement]) -> TokenStream {
+        let all: Vec<TokenStream> = statements.iter().map(|&statement| self.statement(statement)).collect();
+        quote!(#(#all)*)
+    }
+
+    fn statement(&mut self, statement: Statement) -> TokenStream {
+        self.statements += 1;
+        match statement {
+            Statement::Let(expr) => {
+                let definition = self.writer.definition(expr);
+                let name = self.writer.ident(expr);
+                quote!(let #name = #definition;)
+            }
+            Statement::Solve(root) => self.root(root),
+        }
+    }
+
+    /// Newton's iteration for a root of two equations.
+    fn root(&mut self, root: RootId) -> TokenStream {
+        let program = self.program;
+        let graph = &program.kernel.graph;
+        let data = graph.root(root);
+        let before = self.writer.take_counts();
+        let unknowns: Vec<Ident> =
+            data.unknowns.iter().map(|&u| format_ident!("{}", graph.symbol_data(u).name)).collect();
+        let body = self.statements(&program.roots[&root]);
+        let residuals: Vec<TokenStream> = data.residuals.iter().map(|&r| self.writer.used(r)).collect();
+        let jacobian: Vec<TokenStream> =
+            data.jacobian.iter().flatten().map(|&x| self.writer.used(x)).collect();
+        self.counts.iteration += self.writer.take_counts();
+        self.counts.element += before;
+
+        let solution = format_ident!("{}_solution", data.name);
+        let figures = graph_roots(graph, root);
+        let lets: Vec<TokenStream> = figures
+            .into_iter()
+            .map(|(expr, field)| {
+                let name = self.writer.ident(expr);
+                quote!(let #name = #solution.#field;)
+            })
+            .collect();
+        self.statements += lets.len();
+        quote! {
+            let #solution = solve_two_equations(|[#(#unknowns),*]: [T; 2]| {
+                #body
+                ([#(#residuals),*], [#(#jacobian),*])
+            });
+            #(#lets)*
+        }
+    }
+
+    fn phase(&mut self, index: usize) -> TokenStream {
+        let program = self.program;
+        let phase = &program.phases[index];
+        let element = self.statements(&phase.statements);
+        self.counts.element += self.writer.take_counts();
+        let nodes = &phase.nodes;
+        if nodes.sums.is_empty() && nodes.stores.is_empty() && nodes.outputs.is_empty() {
+            return element;
+        }
+
+        let graph = &program.kernel.graph;
+        let sums: Vec<Ident> = nodes.sums.iter().map(|&sum| self.writer.ident(sum)).collect();
+        let loads: Vec<Ident> = nodes.loads.iter().map(|&x| self.writer.ident(x)).collect();
+        let master = AXES.map(|axis| format_ident!("master_{axis}"));
+        let body = self.statements(&nodes.statements);
+        let accumulations: Vec<TokenStream> = nodes
+            .sums
+            .iter()
+            .zip(&sums)
+            .map(|(&sum, name)| {
+                let total = self.writer.accumulated(name, graph.operands(sum)[0]);
+                quote!(#name = #total;)
+            })
+            .collect();
+        let outputs: Vec<TokenStream> =
+            nodes.outputs.iter().map(|&(target, expr)| self.node_output(target, expr)).collect();
+        let stores: Vec<Ident> = nodes.stores.iter().map(|&x| self.writer.ident(x)).collect();
+        self.counts.node += self.writer.take_counts();
+        self.statements += 2 * sums.len() + loads.len() + outputs.len() + stores.len() + 1;
+
+        // A loop that reads stored values only has no use for the positions.
+        let reads_positions = nodes.statements.iter().any(|s| match s {
+            Statement::Let(x) => self.reads_inputs(*x),
+            Statement::Solve(_) => false,
+        });
+        let node = if stores.is_empty() { quote!(scratch.iter()) } else { quote!(scratch.iter_mut()) };
+        let unused = stores.is_empty() && loads.is_empty();
+        let (pattern, iterator) = match (reads_positions, unused) {
+            (true, true) => (quote!(master), quote!(inputs.masters)),
+            (true, false) => (quote!((master, node)), quote!(inputs.masters.iter().zip(#node))),
+            (false, _) => (quote!(node), node),
+        };
+        let (pattern, iterator) = if outputs.is_empty() {
+            (pattern, iterator)
+        } else {
+            let iterator = if reads_positions && unused { quote!(#iterator.iter()) } else { iterator };
+            (quote!((index, #pattern)), quote!(#iterator.enumerate()))
+        };
+        let positions = reads_positions.then(|| quote!(let [#(#master),*] = *master;));
+        quote! {
+            #element
+            #(let mut #sums = T::ZERO;)*
+            for #pattern in #iterator {
+                #positions
+                #(let #loads = node.#loads;)*
+                #body
+                #(#accumulations)*
+                #(#outputs)*
+                #(node.#stores = #stores;)*
+            }
+        }
+    }
+
+    /// Whether a statement of a node loop reads the node's position itself.
+    fn reads_inputs(&self, expr: ExprId) -> bool {
+        let graph = &self.program.kernel.graph;
+        graph.operands(expr).into_iter().any(|x| match graph.op(x) {
+            Op::Symbol(_) => graph.scope(x) == Scope::Node,
+            _ => !self.program.layout.bound.contains(&x) && self.reads_inputs(x),
+        })
+    }
+
+    fn node_output(&mut self, target: NodeTarget, expr: ExprId) -> TokenStream {
+        let value = self.writer.used(expr);
+        let place = match target {
+            NodeTarget::Gradient { gradient, axis } => {
+                let offset = times_offset(gradient, &quote!(freedoms));
+                let shift = 3 + axis;
+                quote!(gradients[#offset 3 * index + #shift])
+            }
+            NodeTarget::NodeSlave { hessian, row, column } => {
+                let offset = times_offset(hessian, &quote!(packed));
+                let shift = 3 + row;
+                quote!(hessians[#offset packed_row(3 * index + #shift) + #column])
+            }
+            NodeTarget::Diagonal { hessian, row, column } => {
+                let offset = times_offset(hessian, &quote!(packed));
+                let (row_shift, column_shift) = (3 + row, 3 + column);
+                quote!(hessians[#offset packed_row(3 * index + #row_shift) + 3 * index + #column_shift])
+            }
+        };
+        quote!(#place = #value;)
+    }
+
+    fn pairs(&mut self) -> Option<TokenStream> {
+        let program = self.program;
+        let pairs = &program.pairs;
+        if pairs.outputs.is_empty() {
+            return None;
+        }
+        let body = self.statements(&pairs.statements);
+        let outputs: Vec<TokenStream> = pairs
+            .outputs
+            .iter()
+            .map(|&((hessian, row, column), expr)| {
+                let value = self.writer.used(expr);
+                let offset = times_offset(hessian, &quote!(packed));
+                let start = format_ident!("row_{}", AXES[row]);
+                quote!(hessians[#offset #start + 3 * column_index + #column] = #value;)
+            })
+            .collect();
+        self.counts.pair += self.writer.take_counts();
+        self.statements += outputs.len() + 6;
+        let rows = AXES.map(|axis| format_ident!("row_{axis}"));
+        let shifts = [3usize, 4, 5];
+        Some(quote! {
+            for row_index in 1..count {
+                let row = scratch[row_index];
+                #(let #rows = packed_row(3 * row_index + #shifts) + 3;)*
+                for (column_index, column) in scratch[..row_index].iter().enumerate() {
+                    #body
+                    #(#outputs)*
+                }
+            }
+        })
+    }
+
+    /// The slave's parts of gradients and Hessians.
+    fn element_outputs(&mut self) -> TokenStream {
+        let kernel = &self.program.kernel;
+        let mut all = Vec::new();
+        for (k, (_, gradient)) in kernel.gradients.iter().enumerate() {
+            let offset = times_offset(k, &quote!(freedoms));
+            for (axis, &x) in gradient.slave.iter().enumerate() {
+                let value = self.writer.used(x);
+                all.push(quote!(gradients[#offset #axis] = #value;));
+            }
+        }
+        for (k, (_, hessian)) in kernel.hessians.iter().enumerate() {
+            let offset = times_offset(k, &quote!(packed));
+            for row in 0..3 {
+                for (column, &x) in hessian.slave[row][..=row].iter().enumerate() {
+                    let value = self.writer.used(x);
+                    let place = row * (row + 1) / 2 + column;
+                    all.push(quote!(hessians[#offset #place] = #value;));
+                }
+            }
+        }
+        self.counts.element += self.writer.take_counts();
+        self.statements += all.len();
+        quote!(#(#all)*)
+    }
+
+    fn values(&mut self) -> TokenStream {
+        let kernel = &self.program.kernel;
+        let name = values_name(kernel.spec.output);
+        let fields: Vec<TokenStream> = kernel
+            .values
+            .iter()
+            .map(|value| {
+                let field = format_ident!("{}", value.name);
+                let components: Vec<TokenStream> =
+                    value.components.iter().map(|&x| self.writer.used(x)).collect();
+                if !value.is_array {
+                    return quote!(#field: #(#components)*);
+                }
+                // A linear basis leaves the coefficients of the quadratic one that it does not have at zero.
+                let missing = if value.name == "coefficients" { COMPONENTS.len() - components.len() } else { 0 };
+                let zeros = std::iter::repeat_n(quote!(T::ZERO), missing);
+                let components = components.into_iter().chain(zeros);
+                quote!(#field: [#(#components),*])
+            })
+            .collect();
+        self.counts.element += self.writer.take_counts();
+        quote!(#name { #(#fields),* })
+    }
+
+    fn node_struct(&mut self) -> TokenStream {
+        let program = self.program;
+        let spec = &program.kernel.spec;
+        let name = node_name(spec.output, spec.mode);
+        let mut seen = std::collections::HashSet::new();
+        let fields: Vec<Ident> = program
+            .phases
+            .iter()
+            .flat_map(|phase| phase.nodes.stores.clone())
+            .filter(|x| seen.insert(*x))
+            .map(|x| self.writer.ident(x))
+            .collect();
+        let doc = format!(" What `{}` keeps of a master node between its loops.", function_name(spec.output, spec.mode));
+        let (fields, zeros) = if fields.is_empty() {
+            (quote!(unused: std::marker::PhantomData<T>), quote!(unused: std::marker::PhantomData))
+        } else {
+            (quote!(#(#fields: T),*), quote!(#(#fields: T::ZERO),*))
+        };
+        quote! {
+            #[doc = #doc]
+            #[derive(Clone, Copy, Debug)]
+            pub struct #name<T> { #fields }
+
+            impl<T: Lane> #name<T> {
+                /// All values zero.
+                pub const ZERO: Self = Self { #zeros };
+            }
+        }
+    }
+
+    fn documentation(&self) -> Vec<String> {
+        let kernel = &self.program.kernel;
+        let spec = &kernel.spec;
+        let m = spec.basis.size();
+        let what = match spec.output {
+            Output::Coefficients => "Coefficients of the fit about the slave",
+            Output::Surface => "The fitted surface at `inputs.point`",
+            Output::Gap => "Gap, foot point and normal",
+        };
+        let with = match spec.mode {
+            Mode::Value => "",
+            Mode::Gradient => " with first derivatives",
+            Mode::Hessian => " with first and second derivatives",
+        };
+        let mut lines = vec![
+            format!(" {what}{with}; {} basis ({m} coefficients), weight `{}`.", spec.basis.name(), spec.weight.text()),
+            String::new(),
+            " `scratch` has one entry per master node. Coordinates are ordered slave, master 1, …, master n.".to_owned(),
+        ];
+        if !kernel.gradients.is_empty() {
+            let names: Vec<&str> = kernel.gradients.iter().map(|(name, _)| *name).collect();
+            lines.push(format!(" `gradients`: {} × 3(n+1) entries, of {}.", names.len(), names.join(", ")));
+        }
+        if !kernel.hessians.is_empty() {
+            let names: Vec<&str> = kernel.hessians.iter().map(|(name, _)| *name).collect();
+            lines.push(format!(
+                " `hessians`: {} × the packed lower triangle of 3(n+1) rows, of {}.",
+                names.len(),
+                names.join(", ")
+            ));
+        }
+        lines.push(String::new());
+        for equation in &kernel.equations {
+            lines.push(format!(" * `{}` ({})", equation.formula, equation.source));
+        }
+        lines.push(String::new());
+        let c = &self.counts;
+        let formula = |counts: &OpCounts| counts.total();
+        lines.push(format!(
+            " Operations: {} + {} n + {} n(n−1)/2, and {} for each Newton iteration.",
+            formula(&c.element),
+            formula(&c.node),
+            formula(&c.pair),
+            formula(&c.iteration),
+        ));
+        if !kernel.gradients.is_empty() {
+            lines.push(String::new());
+            lines.push(" # Panics".to_owned());
+            lines.push(" If a slice is shorter than stated.".to_owned());
+        }
+        lines
+    }
+}
+
+/// The figures of a root that the graph holds, with the field of the solution each is read from.
+fn graph_roots(graph: &crate::graph::Graph, root: RootId) -> Vec<(ExprId, TokenStream)> {
+    (0..graph.len())
+        .map(|k| ExprId(k as u32))
+        .filter_map(|expr| match graph.op(expr) {
+            Op::RootValue(r, component) if r == root => {
+                let component = proc_macro2::Literal::u32_unsuffixed(component);
+                Some((expr, quote!(unknowns[#component])))
+            }
+            Op::RootFigure(r, RootFigure::Residual) if r == root => Some((expr, quote!(residual))),
+            Op::RootFigure(r, RootFigure::Iterations) if r == root => Some((expr, quote!(iterations))),
+            _ => None,
+        })
+        .collect()
+}
+
+/// `k * size +`, or nothing for k = 0.
+fn times_offset(k: usize, size: &TokenStream) -> TokenStream {
+    match k {
+        0 => TokenStream::new(),
+        1 => quote!(#size +),
+        _ => quote!(#k * #size +),
+    }
+}

@@ -1,0 +1,15 @@
+//! Emission: programs become functions, functions modules, modules a formatted file.
+
+mod count;
+mod expression;
+mod function;
+mod module;
+mod names;
+
+pub use count::{KernelCounts, OpCounts};
+pub use function::{EmittedKernel, emit_kernel};
+pub use module::{emit_file, emit_single};
+
+/// Largest number of statements of an emitted function: beyond about 3,000 `let`s in one function, rustc runs
+/// out of stack when it writes full debug information.
+pub const MOST_STATEMENTS: usize = 2_000;

@@ -1,0 +1,288 @@
+//! Memoised symbolic derivatives, one rule per operation.
+//!
+//! Structured operations have rules of their own: a sum over nodes, the solution of a symmetric positive
+//! definite system and the root of a small system. The last two use the implicit function theorem, so that
+//! nothing is differentiated through a factorisation or an iteration.
+
+use super::{ExprId, Graph, Op, RootId, Scope, SolveId, SymbolId};
+
+impl Graph {
+    /// ∂`expr`/∂`symbol`.
+    ///
+    /// Bound symbols are variables of their own: the chain through their definitions is for the caller. For a
+    /// symbol of node scope, the derivative of a sum is that of the one term that belongs to the node.
+    ///
+    /// # Panics
+    /// If `expr` contains an entry of a factorisation or a figure of an iteration: those are not differentiated.
+    pub fn derivative(&mut self, expr: ExprId, symbol: SymbolId) -> ExprId {
+        if let Some(&known) = self.derivatives.get(&(expr, symbol)) {
+            return known;
+        }
+        let result = self.differentiate(expr, symbol);
+        if let Some(name) = self.name_of(expr).map(str::to_owned)
+            && !matches!(self.op(expr), Op::Symbol(_))
+        {
+            let by = self.symbol_data(symbol).name.clone();
+            self.name(result, &format!("{name}_{by}"));
+        }
+        self.derivatives.insert((expr, symbol), result);
+        result
+    }
+
+    fn differentiate(&mut self, expr: ExprId, symbol: SymbolId) -> ExprId {
+        match self.op(expr) {
+            Op::Constant(_) => self.zero(),
+            Op::Symbol(other) if other == symbol => self.one(),
+            Op::Symbol(_) => self.zero(),
+            // x + y -> x' + y'
+            Op::Add(x, y) => {
+                let (dx, dy) = (self.derivative(x, symbol), self.derivative(y, symbol));
+                self.add(dx, dy)
+            }
+            // -x -> -x'
+            Op::Neg(x) => {
+                let dx = self.derivative(x, symbol);
+                self.neg(dx)
+            }
+            // x y -> x' y + x y'
+            Op::Mul(x, y) => {
+                let (dx, dy) = (self.derivative(x, symbol), self.derivative(y, symbol));
+                let (left, right) = (self.mul(dx, y), self.mul(x, dy));
+                self.add(left, right)
+            }
+            // x / y -> (x' - (x / y) y') / y
+            Op::Div(x, y) => {
+                let (dx, dy) = (self.derivative(x, symbol), self.derivative(y, symbol));
+                let correction = self.mul(expr, dy);
+                let numerator = self.sub(dx, correction);
+                self.div(numerator, y)
+            }
+            // the same, where y is not 0
+            Op::DivOrZero(x, y) => {
+                let (dx, dy) = (self.derivative(x, symbol), self.derivative(y, symbol));
+                let correction = self.mul(expr, dy);
+                let numerator = self.sub(dx, correction);
+                self.div_or_zero(numerator, y)
+            }
+            // sqrt(x) -> x' / (2 sqrt(x))
+            Op::Sqrt(x) => {
+                let dx = self.derivative(x, symbol);
+                let two = self.constant(2.0);
+                let twice = self.mul(two, expr);
+                self.div(dx, twice)
+            }
+            // exp(x) -> exp(x) x'
+            Op::Exp(x) => {
+                let dx = self.derivative(x, symbol);
+                self.mul(expr, dx)
+            }
+            // hypot(x, y) -> (x / hypot) x' + (y / hypot) y', with 0 for the direction at the origin
+            Op::Hypot(x, y) => {
+                let (dx, dy) = (self.derivative(x, symbol), self.derivative(y, symbol));
+                let (cx, cy) = (self.div_or_zero(x, expr), self.div_or_zero(y, expr));
+                let (left, right) = (self.mul(cx, dx), self.mul(cy, dy));
+                self.add(left, right)
+            }
+            Op::Power(base, exponent) => self.differentiate_power(base, exponent, symbol),
+            // the condition is locally constant
+            Op::Select { x, y, then, otherwise } => {
+                let (then, otherwise) = (self.derivative(then, symbol), self.derivative(otherwise, symbol));
+                self.select_less(x, y, then, otherwise)
+            }
+            Op::Sum(body) => {
+                let derivative = self.derivative(body, symbol);
+                match self.symbol_data(symbol).scope {
+                    Scope::Node => derivative,
+                    _ => self.sum(derivative),
+                }
+            }
+            Op::Solution(solve, component) => self.differentiate_solution(solve, component, symbol),
+            Op::RootValue(root, component) => self.differentiate_root(root, component as usize, symbol),
+            Op::Row(_) | Op::Column(_) => panic!("pair expressions are made after differentiation"),
+            op @ (Op::InverseFactor { .. } | Op::PivotRatio(_) | Op::RootFigure(..)) => {
+                panic!("{op:?} is not differentiated: use the solution or the root it belongs to")
+            }
+        }
+    }
+
+    /// x^k -> k x^(k-1) x'; for a norm r = hypot(x, y) and k >= 2: r^k -> k r^(k-2) (x x' + y y'), which is
+    /// free of the norm's singular direction at the origin.
+    fn differentiate_power(&mut self, base: ExprId, exponent: i32, symbol: SymbolId) -> ExprId {
+        let k = self.constant(f64::from(exponent));
+        let (lowered, inner) = match self.op(base) {
+            Op::Hypot(x, y) if exponent >= 2 => {
+                let (dx, dy) = (self.derivative(x, symbol), self.derivative(y, symbol));
+                (self.power(base, exponent - 2), self.dot(&[x, y], &[dx, dy]))
+            }
+            _ => (self.power(base, exponent - 1), self.derivative(base, symbol)),
+        };
+        let outer = self.mul(k, lowered);
+        self.mul(outer, inner)
+    }
+
+    /// A x = b -> A x' = b' - A' x: one more right-hand side for the same factorisation.
+    fn differentiate_solution(&mut self, solve: SolveId, component: u32, symbol: SymbolId) -> ExprId {
+        let system = self.solve(solve).system;
+        let right_hand_side = self.solve(solve).right_hand_side.clone();
+        let solution: Vec<ExprId> =
+            (0..right_hand_side.len()).map(|k| self.intern(Op::Solution(solve, k as u32))).collect();
+        let mut derived = Vec::with_capacity(right_hand_side.len());
+        for (row, b) in right_hand_side.into_iter().enumerate() {
+            let mut total = self.derivative(b, symbol);
+            for (column, &x) in solution.iter().enumerate() {
+                let entry = self.system(system).entry(row, column);
+                let entry = self.derivative(entry, symbol);
+                let product = self.mul(entry, x);
+                total = self.sub(total, product);
+            }
+            derived.push(total);
+        }
+        if derived.iter().all(|&b| self.is_zero(b)) {
+            return self.zero();
+        }
+        self.solve_spd_once(system, &derived)[component as usize]
+    }
+
+    /// r(y, x) = 0 -> y' = -r_y^-1 r_x
+    fn differentiate_root(&mut self, root: RootId, component: usize, symbol: SymbolId) -> ExprId {
+        let data = self.root(root).clone();
+        let at_root: Vec<(SymbolId, ExprId)> = data
+            .unknowns
+            .iter()
+            .enumerate()
+            .map(|(k, &unknown)| (unknown, self.intern(Op::RootValue(root, k as u32))))
+            .collect();
+        let minus_partial: Vec<ExprId> = data
+            .residuals
+            .iter()
+            .map(|&residual| {
+                let partial = self.derivative(residual, symbol);
+                self.neg(partial)
+            })
+            .collect();
+        let derivatives = self.solve_small(&data.jacobian, &minus_partial);
+        self.substitute(derivatives[component], &at_root)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interpret::{Interpreter, NodeInputs};
+    use crate::structure::SpdSystem;
+
+    /// Value of an element expression of x.
+    fn value(g: &Graph, expr: ExprId, x: f64) -> f64 {
+        let mut inputs = NodeInputs::new(0);
+        inputs.set_element("x", x);
+        Interpreter::new(g, &inputs).element(expr)
+    }
+
+    /// Compares the derivative with a central difference; returns the derivative's value.
+    fn check(build: impl Fn(&mut Graph, ExprId) -> ExprId, at: f64) -> f64 {
+        let mut g = Graph::new();
+        let x = g.input("x", Scope::Element);
+        let f = build(&mut g, x);
+        let symbol = g.symbol_of(x);
+        let df = g.derivative(f, symbol);
+        let h = 1e-5;
+        let difference = (value(&g, f, at + h) - value(&g, f, at - h)) / (2.0 * h);
+        let derivative = value(&g, df, at);
+        assert!((derivative - difference).abs() < 1e-8 * (1.0 + difference.abs()), "{derivative} {difference}");
+        derivative
+    }
+
+    #[test]
+    fn elementary_rules() {
+        check(|g, x| g.add(x, x), 0.7);
+        check(|g, x| g.neg(x), 0.7);
+        check(|g, x| g.mul(x, x), 0.7);
+        check(|g, x| g.sqrt(x), 0.7);
+        check(|g, x| g.exp(x), 0.7);
+        check(|g, x| g.power(x, -3), 0.7);
+        check(
+            |g, x| {
+                let (one, xx) = (g.one(), g.mul(x, x));
+                let denominator = g.add(one, xx);
+                g.div(x, denominator)
+            },
+            0.7,
+        );
+        check(
+            |g, x| {
+                let three = g.constant(3.0);
+                let r = g.hypot(x, three);
+                g.power(r, 3)
+            },
+            0.7,
+        );
+        check(
+            |g, x| {
+                let (half, xx) = (g.constant(0.5), g.mul(x, x));
+                g.select_less(x, half, xx, x)
+            },
+            0.7,
+        );
+    }
+
+    #[test]
+    fn a_power_of_a_norm_has_finite_derivatives_at_the_origin() {
+        let mut g = Graph::new();
+        let x = g.input("x", Scope::Element);
+        let y = g.zero();
+        let r = g.hypot(x, y);
+        let cube = g.power(r, 3);
+        let symbol = g.symbol_of(x);
+        let first = g.derivative(cube, symbol);
+        let second = g.derivative(first, symbol);
+        for (at, expected) in [(0.0, 0.0), (1e-200, 6e-200), (0.5, 3.0)] {
+            assert_eq!(value(&g, second, at), expected);
+        }
+    }
+
+    #[test]
+    fn a_solution_is_differentiated_by_another_solve() {
+        // (2 + x²) y = x
+        let twice = |build_second: bool| {
+            check(
+                |g, x| {
+                    let (two, xx) = (g.constant(2.0), g.mul(x, x));
+                    let entry = g.add(two, xx);
+                    let system = g.add_system(SpdSystem::new("test", vec![vec![entry]], vec![0]));
+                    let y = g.solve_spd(system, vec![x])[0];
+                    let symbol = g.symbol_of(x);
+                    if build_second { g.derivative(y, symbol) } else { y }
+                },
+                0.7,
+            )
+        };
+        twice(false);
+        let second = twice(true);
+        // y = x / (2 + x²): y'' = 2x (x² − 6) / (2 + x²)³
+        let x: f64 = 0.7;
+        assert!((second - 2.0 * x * (x * x - 6.0) / (2.0 + x * x).powi(3)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_root_is_differentiated_by_the_implicit_function_theorem() {
+        // u³ + u v = x, v − u² x = 0
+        for second in [false, true] {
+            check(
+                |g, x| {
+                    let (u, v) = (g.variable("u"), g.variable("v"));
+                    let (u3, uv) = (g.power(u, 3), g.mul(u, v));
+                    let left = g.add(u3, uv);
+                    let first = g.sub(left, x);
+                    let uu = g.mul(u, u);
+                    let uux = g.mul(uu, x);
+                    let other = g.sub(v, uux);
+                    let (_, values) = g.add_root("test", &[u, v], vec![first, other]);
+                    let product = g.mul(values[0], values[1]);
+                    let symbol = g.symbol_of(x);
+                    if second { g.derivative(product, symbol) } else { product }
+                },
+                0.7,
+            );
+        }
+    }
+}

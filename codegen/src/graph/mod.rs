@@ -1,0 +1,464 @@
+//! The expression graph: a hash-consed arena of scalar expressions with `u32` ids.
+//!
+//! Promises:
+//! * Equal expressions have equal ids, also when products are associated differently ([`product`](simplify)).
+//! * Ids grow from operands to results, so ascending order is a topological order.
+//! * Every expression knows its [`Scope`]: one value per element, per node, or per pair of nodes. A
+//!   [`Op::Sum`] over the nodes turns a node expression into an element expression.
+//! * Symbols may be *bound* to a defining expression. A bound symbol is opaque to differentiation: it is a
+//!   variable of its own, which is what the implicit rules of [`crate::structure`] need.
+//! * Nothing here iterates over a hash map, so results depend on the order of construction only.
+
+mod derivative;
+mod simplify;
+mod substitute;
+
+use std::collections::HashMap;
+
+use crate::structure::{Root, Solve, SpdSystem};
+
+macro_rules! id {
+    ($(#[$doc:meta])* $name:ident) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub struct $name(pub(crate) u32);
+
+        impl $name {
+            /// Position in its arena.
+            #[must_use]
+            pub const fn index(self) -> usize {
+                self.0 as usize
+            }
+        }
+    };
+}
+
+id!(
+    /// An expression of a [`Graph`].
+    ExprId
+);
+id!(
+    /// A symbol of a [`Graph`].
+    SymbolId
+);
+id!(
+    /// A symmetric positive definite system of a [`Graph`].
+    SystemId
+);
+id!(
+    /// A right-hand side solved with a system of a [`Graph`].
+    SolveId
+);
+id!(
+    /// A small system of equations of a [`Graph`], solved by iteration.
+    RootId
+);
+
+/// How many values an expression stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Scope {
+    /// One value.
+    Element,
+    /// One value for each master node.
+    Node,
+    /// One value for each ordered pair (row, column) of master nodes.
+    Pair,
+}
+
+/// Figures that tell how an iteration for a [`Root`] went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RootFigure {
+    /// Largest residual component at the last iterate.
+    Residual,
+    /// Iterations made.
+    Iterations,
+}
+
+/// An operation and its operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Op {
+    /// A number, by its bits.
+    Constant(u64),
+    /// An input or a bound symbol.
+    Symbol(SymbolId),
+    /// x + y
+    Add(ExprId, ExprId),
+    /// −x
+    Neg(ExprId),
+    /// x y
+    Mul(ExprId, ExprId),
+    /// x / y
+    Div(ExprId, ExprId),
+    /// x / y, and 0 where y = 0
+    DivOrZero(ExprId, ExprId),
+    /// √x
+    Sqrt(ExprId),
+    /// eˣ
+    Exp(ExprId),
+    /// √(x² + y²), with derivatives that are finite at the origin wherever the function's are
+    Hypot(ExprId, ExprId),
+    /// xᵏ with an exact integer k
+    Power(ExprId, i32),
+    /// if x < y { then } else { otherwise }
+    Select {
+        /// Left side of the comparison.
+        x: ExprId,
+        /// Right side of the comparison.
+        y: ExprId,
+        /// Value where x < y.
+        then: ExprId,
+        /// Value elsewhere.
+        otherwise: ExprId,
+    },
+    /// Sum over the nodes.
+    Sum(ExprId),
+    /// Component of the solution of a symmetric positive definite system.
+    Solution(SolveId, u32),
+    /// Entry (row, column ≤ row) of L⁻¹, where L Lᵀ is the system's matrix in its elimination order. `column`
+    /// counts in that order too.
+    InverseFactor {
+        /// The system.
+        system: SystemId,
+        /// Row in elimination order.
+        row: u32,
+        /// Column in elimination order.
+        column: u32,
+    },
+    /// Smallest pivot of a system's factorisation, relative to the diagonal entry it came from.
+    PivotRatio(SystemId),
+    /// Unknown of a small system of equations at its root.
+    RootValue(RootId, u32),
+    /// How the iteration for a root went.
+    RootFigure(RootId, RootFigure),
+    /// A node expression taken at the pair's row.
+    Row(ExprId),
+    /// A node expression taken at the pair's column.
+    Column(ExprId),
+}
+
+/// A named leaf.
+#[derive(Clone, Debug)]
+pub struct Symbol {
+    /// Name, unique in its graph.
+    pub name: String,
+    /// Scope of the values it takes.
+    pub scope: Scope,
+    /// What it is bound to; `None` for an input.
+    pub definition: Option<ExprId>,
+}
+
+/// An arena of expressions; see the module's promises.
+#[derive(Clone, Debug, Default)]
+pub struct Graph {
+    ops: Vec<Op>,
+    scopes: Vec<Scope>,
+    interned: HashMap<Op, ExprId>,
+    /// Products by their sorted factors, so that (w a) b and w (a b) are one expression.
+    products: HashMap<Vec<ExprId>, ExprId>,
+    names: HashMap<ExprId, String>,
+    symbols: Vec<Symbol>,
+    derivatives: HashMap<(ExprId, SymbolId), ExprId>,
+    systems: Vec<SpdSystem>,
+    solves: Vec<Solve>,
+    roots: Vec<Root>,
+}
+
+impl Graph {
+    /// An empty graph.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The operation of an expression.
+    #[must_use]
+    pub fn op(&self, expr: ExprId) -> Op {
+        self.ops[expr.index()]
+    }
+
+    /// The scope of an expression.
+    #[must_use]
+    pub fn scope(&self, expr: ExprId) -> Scope {
+        self.scopes[expr.index()]
+    }
+
+    /// Number of expressions made so far.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.ops.len()
+    }
+
+    /// Whether no expression was made yet.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.ops.is_empty()
+    }
+
+    /// The operands of an expression. Symbols, systems and roots have dependencies of another kind:
+    /// [`dependencies`](Self::dependencies) follows those too.
+    #[must_use]
+    pub fn operands(&self, expr: ExprId) -> Vec<ExprId> {
+        match self.op(expr) {
+            Op::Add(x, y) | Op::Mul(x, y) | Op::Div(x, y) | Op::DivOrZero(x, y) | Op::Hypot(x, y) => vec![x, y],
+            Op::Neg(x) | Op::Sqrt(x) | Op::Exp(x) | Op::Power(x, _) => vec![x],
+            Op::Sum(x) | Op::Row(x) | Op::Column(x) => vec![x],
+            Op::Select { x, y, then, otherwise } => vec![x, y, then, otherwise],
+            Op::Constant(_)
+            | Op::Symbol(_)
+            | Op::Solution(..)
+            | Op::InverseFactor { .. }
+            | Op::PivotRatio(_)
+            | Op::RootValue(..)
+            | Op::RootFigure(..) => Vec::new(),
+        }
+    }
+
+    /// Everything an expression's value depends on directly: operands, a bound symbol's definition, the
+    /// entries of a system and its right-hand side, the parameters of a root.
+    #[must_use]
+    pub fn dependencies(&self, expr: ExprId) -> Vec<ExprId> {
+        match self.op(expr) {
+            Op::Symbol(symbol) => self.symbols[symbol.index()].definition.into_iter().collect(),
+            Op::Solution(solve, _) => {
+                let solve = &self.solves[solve.index()];
+                let mut all = self.system(solve.system).entries();
+                all.extend(&solve.right_hand_side);
+                all
+            }
+            Op::InverseFactor { system, .. } | Op::PivotRatio(system) => self.system(system).entries(),
+            Op::RootValue(root, _) | Op::RootFigure(root, _) => self.dependencies_of_root(root),
+            _ => self.operands(expr),
+        }
+    }
+
+    /// A symbol's data.
+    #[must_use]
+    pub fn symbol_data(&self, symbol: SymbolId) -> &Symbol {
+        &self.symbols[symbol.index()]
+    }
+
+    /// The system with this id.
+    #[must_use]
+    pub fn system(&self, system: SystemId) -> &SpdSystem {
+        &self.systems[system.index()]
+    }
+
+    /// The solve with this id.
+    #[must_use]
+    pub fn solve(&self, solve: SolveId) -> &Solve {
+        &self.solves[solve.index()]
+    }
+
+    /// The root with this id.
+    #[must_use]
+    pub fn root(&self, root: RootId) -> &Root {
+        &self.roots[root.index()]
+    }
+
+    /// What a root's equations depend on besides its own unknowns: their largest subexpressions that contain
+    /// none of them.
+    pub(crate) fn dependencies_of_root(&self, root: RootId) -> Vec<ExprId> {
+        let root = self.root(root);
+        let mut varies = HashMap::new();
+        let mut parameters = Vec::new();
+        for &expr in root.residuals.iter().chain(root.jacobian.iter().flatten()) {
+            if !self.varies_with(expr, &root.unknowns, &mut varies, &mut parameters) {
+                parameters.push(expr);
+            }
+        }
+        parameters.retain(|&x| self.constant_value(x).is_none());
+        parameters.sort_unstable();
+        parameters.dedup();
+        parameters
+    }
+
+    fn varies_with(
+        &self,
+        expr: ExprId,
+        unknowns: &[SymbolId],
+        varies: &mut HashMap<ExprId, bool>,
+        parameters: &mut Vec<ExprId>,
+    ) -> bool {
+        if let Some(&known) = varies.get(&expr) {
+            return known;
+        }
+        let result = match self.op(expr) {
+            Op::Symbol(symbol) => unknowns.contains(&symbol),
+            _ => {
+                let operands = self.operands(expr);
+                let by_operand: Vec<bool> =
+                    operands.iter().map(|&x| self.varies_with(x, unknowns, varies, parameters)).collect();
+                let any = by_operand.contains(&true);
+                if any {
+                    parameters.extend(operands.iter().zip(&by_operand).filter(|(_, v)| !**v).map(|(&x, _)| x));
+                }
+                any
+            }
+        };
+        varies.insert(expr, result);
+        result
+    }
+
+    /// A new input symbol.
+    pub fn input(&mut self, name: &str, scope: Scope) -> ExprId {
+        let symbol = self.add_symbol(name, scope, None);
+        self.intern(Op::Symbol(symbol))
+    }
+
+    /// A new symbol bound to `definition`: equal in value, but a variable of its own for differentiation.
+    pub fn bind(&mut self, name: &str, definition: ExprId) -> ExprId {
+        let symbol = self.add_symbol(name, self.scope(definition), Some(definition));
+        self.intern(Op::Symbol(symbol))
+    }
+
+    /// A new free variable of element scope, to be substituted before anything is evaluated. Its name is made
+    /// unique.
+    pub fn variable(&mut self, name: &str) -> ExprId {
+        let taken = |name: &str| self.symbols.iter().any(|s| s.name == name);
+        let unique = if taken(name) {
+            (2..).map(|k| format!("{name}_{k}")).find(|name| !taken(name)).unwrap_or_default()
+        } else {
+            name.to_owned()
+        };
+        self.input(&unique, Scope::Element)
+    }
+
+    /// The symbol behind an expression made by [`input`](Self::input), [`bind`](Self::bind) or
+    /// [`variable`](Self::variable).
+    ///
+    /// # Panics
+    /// If the expression is not a symbol.
+    #[must_use]
+    pub fn symbol_of(&self, expr: ExprId) -> SymbolId {
+        match self.op(expr) {
+            Op::Symbol(symbol) => symbol,
+            op => panic!("{op:?} is not a symbol"),
+        }
+    }
+
+    fn add_symbol(&mut self, name: &str, scope: Scope, definition: Option<ExprId>) -> SymbolId {
+        assert!(self.symbols.iter().all(|s| s.name != name), "symbol {name} is declared twice");
+        self.symbols.push(Symbol { name: name.to_owned(), scope, definition });
+        SymbolId(u32::try_from(self.symbols.len() - 1).expect("fewer than 2³² symbols"))
+    }
+
+    /// Gives an expression the name that the emitted code will show. The first name stays.
+    pub fn name(&mut self, expr: ExprId, name: &str) -> ExprId {
+        if !matches!(self.op(expr), Op::Constant(_) | Op::Symbol(_)) {
+            self.names.entry(expr).or_insert_with(|| name.to_owned());
+        }
+        expr
+    }
+
+    /// The name of an expression or symbol.
+    #[must_use]
+    pub fn name_of(&self, expr: ExprId) -> Option<&str> {
+        match self.op(expr) {
+            Op::Symbol(symbol) => Some(&self.symbols[symbol.index()].name),
+            _ => self.names.get(&expr).map(String::as_str),
+        }
+    }
+
+    /// Adds a symmetric positive definite system.
+    pub fn add_system(&mut self, system: SpdSystem) -> SystemId {
+        self.systems.push(system);
+        SystemId(u32::try_from(self.systems.len() - 1).expect("fewer than 2³² systems"))
+    }
+
+    /// Solves a system for a right-hand side; returns the components of the solution.
+    ///
+    /// # Panics
+    /// If the right-hand side has another size than the system.
+    pub fn solve_spd(&mut self, system: SystemId, right_hand_side: Vec<ExprId>) -> Vec<ExprId> {
+        let size = self.system(system).size();
+        assert_eq!(right_hand_side.len(), size, "right-hand side of system {}", self.system(system).name);
+        self.solves.push(Solve { system, right_hand_side });
+        let solve = SolveId(u32::try_from(self.solves.len() - 1).expect("fewer than 2³² solves"));
+        (0..size).map(|k| self.intern(Op::Solution(solve, k as u32))).collect()
+    }
+
+    /// As [`solve_spd`](Self::solve_spd), but a right-hand side that was solved before is not solved again.
+    pub fn solve_spd_once(&mut self, system: SystemId, right_hand_side: &[ExprId]) -> Vec<ExprId> {
+        let known =
+            self.solves.iter().position(|s| s.system == system && s.right_hand_side == right_hand_side);
+        match known {
+            Some(k) => {
+                (0..right_hand_side.len()).map(|j| self.intern(Op::Solution(SolveId(k as u32), j as u32))).collect()
+            }
+            None => self.solve_spd(system, right_hand_side.to_vec()),
+        }
+    }
+
+    /// As [`bind`](Self::bind), but a symbol bound to this expression under this name before is used again.
+    pub fn bind_once(&mut self, name: &str, definition: ExprId) -> ExprId {
+        let known = self.symbols.iter().position(|s| s.name == name && s.definition == Some(definition));
+        match known {
+            Some(k) => self.intern(Op::Symbol(SymbolId(k as u32))),
+            None => self.bind(name, definition),
+        }
+    }
+
+    /// Adds a small system of equations; returns its unknowns at the root.
+    pub fn add_root(&mut self, name: &str, unknowns: &[ExprId], residuals: Vec<ExprId>) -> (RootId, Vec<ExprId>) {
+        let unknowns: Vec<SymbolId> = unknowns.iter().map(|&u| self.symbol_of(u)).collect();
+        let jacobian = residuals
+            .iter()
+            .map(|&residual| unknowns.iter().map(|&u| self.derivative(residual, u)).collect())
+            .collect();
+        self.push_root(Root { name: name.to_owned(), unknowns, residuals, jacobian })
+    }
+
+    /// As [`add_root`](Self::add_root), with the Jacobian ∂(residual)/∂(unknown) made elsewhere.
+    pub fn add_root_with_jacobian(
+        &mut self,
+        name: &str,
+        unknowns: &[ExprId],
+        residuals: Vec<ExprId>,
+        jacobian: Vec<Vec<ExprId>>,
+    ) -> (RootId, Vec<ExprId>) {
+        let unknowns = unknowns.iter().map(|&u| self.symbol_of(u)).collect();
+        self.push_root(Root { name: name.to_owned(), unknowns, residuals, jacobian })
+    }
+
+    fn push_root(&mut self, root: Root) -> (RootId, Vec<ExprId>) {
+        let count = root.unknowns.len();
+        self.roots.push(root);
+        let root = RootId(u32::try_from(self.roots.len() - 1).expect("fewer than 2³² roots"));
+        (root, (0..count).map(|k| self.intern(Op::RootValue(root, k as u32))).collect())
+    }
+
+    /// A figure of a root's iteration.
+    pub fn root_figure(&mut self, root: RootId, figure: RootFigure) -> ExprId {
+        self.intern(Op::RootFigure(root, figure))
+    }
+
+    /// The expression with this operation, made if there is none yet.
+    pub(crate) fn intern(&mut self, op: Op) -> ExprId {
+        if let Some(&id) = self.interned.get(&op) {
+            return id;
+        }
+        let id = ExprId(u32::try_from(self.ops.len()).expect("fewer than 2³² expressions"));
+        self.scopes.push(self.scope_of_op(op));
+        self.ops.push(op);
+        self.interned.insert(op, id);
+        id
+    }
+
+    fn scope_of_op(&self, op: Op) -> Scope {
+        let widest = |exprs: &[ExprId]| exprs.iter().map(|&x| self.scope(x)).max().unwrap_or(Scope::Element);
+        match op {
+            Op::Symbol(symbol) => self.symbols[symbol.index()].scope,
+            Op::Add(x, y) | Op::Mul(x, y) | Op::Div(x, y) | Op::DivOrZero(x, y) | Op::Hypot(x, y) => widest(&[x, y]),
+            Op::Neg(x) | Op::Sqrt(x) | Op::Exp(x) | Op::Power(x, _) => self.scope(x),
+            Op::Select { x, y, then, otherwise } => widest(&[x, y, then, otherwise]),
+            Op::Solution(solve, _) => widest(&self.solves[solve.index()].right_hand_side),
+            Op::Row(_) | Op::Column(_) => Scope::Pair,
+            Op::Constant(_)
+            | Op::Sum(_)
+            | Op::InverseFactor { .. }
+            | Op::PivotRatio(_)
+            | Op::RootValue(..)
+            | Op::RootFigure(..) => Scope::Element,
+        }
+    }
+}

@@ -1,0 +1,484 @@
+//! Constructors of expressions and the local simplifications they apply.
+//!
+//! Each rule is one function with the rule as its comment and one unit test. A rule is admitted only if its
+//! result is at least as accurate as what it replaces for every finite operand: products and sums may be
+//! reassociated where that removes work, but nothing is expanded, and no factor is cancelled from a quotient.
+
+use super::{ExprId, Graph, Op, Scope};
+
+/// Sums with more terms than this are left as they are.
+const MOST_TERMS_TO_COLLECT: usize = 12;
+/// Products with more factors than this are not looked up by their factors.
+const MOST_FACTORS: usize = 16;
+
+impl Graph {
+    /// A number.
+    pub fn constant(&mut self, value: f64) -> ExprId {
+        // −0 and 0 are one constant.
+        self.intern(Op::Constant((value + 0.0).to_bits()))
+    }
+
+    /// 0
+    pub fn zero(&mut self) -> ExprId {
+        self.constant(0.0)
+    }
+
+    /// 1
+    pub fn one(&mut self) -> ExprId {
+        self.constant(1.0)
+    }
+
+    /// The number an expression is, if it is a constant.
+    #[must_use]
+    pub fn constant_value(&self, expr: ExprId) -> Option<f64> {
+        match self.op(expr) {
+            Op::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    /// Whether an expression is the constant 0.
+    #[must_use]
+    pub fn is_zero(&self, expr: ExprId) -> bool {
+        self.constant_value(expr) == Some(0.0)
+    }
+
+    /// Whether an expression is the constant 1.
+    #[must_use]
+    pub fn is_one(&self, expr: ExprId) -> bool {
+        self.constant_value(expr) == Some(1.0)
+    }
+
+    /// x + y
+    pub fn add(&mut self, x: ExprId, y: ExprId) -> ExprId {
+        self.fold_add(x, y)
+            .or_else(|| self.drop_zero_term(x, y))
+            .or_else(|| self.collect_like_terms(x, y))
+            .or_else(|| self.pull_out_common_sign(x, y))
+            .unwrap_or_else(|| self.intern(Op::Add(x.min(y), x.max(y))))
+    }
+
+    /// x − y
+    pub fn sub(&mut self, x: ExprId, y: ExprId) -> ExprId {
+        let minus_y = self.neg(y);
+        self.add(x, minus_y)
+    }
+
+    /// −x
+    pub fn neg(&mut self, x: ExprId) -> ExprId {
+        // −(−x) → x, −(c x) → (−c) x
+        let minus_one = self.constant(-1.0);
+        self.mul(minus_one, x)
+    }
+
+    /// x y
+    pub fn mul(&mut self, x: ExprId, y: ExprId) -> ExprId {
+        let (coefficient, factors) = self.merged_factors(x, y);
+        if coefficient == 0.0 {
+            // 0 x → 0: zeros here are structural (a derivative that does not exist), not rounded values.
+            return self.zero();
+        }
+        let core = if factors.is_empty() {
+            return self.constant(coefficient);
+        } else if let Some(&known) = self.products.get(&factors) {
+            known
+        } else {
+            let (x, y) = (self.without_coefficient(x), self.without_coefficient(y));
+            let product = match (self.is_one(x), self.is_one(y)) {
+                (true, _) => y,
+                (_, true) => x,
+                _ => self.intern(Op::Mul(x.min(y), x.max(y))),
+            };
+            if factors.len() <= MOST_FACTORS {
+                self.products.insert(factors, product);
+            }
+            product
+        };
+        self.scaled(coefficient, core)
+    }
+
+    /// x / y
+    pub fn div(&mut self, x: ExprId, y: ExprId) -> ExprId {
+        if self.is_zero(x) {
+            return x; // 0 / y → 0, structural
+        }
+        match self.constant_value(y) {
+            Some(1.0) => return x, // x / 1 → x
+            // x / 2ᵏ → 2⁻ᵏ x, exact
+            Some(c) if c.is_normal() && c.to_bits().trailing_zeros() >= 52 => {
+                let reciprocal = self.constant(1.0 / c);
+                return self.mul(reciprocal, x);
+            }
+            Some(c) => {
+                if let Some(x) = self.constant_value(x) {
+                    return self.constant(x / c); // fold
+                }
+            }
+            None => {}
+        }
+        let (coefficient, _) = self.coefficient_and_factors(x);
+        let core = self.without_coefficient(x);
+        if coefficient != 1.0 && !self.is_one(core) {
+            // (c x) / y → c (x / y)
+            let quotient = self.intern(Op::Div(core, y));
+            return self.scaled(coefficient, quotient);
+        }
+        self.intern(Op::Div(x, y))
+    }
+
+    /// x / y, and 0 where y = 0.
+    pub fn div_or_zero(&mut self, x: ExprId, y: ExprId) -> ExprId {
+        if self.is_zero(x) { x } else { self.intern(Op::DivOrZero(x, y)) }
+    }
+
+    /// √x
+    pub fn sqrt(&mut self, x: ExprId) -> ExprId {
+        match self.constant_value(x) {
+            Some(value) if value >= 0.0 => self.constant(value.sqrt()),
+            _ => self.intern(Op::Sqrt(x)),
+        }
+    }
+
+    /// eˣ
+    pub fn exp(&mut self, x: ExprId) -> ExprId {
+        match self.constant_value(x) {
+            Some(value) => self.constant(value.exp()),
+            _ => self.intern(Op::Exp(x)),
+        }
+    }
+
+    /// √(x² + y²)
+    pub fn hypot(&mut self, x: ExprId, y: ExprId) -> ExprId {
+        self.intern(Op::Hypot(x, y))
+    }
+
+    /// xᵏ
+    pub fn power(&mut self, x: ExprId, exponent: i32) -> ExprId {
+        if let Some(value) = self.constant_value(x) {
+            return self.constant(value.powi(exponent));
+        }
+        match (exponent, self.op(x)) {
+            (0, _) => self.one(),
+            (1, _) => x,
+            // (√(a² + b²))² → a² + b²
+            (2, Op::Hypot(a, b)) => {
+                let (aa, bb) = (self.mul(a, a), self.mul(b, b));
+                self.add(aa, bb)
+            }
+            (2, _) => self.mul(x, x),
+            // (xʲ)ᵏ → xʲᵏ for integers
+            (_, Op::Power(base, inner)) => match inner.checked_mul(exponent) {
+                Some(product) => self.power(base, product),
+                None => self.intern(Op::Power(x, exponent)),
+            },
+            _ => self.intern(Op::Power(x, exponent)),
+        }
+    }
+
+    /// if x < y { then } else { otherwise }
+    pub fn select_less(&mut self, x: ExprId, y: ExprId, then: ExprId, otherwise: ExprId) -> ExprId {
+        if then == otherwise {
+            return then; // both branches agree
+        }
+        self.intern(Op::Select { x, y, then, otherwise })
+    }
+
+    /// Sum over the nodes of a node expression.
+    pub fn sum(&mut self, x: ExprId) -> ExprId {
+        if self.is_zero(x) {
+            return x;
+        }
+        assert_eq!(self.scope(x), Scope::Node, "only a node expression can be summed over the nodes");
+        // Σ c x → c Σ x
+        let (coefficient, _) = self.coefficient_and_factors(x);
+        let core = self.without_coefficient(x);
+        let sum = self.intern(Op::Sum(core));
+        self.scaled(coefficient, sum)
+    }
+
+    /// A node expression at the pair's row; expressions of element scope stay what they are.
+    pub fn at_row(&mut self, x: ExprId) -> ExprId {
+        if self.scope(x) == Scope::Node { self.intern(Op::Row(x)) } else { x }
+    }
+
+    /// A node expression at the pair's column; expressions of element scope stay what they are.
+    pub fn at_column(&mut self, x: ExprId) -> ExprId {
+        if self.scope(x) == Scope::Node { self.intern(Op::Column(x)) } else { x }
+    }
+
+    /// x · y for two vectors of equal length.
+    pub fn dot(&mut self, x: &[ExprId], y: &[ExprId]) -> ExprId {
+        assert_eq!(x.len(), y.len(), "a dot product needs vectors of equal length");
+        let mut total = self.zero();
+        for (&x, &y) in x.iter().zip(y) {
+            let product = self.mul(x, y);
+            total = self.add(total, product);
+        }
+        total
+    }
+
+    /// Sum of several terms, added from the left.
+    pub fn total(&mut self, terms: &[ExprId]) -> ExprId {
+        let zero = self.zero();
+        terms.iter().fold(zero, |total, &term| self.add(total, term))
+    }
+
+    /// c₁ + c₂ → their sum
+    fn fold_add(&mut self, x: ExprId, y: ExprId) -> Option<ExprId> {
+        let value = self.constant_value(x)? + self.constant_value(y)?;
+        Some(self.constant(value))
+    }
+
+    /// x + 0 → x
+    fn drop_zero_term(&self, x: ExprId, y: ExprId) -> Option<ExprId> {
+        if self.is_zero(x) {
+            Some(y)
+        } else if self.is_zero(y) {
+            Some(x)
+        } else {
+            None
+        }
+    }
+
+    /// c₁ x + c₂ x → (c₁ + c₂) x, also where the two stand in longer sums; x − x → 0.
+    fn collect_like_terms(&mut self, x: ExprId, y: ExprId) -> Option<ExprId> {
+        let mut terms: Vec<(f64, ExprId)> = Vec::new();
+        self.append_terms(x, 1.0, &mut terms);
+        let left = terms.len();
+        self.append_terms(y, 1.0, &mut terms);
+        if terms.len() > MOST_TERMS_TO_COLLECT {
+            return None;
+        }
+        let shared = terms[left..].iter().any(|(_, core)| terms[..left].iter().any(|(_, other)| other == core));
+        if !shared {
+            return None;
+        }
+        let mut collected: Vec<(f64, ExprId)> = Vec::new();
+        for (coefficient, core) in terms {
+            match collected.iter_mut().find(|(_, other)| *other == core) {
+                Some((total, _)) => *total += coefficient,
+                None => collected.push((coefficient, core)),
+            }
+        }
+        let zero = self.zero();
+        Some(collected.into_iter().fold(zero, |total, (coefficient, core)| {
+            let term = self.scaled(coefficient, core);
+            self.add(total, term)
+        }))
+    }
+
+    /// −x − y → −(x + y)
+    fn pull_out_common_sign(&mut self, x: ExprId, y: ExprId) -> Option<ExprId> {
+        let (Op::Neg(x), Op::Neg(y)) = (self.op(x), self.op(y)) else { return None };
+        let sum = self.add(x, y);
+        Some(self.neg(sum))
+    }
+
+    fn append_terms(&self, x: ExprId, sign: f64, terms: &mut Vec<(f64, ExprId)>) {
+        match self.op(x) {
+            // A named sum is a quantity of the model: it is kept whole.
+            Op::Add(left, right) if self.name_of(x).is_none() && terms.len() <= MOST_TERMS_TO_COLLECT => {
+                self.append_terms(left, sign, terms);
+                self.append_terms(right, sign, terms);
+            }
+            Op::Neg(inner) => self.append_terms(inner, -sign, terms),
+            _ => {
+                let (coefficient, factors) = self.coefficient_and_factors(x);
+                let core = match factors.is_empty() {
+                    true => None,
+                    false => self.core(x),
+                };
+                match core {
+                    Some(core) => terms.push((sign * coefficient, core)),
+                    None => terms.push((sign, x)),
+                }
+            }
+        }
+    }
+
+    /// c · core, where core has no numerical coefficient.
+    fn scaled(&mut self, coefficient: f64, core: ExprId) -> ExprId {
+        if coefficient == 0.0 {
+            self.zero()
+        } else if self.is_one(core) {
+            self.constant(coefficient)
+        } else if coefficient == 1.0 {
+            core
+        } else if coefficient == -1.0 {
+            self.intern(Op::Neg(core))
+        } else {
+            let coefficient = self.constant(coefficient);
+            self.intern(Op::Mul(coefficient.min(core), coefficient.max(core)))
+        }
+    }
+
+    /// Splits x into a number and its sorted other factors.
+    fn coefficient_and_factors(&self, x: ExprId) -> (f64, Vec<ExprId>) {
+        match self.op(x) {
+            Op::Constant(bits) => (f64::from_bits(bits), Vec::new()),
+            Op::Neg(inner) => {
+                let (coefficient, factors) = self.coefficient_and_factors(inner);
+                (-coefficient, factors)
+            }
+            Op::Mul(left, right) => {
+                let (c, mut factors) = self.coefficient_and_factors(left);
+                let (d, others) = self.coefficient_and_factors(right);
+                factors.extend(others);
+                factors.sort_unstable();
+                (c * d, factors)
+            }
+            _ => (1.0, vec![x]),
+        }
+    }
+
+    fn merged_factors(&self, x: ExprId, y: ExprId) -> (f64, Vec<ExprId>) {
+        let (c, mut factors) = self.coefficient_and_factors(x);
+        let (d, others) = self.coefficient_and_factors(y);
+        factors.extend(others);
+        factors.sort_unstable();
+        (c * d, factors)
+    }
+
+    /// x without its numerical coefficient, if that expression exists already.
+    fn core(&self, x: ExprId) -> Option<ExprId> {
+        match self.op(x) {
+            Op::Neg(inner) => self.core(inner),
+            Op::Mul(left, right) if self.constant_value(left).is_some() => Some(right),
+            Op::Mul(left, right) if self.constant_value(right).is_some() => Some(left),
+            Op::Constant(_) => None,
+            _ => Some(x),
+        }
+    }
+
+    /// x without its numerical coefficient; 1 for a number.
+    fn without_coefficient(&mut self, x: ExprId) -> ExprId {
+        match self.core(x) {
+            Some(core) => core,
+            None => self.one(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn graph() -> (Graph, ExprId, ExprId, ExprId) {
+        let mut g = Graph::new();
+        let [x, y, z] = ["x", "y", "z"].map(|name| g.input(name, Scope::Element));
+        (g, x, y, z)
+    }
+
+    #[test]
+    fn constants_are_folded() {
+        let mut g = Graph::new();
+        let (two, three) = (g.constant(2.0), g.constant(3.0));
+        let results = [g.add(two, three), g.mul(two, three), g.div(two, three), g.power(three, -2), g.exp(two)];
+        let expected = [5.0, 6.0, 2.0 / 3.0, 1.0 / 9.0, 2f64.exp()];
+        assert_eq!(results.map(|id| g.constant_value(id).unwrap()), expected);
+        let four = g.constant(4.0);
+        let root = g.sqrt(four);
+        assert_eq!(g.constant_value(root), Some(2.0));
+    }
+
+    #[test]
+    fn zero_terms_and_unit_factors_vanish() {
+        let (mut g, x, ..) = graph();
+        let (zero, one) = (g.zero(), g.one());
+        assert_eq!(g.add(x, zero), x);
+        assert_eq!(g.mul(one, x), x);
+        assert_eq!(g.mul(zero, x), zero);
+        assert_eq!(g.div(x, one), x);
+        assert_eq!(g.div(zero, x), zero);
+        assert_eq!(g.div_or_zero(zero, x), zero);
+    }
+
+    #[test]
+    fn negation_is_an_involution() {
+        let (mut g, x, ..) = graph();
+        let minus = g.neg(x);
+        assert_eq!(g.neg(minus), x);
+    }
+
+    #[test]
+    fn products_are_equal_however_they_are_associated() {
+        let (mut g, x, y, z) = graph();
+        let xy = g.mul(x, y);
+        let left = g.mul(xy, z);
+        let minus_y = g.neg(y);
+        let zy = g.mul(z, minus_y);
+        let right = g.mul(zy, x);
+        assert_eq!(g.neg(right), left);
+    }
+
+    #[test]
+    fn like_terms_are_collected_inside_sums() {
+        let (mut g, x, y, z) = graph();
+        let (xy, yz) = (g.add(x, y), g.add(y, z));
+        let sum = g.add(xy, yz);
+        let two = g.constant(2.0);
+        let two_y = g.mul(two, y);
+        let x_and_two_y = g.add(x, two_y);
+        assert_eq!(sum, g.add(x_and_two_y, z));
+        let difference = g.sub(x, x);
+        assert!(g.is_zero(difference));
+    }
+
+    #[test]
+    fn a_named_sum_is_kept_whole() {
+        let (mut g, x, y, _) = graph();
+        let sum = g.add(x, y);
+        g.name(sum, "s");
+        let again = g.add(sum, x);
+        assert_eq!(g.op(again), Op::Add(sum.min(x), sum.max(x)));
+    }
+
+    #[test]
+    fn a_common_sign_is_pulled_out_of_a_sum() {
+        let (mut g, x, y, _) = graph();
+        let (minus_x, minus_y) = (g.neg(x), g.neg(y));
+        let sum = g.add(minus_x, minus_y);
+        let positive = g.add(x, y);
+        assert_eq!(g.op(sum), Op::Neg(positive));
+    }
+
+    #[test]
+    fn division_by_a_power_of_two_is_an_exact_product() {
+        let (mut g, x, ..) = graph();
+        let (four, quarter, three) = (g.constant(4.0), g.constant(0.25), g.constant(3.0));
+        assert_eq!(g.div(x, four), g.mul(quarter, x));
+        let third = g.div(x, three);
+        assert_eq!(g.op(third), Op::Div(x, three));
+    }
+
+    #[test]
+    fn a_coefficient_is_pulled_out_of_a_quotient_and_a_sum_over_nodes() {
+        let (mut g, x, y, _) = graph();
+        let two = g.constant(2.0);
+        let two_x = g.mul(two, x);
+        let quotient = g.div(two_x, y);
+        let plain = g.div(x, y);
+        assert_eq!(quotient, g.mul(two, plain));
+        let w = g.input("w", Scope::Node);
+        let minus_w = g.neg(w);
+        let (sum, minus_sum) = (g.sum(w), g.sum(minus_w));
+        assert_eq!(g.neg(sum), minus_sum);
+    }
+
+    #[test]
+    fn powers_are_exact() {
+        let (mut g, x, y, _) = graph();
+        assert_eq!(g.power(x, 1), x);
+        assert_eq!(g.power(x, 2), g.mul(x, x));
+        let (cube, r) = (g.power(x, 3), g.hypot(x, y));
+        assert_eq!(g.power(cube, -2), g.power(x, -6));
+        let (xx, yy) = (g.mul(x, x), g.mul(y, y));
+        assert_eq!(g.power(r, 2), g.add(xx, yy));
+    }
+
+    #[test]
+    fn equal_branches_need_no_choice() {
+        let (mut g, x, y, z) = graph();
+        assert_eq!(g.select_less(x, y, z, z), z);
+    }
+}

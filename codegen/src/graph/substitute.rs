@@ -1,0 +1,116 @@
+//! Substitution of expressions for symbols.
+
+use std::collections::HashMap;
+
+use super::{ExprId, Graph, Op, SymbolId};
+
+impl Graph {
+    /// `expr` with every listed symbol replaced. Expressions are rebuilt with all simplifications, so a symbol
+    /// replaced by a number takes its consequences with it. Definitions of bound symbols, systems and roots are
+    /// not entered: they are other variables.
+    pub fn substitute(&mut self, expr: ExprId, replacements: &[(SymbolId, ExprId)]) -> ExprId {
+        let mut done = HashMap::new();
+        self.substituted(expr, replacements, &mut done)
+    }
+
+    /// [`substitute`](Self::substitute) in several expressions.
+    pub fn substitute_all(&mut self, exprs: &[ExprId], replacements: &[(SymbolId, ExprId)]) -> Vec<ExprId> {
+        let mut done = HashMap::new();
+        exprs.iter().map(|&expr| self.substituted(expr, replacements, &mut done)).collect()
+    }
+
+    fn substituted(
+        &mut self,
+        expr: ExprId,
+        replacements: &[(SymbolId, ExprId)],
+        done: &mut HashMap<ExprId, ExprId>,
+    ) -> ExprId {
+        if let Some(&known) = done.get(&expr) {
+            return known;
+        }
+        let mut sub = |g: &mut Self, x: ExprId| g.substituted(x, replacements, done);
+        let result = match self.op(expr) {
+            Op::Symbol(symbol) => {
+                replacements.iter().find(|(s, _)| *s == symbol).map_or(expr, |&(_, replacement)| replacement)
+            }
+            Op::Add(x, y) => {
+                let (x, y) = (sub(self, x), sub(self, y));
+                self.add(x, y)
+            }
+            Op::Neg(x) => {
+                let x = sub(self, x);
+                self.neg(x)
+            }
+            Op::Mul(x, y) => {
+                let (x, y) = (sub(self, x), sub(self, y));
+                self.mul(x, y)
+            }
+            Op::Div(x, y) => {
+                let (x, y) = (sub(self, x), sub(self, y));
+                self.div(x, y)
+            }
+            Op::DivOrZero(x, y) => {
+                let (x, y) = (sub(self, x), sub(self, y));
+                self.div_or_zero(x, y)
+            }
+            Op::Sqrt(x) => {
+                let x = sub(self, x);
+                self.sqrt(x)
+            }
+            Op::Exp(x) => {
+                let x = sub(self, x);
+                self.exp(x)
+            }
+            Op::Hypot(x, y) => {
+                let (x, y) = (sub(self, x), sub(self, y));
+                self.hypot(x, y)
+            }
+            Op::Power(x, exponent) => {
+                let x = sub(self, x);
+                self.power(x, exponent)
+            }
+            Op::Select { x, y, then, otherwise } => {
+                let (x, y) = (sub(self, x), sub(self, y));
+                let (then, otherwise) = (sub(self, then), sub(self, otherwise));
+                self.select_less(x, y, then, otherwise)
+            }
+            Op::Sum(x) => {
+                let x = sub(self, x);
+                self.sum(x)
+            }
+            Op::Row(x) => {
+                let x = sub(self, x);
+                self.at_row(x)
+            }
+            Op::Column(x) => {
+                let x = sub(self, x);
+                self.at_column(x)
+            }
+            Op::Constant(_)
+            | Op::Solution(..)
+            | Op::InverseFactor { .. }
+            | Op::PivotRatio(_)
+            | Op::RootValue(..)
+            | Op::RootFigure(..) => expr,
+        };
+        done.insert(expr, result);
+        result
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Scope;
+    use super::*;
+
+    #[test]
+    fn a_number_takes_its_consequences_with_it() {
+        let mut g = Graph::new();
+        let [x, y, z] = ["x", "y", "z"].map(|name| g.input(name, Scope::Element));
+        let xy = g.mul(x, y);
+        let sum = g.add(xy, z);
+        let zero = g.zero();
+        let symbol = g.symbol_of(x);
+        assert_eq!(g.substitute(sum, &[(symbol, zero)]), z);
+    }
+}

@@ -1,0 +1,370 @@
+//! Lowers structured nodes to plain arithmetic: a kernel in, the same kernel over a new graph out.
+//!
+//! After lowering only these operations are left: constants, inputs, + − × ÷, square root, exponential, choice,
+//! sums over nodes, rows and columns of pairs, and roots, whose equations are lowered too. Symmetric positive
+//! definite systems become an unrolled Cholesky factorisation with unrolled substitutions.
+
+use std::collections::HashMap;
+
+use crate::graph::{ExprId, Graph, Op, RootId, Scope, SolveId, SymbolId, SystemId};
+use crate::model::Kernel;
+use crate::structure::{Gradient, Hessian};
+
+/// The kernel over a graph without structured nodes other than sums and roots.
+#[must_use]
+pub fn lower(kernel: &Kernel) -> Kernel {
+    let mut lowering = Lowering::new(kernel);
+    let block = |l: &mut Lowering<'_>, b: &[[ExprId; 3]; 3]| b.map(|row| row.map(|x| l.lower(x)));
+    let values = kernel
+        .values
+        .iter()
+        .map(|value| {
+            let components = value.components.iter().map(|&x| lowering.lower(x)).collect();
+            crate::model::Value { components, ..value.clone() }
+        })
+        .collect();
+    let gradients = kernel
+        .gradients
+        .iter()
+        .map(|(name, gradient)| {
+            let slave = gradient.slave.map(|x| lowering.lower(x));
+            (*name, Gradient { slave, node: gradient.node.map(|x| lowering.lower(x)) })
+        })
+        .collect();
+    let hessians = kernel
+        .hessians
+        .iter()
+        .map(|(name, hessian)| {
+            let lowered = Hessian {
+                slave: block(&mut lowering, &hessian.slave),
+                node_slave: block(&mut lowering, &hessian.node_slave),
+                diagonal: block(&mut lowering, &hessian.diagonal),
+                pair: block(&mut lowering, &hessian.pair),
+            };
+            (*name, lowered)
+        })
+        .collect();
+    Kernel {
+        spec: kernel.spec.clone(),
+        graph: lowering.target,
+        values,
+        gradients,
+        hessians,
+        equations: kernel.equations.clone(),
+    }
+}
+
+struct Lowering<'a> {
+    source: &'a Graph,
+    target: Graph,
+    done: HashMap<ExprId, ExprId>,
+    symbols: HashMap<SymbolId, ExprId>,
+    factors: HashMap<SystemId, Factor>,
+    inverses: HashMap<(SystemId, usize, usize), ExprId>,
+    solutions: HashMap<SolveId, Vec<ExprId>>,
+    roots: HashMap<RootId, (RootId, Vec<ExprId>)>,
+    /// How many quotients divide by an expression: from two on, a reciprocal is shared.
+    divisors: HashMap<ExprId, usize>,
+}
+
+/// L and 1/L_kk of a system in elimination order.
+#[derive(Clone)]
+struct Factor {
+    lower: Vec<Vec<ExprId>>,
+    reciprocal: Vec<ExprId>,
+    pivots: Vec<ExprId>,
+    diagonal: Vec<ExprId>,
+}
+
+impl<'a> Lowering<'a> {
+    fn new(kernel: &'a Kernel) -> Self {
+        let mut divisors = HashMap::new();
+        for index in 0..kernel.graph.len() {
+            if let Op::Div(_, y) = kernel.graph.op(ExprId(index as u32)) {
+                *divisors.entry(y).or_insert(0) += 1;
+            }
+        }
+        Self {
+            source: &kernel.graph,
+            target: Graph::new(),
+            done: HashMap::new(),
+            symbols: HashMap::new(),
+            factors: HashMap::new(),
+            inverses: HashMap::new(),
+            solutions: HashMap::new(),
+            roots: HashMap::new(),
+            divisors,
+        }
+    }
+
+    fn lower(&mut self, expr: ExprId) -> ExprId {
+        if let Some(&known) = self.done.get(&expr) {
+            return known;
+        }
+        let lowered = self.lower_op(expr);
+        if let Some(name) = self.source.name_of(expr) {
+            self.target.name(lowered, name);
+        }
+        self.done.insert(expr, lowered);
+        lowered
+    }
+
+    fn lower_op(&mut self, expr: ExprId) -> ExprId {
+        match self.source.op(expr) {
+            Op::Constant(bits) => self.target.constant(f64::from_bits(bits)),
+            Op::Symbol(symbol) => self.lower_symbol(symbol),
+            Op::Add(x, y) => {
+                let (x, y) = (self.lower(x), self.lower(y));
+                self.target.add(x, y)
+            }
+            Op::Neg(x) => {
+                let x = self.lower(x);
+                self.target.neg(x)
+            }
+            Op::Mul(x, y) => {
+                let (x, y) = (self.lower(x), self.lower(y));
+                self.target.mul(x, y)
+            }
+            Op::Div(x, y) => {
+                let shared = self.divisors.get(&y).is_some_and(|&count| count > 1);
+                let (x, y) = (self.lower(x), self.lower(y));
+                if !shared {
+                    return self.target.div(x, y);
+                }
+                let one = self.target.one();
+                let reciprocal = self.target.div(one, y);
+                self.target.mul(x, reciprocal)
+            }
+            Op::DivOrZero(x, y) => {
+                let (x, y) = (self.lower(x), self.lower(y));
+                let one = self.target.one();
+                let reciprocal = self.target.div_or_zero(one, y);
+                self.target.mul(x, reciprocal)
+            }
+            Op::Sqrt(x) => {
+                let x = self.lower(x);
+                self.target.sqrt(x)
+            }
+            Op::Exp(x) => {
+                let x = self.lower(x);
+                self.target.exp(x)
+            }
+            Op::Hypot(x, y) => {
+                let square = self.square_of_hypot(x, y);
+                self.target.sqrt(square)
+            }
+            Op::Power(base, exponent) => self.lower_power(base, exponent),
+            Op::Select { x, y, then, otherwise } => {
+                let (x, y) = (self.lower(x), self.lower(y));
+                let (then, otherwise) = (self.lower(then), self.lower(otherwise));
+                self.target.select_less(x, y, then, otherwise)
+            }
+            Op::Sum(x) => {
+                let x = self.lower(x);
+                self.target.sum(x)
+            }
+            Op::Row(x) => {
+                let x = self.lower(x);
+                self.target.at_row(x)
+            }
+            Op::Column(x) => {
+                let x = self.lower(x);
+                self.target.at_column(x)
+            }
+            Op::Solution(solve, component) => self.lower_solve(solve)[component as usize],
+            Op::InverseFactor { system, row, column } => {
+                self.inverse_factor(system, row as usize, column as usize)
+            }
+            Op::PivotRatio(system) => self.pivot_ratio(system),
+            Op::RootValue(root, component) => self.lower_root(root).1[component as usize],
+            Op::RootFigure(root, figure) => {
+                let root = self.lower_root(root).0;
+                self.target.root_figure(root, figure)
+            }
+        }
+    }
+
+    fn lower_symbol(&mut self, symbol: SymbolId) -> ExprId {
+        let data = self.source.symbol_data(symbol);
+        if let Some(definition) = data.definition {
+            return self.lower(definition);
+        }
+        if let Some(&known) = self.symbols.get(&symbol) {
+            return known;
+        }
+        let input = self.target.input(&data.name, data.scope);
+        self.symbols.insert(symbol, input);
+        input
+    }
+
+    fn square_of_hypot(&mut self, x: ExprId, y: ExprId) -> ExprId {
+        let (x, y) = (self.lower(x), self.lower(y));
+        self.target.dot(&[x, y], &[x, y])
+    }
+
+    /// Repeated squaring; powers of a norm use its square, which is there before the root is drawn.
+    fn lower_power(&mut self, base: ExprId, exponent: i32) -> ExprId {
+        let magnitude = exponent.unsigned_abs();
+        let power = match self.source.op(base) {
+            Op::Hypot(x, y) => {
+                let square = self.square_of_hypot(x, y);
+                let even = self.repeated_square(square, magnitude / 2);
+                if magnitude % 2 == 1 {
+                    let norm = self.lower(base);
+                    self.target.mul(even, norm)
+                } else {
+                    even
+                }
+            }
+            _ => {
+                let base = self.lower(base);
+                self.repeated_square(base, magnitude)
+            }
+        };
+        if exponent >= 0 {
+            return power;
+        }
+        let one = self.target.one();
+        self.target.div(one, power)
+    }
+
+    fn repeated_square(&mut self, base: ExprId, exponent: u32) -> ExprId {
+        match exponent {
+            0 => self.target.one(),
+            1 => base,
+            _ => {
+                let half = self.repeated_square(base, exponent / 2);
+                let square = self.target.mul(half, half);
+                if exponent % 2 == 1 { self.target.mul(square, base) } else { square }
+            }
+        }
+    }
+
+    /// A = L Lᵀ
+    fn factor(&mut self, system: SystemId) -> Factor {
+        if let Some(known) = self.factors.get(&system) {
+            return known.clone();
+        }
+        let data = self.source.system(system).clone();
+        let name = &data.name;
+        let size = data.size();
+        let mut factor =
+            Factor { lower: Vec::new(), reciprocal: Vec::new(), pivots: Vec::new(), diagonal: Vec::new() };
+        for i in 0..size {
+            let mut row: Vec<ExprId> = Vec::with_capacity(i);
+            for j in 0..=i {
+                let entry = self.lower(data.entry(data.eliminated(i), data.eliminated(j)));
+                let mut rest = entry;
+                for k in 0..j {
+                    let left = row[k];
+                    let right = if i == j { row[k] } else { factor.lower[j][k] };
+                    let product = self.target.mul(left, right);
+                    rest = self.target.sub(rest, product);
+                }
+                if i == j {
+                    self.target.name(rest, &format!("{name}_pivot_{i}"));
+                    let root = self.target.sqrt(rest);
+                    let one = self.target.one();
+                    let reciprocal = self.target.div(one, root);
+                    self.target.name(reciprocal, &format!("{name}_inverse_{i}_{i}"));
+                    factor.pivots.push(rest);
+                    factor.diagonal.push(entry);
+                    factor.reciprocal.push(reciprocal);
+                } else {
+                    let entry = self.target.mul(rest, factor.reciprocal[j]);
+                    self.target.name(entry, &format!("{name}_{i}_{j}"));
+                    row.push(entry);
+                }
+            }
+            factor.lower.push(row);
+        }
+        self.factors.insert(system, factor.clone());
+        factor
+    }
+
+    /// Entry of L⁻¹: L⁻¹_ij = −(1/L_ii) Σ_{k=j}^{i−1} L_ik L⁻¹_kj.
+    fn inverse_factor(&mut self, system: SystemId, row: usize, column: usize) -> ExprId {
+        if let Some(&known) = self.inverses.get(&(system, row, column)) {
+            return known;
+        }
+        let factor = self.factor(system);
+        let entry = if row == column {
+            factor.reciprocal[row]
+        } else {
+            let mut total = self.target.zero();
+            for k in column..row {
+                let inverse = self.inverse_factor(system, k, column);
+                let product = self.target.mul(factor.lower[row][k], inverse);
+                total = self.target.add(total, product);
+            }
+            let minus = self.target.neg(total);
+            let entry = self.target.mul(minus, factor.reciprocal[row]);
+            let name = &self.source.system(system).name;
+            self.target.name(entry, &format!("{name}_inverse_{row}_{column}"))
+        };
+        self.inverses.insert((system, row, column), entry);
+        entry
+    }
+
+    /// L y = b, Lᵀ x = y
+    fn lower_solve(&mut self, solve: SolveId) -> Vec<ExprId> {
+        if let Some(known) = self.solutions.get(&solve) {
+            return known.clone();
+        }
+        let data = self.source.solve(solve).clone();
+        let factor = self.factor(data.system);
+        let order: Vec<usize> =
+            (0..data.right_hand_side.len()).map(|k| self.source.system(data.system).eliminated(k)).collect();
+        let size = order.len();
+        let mut y: Vec<ExprId> = Vec::with_capacity(size);
+        for i in 0..size {
+            let mut rest = self.lower(data.right_hand_side[order[i]]);
+            for k in 0..i {
+                let product = self.target.mul(factor.lower[i][k], y[k]);
+                rest = self.target.sub(rest, product);
+            }
+            y.push(self.target.mul(rest, factor.reciprocal[i]));
+        }
+        let mut x = y;
+        for i in (0..size).rev() {
+            let mut rest = x[i];
+            for k in i + 1..size {
+                let product = self.target.mul(factor.lower[k][i], x[k]);
+                rest = self.target.sub(rest, product);
+            }
+            x[i] = self.target.mul(rest, factor.reciprocal[i]);
+        }
+        let mut solution = x.clone();
+        for (position, row) in order.into_iter().enumerate() {
+            solution[row] = x[position];
+        }
+        self.solutions.insert(solve, solution.clone());
+        solution
+    }
+
+    fn pivot_ratio(&mut self, system: SystemId) -> ExprId {
+        let factor = self.factor(system);
+        let ratios: Vec<ExprId> =
+            factor.pivots.iter().zip(&factor.diagonal).map(|(&p, &d)| self.target.div(p, d)).collect();
+        let mut smallest = ratios[0];
+        for &ratio in &ratios[1..] {
+            // Written so that a NaN comes through: it is not smaller than anything.
+            smallest = self.target.select_less(smallest, ratio, smallest, ratio);
+        }
+        smallest
+    }
+
+    fn lower_root(&mut self, root: RootId) -> (RootId, Vec<ExprId>) {
+        if let Some(known) = self.roots.get(&root) {
+            return known.clone();
+        }
+        let data = self.source.root(root).clone();
+        let unknowns: Vec<ExprId> = data.unknowns.iter().map(|&u| self.lower_symbol(u)).collect();
+        let residuals: Vec<ExprId> = data.residuals.iter().map(|&r| self.lower(r)).collect();
+        let jacobian = data.jacobian.iter().map(|row| row.iter().map(|&x| self.lower(x)).collect()).collect();
+        let lowered = self.target.add_root_with_jacobian(&data.name, &unknowns, residuals, jacobian);
+        self.roots.insert(root, lowered.clone());
+        debug_assert!(lowered.1.iter().all(|&x| self.target.scope(x) == Scope::Element));
+        lowered
+    }
+}

@@ -1,0 +1,221 @@
+//! The kernels: which outputs of the model are evaluated, with how many derivatives.
+
+use super::basis::Basis;
+use super::diffuse::{Diffuse, Equation};
+use super::weight::Weight;
+use crate::graph::{ExprId, Graph, Op, Scope};
+use crate::structure::{Functional, Gradient, Hessian, NodeProblem};
+
+/// What a kernel computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Output {
+    /// α and its derivatives.
+    Coefficients,
+    /// f, f_l, f_lm at a given in-plane point, ∇f, T_l, H_f.
+    Surface,
+    /// g, foot, ν, N, M.
+    Gap,
+}
+
+impl Output {
+    /// All outputs.
+    pub const ALL: [Self; 3] = [Self::Coefficients, Self::Surface, Self::Gap];
+
+    /// Name in emitted code.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Coefficients => "coefficients",
+            Self::Surface => "surface",
+            Self::Gap => "gap",
+        }
+    }
+}
+
+/// How many derivatives a kernel computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Mode {
+    /// Values.
+    Value,
+    /// Values and first derivatives.
+    Gradient,
+    /// Values, first and second derivatives.
+    Hessian,
+}
+
+impl Mode {
+    /// All modes, fewest derivatives first.
+    pub const ALL: [Self; 3] = [Self::Value, Self::Gradient, Self::Hessian];
+
+    /// Name in emitted code.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Value => "value",
+            Self::Gradient => "gradient",
+            Self::Hessian => "hessian",
+        }
+    }
+}
+
+/// What identifies a kernel, besides the number of nodes, which stays open until emission.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KernelSpec {
+    /// What is computed.
+    pub output: Output,
+    /// With how many derivatives.
+    pub mode: Mode,
+    /// Basis of the fit.
+    pub basis: Basis,
+    /// Weight of the fit.
+    pub weight: Weight,
+}
+
+/// A named value of element scope.
+#[derive(Clone, Debug)]
+pub struct Value {
+    /// Field name.
+    pub name: &'static str,
+    /// One line: meaning and unit.
+    pub doc: &'static str,
+    /// Whether the field is an array, even of length one.
+    pub is_array: bool,
+    /// The components.
+    pub components: Vec<ExprId>,
+}
+
+/// A kernel as expressions.
+#[derive(Clone, Debug)]
+pub struct Kernel {
+    /// What it is.
+    pub spec: KernelSpec,
+    /// The graph all ids refer to.
+    pub graph: Graph,
+    /// Results of element scope, diagnostics included.
+    pub values: Vec<Value>,
+    /// Gradients, named.
+    pub gradients: Vec<(&'static str, Gradient)>,
+    /// Hessians, named.
+    pub hessians: Vec<(&'static str, Hessian)>,
+    /// The formulas behind it.
+    pub equations: Vec<Equation>,
+}
+
+const COEFFICIENT_NAMES: [&str; 6] = ["alpha_0", "alpha_1", "alpha_2", "alpha_3", "alpha_4", "alpha_5"];
+
+impl Kernel {
+    /// Builds a kernel from the model.
+    #[must_use]
+    pub fn new(spec: KernelSpec) -> Self {
+        let mut graph = Graph::new();
+        let model = Diffuse::declare(&mut graph, spec.basis, &spec.weight);
+        let equations = vec![
+            Equation { formula: "(a, b, z)_i = Q (x^i - x^c) / R, Q = (t1, t2, n)", source: "local offsets over the support radius" },
+            Equation { formula: "w = w(r), r = sqrt(a^2 + b^2)", source: "Chamoret et al. 2008, eq. 14" },
+            Equation { formula: "A alpha = beta, A = sum w p p^T, beta = sum w z p", source: "Chamoret et al. 2008, eq. 13" },
+        ];
+        let mut kernel =
+            Self { spec, graph, values: Vec::new(), gradients: Vec::new(), hessians: Vec::new(), equations };
+        match kernel.spec.output {
+            Output::Coefficients => kernel.coefficients(&model),
+            Output::Surface => kernel.surface(&model),
+            Output::Gap => kernel.gap(&model),
+        }
+        kernel.add_checksum();
+        kernel
+    }
+
+    fn coefficients(&mut self, model: &Diffuse) {
+        let g = &mut self.graph;
+        let zero = g.zero();
+        let fit = model.fit(g, [zero; 2]);
+        let alpha = model.coefficients(g, &fit);
+        self.add_array("coefficients", "Coefficients α, units length, 1, 1, 1/length, … (13)", alpha);
+        let functionals: Vec<(&'static str, Functional)> = (0..self.spec.basis.size())
+            .map(|k| (COEFFICIENT_NAMES[k], model.coefficient_functional(&mut self.graph, k)))
+            .collect();
+        self.add_derivatives(&fit.problem, &functionals, functionals.len());
+        self.add_pivot_ratio(&fit.problem);
+    }
+
+    fn surface(&mut self, model: &Diffuse) {
+        let g = &mut self.graph;
+        let point = ["point_1", "point_2"].map(|name| {
+            let length = g.input(name, Scope::Element);
+            let scaled = model.dimensionless(g, length);
+            g.bind(&format!("scaled_{name}"), scaled)
+        });
+        let fit = model.fit(g, point);
+        let at_point = model.surface(g, &fit.problem);
+        let functionals = model.surface_functionals(g, &fit.problem);
+        let in_units = model.surface_in_units(g, &at_point);
+        self.add_scalar("value", "Height f over the slave, length", in_units.value);
+        self.add_array("slopes", "f_1, f_2", in_units.slopes.to_vec());
+        self.add_array("curvatures", "f_11, f_12, f_22, 1/length", in_units.curvatures.to_vec());
+        let [f, f1, f2] = functionals;
+        self.add_derivatives(&fit.problem, &[("f", f), ("f_1", f1), ("f_2", f2)], 1);
+        self.add_pivot_ratio(&fit.problem);
+        self.equations.push(Equation { formula: "f(u) = p(u) alpha", source: "Chamoret et al. 2008, eq. 13" });
+    }
+
+    fn gap(&mut self, model: &Diffuse) {
+        let g = &mut self.graph;
+        let zero = g.zero();
+        let fit = model.fit(g, [zero; 2]);
+        let contact = model.contact(g, &fit);
+        let alpha = model.coefficients(g, &fit);
+        let [residual, iterations] = model.foot_figures(g, contact.root);
+        self.add_scalar("gap", "Signed gap g, length, positive apart (19)", contact.gap);
+        self.add_array("foot", "Foot point x^d, global axes, length", contact.foot.to_vec());
+        self.add_array("normal", "Unit normal ν at the foot, global axes (22)", contact.normal.to_vec());
+        self.add_array("coefficients", "Coefficients α about the slave, units length, 1, 1, 1/length, … (13)", alpha);
+        self.add_derivatives(&contact.problem, &[("gap", contact.functional)], 1);
+        self.add_pivot_ratio(&fit.problem);
+        self.add_scalar("foot_residual", "Largest foot residual |−u_k + h f_k| over R", residual);
+        self.add_scalar("foot_iterations", "Newton iterations for the foot", iterations);
+        self.add_scalar("foot_distance", "In-plane distance of the foot from the slave over R", contact.distance);
+        self.add_scalar("jacobian_determinant", "det J of the foot equations, 0 on a centre of curvature", contact.determinant);
+        self.equations.extend([
+            Equation { formula: "-u_k + h f_k = 0, h = -f(u)", source: "foot point x^d" },
+            Equation { formula: "g = nu (x^c - x^d)", source: "Chamoret et al. 2008, eq. 19" },
+            Equation { formula: "nu = (-f_1, -f_2, 1) / sqrt(1 + f_1^2 + f_2^2)", source: "Chamoret et al. 2008, eq. 22" },
+            Equation { formula: "N = dg/dx, M = d2g/dx2", source: "Chamoret et al. 2008, eqs. 32 and 42" },
+        ]);
+    }
+
+    /// Gradients of all functionals and Hessians of the first `hessians`, as far as the mode asks for them.
+    fn add_derivatives(&mut self, problem: &NodeProblem, functionals: &[(&'static str, Functional)], hessians: usize) {
+        let g = &mut self.graph;
+        if self.spec.mode >= Mode::Gradient {
+            self.gradients = functionals.iter().map(|(name, f)| (*name, problem.gradient(g, f))).collect();
+        }
+        if self.spec.mode >= Mode::Hessian {
+            self.hessians =
+                functionals[..hessians].iter().map(|(name, f)| (*name, problem.hessian(g, f))).collect();
+        }
+    }
+
+    fn add_pivot_ratio(&mut self, problem: &NodeProblem) {
+        let ratio = self.graph.intern(Op::PivotRatio(problem.system));
+        self.add_scalar("pivot_ratio", "Smallest pivot of A over its diagonal entry, 0 for a singular fit", ratio);
+    }
+
+    /// A sum that is finite only if all results are: the slave's derivatives contain those of all masters.
+    fn add_checksum(&mut self) {
+        let mut terms: Vec<ExprId> = self.values.iter().flat_map(|v| v.components.clone()).collect();
+        terms.extend(self.gradients.iter().flat_map(|(_, gradient)| gradient.slave));
+        for (_, hessian) in &self.hessians {
+            terms.extend((0..3).flat_map(|row| hessian.slave[row][..=row].to_vec()));
+        }
+        let checksum = self.graph.total(&terms);
+        self.add_scalar("checksum", "Finite only if every result is", checksum);
+    }
+
+    fn add_scalar(&mut self, name: &'static str, doc: &'static str, value: ExprId) {
+        self.values.push(Value { name, doc, is_array: false, components: vec![value] });
+    }
+
+    fn add_array(&mut self, name: &'static str, doc: &'static str, components: Vec<ExprId>) {
+        self.values.push(Value { name, doc, is_array: true, components });
+    }
+}

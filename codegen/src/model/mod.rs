@@ -1,0 +1,11 @@
+//! The contact element as formulas, and the kernels made of it.
+
+mod basis;
+mod diffuse;
+mod kernel;
+mod weight;
+
+pub use basis::Basis;
+pub use diffuse::Equation;
+pub use kernel::{Kernel, KernelSpec, Mode, Output, Value};
+pub use weight::{Weight, WeightError};

@@ -1,0 +1,249 @@
+//! Weight functions w(r) of compact support.
+
+use crate::formula::{Formula, FormulaError};
+use crate::graph::{ExprId, Graph};
+
+/// A weight function: a name for the emitted code and a formula in r = distance / support radius.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weight {
+    name: String,
+    text: String,
+    formula: Formula,
+}
+
+/// Why a formula cannot serve as a weight.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WeightError {
+    /// The formula cannot be read.
+    #[error(transparent)]
+    Formula(#[from] FormulaError),
+    /// The weight has a kink at r = 0, where it must be differentiable.
+    #[error("the weight \"{formula}\" has a kink at r = 0: its slope there is {slope}, not 0")]
+    Kink {
+        /// The formula.
+        formula: String,
+        /// w'(0).
+        slope: f64,
+    },
+    /// The weight has no expansion at r = 0.
+    #[error("the weight \"{formula}\" is not smooth at r = 0: coefficient {order} of its expansion is {value}")]
+    NotSmooth {
+        /// The formula.
+        formula: String,
+        /// Order of the coefficient.
+        order: usize,
+        /// The coefficient.
+        value: f64,
+    },
+    /// The weight is not a positive number somewhere in 0 ≤ r < 1.
+    #[error("the weight \"{formula}\" must be positive for 0 <= r < 1, but is {value} at r = {r}")]
+    NotPositive {
+        /// The formula.
+        formula: String,
+        /// Where.
+        r: f64,
+        /// The value there.
+        value: f64,
+    },
+    /// The name is not a Rust identifier in snake case.
+    #[error("\"{name}\" cannot name a module: use lower-case letters, digits and _, a letter first")]
+    Name {
+        /// The name given.
+        name: String,
+    },
+}
+
+/// Coefficients of the expansion that replaces a formula near r = 0.
+const TAYLOR_COEFFICIENTS: usize = 16;
+/// Largest radius at which the expansion is used.
+const TAYLOR_RADIUS: f64 = 1.0 / 64.0;
+/// Points at which a weight is checked to be positive.
+const SAMPLES: u32 = 256;
+
+impl Weight {
+    /// The cubic weight of the paper, w = (1 − r)² (1 + 2r) (Chamoret et al. 2008, eq. 14).
+    ///
+    /// # Panics
+    /// Never: the formula is valid.
+    #[must_use]
+    pub fn cubic() -> Self {
+        Self::new("cubic", "(1 - r)^2 * (1 + 2*r)").expect("a valid weight")
+    }
+
+    /// A weight given by a formula for 0 ≤ r < 1; it is cut to 0 for r ≥ 1. `name` names the emitted module.
+    ///
+    /// The formula must be positive, and differentiable at r = 0 as a function of the position, w'(0) = 0. Let
+    /// it and its first derivative vanish at r = 1, or the fit jumps when a node leaves the support.
+    ///
+    /// # Errors
+    /// [`WeightError`].
+    pub fn new(name: &str, formula: &str) -> Result<Self, WeightError> {
+        let starts_well = name.starts_with(|c: char| c.is_ascii_lowercase());
+        if !starts_well || !name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_') {
+            return Err(WeightError::Name { name: name.to_owned() });
+        }
+        let weight = Self { name: name.to_owned(), text: formula.trim().to_owned(), formula: Formula::parse(formula)? };
+        weight.check()?;
+        Ok(weight)
+    }
+
+    /// Name in emitted code.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The formula as it was written.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    fn check(&self) -> Result<(), WeightError> {
+        let formula = || self.text.clone();
+        let expansion = self.formula.taylor(TAYLOR_COEFFICIENTS);
+        if let Some((order, &value)) = expansion.iter().enumerate().find(|(_, c)| !c.is_finite()) {
+            return Err(WeightError::NotSmooth { formula: formula(), order, value });
+        }
+        if expansion[1].abs() > 1e-13 * expansion[0].abs() {
+            return Err(WeightError::Kink { formula: formula(), slope: expansion[1] });
+        }
+        for r in (0..SAMPLES).map(|k| f64::from(k) / f64::from(SAMPLES)) {
+            let value = self.formula.evaluate(r);
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(WeightError::NotPositive { formula: formula(), r, value });
+            }
+        }
+        Ok(())
+    }
+
+    /// w at the norm `r`, an expression made by [`Graph::hypot`]; 0 where r ≥ 1.
+    pub(super) fn evaluate(&self, g: &mut Graph, r: ExprId) -> ExprId {
+        let inside = around_origin(g, &self.formula, r);
+        let (zero, one) = (g.zero(), g.one());
+        g.select_less(r, one, inside, zero)
+    }
+}
+
+/// The formula on an interval that contains r = 0, in a form whose derivatives by position are finite and exact
+/// there: powers of r other than r¹ ([`Graph::power`]), exactly for a polynomial, otherwise by expansion.
+fn around_origin(g: &mut Graph, formula: &Formula, r: ExprId) -> ExprId {
+    if let Some(coefficients) = formula.polynomial() {
+        return power_sum(g, &coefficients, r);
+    }
+    if let Formula::If { x, y, then, otherwise } = formula {
+        let origin_in_then = x.evaluate(0.0) < y.evaluate(0.0);
+        let (then, otherwise) = if origin_in_then {
+            (around_origin(g, then, r), plain(g, otherwise, r))
+        } else {
+            (plain(g, then, r), around_origin(g, otherwise, r))
+        };
+        let (x, y) = (plain(g, x, r), plain(g, y, r));
+        return g.select_less(x, y, then, otherwise);
+    }
+    let coefficients = formula.taylor(TAYLOR_COEFFICIENTS);
+    let radius = expansion_radius(formula, &coefficients);
+    let (near, far) = (power_sum(g, &coefficients, r), plain(g, formula, r));
+    let radius = g.constant(radius);
+    g.select_less(r, radius, near, far)
+}
+
+/// Largest radius, at most [`TAYLOR_RADIUS`], up to which the expansion agrees with the formula.
+fn expansion_radius(formula: &Formula, coefficients: &[f64]) -> f64 {
+    let agrees = |r: f64| {
+        let sum = coefficients.iter().rev().fold(0.0, |total, c| total * r + c);
+        let value = formula.evaluate(r);
+        // The last terms bound what is cut off, also in the second derivative.
+        let cut_off: f64 = (coefficients.len() - 2..coefficients.len())
+            .map(|k| (coefficients[k] * (k * k) as f64 * r.powi(k as i32 - 2)).abs())
+            .sum();
+        (sum - value).abs() <= 4.0 * f64::EPSILON * value.abs() && cut_off <= f64::EPSILON * value.abs()
+    };
+    let mut radius = TAYLOR_RADIUS;
+    while radius > f64::MIN_POSITIVE && !(1..=8).all(|k| agrees(radius * f64::from(k) / 8.0)) {
+        radius /= 2.0;
+    }
+    radius
+}
+
+/// c₀ + c₂ r² + c₃ r³ + …; a kink c₁ r was refused before.
+fn power_sum(g: &mut Graph, coefficients: &[f64], r: ExprId) -> ExprId {
+    let mut total = g.zero();
+    for (k, &c) in coefficients.iter().enumerate().filter(|(k, _)| *k != 1) {
+        let power = g.power(r, k as i32);
+        let coefficient = g.constant(c);
+        let term = g.mul(coefficient, power);
+        total = g.add(total, term);
+    }
+    total
+}
+
+/// The formula as it stands, for r > 0.
+fn plain(g: &mut Graph, formula: &Formula, r: ExprId) -> ExprId {
+    let two = |g: &mut Graph, x: &Formula, y: &Formula| (plain(g, x, r), plain(g, y, r));
+    match formula {
+        Formula::Number(value) => g.constant(*value),
+        Formula::Radius => r,
+        Formula::Neg(x) => {
+            let x = plain(g, x, r);
+            g.neg(x)
+        }
+        Formula::Add(x, y) => {
+            let (x, y) = two(g, x, y);
+            g.add(x, y)
+        }
+        Formula::Sub(x, y) => {
+            let (x, y) = two(g, x, y);
+            g.sub(x, y)
+        }
+        Formula::Mul(x, y) => {
+            let (x, y) = two(g, x, y);
+            g.mul(x, y)
+        }
+        Formula::Div(x, y) => {
+            let (x, y) = two(g, x, y);
+            g.div(x, y)
+        }
+        Formula::Power(x, k) => {
+            let x = plain(g, x, r);
+            g.power(x, *k)
+        }
+        Formula::Exp(x) => {
+            let x = plain(g, x, r);
+            g.exp(x)
+        }
+        Formula::Sqrt(x) => {
+            let x = plain(g, x, r);
+            g.sqrt(x)
+        }
+        Formula::If { x, y, then, otherwise } => {
+            let (x, y) = two(g, x, y);
+            let (then, otherwise) = two(g, then, otherwise);
+            g.select_less(x, y, then, otherwise)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unfit_formulas_are_refused_with_a_reason() {
+        let error = |formula: &str| Weight::new("test", formula).unwrap_err();
+        assert!(matches!(error("1 - r"), WeightError::Kink { slope, .. } if slope == -1.0));
+        assert!(matches!(error("sqrt(r)"), WeightError::NotSmooth { order: 1, .. }));
+        assert!(matches!(error("1 / r^2"), WeightError::NotSmooth { order: 0, .. }));
+        assert!(matches!(error("1 - 4*r^2"), WeightError::NotPositive { r, .. } if r == 0.5));
+        assert!(matches!(error("1 - q"), WeightError::Formula(_)));
+        assert!(matches!(Weight::new("My weight", "1"), Err(WeightError::Name { .. })));
+    }
+
+    #[test]
+    fn formulas_without_a_kink_are_accepted() {
+        for formula in ["exp(-r)*(1 + r)", "(1-r)^4*(1+4*r)", "exp(-4*r^2)", "if r < 0.5 { 2/3-4*r^2+4*r^3 } else { 4/3-4*r+4*r^2-4/3*r^3 }"] {
+            Weight::new("test", formula).unwrap();
+        }
+    }
+}

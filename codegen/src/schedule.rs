@@ -1,0 +1,526 @@
+//! Turns a lowered kernel into a program: straight-line segments and loops over nodes.
+//!
+//! An expression of element scope can be computed once all sums it needs are known. Its *level* counts the loops
+//! over nodes that have to run before. A program is: for every level, a straight-line segment, then one loop over
+//! the nodes; after the last, one loop over the pairs of nodes. Node values that a later loop needs are stored
+//! with the node; what is not needed is not computed.
+
+use std::collections::{HashMap, HashSet};
+
+use crate::graph::{ExprId, Graph, Op, RootId, Scope};
+use crate::model::Kernel;
+
+/// Deepest nesting of an expression that is written without an intermediate `let`.
+const MOST_DEPTH: usize = 14;
+
+/// Where a result of node scope goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NodeTarget {
+    /// Component of a node's part of a gradient.
+    Gradient {
+        /// Which gradient.
+        gradient: usize,
+        /// Which component.
+        axis: usize,
+    },
+    /// Entry of the block (node, slave) of a Hessian.
+    NodeSlave {
+        /// Which Hessian.
+        hessian: usize,
+        /// Axis of the row.
+        row: usize,
+        /// Axis of the column.
+        column: usize,
+    },
+    /// Entry of the block (node, node).
+    Diagonal {
+        /// Which Hessian.
+        hessian: usize,
+        /// Axis of the row.
+        row: usize,
+        /// Axis of the column.
+        column: usize,
+    },
+}
+
+/// One statement of a straight-line piece.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Statement {
+    /// `let` the expression's name be its value.
+    Let(ExprId),
+    /// Solve a root's equations.
+    Solve(RootId),
+}
+
+/// A loop over the nodes.
+#[derive(Clone, Debug, Default)]
+pub struct NodeLoop {
+    /// Stored values of earlier loops that are read.
+    pub loads: Vec<ExprId>,
+    /// The body.
+    pub statements: Vec<Statement>,
+    /// Sums accumulated: [`Op::Sum`] expressions.
+    pub sums: Vec<ExprId>,
+    /// Values stored with the node.
+    pub stores: Vec<ExprId>,
+    /// Results written.
+    pub outputs: Vec<(NodeTarget, ExprId)>,
+}
+
+impl NodeLoop {
+    fn is_empty(&self) -> bool {
+        self.sums.is_empty() && self.stores.is_empty() && self.outputs.is_empty()
+    }
+}
+
+/// The loop over pairs (row node, column node < row node).
+#[derive(Clone, Debug, Default)]
+pub struct PairLoop {
+    /// Node values read at the row.
+    pub row_loads: Vec<ExprId>,
+    /// Node values read at the column.
+    pub column_loads: Vec<ExprId>,
+    /// The body.
+    pub statements: Vec<Statement>,
+    /// Results: (hessian, row axis, column axis), value.
+    pub outputs: Vec<((usize, usize, usize), ExprId)>,
+}
+
+/// One straight-line segment and the loop after it.
+#[derive(Clone, Debug, Default)]
+pub struct Phase {
+    /// Element values.
+    pub statements: Vec<Statement>,
+    /// The loop over nodes that follows.
+    pub nodes: NodeLoop,
+}
+
+/// How the expressions of one piece of code are written.
+#[derive(Clone, Debug, Default)]
+pub struct Layout {
+    /// Expressions that have a name in the emitted code; all others are written where they are used.
+    pub bound: HashSet<ExprId>,
+    /// For an addition, the operand whose product is fused with it.
+    pub fused: HashMap<ExprId, ExprId>,
+}
+
+/// A scheduled kernel.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// The lowered kernel.
+    pub kernel: Kernel,
+    /// Segments and node loops in order.
+    pub phases: Vec<Phase>,
+    /// The loop over pairs, last.
+    pub pairs: PairLoop,
+    /// Bodies of the roots' equations: statements for residuals and Jacobian.
+    pub roots: HashMap<RootId, Vec<Statement>>,
+    /// How expressions are written.
+    pub layout: Layout,
+}
+
+impl Program {
+    /// Schedules a lowered kernel.
+    #[must_use]
+    pub fn new(kernel: Kernel) -> Self {
+        Scheduler::new(&kernel).run()
+    }
+}
+
+struct Scheduler<'a> {
+    kernel: &'a Kernel,
+    graph: &'a Graph,
+    levels: HashMap<ExprId, usize>,
+    /// Everything the results depend on, operands first.
+    reachable: Vec<ExprId>,
+}
+
+impl<'a> Scheduler<'a> {
+    fn new(kernel: &'a Kernel) -> Self {
+        let mut scheduler =
+            Self { kernel, graph: &kernel.graph, levels: HashMap::new(), reachable: Vec::new() };
+        let mut seen = HashSet::new();
+        for root in scheduler.results() {
+            scheduler.reach(root, &mut seen);
+        }
+        for k in 0..scheduler.reachable.len() {
+            let expr = scheduler.reachable[k];
+            let level = scheduler
+                .graph
+                .dependencies(expr)
+                .iter()
+                .map(|x| scheduler.levels[x])
+                .max()
+                .unwrap_or(0);
+            let after_loop = usize::from(matches!(scheduler.graph.op(expr), Op::Sum(_)));
+            scheduler.levels.insert(expr, level + after_loop);
+        }
+        scheduler
+    }
+
+    fn element_results(&self) -> Vec<ExprId> {
+        let mut all: Vec<ExprId> = self.kernel.values.iter().flat_map(|v| v.components.clone()).collect();
+        all.extend(self.kernel.gradients.iter().flat_map(|(_, gradient)| gradient.slave));
+        for (_, hessian) in &self.kernel.hessians {
+            all.extend((0..3).flat_map(|row| hessian.slave[row][..=row].to_vec()));
+        }
+        all
+    }
+
+    fn node_results(&self) -> Vec<(NodeTarget, ExprId)> {
+        let mut all = Vec::new();
+        for (gradient, (_, data)) in self.kernel.gradients.iter().enumerate() {
+            all.extend((0..3).map(|axis| (NodeTarget::Gradient { gradient, axis }, data.node[axis])));
+        }
+        for (hessian, (_, data)) in self.kernel.hessians.iter().enumerate() {
+            for row in 0..3 {
+                for column in 0..3 {
+                    let target = NodeTarget::NodeSlave { hessian, row, column };
+                    all.push((target, data.node_slave[row][column]));
+                }
+                for column in 0..=row {
+                    all.push((NodeTarget::Diagonal { hessian, row, column }, data.diagonal[row][column]));
+                }
+            }
+        }
+        all
+    }
+
+    fn pair_results(&self) -> Vec<((usize, usize, usize), ExprId)> {
+        let mut all = Vec::new();
+        for (hessian, (_, data)) in self.kernel.hessians.iter().enumerate() {
+            for row in 0..3 {
+                for column in 0..3 {
+                    all.push(((hessian, row, column), data.pair[row][column]));
+                }
+            }
+        }
+        all
+    }
+
+    fn results(&self) -> Vec<ExprId> {
+        let mut all = self.element_results();
+        all.extend(self.node_results().into_iter().map(|(_, x)| x));
+        all.extend(self.pair_results().into_iter().map(|(_, x)| x));
+        all
+    }
+
+    fn reach(&mut self, expr: ExprId, seen: &mut HashSet<ExprId>) {
+        if !seen.insert(expr) {
+            return;
+        }
+        for operand in self.graph.dependencies(expr) {
+            self.reach(operand, seen);
+        }
+        self.reachable.push(expr);
+    }
+
+    fn run(self) -> Program {
+        let last = self.levels.values().copied().max().unwrap_or(0);
+        let mut phases: Vec<Phase> = (0..=last).map(|_| Phase::default()).collect();
+        let mut layout = Layout::default();
+
+        let pairs = self.schedule_pairs(&mut layout);
+        self.schedule_nodes(&mut phases, &pairs, &mut layout);
+        let roots = self.schedule_elements(&mut phases, &mut layout);
+        while phases.last().is_some_and(|p| p.statements.is_empty() && p.nodes.is_empty()) {
+            phases.pop();
+        }
+        Program { kernel: self.kernel.clone(), phases, pairs, roots, layout }
+    }
+
+    fn schedule_pairs(&self, layout: &mut Layout) -> PairLoop {
+        let outputs = self.pair_results();
+        let roots: Vec<ExprId> = outputs.iter().map(|(_, x)| *x).collect();
+        let members = self.members(&roots, |x| self.graph.scope(x) == Scope::Pair && !self.is_load(x));
+        let mut pairs = PairLoop { outputs, ..PairLoop::default() };
+        for &x in members.iter().flat_map(|&x| self.graph.operands(x)).collect::<Vec<_>>().iter().chain(&roots) {
+            let (list, node) = match self.graph.op(x) {
+                Op::Row(node) => (&mut pairs.row_loads, node),
+                Op::Column(node) => (&mut pairs.column_loads, node),
+                _ => continue,
+            };
+            if !list.contains(&node) {
+                list.push(node);
+            }
+        }
+        pairs.statements = self.lay_out(&members, &roots, &HashSet::new(), layout);
+        pairs
+    }
+
+    fn is_load(&self, x: ExprId) -> bool {
+        matches!(self.graph.op(x), Op::Row(_) | Op::Column(_))
+    }
+
+    fn schedule_nodes(&self, phases: &mut [Phase], pairs: &PairLoop, layout: &mut Layout) {
+        let mut computed_in: HashMap<ExprId, usize> = HashMap::new();
+        let mut stores: Vec<HashSet<ExprId>> = vec![HashSet::new(); phases.len()];
+        let mut loop_members: Vec<(Vec<ExprId>, Vec<ExprId>)> = Vec::new();
+        let pair_needs: Vec<ExprId> = {
+            let mut seen = HashSet::new();
+            pairs.row_loads.iter().chain(&pairs.column_loads).copied().filter(|x| seen.insert(*x)).collect()
+        };
+        for (level, phase) in phases.iter_mut().enumerate() {
+            let at_level = |x: &ExprId| self.levels[x] == level;
+            let nodes = &mut phase.nodes;
+            nodes.sums = self
+                .reachable
+                .iter()
+                .filter(|&&x| matches!(self.graph.op(x), Op::Sum(body) if at_level(&body)))
+                .copied()
+                .collect();
+            nodes.outputs = self
+                .node_results()
+                .into_iter()
+                .filter(|(_, x)| self.graph.scope(*x) == Scope::Node && at_level(x))
+                .collect();
+            let kept: Vec<ExprId> = pair_needs.iter().copied().filter(at_level).collect();
+            let mut roots: Vec<ExprId> = nodes.sums.iter().map(|&sum| self.graph.operands(sum)[0]).collect();
+            roots.extend(nodes.outputs.iter().map(|(_, x)| *x));
+            roots.extend(&kept);
+            stores[level].extend(kept);
+
+            let mut loads = Vec::new();
+            let members = {
+                let computed_in = &computed_in;
+                let graph = self.graph;
+                // An earlier loop's value is loaded, unless it is an input or just a changed sign.
+                let is_loaded = |x: ExprId| {
+                    computed_in.contains_key(&x) && !matches!(graph.op(x), Op::Symbol(_) | Op::Neg(_))
+                };
+                let members = self.members(&roots, |x| graph.scope(x) == Scope::Node && !is_loaded(x));
+                let operands = members.iter().flat_map(|&x| graph.operands(x)).chain(roots.iter().copied());
+                for x in operands {
+                    if graph.scope(x) == Scope::Node && is_loaded(x) && !loads.contains(&x) {
+                        loads.push(x);
+                    }
+                }
+                members
+            };
+            for &load in &loads {
+                stores[computed_in[&load]].insert(load);
+            }
+            for &x in &members {
+                computed_in.entry(x).or_insert(level);
+            }
+            nodes.loads = loads;
+            loop_members.push((members, roots));
+        }
+        for (level, phase) in phases.iter_mut().enumerate() {
+            let nodes = &mut phase.nodes;
+            let (members, roots) = &loop_members[level];
+            nodes.stores = members.iter().filter(|x| stores[level].contains(x)).copied().collect();
+            nodes.statements = self.lay_out(members, roots, &stores[level], layout);
+            layout.bound.extend(nodes.loads.iter().copied());
+        }
+    }
+
+    fn schedule_elements(&self, phases: &mut [Phase], layout: &mut Layout) -> HashMap<RootId, Vec<Statement>> {
+        let is_element = |x: ExprId| self.graph.scope(x) == Scope::Element;
+        let mut members: Vec<Vec<ExprId>> = vec![Vec::new(); phases.len()];
+        for &x in self.reachable.iter().filter(|&&x| is_element(x)) {
+            members[self.levels[&x]].push(x);
+        }
+        // What another piece of code uses needs a name.
+        let mut external: HashSet<ExprId> = HashSet::new();
+        for &x in &self.reachable {
+            for operand in self.graph.dependencies(x) {
+                let other_piece = !is_element(x)
+                    || matches!(self.graph.op(x), Op::RootValue(..) | Op::RootFigure(..))
+                    || self.levels[&operand] != self.levels[&x];
+                if is_element(operand) && other_piece {
+                    external.insert(operand);
+                }
+            }
+        }
+        let mut roots = HashMap::new();
+        let results = self.element_results();
+        for (phase, members) in phases.iter_mut().zip(&members) {
+            phase.statements = self.lay_out(members, &results, &external, layout);
+        }
+        for &x in &self.reachable {
+            let Op::RootValue(root, _) = self.graph.op(x) else { continue };
+            if roots.contains_key(&root) {
+                continue;
+            }
+            let data = self.graph.root(root);
+            let parameters: HashSet<ExprId> = self.graph.dependencies_of_root(root).into_iter().collect();
+            let results: Vec<ExprId> =
+                data.residuals.iter().chain(data.jacobian.iter().flatten()).copied().collect();
+            // Values computed outside stay names here too.
+            let inner = self.members(&results, |x| !parameters.contains(&x) && !layout.bound.contains(&x));
+            let statements = self.lay_out(&inner, &results, &HashSet::new(), layout);
+            roots.insert(root, statements);
+        }
+        roots
+    }
+
+    /// Expressions reachable from `roots` through members, operands first.
+    fn members(&self, roots: &[ExprId], is_member: impl Fn(ExprId) -> bool) -> Vec<ExprId> {
+        let mut seen = HashSet::new();
+        let mut order = Vec::new();
+        for &root in roots {
+            self.visit(root, &is_member, &mut seen, &mut order);
+        }
+        order
+    }
+
+    fn visit(
+        &self,
+        expr: ExprId,
+        is_member: &impl Fn(ExprId) -> bool,
+        seen: &mut HashSet<ExprId>,
+        order: &mut Vec<ExprId>,
+    ) {
+        if !is_member(expr) || !seen.insert(expr) {
+            return;
+        }
+        // The operand made last first: its operands die soonest, which keeps live ranges short.
+        let mut operands = self.graph.operands(expr);
+        if matches!(self.graph.op(expr), Op::Sum(_)) {
+            operands.clear();
+        }
+        operands.sort_unstable_by(|x, y| y.cmp(x));
+        for operand in operands {
+            self.visit(operand, is_member, seen, order);
+        }
+        order.push(expr);
+    }
+
+    /// Decides which members get a name and which products fuse with an addition; returns the `let`s in order.
+    /// `results` are used once more each by what follows the piece, `external` by other pieces.
+    fn lay_out(
+        &self,
+        members: &[ExprId],
+        results: &[ExprId],
+        external: &HashSet<ExprId>,
+        layout: &mut Layout,
+    ) -> Vec<Statement> {
+        let inside: HashSet<ExprId> = members.iter().copied().collect();
+        let mut users: HashMap<ExprId, Vec<ExprId>> = HashMap::new();
+        for &x in members {
+            if matches!(self.graph.op(x), Op::Sum(_)) {
+                continue;
+            }
+            for operand in self.graph.operands(x) {
+                users.entry(operand).or_default().push(x);
+            }
+        }
+        let mut result_uses: HashMap<ExprId, usize> = HashMap::new();
+        for &x in results {
+            *result_uses.entry(x).or_insert(0) += 1;
+        }
+        self.fuse(members, external, &users, layout);
+
+        let mut depth: HashMap<ExprId, usize> = HashMap::new();
+        let mut statements = Vec::new();
+        for &x in members {
+            match self.graph.op(x) {
+                Op::Constant(_) | Op::Symbol(_) => {
+                    layout.bound.insert(x);
+                    continue;
+                }
+                Op::Sum(_) => {
+                    layout.bound.insert(x);
+                    continue;
+                }
+                Op::RootValue(root, _) | Op::RootFigure(root, _) => {
+                    layout.bound.insert(x);
+                    if !statements.contains(&Statement::Solve(root)) {
+                        statements.push(Statement::Solve(root));
+                    }
+                    continue;
+                }
+                _ => {}
+            }
+            let mine = users.get(&x).map_or(&[][..], Vec::as_slice);
+            let nested = 1 + self
+                .graph
+                .operands(x)
+                .iter()
+                .filter(|y| inside.contains(y))
+                .map(|y| depth.get(y).copied().unwrap_or(0))
+                .max()
+                .unwrap_or(0);
+            let op = self.graph.op(x);
+            let always_fused = !mine.is_empty() && mine.iter().all(|&user| self.is_fused_in(x, user, &users, layout));
+            let is_sign = matches!(op, Op::Neg(_));
+            let named = self.graph.name_of(x).is_some() && !matches!(op, Op::Mul(..) | Op::Neg(_));
+            let as_result = result_uses.get(&x).copied().unwrap_or(0);
+            let bind = external.contains(&x)
+                || (mine.len() + as_result > 1 && !(always_fused && as_result == 0) && !is_sign)
+                || (named && !mine.is_empty())
+                || nested > MOST_DEPTH;
+            if bind {
+                layout.bound.insert(x);
+                statements.push(Statement::Let(x));
+            }
+            depth.insert(x, if bind { 0 } else { nested });
+        }
+        statements
+    }
+
+    /// Whether `user` (or each sum the sign `user` stands in) takes the product `x` in fused.
+    fn is_fused_in(
+        &self,
+        x: ExprId,
+        user: ExprId,
+        users: &HashMap<ExprId, Vec<ExprId>>,
+        layout: &Layout,
+    ) -> bool {
+        match self.graph.op(user) {
+            Op::Add(..) => layout.fused.get(&user) == Some(&x),
+            Op::Neg(_) => users
+                .get(&user)
+                .is_some_and(|outer| outer.iter().all(|outer| layout.fused.get(outer) == Some(&user))),
+            _ => false,
+        }
+    }
+
+    /// Chooses for every addition the product fused with it. A product used by several additions is recomputed in
+    /// each, which costs nothing, if all of them can take it in.
+    fn fuse(
+        &self,
+        members: &[ExprId],
+        external: &HashSet<ExprId>,
+        users: &HashMap<ExprId, Vec<ExprId>>,
+        layout: &mut Layout,
+    ) {
+        let inside: HashSet<ExprId> = members.iter().copied().collect();
+        let is_product = |x: ExprId| {
+            let x = match self.graph.op(x) {
+                Op::Neg(inner) => inner,
+                _ => x,
+            };
+            matches!(self.graph.op(x), Op::Mul(..)) && inside.contains(&x) && !external.contains(&x)
+        };
+        let only_added = |x: ExprId| {
+            users.get(&x).is_some_and(|mine| {
+                mine.iter().all(|&user| match self.graph.op(user) {
+                    Op::Add(..) => true,
+                    Op::Neg(_) => !external.contains(&user)
+                        && users.get(&user).is_some_and(|outer| {
+                            outer.iter().all(|&outer| matches!(self.graph.op(outer), Op::Add(..)))
+                        }),
+                    _ => false,
+                })
+            })
+        };
+        let product_of = |x: ExprId| match self.graph.op(x) {
+            Op::Neg(inner) => inner,
+            _ => x,
+        };
+        for &sum in members {
+            let Op::Add(x, y) = self.graph.op(sum) else { continue };
+            let candidates: Vec<ExprId> = [x, y]
+                .into_iter()
+                .filter(|&operand| is_product(operand) && only_added(product_of(operand)))
+                .collect();
+            // With two products to choose from, the one with more users, then the later one, is fused.
+            let uses = |x: ExprId| users.get(&product_of(x)).map_or(0, Vec::len);
+            if let Some(&best) = candidates.iter().max_by_key(|&&x| (uses(x), x)) {
+                layout.fused.insert(sum, best);
+            }
+        }
+    }
+}

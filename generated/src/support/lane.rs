@@ -1,0 +1,112 @@
+//! The arithmetic of the kernels.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A number, or several numbers that go through the same kernel side by side, one element each.
+///
+/// Kernels use these operations only and never branch on values, so a vector of elements needs no other code than
+/// one element. Comparisons choose between values for every lane on its own.
+pub trait Lane:
+    Copy
+    + std::fmt::Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// 0 in all lanes.
+    const ZERO: Self;
+    /// 1 in all lanes.
+    const ONE: Self;
+
+    /// `value` in all lanes.
+    #[must_use]
+    fn splat(value: f64) -> Self;
+
+    /// `self` · `factor` + `term`, fused where the target has the instruction.
+    #[must_use]
+    fn mul_add(self, factor: Self, term: Self) -> Self;
+
+    /// `self` · `factor` − `term`.
+    #[must_use]
+    #[inline(always)]
+    fn mul_sub(self, factor: Self, term: Self) -> Self {
+        self.mul_add(factor, -term)
+    }
+
+    /// `term` − `self` · `factor`.
+    #[must_use]
+    #[inline(always)]
+    fn neg_mul_add(self, factor: Self, term: Self) -> Self {
+        (-self).mul_add(factor, term)
+    }
+
+    /// Square root.
+    #[must_use]
+    fn sqrt(self) -> Self;
+
+    /// Exponential.
+    #[must_use]
+    fn exp(self) -> Self;
+
+    /// Absolute value.
+    #[must_use]
+    fn abs(self) -> Self;
+
+    /// `then` in the lanes where `x` < `y`, elsewhere, also where one is NaN, `otherwise`.
+    #[must_use]
+    fn select_less(x: Self, y: Self, then: Self, otherwise: Self) -> Self;
+
+    /// `self` / `divisor`, and 0 in the lanes where `divisor` is 0.
+    #[must_use]
+    #[inline(always)]
+    fn div_or_zero(self, divisor: Self) -> Self {
+        Self::select_less(Self::ZERO, divisor.abs(), self / divisor, Self::ZERO)
+    }
+
+    /// Whether `x` < `y` in every lane.
+    #[must_use]
+    fn all_less(x: Self, y: Self) -> bool;
+}
+
+impl Lane for f64 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        // Without the instruction, a fused multiply-add is a slow library call.
+        if cfg!(target_feature = "fma") { f64::mul_add(self, factor, term) } else { self * factor + term }
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        f64::exp(self)
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        f64::abs(self)
+    }
+
+    #[inline(always)]
+    fn select_less(x: Self, y: Self, then: Self, otherwise: Self) -> Self {
+        if x < y { then } else { otherwise }
+    }
+
+    #[inline(always)]
+    fn all_less(x: Self, y: Self) -> bool {
+        x < y
+    }
+}

@@ -1,0 +1,19 @@
+//! What generated kernels stand on: the arithmetic they are generic over, their inputs and results, the
+//! iteration for the foot point and the typed status.
+
+mod lane;
+mod newton;
+mod status;
+mod values;
+
+pub use lane::Lane;
+pub use newton::{RootSolution, solve_two_equations};
+pub use status::{Status, PIVOT_TOLERANCE, JACOBIAN_TOLERANCE};
+pub use values::{Basis, CoefficientsValues, GapValues, Inputs, KernelSet, Mode, SurfaceValues};
+
+/// Position of the first entry of a row in a packed lower triangle.
+#[inline(always)]
+#[must_use]
+pub const fn packed_row(row: usize) -> usize {
+    row * (row + 1) / 2
+}

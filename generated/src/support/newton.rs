@@ -1,0 +1,126 @@
+//! Damped, bounded Newton iteration for two equations, all lanes at once.
+
+use super::Lane;
+
+/// Most evaluations of the equations.
+const MOST_ITERATIONS: u32 = 60;
+/// Residual at which the iteration ends, relative to the starting residual or one; a last full step follows and
+/// squares it.
+const TOLERANCE: f64 = 1e-12;
+/// Longest step, in units of the support radius.
+const LONGEST_STEP: f64 = 0.5;
+
+/// Result of an iteration.
+#[derive(Clone, Copy, Debug)]
+pub struct RootSolution<T> {
+    /// The unknowns.
+    pub unknowns: [T; 2],
+    /// Largest absolute residual before the last step, divided by the starting residual or one, whichever is
+    /// larger. Not below [`RootSolution::TOLERANCE`] (or NaN) if the iteration did not converge.
+    pub residual: T,
+    /// Evaluations of the equations.
+    pub iterations: T,
+}
+
+impl<T> RootSolution<T> {
+    /// Bound on the residual of a converged iteration.
+    pub const TOLERANCE: f64 = TOLERANCE;
+}
+
+/// Solves r(y) = 0 from y = 0. `equations` returns the residuals and their Jacobian, row by row.
+///
+/// A step is cut to half the support radius, and halved until it reduces the residual, so that the iteration
+/// cannot leave the region the start belongs to for a far root. Lanes that have converged stay where they are.
+#[inline(always)]
+pub fn solve_two_equations<T: Lane>(equations: impl Fn([T; 2]) -> ([T; 2], [T; 4])) -> RootSolution<T> {
+    let mut y = [T::ZERO; 2];
+    let (mut residual, mut jacobian) = equations(y);
+    let scale = T::ONE / larger(T::ONE, norm(residual));
+    let tolerance = T::splat(TOLERANCE);
+    let mut step = bounded_step(residual, jacobian);
+    let mut iterations = T::ONE;
+    for _ in 1..MOST_ITERATIONS {
+        let relative = norm(residual) * scale;
+        if T::all_less(relative, tolerance) {
+            break;
+        }
+        let active = |then, otherwise| T::select_less(relative, tolerance, otherwise, then);
+        let trial = [y[0] + step[0], y[1] + step[1]];
+        let (trial_residual, trial_jacobian) = equations(trial);
+        let (before, after) = (squared(residual), squared(trial_residual));
+        let accepted = |then, otherwise| active(T::select_less(after, before, then, otherwise), otherwise);
+        for k in 0..2 {
+            y[k] = accepted(trial[k], y[k]);
+            residual[k] = accepted(trial_residual[k], residual[k]);
+        }
+        for k in 0..4 {
+            jacobian[k] = accepted(trial_jacobian[k], jacobian[k]);
+        }
+        let full = bounded_step(residual, jacobian);
+        let half = T::splat(0.5);
+        step = [0, 1].map(|k| accepted(full[k], half * step[k]));
+        iterations = iterations + active(T::ONE, T::ZERO);
+    }
+    let relative = norm(residual) * scale;
+    let last = newton_step(residual, jacobian);
+    RootSolution { unknowns: [y[0] + last[0], y[1] + last[1]], residual: relative, iterations }
+}
+
+/// −J⁻¹ r
+#[inline(always)]
+fn newton_step<T: Lane>(r: [T; 2], j: [T; 4]) -> [T; 2] {
+    let reciprocal = T::ONE / j[0].mul_sub(j[3], j[1] * j[2]);
+    [j[1].mul_sub(r[1], j[3] * r[0]) * reciprocal, j[2].mul_sub(r[0], j[0] * r[1]) * reciprocal]
+}
+
+#[inline(always)]
+fn bounded_step<T: Lane>(r: [T; 2], j: [T; 4]) -> [T; 2] {
+    let step = newton_step(r, j);
+    let length = norm(step);
+    let longest = T::splat(LONGEST_STEP);
+    let factor = T::select_less(longest, length, longest / length, T::ONE);
+    step.map(|x| factor * x)
+}
+
+#[inline(always)]
+fn larger<T: Lane>(x: T, y: T) -> T {
+    T::select_less(x, y, y, x)
+}
+
+/// Largest absolute component.
+#[inline(always)]
+fn norm<T: Lane>(x: [T; 2]) -> T {
+    larger(x[0].abs(), x[1].abs())
+}
+
+#[inline(always)]
+fn squared<T: Lane>(x: [T; 2]) -> T {
+    x[0].mul_add(x[0], x[1] * x[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_smooth_root_is_found_to_rounding() {
+        let solution = solve_two_equations(|[x, y]: [f64; 2]| {
+            ([x * x + y - 0.3, x - y * y + 0.2], [2.0 * x, 1.0, 1.0, -2.0 * y])
+        });
+        let [x, y] = solution.unknowns;
+        assert!((x * x + y - 0.3).abs() < 1e-15 && (x - y * y + 0.2).abs() < 1e-15);
+        assert!(solution.residual < 1e-12);
+    }
+
+    #[test]
+    fn equations_without_a_root_are_reported() {
+        let solution = solve_two_equations(|[x, y]: [f64; 2]| ([x * x + 1.0, y], [2.0 * x + 1e-3, 0.0, 0.0, 1.0]));
+        assert!(!(solution.residual < RootSolution::<f64>::TOLERANCE));
+    }
+
+    #[test]
+    fn a_singular_jacobian_gives_no_converged_number() {
+        let solution = solve_two_equations(|[x, y]: [f64; 2]| ([1.0 + x - x, y], [0.0, 0.0, 0.0, 1.0]));
+        assert!(!(solution.residual < RootSolution::<f64>::TOLERANCE));
+    }
+}

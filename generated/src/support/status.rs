@@ -1,0 +1,88 @@
+//! From a kernel's figures to a typed status.
+
+use super::{CoefficientsValues, GapValues, RootSolution, SurfaceValues};
+
+/// The relative pivot of the moment matrix has to exceed this: below, the last digits of the fit are noise.
+pub const PIVOT_TOLERANCE: f64 = 1e-10;
+/// The determinant of the foot equations' Jacobian has to exceed this in absolute value; it is at least 1 on a
+/// flat surface.
+pub const JACOBIAN_TOLERANCE: f64 = 1e-10;
+
+/// Outcome of one element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Status {
+    /// All results are finite numbers.
+    Ok,
+    /// The moment matrix is singular to working precision.
+    SingularFit {
+        /// Smallest relative pivot.
+        pivot_ratio: f64,
+    },
+    /// The iteration for the foot did not converge.
+    FootDiverged {
+        /// Largest relative residual.
+        residual: f64,
+        /// Evaluations of the equations.
+        iterations: f64,
+    },
+    /// The foot lies outside the domain of influence.
+    FootOutside {
+        /// In-plane distance over the support radius.
+        distance: f64,
+    },
+    /// The slave lies on a centre of curvature.
+    CentreOfCurvature {
+        /// Determinant of the Jacobian.
+        determinant: f64,
+    },
+    /// A result is not a finite number although nothing else is wrong: overflow, or input that was not finite.
+    NotFinite,
+}
+
+// Comparisons below are written so that a NaN fails them.
+impl Status {
+    fn of_fit(pivot_ratio: f64, checksum: f64) -> Self {
+        if !(pivot_ratio > PIVOT_TOLERANCE) {
+            return Self::SingularFit { pivot_ratio };
+        }
+        if checksum.is_finite() { Self::Ok } else { Self::NotFinite }
+    }
+}
+
+impl CoefficientsValues<f64> {
+    /// Whether the values, and the derivatives that came with them, are numbers to use.
+    #[must_use]
+    pub fn status(&self) -> Status {
+        Status::of_fit(self.pivot_ratio, self.checksum)
+    }
+}
+
+impl SurfaceValues<f64> {
+    /// Whether the values, and the derivatives that came with them, are numbers to use.
+    #[must_use]
+    pub fn status(&self) -> Status {
+        Status::of_fit(self.pivot_ratio, self.checksum)
+    }
+}
+
+impl GapValues<f64> {
+    /// Whether the values, and the derivatives that came with them, are numbers to use.
+    #[must_use]
+    pub fn status(&self) -> Status {
+        if !(self.pivot_ratio > PIVOT_TOLERANCE) {
+            return Status::SingularFit { pivot_ratio: self.pivot_ratio };
+        }
+        let determinant = self.jacobian_determinant;
+        if determinant.abs() <= JACOBIAN_TOLERANCE {
+            return Status::CentreOfCurvature { determinant };
+        }
+        if !(self.foot_residual < RootSolution::<f64>::TOLERANCE) {
+            return Status::FootDiverged { residual: self.foot_residual, iterations: self.foot_iterations };
+        }
+        if !(self.foot_distance <= 1.0) {
+            return Status::FootOutside { distance: self.foot_distance };
+        }
+        Status::of_fit(self.pivot_ratio, self.checksum)
+    }
+}

@@ -1,0 +1,144 @@
+//! Inputs and results of kernels.
+
+use super::Lane;
+
+/// Polynomial basis of the moving least squares fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Basis {
+    /// (1, a, b, a², ab, b²): six coefficients, at least six master nodes.
+    Quadratic,
+    /// (1, a, b): three coefficients, at least three master nodes.
+    Linear,
+}
+
+impl Basis {
+    /// Number of coefficients, which is also the smallest number of master nodes.
+    #[must_use]
+    pub const fn size(self) -> usize {
+        match self {
+            Self::Quadratic => 6,
+            Self::Linear => 3,
+        }
+    }
+}
+
+/// How many derivatives are asked for. Each mode contains the ones before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Mode {
+    /// Values only; gradients and Hessians of the output stay empty.
+    Value,
+    /// Values and first derivatives; Hessians stay empty.
+    Gradient,
+    /// Values, first and second derivatives.
+    Hessian,
+}
+
+/// What a kernel reads. Positions are in global axes.
+#[derive(Clone, Copy, Debug)]
+pub struct Inputs<'a, T> {
+    /// Slave node x^c.
+    pub slave: [T; 3],
+    /// Master nodes x^1 … x^n.
+    pub masters: &'a [[T; 3]],
+    /// First in-plane direction of the local frame.
+    pub t1: [T; 3],
+    /// Second in-plane direction.
+    pub t2: [T; 3],
+    /// Unit normal n̂ of the plane, outward.
+    pub normal: [T; 3],
+    /// Support radius R.
+    pub support_radius: T,
+    /// In-plane offset from the slave at which the surface kernels evaluate, length; others ignore it.
+    pub point: [T; 2],
+}
+
+/// Values of the coefficient kernels.
+#[derive(Clone, Copy, Debug)]
+pub struct CoefficientsValues<T> {
+    /// α (13); the linear basis leaves the last three at 0.
+    pub coefficients: [T; 6],
+    /// Smallest pivot of A relative to its diagonal entry.
+    pub pivot_ratio: T,
+    /// Finite only if every result is.
+    pub checksum: T,
+}
+
+/// Values of the surface kernels.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceValues<T> {
+    /// Height f over the slave, length.
+    pub value: T,
+    /// f_1, f_2.
+    pub slopes: [T; 2],
+    /// f_11, f_12, f_22, 1/length.
+    pub curvatures: [T; 3],
+    /// Smallest pivot of A relative to its diagonal entry.
+    pub pivot_ratio: T,
+    /// Finite only if every result is.
+    pub checksum: T,
+}
+
+/// Values of the gap kernels.
+#[derive(Clone, Copy, Debug)]
+pub struct GapValues<T> {
+    /// Signed gap g (19), length.
+    pub gap: T,
+    /// Foot point x^d, global axes.
+    pub foot: [T; 3],
+    /// Unit normal ν (22) at the foot, global axes.
+    pub normal: [T; 3],
+    /// α about the slave (13); the linear basis leaves the last three at 0.
+    pub coefficients: [T; 6],
+    /// Smallest pivot of A relative to its diagonal entry.
+    pub pivot_ratio: T,
+    /// Largest foot residual, relative to the starting residual or R.
+    pub foot_residual: T,
+    /// Evaluations of the foot equations.
+    pub foot_iterations: T,
+    /// In-plane distance of the foot from the slave over R.
+    pub foot_distance: T,
+    /// Determinant of the foot equations' Jacobian, 0 on a centre of curvature.
+    pub jacobian_determinant: T,
+    /// Finite only if every result is.
+    pub checksum: T,
+}
+
+/// The generated kernels of one weight.
+///
+/// `gradients` and `hessians` hold, one after another, the derivatives with respect to the 3(n+1) global
+/// coordinates ordered slave, master 1, …, master n; a Hessian is its packed lower triangle. What the mode does
+/// not ask for is not touched and may be empty.
+///
+/// # Panics
+/// The methods panic if a slice is shorter than their mode needs.
+pub trait KernelSet {
+    /// The weight's formula.
+    const WEIGHT: &'static str;
+
+    /// α with ∂α/∂x and ∂²α/∂x∂x of each coefficient.
+    fn coefficients<T: Lane>(
+        basis: Basis,
+        mode: Mode,
+        inputs: &Inputs<'_, T>,
+        gradients: &mut [T],
+        hessians: &mut [T],
+    ) -> CoefficientsValues<T>;
+
+    /// f, f_l, f_lm at `inputs.point` with the gradients ∇f, T_1, T_2 and the Hessian H_f.
+    fn surface<T: Lane>(
+        basis: Basis,
+        mode: Mode,
+        inputs: &Inputs<'_, T>,
+        gradients: &mut [T],
+        hessians: &mut [T],
+    ) -> SurfaceValues<T>;
+
+    /// g, foot and ν with the gradient N and the Hessian M.
+    fn gap<T: Lane>(
+        basis: Basis,
+        mode: Mode,
+        inputs: &Inputs<'_, T>,
+        gradients: &mut [T],
+        hessians: &mut [T],
+    ) -> GapValues<T>;
+}

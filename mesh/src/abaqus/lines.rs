@@ -1,0 +1,196 @@
+//! Splits an Abaqus input file into keyword lines and the data lines below them.
+//!
+//! Comments (`**`) and blank lines vanish here, and a line that ends with a comma is joined with the next where
+//! the format says so.
+
+use std::borrow::Cow;
+
+use crate::error::Fault;
+
+/// A keyword line such as `*ELEMENT, TYPE=S4, ELSET=Plate`.
+pub(super) struct Keyword {
+    pub at: usize,
+    /// In upper case, words separated by one space, without the asterisk.
+    pub name: String,
+    /// Names in upper case; values as written, without quotation marks.
+    parameters: Vec<(String, Option<String>)>,
+    text: String,
+}
+
+impl Keyword {
+    fn parse(at: usize, text: &str) -> Self {
+        let mut fields = split_outside_quotes(text).into_iter();
+        let name = normalised(fields.next().unwrap_or_default().trim_start_matches('*'));
+        let parameters = fields
+            .filter(|field| !field.trim().is_empty())
+            .map(|field| match field.split_once('=') {
+                Some((key, value)) => (normalised(key), Some(unquoted(value).to_string())),
+                None => (normalised(field), None),
+            })
+            .collect();
+        Self { at, name, parameters, text: text.to_string() }
+    }
+
+    /// Whether the parameter is present, with or without a value.
+    pub fn has(&self, parameter: &str) -> bool {
+        self.parameters.iter().any(|(key, _)| key == parameter)
+    }
+
+    /// The value of a parameter.
+    pub fn value(&self, parameter: &str) -> Option<&str> {
+        self.parameters
+            .iter()
+            .find(|(key, _)| key == parameter)?
+            .1
+            .as_deref()
+            .filter(|value| !value.is_empty())
+    }
+
+    /// The value of a parameter that must be there.
+    pub fn required(&self, parameter: &str) -> Result<&str, Fault> {
+        self.value(parameter).ok_or_else(|| {
+            Fault::unexpected(self.at, format!("*{} with {parameter}=", self.name), &self.text)
+        })
+    }
+}
+
+/// The fields of a data line, trimmed.
+pub(super) struct Data {
+    pub at: usize,
+    pub fields: Vec<String>,
+}
+
+/// The lines of a file, read in order.
+pub(super) struct Lines<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Lines<'a> {
+    pub fn new(bytes: &'a [u8]) -> Self {
+        let mark: &[u8] = b"\xef\xbb\xbf";
+        Self { bytes, at: if bytes.starts_with(mark) { mark.len() } else { 0 } }
+    }
+
+    /// The next keyword line. A data line is an error: data is read below its keyword.
+    pub fn keyword(&mut self) -> Result<Option<Keyword>, Fault> {
+        let Some((at, line)) = self.next() else { return Ok(None) };
+        if !line.starts_with('*') {
+            return Err(Fault::unexpected(at, "a keyword line (begins with *)", line.as_bytes()));
+        }
+        let mut text = line.into_owned();
+        while text.ends_with(',') {
+            match self.next_if(|line| !line.starts_with('*')) {
+                Some((_, more)) => text.push_str(&more),
+                None => break,
+            }
+        }
+        Ok(Some(Keyword::parse(at, &text)))
+    }
+
+    /// The next data line below the present keyword.
+    pub fn data(&mut self) -> Option<Data> {
+        let (at, line) = self.next_if(|line| !line.starts_with('*'))?;
+        Some(Data {
+            at,
+            fields: split_outside_quotes(&line).into_iter().map(|f| unquoted(f).into()).collect(),
+        })
+    }
+
+    /// The next data line, of exactly `count` fields and at most `extra` more, which are dropped. While fields
+    /// are missing and the line ends with a comma, the next line continues it.
+    pub fn record(&mut self, count: usize, extra: usize, form: &str) -> Result<Option<Data>, Fault> {
+        let Some(mut record) = self.data() else { return Ok(None) };
+        while record.fields.last().is_some_and(String::is_empty) {
+            record.fields.pop();
+            if record.fields.len() >= count {
+                break;
+            }
+            match self.data() {
+                Some(more) => record.fields.extend(more.fields),
+                None if self.at == self.bytes.len() => return Err(Fault::truncated(self.at, form)),
+                None => break,
+            }
+        }
+        if record.fields.len() < count || record.fields.len() > count + extra {
+            return Err(Fault::unexpected(record.at, form, record.fields.join(", ")));
+        }
+        record.fields.truncate(count);
+        Ok(Some(record))
+    }
+
+    /// The next line that is neither blank nor a comment, trimmed, with its position.
+    fn next(&mut self) -> Option<(usize, Cow<'a, str>)> {
+        while self.at < self.bytes.len() {
+            let start = self.at;
+            let rest = &self.bytes[start..];
+            let length = rest.iter().position(|&byte| byte == b'\n').unwrap_or(rest.len());
+            self.at = (start + length + 1).min(self.bytes.len());
+            let line = rest[..length].trim_ascii();
+            if !line.is_empty() && !line.starts_with(b"**") {
+                return Some((start, String::from_utf8_lossy(line)));
+            }
+        }
+        None
+    }
+
+    fn next_if(&mut self, condition: impl Fn(&str) -> bool) -> Option<(usize, Cow<'a, str>)> {
+        let before = self.at;
+        let line = self.next();
+        match line {
+            Some((_, text)) if !condition(&text) => {
+                self.at = before;
+                None
+            }
+            other => other,
+        }
+    }
+}
+
+fn split_outside_quotes(text: &str) -> Vec<&str> {
+    let mut quoted = false;
+    text.split(|character| {
+        quoted ^= character == '"';
+        character == ',' && !quoted
+    })
+    .collect()
+}
+
+fn unquoted(text: &str) -> &str {
+    let text = text.trim();
+    text.strip_prefix('"').and_then(|inner| inner.strip_suffix('"')).unwrap_or(text)
+}
+
+fn normalised(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ").to_uppercase()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keywords_ignore_case_spaces_and_comments_and_continue_after_a_comma() {
+        let mut lines =
+            Lines::new(b"** a comment\r\n\n*Element,  type = S4r,\r\n** another\n elset=\"My, Set\"\n1,2\n");
+        let keyword = lines.keyword().unwrap().unwrap();
+        assert_eq!(keyword.name, "ELEMENT");
+        assert_eq!(keyword.value("TYPE"), Some("S4r"));
+        assert_eq!(keyword.value("ELSET"), Some("My, Set"));
+        assert!(keyword.required("NSET").is_err());
+        assert_eq!(lines.data().unwrap().fields, ["1", "2"]);
+        assert!(lines.data().is_none());
+        assert!(lines.keyword().unwrap().is_none());
+    }
+
+    #[test]
+    fn records_gather_continued_lines() {
+        let mut lines = Lines::new(b"1, 2,\n3, 4,\n5,\n6, 7, 8\n9, 10\n11,");
+        let mut record = || lines.record(4, 0, "four numbers");
+        assert_eq!(record().unwrap().unwrap().fields, ["1", "2", "3", "4"]);
+        assert_eq!(record().unwrap().unwrap().fields, ["5", "6", "7", "8"]);
+        assert!(record().is_err());
+        assert!(record().is_err());
+        assert!(record().unwrap().is_none());
+    }
+}

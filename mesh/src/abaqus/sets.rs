@@ -1,0 +1,131 @@
+//! Named sets of an Abaqus file: collected as written, resolved once all nodes and elements are known.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use crate::error::{Fault, Problem};
+
+/// Where a name is defined. A part and the model around it may use the same name for different sets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Level {
+    /// Inside `*PART` or `*INSTANCE`.
+    Part,
+    /// Elsewhere: in the assembly, or in a file without parts.
+    Model,
+}
+
+/// What a data line puts into a set.
+#[derive(Clone, Copy)]
+pub(super) enum Member {
+    /// The tags `first`, `first + step`, ... up to `last`.
+    Tags { first: u64, last: u64, step: u64 },
+    /// What the set with this number holds so far.
+    Set(usize),
+}
+
+impl Member {
+    pub fn tag(tag: u64) -> Self {
+        Member::Tags { first: tag, last: tag, step: 1 }
+    }
+}
+
+/// The names of one name space. Letter case does not count; the first spelling is kept.
+#[derive(Default)]
+pub(super) struct Names {
+    numbers: HashMap<(Level, String), usize>,
+    spellings: Vec<(Level, String)>,
+}
+
+impl Names {
+    /// The number of the set of this name, which is created if there is none.
+    pub fn define(&mut self, level: Level, name: &str) -> usize {
+        *self.numbers.entry((level, name.to_uppercase())).or_insert_with(|| {
+            self.spellings.push((level, name.to_string()));
+            self.spellings.len() - 1
+        })
+    }
+
+    pub fn find(&self, level: Level, name: &str) -> Option<usize> {
+        self.numbers.get(&(level, name.to_uppercase())).copied()
+    }
+
+    /// How many names there are.
+    pub fn count(&self) -> usize {
+        self.spellings.len()
+    }
+
+    /// A set's name as it was first written.
+    pub fn spelling(&self, number: usize) -> &str {
+        &self.spellings[number].1
+    }
+
+    /// Names the sets for the outside: a part's set whose name the model uses too is qualified by the instance.
+    pub fn publish<T>(&self, sets: Vec<T>, instance: &str) -> BTreeMap<String, T> {
+        let public = |(level, name): &(Level, String)| match level {
+            Level::Part if self.find(Level::Model, name).is_some() => format!("{instance}.{name}"),
+            _ => name.clone(),
+        };
+        self.spellings.iter().map(public).zip(sets).collect()
+    }
+}
+
+/// The sets of nodes, or the sets of elements.
+pub(super) struct Sets {
+    pub names: Names,
+    /// `"node"` or `"element"`.
+    pub of: &'static str,
+    entries: Vec<Entry>,
+}
+
+struct Entry {
+    at: usize,
+    set: usize,
+    member: Member,
+}
+
+impl Sets {
+    pub fn new(of: &'static str) -> Self {
+        Self { names: Names::default(), of, entries: Vec::new() }
+    }
+
+    pub fn add(&mut self, set: usize, member: Member, at: usize) {
+        self.entries.push(Entry { at, set, member });
+    }
+
+    /// The indices in every set. `index_of` turns a tag into an index.
+    pub fn resolve(&self, index_of: impl Fn(u64) -> Option<usize>) -> Result<Vec<BTreeSet<usize>>, Fault> {
+        let mut sets = vec![BTreeSet::new(); self.names.count()];
+        for &Entry { at, set, member } in &self.entries {
+            let members = self.members(member, &sets, &index_of).map_err(|tag| {
+                let set = self.names.spelling(set).to_string();
+                Fault::new(at, Problem::MissingMember { set, member: format!("{} {tag}", self.of) })
+            })?;
+            sets[set].extend(members);
+        }
+        Ok(sets)
+    }
+
+    /// The indices that a member stands for, or the first tag that does not exist.
+    pub fn members(
+        &self,
+        member: Member,
+        sets: &[BTreeSet<usize>],
+        index_of: impl Fn(u64) -> Option<usize>,
+    ) -> Result<Vec<usize>, u64> {
+        match member {
+            Member::Set(number) => Ok(sets[number].iter().copied().collect()),
+            Member::Tags { first, last, step } => {
+                // Ends at the first missing tag, so a huge range costs no more than the mesh is large.
+                let mut indices = Vec::new();
+                let mut tag = first;
+                while tag <= last {
+                    indices.push(index_of(tag).ok_or(tag)?);
+                    match tag.checked_add(step) {
+                        Some(next) => tag = next,
+                        None => break,
+                    }
+                }
+                Ok(indices)
+            }
+        }
+    }
+}

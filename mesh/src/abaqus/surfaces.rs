@@ -1,0 +1,182 @@
+//! `*SURFACE`: faces of elements, or nodes.
+
+use std::collections::{BTreeMap, BTreeSet, HashSet};
+
+use super::SetKind;
+use super::sets::{Level, Member, Names, Sets};
+use crate::element::{Element, ElementKind, Facet};
+use crate::error::{Fault, Problem};
+
+/// All surfaces of a file. Those of nodes and those of faces are numbered apart.
+#[derive(Default)]
+pub(super) struct Surfaces {
+    of_faces: Names,
+    faces: Vec<FaceEntry>,
+    of_nodes: Names,
+    nodes: Vec<NodeEntry>,
+}
+
+struct FaceEntry {
+    at: usize,
+    surface: usize,
+    member: Member,
+    face: Face,
+}
+
+struct NodeEntry {
+    at: usize,
+    surface: usize,
+    member: Member,
+}
+
+/// A face identifier.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Face {
+    /// `SPOS`: the side of a shell its normal points to.
+    Positive,
+    /// `SNEG`: the other side.
+    Negative,
+    /// `S1`, `S2`, ... of a solid, from 0.
+    Number(usize),
+}
+
+impl Face {
+    fn parse(text: &str) -> Option<Self> {
+        let text = text.to_uppercase();
+        match text.as_str() {
+            "SPOS" => Some(Face::Positive),
+            "SNEG" => Some(Face::Negative),
+            _ => match text.strip_prefix('S')?.parse() {
+                Ok(number @ 1..=6) => Some(Face::Number(number - 1)),
+                _ => None,
+            },
+        }
+    }
+
+    fn facet(self, element: &Element) -> Option<Facet> {
+        match self {
+            Face::Positive => element.facet(),
+            Face::Negative => element.facet().map(Facet::reversed),
+            Face::Number(number) => element.face(number),
+        }
+    }
+}
+
+impl std::fmt::Display for Face {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Face::Positive => f.write_str("SPOS"),
+            Face::Negative => f.write_str("SNEG"),
+            Face::Number(number) => write!(f, "S{}", number + 1),
+        }
+    }
+}
+
+impl Surfaces {
+    pub fn define(&mut self, kind: SetKind, level: Level, name: &str) -> usize {
+        match kind {
+            SetKind::Node => self.of_nodes.define(level, name),
+            SetKind::Element => self.of_faces.define(level, name),
+        }
+    }
+
+    pub fn add_nodes(&mut self, surface: usize, member: Member, at: usize) {
+        self.nodes.push(NodeEntry { at, surface, member });
+    }
+
+    pub fn add_face(&mut self, surface: usize, member: Member, face: &str, at: usize) -> Result<(), Fault> {
+        let face = Face::parse(face).ok_or_else(|| {
+            Fault::unexpected(at, "a face identifier (SPOS, SNEG or S1 to S6) after the element set", face)
+        })?;
+        self.faces.push(FaceEntry { at, surface, member, face });
+        Ok(())
+    }
+
+    /// The facets of every surface of faces, each face once.
+    pub fn resolve_facets(
+        &self,
+        element_sets: &Sets,
+        elements_in: &[BTreeSet<usize>],
+        element_index: impl Fn(u64) -> Option<usize>,
+        elements: &[Element],
+    ) -> Result<Vec<Vec<Facet>>, Fault> {
+        let mut surfaces = vec![Vec::new(); self.of_faces.count()];
+        let mut seen = HashSet::new();
+        for &FaceEntry { at, surface, member, face } in &self.faces {
+            let members = element_sets
+                .members(member, elements_in, &element_index)
+                .map_err(|tag| missing(&self.of_faces, surface, "element", tag, at))?;
+            for index in members {
+                let facet = face
+                    .facet(&elements[index])
+                    .ok_or_else(|| Fault::new(at, wrong_face(face, &elements[index])))?;
+                if seen.insert((surface, index, face)) {
+                    surfaces[surface].push(facet);
+                }
+            }
+        }
+        Ok(surfaces)
+    }
+
+    /// The nodes of every surface of nodes.
+    pub fn resolve_nodes(
+        &self,
+        node_sets: &Sets,
+        nodes_in: &[BTreeSet<usize>],
+        node_index: impl Fn(u64) -> Option<usize>,
+    ) -> Result<Vec<(usize, BTreeSet<usize>)>, Fault> {
+        let mut surfaces = vec![(0, BTreeSet::new()); self.of_nodes.count()];
+        for &NodeEntry { at, surface, member } in &self.nodes {
+            let members = node_sets
+                .members(member, nodes_in, &node_index)
+                .map_err(|tag| missing(&self.of_nodes, surface, "node", tag, at))?;
+            surfaces[surface].0 = at;
+            surfaces[surface].1.extend(members);
+        }
+        Ok(surfaces)
+    }
+
+    /// Adds the surfaces of nodes to the node sets, unless a name stands for two different sets then.
+    pub fn merge_node_surfaces(
+        &self,
+        node_sets: &mut BTreeMap<String, Vec<usize>>,
+        surfaces: Vec<(usize, BTreeSet<usize>)>,
+        owner: &str,
+    ) -> Result<(), Fault> {
+        for (name, (at, nodes)) in self.of_nodes.publish(surfaces, owner) {
+            let nodes: Vec<usize> = nodes.into_iter().collect();
+            let alike = node_sets.iter().find(|(other, _)| other.to_uppercase() == name.to_uppercase());
+            match alike {
+                Some((_, others)) if *others == nodes => {}
+                Some(_) => {
+                    let feature = format!("a *SURFACE of nodes with the name {name:?} of a different *NSET");
+                    let advice = "rename one of the two";
+                    return Err(Fault::new(at, Problem::UnsupportedFeature { feature, advice }));
+                }
+                None => {
+                    node_sets.insert(name, nodes);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    pub fn publish_facets(&self, facets: Vec<Vec<Facet>>, owner: &str) -> BTreeMap<String, Vec<Facet>> {
+        self.of_faces.publish(facets, owner)
+    }
+}
+
+fn missing(names: &Names, surface: usize, what: &str, tag: u64, at: usize) -> Fault {
+    let set = names.spelling(surface).to_string();
+    Fault::new(at, Problem::MissingMember { set, member: format!("{what} {tag}") })
+}
+
+fn wrong_face(face: Face, element: &Element) -> Problem {
+    let advice = match element.kind() {
+        ElementKind::Triangle3 | ElementKind::Quadrilateral4 => "its sides are SPOS and SNEG",
+        ElementKind::Tetrahedron4 => "its faces are S1 to S4",
+        ElementKind::Hexahedron8 => "its faces are S1 to S6",
+        ElementKind::Point1 | ElementKind::Line2 => "it has no faces",
+    };
+    Problem::WrongFace { face: face.to_string(), element: element.tag(), kind: element.kind().name(), advice }
+}

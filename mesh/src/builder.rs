@@ -1,0 +1,91 @@
+//! Collects nodes and elements by tag while a file is read, then checks them and turns tags into indices.
+
+use std::collections::HashMap;
+
+use crate::element::{Element, ElementKind};
+use crate::error::{Fault, Problem};
+
+/// Nodes and elements of a file under way. `at` is always the byte at which an item was read, for messages.
+#[derive(Default)]
+pub(crate) struct Builder {
+    nodes: Vec<[f64; 3]>,
+    node_tags: Vec<u64>,
+    node_index: HashMap<u64, usize>,
+    elements: Vec<TaggedElement>,
+    element_index: HashMap<u64, usize>,
+}
+
+/// An element whose nodes are still tags, since the nodes may follow later in the file.
+struct TaggedElement {
+    kind: ElementKind,
+    tag: u64,
+    nodes: [u64; 8],
+    at: usize,
+}
+
+impl Builder {
+    /// Adds a node: its tag and its coordinates, each with its place.
+    pub fn add_node(
+        &mut self,
+        (tag, tag_at): (u64, usize),
+        (coordinates, at): ([f64; 3], usize),
+    ) -> Result<(), Fault> {
+        for (axis, value) in ['x', 'y', 'z'].into_iter().zip(coordinates) {
+            if !value.is_finite() {
+                return Err(Fault::new(at, Problem::NonFiniteCoordinate { tag, axis, value }));
+            }
+        }
+        if self.node_index.insert(tag, self.nodes.len()).is_some() {
+            return Err(Fault::new(tag_at, Problem::DuplicateNode { tag }));
+        }
+        self.nodes.push(coordinates);
+        self.node_tags.push(tag);
+        Ok(())
+    }
+
+    /// Adds an element; `nodes` holds tags, beyond the kind's count it is ignored.
+    pub fn add_element(
+        &mut self,
+        kind: ElementKind,
+        tag: u64,
+        nodes: [u64; 8],
+        at: usize,
+    ) -> Result<(), Fault> {
+        if self.element_index.insert(tag, self.elements.len()).is_some() {
+            return Err(Fault::new(at, Problem::DuplicateElement { tag }));
+        }
+        self.elements.push(TaggedElement { kind, tag, nodes, at });
+        Ok(())
+    }
+
+    pub fn node_index(&self, tag: u64) -> Option<usize> {
+        self.node_index.get(&tag).copied()
+    }
+
+    pub fn element_index(&self, tag: u64) -> Option<usize> {
+        self.element_index.get(&tag).copied()
+    }
+
+    /// The elements with node indices in place of tags, once all nodes are known.
+    pub fn resolved_elements(&self) -> Result<Vec<Element>, Fault> {
+        self.elements.iter().map(|element| self.resolved(element)).collect()
+    }
+
+    fn resolved(&self, &TaggedElement { kind, tag, nodes, at }: &TaggedElement) -> Result<Element, Fault> {
+        let mut indices = [0; 8];
+        for (i, &node) in nodes[..kind.node_count()].iter().enumerate() {
+            if nodes[..i].contains(&node) {
+                return Err(Fault::new(at, Problem::RepeatedNode { element: tag, node }));
+            }
+            indices[i] = self
+                .node_index(node)
+                .ok_or_else(|| Fault::new(at, Problem::MissingNode { element: tag, node }))?;
+        }
+        Ok(Element::new(kind, tag, indices))
+    }
+
+    /// Coordinates and tags of the nodes.
+    pub fn into_nodes(self) -> (Vec<[f64; 3]>, Vec<u64>) {
+        (self.nodes, self.node_tags)
+    }
+}

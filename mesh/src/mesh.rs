@@ -1,0 +1,217 @@
+//! The mesh as its users see it: nodes, elements, named sets.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use crate::element::{Element, ElementKind, Facet};
+use crate::error::MeshError;
+use crate::{abaqus, gmsh, names};
+
+/// A finite element mesh with named sets.
+///
+/// Nodes and elements keep the order of the file and are referred to by index, from 0; their numbers in the
+/// file are called tags. Sets are sorted by index and hold nothing twice.
+///
+/// # Names
+///
+/// A set is found by its exact name or, failing that, by its name in other letter case, if that is unique
+/// (Abaqus does not tell case apart, Gmsh does). Node sets, element sets and surfaces are three name spaces, as
+/// in Abaqus; [`facets`](Self::facets) and [`nodes_of`](Self::nodes_of) say in which order they look.
+///
+/// | file | node sets | element sets | surfaces |
+/// | --- | --- | --- | --- |
+/// | Gmsh | | physical groups (several of one name are united; one without a name is called `"surface 3"` after its dimension and tag) | physical surfaces that reverse an entity |
+/// | Abaqus | `*NSET`, `*NODE, NSET=`, `*SURFACE, TYPE=NODE` | `*ELSET`, `*ELEMENT, ELSET=` | `*SURFACE, TYPE=ELEMENT` |
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    pub(crate) nodes: Vec<[f64; 3]>,
+    pub(crate) node_tags: Vec<u64>,
+    pub(crate) elements: Vec<Element>,
+    pub(crate) node_sets: BTreeMap<String, Vec<usize>>,
+    pub(crate) element_sets: BTreeMap<String, Vec<usize>>,
+    pub(crate) surfaces: BTreeMap<String, Vec<Facet>>,
+}
+
+impl Mesh {
+    /// Reads a mesh file. The extension tells the format (`.msh`, `.inp`); if it does not, the content does.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, MeshError> {
+        let path = path.as_ref();
+        let bytes =
+            std::fs::read(path).map_err(|cause| MeshError::Read { path: path.to_path_buf(), cause })?;
+        let extension = path.extension().and_then(|extension| extension.to_str()).map(str::to_lowercase);
+        match extension.as_deref() {
+            Some("msh") => Self::from_gmsh(&bytes, path),
+            Some("inp") => Self::from_abaqus(&bytes, path),
+            _ => match bytes.trim_ascii_start().first() {
+                Some(b'$') => Self::from_gmsh(&bytes, path),
+                Some(b'*') => Self::from_abaqus(&bytes, path),
+                _ => Err(MeshError::UnknownFormat { path: path.to_path_buf() }),
+            },
+        }
+    }
+
+    /// Reads the content of a Gmsh file, MSH 4.1, ASCII or binary. `path` is only used in messages.
+    pub fn from_gmsh(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, MeshError> {
+        gmsh::read(bytes, path.as_ref())?.unless_empty(path.as_ref())
+    }
+
+    /// Reads the content of an Abaqus input file. `path` is only used in messages.
+    pub fn from_abaqus(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, MeshError> {
+        let path = path.as_ref();
+        abaqus::read(bytes).map_err(|fault| fault.in_text(path, bytes))?.unless_empty(path)
+    }
+
+    fn unless_empty(self, path: &Path) -> Result<Self, MeshError> {
+        let what = match (self.nodes.is_empty(), self.elements.is_empty()) {
+            (true, _) => "nodes",
+            (false, true) => "elements",
+            (false, false) => return Ok(self),
+        };
+        Err(MeshError::Empty { path: path.to_path_buf(), what })
+    }
+
+    /// Coordinates of the nodes.
+    pub fn nodes(&self) -> &[[f64; 3]] {
+        &self.nodes
+    }
+
+    /// The numbers of the nodes in the file.
+    pub fn node_tags(&self) -> &[u64] {
+        &self.node_tags
+    }
+
+    /// All elements, of all kinds.
+    pub fn elements(&self) -> &[Element] {
+        &self.elements
+    }
+
+    /// The elements of one kind.
+    pub fn elements_of_kind(&self, kind: ElementKind) -> impl Iterator<Item = &Element> {
+        self.elements.iter().filter(move |element| element.kind() == kind)
+    }
+
+    /// Sets of nodes by name, as node indices.
+    pub fn node_sets(&self) -> &BTreeMap<String, Vec<usize>> {
+        &self.node_sets
+    }
+
+    /// Sets of elements by name, as element indices.
+    pub fn element_sets(&self) -> &BTreeMap<String, Vec<usize>> {
+        &self.element_sets
+    }
+
+    /// Surfaces by name that are more than a set of elements: faces of solids, reversed facets.
+    pub fn surfaces(&self) -> &BTreeMap<String, Vec<Facet>> {
+        &self.surfaces
+    }
+
+    /// The names of all sets and surfaces, sorted, each once.
+    pub fn set_names(&self) -> Vec<&str> {
+        let names: BTreeSet<&str> = self
+            .node_sets
+            .keys()
+            .chain(self.element_sets.keys())
+            .chain(self.surfaces.keys())
+            .map(String::as_str)
+            .collect();
+        names.into_iter().collect()
+    }
+
+    /// The facets of the surface, or else of the element set, of this name.
+    ///
+    /// Of an element set these are its triangles and quadrilaterals; elements of other kinds do not count.
+    /// The result is never empty: a set without facets is an error.
+    pub fn facets(&self, name: &str) -> Result<Vec<Facet>, MeshError> {
+        if let Some(surface) = find(&self.surfaces, name).filter(|surface| !surface.is_empty()) {
+            return Ok(surface.clone());
+        }
+        let elements = find(&self.element_sets, name);
+        let facets: Vec<Facet> =
+            elements.into_iter().flatten().filter_map(|&index| self.elements[index].facet()).collect();
+        if facets.is_empty() {
+            let holds = self.content(name).ok_or_else(|| self.unknown_set(name))?;
+            return Err(MeshError::NoFacets { name: name.into(), holds });
+        }
+        Ok(facets)
+    }
+
+    /// The nodes of the node set, or else the surface, or else the element set, of this name, as sorted indices.
+    pub fn nodes_of(&self, name: &str) -> Result<Vec<usize>, MeshError> {
+        let unite = |nodes: BTreeSet<usize>| nodes.into_iter().collect();
+        if let Some(nodes) = find(&self.node_sets, name) {
+            Ok(nodes.clone())
+        } else if let Some(surface) = find(&self.surfaces, name) {
+            Ok(unite(surface.iter().flat_map(Facet::nodes).copied().collect()))
+        } else if let Some(elements) = find(&self.element_sets, name) {
+            Ok(unite(elements.iter().flat_map(|&index| self.elements[index].nodes()).copied().collect()))
+        } else {
+            Err(self.unknown_set(name))
+        }
+    }
+
+    /// The elements of the element set of this name, as sorted indices.
+    pub fn elements_of(&self, name: &str) -> Result<&[usize], MeshError> {
+        match find(&self.element_sets, name) {
+            Some(elements) => Ok(elements),
+            None => {
+                let holds = self.content(name).ok_or_else(|| self.unknown_set(name))?;
+                Err(MeshError::NoElements { name: name.into(), holds })
+            }
+        }
+    }
+
+    /// What there is by this name, in words.
+    fn content(&self, name: &str) -> Option<String> {
+        let mut counts = BTreeMap::new();
+        let elements = find(&self.element_sets, name);
+        for &index in elements.into_iter().flatten() {
+            *counts.entry(self.elements[index].kind()).or_insert(0) += 1;
+        }
+        let mut parts: Vec<String> =
+            counts.iter().map(|(kind, count)| format!("{count} {}", kind.plural())).collect();
+        let surface = find(&self.surfaces, name);
+        parts.extend(surface.map(|facets| format!("{} facets", facets.len())));
+        let nodes = find(&self.node_sets, name);
+        parts.extend(nodes.map(|nodes| format!("{} nodes", nodes.len())));
+        if parts.is_empty() && elements.is_some() {
+            parts.push("nothing".into());
+        }
+        (!parts.is_empty()).then(|| parts.join(", "))
+    }
+
+    fn unknown_set(&self, name: &str) -> MeshError {
+        let available = self.set_names();
+        MeshError::UnknownSet {
+            name: name.into(),
+            nearest: names::nearest(name, available.iter().copied()).map(String::from),
+            available: available.into_iter().map(String::from).collect(),
+        }
+    }
+}
+
+/// The entry of this name or, failing that, the only one whose name differs by letter case alone.
+fn find<'a, T>(sets: &'a BTreeMap<String, T>, name: &str) -> Option<&'a T> {
+    sets.get(name).or_else(|| {
+        let folded = name.to_lowercase();
+        let mut alike = sets.iter().filter(|(candidate, _)| candidate.to_lowercase() == folded);
+        match (alike.next(), alike.next()) {
+            (Some((_, set)), None) => Some(set),
+            _ => None,
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_found_in_other_case_only_if_unique() {
+        let sets = BTreeMap::from([("A".to_string(), 1), ("a".to_string(), 2), ("Plate".to_string(), 3)]);
+        assert_eq!(find(&sets, "a"), Some(&2));
+        assert_eq!(find(&sets, "PLATE"), Some(&3));
+        assert_eq!(find(&sets, "b"), None);
+        let both = BTreeMap::from([("Ab".to_string(), 1), ("aB".to_string(), 2)]);
+        assert_eq!(find(&both, "ab"), None);
+    }
+}

@@ -1,0 +1,105 @@
+//! Why a grid was not written.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// Why a grid was not written.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum VtuError {
+    /// The file cannot be written; if there was a file of this name before, it is unchanged.
+    #[error("{path}: cannot write the file: {cause}")]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        cause: std::io::Error,
+    },
+    /// The writer given refused the output.
+    #[error("cannot write the grid: {cause}")]
+    Output {
+        /// What the writer says.
+        cause: std::io::Error,
+    },
+    /// An array has not one value for each point or cell.
+    #[error("{name:?} has {found} values for {expected} {attached}")]
+    LengthMismatch {
+        /// The array.
+        name: String,
+        /// Where it belongs.
+        attached: Attached,
+        /// The number of points or cells.
+        expected: usize,
+        /// The number of values.
+        found: usize,
+    },
+    /// Two arrays on the points, or two on the cells, share a name.
+    #[error("the {attached} have two arrays named {name:?}")]
+    DuplicateName {
+        /// The name.
+        name: String,
+        /// Where they belong.
+        attached: Attached,
+    },
+    /// A name is empty or contains control characters that XML cannot express.
+    #[error("{name:?} cannot be the name of an array: it is empty or has characters that XML does not allow")]
+    InvalidName {
+        /// The name.
+        name: String,
+    },
+    /// A cell has the wrong number of nodes.
+    #[error("cell {cell}, a {kind}, has {found} nodes in place of {expected}")]
+    CellNodeCount {
+        /// Which cell, from 0.
+        cell: usize,
+        /// Its kind.
+        kind: &'static str,
+        /// The number of nodes of this kind.
+        expected: usize,
+        /// The number given.
+        found: usize,
+    },
+    /// A cell refers to a point that does not exist.
+    #[error("cell {cell} refers to point {node}, but there are only {points} points")]
+    NodeOutOfRange {
+        /// Which cell, from 0.
+        cell: usize,
+        /// The point's index, from 0.
+        node: usize,
+        /// The number of points.
+        points: usize,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("point {point} has a coordinate that is not a finite number")]
+    NonFinitePoint {
+        /// Which point, from 0.
+        point: usize,
+    },
+    /// NaN or an infinity is to be written as text, which VTK does not read.
+    #[error("value {index} of {name:?} is not a finite number, which only binary files can hold")]
+    NonFiniteText {
+        /// The array.
+        name: String,
+        /// Which value, from 0.
+        index: usize,
+    },
+}
+
+/// What an array belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Attached {
+    /// The points.
+    Points,
+    /// The cells.
+    Cells,
+}
+
+impl std::fmt::Display for Attached {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Attached::Points => "points",
+            Attached::Cells => "cells",
+        })
+    }
+}

@@ -1,0 +1,338 @@
+//! Writes unstructured grids in VTK's XML format (`.vtu`), as ParaView reads it.
+//!
+//! ```
+//! use diffuse_contact_mesh::{ElementKind, VtuFile};
+//!
+//! let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+//! let mut bytes = Vec::new();
+//! VtuFile::new()
+//!     .points(&points)
+//!     .cell(ElementKind::Triangle3, &[0, 1, 2])
+//!     .point_scalars("gap", &[0.1, 0.2, -0.3])
+//!     .cell_i32("status", &[1])
+//!     .write_to(&mut bytes)?;
+//! assert!(bytes.starts_with(b"<?xml"));
+//! # Ok::<(), diffuse_contact_mesh::VtuError>(())
+//! ```
+
+mod array;
+mod error;
+mod file;
+
+use std::borrow::Cow;
+use std::collections::HashSet;
+use std::io::{self, Write};
+use std::path::Path;
+
+use crate::element::{Cell, ElementKind};
+use crate::mesh::Mesh;
+use array::{Array, Values, escaped, is_xml_text};
+pub use error::{Attached, VtuError};
+
+/// How numbers are written. Both keep every bit of a finite number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Encoding {
+    /// Appended raw binary: compact and fast. XML tools other than VTK's do not read such a file.
+    #[default]
+    Binary,
+    /// Text in valid XML. Numbers must be finite, since VTK does not read others as text.
+    Ascii,
+}
+
+/// An unstructured grid with data on its points and cells, put together call by call and then written.
+///
+/// Nothing is checked before it is written, so the calls may come in any order. Data is borrowed or owned,
+/// whichever is given.
+#[derive(Clone, Debug, Default)]
+pub struct VtuFile<'a> {
+    points: Cow<'a, [[f64; 3]]>,
+    cells: Cells,
+    point_data: Vec<Field<'a>>,
+    cell_data: Vec<Field<'a>>,
+    encoding: Encoding,
+}
+
+/// Cells as VTK stores them.
+#[derive(Clone, Debug, Default)]
+struct Cells {
+    kinds: Vec<ElementKind>,
+    connectivity: Vec<usize>,
+    /// For each cell, the end of its nodes in `connectivity`.
+    ends: Vec<usize>,
+}
+
+impl Cells {
+    fn push(&mut self, kind: ElementKind, nodes: &[usize]) {
+        self.kinds.push(kind);
+        self.connectivity.extend(nodes);
+        self.ends.push(self.connectivity.len());
+    }
+
+    /// Every cell's kind and nodes.
+    fn iter(&self) -> impl Iterator<Item = (ElementKind, &[usize])> {
+        let begins = std::iter::once(0).chain(self.ends.iter().copied());
+        let nodes = begins.zip(&self.ends).map(|(begin, &end)| &self.connectivity[begin..end]);
+        self.kinds.iter().copied().zip(nodes)
+    }
+
+    fn check(&self, points: usize) -> Result<(), VtuError> {
+        for (cell, (kind, nodes)) in self.iter().enumerate() {
+            if nodes.len() != kind.node_count() {
+                return Err(VtuError::CellNodeCount {
+                    cell,
+                    kind: kind.name(),
+                    expected: kind.node_count(),
+                    found: nodes.len(),
+                });
+            }
+            if let Some(&node) = nodes.iter().find(|&&node| node >= points) {
+                return Err(VtuError::NodeOutOfRange { cell, node, points });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A named array on the points or on the cells.
+#[derive(Clone, Debug)]
+struct Field<'a> {
+    name: String,
+    values: Values<'a>,
+}
+
+impl<'a> VtuFile<'a> {
+    /// An empty grid.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The grid of a mesh: all nodes, all elements.
+    pub fn of_mesh(mesh: &'a Mesh) -> Self {
+        Self::new().points(mesh.nodes()).cells(mesh.elements())
+    }
+
+    /// Sets the points, in place of any given before.
+    pub fn points(mut self, points: impl Into<Cow<'a, [[f64; 3]]>>) -> Self {
+        self.points = points.into();
+        self
+    }
+
+    /// Adds cells: elements, facets, or pairs of kind and nodes.
+    pub fn cells<C: Cell>(mut self, cells: impl IntoIterator<Item = C>) -> Self {
+        for cell in cells {
+            self.cells.push(cell.kind(), cell.nodes());
+        }
+        self
+    }
+
+    /// Adds one cell.
+    pub fn cell(mut self, kind: ElementKind, nodes: &[usize]) -> Self {
+        self.cells.push(kind, nodes);
+        self
+    }
+
+    /// Adds a vertex cell for each of these points: without cells, ParaView shows no points.
+    pub fn vertices(mut self, points: impl IntoIterator<Item = usize>) -> Self {
+        for point in points {
+            self.cells.push(ElementKind::Point1, &[point]);
+        }
+        self
+    }
+
+    /// Adds a number for each point.
+    pub fn point_scalars(self, name: impl Into<String>, values: impl Into<Cow<'a, [f64]>>) -> Self {
+        self.point_field(name, Values::Scalars(values.into()))
+    }
+
+    /// Adds a vector for each point.
+    pub fn point_vectors(self, name: impl Into<String>, values: impl Into<Cow<'a, [[f64; 3]]>>) -> Self {
+        self.point_field(name, Values::Vectors(values.into()))
+    }
+
+    /// Adds an integer for each point.
+    pub fn point_i32(self, name: impl Into<String>, values: impl Into<Cow<'a, [i32]>>) -> Self {
+        self.point_field(name, Values::I32(values.into()))
+    }
+
+    /// Adds an integer for each point.
+    pub fn point_i64(self, name: impl Into<String>, values: impl Into<Cow<'a, [i64]>>) -> Self {
+        self.point_field(name, Values::I64(values.into()))
+    }
+
+    /// Adds a number for each cell.
+    pub fn cell_scalars(self, name: impl Into<String>, values: impl Into<Cow<'a, [f64]>>) -> Self {
+        self.cell_field(name, Values::Scalars(values.into()))
+    }
+
+    /// Adds a vector for each cell.
+    pub fn cell_vectors(self, name: impl Into<String>, values: impl Into<Cow<'a, [[f64; 3]]>>) -> Self {
+        self.cell_field(name, Values::Vectors(values.into()))
+    }
+
+    /// Adds an integer for each cell.
+    pub fn cell_i32(self, name: impl Into<String>, values: impl Into<Cow<'a, [i32]>>) -> Self {
+        self.cell_field(name, Values::I32(values.into()))
+    }
+
+    /// Adds an integer for each cell.
+    pub fn cell_i64(self, name: impl Into<String>, values: impl Into<Cow<'a, [i64]>>) -> Self {
+        self.cell_field(name, Values::I64(values.into()))
+    }
+
+    /// Chooses how numbers are written; without this call they are [`Encoding::Binary`].
+    pub fn encoding(mut self, encoding: Encoding) -> Self {
+        self.encoding = encoding;
+        self
+    }
+
+    /// Checks the grid and writes it to a file, which appears whole or not at all: it is written under another
+    /// name in the same directory and then renamed. A file of this name is replaced.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), VtuError> {
+        let path = path.as_ref();
+        self.check()?;
+        file::replace(path, |writer| self.write_grid(writer))
+            .map_err(|cause| VtuError::Write { path: path.to_path_buf(), cause })
+    }
+
+    /// Checks the grid and writes it to `writer`.
+    pub fn write_to(&self, writer: &mut impl Write) -> Result<(), VtuError> {
+        self.check()?;
+        self.write_grid(writer).map_err(|cause| VtuError::Output { cause })
+    }
+
+    fn point_field(mut self, name: impl Into<String>, values: Values<'a>) -> Self {
+        self.point_data.push(Field { name: name.into(), values });
+        self
+    }
+
+    fn cell_field(mut self, name: impl Into<String>, values: Values<'a>) -> Self {
+        self.cell_data.push(Field { name: name.into(), values });
+        self
+    }
+
+    fn check(&self) -> Result<(), VtuError> {
+        if let Some(point) = self.points.iter().position(|point| point.iter().any(|x| !x.is_finite())) {
+            return Err(VtuError::NonFinitePoint { point });
+        }
+        self.cells.check(self.points.len())?;
+        self.check_fields(&self.point_data, Attached::Points, self.points.len())?;
+        self.check_fields(&self.cell_data, Attached::Cells, self.cells.kinds.len())
+    }
+
+    fn check_fields(&self, fields: &[Field], attached: Attached, expected: usize) -> Result<(), VtuError> {
+        let mut names = HashSet::new();
+        for Field { name, values } in fields {
+            if name.is_empty() || !is_xml_text(name) {
+                return Err(VtuError::InvalidName { name: name.clone() });
+            }
+            if !names.insert(name) {
+                return Err(VtuError::DuplicateName { name: name.clone(), attached });
+            }
+            let found = values.len();
+            if found != expected {
+                return Err(VtuError::LengthMismatch { name: name.clone(), attached, expected, found });
+            }
+            if let (Encoding::Ascii, Some(index)) = (self.encoding, values.first_non_finite()) {
+                return Err(VtuError::NonFiniteText { name: name.clone(), index });
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the XML and, after it, the binary numbers to which the XML's offsets refer.
+    fn write_grid(&self, writer: &mut impl Write) -> io::Result<()> {
+        let mut xml = Xml { writer, encoding: self.encoding, appended: Vec::new(), offset: 0 };
+        let (points, cells) = (self.points.len(), self.cells.kinds.len());
+        let types: Vec<u8> = self.cells.kinds.iter().map(|&kind| vtk_type(kind)).collect();
+        writeln!(
+            xml.writer,
+            "<?xml version=\"1.0\"?>\n\
+             <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
+             header_type=\"UInt64\">\n\
+             <UnstructuredGrid>\n\
+             <Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">"
+        )?;
+        xml.section("PointData", self.point_data.iter().map(Field::array))?;
+        xml.section("CellData", self.cell_data.iter().map(Field::array))?;
+        xml.section("Points", [("Points", Array::Vectors(&self.points))])?;
+        let connectivity = Array::Indices(&self.cells.connectivity);
+        let offsets = Array::Indices(&self.cells.ends);
+        xml.section(
+            "Cells",
+            [("connectivity", connectivity), ("offsets", offsets), ("types", Array::U8(&types))],
+        )?;
+        writeln!(xml.writer, "</Piece>\n</UnstructuredGrid>")?;
+        xml.finish()
+    }
+}
+
+impl Field<'_> {
+    fn array(&self) -> (&str, Array<'_>) {
+        (&self.name, self.values.array())
+    }
+}
+
+/// VTK's number of a cell type; VTK orders the nodes of these as [`ElementKind`] does.
+fn vtk_type(kind: ElementKind) -> u8 {
+    match kind {
+        ElementKind::Point1 => 1,
+        ElementKind::Line2 => 3,
+        ElementKind::Triangle3 => 5,
+        ElementKind::Quadrilateral4 => 9,
+        ElementKind::Tetrahedron4 => 10,
+        ElementKind::Hexahedron8 => 12,
+    }
+}
+
+/// The file under way.
+struct Xml<'w, 'd, W> {
+    writer: &'w mut W,
+    encoding: Encoding,
+    /// Arrays announced in the XML, to follow it.
+    appended: Vec<Array<'d>>,
+    /// Bytes of `appended`.
+    offset: u64,
+}
+
+impl<'d, W: Write> Xml<'_, 'd, W> {
+    fn section<'n>(
+        &mut self,
+        name: &str,
+        arrays: impl IntoIterator<Item = (&'n str, Array<'d>)>,
+    ) -> io::Result<()> {
+        writeln!(self.writer, "<{name}>")?;
+        for (name, array) in arrays {
+            write!(
+                self.writer,
+                "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"",
+                array.vtk_type(),
+                escaped(name),
+                array.components()
+            )?;
+            match self.encoding {
+                Encoding::Ascii => {
+                    writeln!(self.writer, " format=\"ascii\">")?;
+                    array.write_text(self.writer)?;
+                    writeln!(self.writer, "</DataArray>")?;
+                }
+                Encoding::Binary => {
+                    writeln!(self.writer, " format=\"appended\" offset=\"{}\"/>", self.offset)?;
+                    self.offset += array::HEADER_BYTES + array.byte_count();
+                    self.appended.push(array);
+                }
+            }
+        }
+        writeln!(self.writer, "</{name}>")
+    }
+
+    fn finish(self) -> io::Result<()> {
+        if self.encoding == Encoding::Binary {
+            write!(self.writer, "<AppendedData encoding=\"raw\">\n_")?;
+            for array in &self.appended {
+                array.write_binary(self.writer)?;
+            }
+            writeln!(self.writer, "\n</AppendedData>")?;
+        }
+        writeln!(self.writer, "</VTKFile>")
+    }
+}

@@ -1,0 +1,308 @@
+//! The Abaqus reader against decks written by hand, good and bad.
+
+use diffuse_contact_mesh::{ElementKind, Facet, Mesh, MeshError, Place, Problem};
+
+fn read(deck: &str) -> Mesh {
+    Mesh::from_abaqus(deck.as_bytes(), "deck.inp").unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn fault(deck: &str) -> (usize, Problem) {
+    match Mesh::from_abaqus(deck.as_bytes(), "deck.inp") {
+        Err(MeshError::Invalid { place: Place::Line(line), problem, .. }) => (line, problem),
+        other => panic!("expected a fault, got {other:?}"),
+    }
+}
+
+fn message(deck: &str) -> String {
+    Mesh::from_abaqus(deck.as_bytes(), "deck.inp").unwrap_err().to_string()
+}
+
+/// A brick below a plate of one quadrilateral and one triangle.
+const FLAT: &str = "\
+*Heading
+ A brick, a plate, and what surrounds them
+** nodes of the brick
+*NODE, NSET=brick_nodes
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+
+5, 0., 0., 1.D0
+6, 1., 0., 1.
+7, 1., 1., 1.
+** in the middle of a block
+8, 0., 1., 1.
+*node
+11, 0., 0., 1.5
+12, 1., 0., 1.5
+13, 1., 1., 1.5
+14, 0., 1., 1.5
+15, 2., .5, 15.e-1
+*Element, type=C3D8R, elset=Brick
+100, 1, 2, 3, 4,
+ 5, 6, 7, 8
+*ELEMENT, TYPE=S4R,
+ ELSET=Plate
+201, 11, 12, 13, 14
+*Element, type=s3, elset=plate
+202, 12, 15, 13
+*NSET, NSET=Corners, GENERATE
+ 1, 7, 2
+ 11, 12
+*NSET, NSET=Many
+ corners, 8,
+ 14,
+*ELSET, ELSET=Everything
+ brick, plate
+*ELSET, ELSET=shells, generate
+ 201, 202, 1
+*Material, name=Steel
+*Elastic
+ 210000., 0.3
+*Surface, type=ELEMENT, name=TOP
+ Brick, S2
+*Surface, name=Under
+ plate, sneg
+*Surface, name=Mixed
+ 201, SPOS
+ Brick, S4
+ 201, SPOS
+*Surface, type=node, name=Dots
+ Corners, 1.
+ 15
+*Node Output
+ U
+*Element Output, directions=YES
+ S
+";
+
+#[test]
+fn a_flat_deck_is_read_in_full() {
+    let mesh = read(FLAT);
+    assert_eq!(mesh.nodes().len(), 13);
+    assert_eq!(mesh.nodes()[4], [0.0, 0.0, 1.0]);
+    assert_eq!(mesh.nodes()[12], [2.0, 0.5, 1.5]);
+    assert_eq!(mesh.node_tags()[8..], [11, 12, 13, 14, 15]);
+    let kinds: Vec<ElementKind> = mesh.elements().iter().map(|element| element.kind()).collect();
+    assert_eq!(kinds, [ElementKind::Hexahedron8, ElementKind::Quadrilateral4, ElementKind::Triangle3]);
+    assert_eq!(mesh.elements()[0].nodes(), [0, 1, 2, 3, 4, 5, 6, 7]);
+    assert_eq!(mesh.elements()[2].tag(), 202);
+    assert_eq!(
+        mesh.set_names(),
+        [
+            "Brick",
+            "Corners",
+            "Dots",
+            "Everything",
+            "Many",
+            "Mixed",
+            "Plate",
+            "TOP",
+            "Under",
+            "brick_nodes",
+            "shells"
+        ]
+    );
+}
+
+#[test]
+fn sets_are_united_and_found_in_any_case() {
+    let mesh = read(FLAT);
+    let plate = [Facet::Quadrilateral([8, 9, 10, 11]), Facet::Triangle([9, 12, 10])];
+    assert_eq!(mesh.facets("PLATE").unwrap(), plate);
+    assert_eq!(mesh.facets("shells").unwrap(), plate);
+    assert_eq!(mesh.facets("everything").unwrap(), plate);
+    assert_eq!(mesh.elements_of("everything").unwrap(), [0, 1, 2]);
+    assert_eq!(mesh.nodes_of("Corners").unwrap(), [0, 2, 4, 6, 8, 9]);
+    assert_eq!(mesh.nodes_of("many").unwrap(), [0, 2, 4, 6, 7, 8, 9, 11]);
+    assert_eq!(mesh.nodes_of("brick_nodes").unwrap(), (0..8).collect::<Vec<_>>());
+    assert_eq!(mesh.nodes_of("plate").unwrap(), [8, 9, 10, 11, 12]);
+    assert_eq!(mesh.nodes_of("Dots").unwrap(), [0, 2, 4, 6, 8, 9, 12]);
+}
+
+#[test]
+fn surfaces_are_faces_of_solids_and_sides_of_shells() {
+    let mesh = read(FLAT);
+    assert_eq!(mesh.facets("Top").unwrap(), [Facet::Quadrilateral([4, 5, 6, 7])]);
+    assert_eq!(mesh.nodes_of("Top").unwrap(), [4, 5, 6, 7]);
+    assert_eq!(
+        mesh.facets("Under").unwrap(),
+        [Facet::Quadrilateral([8, 11, 10, 9]), Facet::Triangle([9, 10, 12])]
+    );
+    assert_eq!(
+        mesh.facets("Mixed").unwrap(),
+        [Facet::Quadrilateral([8, 9, 10, 11]), Facet::Quadrilateral([1, 2, 6, 5])]
+    );
+    assert!(matches!(mesh.facets("Dots"), Err(MeshError::NoFacets { holds, .. }) if holds == "7 nodes"));
+    assert!(matches!(mesh.facets("Brick"), Err(MeshError::NoFacets { holds, .. }) if holds == "1 hexahedra"));
+    assert!(
+        matches!(mesh.elements_of("Top"), Err(MeshError::NoElements { holds, .. }) if holds == "1 facets")
+    );
+}
+
+/// As Abaqus/CAE writes it: the assembly and the part both have a set named `Set-1`.
+const ASSEMBLED: &str = "\
+*Heading
+*Preprint, echo=NO, model=NO
+*Part, name=Part-1
+*Node
+ 1, 0., 0., 0.
+ 2, 1., 0., 0.
+ 3, 1., 1., 0.
+ 4, 0., 1., 0.
+*Element, type=R3D4
+1, 1, 2, 3, 4
+*Nset, nset=Set-1
+ 1,
+*Nset, nset=only-part
+ 4,
+*End Part
+**
+*Assembly, name=Assembly
+*Instance, name=Part-1-1, part=Part-1
+ 0., 0., 0.
+*End Instance
+*Nset, nset=Set-1, instance=Part-1-1, generate
+ 2, 3
+*Nset, nset=Set-2
+ Part-1-1.4, Part-1-1.Set-1, Set-1
+*Elset, elset=_Surf-1_SNEG, internal, instance=PART-1-1
+ 1,
+*Surface, type=ELEMENT, name=Surf-1
+_Surf-1_SNEG, SNEG
+*End Assembly
+*Step
+*Static
+*End Step
+";
+
+#[test]
+fn one_part_with_one_instance_is_read() {
+    let mesh = read(ASSEMBLED);
+    assert_eq!(mesh.nodes_of("Set-1").unwrap(), [1, 2]);
+    assert_eq!(mesh.nodes_of("Part-1-1.Set-1").unwrap(), [0]);
+    assert_eq!(mesh.nodes_of("only-part").unwrap(), [3]);
+    assert_eq!(mesh.nodes_of("Set-2").unwrap(), [0, 1, 2, 3]);
+    assert_eq!(mesh.facets("surf-1").unwrap(), [Facet::Quadrilateral([0, 3, 2, 1])]);
+}
+
+#[test]
+fn what_would_need_several_instances_is_refused() {
+    let moved = ASSEMBLED.replace(" 0., 0., 0.\n*End Instance", " 0., 0., 5.\n*End Instance");
+    assert!(message(&moved).starts_with("deck.inp, line 18: *INSTANCE as used here is not supported"));
+    let twice = ASSEMBLED.replace("*End Instance", "*End Instance\n*Instance, name=Part-1-2, part=Part-1");
+    assert!(message(&twice).starts_with("deck.inp, line 21: *INSTANCE"), "{}", message(&twice));
+    let parts = ASSEMBLED.replace("*End Part", "*End Part\n*Part, name=Part-2");
+    assert!(message(&parts).starts_with("deck.inp, line 16: *PART"), "{}", message(&parts));
+    let reference_point = ASSEMBLED.replace("*End Instance", "*End Instance\n*Node\n1, 0., 0., 0.");
+    assert!(message(&reference_point).starts_with("deck.inp, line 21: *NODE"));
+    let (line, problem) = fault(&ASSEMBLED.replace("instance=PART-1-1", "instance=Other"));
+    assert_eq!(line, 25);
+    assert!(matches!(problem, Problem::Unexpected { found, .. } if found == "Other"));
+}
+
+#[test]
+fn keywords_that_would_change_the_mesh_are_refused() {
+    for (line, at) in [
+        ("*INCLUDE, INPUT=more.inp", "INCLUDE"),
+        ("*NGEN\n1, 2, 1", "NGEN"),
+        ("*ELGEN\n1, 2", "ELGEN"),
+        ("*SYSTEM\n0,0,0", "SYSTEM"),
+        ("*NODE, INPUT=nodes.txt", "NODE"),
+        ("*NODE, SYSTEM=C\n1, 1., 0., 0.", "NODE"),
+        ("*NSET, NSET=a, ELSET=b", "NSET"),
+    ] {
+        let message = message(&format!("*HEADING\nx\n{line}\n"));
+        assert!(
+            message.starts_with(&format!("deck.inp, line 3: *{at} as used here is not supported")),
+            "{message}"
+        );
+    }
+}
+
+/// Replaces `from` in the flat deck by `to` and checks that the error is in that line and says `text`.
+fn assert_fault(from: &str, to: &str, text: &str) {
+    let before = FLAT.find(from).unwrap_or_else(|| panic!("{from:?} is not in the deck"));
+    let line = 1 + FLAT[..before].matches('\n').count();
+    let message = message(&FLAT.replacen(from, to, 1));
+    assert!(message.starts_with(&format!("deck.inp, line {line}: ")), "line {line} expected: {message}");
+    assert!(message.contains(text), "{text:?} expected: {message}");
+}
+
+#[test]
+fn bad_elements_and_nodes_are_found_in_their_line() {
+    assert_fault("*Element, type=C3D8R", "*Element, type=C3D20R", "element type C3D20R is not supported");
+    assert_fault("*Element, type=C3D8R", "*Element, typ=C3D8R", "expected *ELEMENT with TYPE=");
+    let last = "202, 12, 15, 13";
+    assert_fault(last, "202, 12, 15, 99", "element 202 refers to node 99, which does not exist");
+    assert_fault(last, "201, 12, 15, 13", "element 201 is defined twice");
+    assert_fault(last, "202, 12, 15, 12", "element 202 uses node 12 more than once");
+    assert_fault(last, "202, 12, 15", "expected an element S3: number and 3 nodes, found \"202, 12, 15\"");
+    assert_fault(last, "202, 12, 15, 13, 14", "expected an element S3: number and 3 nodes");
+    assert_fault(last, "202, 12, 15, x", "expected a node number, found \"x\"");
+    let node = "15, 2., .5, 15.e-1";
+    assert_fault(node, "14, 2., .5, 1.5", "node 14 is defined twice");
+    assert_fault(node, "15, 2., NaN, 1.5", "node 15 has the y coordinate NaN, which is not a finite number");
+    assert_fault(node, "15, 2., 1.e999, 1.5", "node 15 has the y coordinate inf");
+    assert_fault(node, "15, 2., .5", "expected a node: number, x, y, z, found \"15, 2., .5\"");
+    assert_fault(node, "15, 2., , 1.5", "expected a coordinate, found \"\"");
+    assert_fault(node, "-5, 2., .5, 1.5", "expected a node number, found \"-5\"");
+    assert_fault("*Heading\n", "1, 2, 3\n", "expected a keyword line (begins with *), found \"1, 2, 3\"");
+}
+
+#[test]
+fn bad_sets_and_surfaces_are_found_in_their_line() {
+    let everything = " brick, plate\n";
+    assert_fault(everything, " brick, plat\n", "\"Everything\" refers to element set \"plat\"");
+    assert_fault(everything, " brick, 999\n", "\"Everything\" refers to element 999, which does not exist");
+    assert_fault(" 1, 7, 2", " 1, 99999999999999, 2", "\"Corners\" refers to node 9, which does not exist");
+    assert_fault(" 1, 7, 2", " 7, 1, 2", "expected first, last and increment");
+    assert_fault(" 1, 7, 2", " 1, 7, 0", "expected first, last and increment");
+    assert_fault(" Brick, S2", " Brick, S7", "expected a face identifier");
+    assert_fault(" Brick, S2", " Brick,", "expected a face identifier");
+    assert_fault(
+        " Brick, S2",
+        " Brick, SPOS",
+        "face \"SPOS\" does not belong to element 100, a hexahedron; its faces are S1 to S6",
+    );
+    assert_fault(" plate, sneg", " plate, S1", "face \"S1\" does not belong to element 201, a quadrilateral");
+    assert_fault(" 15\n*Node Output", " 16\n*Node Output", "\"Dots\" refers to node 16");
+    assert_fault("*Surface, type=node", "*Surface, type=cylinder", "expected *SURFACE of TYPE=");
+    let message = message(&FLAT.replace("name=Dots", "name=Many"));
+    assert!(message.contains("with the name \"Many\" of a different *NSET"), "{message}");
+}
+
+#[test]
+fn empty_and_truncated_decks_are_errors() {
+    assert_eq!(message(""), "deck.inp: the mesh has no nodes");
+    assert_eq!(message("*NODE\n1, 0, 0, 0\n"), "deck.inp: the mesh has no elements");
+    let end = FLAT.find("\n 5, 6, 7, 8").unwrap();
+    let line = 1 + FLAT[..end].matches('\n').count();
+    assert_eq!(
+        message(&FLAT[..end]),
+        format!("deck.inp, line {line}: the file ends before an element C3D8R: number and 8 nodes")
+    );
+}
+
+#[test]
+fn exports_of_gmsh_are_read() {
+    let mesh = read(
+        "\
+*Heading
+ square.inp
+*NODE
+1, 0, 0, 0
+2, 1, 0, 0
+3, 1, 1, 0
+******* E L E M E N T S *************
+*ELEMENT, type=T3D2, ELSET=Line1
+4, 1, 2
+*ELEMENT, type=CPS3, ELSET=Surface1
+1, 1, 2, 3
+*ELSET,ELSET=a_b
+1, 4,
+",
+    );
+    assert_eq!(mesh.facets("a_b").unwrap(), [Facet::Triangle([0, 1, 2])]);
+}

@@ -1,0 +1,81 @@
+#!/usr/bin/env python3
+"""Makes the Gmsh files of this directory, which the reader's tests read.
+
+    pip install gmsh==4.15.2
+    python3 make_fixtures.py
+
+`block_ascii.msh` and `block_binary.msh` are one mesh: a block of 2 x 1 x 1 with 2 x 1 x 1 hexahedra, parametric
+nodes and physical groups of every dimension, one of them reversed, one without a name. The other files are what
+the reader has to refuse.
+"""
+
+from pathlib import Path
+
+import gmsh
+
+DIRECTORY = Path(__file__).resolve().parent
+
+
+def write(name, **options):
+    for option, value in options.items():
+        gmsh.option.setNumber(f"Mesh.{option}", value)
+    gmsh.write(str(DIRECTORY / name))
+
+
+def square():
+    gmsh.clear()
+    gmsh.model.add("square")
+    gmsh.model.occ.addRectangle(0, 0, 0, 1, 1)
+    gmsh.model.occ.synchronize()
+    gmsh.model.mesh.setTransfiniteAutomatic()
+    for _, curve in gmsh.model.getEntities(1):
+        gmsh.model.mesh.setTransfiniteCurve(curve, 2)
+    gmsh.model.mesh.generate(2)
+    gmsh.model.addPhysicalGroup(2, [1], 1, "square")
+
+
+def block():
+    gmsh.clear()
+    gmsh.model.add("block")
+    gmsh.model.occ.addBox(0, 0, 0, 2, 1, 1)
+    gmsh.model.occ.synchronize()
+    for _, curve in gmsh.model.getEntities(1):
+        box = gmsh.model.getBoundingBox(1, curve)
+        gmsh.model.mesh.setTransfiniteCurve(curve, 3 if box[3] - box[0] > 1.5 else 2)
+    for _, surface in gmsh.model.getEntities(2):
+        gmsh.model.mesh.setTransfiniteSurface(surface)
+        gmsh.model.mesh.setRecombine(2, surface)
+    gmsh.model.mesh.setTransfiniteVolume(1)
+    gmsh.model.mesh.generate(3)
+
+    def sides(axis, low, high):
+        centre = {surface: gmsh.model.occ.getCenterOfMass(2, surface)[axis] for _, surface in gmsh.model.getEntities(2)}
+        return [surface for surface, x in centre.items() if abs(x - low) < 1e-9 or abs(x - high) < 1e-9]
+
+    gmsh.model.addPhysicalGroup(3, [1], 1, "the block")
+    gmsh.model.addPhysicalGroup(2, sides(2, 1, 1), 2, "top")
+    gmsh.model.addPhysicalGroup(2, [-surface for surface in sides(2, 1, 1)], 3, "top reversed")
+    gmsh.model.addPhysicalGroup(2, sides(0, 0, 2), 4)
+    gmsh.model.addPhysicalGroup(1, [1], 5, "edge")
+    gmsh.model.addPhysicalGroup(0, [1], 6, "corner")
+
+
+def main():
+    gmsh.initialize(readConfigFiles=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.option.setNumber("General.NumThreads", 1)
+    block()
+    write("block_ascii.msh", MshFileVersion=4.1, Binary=0, SaveParametric=1)
+    write("block_binary.msh", MshFileVersion=4.1, Binary=1, SaveParametric=1)
+    square()
+    write("version_2.msh", MshFileVersion=2.2, Binary=0, SaveParametric=0)
+    gmsh.model.mesh.setOrder(2)
+    write("second_order.msh", MshFileVersion=4.1)
+    gmsh.model.mesh.setOrder(1)
+    gmsh.model.mesh.partition(2)
+    write("partitioned.msh", MshFileVersion=4.1)
+    gmsh.finalize()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,133 @@
+//! From the model to the outputs of a backend: which functions are differentiated, and in which units the
+//! results are handed out.
+
+use super::drive::{Derivatives, Quantity, differentiate};
+use super::foot::{Foot, Polynomial};
+use super::model::{Model, Scalar};
+use super::{RadialWeight, coordinates_of, finite};
+use crate::{Coefficients, Element, ElementError, Gap, Mode, Point, Surface};
+
+/// [`Backend::coefficients`](crate::Backend::coefficients).
+pub(super) fn coefficients<W: RadialWeight>(
+    model: Model<'_, W>,
+    mode: Mode,
+) -> Result<Coefficients, ElementError> {
+    let element = model.element;
+    let mut fit = differentiate(&FitQuantity(model), element, mode)?;
+    scale_coefficients(&mut fit, element.support_radius)?;
+    Ok(Coefficients { values: fit.values, gradients: fit.gradients, hessians: fit.hessians })
+}
+
+/// [`Backend::surface`](crate::Backend::surface).
+pub(super) fn surface<W: RadialWeight>(
+    model: Model<'_, W>,
+    point: [f64; 2],
+    mode: Mode,
+) -> Result<Surface, ElementError> {
+    if let Some(index) = point.iter().position(|u| !u.is_finite()) {
+        return Err(ElementError::NonFiniteInput { what: "point", index });
+    }
+    let element = model.element;
+    let radius = element.support_radius;
+    let curvatures = model.fit(&coordinates_of(element))?.curvatures().map(|f_kl| f_kl / radius);
+    finite("curvature", curvatures)?;
+    let quantity = SurfaceQuantity { model, point: point.map(|u| u / radius) };
+    let mut surface = differentiate(&quantity, element, mode)?;
+    surface.scale(0, radius, 1)?;
+    surface.scale(1, radius, 0)?;
+    surface.scale(2, radius, 0)?;
+    let mut gradients = surface.gradients.into_iter();
+    let mut next = || gradients.next().unwrap_or_default();
+    let (gradient, slope_gradients) = (next(), [next(), next()]);
+    Ok(Surface {
+        value: surface.values[0],
+        slopes: [surface.values[1], surface.values[2]],
+        curvatures,
+        gradient,
+        slope_gradients,
+        hessian: surface.hessians.into_iter().next().unwrap_or_default(),
+    })
+}
+
+/// [`Backend::gap`](crate::Backend::gap).
+pub(super) fn gap<W: RadialWeight>(model: Model<'_, W>, mode: Mode) -> Result<Gap, ElementError> {
+    let element = model.element;
+    let radius = element.support_radius;
+    let polynomial = model.fit(&coordinates_of(element))?;
+    let foot = Foot::find(&polynomial)?;
+    let (foot_point, normal) = global_foot(element, &polynomial, foot.position());
+    finite("foot", foot_point)?;
+    finite("normal", normal)?;
+    let mut fit = Derivatives::of_values(polynomial.0[..element.basis.size()].to_vec());
+    scale_coefficients(&mut fit, radius)?;
+
+    let mut gap = differentiate(&GapQuantity { model, foot }, element, mode)?;
+    gap.scale(0, radius, 1)?;
+    Ok(Gap {
+        gap: gap.values[0],
+        foot: foot_point,
+        normal,
+        coefficients: fit.values,
+        gradient: gap.gradients.into_iter().next().unwrap_or_default(),
+        hessian: gap.hessians.into_iter().next().unwrap_or_default(),
+    })
+}
+
+/// The six coefficients α as functions of the coordinates.
+struct FitQuantity<'a, W>(Model<'a, W>);
+
+impl<W: RadialWeight> Quantity for FitQuantity<'_, W> {
+    fn evaluate<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<Vec<D>, ElementError> {
+        let Polynomial(alpha) = self.0.fit(coordinates)?;
+        Ok(alpha[..self.0.element.basis.size()].to_vec())
+    }
+}
+
+/// f, f_1 and f_2 at a fixed in-plane point as functions of the coordinates.
+struct SurfaceQuantity<'a, W> {
+    model: Model<'a, W>,
+    point: [f64; 2],
+}
+
+impl<W: RadialWeight> Quantity for SurfaceQuantity<'_, W> {
+    fn evaluate<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<Vec<D>, ElementError> {
+        let polynomial = self.model.fit(coordinates)?;
+        let u = self.point.map(D::from);
+        let [f_1, f_2] = polynomial.slopes(u);
+        Ok(vec![polynomial.value(u), f_1, f_2])
+    }
+}
+
+/// The gap as a function of the coordinates, followed through Newton's iteration from the converged foot.
+struct GapQuantity<'a, W> {
+    model: Model<'a, W>,
+    foot: Foot,
+}
+
+impl<W: RadialWeight> Quantity for GapQuantity<'_, W> {
+    fn evaluate<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<Vec<D>, ElementError> {
+        let polynomial = self.model.fit(coordinates)?;
+        let u = self.foot.propagate(&polynomial);
+        Ok(vec![polynomial.gap(u)])
+    }
+}
+
+/// Foot x^d and normal ν = (−f_1, −f_2, 1)/ℓ (Chamoret et al. 2008, eq. 22) in global axes.
+fn global_foot(element: &Element<'_>, polynomial: &Polynomial<f64>, u: [f64; 2]) -> (Point, Point) {
+    let to_global = |local: [f64; 3]| {
+        let [t1, t2, n] = element.frame.rows();
+        std::array::from_fn::<f64, 3, _>(|k| t1[k] * local[0] + t2[k] * local[1] + n[k] * local[2])
+    };
+    let offset = to_global([u[0], u[1], polynomial.value(u)]);
+    let foot = std::array::from_fn(|k| element.slave[k] + element.support_radius * offset[k]);
+    let [f_1, f_2] = polynomial.slopes(u);
+    let length = (1.0 + f_1 * f_1 + f_2 * f_2).sqrt();
+    (foot, to_global([-f_1 / length, -f_2 / length, 1.0 / length]))
+}
+
+/// From coefficients of lengths over R to coefficients of lengths: α of a monomial of degree d has the unit
+/// length^(1 − d).
+fn scale_coefficients(fit: &mut Derivatives, radius: f64) -> Result<(), ElementError> {
+    const DEGREES: [i32; 6] = [0, 1, 1, 2, 2, 2];
+    (0..fit.values.len()).try_for_each(|k| fit.scale(k, radius, 1 - DEGREES[k]))
+}

@@ -1,0 +1,274 @@
+//! The fitted polynomial, the foot point of the slave on it, and the gap.
+//!
+//! Everything is in offsets from the slave over the support radius: the slave is the origin. The foot is found
+//! on reals; its derivatives come from Newton steps over dual numbers taken at the converged foot, by which
+//! the exact derivatives flow through the iteration itself: no implicit function theorem is written down.
+
+use super::model::Scalar;
+use crate::ElementError;
+
+/// Iterations after which the search for the foot gives up.
+const MAX_ITERATIONS: usize = 50;
+/// Steps are halved at most this often before another direction is tried.
+const MAX_HALVINGS: usize = 40;
+/// Residual at which the search ends at once, relative to the size of the residual's terms.
+const RESIDUAL_GOAL: f64 = 1e-15;
+/// Residual accepted when no step makes it smaller: rounding is all that is left.
+const RESIDUAL_ACCEPTED: f64 = 1e-12;
+/// |det J| at or below this fraction of the sum of its terms' sizes is a centre of curvature.
+const DETERMINANT_TOLERANCE: f64 = 1e-10;
+/// Newton steps over dual numbers. With the real Jacobian of the foot each step makes one more order of
+/// derivatives exact: two are needed, the others wash out rounding.
+const PROPAGATION_STEPS: usize = 4;
+
+/// The fitted surface z = α·(1, a, b, a², ab, b²); for the linear basis the last three coefficients are zero.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Polynomial<D>(pub(super) [D; 6]);
+
+impl<D: Scalar> Polynomial<D> {
+    /// Height f(u) (Chamoret et al. 2008, eq. 13).
+    pub(super) fn value(&self, [a, b]: [D; 2]) -> D {
+        let Self(c) = self;
+        c[0] + c[1] * a + c[2] * b + c[3] * a * a + c[4] * a * b + c[5] * b * b
+    }
+
+    /// Slopes f_1, f_2.
+    pub(super) fn slopes(&self, [a, b]: [D; 2]) -> [D; 2] {
+        let Self(c) = self;
+        [c[1] + c[3] * a * 2.0 + c[4] * b, c[2] + c[4] * a + c[5] * b * 2.0]
+    }
+
+    /// Second derivatives f_11, f_12, f_22.
+    pub(super) fn curvatures(&self) -> [D; 3] {
+        let Self(c) = self;
+        [c[3] * 2.0, c[4], c[5] * 2.0]
+    }
+
+    /// Foot equations F_k = −u_k + h f_k with the slave's height h = −f(u) over the surface: the line from the
+    /// foot to the slave is normal to the surface.
+    fn residual(&self, u: [D; 2]) -> [D; 2] {
+        let height = -self.value(u);
+        let [f_1, f_2] = self.slopes(u);
+        [height * f_1 - u[0], height * f_2 - u[1]]
+    }
+
+    /// Gap g = (x^c − x^d)·ν (Chamoret et al. 2008, eq. 19) with x^c the origin, x^d = (u, f(u)) and
+    /// ν = (−f_1, −f_2, 1)/ℓ (eq. 22).
+    pub(super) fn gap(&self, u: [D; 2]) -> D {
+        let [f_1, f_2] = self.slopes(u);
+        let length = (f_1 * f_1 + f_2 * f_2 + 1.0).sqrt();
+        (u[0] * f_1 + u[1] * f_2 - self.value(u)) / length
+    }
+}
+
+impl Polynomial<f64> {
+    /// Jacobian J_kl = −δ_kl − f_k f_l + h f_kl of the foot equations, and the sum of the absolute terms of
+    /// its determinant.
+    fn jacobian(&self, u: [f64; 2]) -> ([[f64; 2]; 2], f64) {
+        let height = -self.value(u);
+        let [f_1, f_2] = self.slopes(u);
+        let [h_11, h_12, h_22] = self.curvatures().map(|f_kl| height * f_kl);
+        let mixed = h_12 - f_1 * f_2;
+        let size = (1.0 + f_1 * f_1 + h_11.abs()) * (1.0 + f_2 * f_2 + h_22.abs())
+            + ((f_1 * f_2).abs() + h_12.abs()).powi(2);
+        ([[h_11 - f_1 * f_1 - 1.0, mixed], [mixed, h_22 - f_2 * f_2 - 1.0]], size)
+    }
+
+    /// Size of the terms the residual is made of: rounding in it is this times the machine precision.
+    fn residual_size(&self, [a, b]: [f64; 2]) -> f64 {
+        let size = Polynomial(self.0.map(f64::abs));
+        let u = [a.abs(), b.abs()];
+        let [f_1, f_2] = size.slopes(u);
+        1.0 + size.value(u) * f_1.max(f_2)
+    }
+}
+
+/// Where the projection lies on reals, with what dual numbers need to follow it.
+pub(super) struct Foot {
+    u: [f64; 2],
+    inverse_jacobian: [[f64; 2]; 2],
+}
+
+impl Foot {
+    /// Damped Newton iteration from u = 0, straight below the slave.
+    ///
+    /// The residual decreases at every step; where Newton's direction does not achieve that (a singular or
+    /// nearly singular Jacobian), the steepest descent of the residual's square is taken. A step is not longer
+    /// than half the support radius plus the distance already covered. A slave closer to the surface than its
+    /// centres of curvature finds the foot; beyond them the residual may have a minimum that is no foot, which
+    /// is reported as divergence.
+    pub(super) fn find(polynomial: &Polynomial<f64>) -> Result<Self, ElementError> {
+        let mut u = [0.0; 2];
+        let mut iterations = 0;
+        loop {
+            let residual = polynomial.residual(u);
+            let norm = residual[0].hypot(residual[1]);
+            super::finite("foot residual", [norm])?;
+            let size = polynomial.residual_size(u);
+            if norm <= RESIDUAL_GOAL * size {
+                break;
+            }
+            let (jacobian, _) = polynomial.jacobian(u);
+            let newton = multiply(&inverse(&jacobian), residual).map(|d| -d);
+            let descent = multiply(&jacobian, residual).map(|d| -d);
+            let step = decreasing_step(polynomial, u, newton, norm)
+                .or_else(|| decreasing_step(polynomial, u, descent, norm));
+            match step {
+                Some(next) if iterations < MAX_ITERATIONS => u = next,
+                None if norm <= RESIDUAL_ACCEPTED * size => break,
+                _ => {
+                    let residual = residual[0].abs().max(residual[1].abs());
+                    return Err(ElementError::FootDiverged { residual, iterations });
+                }
+            }
+            iterations += 1;
+        }
+        Self::checked(polynomial, u)
+    }
+
+    /// The converged foot, if it is unique and inside the domain of influence.
+    fn checked(polynomial: &Polynomial<f64>, u: [f64; 2]) -> Result<Self, ElementError> {
+        let (jacobian, size) = polynomial.jacobian(u);
+        let determinant = determinant(&jacobian);
+        super::finite("foot Jacobian", [determinant])?;
+        if determinant.abs() <= DETERMINANT_TOLERANCE * size {
+            return Err(ElementError::CentreOfCurvature { determinant });
+        }
+        let distance = u[0].hypot(u[1]);
+        if distance > 1.0 {
+            return Err(ElementError::FootOutside { distance });
+        }
+        Ok(Self { u, inverse_jacobian: inverse(&jacobian) })
+    }
+
+    /// In-plane offset of the foot from the slave's projection, over R.
+    pub(super) const fn position(&self) -> [f64; 2] {
+        self.u
+    }
+
+    /// The foot on the surface with dual coefficients: Newton steps from the real foot.
+    pub(super) fn propagate<D: Scalar>(&self, polynomial: &Polynomial<D>) -> [D; 2] {
+        let mut u = self.u.map(D::from);
+        for _ in 0..PROPAGATION_STEPS {
+            let [r_1, r_2] = polynomial.residual(u);
+            for (u_k, [j_1, j_2]) in u.iter_mut().zip(self.inverse_jacobian) {
+                *u_k -= r_1 * j_1 + r_2 * j_2;
+            }
+        }
+        u
+    }
+}
+
+/// The longest tried step along `direction` that makes the residual smaller than `norm`.
+fn decreasing_step(
+    polynomial: &Polynomial<f64>,
+    u: [f64; 2],
+    direction: [f64; 2],
+    norm: f64,
+) -> Option<[f64; 2]> {
+    let longest = 0.5 + u[0].hypot(u[1]);
+    let length = direction[0].hypot(direction[1]);
+    if !length.is_finite() {
+        return None;
+    }
+    let mut factor = if length > longest { longest / length } else { 1.0 };
+    for _ in 0..MAX_HALVINGS {
+        let next = [u[0] + factor * direction[0], u[1] + factor * direction[1]];
+        let [r_1, r_2] = polynomial.residual(next);
+        if r_1.hypot(r_2) < (1.0 - 1e-4 * factor) * norm {
+            return Some(next);
+        }
+        factor *= 0.5;
+    }
+    None
+}
+
+fn determinant([[a, b], [c, d]]: &[[f64; 2]; 2]) -> f64 {
+    a * d - b * c
+}
+
+/// The inverse; infinite or NaN for a singular matrix.
+fn inverse(matrix: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    let [[a, b], [c, d]] = *matrix;
+    let determinant = determinant(matrix);
+    [[d / determinant, -b / determinant], [-c / determinant, a / determinant]]
+}
+
+fn multiply([[a, b], [c, d]]: &[[f64; 2]; 2], [x, y]: [f64; 2]) -> [f64; 2] {
+    [a * x + b * y, c * x + d * y]
+}
+
+#[cfg(test)]
+mod tests {
+    use num_dual::HyperDual;
+
+    use super::*;
+
+    #[test]
+    fn foot_on_an_inclined_plane() {
+        // Plane z = −1 + a/2 − b/4: the gap is 1/ℓ.
+        let plane = Polynomial([-1.0, 0.5, -0.25, 0.0, 0.0, 0.0]);
+        let foot = Foot::find(&plane).unwrap();
+        let length = (1.0f64 + 0.25 + 0.0625).sqrt();
+        assert!((plane.gap(foot.position()) - 1.0 / length).abs() < 1e-15);
+    }
+
+    #[test]
+    fn derivatives_flow_through_the_iteration() {
+        // Parabola z = −c + a²/2 with the slave at height c < 1 over the vertex, tilted by a slope e: the foot
+        // u solves u = (c − e u − u²/2)(e + u), whence at e = 0: u_e = c/(1 − c) and, by symmetry, u_ee = 0;
+        // u_ec = 1/(1 − c)².
+        let c = HyperDual::from_re(0.25).derivative1();
+        let e = HyperDual::from_re(0.0).derivative2();
+        let zero = HyperDual::from_re(0.0);
+        let dual = Polynomial([-c, e, zero, zero + 0.5, zero, zero]);
+        let real = Polynomial(dual.0.map(|x| x.re));
+        let [u, _] = Foot::find(&real).unwrap().propagate(&dual);
+        assert!(u.re.abs() < 1e-15);
+        assert!((u.eps2 - 0.25 / 0.75).abs() < 1e-15);
+        assert!((u.eps1eps2 - 1.0 / (0.75 * 0.75)).abs() < 1e-14);
+    }
+
+    /// How many of 2000 surfaces have a foot and for how many the iteration stalls: low-discrepancy
+    /// coefficients, height of the slave over R up to `height`, radii of curvature down to R/3.
+    fn found_and_stalled(height: f64) -> (usize, usize) {
+        let (mut found, mut stalled) = (0, 0);
+        for i in 1..=2000 {
+            let part = |k: i32| 2.0 * (f64::from(i) * f64::from(k).sqrt()).fract() - 1.0;
+            let slopes = [0.5 * part(3), 0.5 * part(5)];
+            let polynomial =
+                Polynomial([height * part(2), slopes[0], slopes[1], part(7), part(11), part(13)]);
+            match Foot::find(&polynomial) {
+                Ok(foot) => {
+                    let [r_1, r_2] = polynomial.residual(foot.position());
+                    assert!(r_1.hypot(r_2) < 1e-13, "{polynomial:?}");
+                    found += 1;
+                }
+                Err(ElementError::FootDiverged { residual, .. }) => {
+                    assert!(residual > 1e-6, "{polynomial:?}");
+                    stalled += 1;
+                }
+                Err(error) => panic!("{polynomial:?}: {error}"),
+            }
+        }
+        (found, stalled)
+    }
+
+    #[test]
+    fn a_foot_is_found_or_an_error_says_why() {
+        assert_eq!(found_and_stalled(0.3), (2000, 0));
+        // Beyond the centres of curvature the residual may have a minimum that is no foot.
+        assert!(found_and_stalled(1.0).0 > 1800);
+    }
+
+    #[test]
+    fn centre_of_curvature_and_far_feet_are_errors() {
+        let bowl = Polynomial([-1.0, 0.0, 0.0, 0.5, 0.0, 0.5]);
+        assert!(matches!(Foot::find(&bowl), Err(ElementError::CentreOfCurvature { .. })));
+        let steep = Polynomial([-10.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+        let Err(ElementError::FootOutside { distance }) = Foot::find(&steep) else { panic!("foot accepted") };
+        assert!((distance - 5.0).abs() < 1e-13);
+        let overflowing = Polynomial([1e200, 1e200, 0.0, 0.0, 0.0, 0.0]);
+        assert!(matches!(Foot::find(&overflowing), Err(ElementError::Overflow { .. })));
+    }
+}

@@ -1,0 +1,155 @@
+//! The element evaluated by forward-mode automatic differentiation.
+//!
+//! What this backend promises:
+//!
+//! * It states the element as the paper defines it — weighted fit, foot point, gap — and nothing else. Every
+//!   derivative is made by dual numbers; no differentiated formula of the element stands in this folder, so an
+//!   error of derivation elsewhere cannot be repeated here.
+//! * It exploits nothing that the theory says about the result: all 3(n+1) coordinates are seeded, the slave's
+//!   too. That Σ N_i vanishes or that M is symmetric is an outcome, and therefore a test.
+//! * Any number of master nodes, either basis, and any radial weight, built in or the caller's own.
+//! * An `Ok` holds finite numbers only.
+//!
+//! Speed is no aim: the Hessian of a gap over 24 master nodes takes milliseconds. The backend is meant for
+//! checking others and for trying out weights.
+//!
+//! | file | what it holds |
+//! | --- | --- |
+//! | `weight.rs` | weights as functions of r, and of r² where r has no derivative |
+//! | `formula.rs` | weights written as text |
+//! | `model.rs` | offsets, moment matrix, coefficients (Chamoret et al. 2008, eq. 13) |
+//! | `foot.rs` | the fitted polynomial, the foot point, the gap (Chamoret et al. 2008, eq. 19) |
+//! | `evaluate.rs` | which functions are differentiated, units of the results |
+//! | `drive.rs` | which dual numbers are pushed through the model, and how the parts are collected |
+
+mod drive;
+mod evaluate;
+mod foot;
+mod formula;
+mod model;
+mod weight;
+
+use crate::{Backend, Coefficients, Element, ElementError, Gap, Mode, Point, Surface};
+
+use model::Model;
+use weight::{CentreSeries, WeightFunction};
+
+pub use formula::{Formula, FormulaError};
+pub use num_dual::DualNum;
+pub use weight::{RadialWeight, WeightError};
+
+/// The automatic differentiation backend.
+///
+/// `Ad` uses the weight each element names; [`Ad::with_weight_formula`] and [`Ad::with_weight`] make a backend
+/// that uses a weight of the caller's instead, whatever the element names.
+///
+/// ```
+/// use diffuse_contact::ad::Ad;
+/// use diffuse_contact::{Backend, Basis, Element, Frame, Mode, Weight};
+///
+/// // Nine master nodes on the plane z = 0, a slave a quarter above it.
+/// let masters: Vec<[f64; 3]> = (0..9).map(|i| [f64::from(i % 3), f64::from(i / 3), 0.0]).collect();
+/// let element = Element {
+///     slave: [1.1, 0.9, 0.25],
+///     masters: &masters,
+///     frame: Frame::average_plane(&masters, [0.0, 0.0, 1.0])?,
+///     support_radius: 2.0,
+///     basis: Basis::Quadratic,
+///     weight: Weight::Cubic,
+/// };
+/// let gap = Ad.gap(&element, Mode::Hessian)?;
+/// assert!((gap.gap - 0.25).abs() < 1e-14);
+/// assert!((gap.gradient[2] - 1.0).abs() < 1e-13); // ∂g/∂z of the slave
+///
+/// // The same weight as a formula of the user's own.
+/// let ad = Ad::with_weight_formula("(1 - r)^2 * (1 + 2*r)")?;
+/// let again = ad.gap(&element, Mode::Hessian)?;
+/// let difference = gap.hessian.get(5, 2) - again.hessian.get(5, 2);
+/// assert!(difference.abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ad;
+
+/// The automatic differentiation backend with a weight of the caller's, made by [`Ad::with_weight`] or
+/// [`Ad::with_weight_formula`]. What [`Element::weight`] names is ignored.
+#[derive(Clone, Debug)]
+pub struct AdWith<W> {
+    weight: W,
+    series: CentreSeries,
+}
+
+impl Ad {
+    /// A backend whose weight is a formula in `r`, such as `"(1 - r)^4 * (1 + 4*r)"`; see [`Formula`] for what
+    /// may be written.
+    ///
+    /// # Errors
+    /// [`FormulaError`] with the position of what cannot be read, or with the reason why the formula is no
+    /// weight ([`FormulaError::Weight`]).
+    pub fn with_weight_formula(text: &str) -> Result<AdWith<Formula>, FormulaError> {
+        Ok(Self::with_weight(text.parse::<Formula>()?)?)
+    }
+
+    /// A backend with a weight of the caller's.
+    ///
+    /// # Errors
+    /// [`WeightError`] if the weight is not finite at r = 0 or has a slope there: its derivatives with respect
+    /// to the coordinates would not exist when the slave stands straight above a node.
+    pub fn with_weight<W: RadialWeight>(weight: W) -> Result<AdWith<W>, WeightError> {
+        let series = CentreSeries::of(&weight)?;
+        Ok(AdWith { weight, series })
+    }
+
+    /// The model of a checked element with the weight it names.
+    fn model<'a>(&self, element: &'a Element<'a>) -> Result<Model<'a, crate::Weight>, ElementError> {
+        element.validate()?;
+        Ok(Model { element, weight: WeightFunction::built_in(&element.weight)? })
+    }
+}
+
+impl<W: RadialWeight> AdWith<W> {
+    /// The model of a checked element with the caller's weight.
+    fn model<'a>(&'a self, element: &'a Element<'a>) -> Result<Model<'a, W>, ElementError> {
+        element.validate()?;
+        Ok(Model { element, weight: WeightFunction::new(&self.weight, &self.series) })
+    }
+}
+
+impl Backend for Ad {
+    fn coefficients(&self, element: &Element<'_>, mode: Mode) -> Result<Coefficients, ElementError> {
+        evaluate::coefficients(self.model(element)?, mode)
+    }
+
+    fn surface(&self, element: &Element<'_>, point: [f64; 2], mode: Mode) -> Result<Surface, ElementError> {
+        evaluate::surface(self.model(element)?, point, mode)
+    }
+
+    fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
+        evaluate::gap(self.model(element)?, mode)
+    }
+}
+
+impl<W: RadialWeight> Backend for AdWith<W> {
+    fn coefficients(&self, element: &Element<'_>, mode: Mode) -> Result<Coefficients, ElementError> {
+        evaluate::coefficients(self.model(element)?, mode)
+    }
+
+    fn surface(&self, element: &Element<'_>, point: [f64; 2], mode: Mode) -> Result<Surface, ElementError> {
+        evaluate::surface(self.model(element)?, point, mode)
+    }
+
+    fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
+        evaluate::gap(self.model(element)?, mode)
+    }
+}
+
+/// Slave and masters, in the order of the degrees of freedom.
+fn coordinates_of(element: &Element<'_>) -> Vec<Point> {
+    std::iter::once(element.slave).chain(element.masters.iter().copied()).collect()
+}
+
+/// An error if one of the numbers is not finite.
+fn finite(what: &'static str, numbers: impl IntoIterator<Item = f64>) -> Result<(), ElementError> {
+    let sound = numbers.into_iter().all(f64::is_finite);
+    if sound { Ok(()) } else { Err(ElementError::Overflow { what }) }
+}

@@ -1,0 +1,203 @@
+//! The weighted fit, over any kind of number: offsets from the slave, moment matrix and vector, coefficients.
+//!
+//! Lengths are divided by the support radius, so that the moment matrix has entries of order one whatever the
+//! length unit. Nothing here knows whether it runs on reals or on dual numbers.
+
+use num_dual::DualNum;
+
+use super::foot::Polynomial;
+use super::{RadialWeight, WeightFunction};
+use crate::{Element, ElementError};
+
+/// A real, dual or hyper-dual number.
+pub(super) trait Scalar: DualNum<Primitive = f64> + Copy {}
+impl<D: DualNum<Primitive = f64> + Copy> Scalar for D {}
+
+/// A pivot of the Cholesky factorisation has to exceed this fraction of the diagonal entry it came from.
+///
+/// Layouts on a conic leave rounding here, below 1e-13.
+const PIVOT_TOLERANCE: f64 = 1e-10;
+
+/// One element with the weight function in force.
+pub(super) struct Model<'a, W> {
+    pub(super) element: &'a Element<'a>,
+    pub(super) weight: WeightFunction<'a, W>,
+}
+
+impl<W: RadialWeight> Model<'_, W> {
+    /// Offsets (a, b, z) = (t1, t2, n̂)·(x^i − x^c)/R of the masters; `coordinates` holds slave and masters.
+    fn offsets<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Vec<[D; 3]> {
+        let (slave, masters) = (coordinates[0], &coordinates[1..]);
+        let rows = self.element.frame.rows();
+        let radius = self.element.support_radius;
+        masters
+            .iter()
+            .map(|master| {
+                let [x, y, z] = std::array::from_fn(|k| (master[k] - slave[k]) / radius);
+                rows.map(|row| x * row[0] + y * row[1] + z * row[2])
+            })
+            .collect()
+    }
+
+    /// The fit A α = β with A = Σ w p pᵀ, β = Σ w z p (Chamoret et al. 2008, eq. 13), lengths over R.
+    pub(super) fn fit<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<Polynomial<D>, ElementError> {
+        let size = self.element.basis.size();
+        let mut moment_matrix = [[D::zero(); 6]; 6];
+        let mut moment_vector = [D::zero(); 6];
+        for [a, b, z] in self.offsets(coordinates) {
+            super::finite("offset", [a.re(), b.re(), z.re()])?;
+            let square = a * a + b * b;
+            // Outside the support the weight and all its derivatives vanish. The powers of a far node's offset
+            // may overflow: it is left out, not multiplied by zero.
+            if square.re() >= 1.0 {
+                continue;
+            }
+            let weight = self.weight.at_square(square);
+            super::finite("weight", [weight.re()])?;
+            let p = [D::one(), a, b, a * a, a * b, b * b];
+            for k in 0..size {
+                let weighted = weight * p[k];
+                moment_vector[k] += weighted * z;
+                for l in 0..=k {
+                    moment_matrix[k][l] += weighted * p[l];
+                }
+            }
+        }
+        let alpha = solve_cholesky(size, moment_matrix, moment_vector)?;
+        super::finite("coefficient", alpha.map(|x| x.re()))?;
+        Ok(Polynomial(alpha))
+    }
+}
+
+/// Solves A x = b by A = L Lᵀ; `matrix` holds the lower triangle, entries beyond `size` stay zero.
+fn solve_cholesky<D: Scalar>(
+    size: usize,
+    mut matrix: [[D; 6]; 6],
+    mut vector: [D; 6],
+) -> Result<[D; 6], ElementError> {
+    for j in 0..size {
+        let diagonal = matrix[j][j].re();
+        super::finite("moment", [diagonal])?;
+        let mut pivot = matrix[j][j];
+        for entry in &matrix[j][..j] {
+            pivot -= *entry * *entry;
+        }
+        super::finite("pivot", [pivot.re()])?;
+        let pivot_ratio = if diagonal > 0.0 { pivot.re() / diagonal } else { 0.0 };
+        if pivot_ratio <= PIVOT_TOLERANCE {
+            return Err(ElementError::SingularFit { pivot_ratio, tolerance: PIVOT_TOLERANCE });
+        }
+        let root = pivot.sqrt();
+        matrix[j][j] = root;
+        for i in j + 1..size {
+            let products = (0..j).map(|k| matrix[i][k] * matrix[j][k]);
+            let entry = products.fold(matrix[i][j], |entry, product| entry - product);
+            matrix[i][j] = entry / root;
+        }
+    }
+    for i in 0..size {
+        for k in 0..i {
+            let known = vector[k];
+            vector[i] -= matrix[i][k] * known;
+        }
+        vector[i] /= matrix[i][i];
+    }
+    for i in (0..size).rev() {
+        for k in i + 1..size {
+            let known = vector[k];
+            vector[i] -= matrix[k][i] * known;
+        }
+        vector[i] /= matrix[i][i];
+    }
+    Ok(vector)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Ad;
+    use super::*;
+    use crate::{Backend, Basis, Frame, Mode, Weight};
+
+    #[test]
+    fn cholesky_solves_a_known_system() {
+        // A = L Lᵀ with L = [[2], [1, 3], [-1, 2, 1]], x = (1, -2, 3).
+        let mut matrix = [[0.0; 6]; 6];
+        matrix[0][0] = 4.0;
+        matrix[1][..2].copy_from_slice(&[2.0, 10.0]);
+        matrix[2][..3].copy_from_slice(&[-2.0, 5.0, 6.0]);
+        let vector = [4.0 - 4.0 - 6.0, 2.0 - 20.0 + 15.0, -2.0 - 10.0 + 18.0, 0.0, 0.0, 0.0];
+        let x: [f64; 6] = solve_cholesky(3, matrix, vector).unwrap();
+        for (found, expected) in x.iter().zip([1.0, -2.0, 3.0, 0.0, 0.0, 0.0]) {
+            assert!((found - expected).abs() < 1e-14, "{x:?}");
+        }
+    }
+
+    #[test]
+    fn an_indefinite_matrix_is_singular() {
+        let mut matrix = [[0.0; 6]; 6];
+        matrix[0][0] = 1.0;
+        matrix[1][..2].copy_from_slice(&[1.0, 1.0]);
+        let error = solve_cholesky(2, matrix, [1.0; 6]).unwrap_err();
+        assert_eq!(error, ElementError::SingularFit { pivot_ratio: 0.0, tolerance: PIVOT_TOLERANCE });
+    }
+
+    /// The three outputs of an element with masters in the plane z = 0 and a slave a little above it, or the
+    /// errors they end in.
+    fn outcomes(
+        masters: &[[f64; 2]],
+        slave: [f64; 2],
+        basis: Basis,
+        mode: Mode,
+    ) -> [Result<(), ElementError>; 3] {
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let masters: Vec<_> = masters.iter().map(|[a, b]| [*a, *b, 0.0]).collect();
+        let element = Element {
+            slave: [slave[0], slave[1], 0.1],
+            masters: &masters,
+            frame: Frame::given([0.0; 3], axes[0], axes[1], axes[2], None).unwrap(),
+            support_radius: 3.0,
+            basis,
+            weight: Weight::Cubic,
+        };
+        [
+            Ad.gap(&element, mode).map(|_| ()),
+            Ad.coefficients(&element, mode).map(|_| ()),
+            Ad.surface(&element, [0.0; 2], mode).map(|_| ()),
+        ]
+    }
+
+    #[test]
+    fn degenerate_layouts_are_singular() {
+        let hexagon: Vec<_> = (0..6)
+            .map(|i| {
+                let (s, c) = (f64::from(i) * std::f64::consts::FRAC_PI_3).sin_cos();
+                [c, s]
+            })
+            .collect();
+        let strip: Vec<_> = (0..8).map(|i| [0.5 * f64::from(i % 4), f64::from(i / 4)]).collect();
+        let line: Vec<_> = (0..5).map(|i| [0.3 * f64::from(i), 0.1 + 0.2 * f64::from(i)]).collect();
+        for (masters, basis) in [
+            (&hexagon, Basis::Quadratic),
+            (&strip, Basis::Quadratic),
+            (&line, Basis::Linear),
+            (&vec![[10.0, 0.0]; 6], Basis::Quadratic),
+            (&vec![[0.2, 0.1]; 4], Basis::Linear),
+        ] {
+            for slave in [[0.0, 0.0], [0.31, 0.17]] {
+                for mode in [Mode::Value, Mode::Hessian] {
+                    for outcome in outcomes(masters, slave, basis, mode) {
+                        let Err(ElementError::SingularFit { pivot_ratio, tolerance }) = outcome else {
+                            panic!("{outcome:?}")
+                        };
+                        assert!(pivot_ratio.abs() < 1e-13 && tolerance == PIVOT_TOLERANCE);
+                    }
+                }
+            }
+        }
+        // The same nodes carry the linear basis.
+        for masters in [hexagon, strip] {
+            let outcomes = outcomes(&masters, [0.1, 0.2], Basis::Linear, Mode::Hessian);
+            assert!(outcomes.iter().all(Result::is_ok));
+        }
+    }
+}

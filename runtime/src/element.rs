@@ -1,0 +1,59 @@
+//! One contact element: a slave node, its master nodes, and the data held fixed between updates.
+
+use crate::{Basis, ElementError, Frame, Point};
+
+/// Weight function of the fit, a function of r = (in-plane distance from the slave) / (support radius).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Weight {
+    /// 1 − 3r² + 2r³ inside the support radius, 0 outside (Chamoret et al. 2008, eq. 14).
+    #[default]
+    Cubic,
+}
+
+/// What one evaluation needs: current positions, and the pairing data that stays fixed while differentiating.
+#[derive(Clone, Copy, Debug)]
+pub struct Element<'a> {
+    /// Slave node x^c.
+    pub slave: Point,
+    /// Master nodes x^1 … x^n.
+    pub masters: &'a [Point],
+    /// Local frame (t1, t2, n̂); n̂ points to the outward side of the master surface.
+    pub frame: Frame,
+    /// Radius R of the domain of influence around the slave, measured in the plane (t1, t2).
+    pub support_radius: f64,
+    /// Polynomial basis of the fit.
+    pub basis: Basis,
+    /// Weight function of the fit.
+    pub weight: Weight,
+}
+
+impl Element<'_> {
+    /// Number of global coordinates the gap depends on, 3(n+1).
+    #[must_use]
+    pub const fn degrees_of_freedom(&self) -> usize {
+        3 * (self.masters.len() + 1)
+    }
+
+    /// Checks what no kernel can repair: enough master nodes, finite input, positive support radius.
+    ///
+    /// # Errors
+    /// [`ElementError::TooFewNodes`], [`ElementError::NonFiniteInput`], [`ElementError::InvalidSupportRadius`].
+    pub fn validate(&self) -> Result<(), ElementError> {
+        let needed = self.basis.size();
+        if self.masters.len() < needed {
+            return Err(ElementError::TooFewNodes { found: self.masters.len(), needed });
+        }
+        if !self.slave.iter().all(|x| x.is_finite()) {
+            return Err(ElementError::NonFiniteInput { what: "slave", index: 0 });
+        }
+        for (index, master) in self.masters.iter().enumerate() {
+            if !master.iter().all(|x| x.is_finite()) {
+                return Err(ElementError::NonFiniteInput { what: "master", index });
+            }
+        }
+        if !(self.support_radius.is_finite() && self.support_radius > 0.0) {
+            return Err(ElementError::InvalidSupportRadius { value: self.support_radius });
+        }
+        Ok(())
+    }
+}

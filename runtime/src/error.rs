@@ -1,0 +1,112 @@
+//! Why an element has no result.
+
+/// Every reason for which an element yields no numbers. Each carries the figures that led to it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ElementError {
+    /// Fewer master nodes than the basis has coefficients.
+    #[error("{found} master nodes, but the basis needs at least {needed}")]
+    TooFewNodes {
+        /// Number of master nodes given.
+        found: usize,
+        /// Number of coefficients of the basis.
+        needed: usize,
+    },
+    /// A coordinate or parameter is NaN or infinite.
+    #[error("{what} {index} has a coordinate that is not a finite number")]
+    NonFiniteInput {
+        /// `"slave"` or `"master"` or the name of a parameter.
+        what: &'static str,
+        /// Which one, counted from 0.
+        index: usize,
+    },
+    /// The support radius is not a positive finite number.
+    #[error("the support radius must be positive and finite, not {value}")]
+    InvalidSupportRadius {
+        /// The radius given.
+        value: f64,
+    },
+    /// The frame's vectors are not orthonormal.
+    #[error("the frame is not orthonormal: its Gram matrix differs from the identity by {deviation:e}")]
+    InvalidFrame {
+        /// Largest entry of |Q Qᵀ − I|.
+        deviation: f64,
+    },
+    /// The outward direction is missing where it is needed, zero, or lies in the average plane.
+    #[error(
+        "the outward direction does not tell the sides of the plane apart: its cosine with the normal is {cosine:e}"
+    )]
+    AmbiguousOutward {
+        /// Cosine of the angle between the outward direction and the plane's normal.
+        cosine: f64,
+    },
+    /// The master nodes lie (nearly) on a line or a point, or are as thick as they are wide.
+    #[error(
+        "the master nodes have no average plane: the two smallest principal moments are {smallest:e} and {middle:e} of the largest"
+    )]
+    NoAveragePlane {
+        /// Smallest principal moment over the largest.
+        smallest: f64,
+        /// Middle principal moment over the largest.
+        middle: f64,
+    },
+    /// The moment matrix A of (13) is singular to working precision: the nodes that carry weight lie on one
+    /// conic (quadratic basis) or on one line (linear basis).
+    #[error("the fit is singular: smallest relative pivot {pivot_ratio:e}, tolerance {tolerance:e}")]
+    SingularFit {
+        /// Smallest pivot of the Cholesky factorisation over the diagonal entry it came from.
+        pivot_ratio: f64,
+        /// The bound it has to exceed.
+        tolerance: f64,
+    },
+    /// Newton's iteration for the foot point did not converge.
+    #[error(
+        "the foot point did not converge: residual {residual:e} of the support radius after {iterations} iterations"
+    )]
+    FootDiverged {
+        /// Largest component of the foot residual, divided by the support radius.
+        residual: f64,
+        /// Iterations made.
+        iterations: usize,
+    },
+    /// The foot point lies outside the domain of influence, where the fit extrapolates.
+    #[error(
+        "the foot point lies {distance:.6} support radii from the slave's projection, outside the domain of influence"
+    )]
+    FootOutside {
+        /// In-plane distance of the foot from the slave's projection over the support radius.
+        distance: f64,
+    },
+    /// The slave lies on a centre of curvature of the surface: the foot point is not unique.
+    #[error("the slave lies on a centre of curvature of the surface: Jacobian determinant {determinant:e}")]
+    CentreOfCurvature {
+        /// Determinant of the foot equations' Jacobian, 1 on a flat surface.
+        determinant: f64,
+    },
+    /// The numbers overflowed although the input was finite (coordinates beyond about 1e150 support radii).
+    #[error("the result overflows: a {what} is not a finite number")]
+    Overflow {
+        /// What was not finite.
+        what: &'static str,
+    },
+}
+
+impl ElementError {
+    /// Stable machine-readable code, used by the command-line program and the language bindings.
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::TooFewNodes { .. } => "too-few-nodes",
+            Self::NonFiniteInput { .. } => "non-finite-input",
+            Self::InvalidSupportRadius { .. } => "invalid-support-radius",
+            Self::InvalidFrame { .. } => "invalid-frame",
+            Self::AmbiguousOutward { .. } => "ambiguous-outward",
+            Self::NoAveragePlane { .. } => "no-average-plane",
+            Self::SingularFit { .. } => "singular-fit",
+            Self::FootDiverged { .. } => "foot-diverged",
+            Self::FootOutside { .. } => "foot-outside",
+            Self::CentreOfCurvature { .. } => "centre-of-curvature",
+            Self::Overflow { .. } => "overflow",
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! The local frame: given by the caller, or the average plane of the master nodes.
+
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+
+use crate::{ElementError, Point};
+
+/// Orthonormal local frame (t1, t2, n̂). Only the directions matter to the element: it works in offsets
+/// from the slave node. `origin` is kept for reporting local coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// A point of the plane.
+    pub origin: Point,
+    /// First in-plane direction.
+    pub t1: Point,
+    /// Second in-plane direction.
+    pub t2: Point,
+    /// Unit normal n̂, towards the outward side of the master surface: the gap is positive on this side.
+    pub normal: Point,
+}
+
+/// Largest |Q Qᵀ − I| accepted of a given frame.
+const ORTHONORMALITY_TOLERANCE: f64 = 1e-9;
+/// A middle principal moment below this fraction of the largest means a line of nodes.
+const LINE_TOLERANCE: f64 = 1e-10;
+/// The smallest and the middle principal moment must differ by this fraction of the largest.
+const THICKNESS_TOLERANCE: f64 = 1e-8;
+/// An outward direction closer to the plane than this cosine does not tell its sides apart.
+const OUTWARD_TOLERANCE: f64 = 1e-6;
+
+impl Frame {
+    /// Checks a frame given by the caller and, if `outward` is given, turns the normal to that side.
+    ///
+    /// # Errors
+    /// [`ElementError::InvalidFrame`] if the vectors are not orthonormal to 1e-9,
+    /// [`ElementError::AmbiguousOutward`] if `outward` lies in the plane.
+    pub fn given(
+        origin: Point,
+        t1: Point,
+        t2: Point,
+        normal: Point,
+        outward: Option<Point>,
+    ) -> Result<Self, ElementError> {
+        let q = Matrix3::from_columns(&[Vector3::from(t1), Vector3::from(t2), Vector3::from(normal)]);
+        let deviation = (q.transpose() * q - Matrix3::identity()).amax();
+        // Written so that a NaN fails.
+        if !(deviation <= ORTHONORMALITY_TOLERANCE && origin.iter().all(|x| x.is_finite())) {
+            return Err(ElementError::InvalidFrame { deviation });
+        }
+        let normal = match outward {
+            Some(outward) => oriented(Vector3::from(normal), outward)?.into(),
+            None => normal,
+        };
+        Ok(Self { origin, t1, t2, normal })
+    }
+
+    /// Average plane of the master nodes: n̂ minimises Σ (n·(x_i − x̄))², oriented by `outward`.
+    ///
+    /// # Errors
+    /// [`ElementError::NoAveragePlane`] if the nodes lie on a line or are as thick as wide,
+    /// [`ElementError::AmbiguousOutward`] if `outward` lies in the plane or is zero.
+    pub fn average_plane(masters: &[Point], outward: Point) -> Result<Self, ElementError> {
+        for (index, master) in masters.iter().enumerate() {
+            if !master.iter().all(|x| x.is_finite()) {
+                return Err(ElementError::NonFiniteInput { what: "master", index });
+            }
+        }
+        let no_plane = |smallest, middle| ElementError::NoAveragePlane { smallest, middle };
+        if masters.is_empty() {
+            return Err(no_plane(0.0, 0.0));
+        }
+        // Mean of differences from the first node: far from the origin the plain mean loses digits.
+        let first = Vector3::from(masters[0]);
+        let scale = masters.iter().map(|x| (Vector3::from(*x) - first).amax()).fold(0.0, f64::max);
+        if !(scale > 0.0 && scale.is_finite()) {
+            return Err(no_plane(0.0, 0.0));
+        }
+        let offsets: Vec<Vector3<f64>> =
+            masters.iter().map(|x| (Vector3::from(*x) - first) / scale).collect();
+        let mean = offsets.iter().sum::<Vector3<f64>>() / offsets.len() as f64;
+        let scatter: Matrix3<f64> = offsets.iter().map(|x| (x - mean) * (x - mean).transpose()).sum();
+        let eigen = SymmetricEigen::new(scatter);
+        let mut order = [0, 1, 2];
+        order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
+        let [smallest, middle, largest] = order.map(|k| eigen.eigenvalues[k].max(0.0));
+        if !(middle > LINE_TOLERANCE * largest && middle - smallest > THICKNESS_TOLERANCE * largest) {
+            return Err(no_plane(smallest / largest, middle / largest));
+        }
+        let normal = oriented(eigen.eigenvectors.column(order[0]).normalize(), outward)?;
+        let (t1, t2) = tangents(&normal);
+        Ok(Self {
+            origin: (first + mean * scale).into(),
+            t1: t1.into(),
+            t2: t2.into(),
+            normal: normal.into(),
+        })
+    }
+
+    /// The three directions as rows, in the order (t1, t2, n̂).
+    #[must_use]
+    pub const fn rows(&self) -> [Point; 3] {
+        [self.t1, self.t2, self.normal]
+    }
+}
+
+/// `normal` or its opposite, whichever points to the side of `outward`.
+fn oriented(normal: Vector3<f64>, outward: Point) -> Result<Vector3<f64>, ElementError> {
+    let outward = Vector3::from(outward);
+    let cosine = normal.dot(&(outward / outward.amax())) / (outward / outward.amax()).norm();
+    if !(cosine.abs() > OUTWARD_TOLERANCE) {
+        return Err(ElementError::AmbiguousOutward { cosine });
+    }
+    Ok(normal * cosine.signum())
+}
+
+/// Two unit vectors that complete `normal` to a right-handed frame, from the global axis least aligned with it.
+fn tangents(normal: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+    let axis = Vector3::ith(normal.iamin(), 1.0);
+    let t1 = (axis - normal * normal.dot(&axis)).normalize();
+    (t1, normal.cross(&t1))
+}

@@ -1,0 +1,184 @@
+//! The backend that runs the generated kernels.
+
+use std::marker::PhantomData;
+
+use diffuse_contact_kernels::cubic::Cubic;
+use diffuse_contact_kernels::support::{Inputs, KernelSet, PIVOT_TOLERANCE, Status};
+
+use crate::output::SymmetricMatrix;
+use crate::{Backend, Coefficients, Element, ElementError, Gap, Mode, Surface, Weight};
+
+/// Evaluates elements with the kernels that the build script of `diffuse-contact-kernels` generated.
+///
+/// ```
+/// use diffuse_contact::{Backend, Basis, Element, Frame, Generated, Mode, Weight};
+///
+/// // A flat 3 × 3 patch of master nodes in the plane z = 0 and a slave 0.25 above it.
+/// let masters: Vec<[f64; 3]> =
+///     (0..9).map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0, 0.0]).collect();
+/// let element = Element {
+///     slave: [0.1, 0.2, 0.25],
+///     masters: &masters,
+///     frame: Frame::average_plane(&masters, [0.0, 0.0, 1.0])?,
+///     support_radius: 2.0,
+///     basis: Basis::Quadratic,
+///     weight: Weight::Cubic,
+/// };
+/// let contact = Generated.gap(&element, Mode::Hessian)?;
+/// assert!((contact.gap - 0.25).abs() < 1e-14);
+/// assert_eq!(contact.gradient.len(), 3 * (9 + 1));
+/// # Ok::<(), diffuse_contact::ElementError>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Generated;
+
+/// Evaluates elements with kernels generated for a weight of one's own; [`Element::weight`] is ignored.
+///
+/// `K` is the kernel set that [`diffuse_contact_codegen::Config`](https://docs.rs/diffuse-contact-codegen) made in
+/// a build script.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct GeneratedWith<K>(PhantomData<K>);
+
+impl<K> GeneratedWith<K> {
+    /// The backend of the kernel set `K`.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self(PhantomData)
+    }
+}
+
+impl Backend for Generated {
+    fn coefficients(&self, element: &Element<'_>, mode: Mode) -> Result<Coefficients, ElementError> {
+        match element.weight {
+            Weight::Cubic => GeneratedWith::<Cubic>::new().coefficients(element, mode),
+        }
+    }
+
+    fn surface(&self, element: &Element<'_>, point: [f64; 2], mode: Mode) -> Result<Surface, ElementError> {
+        match element.weight {
+            Weight::Cubic => GeneratedWith::<Cubic>::new().surface(element, point, mode),
+        }
+    }
+
+    fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
+        match element.weight {
+            Weight::Cubic => GeneratedWith::<Cubic>::new().gap(element, mode),
+        }
+    }
+}
+
+impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
+    fn coefficients(&self, element: &Element<'_>, mode: Mode) -> Result<Coefficients, ElementError> {
+        element.validate()?;
+        let size = element.basis.size();
+        let mut buffers = Buffers::new(element, mode, size, size);
+        let inputs = inputs(element, [0.0; 2]);
+        let (gradients, hessians) = (&mut buffers.gradients, &mut buffers.hessians);
+        let values = K::coefficients(element.basis, mode, &inputs, gradients, hessians);
+        check(values.status())?;
+        Ok(Coefficients {
+            values: values.coefficients[..size].to_vec(),
+            gradients: buffers.gradients(),
+            hessians: buffers.hessians(),
+        })
+    }
+
+    fn surface(&self, element: &Element<'_>, point: [f64; 2], mode: Mode) -> Result<Surface, ElementError> {
+        element.validate()?;
+        if !point.iter().all(|x| x.is_finite()) {
+            return Err(ElementError::NonFiniteInput { what: "point", index: 0 });
+        }
+        let mut buffers = Buffers::new(element, mode, 3, 1);
+        let inputs = inputs(element, point);
+        let (gradients, hessians) = (&mut buffers.gradients, &mut buffers.hessians);
+        let values = K::surface(element.basis, mode, &inputs, gradients, hessians);
+        check(values.status())?;
+        let mut gradients = buffers.gradients().into_iter();
+        let mut next = || gradients.next().unwrap_or_default();
+        Ok(Surface {
+            value: values.value,
+            slopes: values.slopes,
+            curvatures: values.curvatures,
+            gradient: next(),
+            slope_gradients: [next(), next()],
+            hessian: buffers.hessians().pop().unwrap_or_default(),
+        })
+    }
+
+    fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
+        element.validate()?;
+        let mut buffers = Buffers::new(element, mode, 1, 1);
+        let inputs = inputs(element, [0.0; 2]);
+        let (gradients, hessians) = (&mut buffers.gradients, &mut buffers.hessians);
+        let values = K::gap(element.basis, mode, &inputs, gradients, hessians);
+        check(values.status())?;
+        Ok(Gap {
+            gap: values.gap,
+            foot: values.foot,
+            normal: values.normal,
+            coefficients: values.coefficients[..element.basis.size()].to_vec(),
+            gradient: buffers.gradients().pop().unwrap_or_default(),
+            hessian: buffers.hessians().pop().unwrap_or_default(),
+        })
+    }
+}
+
+fn inputs<'a>(element: &Element<'a>, point: [f64; 2]) -> Inputs<'a, f64> {
+    Inputs {
+        slave: element.slave,
+        masters: element.masters,
+        t1: element.frame.t1,
+        t2: element.frame.t2,
+        normal: element.frame.normal,
+        support_radius: element.support_radius,
+        point,
+    }
+}
+
+/// A kernel's status as the element's error.
+fn check(status: Status) -> Result<(), ElementError> {
+    Err(match status {
+        Status::Ok => return Ok(()),
+        Status::SingularFit { pivot_ratio } => {
+            ElementError::SingularFit { pivot_ratio, tolerance: PIVOT_TOLERANCE }
+        }
+        Status::FootDiverged { residual, iterations } => {
+            ElementError::FootDiverged { residual, iterations: iterations as usize }
+        }
+        Status::FootOutside { distance } => ElementError::FootOutside { distance },
+        Status::CentreOfCurvature { determinant } => ElementError::CentreOfCurvature { determinant },
+        _ => ElementError::Overflow { what: "result" },
+    })
+}
+
+/// Room for the derivatives a mode asks for.
+struct Buffers {
+    freedoms: usize,
+    gradients: Vec<f64>,
+    hessians: Vec<f64>,
+}
+
+impl Buffers {
+    fn new(element: &Element<'_>, mode: Mode, gradients: usize, hessians: usize) -> Self {
+        let freedoms = element.degrees_of_freedom();
+        let gradients = if mode >= Mode::Gradient { gradients * freedoms } else { 0 };
+        let hessians = if mode >= Mode::Hessian { hessians * (freedoms * (freedoms + 1) / 2) } else { 0 };
+        Self { freedoms, gradients: vec![0.0; gradients], hessians: vec![0.0; hessians] }
+    }
+
+    fn gradients(&self) -> Vec<Vec<f64>> {
+        self.gradients.chunks_exact(self.freedoms).map(<[f64]>::to_vec).collect()
+    }
+
+    fn hessians(&self) -> Vec<SymmetricMatrix> {
+        let packed = self.freedoms * (self.freedoms + 1) / 2;
+        self.hessians
+            .chunks_exact(packed)
+            .map(|chunk| {
+                let mut matrix = SymmetricMatrix::zeros(self.freedoms);
+                matrix.packed_mut().copy_from_slice(chunk);
+                matrix
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,22 @@
+//! The 3D diffuse contact element of Chamoret, Rassineux and Bergheau (2008).
+#![forbid(unsafe_code)]
+
+pub mod ad;
+pub mod backend;
+pub mod element;
+pub mod error;
+pub mod frame;
+pub mod generated;
+pub mod output;
+pub mod pairing;
+
+pub use backend::Backend;
+pub use diffuse_contact_kernels::support::{Basis, Mode};
+pub use element::{Element, Weight};
+pub use error::ElementError;
+pub use frame::Frame;
+pub use generated::{Generated, GeneratedWith};
+pub use output::{Coefficients, Gap, Surface, SymmetricMatrix};
+
+/// A point or a vector in global axes, in the length unit of the mesh.
+pub type Point = [f64; 3];

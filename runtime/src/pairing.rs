@@ -1,0 +1,441 @@
+//! Pairing a slave node with its master nodes: the m nearest, the frame and the support radius they imply.
+//!
+//! A pairing is the data an [`Element`] holds fixed between updates. It is found in three steps: the master
+//! nodes nearest to the slave in Euclidean distance ([`NearestNodes`]), their average plane turned to the
+//! outward side of the facets around them ([`node_normals`], [`outward`]), and the support radius
+//! ([`support_radius`]). On structured meshes the nearest 6 to 9 nodes often lie on one conic, which makes the
+//! quadratic fit singular (a hexagon ring, a 2×k strip);
+//! [`pair`] therefore starts from more nodes than the fit needs and adds further ones until it is regular.
+//!
+//! ```
+//! use diffuse_contact::pairing::{NearestNodes, PairingRule, node_normals, pair};
+//! use diffuse_contact::{Backend, Mode, ad::Ad};
+//!
+//! // A flat 5 × 5 grid of nodes, its facets seen from above, and a slave 0.25 over it.
+//! let masters: Vec<[f64; 3]> = (0..25).map(|k| [f64::from(k % 5), f64::from(k / 5), 0.0]).collect();
+//! let facets: Vec<[usize; 4]> =
+//!     (0..16).map(|k| k % 4 + 5 * (k / 4)).map(|k| [k, k + 1, k + 6, k + 5]).collect();
+//! let normals = node_normals(&masters, &facets);
+//! let nodes = NearestNodes::new(masters)?;
+//!
+//! let slave = [2.1, 1.8, 0.25];
+//! let pairing = pair(&Ad, &nodes, &normals, slave, &PairingRule::default())?;
+//! assert_eq!(pairing.masters[0], 12);
+//! let gap = Ad.gap(&pairing.element(slave), Mode::Value)?;
+//! assert!((gap.gap - 0.25).abs() < 1e-14);
+//! # Ok::<(), diffuse_contact::ElementError>(())
+//! ```
+
+use std::num::NonZero;
+
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use nalgebra::Vector3;
+
+use crate::{Backend, Basis, Element, ElementError, Frame, Mode, Point, Weight};
+
+/// The support radius is this factor times the largest in-plane distance of a master node from the slave.
+///
+/// Above 1, so that the farthest node keeps some weight (10 % with the cubic weight) and the radius does not kink
+/// the gap when the farthest node changes (see [`support_radius`]).
+pub const SUPPORT_RADIUS_FACTOR: f64 = 1.25;
+/// Master nodes a pairing starts from: twice what the quadratic fit needs.
+pub const DEFAULT_NEIGHBOURS: usize = 12;
+/// Master nodes beyond which [`pair`] no longer looks for a regular fit.
+pub const MAX_NEIGHBOURS: usize = 24;
+
+/// A pairing that sees its masters within 180° and this much more, in radians, lies beyond their border.
+const BORDER_ANGLE: f64 = 0.05;
+/// Closer to a master node than this fraction of the farthest, a point counts as on it.
+const ON_NODE: f64 = 0.02;
+/// Two distances closer than this, relatively, are compared again in one and the same arithmetic.
+const DISTANCE_ROUNDING: f64 = 1e-12;
+
+/// The master nodes in a k-d tree, for searching the nearest ones.
+#[derive(Debug)]
+pub struct NearestNodes {
+    points: Vec<Point>,
+    tree: Option<ImmutableKdTree<f64, 3>>,
+}
+
+impl NearestNodes {
+    /// Sorts the master nodes into a k-d tree. Nodes are named by their index in `points`.
+    ///
+    /// # Errors
+    /// [`ElementError::NonFiniteInput`] if a coordinate is NaN or infinite.
+    pub fn new(points: Vec<Point>) -> Result<Self, ElementError> {
+        for (index, point) in points.iter().enumerate() {
+            if !point.iter().all(|x| x.is_finite()) {
+                return Err(ElementError::NonFiniteInput { what: "master", index });
+            }
+        }
+        // Building fails only if the number of nodes overflows an index; without a tree every query is a scan.
+        let tree = ImmutableKdTree::new_from_slice(&points).ok();
+        Ok(Self { points, tree })
+    }
+
+    /// The master nodes, in the order given.
+    #[must_use]
+    pub fn points(&self) -> &[Point] {
+        &self.points
+    }
+
+    /// The `m` master nodes nearest to `slave` in Euclidean distance, nearest first; of two at equal distance the
+    /// one with the lower index comes first. All of them if there are no more than `m`. Nodes that coincide are
+    /// all kept: each carries its own share of the contact force.
+    ///
+    /// ```
+    /// use diffuse_contact::pairing::NearestNodes;
+    ///
+    /// let nodes = NearestNodes::new(vec![[3.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])?;
+    /// assert_eq!(nodes.masters([0.0; 3], 2), [1, 2]);
+    /// # Ok::<(), diffuse_contact::ElementError>(())
+    /// ```
+    #[must_use]
+    pub fn masters(&self, slave: Point, m: usize) -> Vec<usize> {
+        let mut found = self.candidates(slave, m);
+        found.sort_by(|&i, &j| {
+            let distance = |k: usize| squared_distance(self.points[k], slave);
+            distance(i).total_cmp(&distance(j)).then(i.cmp(&j))
+        });
+        found.truncate(m);
+        found
+    }
+
+    /// A set that contains the `m` nearest nodes and every node as near as the last of them, in any order.
+    fn candidates(&self, slave: Point, m: usize) -> Vec<usize> {
+        let (Some(tree), Some(quantity)) = (&self.tree, NonZero::new(m)) else {
+            return if m == 0 { Vec::new() } else { (0..self.points.len()).collect() };
+        };
+        if m >= self.points.len() || !slave.iter().all(|x| x.is_finite()) {
+            return (0..self.points.len()).collect();
+        }
+        let nearest = tree.query(&slave).nearest_n::<SquaredEuclidean<f64>>(quantity).execute();
+        let farthest = nearest.iter().map(|node| node.distance).fold(0.0, f64::max);
+        let within = tree
+            .query(&slave)
+            .within::<SquaredEuclidean<f64>>(farthest * (1.0 + DISTANCE_ROUNDING))
+            .unsorted()
+            .execute();
+        within.into_iter().map(|node| node.item as usize).collect()
+    }
+}
+
+/// How [`pair`] chooses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PairingRule {
+    /// Number of nearest master nodes to start from; raised to the basis's size if it is below.
+    pub neighbours: usize,
+    /// Number of nearest master nodes to stop at; raised to `neighbours` if it is below.
+    pub max_neighbours: usize,
+    /// Polynomial basis of the fit.
+    pub basis: Basis,
+    /// Weight function of the fit.
+    pub weight: Weight,
+}
+
+impl Default for PairingRule {
+    /// [`DEFAULT_NEIGHBOURS`] to [`MAX_NEIGHBOURS`] nodes, quadratic basis, cubic weight.
+    fn default() -> Self {
+        Self {
+            neighbours: DEFAULT_NEIGHBOURS,
+            max_neighbours: MAX_NEIGHBOURS,
+            basis: Basis::Quadratic,
+            weight: Weight::default(),
+        }
+    }
+}
+
+/// The master nodes of one slave node and all that stays fixed with them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pairing {
+    /// Indices of the master nodes, nearest first.
+    pub masters: Vec<usize>,
+    /// Their positions when they were paired.
+    pub positions: Vec<Point>,
+    /// Average plane of the masters, n̂ outward.
+    pub frame: Frame,
+    /// Radius of the domain of influence.
+    pub support_radius: f64,
+    /// Polynomial basis of the fit.
+    pub basis: Basis,
+    /// Weight function of the fit.
+    pub weight: Weight,
+}
+
+impl Pairing {
+    /// The element of this pairing with the slave at `slave`.
+    #[must_use]
+    pub fn element(&self, slave: Point) -> Element<'_> {
+        Element {
+            slave,
+            masters: &self.positions,
+            frame: self.frame,
+            support_radius: self.support_radius,
+            basis: self.basis,
+            weight: self.weight,
+        }
+    }
+
+    /// Whether `point` lies beyond the border of the masters, where the fit extrapolates and there is no contact.
+    ///
+    /// Seen from the point, in the plane of the frame, the masters then leave free an angle of more than 180° and
+    /// a tolerance of 3°. A point on a master node (to 2 % of the farthest distance) is not beyond the border.
+    #[must_use]
+    pub fn is_beyond_border(&self, point: Point) -> bool {
+        let offsets: Vec<[f64; 2]> =
+            self.positions.iter().map(|&x| in_plane_offset(&self.frame, point, x)).collect();
+        let length = |offset: &[f64; 2]| offset[0].hypot(offset[1]);
+        let farthest = offsets.iter().map(length).fold(0.0, f64::max);
+        if offsets.iter().any(|offset| length(offset) <= ON_NODE * farthest) {
+            return false;
+        }
+        let mut angles: Vec<f64> = offsets.iter().map(|[a, b]| b.atan2(*a)).collect();
+        angles.sort_by(f64::total_cmp);
+        let (Some(first), Some(last)) = (angles.first(), angles.last()) else { return true };
+        let around = first + std::f64::consts::TAU - last;
+        let free = angles.windows(2).map(|pair| pair[1] - pair[0]).fold(around, f64::max);
+        free > std::f64::consts::PI + BORDER_ANGLE
+    }
+}
+
+/// Pairs a slave node with the nearest master nodes for which the fit is regular.
+///
+/// Starts from `rule.neighbours` nodes and adds the next nearest one by one, up to `rule.max_neighbours`, while the
+/// nodes have no average plane or `backend` finds the fit singular. `normals` are those of the master nodes, see
+/// [`node_normals`].
+///
+/// # Errors
+/// [`ElementError::TooFewNodes`] if there are fewer master nodes than the basis needs; the last reason met if no
+/// admissible number of nodes makes the fit regular; any other [`ElementError`] as soon as it occurs.
+pub fn pair<B: Backend + ?Sized>(
+    backend: &B,
+    nodes: &NearestNodes,
+    normals: &[Point],
+    slave: Point,
+    rule: &PairingRule,
+) -> Result<Pairing, ElementError> {
+    let needed = rule.basis.size();
+    let fewest = rule.neighbours.max(needed);
+    let nearest = nodes.masters(slave, rule.max_neighbours.max(fewest));
+    if nearest.len() < needed {
+        return Err(ElementError::TooFewNodes { found: nearest.len(), needed });
+    }
+    let mut count = fewest.min(nearest.len());
+    loop {
+        match pair_with(backend, nodes, normals, slave, &nearest[..count], rule) {
+            Err(ElementError::SingularFit { .. } | ElementError::NoAveragePlane { .. })
+                if count < nearest.len() =>
+            {
+                count += 1;
+            }
+            outcome => return outcome,
+        }
+    }
+}
+
+/// The pairing with exactly these masters, if its fit is regular.
+fn pair_with<B: Backend + ?Sized>(
+    backend: &B,
+    nodes: &NearestNodes,
+    normals: &[Point],
+    slave: Point,
+    masters: &[usize],
+    rule: &PairingRule,
+) -> Result<Pairing, ElementError> {
+    let positions: Vec<Point> = masters.iter().map(|&k| nodes.points[k]).collect();
+    let frame = Frame::average_plane(&positions, outward(normals, masters))?;
+    let support_radius = support_radius(&frame, slave, &positions);
+    let pairing = Pairing {
+        masters: masters.to_vec(),
+        positions,
+        frame,
+        support_radius,
+        basis: rule.basis,
+        weight: rule.weight,
+    };
+    backend.coefficients(&pairing.element(slave), Mode::Value)?;
+    Ok(pairing)
+}
+
+/// Default support radius: [`SUPPORT_RADIUS_FACTOR`] × the largest in-plane distance of a master from the slave.
+///
+/// 0 if all masters lie straight above or below the slave, which no element accepts.
+#[must_use]
+pub fn support_radius(frame: &Frame, slave: Point, masters: &[Point]) -> f64 {
+    let farthest = masters
+        .iter()
+        .map(|&x| in_plane_offset(frame, slave, x))
+        .map(|[a, b]| a.hypot(b))
+        .fold(0.0, f64::max);
+    SUPPORT_RADIUS_FACTOR * farthest
+}
+
+/// Outward normals of the master nodes: the sum of the area vectors of the facets at each node, not normalised.
+///
+/// `facets` are closed polygons of indices into `points`, counter-clockwise seen from outside; only corner nodes
+/// are expected. Nodes of no facet get a zero vector.
+///
+/// # Panics
+/// If a facet names a node that is not in `points`.
+#[must_use]
+pub fn node_normals<F: AsRef<[usize]>>(points: &[Point], facets: &[F]) -> Vec<Point> {
+    let mut normals = vec![Vector3::zeros(); points.len()];
+    for facet in facets {
+        let facet = facet.as_ref();
+        let Some(&first) = facet.first() else { continue };
+        let corner = |k: usize| Vector3::from(points[k]) - Vector3::from(points[first]);
+        let area: Vector3<f64> = facet.windows(2).map(|edge| corner(edge[0]).cross(&corner(edge[1]))).sum();
+        for &node in facet {
+            normals[node] += area * 0.5;
+        }
+    }
+    normals.into_iter().map(Point::from).collect()
+}
+
+/// Outward direction for a set of masters: the mean of their [`node_normals`], each scaled to the same length so
+/// that a few large facets do not outweigh the others.
+#[must_use]
+pub fn outward(normals: &[Point], masters: &[usize]) -> Point {
+    masters.iter().filter_map(|&k| Vector3::from(normals[k]).try_normalize(0.0)).sum::<Vector3<f64>>().into()
+}
+
+/// Components of `point − from` along t1 and t2.
+fn in_plane_offset(frame: &Frame, from: Point, point: Point) -> [f64; 2] {
+    let offset = Vector3::from(point) - Vector3::from(from);
+    [frame.t1, frame.t2].map(|axis| offset.dot(&Vector3::from(axis)))
+}
+
+/// Square of the Euclidean distance.
+fn squared_distance(a: Point, b: Point) -> f64 {
+    (Vector3::from(a) - Vector3::from(b)).norm_squared()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ad::Ad;
+
+    /// n × n nodes of a unit grid in the plane z = 0.
+    fn grid(n: usize) -> Vec<Point> {
+        (0..n * n).map(|k| [(k % n) as f64, (k / n) as f64, 0.0]).collect()
+    }
+
+    /// Its facets, counter-clockwise seen from above.
+    fn grid_facets(n: usize) -> Vec<[usize; 4]> {
+        (0..(n - 1) * (n - 1))
+            .map(|k| k % (n - 1) + n * (k / (n - 1)))
+            .map(|k| [k, k + 1, k + n + 1, k + n])
+            .collect()
+    }
+
+    /// A small deterministic generator of numbers in [0, 1).
+    fn uniform(state: &mut u64) -> f64 {
+        *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (*state >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    #[test]
+    fn the_nearest_nodes_are_those_of_a_full_scan() {
+        let mut state = 1;
+        // A third of the coordinates snaps to a coarse grid: many equal distances, many duplicates.
+        let mut coordinate = || {
+            let x = uniform(&mut state);
+            if uniform(&mut state) < 0.6 { (x * 4.0).floor() } else { x * 4.0 }
+        };
+        let points: Vec<Point> = (0..700).map(|_| [(); 3].map(|()| coordinate())).collect();
+        let queries: Vec<Point> = (0..200).map(|_| [(); 3].map(|()| coordinate())).collect();
+        let nodes = NearestNodes::new(points.clone()).unwrap();
+        for slave in queries {
+            let mut scan: Vec<usize> = (0..points.len()).collect();
+            scan.sort_by(|&i, &j| {
+                let d = |k: usize| squared_distance(points[k], slave);
+                d(i).total_cmp(&d(j)).then(i.cmp(&j))
+            });
+            for m in [0, 1, 6, 12, 24, 699] {
+                assert_eq!(nodes.masters(slave, m), scan[..m]);
+            }
+            assert_eq!(nodes.masters(slave, 5000), scan);
+        }
+    }
+
+    #[test]
+    fn duplicates_and_empty_sets_are_searched_too() {
+        let nodes = NearestNodes::new(vec![[1.0, 2.0, 3.0]; 100]).unwrap();
+        assert_eq!(nodes.masters([0.0; 3], 4), [0, 1, 2, 3]);
+        let nodes = NearestNodes::new(Vec::new()).unwrap();
+        assert!(nodes.masters([0.0; 3], 4).is_empty());
+    }
+
+    #[test]
+    fn a_coordinate_that_is_no_number_is_refused() {
+        let error = NearestNodes::new(vec![[0.0; 3], [0.0, f64::NAN, 0.0]]).unwrap_err();
+        assert_eq!(error, ElementError::NonFiniteInput { what: "master", index: 1 });
+    }
+
+    #[test]
+    fn the_radius_is_the_factor_times_the_farthest_in_plane_distance() {
+        let masters = grid(3);
+        let frame = Frame::average_plane(&masters, [0.0, 0.0, 1.0]).unwrap();
+        let radius = support_radius(&frame, [0.0, 0.0, 7.0], &masters);
+        assert!((radius - SUPPORT_RADIUS_FACTOR * 8.0_f64.sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn normals_point_out_of_counter_clockwise_facets() {
+        let points = grid(3);
+        let normals = node_normals(&points, &grid_facets(3));
+        assert_eq!(normals[4], [0.0, 0.0, 4.0], "four facets of area one");
+        assert_eq!(normals[0], [0.0, 0.0, 1.0], "one facet of area one");
+        assert_eq!(outward(&normals, &[0, 4]), [0.0, 0.0, 2.0], "both nodes count the same");
+        let flipped: Vec<[usize; 4]> = grid_facets(3).iter().map(|&[a, b, c, d]| [d, c, b, a]).collect();
+        assert_eq!(node_normals(&points, &flipped)[4], [0.0, 0.0, -4.0]);
+    }
+
+    #[test]
+    fn the_set_grows_until_the_fit_is_regular() {
+        let nodes = NearestNodes::new(grid(7)).unwrap();
+        let normals = node_normals(nodes.points(), &grid_facets(7));
+        // Around the middle of a cell the nearest six nodes are a 2 × 3 block: they lie on two lines, a conic.
+        let rule = PairingRule { neighbours: 6, ..PairingRule::default() };
+        for slave in [[2.5, 2.5, 0.5], [2.5, 2.45, 0.5]] {
+            let pairing = pair(&Ad, &nodes, &normals, slave, &rule).unwrap();
+            assert!(pairing.masters.len() > 6, "{slave:?}: {:?}", pairing.masters);
+            assert_eq!(pairing.masters, nodes.masters(slave, pairing.masters.len()));
+            let gap = Ad.gap(&pairing.element(slave), Mode::Value).unwrap();
+            assert!((gap.gap - 0.5).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn the_reason_for_no_pairing_is_reported() {
+        // Two rows of nodes carry no quadratic however many are taken.
+        let strip: Vec<Point> = (0..40).map(|k| [f64::from(k / 2), f64::from(k % 2), 0.0]).collect();
+        let facets: Vec<[usize; 4]> = (0..19).map(|k| [2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1]).collect();
+        let normals = node_normals(&strip, &facets);
+        let nodes = NearestNodes::new(strip).unwrap();
+        let error = pair(&Ad, &nodes, &normals, [9.3, 0.4, 0.1], &PairingRule::default()).unwrap_err();
+        assert_eq!(error.code(), "singular-fit");
+        let rule = PairingRule { basis: Basis::Linear, ..PairingRule::default() };
+        assert!(pair(&Ad, &nodes, &normals, [9.3, 0.4, 0.1], &rule).is_ok());
+
+        let nodes = NearestNodes::new(grid(2)).unwrap();
+        let error = pair(&Ad, &nodes, &[[0.0; 3]; 4], [0.0; 3], &PairingRule::default()).unwrap_err();
+        assert_eq!(error, ElementError::TooFewNodes { found: 4, needed: 6 });
+    }
+
+    #[test]
+    fn points_off_the_grid_are_beyond_its_border() {
+        let nodes = NearestNodes::new(grid(5)).unwrap();
+        let normals = node_normals(nodes.points(), &grid_facets(5));
+        let beyond = |slave: Point| {
+            let pairing = pair(&Ad, &nodes, &normals, slave, &PairingRule::default()).unwrap();
+            pairing.is_beyond_border(slave)
+        };
+        for inside in [[2.0, 2.0, 0.1], [0.0, 0.0, 0.1], [0.0, 1.5, 0.1], [3.9, 0.1, 0.1], [4.0, 4.0, 1.0]] {
+            assert!(!beyond(inside), "{inside:?}");
+        }
+        for outside in [[-0.3, 2.0, 0.1], [4.2, 4.2, 0.1], [2.0, 6.0, 0.1]] {
+            assert!(beyond(outside), "{outside:?}");
+        }
+    }
+}

@@ -112,7 +112,11 @@ impl Config {
     ///
     /// # Errors
     /// [`ConfigError::NodeRange`] if the range is empty, starts below the number of coefficients, or ends above 64.
-    pub fn nodes(mut self, basis: Basis, range: std::ops::RangeInclusive<usize>) -> Result<Self, ConfigError> {
+    pub fn nodes(
+        mut self,
+        basis: Basis,
+        range: std::ops::RangeInclusive<usize>,
+    ) -> Result<Self, ConfigError> {
         if range.is_empty() || *range.start() < basis.size() || *range.end() > MOST_NODES {
             return Err(ConfigError::NodeRange { basis, range: (*range.start(), *range.end()) });
         }
@@ -165,7 +169,8 @@ impl Config {
         let path = folder.join("diffuse_contact_kernels.rs");
         let source = self.source()?;
         if !std::fs::read(&path).is_ok_and(|old| old == source.as_bytes()) {
-            std::fs::write(&path, source).map_err(|source| ConfigError::Write { path: path.clone(), source })?;
+            std::fs::write(&path, source)
+                .map_err(|source| ConfigError::Write { path: path.clone(), source })?;
         }
         // The formulas are in the build script; Cargo rebuilds it when this crate changes.
         println!("cargo::rerun-if-changed=build.rs");

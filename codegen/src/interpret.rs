@@ -191,7 +191,9 @@ impl<'a> Interpreter<'a> {
 
     fn matrix(&mut self, system: SystemId) -> Vec<Vec<f64>> {
         let data = self.graph.system(system);
-        (0..data.size()).map(|i| (0..data.size()).map(|j| self.value(data.entry(i, j), None)).collect()).collect()
+        (0..data.size())
+            .map(|i| (0..data.size()).map(|j| self.value(data.entry(i, j), None)).collect())
+            .collect()
     }
 
     fn solution(&mut self, solve: SolveId, node: Option<usize>) -> Vec<f64> {

@@ -346,9 +346,13 @@ impl<'a> Lowering<'a> {
         let factor = self.factor(system);
         let ratios: Vec<ExprId> =
             factor.pivots.iter().zip(&factor.diagonal).map(|(&p, &d)| self.target.div(p, d)).collect();
-        let mut smallest = ratios[0];
-        for &ratio in &ratios[1..] {
-            // Written so that a NaN comes through: it is not smaller than anything.
+        // The first ratio is one. Once a pivot is NaN all later ones are, and a NaN comes through the choice as
+        // the later value.
+        let Some((&first, others)) = ratios.get(1..).and_then(|later| later.split_first()) else {
+            return self.target.one();
+        };
+        let mut smallest = first;
+        for &ratio in others {
             smallest = self.target.select_less(smallest, ratio, smallest, ratio);
         }
         smallest

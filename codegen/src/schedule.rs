@@ -145,13 +145,8 @@ impl<'a> Scheduler<'a> {
         }
         for k in 0..scheduler.reachable.len() {
             let expr = scheduler.reachable[k];
-            let level = scheduler
-                .graph
-                .dependencies(expr)
-                .iter()
-                .map(|x| scheduler.levels[x])
-                .max()
-                .unwrap_or(0);
+            let level =
+                scheduler.graph.dependencies(expr).iter().map(|x| scheduler.levels[x]).max().unwrap_or(0);
             let after_loop = usize::from(matches!(scheduler.graph.op(expr), Op::Sum(_)));
             scheduler.levels.insert(expr, level + after_loop);
         }
@@ -234,7 +229,9 @@ impl<'a> Scheduler<'a> {
         let roots: Vec<ExprId> = outputs.iter().map(|(_, x)| *x).collect();
         let members = self.members(&roots, |x| self.graph.scope(x) == Scope::Pair && !self.is_load(x));
         let mut pairs = PairLoop { outputs, ..PairLoop::default() };
-        for &x in members.iter().flat_map(|&x| self.graph.operands(x)).collect::<Vec<_>>().iter().chain(&roots) {
+        for &x in
+            members.iter().flat_map(|&x| self.graph.operands(x)).collect::<Vec<_>>().iter().chain(&roots)
+        {
             let (list, node) = match self.graph.op(x) {
                 Op::Row(node) => (&mut pairs.row_loads, node),
                 Op::Column(node) => (&mut pairs.column_loads, node),
@@ -315,7 +312,11 @@ impl<'a> Scheduler<'a> {
         }
     }
 
-    fn schedule_elements(&self, phases: &mut [Phase], layout: &mut Layout) -> HashMap<RootId, Vec<Statement>> {
+    fn schedule_elements(
+        &self,
+        phases: &mut [Phase],
+        layout: &mut Layout,
+    ) -> HashMap<RootId, Vec<Statement>> {
         let is_element = |x: ExprId| self.graph.scope(x) == Scope::Element;
         let mut members: Vec<Vec<ExprId>> = vec![Vec::new(); phases.len()];
         for &x in self.reachable.iter().filter(|&&x| is_element(x)) {
@@ -329,7 +330,8 @@ impl<'a> Scheduler<'a> {
                     || matches!(self.graph.op(x), Op::RootValue(..) | Op::RootFigure(..))
                     || self.levels[&operand] != self.levels[&x];
                 if is_element(operand) && other_piece {
-                    external.insert(operand);
+                    // A changed sign is written where it is used.
+                    external.insert(self.without_sign(operand));
                 }
             }
         }
@@ -353,6 +355,14 @@ impl<'a> Scheduler<'a> {
             roots.insert(root, statements);
         }
         roots
+    }
+
+    /// x of an expression −x, else the expression.
+    fn without_sign(&self, x: ExprId) -> ExprId {
+        match self.graph.op(x) {
+            Op::Neg(inner) => inner,
+            _ => x,
+        }
     }
 
     /// Expressions reachable from `roots` through members, operands first.
@@ -443,7 +453,8 @@ impl<'a> Scheduler<'a> {
                 .max()
                 .unwrap_or(0);
             let op = self.graph.op(x);
-            let always_fused = !mine.is_empty() && mine.iter().all(|&user| self.is_fused_in(x, user, &users, layout));
+            let always_fused =
+                !mine.is_empty() && mine.iter().all(|&user| self.is_fused_in(x, user, &users, layout));
             let is_sign = matches!(op, Op::Neg(_));
             let named = self.graph.name_of(x).is_some() && !matches!(op, Op::Mul(..) | Op::Neg(_));
             let as_result = result_uses.get(&x).copied().unwrap_or(0);
@@ -498,18 +509,17 @@ impl<'a> Scheduler<'a> {
             users.get(&x).is_some_and(|mine| {
                 mine.iter().all(|&user| match self.graph.op(user) {
                     Op::Add(..) => true,
-                    Op::Neg(_) => !external.contains(&user)
-                        && users.get(&user).is_some_and(|outer| {
-                            outer.iter().all(|&outer| matches!(self.graph.op(outer), Op::Add(..)))
-                        }),
+                    Op::Neg(_) => {
+                        !external.contains(&user)
+                            && users.get(&user).is_some_and(|outer| {
+                                outer.iter().all(|&outer| matches!(self.graph.op(outer), Op::Add(..)))
+                            })
+                    }
                     _ => false,
                 })
             })
         };
-        let product_of = |x: ExprId| match self.graph.op(x) {
-            Op::Neg(inner) => inner,
-            _ => x,
-        };
+        let product_of = |x: ExprId| self.without_sign(x);
         for &sum in members {
             let Op::Add(x, y) = self.graph.op(sum) else { continue };
             let candidates: Vec<ExprId> = [x, y]

@@ -34,10 +34,12 @@ impl Element<'_> {
         3 * (self.masters.len() + 1)
     }
 
-    /// Checks what no kernel can repair: enough master nodes, finite input, positive support radius.
+    /// Checks what no kernel can repair: enough master nodes, finite input, positive support radius, orthonormal
+    /// frame.
     ///
     /// # Errors
-    /// [`ElementError::TooFewNodes`], [`ElementError::NonFiniteInput`], [`ElementError::InvalidSupportRadius`].
+    /// [`ElementError::TooFewNodes`], [`ElementError::NonFiniteInput`], [`ElementError::InvalidSupportRadius`],
+    /// [`ElementError::InvalidFrame`].
     pub fn validate(&self) -> Result<(), ElementError> {
         let needed = self.basis.size();
         if self.masters.len() < needed {
@@ -54,6 +56,6 @@ impl Element<'_> {
         if !(self.support_radius.is_finite() && self.support_radius > 0.0) {
             return Err(ElementError::InvalidSupportRadius { value: self.support_radius });
         }
-        Ok(())
+        self.frame.check()
     }
 }

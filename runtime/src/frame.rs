@@ -40,17 +40,34 @@ impl Frame {
         normal: Point,
         outward: Option<Point>,
     ) -> Result<Self, ElementError> {
-        let q = Matrix3::from_columns(&[Vector3::from(t1), Vector3::from(t2), Vector3::from(normal)]);
-        let deviation = (q.transpose() * q - Matrix3::identity()).amax();
-        // Written so that a NaN fails.
-        if !(deviation <= ORTHONORMALITY_TOLERANCE && origin.iter().all(|x| x.is_finite())) {
-            return Err(ElementError::InvalidFrame { deviation });
-        }
+        let frame = Self { origin, t1, t2, normal };
+        frame.check()?;
         let normal = match outward {
             Some(outward) => oriented(Vector3::from(normal), outward)?.into(),
             None => normal,
         };
-        Ok(Self { origin, t1, t2, normal })
+        Ok(Self { normal, ..frame })
+    }
+
+    /// Checks that the directions are orthonormal.
+    ///
+    /// # Errors
+    /// [`ElementError::InvalidFrame`] if they are not to 1e-9, or if a number is not finite.
+    pub fn check(&self) -> Result<(), ElementError> {
+        let mut deviation: f64 = 0.0;
+        let rows = self.rows();
+        for (i, x) in rows.iter().enumerate() {
+            for (j, y) in rows[..=i].iter().enumerate() {
+                let product: f64 = x.iter().zip(y).map(|(x, y)| x * y).sum();
+                let error = (product - f64::from(u8::from(i == j))).abs();
+                // Written so that a NaN comes through.
+                deviation = if error <= deviation { deviation } else { error };
+            }
+        }
+        if !(deviation <= ORTHONORMALITY_TOLERANCE && self.origin.iter().all(|x| x.is_finite())) {
+            return Err(ElementError::InvalidFrame { deviation });
+        }
+        Ok(())
     }
 
     /// Average plane of the master nodes: n̂ minimises Σ (n·(x_i − x̄))², oriented by `outward`.

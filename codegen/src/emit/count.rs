@@ -89,6 +89,9 @@ impl KernelCounts {
     /// Operations for `nodes` master nodes, with one evaluation of the roots' equations.
     #[must_use]
     pub fn total(&self, nodes: usize) -> OpCounts {
-        self.element + self.iteration + self.node.times(nodes) + self.pair.times(nodes * nodes.saturating_sub(1) / 2)
+        self.element
+            + self.iteration
+            + self.node.times(nodes)
+            + self.pair.times(nodes * nodes.saturating_sub(1) / 2)
     }
 }

@@ -1,6 +1,6 @@
 //! Expressions as tokens, with their operation counts.
 
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
 
 use super::count::OpCounts;
@@ -193,6 +193,7 @@ fn constant(value: f64) -> TokenStream {
     } else if value == 1.0 {
         quote!(T::ONE)
     } else {
-        quote!(T::splat(#value))
+        let magnitude = Literal::f64_unsuffixed(value.abs());
+        if value < 0.0 { quote!(T::splat(-#magnitude)) } else { quote!(T::splat(#magnitude)) }
     }
 }

@@ -22,6 +22,8 @@ pub struct EmittedKernel {
     pub counts: KernelCounts,
     /// Statements of the function.
     pub statements: usize,
+    /// Whether the function keeps values per node between its loops, and so takes a `scratch`.
+    pub keeps_nodes: bool,
 }
 
 /// Lowers, schedules and writes a kernel.
@@ -74,8 +76,26 @@ impl<'a> FunctionWriter<'a> {
     fn new(program: &'a Program) -> Self {
         let mut names = Names::default();
         names.reserve(&[
-            "inputs", "scratch", "gradients", "hessians", "count", "freedoms", "packed", "index", "node", "master",
-            "row", "column", "row_index", "column_index", "start", "type", "in", "if", "fn", "do",
+            "inputs",
+            "scratch",
+            "gradients",
+            "hessians",
+            "count",
+            "freedoms",
+            "packed",
+            "index",
+            "node",
+            "master",
+            "row",
+            "column",
+            "row_index",
+            "column_index",
+            "start",
+            "type",
+            "in",
+            "if",
+            "fn",
+            "do",
         ]);
         let writer = Writer::new(&program.kernel.graph, &program.layout, names);
         Self { program, writer, counts: KernelCounts::default(), statements: 0 }
@@ -88,7 +108,8 @@ impl<'a> FunctionWriter<'a> {
         let pairs = self.pairs();
         let outputs = self.element_outputs();
         let values = self.values();
-        let struct_tokens = self.node_struct();
+        let keeps_nodes = self.program.phases.iter().any(|phase| !phase.nodes.stores.is_empty());
+        let struct_tokens = keeps_nodes.then(|| self.node_struct());
 
         let (output, mode) = (spec.output, spec.mode);
         let function = function_name(output, mode);
@@ -99,8 +120,12 @@ impl<'a> FunctionWriter<'a> {
         let has_hessians = !self.program.kernel.hessians.is_empty();
         let gradients = has_gradients.then(|| quote!(gradients: &mut [T],));
         let hessians = has_hessians.then(|| quote!(hessians: &mut [T],));
-        let freedoms = has_gradients.then(|| quote!(let freedoms = 3 * (count + 1);));
-        let packed = (self.program.kernel.hessians.len() > 1).then(|| quote!(let packed = packed_row(freedoms);));
+        let scratch = keeps_nodes.then(|| quote!(scratch: &mut [#node<T>],));
+        let (many_gradients, many_hessians) =
+            (self.program.kernel.gradients.len() > 1, self.program.kernel.hessians.len() > 1);
+        let count = (has_hessians || many_gradients).then(|| quote!(let count = inputs.masters.len();));
+        let freedoms = (many_gradients || many_hessians).then(|| quote!(let freedoms = 3 * (count + 1);));
+        let packed = many_hessians.then(|| quote!(let packed = packed_row(freedoms);));
         let tokens = quote! {
             #struct_tokens
 
@@ -108,11 +133,11 @@ impl<'a> FunctionWriter<'a> {
             #[inline(always)]
             pub fn #function<T: Lane>(
                 inputs: &Inputs<'_, T>,
-                scratch: &mut [#node<T>],
+                #scratch
                 #gradients
                 #hessians
             ) -> #returned<T> {
-                let count = inputs.masters.len();
+                #count
                 #freedoms
                 #packed
                 #inputs
@@ -122,7 +147,13 @@ impl<'a> FunctionWriter<'a> {
                 #values
             }
         };
-        EmittedKernel { spec: spec.clone(), tokens, counts: self.counts, statements: self.statements }
+        EmittedKernel {
+            spec: spec.clone(),
+            tokens,
+            counts: self.counts,
+            statements: self.statements,
+            keeps_nodes,
+        }
     }
 
     /// `let`s for the inputs of element scope.
@@ -361,7 +392,8 @@ impl<'a> FunctionWriter<'a> {
                     return quote!(#field: #(#components)*);
                 }
                 // A linear basis leaves the coefficients of the quadratic one that it does not have at zero.
-                let missing = if value.name == "coefficients" { COMPONENTS.len() - components.len() } else { 0 };
+                let missing =
+                    if value.name == "coefficients" { COMPONENTS.len() - components.len() } else { 0 };
                 let zeros = std::iter::repeat_n(quote!(T::ZERO), missing);
                 let components = components.into_iter().chain(zeros);
                 quote!(#field: [#(#components),*])
@@ -383,20 +415,18 @@ impl<'a> FunctionWriter<'a> {
             .filter(|x| seen.insert(*x))
             .map(|x| self.writer.ident(x))
             .collect();
-        let doc = format!(" What `{}` keeps of a master node between its loops.", function_name(spec.output, spec.mode));
-        let (fields, zeros) = if fields.is_empty() {
-            (quote!(unused: std::marker::PhantomData<T>), quote!(unused: std::marker::PhantomData))
-        } else {
-            (quote!(#(#fields: T),*), quote!(#(#fields: T::ZERO),*))
-        };
+        let doc = format!(
+            " What `{}` keeps of a master node between its loops.",
+            function_name(spec.output, spec.mode)
+        );
         quote! {
             #[doc = #doc]
             #[derive(Clone, Copy, Debug)]
-            pub struct #name<T> { #fields }
+            pub struct #name<T> { #(#fields: T),* }
 
             impl<T: Lane> #name<T> {
                 /// All values zero.
-                pub const ZERO: Self = Self { #zeros };
+                pub const ZERO: Self = Self { #(#fields: T::ZERO),* };
             }
         }
     }
@@ -416,10 +446,17 @@ impl<'a> FunctionWriter<'a> {
             Mode::Hessian => " with first and second derivatives",
         };
         let mut lines = vec![
-            format!(" {what}{with}; {} basis ({m} coefficients), weight `{}`.", spec.basis.name(), spec.weight.text()),
+            format!(
+                " {what}{with}; {} basis ({m} coefficients), weight `{}`.",
+                spec.basis.name(),
+                spec.weight.text()
+            ),
             String::new(),
-            " `scratch` has one entry per master node. Coordinates are ordered slave, master 1, …, master n.".to_owned(),
+            " Coordinates are ordered slave, master 1, …, master n.".to_owned(),
         ];
+        if self.program.phases.iter().any(|phase| !phase.nodes.stores.is_empty()) {
+            lines.push(" `scratch`: one entry per master node, of any content.".to_owned());
+        }
         if !kernel.gradients.is_empty() {
             let names: Vec<&str> = kernel.gradients.iter().map(|(name, _)| *name).collect();
             lines.push(format!(" `gradients`: {} × 3(n+1) entries, of {}.", names.len(), names.join(", ")));

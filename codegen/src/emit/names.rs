@@ -69,6 +69,8 @@ impl Names {
             Op::Sum(_) => (None, "total"),
             _ => (None, "term"),
         };
-        short.filter(|name| name.starts_with(|c: char| c.is_ascii_lowercase())).unwrap_or_else(|| general.to_owned())
+        short
+            .filter(|name| name.starts_with(|c: char| c.is_ascii_lowercase()))
+            .unwrap_or_else(|| general.to_owned())
     }
 }

@@ -69,7 +69,11 @@ impl Formula {
             Self::Exp(x) => x.evaluate(r).exp(),
             Self::Sqrt(x) => x.evaluate(r).sqrt(),
             Self::If { x, y, then, otherwise } => {
-                if x.evaluate(r) < y.evaluate(r) { then.evaluate(r) } else { otherwise.evaluate(r) }
+                if x.evaluate(r) < y.evaluate(r) {
+                    then.evaluate(r)
+                } else {
+                    otherwise.evaluate(r)
+                }
             }
         }
     }

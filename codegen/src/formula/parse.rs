@@ -115,8 +115,9 @@ fn atom(input: ParseStream<'_>) -> syn::Result<Formula> {
         }
         return Ok(Formula::Number(value));
     }
-    let name: Ident =
-        input.parse().map_err(|e| syn::Error::new(e.span(), at_end_or(&e, "expected a number, `r`, a function or `(`")))?;
+    let name: Ident = input
+        .parse()
+        .map_err(|e| syn::Error::new(e.span(), at_end_or(&e, "expected a number, `r`, a function or `(`")))?;
     let function: fn(Box<Formula>) -> Formula = match name.to_string().as_str() {
         "r" => return Ok(Formula::Radius),
         "exp" => Formula::Exp,
@@ -139,9 +140,12 @@ fn choice(input: ParseStream<'_>) -> syn::Result<Formula> {
     input.parse::<Token![if]>()?;
     let x = Box::new(sum(input)?);
     // On a set of measure zero the two kinds of comparison differ; there both branches have to agree anyway.
-    let swapped = if input.parse::<Option<Token![<=]>>()?.is_some() || input.parse::<Option<Token![<]>>()?.is_some() {
+    let swapped = if input.parse::<Option<Token![<=]>>()?.is_some()
+        || input.parse::<Option<Token![<]>>()?.is_some()
+    {
         false
-    } else if input.parse::<Option<Token![>=]>>()?.is_some() || input.parse::<Option<Token![>]>>()?.is_some() {
+    } else if input.parse::<Option<Token![>=]>>()?.is_some() || input.parse::<Option<Token![>]>>()?.is_some()
+    {
         true
     } else {
         return Err(input.error("expected a comparison with <, <=, > or >="));

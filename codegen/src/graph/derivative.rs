@@ -188,7 +188,10 @@ mod tests {
         let h = 1e-5;
         let difference = (value(&g, f, at + h) - value(&g, f, at - h)) / (2.0 * h);
         let derivative = value(&g, df, at);
-        assert!((derivative - difference).abs() < 1e-8 * (1.0 + difference.abs()), "{derivative} {difference}");
+        assert!(
+            (derivative - difference).abs() < 1e-8 * (1.0 + difference.abs()),
+            "{derivative} {difference}"
+        );
         derivative
     }
 
@@ -265,13 +268,13 @@ mod tests {
 
     #[test]
     fn a_root_is_differentiated_by_the_implicit_function_theorem() {
-        // u³ + u v = x, v − u² x = 0
+        // u³ + u + u v = x, v − u² x = 0
         for second in [false, true] {
             check(
                 |g, x| {
                     let (u, v) = (g.variable("u"), g.variable("v"));
                     let (u3, uv) = (g.power(u, 3), g.mul(u, v));
-                    let left = g.add(u3, uv);
+                    let left = g.total(&[u3, u, uv]);
                     let first = g.sub(left, x);
                     let uu = g.mul(u, u);
                     let uux = g.mul(uu, x);

@@ -199,7 +199,9 @@ impl Graph {
     #[must_use]
     pub fn operands(&self, expr: ExprId) -> Vec<ExprId> {
         match self.op(expr) {
-            Op::Add(x, y) | Op::Mul(x, y) | Op::Div(x, y) | Op::DivOrZero(x, y) | Op::Hypot(x, y) => vec![x, y],
+            Op::Add(x, y) | Op::Mul(x, y) | Op::Div(x, y) | Op::DivOrZero(x, y) | Op::Hypot(x, y) => {
+                vec![x, y]
+            }
             Op::Neg(x) | Op::Sqrt(x) | Op::Exp(x) | Op::Power(x, _) => vec![x],
             Op::Sum(x) | Op::Row(x) | Op::Column(x) => vec![x],
             Op::Select { x, y, then, otherwise } => vec![x, y, then, otherwise],
@@ -290,7 +292,8 @@ impl Graph {
                     operands.iter().map(|&x| self.varies_with(x, unknowns, varies, parameters)).collect();
                 let any = by_operand.contains(&true);
                 if any {
-                    parameters.extend(operands.iter().zip(&by_operand).filter(|(_, v)| !**v).map(|(&x, _)| x));
+                    parameters
+                        .extend(operands.iter().zip(&by_operand).filter(|(_, v)| !**v).map(|(&x, _)| x));
                 }
                 any
             }
@@ -342,10 +345,19 @@ impl Graph {
         SymbolId(u32::try_from(self.symbols.len() - 1).expect("fewer than 2³² symbols"))
     }
 
-    /// Gives an expression the name that the emitted code will show. The first name stays.
+    /// Gives an expression the name that the emitted code will show. The first name stays. Of a negative, the
+    /// positive is named: signs are written where they are used.
     pub fn name(&mut self, expr: ExprId, name: &str) -> ExprId {
-        if !matches!(self.op(expr), Op::Constant(_) | Op::Symbol(_)) {
-            self.names.entry(expr).or_insert_with(|| name.to_owned());
+        match self.op(expr) {
+            Op::Constant(_) | Op::Symbol(_) => {}
+            Op::Neg(positive) => {
+                if self.name_of(positive).is_none() {
+                    self.names.insert(positive, format!("minus_{name}"));
+                }
+            }
+            _ => {
+                self.names.entry(expr).or_insert_with(|| name.to_owned());
+            }
         }
         expr
     }
@@ -382,9 +394,9 @@ impl Graph {
         let known =
             self.solves.iter().position(|s| s.system == system && s.right_hand_side == right_hand_side);
         match known {
-            Some(k) => {
-                (0..right_hand_side.len()).map(|j| self.intern(Op::Solution(SolveId(k as u32), j as u32))).collect()
-            }
+            Some(k) => (0..right_hand_side.len())
+                .map(|j| self.intern(Op::Solution(SolveId(k as u32), j as u32)))
+                .collect(),
             None => self.solve_spd(system, right_hand_side.to_vec()),
         }
     }
@@ -399,7 +411,12 @@ impl Graph {
     }
 
     /// Adds a small system of equations; returns its unknowns at the root.
-    pub fn add_root(&mut self, name: &str, unknowns: &[ExprId], residuals: Vec<ExprId>) -> (RootId, Vec<ExprId>) {
+    pub fn add_root(
+        &mut self,
+        name: &str,
+        unknowns: &[ExprId],
+        residuals: Vec<ExprId>,
+    ) -> (RootId, Vec<ExprId>) {
         let unknowns: Vec<SymbolId> = unknowns.iter().map(|&u| self.symbol_of(u)).collect();
         let jacobian = residuals
             .iter()
@@ -448,7 +465,9 @@ impl Graph {
         let widest = |exprs: &[ExprId]| exprs.iter().map(|&x| self.scope(x)).max().unwrap_or(Scope::Element);
         match op {
             Op::Symbol(symbol) => self.symbols[symbol.index()].scope,
-            Op::Add(x, y) | Op::Mul(x, y) | Op::Div(x, y) | Op::DivOrZero(x, y) | Op::Hypot(x, y) => widest(&[x, y]),
+            Op::Add(x, y) | Op::Mul(x, y) | Op::Div(x, y) | Op::DivOrZero(x, y) | Op::Hypot(x, y) => {
+                widest(&[x, y])
+            }
             Op::Neg(x) | Op::Sqrt(x) | Op::Exp(x) | Op::Power(x, _) => self.scope(x),
             Op::Select { x, y, then, otherwise } => widest(&[x, y, then, otherwise]),
             Op::Solution(solve, _) => widest(&self.solves[solve.index()].right_hand_side),

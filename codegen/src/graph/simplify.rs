@@ -55,6 +55,8 @@ impl Graph {
             .or_else(|| self.drop_zero_term(x, y))
             .or_else(|| self.collect_like_terms(x, y))
             .or_else(|| self.pull_out_common_sign(x, y))
+            .or_else(|| self.factor_out(x, y))
+            .or_else(|| self.chain_products(x, y))
             .unwrap_or_else(|| self.intern(Op::Add(x.min(y), x.max(y))))
     }
 
@@ -209,12 +211,20 @@ impl Graph {
     /// x · y for two vectors of equal length.
     pub fn dot(&mut self, x: &[ExprId], y: &[ExprId]) -> ExprId {
         assert_eq!(x.len(), y.len(), "a dot product needs vectors of equal length");
-        let mut total = self.zero();
-        for (&x, &y) in x.iter().zip(y) {
-            let product = self.mul(x, y);
-            total = self.add(total, product);
+        let terms: Vec<ExprId> = x.iter().zip(y).map(|(&x, &y)| self.mul(x, y)).collect();
+        // What is no product goes first: every product after it fuses with its addition.
+        let (products, others): (Vec<ExprId>, Vec<ExprId>) =
+            terms.into_iter().partition(|&term| self.is_product(term));
+        let start = self.total(&others);
+        products.into_iter().fold(start, |total, product| self.add(total, product))
+    }
+
+    fn is_product(&self, x: ExprId) -> bool {
+        match self.op(x) {
+            Op::Mul(..) => true,
+            Op::Neg(inner) => matches!(self.op(inner), Op::Mul(..)),
+            _ => false,
         }
-        total
     }
 
     /// Sum of several terms, added from the left.
@@ -240,8 +250,47 @@ impl Graph {
         }
     }
 
+    /// x + (p + q) → (x + p) + q for products p, q: two fused additions instead of three operations
+    fn chain_products(&mut self, x: ExprId, y: ExprId) -> Option<ExprId> {
+        for (start, sum) in [(x, y), (y, x)] {
+            let Op::Add(p, q) = self.op(sum) else { continue };
+            let products = self.is_product(p) && self.is_product(q) && !self.is_product(start);
+            if products && self.name_of(sum).is_none() {
+                let first = self.add(start, p);
+                return Some(self.add(first, q));
+            }
+        }
+        None
+    }
+
+    /// c x y + d x → x (c y + d) for numbers c, d
+    fn factor_out(&mut self, x: ExprId, y: ExprId) -> Option<ExprId> {
+        let (c, long) = self.coefficient_and_factors(x);
+        let (d, short) = self.coefficient_and_factors(y);
+        let (c, d, mut long, short) =
+            if long.len() > short.len() { (c, d, long, short) } else { (d, c, short, long) };
+        // With a bare ±1 for both numbers nothing is saved, and x y is often there already.
+        if short.is_empty() || long.len() == short.len() || (c.abs() == 1.0 && d.abs() == 1.0) {
+            return None;
+        }
+        for factor in &short {
+            let position = long.iter().position(|other| other == factor)?;
+            long.remove(position);
+        }
+        let one = self.one();
+        let rest = long.into_iter().fold(one, |product, x| self.mul(product, x));
+        let (rest, number) = (self.scaled(c, rest), self.constant(d));
+        let sum = self.add(rest, number);
+        let common = short.into_iter().fold(one, |product, x| self.mul(product, x));
+        Some(self.mul(common, sum))
+    }
+
     /// c₁ x + c₂ x → (c₁ + c₂) x, also where the two stand in longer sums; x − x → 0.
     fn collect_like_terms(&mut self, x: ExprId, y: ExprId) -> Option<ExprId> {
+        if x == y {
+            let two = self.constant(2.0);
+            return Some(self.mul(two, x));
+        }
         let mut terms: Vec<(f64, ExprId)> = Vec::new();
         self.append_terms(x, 1.0, &mut terms);
         let left = terms.len();
@@ -249,7 +298,8 @@ impl Graph {
         if terms.len() > MOST_TERMS_TO_COLLECT {
             return None;
         }
-        let shared = terms[left..].iter().any(|(_, core)| terms[..left].iter().any(|(_, other)| other == core));
+        let shared =
+            terms[left..].iter().any(|(_, core)| terms[..left].iter().any(|(_, other)| other == core));
         if !shared {
             return None;
         }
@@ -312,9 +362,16 @@ impl Graph {
         }
     }
 
+    /// Whether a product is a quantity of its own, computed once per element, that products with it do not take
+    /// apart.
+    fn is_whole(&self, x: ExprId) -> bool {
+        matches!(self.op(x), Op::Mul(..)) && self.scope(x) == Scope::Element && self.name_of(x).is_some()
+    }
+
     /// Splits x into a number and its sorted other factors.
     fn coefficient_and_factors(&self, x: ExprId) -> (f64, Vec<ExprId>) {
         match self.op(x) {
+            Op::Mul(..) if self.is_whole(x) => (1.0, vec![x]),
             Op::Constant(bits) => (f64::from_bits(bits), Vec::new()),
             Op::Neg(inner) => {
                 let (coefficient, factors) = self.coefficient_and_factors(inner);
@@ -342,6 +399,7 @@ impl Graph {
     /// x without its numerical coefficient, if that expression exists already.
     fn core(&self, x: ExprId) -> Option<ExprId> {
         match self.op(x) {
+            _ if self.is_whole(x) => Some(x),
             Op::Neg(inner) => self.core(inner),
             Op::Mul(left, right) if self.constant_value(left).is_some() => Some(right),
             Op::Mul(left, right) if self.constant_value(right).is_some() => Some(left),
@@ -373,7 +431,8 @@ mod tests {
     fn constants_are_folded() {
         let mut g = Graph::new();
         let (two, three) = (g.constant(2.0), g.constant(3.0));
-        let results = [g.add(two, three), g.mul(two, three), g.div(two, three), g.power(three, -2), g.exp(two)];
+        let results =
+            [g.add(two, three), g.mul(two, three), g.div(two, three), g.power(three, -2), g.exp(two)];
         let expected = [5.0, 6.0, 2.0 / 3.0, 1.0 / 9.0, 2f64.exp()];
         assert_eq!(results.map(|id| g.constant_value(id).unwrap()), expected);
         let four = g.constant(4.0);
@@ -422,6 +481,42 @@ mod tests {
         assert_eq!(sum, g.add(x_and_two_y, z));
         let difference = g.sub(x, x);
         assert!(g.is_zero(difference));
+    }
+
+    #[test]
+    fn sums_of_products_become_chains() {
+        let (mut g, x, y, z) = graph();
+        let (xy, yz) = (g.mul(x, y), g.mul(y, z));
+        let sum = g.add(xy, yz);
+        let chained = g.add(x, sum);
+        let first = g.add(x, xy);
+        assert_eq!(chained, g.add(first, yz));
+    }
+
+    #[test]
+    fn a_number_times_a_common_factor_is_factored_out() {
+        let (mut g, x, y, _) = graph();
+        let (six, minus_six) = (g.constant(6.0), g.constant(-6.0));
+        let xy = g.mul(x, y);
+        let (left, right) = (g.mul(six, xy), g.mul(minus_six, x));
+        let sum = g.add(left, right);
+        let six_y = g.mul(six, y);
+        let bracket = g.add(six_y, minus_six);
+        assert_eq!(sum, g.mul(x, bracket));
+    }
+
+    #[test]
+    fn a_named_product_of_element_scope_is_kept_whole() {
+        let (mut g, x, y, z) = graph();
+        let half = g.constant(0.5);
+        let half_x = g.mul(half, x);
+        g.name(half_x, "k");
+        let product = g.mul(half_x, y);
+        assert_eq!(g.op(product), Op::Mul(half_x.min(y), half_x.max(y)));
+        let plain = g.mul(half, z);
+        let product = g.mul(plain, y);
+        let zy = g.mul(z, y);
+        assert_eq!(product, g.mul(half, zy));
     }
 
     #[test]

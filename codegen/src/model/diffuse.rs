@@ -76,7 +76,12 @@ impl Diffuse {
         let inverse_radius = g.bind("inverse_radius", reciprocal);
 
         // (a, b, z)_i = Q (x^i − x^c) / R
-        let from_slave: Vec<ExprId> = (0..3).map(|axis| g.sub(node[axis], slave[axis])).collect();
+        let from_slave: Vec<ExprId> = (0..3)
+            .map(|axis| {
+                let difference = g.sub(node[axis], slave[axis]);
+                g.name(difference, &format!("from_slave_{}", AXES[axis]))
+            })
+            .collect();
         let mut offset = [one; 3];
         for (k, name) in ["a", "b", "z"].into_iter().enumerate() {
             let scaled: Vec<ExprId> = (0..3)
@@ -196,12 +201,19 @@ impl Diffuse {
     fn basis_about(&self, g: &mut Graph, origin: [ExprId; 2]) -> Vec<ExprId> {
         let a = g.sub(self.offset[0], origin[0]);
         let b = g.sub(self.offset[1], origin[1]);
-        self.basis.evaluate(g, a, b)
+        g.name(a, "a_shifted");
+        g.name(b, "b_shifted");
+        let p = self.basis.evaluate(g, a, b);
+        for (k, &p) in p.iter().enumerate() {
+            g.name(p, &format!("p_{k}"));
+        }
+        p
     }
 
     /// (13) as residuals: Σ ρ = 0 with ρ = w e p, e = z − p·α.
     fn problem(&self, g: &mut Graph, p: &[ExprId], unknowns: Vec<ExprId>, system: SystemId) -> NodeProblem {
         let fitted = g.dot(p, &unknowns);
+        g.name(fitted, "fitted");
         let error = g.sub(self.offset[2], fitted);
         g.name(error, "e");
         let weighted_error = g.mul(self.weight, error);
@@ -404,7 +416,13 @@ impl Diffuse {
     }
 
     /// −point_k + h f_k with h = −f, at the surface point with basis coordinates `u`.
-    fn foot_equations(&self, g: &mut Graph, problem: &NodeProblem, u: [ExprId; 2], point: [ExprId; 2]) -> [ExprId; 2] {
+    fn foot_equations(
+        &self,
+        g: &mut Graph,
+        problem: &NodeProblem,
+        u: [ExprId; 2],
+        point: [ExprId; 2],
+    ) -> [ExprId; 2] {
         let surface = self.surface_at(g, problem, u);
         let height = g.neg(surface.value);
         std::array::from_fn(|k| {
@@ -423,7 +441,12 @@ impl Diffuse {
 
     /// How the iteration for the foot went.
     pub fn foot_figures(&self, g: &mut Graph, root: RootId) -> [ExprId; 2] {
-        [RootFigure::Residual, RootFigure::Iterations].map(|figure| g.root_figure(root, figure))
+        [(RootFigure::Residual, "foot_residual"), (RootFigure::Iterations, "foot_iterations")].map(
+            |(figure, name)| {
+                let figure = g.root_figure(root, figure);
+                g.name(figure, name)
+            },
+        )
     }
 }
 

@@ -110,9 +110,15 @@ impl Kernel {
         let mut graph = Graph::new();
         let model = Diffuse::declare(&mut graph, spec.basis, &spec.weight);
         let equations = vec![
-            Equation { formula: "(a, b, z)_i = Q (x^i - x^c) / R, Q = (t1, t2, n)", source: "local offsets over the support radius" },
+            Equation {
+                formula: "(a, b, z)_i = Q (x^i - x^c) / R, Q = (t1, t2, n)",
+                source: "local offsets over the support radius",
+            },
             Equation { formula: "w = w(r), r = sqrt(a^2 + b^2)", source: "Chamoret et al. 2008, eq. 14" },
-            Equation { formula: "A alpha = beta, A = sum w p p^T, beta = sum w z p", source: "Chamoret et al. 2008, eq. 13" },
+            Equation {
+                formula: "A alpha = beta, A = sum w p p^T, beta = sum w z p",
+                source: "Chamoret et al. 2008, eq. 13",
+            },
         ];
         let mut kernel =
             Self { spec, graph, values: Vec::new(), gradients: Vec::new(), hessians: Vec::new(), equations };
@@ -155,7 +161,8 @@ impl Kernel {
         let [f, f1, f2] = functionals;
         self.add_derivatives(&fit.problem, &[("f", f), ("f_1", f1), ("f_2", f2)], 1);
         self.add_pivot_ratio(&fit.problem);
-        self.equations.push(Equation { formula: "f(u) = p(u) alpha", source: "Chamoret et al. 2008, eq. 13" });
+        self.equations
+            .push(Equation { formula: "f(u) = p(u) alpha", source: "Chamoret et al. 2008, eq. 13" });
     }
 
     fn gap(&mut self, model: &Diffuse) {
@@ -168,23 +175,43 @@ impl Kernel {
         self.add_scalar("gap", "Signed gap g, length, positive apart (19)", contact.gap);
         self.add_array("foot", "Foot point x^d, global axes, length", contact.foot.to_vec());
         self.add_array("normal", "Unit normal ν at the foot, global axes (22)", contact.normal.to_vec());
-        self.add_array("coefficients", "Coefficients α about the slave, units length, 1, 1, 1/length, … (13)", alpha);
+        self.add_array(
+            "coefficients",
+            "Coefficients α about the slave, units length, 1, 1, 1/length, … (13)",
+            alpha,
+        );
         self.add_derivatives(&contact.problem, &[("gap", contact.functional)], 1);
         self.add_pivot_ratio(&fit.problem);
         self.add_scalar("foot_residual", "Largest foot residual |−u_k + h f_k| over R", residual);
         self.add_scalar("foot_iterations", "Newton iterations for the foot", iterations);
-        self.add_scalar("foot_distance", "In-plane distance of the foot from the slave over R", contact.distance);
-        self.add_scalar("jacobian_determinant", "det J of the foot equations, 0 on a centre of curvature", contact.determinant);
+        self.add_scalar(
+            "foot_distance",
+            "In-plane distance of the foot from the slave over R",
+            contact.distance,
+        );
+        self.add_scalar(
+            "jacobian_determinant",
+            "det J of the foot equations, 0 on a centre of curvature",
+            contact.determinant,
+        );
         self.equations.extend([
             Equation { formula: "-u_k + h f_k = 0, h = -f(u)", source: "foot point x^d" },
             Equation { formula: "g = nu (x^c - x^d)", source: "Chamoret et al. 2008, eq. 19" },
-            Equation { formula: "nu = (-f_1, -f_2, 1) / sqrt(1 + f_1^2 + f_2^2)", source: "Chamoret et al. 2008, eq. 22" },
+            Equation {
+                formula: "nu = (-f_1, -f_2, 1) / sqrt(1 + f_1^2 + f_2^2)",
+                source: "Chamoret et al. 2008, eq. 22",
+            },
             Equation { formula: "N = dg/dx, M = d2g/dx2", source: "Chamoret et al. 2008, eqs. 32 and 42" },
         ]);
     }
 
     /// Gradients of all functionals and Hessians of the first `hessians`, as far as the mode asks for them.
-    fn add_derivatives(&mut self, problem: &NodeProblem, functionals: &[(&'static str, Functional)], hessians: usize) {
+    fn add_derivatives(
+        &mut self,
+        problem: &NodeProblem,
+        functionals: &[(&'static str, Functional)],
+        hessians: usize,
+    ) {
         let g = &mut self.graph;
         if self.spec.mode >= Mode::Gradient {
             self.gradients = functionals.iter().map(|(name, f)| (*name, problem.gradient(g, f))).collect();
@@ -197,7 +224,11 @@ impl Kernel {
 
     fn add_pivot_ratio(&mut self, problem: &NodeProblem) {
         let ratio = self.graph.intern(Op::PivotRatio(problem.system));
-        self.add_scalar("pivot_ratio", "Smallest pivot of A over its diagonal entry, 0 for a singular fit", ratio);
+        self.add_scalar(
+            "pivot_ratio",
+            "Smallest pivot of A over its diagonal entry, 0 for a singular fit",
+            ratio,
+        );
     }
 
     /// A sum that is finite only if all results are: the slave's derivatives contain those of all masters.

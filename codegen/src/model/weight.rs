@@ -27,7 +27,9 @@ pub enum WeightError {
         slope: f64,
     },
     /// The weight has no expansion at r = 0.
-    #[error("the weight \"{formula}\" is not smooth at r = 0: coefficient {order} of its expansion is {value}")]
+    #[error(
+        "the weight \"{formula}\" is not smooth at r = 0: coefficient {order} of its expansion is {value}"
+    )]
     NotSmooth {
         /// The formula.
         formula: String,
@@ -83,7 +85,11 @@ impl Weight {
         if !starts_well || !name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_') {
             return Err(WeightError::Name { name: name.to_owned() });
         }
-        let weight = Self { name: name.to_owned(), text: formula.trim().to_owned(), formula: Formula::parse(formula)? };
+        let weight = Self {
+            name: name.to_owned(),
+            text: formula.trim().to_owned(),
+            formula: Formula::parse(formula)?,
+        };
         weight.check()?;
         Ok(weight)
     }
@@ -242,7 +248,12 @@ mod tests {
 
     #[test]
     fn formulas_without_a_kink_are_accepted() {
-        for formula in ["exp(-r)*(1 + r)", "(1-r)^4*(1+4*r)", "exp(-4*r^2)", "if r < 0.5 { 2/3-4*r^2+4*r^3 } else { 4/3-4*r+4*r^2-4/3*r^3 }"] {
+        for formula in [
+            "exp(-r)*(1 + r)",
+            "(1-r)^4*(1+4*r)",
+            "exp(-4*r^2)",
+            "if r < 0.5 { 2/3-4*r^2+4*r^3 } else { 4/3-4*r+4*r^2-4/3*r^3 }",
+        ] {
             Weight::new("test", formula).unwrap();
         }
     }

@@ -48,7 +48,12 @@ impl CoordinateMap {
                     let (node, slave) = (g.symbol_of(node[axis]), g.symbol_of(slave[axis]));
                     let by_node = g.derivative(definition, node);
                     let by_slave = g.derivative(definition, slave);
-                    assert_eq!(g.scope(by_node), Scope::Element, "{} is not linear in the positions", data.name);
+                    assert_eq!(
+                        g.scope(by_node),
+                        Scope::Element,
+                        "{} is not linear in the positions",
+                        data.name
+                    );
                     assert_eq!(g.neg(by_slave), by_node, "{} is not invariant under translation", data.name);
                     by_node
                 })
@@ -73,12 +78,15 @@ impl CoordinateMap {
 
     /// Global Hessian of a node expression of the local coordinates.
     fn hessian(&self, g: &mut Graph, expr: ExprId) -> [[ExprId; 3]; 3] {
-        let half: Vec<[ExprId; 3]> = self
-            .local
-            .iter()
-            .map(|&c| {
-                let partial = g.derivative(expr, c);
-                self.gradient(g, partial)
+        // One order of differentiation for both of a pair of mixed derivatives, so that they are one expression.
+        let second = |g: &mut Graph, i: usize, j: usize| {
+            let first = g.derivative(expr, self.local[i.min(j)]);
+            g.derivative(first, self.local[i.max(j)])
+        };
+        let half: Vec<[ExprId; 3]> = (0..self.local.len())
+            .map(|i| {
+                let partial: Vec<ExprId> = (0..self.local.len()).map(|j| second(g, i, j)).collect();
+                self.pull_back(g, &partial)
             })
             .collect();
         let mut hessian = [[g.zero(); 3]; 3];
@@ -217,16 +225,17 @@ impl NodeProblem {
         for row in 0..3 {
             for column in 0..3 {
                 hessian.pair[row][column] = low_rank_pair(g, &b, &c, row, column);
-                let mixed = low_rank(g, (&b, &c), (&b_slave, &c_slave), row, column);
-                hessian.node_slave[row][column] = g.sub(mixed, own[row][column]);
+                let minus_own = g.neg(own[row][column]);
+                hessian.node_slave[row][column] =
+                    low_rank(g, minus_own, (&b, &c), (&b_slave, &c_slave), row, column);
             }
             for column in 0..=row {
                 let own_sum = if g.is_zero(own[row][column]) { g.zero() } else { g.sum(own[row][column]) };
-                let slave = low_rank(g, (&b_slave, &c_slave), (&b_slave, &c_slave), row, column);
-                let diagonal = low_rank(g, (&b, &c), (&b, &c), row, column);
+                let slave = low_rank(g, own_sum, (&b_slave, &c_slave), (&b_slave, &c_slave), row, column);
+                let diagonal = low_rank(g, own[row][column], (&b, &c), (&b, &c), row, column);
                 for (i, j) in [(row, column), (column, row)] {
-                    hessian.slave[i][j] = g.add(slave, own_sum);
-                    hessian.diagonal[i][j] = g.add(diagonal, own[row][column]);
+                    hessian.slave[i][j] = slave;
+                    hessian.diagonal[i][j] = diagonal;
                 }
             }
         }
@@ -259,7 +268,8 @@ impl NodeProblem {
             .local
             .iter()
             .map(|&coordinate| {
-                let derivative: Vec<ExprId> = direction.iter().map(|&x| g.derivative(x, coordinate)).collect();
+                let derivative: Vec<ExprId> =
+                    direction.iter().map(|&x| g.derivative(x, coordinate)).collect();
                 self.apply_inverse_factor(g, &derivative)
             })
             .collect();
@@ -284,7 +294,8 @@ impl NodeProblem {
         let permuted: Vec<ExprId> = (0..size).map(|k| vector[g.system(self.system).eliminated(k)]).collect();
         (0..size)
             .map(|row| {
-                let entries: Vec<ExprId> = (0..=row).map(|column| self.inverse_factor(g, row, column)).collect();
+                let entries: Vec<ExprId> =
+                    (0..=row).map(|column| self.inverse_factor(g, row, column)).collect();
                 g.dot(&entries, &permuted[..=row])
             })
             .collect()
@@ -328,8 +339,7 @@ impl NodeProblem {
             .map(|(k, row)| {
                 std::array::from_fn(|axis| {
                     let column: Vec<ExprId> = b.iter().map(|b| b[axis]).collect();
-                    let curved = g.dot(&middle[k], &column);
-                    g.add(row[axis], curved)
+                    add_products(g, row[axis], &middle[k], &column)
                 })
             })
             .collect()
@@ -344,23 +354,32 @@ fn negative_sum(g: &mut Graph, x: ExprId) -> ExprId {
 
 type Factors<'a> = (&'a [[ExprId; 3]], &'a [[ExprId; 3]]);
 
-/// Entry (row, column) of C₁ᵀB₂ + B₁ᵀC₂ for factors (B, C).
-fn low_rank(g: &mut Graph, first: Factors<'_>, second: Factors<'_>, row: usize, column: usize) -> ExprId {
+/// `start` plus entry (row, column) of C₁ᵀB₂ + B₁ᵀC₂ for factors (B, C).
+fn low_rank(
+    g: &mut Graph,
+    start: ExprId,
+    first: Factors<'_>,
+    second: Factors<'_>,
+    row: usize,
+    column: usize,
+) -> ExprId {
     let at = |rows: &[[ExprId; 3]], axis: usize| -> Vec<ExprId> { rows.iter().map(|r| r[axis]).collect() };
-    let one_way = g.dot(&at(first.1, row), &at(second.0, column));
     if row == column && first == second {
+        let one_way = g.dot(&at(first.1, row), &at(second.0, column));
         let two = g.constant(2.0);
-        return g.mul(two, one_way);
+        return add_products(g, start, &[two], &[one_way]);
     }
-    let (left, right) = (at(first.0, row), at(second.1, column));
-    add_products(g, one_way, &left, &right)
+    let one_way = add_products(g, start, &at(first.1, row), &at(second.0, column));
+    add_products(g, one_way, &at(first.0, row), &at(second.1, column))
 }
 
 /// The same for the pair (row node, column node).
 fn low_rank_pair(g: &mut Graph, b: &[[ExprId; 3]], c: &[[ExprId; 3]], row: usize, column: usize) -> ExprId {
-    let rows = |g: &mut Graph, f: &[[ExprId; 3]]| -> Vec<ExprId> { f.iter().map(|r| g.at_row(r[row])).collect() };
-    let columns =
-        |g: &mut Graph, f: &[[ExprId; 3]]| -> Vec<ExprId> { f.iter().map(|r| g.at_column(r[column])).collect() };
+    let rows =
+        |g: &mut Graph, f: &[[ExprId; 3]]| -> Vec<ExprId> { f.iter().map(|r| g.at_row(r[row])).collect() };
+    let columns = |g: &mut Graph, f: &[[ExprId; 3]]| -> Vec<ExprId> {
+        f.iter().map(|r| g.at_column(r[column])).collect()
+    };
     let (b_row, c_row) = (rows(g, b), rows(g, c));
     let (b_column, c_column) = (columns(g, b), columns(g, c));
     let one_way = g.dot(&c_row, &b_column);

@@ -1,8 +1,8 @@
 //! Structure that the derivative rules know about: symmetric positive definite systems, small nonlinear
 //! systems, and quantities defined implicitly by sums over nodes.
 
-mod fit_derivatives;
 mod factors;
+mod fit_derivatives;
 mod small;
 
 pub use fit_derivatives::{CoordinateMap, Functional, Gradient, Hessian, NodeProblem};

@@ -58,10 +58,8 @@ mod tests {
         let solution = [1.0, -2.0, 3.0];
         let matrix: Vec<Vec<ExprId>> =
             rows.iter().map(|row| row.iter().map(|&x| g.constant(x)).collect()).collect();
-        let b: Vec<ExprId> = rows
-            .iter()
-            .map(|row| g.constant(row.iter().zip(solution).map(|(a, x)| a * x).sum()))
-            .collect();
+        let b: Vec<ExprId> =
+            rows.iter().map(|row| g.constant(row.iter().zip(solution).map(|(a, x)| a * x).sum())).collect();
         let x = g.solve_small(&matrix, &b);
         let inputs = NodeInputs::new(0);
         let mut interpreter = Interpreter::new(&g, &inputs);

@@ -114,7 +114,8 @@ mod tests {
 
     #[test]
     fn equations_without_a_root_are_reported() {
-        let solution = solve_two_equations(|[x, y]: [f64; 2]| ([x * x + 1.0, y], [2.0 * x + 1e-3, 0.0, 0.0, 1.0]));
+        let solution =
+            solve_two_equations(|[x, y]: [f64; 2]| ([x * x + 1.0, y], [2.0 * x + 1e-3, 0.0, 0.0, 1.0]));
         assert!(!(solution.residual < RootSolution::<f64>::TOLERANCE));
     }
 

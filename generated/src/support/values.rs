@@ -1,7 +1,5 @@
 //! Inputs and results of kernels.
 
-use super::Lane;
-
 /// Polynomial basis of the moving least squares fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Basis {
@@ -103,7 +101,8 @@ pub struct GapValues<T> {
     pub checksum: T,
 }
 
-/// The generated kernels of one weight.
+/// The generated kernels of one weight, for one element at a time. The kernels themselves are generic over
+/// [`Lane`](super::Lane).
 ///
 /// `gradients` and `hessians` hold, one after another, the derivatives with respect to the 3(n+1) global
 /// coordinates ordered slave, master 1, …, master n; a Hessian is its packed lower triangle. What the mode does
@@ -116,29 +115,29 @@ pub trait KernelSet {
     const WEIGHT: &'static str;
 
     /// α with ∂α/∂x and ∂²α/∂x∂x of each coefficient.
-    fn coefficients<T: Lane>(
+    fn coefficients(
         basis: Basis,
         mode: Mode,
-        inputs: &Inputs<'_, T>,
-        gradients: &mut [T],
-        hessians: &mut [T],
-    ) -> CoefficientsValues<T>;
+        inputs: &Inputs<'_, f64>,
+        gradients: &mut [f64],
+        hessians: &mut [f64],
+    ) -> CoefficientsValues<f64>;
 
     /// f, f_l, f_lm at `inputs.point` with the gradients ∇f, T_1, T_2 and the Hessian H_f.
-    fn surface<T: Lane>(
+    fn surface(
         basis: Basis,
         mode: Mode,
-        inputs: &Inputs<'_, T>,
-        gradients: &mut [T],
-        hessians: &mut [T],
-    ) -> SurfaceValues<T>;
+        inputs: &Inputs<'_, f64>,
+        gradients: &mut [f64],
+        hessians: &mut [f64],
+    ) -> SurfaceValues<f64>;
 
     /// g, foot and ν with the gradient N and the Hessian M.
-    fn gap<T: Lane>(
+    fn gap(
         basis: Basis,
         mode: Mode,
-        inputs: &Inputs<'_, T>,
-        gradients: &mut [T],
-        hessians: &mut [T],
-    ) -> GapValues<T>;
+        inputs: &Inputs<'_, f64>,
+        gradients: &mut [f64],
+        hessians: &mut [f64],
+    ) -> GapValues<f64>;
 }

@@ -323,7 +323,9 @@ impl<'a> Lowering<'a> {
                 let product = self.target.mul(factor.lower[i][k], y[k]);
                 rest = self.target.sub(rest, product);
             }
-            y.push(self.target.mul(rest, factor.reciprocal[i]));
+            let value = self.target.mul(rest, factor.reciprocal[i]);
+            let name = &self.source.system(data.system).name;
+            y.push(self.target.name(value, &format!("{name}_forward_{i}")));
         }
         let mut x = y;
         for i in (0..size).rev() {

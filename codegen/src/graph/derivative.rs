@@ -168,8 +168,8 @@ impl Graph {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::graph::SpdSystem;
     use crate::interpret::{Interpreter, NodeInputs};
-    use crate::structure::SpdSystem;
 
     /// Value of an element expression of x.
     fn value(g: &Graph, expr: ExprId, x: f64) -> f64 {

@@ -11,11 +11,12 @@
 
 mod derivative;
 mod simplify;
+mod structured;
 mod substitute;
 
 use std::collections::HashMap;
 
-use crate::structure::{Root, Solve, SpdSystem};
+pub use structured::{Root, Solve, SpdSystem};
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident) => {

@@ -6,8 +6,8 @@
 
 use super::basis::Basis;
 use super::weight::Weight;
-use crate::graph::{ExprId, Graph, RootFigure, RootId, Scope, SystemId};
-use crate::structure::{CoordinateMap, Functional, NodeProblem, SpdSystem};
+use crate::graph::{ExprId, Graph, RootFigure, RootId, Scope, SpdSystem, SystemId};
+use crate::structure::{CoordinateMap, Functional, NodeProblem};
 
 /// Names of the global axes.
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -107,7 +107,14 @@ impl Diffuse {
     pub fn fit(&self, g: &mut Graph, origin: [ExprId; 2]) -> Fit {
         let p = self.basis_about(g, origin);
         let height = self.offset[2];
-        let weighted: Vec<ExprId> = p.iter().map(|&p| g.mul(self.weight, p)).collect();
+        let weighted: Vec<ExprId> = p
+            .iter()
+            .enumerate()
+            .map(|(k, &p)| {
+                let product = g.mul(self.weight, p);
+                g.name(product, &format!("w_p_{k}"))
+            })
+            .collect();
         let matrix: Vec<Vec<ExprId>> = (0..p.len())
             .map(|i| {
                 (0..=i)
@@ -269,6 +276,7 @@ impl Diffuse {
     fn surface_at(&self, g: &mut Graph, problem: &NodeProblem, u: [ExprId; 2]) -> SurfacePoint {
         let p = self.basis.evaluate(g, u[0], u[1]);
         let value = g.dot(&p, &problem.unknowns);
+        g.name(value, "f");
         let [u1, u2] = u.map(|u| g.symbol_of(u));
         let slopes = [g.derivative(value, u1), g.derivative(value, u2)];
         let curvatures =

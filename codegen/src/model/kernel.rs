@@ -243,10 +243,14 @@ impl Kernel {
     }
 
     fn add_scalar(&mut self, name: &'static str, doc: &'static str, value: ExprId) {
+        self.graph.name(value, name);
         self.values.push(Value { name, doc, is_array: false, components: vec![value] });
     }
 
     fn add_array(&mut self, name: &'static str, doc: &'static str, components: Vec<ExprId>) {
+        for (k, &component) in components.iter().enumerate() {
+            self.graph.name(component, &format!("{name}_{k}"));
+        }
         self.values.push(Value { name, doc, is_array: true, components });
     }
 }

@@ -1,82 +1,8 @@
-//! Structure that the derivative rules know about: symmetric positive definite systems, small nonlinear
-//! systems, and quantities defined implicitly by sums over nodes.
+//! Derivatives of implicitly defined quantities, found in the structure of their definitions: sums over nodes,
+//! common factors, small linear systems.
 
 mod factors;
 mod fit_derivatives;
 mod small;
 
 pub use fit_derivatives::{CoordinateMap, Functional, Gradient, Hessian, NodeProblem};
-
-use crate::graph::{ExprId, SymbolId, SystemId};
-
-/// A symmetric positive definite matrix of element expressions.
-#[derive(Clone, Debug)]
-pub struct SpdSystem {
-    /// Name, used for the emitted factor's entries.
-    pub name: String,
-    /// Rows of the lower triangle.
-    lower: Vec<Vec<ExprId>>,
-    /// Elimination order: position in the factorisation → row of the matrix.
-    order: Vec<usize>,
-}
-
-impl SpdSystem {
-    /// A system from the rows of its lower triangle and the order in which its rows are eliminated.
-    ///
-    /// # Panics
-    /// If the rows do not form a lower triangle or `order` is not a permutation.
-    #[must_use]
-    pub fn new(name: &str, lower: Vec<Vec<ExprId>>, order: Vec<usize>) -> Self {
-        assert!(lower.iter().enumerate().all(|(i, row)| row.len() == i + 1), "{name}: not a lower triangle");
-        let mut sorted = order.clone();
-        sorted.sort_unstable();
-        assert!(sorted.into_iter().eq(0..lower.len()), "{name}: the elimination order is not a permutation");
-        Self { name: name.to_owned(), lower, order }
-    }
-
-    /// Number of rows.
-    #[must_use]
-    pub fn size(&self) -> usize {
-        self.lower.len()
-    }
-
-    /// Entry (row, column) of the matrix.
-    #[must_use]
-    pub fn entry(&self, row: usize, column: usize) -> ExprId {
-        if row >= column { self.lower[row][column] } else { self.lower[column][row] }
-    }
-
-    /// Row of the matrix that is eliminated at `position`.
-    #[must_use]
-    pub fn eliminated(&self, position: usize) -> usize {
-        self.order[position]
-    }
-
-    /// All entries of the lower triangle.
-    #[must_use]
-    pub fn entries(&self) -> Vec<ExprId> {
-        self.lower.iter().flatten().copied().collect()
-    }
-}
-
-/// A right-hand side of a system.
-#[derive(Clone, Debug)]
-pub struct Solve {
-    /// The system.
-    pub system: SystemId,
-    /// One expression per row.
-    pub right_hand_side: Vec<ExprId>,
-}
-
-/// A small system of equations r(y) = 0, solved by a damped Newton iteration from y = 0.
-#[derive(Clone, Debug)]
-pub struct Root {
-    /// Name, used in the emitted code.
-    pub name: String,
-    /// The unknowns y, free variables of the residuals.
-    pub unknowns: Vec<SymbolId>,
-    /// The residuals r.
-    pub residuals: Vec<ExprId>,
-    /// ∂r/∂y, made by the derivative engine.
-    pub jacobian: Vec<Vec<ExprId>>,
-}

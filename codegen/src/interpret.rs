@@ -19,7 +19,9 @@ impl NodeInputs {
     /// No values yet, for `count` nodes.
     #[must_use]
     pub fn new(count: usize) -> Self {
-        Self { count, ..Self::default() }
+        let mut inputs = Self { count, ..Self::default() };
+        inputs.set_element(crate::graph::NODE_COUNT, count as f64);
+        inputs
     }
 
     /// Sets an input of element scope.

@@ -192,6 +192,9 @@ impl<'a> Lowering<'a> {
         if let Some(&known) = self.symbols.get(&symbol) {
             return known;
         }
+        if data.name == crate::graph::NODE_COUNT {
+            return self.target.node_count();
+        }
         let input = self.target.input(&data.name, data.scope);
         self.symbols.insert(symbol, input);
         input

@@ -148,6 +148,9 @@ pub struct Symbol {
     pub definition: Option<ExprId>,
 }
 
+/// Name of the input that holds the number of nodes.
+pub(crate) const NODE_COUNT: &str = "node_count";
+
 /// An arena of expressions; see the module's promises.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
@@ -307,6 +310,15 @@ impl Graph {
     pub fn input(&mut self, name: &str, scope: Scope) -> ExprId {
         let symbol = self.add_symbol(name, scope, None);
         self.intern(Op::Symbol(symbol))
+    }
+
+    /// The number of nodes, an input.
+    pub fn node_count(&mut self) -> ExprId {
+        let known = self.symbols.iter().position(|s| s.name == NODE_COUNT);
+        match known {
+            Some(k) => self.intern(Op::Symbol(SymbolId(k as u32))),
+            None => self.input(NODE_COUNT, Scope::Element),
+        }
     }
 
     /// A new symbol bound to `definition`: equal in value, but a variable of its own for differentiation.

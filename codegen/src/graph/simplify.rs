@@ -190,7 +190,11 @@ impl Graph {
         if self.is_zero(x) {
             return x;
         }
-        assert_eq!(self.scope(x), Scope::Node, "only a node expression can be summed over the nodes");
+        if self.scope(x) == Scope::Element {
+            let count = self.node_count();
+            return self.mul(count, x); // Σ c → n c
+        }
+        assert_eq!(self.scope(x), Scope::Node, "a pair expression cannot be summed over the nodes");
         // Σ c x → c Σ x
         let (coefficient, _) = self.coefficient_and_factors(x);
         let core = self.without_coefficient(x);

@@ -25,6 +25,9 @@ impl Graph {
         replacements: &[(SymbolId, ExprId)],
         done: &mut HashMap<ExprId, ExprId>,
     ) -> ExprId {
+        if replacements.is_empty() {
+            return expr;
+        }
         if let Some(&known) = done.get(&expr) {
             return known;
         }
@@ -93,6 +96,13 @@ impl Graph {
             | Op::RootValue(..)
             | Op::RootFigure(..) => expr,
         };
+        // The value is the same quantity under other circumstances.
+        if result != expr
+            && let Some(name) = self.name_of(expr).map(str::to_owned)
+            && !matches!(self.op(expr), Op::Symbol(_))
+        {
+            self.name(result, &name);
+        }
         done.insert(expr, result);
         result
     }

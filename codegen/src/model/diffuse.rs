@@ -7,7 +7,7 @@
 use super::basis::Basis;
 use super::weight::Weight;
 use crate::graph::{ExprId, Graph, RootFigure, RootId, Scope, SpdSystem, SystemId};
-use crate::structure::{CoordinateMap, Functional, NodeProblem};
+use crate::structure::{Block, CoordinateMap, Functional, NodeProblem};
 
 /// Names of the global axes.
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -158,7 +158,7 @@ impl Diffuse {
                 g.substitute_all(&coefficients, &at_minus_origin)
             })
             .collect();
-        let f = g.dot(&p, &fit.problem.unknowns);
+        let f = g.dot(&p, fit.problem.unknowns());
         let coefficients = self.taylor_coefficients(g, f, [a, b]);
         let coefficients = g.substitute_all(&coefficients, &at_origin);
 
@@ -226,7 +226,8 @@ impl Diffuse {
         let weighted_error = g.mul(self.weight, error);
         g.name(weighted_error, "w_e");
         let residual = p.iter().map(|&p| g.mul(weighted_error, p)).collect();
-        NodeProblem { unknowns, residual, system, coordinates: self.coordinates.clone() }
+        let fit = Block { unknowns, residual, system };
+        NodeProblem { blocks: vec![fit], coordinates: self.coordinates.clone(), values: Vec::new() }
     }
 
     /// α in length units: z = α·(1, a, b, …) with z, a, b in length units.
@@ -234,7 +235,7 @@ impl Diffuse {
         (0..self.basis.size())
             .map(|k| {
                 let unit = self.coefficient_unit(g, k);
-                g.mul(unit, fit.problem.unknowns[k])
+                g.mul(unit, fit.problem.unknowns()[k])
             })
             .collect()
     }
@@ -275,7 +276,7 @@ impl Diffuse {
 
     fn surface_at(&self, g: &mut Graph, problem: &NodeProblem, u: [ExprId; 2]) -> SurfacePoint {
         let p = self.basis.evaluate(g, u[0], u[1]);
-        let value = g.dot(&p, &problem.unknowns);
+        let value = g.dot(&p, problem.unknowns());
         g.name(value, "f");
         let [u1, u2] = u.map(|u| g.symbol_of(u));
         let slopes = [g.derivative(value, u1), g.derivative(value, u2)];
@@ -295,7 +296,7 @@ impl Diffuse {
         ];
         quantities.map(|(name, quantity, unit)| {
             let first = problem
-                .unknowns
+                .unknowns()
                 .iter()
                 .map(|&unknown| {
                     let unknown = g.symbol_of(unknown);
@@ -350,7 +351,7 @@ impl Diffuse {
             .iter()
             .map(|&equation| delta_symbols.iter().map(|&d| g.derivative(equation, d)).collect())
             .collect();
-        let unknowns = problem.unknowns.clone();
+        let unknowns = problem.unknowns().to_vec();
         let followers: Vec<Follower> = unknowns
             .iter()
             .map(|&alpha| {

@@ -223,7 +223,7 @@ impl Kernel {
     }
 
     fn add_pivot_ratio(&mut self, problem: &NodeProblem) {
-        let ratio = self.graph.intern(Op::PivotRatio(problem.system));
+        let ratio = self.graph.intern(Op::PivotRatio(problem.system()));
         self.add_scalar(
             "pivot_ratio",
             "Smallest pivot of A over its diagonal entry, 0 for a singular fit",

@@ -9,6 +9,10 @@
 //! Y = dα/dx = A⁻¹ B,   B = ∂ρ/∂x,   C = ∂²Λ/∂α∂x,   K = ∂²G/∂α²
 //! ```
 //!
+//! Unknowns may come in blocks, each the root of a sum over nodes of its own, that depend on the blocks after them:
+//! the fit depends on the average plane. Then A is block triangular, r₁₂ = ∂r₁/∂y₂ couples the blocks
+//! (B̂₁ = L₁⁻¹B₁ + L₁⁻¹ r₁₂ L₂⁻ᵀ B̂₂) and K has a block for every pair.
+//!
 //! With A = L Lᵀ, B̂ = L⁻¹B and Ĉ = L⁻¹C + ½ (L⁻¹ K L⁻ᵀ) B̂ the off-diagonal blocks are the symmetric low-rank
 //! update Ĉᵢᵀ B̂ⱼ + B̂ᵢᵀ Ĉⱼ: K costs nothing per pair of nodes. Which of these blocks are zero, and that ρ and ∂Λ/∂α
 //! are a scalar times one and the same vector p, is found in the expressions, not assumed.
@@ -102,17 +106,26 @@ impl CoordinateMap {
     }
 }
 
-/// Unknowns defined by a sum over nodes.
+/// Unknowns y defined by a sum over nodes, Σ ρ(y, …; xᵢ) = 0.
 #[derive(Clone, Debug)]
-pub struct NodeProblem {
-    /// The unknowns α, bound symbols.
+pub struct Block {
+    /// The unknowns, symbols.
     pub unknowns: Vec<ExprId>,
     /// A node's term ρ in the residuals.
     pub residual: Vec<ExprId>,
-    /// A = −∂r/∂α.
+    /// A = −∂r/∂y, symmetric positive definite.
     pub system: SystemId,
+}
+
+/// Unknowns defined by sums over nodes, in blocks. A block's residuals may depend on the unknowns of later blocks.
+#[derive(Clone, Debug)]
+pub struct NodeProblem {
+    /// The blocks; the quantities of interest are functions of the first one's unknowns.
+    pub blocks: Vec<Block>,
     /// The coordinates the residuals depend on.
     pub coordinates: CoordinateMap,
+    /// Values of symbols that are variables while differentiating, put in afterwards.
+    pub values: Vec<(SymbolId, ExprId)>,
 }
 
 /// A quantity G(α) of a [`NodeProblem`]'s unknowns.
@@ -148,19 +161,39 @@ pub struct Hessian {
     pub pair: [[ExprId; 3]; 3],
 }
 
+/// A block's part of the factors of a Hessian: B̂ and Ĉ, one row per unknown in elimination order.
+struct BlockFactors {
+    b: Vec<[ExprId; 3]>,
+    c: Vec<[ExprId; 3]>,
+}
+
 impl NodeProblem {
-    /// Checks that a system assembled from the nodes is the derivative of the residuals.
+    /// The unknowns of interest.
+    #[must_use]
+    pub fn unknowns(&self) -> &[ExprId] {
+        &self.blocks[0].unknowns
+    }
+
+    /// The system of the unknowns of interest.
+    #[must_use]
+    pub fn system(&self) -> SystemId {
+        self.blocks[0].system
+    }
+
+    /// Checks that the first block's system, assembled from the nodes, is the derivative of its residuals.
     ///
     /// # Panics
     /// If it is not, or is not symmetric.
     pub fn check_system(&self, g: &mut Graph) {
-        for (i, &residual) in self.residual.iter().enumerate() {
-            for (j, &unknown) in self.unknowns.iter().enumerate() {
+        let block = &self.blocks[0];
+        for (i, &residual) in block.residual.iter().enumerate() {
+            for (j, &unknown) in block.unknowns.iter().enumerate() {
                 let unknown = g.symbol_of(unknown);
                 let derivative = g.derivative(residual, unknown);
+                let derivative = g.substitute(derivative, &self.values);
                 let sum = g.sum(derivative);
                 let entry = g.neg(sum);
-                assert_eq!(entry, g.system(self.system).entry(i, j), "entry ({i}, {j}) is not −∂r/∂α");
+                assert_eq!(entry, g.system(block.system).entry(i, j), "entry ({i}, {j}) is not −∂r/∂α");
             }
         }
     }
@@ -168,7 +201,7 @@ impl NodeProblem {
     /// dG/dx.
     pub fn gradient(&self, g: &mut Graph, functional: &Functional) -> Gradient {
         let lagrangian = self.lagrangian(g, functional);
-        let node = self.coordinates.gradient(g, lagrangian);
+        let node = self.coordinates.gradient(g, lagrangian).map(|x| g.substitute(x, &self.values));
         let slave = node.map(|x| negative_sum(g, x));
         for axis in 0..3 {
             g.name(node[axis], &format!("d{}_d{}", functional.name, AXES[axis]));
@@ -180,41 +213,12 @@ impl NodeProblem {
     /// d²G/dx².
     pub fn hessian(&self, g: &mut Graph, functional: &Functional) -> Hessian {
         let lagrangian = self.lagrangian(g, functional);
-        let name = &functional.name;
-        let own = self.coordinates.hessian(g, lagrangian);
-
-        let by_unknowns: Vec<ExprId> = self
-            .unknowns
-            .iter()
-            .map(|&unknown| {
-                let unknown = g.symbol_of(unknown);
-                g.derivative(lagrangian, unknown)
-            })
-            .collect();
-        // B̂ and L⁻¹C
-        let residual = self.residual.clone();
-        let b = self.solved_gradient(g, &residual, "p");
-        let c = self.solved_gradient(g, &by_unknowns, "p");
-        let c = self.absorb_second_derivative(g, c, &b, functional);
-        for k in 0..b.len() {
-            for axis in 0..3 {
-                g.name(b[k][axis], &format!("b_hat_{k}_{}", AXES[axis]));
-                g.name(c[k][axis], &format!("c_hat_{name}_{k}_{}", AXES[axis]));
-            }
-        }
-        let slave_rows = |g: &mut Graph, rows: &[[ExprId; 3]], letter: &str| -> Vec<[ExprId; 3]> {
-            rows.iter()
-                .enumerate()
-                .map(|(k, row)| {
-                    std::array::from_fn(|axis| {
-                        let sum = negative_sum(g, row[axis]);
-                        g.name(sum, &format!("{letter}_slave_{k}_{}", AXES[axis]))
-                    })
-                })
-                .collect()
-        };
+        let own =
+            self.coordinates.hessian(g, lagrangian).map(|row| row.map(|x| g.substitute(x, &self.values)));
+        let factors = self.factors(g, functional, lagrangian);
+        let (b, c) = name_factors(g, &functional.name, factors);
         let b_slave = slave_rows(g, &b, "b");
-        let c_slave = slave_rows(g, &c, &format!("c_{name}"));
+        let c_slave = slave_rows(g, &c, &format!("c_{}", functional.name));
 
         let mut hessian = Hessian {
             slave: [[g.zero(); 3]; 3],
@@ -230,7 +234,7 @@ impl NodeProblem {
                     low_rank(g, minus_own, (&b, &c), (&b_slave, &c_slave), row, column);
             }
             for column in 0..=row {
-                let own_sum = if g.is_zero(own[row][column]) { g.zero() } else { g.sum(own[row][column]) };
+                let own_sum = g.sum(own[row][column]);
                 let slave = low_rank(g, own_sum, (&b_slave, &c_slave), (&b_slave, &c_slave), row, column);
                 let diagonal = low_rank(g, own[row][column], (&b, &c), (&b, &c), row, column);
                 for (i, j) in [(row, column), (column, row)] {
@@ -242,27 +246,185 @@ impl NodeProblem {
         hessian
     }
 
-    /// Λ = λ·ρ with A λ = ∂G/∂α, a node expression in which λ and α are variables of their own.
+    /// Λ = Σ λ·ρ over the blocks, a node expression in which λ and the unknowns are variables of their own. The adjoint
+    /// equations are A₁ λ₁ = ∂G/∂y₁ and, for later blocks, A_k λ_k = Σ_{j<k} (∂r_j/∂y_k)ᵀ λ_j.
     fn lagrangian(&self, g: &mut Graph, functional: &Functional) -> ExprId {
-        let solution = g.solve_spd_once(self.system, &functional.first);
-        let adjoint: Vec<ExprId> = solution
-            .into_iter()
+        let mut lagrangian = g.zero();
+        for (k, block) in self.blocks.iter().enumerate() {
+            let right_hand_side = if k == 0 {
+                functional.first.clone()
+            } else {
+                self.sums_of_derivatives(g, lagrangian, &block.unknowns)
+            };
+            let prefix = ["lambda", "mu"][k.min(1)];
+            let solution = g.solve_spd_once(block.system, &right_hand_side);
+            let adjoint: Vec<ExprId> = solution
+                .into_iter()
+                .enumerate()
+                .map(|(j, x)| g.bind_once(&format!("{prefix}_{}_{j}", functional.name), x))
+                .collect();
+            let ScaledVector { scale, direction } = g.common_factor(&block.residual);
+            let along = g.dot(&adjoint, &direction);
+            if k == 0 {
+                g.name(along, &format!("sigma_{}", functional.name));
+            }
+            let term = g.mul(scale, along);
+            lagrangian = g.add(lagrangian, term);
+        }
+        lagrangian
+    }
+
+    /// Σ ∂expr/∂y over the nodes for every unknown y.
+    fn sums_of_derivatives(&self, g: &mut Graph, expr: ExprId, unknowns: &[ExprId]) -> Vec<ExprId> {
+        unknowns
+            .iter()
+            .map(|&unknown| {
+                let unknown = g.symbol_of(unknown);
+                let derivative = g.derivative(expr, unknown);
+                let derivative = g.substitute(derivative, &self.values);
+                g.sum(derivative)
+            })
+            .collect()
+    }
+
+    /// B̂ and Ĉ of all blocks.
+    fn factors(&self, g: &mut Graph, functional: &Functional, lagrangian: ExprId) -> Vec<BlockFactors> {
+        // L⁻¹B and L⁻¹C of each block by itself.
+        let mut factors: Vec<BlockFactors> = self
+            .blocks
+            .iter()
             .enumerate()
-            .map(|(k, x)| g.bind_once(&format!("lambda_{}_{k}", functional.name), x))
+            .map(|(k, block)| {
+                let by_unknowns: Vec<ExprId> = block
+                    .unknowns
+                    .iter()
+                    .map(|&unknown| {
+                        let unknown = g.symbol_of(unknown);
+                        g.derivative(lagrangian, unknown)
+                    })
+                    .collect();
+                let name = ["p", "plane"][k.min(1)];
+                BlockFactors {
+                    b: self.solved_gradient(g, block, &block.residual, name),
+                    c: self.solved_gradient(g, block, &by_unknowns, name),
+                }
+            })
             .collect();
-        let ScaledVector { scale, direction } = g.common_factor(&self.residual);
-        let along = g.dot(&adjoint, &direction);
-        g.name(along, &format!("sigma_{}", functional.name));
-        g.mul(scale, along)
+
+        // B̂_j += L_j⁻¹ (∂r_j/∂y_k) L_k⁻ᵀ B̂_k for later blocks k, the last ones first.
+        for j in (0..self.blocks.len()).rev() {
+            for k in j + 1..self.blocks.len() {
+                let coupling: Vec<Vec<ExprId>> = self.blocks[j]
+                    .residual
+                    .iter()
+                    .map(|&residual| self.sums_of_derivatives(g, residual, &self.blocks[k].unknowns))
+                    .collect();
+                let coupling = self.congruence(g, j, k, &coupling);
+                name_matrix(g, &coupling, &format!("coupling_{j}{k}"));
+                let later = factors[k].b.clone();
+                for (row, coefficients) in factors[j].b.iter_mut().zip(&coupling) {
+                    *row = add_rows(g, *row, coefficients, &later);
+                }
+            }
+        }
+
+        // Ĉ_j += ½ Σ_k (L_j⁻¹ K_jk L_k⁻ᵀ) B̂_k
+        let half = g.constant(0.5);
+        let solved: Vec<Vec<[ExprId; 3]>> = factors.iter().map(|f| f.b.clone()).collect();
+        let mut second: Vec<Vec<Vec<Vec<ExprId>>>> = vec![Vec::new(); self.blocks.len()];
+        for j in 0..self.blocks.len() {
+            for k in 0..=j {
+                let matrix = self.second_derivative(g, functional, lagrangian, j, k);
+                let mut matrix = self.congruence(g, j, k, &matrix);
+                for (row, entries) in matrix.iter_mut().enumerate() {
+                    for (column, entry) in entries.iter_mut().enumerate() {
+                        *entry = g.mul(half, *entry);
+                        if j != k || column <= row {
+                            let block =
+                                if self.blocks.len() == 1 { String::new() } else { format!("{j}{k}_") };
+                            g.name(*entry, &format!("half_k_{}_{block}{row}_{column}", functional.name));
+                        }
+                    }
+                }
+                second[j].push(matrix);
+            }
+        }
+        for (j, factor) in factors.iter_mut().enumerate() {
+            for (row, c) in factor.c.iter_mut().enumerate() {
+                for (k, solved) in solved.iter().enumerate() {
+                    let coefficients: Vec<ExprId> = (0..solved.len())
+                        .map(|column| match j.cmp(&k) {
+                            // Of a symmetric block the lower triangle is read.
+                            std::cmp::Ordering::Equal => second[j][j][row.max(column)][row.min(column)],
+                            std::cmp::Ordering::Greater => second[j][k][row][column],
+                            std::cmp::Ordering::Less => second[k][j][column][row],
+                        })
+                        .collect();
+                    *c = add_rows(g, *c, &coefficients, solved);
+                }
+            }
+        }
+        factors
+    }
+
+    /// ∂²L/∂y_j∂y_k: ∂²G/∂y₁² in the first block, sums of second derivatives of Λ elsewhere. (Λ is linear in the
+    /// first block's unknowns.)
+    fn second_derivative(
+        &self,
+        g: &mut Graph,
+        functional: &Functional,
+        lagrangian: ExprId,
+        j: usize,
+        k: usize,
+    ) -> Vec<Vec<ExprId>> {
+        if (j, k) == (0, 0) {
+            let size = functional.second.len();
+            return (0..size)
+                .map(|row| {
+                    (0..size).map(|column| functional.second[row.max(column)][row.min(column)]).collect()
+                })
+                .collect();
+        }
+        self.blocks[j]
+            .unknowns
+            .iter()
+            .map(|&unknown| {
+                let unknown = g.symbol_of(unknown);
+                let first = g.derivative(lagrangian, unknown);
+                self.sums_of_derivatives(g, first, &self.blocks[k].unknowns)
+            })
+            .collect()
+    }
+
+    /// L_j⁻¹ X L_k⁻ᵀ
+    fn congruence(&self, g: &mut Graph, j: usize, k: usize, matrix: &[Vec<ExprId>]) -> Vec<Vec<ExprId>> {
+        let columns = matrix.first().map_or(0, Vec::len);
+        let left: Vec<Vec<ExprId>> = (0..columns)
+            .map(|column| {
+                let entries: Vec<ExprId> = matrix.iter().map(|row| row[column]).collect();
+                apply_inverse_factor(g, self.blocks[j].system, &entries)
+            })
+            .collect();
+        (0..matrix.len())
+            .map(|row| {
+                let entries: Vec<ExprId> = left.iter().map(|column| column[row]).collect();
+                apply_inverse_factor(g, self.blocks[k].system, &entries)
+            })
+            .collect()
     }
 
     /// L⁻¹ ∂v/∂x for a vector v of node expressions, rows in elimination order.
-    fn solved_gradient(&self, g: &mut Graph, vector: &[ExprId], name: &str) -> Vec<[ExprId; 3]> {
+    fn solved_gradient(
+        &self,
+        g: &mut Graph,
+        block: &Block,
+        vector: &[ExprId],
+        name: &str,
+    ) -> Vec<[ExprId; 3]> {
         // ∇(s p) = p ∇sᵀ + s ∇p: L⁻¹ is applied to p and to its derivatives by the local coordinates, which two
         // vectors along the same p share.
         let ScaledVector { scale, direction } = g.common_factor(vector);
-        let scale_gradient = self.coordinates.gradient(g, scale);
-        let solved = self.apply_inverse_factor(g, &direction);
+        let scale_gradient = self.coordinates.gradient(g, scale).map(|x| g.substitute(x, &self.values));
         let solved_derivatives: Vec<Vec<ExprId>> = self
             .coordinates
             .local
@@ -270,9 +432,13 @@ impl NodeProblem {
             .map(|&coordinate| {
                 let derivative: Vec<ExprId> =
                     direction.iter().map(|&x| g.derivative(x, coordinate)).collect();
-                self.apply_inverse_factor(g, &derivative)
+                let derivative = g.substitute_all(&derivative, &self.values);
+                apply_inverse_factor(g, block.system, &derivative)
             })
             .collect();
+        let scale = g.substitute(scale, &self.values);
+        let direction = g.substitute_all(&direction, &self.values);
+        let solved = apply_inverse_factor(g, block.system, &direction);
         (0..solved.len())
             .map(|k| {
                 g.name(solved[k], &format!("{name}_hat_{k}"));
@@ -287,63 +453,68 @@ impl NodeProblem {
             })
             .collect()
     }
+}
 
-    /// L⁻¹ v
-    fn apply_inverse_factor(&self, g: &mut Graph, vector: &[ExprId]) -> Vec<ExprId> {
-        let size = vector.len();
-        let permuted: Vec<ExprId> = (0..size).map(|k| vector[g.system(self.system).eliminated(k)]).collect();
-        (0..size)
-            .map(|row| {
-                let entries: Vec<ExprId> =
-                    (0..=row).map(|column| self.inverse_factor(g, row, column)).collect();
-                g.dot(&entries, &permuted[..=row])
-            })
-            .collect()
-    }
+/// L⁻¹ v, rows in elimination order.
+fn apply_inverse_factor(g: &mut Graph, system: SystemId, vector: &[ExprId]) -> Vec<ExprId> {
+    let permuted: Vec<ExprId> = (0..vector.len()).map(|k| vector[g.system(system).eliminated(k)]).collect();
+    (0..vector.len())
+        .map(|row| {
+            let entries: Vec<ExprId> = (0..=row)
+                .map(|column| g.intern(Op::InverseFactor { system, row: row as u32, column: column as u32 }))
+                .collect();
+            g.dot(&entries, &permuted[..=row])
+        })
+        .collect()
+}
 
-    fn inverse_factor(&self, g: &mut Graph, row: usize, column: usize) -> ExprId {
-        g.intern(Op::InverseFactor { system: self.system, row: row as u32, column: column as u32 })
-    }
+/// start + Σ coefficient · row
+fn add_rows(g: &mut Graph, start: [ExprId; 3], coefficients: &[ExprId], rows: &[[ExprId; 3]]) -> [ExprId; 3] {
+    std::array::from_fn(|axis| {
+        let column: Vec<ExprId> = rows.iter().map(|row| row[axis]).collect();
+        add_products(g, start[axis], coefficients, &column)
+    })
+}
 
-    /// Ĉ = L⁻¹C + ½ (L⁻¹ K L⁻ᵀ) B̂
-    fn absorb_second_derivative(
-        &self,
-        g: &mut Graph,
-        c: Vec<[ExprId; 3]>,
-        b: &[[ExprId; 3]],
-        functional: &Functional,
-    ) -> Vec<[ExprId; 3]> {
-        let size = c.len();
-        let symmetric = |i: usize, j: usize| functional.second[i.max(j)][i.min(j)];
-        // L⁻¹ K, then (L⁻¹ K) L⁻ᵀ
-        let left: Vec<Vec<ExprId>> = (0..size)
-            .map(|j| {
-                let column: Vec<ExprId> = (0..size).map(|i| symmetric(i, j)).collect();
-                self.apply_inverse_factor(g, &column)
-            })
-            .collect();
-        let half = g.constant(0.5);
-        let mut middle = vec![vec![g.zero(); size]; size];
-        for i in 0..size {
-            let row: Vec<ExprId> = left.iter().map(|column| column[i]).collect();
-            let solved = self.apply_inverse_factor(g, &row);
-            for j in 0..=i {
-                let entry = g.mul(half, solved[j]);
-                g.name(entry, &format!("half_k_{i}_{j}"));
-                middle[i][j] = entry;
-                middle[j][i] = entry;
-            }
+fn name_matrix(g: &mut Graph, matrix: &[Vec<ExprId>], name: &str) {
+    for (row, entries) in matrix.iter().enumerate() {
+        for (column, &entry) in entries.iter().enumerate() {
+            g.name(entry, &format!("{name}_{row}_{column}"));
         }
-        c.into_iter()
-            .enumerate()
-            .map(|(k, row)| {
-                std::array::from_fn(|axis| {
-                    let column: Vec<ExprId> = b.iter().map(|b| b[axis]).collect();
-                    add_products(g, row[axis], &middle[k], &column)
-                })
-            })
-            .collect()
     }
+}
+
+/// All blocks' rows below each other, named.
+fn name_factors(
+    g: &mut Graph,
+    functional: &str,
+    factors: Vec<BlockFactors>,
+) -> (Vec<[ExprId; 3]>, Vec<[ExprId; 3]>) {
+    let (mut b, mut c) = (Vec::new(), Vec::new());
+    for factor in factors {
+        b.extend(factor.b);
+        c.extend(factor.c);
+    }
+    for k in 0..b.len() {
+        for axis in 0..3 {
+            g.name(b[k][axis], &format!("b_hat_{k}_{}", AXES[axis]));
+            g.name(c[k][axis], &format!("c_hat_{functional}_{k}_{}", AXES[axis]));
+        }
+    }
+    (b, c)
+}
+
+/// The slave's rows of a factor: the negative sums of the nodes'.
+fn slave_rows(g: &mut Graph, rows: &[[ExprId; 3]], letter: &str) -> Vec<[ExprId; 3]> {
+    rows.iter()
+        .enumerate()
+        .map(|(k, row)| {
+            std::array::from_fn(|axis| {
+                let sum = negative_sum(g, row[axis]);
+                g.name(sum, &format!("{letter}_slave_{k}_{}", AXES[axis]))
+            })
+        })
+        .collect()
 }
 
 /// −Σ x, or 0 for 0.

@@ -5,4 +5,4 @@ mod factors;
 mod fit_derivatives;
 mod small;
 
-pub use fit_derivatives::{CoordinateMap, Functional, Gradient, Hessian, NodeProblem};
+pub use fit_derivatives::{Block, CoordinateMap, Functional, Gradient, Hessian, NodeProblem};

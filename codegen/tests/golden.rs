@@ -1,7 +1,7 @@
 //! The one emitted text that is checked in, for review.
 
 use diffuse_contact_codegen::emit::emit_single;
-use diffuse_contact_codegen::{Basis, KernelSpec, Mode, Output, Weight};
+use diffuse_contact_codegen::{Basis, FrameRule, KernelSpec, Mode, Output, Weight};
 
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../generated/golden/gap_gradient_linear_n4.rs");
 
@@ -12,6 +12,7 @@ fn the_golden_excerpt_is_what_the_generator_emits() {
         mode: Mode::Gradient,
         basis: Basis::Linear,
         weight: Weight::cubic(),
+        frame: FrameRule::Frozen,
     };
     let support = syn::parse_str("diffuse_contact_kernels::support").unwrap();
     let (text, _) = emit_single(&spec, 4, &support);

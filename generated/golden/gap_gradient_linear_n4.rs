@@ -266,6 +266,7 @@ pub fn gap_gradient<T: Lane>(
     gradients[1usize] = -minus_dgap_dslave_y;
     gradients[2usize] = -minus_dgap_dslave_z;
     GapValues {
+        plane_pivot_ratio: T::ONE,
         gap: gap,
         foot: [foot_0, foot_1_v2, foot_2_v2],
         normal: [normal_0, normal_1, normal_2],

@@ -60,11 +60,10 @@ pub enum ElementError {
         tolerance: f64,
     },
     /// Newton's iteration for the foot point did not converge.
-    #[error(
-        "the foot point did not converge: residual {residual:e} of the support radius after {iterations} iterations"
-    )]
+    #[error("the foot point did not converge: relative residual {residual:e} after {iterations} iterations")]
     FootDiverged {
-        /// Largest component of the foot residual, divided by the support radius.
+        /// Largest component of the foot residual, relative to the starting residual or the support radius,
+        /// whichever is larger.
         residual: f64,
         /// Iterations made.
         iterations: usize,
@@ -80,10 +79,10 @@ pub enum ElementError {
     /// The slave lies on a centre of curvature of the surface: the foot point is not unique.
     #[error("the slave lies on a centre of curvature of the surface: Jacobian determinant {determinant:e}")]
     CentreOfCurvature {
-        /// Determinant of the foot equations' Jacobian, 1 on a flat surface.
+        /// Determinant of the foot equations' Jacobian, 1 + f_1² + f_2² ≥ 1 on a flat surface.
         determinant: f64,
     },
-    /// The numbers overflowed although the input was finite (coordinates beyond about 1e150 support radii).
+    /// The numbers overflowed although the input was finite (coordinates beyond about 1e75 support radii).
     #[error("the result overflows: a {what} is not a finite number")]
     Overflow {
         /// What was not finite.

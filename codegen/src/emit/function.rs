@@ -8,7 +8,7 @@ use super::expression::Writer;
 use super::names::Names;
 use crate::graph::{ExprId, Op, RootFigure, RootId, Scope};
 use crate::lower::lower;
-use crate::model::{Kernel, KernelSpec, Mode, Output};
+use crate::model::{FrameRule, Kernel, KernelSpec, Mode, Output};
 use crate::schedule::{NodeTarget, Program, Statement};
 
 /// A kernel's source.
@@ -34,8 +34,15 @@ pub fn emit_kernel(spec: &KernelSpec) -> EmittedKernel {
 }
 
 /// Name of a kernel's function.
-pub(super) fn function_name(output: Output, mode: Mode) -> Ident {
-    format_ident!("{}_{}", output.name(), mode.name())
+pub(super) fn function_name(spec: &KernelSpec) -> Ident {
+    format_ident!("{}{}_{}", spec.output.name(), frame_word(spec.frame, "_co_moving"), spec.mode.name())
+}
+
+fn frame_word(frame: FrameRule, word: &'static str) -> &'static str {
+    match frame {
+        FrameRule::Frozen => "",
+        FrameRule::CoMoving => word,
+    }
 }
 
 /// Name of the struct a kernel returns.
@@ -48,18 +55,19 @@ pub(super) fn values_name(output: Output) -> Ident {
 }
 
 /// Name of the struct with a kernel's values per node.
-pub(super) fn node_name(output: Output, mode: Mode) -> Ident {
-    let output = match output {
+pub(super) fn node_name(spec: &KernelSpec) -> Ident {
+    let output = match spec.output {
         Output::Coefficients => "Coefficients",
         Output::Surface => "Surface",
         Output::Gap => "Gap",
     };
-    let mode = match mode {
+    let frame = frame_word(spec.frame, "CoMoving");
+    let mode = match spec.mode {
         Mode::Value => "Value",
         Mode::Gradient => "Gradient",
         Mode::Hessian => "Hessian",
     };
-    format_ident!("{output}{mode}Node")
+    format_ident!("{output}{frame}{mode}Node")
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -111,10 +119,9 @@ impl<'a> FunctionWriter<'a> {
         let keeps_nodes = self.program.phases.iter().any(|phase| !phase.nodes.stores.is_empty());
         let struct_tokens = keeps_nodes.then(|| self.node_struct());
 
-        let (output, mode) = (spec.output, spec.mode);
-        let function = function_name(output, mode);
-        let node = node_name(output, mode);
-        let returned = values_name(output);
+        let function = function_name(spec);
+        let node = node_name(spec);
+        let returned = values_name(spec.output);
         let documentation = self.documentation();
         let has_gradients = !self.program.kernel.gradients.is_empty();
         let has_hessians = !self.program.kernel.hessians.is_empty();
@@ -123,7 +130,10 @@ impl<'a> FunctionWriter<'a> {
         let scratch = keeps_nodes.then(|| quote!(scratch: &mut [#node<T>],));
         let (many_gradients, many_hessians) =
             (self.program.kernel.gradients.len() > 1, self.program.kernel.hessians.len() > 1);
-        let count = (has_hessians || many_gradients).then(|| quote!(let count = inputs.masters.len();));
+        let node_count = spec.frame == FrameRule::CoMoving;
+        let count =
+            (has_hessians || many_gradients || node_count).then(|| quote!(let count = inputs.masters.len();));
+        let node_count = node_count.then(|| quote!(let node_count = T::splat(count as f64);));
         let freedoms = (many_gradients || many_hessians).then(|| quote!(let freedoms = 3 * (count + 1);));
         let packed = many_hessians.then(|| quote!(let packed = packed_row(freedoms);));
         let tokens = quote! {
@@ -138,6 +148,7 @@ impl<'a> FunctionWriter<'a> {
                 #hessians
             ) -> #returned<T> {
                 #count
+                #node_count
                 #freedoms
                 #packed
                 #inputs
@@ -399,14 +410,16 @@ impl<'a> FunctionWriter<'a> {
                 quote!(#field: [#(#components),*])
             })
             .collect();
+        let held = kernel.spec.output == Output::Gap && kernel.spec.frame == FrameRule::Frozen;
+        let held = held.then(|| quote!(plane_pivot_ratio: T::ONE,));
         self.counts.element += self.writer.take_counts();
-        quote!(#name { #(#fields),* })
+        quote!(#name { #held #(#fields),* })
     }
 
     fn node_struct(&mut self) -> TokenStream {
         let program = self.program;
         let spec = &program.kernel.spec;
-        let name = node_name(spec.output, spec.mode);
+        let name = node_name(spec);
         let mut seen = std::collections::HashSet::new();
         let fields: Vec<Ident> = program
             .phases
@@ -415,10 +428,7 @@ impl<'a> FunctionWriter<'a> {
             .filter(|x| seen.insert(*x))
             .map(|x| self.writer.ident(x))
             .collect();
-        let doc = format!(
-            " What `{}` keeps of a master node between its loops.",
-            function_name(spec.output, spec.mode)
-        );
+        let doc = format!(" What `{}` keeps of a master node between its loops.", function_name(spec));
         quote! {
             #[doc = #doc]
             #[derive(Clone, Copy, Debug)]
@@ -445,9 +455,10 @@ impl<'a> FunctionWriter<'a> {
             Mode::Gradient => " with first derivatives",
             Mode::Hessian => " with first and second derivatives",
         };
+        let frame = frame_word(spec.frame, ", frame moving with the average plane");
         let mut lines = vec![
             format!(
-                " {what}{with}; {} basis ({m} coefficients), weight `{}`.",
+                " {what}{with}{frame}; {} basis ({m} coefficients), weight `{}`.",
                 spec.basis.name(),
                 spec.weight.text()
             ),

@@ -6,7 +6,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::function::{EmittedKernel, emit_kernel, function_name, node_name, values_name};
-use crate::model::{Basis, KernelSpec, Mode, Output, Weight};
+use crate::model::{Basis, FrameRule, KernelSpec, Mode, Output, Weight};
 
 /// First lines of every emitted file.
 const HEADER: &str =
@@ -32,7 +32,7 @@ pub fn emit_single(spec: &KernelSpec, nodes: usize, support: &syn::Path) -> (Str
     let tokens = &kernel.tokens;
     let fixed = fixed_size(&kernel);
     let counts = kernel.counts.total(nodes);
-    let function = function_name(spec.output, spec.mode);
+    let function = function_name(spec);
     let doc = format!(" `{function}` for {nodes} master nodes: {} operations.", counts.total());
     let name = format_ident!("{function}_n{nodes}");
     let call = format_ident!("{function}_fixed");
@@ -59,7 +59,12 @@ fn weight_module(weight: &Weight, support: &syn::Path, ranges: &[(Basis, NodeRan
     let module = format_ident!("{}", weight.name());
     let set = format_ident!("{}", camel_case(weight.name()));
     let bases = ranges.iter().map(|(basis, range)| basis_module(weight, *basis, range, support));
-    let methods = Output::ALL.map(|output| dispatch(output, ranges));
+    let methods = [
+        dispatch(Output::Coefficients, FrameRule::Frozen, weight, ranges),
+        dispatch(Output::Surface, FrameRule::Frozen, weight, ranges),
+        dispatch(Output::Gap, FrameRule::Frozen, weight, ranges),
+        dispatch(Output::Gap, FrameRule::CoMoving, weight, ranges),
+    ];
     let (module_doc, set_doc) = (
         format!(" Kernels with the weight `{}`.", weight.text()),
         format!(" The kernels of this module as a [`KernelSet`]; weight `{}`.", weight.text()),
@@ -100,20 +105,17 @@ fn camel_case(name: &str) -> String {
 fn basis_module(weight: &Weight, basis: Basis, range: &NodeRange, support: &syn::Path) -> TokenStream {
     let module = format_ident!("{}", basis.name());
     let mut kernels = Vec::new();
-    for output in Output::ALL {
-        for mode in Mode::ALL {
-            let kernel = emit_kernel(&KernelSpec { output, mode, basis, weight: weight.clone() });
-            assert!(
-                kernel.statements <= super::MOST_STATEMENTS,
-                "{} {} has {} statements",
-                output.name(),
-                mode.name(),
-                kernel.statements
-            );
-            kernels.push(fixed_size(&kernel));
-            kernels.push(any_size(&kernel, range));
-            kernels.push(kernel.tokens);
-        }
+    for spec in KernelSpec::all(basis, weight) {
+        let kernel = emit_kernel(&spec);
+        assert!(
+            kernel.statements <= super::MOST_STATEMENTS,
+            "{} has {} statements",
+            function_name(&spec),
+            kernel.statements
+        );
+        kernels.push(fixed_size(&kernel));
+        kernels.push(any_size(&kernel, range));
+        kernels.push(kernel.tokens);
     }
     let doc = format!(" {} basis, {} coefficients.", camel_case(basis.name()), basis.size());
     quote! {
@@ -136,9 +138,9 @@ fn derivative_arguments(mode: Mode) -> (TokenStream, TokenStream) {
 /// The kernel for a number of nodes known at compile time, with its node values on the stack.
 fn fixed_size(kernel: &EmittedKernel) -> TokenStream {
     let (output, mode) = (kernel.spec.output, kernel.spec.mode);
-    let function = function_name(output, mode);
+    let function = function_name(&kernel.spec);
     let fixed = format_ident!("{function}_fixed");
-    let node = node_name(output, mode);
+    let node = node_name(&kernel.spec);
     let values = values_name(output);
     let (parameters, arguments) = derivative_arguments(mode);
     let (scratch, some, all) = if kernel.keeps_nodes {
@@ -169,10 +171,10 @@ fn fixed_size(kernel: &EmittedKernel) -> TokenStream {
 /// of its own: measured, that saves a fifth of the time for the gap's Hessian, and little elsewhere.
 fn any_size(kernel: &EmittedKernel, range: &NodeRange) -> TokenStream {
     let (output, mode) = (kernel.spec.output, kernel.spec.mode);
-    let function = function_name(output, mode);
+    let function = function_name(&kernel.spec);
     let fixed = format_ident!("{function}_fixed");
     let any = format_ident!("{function}_any");
-    let node = node_name(output, mode);
+    let node = node_name(&kernel.spec);
     let values = values_name(output);
     let (parameters, arguments) = derivative_arguments(mode);
     let specialised = output == Output::Gap && mode == Mode::Hessian;
@@ -218,12 +220,18 @@ fn any_size(kernel: &EmittedKernel, range: &NodeRange) -> TokenStream {
 }
 
 /// The method of [`KernelSet`] for an output.
-fn dispatch(output: Output, ranges: &[(Basis, NodeRange)]) -> TokenStream {
-    let method = format_ident!("{}", output.name());
+fn dispatch(output: Output, frame: FrameRule, weight: &Weight, ranges: &[(Basis, NodeRange)]) -> TokenStream {
+    let method = match frame {
+        FrameRule::Frozen => format_ident!("{}", output.name()),
+        FrameRule::CoMoving => format_ident!("{}_co_moving", output.name()),
+    };
     let values = values_name(output);
-    let arms = ranges.iter().flat_map(|(basis, _)| {
+    let arms = ranges.iter().flat_map(|&(basis, _)| {
         Mode::ALL.map(|mode| {
-            let function = format_ident!("{}_any", function_name(output, mode));
+            // Values are the same for both frame rules.
+            let frame = if mode == Mode::Value { FrameRule::Frozen } else { frame };
+            let spec = KernelSpec { output, mode, basis, weight: weight.clone(), frame };
+            let function = format_ident!("{}_any", function_name(&spec));
             let module = format_ident!("{}", basis.name());
             let basis = format_ident!("{}", camel_case(basis.name()));
             let (_, arguments) = derivative_arguments(mode);

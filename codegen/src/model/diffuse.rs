@@ -5,8 +5,9 @@
 //! again. All derivatives in here are asked from the derivative engine.
 
 use super::basis::Basis;
+use super::kernel::FrameRule;
 use super::weight::Weight;
-use crate::graph::{ExprId, Graph, RootFigure, RootId, Scope, SpdSystem, SystemId};
+use crate::graph::{ExprId, Graph, RootFigure, RootId, Scope, SpdSystem, SymbolId, SystemId};
 use crate::structure::{Block, CoordinateMap, Functional, NodeProblem};
 
 /// Names of the global axes.
@@ -29,10 +30,19 @@ pub(super) struct Diffuse {
     frame: [[ExprId; 3]; 3],
     support_radius: ExprId,
     inverse_radius: ExprId,
-    /// a, b, z: a node's offset from the slave over R.
-    offset: [ExprId; 3],
+    /// (a, b, z): a node's offset from the slave over R, in the frame; where the frame moves, as a function of
+    /// its turn.
+    position: [ExprId; 3],
     weight: ExprId,
     coordinates: CoordinateMap,
+    plane: Option<AveragePlane>,
+}
+
+/// The average plane as unknowns of the nodes.
+struct AveragePlane {
+    block: Block,
+    /// No turn, and the plane's height over the slave.
+    values: Vec<(SymbolId, ExprId)>,
 }
 
 /// A fit with the origin of its basis at `origin`.
@@ -64,7 +74,7 @@ pub(super) struct Contact {
 
 impl Diffuse {
     /// Inputs and what follows from them before any unknown: offsets (a, b, z) and weights w.
-    pub fn declare(g: &mut Graph, basis: Basis, weight: &Weight) -> Self {
+    pub fn declare(g: &mut Graph, basis: Basis, weight: &Weight, frame_rule: FrameRule) -> Self {
         let slave = AXES.map(|axis| g.input(&format!("slave_{axis}"), Scope::Element));
         let node = AXES.map(|axis| g.input(&format!("master_{axis}"), Scope::Node));
         let frame = ["t1", "t2", "normal"]
@@ -94,19 +104,28 @@ impl Diffuse {
             offset[k] = g.bind(name, definition);
         }
         let coordinates = CoordinateMap::new(g, &offset, &node, &slave);
+        let (position, plane) = match frame_rule {
+            FrameRule::Frozen => (offset, None),
+            FrameRule::CoMoving => {
+                let theta = [g.variable("theta_1"), g.variable("theta_2")];
+                let turned = turned_back(g, theta, offset);
+                (turned, Some(AveragePlane::declare(g, theta, offset[2], turned[2])))
+            }
+        };
 
         // (14) w = w(r), r = √(a² + b²)
-        let r = g.hypot(offset[0], offset[1]);
+        let r = g.hypot(position[0], position[1]);
         g.name(r, "r");
         let weight = weight.evaluate(g, r);
         g.name(weight, "w");
-        Self { basis, slave, frame, support_radius, inverse_radius, offset, weight, coordinates }
+        Self { basis, slave, frame, support_radius, inverse_radius, position, weight, coordinates, plane }
     }
 
     /// (13) A α = β with A = Σ w p pᵀ, β = Σ w z p, p = p(a − o₁, b − o₂).
     pub fn fit(&self, g: &mut Graph, origin: [ExprId; 2]) -> Fit {
         let p = self.basis_about(g, origin);
-        let height = self.offset[2];
+        let height = self.position[2];
+        let values = self.values();
         let weighted: Vec<ExprId> = p
             .iter()
             .enumerate()
@@ -120,6 +139,7 @@ impl Diffuse {
                 (0..=i)
                     .map(|j| {
                         let product = g.mul(weighted[i], p[j]);
+                        let product = g.substitute(product, &values);
                         let sum = g.sum(product);
                         g.name(sum, &format!("moment_{i}_{j}"))
                     })
@@ -129,6 +149,7 @@ impl Diffuse {
         let vector: Vec<ExprId> = (0..p.len())
             .map(|i| {
                 let product = g.mul(weighted[i], height);
+                let product = g.substitute(product, &values);
                 let sum = g.sum(product);
                 g.name(sum, &format!("beta_{i}"))
             })
@@ -206,8 +227,8 @@ impl Diffuse {
     }
 
     fn basis_about(&self, g: &mut Graph, origin: [ExprId; 2]) -> Vec<ExprId> {
-        let a = g.sub(self.offset[0], origin[0]);
-        let b = g.sub(self.offset[1], origin[1]);
+        let a = g.sub(self.position[0], origin[0]);
+        let b = g.sub(self.position[1], origin[1]);
         g.name(a, "a_shifted");
         g.name(b, "b_shifted");
         let p = self.basis.evaluate(g, a, b);
@@ -221,13 +242,24 @@ impl Diffuse {
     fn problem(&self, g: &mut Graph, p: &[ExprId], unknowns: Vec<ExprId>, system: SystemId) -> NodeProblem {
         let fitted = g.dot(p, &unknowns);
         g.name(fitted, "fitted");
-        let error = g.sub(self.offset[2], fitted);
+        let error = g.sub(self.position[2], fitted);
         g.name(error, "e");
         let weighted_error = g.mul(self.weight, error);
         g.name(weighted_error, "w_e");
         let residual = p.iter().map(|&p| g.mul(weighted_error, p)).collect();
-        let fit = Block { unknowns, residual, system };
-        NodeProblem { blocks: vec![fit], coordinates: self.coordinates.clone(), values: Vec::new() }
+        let mut blocks = vec![Block { unknowns, residual, system }];
+        blocks.extend(self.plane.as_ref().map(|plane| plane.block.clone()));
+        NodeProblem { blocks, coordinates: self.coordinates.clone(), values: self.values() }
+    }
+
+    /// Values of what is a variable while differentiating only.
+    fn values(&self) -> Vec<(SymbolId, ExprId)> {
+        self.plane.as_ref().map(|plane| plane.values.clone()).unwrap_or_default()
+    }
+
+    /// The system of the average plane, where the frame moves with it.
+    pub fn plane_system(&self) -> Option<SystemId> {
+        self.plane.as_ref().map(|plane| plane.block.system)
     }
 
     /// α in length units: z = α·(1, a, b, …) with z, a, b in length units.
@@ -459,10 +491,71 @@ impl Diffuse {
     }
 }
 
+impl AveragePlane {
+    /// The plane n(θ)·x = c through the nodes minimises Σ ½ (z(θ) − c)² over its turn θ and its height c: [T9] with the
+    /// plane's height as an unknown, so that all is a sum over nodes. The frame in use is that plane, θ = 0.
+    fn declare(g: &mut Graph, theta: [ExprId; 2], height: ExprId, turned_height: ExprId) -> Self {
+        let c = g.variable("plane_height");
+        let distance = g.sub(turned_height, c);
+        let square = g.mul(distance, distance);
+        let half = g.constant(0.5);
+        let energy = g.mul(half, square);
+        let unknowns = vec![theta[0], theta[1], c];
+        let symbols: Vec<SymbolId> = unknowns.iter().map(|&x| g.symbol_of(x)).collect();
+
+        let (sum, count) = (g.sum(height), g.node_count());
+        let mean = g.div(sum, count);
+        let mean = g.bind("mean_height", mean);
+        let zero = g.zero();
+        let values = vec![(symbols[0], zero), (symbols[1], zero), (symbols[2], mean)];
+
+        let derivatives: Vec<ExprId> = symbols.iter().map(|&x| g.derivative(energy, x)).collect();
+        let residual = derivatives.iter().map(|&x| g.neg(x)).collect();
+        let matrix = (0..symbols.len())
+            .map(|i| {
+                (0..=i)
+                    .map(|j| {
+                        let second = g.derivative(derivatives[i], symbols[j]);
+                        let second = g.substitute(second, &values);
+                        let sum = g.sum(second);
+                        g.name(sum, &format!("plane_{i}_{j}"))
+                    })
+                    .collect()
+            })
+            .collect();
+        // The height first: the fit does not depend on it, which leaves a zero column in the coupling.
+        let system = g.add_system(SpdSystem::new("plane_l", matrix, vec![2, 0, 1]));
+        Self { block: Block { unknowns, residual, system }, values }
+    }
+}
+
+/// Coordinates in a frame turned by θ about (t1, t2): X → exp(−[θ]) X, to second order in θ, which is all that first
+/// and second derivatives at θ = 0 see.
+fn turned_back(g: &mut Graph, theta: [ExprId; 2], x: [ExprId; 3]) -> [ExprId; 3] {
+    let zero = g.zero();
+    let axis = [theta[0], theta[1], zero];
+    let once = cross(g, axis, x);
+    let twice = cross(g, axis, once);
+    let half = g.constant(0.5);
+    std::array::from_fn(|k| {
+        let first = g.sub(x[k], once[k]);
+        let second = g.mul(half, twice[k]);
+        g.add(first, second)
+    })
+}
+
+fn cross(g: &mut Graph, x: [ExprId; 3], y: [ExprId; 3]) -> [ExprId; 3] {
+    std::array::from_fn(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        let (left, right) = (g.mul(x[i], y[j]), g.mul(x[j], y[i]));
+        g.sub(left, right)
+    })
+}
+
 /// A parameter and the variables that move with it.
 struct Follower {
-    alpha: crate::graph::SymbolId,
-    moves: Vec<(crate::graph::SymbolId, ExprId)>,
+    alpha: SymbolId,
+    moves: Vec<(SymbolId, ExprId)>,
 }
 
 impl Follower {

@@ -58,6 +58,16 @@ impl Mode {
     }
 }
 
+/// What the local frame does while differentiating.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+pub enum FrameRule {
+    /// It is held, as in the paper.
+    #[default]
+    Frozen,
+    /// It is the average plane of the master nodes and moves with them: angular momentum is conserved.
+    CoMoving,
+}
+
 /// What identifies a kernel, besides the number of nodes, which stays open until emission.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KernelSpec {
@@ -69,6 +79,22 @@ pub struct KernelSpec {
     pub basis: Basis,
     /// Weight of the fit.
     pub weight: Weight,
+    /// Frame rule.
+    pub frame: FrameRule,
+}
+
+impl KernelSpec {
+    /// All kernels of a basis and a weight. A moving frame makes a difference to the derivatives of the gap only.
+    #[must_use]
+    pub fn all(basis: Basis, weight: &Weight) -> Vec<Self> {
+        let spec = |output, mode, frame| Self { output, mode, basis, weight: weight.clone(), frame };
+        let mut all: Vec<Self> = Output::ALL
+            .into_iter()
+            .flat_map(|output| Mode::ALL.map(|mode| spec(output, mode, FrameRule::Frozen)))
+            .collect();
+        all.extend([Mode::Gradient, Mode::Hessian].map(|mode| spec(Output::Gap, mode, FrameRule::CoMoving)));
+        all
+    }
 }
 
 /// A named value of element scope.
@@ -108,7 +134,7 @@ impl Kernel {
     #[must_use]
     pub fn new(spec: KernelSpec) -> Self {
         let mut graph = Graph::new();
-        let model = Diffuse::declare(&mut graph, spec.basis, &spec.weight);
+        let model = Diffuse::declare(&mut graph, spec.basis, &spec.weight, spec.frame);
         let equations = vec![
             Equation {
                 formula: "(a, b, z)_i = Q (x^i - x^c) / R, Q = (t1, t2, n)",
@@ -136,7 +162,7 @@ impl Kernel {
         let zero = g.zero();
         let fit = model.fit(g, [zero; 2]);
         let alpha = model.coefficients(g, &fit);
-        self.add_array("coefficients", "Coefficients α, units length, 1, 1, 1/length, … (13)", alpha);
+        self.add_array("coefficients", "Coefficients α, units length, 1, 1, 1/length, … (eq. 13)", alpha);
         let functionals: Vec<(&'static str, Functional)> = (0..self.spec.basis.size())
             .map(|k| (COEFFICIENT_NAMES[k], model.coefficient_functional(&mut self.graph, k)))
             .collect();
@@ -172,17 +198,33 @@ impl Kernel {
         let contact = model.contact(g, &fit);
         let alpha = model.coefficients(g, &fit);
         let [residual, iterations] = model.foot_figures(g, contact.root);
-        self.add_scalar("gap", "Signed gap g, length, positive apart (19)", contact.gap);
+        self.add_scalar("gap", "Signed gap g, length, positive apart (eq. 19)", contact.gap);
         self.add_array("foot", "Foot point x^d, global axes, length", contact.foot.to_vec());
-        self.add_array("normal", "Unit normal ν at the foot, global axes (22)", contact.normal.to_vec());
+        self.add_array("normal", "Unit normal ν at the foot, global axes (eq. 22)", contact.normal.to_vec());
         self.add_array(
             "coefficients",
-            "Coefficients α about the slave, units length, 1, 1, 1/length, … (13)",
+            "Coefficients α about the slave, units length, 1, 1, 1/length, … (eq. 13)",
             alpha,
         );
         self.add_derivatives(&contact.problem, &[("gap", contact.functional)], 1);
         self.add_pivot_ratio(&fit.problem);
-        self.add_scalar("foot_residual", "Largest foot residual |−u_k + h f_k| over R", residual);
+        if let Some(system) = model.plane_system() {
+            let ratio = self.graph.intern(Op::PivotRatio(system));
+            self.add_scalar(
+                "plane_pivot_ratio",
+                "Smallest pivot of the average plane's system, relative",
+                ratio,
+            );
+            self.equations.push(Equation {
+                formula: "n minimises sum (n (x^i - x_mean))^2",
+                source: "average plane, moving with the nodes",
+            });
+        }
+        self.add_scalar(
+            "foot_residual",
+            "Largest foot residual |−u_k + h f_k|, relative to the starting one or R",
+            residual,
+        );
         self.add_scalar("foot_iterations", "Newton iterations for the foot", iterations);
         self.add_scalar(
             "foot_distance",

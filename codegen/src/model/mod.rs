@@ -7,5 +7,5 @@ mod weight;
 
 pub use basis::Basis;
 pub use diffuse::Equation;
-pub use kernel::{Kernel, KernelSpec, Mode, Output, Value};
+pub use kernel::{FrameRule, Kernel, KernelSpec, Mode, Output, Value};
 pub use weight::{Weight, WeightError};

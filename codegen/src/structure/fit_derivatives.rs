@@ -1,4 +1,4 @@
-//! First and second derivatives of a quantity defined through a sum over nodes ([T13] of the theory).
+//! First and second derivatives of a quantity defined through a sum over nodes (`docs/equations.md`, section 5).
 //!
 //! The unknowns α are defined by r(α, x) = Σᵢ ρ(α, xᵢ) = 0 with A = −∂r/∂α symmetric positive definite, and
 //! G(α) is the quantity of interest. With A λ = ∂G/∂α the Lagrangian G + λ·r is stationary in α, and

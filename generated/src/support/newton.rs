@@ -7,6 +7,8 @@ const MOST_ITERATIONS: u32 = 60;
 /// Residual at which the iteration ends, relative to the starting residual or one; a last full step follows and
 /// squares it.
 const TOLERANCE: f64 = 1e-12;
+/// The last step has to be shorter than this, or a nearly singular Jacobian makes it worthless.
+const LONGEST_LAST_STEP: f64 = 1e-6;
 /// Longest step, in units of the support radius.
 const LONGEST_STEP: f64 = 0.5;
 
@@ -16,7 +18,8 @@ pub struct RootSolution<T> {
     /// The unknowns.
     pub unknowns: [T; 2],
     /// Largest absolute residual before the last step, divided by the starting residual or one, whichever is
-    /// larger. Not below [`RootSolution::TOLERANCE`] (or NaN) if the iteration did not converge.
+    /// larger, or 10⁻⁶ of the last step, if that is larger. Not below [`RootSolution::TOLERANCE`] (or NaN) if the
+    /// iteration did not converge.
     pub residual: T,
     /// Evaluations of the equations.
     pub iterations: T,
@@ -29,7 +32,7 @@ impl<T> RootSolution<T> {
 
 /// Solves r(y) = 0 from y = 0. `equations` returns the residuals and their Jacobian, row by row.
 ///
-/// A step is cut to half the support radius, and halved until it reduces the residual, so that the iteration
+/// Lengths are in support radii. A step is cut to half the support radius, and halved until it reduces the residual, so that the iteration
 /// cannot leave the region the start belongs to for a far root. Lanes that have converged stay where they are.
 #[inline(always)]
 pub fn solve_two_equations<T: Lane>(equations: impl Fn([T; 2]) -> ([T; 2], [T; 4])) -> RootSolution<T> {
@@ -39,8 +42,13 @@ pub fn solve_two_equations<T: Lane>(equations: impl Fn([T; 2]) -> ([T; 2], [T; 4
     let tolerance = T::splat(TOLERANCE);
     let mut step = bounded_step(residual, jacobian);
     let mut iterations = T::ONE;
+    let distance = |residual: [T; 2], jacobian: [T; 4]| {
+        let step = norm(newton_step(residual, jacobian)) * T::splat(TOLERANCE / LONGEST_LAST_STEP);
+        // The step first: a NaN in it comes through.
+        larger(step, norm(residual) * scale)
+    };
     for _ in 1..MOST_ITERATIONS {
-        let relative = norm(residual) * scale;
+        let relative = distance(residual, jacobian);
         if T::all_less(relative, tolerance) {
             break;
         }
@@ -61,7 +69,7 @@ pub fn solve_two_equations<T: Lane>(equations: impl Fn([T; 2]) -> ([T; 2], [T; 4
         step = [0, 1].map(|k| accepted(full[k], half * step[k]));
         iterations = iterations + active(T::ONE, T::ZERO);
     }
-    let relative = norm(residual) * scale;
+    let relative = distance(residual, jacobian);
     let last = newton_step(residual, jacobian);
     RootSolution { unknowns: [y[0] + last[0], y[1] + last[1]], residual: relative, iterations }
 }
@@ -82,6 +90,7 @@ fn bounded_step<T: Lane>(r: [T; 2], j: [T; 4]) -> [T; 2] {
     step.map(|x| factor * x)
 }
 
+/// The larger value; x if x is NaN.
 #[inline(always)]
 fn larger<T: Lane>(x: T, y: T) -> T {
     T::select_less(x, y, y, x)

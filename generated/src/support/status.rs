@@ -36,6 +36,11 @@ pub enum Status {
         /// Determinant of the Jacobian.
         determinant: f64,
     },
+    /// The average plane is not unique to working precision.
+    NoAveragePlane {
+        /// Smallest relative pivot of the plane's system.
+        pivot_ratio: f64,
+    },
     /// A result is not a finite number although nothing else is wrong: overflow, or input that was not finite.
     NotFinite,
 }
@@ -72,6 +77,9 @@ impl GapValues<f64> {
     pub fn status(&self) -> Status {
         if !(self.pivot_ratio > PIVOT_TOLERANCE) {
             return Status::SingularFit { pivot_ratio: self.pivot_ratio };
+        }
+        if !(self.plane_pivot_ratio > PIVOT_TOLERANCE) {
+            return Status::NoAveragePlane { pivot_ratio: self.plane_pivot_ratio };
         }
         let determinant = self.jacobian_determinant;
         if determinant.abs() <= JACOBIAN_TOLERANCE {

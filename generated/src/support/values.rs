@@ -89,6 +89,8 @@ pub struct GapValues<T> {
     pub coefficients: [T; 6],
     /// Smallest pivot of A relative to its diagonal entry.
     pub pivot_ratio: T,
+    /// Smallest pivot of the average plane's system relative to its diagonal entry; 1 where the frame is held.
+    pub plane_pivot_ratio: T,
     /// Largest foot residual, relative to the starting residual or R.
     pub foot_residual: T,
     /// Evaluations of the foot equations.
@@ -134,6 +136,15 @@ pub trait KernelSet {
 
     /// g, foot and ν with the gradient N and the Hessian M.
     fn gap(
+        basis: Basis,
+        mode: Mode,
+        inputs: &Inputs<'_, f64>,
+        gradients: &mut [f64],
+        hessians: &mut [f64],
+    ) -> GapValues<f64>;
+
+    /// As [`gap`](Self::gap), for a frame that is the average plane of the masters and moves with them.
+    fn gap_co_moving(
         basis: Basis,
         mode: Mode,
         inputs: &Inputs<'_, f64>,

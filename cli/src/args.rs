@@ -3,9 +3,12 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
+use diffuse_contact_codegen::{Basis, FrameRule, Mode, Output};
 
 use crate::backend::BackendKind;
+use crate::check::NodeCounts;
 use crate::demo::status;
 use crate::error::report;
 
@@ -27,6 +30,10 @@ pub enum Command {
     Demo(DemoArguments),
     /// Evaluate the elements of a JSON file and print gap, normal, N, M, residual and tangent as JSON.
     Evaluate(EvaluateArguments),
+    /// Print a kernel's source and its operation counts.
+    Emit(EmitArguments),
+    /// Compare the generated kernels with automatic differentiation and with the interpreter of their graph.
+    Check(CheckArguments),
 }
 
 /// Arguments of `demo`.
@@ -106,6 +113,84 @@ pub struct EvaluateArguments {
     /// What computes the derivatives
     #[arg(long, value_enum, default_value_t = BackendKind::Generated)]
     pub backend: BackendKind,
+}
+
+/// How a weight is written, for the help of `emit` and `check`.
+const FORMULAS: &str = "\
+FORMULA is a weight w(r) for 0 <= r < 1, r = in-plane distance over the support radius; it is 0 beyond.
+It may contain r, numbers, + - * /, ^ with an integer exponent, ( ), exp(...), sqrt(...) and
+if r < 0.5 { ... } else { ... }. It must be positive and flat at r = 0.
+The cubic weight of the paper is \"(1 - r)^2 * (1 + 2*r)\".";
+
+/// Arguments of `emit`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = FORMULAS)]
+pub struct EmitArguments {
+    /// Master nodes of the element
+    #[arg(long, value_name = "N", required_unless_present = "counts")]
+    pub nodes: Option<usize>,
+    /// What the kernel computes
+    #[arg(long, value_parser = named(Output::ALL, Output::name), required_unless_present = "counts")]
+    pub output: Option<Output>,
+    /// With how many derivatives
+    #[arg(long, value_parser = named(Mode::ALL, Mode::name), required_unless_present = "counts")]
+    pub mode: Option<Mode>,
+    /// Basis of the fit [default: quadratic; both with --counts]
+    #[arg(long, value_parser = named(Basis::ALL, Basis::name))]
+    pub basis: Option<Basis>,
+    /// Weight of the fit [default: the cubic weight of the paper]
+    #[arg(long, value_name = "FORMULA")]
+    pub weight: Option<String>,
+    /// What the local frame does while differentiating the gap [default: frozen; both with --counts]
+    #[arg(long, value_parser = named([FrameRule::Frozen, FrameRule::CoMoving], frame_name))]
+    pub frame_derivative: Option<FrameRule>,
+    /// Instead of a kernel, print the operation counts of all kernels
+    #[arg(long, conflicts_with_all = ["nodes", "output", "mode", "frame_derivative"])]
+    pub counts: bool,
+    /// File to write [default: standard output]
+    #[arg(short = 'o', value_name = "FILE")]
+    pub file: Option<PathBuf>,
+}
+
+/// Arguments of `check`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = FORMULAS)]
+pub struct CheckArguments {
+    /// Numbers of master nodes: 9, 6..=12 or 6..12 [default: 6..=24 quadratic, 3..=24 linear]
+    #[arg(long, value_name = "A..=B")]
+    pub nodes: Option<NodeCounts>,
+    /// Basis of the fit [default: both]
+    #[arg(long, value_parser = named(Basis::ALL, Basis::name))]
+    pub basis: Option<Basis>,
+    /// Weight of the fit [default: the cubic weight of the generated kernels]. No kernels of another weight are
+    /// compiled into the program: for it the interpreter is compared with automatic differentiation
+    #[arg(long, value_name = "FORMULA")]
+    pub weight: Option<String>,
+    /// Seed of the random elements
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+    /// Print JSON instead of a table
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Name of a frame rule, the same as in the JSON of `evaluate`.
+pub const fn frame_name(frame: FrameRule) -> &'static str {
+    match frame {
+        FrameRule::Frozen => "frozen",
+        FrameRule::CoMoving => "co-moving",
+    }
+}
+
+/// Parser for a choice by name.
+fn named<T: Copy + Send + Sync + 'static, const COUNT: usize>(
+    all: [T; COUNT],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(all.map(name)).map(move |given| {
+        let found = all.into_iter().find(|&choice| name(choice) == given);
+        found.expect("clap lets no other name through")
+    })
 }
 
 /// Number of neighbours the quadratic basis can use.

@@ -1,7 +1,7 @@
 //! Which implementation of the element computes.
 
 use clap::ValueEnum;
-use diffuse_contact::{Backend, ad::Ad};
+use diffuse_contact::{Backend, Generated, ad::Ad};
 
 /// The implementations of [`Backend`] that can be asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -15,7 +15,7 @@ pub enum BackendKind {
 /// The backend of that kind.
 pub fn backend(kind: BackendKind) -> &'static dyn Backend {
     match kind {
-        BackendKind::Generated => &Ad,
+        BackendKind::Generated => &Generated,
         BackendKind::Ad => &Ad,
     }
 }

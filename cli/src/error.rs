@@ -5,7 +5,12 @@ use std::io::{self, ErrorKind, Write};
 use std::path::PathBuf;
 
 use diffuse_contact::ElementError;
+use diffuse_contact::ad::FormulaError;
+use diffuse_contact_codegen::model::WeightError;
+use diffuse_contact_codegen::{Basis, ConfigError, Mode, Output};
 use diffuse_contact_mesh::MeshError;
+
+use crate::check::NoElement;
 
 /// Why the program stops. The text is the sentence the user reads after `error: `.
 #[derive(Debug, thiserror::Error)]
@@ -70,6 +75,50 @@ pub enum CliError {
         /// Why not.
         reason: ElementError,
     },
+    /// A formula is no weight. If it cannot be read, the formula itself follows below the sentence, with a mark.
+    #[error("--weight: {0}")]
+    Weight(#[from] WeightError),
+    /// The AD backend, which has a parser of its own, does not take a formula that the generator takes.
+    #[error("--weight: automatic differentiation cannot use \"{formula}\": {reason}")]
+    WeightOfAd {
+        /// The formula.
+        formula: String,
+        /// What the backend says.
+        reason: FormulaError,
+    },
+    /// A kernel was asked for fewer nodes than the fit has coefficients.
+    #[error("--nodes {nodes}: the {} basis needs at least {} master nodes", basis.name(), basis.size())]
+    TooFewNodes {
+        /// What was asked for.
+        nodes: String,
+        /// The basis.
+        basis: Basis,
+    },
+    /// A moving frame was asked for where it makes no difference.
+    #[error(
+        "--frame-derivative co-moving: there is no such kernel for {} {}, only for gradient and hessian of the gap",
+        output.name(),
+        mode.name()
+    )]
+    NoMovingFrame {
+        /// What is computed.
+        output: Output,
+        /// With how many derivatives.
+        mode: Mode,
+    },
+    /// A kernel of fixed size cannot be made.
+    #[error("--nodes: {0}")]
+    Kernel(#[from] ConfigError),
+    /// There is nothing to compare on.
+    #[error(transparent)]
+    NoElement(#[from] NoElement),
+}
+
+impl CliError {
+    /// Whether the reader of standard output has gone away.
+    pub fn is_closed_pipe(&self) -> bool {
+        matches!(self, Self::Stdout(reason) if reason.kind() == ErrorKind::BrokenPipe)
+    }
 }
 
 /// What the system says, without error numbers.

@@ -159,6 +159,9 @@ impl<'a> Interpreter<'a> {
             Op::Exp(x) => self.value(x, node).exp(),
             Op::Hypot(x, y) => self.value(x, node).hypot(self.value(y, node)),
             Op::Power(x, exponent) => self.value(x, node).powi(exponent),
+            Op::Polynomial(x, polynomial) => {
+                expanded_nearby(self.graph.polynomial_data(polynomial).coefficients(), self.value(x, node))
+            }
             Op::Select { x, y, then, otherwise } => {
                 let taken = if self.value(x, node) < self.value(y, node) { then } else { otherwise };
                 self.value(taken, node)
@@ -290,6 +293,27 @@ impl<'a> Interpreter<'a> {
         self.trial.clear();
         (residual, jacobian)
     }
+}
+
+/// A polynomial by its expansion about 0 or, from x = 1/2 on, about 1, where the leading coefficients of a weight
+/// vanish.
+fn expanded_nearby(coefficients: &[f64], x: f64) -> f64 {
+    let horner = |c: &[f64], x: f64| c.iter().rev().fold(0.0, |value, c| value * x + c);
+    if x < 0.5 {
+        return horner(coefficients, x);
+    }
+    // Coefficients about 1 by repeated synthetic division; what is rounding of zero is zero.
+    let size: f64 = coefficients.iter().enumerate().map(|(k, c)| c.abs() * 2f64.powi(k as i32)).sum();
+    let mut shifted = coefficients.to_vec();
+    for start in 0..shifted.len() {
+        for k in (start..shifted.len().saturating_sub(1)).rev() {
+            shifted[k] += shifted[k + 1];
+        }
+        if shifted[start].abs() <= 4.0 * f64::EPSILON * size {
+            shifted[start] = 0.0;
+        }
+    }
+    horner(&shifted, x - 1.0)
 }
 
 /// Gaussian elimination with partial pivoting.

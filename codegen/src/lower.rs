@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 
-use crate::graph::{ExprId, Graph, Op, RootId, Scope, SolveId, SymbolId, SystemId};
+use crate::graph::{ExprId, Graph, Op, PolynomialId, RootId, Scope, SolveId, SymbolId, SystemId};
 use crate::model::Kernel;
 use crate::structure::{Gradient, Hessian};
 
@@ -154,6 +154,7 @@ impl<'a> Lowering<'a> {
                 self.target.sqrt(square)
             }
             Op::Power(base, exponent) => self.lower_power(base, exponent),
+            Op::Polynomial(base, polynomial) => self.lower_polynomial(base, polynomial),
             Op::Select { x, y, then, otherwise } => {
                 let (x, y) = (self.lower(x), self.lower(y));
                 let (then, otherwise) = (self.lower(then), self.lower(otherwise));
@@ -229,6 +230,25 @@ impl<'a> Lowering<'a> {
         }
         let one = self.target.one();
         self.target.div(one, power)
+    }
+
+    /// (1 − x)ᵐ Q(x), Q by Horner's rule.
+    fn lower_polynomial(&mut self, base: ExprId, polynomial: PolynomialId) -> ExprId {
+        let (zeros, quotient) = self.source.polynomial_data(polynomial).without_zeros_at_one();
+        let base = self.lower(base);
+        let mut value = self.target.zero();
+        for &c in quotient.coefficients().iter().rev() {
+            let product = self.target.mul(value, base);
+            let c = self.target.constant(c);
+            value = self.target.add(c, product);
+        }
+        let one = self.target.one();
+        let complement = self.target.sub(one, base);
+        if let Some(name) = self.target.name_of(base).map(str::to_owned) {
+            self.target.name(complement, &format!("one_minus_{name}"));
+        }
+        let zeros = self.repeated_square(complement, zeros);
+        self.target.mul(value, zeros)
     }
 
     fn repeated_square(&mut self, base: ExprId, exponent: u32) -> ExprId {

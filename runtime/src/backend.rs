@@ -5,7 +5,8 @@ use crate::{Coefficients, Element, ElementError, Gap, Mode, Surface};
 /// Something that evaluates the element: the generated kernels, or automatic differentiation.
 ///
 /// All derivatives are with respect to the 3(n+1) global coordinates, ordered slave, master 1, …,
-/// master n, x before y before z. The frame and the support radius are held constant (`Frozen`).
+/// master n, x before y before z. The support radius is held constant; so is the frame, except for the gap of an
+/// element whose frame is [`FrameDerivative::CoMoving`](crate::FrameDerivative).
 pub trait Backend: Sync {
     /// Coefficients α of the fit about the slave and their derivatives.
     ///

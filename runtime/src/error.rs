@@ -50,6 +50,12 @@ pub enum ElementError {
         /// Middle principal moment over the largest.
         middle: f64,
     },
+    /// The average plane, whose motion is differentiated, is not unique to working precision.
+    #[error("the average plane is not unique: smallest relative pivot {pivot_ratio:e} of the equations for its turn")]
+    UnstableAveragePlane {
+        /// Smallest pivot of ∂²E/∂θ∂θ, E = Σ (n·(x_i − x̄))²/2, over the diagonal entry it came from.
+        pivot_ratio: f64,
+    },
     /// The moment matrix A of (13) is singular to working precision: the nodes that carry weight lie on one
     /// conic (quadratic basis) or on one line (linear basis).
     #[error("the fit is singular: smallest relative pivot {pivot_ratio:e}, tolerance {tolerance:e}")]
@@ -100,7 +106,7 @@ impl ElementError {
             Self::InvalidSupportRadius { .. } => "invalid-support-radius",
             Self::InvalidFrame { .. } => "invalid-frame",
             Self::AmbiguousOutward { .. } => "ambiguous-outward",
-            Self::NoAveragePlane { .. } => "no-average-plane",
+            Self::NoAveragePlane { .. } | Self::UnstableAveragePlane { .. } => "no-average-plane",
             Self::SingularFit { .. } => "singular-fit",
             Self::FootDiverged { .. } => "foot-diverged",
             Self::FootOutside { .. } => "foot-outside",

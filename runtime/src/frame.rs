@@ -4,6 +4,17 @@ use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use crate::{ElementError, Point};
 
+/// What the frame does while the element is differentiated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum FrameDerivative {
+    /// It is held constant, as in the paper: conserves linear, but not angular momentum.
+    #[default]
+    Frozen,
+    /// It is the average plane of the master nodes and moves with them: N and M are the exact derivatives of the gap,
+    /// angular momentum is conserved, and Newton's method converges quadratically.
+    CoMoving,
+}
+
 /// Orthonormal local frame (t1, t2, n̂). Only the directions matter to the element: it works in offsets
 /// from the slave node. `origin` is kept for reporting local coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +27,9 @@ pub struct Frame {
     pub t2: Point,
     /// Unit normal n̂, towards the outward side of the master surface: the gap is positive on this side.
     pub normal: Point,
+    /// What the frame does while the gap is differentiated; coefficients and surfaces are always differentiated
+    /// with the frame held.
+    pub derivative: FrameDerivative,
 }
 
 /// Largest |Q Qᵀ − I| accepted of a given frame.
@@ -28,7 +42,7 @@ const THICKNESS_TOLERANCE: f64 = 1e-8;
 const OUTWARD_TOLERANCE: f64 = 1e-6;
 
 impl Frame {
-    /// Checks a frame given by the caller and, if `outward` is given, turns the normal to that side.
+    /// A frame given by the caller, held while differentiating. Checks it and, if `outward` is given, turns the normal to that side.
     ///
     /// # Errors
     /// [`ElementError::InvalidFrame`] if the vectors are not orthonormal to 1e-9,
@@ -40,7 +54,7 @@ impl Frame {
         normal: Point,
         outward: Option<Point>,
     ) -> Result<Self, ElementError> {
-        let frame = Self { origin, t1, t2, normal };
+        let frame = Self { origin, t1, t2, normal, derivative: FrameDerivative::Frozen };
         frame.check()?;
         let normal = match outward {
             Some(outward) => oriented(Vector3::from(normal), outward)?.into(),
@@ -70,7 +84,8 @@ impl Frame {
         Ok(())
     }
 
-    /// Average plane of the master nodes: n̂ minimises Σ (n·(x_i − x̄))², oriented by `outward`.
+    /// Average plane of the master nodes: n̂ minimises Σ (n·(x_i − x̄))², oriented by `outward`. The frame moves with the
+    /// nodes while differentiating; [`frozen`](Self::frozen) holds it.
     ///
     /// # Errors
     /// [`ElementError::NoAveragePlane`] if the nodes lie on a line or are as thick as wide,
@@ -109,7 +124,14 @@ impl Frame {
             t1: t1.into(),
             t2: t2.into(),
             normal: normal.into(),
+            derivative: FrameDerivative::CoMoving,
         })
+    }
+
+    /// The same frame, held while differentiating.
+    #[must_use]
+    pub const fn frozen(self) -> Self {
+        Self { derivative: FrameDerivative::Frozen, ..self }
     }
 
     /// The three directions as rows, in the order (t1, t2, n̂).

@@ -6,7 +6,7 @@ use diffuse_contact_kernels::cubic::Cubic;
 use diffuse_contact_kernels::support::{Inputs, KernelSet, PIVOT_TOLERANCE, Status};
 
 use crate::output::SymmetricMatrix;
-use crate::{Backend, Coefficients, Element, ElementError, Gap, Mode, Surface, Weight};
+use crate::{Backend, Coefficients, Element, ElementError, FrameDerivative, Gap, Mode, Surface, Weight};
 
 /// Evaluates elements with the kernels that the build script of `diffuse-contact-kernels` generated.
 ///
@@ -110,7 +110,10 @@ impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
         let mut buffers = Buffers::new(element, mode, 1, 1);
         let inputs = inputs(element, [0.0; 2]);
         let (gradients, hessians) = (&mut buffers.gradients, &mut buffers.hessians);
-        let values = K::gap(element.basis, mode, &inputs, gradients, hessians);
+        let values = match element.frame.derivative {
+            FrameDerivative::Frozen => K::gap(element.basis, mode, &inputs, gradients, hessians),
+            FrameDerivative::CoMoving => K::gap_co_moving(element.basis, mode, &inputs, gradients, hessians),
+        };
         check(values.status())?;
         Ok(Gap {
             gap: values.gap,
@@ -146,6 +149,9 @@ fn check(status: Status) -> Result<(), ElementError> {
             ElementError::FootDiverged { residual, iterations: iterations as usize }
         }
         Status::FootOutside { distance } => ElementError::FootOutside { distance },
+        Status::NoAveragePlane { pivot_ratio } => {
+            ElementError::UnstableAveragePlane { pivot_ratio }
+        }
         Status::CentreOfCurvature { determinant } => ElementError::CentreOfCurvature { determinant },
         _ => ElementError::Overflow { what: "result" },
     })

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use diffuse_contact::{Backend, Gap, Mode};
 
 use super::nodes::SlaveNodes;
-use super::progress;
+use crate::progress::progress;
 
 /// Elements compared: this many, evenly spread over those that were evaluated, or all if there are fewer.
 const SAMPLE: usize = 20;

@@ -12,10 +12,7 @@ mod scene;
 pub mod status;
 mod surfaces;
 
-use std::io::{IsTerminal, stderr};
-
 use diffuse_contact::pairing::{MAX_NEIGHBOURS, PairingRule};
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::args::DemoArguments;
 use crate::backend::{BackendKind, backend};
@@ -44,15 +41,4 @@ pub fn run(arguments: &DemoArguments) -> Result<(), CliError> {
         file: &arguments.output,
     };
     output::write_stdout(|writer| write!(writer, "{report}"))
-}
-
-/// A bar on a terminal, nothing in a log.
-fn progress(what: &'static str, length: usize) -> ProgressBar {
-    if !stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{msg:>24} {wide_bar} {pos}/{len}");
-    ProgressBar::new(length as u64)
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-        .with_message(what)
 }

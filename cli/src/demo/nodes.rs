@@ -5,8 +5,9 @@ use std::time::{Duration, Instant};
 use diffuse_contact::pairing::{Pairing, PairingRule, pair};
 use diffuse_contact::{Backend, Gap, Mode, Point};
 
+use super::status;
 use super::surfaces::Surfaces;
-use super::{progress, status};
+use crate::progress::progress;
 
 /// What is known of one slave node.
 pub struct SlaveNode {

@@ -7,8 +7,9 @@ use diffuse_contact::pairing::{PairingRule, pair};
 use diffuse_contact::{Backend, ElementError, Mode, Point};
 use diffuse_contact_mesh::Facet;
 
+use super::status;
 use super::surfaces::Surfaces;
-use super::{progress, status};
+use crate::progress::progress;
 
 /// Pieces along each side of a facet, …
 const FINEST: usize = 6;

@@ -4,7 +4,7 @@
 //! definite system and the root of a small system. The last two use the implicit function theorem, so that
 //! nothing is differentiated through a factorisation or an iteration.
 
-use super::{ExprId, Graph, Op, RootId, Scope, SolveId, SymbolId};
+use super::{ExprId, Graph, Op, PolynomialId, RootId, Scope, SolveId, SymbolId};
 
 impl Graph {
     /// ∂`expr`/∂`symbol`.
@@ -84,6 +84,7 @@ impl Graph {
                 self.add(left, right)
             }
             Op::Power(base, exponent) => self.differentiate_power(base, exponent, symbol),
+            Op::Polynomial(base, polynomial) => self.differentiate_polynomial(base, polynomial, symbol),
             // the condition is locally constant
             Op::Select { x, y, then, otherwise } => {
                 let (then, otherwise) = (self.derivative(then, symbol), self.derivative(otherwise, symbol));
@@ -117,6 +118,25 @@ impl Graph {
             _ => (self.power(base, exponent - 1), self.derivative(base, symbol)),
         };
         let outer = self.mul(k, lowered);
+        self.mul(outer, inner)
+    }
+
+    /// P(x) -> P'(x) x'; for a norm r = hypot(x, y) with P'(0) = 0: P(r) -> (P'(r) / r) (x x' + y y'), where P' / r is a
+    /// polynomial.
+    fn differentiate_polynomial(
+        &mut self,
+        base: ExprId,
+        polynomial: PolynomialId,
+        symbol: SymbolId,
+    ) -> ExprId {
+        let derivative = self.polynomial_data(polynomial).derivative();
+        let (outer, inner) = match (self.op(base), derivative.over_x()) {
+            (Op::Hypot(x, y), Some(over_r)) => {
+                let (dx, dy) = (self.derivative(x, symbol), self.derivative(y, symbol));
+                (self.polynomial(base, over_r), self.dot(&[x, y], &[dx, dy]))
+            }
+            _ => (self.polynomial(base, derivative), self.derivative(base, symbol)),
+        };
         self.mul(outer, inner)
     }
 
@@ -241,6 +261,25 @@ mod tests {
         for (at, expected) in [(0.0, 0.0), (1e-200, 6e-200), (0.5, 3.0)] {
             assert_eq!(value(&g, second, at), expected);
         }
+    }
+
+    #[test]
+    fn a_polynomial_of_a_norm_has_finite_derivatives_at_the_origin_and_no_lost_digits_at_one() {
+        let mut g = Graph::new();
+        let x = g.input("x", Scope::Element);
+        let y = g.zero();
+        let r = g.hypot(x, y);
+        let w = g.polynomial(r, crate::graph::Polynomial::new(vec![1.0, 0.0, -3.0, 2.0]));
+        let symbol = g.symbol_of(x);
+        let first = g.derivative(w, symbol);
+        let second = g.derivative(first, symbol);
+        for (at, expected) in [(0.0, -6.0), (1e-200, -6.0), (0.25, -3.0)] {
+            assert!((value(&g, second, at) - expected).abs() < 1e-15, "{at}");
+        }
+        let near_one = 1.0 - 1e-8;
+        let t = 1.0 - near_one;
+        assert!((value(&g, w, near_one) / (t * t * (1.0 + 2.0 * near_one)) - 1.0).abs() < 1e-14);
+        assert!((value(&g, first, near_one) / (-6.0 * near_one * t) - 1.0).abs() < 1e-14);
     }
 
     #[test]

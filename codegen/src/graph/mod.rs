@@ -10,12 +10,14 @@
 //! * Nothing here iterates over a hash map, so results depend on the order of construction only.
 
 mod derivative;
+mod polynomial;
 mod simplify;
 mod structured;
 mod substitute;
 
 use std::collections::HashMap;
 
+pub use polynomial::Polynomial;
 pub use structured::{Root, Solve, SpdSystem};
 
 macro_rules! id {
@@ -49,6 +51,10 @@ id!(
 id!(
     /// A right-hand side solved with a system of a [`Graph`].
     SolveId
+);
+id!(
+    /// A polynomial of a [`Graph`].
+    PolynomialId
 );
 id!(
     /// A small system of equations of a [`Graph`], solved by iteration.
@@ -100,6 +106,8 @@ pub enum Op {
     Hypot(ExprId, ExprId),
     /// xᵏ with an exact integer k
     Power(ExprId, i32),
+    /// P(x)
+    Polynomial(ExprId, PolynomialId),
     /// if x < y { then } else { otherwise }
     Select {
         /// Left side of the comparison.
@@ -162,6 +170,7 @@ pub struct Graph {
     names: HashMap<ExprId, String>,
     symbols: Vec<Symbol>,
     derivatives: HashMap<(ExprId, SymbolId), ExprId>,
+    polynomials: Vec<Polynomial>,
     systems: Vec<SpdSystem>,
     solves: Vec<Solve>,
     roots: Vec<Root>,
@@ -206,7 +215,7 @@ impl Graph {
             Op::Add(x, y) | Op::Mul(x, y) | Op::Div(x, y) | Op::DivOrZero(x, y) | Op::Hypot(x, y) => {
                 vec![x, y]
             }
-            Op::Neg(x) | Op::Sqrt(x) | Op::Exp(x) | Op::Power(x, _) => vec![x],
+            Op::Neg(x) | Op::Sqrt(x) | Op::Exp(x) | Op::Power(x, _) | Op::Polynomial(x, _) => vec![x],
             Op::Sum(x) | Op::Row(x) | Op::Column(x) => vec![x],
             Op::Select { x, y, then, otherwise } => vec![x, y, then, otherwise],
             Op::Constant(_)
@@ -241,6 +250,12 @@ impl Graph {
     #[must_use]
     pub fn symbol_data(&self, symbol: SymbolId) -> &Symbol {
         &self.symbols[symbol.index()]
+    }
+
+    /// The polynomial with this id.
+    #[must_use]
+    pub fn polynomial_data(&self, polynomial: PolynomialId) -> &Polynomial {
+        &self.polynomials[polynomial.index()]
     }
 
     /// The system with this id.
@@ -481,7 +496,7 @@ impl Graph {
             Op::Add(x, y) | Op::Mul(x, y) | Op::Div(x, y) | Op::DivOrZero(x, y) | Op::Hypot(x, y) => {
                 widest(&[x, y])
             }
-            Op::Neg(x) | Op::Sqrt(x) | Op::Exp(x) | Op::Power(x, _) => self.scope(x),
+            Op::Neg(x) | Op::Sqrt(x) | Op::Exp(x) | Op::Power(x, _) | Op::Polynomial(x, _) => self.scope(x),
             Op::Select { x, y, then, otherwise } => widest(&[x, y, then, otherwise]),
             Op::Solution(solve, _) => widest(&self.solves[solve.index()].right_hand_side),
             Op::Row(_) | Op::Column(_) => Scope::Pair,

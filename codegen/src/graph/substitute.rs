@@ -72,6 +72,11 @@ impl Graph {
                 let x = sub(self, x);
                 self.power(x, exponent)
             }
+            Op::Polynomial(x, polynomial) => {
+                let x = sub(self, x);
+                let polynomial = self.polynomial_data(polynomial).clone();
+                self.polynomial(x, polynomial)
+            }
             Op::Select { x, y, then, otherwise } => {
                 let (x, y) = (sub(self, x), sub(self, y));
                 let (then, otherwise) = (sub(self, then), sub(self, otherwise));

@@ -1,7 +1,7 @@
 //! Weight functions w(r) of compact support.
 
 use crate::formula::{Formula, FormulaError};
-use crate::graph::{ExprId, Graph};
+use crate::graph::{ExprId, Graph, Polynomial};
 
 /// A weight function: a name for the emitted code and a formula in r = distance / support radius.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,7 +133,7 @@ impl Weight {
 }
 
 /// The formula on an interval that contains r = 0, in a form whose derivatives by position are finite and exact
-/// there: powers of r other than r¹ ([`Graph::power`]), exactly for a polynomial, otherwise by expansion.
+/// there: a polynomial of r without r¹ ([`Graph::polynomial`]), exactly or, if the formula is none, its expansion.
 fn around_origin(g: &mut Graph, formula: &Formula, r: ExprId) -> ExprId {
     if let Some(coefficients) = formula.polynomial() {
         return power_sum(g, &coefficients, r);
@@ -173,21 +173,21 @@ fn expansion_radius(formula: &Formula, coefficients: &[f64]) -> f64 {
     radius
 }
 
-/// c₀ + c₂ r² + c₃ r³ + …; a kink c₁ r was refused before.
+/// c₀ + c₂ r² + c₃ r³ + …; a kink c₁ r was refused before, what is left of it is rounding.
 fn power_sum(g: &mut Graph, coefficients: &[f64], r: ExprId) -> ExprId {
-    let mut total = g.zero();
-    for (k, &c) in coefficients.iter().enumerate().filter(|(k, _)| *k != 1) {
-        let power = g.power(r, k as i32);
-        let coefficient = g.constant(c);
-        let term = g.mul(coefficient, power);
-        total = g.add(total, term);
+    let mut coefficients = coefficients.to_vec();
+    if let Some(slope) = coefficients.get_mut(1) {
+        *slope = 0.0;
     }
-    total
+    g.polynomial(r, Polynomial::new(coefficients))
 }
 
 /// The formula as it stands, for r > 0.
 fn plain(g: &mut Graph, formula: &Formula, r: ExprId) -> ExprId {
     let two = |g: &mut Graph, x: &Formula, y: &Formula| (plain(g, x, r), plain(g, y, r));
+    if let Some(coefficients) = formula.polynomial() {
+        return g.polynomial(r, Polynomial::new(coefficients));
+    }
     match formula {
         Formula::Number(value) => g.constant(*value),
         Formula::Radius => r,

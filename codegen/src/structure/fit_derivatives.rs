@@ -385,13 +385,24 @@ impl NodeProblem {
                 })
                 .collect();
         }
-        self.blocks[j]
-            .unknowns
-            .iter()
-            .map(|&unknown| {
-                let unknown = g.symbol_of(unknown);
-                let first = g.derivative(lagrangian, unknown);
-                self.sums_of_derivatives(g, first, &self.blocks[k].unknowns)
+        let entry = |g: &mut Graph, x: ExprId, y: ExprId| {
+            let first = g.symbol_of(x);
+            let first = g.derivative(lagrangian, first);
+            self.sums_of_derivatives(g, first, &[y])[0]
+        };
+        let (rows, columns) = (&self.blocks[j].unknowns, &self.blocks[k].unknowns);
+        (0..rows.len())
+            .map(|row| {
+                (0..columns.len())
+                    .map(|column| {
+                        // Of a symmetric block every entry is derived once.
+                        if j == k && column > row {
+                            entry(g, rows[column], columns[row])
+                        } else {
+                            entry(g, rows[row], columns[column])
+                        }
+                    })
+                    .collect()
             })
             .collect()
     }

@@ -1,0 +1,179 @@
+//! Running the backends on the same elements.
+
+use std::ops::RangeInclusive;
+
+use diffuse_contact::ad::{Ad, FormulaError};
+use diffuse_contact::{Backend, ElementError, Generated, Mode};
+use diffuse_contact_codegen::{Basis, Output, Weight};
+
+use super::ELEMENTS;
+use super::blocks::Blocks;
+use super::elements::{NoElement, RandomElement};
+use super::report::{Against, Report};
+use crate::interpreted::Interpreted;
+
+/// The modes, fewest derivatives first, and their names.
+const MODES: [(Mode, &str); 3] =
+    [(Mode::Value, "value"), (Mode::Gradient, "gradient"), (Mode::Hessian, "hessian")];
+
+/// What is compared.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Bases and numbers of master nodes.
+    pub ranges: Vec<(Basis, RangeInclusive<usize>)>,
+    /// A weight instead of the cubic one. Only the cubic weight's kernels are compiled into this program: for
+    /// another, the interpreter stands in for them.
+    pub weight: Option<Weight>,
+    /// Seed of the random elements.
+    pub seed: u64,
+}
+
+impl Default for Plan {
+    /// The node counts with kernels of fixed size in either basis, the generated kernels, seed 1.
+    fn default() -> Self {
+        let ranges = Basis::ALL.map(|basis| (basis, Self::default_nodes(basis))).to_vec();
+        Self { ranges, weight: None, seed: 1 }
+    }
+}
+
+impl Plan {
+    /// The node counts for which a basis has kernels of fixed size.
+    #[must_use]
+    pub const fn default_nodes(basis: Basis) -> RangeInclusive<usize> {
+        basis.size()..=24
+    }
+
+    /// Replaces the node counts of a basis.
+    #[must_use]
+    pub fn nodes(mut self, basis: Basis, range: RangeInclusive<usize>) -> Self {
+        self.ranges.retain(|(other, _)| *other != basis);
+        self.ranges.push((basis, range));
+        self
+    }
+
+    /// Number of elements.
+    #[must_use]
+    pub fn elements(&self) -> usize {
+        self.ranges.iter().map(|(_, range)| range.clone().count() * ELEMENTS).sum()
+    }
+}
+
+/// Why nothing can be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum CompareError {
+    /// Automatic differentiation does not take the weight.
+    #[error("automatic differentiation cannot use \"{formula}\": {reason}")]
+    Ad {
+        /// The formula.
+        formula: String,
+        /// What the backend says.
+        reason: FormulaError,
+    },
+    /// There are no elements to compare on.
+    #[error(transparent)]
+    NoElement(#[from] NoElement),
+}
+
+/// Compares the backends; calls `step` after each element.
+///
+/// The tested backend, in each mode, is compared with automatic differentiation, with the interpreter in the same
+/// mode, and in its lower modes with itself in Hessian mode.
+///
+/// # Errors
+/// [`CompareError`]. A backend that has no result where it should is in the report, not an error.
+pub fn compare(plan: &Plan, mut step: impl FnMut()) -> Result<Report, CompareError> {
+    let interpreted = Interpreted::new(plan.weight.clone().unwrap_or_else(Weight::cubic));
+    let ad: Box<dyn Backend> = match &plan.weight {
+        None => Box::new(Ad),
+        Some(weight) => Box::new(
+            Ad::with_weight_formula(weight.text())
+                .map_err(|reason| CompareError::Ad { formula: weight.text().to_owned(), reason })?,
+        ),
+    };
+    let backends = Backends {
+        ad: &*ad,
+        interpreted: &interpreted,
+        generated: plan.weight.is_none().then_some(&Generated as &dyn Backend),
+    };
+    let mut report = Report::new(plan);
+    for (basis, range) in &plan.ranges {
+        for nodes in range.clone() {
+            for index in 0..ELEMENTS {
+                let random = RandomElement::new(*basis, nodes, plan.seed, index, &interpreted)?;
+                report.add_element(&random);
+                for output in Output::ALL {
+                    let mut results =
+                        Results { random: &random, output, at: (*basis, nodes), report: &mut report };
+                    results.compare(&backends);
+                }
+                step();
+            }
+        }
+    }
+    Ok(report)
+}
+
+struct Backends<'a> {
+    ad: &'a dyn Backend,
+    interpreted: &'a dyn Backend,
+    /// The kernels, if there are any with this weight.
+    generated: Option<&'a dyn Backend>,
+}
+
+/// One output of one element.
+struct Results<'a> {
+    random: &'a RandomElement,
+    output: Output,
+    at: (Basis, usize),
+    report: &'a mut Report,
+}
+
+impl Results<'_> {
+    fn compare(&mut self, backends: &Backends<'_>) {
+        // Its derivatives are those of one function in every mode.
+        let ad = self.evaluate("AD", backends.ad, Mode::Hessian, "hessian");
+        let interpreted =
+            MODES.map(|(mode, name)| self.evaluate("interpreter", backends.interpreted, mode, name));
+        let generated = backends
+            .generated
+            .map(|backend| MODES.map(|(mode, name)| self.evaluate("generated", backend, mode, name)));
+        let tested = generated.as_ref().unwrap_or(&interpreted);
+        for (mode, tested_in_mode) in tested.iter().enumerate() {
+            self.add(Against::Ad, tested_in_mode.as_ref(), ad.as_ref());
+            if generated.is_some() {
+                self.add(Against::Interpreter, tested_in_mode.as_ref(), interpreted[mode].as_ref());
+            }
+            if mode + 1 < MODES.len() {
+                self.add(Against::HessianMode, tested_in_mode.as_ref(), tested[MODES.len() - 1].as_ref());
+            }
+        }
+    }
+
+    /// A result, or nothing and a line in the report.
+    fn evaluate(&mut self, who: &str, backend: &dyn Backend, mode: Mode, name: &str) -> Option<Blocks> {
+        let result = Blocks::evaluate(backend, self.random, self.output, mode);
+        result.map_err(|reason| self.report.add_failure(who, self.output, name, self.at, &reason)).ok()
+    }
+
+    fn add(&mut self, against: Against, found: Option<&Blocks>, expected: Option<&Blocks>) {
+        if let (Some(found), Some(expected)) = (found, expected) {
+            for (block, difference) in found.differences(expected) {
+                self.report.add(block, against, difference, self.at);
+            }
+        }
+    }
+}
+
+impl Report {
+    fn add_failure(
+        &mut self,
+        who: &str,
+        output: Output,
+        mode: &str,
+        at: (Basis, usize),
+        reason: &ElementError,
+    ) {
+        let (basis, nodes) = (at.0.name(), at.1);
+        self.failures.push(format!("{who} {} {mode}, {basis} n = {nodes}: {reason}", output.name()));
+    }
+}

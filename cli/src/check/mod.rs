@@ -1,0 +1,95 @@
+//! The `check` job: every kernel against automatic differentiation and against the interpreter of its graph.
+//!
+//! [`elements`] makes the random elements, [`blocks`] says which numbers of a result belong together and how their
+//! differences are measured, [`compare`] runs the backends, [`report`] prints what was found.
+//!
+//! ```
+//! use diffuse_contact_cli::check::{Plan, compare};
+//! use diffuse_contact_codegen::Basis;
+//!
+//! let plan = Plan::default().nodes(Basis::Linear, 4..=4).nodes(Basis::Quadratic, 7..=7);
+//! let report = compare(&plan, || {})?;
+//! assert!(report.passes());
+//! # Ok::<(), diffuse_contact_cli::check::CompareError>(())
+//! ```
+
+pub mod blocks;
+mod compare;
+pub mod elements;
+mod nodes;
+pub mod report;
+
+use std::process::ExitCode;
+
+use diffuse_contact_codegen::Basis;
+
+use crate::args::CheckArguments;
+use crate::error::CliError;
+use crate::output;
+use crate::progress::progress;
+use crate::weight::weight;
+
+pub use compare::{CompareError, Plan, compare};
+pub use elements::NoElement;
+pub use nodes::NodeCounts;
+pub use report::Report;
+
+/// Largest difference that passes.
+pub const TOLERANCE: f64 = 1e-11;
+
+/// Elements per node count and basis.
+pub const ELEMENTS: usize = 3;
+
+/// Exit code if a kernel does not pass.
+const FAILED: u8 = 1;
+
+/// Compares what the arguments ask for and prints the report.
+pub(crate) fn run(arguments: &CheckArguments) -> Result<ExitCode, CliError> {
+    let plan = plan(arguments)?;
+    let bar = progress("elements", plan.elements());
+    let report = compare(&plan, || bar.inc(1));
+    bar.finish_and_clear();
+    let report = report.map_err(|error| match error {
+        CompareError::Ad { formula, reason } => CliError::WeightOfAd { formula, reason },
+        CompareError::NoElement(reason) => CliError::NoElement(reason),
+    })?;
+    let written = output::write_stdout(|writer| {
+        if arguments.json {
+            serde_json::to_writer_pretty(&mut *writer, &report)?;
+            writeln!(writer)
+        } else {
+            write!(writer, "{report}")
+        }
+    });
+    match written {
+        // The verdict stands, whether somebody reads it or not.
+        Err(error) if !error.is_closed_pipe() => return Err(error),
+        _ => {}
+    }
+    Ok(if report.passes() { ExitCode::SUCCESS } else { ExitCode::from(FAILED) })
+}
+
+/// A range given without a basis is for both, as far as they can use it.
+fn plan(arguments: &CheckArguments) -> Result<Plan, CliError> {
+    let mut plan = Plan { ranges: Vec::new(), seed: arguments.seed, ..Plan::default() };
+    if let Some(formula) = &arguments.weight {
+        plan.weight = Some(weight(Some(formula))?);
+    }
+    let bases = arguments.basis.map_or(Basis::ALL.to_vec(), |basis| vec![basis]);
+    for &basis in &bases {
+        let Some(counts) = &arguments.nodes else {
+            plan = plan.nodes(basis, Plan::default_nodes(basis));
+            continue;
+        };
+        let smallest = bases.iter().map(|basis| basis.size()).min().unwrap_or_default();
+        let (first, last) = (*counts.range().start(), *counts.range().end());
+        if first < smallest {
+            let basis = if bases.len() == 1 { basis } else { Basis::Linear };
+            return Err(CliError::TooFewNodes { nodes: counts.to_string(), basis });
+        }
+        if last >= basis.size() {
+            plan = plan.nodes(basis, first.max(basis.size())..=last);
+        }
+    }
+    Ok(plan)
+}

@@ -1,0 +1,160 @@
+//! The `emit` job: the source of a kernel, or the operation counts of all of them.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+use diffuse_contact_codegen::emit::{KernelCounts, OpCounts, emit_kernel, emit_single};
+use diffuse_contact_codegen::{Basis, Config, KernelSpec, Weight};
+
+use crate::args::{EmitArguments, frame_name};
+use crate::error::CliError;
+use crate::output;
+use crate::weight::weight;
+
+/// Numbers of master nodes in the table of all kernels.
+const NODES: [usize; 5] = [6, 9, 12, 16, 20];
+
+/// Prints or writes what the arguments ask for.
+pub fn run(arguments: &EmitArguments) -> Result<(), CliError> {
+    if let Some(path) = &arguments.file {
+        output::check_target(path)?;
+    }
+    let weight = weight(arguments.weight.as_deref())?;
+    let text = match (arguments.nodes, arguments.output, arguments.mode) {
+        (Some(nodes), Some(output), Some(mode)) => {
+            let basis = arguments.basis.unwrap_or(Basis::Quadratic);
+            let frame = arguments.frame_derivative.unwrap_or_default();
+            source(&KernelSpec { output, mode, basis, weight, frame }, nodes)?
+        }
+        // The parser lets only `--counts` go without them.
+        _ => counts_of_all(arguments.basis, &weight),
+    };
+    let write = |writer: &mut dyn Write| -> io::Result<()> { writer.write_all(text.as_bytes()) };
+    match &arguments.file {
+        Some(path) => output::write_file(path, write),
+        None => output::write_stdout(write),
+    }
+}
+
+/// A kernel as a Rust file that starts with its operation counts.
+fn source(spec: &KernelSpec, nodes: usize) -> Result<String, CliError> {
+    if nodes < spec.basis.size() {
+        return Err(CliError::TooFewNodes { nodes: nodes.to_string(), basis: spec.basis });
+    }
+    if !KernelSpec::all(spec.basis, &spec.weight).contains(spec) {
+        return Err(CliError::NoMovingFrame { output: spec.output, mode: spec.mode });
+    }
+    // The library's own bounds for kernels of fixed size.
+    Config::new().nodes(spec.basis, nodes..=nodes)?;
+    let support = syn::parse_quote!(::diffuse_contact_kernels::support);
+    let (text, kernel) = emit_single(spec, nodes, &support);
+    Ok(counts_comment(spec, &kernel.counts, nodes) + &text)
+}
+
+/// The operation counts of a kernel as a comment.
+fn counts_comment(spec: &KernelSpec, counts: &KernelCounts, nodes: usize) -> String {
+    const COLUMNS: [&str; 7] = ["fused", "add", "mul", "neg", "div", "functions", "selections"];
+    let mut text = format!(
+        "// {} {}, {} basis, weight {}, {} frame: operations.\n\
+         // A fused multiply-add counts one, so does an unpaired addition or multiplication.\n//\n",
+        spec.output.name(),
+        spec.mode.name(),
+        spec.basis.name(),
+        one_line(spec.weight.text()),
+        frame_name(spec.frame),
+    );
+    let mut line = |label: &str, figures: &[String]| {
+        let figures = figures.iter().map(|figure| format!("{figure:>11}")).collect::<String>();
+        let _ = writeln!(text, "// {label:<24}{figures}");
+    };
+    let header: Vec<String> = std::iter::once("total").chain(COLUMNS).map(str::to_owned).collect();
+    line("", &header);
+    let rows = [
+        ("per element".to_owned(), counts.element),
+        ("per Newton iteration".to_owned(), counts.iteration),
+        ("per node".to_owned(), counts.node),
+        ("per pair of nodes".to_owned(), counts.pair),
+        // What `KernelCounts::total` adds up.
+        (format!("{nodes} nodes, 1 iteration"), counts.total(nodes)),
+    ];
+    for (label, counts) in rows {
+        line(&label, &figures(&counts).map(|figure| figure.to_string()));
+    }
+    text.push('\n');
+    text
+}
+
+/// Total and kinds, in the order of the comment's columns.
+const fn figures(counts: &OpCounts) -> [usize; 8] {
+    [
+        counts.total(),
+        counts.fused,
+        counts.additions,
+        counts.multiplications,
+        counts.negations,
+        counts.divisions,
+        counts.functions,
+        counts.selections,
+    ]
+}
+
+/// The totals of all kernels as a table in Markdown.
+fn counts_of_all(basis: Option<Basis>, weight: &Weight) -> String {
+    let mut text = format!(
+        "Operations by number of master nodes n, weight `{}`, one Newton iteration for a gap.\n\
+         A fused multiply-add counts one, so does an unpaired addition or multiplication.\n\n",
+        one_line(weight.text())
+    );
+    let columns = NODES.map(|nodes| format!(" {:>6} |", format!("n = {nodes}"))).concat();
+    let _ = writeln!(text, "| basis     | output       | mode     | frame     |{columns}");
+    let rule = " -----: |".repeat(NODES.len());
+    let _ = writeln!(text, "| --------- | ------------ | -------- | --------- |{rule}");
+    for basis in Basis::ALL.into_iter().filter(|&candidate| basis.is_none_or(|basis| basis == candidate)) {
+        for spec in KernelSpec::all(basis, weight) {
+            let kernel = emit_kernel(&spec);
+            let totals = NODES.map(|nodes| format!(" {:>6} |", kernel.counts.total(nodes).total())).concat();
+            let (basis, output, mode, frame) =
+                (basis.name(), spec.output.name(), spec.mode.name(), frame_name(spec.frame));
+            let _ = writeln!(text, "| {basis:<9} | {output:<12} | {mode:<8} | {frame:<9} |{totals}");
+        }
+    }
+    text
+}
+
+/// A formula without line breaks, which would end a comment or a table.
+fn one_line(formula: &str) -> String {
+    formula.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use diffuse_contact_codegen::{FrameRule, Mode, Output};
+
+    use super::*;
+
+    #[test]
+    fn a_formula_over_two_lines_stays_in_its_comment() {
+        let weight = weight(Some("(1 - r)^2\n * (1 + 2*r)")).unwrap();
+        let (output, mode, basis, frame) =
+            (Output::Coefficients, Mode::Value, Basis::Linear, FrameRule::Frozen);
+        let spec = KernelSpec { output, mode, basis, weight, frame };
+        let text = counts_comment(&spec, &KernelCounts::default(), 3);
+        assert!(text.contains("weight (1 - r)^2 * (1 + 2*r), frozen frame: operations"), "{text}");
+        assert!(text.lines().all(|line| line.is_empty() || line.starts_with("//")), "{text}");
+    }
+
+    #[test]
+    fn the_columns_add_up_to_the_total() {
+        let counts = OpCounts {
+            fused: 1,
+            additions: 2,
+            multiplications: 4,
+            negations: 8,
+            divisions: 16,
+            functions: 32,
+            selections: 64,
+        };
+        let [total, kinds @ ..] = figures(&counts);
+        assert_eq!((total, kinds.iter().sum::<usize>()), (127, 127));
+    }
+}

@@ -1,0 +1,366 @@
+//! The backend that evaluates the formulas' expression graph as it stands: the second witness of every kernel.
+//!
+//! [`Interpreted`] shares the derivation with the generated kernels, and nothing after it: the graph is neither
+//! lowered nor scheduled nor printed, and its systems, roots and sums are evaluated by the interpreter's own
+//! methods. Against it a kernel shows errors of emission; it shows errors of derivation against
+//! [`Ad`](diffuse_contact::ad::Ad). It takes any number of master nodes and any weight, and its speed is no aim.
+
+use std::sync::OnceLock;
+
+use diffuse_contact::{Backend, Coefficients, Element, ElementError, Gap, Mode, Surface, SymmetricMatrix};
+use diffuse_contact_codegen::graph::ExprId;
+use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
+use diffuse_contact_codegen::structure::{Gradient, Hessian};
+use diffuse_contact_codegen::{self as codegen, FrameRule, Kernel, KernelSpec, Output, Weight};
+use diffuse_contact_kernels::support::{
+    CoefficientsValues, GapValues, PIVOT_TOLERANCE, Status, SurfaceValues,
+};
+
+const OUTPUTS: usize = Output::ALL.len();
+const MODES: usize = codegen::Mode::ALL.len();
+const BASES: usize = codegen::Basis::ALL.len();
+
+/// Evaluates elements by interpreting the graph the kernels are generated from. [`Element::weight`] is ignored: the
+/// weight is the one given to [`Interpreted::new`].
+///
+/// The graph of an output, mode and basis is built when it is first needed and kept.
+#[derive(Debug)]
+pub struct Interpreted {
+    weight: Weight,
+    kernels: [OnceLock<Kernel>; OUTPUTS * MODES * BASES],
+}
+
+/// How far an element is from having no result, as dimensionless figures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditioning {
+    /// Smallest pivot of the moment matrix over its diagonal entry, 0 for a singular fit: about the slave or about
+    /// the surface point, whichever is smaller.
+    pub pivot_ratio: f64,
+    /// Determinant of the foot equations' Jacobian, 1 on a flat surface and 0 on a centre of curvature.
+    pub jacobian_determinant: f64,
+    /// In-plane distance of the foot from the slave's projection over the support radius.
+    pub foot_distance: f64,
+}
+
+impl Default for Interpreted {
+    /// The cubic weight (Chamoret et al. 2008, eq. 14).
+    fn default() -> Self {
+        Self::new(Weight::cubic())
+    }
+}
+
+impl Interpreted {
+    /// A backend with this weight.
+    #[must_use]
+    pub fn new(weight: Weight) -> Self {
+        Self { weight, kernels: std::array::from_fn(|_| OnceLock::new()) }
+    }
+
+    /// The weight in force.
+    #[must_use]
+    pub const fn weight(&self) -> &Weight {
+        &self.weight
+    }
+
+    /// The figures that decide whether an element has a gap, and a surface at `point`, and how many digits they are
+    /// good for. An element without a gap has figures too.
+    ///
+    /// # Errors
+    /// What [`Element::validate`] finds.
+    pub fn conditioning(&self, element: &Element<'_>, point: [f64; 2]) -> Result<Conditioning, ElementError> {
+        element.validate()?;
+        let inputs = inputs(element, point);
+        let mut surface = self.evaluation(Output::Surface, element, Mode::Value, &inputs);
+        let mut gap = self.evaluation(Output::Gap, element, Mode::Value, &inputs);
+        let [about_point, about_slave] = [surface.scalar("pivot_ratio"), gap.scalar("pivot_ratio")];
+        Ok(Conditioning {
+            // Written so that a NaN comes through.
+            pivot_ratio: if about_point >= about_slave { about_slave } else { about_point },
+            jacobian_determinant: gap.scalar("jacobian_determinant"),
+            foot_distance: gap.scalar("foot_distance"),
+        })
+    }
+
+    fn evaluation<'a>(
+        &'a self,
+        output: Output,
+        element: &Element<'_>,
+        mode: Mode,
+        inputs: &'a NodeInputs,
+    ) -> Evaluation<'a> {
+        let (mode, basis) = (mode_of(mode), basis_of(element.basis));
+        let index = (output as usize * MODES + mode as usize) * BASES + basis as usize;
+        let kernel = self.kernels[index].get_or_init(|| {
+            Kernel::new(KernelSpec {
+                output,
+                mode,
+                basis,
+                weight: self.weight.clone(),
+                frame: FrameRule::Frozen,
+            })
+        });
+        Evaluation {
+            kernel,
+            interpreter: Interpreter::new(&kernel.graph, inputs),
+            count: element.masters.len(),
+        }
+    }
+}
+
+impl Backend for Interpreted {
+    fn coefficients(&self, element: &Element<'_>, mode: Mode) -> Result<Coefficients, ElementError> {
+        element.validate()?;
+        let inputs = inputs(element, [0.0; 2]);
+        let mut evaluation = self.evaluation(Output::Coefficients, element, mode, &inputs);
+        let coefficients = evaluation.padded("coefficients");
+        check(
+            CoefficientsValues {
+                coefficients,
+                pivot_ratio: evaluation.scalar("pivot_ratio"),
+                checksum: evaluation.scalar("checksum"),
+            }
+            .status(),
+        )?;
+        Ok(Coefficients {
+            values: coefficients[..element.basis.size()].to_vec(),
+            gradients: evaluation.gradients(),
+            hessians: evaluation.hessians(),
+        })
+    }
+
+    fn surface(&self, element: &Element<'_>, point: [f64; 2], mode: Mode) -> Result<Surface, ElementError> {
+        element.validate()?;
+        if !point.iter().all(|x| x.is_finite()) {
+            return Err(ElementError::NonFiniteInput { what: "point", index: 0 });
+        }
+        let inputs = inputs(element, point);
+        let mut evaluation = self.evaluation(Output::Surface, element, mode, &inputs);
+        let values = SurfaceValues {
+            value: evaluation.scalar("value"),
+            slopes: evaluation.array("slopes"),
+            curvatures: evaluation.array("curvatures"),
+            pivot_ratio: evaluation.scalar("pivot_ratio"),
+            checksum: evaluation.scalar("checksum"),
+        };
+        check(values.status())?;
+        let mut gradients = evaluation.gradients().into_iter();
+        let mut next = || gradients.next().unwrap_or_default();
+        Ok(Surface {
+            value: values.value,
+            slopes: values.slopes,
+            curvatures: values.curvatures,
+            gradient: next(),
+            slope_gradients: [next(), next()],
+            hessian: evaluation.hessians().pop().unwrap_or_default(),
+        })
+    }
+
+    fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
+        element.validate()?;
+        let inputs = inputs(element, [0.0; 2]);
+        let mut evaluation = self.evaluation(Output::Gap, element, mode, &inputs);
+        let values = GapValues {
+            gap: evaluation.scalar("gap"),
+            foot: evaluation.array("foot"),
+            normal: evaluation.array("normal"),
+            coefficients: evaluation.padded("coefficients"),
+            pivot_ratio: evaluation.scalar("pivot_ratio"),
+            // The frame is held: there is no plane to be found.
+            plane_pivot_ratio: 1.0,
+            foot_residual: evaluation.scalar("foot_residual"),
+            foot_iterations: evaluation.scalar("foot_iterations"),
+            foot_distance: evaluation.scalar("foot_distance"),
+            jacobian_determinant: evaluation.scalar("jacobian_determinant"),
+            checksum: evaluation.scalar("checksum"),
+        };
+        check(values.status())?;
+        Ok(Gap {
+            gap: values.gap,
+            foot: values.foot,
+            normal: values.normal,
+            coefficients: values.coefficients[..element.basis.size()].to_vec(),
+            gradient: evaluation.gradients().pop().unwrap_or_default(),
+            hessian: evaluation.hessians().pop().unwrap_or_default(),
+        })
+    }
+}
+
+/// One element on its way through one kernel's graph.
+struct Evaluation<'a> {
+    kernel: &'a Kernel,
+    interpreter: Interpreter<'a>,
+    /// Number of master nodes.
+    count: usize,
+}
+
+impl Evaluation<'_> {
+    fn components(&self, name: &str) -> &[ExprId] {
+        let value = self.kernel.values.iter().find(|value| value.name == name);
+        &value.unwrap_or_else(|| panic!("no kernel value is named {name}")).components
+    }
+
+    fn scalar(&mut self, name: &str) -> f64 {
+        self.array::<1>(name)[0]
+    }
+
+    fn array<const SIZE: usize>(&mut self, name: &str) -> [f64; SIZE] {
+        let components = self.components(name);
+        let components: [ExprId; SIZE] = components.try_into().unwrap_or_else(|_| {
+            panic!("the kernel value {name} has {} components, not {SIZE}", components.len())
+        });
+        components.map(|component| self.interpreter.element(component))
+    }
+
+    /// Coefficients of either basis; the linear one leaves the last three at 0.
+    fn padded(&mut self, name: &str) -> [f64; 6] {
+        let mut padded = [0.0; 6];
+        for (entry, component) in padded.iter_mut().zip(self.components(name).to_vec()) {
+            *entry = self.interpreter.element(component);
+        }
+        padded
+    }
+
+    fn gradients(&mut self) -> Vec<Vec<f64>> {
+        let kernel = self.kernel;
+        kernel.gradients.iter().map(|(_, gradient)| self.gradient(gradient)).collect()
+    }
+
+    fn gradient(&mut self, gradient: &Gradient) -> Vec<f64> {
+        let mut entries = gradient.slave.map(|x| self.interpreter.element(x)).to_vec();
+        for node in 0..self.count {
+            entries.extend(gradient.node.map(|x| self.interpreter.node(x, node)));
+        }
+        entries
+    }
+
+    fn hessians(&mut self) -> Vec<SymmetricMatrix> {
+        let kernel = self.kernel;
+        kernel.hessians.iter().map(|(_, hessian)| self.hessian(hessian)).collect()
+    }
+
+    /// The packed lower triangle, row by row.
+    fn hessian(&mut self, hessian: &Hessian) -> SymmetricMatrix {
+        let mut entries = Vec::new();
+        for row in 0..3 {
+            entries.extend(hessian.slave[row][..=row].iter().map(|&x| self.interpreter.element(x)));
+        }
+        for node in 0..self.count {
+            for row in 0..3 {
+                entries.extend(hessian.node_slave[row].map(|x| self.interpreter.node(x, node)));
+                for other in 0..node {
+                    entries.extend(hessian.pair[row].map(|x| self.interpreter.pair(x, node, other)));
+                }
+                let diagonal = &hessian.diagonal[row][..=row];
+                entries.extend(diagonal.iter().map(|&x| self.interpreter.node(x, node)));
+            }
+        }
+        let mut matrix = SymmetricMatrix::zeros(3 * (self.count + 1));
+        matrix.packed_mut().copy_from_slice(&entries);
+        matrix
+    }
+}
+
+/// The values of all input symbols; `point` is read by the surface kernels only.
+fn inputs(element: &Element<'_>, point: [f64; 2]) -> NodeInputs {
+    const AXES: [&str; 3] = ["x", "y", "z"];
+    let mut inputs = NodeInputs::new(element.masters.len());
+    let [t1, t2, normal] = element.frame.rows();
+    for (name, vector) in [("slave", element.slave), ("t1", t1), ("t2", t2), ("normal", normal)] {
+        for (axis, value) in AXES.iter().zip(vector) {
+            inputs.set_element(&format!("{name}_{axis}"), value);
+        }
+    }
+    inputs.set_element("support_radius", element.support_radius);
+    inputs.set_element("point_1", point[0]);
+    inputs.set_element("point_2", point[1]);
+    for (k, axis) in AXES.iter().enumerate() {
+        let coordinates = element.masters.iter().map(|master| master[k]).collect();
+        inputs.set_node(&format!("master_{axis}"), coordinates);
+    }
+    inputs
+}
+
+/// A kernel's status as the element's error.
+fn check(status: Status) -> Result<(), ElementError> {
+    Err(match status {
+        Status::Ok => return Ok(()),
+        Status::SingularFit { pivot_ratio } => {
+            ElementError::SingularFit { pivot_ratio, tolerance: PIVOT_TOLERANCE }
+        }
+        Status::FootDiverged { residual, iterations } => {
+            ElementError::FootDiverged { residual, iterations: iterations as usize }
+        }
+        Status::FootOutside { distance } => ElementError::FootOutside { distance },
+        Status::CentreOfCurvature { determinant } => ElementError::CentreOfCurvature { determinant },
+        _ => ElementError::Overflow { what: "result" },
+    })
+}
+
+const fn mode_of(mode: Mode) -> codegen::Mode {
+    match mode {
+        Mode::Value => codegen::Mode::Value,
+        Mode::Gradient => codegen::Mode::Gradient,
+        Mode::Hessian => codegen::Mode::Hessian,
+    }
+}
+
+const fn basis_of(basis: diffuse_contact::Basis) -> codegen::Basis {
+    match basis {
+        diffuse_contact::Basis::Quadratic => codegen::Basis::Quadratic,
+        diffuse_contact::Basis::Linear => codegen::Basis::Linear,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use diffuse_contact::{Basis, Frame, Generated};
+
+    use super::*;
+
+    fn element(masters: &[[f64; 3]], basis: Basis) -> Element<'_> {
+        let frame = Frame::given([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], None).unwrap();
+        Element {
+            slave: [0.1, 0.2, 0.5],
+            masters,
+            frame,
+            support_radius: 2.0,
+            basis,
+            weight: diffuse_contact::Weight::Cubic,
+        }
+    }
+
+    fn grid() -> Vec<[f64; 3]> {
+        (0..9).map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0, 0.0]).collect()
+    }
+
+    #[test]
+    fn the_parts_a_mode_does_not_ask_for_are_empty() {
+        let (backend, masters) = (Interpreted::default(), grid());
+        let element = element(&masters, Basis::Quadratic);
+        let value = backend.surface(&element, [0.1, 0.0], Mode::Value).unwrap();
+        assert!(value.gradient.is_empty() && value.slope_gradients[1].is_empty());
+        assert_eq!(value.hessian.size(), 0);
+        let gradient = backend.coefficients(&element, Mode::Gradient).unwrap();
+        assert_eq!(gradient.gradients.len(), 6);
+        assert!(gradient.hessians.is_empty());
+        assert_eq!(backend.gap(&element, Mode::Hessian).unwrap().hessian.size(), 30);
+    }
+
+    #[test]
+    fn elements_without_a_result_are_told_apart() {
+        let backend = Interpreted::default();
+        let code = |element: &Element<'_>| {
+            let found = backend.gap(element, Mode::Hessian).map_err(|error| error.code()).err();
+            let expected = Generated.gap(element, Mode::Hessian).map_err(|error| error.code()).err();
+            assert_eq!(found, expected, "interpreter and generated kernels");
+            found
+        };
+        let line: Vec<[f64; 3]> = (0..9).map(|k| [0.2 * f64::from(k), 0.0, 0.0]).collect();
+        assert_eq!(code(&element(&line, Basis::Linear)), Some("singular-fit"));
+        assert_eq!(code(&element(&line[..5], Basis::Quadratic)), Some("too-few-nodes"));
+        let slope: Vec<[f64; 3]> = grid().iter().map(|x| [x[0], x[1], 12.0 + 3.0 * x[0]]).collect();
+        assert_eq!(code(&element(&slope, Basis::Linear)), Some("foot-outside"));
+        let infinite: Vec<[f64; 3]> = grid().iter().map(|x| [x[0], x[1], f64::NAN]).collect();
+        assert_eq!(code(&element(&infinite, Basis::Linear)), Some("non-finite-input"));
+    }
+}

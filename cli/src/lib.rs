@@ -1,0 +1,74 @@
+//! The command-line program of the diffuse contact element, as a library: the binary only calls [`main`].
+//!
+//! Without a subcommand the program runs the demonstration on the shipped mesh. Bad input ends it with exit code 2
+//! and one sentence on standard error that names the place; results go to standard output or to a file that
+//! appears only when it is complete. Exit code 1 is left to `check`, when the kernels do not pass.
+//!
+//! Two parts are of use to other programs: [`interpreted`], the third backend of the element, which evaluates the
+//! formulas' expression graph as it stands, and [`check`], which compares the backends with each other.
+//!
+//! ```
+//! use diffuse_contact::{Backend, Basis, Element, Frame, Mode, Weight};
+//! use diffuse_contact_cli::interpreted::Interpreted;
+//!
+//! let masters = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+//! let element = Element {
+//!     slave: [0.4, 0.6, 0.25],
+//!     masters: &masters,
+//!     frame: Frame::average_plane(&masters, [0.0, 0.0, 1.0])?,
+//!     support_radius: 2.0,
+//!     basis: Basis::Linear,
+//!     weight: Weight::Cubic,
+//! };
+//! let contact = Interpreted::default().gap(&element, Mode::Hessian)?;
+//! assert!((contact.gap - 0.25).abs() < 1e-14);
+//! # Ok::<(), diffuse_contact::ElementError>(())
+//! ```
+#![forbid(unsafe_code)]
+
+mod args;
+mod backend;
+pub mod check;
+mod demo;
+mod emit;
+mod error;
+mod evaluate;
+pub mod interpreted;
+mod output;
+mod progress;
+mod weight;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Arguments, Command, DemoArguments};
+
+/// Exit code for input the program cannot use, the same as for arguments it does not know.
+const BAD_INPUT: u8 = 2;
+
+/// Does what the command line says.
+#[must_use]
+pub fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(answer) => return args::answer(&answer),
+    };
+    let done = |()| ExitCode::SUCCESS;
+    let outcome = match arguments.command {
+        None => demo::run(&DemoArguments::default()).map(done),
+        Some(Command::Demo(arguments)) => demo::run(&arguments).map(done),
+        Some(Command::Evaluate(arguments)) => evaluate::run(&arguments).map(done),
+        Some(Command::Emit(arguments)) => emit::run(&arguments).map(done),
+        Some(Command::Check(arguments)) => check::run(&arguments),
+    };
+    match outcome {
+        Ok(code) => code,
+        // Whoever reads the output has seen enough: no reason to complain.
+        Err(error) if error.is_closed_pipe() => ExitCode::SUCCESS,
+        Err(error) => {
+            error::report(&error);
+            ExitCode::from(BAD_INPUT)
+        }
+    }
+}

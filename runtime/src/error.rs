@@ -51,7 +51,9 @@ pub enum ElementError {
         middle: f64,
     },
     /// The average plane, whose motion is differentiated, is not unique to working precision.
-    #[error("the average plane is not unique: smallest relative pivot {pivot_ratio:e} of the equations for its turn")]
+    #[error(
+        "the average plane is not unique: smallest relative pivot {pivot_ratio:e} of the equations for its turn"
+    )]
     UnstableAveragePlane {
         /// Smallest pivot of ∂²E/∂θ∂θ, E = Σ (n·(x_i − x̄))²/2, over the diagonal entry it came from.
         pivot_ratio: f64,

@@ -149,9 +149,7 @@ fn check(status: Status) -> Result<(), ElementError> {
             ElementError::FootDiverged { residual, iterations: iterations as usize }
         }
         Status::FootOutside { distance } => ElementError::FootOutside { distance },
-        Status::NoAveragePlane { pivot_ratio } => {
-            ElementError::UnstableAveragePlane { pivot_ratio }
-        }
+        Status::NoAveragePlane { pivot_ratio } => ElementError::UnstableAveragePlane { pivot_ratio },
         Status::CentreOfCurvature { determinant } => ElementError::CentreOfCurvature { determinant },
         _ => ElementError::Overflow { what: "result" },
     })

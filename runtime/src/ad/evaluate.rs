@@ -4,8 +4,9 @@
 use super::drive::{Derivatives, Quantity, differentiate};
 use super::foot::{Foot, Polynomial};
 use super::model::{Model, Scalar};
+use super::plane::AveragePlane;
 use super::{RadialWeight, coordinates_of, finite};
-use crate::{Coefficients, Element, ElementError, Gap, Mode, Point, Surface};
+use crate::{Coefficients, Element, ElementError, FrameDerivative, Gap, Mode, Point, Surface};
 
 /// [`Backend::coefficients`](crate::Backend::coefficients).
 pub(super) fn coefficients<W: RadialWeight>(
@@ -54,6 +55,8 @@ pub(super) fn gap<W: RadialWeight>(model: Model<'_, W>, mode: Mode) -> Result<Ga
     let element = model.element;
     let radius = element.support_radius;
     let polynomial = model.fit(&coordinates_of(element))?;
+    let moves = element.frame.derivative == FrameDerivative::CoMoving && mode > Mode::Value;
+    let plane = if moves { Some(AveragePlane::find(element)?) } else { None };
     let foot = Foot::find(&polynomial)?;
     let (foot_point, normal) = global_foot(element, &polynomial, foot.position());
     finite("foot", foot_point)?;
@@ -61,7 +64,7 @@ pub(super) fn gap<W: RadialWeight>(model: Model<'_, W>, mode: Mode) -> Result<Ga
     let mut fit = Derivatives::of_values(polynomial.0[..element.basis.size()].to_vec());
     scale_coefficients(&mut fit, radius)?;
 
-    let mut gap = differentiate(&GapQuantity { model, foot }, element, mode)?;
+    let mut gap = differentiate(&GapQuantity { model, plane, foot }, element, mode)?;
     gap.scale(0, radius, 1)?;
     Ok(Gap {
         gap: gap.values[0],
@@ -98,15 +101,20 @@ impl<W: RadialWeight> Quantity for SurfaceQuantity<'_, W> {
     }
 }
 
-/// The gap as a function of the coordinates, followed through Newton's iteration from the converged foot.
+/// The gap as a function of the coordinates, followed through Newton's iterations from the average plane, if the
+/// frame moves with it, and from the converged foot.
 struct GapQuantity<'a, W> {
     model: Model<'a, W>,
+    plane: Option<AveragePlane>,
     foot: Foot,
 }
 
 impl<W: RadialWeight> Quantity for GapQuantity<'_, W> {
     fn evaluate<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<Vec<D>, ElementError> {
-        let polynomial = self.model.fit(coordinates)?;
+        let polynomial = match &self.plane {
+            None => self.model.fit(coordinates)?,
+            Some(plane) => self.model.fit_in(coordinates, &plane.propagate(&coordinates[1..]))?,
+        };
         let u = self.foot.propagate(&polynomial);
         Ok(vec![polynomial.gap(u)])
     }

@@ -6,6 +6,7 @@
 use num_dual::DualNum;
 
 use super::foot::Polynomial;
+use super::plane::Turn;
 use super::{RadialWeight, WeightFunction};
 use crate::{Element, ElementError};
 
@@ -39,12 +40,31 @@ impl<W: RadialWeight> Model<'_, W> {
             .collect()
     }
 
-    /// The fit A α = β with A = Σ w p pᵀ, β = Σ w z p (Chamoret et al. 2008, eq. 13), lengths over R.
+    /// The fit in the given frame, which is held.
     pub(super) fn fit<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<Polynomial<D>, ElementError> {
+        self.fit_to(self.offsets(coordinates))
+    }
+
+    /// The fit in a frame that has turned away from the given one.
+    pub(super) fn fit_in<D: Scalar>(
+        &self,
+        coordinates: &[[D; 3]],
+        turn: &Turn<D>,
+    ) -> Result<Polynomial<D>, ElementError> {
+        let mut offsets = self.offsets(coordinates);
+        for offset in &mut offsets {
+            let [a, b, z] = *offset;
+            *offset = turn.map(|axis| axis[0] * a + axis[1] * b + axis[2] * z);
+        }
+        self.fit_to(offsets)
+    }
+
+    /// The fit A α = β with A = Σ w p pᵀ, β = Σ w z p (Chamoret et al. 2008, eq. 13), lengths over R.
+    fn fit_to<D: Scalar>(&self, offsets: Vec<[D; 3]>) -> Result<Polynomial<D>, ElementError> {
         let size = self.element.basis.size();
         let mut moment_matrix = [[D::zero(); 6]; 6];
         let mut moment_vector = [D::zero(); 6];
-        for [a, b, z] in self.offsets(coordinates) {
+        for [a, b, z] in offsets {
             super::finite("offset", [a.re(), b.re(), z.re()])?;
             let square = a * a + b * b;
             // Outside the support the weight and all its derivatives vanish. The powers of a far node's offset

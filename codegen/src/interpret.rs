@@ -221,6 +221,8 @@ impl<'a> Interpreter<'a> {
         let matrix = self.matrix(system);
         let data = self.graph.system(system);
         let size = data.size();
+        let references: Vec<f64> =
+            (0..size).map(|i| self.value(data.reference(data.eliminated(i)), None)).collect();
         let a = |i: usize, j: usize| matrix[data.eliminated(i)][data.eliminated(j)];
         let mut l = vec![vec![0.0; size]; size];
         let mut pivot_ratio = f64::INFINITY;
@@ -228,7 +230,9 @@ impl<'a> Interpreter<'a> {
             for j in 0..=i {
                 let rest = a(i, j) - (0..j).map(|k| l[i][k] * l[j][k]).sum::<f64>();
                 if i == j {
-                    pivot_ratio = if rest / a(i, i) < pivot_ratio { rest / a(i, i) } else { pivot_ratio };
+                    let ratio = rest / references[i];
+                    // A NaN stays where it came first, and does not replace a number.
+                    pivot_ratio = if i == 0 || ratio < pivot_ratio { ratio } else { pivot_ratio };
                     l[i][i] = rest.sqrt();
                 } else {
                     l[i][j] = rest / l[j][j];

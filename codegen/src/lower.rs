@@ -73,7 +73,6 @@ struct Factor {
     lower: Vec<Vec<ExprId>>,
     reciprocal: Vec<ExprId>,
     pivots: Vec<ExprId>,
-    diagonal: Vec<ExprId>,
 }
 
 impl<'a> Lowering<'a> {
@@ -271,8 +270,7 @@ impl<'a> Lowering<'a> {
         let data = self.source.system(system).clone();
         let name = &data.name;
         let size = data.size();
-        let mut factor =
-            Factor { lower: Vec::new(), reciprocal: Vec::new(), pivots: Vec::new(), diagonal: Vec::new() };
+        let mut factor = Factor { lower: Vec::new(), reciprocal: Vec::new(), pivots: Vec::new() };
         for i in 0..size {
             let mut row: Vec<ExprId> = Vec::with_capacity(i);
             for j in 0..=i {
@@ -291,7 +289,6 @@ impl<'a> Lowering<'a> {
                     let reciprocal = self.target.div(one, root);
                     self.target.name(reciprocal, &format!("{name}_inverse_{i}_{i}"));
                     factor.pivots.push(rest);
-                    factor.diagonal.push(entry);
                     factor.reciprocal.push(reciprocal);
                 } else {
                     let entry = self.target.mul(rest, factor.reciprocal[j]);
@@ -369,16 +366,17 @@ impl<'a> Lowering<'a> {
 
     fn pivot_ratio(&mut self, system: SystemId) -> ExprId {
         let factor = self.factor(system);
-        let ratios: Vec<ExprId> =
-            factor.pivots.iter().zip(&factor.diagonal).map(|(&p, &d)| self.target.div(p, d)).collect();
-        // The first ratio is one. Once a pivot is NaN all later ones are, and a NaN comes through the choice as
-        // the later value.
-        let Some((&first, others)) = ratios.get(1..).and_then(|later| later.split_first()) else {
-            return self.target.one();
-        };
-        let mut smallest = first;
-        for &ratio in others {
-            smallest = self.target.select_less(smallest, ratio, smallest, ratio);
+        let data = self.source.system(system).clone();
+        let ratios: Vec<ExprId> = (0..data.size())
+            .map(|k| {
+                let reference = self.lower(data.reference(data.eliminated(k)));
+                self.target.div(factor.pivots[k], reference)
+            })
+            .collect();
+        // A pivot after a negative one is NaN, which is not smaller; if all are NaN, so is the result.
+        let mut smallest = ratios[0];
+        for &ratio in &ratios[1..] {
+            smallest = self.target.select_less(ratio, smallest, ratio, smallest);
         }
         smallest
     }

@@ -458,10 +458,13 @@ impl<'a> Scheduler<'a> {
             let is_sign = matches!(op, Op::Neg(_));
             let named = self.graph.name_of(x).is_some() && !matches!(op, Op::Mul(..) | Op::Neg(_));
             let as_result = result_uses.get(&x).copied().unwrap_or(0);
+            // A product that all its users take in is written there, and nowhere else.
+            let taken_in = always_fused && as_result == 0;
             let bind = external.contains(&x)
-                || (mine.len() + as_result > 1 && !(always_fused && as_result == 0) && !is_sign)
-                || (named && !mine.is_empty())
-                || nested > MOST_DEPTH;
+                || (!taken_in
+                    && ((mine.len() + as_result > 1 && !is_sign)
+                        || (named && !mine.is_empty())
+                        || nested > MOST_DEPTH));
             if bind {
                 layout.bound.insert(x);
                 statements.push(Statement::Let(x));

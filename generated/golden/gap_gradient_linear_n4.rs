@@ -36,7 +36,7 @@ impl<T: Lane> GapGradientNode<T> {
 /// * `nu = (-f_1, -f_2, 1) / sqrt(1 + f_1^2 + f_2^2)` (Chamoret et al. 2008, eq. 22)
 /// * `N = dg/dx, M = d2g/dx2` (Chamoret et al. 2008, eqs. 32 and 42)
 ///
-/// Operations: 135 + 66 n + 0 n(n−1)/2, and 10 for each Newton iteration.
+/// Operations: 141 + 66 n + 0 n(n−1)/2, and 10 for each Newton iteration.
 ///
 /// # Panics
 /// If a slice is shorter than stated.
@@ -164,9 +164,24 @@ pub fn gap_gradient<T: Lane>(
     let normal_2 = inverse_ell
         * t2_z.neg_mul_add(alpha_2, t1_z.neg_mul_add(alpha_1, normal_z));
     let coefficients_0 = support_radius * alpha_0;
-    let quotient = l_pivot_1 / moment_1_1;
-    let quotient_v2 = l_pivot_2 / moment_0_0;
-    let pivot_ratio = T::select_less(quotient, quotient_v2, quotient, quotient_v2);
+    let quotient = l_pivot_2 / moment_0_0;
+    let smallest_reference_1 = (moment_2_2 + moment_1_1) * T::splat(0.0001);
+    let quotient_v2 = l_pivot_1
+        / T::select_less(
+            moment_1_1,
+            smallest_reference_1,
+            smallest_reference_1,
+            moment_1_1,
+        );
+    let quotient_v3 = moment_2_2
+        / T::select_less(
+            moment_2_2,
+            smallest_reference_1,
+            smallest_reference_1,
+            moment_2_2,
+        );
+    let choice = T::select_less(quotient_v2, quotient_v3, quotient_v2, quotient_v3);
+    let pivot_ratio = T::select_less(quotient, choice, quotient, choice);
     let foot_distance = foot_2.mul_add(foot_2, foot_1 * foot_1).sqrt();
     let jacobian_determinant = product.neg_mul_add(product, sum * sum_v2);
     let foot_moment_2_0 = moment_0_0.neg_mul_add(foot_2, moment_2_0);
@@ -294,7 +309,7 @@ pub fn gap_gradient_fixed<T: Lane, const NODES: usize>(
     };
     gap_gradient(&Inputs { masters, ..*inputs }, &mut scratch, gradients)
 }
-/// `gap_gradient` for 4 master nodes: 409 operations.
+/// `gap_gradient` for 4 master nodes: 415 operations.
 pub fn gap_gradient_n4<T: Lane>(
     inputs: &Inputs<'_, T>,
     gradients: &mut [T],

@@ -62,7 +62,8 @@ pub enum ElementError {
     /// conic (quadratic basis) or on one line (linear basis).
     #[error("the fit is singular: smallest relative pivot {pivot_ratio:e}, tolerance {tolerance:e}")]
     SingularFit {
-        /// Smallest pivot of the Cholesky factorisation over the diagonal entry it came from.
+        /// Smallest pivot of the Cholesky factorisation relative to the diagonal of the basis functions of its degree;
+        /// 0 if there is none.
         pivot_ratio: f64,
         /// The bound it has to exceed.
         tolerance: f64,

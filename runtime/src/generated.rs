@@ -85,8 +85,8 @@ impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
 
     fn surface(&self, element: &Element<'_>, point: [f64; 2], mode: Mode) -> Result<Surface, ElementError> {
         element.validate()?;
-        if !point.iter().all(|x| x.is_finite()) {
-            return Err(ElementError::NonFiniteInput { what: "point", index: 0 });
+        if let Some(index) = point.iter().position(|x| !x.is_finite()) {
+            return Err(ElementError::NonFiniteInput { what: "point", index });
         }
         let mut buffers = Buffers::new(element, mode, 3, 1);
         let inputs = inputs(element, point);

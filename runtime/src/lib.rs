@@ -7,6 +7,7 @@ pub mod element;
 pub mod error;
 pub mod frame;
 pub mod generated;
+pub mod neighbourhood;
 pub mod output;
 pub mod pairing;
 
@@ -14,7 +15,7 @@ pub use backend::Backend;
 pub use diffuse_contact_kernels::support::{Basis, Mode};
 pub use element::{Element, Weight};
 pub use error::ElementError;
-pub use frame::Frame;
+pub use frame::{Frame, FrameDerivative};
 pub use generated::{Generated, GeneratedWith};
 pub use output::{Coefficients, Gap, Surface, SymmetricMatrix};
 

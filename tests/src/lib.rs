@@ -1,1 +1,17 @@
-//! Placeholder while the crate is written.
+//! What the tests share: random elements, their transformations, and the measure of a difference.
+
+mod case;
+mod difference;
+mod geometry;
+
+pub use case::{Case, Quadric, cases, fixed};
+pub use difference::{
+    assert_finite_gap, assert_same_coefficients, assert_same_gap, assert_same_surface, difference, largest,
+    worse,
+};
+pub use geometry::{Random, add, cross, dot, length, scale, turn, turned_rows, turned_vector};
+
+/// Kernels that the build script generated for weights of its own.
+pub mod weights {
+    include!(concat!(env!("OUT_DIR"), "/diffuse_contact_kernels.rs"));
+}

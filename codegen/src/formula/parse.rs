@@ -25,6 +25,9 @@ pub(super) fn parse(text: &str) -> Result<Formula, FormulaError> {
     if line.trim().is_empty() {
         return Err(error("the formula is empty".to_owned(), 0));
     }
+    if let Some((message, column)) = too_large(&line) {
+        return Err(error(message, column));
+    }
     let whole = |input: ParseStream<'_>| {
         let formula = sum(input)?;
         if input.is_empty() { Ok(formula) } else { Err(input.error("expected an operator or the end")) }
@@ -34,6 +37,25 @@ pub(super) fn parse(text: &str) -> Result<Formula, FormulaError> {
         // At the end of the input syn points nowhere in particular.
         let at_end = e.to_string().contains("unexpected end of input");
         error(e.to_string(), if at_end { line.trim_end().chars().count() } else { column })
+    })
+}
+
+/// Most characters of a formula, and most brackets open at once: recursion goes no deeper than they let it.
+const MOST_CHARACTERS: usize = 1_000;
+const MOST_BRACKETS: usize = 100;
+
+fn too_large(line: &str) -> Option<(String, usize)> {
+    if line.chars().count() > MOST_CHARACTERS {
+        return Some((format!("the formula is longer than {MOST_CHARACTERS} characters"), MOST_CHARACTERS));
+    }
+    let mut open = 0_usize;
+    line.chars().enumerate().find_map(|(column, c)| {
+        match c {
+            '(' | '{' | '[' => open += 1,
+            ')' | '}' | ']' => open = open.saturating_sub(1),
+            _ => {}
+        }
+        (open > MOST_BRACKETS).then(|| (format!("more than {MOST_BRACKETS} brackets are open"), column))
     })
 }
 
@@ -65,12 +87,14 @@ fn product(input: ParseStream<'_>) -> syn::Result<Formula> {
     }
 }
 
-/// signed = "-" signed | power
+/// signed = { "-" } power
 fn signed(input: ParseStream<'_>) -> syn::Result<Formula> {
-    if input.parse::<Option<Token![-]>>()?.is_some() {
-        return Ok(Formula::Neg(Box::new(signed(input)?)));
+    let mut negative = false;
+    while input.parse::<Option<Token![-]>>()?.is_some() {
+        negative = !negative;
     }
-    power(input)
+    let value = power(input)?;
+    Ok(if negative { Formula::Neg(Box::new(value)) } else { value })
 }
 
 /// power = atom [ "^" ["-"] integer ]

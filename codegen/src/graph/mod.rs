@@ -133,7 +133,7 @@ pub enum Op {
         /// Column in elimination order.
         column: u32,
     },
-    /// Smallest pivot of a system's factorisation, relative to the diagonal entry it came from.
+    /// Smallest pivot of a system's factorisation, relative to its reference.
     PivotRatio(SystemId),
     /// Unknown of a small system of equations at its root.
     RootValue(RootId, u32),
@@ -240,7 +240,13 @@ impl Graph {
                 all.extend(&solve.right_hand_side);
                 all
             }
-            Op::InverseFactor { system, .. } | Op::PivotRatio(system) => self.system(system).entries(),
+            Op::InverseFactor { system, .. } => self.system(system).entries(),
+            Op::PivotRatio(system) => {
+                let system = self.system(system);
+                let mut all = system.entries();
+                all.extend((0..system.size()).map(|row| system.reference(row)));
+                all
+            }
             Op::RootValue(root, _) | Op::RootFigure(root, _) => self.dependencies_of_root(root),
             _ => self.operands(expr),
         }

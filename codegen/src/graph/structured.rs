@@ -11,6 +11,8 @@ pub struct SpdSystem {
     lower: Vec<Vec<ExprId>>,
     /// Elimination order: position in the factorisation → row of the matrix.
     order: Vec<usize>,
+    /// What a row's pivot is compared with; the diagonal where empty.
+    references: Vec<ExprId>,
 }
 
 impl SpdSystem {
@@ -24,7 +26,24 @@ impl SpdSystem {
         let mut sorted = order.clone();
         sorted.sort_unstable();
         assert!(sorted.into_iter().eq(0..lower.len()), "{name}: the elimination order is not a permutation");
-        Self { name: name.to_owned(), lower, order }
+        Self { name: name.to_owned(), lower, order, references: Vec::new() }
+    }
+
+    /// Compares pivots with these values, one per row, instead of with the diagonal entries they came from.
+    ///
+    /// # Panics
+    /// If there is not one per row.
+    #[must_use]
+    pub fn with_references(mut self, references: Vec<ExprId>) -> Self {
+        assert_eq!(references.len(), self.size(), "{}: one reference per row", self.name);
+        self.references = references;
+        self
+    }
+
+    /// What the pivot of a row is compared with.
+    #[must_use]
+    pub fn reference(&self, row: usize) -> ExprId {
+        self.references.get(row).copied().unwrap_or_else(|| self.entry(row, row))
     }
 
     /// Number of rows.

@@ -43,6 +43,28 @@ impl Basis {
         &MONOMIALS[..self.size()]
     }
 
+    /// What the pivots of the moment matrix are compared with, from its diagonal: the diagonal entries, but at least
+    /// 10⁻⁴ (degree 1) or 10⁻⁸ (degree 2) of their sum over the degree. For nodes on one or two lines along the axes
+    /// a diagonal entry is nothing but rounding, and no measure for the pivot.
+    pub(super) fn pivot_references(self, g: &mut Graph, diagonal: &[ExprId]) -> Vec<ExprId> {
+        let monomials = self.monomials();
+        let degree = |k: usize| monomials[k].0 + monomials[k].1;
+        (0..monomials.len())
+            .map(|k| {
+                if degree(k) == 0 {
+                    return diagonal[k];
+                }
+                let same: Vec<ExprId> =
+                    (0..monomials.len()).filter(|&j| degree(j) == degree(k)).map(|j| diagonal[j]).collect();
+                let sum = g.total(&same);
+                let part = g.constant(1e-4_f64.powi(degree(k)));
+                let floor = g.mul(part, sum);
+                g.name(floor, &format!("smallest_reference_{}", degree(k)));
+                g.select_less(diagonal[k], floor, floor, diagonal[k])
+            })
+            .collect()
+    }
+
     /// p(a, b)
     pub fn evaluate(self, g: &mut Graph, a: ExprId, b: ExprId) -> Vec<ExprId> {
         self.monomials()

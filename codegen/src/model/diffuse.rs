@@ -154,7 +154,10 @@ impl Diffuse {
                 g.name(sum, &format!("beta_{i}"))
             })
             .collect();
-        let system = g.add_system(SpdSystem::new("l", matrix.clone(), self.basis.elimination_order()));
+        let diagonal: Vec<ExprId> = matrix.iter().filter_map(|row| row.last().copied()).collect();
+        let references = self.basis.pivot_references(g, &diagonal);
+        let system = SpdSystem::new("l", matrix.clone(), self.basis.elimination_order());
+        let system = g.add_system(system.with_references(references));
         let solution = g.solve_spd(system, vector);
         let unknowns = bind_all(g, "alpha", solution);
         let problem = self.problem(g, &p, unknowns, system);

@@ -268,7 +268,7 @@ impl Kernel {
         let ratio = self.graph.intern(Op::PivotRatio(problem.system()));
         self.add_scalar(
             "pivot_ratio",
-            "Smallest pivot of A over its diagonal entry, 0 for a singular fit",
+            "Smallest pivot of A relative to its diagonal, 0 for a singular fit",
             ratio,
         );
     }

@@ -48,8 +48,11 @@ pub enum WeightError {
         /// The value there.
         value: f64,
     },
-    /// The name is not a Rust identifier in snake case.
-    #[error("\"{name}\" cannot name a module: use lower-case letters, digits and _, a letter first")]
+    /// The name cannot name a Rust module and a kernel set.
+    #[error(
+        "\"{name}\" cannot name a module and its kernel set: use lower-case letters, digits and _, a letter first, no \
+         keyword, and no name of the support module"
+    )]
     Name {
         /// The name given.
         name: String,
@@ -81,8 +84,7 @@ impl Weight {
     /// # Errors
     /// [`WeightError`].
     pub fn new(name: &str, formula: &str) -> Result<Self, WeightError> {
-        let starts_well = name.starts_with(|c: char| c.is_ascii_lowercase());
-        if !starts_well || !name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_') {
+        if !is_module_name(name) {
             return Err(WeightError::Name { name: name.to_owned() });
         }
         let weight = Self {
@@ -130,6 +132,28 @@ impl Weight {
         let (zero, one) = (g.zero(), g.one());
         g.select_less(r, one, inside, zero)
     }
+}
+
+/// Whether a module and, in camel case, a kernel set can have this name.
+fn is_module_name(name: &str) -> bool {
+    /// Names of the support module in lower case.
+    const TAKEN: [&str; 11] = [
+        "basis",
+        "mode",
+        "inputs",
+        "lane",
+        "status",
+        "kernelset",
+        "rootsolution",
+        "coefficientsvalues",
+        "surfacevalues",
+        "gapvalues",
+        "support",
+    ];
+    name.starts_with(|c: char| c.is_ascii_lowercase())
+        && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+        && syn::parse_str::<syn::Ident>(name).is_ok()
+        && !TAKEN.contains(&name.replace('_', "").as_str())
 }
 
 /// The formula on an interval that contains r = 0, in a form whose derivatives by position are finite and exact

@@ -4,11 +4,13 @@ use super::Lane;
 
 /// Most evaluations of the equations.
 const MOST_ITERATIONS: u32 = 60;
-/// Residual at which the iteration ends, relative to the starting residual or one; a last full step follows and
-/// squares it.
+/// Residual at which the iteration ends, relative to the starting residual or the unknowns, whichever is larger; a last
+/// full step follows and squares it.
 const TOLERANCE: f64 = 1e-12;
-/// The last step has to be shorter than this, or a nearly singular Jacobian makes it worthless.
+/// The last step has to be shorter than this, by the same measure, or a nearly singular Jacobian makes it worthless.
 const LONGEST_LAST_STEP: f64 = 1e-6;
+/// Added to the measure, so that a root at the start is one.
+const TINY: f64 = 1e-290;
 /// Longest step, in units of the support radius.
 const LONGEST_STEP: f64 = 0.5;
 
@@ -17,8 +19,8 @@ const LONGEST_STEP: f64 = 0.5;
 pub struct RootSolution<T> {
     /// The unknowns.
     pub unknowns: [T; 2],
-    /// Largest absolute residual before the last step, divided by the starting residual or one, whichever is
-    /// larger, or 10⁻⁶ of the last step, if that is larger. Not below [`RootSolution::TOLERANCE`] (or NaN) if the
+    /// Largest absolute residual before the last step, divided by the starting residual or the unknowns, whichever
+    /// is larger, or 10⁻⁶ of the last step by the same measure, if that is larger. Not below [`RootSolution::TOLERANCE`] (or NaN) if the
     /// iteration did not converge.
     pub residual: T,
     /// Evaluations of the equations.
@@ -38,17 +40,17 @@ impl<T> RootSolution<T> {
 pub fn solve_two_equations<T: Lane>(equations: impl Fn([T; 2]) -> ([T; 2], [T; 4])) -> RootSolution<T> {
     let mut y = [T::ZERO; 2];
     let (mut residual, mut jacobian) = equations(y);
-    let scale = T::ONE / larger(T::ONE, norm(residual));
+    let start = norm(residual) + T::splat(TINY);
     let tolerance = T::splat(TOLERANCE);
     let mut step = bounded_step(residual, jacobian);
     let mut iterations = T::ONE;
-    let distance = |residual: [T; 2], jacobian: [T; 4]| {
+    let distance = |y: [T; 2], residual: [T; 2], jacobian: [T; 4]| {
         let step = norm(newton_step(residual, jacobian)) * T::splat(TOLERANCE / LONGEST_LAST_STEP);
         // The step first: a NaN in it comes through.
-        larger(step, norm(residual) * scale)
+        larger(step, norm(residual)) / larger(start, norm(y))
     };
     for _ in 1..MOST_ITERATIONS {
-        let relative = distance(residual, jacobian);
+        let relative = distance(y, residual, jacobian);
         if T::all_less(relative, tolerance) {
             break;
         }
@@ -69,7 +71,7 @@ pub fn solve_two_equations<T: Lane>(equations: impl Fn([T; 2]) -> ([T; 2], [T; 4
         step = [0, 1].map(|k| accepted(full[k], half * step[k]));
         iterations = iterations + active(T::ONE, T::ZERO);
     }
-    let relative = distance(residual, jacobian);
+    let relative = distance(y, residual, jacobian);
     let last = newton_step(residual, jacobian);
     RootSolution { unknowns: [y[0] + last[0], y[1] + last[1]], residual: relative, iterations }
 }

@@ -2,11 +2,12 @@
 
 use super::{CoefficientsValues, GapValues, RootSolution, SurfaceValues};
 
-/// The relative pivot of the moment matrix has to exceed this: below, the last digits of the fit are noise.
-pub const PIVOT_TOLERANCE: f64 = 1e-10;
+/// The relative pivot of the moment matrix has to exceed this. Layouts that are singular in exact arithmetic leave
+/// pivots of up to about 1e-8 after rounding.
+pub const PIVOT_TOLERANCE: f64 = 1e-7;
 /// The determinant of the foot equations' Jacobian has to exceed this in absolute value; it is at least 1 on a
-/// flat surface.
-pub const JACOBIAN_TOLERANCE: f64 = 1e-10;
+/// flat surface. Close to a multiple root the iteration stops a square root of rounding away from it.
+pub const JACOBIAN_TOLERANCE: f64 = 1e-7;
 
 /// Outcome of one element.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,9 +48,14 @@ pub enum Status {
 
 // Comparisons below are written so that a NaN fails them.
 impl Status {
+    /// A matrix whose factorisation broke down before it had a pivot to report has none: 0.
+    fn singular_fit(pivot_ratio: f64) -> Self {
+        Self::SingularFit { pivot_ratio: if pivot_ratio.is_nan() { 0.0 } else { pivot_ratio } }
+    }
+
     fn of_fit(pivot_ratio: f64, checksum: f64) -> Self {
         if !(pivot_ratio > PIVOT_TOLERANCE) {
-            return Self::SingularFit { pivot_ratio };
+            return Self::singular_fit(pivot_ratio);
         }
         if checksum.is_finite() { Self::Ok } else { Self::NotFinite }
     }
@@ -76,7 +82,7 @@ impl GapValues<f64> {
     #[must_use]
     pub fn status(&self) -> Status {
         if !(self.pivot_ratio > PIVOT_TOLERANCE) {
-            return Status::SingularFit { pivot_ratio: self.pivot_ratio };
+            return Status::singular_fit(self.pivot_ratio);
         }
         if !(self.plane_pivot_ratio > PIVOT_TOLERANCE) {
             return Status::NoAveragePlane { pivot_ratio: self.plane_pivot_ratio };

@@ -16,7 +16,7 @@ const RESIDUAL_GOAL: f64 = 1e-15;
 /// Residual accepted when no step makes it smaller: rounding is all that is left.
 const RESIDUAL_ACCEPTED: f64 = 1e-12;
 /// |det J| at or below this fraction of the sum of its terms' sizes is a centre of curvature.
-const DETERMINANT_TOLERANCE: f64 = 1e-10;
+const DETERMINANT_TOLERANCE: f64 = 1e-7;
 /// Newton steps over dual numbers. With the real Jacobian of the foot each step makes one more order of
 /// derivatives exact: two are needed, the others wash out rounding.
 const PROPAGATION_STEPS: usize = 4;

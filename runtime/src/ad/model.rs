@@ -16,8 +16,13 @@ impl<D: DualNum<Primitive = f64> + Copy> Scalar for D {}
 
 /// A pivot of the Cholesky factorisation has to exceed this fraction of the diagonal entry it came from.
 ///
-/// Layouts on a conic leave rounding here, below 1e-13.
-const PIVOT_TOLERANCE: f64 = 1e-10;
+/// Layouts on a conic leave rounding here, up to about 1e-8.
+const PIVOT_TOLERANCE: f64 = 1e-7;
+/// Where all nodes are on a line or two along the axes, a diagonal entry is rounding itself: a pivot is compared with at
+/// least this fraction of the diagonal's sum over its degree.
+const SMALLEST_PART: [f64; 3] = [1.0, 1e-4, 1e-8];
+/// Degrees of the basis functions.
+const DEGREES: [usize; 6] = [0, 1, 1, 2, 2, 2];
 
 /// One element with the weight function in force.
 pub(super) struct Model<'a, W> {
@@ -95,9 +100,12 @@ fn solve_cholesky<D: Scalar>(
     mut matrix: [[D; 6]; 6],
     mut vector: [D; 6],
 ) -> Result<[D; 6], ElementError> {
+    let diagonals: [f64; 6] = std::array::from_fn(|j| matrix[j][j].re());
     for j in 0..size {
-        let diagonal = matrix[j][j].re();
-        super::finite("moment", [diagonal])?;
+        super::finite("moment", [diagonals[j]])?;
+        let degree = DEGREES[j];
+        let same: f64 = (0..size).filter(|&k| DEGREES[k] == degree).map(|k| diagonals[k]).sum();
+        let diagonal = diagonals[j].max(SMALLEST_PART[degree] * same);
         let mut pivot = matrix[j][j];
         for entry in &matrix[j][..j] {
             pivot -= *entry * *entry;

@@ -1,0 +1,101 @@
+//! Why a slave has no neighbourhood.
+
+use crate::{Basis, ElementError};
+
+/// Every reason for which a search yields no nodes. Each carries the figures that led to it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NeighbourhoodError {
+    /// Fewer nodes than the smallest fit needs: no contact candidate.
+    #[error("{found} master nodes within reach, but even the linear basis needs {needed}")]
+    NoCandidate {
+        /// Number of nodes found.
+        found: usize,
+        /// Number of nodes the smallest admitted fit needs.
+        needed: usize,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("{what} {index} has a coordinate that is not a finite number")]
+    NonFiniteInput {
+        /// `"slave"`, `"master"` or `"outward"`.
+        what: &'static str,
+        /// Which one, counted from 0.
+        index: usize,
+    },
+    /// The nearest nodes lie (nearly) on a line or a point, or are as thick as they are wide.
+    #[error(
+        "the {nodes} nearest nodes have no average plane: the two smallest principal moments are {smallest:e} and {middle:e} of the largest"
+    )]
+    NoAveragePlane {
+        /// Number of nodes.
+        nodes: usize,
+        /// Smallest principal moment over the largest.
+        smallest: f64,
+        /// Middle principal moment over the largest.
+        middle: f64,
+    },
+    /// The outward direction is zero or lies in the average plane.
+    #[error(
+        "the outward direction does not tell the sides of the plane apart: its cosine with the normal is {cosine:e}"
+    )]
+    AmbiguousOutward {
+        /// Cosine of the angle between the outward direction and the plane's normal.
+        cosine: f64,
+    },
+    /// No admitted number of nodes carries an admitted fit.
+    #[error("{nodes} nodes do not carry the {basis:?} fit: regularity {regularity:e}, wanted {wanted:e}")]
+    IllConditioned {
+        /// Number of nodes in the largest set tried.
+        nodes: usize,
+        /// The last basis tried.
+        basis: Basis,
+        /// Its [regularity](super::Neighbourhood::regularity), the best of all sets tried.
+        regularity: f64,
+        /// The bound it has to exceed.
+        wanted: f64,
+    },
+    /// An option is outside its range.
+    #[error("the option {name} must be {range}, not {value}")]
+    InvalidOption {
+        /// Name of the option.
+        name: &'static str,
+        /// What it may be.
+        range: &'static str,
+        /// What it was.
+        value: f64,
+    },
+    /// The numbers overflowed although the input was finite (coordinates beyond about 1e150).
+    #[error("the search overflows: a {what} is not a finite number")]
+    Overflow {
+        /// What was not finite.
+        what: &'static str,
+    },
+}
+
+impl NeighbourhoodError {
+    /// Stable machine-readable code, the same as [`ElementError::code`] where the reason is the same.
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::NoCandidate { .. } => "no-candidate",
+            Self::NonFiniteInput { .. } => "non-finite-input",
+            Self::NoAveragePlane { .. } => "no-average-plane",
+            Self::AmbiguousOutward { .. } => "ambiguous-outward",
+            Self::IllConditioned { .. } => "ill-conditioned",
+            Self::InvalidOption { .. } => "invalid-option",
+            Self::Overflow { .. } => "overflow",
+        }
+    }
+
+    /// The reason why `nodes` nodes have no frame.
+    pub(super) fn of_plane(error: &ElementError, nodes: usize) -> Self {
+        match *error {
+            ElementError::NoAveragePlane { smallest, middle } => {
+                Self::NoAveragePlane { nodes, smallest, middle }
+            }
+            ElementError::AmbiguousOutward { cosine } => Self::AmbiguousOutward { cosine },
+            ElementError::NonFiniteInput { what, index } => Self::NonFiniteInput { what, index },
+            _ => Self::Overflow { what: "average plane" },
+        }
+    }
+}

@@ -1,0 +1,468 @@
+//! The search itself: candidates, layers, and the fallbacks until a set of nodes carries the fit.
+
+use std::f64::consts::PI;
+
+use super::candidates::{Candidates, Projection, Query, average_plane, local_offset};
+use super::conditioning::{Moments, Regularity, regularity};
+use super::hull::Point2;
+use super::inversion::Peeler;
+use super::{Fallback, NeighbourRule, Neighbourhood, NeighbourhoodError, Outward, SearchOptions, TOLERANCE};
+use crate::pairing::NearestNodes;
+use crate::{Basis, ElementError, Frame, Point};
+
+/// More candidates are taken only while their heights differ by at most this fraction of their in-plane
+/// distance (a spherical cap of 53° from its middle): beyond, the surface turns away from their average plane.
+const FLAT: f64 = 0.5;
+/// Fewer candidates are taken while their heights differ by more than this fraction (half a sphere).
+const STEEP: f64 = 1.0;
+/// Candidates below which a steep set is not reduced further.
+const FEWEST_CANDIDATES: usize = 12;
+/// Nodes whose middle principal moment is below this fraction of the largest are too narrow for a
+/// plane, rather than too thick.
+const NARROW: f64 = 1e-6;
+/// A regular set may yet be stretched so far across the axes of its frame that the factorisation loses its digits:
+/// the relative pivots of A have to exceed this, ten times what a [`Backend`](crate::Backend) tolerates.
+const SMALLEST_PIVOT: f64 = 1e-9;
+
+/// Searches neighbourhoods. One object serves any number of slaves and clouds and keeps its scratch
+/// memory from one search to the next; threads take a clone each.
+#[derive(Clone, Debug)]
+pub struct NeighbourSearch {
+    options: SearchOptions,
+    candidates: Candidates,
+    fewer: Candidates,
+    offsets: Vec<Point2>,
+    peeler: Peeler,
+}
+
+/// What the layers taken so far say.
+struct Layers {
+    at_slave: Vec<usize>,
+    layers: Vec<Vec<usize>>,
+    encloses_slave: bool,
+    complete: bool,
+}
+
+impl NeighbourSearch {
+    /// A search with these options.
+    ///
+    /// # Errors
+    /// [`NeighbourhoodError::InvalidOption`].
+    pub fn new(options: SearchOptions) -> Result<Self, NeighbourhoodError> {
+        options.check()?;
+        Ok(Self::unchecked(options))
+    }
+
+    fn unchecked(options: SearchOptions) -> Self {
+        let (candidates, fewer) = (Candidates::default(), Candidates::default());
+        Self { options, candidates, fewer, offsets: Vec::new(), peeler: Peeler::default() }
+    }
+
+    /// The options of this search.
+    #[must_use]
+    pub const fn options(&self) -> &SearchOptions {
+        &self.options
+    }
+
+    /// The neighbours of `slave` among all nodes of the cloud.
+    ///
+    /// # Errors
+    /// Every reason for which the slave has no neighbourhood, see [`NeighbourhoodError`].
+    pub fn find<'a>(
+        &mut self,
+        nodes: &'a NearestNodes,
+        slave: Point,
+        outward: impl Into<Outward<'a>>,
+    ) -> Result<Neighbourhood, NeighbourhoodError> {
+        self.find_among(nodes, slave, outward, |_| true)
+    }
+
+    /// The neighbours of `slave` among the nodes for which `admits` holds, by their index in the cloud: a way to keep
+    /// out the far face of a thin plate, or what lies around a sharp edge. If most of the nodes near the slave are
+    /// not admitted, at most 16 times the number of candidates is looked at.
+    ///
+    /// # Errors
+    /// Every reason for which the slave has no neighbourhood, see [`NeighbourhoodError`].
+    pub fn find_among<'a>(
+        &mut self,
+        nodes: &'a NearestNodes,
+        slave: Point,
+        outward: impl Into<Outward<'a>>,
+        admits: impl Fn(usize) -> bool,
+    ) -> Result<Neighbourhood, NeighbourhoodError> {
+        if !slave.iter().all(|x| x.is_finite()) {
+            return Err(NeighbourhoodError::NonFiniteInput { what: "slave", index: 0 });
+        }
+        let query = Query { nodes, slave, outward: outward.into(), admits };
+        query.outward.check(nodes.points().len())?;
+        match self.options.rule {
+            NeighbourRule::Nearest { count, max_count } => self.nearest(&query, count, max_count),
+            NeighbourRule::HullLayers { layers, max_layers }
+            | NeighbourRule::HullRadius { layers, max_layers } => {
+                let fewest = layers.unwrap_or(1);
+                let mut found = self.by_hulls(&query, fewest, max_layers.max(fewest))?;
+                if layers.is_none() && matches!(found.fallback, Fallback::Extended { .. }) {
+                    found.fallback = Fallback::None;
+                }
+                Ok(found)
+            }
+        }
+    }
+
+    /// Number of nodes below which no admitted fit exists.
+    fn needed(&self) -> usize {
+        if self.options.linear_fallback { Basis::Linear.size() } else { self.options.basis.size() }
+    }
+
+    /// Takes as many candidates as it needs to be sure of the layers.
+    fn by_hulls<F: Fn(usize) -> bool>(
+        &mut self,
+        query: &Query<'_, F>,
+        fewest: usize,
+        most: usize,
+    ) -> Result<Neighbourhood, NeighbourhoodError> {
+        let mut wanted = self.options.candidates;
+        let (mut projection, mut may_grow) = self.first_projection(query, &mut wanted)?;
+        loop {
+            may_grow &= wanted < self.options.max_candidates && !self.candidates.are_all();
+            if let Some(settled) = self.by_layers(query, &projection, fewest, most, may_grow) {
+                return settled;
+            }
+            wanted = wanted.saturating_mul(2).min(self.options.max_candidates);
+            std::mem::swap(&mut self.candidates, &mut self.fewer);
+            self.candidates.gather(query, wanted);
+            match Projection::new(query, &self.candidates, &mut self.offsets) {
+                Ok(more) if more.steepness <= FLAT => projection = more,
+                _ => {
+                    std::mem::swap(&mut self.candidates, &mut self.fewer);
+                    projection = Projection::new(query, &self.candidates, &mut self.offsets)?;
+                    may_grow = false;
+                }
+            }
+        }
+    }
+
+    /// The projection to start from, and whether more candidates may be of use: the number asked for, more if they
+    /// lie on a line, fewer if they have no plane because the surface turns away under them.
+    fn first_projection<F: Fn(usize) -> bool>(
+        &mut self,
+        query: &Query<'_, F>,
+        wanted: &mut usize,
+    ) -> Result<(Projection, bool), NeighbourhoodError> {
+        self.candidates.gather(query, *wanted);
+        let (found, needed) = (self.candidates.nodes.len(), self.needed());
+        if found < needed {
+            return Err(NeighbourhoodError::NoCandidate { found, needed });
+        }
+        let mut first = Projection::new(query, &self.candidates, &mut self.offsets);
+        while let Err(NeighbourhoodError::NoAveragePlane { middle, .. }) = first
+            && !(middle > NARROW)
+            && *wanted < self.options.max_candidates
+            && !self.candidates.are_all()
+        {
+            *wanted = wanted.saturating_mul(2).min(self.options.max_candidates);
+            self.candidates.gather(query, *wanted);
+            first = Projection::new(query, &self.candidates, &mut self.offsets);
+        }
+        let narrow =
+            matches!(first, Err(NeighbourhoodError::NoAveragePlane { middle, .. }) if !(middle > NARROW));
+        if narrow || first.as_ref().is_ok_and(|projection| projection.steepness <= STEEP) {
+            return first.map(|projection| (projection, true));
+        }
+        let mut fewer = self.candidates.nodes.len() / 2;
+        while fewer >= FEWEST_CANDIDATES {
+            self.candidates.gather(query, fewer);
+            match Projection::new(query, &self.candidates, &mut self.offsets) {
+                Ok(projection) if projection.steepness <= STEEP => return Ok((projection, false)),
+                _ => fewer /= 2,
+            }
+        }
+        self.candidates.gather(query, *wanted);
+        Projection::new(query, &self.candidates, &mut self.offsets).map(|projection| (projection, false))
+    }
+
+    /// Takes layers off the candidates until they carry the fit; `None` if it takes more candidates to tell.
+    fn by_layers<F>(
+        &mut self,
+        query: &Query<'_, F>,
+        projection: &Projection,
+        fewest: usize,
+        most: usize,
+        may_grow: bool,
+    ) -> Option<Result<Neighbourhood, NeighbourhoodError>> {
+        let on_slave = |[a, b]: Point2| a.hypot(b) <= TOLERANCE;
+        let offsets = self.offsets.iter().copied().enumerate();
+        self.peeler.start(offsets.filter(|&(_, x)| !on_slave(x)));
+        let mut members: Vec<usize> =
+            (0..self.offsets.len()).filter(|&k| on_slave(self.offsets[k])).collect();
+        let mut so_far = Layers {
+            at_slave: self.sorted_nodes(&members),
+            layers: Vec::new(),
+            encloses_slave: !members.is_empty(),
+            complete: true,
+        };
+        let mut attempts = Attempts::default();
+        while so_far.layers.len() < most && !self.peeler.is_empty() {
+            let before = members.len();
+            let ring = self.peeler.peel(&mut members);
+            so_far.complete &= ring.diameter <= projection.reach;
+            if so_far.layers.is_empty() {
+                so_far.encloses_slave |= ring.free_angle <= PI + TOLERANCE;
+            }
+            so_far.layers.push(self.sorted_nodes(&members[before..]));
+            if so_far.layers.len() < fewest && !self.peeler.is_empty() {
+                continue;
+            }
+            let length = |k: &usize| self.offsets[*k][0].hypot(self.offsets[*k][1]);
+            let radius = self.options.radius_factor * members.iter().map(length).fold(0.0, f64::max);
+            let inside: Vec<usize>;
+            let (taking_part, given_radius) = match self.options.rule {
+                NeighbourRule::HullRadius { .. } => {
+                    so_far.complete &= radius <= projection.reach;
+                    inside = (0..self.offsets.len()).filter(|k| length(k) < radius).collect();
+                    (&inside, Some(radius * projection.scale))
+                }
+                _ => (&members, None),
+            };
+            if !so_far.complete && may_grow {
+                return None;
+            }
+            let regularity = regularity(taking_part.iter().map(|&k| self.offsets[k]), radius);
+            let local = Local { nodes: taking_part, given_radius, plane: projection.plane };
+            let extended = so_far.layers.len().saturating_sub(fewest);
+            if let Some(found) = self.attempt(query, &so_far, &local, regularity, extended, &mut attempts) {
+                return Some(Ok(found));
+            }
+        }
+        if may_grow && so_far.layers.len() < most {
+            return None;
+        }
+        Some(attempts.outcome(&self.options))
+    }
+
+    /// The nearest nodes, one more at a time.
+    fn nearest<F: Fn(usize) -> bool>(
+        &mut self,
+        query: &Query<'_, F>,
+        count: usize,
+        max_count: usize,
+    ) -> Result<Neighbourhood, NeighbourhoodError> {
+        let fewest = count.max(self.options.basis.size());
+        self.candidates.gather(query, max_count.max(fewest));
+        self.candidates.nodes.truncate(max_count.max(fewest));
+        let (found, needed) = (self.candidates.nodes.len(), self.needed());
+        if found < needed {
+            return Err(NeighbourhoodError::NoCandidate { found, needed });
+        }
+        let mut attempts = Attempts::default();
+        let mut reason = None;
+        for taken in fewest.min(found)..=found {
+            let (nodes, positions) = (&self.candidates.nodes[..taken], &self.candidates.positions[..taken]);
+            let plane = match average_plane(query, nodes, positions) {
+                Ok(plane) => plane,
+                Err(error) => {
+                    reason = Some(error);
+                    continue;
+                }
+            };
+            self.offsets.clear();
+            self.offsets.extend(positions.iter().map(|&x| in_plane(&plane, query.slave, x)));
+            let farthest = self.offsets.iter().map(|[a, b]| a.hypot(*b)).fold(0.0, f64::max);
+            let on_slave = |k: &usize| self.offsets[*k][0].hypot(self.offsets[*k][1]) <= TOLERANCE * farthest;
+            let (at_slave, layer): (Vec<usize>, Vec<usize>) = (0..taken).partition(on_slave);
+            // Only directions matter here, so that the inversion can be left out.
+            self.peeler.start(layer.iter().map(|&k| (k, self.offsets[k].map(|x| x / farthest))));
+            let so_far = Layers {
+                encloses_slave: !at_slave.is_empty() || self.peeler.free_angle().0 <= PI + TOLERANCE,
+                at_slave: self.sorted_nodes(&at_slave),
+                layers: vec![self.sorted_nodes(&layer)],
+                complete: true,
+            };
+            let radius = self.options.radius_factor * farthest;
+            let regularity = regularity(self.offsets.iter().copied(), radius);
+            let everyone: Vec<usize> = (0..taken).collect();
+            let local = Local { nodes: &everyone, given_radius: None, plane };
+            let extended = taken.saturating_sub(fewest);
+            if let Some(found) = self.attempt(query, &so_far, &local, regularity, extended, &mut attempts) {
+                return Ok(found);
+            }
+        }
+        match reason {
+            Some(reason) if attempts.largest == 0 => Err(reason),
+            _ => attempts.outcome(&self.options),
+        }
+    }
+
+    /// The neighbourhood if these nodes carry the basis asked for. If they only carry the linear basis, and it may
+    /// stand in, it is kept in `attempts`.
+    fn attempt<F>(
+        &self,
+        query: &Query<'_, F>,
+        so_far: &Layers,
+        local: &Local<'_>,
+        regularity: Regularity,
+        extended: usize,
+        attempts: &mut Attempts,
+    ) -> Option<Neighbourhood> {
+        attempts.largest = attempts.largest.max(local.nodes.len());
+        attempts.best = attempts.best.max(regularity);
+        let enough = |basis: Basis| {
+            local.nodes.len() >= basis.size() && regularity.of(basis) > self.options.smallest_regularity
+        };
+        let basis = self.options.basis;
+        if enough(basis)
+            && let Some(mut found) = self.finish(query, so_far, local, basis)
+        {
+            if extended > 0 {
+                found.fallback = Fallback::Extended { by: extended };
+            }
+            return Some(found);
+        }
+        if basis != Basis::Linear
+            && self.options.linear_fallback
+            && attempts.linear.is_none()
+            && enough(Basis::Linear)
+        {
+            attempts.linear = self.finish(query, so_far, local, Basis::Linear);
+        }
+        None
+    }
+
+    /// The neighbourhood in the frame of its own nodes, if they carry the fit there too.
+    fn finish<F>(
+        &self,
+        query: &Query<'_, F>,
+        so_far: &Layers,
+        local: &Local<'_>,
+        basis: Basis,
+    ) -> Option<Neighbourhood> {
+        let nodes: Vec<usize> = local.nodes.iter().map(|&k| self.candidates.nodes[k]).collect();
+        let positions: Vec<Point> = local.nodes.iter().map(|&k| self.candidates.positions[k]).collect();
+        let unconditional = self.options.smallest_regularity < 0.0;
+        let frame = match average_plane(query, &nodes, &positions) {
+            Ok(frame) => frame,
+            Err(_) if unconditional => local.plane,
+            Err(_) => return None,
+        };
+        let offsets: Vec<Point2> = positions.iter().map(|&x| in_plane(&frame, query.slave, x)).collect();
+        let length = |k: usize| offsets[k][0].hypot(offsets[k][1]);
+        let farthest = (0..nodes.len()).map(length).fold(0.0, f64::max);
+        let support_radius = local.given_radius.unwrap_or(self.options.radius_factor * farthest);
+        if !(support_radius > 0.0 && support_radius.is_finite()) {
+            return None;
+        }
+        let regularity = regularity(offsets.iter().copied(), support_radius).of(basis);
+        let moments = Moments::new(offsets.iter().copied(), support_radius);
+        let pivot_ratio = moments.pivot_ratio(basis);
+        if !(regularity > self.options.smallest_regularity && (unconditional || pivot_ratio > SMALLEST_PIVOT))
+        {
+            return None;
+        }
+        let mut order: Vec<usize> = (0..nodes.len()).collect();
+        order.sort_unstable_by(|&i, &j| length(i).total_cmp(&length(j)).then(nodes[i].cmp(&nodes[j])));
+        Some(Neighbourhood {
+            at_slave: so_far.at_slave.clone(),
+            layers: so_far.layers.clone(),
+            nodes: order.into_iter().map(|k| nodes[k]).collect(),
+            support_radius,
+            basis,
+            frame,
+            plane: local.plane,
+            regularity,
+            condition: moments.condition(basis),
+            pivot_ratio,
+            encloses_slave: so_far.encloses_slave,
+            complete: so_far.complete,
+            fallback: Fallback::None,
+        })
+    }
+
+    /// Indices in the cloud of these candidates, in ascending order.
+    fn sorted_nodes(&self, candidates: &[usize]) -> Vec<usize> {
+        let mut nodes: Vec<usize> = candidates.iter().map(|&k| self.candidates.nodes[k]).collect();
+        nodes.sort_unstable();
+        nodes
+    }
+}
+
+/// A set of candidates that may become a neighbourhood.
+struct Local<'a> {
+    /// Which candidates.
+    nodes: &'a [usize],
+    /// The support radius, where it does not follow from the nodes.
+    given_radius: Option<f64>,
+    /// The plane of the candidates.
+    plane: Frame,
+}
+
+/// The sets tried so far.
+#[derive(Default)]
+struct Attempts {
+    /// The first that carries the linear basis, if that may stand in.
+    linear: Option<Neighbourhood>,
+    /// Size of the largest.
+    largest: usize,
+    /// The best regularity.
+    best: Regularity,
+}
+
+impl Attempts {
+    /// The linear fallback, or why there is none.
+    fn outcome(self, options: &SearchOptions) -> Result<Neighbourhood, NeighbourhoodError> {
+        if let Some(found) = self.linear {
+            let fallback = Fallback::Linear { quadratic_regularity: self.best.quadratic };
+            return Ok(Neighbourhood { fallback, ..found });
+        }
+        let basis = if options.linear_fallback { Basis::Linear } else { options.basis };
+        Err(NeighbourhoodError::IllConditioned {
+            nodes: self.largest,
+            basis,
+            regularity: self.best.of(basis),
+            wanted: options.smallest_regularity,
+        })
+    }
+}
+
+/// Exactly `layers` hull layers around a slave, however well or badly they carry a fit: what the command-line
+/// program's `neighbours` prints.
+///
+/// The basis of the condition number is the quadratic one if there are six nodes, else the linear one. Fewer layers
+/// if the nodes run out.
+///
+/// ```
+/// use diffuse_contact::neighbourhood::hull_layers;
+///
+/// let grid: Vec<[f64; 3]> = (0..49).map(|k| [f64::from(k % 7), f64::from(k / 7), 0.0]).collect();
+/// let found = hull_layers([3.5, 3.5, 0.1], &grid, [0.0, 0.0, 1.0], 2)?;
+/// assert_eq!(found.layers[0], [24, 25, 31, 32]);
+/// assert_eq!(found.layers[1], [17, 18, 23, 26, 30, 33, 38, 39]);
+/// # Ok::<(), diffuse_contact::neighbourhood::NeighbourhoodError>(())
+/// ```
+///
+/// # Errors
+/// [`NeighbourhoodError::NonFiniteInput`], [`NeighbourhoodError::InvalidOption`] for no layers,
+/// [`NeighbourhoodError::NoCandidate`] for fewer than three nodes, and every reason for which the nearest nodes have
+/// no average plane.
+pub fn hull_layers(
+    slave: Point,
+    masters: &[Point],
+    outward: Point,
+    layers: usize,
+) -> Result<Neighbourhood, NeighbourhoodError> {
+    let rule = NeighbourRule::HullLayers { layers: Some(layers), max_layers: layers };
+    let options = SearchOptions::default().with_rule(rule);
+    options.check()?;
+    let nodes = NearestNodes::new(masters.to_vec()).map_err(|error| match error {
+        ElementError::NonFiniteInput { what, index } => NeighbourhoodError::NonFiniteInput { what, index },
+        _ => NeighbourhoodError::Overflow { what: "master node" },
+    })?;
+    // Everything is more regular than this.
+    let unconditional = SearchOptions { smallest_regularity: f64::NEG_INFINITY, ..options };
+    NeighbourSearch::unchecked(unconditional).find(&nodes, slave, outward)
+}
+
+/// Components of `point − from` along t1 and t2.
+fn in_plane(frame: &Frame, from: Point, point: Point) -> Point2 {
+    let [a, b, _] = local_offset(frame, from, point);
+    [a, b]
+}

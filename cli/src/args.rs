@@ -84,7 +84,9 @@ const JSON_FORMATS: &str = r#"IN.json:
                                      may be left out if a frame is given
     "frame": "average-plane",        the default, or
              {"origin": [x, y, z], "t1": [x, y, z], "t2": [x, y, z], "normal": [x, y, z]}
-    "frame_derivative": "frozen",    the default: the frame is held while differentiating
+    "frame_derivative": "co-moving", the average plane moves with the nodes while differentiating: N and M are
+                                     exact; the default, but not for a given frame, which cannot move
+                        "frozen",    the frame is held; the default for a given frame
     "support_radius": R,             default 1.25 x the farthest in-plane distance of a master
     "basis": "quadratic",            or "linear"; default quadratic from 6 masters on
     "weight": "cubic",               the default
@@ -94,7 +96,7 @@ const JSON_FORMATS: &str = r#"IN.json:
 OUT.json, in the same order; vectors and rows over slave, master 1, ... master n, global axes:
   {"elements": [
     {"status": "ok", "active": gap < 0, "gap": g, "foot": [3], "normal": [3], "coefficients": [6 or 3],
-     "frame": {...}, "support_radius": R, "n": [3(n+1)], "m": [[...], ...],
+     "frame": {...}, "frame_derivative": "...", "support_radius": R, "n": [3(n+1)], "m": [[...], ...],
      "residual": [...], "tangent": [[...], ...]},
     {"status": "error", "code": "singular-fit", "message": "..."}
   ]}

@@ -7,7 +7,9 @@
 
 use std::sync::OnceLock;
 
-use diffuse_contact::{Backend, Coefficients, Element, ElementError, Gap, Mode, Surface, SymmetricMatrix};
+use diffuse_contact::{
+    Backend, Coefficients, Element, ElementError, FrameDerivative, Gap, Mode, Surface, SymmetricMatrix,
+};
 use diffuse_contact_codegen::graph::ExprId;
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
 use diffuse_contact_codegen::structure::{Gradient, Hessian};
@@ -19,15 +21,16 @@ use diffuse_contact_kernels::support::{
 const OUTPUTS: usize = Output::ALL.len();
 const MODES: usize = codegen::Mode::ALL.len();
 const BASES: usize = codegen::Basis::ALL.len();
+const FRAMES: usize = 2;
 
 /// Evaluates elements by interpreting the graph the kernels are generated from. [`Element::weight`] is ignored: the
 /// weight is the one given to [`Interpreted::new`].
 ///
-/// The graph of an output, mode and basis is built when it is first needed and kept.
+/// The graph of an output, mode, basis and frame rule is built when it is first needed and kept.
 #[derive(Debug)]
 pub struct Interpreted {
     weight: Weight,
-    kernels: [OnceLock<Kernel>; OUTPUTS * MODES * BASES],
+    kernels: [OnceLock<Kernel>; OUTPUTS * MODES * BASES * FRAMES],
 }
 
 /// How far an element is from having no result, as dimensionless figures.
@@ -36,6 +39,9 @@ pub struct Conditioning {
     /// Smallest pivot of the moment matrix over its diagonal entry, 0 for a singular fit: about the slave or about
     /// the surface point, whichever is smaller.
     pub pivot_ratio: f64,
+    /// Smallest pivot of the equations for the turn of the average plane over its diagonal entry, 0 if the plane
+    /// is not unique; 1 for a frame that is held.
+    pub plane_pivot_ratio: f64,
     /// Determinant of the foot equations' Jacobian, 1 on a flat surface and 0 on a centre of curvature.
     pub jacobian_determinant: f64,
     /// In-plane distance of the foot from the slave's projection over the support radius.
@@ -71,11 +77,13 @@ impl Interpreted {
         element.validate()?;
         let inputs = inputs(element, point);
         let mut surface = self.evaluation(Output::Surface, element, Mode::Value, &inputs);
-        let mut gap = self.evaluation(Output::Gap, element, Mode::Value, &inputs);
+        // Without derivatives nothing is known of the plane.
+        let mut gap = self.evaluation(Output::Gap, element, Mode::Gradient, &inputs);
         let [about_point, about_slave] = [surface.scalar("pivot_ratio"), gap.scalar("pivot_ratio")];
         Ok(Conditioning {
             // Written so that a NaN comes through.
             pivot_ratio: if about_point >= about_slave { about_slave } else { about_point },
+            plane_pivot_ratio: gap.plane_pivot_ratio(),
             jacobian_determinant: gap.scalar("jacobian_determinant"),
             foot_distance: gap.scalar("foot_distance"),
         })
@@ -89,15 +97,11 @@ impl Interpreted {
         inputs: &'a NodeInputs,
     ) -> Evaluation<'a> {
         let (mode, basis) = (mode_of(mode), basis_of(element.basis));
-        let index = (output as usize * MODES + mode as usize) * BASES + basis as usize;
+        let frame = frame_rule(output, mode, element.frame.derivative);
+        let index =
+            ((output as usize * MODES + mode as usize) * BASES + basis as usize) * FRAMES + frame as usize;
         let kernel = self.kernels[index].get_or_init(|| {
-            Kernel::new(KernelSpec {
-                output,
-                mode,
-                basis,
-                weight: self.weight.clone(),
-                frame: FrameRule::Frozen,
-            })
+            Kernel::new(KernelSpec { output, mode, basis, weight: self.weight.clone(), frame })
         });
         Evaluation {
             kernel,
@@ -165,8 +169,7 @@ impl Backend for Interpreted {
             normal: evaluation.array("normal"),
             coefficients: evaluation.padded("coefficients"),
             pivot_ratio: evaluation.scalar("pivot_ratio"),
-            // The frame is held: there is no plane to be found.
-            plane_pivot_ratio: 1.0,
+            plane_pivot_ratio: evaluation.plane_pivot_ratio(),
             foot_residual: evaluation.scalar("foot_residual"),
             foot_iterations: evaluation.scalar("foot_iterations"),
             foot_distance: evaluation.scalar("foot_distance"),
@@ -197,6 +200,14 @@ impl Evaluation<'_> {
     fn components(&self, name: &str) -> &[ExprId] {
         let value = self.kernel.values.iter().find(|value| value.name == name);
         &value.unwrap_or_else(|| panic!("no kernel value is named {name}")).components
+    }
+
+    /// 1 if the frame is held: then there is no plane whose turn has to be found.
+    fn plane_pivot_ratio(&mut self) -> f64 {
+        match self.kernel.spec.frame {
+            FrameRule::Frozen => 1.0,
+            FrameRule::CoMoving => self.scalar("plane_pivot_ratio"),
+        }
     }
 
     fn scalar(&mut self, name: &str) -> f64 {
@@ -291,6 +302,7 @@ fn check(status: Status) -> Result<(), ElementError> {
             ElementError::FootDiverged { residual, iterations: iterations as usize }
         }
         Status::FootOutside { distance } => ElementError::FootOutside { distance },
+        Status::NoAveragePlane { pivot_ratio } => ElementError::UnstableAveragePlane { pivot_ratio },
         Status::CentreOfCurvature { determinant } => ElementError::CentreOfCurvature { determinant },
         _ => ElementError::Overflow { what: "result" },
     })
@@ -301,6 +313,16 @@ const fn mode_of(mode: Mode) -> codegen::Mode {
         Mode::Value => codegen::Mode::Value,
         Mode::Gradient => codegen::Mode::Gradient,
         Mode::Hessian => codegen::Mode::Hessian,
+    }
+}
+
+/// The frame's motion makes a difference to the derivatives of the gap only.
+fn frame_rule(output: Output, mode: codegen::Mode, derivative: FrameDerivative) -> FrameRule {
+    match derivative {
+        FrameDerivative::CoMoving if output == Output::Gap && mode > codegen::Mode::Value => {
+            FrameRule::CoMoving
+        }
+        _ => FrameRule::Frozen,
     }
 }
 
@@ -344,6 +366,48 @@ mod tests {
         assert_eq!(gradient.gradients.len(), 6);
         assert!(gradient.hessians.is_empty());
         assert_eq!(backend.gap(&element, Mode::Hessian).unwrap().hessian.size(), 30);
+    }
+
+    #[test]
+    fn a_co_moving_frame_changes_the_derivatives_of_the_gap_only() {
+        let backend = Interpreted::default();
+        // Rough, so that the frame's turn matters.
+        let rough = |(k, x): (usize, &[f64; 3])| [x[0], x[1], 0.1 * (k * k % 5) as f64];
+        let masters: Vec<[f64; 3]> = grid().iter().enumerate().map(rough).collect();
+        let moving = Element {
+            frame: Frame::average_plane(&masters, [0.0, 0.0, 1.0]).unwrap(),
+            ..element(&masters, Basis::Linear)
+        };
+        let held = Element { frame: moving.frame.frozen(), ..moving };
+        for mode in [Mode::Value, Mode::Gradient, Mode::Hessian] {
+            let coefficients = |element| backend.coefficients(element, mode).unwrap();
+            assert_eq!(coefficients(&moving), coefficients(&held));
+            let surface = |element| backend.surface(element, [0.1, 0.0], mode).unwrap();
+            assert_eq!(surface(&moving), surface(&held));
+        }
+        let [moving, held] = [&moving, &held].map(|element| backend.gap(element, Mode::Hessian).unwrap());
+        assert!((moving.gap - held.gap).abs() < 1e-15);
+        let differs = |a: &[f64], b: &[f64]| a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-3);
+        assert!(differs(&moving.gradient, &held.gradient));
+        assert!(differs(moving.hessian.packed(), held.hessian.packed()));
+    }
+
+    #[test]
+    fn a_plane_that_is_not_unique_is_no_frame_to_move() {
+        // As thick as wide: its principal moments are equal.
+        let signs = |k: usize| [k & 1, k >> 1 & 1, k >> 2].map(|bit| if bit == 1 { 0.25 } else { -0.25 });
+        let masters: Vec<[f64; 3]> = (0..8).map(signs).collect();
+        let held = element(&masters, Basis::Linear);
+        let frame = Frame { derivative: FrameDerivative::CoMoving, ..held.frame };
+        let moving = Element { frame, ..held };
+        assert!(Interpreted::default().gap(&held, Mode::Gradient).is_ok());
+        assert!(Interpreted::default().gap(&moving, Mode::Value).is_ok());
+        for backend in [&Interpreted::default() as &dyn Backend, &Generated] {
+            for mode in [Mode::Gradient, Mode::Hessian] {
+                let error = backend.gap(&moving, mode).unwrap_err();
+                assert!(matches!(error, ElementError::UnstableAveragePlane { .. }), "{error}");
+            }
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@ mod common;
 use common::{Run, run};
 use diffuse_contact_cli::check::blocks::BLOCKS;
 use diffuse_contact_cli::check::{Plan, TOLERANCE, compare};
-use diffuse_contact_codegen::{Basis, Weight};
+use diffuse_contact_codegen::{Basis, FrameRule, Weight};
 use serde_json::Value;
 
 #[test]
@@ -15,14 +15,20 @@ fn a_small_range_passes_and_every_block_is_printed() {
     assert!(stdout.ends_with("\nall within 1e-11\n"), "{stdout}");
     for block in BLOCKS {
         let row = stdout.lines().find(|line| {
-            let mut words = line.split_whitespace();
-            words.next() == Some(block.output.name()) && words.next() == Some(block.name)
+            let rest = line.strip_prefix(&format!("{} ", block.subject.name()));
+            rest.and_then(|rest| rest.split_whitespace().next()) == Some(block.name)
         });
         assert!(row.is_some(), "no row for {block:?} in {stdout}");
     }
-    for part in
-        ["against AD", "against interpreter", "between modes", "quadratic 6", "n = 6 to 7", "12 in all"]
-    {
+    for part in [
+        "gap, co-moving  M",
+        "against AD",
+        "against interpreter",
+        "between modes",
+        "quadratic 6",
+        "n = 6 to 7",
+        "12 in all",
+    ] {
         assert!(stdout.contains(part), "{part:?} is not in {stdout}");
     }
 }
@@ -41,8 +47,10 @@ fn the_json_has_the_same_figures() {
     for (block, row) in BLOCKS.iter().zip(blocks) {
         assert_eq!(
             (row["output"].as_str(), row["block"].as_str()),
-            (Some(block.output.name()), Some(block.name))
+            (Some(block.subject.output.name()), Some(block.name))
         );
+        let frame = if block.subject.frame == FrameRule::CoMoving { "co-moving" } else { "frozen" };
+        assert_eq!(row["frame_derivative"], frame);
         for against in ["ad", "interpreter"] {
             let worst = &row["against"][against];
             let difference = worst["difference"].as_f64().unwrap();

@@ -38,6 +38,7 @@ fn the_main_job_finds_the_cylinder() {
     let scratch = Scratch::new("main-job");
     let Run { code, stdout, stderr } = run_in(&scratch, &[]);
     assert_eq!((code, stderr.as_str()), (0, ""));
+    assert!(stdout.contains("local frame           their average plane, co-moving"), "{stdout}");
     assert!(stdout.contains("evaluated             425 of 425 slave nodes"), "{stdout}");
     // The distances of the slave nodes from the true cylinder, radius 100, go from -0.5228 to 6.6336.
     assert!((number_in(&stdout, "gap", " ") + 0.5228).abs() < 5e-3, "{stdout}");

@@ -11,6 +11,14 @@ fn plane(slave: [f64; 3]) -> Value {
     json!({"slave": slave, "masters": masters, "outward": [0, 0, 1]})
 }
 
+/// The same with two nodes out of the plane.
+fn bent(slave: [f64; 3]) -> Value {
+    let mut element = plane(slave);
+    element["masters"][4] = json!([1.0, 1.1, 0.2]);
+    element["masters"][7] = json!([1.0, 2.0, -0.1]);
+    element
+}
+
 fn evaluate(elements: Value) -> Vec<Value> {
     let Run { code, stdout, stderr } =
         run_with_input(&["evaluate", "-"], &json!({"elements": elements}).to_string());
@@ -76,20 +84,75 @@ fn residual_and_tangent_follow_from_gap_n_and_m() {
 }
 
 #[test]
-fn both_backends_agree() {
-    let mut element = plane([1.3, 0.8, 0.4]);
-    element["masters"][4] = json!([1.0, 1.1, 0.2]);
-    element["masters"][7] = json!([1.0, 2.0, -0.1]);
-    let text = json!({"elements": [element]}).to_string();
-    let answers = ["generated", "ad"].map(|backend| {
-        let run = run_with_input(&["evaluate", "-", "--backend", backend], &text);
-        let answer: Value = serde_json::from_str(&run.stdout).unwrap();
-        (numbers(&answer["elements"][0]["n"]), rows(&answer["elements"][0]["m"]))
-    });
-    let [(n, m), (n_ad, m_ad)] = &answers;
-    for (a, b) in n.iter().zip(n_ad).chain(m.iter().flatten().zip(m_ad.iter().flatten())) {
-        assert!((a - b).abs() < 1e-11, "{a} and {b}");
+fn both_backends_agree_on_either_frame() {
+    for derivative in ["frozen", "co-moving"] {
+        let mut element = bent([1.3, 0.8, 0.4]);
+        element["frame_derivative"] = json!(derivative);
+        let text = json!({"elements": [element]}).to_string();
+        let answers = ["generated", "ad"].map(|backend| {
+            let run = run_with_input(&["evaluate", "-", "--backend", backend], &text);
+            let answer: Value = serde_json::from_str(&run.stdout).unwrap();
+            assert_eq!(answer["elements"][0]["frame_derivative"], derivative);
+            (numbers(&answer["elements"][0]["n"]), rows(&answer["elements"][0]["m"]))
+        });
+        let [(n, m), (n_ad, m_ad)] = &answers;
+        for (a, b) in n.iter().zip(n_ad).chain(m.iter().flatten().zip(m_ad.iter().flatten())) {
+            assert!((a - b).abs() < 1e-11, "{derivative}: {a} and {b}");
+        }
     }
+}
+
+/// Σ x × ∂g/∂x over slave and masters: the moment of the contact forces for one unit of force.
+fn moment(element: &Value, n: &[f64]) -> [f64; 3] {
+    let masters = element["masters"].as_array().unwrap();
+    let points = std::iter::once(&element["slave"]).chain(masters).map(numbers);
+    points.zip(n.chunks(3)).fold([0.0; 3], |sum, (x, f)| {
+        [
+            sum[0] + x[1] * f[2] - x[2] * f[1],
+            sum[1] + x[2] * f[0] - x[0] * f[2],
+            sum[2] + x[0] * f[1] - x[1] * f[0],
+        ]
+    })
+}
+
+#[test]
+fn the_average_plane_moves_unless_it_is_frozen() {
+    let element = bent([1.3, 0.8, 0.4]);
+    let mut moving = element.clone();
+    moving["frame_derivative"] = json!("co-moving");
+    let mut frozen = element.clone();
+    frozen["frame_derivative"] = json!("frozen");
+    let answers = evaluate(json!([element, moving, frozen]));
+    assert_eq!(answers[0], answers[1]);
+    assert_close(answers[0]["gap"].as_f64().unwrap(), answers[2]["gap"].as_f64().unwrap());
+    // Only a gap that follows every motion of the nodes makes no moment.
+    let largest = |answer: &Value| {
+        moment(&element, &numbers(&answer["n"])).map(f64::abs).into_iter().fold(0.0, f64::max)
+    };
+    assert!(largest(&answers[0]) < 1e-13, "{}", largest(&answers[0]));
+    assert!(largest(&answers[2]) > 1e-3, "{}", largest(&answers[2]));
+
+    // The frozen average plane is the same as that plane, given.
+    let mut given = frozen.clone();
+    given["frame"] = answers[2]["frame"].clone();
+    given.as_object_mut().unwrap().remove("frame_derivative");
+    let given = &evaluate(json!([given]))[0];
+    assert_eq!(given["frame_derivative"], "frozen");
+    assert_eq!((&given["n"], &given["m"]), (&answers[2]["n"], &answers[2]["m"]));
+}
+
+#[test]
+fn a_given_frame_does_not_move() {
+    let mut element = plane([1.0, 1.0, 0.5]);
+    element["frame"] = json!({"origin": [0, 0, 0], "t1": [1, 0, 0], "t2": [0, 1, 0], "normal": [0, 0, 1]});
+    element["frame_derivative"] = json!("co-moving");
+    let mut frozen = element.clone();
+    frozen["frame_derivative"] = json!("frozen");
+    let answers = evaluate(json!([element, frozen]));
+    assert_eq!(answers[0]["code"], "co-moving-given-frame");
+    let message = answers[0]["message"].as_str().unwrap();
+    assert!(message.contains("which does not move with the nodes"), "{message}");
+    assert_eq!(answers[1]["status"], "ok");
 }
 
 #[test]
@@ -182,8 +245,8 @@ fn what_does_not_follow_the_schema_is_refused_as_a_whole() {
             "elements[0].weight: unknown variant `bell`",
         ),
         (
-            r#"{"elements": [{"slave": [0, 0, 0], "masters": [], "frame_derivative": "co-moving"}]}"#,
-            "unknown variant `co-moving`, expected `frozen`",
+            r#"{"elements": [{"slave": [0, 0, 0], "masters": [], "frame_derivative": "moving"}]}"#,
+            "elements[0].frame_derivative: unknown variant `moving`, expected `frozen` or `co-moving`",
         ),
         (r#"{"elements": [{"slave": [0, 0, 0]"#, "not valid JSON: EOF while parsing"),
     ] {

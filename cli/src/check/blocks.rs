@@ -8,40 +8,75 @@
 //! Hessian is a part of its own, since units and sizes differ; a block has the largest difference of its parts.
 
 use diffuse_contact::{Backend, Coefficients, ElementError, Gap, Mode, Surface, SymmetricMatrix};
-use diffuse_contact_codegen::Output;
+use diffuse_contact_codegen::{FrameRule, Output};
 
 use super::elements::RandomElement;
+use crate::args::frame_name;
 
-/// A block of the results of an output.
+/// What is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Subject {
+    /// The output.
+    pub output: Output,
+    /// The frame rule; a moving frame makes a difference to the derivatives of the gap only.
+    pub frame: FrameRule,
+}
+
+impl Subject {
+    /// All of them, in the order of the report.
+    pub const ALL: [Self; 4] = [COEFFICIENTS, SURFACE, GAP, CO_MOVING_GAP];
+
+    /// Name in the report.
+    #[must_use]
+    pub fn name(self) -> String {
+        match self.frame {
+            FrameRule::Frozen => self.output.name().to_owned(),
+            FrameRule::CoMoving => format!("{}, {}", self.output.name(), frame_name(self.frame)),
+        }
+    }
+}
+
+const COEFFICIENTS: Subject = Subject { output: Output::Coefficients, frame: FrameRule::Frozen };
+const SURFACE: Subject = Subject { output: Output::Surface, frame: FrameRule::Frozen };
+const GAP: Subject = Subject { output: Output::Gap, frame: FrameRule::Frozen };
+const CO_MOVING_GAP: Subject = Subject { output: Output::Gap, frame: FrameRule::CoMoving };
+
+/// A block of the results of a subject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Block {
-    /// The output it belongs to.
-    pub output: Output,
+    /// What it belongs to.
+    pub subject: Subject,
     /// Its symbol.
     pub name: &'static str,
 }
 
-const fn block(output: Output, name: &'static str) -> Block {
-    Block { output, name }
+const fn block(subject: Subject, name: &'static str) -> Block {
+    Block { subject, name }
 }
 
 /// All blocks, in the order of the report.
-pub const BLOCKS: [Block; 15] = [
-    block(Output::Coefficients, "α"),
-    block(Output::Coefficients, "∂α/∂x"),
-    block(Output::Coefficients, "∂²α/∂x²"),
-    block(Output::Surface, "f"),
-    block(Output::Surface, "f_l"),
-    block(Output::Surface, "f_lm"),
-    block(Output::Surface, "∇f"),
-    block(Output::Surface, "T_l"),
-    block(Output::Surface, "H_f"),
-    block(Output::Gap, "g"),
-    block(Output::Gap, "foot"),
-    block(Output::Gap, "ν"),
-    block(Output::Gap, "α"),
-    block(Output::Gap, "N"),
-    block(Output::Gap, "M"),
+pub const BLOCKS: [Block; 21] = [
+    block(COEFFICIENTS, "α"),
+    block(COEFFICIENTS, "∂α/∂x"),
+    block(COEFFICIENTS, "∂²α/∂x²"),
+    block(SURFACE, "f"),
+    block(SURFACE, "f_l"),
+    block(SURFACE, "f_lm"),
+    block(SURFACE, "∇f"),
+    block(SURFACE, "T_l"),
+    block(SURFACE, "H_f"),
+    block(GAP, "g"),
+    block(GAP, "foot"),
+    block(GAP, "ν"),
+    block(GAP, "α"),
+    block(GAP, "N"),
+    block(GAP, "M"),
+    block(CO_MOVING_GAP, "g"),
+    block(CO_MOVING_GAP, "foot"),
+    block(CO_MOVING_GAP, "ν"),
+    block(CO_MOVING_GAP, "α"),
+    block(CO_MOVING_GAP, "N"),
+    block(CO_MOVING_GAP, "M"),
 ];
 
 /// Entries of one unit.
@@ -77,7 +112,7 @@ impl Part {
 /// The blocks of one result; those the mode does not ask for are left out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Blocks {
-    output: Output,
+    subject: Subject,
     parts: Vec<(&'static str, Vec<Part>)>,
 }
 
@@ -89,18 +124,18 @@ impl Blocks {
     pub fn evaluate(
         backend: &dyn Backend,
         random: &RandomElement,
-        output: Output,
+        subject: Subject,
         mode: Mode,
     ) -> Result<Self, ElementError> {
-        let element = random.element();
+        let element = random.element(subject.frame);
         let radius = element.support_radius;
-        let mut parts = match output {
+        let mut parts = match subject.output {
             Output::Coefficients => of_coefficients(&backend.coefficients(&element, mode)?, radius),
             Output::Surface => of_surface(&backend.surface(&element, random.point, mode)?, radius),
             Output::Gap => of_gap(&backend.gap(&element, mode)?, element.slave, radius),
         };
         parts.retain(|(_, parts)| parts.iter().any(|part| !part.entries.is_empty()));
-        Ok(Self { output, parts })
+        Ok(Self { subject, parts })
     }
 
     /// The differences from another result, for the blocks both have.
@@ -108,7 +143,7 @@ impl Blocks {
         self.parts.iter().filter_map(|(name, parts)| {
             let (_, expected) = expected.parts.iter().find(|(other, _)| other == name)?;
             let worst = parts.iter().zip(expected).map(|(a, b)| a.difference(b)).fold(0.0, f64::max);
-            Some((block(self.output, name), worst))
+            Some((block(self.subject, name), worst))
         })
     }
 }

@@ -1,13 +1,17 @@
 //! Running the backends on the same elements.
 
+use std::num::NonZero;
 use std::ops::RangeInclusive;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
 
 use diffuse_contact::ad::{Ad, FormulaError};
 use diffuse_contact::{Backend, ElementError, Generated, Mode};
-use diffuse_contact_codegen::{Basis, Output, Weight};
+use diffuse_contact_codegen::{Basis, Weight};
 
 use super::ELEMENTS;
-use super::blocks::Blocks;
+use super::blocks::{Blocks, Subject};
 use super::elements::{NoElement, RandomElement};
 use super::report::{Against, Report};
 use crate::interpreted::Interpreted;
@@ -74,7 +78,7 @@ pub enum CompareError {
     NoElement(#[from] NoElement),
 }
 
-/// Compares the backends; calls `step` after each element.
+/// Compares the backends, on all cores; calls `step` after each element.
 ///
 /// The tested backend, in each mode, is compared with automatic differentiation, with the interpreter in the same
 /// mode, and in its lower modes with itself in Hessian mode.
@@ -95,35 +99,80 @@ pub fn compare(plan: &Plan, mut step: impl FnMut()) -> Result<Report, CompareErr
         interpreted: &interpreted,
         generated: plan.weight.is_none().then_some(&Generated as &dyn Backend),
     };
-    let mut report = Report::new(plan);
-    for (basis, range) in &plan.ranges {
-        for nodes in range.clone() {
-            for index in 0..ELEMENTS {
-                let random = RandomElement::new(*basis, nodes, plan.seed, index, &interpreted)?;
-                report.add_element(&random);
-                for output in Output::ALL {
-                    let mut results =
-                        Results { random: &random, output, at: (*basis, nodes), report: &mut report };
-                    results.compare(&backends);
+    let jobs: Vec<Job> = plan.jobs().collect();
+    let next = AtomicUsize::new(0);
+    let mut parts: Vec<_> = jobs.iter().map(|_| None).collect();
+    thread::scope(|scope| {
+        let (sender, receiver) = mpsc::channel();
+        for _ in 0..thread::available_parallelism().map_or(1, NonZero::get).min(jobs.len()) {
+            let (sender, jobs, next, backends) = (sender.clone(), &jobs, &next, &backends);
+            scope.spawn(move || {
+                while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let part = job.run(plan, backends);
+                    if part.is_err() {
+                        next.store(jobs.len(), Ordering::Relaxed);
+                    }
+                    if sender.send((job.place, part)).is_err() {
+                        break;
+                    }
                 }
-                step();
-            }
+            });
         }
+        drop(sender);
+        for (place, part) in receiver {
+            parts[place] = Some(part);
+            step();
+        }
+    });
+    // In the order of the plan, whichever was ready first.
+    let mut report = Report::new(plan);
+    for part in parts.into_iter().flatten() {
+        report.merge(part?);
     }
     Ok(report)
 }
 
+/// The comparisons of one element.
+struct Job {
+    /// Counted from 0.
+    place: usize,
+    basis: Basis,
+    nodes: usize,
+    index: usize,
+}
+
+impl Plan {
+    fn jobs(&self) -> impl Iterator<Item = Job> + '_ {
+        let counts = self.ranges.iter().flat_map(|(basis, range)| range.clone().map(|nodes| (*basis, nodes)));
+        let elements = counts.flat_map(|at| (0..ELEMENTS).map(move |index| (at, index)));
+        elements.enumerate().map(|(place, ((basis, nodes), index))| Job { place, basis, nodes, index })
+    }
+}
+
+impl Job {
+    fn run(&self, plan: &Plan, backends: &Backends<'_>) -> Result<Report, NoElement> {
+        let &Self { basis, nodes, index, .. } = self;
+        let random = RandomElement::new(basis, nodes, plan.seed, index, backends.interpreted)?;
+        let mut report = Report::new(plan);
+        report.add_element(&random);
+        for subject in Subject::ALL {
+            Results { random: &random, subject, at: (basis, nodes), report: &mut report }.compare(backends);
+        }
+        Ok(report)
+    }
+}
+
 struct Backends<'a> {
     ad: &'a dyn Backend,
-    interpreted: &'a dyn Backend,
+    interpreted: &'a Interpreted,
     /// The kernels, if there are any with this weight.
     generated: Option<&'a dyn Backend>,
 }
 
-/// One output of one element.
+/// One subject of one element.
 struct Results<'a> {
     random: &'a RandomElement,
-    output: Output,
+    subject: Subject,
     at: (Basis, usize),
     report: &'a mut Report,
 }
@@ -151,8 +200,8 @@ impl Results<'_> {
 
     /// A result, or nothing and a line in the report.
     fn evaluate(&mut self, who: &str, backend: &dyn Backend, mode: Mode, name: &str) -> Option<Blocks> {
-        let result = Blocks::evaluate(backend, self.random, self.output, mode);
-        result.map_err(|reason| self.report.add_failure(who, self.output, name, self.at, &reason)).ok()
+        let result = Blocks::evaluate(backend, self.random, self.subject, mode);
+        result.map_err(|reason| self.report.add_failure(who, self.subject, name, self.at, &reason)).ok()
     }
 
     fn add(&mut self, against: Against, found: Option<&Blocks>, expected: Option<&Blocks>) {
@@ -168,12 +217,12 @@ impl Report {
     fn add_failure(
         &mut self,
         who: &str,
-        output: Output,
+        subject: Subject,
         mode: &str,
         at: (Basis, usize),
         reason: &ElementError,
     ) {
         let (basis, nodes) = (at.0.name(), at.1);
-        self.failures.push(format!("{who} {} {mode}, {basis} n = {nodes}: {reason}", output.name()));
+        self.failures.push(format!("{who} {} {mode}, {basis} n = {nodes}: {reason}", subject.name()));
     }
 }

@@ -14,17 +14,22 @@
 //!   a wave of height 0.05 R, so that the surface is smooth and none that the basis reproduces;
 //! * the point where the surface kernels are evaluated: uniform in the disc of radius 0.5 R.
 //!
-//! It is kept if its [`Conditioning`] is within the bounds of [`is_well_conditioned`]; if not, the next is made.
+//! Its master nodes and support radius serve a second time, in the average plane of the nodes as a co-moving frame;
+//! a slave straight over a node is moved there along the plane, so that it is straight over the node again.
+//!
+//! It is kept if its [`Conditioning`] in either frame is within the bounds of [`is_well_conditioned`]; if not, the
+//! next is made.
 //! The same seed, node count and basis give the same elements on every machine.
 
 use std::f64::consts::TAU;
 
-use diffuse_contact::{Element, Frame, FrameDerivative, Point, Weight};
-use diffuse_contact_codegen::Basis;
+use diffuse_contact::{Element, ElementError, Frame, FrameDerivative, Point, Weight};
+use diffuse_contact_codegen::{Basis, FrameRule};
 
 use crate::interpreted::{Conditioning, Interpreted};
 
-/// Smallest relative pivot of the moment matrix, about the slave and about the surface point.
+/// Smallest relative pivot of the moment matrix, about the slave and about the surface point, and of the equations
+/// for the turn of the average plane.
 pub const SMALLEST_PIVOT: f64 = 1e-2;
 /// Smallest determinant of the foot equations' Jacobian, 1 on a flat surface.
 pub const SMALLEST_DETERMINANT: f64 = 0.2;
@@ -70,15 +75,22 @@ impl FirstNode {
 /// An element that owns its nodes.
 #[derive(Clone, Debug)]
 pub struct RandomElement {
-    slave: Point,
     masters: Vec<Point>,
-    frame: Frame,
     support_radius: f64,
     basis: Basis,
+    frozen: Place,
+    co_moving: Place,
     /// In-plane offset for the surface kernels, length.
     pub point: [f64; 2],
-    /// What it was selected by.
-    pub conditioning: Conditioning,
+    /// What it was selected by, in the frozen and in the co-moving frame.
+    pub conditioning: [Conditioning; 2],
+}
+
+/// What belongs to one frame.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    slave: Point,
+    frame: Frame,
 }
 
 /// No random element was well conditioned.
@@ -96,11 +108,12 @@ pub struct NoElement {
     pub attempts: usize,
 }
 
-/// Whether results are comparable: a relative pivot of at least [`SMALLEST_PIVOT`], a Jacobian determinant of at
+/// Whether results are comparable: relative pivots of at least [`SMALLEST_PIVOT`], a Jacobian determinant of at
 /// least [`SMALLEST_DETERMINANT`], and a foot within [`LARGEST_FOOT_DISTANCE`].
 #[must_use]
 pub fn is_well_conditioned(figures: &Conditioning) -> bool {
     figures.pivot_ratio >= SMALLEST_PIVOT
+        && figures.plane_pivot_ratio >= SMALLEST_PIVOT
         && figures.jacobian_determinant >= SMALLEST_DETERMINANT
         && figures.foot_distance <= LARGEST_FOOT_DISTANCE
 }
@@ -120,25 +133,31 @@ impl RandomElement {
         let mut random = Random::new(&[seed, basis.size() as u64, nodes as u64, index as u64]);
         for _ in 0..ATTEMPTS {
             let first = FirstNode::of(index, nodes > basis.size());
-            let mut candidate = Self::candidate(basis, nodes, first, &mut random);
-            let Ok(figures) = interpreted.conditioning(&candidate.element(), candidate.point) else {
-                continue;
+            let Ok(mut candidate) = Self::candidate(basis, nodes, first, &mut random) else { continue };
+            let figures = |frame, point| {
+                let figures = interpreted.conditioning(&candidate.element(frame), point).ok();
+                figures.filter(is_well_conditioned)
             };
-            if is_well_conditioned(&figures) {
-                candidate.conditioning = figures;
-                return Ok(candidate);
-            }
+            let Some(frozen) = figures(FrameRule::Frozen, candidate.point) else { continue };
+            // The surface is compared in the frozen frame only.
+            let Some(co_moving) = figures(FrameRule::CoMoving, [0.0; 2]) else { continue };
+            candidate.conditioning = [frozen, co_moving];
+            return Ok(candidate);
         }
         Err(NoElement { nodes, basis, attempts: ATTEMPTS })
     }
 
-    /// The element as the backends take it.
+    /// The element as the backends take it, in a frame that is held or in the average plane.
     #[must_use]
-    pub fn element(&self) -> Element<'_> {
+    pub fn element(&self, frame: FrameRule) -> Element<'_> {
+        let Place { slave, frame } = match frame {
+            FrameRule::Frozen => self.frozen,
+            FrameRule::CoMoving => self.co_moving,
+        };
         Element {
-            slave: self.slave,
+            slave,
             masters: &self.masters,
-            frame: self.frame,
+            frame,
             support_radius: self.support_radius,
             basis: match self.basis {
                 Basis::Quadratic => diffuse_contact::Basis::Quadratic,
@@ -148,7 +167,12 @@ impl RandomElement {
         }
     }
 
-    fn candidate(basis: Basis, nodes: usize, first: FirstNode, random: &mut Random) -> Self {
+    fn candidate(
+        basis: Basis,
+        nodes: usize,
+        first: FirstNode,
+        random: &mut Random,
+    ) -> Result<Self, ElementError> {
         let radius = 10_f64.powf(random.between(-3.0, 3.0));
         let [t1, t2, normal] = random.rotation();
         let slave: Point = std::array::from_fn(|_| radius * random.between(-CUBE, CUBE));
@@ -160,7 +184,7 @@ impl RandomElement {
             let wave = WAVE.0 * (WAVE.1 * along + phase).sin();
             c0 + c1 * a + c2 * b + c3 * a * a + c4 * a * b + c5 * b * b + wave
         };
-        let masters = (0..nodes)
+        let masters: Vec<Point> = (0..nodes)
             .map(|node| {
                 let [a, b] = match first {
                     FirstNode::UnderSlave if node == 0 => [0.0; 2],
@@ -175,20 +199,37 @@ impl RandomElement {
             })
             .collect();
         let point = random.in_disc(POINT_DISC).map(|x| radius * x);
-        Self {
+        let frozen = Place {
             slave,
-            masters,
             frame: Frame { origin: slave, t1, t2, normal, derivative: FrameDerivative::Frozen },
+        };
+        let plane = Frame::average_plane(&masters, normal)?;
+        let co_moving = match first {
+            FirstNode::UnderSlave => Place { slave: straight_over(masters[0], slave, &plane), frame: plane },
+            FirstNode::Anywhere | FirstNode::Outside => Place { slave, frame: plane },
+        };
+        let unknown = Conditioning {
+            pivot_ratio: 0.0,
+            plane_pivot_ratio: 0.0,
+            jacobian_determinant: 0.0,
+            foot_distance: f64::INFINITY,
+        };
+        Ok(Self {
+            masters,
             support_radius: radius,
             basis,
+            frozen,
+            co_moving,
             point,
-            conditioning: Conditioning {
-                pivot_ratio: 0.0,
-                jacobian_determinant: 0.0,
-                foot_distance: f64::INFINITY,
-            },
-        }
+            conditioning: [unknown; 2],
+        })
     }
+}
+
+/// `slave` moved along the plane to where it is straight over a node.
+fn straight_over(node: Point, slave: Point, plane: &Frame) -> Point {
+    let height: f64 = (0..3).map(|k| (slave[k] - node[k]) * plane.normal[k]).sum();
+    std::array::from_fn(|k| node[k] + height * plane.normal[k])
 }
 
 /// A deterministic source of numbers (SplitMix64).
@@ -266,13 +307,20 @@ mod tests {
         let interpreted = Interpreted::default();
         for (basis, nodes) in [(Basis::Linear, 3), (Basis::Quadratic, 6), (Basis::Quadratic, 10)] {
             let random = RandomElement::new(basis, nodes, 7, 0, &interpreted).unwrap();
-            let element = random.element();
-            element.validate().unwrap();
-            assert_eq!(element.masters.len(), nodes);
-            assert!(is_well_conditioned(&random.conditioning));
-            let offset = |k: usize| element.masters[0][k] - element.slave[k];
-            let in_plane = |t: Point| (0..3).map(|k| offset(k) * t[k]).sum::<f64>() / element.support_radius;
-            assert!(in_plane(element.frame.t1).hypot(in_plane(element.frame.t2)) < 1e-14);
+            assert!(random.conditioning.iter().all(is_well_conditioned));
+            for (frame, derivative) in [
+                (FrameRule::Frozen, FrameDerivative::Frozen),
+                (FrameRule::CoMoving, FrameDerivative::CoMoving),
+            ] {
+                let element = random.element(frame);
+                element.validate().unwrap();
+                assert_eq!(element.masters.len(), nodes);
+                assert_eq!(element.frame.derivative, derivative);
+                let offset = |k: usize| element.masters[0][k] - element.slave[k];
+                let in_plane =
+                    |t: Point| (0..3).map(|k| offset(k) * t[k]).sum::<f64>() / element.support_radius;
+                assert!(in_plane(element.frame.t1).hypot(in_plane(element.frame.t2)) < 1e-14);
+            }
         }
     }
 }

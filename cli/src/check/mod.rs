@@ -1,7 +1,8 @@
-//! The `check` job: every kernel against automatic differentiation and against the interpreter of its graph.
+//! The `check` job: every kernel, of the frozen and of the co-moving frame, against automatic differentiation and
+//! against the interpreter of its graph.
 //!
 //! [`elements`] makes the random elements, [`blocks`] says which numbers of a result belong together and how their
-//! differences are measured, [`compare`] runs the backends, [`report`] prints what was found.
+//! differences are measured, [`compare()`] runs the backends, [`report`] prints what was found.
 //!
 //! ```
 //! use diffuse_contact_cli::check::{Plan, compare};

@@ -9,9 +9,12 @@ use super::blocks::{BLOCKS, Block};
 use super::compare::Plan;
 use super::elements::{LARGEST_FOOT_DISTANCE, RandomElement, SMALLEST_DETERMINANT, SMALLEST_PIVOT};
 use super::{ELEMENTS, TOLERANCE};
+use crate::args::frame_name;
 
 /// Width of the left column of the head.
 const LABEL: usize = 13;
+/// Width of the first column of the table.
+const SUBJECT: usize = 16;
 /// Failures listed before the rest is only counted.
 const MOST_FAILURES: usize = 10;
 
@@ -87,8 +90,10 @@ pub struct Report {
     plan: Plan,
     rows: Vec<Row>,
     elements: usize,
-    /// The smallest relative pivot of an element.
+    /// The smallest relative pivot of a fit.
     smallest_pivot: f64,
+    /// The smallest relative pivot of an average plane.
+    smallest_plane_pivot: f64,
     /// Backends without a result.
     pub(super) failures: Vec<String>,
 }
@@ -102,13 +107,17 @@ impl Report {
             rows: BLOCKS.map(row).to_vec(),
             elements: 0,
             smallest_pivot: f64::INFINITY,
+            smallest_plane_pivot: f64::INFINITY,
             failures: Vec::new(),
         }
     }
 
     pub(super) fn add_element(&mut self, random: &RandomElement) {
         self.elements += 1;
-        self.smallest_pivot = self.smallest_pivot.min(random.conditioning.pivot_ratio);
+        for figures in &random.conditioning {
+            self.smallest_pivot = self.smallest_pivot.min(figures.pivot_ratio);
+            self.smallest_plane_pivot = self.smallest_plane_pivot.min(figures.plane_pivot_ratio);
+        }
     }
 
     pub(super) fn add(&mut self, block: Block, against: Against, difference: f64, at: (Basis, usize)) {
@@ -117,6 +126,21 @@ impl Report {
         if worst.is_none_or(|worst| !(difference <= worst.difference)) {
             *worst = Some(Worst { difference, basis: at.0, nodes: at.1 });
         }
+    }
+
+    /// Adds what was found on other elements. Of equal differences the earlier one stays.
+    pub(super) fn merge(&mut self, other: Self) {
+        self.elements += other.elements;
+        self.smallest_pivot = self.smallest_pivot.min(other.smallest_pivot);
+        self.smallest_plane_pivot = self.smallest_plane_pivot.min(other.smallest_plane_pivot);
+        for row in other.rows {
+            for (against, worst) in Against::ALL.into_iter().zip(row.worst) {
+                if let Some(Worst { difference, basis, nodes }) = worst {
+                    self.add(row.block, against, difference, (basis, nodes));
+                }
+            }
+        }
+        self.failures.extend(other.failures);
     }
 
     /// The worst differences, one row per block.
@@ -166,16 +190,20 @@ impl Report {
             ),
         )?;
         line("", "(any unit, place and direction; some with a node straight under the slave, or beyond R)")?;
+        line("frame", "held in any direction; for the gap also the average plane of the nodes, co-moving")?;
         line(
             "conditioning",
             &format!(
-                "relative pivot of the fits at least {SMALLEST_PIVOT:e} (smallest here {:.1e}),",
+                "relative pivot of the fits at least {SMALLEST_PIVOT:e} (smallest here {:.1e}) and of the",
                 self.smallest_pivot
             ),
         )?;
         line(
             "",
-            &format!("foot Jacobian at least {SMALLEST_DETERMINANT}, foot within {LARGEST_FOOT_DISTANCE} R"),
+            &format!(
+                "average planes too ({:.1e}), foot Jacobian at least {SMALLEST_DETERMINANT}, foot within {LARGEST_FOOT_DISTANCE} R",
+                self.smallest_plane_pivot
+            ),
         )?;
         line(
             "difference",
@@ -188,14 +216,14 @@ impl Report {
         let shown: Vec<Against> = Against::ALL.into_iter().filter(|&against| self.has(against)).collect();
         let line = |f: &mut fmt::Formatter<'_>, output: &str, block: &str, cells: &[String]| {
             let cells = cells.iter().map(|cell| format!("{cell:<26}")).collect::<String>();
-            let line = format!("{output:<14}{block:<10}{cells}");
+            let line = format!("{output:<SUBJECT$}{block:<10}{cells}");
             writeln!(f, "{}", line.trim_end())
         };
         let titles: Vec<String> = shown.iter().map(|against| against.title().to_owned()).collect();
         line(f, "output", "block", &titles)?;
         for row in &self.rows {
             let cells: Vec<String> = shown.iter().map(|&against| cell(row.worst[against as usize])).collect();
-            line(f, row.block.output.name(), row.block.name, &cells)?;
+            line(f, &row.block.subject.name(), row.block.name, &cells)?;
         }
         Ok(())
     }
@@ -218,12 +246,12 @@ impl Report {
             .rows
             .iter()
             .filter(|row| !row.passes())
-            .map(|row| format!("{} {}", row.block.output.name(), row.block.name))
+            .map(|row| format!("{} {}", row.block.subject.name(), row.block.name))
             .collect();
         if blocks.is_empty() {
             writeln!(f, "failed: not every element has a result")
         } else {
-            writeln!(f, "failed: beyond {TOLERANCE:e} are {}", blocks.join(", "))
+            writeln!(f, "failed: beyond {TOLERANCE:e} are {}", blocks.join("; "))
         }
     }
 }
@@ -250,13 +278,14 @@ impl fmt::Display for Report {
 
 impl Serialize for Report {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut report = serializer.serialize_struct("Report", 9)?;
+        let mut report = serializer.serialize_struct("Report", 10)?;
         let tested = if self.plan.weight.is_none() { "generated" } else { "interpreter" };
         report.serialize_field("tested", tested)?;
         report.serialize_field("weight", &self.weight())?;
         report.serialize_field("seed", &self.plan.seed)?;
         report.serialize_field("elements", &self.elements)?;
         report.serialize_field("smallest_pivot", &self.smallest_pivot)?;
+        report.serialize_field("smallest_plane_pivot", &self.smallest_plane_pivot)?;
         report.serialize_field("tolerance", &TOLERANCE)?;
         report.serialize_field("passes", &self.passes())?;
         report.serialize_field("blocks", &self.rows)?;
@@ -267,8 +296,9 @@ impl Serialize for Report {
 
 impl Serialize for Row {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut row = serializer.serialize_struct("Row", 4)?;
-        row.serialize_field("output", self.block.output.name())?;
+        let mut row = serializer.serialize_struct("Row", 5)?;
+        row.serialize_field("output", self.block.subject.output.name())?;
+        row.serialize_field("frame_derivative", frame_name(self.block.subject.frame))?;
         row.serialize_field("block", self.block.name)?;
         row.serialize_field("passes", &self.passes())?;
         let worst: std::collections::BTreeMap<&str, &Worst> = Against::ALL
@@ -306,7 +336,7 @@ mod tests {
     fn the_worst_difference_decides() {
         let report = with(1e-14);
         assert!(report.passes());
-        assert!(report.to_string().contains("gap           M         1.0e-14 quadratic 9\n"), "{report}");
+        assert!(report.to_string().contains("gap             M         1.0e-14 quadratic 9\n"), "{report}");
         assert!(report.to_string().ends_with("all within 1e-11\n"), "{report}");
         for difference in [2e-11, f64::INFINITY, f64::NAN] {
             let report = with(difference);

@@ -68,6 +68,7 @@ impl Report<'_> {
         if let (Some(fewest), Some(most)) = (neighbours.clone().min(), neighbours.max()) {
             let count = if fewest == most { format!("{most}") } else { format!("{fewest} to {most}") };
             row(f, "neighbours", &format!("{count} nearest master nodes per slave node"))?;
+            row(f, "local frame", "their average plane, co-moving: N and M follow its turn")?;
         }
         let mut counts = BTreeMap::new();
         for node in nodes {

@@ -1,6 +1,6 @@
 //! What `evaluate` answers for one element.
 
-use diffuse_contact::{Backend, Element, ElementError, Frame, Gap, Mode, Point, pairing};
+use diffuse_contact::{Backend, Element, ElementError, Frame, FrameDerivative, Gap, Mode, Point, pairing};
 use serde::Serialize;
 
 use super::schema::{Coordinates, ElementInput, FrameInput};
@@ -37,6 +37,8 @@ pub struct Evaluated {
     coefficients: Vec<f64>,
     /// The frame that was used.
     frame: FrameOutput,
+    /// What it did while the gap was differentiated.
+    frame_derivative: FrameDerivativeOutput,
     /// The support radius that was used.
     support_radius: f64,
     /// N = ∂g/∂x (32).
@@ -64,6 +66,23 @@ impl From<Frame> for FrameOutput {
     }
 }
 
+/// The motion of a frame, in the word for which it can be asked.
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum FrameDerivativeOutput {
+    Frozen,
+    CoMoving,
+}
+
+impl From<FrameDerivative> for FrameDerivativeOutput {
+    fn from(derivative: FrameDerivative) -> Self {
+        match derivative {
+            FrameDerivative::Frozen => Self::Frozen,
+            FrameDerivative::CoMoving => Self::CoMoving,
+        }
+    }
+}
+
 /// Why an element that follows the schema has no result.
 #[derive(Debug, thiserror::Error)]
 enum Refusal {
@@ -73,6 +92,12 @@ enum Refusal {
     /// The average plane has two sides and nothing tells them apart.
     #[error("`outward` is missing: it tells which side of the average plane is outside")]
     MissingOutward,
+    /// Only the average plane moves with the nodes.
+    #[error(
+        "`frame_derivative` cannot be \"co-moving\" with a given frame, which does not move with the nodes: leave it \
+         out or take \"frozen\", or leave out `frame` for the average plane"
+    )]
+    CoMovingGivenFrame,
     /// The penalty is not positive.
     #[error("the penalty must be positive, not {value}")]
     InvalidPenalty { value: f64 },
@@ -83,6 +108,7 @@ impl Refusal {
         match self {
             Self::Element(error) => error.code(),
             Self::MissingOutward => "missing-outward",
+            Self::CoMovingGivenFrame => "co-moving-given-frame",
             Self::InvalidPenalty { .. } => "invalid-penalty",
         }
     }
@@ -117,13 +143,15 @@ fn evaluated(input: &ElementInput, backend: &dyn Backend) -> Result<Evaluated, R
 
 fn frame(input: &ElementInput, masters: &[Point]) -> Result<Frame, Refusal> {
     let outward = input.outward.map(|Coordinates(outward)| outward);
-    match &input.frame {
-        FrameInput::AveragePlane => {
-            Ok(Frame::average_plane(masters, outward.ok_or(Refusal::MissingOutward)?)?)
+    match (&input.frame, input.frame_derivative()) {
+        (FrameInput::AveragePlane, derivative) => {
+            let plane = Frame::average_plane(masters, outward.ok_or(Refusal::MissingOutward)?)?;
+            Ok(Frame { derivative, ..plane })
         }
-        FrameInput::Given(given) => {
+        (FrameInput::Given(given), FrameDerivative::Frozen) => {
             Ok(Frame::given(given.origin.0, given.t1.0, given.t2.0, given.normal.0, outward)?)
         }
+        (FrameInput::Given(_), FrameDerivative::CoMoving) => Err(Refusal::CoMovingGivenFrame),
     }
 }
 
@@ -143,6 +171,7 @@ fn answer(gap: Gap, element: &Element<'_>, penalty: f64) -> Result<Evaluated, El
         normal: gap.normal,
         coefficients: gap.coefficients,
         frame: element.frame.into(),
+        frame_derivative: element.frame.derivative.into(),
         support_radius: element.support_radius,
         n: gap.gradient,
         m: gap.hessian.to_rows(),

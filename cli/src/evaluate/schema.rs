@@ -6,7 +6,7 @@
 //!   "masters": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]],
 //!   "outward": [0, 0, 1],
 //!   "frame": "average-plane",
-//!   "frame_derivative": "frozen",
+//!   "frame_derivative": "co-moving",
 //!   "support_radius": 2.0,
 //!   "basis": "linear",
 //!   "weight": "cubic",
@@ -21,7 +21,7 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use diffuse_contact::{Basis, Point, Weight};
+use diffuse_contact::{Basis, FrameDerivative, Point, Weight};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, MapAccess, Unexpected, Visitor};
 use serde_path_to_error::{Path, Segment};
@@ -58,9 +58,9 @@ pub struct ElementInput {
     /// The local frame; the average plane of the masters if left out.
     #[serde(default)]
     pub frame: FrameInput,
-    /// What the derivatives do with the frame; `frozen` if left out.
-    #[serde(default, rename = "frame_derivative")]
-    _frame_derivative: FrameDerivative,
+    /// What the frame does while the gap is differentiated; if left out, `co-moving` for the average plane and
+    /// `frozen` for a given frame, which does not move with the nodes.
+    frame_derivative: Option<FrameDerivativeInput>,
     /// Radius of the domain of influence; 1.25 × the farthest in-plane distance of a master if left out.
     pub support_radius: Option<f64>,
     /// Basis of the fit; quadratic from six masters on, linear below, if left out.
@@ -77,6 +77,16 @@ impl ElementInput {
     /// Positions of the masters.
     pub fn masters(&self) -> Vec<Point> {
         self.masters.iter().map(|master| master.0).collect()
+    }
+
+    /// The motion of the frame asked for, or the default for this frame.
+    pub fn frame_derivative(&self) -> FrameDerivative {
+        match (self.frame_derivative, &self.frame) {
+            (Some(FrameDerivativeInput::Frozen), _) | (None, FrameInput::Given(_)) => FrameDerivative::Frozen,
+            (Some(FrameDerivativeInput::CoMoving), _) | (None, FrameInput::AveragePlane) => {
+                FrameDerivative::CoMoving
+            }
+        }
     }
 
     /// The basis asked for, or the default for this number of masters.
@@ -201,13 +211,11 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ObjectVisitor<T> {
     }
 }
 
-/// What the derivatives do with the frame.
-#[derive(Clone, Copy, Debug, Default, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-enum FrameDerivative {
-    /// The frame is held (Chamoret et al. 2008).
-    #[default]
+enum FrameDerivativeInput {
     Frozen,
+    CoMoving,
 }
 
 #[derive(Clone, Copy, Debug, serde::Deserialize)]
@@ -303,6 +311,7 @@ mod tests {
         assert_eq!(element.masters(), [[1.0, 2.0, 3.0]]);
         assert_eq!((element.outward, element.support_radius), (None, None));
         assert_eq!(element.frame, FrameInput::AveragePlane);
+        assert_eq!(element.frame_derivative(), FrameDerivative::CoMoving);
         assert_eq!((element.basis(), element.weight()), (Basis::Linear, Weight::Cubic));
         assert_eq!(element.penalty, 1.0);
     }
@@ -312,8 +321,23 @@ mod tests {
         let text = r#"{"elements": [{"slave": [0, 0, 1], "masters": [], "frame":
             {"origin": [0, 0, 0], "t1": [1, 0, 0], "t2": [0, 1, 0], "normal": [0, 0, 1]}}]}"#;
         let document = parse("in.json", text.as_bytes()).unwrap();
-        let FrameInput::Given(frame) = &document.elements[0].0.frame else { panic!("average plane") };
+        let element = &document.elements[0].0;
+        let FrameInput::Given(frame) = &element.frame else { panic!("average plane") };
         assert_eq!(frame.t2, Coordinates([0.0, 1.0, 0.0]));
+        assert_eq!(element.frame_derivative(), FrameDerivative::Frozen);
+    }
+
+    #[test]
+    fn the_motion_of_the_frame_can_be_chosen() {
+        for (word, expected) in
+            [("frozen", FrameDerivative::Frozen), ("co-moving", FrameDerivative::CoMoving)]
+        {
+            let text = format!(
+                r#"{{"elements": [{{"slave": [0, 0, 1], "masters": [], "frame_derivative": "{word}"}}]}}"#
+            );
+            let document = parse("in.json", text.as_bytes()).unwrap();
+            assert_eq!(document.elements[0].0.frame_derivative(), expected);
+        }
     }
 
     #[test]
@@ -356,8 +380,8 @@ mod tests {
                 "elements[0].weight: unknown variant `gauss`, expected `cubic`",
             ),
             (
-                r#"{"elements": [{"frame_derivative": "co-moving"}]}"#,
-                "unknown variant `co-moving`, expected `frozen`",
+                r#"{"elements": [{"frame_derivative": "moving"}]}"#,
+                "elements[0].frame_derivative: unknown variant `moving`, expected `frozen` or `co-moving`",
             ),
             (
                 r#"{"elements": [{"frame": "plane"}]}"#,

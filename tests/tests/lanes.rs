@@ -234,8 +234,9 @@ fn sound_lanes_converge_each_in_its_own_time() {
     let values = lanes_are_elements::<Quadratic>(&[flat(), random(1), curved(2), random(3).scaled(1e3)]);
     assert!(values.iter().all(|v| v.status() == Status::Ok));
     let iterations = values.map(|v| v.foot_iterations);
-    assert_eq!(iterations[0], 1.0);
-    assert!(iterations[2] > iterations[1], "{iterations:?}");
+    // On a flat surface the start is the foot, but for rounding.
+    assert!(iterations[0] <= 2.0, "{iterations:?}");
+    assert!(iterations[0] < iterations[1] && iterations[1] < iterations[2], "{iterations:?}");
 }
 
 #[test]

@@ -75,7 +75,7 @@ fn degenerate_layouts_are_singular_fits() {
     for (name, case) in degenerate_cases() {
         for error in errors(&Generated, &case).into_iter().chain(errors(&Ad, &case)) {
             assert!(
-                matches!(error, Some(ElementError::SingularFit { tolerance: 1e-10, .. })),
+                matches!(error, Some(ElementError::SingularFit { tolerance: 1e-7, .. })),
                 "{name}: {error:?}"
             );
         }
@@ -87,7 +87,7 @@ fn a_singular_fit_says_how_singular_it_is() {
     for (name, case) in degenerate_cases() {
         for error in errors(&Generated, &case) {
             let Some(ElementError::SingularFit { pivot_ratio, .. }) = error else { panic!("{error:?}") };
-            assert!(pivot_ratio.abs() < 1e-13, "{name}: pivot ratio {pivot_ratio:e}");
+            assert!(pivot_ratio.abs() < 1e-11, "{name}: pivot ratio {pivot_ratio:e}");
         }
     }
 }
@@ -439,9 +439,17 @@ proptest! {
             Err(ElementError::Overflow { .. }) => return Ok(()),
             Err(error) => panic!("gap {:e}, but {error:?}", found.gap),
         };
+        // Fourth powers of lengths over R: beyond this the dual numbers of AD underflow, the kernels' do not yet.
+        let nearest = case.masters.iter().map(|x| largest(&add(*x, scale(-1.0, case.slave)))).fold(f64::MAX, f64::min);
+        if nearest < 1e-60 * case.support_radius {
+            return Ok(());
+        }
         // What a nearly singular fit loses.
         let tolerance = 1e-11 / pivot_ratio(&case);
-        let worst = difference(&found.coefficients, &expected.coefficients);
+        // Heights are rounded on the scale of the far nodes, so coefficients are compared over R, where they are
+        // slopes of the dimensionless fit.
+        let (x, y) = (over_radius(&found.coefficients, &case), over_radius(&expected.coefficients, &case));
+        let worst = largest(&differences(&x, &y)) / largest(&y).max(1.0);
         prop_assert!(worst <= tolerance, "coefficients differ by {worst:e}, bound {tolerance:e}");
         if same_foot(&case, &found, &expected) {
             let error = (found.gap - expected.gap).abs();
@@ -459,6 +467,17 @@ fn pivot_ratio(case: &Case) -> f64 {
     let (slave, masters, support_radius) = (case.slave, &case.masters[..], case.support_radius);
     let inputs = Inputs { slave, masters, t1, t2, normal, support_radius, point: [0.0; 2] };
     Cubic::gap(case.basis, Mode::Value, &inputs, &mut [], &mut []).pivot_ratio
+}
+
+/// Coefficients of the fit in units of R: heights over R as a polynomial of offsets over R.
+fn over_radius(coefficients: &[f64], case: &Case) -> Vec<f64> {
+    const DEGREES: [i32; 6] = [0, 1, 1, 2, 2, 2];
+    coefficients.iter().zip(DEGREES).map(|(c, degree)| c * case.support_radius.powi(degree - 1)).collect()
+}
+
+/// x − y
+fn differences(x: &[f64], y: &[f64]) -> Vec<f64> {
+    x.iter().zip(y).map(|(x, y)| x - y).collect()
 }
 
 /// Whether two backends found one foot: on a strongly curved surface there are several, and which is found

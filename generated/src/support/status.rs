@@ -50,7 +50,7 @@ pub enum Status {
 impl Status {
     /// A matrix whose factorisation broke down before it had a pivot to report has none: 0.
     fn singular_fit(pivot_ratio: f64) -> Self {
-        Self::SingularFit { pivot_ratio: if pivot_ratio.is_nan() { 0.0 } else { pivot_ratio } }
+        Self::SingularFit { pivot_ratio: if pivot_ratio.is_finite() { pivot_ratio } else { 0.0 } }
     }
 
     fn of_fit(pivot_ratio: f64, checksum: f64) -> Self {

@@ -79,7 +79,7 @@ impl Polynomial<f64> {
         let size = Polynomial(self.0.map(f64::abs));
         let u = [a.abs(), b.abs()];
         let [f_1, f_2] = size.slopes(u);
-        1.0 + size.value(u) * f_1.max(f_2)
+        u[0].max(u[1]) + size.value(u) * f_1.max(f_2)
     }
 }
 

@@ -39,7 +39,7 @@ impl Element<'_> {
     ///
     /// # Errors
     /// [`ElementError::TooFewNodes`], [`ElementError::NonFiniteInput`], [`ElementError::InvalidSupportRadius`],
-    /// [`ElementError::InvalidFrame`].
+    /// [`ElementError::InvalidFrame`], [`ElementError::NotAveragePlane`].
     pub fn validate(&self) -> Result<(), ElementError> {
         let needed = self.basis.size();
         if self.masters.len() < needed {
@@ -56,6 +56,7 @@ impl Element<'_> {
         if !(self.support_radius.is_finite() && self.support_radius > 0.0) {
             return Err(ElementError::InvalidSupportRadius { value: self.support_radius });
         }
-        self.frame.check()
+        self.frame.check()?;
+        self.frame.check_average_plane(self.masters)
     }
 }

@@ -50,6 +50,14 @@ pub enum ElementError {
         /// Middle principal moment over the largest.
         middle: f64,
     },
+    /// A frame that is to move with the average plane of the masters is not that plane.
+    #[error(
+        "the frame is co-moving but not the average plane of the masters: its normal is about {angle:e} rad off"
+    )]
+    NotAveragePlane {
+        /// Angle between the normals, roughly.
+        angle: f64,
+    },
     /// The average plane, whose motion is differentiated, is not unique to working precision.
     #[error(
         "the average plane is not unique: smallest relative pivot {pivot_ratio:e} of the equations for its turn"
@@ -110,6 +118,7 @@ impl ElementError {
             Self::InvalidFrame { .. } => "invalid-frame",
             Self::AmbiguousOutward { .. } => "ambiguous-outward",
             Self::NoAveragePlane { .. } | Self::UnstableAveragePlane { .. } => "no-average-plane",
+            Self::NotAveragePlane { .. } => "not-average-plane",
             Self::SingularFit { .. } => "singular-fit",
             Self::FootDiverged { .. } => "foot-diverged",
             Self::FootOutside { .. } => "foot-outside",

@@ -34,6 +34,8 @@ pub struct Frame {
 
 /// Largest |Q Qᵀ − I| accepted of a given frame.
 const ORTHONORMALITY_TOLERANCE: f64 = 1e-9;
+/// Largest angle between a co-moving frame's normal and that of the average plane, roughly.
+const AVERAGE_PLANE_TOLERANCE: f64 = 1e-6;
 /// A middle principal moment below this fraction of the largest means a line of nodes.
 const LINE_TOLERANCE: f64 = 1e-10;
 /// The smallest and the middle principal moment must differ by this fraction of the largest.
@@ -132,6 +134,34 @@ impl Frame {
     #[must_use]
     pub const fn frozen(self) -> Self {
         Self { derivative: FrameDerivative::Frozen, ..self }
+    }
+
+    /// Checks that a co-moving frame is the average plane of the nodes it moves with; a frame that is held may be
+    /// any.
+    ///
+    /// # Errors
+    /// [`ElementError::NotAveragePlane`] if the nodes' covariance of height and in-plane position is more than 1e-6 of
+    /// their in-plane moment.
+    pub fn check_average_plane(&self, masters: &[Point]) -> Result<(), ElementError> {
+        let (FrameDerivative::CoMoving, Some(first)) = (self.derivative, masters.first()) else {
+            return Ok(());
+        };
+        let local = |x: &Point| {
+            self.rows().map(|row| (0..3).map(|axis| row[axis] * (x[axis] - first[axis])).sum::<f64>())
+        };
+        let scale = masters.iter().flat_map(local).fold(0.0, |scale: f64, x| scale.max(x.abs()));
+        let count = masters.len() as f64;
+        let mean: [f64; 3] =
+            std::array::from_fn(|axis| masters.iter().map(|x| local(x)[axis] / scale).sum::<f64>() / count);
+        let (mut moment, mut covariance) = (0.0, [0.0; 2]);
+        for x in masters {
+            let [a, b, z] = std::array::from_fn(|axis| local(x)[axis] / scale - mean[axis]);
+            moment += a * a + b * b;
+            covariance = [covariance[0] + a * z, covariance[1] + b * z];
+        }
+        let angle = covariance[0].hypot(covariance[1]) / moment;
+        // A patch without extent is for the fit to refuse.
+        if angle > AVERAGE_PLANE_TOLERANCE { Err(ElementError::NotAveragePlane { angle }) } else { Ok(()) }
     }
 
     /// The three directions as rows, in the order (t1, t2, n̂).

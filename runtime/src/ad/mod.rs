@@ -9,8 +9,7 @@
 //!   too. That Σ N_i vanishes or that M is symmetric is an outcome, and therefore a test.
 //! * A frame that moves with the nodes ([`FrameDerivative::CoMoving`](crate::FrameDerivative)) is the average plane
 //!   of the dual masters, found by iteration on dual numbers. The given frame has to be that plane on reals, to 1e-6
-//!   radians: [`ElementError::InvalidFrame`] if it is not, [`ElementError::UnstableAveragePlane`] if there is none.
-//!   The gap without derivatives takes any frame.
+//!   radians: [`ElementError::NotAveragePlane`] if it is not, [`ElementError::UnstableAveragePlane`] if there is none.
 //! * Any number of master nodes, either basis, and any radial weight, built in or the caller's own.
 //! * An `Ok` holds finite numbers only.
 //!

@@ -39,7 +39,7 @@ impl AveragePlane {
     ///
     /// # Errors
     /// [`ElementError::UnstableAveragePlane`] if the plane is not unique to working precision, or if the given
-    /// one is not the thinnest; [`ElementError::InvalidFrame`] if the given normal is not stationary: the
+    /// one is not the thinnest; [`ElementError::NotAveragePlane`] if the given normal is not stationary: the
     /// deviation is the angle in radians by which it misses.
     pub(super) fn find(element: &Element<'_>) -> Result<Self, ElementError> {
         let masters = element.masters;
@@ -76,7 +76,7 @@ impl AveragePlane {
         let deviation =
             plane.step(residual(&scatter, [0.0; 2])).map(f64::abs).into_iter().fold(0.0, f64::max);
         if !(deviation <= TURN_TOLERANCE) {
-            return Err(ElementError::InvalidFrame { deviation });
+            return Err(ElementError::NotAveragePlane { angle: deviation });
         }
         Ok(plane)
     }
@@ -231,7 +231,7 @@ mod tests {
         let (_, frame) = plane(&MASTERS);
         let mut moved = MASTERS;
         moved[2][2] += 1e-4;
-        let Err(ElementError::InvalidFrame { deviation }) = find(&moved, frame) else { panic!("accepted") };
+        let Err(ElementError::NotAveragePlane { angle: deviation }) = find(&moved, frame) else { panic!("accepted") };
         assert!(deviation > 1e-5 && deviation < 1e-3);
         // Stationary, but not the thinnest.
         let turned = Frame { t1: frame.t2, t2: frame.normal, normal: frame.t1, ..frame };

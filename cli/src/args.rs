@@ -87,7 +87,8 @@ const JSON_FORMATS: &str = r#"IN.json:
     "frame_derivative": "co-moving", the average plane moves with the nodes while differentiating: N and M are
                                      exact; the default, but not for a given frame, which cannot move
                         "frozen",    the frame is held; the default for a given frame
-    "support_radius": R,             default 1.25 x the farthest in-plane distance of a master
+    "support_radius": R,             default 1.25 x the farthest in-plane distance of a master; held while
+                                     differentiating: give it explicitly to compare with differences
     "basis": "quadratic",            or "linear"; default quadratic from 6 masters on
     "weight": "cubic",               the default
     "penalty": 1.0                   the default

@@ -15,6 +15,12 @@ use crate::check::NoElement;
 /// Why the program stops. The text is the sentence the user reads after `error: `.
 #[derive(Debug, thiserror::Error)]
 pub enum CliError {
+    /// The output file is the input file.
+    #[error("{}: is the input file; give another name for the output", path.display())]
+    OutputIsInput {
+        /// The file.
+        path: PathBuf,
+    },
     /// An input file cannot be read.
     #[error("{}: cannot be read: {}", path.display(), plain(reason))]
     Read {

@@ -29,6 +29,16 @@ pub fn check_target(path: &Path) -> Result<(), CliError> {
     }
 }
 
+/// Refuses to replace an input file by its results.
+pub fn check_distinct(input: &Path, output: &Path) -> Result<(), CliError> {
+    match (fs::canonicalize(input), fs::canonicalize(output)) {
+        (Ok(input), Ok(existing)) if input == existing => {
+            Err(CliError::OutputIsInput { path: output.into() })
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Writes a file by filling a temporary one in the same directory and renaming it when it is complete. A pipe or
 /// device that exists under this name is written to, not replaced.
 pub fn write_file(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliError> {

@@ -289,3 +289,13 @@ fn a_reader_that_goes_away_is_no_error() {
     let stderr = common::run_and_close_stdout(&["evaluate", &input]);
     assert_eq!(stderr, "");
 }
+
+#[test]
+fn an_input_is_not_replaced_by_its_results() {
+    let scratch = Scratch::new("same-file");
+    let text = r#"{"elements": []}"#;
+    let input = scratch.file("in.json", text);
+    let name = input.as_str();
+    run(&["evaluate", name, "-o", name]).assert_refused(&["in.json", "is the input file"]);
+    assert_eq!(std::fs::read_to_string(&input).unwrap(), text);
+}

@@ -174,6 +174,9 @@ impl Frame {
 /// `normal` or its opposite, whichever points to the side of `outward`.
 fn oriented(normal: Vector3<f64>, outward: Point) -> Result<Vector3<f64>, ElementError> {
     let outward = Vector3::from(outward);
+    if outward == Vector3::zeros() {
+        return Err(ElementError::AmbiguousOutward { cosine: 0.0 });
+    }
     let cosine = normal.dot(&(outward / outward.amax())) / (outward / outward.amax()).norm();
     if !(cosine.abs() > OUTWARD_TOLERANCE) {
         return Err(ElementError::AmbiguousOutward { cosine });

@@ -22,6 +22,9 @@ use crate::output;
 /// Runs the demonstration.
 pub fn run(arguments: &DemoArguments) -> Result<(), CliError> {
     output::check_target(&arguments.output)?;
+    if let Some(mesh) = &arguments.mesh {
+        output::check_distinct(mesh, &arguments.output)?;
+    }
     let surfaces = surfaces::read(arguments)?;
     let generated = backend(BackendKind::Generated);
     let rule = PairingRule {

@@ -26,6 +26,7 @@ use schema::{Document, ElementInput, Object};
 pub fn run(arguments: &EvaluateArguments) -> Result<(), CliError> {
     if let Some(path) = &arguments.output {
         output::check_target(path)?;
+        output::check_distinct(&arguments.input, path)?;
     }
     let document = read(&arguments.input)?;
     let backend = backend(arguments.backend);

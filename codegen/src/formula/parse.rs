@@ -35,9 +35,37 @@ pub(super) fn parse(text: &str) -> Result<Formula, FormulaError> {
     whole.parse_str(&line).map_err(|e| {
         let column = e.span().start().column;
         // At the end of the input syn points nowhere in particular.
-        let at_end = e.to_string().contains("unexpected end of input");
-        error(e.to_string(), if at_end { line.trim_end().chars().count() } else { column })
+        let message = e.to_string();
+        if message.contains("cannot parse string into token stream") {
+            return error(
+                "the brackets do not match, or a character is not allowed".to_owned(),
+                misplaced(&line),
+            );
+        }
+        let at_end = message.contains("unexpected end of input");
+        error(message, if at_end { line.trim_end().chars().count() } else { column })
     })
+}
+
+/// The first character no formula has, or the first bracket without a partner.
+fn misplaced(line: &str) -> usize {
+    let known = |c: char| c.is_ascii_alphanumeric() || " +-*/^().<>={}_,".contains(c);
+    let unknown = line.chars().position(|c| !known(c));
+    let mut open: Vec<(usize, char)> = Vec::new();
+    let mut unmatched = None;
+    for (column, c) in line.chars().enumerate() {
+        match c {
+            '(' | '{' => open.push((column, c)),
+            ')' | '}' => {
+                let partner = if c == ')' { '(' } else { '{' };
+                if open.pop().is_none_or(|(_, opened)| opened != partner) && unmatched.is_none() {
+                    unmatched = Some(column);
+                }
+            }
+            _ => {}
+        }
+    }
+    unknown.or(unmatched).or(open.last().map(|&(column, _)| column)).unwrap_or(0)
 }
 
 /// Most characters of a formula, and most brackets open at once: recursion goes no deeper than they let it.
@@ -47,6 +75,9 @@ const MOST_BRACKETS: usize = 100;
 fn too_large(line: &str) -> Option<(String, usize)> {
     if line.chars().count() > MOST_CHARACTERS {
         return Some((format!("the formula is longer than {MOST_CHARACTERS} characters"), MOST_CHARACTERS));
+    }
+    if let Some(byte) = line.find("//").or_else(|| line.find("/*")) {
+        return Some(("a formula has no comments".to_owned(), line[..byte].chars().count()));
     }
     let mut open = 0_usize;
     line.chars().enumerate().find_map(|(column, c)| {
@@ -129,6 +160,16 @@ fn atom(input: ParseStream<'_>) -> syn::Result<Formula> {
     }
     if input.peek(Lit) {
         let literal: Lit = input.parse()?;
+        let text = literal.span().source_text().unwrap_or_default();
+        // Rust reads `2r` as the number 2 with a suffix, and knows `0x10` and `1_000`.
+        if let Some(letter) = text.char_indices().find(|&(k, c)| !is_of_number(&text, k, c)) {
+            let message = format!(
+                "`{text}` is no number: write a product as `{} * {}`",
+                &text[..letter.0],
+                &text[letter.0..]
+            );
+            return Err(syn::Error::new(literal.span(), message));
+        }
         let value: f64 = match &literal {
             Lit::Int(int) => int.base10_parse()?,
             Lit::Float(float) => float.base10_parse()?,
@@ -157,6 +198,18 @@ fn atom(input: ParseStream<'_>) -> syn::Result<Formula> {
     let argument;
     parenthesized!(argument in input);
     Ok(function(Box::new(finished(&argument)?)))
+}
+
+/// Whether a character belongs to a decimal number with an optional exponent.
+fn is_of_number(text: &str, position: usize, c: char) -> bool {
+    let before = text[..position].chars().next_back();
+    let exponent_follows = text[position + c.len_utf8()..]
+        .trim_start_matches(['+', '-'])
+        .starts_with(|next: char| next.is_ascii_digit());
+    c.is_ascii_digit()
+        || c == '.'
+        || (matches!(c, 'e' | 'E') && exponent_follows)
+        || (matches!(c, '+' | '-') && matches!(before, Some('e' | 'E')))
 }
 
 /// choice = "if" sum ("<" | "<=" | ">" | ">=") sum "{" sum "}" "else" ( "{" sum "}" | choice )
@@ -219,8 +272,25 @@ mod tests {
         assert_eq!(error("1 - r r").1, 6);
         assert_eq!(error("exp 3").1, 0);
         assert_eq!(error("").1, 0);
+        assert_eq!(error("(1 - r").1, 0);
+        assert_eq!(error("exp(r^2))").1, 8);
+        assert_eq!(error("(1 − r)^2").1, 3);
+        assert_eq!(error("1 - r // no").1, 6);
         assert_eq!(error("r^2^2").1, 3);
         assert_eq!(error("1 + \"a\"").1, 4);
+    }
+
+    #[test]
+    fn a_number_is_a_decimal_number() {
+        for (text, column) in
+            [("(1 + 2r)", 5), ("0x10", 0), ("1f32 + r", 0), ("1_0 - r", 0), ("1e-3r", 0), ("2.5r", 0)]
+        {
+            let (message, at) = error(text);
+            assert!(message.contains("is no number"), "{text}: {message}");
+            assert_eq!(at, column, "{text}");
+        }
+        let value = |text: &str| parse(text).unwrap().evaluate(1.0);
+        assert_eq!(["1e-3", "2.5E+2", "1.", "10"].map(value), [1e-3, 250.0, 1.0, 10.0]);
     }
 
     #[test]

@@ -373,7 +373,7 @@ impl Graph {
     }
 
     /// Splits x into a number and its sorted other factors.
-    fn coefficient_and_factors(&self, x: ExprId) -> (f64, Vec<ExprId>) {
+    pub(crate) fn coefficient_and_factors(&self, x: ExprId) -> (f64, Vec<ExprId>) {
         match self.op(x) {
             Op::Mul(..) if self.is_whole(x) => (1.0, vec![x]),
             Op::Constant(bits) => (f64::from_bits(bits), Vec::new()),

@@ -1,6 +1,6 @@
 //! Detection of vectors that are a common scalar times a simpler vector.
 
-use crate::graph::{ExprId, Graph, Op};
+use crate::graph::{ExprId, Graph};
 
 /// `vector[k] = scale · direction[k]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -12,7 +12,8 @@ pub(super) struct ScaledVector {
 impl Graph {
     /// Takes the largest common factor out of a vector. The scale is 1 where there is none.
     pub(super) fn common_factor(&mut self, vector: &[ExprId]) -> ScaledVector {
-        let split: Vec<(f64, Vec<ExprId>)> = vector.iter().map(|&x| self.split(x)).collect();
+        let split: Vec<(f64, Vec<ExprId>)> =
+            vector.iter().map(|&x| self.coefficient_and_factors(x)).collect();
         let mut nonzero = split.iter().filter(|(c, _)| *c != 0.0);
         let Some((first_coefficient, first)) = nonzero.next() else {
             return ScaledVector { scale: self.one(), direction: vector.to_vec() };
@@ -39,25 +40,6 @@ impl Graph {
         let number = self.constant(coefficient);
         let scale = common.into_iter().fold(number, |product, x| self.mul(product, x));
         ScaledVector { scale, direction }
-    }
-
-    /// Number and sorted other factors of a product.
-    fn split(&self, x: ExprId) -> (f64, Vec<ExprId>) {
-        match self.op(x) {
-            Op::Constant(bits) => (f64::from_bits(bits), Vec::new()),
-            Op::Neg(inner) => {
-                let (c, factors) = self.split(inner);
-                (-c, factors)
-            }
-            Op::Mul(left, right) => {
-                let (c, mut factors) = self.split(left);
-                let (d, others) = self.split(right);
-                factors.extend(others);
-                factors.sort_unstable();
-                (c * d, factors)
-            }
-            _ => (1.0, vec![x]),
-        }
     }
 }
 

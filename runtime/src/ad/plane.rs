@@ -231,7 +231,9 @@ mod tests {
         let (_, frame) = plane(&MASTERS);
         let mut moved = MASTERS;
         moved[2][2] += 1e-4;
-        let Err(ElementError::NotAveragePlane { angle: deviation }) = find(&moved, frame) else { panic!("accepted") };
+        let Err(ElementError::NotAveragePlane { angle: deviation }) = find(&moved, frame) else {
+            panic!("accepted")
+        };
         assert!(deviation > 1e-5 && deviation < 1e-3);
         // Stationary, but not the thinnest.
         let turned = Frame { t1: frame.t2, t2: frame.normal, normal: frame.t1, ..frame };

@@ -4,6 +4,8 @@
 //! on reals; its derivatives come from Newton steps over dual numbers taken at the converged foot, by which
 //! the exact derivatives flow through the iteration itself: no implicit function theorem is written down.
 
+use num_dual::{Dual, HyperDual};
+
 use super::model::Scalar;
 use crate::ElementError;
 
@@ -15,11 +17,14 @@ const MAX_HALVINGS: usize = 40;
 const RESIDUAL_GOAL: f64 = 1e-15;
 /// Residual accepted when no step makes it smaller: rounding is all that is left.
 const RESIDUAL_ACCEPTED: f64 = 1e-12;
-/// |det J| at or below this fraction of the sum of its terms' sizes is a centre of curvature.
+/// |det J| at or below this is a centre of curvature; it is at least 1 on a flat surface.
 const DETERMINANT_TOLERANCE: f64 = 1e-7;
 /// Newton steps over dual numbers. With the real Jacobian of the foot each step makes one more order of
 /// derivatives exact: two are needed, the others wash out rounding.
 const PROPAGATION_STEPS: usize = 4;
+
+/// Directions of the two in-plane coordinates.
+const UNITS: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
 
 /// The fitted surface z = α·(1, a, b, a², ab, b²); for the linear basis the last three coefficients are zero.
 #[derive(Clone, Copy, Debug)]
@@ -32,16 +37,20 @@ impl<D: Scalar> Polynomial<D> {
         c[0] + c[1] * a + c[2] * b + c[3] * a * a + c[4] * a * b + c[5] * b * b
     }
 
-    /// Slopes f_1, f_2.
+    /// Slopes f_1, f_2, by dual numbers over `D`.
     pub(super) fn slopes(&self, [a, b]: [D; 2]) -> [D; 2] {
-        let Self(c) = self;
-        [c[1] + c[3] * a * 2.0 + c[4] * b, c[2] + c[4] * a + c[5] * b * 2.0]
+        let lifted = Polynomial(self.0.map(Dual::from_re));
+        UNITS.map(|[da, db]| lifted.value([Dual::new(a, D::from(da)), Dual::new(b, D::from(db))]).eps)
     }
 
-    /// Second derivatives f_11, f_12, f_22.
+    /// Second derivatives f_11, f_12, f_22, by hyper-dual numbers over `D`.
     pub(super) fn curvatures(&self) -> [D; 3] {
-        let Self(c) = self;
-        [c[3] * 2.0, c[4], c[5] * 2.0]
+        let lifted = Polynomial(self.0.map(HyperDual::from_re));
+        let zero = D::from(0.0);
+        [(UNITS[0], UNITS[0]), (UNITS[0], UNITS[1]), (UNITS[1], UNITS[1])].map(|(first, second)| {
+            let at = |k: usize| HyperDual::new(zero, D::from(first[k]), D::from(second[k]), zero);
+            lifted.value([at(0), at(1)]).eps1eps2
+        })
     }
 
     /// Foot equations F_k = −u_k + h f_k with the slave's height h = −f(u) over the surface: the line from the
@@ -62,16 +71,12 @@ impl<D: Scalar> Polynomial<D> {
 }
 
 impl Polynomial<f64> {
-    /// Jacobian J_kl = −δ_kl − f_k f_l + h f_kl of the foot equations, and the sum of the absolute terms of
-    /// its determinant.
-    fn jacobian(&self, u: [f64; 2]) -> ([[f64; 2]; 2], f64) {
-        let height = -self.value(u);
-        let [f_1, f_2] = self.slopes(u);
-        let [h_11, h_12, h_22] = self.curvatures().map(|f_kl| height * f_kl);
-        let mixed = h_12 - f_1 * f_2;
-        let size = (1.0 + f_1 * f_1 + h_11.abs()) * (1.0 + f_2 * f_2 + h_22.abs())
-            + ((f_1 * f_2).abs() + h_12.abs()).powi(2);
-        ([[h_11 - f_1 * f_1 - 1.0, mixed], [mixed, h_22 - f_2 * f_2 - 1.0]], size)
+    /// Jacobian ∂F_k/∂u_l of the foot equations, by dual numbers.
+    fn jacobian(&self, u: [f64; 2]) -> [[f64; 2]; 2] {
+        let lifted = Polynomial(self.0.map(Dual::from_re));
+        let columns =
+            UNITS.map(|[da, db]| lifted.residual([Dual::new(u[0], da), Dual::new(u[1], db)]).map(|r| r.eps));
+        [[columns[0][0], columns[1][0]], [columns[0][1], columns[1][1]]]
     }
 
     /// Size of the terms the residual is made of: rounding in it is this times the machine precision.
@@ -108,7 +113,7 @@ impl Foot {
             if norm <= RESIDUAL_GOAL * size {
                 break;
             }
-            let (jacobian, _) = polynomial.jacobian(u);
+            let jacobian = polynomial.jacobian(u);
             let newton = multiply(&inverse(&jacobian), residual).map(|d| -d);
             let descent = multiply(&jacobian, residual).map(|d| -d);
             let step = decreasing_step(polynomial, u, newton, norm)
@@ -128,10 +133,10 @@ impl Foot {
 
     /// The converged foot, if it is unique and inside the domain of influence.
     fn checked(polynomial: &Polynomial<f64>, u: [f64; 2]) -> Result<Self, ElementError> {
-        let (jacobian, size) = polynomial.jacobian(u);
+        let jacobian = polynomial.jacobian(u);
         let determinant = determinant(&jacobian);
         super::finite("foot Jacobian", [determinant])?;
-        if determinant.abs() <= DETERMINANT_TOLERANCE * size {
+        if determinant.abs() <= DETERMINANT_TOLERANCE {
             return Err(ElementError::CentreOfCurvature { determinant });
         }
         let distance = u[0].hypot(u[1]);

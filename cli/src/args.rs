@@ -79,7 +79,7 @@ impl Default for DemoArguments {
 const JSON_FORMATS: &str = r#"IN.json:
   {"elements": [{
     "slave": [x, y, z],
-    "masters": [[x, y, z], ...],
+    "masters": [[x, y, z], ...],     at least 3, or the file is refused
     "outward": [x, y, z],            direction to the outside of the master, any length;
                                      may be left out if a frame is given
     "frame": "average-plane",        the default, or

@@ -41,6 +41,16 @@ pub enum CliError {
         /// The field, if it is known, and what is wrong with it.
         what: String,
     },
+    /// An element has too few master nodes for any basis.
+    #[error("{file}: elements[{element}].masters: {found} nodes, but a surface needs at least 3")]
+    TooFewMasters {
+        /// The file, or `standard input`.
+        file: String,
+        /// The element, counted from 0.
+        element: usize,
+        /// Its master nodes.
+        found: usize,
+    },
     /// An output file cannot be written.
     #[error("{}: cannot be written: {}", path.display(), plain(reason))]
     Write {

@@ -169,7 +169,9 @@ fn a_given_frame_is_used_and_oriented() {
 
 #[test]
 fn one_bad_element_does_not_stop_the_others() {
-    let two_nodes = json!({"slave": [0, 0, 1], "masters": [[0, 0, 0], [1, 0, 0]], "outward": [0, 0, 1]});
+    let corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]];
+    let four_nodes =
+        json!({"slave": [0, 0, 1], "masters": corners, "outward": [0, 0, 1], "basis": "quadratic"});
     let with = |field: &str, value: Value| {
         let mut element = plane([1.0, 1.0, 0.5]);
         element[field] = value;
@@ -180,7 +182,7 @@ fn one_bad_element_does_not_stop_the_others() {
     let strip: Vec<[i32; 3]> = (0..8).map(|k| [k / 2, k % 2, 0]).collect();
     let skew = json!({"origin": [0, 0, 0], "t1": [1, 0, 0], "t2": [1, 1, 0], "normal": [0, 0, 1]});
     let elements = [
-        ("too-few-nodes", two_nodes),
+        ("too-few-nodes", four_nodes),
         ("missing-outward", no_outward),
         ("ambiguous-outward", with("outward", json!([1, 0, 0]))),
         ("ambiguous-outward", with("outward", json!([0, 0, 0]))),
@@ -298,4 +300,16 @@ fn an_input_is_not_replaced_by_its_results() {
     let name = input.as_str();
     run(&["evaluate", name, "-o", name]).assert_refused(&["in.json", "is the input file"]);
     assert_eq!(std::fs::read_to_string(&input).unwrap(), text);
+}
+
+#[test]
+fn two_master_nodes_are_bad_input() {
+    let scratch = Scratch::new("two-nodes");
+    let good = r#"{"slave": [0, 0, 1], "masters": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "outward": [0, 0, 1]}"#;
+    let two = r#"{"slave": [0, 0, 1], "masters": [[0, 0, 0], [1, 0, 0]], "outward": [0, 0, 1]}"#;
+    let input = scratch.file("in.json", &format!(r#"{{"elements": [{good}, {two}]}}"#));
+    let output = scratch.path("out.json");
+    run(&["evaluate", &input, "-o", &output])
+        .assert_refused(&["in.json: elements[1].masters: 2 nodes", "at least 3"]);
+    assert!(!std::path::Path::new(&output).exists());
 }

@@ -12,7 +12,7 @@ use std::fs;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-use diffuse_contact::Backend;
+use diffuse_contact::{Backend, Basis};
 
 use crate::args::EvaluateArguments;
 use crate::backend::backend;
@@ -45,10 +45,22 @@ fn read(path: &Path) -> Result<Document, CliError> {
     if path == Path::new("-") {
         let mut text = Vec::new();
         io::stdin().read_to_end(&mut text).map_err(failed)?;
-        return schema::parse("standard input", &text);
+        return parse("standard input", &text);
     }
     let text = fs::read(path).map_err(failed)?;
-    schema::parse(&path.display().to_string(), &text)
+    parse(&path.display().to_string(), &text)
+}
+
+/// Reads the document; an element that no basis can fit is bad input, not a result.
+fn parse(file: &str, text: &[u8]) -> Result<Document, CliError> {
+    let document = schema::parse(file, text)?;
+    for (element, Object(input)) in document.elements.iter().enumerate() {
+        let found = input.masters().len();
+        if found < Basis::Linear.size() {
+            return Err(CliError::TooFewMasters { file: file.to_owned(), element, found });
+        }
+    }
+    Ok(document)
 }
 
 /// One line per element; counts the codes of those without a result.

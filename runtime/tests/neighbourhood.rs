@@ -279,7 +279,7 @@ fn the_pivot_is_the_one_the_backend_judges_by() {
                 assert!(pivot_ratio < 1e-12 && found.pivot_ratio < 1e-12, "{pivot_ratio} {found:?}");
             }
             Err(error) => panic!("{error}"),
-            Ok(_) => assert!(found.pivot_ratio > 1e-10, "{found:?}"),
+            Ok(_) => assert!(found.pivot_ratio > 1e-7, "{found:?}"),
         }
     }
     assert!(singular > 50, "{singular}");

@@ -22,7 +22,7 @@ const FEWEST_CANDIDATES: usize = 12;
 const NARROW: f64 = 1e-6;
 /// A regular set may yet be stretched so far across the axes of its frame that the factorisation loses its digits:
 /// the relative pivots of A have to exceed this, ten times what a [`Backend`](crate::Backend) tolerates.
-const SMALLEST_PIVOT: f64 = 1e-9;
+const SMALLEST_PIVOT: f64 = 1e-6;
 
 /// Searches neighbourhoods. One object serves any number of slaves and clouds and keeps its scratch
 /// memory from one search to the next; threads take a clone each.

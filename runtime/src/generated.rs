@@ -3,10 +3,12 @@
 use std::marker::PhantomData;
 
 use diffuse_contact_kernels::cubic::Cubic;
-use diffuse_contact_kernels::support::{Inputs, KernelSet, PIVOT_TOLERANCE, Status};
+use diffuse_contact_kernels::support::{GapValues, Inputs, KernelSet, PIVOT_TOLERANCE, Status};
 
 use crate::output::SymmetricMatrix;
-use crate::{Backend, Coefficients, Element, ElementError, FrameDerivative, Gap, Mode, Surface, Weight};
+use crate::{
+    Backend, Coefficients, ContactPoint, Element, ElementError, FrameDerivative, Gap, Mode, Surface, Weight,
+};
 
 /// Evaluates elements with the kernels that the build script of `diffuse-contact-kernels` generated.
 ///
@@ -108,13 +110,7 @@ impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
     fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
         element.validate()?;
         let mut buffers = Buffers::new(element, mode, 1, 1);
-        let inputs = inputs(element, [0.0; 2]);
-        let (gradients, hessians) = (&mut buffers.gradients, &mut buffers.hessians);
-        let values = match element.frame.derivative {
-            FrameDerivative::Frozen => K::gap(element.basis, mode, &inputs, gradients, hessians),
-            FrameDerivative::CoMoving => K::gap_co_moving(element.basis, mode, &inputs, gradients, hessians),
-        };
-        check(values.status())?;
+        let values = run_gap::<K>(element, mode, &mut buffers.gradients, &mut buffers.hessians)?;
         Ok(Gap {
             gap: values.gap,
             foot: values.foot,
@@ -124,6 +120,66 @@ impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
             hessian: buffers.hessians().pop().unwrap_or_default(),
         })
     }
+}
+
+impl Generated {
+    /// [`Backend::gap`] without allocation: N into `gradient`, 3(n+1) entries, and the packed lower triangle of M into
+    /// `hessian` (see [`SymmetricMatrix`] for its order). What the mode does not ask for may be empty and is not
+    /// touched; on an error the contents are unspecified.
+    ///
+    /// # Errors
+    /// As [`Backend::gap`].
+    ///
+    /// # Panics
+    /// If a slice is shorter than its mode needs.
+    pub fn gap_into(
+        &self,
+        element: &Element<'_>,
+        mode: Mode,
+        gradient: &mut [f64],
+        hessian: &mut [f64],
+    ) -> Result<ContactPoint, ElementError> {
+        match element.weight {
+            Weight::Cubic => GeneratedWith::<Cubic>::new().gap_into(element, mode, gradient, hessian),
+        }
+    }
+}
+
+impl<K: KernelSet> GeneratedWith<K> {
+    /// As [`Generated::gap_into`], with the kernels of `K`.
+    ///
+    /// # Errors
+    /// As [`Backend::gap`].
+    ///
+    /// # Panics
+    /// If a slice is shorter than its mode needs.
+    pub fn gap_into(
+        &self,
+        element: &Element<'_>,
+        mode: Mode,
+        gradient: &mut [f64],
+        hessian: &mut [f64],
+    ) -> Result<ContactPoint, ElementError> {
+        element.validate()?;
+        let values = run_gap::<K>(element, mode, gradient, hessian)?;
+        Ok(ContactPoint { gap: values.gap, foot: values.foot, normal: values.normal })
+    }
+}
+
+/// Runs the gap kernel that the element's frame asks for.
+fn run_gap<K: KernelSet>(
+    element: &Element<'_>,
+    mode: Mode,
+    gradient: &mut [f64],
+    hessian: &mut [f64],
+) -> Result<GapValues<f64>, ElementError> {
+    let inputs = inputs(element, [0.0; 2]);
+    let values = match element.frame.derivative {
+        FrameDerivative::Frozen => K::gap(element.basis, mode, &inputs, gradient, hessian),
+        FrameDerivative::CoMoving => K::gap_co_moving(element.basis, mode, &inputs, gradient, hessian),
+    };
+    check(values.status())?;
+    Ok(values)
 }
 
 fn inputs<'a>(element: &Element<'a>, point: [f64; 2]) -> Inputs<'a, f64> {

@@ -17,7 +17,7 @@ pub use element::{Element, Weight};
 pub use error::ElementError;
 pub use frame::{Frame, FrameDerivative};
 pub use generated::{Generated, GeneratedWith};
-pub use output::{Coefficients, Gap, Surface, SymmetricMatrix};
+pub use output::{Coefficients, ContactPoint, Gap, Surface, SymmetricMatrix};
 
 /// A point or a vector in global axes, in the length unit of the mesh.
 pub type Point = [f64; 3];

@@ -80,6 +80,17 @@ pub struct Surface {
     pub hessian: SymmetricMatrix,
 }
 
+/// Where an element touches, without derivatives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactPoint {
+    /// Signed gap g (19), length: positive apart, negative penetrating.
+    pub gap: f64,
+    /// Foot point on the master surface, global axes.
+    pub foot: Point,
+    /// Unit normal ν (22) of the surface at the foot, towards the outward side.
+    pub normal: Point,
+}
+
 /// The contact quantities of one element.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Gap {

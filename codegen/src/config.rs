@@ -99,6 +99,30 @@ impl Config {
         self
     }
 
+    /// Adds the cubic weight made interpolating (16), in the module `cubic_interpolating`.
+    #[must_use]
+    pub fn cubic_interpolating(mut self) -> Self {
+        self.weights.push(Weight::cubic_interpolating());
+        self
+    }
+
+    /// Adds the C² weight (1 − r)⁴ (1 + 4r), in the module `wendland_c2`.
+    #[must_use]
+    pub fn wendland_c2(mut self) -> Self {
+        self.weights.push(Weight::wendland_c2());
+        self
+    }
+
+    /// Adds the weight ω/(1 − ω) made from a formula ω in `r` that is 1 at r = 0 and below 1 elsewhere, in the module
+    /// `name`: the fitted surface passes through the nodes (16).
+    ///
+    /// # Errors
+    /// [`ConfigError::Weight`].
+    pub fn interpolating(mut self, name: &str, formula: &str) -> Result<Self, ConfigError> {
+        self.weights.push(Weight::interpolating(name, formula)?);
+        Ok(self)
+    }
+
     /// Adds a weight given by a formula in `r`, in the module `name`.
     ///
     /// # Errors

@@ -21,6 +21,7 @@ impl NodeInputs {
     pub fn new(count: usize) -> Self {
         let mut inputs = Self { count, ..Self::default() };
         inputs.set_element(crate::graph::NODE_COUNT, count as f64);
+        inputs.set_node(crate::graph::NODE_INDEX, (0..count).map(|k| k as f64).collect());
         inputs
     }
 
@@ -213,7 +214,7 @@ impl<'a> Interpreter<'a> {
         solution
     }
 
-    /// L⁻¹ of the matrix in elimination order, by the textbook recurrences.
+    /// L⁻¹ of the matrix L S Lᵀ in elimination order, by the textbook recurrences.
     fn factor(&mut self, system: SystemId) -> Factor {
         if let Some(known) = self.factors.get(&system) {
             return known.clone();
@@ -221,18 +222,22 @@ impl<'a> Interpreter<'a> {
         let matrix = self.matrix(system);
         let data = self.graph.system(system);
         let size = data.size();
-        let references: Vec<f64> =
-            (0..size).map(|i| self.value(data.reference(data.eliminated(i)), None)).collect();
+        let references: Vec<Option<f64>> = (0..size)
+            .map(|i| data.reference(data.eliminated(i)).map(|reference| self.value(reference, None)))
+            .collect();
+        let sign = |k: usize| if data.is_negative(k) { -1.0 } else { 1.0 };
         let a = |i: usize, j: usize| matrix[data.eliminated(i)][data.eliminated(j)];
         let mut l = vec![vec![0.0; size]; size];
         let mut pivot_ratio = f64::INFINITY;
         for i in 0..size {
             for j in 0..=i {
-                let rest = a(i, j) - (0..j).map(|k| l[i][k] * l[j][k]).sum::<f64>();
+                let rest = sign(j) * (a(i, j) - (0..j).map(|k| sign(k) * l[i][k] * l[j][k]).sum::<f64>());
                 if i == j {
-                    let ratio = rest / references[i];
-                    // A NaN stays where it came first, and does not replace a number.
-                    pivot_ratio = if i == 0 || ratio < pivot_ratio { ratio } else { pivot_ratio };
+                    if let Some(reference) = references[i] {
+                        let ratio = rest / reference;
+                        // A NaN stays where it came first, and does not replace a number.
+                        pivot_ratio = if i == 0 || ratio < pivot_ratio { ratio } else { pivot_ratio };
+                    }
                     l[i][i] = rest.sqrt();
                 } else {
                     l[i][j] = rest / l[j][j];

@@ -1,8 +1,8 @@
 //! Lowers structured nodes to plain arithmetic: a kernel in, the same kernel over a new graph out.
 //!
 //! After lowering only these operations are left: constants, inputs, + − × ÷, square root, exponential, choice,
-//! sums over nodes, rows and columns of pairs, and roots, whose equations are lowered too. Symmetric positive
-//! definite systems become an unrolled Cholesky factorisation with unrolled substitutions.
+//! sums over nodes, rows and columns of pairs, and roots, whose equations are lowered too. Symmetric systems become
+//! an unrolled Cholesky factorisation, with signs where there are multipliers, and unrolled substitutions.
 
 use std::collections::HashMap;
 
@@ -262,7 +262,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// A = L Lᵀ
+    /// A = L S Lᵀ
     fn factor(&mut self, system: SystemId) -> Factor {
         if let Some(known) = self.factors.get(&system) {
             return known.clone();
@@ -280,7 +280,14 @@ impl<'a> Lowering<'a> {
                     let left = row[k];
                     let right = if i == j { row[k] } else { factor.lower[j][k] };
                     let product = self.target.mul(left, right);
-                    rest = self.target.sub(rest, product);
+                    rest = if data.is_negative(k) {
+                        self.target.add(rest, product)
+                    } else {
+                        self.target.sub(rest, product)
+                    };
+                }
+                if data.is_negative(j) {
+                    rest = self.target.neg(rest);
                 }
                 if i == j {
                     self.target.name(rest, &format!("{name}_pivot_{i}"));
@@ -326,7 +333,7 @@ impl<'a> Lowering<'a> {
         entry
     }
 
-    /// L y = b, Lᵀ x = y
+    /// L y = b, Lᵀ x = S y
     fn lower_solve(&mut self, solve: SolveId) -> Vec<ExprId> {
         if let Some(known) = self.solutions.get(&solve) {
             return known.clone();
@@ -348,6 +355,11 @@ impl<'a> Lowering<'a> {
             y.push(self.target.name(value, &format!("{name}_forward_{i}")));
         }
         let mut x = y;
+        for i in 0..size {
+            if self.source.system(data.system).is_negative(i) {
+                x[i] = self.target.neg(x[i]);
+            }
+        }
         for i in (0..size).rev() {
             let mut rest = x[i];
             for k in i + 1..size {
@@ -368,9 +380,9 @@ impl<'a> Lowering<'a> {
         let factor = self.factor(system);
         let data = self.source.system(system).clone();
         let ratios: Vec<ExprId> = (0..data.size())
-            .map(|k| {
-                let reference = self.lower(data.reference(data.eliminated(k)));
-                self.target.div(factor.pivots[k], reference)
+            .filter_map(|k| {
+                let reference = self.lower(data.reference(data.eliminated(k))?);
+                Some(self.target.div(factor.pivots[k], reference))
             })
             .collect();
         // A pivot after a negative one is NaN, which is not smaller; if all are NaN, so is the result.

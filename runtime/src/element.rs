@@ -8,6 +8,27 @@ pub enum Weight {
     /// 1 − 3r² + 2r³ inside the support radius, 0 outside (Chamoret et al. 2008, eq. 14).
     #[default]
     Cubic,
+    /// ω/(1 − ω) with ω the cubic weight (Chamoret et al. 2008, eq. 16): infinite at a node, so that the surface
+    /// passes through the master nodes.
+    CubicInterpolating,
+    /// (1 − r)⁴ (1 + 4r) inside the support radius, 0 outside (Wendland 1995): twice differentiable at r = 1, where
+    /// the cubic weight's second derivative jumps.
+    WendlandC2,
+}
+
+impl Weight {
+    /// All weights.
+    pub const ALL: [Self; 3] = [Self::Cubic, Self::CubicInterpolating, Self::WendlandC2];
+
+    /// Name in input and output files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cubic => "cubic",
+            Self::CubicInterpolating => "cubic-interpolating",
+            Self::WendlandC2 => "wendland-c2",
+        }
+    }
 }
 
 /// What one evaluation needs: current positions, and the pairing data that stays fixed while differentiating.
@@ -32,6 +53,19 @@ impl Element<'_> {
     #[must_use]
     pub const fn degrees_of_freedom(&self) -> usize {
         3 * (self.masters.len() + 1)
+    }
+
+    /// Index of the master node nearest to the slave in the plane (t1, t2), the first of several; 0 if there are none.
+    #[must_use]
+    pub fn nearest_in_plane(&self) -> usize {
+        let square = |master: &Point| {
+            let offset: Point = std::array::from_fn(|k| master[k] - self.slave[k]);
+            let [a, b] = [self.frame.t1, self.frame.t2]
+                .map(|t| (0..3).map(|k| t[k] * offset[k]).sum::<f64>() / self.support_radius);
+            a * a + b * b
+        };
+        let squares = self.masters.iter().map(square).enumerate();
+        squares.min_by(|x, y| x.1.total_cmp(&y.1)).map_or(0, |(index, _)| index)
     }
 
     /// Checks what no kernel can repair: enough master nodes, finite input, positive support radius, orthonormal

@@ -3,7 +3,10 @@
 use std::marker::PhantomData;
 
 use diffuse_contact_kernels::cubic::Cubic;
+use diffuse_contact_kernels::cubic_interpolating::CubicInterpolating;
 use diffuse_contact_kernels::support::{GapValues, Inputs, KernelSet, PIVOT_TOLERANCE, Status};
+
+use diffuse_contact_kernels::wendland_c2::WendlandC2;
 
 use crate::output::SymmetricMatrix;
 use crate::{
@@ -49,23 +52,37 @@ impl<K> GeneratedWith<K> {
     }
 }
 
+/// Runs an expression with `$kernels` as the kernel set of a weight.
+macro_rules! with_kernels {
+    ($weight:expr, $kernels:ident => $call:expr) => {
+        match $weight {
+            Weight::Cubic => {
+                type $kernels = Cubic;
+                $call
+            }
+            Weight::CubicInterpolating => {
+                type $kernels = CubicInterpolating;
+                $call
+            }
+            Weight::WendlandC2 => {
+                type $kernels = WendlandC2;
+                $call
+            }
+        }
+    };
+}
+
 impl Backend for Generated {
     fn coefficients(&self, element: &Element<'_>, mode: Mode) -> Result<Coefficients, ElementError> {
-        match element.weight {
-            Weight::Cubic => GeneratedWith::<Cubic>::new().coefficients(element, mode),
-        }
+        with_kernels!(element.weight, K => GeneratedWith::<K>::new().coefficients(element, mode))
     }
 
     fn surface(&self, element: &Element<'_>, point: [f64; 2], mode: Mode) -> Result<Surface, ElementError> {
-        match element.weight {
-            Weight::Cubic => GeneratedWith::<Cubic>::new().surface(element, point, mode),
-        }
+        with_kernels!(element.weight, K => GeneratedWith::<K>::new().surface(element, point, mode))
     }
 
     fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
-        match element.weight {
-            Weight::Cubic => GeneratedWith::<Cubic>::new().gap(element, mode),
-        }
+        with_kernels!(element.weight, K => GeneratedWith::<K>::new().gap(element, mode))
     }
 }
 
@@ -74,7 +91,7 @@ impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
         element.validate()?;
         let size = element.basis.size();
         let mut buffers = Buffers::new(element, mode, size, size);
-        let inputs = inputs(element, [0.0; 2]);
+        let inputs = inputs::<K>(element, [0.0; 2]);
         let (gradients, hessians) = (&mut buffers.gradients, &mut buffers.hessians);
         let values = K::coefficients(element.basis, mode, &inputs, gradients, hessians);
         check(values.status())?;
@@ -91,7 +108,7 @@ impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
             return Err(ElementError::NonFiniteInput { what: "point", index });
         }
         let mut buffers = Buffers::new(element, mode, 3, 1);
-        let inputs = inputs(element, point);
+        let inputs = inputs::<K>(element, point);
         let (gradients, hessians) = (&mut buffers.gradients, &mut buffers.hessians);
         let values = K::surface(element.basis, mode, &inputs, gradients, hessians);
         check(values.status())?;
@@ -139,9 +156,7 @@ impl Generated {
         gradient: &mut [f64],
         hessian: &mut [f64],
     ) -> Result<ContactPoint, ElementError> {
-        match element.weight {
-            Weight::Cubic => GeneratedWith::<Cubic>::new().gap_into(element, mode, gradient, hessian),
-        }
+        with_kernels!(element.weight, K => GeneratedWith::<K>::new().gap_into(element, mode, gradient, hessian))
     }
 }
 
@@ -173,7 +188,7 @@ fn run_gap<K: KernelSet>(
     gradient: &mut [f64],
     hessian: &mut [f64],
 ) -> Result<GapValues<f64>, ElementError> {
-    let inputs = inputs(element, [0.0; 2]);
+    let inputs = inputs::<K>(element, [0.0; 2]);
     let values = match element.frame.derivative {
         FrameDerivative::Frozen => K::gap(element.basis, mode, &inputs, gradient, hessian),
         FrameDerivative::CoMoving => K::gap_co_moving(element.basis, mode, &inputs, gradient, hessian),
@@ -182,7 +197,8 @@ fn run_gap<K: KernelSet>(
     Ok(values)
 }
 
-fn inputs<'a>(element: &Element<'a>, point: [f64; 2]) -> Inputs<'a, f64> {
+fn inputs<'a, K: KernelSet>(element: &Element<'a>, point: [f64; 2]) -> Inputs<'a, f64> {
+    let anchor = if K::INTERPOLATING { element.nearest_in_plane() } else { 0 };
     Inputs {
         slave: element.slave,
         masters: element.masters,
@@ -191,6 +207,7 @@ fn inputs<'a>(element: &Element<'a>, point: [f64; 2]) -> Inputs<'a, f64> {
         normal: element.frame.normal,
         support_radius: element.support_radius,
         point,
+        anchor: anchor as f64,
     }
 }
 

@@ -21,6 +21,8 @@ pub struct Case {
     pub support_radius: f64,
     /// Basis of the fit.
     pub basis: Basis,
+    /// Weight of the fit.
+    pub weight: Weight,
 }
 
 impl Case {
@@ -60,7 +62,7 @@ impl Case {
             add(local, centre)
         });
         let slave = positions.next().expect("a slave");
-        Self { slave, masters: positions.collect(), frame, support_radius, basis }
+        Self { slave, masters: positions.collect(), frame, support_radius, basis, weight: Weight::Cubic }
     }
 
     /// The element in the frame (x, y, z), from coordinates taken as they are, slave first.
@@ -68,7 +70,14 @@ impl Case {
     pub fn axis_aligned(nodes: &[Point], support_radius: f64, basis: Basis) -> Self {
         let [t1, t2, normal] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let frame = Frame::given([0.0; 3], t1, t2, normal, None).expect("axes");
-        Self { slave: nodes[0], masters: nodes[1..].to_vec(), frame, support_radius, basis }
+        Self {
+            slave: nodes[0],
+            masters: nodes[1..].to_vec(),
+            frame,
+            support_radius,
+            basis,
+            weight: Weight::Cubic,
+        }
     }
 
     /// What the backends take.
@@ -80,8 +89,24 @@ impl Case {
             frame: self.frame,
             support_radius: self.support_radius,
             basis: self.basis,
-            weight: Weight::Cubic,
+            weight: self.weight,
         }
+    }
+
+    /// The element with another weight.
+    #[must_use]
+    pub fn with_weight(self, weight: Weight) -> Self {
+        Self { weight, ..self }
+    }
+
+    /// The element in the average plane of its masters, moving with it, on the same side.
+    ///
+    /// # Panics
+    /// If there is no such plane.
+    #[must_use]
+    pub fn co_moving(self) -> Self {
+        let frame = Frame::average_plane(&self.masters, self.frame.normal).expect("an average plane");
+        Self { frame, ..self }
     }
 
     /// Every position replaced by `f` of it.

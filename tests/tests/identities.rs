@@ -269,7 +269,7 @@ const CO_MOVING_ROUNDING: f64 = 1e-12;
 fn co_moving(case: &Case) -> (Vec<f64>, SymmetricMatrix) {
     let Frame { t1, t2, normal, .. } = Frame::average_plane(&case.masters, case.frame.normal).unwrap();
     let (slave, masters, support_radius) = (case.slave, &case.masters[..], case.support_radius);
-    let inputs = Inputs { slave, masters, t1, t2, normal, support_radius, point: [0.0; 2] };
+    let inputs = Inputs { slave, masters, t1, t2, normal, support_radius, point: [0.0; 2], anchor: 0.0 };
     let freedoms = case.element().degrees_of_freedom();
     let (mut gradient, mut hessian) = (vec![0.0; freedoms], SymmetricMatrix::zeros(freedoms));
     let values =

@@ -136,6 +136,7 @@ fn inputs(case: &Case) -> Inputs<'_, f64> {
         normal: case.frame.normal,
         support_radius: case.support_radius,
         point: [0.0; 2],
+        anchor: 0.0,
     }
 }
 
@@ -188,6 +189,7 @@ fn lanes_are_elements<K: GapKernel>(cases: &[Case; 4]) -> [GapValues<f64>; 4] {
         normal: gather(|k| cases[k].frame.normal),
         support_radius,
         point: [Lanes4::ZERO; 2],
+        anchor: Lanes4::ZERO,
     });
     std::array::from_fn(|k| {
         let lane = |x: &[Lanes4]| x.iter().map(|x| x.0[k]).collect::<Vec<f64>>();

@@ -465,7 +465,7 @@ proptest! {
 fn pivot_ratio(case: &Case) -> f64 {
     let [t1, t2, normal] = case.frame.rows();
     let (slave, masters, support_radius) = (case.slave, &case.masters[..], case.support_radius);
-    let inputs = Inputs { slave, masters, t1, t2, normal, support_radius, point: [0.0; 2] };
+    let inputs = Inputs { slave, masters, t1, t2, normal, support_radius, point: [0.0; 2], anchor: 0.0 };
     Cubic::gap(case.basis, Mode::Value, &inputs, &mut [], &mut []).pivot_ratio
 }
 

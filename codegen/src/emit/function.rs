@@ -6,7 +6,7 @@ use quote::{format_ident, quote};
 use super::count::{KernelCounts, OpCounts};
 use super::expression::Writer;
 use super::names::Names;
-use crate::graph::{ExprId, Op, RootFigure, RootId, Scope};
+use crate::graph::{ExprId, NODE_INDEX, Op, RootFigure, RootId, Scope};
 use crate::lower::lower;
 use crate::model::{FrameRule, Kernel, KernelSpec, Mode, Output};
 use crate::schedule::{NodeTarget, Program, Statement};
@@ -178,6 +178,9 @@ impl<'a> FunctionWriter<'a> {
         if self.program.kernel.spec.output == Output::Surface {
             arrays.push(quote!(let [point_1, point_2] = inputs.point;));
         }
+        if self.program.kernel.spec.weight.is_interpolating() {
+            arrays.push(quote!(let anchor = inputs.anchor;));
+        }
         self.statements += arrays.len() + 1;
         quote! {
             #(#arrays)*
@@ -267,29 +270,38 @@ impl<'a> FunctionWriter<'a> {
         self.statements += 2 * sums.len() + loads.len() + outputs.len() + stores.len() + 1;
 
         // A loop that reads stored values only has no use for the positions.
-        let reads_positions = nodes.statements.iter().any(|s| match s {
-            Statement::Let(x) => self.reads_inputs(*x),
-            Statement::Solve(_) => false,
-        });
+        let reads = |is_read: fn(&str) -> bool| {
+            nodes.statements.iter().any(|s| match s {
+                Statement::Let(x) => self.reads_inputs(*x, is_read),
+                Statement::Solve(_) => false,
+            })
+        };
+        let reads_index = reads(|name| name == NODE_INDEX);
+        let reads_positions = reads(|name| name != NODE_INDEX);
         let node = if stores.is_empty() { quote!(scratch.iter()) } else { quote!(scratch.iter_mut()) };
         let unused = stores.is_empty() && loads.is_empty();
-        let (pattern, iterator) = match (reads_positions, unused) {
+        let (pattern, iterator) = match (reads_positions || unused, unused) {
             (true, true) => (quote!(master), quote!(inputs.masters)),
             (true, false) => (quote!((master, node)), quote!(inputs.masters.iter().zip(#node))),
             (false, _) => (quote!(node), node),
         };
-        let (pattern, iterator) = if outputs.is_empty() {
+        let (pattern, iterator) = if outputs.is_empty() && !reads_index {
             (pattern, iterator)
         } else {
-            let iterator = if reads_positions && unused { quote!(#iterator.iter()) } else { iterator };
+            let iterator = if unused { quote!(#iterator.iter()) } else { iterator };
             (quote!((index, #pattern)), quote!(#iterator.enumerate()))
         };
         let positions = reads_positions.then(|| quote!(let [#(#master),*] = *master;));
+        let node_index = reads_index.then(|| {
+            let name = format_ident!("{NODE_INDEX}");
+            quote!(let #name = T::splat(index as f64);)
+        });
         quote! {
             #element
             #(let mut #sums = T::ZERO;)*
             for #pattern in #iterator {
                 #positions
+                #node_index
                 #(let #loads = node.#loads;)*
                 #body
                 #(#accumulations)*
@@ -299,12 +311,12 @@ impl<'a> FunctionWriter<'a> {
         }
     }
 
-    /// Whether a statement of a node loop reads the node's position itself.
-    fn reads_inputs(&self, expr: ExprId) -> bool {
+    /// Whether a statement of a node loop reads an input of node scope with such a name.
+    fn reads_inputs(&self, expr: ExprId, is_read: fn(&str) -> bool) -> bool {
         let graph = &self.program.kernel.graph;
         graph.operands(expr).into_iter().any(|x| match graph.op(x) {
-            Op::Symbol(_) => graph.scope(x) == Scope::Node,
-            _ => !self.program.layout.bound.contains(&x) && self.reads_inputs(x),
+            Op::Symbol(symbol) => graph.scope(x) == Scope::Node && is_read(&graph.symbol_data(symbol).name),
+            _ => !self.program.layout.bound.contains(&x) && self.reads_inputs(x, is_read),
         })
     }
 

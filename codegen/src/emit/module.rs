@@ -65,11 +65,15 @@ fn weight_module(weight: &Weight, support: &syn::Path, ranges: &[(Basis, NodeRan
         dispatch(Output::Gap, FrameRule::Frozen, weight, ranges),
         dispatch(Output::Gap, FrameRule::CoMoving, weight, ranges),
     ];
+    let description = match weight.is_interpolating() {
+        true => format!("ω/(1 − ω), ω = `{}`", weight.text()),
+        false => format!("`{}`", weight.text()),
+    };
     let (module_doc, set_doc) = (
-        format!(" Kernels with the weight `{}`.", weight.text()),
-        format!(" The kernels of this module as a [`KernelSet`]; weight `{}`.", weight.text()),
+        format!(" Kernels with the weight {description}."),
+        format!(" The kernels of this module as a [`KernelSet`]; weight {description}."),
     );
-    let text = weight.text();
+    let (text, interpolating) = (weight.text(), weight.is_interpolating());
     quote! {
         #[doc = #module_doc]
         #[allow(clippy::all, clippy::pedantic)]
@@ -84,6 +88,7 @@ fn weight_module(weight: &Weight, support: &syn::Path, ranges: &[(Basis, NodeRan
 
             impl KernelSet for #set {
                 const WEIGHT: &'static str = #text;
+                const INTERPOLATING: bool = #interpolating;
                 #(#methods)*
             }
         }

@@ -160,7 +160,7 @@ impl Graph {
         if derived.iter().all(|&b| self.is_zero(b)) {
             return self.zero();
         }
-        self.solve_spd_once(system, &derived)[component as usize]
+        self.solve_symmetric_once(system, &derived)[component as usize]
     }
 
     /// r(y, x) = 0 -> y' = -r_y^-1 r_x
@@ -188,7 +188,7 @@ impl Graph {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::SpdSystem;
+    use crate::graph::SymmetricSystem;
     use crate::interpret::{Interpreter, NodeInputs};
 
     /// Value of an element expression of x.
@@ -290,8 +290,8 @@ mod tests {
                 |g, x| {
                     let (two, xx) = (g.constant(2.0), g.mul(x, x));
                     let entry = g.add(two, xx);
-                    let system = g.add_system(SpdSystem::new("test", vec![vec![entry]], vec![0]));
-                    let y = g.solve_spd(system, vec![x])[0];
+                    let system = g.add_system(SymmetricSystem::new("test", vec![vec![entry]], vec![0]));
+                    let y = g.solve_symmetric(system, vec![x])[0];
                     let symbol = g.symbol_of(x);
                     if build_second { g.derivative(y, symbol) } else { y }
                 },

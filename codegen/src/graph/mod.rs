@@ -18,7 +18,7 @@ mod substitute;
 use std::collections::HashMap;
 
 pub use polynomial::Polynomial;
-pub use structured::{Root, Solve, SpdSystem};
+pub use structured::{Root, Solve, SymmetricSystem};
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident) => {
@@ -45,7 +45,7 @@ id!(
     SymbolId
 );
 id!(
-    /// A symmetric positive definite system of a [`Graph`].
+    /// A symmetric system of a [`Graph`].
     SystemId
 );
 id!(
@@ -121,9 +121,9 @@ pub enum Op {
     },
     /// Sum over the nodes.
     Sum(ExprId),
-    /// Component of the solution of a symmetric positive definite system.
+    /// Component of the solution of a symmetric system.
     Solution(SolveId, u32),
-    /// Entry (row, column ≤ row) of L⁻¹, where L Lᵀ is the system's matrix in its elimination order. `column`
+    /// Entry (row, column ≤ row) of L⁻¹, where L S Lᵀ is the system's matrix in its elimination order. `column`
     /// counts in that order too.
     InverseFactor {
         /// The system.
@@ -158,6 +158,8 @@ pub struct Symbol {
 
 /// Name of the input that holds the number of nodes.
 pub(crate) const NODE_COUNT: &str = "node_count";
+/// Name of the input that holds a node's index.
+pub(crate) const NODE_INDEX: &str = "node_index";
 
 /// An arena of expressions; see the module's promises.
 #[derive(Clone, Debug, Default)]
@@ -171,7 +173,7 @@ pub struct Graph {
     symbols: Vec<Symbol>,
     derivatives: HashMap<(ExprId, SymbolId), ExprId>,
     polynomials: Vec<Polynomial>,
-    systems: Vec<SpdSystem>,
+    systems: Vec<SymmetricSystem>,
     solves: Vec<Solve>,
     roots: Vec<Root>,
 }
@@ -244,7 +246,7 @@ impl Graph {
             Op::PivotRatio(system) => {
                 let system = self.system(system);
                 let mut all = system.entries();
-                all.extend((0..system.size()).map(|row| system.reference(row)));
+                all.extend((0..system.size()).filter_map(|row| system.reference(row)));
                 all
             }
             Op::RootValue(root, _) | Op::RootFigure(root, _) => self.dependencies_of_root(root),
@@ -266,7 +268,7 @@ impl Graph {
 
     /// The system with this id.
     #[must_use]
-    pub fn system(&self, system: SystemId) -> &SpdSystem {
+    pub fn system(&self, system: SystemId) -> &SymmetricSystem {
         &self.systems[system.index()]
     }
 
@@ -405,8 +407,8 @@ impl Graph {
         }
     }
 
-    /// Adds a symmetric positive definite system.
-    pub fn add_system(&mut self, system: SpdSystem) -> SystemId {
+    /// Adds a symmetric system.
+    pub fn add_system(&mut self, system: SymmetricSystem) -> SystemId {
         self.systems.push(system);
         SystemId(u32::try_from(self.systems.len() - 1).expect("fewer than 2³² systems"))
     }
@@ -415,7 +417,7 @@ impl Graph {
     ///
     /// # Panics
     /// If the right-hand side has another size than the system.
-    pub fn solve_spd(&mut self, system: SystemId, right_hand_side: Vec<ExprId>) -> Vec<ExprId> {
+    pub fn solve_symmetric(&mut self, system: SystemId, right_hand_side: Vec<ExprId>) -> Vec<ExprId> {
         let size = self.system(system).size();
         assert_eq!(right_hand_side.len(), size, "right-hand side of system {}", self.system(system).name);
         self.solves.push(Solve { system, right_hand_side });
@@ -423,15 +425,15 @@ impl Graph {
         (0..size).map(|k| self.intern(Op::Solution(solve, k as u32))).collect()
     }
 
-    /// As [`solve_spd`](Self::solve_spd), but a right-hand side that was solved before is not solved again.
-    pub fn solve_spd_once(&mut self, system: SystemId, right_hand_side: &[ExprId]) -> Vec<ExprId> {
+    /// As [`solve_symmetric`](Self::solve_symmetric), but a right-hand side that was solved before is not solved again.
+    pub fn solve_symmetric_once(&mut self, system: SystemId, right_hand_side: &[ExprId]) -> Vec<ExprId> {
         let known =
             self.solves.iter().position(|s| s.system == system && s.right_hand_side == right_hand_side);
         match known {
             Some(k) => (0..right_hand_side.len())
                 .map(|j| self.intern(Op::Solution(SolveId(k as u32), j as u32)))
                 .collect(),
-            None => self.solve_spd(system, right_hand_side.to_vec()),
+            None => self.solve_symmetric(system, right_hand_side.to_vec()),
         }
     }
 

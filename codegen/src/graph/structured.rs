@@ -1,10 +1,11 @@
-//! Data of structured nodes: symmetric positive definite systems, their right-hand sides, small nonlinear systems.
+//! Data of structured nodes: symmetric systems, their right-hand sides, small nonlinear systems.
 
 use super::{ExprId, SymbolId, SystemId};
 
-/// A symmetric positive definite matrix of element expressions.
+/// A symmetric matrix of element expressions, factorised as L S Lᵀ with signs S = diag(±1) that are known beforehand: all
+/// positive where the matrix is positive definite; a multiplier's row, whose pivot is negative, has the other sign.
 #[derive(Clone, Debug)]
-pub struct SpdSystem {
+pub struct SymmetricSystem {
     /// Name, used for the emitted factor's entries.
     pub name: String,
     /// Rows of the lower triangle.
@@ -13,9 +14,11 @@ pub struct SpdSystem {
     order: Vec<usize>,
     /// What a row's pivot is compared with; the diagonal where empty.
     references: Vec<ExprId>,
+    /// Rows whose pivots are negative.
+    negative: Vec<usize>,
 }
 
-impl SpdSystem {
+impl SymmetricSystem {
     /// A system from the rows of its lower triangle and the order in which its rows are eliminated.
     ///
     /// # Panics
@@ -26,24 +29,46 @@ impl SpdSystem {
         let mut sorted = order.clone();
         sorted.sort_unstable();
         assert!(sorted.into_iter().eq(0..lower.len()), "{name}: the elimination order is not a permutation");
-        Self { name: name.to_owned(), lower, order, references: Vec::new() }
+        Self { name: name.to_owned(), lower, order, references: Vec::new(), negative: Vec::new() }
     }
 
-    /// Compares pivots with these values, one per row, instead of with the diagonal entries they came from.
+    /// Compares pivots with these values, one per row, instead of with the diagonal entries they came from. The rows of
+    /// multipliers come after the others and have none.
     ///
     /// # Panics
     /// If there is not one per row.
     #[must_use]
     pub fn with_references(mut self, references: Vec<ExprId>) -> Self {
-        assert_eq!(references.len(), self.size(), "{}: one reference per row", self.name);
+        assert!(
+            references.len() + self.negative.len() == self.size(),
+            "{}: one reference per row",
+            self.name
+        );
         self.references = references;
         self
     }
 
-    /// What the pivot of a row is compared with.
+    /// Makes these rows those of multipliers: their pivots are negative, and tell nothing about whether the matrix is
+    /// regular.
     #[must_use]
-    pub fn reference(&self, row: usize) -> ExprId {
-        self.references.get(row).copied().unwrap_or_else(|| self.entry(row, row))
+    pub fn with_multipliers(mut self, rows: Vec<usize>) -> Self {
+        self.negative = rows;
+        self
+    }
+
+    /// What the pivot of a row is compared with; nothing for a multiplier's.
+    #[must_use]
+    pub fn reference(&self, row: usize) -> Option<ExprId> {
+        if self.negative.contains(&row) {
+            return None;
+        }
+        Some(self.references.get(row).copied().unwrap_or_else(|| self.entry(row, row)))
+    }
+
+    /// Whether the pivot at a position of the factorisation is negative.
+    #[must_use]
+    pub fn is_negative(&self, position: usize) -> bool {
+        self.negative.contains(&self.order[position])
     }
 
     /// Number of rows.

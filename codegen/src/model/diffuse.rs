@@ -6,8 +6,10 @@
 
 use super::basis::Basis;
 use super::kernel::FrameRule;
-use super::weight::Weight;
-use crate::graph::{ExprId, Graph, RootFigure, RootId, Scope, SpdSystem, SymbolId, SystemId};
+use super::weight::{NodeWeight, Weight};
+use crate::graph::{
+    ExprId, Graph, NODE_INDEX, RootFigure, RootId, Scope, SymbolId, SymmetricSystem, SystemId,
+};
 use crate::structure::{Block, CoordinateMap, Functional, NodeProblem};
 
 /// Names of the global axes.
@@ -33,9 +35,24 @@ pub(super) struct Diffuse {
     /// (a, b, z): a node's offset from the slave over R, in the frame; where the frame moves, as a function of
     /// its turn.
     position: [ExprId; 3],
+    /// w; where the weight has a pole, without the anchor's.
     weight: ExprId,
+    anchor: Option<Anchor>,
     coordinates: CoordinateMap,
     plane: Option<AveragePlane>,
+}
+
+/// The node nearest to the slave, whose interpolating weight (16) may be infinite. Its weight times its error,
+/// σ = w_k e_k, is an unknown with the equation e_k = σ/w_k, smooth where 1/w_k = 0: what [T8] does by elimination. The
+/// surface does not depend on which node is the anchor.
+#[derive(Clone, Copy)]
+struct Anchor {
+    /// 1 at the anchor, 0 at the other nodes.
+    indicator: ExprId,
+    /// 1/w at the anchor, 0 at the other nodes.
+    compliance: ExprId,
+    /// Its in-plane coordinates, held: the origin of the basis, so that p = e₀ there.
+    origin: [ExprId; 2],
 }
 
 /// The average plane as unknowns of the nodes.
@@ -45,9 +62,11 @@ struct AveragePlane {
     values: Vec<(SymbolId, ExprId)>,
 }
 
-/// A fit with the origin of its basis at `origin`.
+/// A fit.
 pub(super) struct Fit {
     pub problem: NodeProblem,
+    /// Origin of its basis.
+    origin: [ExprId; 2],
     /// Moment matrix A as assembled, lower triangle.
     matrix: Vec<Vec<ExprId>>,
 }
@@ -116,13 +135,31 @@ impl Diffuse {
         // (14) w = w(r), r = √(a² + b²)
         let r = g.hypot(position[0], position[1]);
         g.name(r, "r");
-        let weight = weight.evaluate(g, r);
+        let (weight, anchor) = match weight.evaluate(g, r) {
+            NodeWeight::Fitting(weight) => (weight, None),
+            NodeWeight::Interpolating { weight, compliance } => {
+                let (weight, anchor) = Anchor::declare(g, weight, compliance, offset);
+                (weight, Some(anchor))
+            }
+        };
         g.name(weight, "w");
-        Self { basis, slave, frame, support_radius, inverse_radius, position, weight, coordinates, plane }
+        Self {
+            basis,
+            slave,
+            frame,
+            support_radius,
+            inverse_radius,
+            position,
+            weight,
+            anchor,
+            coordinates,
+            plane,
+        }
     }
 
-    /// (13) A α = β with A = Σ w p pᵀ, β = Σ w z p, p = p(a − o₁, b − o₂).
+    /// (13) A α = β with A = Σ w p pᵀ, β = Σ w z p, p = p(a − o₁, b − o₂), o = `origin`, or the anchor where there is one.
     pub fn fit(&self, g: &mut Graph, origin: [ExprId; 2]) -> Fit {
+        let origin = self.anchor.map_or(origin, |anchor| anchor.origin);
         let p = self.basis_about(g, origin);
         let height = self.position[2];
         let values = self.values();
@@ -134,7 +171,7 @@ impl Diffuse {
                 g.name(product, &format!("w_p_{k}"))
             })
             .collect();
-        let matrix: Vec<Vec<ExprId>> = (0..p.len())
+        let mut matrix: Vec<Vec<ExprId>> = (0..p.len())
             .map(|i| {
                 (0..=i)
                     .map(|j| {
@@ -146,7 +183,7 @@ impl Diffuse {
                     .collect()
             })
             .collect();
-        let vector: Vec<ExprId> = (0..p.len())
+        let mut vector: Vec<ExprId> = (0..p.len())
             .map(|i| {
                 let product = g.mul(weighted[i], height);
                 let product = g.substitute(product, &values);
@@ -156,19 +193,36 @@ impl Diffuse {
             .collect();
         let diagonal: Vec<ExprId> = matrix.iter().filter_map(|row| row.last().copied()).collect();
         let references = self.basis.pivot_references(g, &diagonal);
-        let system = SpdSystem::new("l", matrix.clone(), self.basis.elimination_order());
+        let mut order = self.basis.elimination_order();
+        let multiplier = p.len();
+        if let Some(anchor) = self.anchor {
+            let (row, right_hand_side) = anchor.equation(g, multiplier, height, &self.values());
+            matrix.push(row);
+            vector.push(right_hand_side);
+            // α₀ and σ first: their 2 × 2 block is regular whatever the compliance, and what is left after it is
+            // positive definite also for as many nodes as coefficients.
+            order.retain(|&k| k != 0);
+            order.splice(0..0, [0, multiplier]);
+        }
+        let multipliers = self.anchor.iter().map(|_| multiplier).collect();
+        let system = SymmetricSystem::new("l", matrix.clone(), order).with_multipliers(multipliers);
         let system = g.add_system(system.with_references(references));
-        let solution = g.solve_spd(system, vector);
-        let unknowns = bind_all(g, "alpha", solution);
+        let mut solution = g.solve_symmetric(system, vector);
+        let sigma = self.anchor.and_then(|_| solution.pop());
+        let mut unknowns = bind_all(g, "alpha", solution);
+        unknowns.extend(sigma.map(|sigma| g.bind("sigma", sigma)));
         let problem = self.problem(g, &p, unknowns, system);
         problem.check_system(g);
-        Fit { problem, matrix }
+        Fit { problem, origin, matrix }
     }
 
     /// The same fit with the origin of its basis moved to `origin`: p(a − o) = T p(a), so A becomes T A Tᵀ, and α
     /// the Taylor coefficients of f at the new origin. The surface stays what it is, so `origin` is held while
-    /// differentiating.
-    fn recentred(&self, g: &mut Graph, fit: &Fit, origin: [ExprId; 2]) -> NodeProblem {
+    /// differentiating. With an anchor the basis stays there.
+    fn recentred(&self, g: &mut Graph, fit: Fit, origin: [ExprId; 2]) -> Fit {
+        if self.anchor.is_some() {
+            return fit;
+        }
         let (a, b) = (g.variable("shift_a"), g.variable("shift_b"));
         let size = self.basis.size();
         let at_minus_origin = [(a, origin[0]), (b, origin[1])].map(|(v, o)| (g.symbol_of(v), g.neg(o)));
@@ -182,7 +236,7 @@ impl Diffuse {
                 g.substitute_all(&coefficients, &at_minus_origin)
             })
             .collect();
-        let f = g.dot(&p, fit.problem.unknowns());
+        let f = g.dot(&p, self.alpha(&fit.problem));
         let coefficients = self.taylor_coefficients(g, f, [a, b]);
         let coefficients = g.substitute_all(&coefficients, &at_origin);
 
@@ -207,10 +261,11 @@ impl Diffuse {
                     .collect()
             })
             .collect();
-        let system = g.add_system(SpdSystem::new("foot_l", matrix, self.basis.elimination_order()));
+        let system =
+            g.add_system(SymmetricSystem::new("foot_l", matrix.clone(), self.basis.elimination_order()));
         let unknowns = bind_all(g, "foot_alpha", coefficients);
         let p = self.basis_about(g, origin);
-        self.problem(g, &p, unknowns, system)
+        Fit { problem: self.problem(g, &p, unknowns, system), origin, matrix }
     }
 
     /// (1/(i! j!)) ∂ⁱ∂ʲ f for the exponents (i, j) of the basis functions: f = Σ coefficient · p at the origin.
@@ -241,16 +296,31 @@ impl Diffuse {
         p
     }
 
-    /// (13) as residuals: Σ ρ = 0 with ρ = w e p, e = z − p·α.
+    /// The coefficients among the unknowns.
+    fn alpha<'a>(&self, problem: &'a NodeProblem) -> &'a [ExprId] {
+        &problem.unknowns()[..self.basis.size()]
+    }
+
+    /// (13) as residuals: Σ ρ = 0 with ρ = w e p, e = z − p·α; with an anchor σ p there, and −(e − σ/w) for σ.
     fn problem(&self, g: &mut Graph, p: &[ExprId], unknowns: Vec<ExprId>, system: SystemId) -> NodeProblem {
-        let fitted = g.dot(p, &unknowns);
+        let fitted = g.dot(p, &unknowns[..p.len()]);
         g.name(fitted, "fitted");
         let error = g.sub(self.position[2], fitted);
         g.name(error, "e");
-        let weighted_error = g.mul(self.weight, error);
+        let mut weighted_error = g.mul(self.weight, error);
         g.name(weighted_error, "w_e");
-        let residual = p.iter().map(|&p| g.mul(weighted_error, p)).collect();
-        let mut blocks = vec![Block { unknowns, residual, system }];
+        let mut groups = vec![p.len()];
+        let mut constraint = None;
+        if let (Some(anchor), Some(&sigma)) = (self.anchor, unknowns.get(p.len())) {
+            let own = g.mul(anchor.indicator, sigma);
+            weighted_error = g.add(weighted_error, own);
+            let (left, right) = (g.mul(anchor.compliance, sigma), g.mul(anchor.indicator, error));
+            constraint = Some(g.sub(left, right));
+            groups.push(1);
+        }
+        let mut residual: Vec<ExprId> = p.iter().map(|&p| g.mul(weighted_error, p)).collect();
+        residual.extend(constraint);
+        let mut blocks = vec![Block { unknowns, residual, groups, system }];
         blocks.extend(self.plane.as_ref().map(|plane| plane.block.clone()));
         NodeProblem { blocks, coordinates: self.coordinates.clone(), values: self.values() }
     }
@@ -265,14 +335,28 @@ impl Diffuse {
         self.plane.as_ref().map(|plane| plane.block.system)
     }
 
-    /// α in length units: z = α·(1, a, b, …) with z, a, b in length units.
+    /// α about the slave in length units: z = α·(1, a, b, …) with z, a, b in length units.
     pub fn coefficients(&self, g: &mut Graph, fit: &Fit) -> Vec<ExprId> {
+        let about_slave = self.coefficients_about_slave(g, fit);
         (0..self.basis.size())
             .map(|k| {
                 let unit = self.coefficient_unit(g, k);
-                g.mul(unit, fit.problem.unknowns()[k])
+                g.mul(unit, about_slave[k])
             })
             .collect()
+    }
+
+    /// The Taylor coefficients of f at the slave.
+    fn coefficients_about_slave(&self, g: &mut Graph, fit: &Fit) -> Vec<ExprId> {
+        if self.anchor.is_none() {
+            return self.alpha(&fit.problem).to_vec();
+        }
+        let u = [g.variable("slave_a"), g.variable("slave_b")];
+        let p = self.basis.evaluate(g, u[0], u[1]);
+        let f = g.dot(&p, self.alpha(&fit.problem));
+        let coefficients = self.taylor_coefficients(g, f, u);
+        let at_slave = [0, 1].map(|k| (g.symbol_of(u[k]), g.neg(fit.origin[k])));
+        g.substitute_all(&coefficients, &at_slave)
     }
 
     /// Length to the power of one minus the degree of basis function k.
@@ -284,11 +368,31 @@ impl Diffuse {
         }
     }
 
-    /// The functional α_k, in length units.
-    pub fn coefficient_functional(&self, g: &mut Graph, k: usize) -> Functional {
-        let mut first = vec![g.zero(); self.basis.size()];
-        first[k] = self.coefficient_unit(g, k);
+    /// The functional α_k about the slave, in length units.
+    pub fn coefficient_functional(&self, g: &mut Graph, fit: &Fit, k: usize) -> Functional {
+        let coefficient = self.coefficients_about_slave(g, fit)[k];
+        let unit = self.coefficient_unit(g, k);
+        let first = self.partial_derivatives(g, &fit.problem, coefficient, unit);
         self.linear_functional(g, &format!("alpha{k}"), first)
+    }
+
+    /// unit · ∂quantity/∂(unknowns)
+    fn partial_derivatives(
+        &self,
+        g: &mut Graph,
+        problem: &NodeProblem,
+        quantity: ExprId,
+        unit: ExprId,
+    ) -> Vec<ExprId> {
+        problem
+            .unknowns()
+            .iter()
+            .map(|&unknown| {
+                let unknown = g.symbol_of(unknown);
+                let derivative = g.derivative(quantity, unknown);
+                g.mul(unit, derivative)
+            })
+            .collect()
     }
 
     fn linear_functional(&self, g: &mut Graph, name: &str, first: Vec<ExprId>) -> Functional {
@@ -296,22 +400,21 @@ impl Diffuse {
         Functional { name: name.to_owned(), first, second: vec![vec![g.zero(); size]; size] }
     }
 
-    /// f = p(u)·α with its derivatives by u, at the origin of the fit's basis, dimensionless.
-    pub fn surface(&self, g: &mut Graph, problem: &NodeProblem) -> SurfacePoint {
+    /// f = p(u)·α with its derivatives by u, at `point`, dimensionless.
+    pub fn surface(&self, g: &mut Graph, fit: &Fit, point: [ExprId; 2]) -> SurfacePoint {
         let u = [g.variable("u_a"), g.variable("u_b")];
-        let surface = self.surface_at(g, problem, u);
-        let zero = g.zero();
-        let at_origin = u.map(|u| (g.symbol_of(u), zero));
+        let surface = self.surface_at(g, &fit.problem, u);
+        let at_point = [0, 1].map(|k| (g.symbol_of(u[k]), g.sub(point[k], fit.origin[k])));
         SurfacePoint {
-            value: g.substitute(surface.value, &at_origin),
-            slopes: surface.slopes.map(|x| g.substitute(x, &at_origin)),
-            curvatures: surface.curvatures.map(|x| g.substitute(x, &at_origin)),
+            value: g.substitute(surface.value, &at_point),
+            slopes: surface.slopes.map(|x| g.substitute(x, &at_point)),
+            curvatures: surface.curvatures.map(|x| g.substitute(x, &at_point)),
         }
     }
 
     fn surface_at(&self, g: &mut Graph, problem: &NodeProblem, u: [ExprId; 2]) -> SurfacePoint {
         let p = self.basis.evaluate(g, u[0], u[1]);
-        let value = g.dot(&p, problem.unknowns());
+        let value = g.dot(&p, self.alpha(problem));
         g.name(value, "f");
         let [u1, u2] = u.map(|u| g.symbol_of(u));
         let slopes = [g.derivative(value, u1), g.derivative(value, u2)];
@@ -320,9 +423,8 @@ impl Diffuse {
         SurfacePoint { value, slopes, curvatures }
     }
 
-    /// The functionals f, f_1, f_2 at the origin of the fit's basis, in length units.
-    pub fn surface_functionals(&self, g: &mut Graph, problem: &NodeProblem) -> [Functional; 3] {
-        let surface = self.surface(g, problem);
+    /// The functionals f, f_1, f_2 of a surface point, in length units.
+    pub fn surface_functionals(&self, g: &mut Graph, fit: &Fit, surface: &SurfacePoint) -> [Functional; 3] {
         let one = g.one();
         let quantities = [
             ("f", surface.value, self.support_radius),
@@ -330,15 +432,7 @@ impl Diffuse {
             ("f2", surface.slopes[1], one),
         ];
         quantities.map(|(name, quantity, unit)| {
-            let first = problem
-                .unknowns()
-                .iter()
-                .map(|&unknown| {
-                    let unknown = g.symbol_of(unknown);
-                    let derivative = g.derivative(quantity, unknown);
-                    g.mul(unit, derivative)
-                })
-                .collect();
+            let first = self.partial_derivatives(g, &fit.problem, quantity, unit);
             self.linear_functional(g, name, first)
         })
     }
@@ -358,19 +452,20 @@ impl Diffuse {
     }
 
     /// Foot point, gap and unit normal, and the gap as a functional of the coefficients at the foot.
-    pub fn contact(&self, g: &mut Graph, fit: &Fit) -> Contact {
+    pub fn contact(&self, g: &mut Graph, fit: Fit) -> Contact {
         // Foot point: F_k = −u_k + h f_k = 0 with h = −f(u).
         let u = [g.variable("u_1"), g.variable("u_2")];
-        let equations = self.foot_equations(g, &fit.problem, u, u);
+        let zero = g.zero();
+        let equations = self.foot_equations(g, &fit, u, [zero; 2]);
         let (root, foot) = g.add_root("foot", &u, equations.to_vec());
         let foot = [g.bind("foot_1", foot[0]), g.bind("foot_2", foot[1])];
-        let problem = self.recentred(g, fit, foot);
+        let fit = self.recentred(g, fit, foot);
 
         // Signed distance as a stationary value. Ψ(δ, q) = ν(q)·(x^c − x^d(o + δ)) with the unit normal
         // ν(q) = (−q_1, −q_2, 1)/√(1 + q²): ∂Ψ/∂δ = 0 says q_k = f_k, ∂Ψ/∂q = 0 says that x^c − x^d is along ν.
         let delta = [g.variable("delta_1"), g.variable("delta_2")];
         let q = [g.variable("q_1"), g.variable("q_2")];
-        let surface = self.surface_at(g, &problem, delta);
+        let surface = self.surface_beside(g, &fit, delta, foot);
         let point = [g.add(foot[0], delta[0]), g.add(foot[1], delta[1])];
         let (one, height) = (g.one(), g.neg(surface.value));
         let along = g.dot(&[q[0], q[1], one], &[point[0], point[1], height]);
@@ -380,13 +475,13 @@ impl Diffuse {
         let distance = g.div(along, length);
 
         // How δ and q follow α: δ by the foot equations, q = f_k(δ, α) by chain rule.
-        let equations = self.foot_equations(g, &problem, delta, point);
+        let equations = self.foot_equations(g, &fit, delta, foot);
         let delta_symbols = delta.map(|d| g.symbol_of(d));
         let jacobian: Vec<Vec<ExprId>> = equations
             .iter()
             .map(|&equation| delta_symbols.iter().map(|&d| g.derivative(equation, d)).collect())
             .collect();
-        let unknowns = problem.unknowns().to_vec();
+        let unknowns = fit.problem.unknowns().to_vec();
         let followers: Vec<Follower> = unknowns
             .iter()
             .map(|&alpha| {
@@ -410,7 +505,6 @@ impl Diffuse {
             .collect();
 
         // Ψ is stationary in δ and q, so ∂G/∂α is its partial derivative; ∂²G/∂α² is the total derivative of that.
-        let zero = g.zero();
         let mut at_foot: Vec<_> = delta_symbols.iter().map(|&d| (d, zero)).collect();
         let slopes = surface.slopes.map(|slope| g.substitute(slope, &at_foot));
         at_foot.extend([(g.symbol_of(q[0]), slopes[0]), (g.symbol_of(q[1]), slopes[1])]);
@@ -456,23 +550,35 @@ impl Diffuse {
         let determinant = g.substitute(determinant, &at_foot);
         let square = g.dot(&foot, &foot);
         let distance = g.sqrt(square);
+        let problem = fit.problem;
         Contact { problem, functional, gap, foot: foot_point, normal, distance, determinant, root }
     }
 
-    /// −point_k + h f_k with h = −f, at the surface point with basis coordinates `u`.
-    fn foot_equations(
-        &self,
-        g: &mut Graph,
-        problem: &NodeProblem,
-        u: [ExprId; 2],
-        point: [ExprId; 2],
-    ) -> [ExprId; 2] {
-        let surface = self.surface_at(g, problem, u);
+    /// −(u_k + δ_k) + h f_k with h = −f, at the surface point u + δ.
+    fn foot_equations(&self, g: &mut Graph, fit: &Fit, delta: [ExprId; 2], u: [ExprId; 2]) -> [ExprId; 2] {
+        let surface = self.surface_beside(g, fit, delta, u);
         let height = g.neg(surface.value);
         std::array::from_fn(|k| {
+            let point = g.add(u[k], delta[k]);
             let product = g.mul(height, surface.slopes[k]);
-            g.sub(product, point[k])
+            g.sub(product, point)
         })
+    }
+
+    /// The surface at u + δ as a function of the variables δ.
+    fn surface_beside(&self, g: &mut Graph, fit: &Fit, delta: [ExprId; 2], u: [ExprId; 2]) -> SurfacePoint {
+        let from_origin = [0, 1].map(|k| g.sub(u[k], fit.origin[k]));
+        if from_origin.iter().all(|&x| g.is_zero(x)) {
+            return self.surface_at(g, &fit.problem, delta);
+        }
+        let v = [g.variable("v_1"), g.variable("v_2")];
+        let surface = self.surface_at(g, &fit.problem, v);
+        let at_point = [0, 1].map(|k| (g.symbol_of(v[k]), g.add(from_origin[k], delta[k])));
+        SurfacePoint {
+            value: g.substitute(surface.value, &at_point),
+            slopes: surface.slopes.map(|x| g.substitute(x, &at_point)),
+            curvatures: surface.curvatures.map(|x| g.substitute(x, &at_point)),
+        }
     }
 
     /// Global components of a vector given along (t1, t2, n̂).
@@ -491,6 +597,51 @@ impl Diffuse {
                 g.name(figure, name)
             },
         )
+    }
+}
+
+impl Anchor {
+    /// The anchor, and the weight of the other nodes. The node with index `anchor` of the input is it.
+    fn declare(g: &mut Graph, weight: ExprId, compliance: ExprId, offset: [ExprId; 3]) -> (ExprId, Self) {
+        let (index, anchor) = (g.input(NODE_INDEX, Scope::Node), g.input("anchor", Scope::Element));
+        let difference = g.sub(index, anchor);
+        let square = g.mul(difference, difference);
+        let (half, zero, one) = (g.constant(0.5), g.zero(), g.one());
+        // The pole's infinity and its derivatives' NaN are in the branch that is not taken.
+        let mut choose = |here: ExprId, elsewhere: ExprId| g.select_less(square, half, here, elsewhere);
+        let weight = choose(zero, weight);
+        let indicator = choose(one, zero);
+        let compliance = choose(compliance, zero);
+        let own = [choose(offset[0], zero), choose(offset[1], zero)];
+        g.name(indicator, "is_anchor");
+        g.name(compliance, "compliance");
+        let mut origin = own;
+        for (k, name) in ["anchor_a", "anchor_b"].into_iter().enumerate() {
+            let sum = g.sum(own[k]);
+            origin[k] = g.bind(name, sum);
+        }
+        (weight, Self { indicator, compliance, origin })
+    }
+
+    /// The row of σ in the system, −(p_k·α) − σ/w_k with p = e₀ at the anchor, and its right-hand side −z_k.
+    fn equation(
+        self,
+        g: &mut Graph,
+        row: usize,
+        height: ExprId,
+        values: &[(SymbolId, ExprId)],
+    ) -> (Vec<ExprId>, ExprId) {
+        let own_height = g.mul(self.indicator, height);
+        let [compliance, height] = [self.compliance, own_height].map(|x| {
+            let x = g.substitute(x, values);
+            let sum = g.sum(x);
+            g.neg(sum)
+        });
+        let (zero, minus_one) = (g.zero(), g.constant(-1.0));
+        let mut entries = vec![zero; row + 1];
+        entries[0] = minus_one;
+        entries[row] = compliance;
+        (entries, height)
     }
 }
 
@@ -527,8 +678,9 @@ impl AveragePlane {
             })
             .collect();
         // The height first: the fit does not depend on it, which leaves a zero column in the coupling.
-        let system = g.add_system(SpdSystem::new("plane_l", matrix, vec![2, 0, 1]));
-        Self { block: Block { unknowns, residual, system }, values }
+        let system = g.add_system(SymmetricSystem::new("plane_l", matrix, vec![2, 0, 1]));
+        let groups = vec![unknowns.len()];
+        Self { block: Block { unknowns, residual, groups, system }, values }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::basis::Basis;
 use super::diffuse::{Diffuse, Equation};
 use super::weight::Weight;
-use crate::graph::{ExprId, Graph, Op, Scope};
+use crate::graph::{ExprId, Graph, Op, Scope, SystemId};
 use crate::structure::{Functional, Gradient, Hessian, NodeProblem};
 
 /// What a kernel computes.
@@ -164,10 +164,10 @@ impl Kernel {
         let alpha = model.coefficients(g, &fit);
         self.add_array("coefficients", "Coefficients α, units length, 1, 1, 1/length, … (eq. 13)", alpha);
         let functionals: Vec<(&'static str, Functional)> = (0..self.spec.basis.size())
-            .map(|k| (COEFFICIENT_NAMES[k], model.coefficient_functional(&mut self.graph, k)))
+            .map(|k| (COEFFICIENT_NAMES[k], model.coefficient_functional(&mut self.graph, &fit, k)))
             .collect();
         self.add_derivatives(&fit.problem, &functionals, functionals.len());
-        self.add_pivot_ratio(&fit.problem);
+        self.add_pivot_ratio(fit.problem.system());
     }
 
     fn surface(&mut self, model: &Diffuse) {
@@ -178,15 +178,15 @@ impl Kernel {
             g.bind(&format!("scaled_{name}"), scaled)
         });
         let fit = model.fit(g, point);
-        let at_point = model.surface(g, &fit.problem);
-        let functionals = model.surface_functionals(g, &fit.problem);
+        let at_point = model.surface(g, &fit, point);
+        let functionals = model.surface_functionals(g, &fit, &at_point);
         let in_units = model.surface_in_units(g, &at_point);
         self.add_scalar("value", "Height f over the slave, length", in_units.value);
         self.add_array("slopes", "f_1, f_2", in_units.slopes.to_vec());
         self.add_array("curvatures", "f_11, f_12, f_22, 1/length", in_units.curvatures.to_vec());
         let [f, f1, f2] = functionals;
         self.add_derivatives(&fit.problem, &[("f", f), ("f_1", f1), ("f_2", f2)], 1);
-        self.add_pivot_ratio(&fit.problem);
+        self.add_pivot_ratio(fit.problem.system());
         self.equations
             .push(Equation { formula: "f(u) = p(u) alpha", source: "Chamoret et al. 2008, eq. 13" });
     }
@@ -195,8 +195,9 @@ impl Kernel {
         let g = &mut self.graph;
         let zero = g.zero();
         let fit = model.fit(g, [zero; 2]);
-        let contact = model.contact(g, &fit);
         let alpha = model.coefficients(g, &fit);
+        let system = fit.problem.system();
+        let contact = model.contact(g, fit);
         let [residual, iterations] = model.foot_figures(g, contact.root);
         self.add_scalar("gap", "Signed gap g, length, positive apart (eq. 19)", contact.gap);
         self.add_array("foot", "Foot point x^d, global axes, length", contact.foot.to_vec());
@@ -207,7 +208,7 @@ impl Kernel {
             alpha,
         );
         self.add_derivatives(&contact.problem, &[("gap", contact.functional)], 1);
-        self.add_pivot_ratio(&fit.problem);
+        self.add_pivot_ratio(system);
         if let Some(system) = model.plane_system() {
             let ratio = self.graph.intern(Op::PivotRatio(system));
             self.add_scalar(
@@ -264,8 +265,8 @@ impl Kernel {
         }
     }
 
-    fn add_pivot_ratio(&mut self, problem: &NodeProblem) {
-        let ratio = self.graph.intern(Op::PivotRatio(problem.system()));
+    fn add_pivot_ratio(&mut self, system: SystemId) {
+        let ratio = self.graph.intern(Op::PivotRatio(system));
         self.add_scalar(
             "pivot_ratio",
             "Smallest pivot of A relative to its diagonal, 0 for a singular fit",

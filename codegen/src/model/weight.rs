@@ -3,12 +3,27 @@
 use crate::formula::{Formula, FormulaError};
 use crate::graph::{ExprId, Graph, Polynomial};
 
-/// A weight function: a name for the emitted code and a formula in r = distance / support radius.
+/// A weight function: a name for the emitted code and a formula ω in r = distance / support radius.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weight {
     name: String,
     text: String,
     formula: Formula,
+    interpolating: bool,
+}
+
+/// A weight at a node.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum NodeWeight {
+    /// w = ω
+    Fitting(ExprId),
+    /// w = ω/(1 − ω) (16), with 1/w, which is smooth where w has its pole.
+    Interpolating {
+        /// w, for r > 0.
+        weight: ExprId,
+        /// 1/w, for r < 1.
+        compliance: ExprId,
+    },
 }
 
 /// Why a formula cannot serve as a weight.
@@ -41,6 +56,19 @@ pub enum WeightError {
     /// The weight is not a positive number somewhere in 0 ≤ r < 1.
     #[error("the weight \"{formula}\" must be positive for 0 <= r < 1, but is {value} at r = {r}")]
     NotPositive {
+        /// The formula.
+        formula: String,
+        /// Where.
+        r: f64,
+        /// The value there.
+        value: f64,
+    },
+    /// A weight to be made interpolating is not 1 at r = 0, or is not below 1 elsewhere.
+    #[error(
+        "the weight \"{formula}\" cannot be made interpolating: it is {value} at r = {r}, but has to be 1 at r = 0 and below 1 \
+         elsewhere"
+    )]
+    NotInterpolating {
         /// The formula.
         formula: String,
         /// Where.
@@ -91,9 +119,45 @@ impl Weight {
             name: name.to_owned(),
             text: formula.trim().to_owned(),
             formula: Formula::parse(formula)?,
+            interpolating: false,
         };
         weight.check()?;
         Ok(weight)
+    }
+
+    /// The C² weight (1 − r)⁴ (1 + 4r) (Wendland 1995), in the module `wendland_c2`.
+    ///
+    /// # Panics
+    /// Never: the formula is valid.
+    #[must_use]
+    pub fn wendland_c2() -> Self {
+        Self::new("wendland_c2", "(1 - r)^4 * (1 + 4*r)").expect("a valid weight")
+    }
+
+    /// The weight ω/(1 − ω) made from a weight ω with ω(0) = 1 (Chamoret et al. 2008, eq. 16): it has a pole at the
+    /// node, so the surface passes through the nodes.
+    ///
+    /// # Errors
+    /// [`WeightError`]; [`WeightError::NotInterpolating`] if ω(0) is not 1 or ω is not below 1 for some r > 0.
+    pub fn interpolating(name: &str, formula: &str) -> Result<Self, WeightError> {
+        let weight = Self { interpolating: true, ..Self::new(name, formula)? };
+        weight.check_pole()?;
+        Ok(weight)
+    }
+
+    /// The paper's cubic weight made interpolating (16), in the module `cubic_interpolating`.
+    ///
+    /// # Panics
+    /// Never: the formula is valid.
+    #[must_use]
+    pub fn cubic_interpolating() -> Self {
+        Self::interpolating("cubic_interpolating", "(1 - r)^2 * (1 + 2*r)").expect("a valid weight")
+    }
+
+    /// Whether the weight has a pole at r = 0.
+    #[must_use]
+    pub const fn is_interpolating(&self) -> bool {
+        self.interpolating
     }
 
     /// Name in emitted code.
@@ -126,11 +190,35 @@ impl Weight {
         Ok(())
     }
 
-    /// w at the norm `r`, an expression made by [`Graph::hypot`]; 0 where r ≥ 1.
-    pub(super) fn evaluate(&self, g: &mut Graph, r: ExprId) -> ExprId {
+    /// 1 − ω has a simple zero in r² at r = 0 and no other.
+    fn check_pole(&self) -> Result<(), WeightError> {
+        let error = |r, value| Err(WeightError::NotInterpolating { formula: self.text.clone(), r, value });
+        let expansion = self.formula.taylor(TAYLOR_COEFFICIENTS);
+        if (expansion[0] - 1.0).abs() > 1e-15 || !(expansion[2] < 0.0) {
+            return error(0.0, expansion[0]);
+        }
+        for r in (1..SAMPLES).map(|k| f64::from(k) / f64::from(SAMPLES)) {
+            let value = self.formula.evaluate(r);
+            if !(value < 1.0) {
+                return error(r, value);
+            }
+        }
+        Ok(())
+    }
+
+    /// The weight at the norm `r`, an expression made by [`Graph::hypot`]; 0 where r ≥ 1.
+    pub(super) fn evaluate(&self, g: &mut Graph, r: ExprId) -> NodeWeight {
         let inside = around_origin(g, &self.formula, r);
         let (zero, one) = (g.zero(), g.one());
-        g.select_less(r, one, inside, zero)
+        let omega = g.select_less(r, one, inside, zero);
+        if !self.interpolating {
+            return NodeWeight::Fitting(omega);
+        }
+        g.name(omega, "omega");
+        let inside = complement_around_origin(g, &self.formula, r);
+        let complement = g.select_less(r, one, inside, one);
+        g.name(complement, "one_minus_omega");
+        NodeWeight::Interpolating { weight: g.div(omega, complement), compliance: g.div(complement, omega) }
     }
 }
 
@@ -176,6 +264,35 @@ fn around_origin(g: &mut Graph, formula: &Formula, r: ExprId) -> ExprId {
     let radius = expansion_radius(formula, &coefficients);
     let (near, far) = (power_sum(g, &coefficients, r), plain(g, formula, r));
     let radius = g.constant(radius);
+    g.select_less(r, radius, near, far)
+}
+
+/// 1 − ω as [`around_origin`], from the expansion of ω without its 1: no digits are lost near r = 0, where 1 − ω vanishes.
+fn complement_around_origin(g: &mut Graph, formula: &Formula, r: ExprId) -> ExprId {
+    let power_sum = |g: &mut Graph, coefficients: &[f64]| {
+        let mut coefficients: Vec<f64> = coefficients.iter().map(|c| -c).collect();
+        coefficients[0] = 0.0;
+        power_sum(g, &coefficients, r)
+    };
+    let plain_complement = |g: &mut Graph, formula: &Formula| {
+        let (one, omega) = (g.one(), plain(g, formula, r));
+        g.sub(one, omega)
+    };
+    if let Some(coefficients) = formula.polynomial() {
+        return power_sum(g, &coefficients);
+    }
+    if let Formula::If { x, y, then, otherwise } = formula {
+        let (then, otherwise) = if x.evaluate(0.0) < y.evaluate(0.0) {
+            (complement_around_origin(g, then, r), plain_complement(g, otherwise))
+        } else {
+            (plain_complement(g, then), complement_around_origin(g, otherwise, r))
+        };
+        let (x, y) = (plain(g, x, r), plain(g, y, r));
+        return g.select_less(x, y, then, otherwise);
+    }
+    let coefficients = formula.taylor(TAYLOR_COEFFICIENTS);
+    let radius = g.constant(expansion_radius(formula, &coefficients));
+    let (near, far) = (power_sum(g, &coefficients), plain_complement(g, formula));
     g.select_less(r, radius, near, far)
 }
 
@@ -268,6 +385,20 @@ mod tests {
         assert!(matches!(error("1 - 4*r^2"), WeightError::NotPositive { r, .. } if r == 0.5));
         assert!(matches!(error("1 - q"), WeightError::Formula(_)));
         assert!(matches!(Weight::new("My weight", "1"), Err(WeightError::Name { .. })));
+    }
+
+    #[test]
+    fn a_weight_made_interpolating_is_one_at_the_node_only() {
+        let error = |formula: &str| Weight::interpolating("test", formula).unwrap_err();
+        assert!(matches!(
+            error("2*(1-r)^2*(1+2*r)"),
+            WeightError::NotInterpolating { r: 0.0, value: 2.0, .. }
+        ));
+        assert!(matches!(error("1+r^2"), WeightError::NotInterpolating { r: 0.0, .. }));
+        assert!(matches!(error("1-r^2+9*r^4"), WeightError::NotInterpolating { r, .. } if r > 0.3));
+        for formula in ["(1-r)^4*(1+4*r)", "exp(-4*r^2)", "if r < 0.5 { 1-r^2 } else { 1.5*(1-r) }"] {
+            assert!(Weight::interpolating("test", formula).unwrap().is_interpolating());
+        }
     }
 
     #[test]

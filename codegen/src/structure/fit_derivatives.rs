@@ -1,6 +1,6 @@
 //! First and second derivatives of a quantity defined through a sum over nodes (`docs/equations.md`, section 5).
 //!
-//! The unknowns α are defined by r(α, x) = Σᵢ ρ(α, xᵢ) = 0 with A = −∂r/∂α symmetric positive definite, and
+//! The unknowns α are defined by r(α, x) = Σᵢ ρ(α, xᵢ) = 0 with A = −∂r/∂α symmetric, and
 //! G(α) is the quantity of interest. With A λ = ∂G/∂α the Lagrangian G + λ·r is stationary in α, and
 //!
 //! ```text
@@ -13,8 +13,8 @@
 //! the fit depends on the average plane. Then A is block triangular, r₁₂ = ∂r₁/∂y₂ couples the blocks
 //! (B̂₁ = L₁⁻¹B₁ + L₁⁻¹ r₁₂ L₂⁻ᵀ B̂₂) and K has a block for every pair.
 //!
-//! With A = L Lᵀ, B̂ = L⁻¹B and Ĉ = L⁻¹C + ½ (L⁻¹ K L⁻ᵀ) B̂ the off-diagonal blocks are the symmetric low-rank
-//! update Ĉᵢᵀ B̂ⱼ + B̂ᵢᵀ Ĉⱼ: K costs nothing per pair of nodes. Which of these blocks are zero, and that ρ and ∂Λ/∂α
+//! With A = L S Lᵀ, S = diag(±1), B̂ = L⁻¹B and Ĉ = S L⁻¹C + ½ S (L⁻¹ K L⁻ᵀ) S B̂ the off-diagonal blocks are the
+//! symmetric low-rank update Ĉᵢᵀ B̂ⱼ + B̂ᵢᵀ Ĉⱼ: K costs nothing per pair of nodes. (S is the identity but for a multiplier.) Which of these blocks are zero, and that ρ and ∂Λ/∂α
 //! are a scalar times one and the same vector p, is found in the expressions, not assumed.
 
 use super::factors::ScaledVector;
@@ -113,8 +113,33 @@ pub struct Block {
     pub unknowns: Vec<ExprId>,
     /// A node's term ρ in the residuals.
     pub residual: Vec<ExprId>,
-    /// A = −∂r/∂y, symmetric positive definite.
+    /// Numbers of consecutive residuals, those of a group along one vector: common factors are sought within groups.
+    pub groups: Vec<usize>,
+    /// A = −∂r/∂y, symmetric.
     pub system: SystemId,
+}
+
+impl Block {
+    /// A vector of residuals' length as the sum of its groups' parts.
+    fn split(&self, g: &mut Graph, vector: &[ExprId]) -> Vec<ScaledVector> {
+        let mut start = 0;
+        self.groups
+            .iter()
+            .map(|&size| {
+                let rows = start..start + size;
+                start += size;
+                let ScaledVector { scale, direction: part } = g.common_factor(&vector[rows.clone()]);
+                let mut direction = vec![g.zero(); vector.len()];
+                direction[rows].copy_from_slice(&part);
+                ScaledVector { scale, direction }
+            })
+            .collect()
+    }
+
+    /// S v, v in elimination order.
+    fn signed(&self, g: &mut Graph, position: usize, x: ExprId) -> ExprId {
+        if g.system(self.system).is_negative(position) { g.neg(x) } else { x }
+    }
 }
 
 /// Unknowns defined by sums over nodes, in blocks. A block's residuals may depend on the unknowns of later blocks.
@@ -180,14 +205,16 @@ impl NodeProblem {
         self.blocks[0].system
     }
 
-    /// Checks that the first block's system, assembled from the nodes, is the derivative of its residuals.
+    /// Checks that the first block's system, assembled from the nodes, is the derivative of its residuals: the first
+    /// group's rows and columns.
     ///
     /// # Panics
     /// If it is not, or is not symmetric.
     pub fn check_system(&self, g: &mut Graph) {
         let block = &self.blocks[0];
-        for (i, &residual) in block.residual.iter().enumerate() {
-            for (j, &unknown) in block.unknowns.iter().enumerate() {
+        let checked = block.groups[0];
+        for (i, &residual) in block.residual[..checked].iter().enumerate() {
+            for (j, &unknown) in block.unknowns[..checked].iter().enumerate() {
                 let unknown = g.symbol_of(unknown);
                 let derivative = g.derivative(residual, unknown);
                 let derivative = g.substitute(derivative, &self.values);
@@ -257,19 +284,22 @@ impl NodeProblem {
                 self.sums_of_derivatives(g, lagrangian, &block.unknowns)
             };
             let prefix = ["lambda", "mu"][k.min(1)];
-            let solution = g.solve_spd_once(block.system, &right_hand_side);
+            let solution = g.solve_symmetric_once(block.system, &right_hand_side);
             let adjoint: Vec<ExprId> = solution
                 .into_iter()
                 .enumerate()
                 .map(|(j, x)| g.bind_once(&format!("{prefix}_{}_{j}", functional.name), x))
                 .collect();
-            let ScaledVector { scale, direction } = g.common_factor(&block.residual);
-            let along = g.dot(&adjoint, &direction);
-            if k == 0 {
-                g.name(along, &format!("sigma_{}", functional.name));
+            for (group, ScaledVector { scale, direction }) in
+                block.split(g, &block.residual).into_iter().enumerate()
+            {
+                let along = g.dot(&adjoint, &direction);
+                if (k, group) == (0, 0) {
+                    g.name(along, &format!("sigma_{}", functional.name));
+                }
+                let term = g.mul(scale, along);
+                lagrangian = g.add(lagrangian, term);
             }
-            let term = g.mul(scale, along);
-            lagrangian = g.add(lagrangian, term);
         }
         lagrangian
     }
@@ -289,7 +319,7 @@ impl NodeProblem {
 
     /// B̂ and Ĉ of all blocks.
     fn factors(&self, g: &mut Graph, functional: &Functional, lagrangian: ExprId) -> Vec<BlockFactors> {
-        // L⁻¹B and L⁻¹C of each block by itself.
+        // L⁻¹B and S L⁻¹C of each block by itself.
         let mut factors: Vec<BlockFactors> = self
             .blocks
             .iter()
@@ -304,10 +334,12 @@ impl NodeProblem {
                     })
                     .collect();
                 let name = ["p", "plane"][k.min(1)];
-                BlockFactors {
-                    b: self.solved_gradient(g, block, &block.residual, name),
-                    c: self.solved_gradient(g, block, &by_unknowns, name),
+                let b = self.solved_gradient(g, block, &block.residual, name);
+                let mut c = self.solved_gradient(g, block, &by_unknowns, name);
+                for (position, row) in c.iter_mut().enumerate() {
+                    *row = row.map(|x| block.signed(g, position, x));
                 }
+                BlockFactors { b, c }
             })
             .collect();
 
@@ -328,7 +360,7 @@ impl NodeProblem {
             }
         }
 
-        // Ĉ_j += ½ Σ_k (L_j⁻¹ K_jk L_k⁻ᵀ) B̂_k
+        // Ĉ_j += ½ Σ_k S_j (L_j⁻¹ K_jk L_k⁻ᵀ) S_k B̂_k
         let half = g.constant(0.5);
         let solved: Vec<Vec<[ExprId; 3]>> = factors.iter().map(|f| f.b.clone()).collect();
         let mut second: Vec<Vec<Vec<Vec<ExprId>>>> = vec![Vec::new(); self.blocks.len()];
@@ -339,6 +371,8 @@ impl NodeProblem {
                 for (row, entries) in matrix.iter_mut().enumerate() {
                     for (column, entry) in entries.iter_mut().enumerate() {
                         *entry = g.mul(half, *entry);
+                        *entry = self.blocks[j].signed(g, row, *entry);
+                        *entry = self.blocks[k].signed(g, column, *entry);
                         if j != k || column <= row {
                             let block =
                                 if self.blocks.len() == 1 { String::new() } else { format!("{j}{k}_") };
@@ -434,35 +468,38 @@ impl NodeProblem {
     ) -> Vec<[ExprId; 3]> {
         // ∇(s p) = p ∇sᵀ + s ∇p: L⁻¹ is applied to p and to its derivatives by the local coordinates, which two
         // vectors along the same p share.
-        let ScaledVector { scale, direction } = g.common_factor(vector);
-        let scale_gradient = self.coordinates.gradient(g, scale).map(|x| g.substitute(x, &self.values));
-        let solved_derivatives: Vec<Vec<ExprId>> = self
-            .coordinates
-            .local
-            .iter()
-            .map(|&coordinate| {
-                let derivative: Vec<ExprId> =
-                    direction.iter().map(|&x| g.derivative(x, coordinate)).collect();
-                let derivative = g.substitute_all(&derivative, &self.values);
-                apply_inverse_factor(g, block.system, &derivative)
-            })
-            .collect();
-        let scale = g.substitute(scale, &self.values);
-        let direction = g.substitute_all(&direction, &self.values);
-        let solved = apply_inverse_factor(g, block.system, &direction);
-        (0..solved.len())
-            .map(|k| {
+        let mut total = vec![[g.zero(); 3]; vector.len()];
+        for (group, ScaledVector { scale, direction }) in block.split(g, vector).into_iter().enumerate() {
+            let scale_gradient = self.coordinates.gradient(g, scale).map(|x| g.substitute(x, &self.values));
+            let solved_derivatives: Vec<Vec<ExprId>> = self
+                .coordinates
+                .local
+                .iter()
+                .map(|&coordinate| {
+                    let derivative: Vec<ExprId> =
+                        direction.iter().map(|&x| g.derivative(x, coordinate)).collect();
+                    let derivative = g.substitute_all(&derivative, &self.values);
+                    apply_inverse_factor(g, block.system, &derivative)
+                })
+                .collect();
+            let scale = g.substitute(scale, &self.values);
+            let direction = g.substitute_all(&direction, &self.values);
+            let solved = apply_inverse_factor(g, block.system, &direction);
+            let name = if group == 0 { name.to_owned() } else { format!("{name}_{group}") };
+            for k in 0..solved.len() {
                 g.name(solved[k], &format!("{name}_hat_{k}"));
                 let partial: Vec<ExprId> = solved_derivatives.iter().map(|d| d[k]).collect();
                 let direction_gradient = self.coordinates.pull_back(g, &partial);
-                std::array::from_fn(|axis| {
+                for axis in 0..3 {
                     g.name(direction_gradient[axis], &format!("grad_{name}_hat_{k}_{}", AXES[axis]));
                     let left = g.mul(solved[k], scale_gradient[axis]);
                     let right = g.mul(scale, direction_gradient[axis]);
-                    g.add(left, right)
-                })
-            })
-            .collect()
+                    let both = g.add(left, right);
+                    total[k][axis] = g.add(total[k][axis], both);
+                }
+            }
+        }
+        total
     }
 }
 

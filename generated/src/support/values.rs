@@ -48,6 +48,10 @@ pub struct Inputs<'a, T> {
     pub support_radius: T,
     /// In-plane offset from the slave at which the surface kernels evaluate, length; others ignore it.
     pub point: [T; 2],
+    /// Index of the master node nearest to the slave in the plane (t1, t2), a whole number; only kernels with an
+    /// interpolating weight use it. Their results do not depend on it in exact arithmetic: another node costs digits
+    /// when the slave is close to the nearest one.
+    pub anchor: T,
 }
 
 /// Values of the coefficient kernels.
@@ -113,8 +117,11 @@ pub struct GapValues<T> {
 /// # Panics
 /// The methods panic if a slice is shorter than their mode needs.
 pub trait KernelSet {
-    /// The weight's formula.
+    /// The weight's formula; of an interpolating weight ω/(1 − ω) that of ω.
     const WEIGHT: &'static str;
+
+    /// Whether the weight is an interpolating one, which makes kernels read [`Inputs::anchor`].
+    const INTERPOLATING: bool;
 
     /// α with ∂α/∂x and ∂²α/∂x∂x of each coefficient.
     fn coefficients(

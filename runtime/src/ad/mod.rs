@@ -30,6 +30,7 @@ mod drive;
 mod evaluate;
 mod foot;
 mod formula;
+mod interpolating;
 mod model;
 mod plane;
 mod weight;
@@ -41,7 +42,7 @@ use weight::{CentreSeries, WeightFunction};
 
 pub use formula::{Formula, FormulaError};
 pub use num_dual::DualNum;
-pub use weight::{RadialWeight, WeightError};
+pub use weight::{Interpolating, RadialWeight, WeightError};
 
 /// The automatic differentiation backend.
 ///
@@ -93,6 +94,14 @@ impl Ad {
     /// weight ([`FormulaError::Weight`]).
     pub fn with_weight_formula(text: &str) -> Result<AdWith<Formula>, FormulaError> {
         Ok(Self::with_weight(text.parse::<Formula>()?)?)
+    }
+
+    /// A backend whose weight is ω/(1 − ω) for a formula ω in `r` with ω(0) = 1.
+    ///
+    /// # Errors
+    /// As [`with_weight_formula`](Self::with_weight_formula).
+    pub fn with_interpolating_formula(text: &str) -> Result<AdWith<Interpolating<Formula>>, FormulaError> {
+        Ok(Self::with_weight(Interpolating(text.parse::<Formula>()?))?)
     }
 
     /// A backend with a weight of the caller's.

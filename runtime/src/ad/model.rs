@@ -67,6 +67,9 @@ impl<W: RadialWeight> Model<'_, W> {
     /// The fit A α = β with A = Σ w p pᵀ, β = Σ w z p (Chamoret et al. 2008, eq. 13), lengths over R.
     fn fit_to<D: Scalar>(&self, offsets: Vec<[D; 3]>) -> Result<Polynomial<D>, ElementError> {
         let size = self.element.basis.size();
+        if self.weight.is_interpolating() {
+            return super::interpolating::fit(&self.weight, size, &offsets);
+        }
         let mut moment_matrix = [[D::zero(); 6]; 6];
         let mut moment_vector = [D::zero(); 6];
         for [a, b, z] in offsets {
@@ -88,24 +91,27 @@ impl<W: RadialWeight> Model<'_, W> {
                 }
             }
         }
-        let alpha = solve_cholesky(size, moment_matrix, moment_vector)?;
+        let diagonals = std::array::from_fn(|j| moment_matrix[j][j].re());
+        let alpha = solve_cholesky(size, 0, diagonals, moment_matrix, moment_vector)?;
         super::finite("coefficient", alpha.map(|x| x.re()))?;
         Ok(Polynomial(alpha))
     }
 }
 
-/// Solves A x = b by A = L Lᵀ; `matrix` holds the lower triangle, entries beyond `size` stay zero.
-fn solve_cholesky<D: Scalar>(
+/// Solves A x = b by A = L Lᵀ for the basis functions from `first` on; `matrix` holds the lower triangle, entries beyond
+/// `size` stay zero. `diagonals` are what the pivots are compared with.
+pub(super) fn solve_cholesky<D: Scalar>(
     size: usize,
+    first: usize,
+    diagonals: [f64; 6],
     mut matrix: [[D; 6]; 6],
     mut vector: [D; 6],
 ) -> Result<[D; 6], ElementError> {
-    let diagonals: [f64; 6] = std::array::from_fn(|j| matrix[j][j].re());
+    let degree = |j: usize| DEGREES[first + j];
     for j in 0..size {
         super::finite("moment", [diagonals[j]])?;
-        let degree = DEGREES[j];
-        let same: f64 = (0..size).filter(|&k| DEGREES[k] == degree).map(|k| diagonals[k]).sum();
-        let diagonal = diagonals[j].max(SMALLEST_PART[degree] * same);
+        let same: f64 = (0..size).filter(|&k| degree(k) == degree(j)).map(|k| diagonals[k]).sum();
+        let diagonal = diagonals[j].max(SMALLEST_PART[degree(j)] * same);
         let mut pivot = matrix[j][j];
         for entry in &matrix[j][..j] {
             pivot -= *entry * *entry;
@@ -154,7 +160,7 @@ mod tests {
         matrix[1][..2].copy_from_slice(&[2.0, 10.0]);
         matrix[2][..3].copy_from_slice(&[-2.0, 5.0, 6.0]);
         let vector = [4.0 - 4.0 - 6.0, 2.0 - 20.0 + 15.0, -2.0 - 10.0 + 18.0, 0.0, 0.0, 0.0];
-        let x: [f64; 6] = solve_cholesky(3, matrix, vector).unwrap();
+        let x: [f64; 6] = solve_cholesky(3, 0, [4.0, 10.0, 6.0, 0.0, 0.0, 0.0], matrix, vector).unwrap();
         for (found, expected) in x.iter().zip([1.0, -2.0, 3.0, 0.0, 0.0, 0.0]) {
             assert!((found - expected).abs() < 1e-14, "{x:?}");
         }
@@ -165,7 +171,7 @@ mod tests {
         let mut matrix = [[0.0; 6]; 6];
         matrix[0][0] = 1.0;
         matrix[1][..2].copy_from_slice(&[1.0, 1.0]);
-        let error = solve_cholesky(2, matrix, [1.0; 6]).unwrap_err();
+        let error = solve_cholesky(2, 0, [1.0; 6], matrix, [1.0; 6]).unwrap_err();
         assert_eq!(error, ElementError::SingularFit { pivot_ratio: 0.0, tolerance: PIVOT_TOLERANCE });
     }
 

@@ -43,16 +43,41 @@ use crate::{ElementError, Weight};
 /// # Ok::<(), diffuse_contact::ad::WeightError>(())
 /// ```
 pub trait RadialWeight: Sync {
-    /// w(r).
+    /// w(r); of an interpolating weight ω(r).
     fn evaluate<D: DualNum<Primitive = f64> + Copy>(&self, r: D) -> D;
+
+    /// Whether the weight is ω/(1 − ω) (Chamoret et al. 2008, eq. 16) with the ω that [`evaluate`](Self::evaluate) returns;
+    /// ω(0) has to be 1.
+    fn is_interpolating(&self) -> bool {
+        false
+    }
+}
+
+/// A weight ω made interpolating: ω/(1 − ω).
+#[derive(Clone, Copy, Debug)]
+pub struct Interpolating<W>(pub W);
+
+impl<W: RadialWeight> RadialWeight for Interpolating<W> {
+    fn evaluate<D: DualNum<Primitive = f64> + Copy>(&self, r: D) -> D {
+        self.0.evaluate(r)
+    }
+
+    fn is_interpolating(&self) -> bool {
+        true
+    }
 }
 
 impl RadialWeight for Weight {
     fn evaluate<D: DualNum<Primitive = f64> + Copy>(&self, r: D) -> D {
         match self {
             // 1 − 3r² + 2r³ (Chamoret et al. 2008, eq. 14)
-            Self::Cubic => r * r * (r * 2.0 - 3.0) + 1.0,
+            Self::Cubic | Self::CubicInterpolating => r * r * (r * 2.0 - 3.0) + 1.0,
+            Self::WendlandC2 => (-r + 1.0).powi(4) * (r * 4.0 + 1.0),
         }
+    }
+
+    fn is_interpolating(&self) -> bool {
+        *self == Self::CubicInterpolating
     }
 }
 
@@ -65,6 +90,12 @@ pub enum WeightError {
     NotFiniteAtCentre {
         /// Order of the derivative; 0 is the function itself.
         order: usize,
+    },
+    /// A weight to be made interpolating is not 1 at r = 0.
+    #[error("the weight is {value} at r = 0, but has to be 1 there to be made interpolating")]
+    NotOneAtCentre {
+        /// ω(0).
+        value: f64,
     },
     /// The slope at r = 0 is not zero: a cone, which has no derivative when the slave is straight above a node.
     #[error("the weight has the slope {slope:e} at r = 0, where it has to be flat")]
@@ -103,6 +134,9 @@ impl CentreSeries {
         if slope.abs() > SLOPE_TOLERANCE * (1.0 + derivatives[0].abs()) {
             return Err(WeightError::SlopeAtCentre { slope });
         }
+        if weight.is_interpolating() && (derivatives[0] - 1.0).abs() > SLOPE_TOLERANCE {
+            return Err(WeightError::NotOneAtCentre { value: derivatives[0] });
+        }
         let mut coefficients = derivatives;
         let mut factorial = 1.0;
         for (order, coefficient) in coefficients.iter_mut().enumerate().skip(1) {
@@ -119,8 +153,13 @@ impl CentreSeries {
 
     /// The series at s = r².
     fn at_square<D: Scalar>(&self, s: D) -> D {
+        self.change_at_square(s) + self.coefficients[0]
+    }
+
+    /// The series without its constant.
+    fn change_at_square<D: Scalar>(&self, s: D) -> D {
         let c = &self.coefficients;
-        let even = (((s * c[8] + c[6]) * s + c[4]) * s + c[2]) * s + c[0];
+        let even = (((s * c[8] + c[6]) * s + c[4]) * s + c[2]) * s;
         if s.re() <= NO_ODD_TERMS {
             return even;
         }
@@ -165,7 +204,20 @@ impl<'a, W: RadialWeight> WeightFunction<'a, W> {
         Ok(Self { weight, series: Cow::Owned(series) })
     }
 
-    /// The weight at s = r² < 1.
+    /// Whether the weight has a pole at r = 0.
+    pub(super) fn is_interpolating(&self) -> bool {
+        self.weight.is_interpolating()
+    }
+
+    /// 1 − ω at s = r² < 1 for ω(0) = 1, without cancellation near r = 0.
+    pub(super) fn complement_at_square<D: Scalar>(&self, s: D) -> D {
+        if s.re() < self.series.radius * self.series.radius {
+            return -self.series.change_at_square(s);
+        }
+        -self.weight.evaluate(s.sqrt()) + 1.0
+    }
+
+    /// w, or ω of an interpolating weight, at s = r² < 1.
     pub(super) fn at_square<D: Scalar>(&self, s: D) -> D {
         if s.re() < self.series.radius * self.series.radius {
             return self.series.at_square(s);

@@ -3,9 +3,11 @@
 
 use diffuse_contact::ad::Ad;
 use diffuse_contact::{Backend, Basis, Generated, Mode, Weight};
+use diffuse_contact_kernels::cubic_interpolating::CubicInterpolating;
+use diffuse_contact_kernels::support::{Inputs, KernelSet, Status};
 use diffuse_contact_tests::{
-    Case, Quadric, assert_finite_gap, assert_same_coefficients, assert_same_gap, assert_same_surface,
-    difference,
+    Case, add, assert_finite_gap, assert_same_coefficients, assert_same_gap, assert_same_surface, difference,
+    scale,
 };
 
 /// Relative to the largest entry. What is asked for is 1e-10.
@@ -56,4 +58,124 @@ fn interpolating_co_moving() {
 fn cubic_co_moving() {
     every_count(Weight::Cubic, Basis::Quadratic, true);
     every_count(Weight::Cubic, Basis::Linear, true);
+}
+
+/// An element whose slave stands at the in-plane distance `r` R from master number 2, by a frame along the axes so that
+/// the offset is what it says to the last bit.
+fn beside_node(basis: Basis, r: f64) -> Case {
+    const RADIUS: f64 = 1.3;
+    let random = Case::random(if basis == Basis::Quadratic { 9 } else { 6 }, basis, 7);
+    let mut nodes = vec![[0.6 * r * RADIUS, 0.8 * r * RADIUS, 0.3]];
+    let local: Vec<_> = random.masters.iter().map(|x| random.local_offset(*x)).collect();
+    let [a, b, _] = local[2];
+    nodes.extend(local.iter().map(|x| [x[0] - a, x[1] - b, x[2]]));
+    Case::axis_aligned(&nodes, RADIUS, basis).with_weight(Weight::CubicInterpolating)
+}
+
+#[test]
+fn interpolating_on_and_next_to_a_node() {
+    // What is asked for is 1e-7 below 1e-6 R.
+    let distances =
+        [0.0, 1e-300, 1e-160, 1e-100, 1e-20, 1e-12, 1e-10, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1];
+    for basis in [Basis::Quadratic, Basis::Linear] {
+        for r in distances {
+            let case = beside_node(basis, r);
+            for case in [case.clone(), case.co_moving()] {
+                let element = case.element();
+                let found = Generated.gap(&element, Mode::Hessian).unwrap();
+                assert_finite_gap(&found);
+                assert_same_gap(&case, &found, &Ad.gap(&element, Mode::Hessian).unwrap(), TOLERANCE);
+            }
+            let case = beside_node(basis, r);
+            let element = case.element();
+            let found = Generated.coefficients(&element, Mode::Hessian).unwrap();
+            assert_same_coefficients(
+                &case,
+                &found,
+                &Ad.coefficients(&element, Mode::Hessian).unwrap(),
+                TOLERANCE,
+            );
+            let point = [0.1, -0.2];
+            let found = Generated.surface(&element, point, Mode::Hessian).unwrap();
+            assert_same_surface(
+                &case,
+                &found,
+                &Ad.surface(&element, point, Mode::Hessian).unwrap(),
+                TOLERANCE,
+            );
+        }
+    }
+}
+
+#[test]
+fn the_surface_passes_through_the_node_below_the_slave() {
+    for basis in [Basis::Quadratic, Basis::Linear] {
+        let case = beside_node(basis, 0.0);
+        let surface = Generated.surface(&case.element(), [0.0; 2], Mode::Gradient).unwrap();
+        assert!((surface.value - case.local_offset(case.masters[2])[2]).abs() < 1e-15);
+        // Its height there follows that node alone: ∂f/∂z is 1 at the node and 0 at the others.
+        for (k, gradient) in surface.gradient.chunks_exact(3).enumerate() {
+            let expected = [-1.0, 0.0, 0.0, 1.0][if k == 0 {
+                0
+            } else if k == 3 {
+                3
+            } else {
+                1
+            }];
+            assert!((gradient[2] - expected).abs() < 1e-14, "{k}: {gradient:?}");
+        }
+    }
+}
+
+#[test]
+fn any_node_can_be_the_anchor() {
+    for seed in 0..10 {
+        let case = Case::random(9, Basis::Quadratic, seed).with_weight(Weight::CubicInterpolating);
+        let element = case.element();
+        let expected = Generated.gap(&element, Mode::Hessian).unwrap();
+        for anchor in 0..case.masters.len() {
+            let inputs = Inputs {
+                slave: case.slave,
+                masters: &case.masters,
+                t1: case.frame.t1,
+                t2: case.frame.t2,
+                normal: case.frame.normal,
+                support_radius: case.support_radius,
+                point: [0.0; 2],
+                anchor: anchor as f64,
+            };
+            let freedoms = element.degrees_of_freedom();
+            let (mut gradient, mut hessian) = (vec![0.0; freedoms], vec![0.0; freedoms * (freedoms + 1) / 2]);
+            let values =
+                CubicInterpolating::gap(case.basis, Mode::Hessian, &inputs, &mut gradient, &mut hessian);
+            assert_eq!(values.status(), Status::Ok);
+            assert!((values.gap - expected.gap).abs() < 1e-13);
+            assert!(difference(&gradient, &expected.gradient) < 1e-11);
+            assert!(difference(&hessian, expected.hessian.packed()) < 1e-11);
+        }
+    }
+}
+
+#[test]
+fn derivatives_are_continuous_through_a_node() {
+    // N of neighbouring positions along a line through the node differs by M times the step, at every scale.
+    let at = |r: f64| {
+        let case = beside_node(Basis::Quadratic, r);
+        let gap = Generated.gap(&case.element(), Mode::Hessian).unwrap();
+        (case, gap)
+    };
+    for step in [1e-3, 1e-4, 1e-5] {
+        let (before, after) = (at(-step / 2.0), at(step / 2.0));
+        let (_, middle) = at(0.0);
+        let moved = add(after.0.slave, scale(-1.0, before.0.slave));
+        let predicted: Vec<f64> = (0..middle.gradient.len())
+            .map(|row| (0..3).map(|axis| middle.hessian.get(row, axis) * moved[axis]).sum())
+            .collect();
+        let found: Vec<f64> = after.1.gradient.iter().zip(&before.1.gradient).map(|(x, y)| x - y).collect();
+        assert!(
+            difference(&found, &predicted) < 30.0 * step,
+            "{step:e}: {:e}",
+            difference(&found, &predicted)
+        );
+    }
 }

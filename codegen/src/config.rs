@@ -3,11 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use crate::emit::emit_file;
-use crate::model::{Basis, Weight, WeightError};
+use crate::model::{Basis, BasisError, CustomBasis, Weight, WeightError};
 
-/// Node counts for which kernels of fixed size are made by default.
-const QUADRATIC_RANGE: std::ops::RangeInclusive<usize> = 6..=24;
-const LINEAR_RANGE: std::ops::RangeInclusive<usize> = 3..=24;
+/// Node counts up to which kernels of fixed size are made by default.
+const MOST_FIXED_NODES: usize = 24;
 /// Largest node count a kernel of fixed size is made for: beyond, its node values would fill a stack.
 const MOST_NODES: usize = 64;
 
@@ -18,6 +17,15 @@ pub enum ConfigError {
     /// A weight is not usable.
     #[error(transparent)]
     Weight(#[from] WeightError),
+    /// A basis is not usable.
+    #[error(transparent)]
+    Basis(#[from] BasisError),
+    /// Two bases have one name.
+    #[error("two bases are named \"{name}\"")]
+    DuplicateBasis {
+        /// The name.
+        name: String,
+    },
     /// Two weights have one name.
     #[error("two weights are named \"{name}\"")]
     DuplicateWeight {
@@ -86,7 +94,7 @@ impl Config {
     pub fn new() -> Self {
         Self {
             weights: Vec::new(),
-            ranges: vec![(Basis::Quadratic, QUADRATIC_RANGE), (Basis::Linear, LINEAR_RANGE)],
+            ranges: Basis::ALL.map(|basis| (basis, basis.size()..=MOST_FIXED_NODES)).to_vec(),
             support: "::diffuse_contact_kernels::support".to_owned(),
             folder: None,
         }
@@ -129,6 +137,21 @@ impl Config {
     /// [`ConfigError::Weight`], which for a formula that cannot be read points at the character.
     pub fn weight(mut self, name: &str, formula: &str) -> Result<Self, ConfigError> {
         self.weights.push(Weight::new(name, formula)?);
+        Ok(self)
+    }
+
+    /// Adds a basis of the caller's to the built-in ones, for all weights: in each weight's module one more module `name`, and
+    /// the constant `NAME`, a support `Basis` to evaluate elements with. Exponents of (a, b), in the order of their degrees,
+    /// as [`CustomBasis::new`] takes them.
+    ///
+    /// # Errors
+    /// [`ConfigError::Basis`], [`ConfigError::DuplicateBasis`].
+    pub fn basis(mut self, name: &'static str, monomials: &'static [(u8, u8)]) -> Result<Self, ConfigError> {
+        let basis = CustomBasis::new(name, monomials)?;
+        if self.ranges.iter().any(|(other, _)| other.name() == name) {
+            return Err(ConfigError::DuplicateBasis { name: name.to_owned() });
+        }
+        self.ranges.push((Basis::Custom(basis), monomials.len()..=MOST_FIXED_NODES.max(monomials.len())));
         Ok(self)
     }
 

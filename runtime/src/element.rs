@@ -1,6 +1,6 @@
 //! One contact element: a slave node, its master nodes, and the data held fixed between updates.
 
-use crate::{Basis, ElementError, Frame, Point};
+use crate::{Basis, ElementError, Frame, FrameDerivative, Point};
 
 /// Weight function of the fit, a function of r = (in-plane distance from the slave) / (support radius).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -73,7 +73,7 @@ impl Element<'_> {
     ///
     /// # Errors
     /// [`ElementError::TooFewNodes`], [`ElementError::NonFiniteInput`], [`ElementError::InvalidSupportRadius`],
-    /// [`ElementError::InvalidFrame`], [`ElementError::NotAveragePlane`].
+    /// [`ElementError::InvalidFrame`], [`ElementError::NotAveragePlane`], [`ElementError::AnisotropicBasis`].
     pub fn validate(&self) -> Result<(), ElementError> {
         let needed = self.basis.size();
         if self.masters.len() < needed {
@@ -89,6 +89,9 @@ impl Element<'_> {
         }
         if !(self.support_radius.is_finite() && self.support_radius > 0.0) {
             return Err(ElementError::InvalidSupportRadius { value: self.support_radius });
+        }
+        if self.frame.derivative == FrameDerivative::CoMoving && !self.basis.is_isotropic() {
+            return Err(ElementError::AnisotropicBasis { basis: self.basis.name() });
         }
         self.frame.check()?;
         self.frame.check_average_plane(self.masters)

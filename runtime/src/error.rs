@@ -12,6 +12,20 @@ pub enum ElementError {
         /// Number of coefficients of the basis.
         needed: usize,
     },
+    /// The backend has no kernels for the basis.
+    #[error("there are no kernels for the basis \"{basis}\": generate them with `Config::basis`")]
+    NoKernels {
+        /// Name of the basis.
+        basis: &'static str,
+    },
+    /// A frame cannot move with the average plane if the basis depends on the in-plane directions.
+    #[error(
+        "the basis \"{basis}\" depends on the directions t1 and t2, which a co-moving frame does not have: hold the frame"
+    )]
+    AnisotropicBasis {
+        /// Name of the basis.
+        basis: &'static str,
+    },
     /// A coordinate or parameter is NaN or infinite.
     #[error("{what} {index} has a coordinate that is not a finite number")]
     NonFiniteInput {
@@ -113,6 +127,8 @@ impl ElementError {
     pub const fn code(&self) -> &'static str {
         match self {
             Self::TooFewNodes { .. } => "too-few-nodes",
+            Self::NoKernels { .. } => "no-kernels",
+            Self::AnisotropicBasis { .. } => "anisotropic-basis",
             Self::NonFiniteInput { .. } => "non-finite-input",
             Self::InvalidSupportRadius { .. } => "invalid-support-radius",
             Self::InvalidFrame { .. } => "invalid-frame",

@@ -88,7 +88,7 @@ impl Backend for Generated {
 
 impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
     fn coefficients(&self, element: &Element<'_>, mode: Mode) -> Result<Coefficients, ElementError> {
-        element.validate()?;
+        validate::<K>(element)?;
         let size = element.basis.size();
         let mut buffers = Buffers::new(element, mode, size, size);
         let inputs = inputs::<K>(element, [0.0; 2]);
@@ -103,7 +103,7 @@ impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
     }
 
     fn surface(&self, element: &Element<'_>, point: [f64; 2], mode: Mode) -> Result<Surface, ElementError> {
-        element.validate()?;
+        validate::<K>(element)?;
         if let Some(index) = point.iter().position(|x| !x.is_finite()) {
             return Err(ElementError::NonFiniteInput { what: "point", index });
         }
@@ -125,7 +125,7 @@ impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
     }
 
     fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
-        element.validate()?;
+        validate::<K>(element)?;
         let mut buffers = Buffers::new(element, mode, 1, 1);
         let values = run_gap::<K>(element, mode, &mut buffers.gradients, &mut buffers.hessians)?;
         Ok(Gap {
@@ -175,10 +175,18 @@ impl<K: KernelSet> GeneratedWith<K> {
         gradient: &mut [f64],
         hessian: &mut [f64],
     ) -> Result<ContactPoint, ElementError> {
-        element.validate()?;
+        validate::<K>(element)?;
         let values = run_gap::<K>(element, mode, gradient, hessian)?;
         Ok(ContactPoint { gap: values.gap, foot: values.foot, normal: values.normal })
     }
+}
+
+/// [`Element::validate`], and whether there are kernels for the basis.
+fn validate<K: KernelSet>(element: &Element<'_>) -> Result<(), ElementError> {
+    if !K::BASES.contains(&element.basis) {
+        return Err(ElementError::NoKernels { basis: element.basis.name() });
+    }
+    element.validate()
 }
 
 /// Runs the gap kernel that the element's frame asks for.

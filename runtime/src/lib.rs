@@ -12,7 +12,7 @@ pub mod output;
 pub mod pairing;
 
 pub use backend::Backend;
-pub use diffuse_contact_kernels::support::{Basis, Mode};
+pub use diffuse_contact_kernels::support::{Basis, CustomBasis, Mode};
 pub use element::{Element, Weight};
 pub use error::ElementError;
 pub use frame::{Frame, FrameDerivative};

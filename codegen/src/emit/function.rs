@@ -8,7 +8,7 @@ use super::expression::Writer;
 use super::names::Names;
 use crate::graph::{ExprId, NODE_INDEX, Op, RootFigure, RootId, Scope};
 use crate::lower::lower;
-use crate::model::{FrameRule, Kernel, KernelSpec, Mode, Output};
+use crate::model::{FrameRule, Kernel, KernelSpec, MOST_COEFFICIENTS, Mode, Output};
 use crate::schedule::{NodeTarget, Program, Statement};
 
 /// A kernel's source.
@@ -71,7 +71,6 @@ pub(super) fn node_name(spec: &KernelSpec) -> Ident {
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
-const COMPONENTS: [&str; 6] = ["0", "1", "2", "3", "4", "5"];
 
 struct FunctionWriter<'a> {
     program: &'a Program,
@@ -414,9 +413,9 @@ impl<'a> FunctionWriter<'a> {
                 if !value.is_array {
                     return quote!(#field: #(#components)*);
                 }
-                // A linear basis leaves the coefficients of the quadratic one that it does not have at zero.
+                // A basis leaves the coefficients of the largest one that it does not have at zero.
                 let missing =
-                    if value.name == "coefficients" { COMPONENTS.len() - components.len() } else { 0 };
+                    if value.name == "coefficients" { MOST_COEFFICIENTS - components.len() } else { 0 };
                 let zeros = std::iter::repeat_n(quote!(T::ZERO), missing);
                 let components = components.into_iter().chain(zeros);
                 quote!(#field: [#(#components),*])

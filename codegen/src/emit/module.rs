@@ -21,8 +21,26 @@ pub type NodeRange = RangeInclusive<usize>;
 /// `ranges` gives, for each basis, the node counts for which a kernel of fixed size is made.
 #[must_use]
 pub fn emit_file(weights: &[Weight], support: &syn::Path, ranges: &[(Basis, NodeRange)]) -> String {
+    let bases = ranges.iter().filter_map(|(basis, _)| custom_basis(*basis, support));
     let modules = weights.iter().map(|weight| weight_module(weight, support, ranges));
-    format(&quote!(#(#modules)*))
+    format(&quote!(#(#bases)* #(#modules)*))
+}
+
+/// The constant that names a basis of the caller's.
+fn custom_basis(basis: Basis, support: &syn::Path) -> Option<TokenStream> {
+    let Basis::Custom(_) = basis else { return None };
+    let (constant, name) = (basis_constant(basis), basis.name());
+    let monomials = basis.monomials().iter().map(|(i, j)| quote!((#i, #j)));
+    let doc = format!(" The basis `{name}`, {} coefficients.", basis.size());
+    Some(quote! {
+        #[doc = #doc]
+        pub const #constant: #support::Basis =
+            #support::Basis::Custom(#support::CustomBasis { name: #name, monomials: &[#(#monomials),*] });
+    })
+}
+
+fn basis_constant(basis: Basis) -> proc_macro2::Ident {
+    format_ident!("{}", basis.name().to_ascii_uppercase())
 }
 
 /// One kernel for a fixed number of nodes as a formatted file, to be read.
@@ -58,6 +76,16 @@ fn format(tokens: &TokenStream) -> String {
 fn weight_module(weight: &Weight, support: &syn::Path, ranges: &[(Basis, NodeRange)]) -> TokenStream {
     let module = format_ident!("{}", weight.name());
     let set = format_ident!("{}", camel_case(weight.name()));
+    let all_bases = ranges.iter().map(|(basis, _)| match basis {
+        Basis::Custom(_) => {
+            let constant = basis_constant(*basis);
+            quote!(super::#constant)
+        }
+        _ => {
+            let name = format_ident!("{}", camel_case(basis.name()));
+            quote!(Basis::#name)
+        }
+    });
     let bases = ranges.iter().map(|(basis, range)| basis_module(weight, *basis, range, support));
     let methods = [
         dispatch(Output::Coefficients, FrameRule::Frozen, weight, ranges),
@@ -89,6 +117,7 @@ fn weight_module(weight: &Weight, support: &syn::Path, ranges: &[(Basis, NodeRan
             impl KernelSet for #set {
                 const WEIGHT: &'static str = #text;
                 const INTERPOLATING: bool = #interpolating;
+                const BASES: &'static [Basis] = &[#(#all_bases),*];
                 #(#methods)*
             }
         }
@@ -234,15 +263,22 @@ fn dispatch(output: Output, frame: FrameRule, weight: &Weight, ranges: &[(Basis,
     };
     let values = values_name(output);
     let arms = ranges.iter().flat_map(|&(basis, _)| {
-        Mode::ALL.map(|mode| {
+        let modes = Mode::ALL.into_iter().filter(move |_| frame == FrameRule::Frozen || basis.is_isotropic());
+        modes.map(move |mode| {
             // Values are the same for both frame rules.
             let frame = if mode == Mode::Value { FrameRule::Frozen } else { frame };
             let spec = KernelSpec { output, mode, basis, weight: weight.clone(), frame };
             let function = format_ident!("{}_any", function_name(&spec));
             let module = format_ident!("{}", basis.name());
-            let basis = format_ident!("{}", camel_case(basis.name()));
             let (_, arguments) = derivative_arguments(mode);
             let mode = format_ident!("{}", camel_case(mode.name()));
+            if let Basis::Custom(_) = basis {
+                let constant = basis_constant(basis);
+                return quote! {
+                    (basis, Mode::#mode) if basis == super::#constant => #module::#function(inputs, #arguments),
+                };
+            }
+            let basis = format_ident!("{}", camel_case(basis.name()));
             quote!((Basis::#basis, Mode::#mode) => #module::#function(inputs, #arguments),)
         })
     });
@@ -256,6 +292,7 @@ fn dispatch(output: Output, frame: FrameRule, weight: &Weight, ranges: &[(Basis,
         ) -> #values<f64> {
             match (basis, mode) {
                 #(#arms)*
+                (Basis::Custom(_), _) => #values::NONE,
             }
         }
     }

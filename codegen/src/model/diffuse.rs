@@ -271,7 +271,7 @@ impl Diffuse {
     /// (1/(i! j!)) ∂ⁱ∂ʲ f for the exponents (i, j) of the basis functions: f = Σ coefficient · p at the origin.
     fn taylor_coefficients(&self, g: &mut Graph, f: ExprId, variables: [ExprId; 2]) -> Vec<ExprId> {
         let symbols = variables.map(|v| g.symbol_of(v));
-        let factorial = |k: i32| (1..=k).map(f64::from).product::<f64>();
+        let factorial = |k: u8| (1..=k).map(f64::from).product::<f64>();
         self.basis
             .monomials()
             .iter()
@@ -364,7 +364,7 @@ impl Diffuse {
         let (i, j) = self.basis.monomials()[k];
         match i + j {
             0 => self.support_radius,
-            degree => g.power(self.inverse_radius, degree - 1),
+            degree => g.power(self.inverse_radius, i32::from(degree) - 1),
         }
     }
 

@@ -1,6 +1,6 @@
 //! The kernels: which outputs of the model are evaluated, with how many derivatives.
 
-use super::basis::Basis;
+use super::basis::{Basis, MOST_COEFFICIENTS};
 use super::diffuse::{Diffuse, Equation};
 use super::weight::Weight;
 use crate::graph::{ExprId, Graph, Op, Scope, SystemId};
@@ -84,7 +84,8 @@ pub struct KernelSpec {
 }
 
 impl KernelSpec {
-    /// All kernels of a basis and a weight. A moving frame makes a difference to the derivatives of the gap only.
+    /// All kernels of a basis and a weight. A moving frame makes a difference to the derivatives of the gap only, and needs a
+    /// basis that is [isotropic](Basis::is_isotropic).
     #[must_use]
     pub fn all(basis: Basis, weight: &Weight) -> Vec<Self> {
         let spec = |output, mode, frame| Self { output, mode, basis, weight: weight.clone(), frame };
@@ -92,7 +93,10 @@ impl KernelSpec {
             .into_iter()
             .flat_map(|output| Mode::ALL.map(|mode| spec(output, mode, FrameRule::Frozen)))
             .collect();
-        all.extend([Mode::Gradient, Mode::Hessian].map(|mode| spec(Output::Gap, mode, FrameRule::CoMoving)));
+        if basis.is_isotropic() {
+            let moving = [Mode::Gradient, Mode::Hessian];
+            all.extend(moving.map(|mode| spec(Output::Gap, mode, FrameRule::CoMoving)));
+        }
         all
     }
 }
@@ -127,7 +131,10 @@ pub struct Kernel {
     pub equations: Vec<Equation>,
 }
 
-const COEFFICIENT_NAMES: [&str; 6] = ["alpha_0", "alpha_1", "alpha_2", "alpha_3", "alpha_4", "alpha_5"];
+const COEFFICIENT_NAMES: [&str; MOST_COEFFICIENTS] = [
+    "alpha_0", "alpha_1", "alpha_2", "alpha_3", "alpha_4", "alpha_5", "alpha_6", "alpha_7", "alpha_8",
+    "alpha_9", "alpha_10", "alpha_11", "alpha_12", "alpha_13", "alpha_14",
+];
 
 impl Kernel {
     /// Builds a kernel from the model.

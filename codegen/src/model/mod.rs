@@ -5,7 +5,8 @@ mod diffuse;
 mod kernel;
 mod weight;
 
-pub use basis::Basis;
+pub(crate) use basis::MOST_COEFFICIENTS;
+pub use basis::{Basis, BasisError, CustomBasis};
 pub use diffuse::Equation;
 pub use kernel::{FrameRule, Kernel, KernelSpec, Mode, Output, Value};
 pub use weight::{Weight, WeightError};

@@ -223,10 +223,11 @@ impl Weight {
 }
 
 /// Whether a module and, in camel case, a kernel set can have this name.
-fn is_module_name(name: &str) -> bool {
+pub(super) fn is_module_name(name: &str) -> bool {
     /// Names of the support module in lower case.
-    const TAKEN: [&str; 11] = [
+    const TAKEN: [&str; 12] = [
         "basis",
+        "custombasis",
         "mode",
         "inputs",
         "lane",

@@ -9,7 +9,7 @@ mod values;
 pub use lane::Lane;
 pub use newton::{RootSolution, solve_two_equations};
 pub use status::{JACOBIAN_TOLERANCE, PIVOT_TOLERANCE, Status};
-pub use values::{Basis, CoefficientsValues, GapValues, Inputs, KernelSet, Mode, SurfaceValues};
+pub use values::{Basis, CoefficientsValues, CustomBasis, GapValues, Inputs, KernelSet, Mode, SurfaceValues};
 
 /// Position of the first entry of a row in a packed lower triangle.
 #[inline(always)]

@@ -7,15 +7,60 @@ pub enum Basis {
     Quadratic,
     /// (1, a, b): three coefficients, at least three master nodes.
     Linear,
+    /// A basis of the caller's, for which kernels were generated.
+    Custom(CustomBasis),
 }
 
+/// A basis of the caller's. Generated code has a constant for each: only kernel sets made for it know it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct CustomBasis {
+    /// Name, that of the kernels' module.
+    pub name: &'static str,
+    /// Exponents of (a, b) of the basis functions.
+    pub monomials: &'static [(u8, u8)],
+}
+
+/// Exponents of (a, b) of the quadratic basis; the first three are those of the linear one.
+const MONOMIALS: [(u8, u8); 6] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
+
 impl Basis {
+    /// Largest number of coefficients of any basis.
+    pub const MOST_COEFFICIENTS: usize = 15;
+
     /// Number of coefficients, which is also the smallest number of master nodes.
     #[must_use]
     pub const fn size(self) -> usize {
+        self.monomials().len()
+    }
+
+    /// Exponents of (a, b) of the basis functions.
+    #[must_use]
+    pub const fn monomials(self) -> &'static [(u8, u8)] {
         match self {
-            Self::Quadratic => 6,
-            Self::Linear => 3,
+            Self::Quadratic => &MONOMIALS,
+            Self::Linear => MONOMIALS.split_at(3).0,
+            Self::Custom(basis) => basis.monomials,
+        }
+    }
+
+    /// Whether the basis spans the same functions when it is turned in the plane: with one monomial of a degree it has
+    /// all. Otherwise the surface depends on the directions of t1 and t2, which the average plane does not
+    /// determine, and there are no kernels for a moving frame.
+    #[must_use]
+    pub fn is_isotropic(self) -> bool {
+        let degrees = self.monomials().iter().map(|&(i, j)| i + j);
+        degrees
+            .clone()
+            .all(|degree| degrees.clone().filter(|&d| d == degree).count() == usize::from(degree) + 1)
+    }
+
+    /// Name, as in the modules of the kernels.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Quadratic => "quadratic",
+            Self::Linear => "linear",
+            Self::Custom(basis) => basis.name,
         }
     }
 }
@@ -57,8 +102,8 @@ pub struct Inputs<'a, T> {
 /// Values of the coefficient kernels.
 #[derive(Clone, Copy, Debug)]
 pub struct CoefficientsValues<T> {
-    /// α (13); the linear basis leaves the last three at 0.
-    pub coefficients: [T; 6],
+    /// α (13), one per basis function; the rest is 0.
+    pub coefficients: [T; Basis::MOST_COEFFICIENTS],
     /// Smallest pivot of A relative to its diagonal entry.
     pub pivot_ratio: T,
     /// Finite only if every result is.
@@ -89,8 +134,8 @@ pub struct GapValues<T> {
     pub foot: [T; 3],
     /// Unit normal ν (22) at the foot, global axes.
     pub normal: [T; 3],
-    /// α about the slave (13); the linear basis leaves the last three at 0.
-    pub coefficients: [T; 6],
+    /// α about the slave (13), one per basis function; the rest is 0.
+    pub coefficients: [T; Basis::MOST_COEFFICIENTS],
     /// Smallest pivot of A relative to its diagonal entry.
     pub pivot_ratio: T,
     /// Smallest pivot of the average plane's system relative to its diagonal entry; 1 where the frame is held.
@@ -105,6 +150,43 @@ pub struct GapValues<T> {
     pub jacobian_determinant: T,
     /// Finite only if every result is.
     pub checksum: T,
+}
+
+impl CoefficientsValues<f64> {
+    /// No values.
+    pub const NONE: Self = Self {
+        coefficients: [f64::NAN; Basis::MOST_COEFFICIENTS],
+        pivot_ratio: f64::NAN,
+        checksum: f64::NAN,
+    };
+}
+
+impl SurfaceValues<f64> {
+    /// No values.
+    pub const NONE: Self = Self {
+        value: f64::NAN,
+        slopes: [f64::NAN; 2],
+        curvatures: [f64::NAN; 3],
+        pivot_ratio: f64::NAN,
+        checksum: f64::NAN,
+    };
+}
+
+impl GapValues<f64> {
+    /// No values.
+    pub const NONE: Self = Self {
+        gap: f64::NAN,
+        foot: [f64::NAN; 3],
+        normal: [f64::NAN; 3],
+        coefficients: [f64::NAN; Basis::MOST_COEFFICIENTS],
+        pivot_ratio: f64::NAN,
+        plane_pivot_ratio: f64::NAN,
+        foot_residual: f64::NAN,
+        foot_iterations: f64::NAN,
+        foot_distance: f64::NAN,
+        jacobian_determinant: f64::NAN,
+        checksum: f64::NAN,
+    };
 }
 
 /// The generated kernels of one weight, for one element at a time. The kernels themselves are generic over
@@ -122,6 +204,9 @@ pub trait KernelSet {
 
     /// Whether the weight is an interpolating one, which makes kernels read [`Inputs::anchor`].
     const INTERPOLATING: bool;
+
+    /// The bases there are kernels for. Any other gives values of which none is a number.
+    const BASES: &'static [Basis];
 
     /// α with ∂α/∂x and ∂²α/∂x∂x of each coefficient.
     fn coefficients(

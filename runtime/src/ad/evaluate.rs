@@ -6,7 +6,7 @@ use super::foot::{Foot, Polynomial};
 use super::model::{Model, Scalar};
 use super::plane::AveragePlane;
 use super::{RadialWeight, coordinates_of, finite};
-use crate::{Coefficients, Element, ElementError, FrameDerivative, Gap, Mode, Point, Surface};
+use crate::{Basis, Coefficients, Element, ElementError, FrameDerivative, Gap, Mode, Point, Surface};
 
 /// [`Backend::coefficients`](crate::Backend::coefficients).
 pub(super) fn coefficients<W: RadialWeight>(
@@ -15,7 +15,7 @@ pub(super) fn coefficients<W: RadialWeight>(
 ) -> Result<Coefficients, ElementError> {
     let element = model.element;
     let mut fit = differentiate(&FitQuantity(model), element, mode)?;
-    scale_coefficients(&mut fit, element.support_radius)?;
+    scale_coefficients(&mut fit, element.basis, element.support_radius)?;
     Ok(Coefficients { values: fit.values, gradients: fit.gradients, hessians: fit.hessians })
 }
 
@@ -30,9 +30,10 @@ pub(super) fn surface<W: RadialWeight>(
     }
     let element = model.element;
     let radius = element.support_radius;
-    let curvatures = model.fit(&coordinates_of(element))?.curvatures().map(|f_kl| f_kl / radius);
+    let scaled = point.map(|u| u / radius);
+    let curvatures = model.fit(&coordinates_of(element))?.curvatures(scaled).map(|f_kl| f_kl / radius);
     finite("curvature", curvatures)?;
-    let quantity = SurfaceQuantity { model, point: point.map(|u| u / radius) };
+    let quantity = SurfaceQuantity { model, point: scaled };
     let mut surface = differentiate(&quantity, element, mode)?;
     surface.scale(0, radius, 1)?;
     surface.scale(1, radius, 0)?;
@@ -61,8 +62,8 @@ pub(super) fn gap<W: RadialWeight>(model: Model<'_, W>, mode: Mode) -> Result<Ga
     let (foot_point, normal) = global_foot(element, &polynomial, foot.position());
     finite("foot", foot_point)?;
     finite("normal", normal)?;
-    let mut fit = Derivatives::of_values(polynomial.0[..element.basis.size()].to_vec());
-    scale_coefficients(&mut fit, radius)?;
+    let mut fit = Derivatives::of_values(polynomial.coefficients[..element.basis.size()].to_vec());
+    scale_coefficients(&mut fit, element.basis, radius)?;
 
     let mut gap = differentiate(&GapQuantity { model, plane, foot }, element, mode)?;
     gap.scale(0, radius, 1)?;
@@ -81,8 +82,8 @@ struct FitQuantity<'a, W>(Model<'a, W>);
 
 impl<W: RadialWeight> Quantity for FitQuantity<'_, W> {
     fn evaluate<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<Vec<D>, ElementError> {
-        let Polynomial(alpha) = self.0.fit(coordinates)?;
-        Ok(alpha[..self.0.element.basis.size()].to_vec())
+        let polynomial = self.0.fit(coordinates)?;
+        Ok(polynomial.coefficients[..self.0.element.basis.size()].to_vec())
     }
 }
 
@@ -135,7 +136,7 @@ fn global_foot(element: &Element<'_>, polynomial: &Polynomial<f64>, u: [f64; 2])
 
 /// From coefficients of lengths over R to coefficients of lengths: α of a monomial of degree d has the unit
 /// length^(1 − d).
-fn scale_coefficients(fit: &mut Derivatives, radius: f64) -> Result<(), ElementError> {
-    const DEGREES: [i32; 6] = [0, 1, 1, 2, 2, 2];
-    (0..fit.values.len()).try_for_each(|k| fit.scale(k, radius, 1 - DEGREES[k]))
+fn scale_coefficients(fit: &mut Derivatives, basis: Basis, radius: f64) -> Result<(), ElementError> {
+    let degrees = basis.monomials().iter().map(|&(i, j)| i32::from(i) + i32::from(j));
+    degrees.enumerate().try_for_each(|(k, degree)| fit.scale(k, radius, 1 - degree))
 }

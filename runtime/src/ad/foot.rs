@@ -7,7 +7,7 @@
 use num_dual::{Dual, HyperDual};
 
 use super::model::Scalar;
-use crate::ElementError;
+use crate::{Basis, ElementError};
 
 /// Iterations after which the search for the foot gives up.
 const MAX_ITERATIONS: usize = 50;
@@ -26,29 +26,43 @@ const PROPAGATION_STEPS: usize = 4;
 /// Directions of the two in-plane coordinates.
 const UNITS: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
 
-/// The fitted surface z = α·(1, a, b, a², ab, b²); for the linear basis the last three coefficients are zero.
+/// Coefficients, one per basis function; beyond the basis they are zero.
+pub(super) type Coefficients<D> = [D; Basis::MOST_COEFFICIENTS];
+
+/// The fitted surface z = α·p(a, b).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Polynomial<D>(pub(super) [D; 6]);
+pub(super) struct Polynomial<D> {
+    pub(super) basis: Basis,
+    pub(super) coefficients: Coefficients<D>,
+}
 
 impl<D: Scalar> Polynomial<D> {
     /// Height f(u) (Chamoret et al. 2008, eq. 13).
-    pub(super) fn value(&self, [a, b]: [D; 2]) -> D {
-        let Self(c) = self;
-        c[0] + c[1] * a + c[2] * b + c[3] * a * a + c[4] * a * b + c[5] * b * b
+    pub(super) fn value(&self, u: [D; 2]) -> D {
+        let terms = basis_functions(self.basis, u).into_iter().zip(self.coefficients);
+        terms.take(self.basis.size()).fold(D::zero(), |sum, (p, alpha)| sum + alpha * p)
+    }
+
+    fn map<E: Scalar>(&self, f: impl Fn(D) -> E) -> Polynomial<E> {
+        let mut coefficients = [E::zero(); Basis::MOST_COEFFICIENTS];
+        for (to, from) in coefficients.iter_mut().zip(self.coefficients).take(self.basis.size()) {
+            *to = f(from);
+        }
+        Polynomial { basis: self.basis, coefficients }
     }
 
     /// Slopes f_1, f_2, by dual numbers over `D`.
     pub(super) fn slopes(&self, [a, b]: [D; 2]) -> [D; 2] {
-        let lifted = Polynomial(self.0.map(Dual::from_re));
+        let lifted = self.map(Dual::from_re);
         UNITS.map(|[da, db]| lifted.value([Dual::new(a, D::from(da)), Dual::new(b, D::from(db))]).eps)
     }
 
     /// Second derivatives f_11, f_12, f_22, by hyper-dual numbers over `D`.
-    pub(super) fn curvatures(&self) -> [D; 3] {
-        let lifted = Polynomial(self.0.map(HyperDual::from_re));
+    pub(super) fn curvatures(&self, u: [D; 2]) -> [D; 3] {
+        let lifted = self.map(HyperDual::from_re);
         let zero = D::from(0.0);
         [(UNITS[0], UNITS[0]), (UNITS[0], UNITS[1]), (UNITS[1], UNITS[1])].map(|(first, second)| {
-            let at = |k: usize| HyperDual::new(zero, D::from(first[k]), D::from(second[k]), zero);
+            let at = |k: usize| HyperDual::new(u[k], D::from(first[k]), D::from(second[k]), zero);
             lifted.value([at(0), at(1)]).eps1eps2
         })
     }
@@ -73,7 +87,7 @@ impl<D: Scalar> Polynomial<D> {
 impl Polynomial<f64> {
     /// Jacobian ∂F_k/∂u_l of the foot equations, by dual numbers.
     fn jacobian(&self, u: [f64; 2]) -> [[f64; 2]; 2] {
-        let lifted = Polynomial(self.0.map(Dual::from_re));
+        let lifted = self.map(Dual::from_re);
         let columns =
             UNITS.map(|[da, db]| lifted.residual([Dual::new(u[0], da), Dual::new(u[1], db)]).map(|r| r.eps));
         [[columns[0][0], columns[1][0]], [columns[0][1], columns[1][1]]]
@@ -81,11 +95,26 @@ impl Polynomial<f64> {
 
     /// Size of the terms the residual is made of: rounding in it is this times the machine precision.
     fn residual_size(&self, [a, b]: [f64; 2]) -> f64 {
-        let size = Polynomial(self.0.map(f64::abs));
+        let size = self.map(f64::abs);
         let u = [a.abs(), b.abs()];
         let [f_1, f_2] = size.slopes(u);
         u[0].max(u[1]) + size.value(u) * f_1.max(f_2)
     }
+}
+
+/// p(u): the monomials of a basis.
+pub(super) fn basis_functions<D: Scalar>(basis: Basis, [a, b]: [D; 2]) -> Coefficients<D> {
+    let mut functions = [D::one(); Basis::MOST_COEFFICIENTS];
+    for (function, &(i, j)) in functions.iter_mut().zip(basis.monomials()) {
+        // Products one by one: powers of zero have the derivatives they should.
+        for _ in 0..i {
+            *function *= a;
+        }
+        for _ in 0..j {
+            *function *= b;
+        }
+    }
+    functions
 }
 
 /// Where the projection lies on reals, with what dual numbers need to follow it.
@@ -209,10 +238,16 @@ mod tests {
 
     use super::*;
 
+    fn quadratic<D: Scalar>(six: [D; 6]) -> Polynomial<D> {
+        let mut coefficients = [D::zero(); Basis::MOST_COEFFICIENTS];
+        coefficients[..6].copy_from_slice(&six);
+        Polynomial { basis: Basis::Quadratic, coefficients }
+    }
+
     #[test]
     fn foot_on_an_inclined_plane() {
         // Plane z = −1 + a/2 − b/4: the gap is 1/ℓ.
-        let plane = Polynomial([-1.0, 0.5, -0.25, 0.0, 0.0, 0.0]);
+        let plane = quadratic([-1.0, 0.5, -0.25, 0.0, 0.0, 0.0]);
         let foot = Foot::find(&plane).unwrap();
         let length = (1.0f64 + 0.25 + 0.0625).sqrt();
         assert!((plane.gap(foot.position()) - 1.0 / length).abs() < 1e-15);
@@ -226,8 +261,8 @@ mod tests {
         let c = HyperDual::from_re(0.25).derivative1();
         let e = HyperDual::from_re(0.0).derivative2();
         let zero = HyperDual::from_re(0.0);
-        let dual = Polynomial([-c, e, zero, zero + 0.5, zero, zero]);
-        let real = Polynomial(dual.0.map(|x| x.re));
+        let dual = quadratic([-c, e, zero, zero + 0.5, zero, zero]);
+        let real = dual.map(|x| x.re);
         let [u, _] = Foot::find(&real).unwrap().propagate(&dual);
         assert!(u.re.abs() < 1e-15);
         assert!((u.eps2 - 0.25 / 0.75).abs() < 1e-15);
@@ -241,8 +276,7 @@ mod tests {
         for i in 1..=2000 {
             let part = |k: i32| 2.0 * (f64::from(i) * f64::from(k).sqrt()).fract() - 1.0;
             let slopes = [0.5 * part(3), 0.5 * part(5)];
-            let polynomial =
-                Polynomial([height * part(2), slopes[0], slopes[1], part(7), part(11), part(13)]);
+            let polynomial = quadratic([height * part(2), slopes[0], slopes[1], part(7), part(11), part(13)]);
             match Foot::find(&polynomial) {
                 Ok(foot) => {
                     let [r_1, r_2] = polynomial.residual(foot.position());
@@ -268,12 +302,12 @@ mod tests {
 
     #[test]
     fn centre_of_curvature_and_far_feet_are_errors() {
-        let bowl = Polynomial([-1.0, 0.0, 0.0, 0.5, 0.0, 0.5]);
+        let bowl = quadratic([-1.0, 0.0, 0.0, 0.5, 0.0, 0.5]);
         assert!(matches!(Foot::find(&bowl), Err(ElementError::CentreOfCurvature { .. })));
-        let steep = Polynomial([-10.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+        let steep = quadratic([-10.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
         let Err(ElementError::FootOutside { distance }) = Foot::find(&steep) else { panic!("foot accepted") };
         assert!((distance - 5.0).abs() < 1e-13);
-        let overflowing = Polynomial([1e200, 1e200, 0.0, 0.0, 0.0, 0.0]);
+        let overflowing = quadratic([1e200, 1e200, 0.0, 0.0, 0.0, 0.0]);
         assert!(matches!(Foot::find(&overflowing), Err(ElementError::Overflow { .. })));
     }
 }

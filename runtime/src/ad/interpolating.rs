@@ -4,21 +4,23 @@
 //! enters the system in one entry only, A₀₀ = S₀ + w_k with S₀ = Σ_{i≠k} w_i. Eliminating α₀ leaves expressions in
 //! ε = 1/w_k = (1 − ω)/ω, which is smooth, and a system for the other coefficients that is regular at ε = 0.
 
-use super::foot::Polynomial;
-use super::model::{Scalar, solve_cholesky};
+use super::foot::{Coefficients, Polynomial, basis_functions};
+use super::model::{Matrix, Scalar, solve_cholesky};
 use super::{RadialWeight, WeightFunction};
-use crate::ElementError;
+use crate::{Basis, ElementError};
 
-/// The coefficients about the slave of a fit with `size` coefficients to `offsets` (a, b, z) from the slave.
+/// The coefficients about the slave of a fit to `offsets` (a, b, z) from the slave.
 pub(super) fn fit<D: Scalar, W: RadialWeight>(
     weight: &WeightFunction<'_, W>,
-    size: usize,
+    basis: Basis,
     offsets: &[[D; 3]],
 ) -> Result<Polynomial<D>, ElementError> {
     let square = |[a, b, _]: [D; 3]| a * a + b * b;
     let nearest =
         (0..offsets.len()).min_by(|&i, &j| square(offsets[i]).re().total_cmp(&square(offsets[j]).re()));
-    let Some(anchor) = nearest else { return Err(ElementError::TooFewNodes { found: 0, needed: size }) };
+    let Some(anchor) = nearest else {
+        return Err(ElementError::TooFewNodes { found: 0, needed: basis.size() });
+    };
     let [a_k, b_k, z_k] = offsets[anchor];
     super::finite("offset", [a_k.re(), b_k.re(), z_k.re()])?;
     let s_k = square(offsets[anchor]);
@@ -29,8 +31,11 @@ pub(super) fn fit<D: Scalar, W: RadialWeight>(
 
     // S₀, Σ w z, and with p = (a, b, a², ab, b²) about the anchor Σ w p, Σ w p z, Σ w p pᵀ, without the anchor.
     let (mut s_0, mut s_z) = (D::zero(), D::zero());
-    let (mut s_p, mut s_pz, mut s_pp) = ([D::zero(); 6], [D::zero(); 6], [[D::zero(); 6]; 6]);
-    let others = size - 1;
+    let zeros: Coefficients<D> = [D::zero(); Basis::MOST_COEFFICIENTS];
+    let (mut s_p, mut s_pz) = (zeros, zeros);
+    let mut s_pp: Matrix<D> = [zeros; Basis::MOST_COEFFICIENTS];
+    let monomials = &basis.monomials()[1..];
+    let others = monomials.len();
     for (_, &offset) in offsets.iter().enumerate().filter(|&(i, _)| i != anchor) {
         let [a, b, z] = offset;
         super::finite("offset", [a.re(), b.re(), z.re()])?;
@@ -40,8 +45,7 @@ pub(super) fn fit<D: Scalar, W: RadialWeight>(
         }
         let w = weight.at_square(s) / weight.complement_at_square(s);
         super::finite("weight", [w.re()])?;
-        let (a, b) = (a - a_k, b - b_k);
-        let p = [a, b, a * a, a * b, b * b];
+        let p = &basis_functions(basis, [a - a_k, b - b_k])[1..];
         s_0 += w;
         s_z += w * z;
         for k in 0..others {
@@ -63,20 +67,23 @@ pub(super) fn fit<D: Scalar, W: RadialWeight>(
             s_pp[k][l] -= s_p[k] * s_p[l] * matrix_factor;
         }
     }
-    let alpha = solve_cholesky(others, 1, diagonals, s_pp, s_pz)?;
+    let alpha = solve_cholesky(monomials, diagonals, s_pp, s_pz)?;
     super::finite("coefficient", alpha.map(|x| x.re()))?;
     let products = (0..others).map(|k| s_p[k] * alpha[k]);
     let constant = mean - matrix_factor * products.fold(D::zero(), |sum, x| sum + x);
 
-    // From the anchor to the slave: f = c₀ + c·p(u − (a_k, b_k)), expanded about u = 0.
-    let [c_1, c_2, c_11, c_12, c_22, _] = alpha;
-    let at_slave = constant - c_1 * a_k - c_2 * b_k + c_11 * a_k * a_k + c_12 * a_k * b_k + c_22 * b_k * b_k;
-    Ok(Polynomial([
-        at_slave,
-        c_1 - c_11 * a_k * 2.0 - c_12 * b_k,
-        c_2 - c_12 * a_k - c_22 * b_k * 2.0,
-        c_11,
-        c_12,
-        c_22,
-    ]))
+    // From the anchor to the slave: f = Σ c_mn (a − a_k)ᵐ (b − b_k)ⁿ, expanded about (0, 0).
+    let mut coefficients = zeros;
+    for (k, &(i, j)) in basis.monomials().iter().enumerate() {
+        let about_anchor = std::iter::once(constant).chain(alpha);
+        for (c, &(m, n)) in about_anchor.zip(basis.monomials()).filter(|(_, (m, n))| *m >= i && *n >= j) {
+            let choices = binomial(m, i) * binomial(n, j);
+            coefficients[k] += c * (-a_k).powi(i32::from(m - i)) * (-b_k).powi(i32::from(n - j)) * choices;
+        }
+    }
+    Ok(Polynomial { basis, coefficients })
+}
+
+fn binomial(n: u8, k: u8) -> f64 {
+    (0..k).map(|i| f64::from(n - i) / f64::from(i + 1)).product()
 }

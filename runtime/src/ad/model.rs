@@ -5,10 +5,10 @@
 
 use num_dual::DualNum;
 
-use super::foot::Polynomial;
+use super::foot::{Coefficients, Polynomial, basis_functions};
 use super::plane::Turn;
 use super::{RadialWeight, WeightFunction};
-use crate::{Element, ElementError};
+use crate::{Basis, Element, ElementError};
 
 /// A real, dual or hyper-dual number.
 pub(super) trait Scalar: DualNum<Primitive = f64> + Copy {}
@@ -19,10 +19,11 @@ impl<D: DualNum<Primitive = f64> + Copy> Scalar for D {}
 /// Layouts on a conic leave rounding here, up to about 1e-8.
 const PIVOT_TOLERANCE: f64 = 1e-7;
 /// Where all nodes are on a line or two along the axes, a diagonal entry is rounding itself: a pivot is compared with at
-/// least this fraction of the diagonal's sum over its degree.
-const SMALLEST_PART: [f64; 3] = [1.0, 1e-4, 1e-8];
-/// Degrees of the basis functions.
-const DEGREES: [usize; 6] = [0, 1, 1, 2, 2, 2];
+/// least this fraction, to the power of its degree, of the diagonal's sum over its degree.
+const SMALLEST_PART: f64 = 1e-4;
+
+/// Lower triangle of a matrix over the basis functions.
+pub(super) type Matrix<D> = [Coefficients<D>; Basis::MOST_COEFFICIENTS];
 
 /// One element with the weight function in force.
 pub(super) struct Model<'a, W> {
@@ -66,12 +67,13 @@ impl<W: RadialWeight> Model<'_, W> {
 
     /// The fit A α = β with A = Σ w p pᵀ, β = Σ w z p (Chamoret et al. 2008, eq. 13), lengths over R.
     fn fit_to<D: Scalar>(&self, offsets: Vec<[D; 3]>) -> Result<Polynomial<D>, ElementError> {
-        let size = self.element.basis.size();
+        let basis = self.element.basis;
+        let size = basis.size();
         if self.weight.is_interpolating() {
-            return super::interpolating::fit(&self.weight, size, &offsets);
+            return super::interpolating::fit(&self.weight, basis, &offsets);
         }
-        let mut moment_matrix = [[D::zero(); 6]; 6];
-        let mut moment_vector = [D::zero(); 6];
+        let mut moment_matrix = [[D::zero(); Basis::MOST_COEFFICIENTS]; Basis::MOST_COEFFICIENTS];
+        let mut moment_vector = [D::zero(); Basis::MOST_COEFFICIENTS];
         for [a, b, z] in offsets {
             super::finite("offset", [a.re(), b.re(), z.re()])?;
             let square = a * a + b * b;
@@ -82,7 +84,7 @@ impl<W: RadialWeight> Model<'_, W> {
             }
             let weight = self.weight.at_square(square);
             super::finite("weight", [weight.re()])?;
-            let p = [D::one(), a, b, a * a, a * b, b * b];
+            let p = basis_functions(basis, [a, b]);
             for k in 0..size {
                 let weighted = weight * p[k];
                 moment_vector[k] += weighted * z;
@@ -92,26 +94,26 @@ impl<W: RadialWeight> Model<'_, W> {
             }
         }
         let diagonals = std::array::from_fn(|j| moment_matrix[j][j].re());
-        let alpha = solve_cholesky(size, 0, diagonals, moment_matrix, moment_vector)?;
-        super::finite("coefficient", alpha.map(|x| x.re()))?;
-        Ok(Polynomial(alpha))
+        let coefficients = solve_cholesky(basis.monomials(), diagonals, moment_matrix, moment_vector)?;
+        super::finite("coefficient", coefficients.map(|x| x.re()))?;
+        Ok(Polynomial { basis, coefficients })
     }
 }
 
-/// Solves A x = b by A = L Lᵀ for the basis functions from `first` on; `matrix` holds the lower triangle, entries beyond
-/// `size` stay zero. `diagonals` are what the pivots are compared with.
+/// Solves A x = b for these basis functions by A = L Lᵀ; `matrix` holds the lower triangle, entries beyond the functions
+/// stay zero. `diagonals` are what the pivots are compared with.
 pub(super) fn solve_cholesky<D: Scalar>(
-    size: usize,
-    first: usize,
-    diagonals: [f64; 6],
-    mut matrix: [[D; 6]; 6],
-    mut vector: [D; 6],
-) -> Result<[D; 6], ElementError> {
-    let degree = |j: usize| DEGREES[first + j];
+    monomials: &[(u8, u8)],
+    diagonals: [f64; Basis::MOST_COEFFICIENTS],
+    mut matrix: Matrix<D>,
+    mut vector: Coefficients<D>,
+) -> Result<Coefficients<D>, ElementError> {
+    let size = monomials.len();
+    let degree = |j: usize| i32::from(monomials[j].0 + monomials[j].1);
     for j in 0..size {
         super::finite("moment", [diagonals[j]])?;
         let same: f64 = (0..size).filter(|&k| degree(k) == degree(j)).map(|k| diagonals[k]).sum();
-        let diagonal = diagonals[j].max(SMALLEST_PART[degree(j)] * same);
+        let diagonal = diagonals[j].max(SMALLEST_PART.powi(degree(j)) * same);
         let mut pivot = matrix[j][j];
         for entry in &matrix[j][..j] {
             pivot -= *entry * *entry;
@@ -155,12 +157,14 @@ mod tests {
     #[test]
     fn cholesky_solves_a_known_system() {
         // A = L Lᵀ with L = [[2], [1, 3], [-1, 2, 1]], x = (1, -2, 3).
-        let mut matrix = [[0.0; 6]; 6];
+        let mut matrix = [[0.0; 15]; 15];
         matrix[0][0] = 4.0;
         matrix[1][..2].copy_from_slice(&[2.0, 10.0]);
         matrix[2][..3].copy_from_slice(&[-2.0, 5.0, 6.0]);
-        let vector = [4.0 - 4.0 - 6.0, 2.0 - 20.0 + 15.0, -2.0 - 10.0 + 18.0, 0.0, 0.0, 0.0];
-        let x: [f64; 6] = solve_cholesky(3, 0, [4.0, 10.0, 6.0, 0.0, 0.0, 0.0], matrix, vector).unwrap();
+        let (mut vector, mut diagonals) = ([0.0; 15], [0.0; 15]);
+        vector[..3].copy_from_slice(&[4.0 - 4.0 - 6.0, 2.0 - 20.0 + 15.0, -2.0 - 10.0 + 18.0]);
+        diagonals[..3].copy_from_slice(&[4.0, 10.0, 6.0]);
+        let x: [f64; 15] = solve_cholesky(Basis::Linear.monomials(), diagonals, matrix, vector).unwrap();
         for (found, expected) in x.iter().zip([1.0, -2.0, 3.0, 0.0, 0.0, 0.0]) {
             assert!((found - expected).abs() < 1e-14, "{x:?}");
         }
@@ -168,10 +172,10 @@ mod tests {
 
     #[test]
     fn an_indefinite_matrix_is_singular() {
-        let mut matrix = [[0.0; 6]; 6];
+        let mut matrix = [[0.0; 15]; 15];
         matrix[0][0] = 1.0;
         matrix[1][..2].copy_from_slice(&[1.0, 1.0]);
-        let error = solve_cholesky(2, 0, [1.0; 6], matrix, [1.0; 6]).unwrap_err();
+        let error = solve_cholesky(&[(1, 0), (0, 1)], [1.0; 15], matrix, [1.0; 15]).unwrap_err();
         assert_eq!(error, ElementError::SingularFit { pivot_ratio: 0.0, tolerance: PIVOT_TOLERANCE });
     }
 

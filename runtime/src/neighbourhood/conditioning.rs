@@ -25,6 +25,8 @@ impl Regularity {
         match basis {
             Basis::Linear => self.linear,
             Basis::Quadratic => self.quadratic,
+            // Refused by `SearchOptions::check`.
+            Basis::Custom(_) => 0.0,
         }
     }
 
@@ -128,6 +130,7 @@ impl Moments {
         let (smallest, largest) = match basis {
             Basis::Linear => extremes(linear_block(&self.0).symmetric_eigenvalues().as_slice()),
             Basis::Quadratic => extremes(self.0.symmetric_eigenvalues().as_slice()),
+            Basis::Custom(_) => return f64::INFINITY,
         };
         if smallest > EIGENVALUE_ROUNDING * largest { largest / smallest } else { f64::INFINITY }
     }

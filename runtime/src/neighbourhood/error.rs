@@ -54,6 +54,14 @@ pub enum NeighbourhoodError {
         /// The bound it has to exceed.
         wanted: f64,
     },
+    /// The search judges nodes for the built-in bases only.
+    #[error(
+        "no neighbours are sought for the basis \"{basis}\": ask for those of the quadratic or linear one"
+    )]
+    UnsupportedBasis {
+        /// Name of the basis.
+        basis: &'static str,
+    },
     /// An option is outside its range.
     #[error("the option {name} must be {range}, not {value}")]
     InvalidOption {
@@ -82,7 +90,7 @@ impl NeighbourhoodError {
             Self::NoAveragePlane { .. } => "no-average-plane",
             Self::AmbiguousOutward { .. } => "ambiguous-outward",
             Self::IllConditioned { .. } => "ill-conditioned",
-            Self::InvalidOption { .. } => "invalid-option",
+            Self::UnsupportedBasis { .. } | Self::InvalidOption { .. } => "invalid-option",
             Self::Overflow { .. } => "overflow",
         }
     }

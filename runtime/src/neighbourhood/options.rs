@@ -125,9 +125,12 @@ impl SearchOptions {
     /// Checks that every option is in its range.
     ///
     /// # Errors
-    /// [`NeighbourhoodError::InvalidOption`].
+    /// [`NeighbourhoodError::InvalidOption`], [`NeighbourhoodError::UnsupportedBasis`].
     pub fn check(&self) -> Result<(), NeighbourhoodError> {
         let invalid = |name, range, value| Err(NeighbourhoodError::InvalidOption { name, range, value });
+        if let Basis::Custom(basis) = self.basis {
+            return Err(NeighbourhoodError::UnsupportedBasis { basis: basis.name });
+        }
         if !(0.0..1.0).contains(&self.smallest_regularity) {
             return invalid("smallest_regularity", "at least 0 and below 1", self.smallest_regularity);
         }

@@ -47,8 +47,8 @@ pub fn assert_same_gap(case: &Case, found: &Gap, expected: &Gap, tolerance: f64)
         (
             "coefficients",
             difference(
-                &without_units(&found.coefficients, radius),
-                &without_units(&expected.coefficients, radius),
+                &without_units(&found.coefficients, case),
+                &without_units(&expected.coefficients, case),
             ),
             tolerance,
         ),
@@ -63,7 +63,7 @@ pub fn assert_same_gap(case: &Case, found: &Gap, expected: &Gap, tolerance: f64)
 /// If one of them exceeds `tolerance`.
 #[track_caller]
 pub fn assert_same_coefficients(case: &Case, found: &Coefficients, expected: &Coefficients, tolerance: f64) {
-    let values = |x: &Coefficients| without_units(&x.values, case.support_radius);
+    let values = |x: &Coefficients| without_units(&x.values, case);
     let mut blocks = vec![("coefficients", difference(&values(found), &values(expected)), tolerance)];
     assert_eq!(found.gradients.len(), expected.gradients.len());
     for (x, y) in found.gradients.iter().zip(&expected.gradients) {
@@ -110,9 +110,9 @@ pub fn assert_finite_gap(gap: &Gap) {
 }
 
 /// α with lengths over R.
-fn without_units(coefficients: &[f64], radius: f64) -> Vec<f64> {
-    let unit = |k: usize| [1.0 / radius, 1.0, 1.0, radius, radius, radius][k];
-    coefficients.iter().enumerate().map(|(k, alpha)| alpha * unit(k)).collect()
+fn without_units(coefficients: &[f64], case: &Case) -> Vec<f64> {
+    let degrees = case.basis.monomials().iter().map(|&(i, j)| i32::from(i + j));
+    coefficients.iter().zip(degrees).map(|(alpha, d)| alpha * case.support_radius.powi(d - 1)).collect()
 }
 
 #[track_caller]

@@ -15,3 +15,8 @@ pub use geometry::{Random, add, cross, dot, length, scale, turn, turned_rows, tu
 pub mod weights {
     include!(concat!(env!("OUT_DIR"), "/diffuse_contact_kernels.rs"));
 }
+
+/// Kernels that the build script generated for bases of its own.
+pub mod bases {
+    include!(concat!(env!("OUT_DIR"), "/bases/diffuse_contact_kernels.rs"));
+}

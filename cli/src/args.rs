@@ -45,12 +45,9 @@ pub struct DemoArguments {
     /// Mesh file, Gmsh `.msh` 4.1 or Abaqus `.inp` [default: the plate on a cylinder that comes with the program]
     #[arg(long, value_name = "FILE")]
     pub mesh: Option<PathBuf>,
-    /// Facet set that carries the smooth surface
-    #[arg(long, value_name = "SET", default_value = DemoArguments::MASTER)]
-    pub master: String,
-    /// Set whose nodes touch it
-    #[arg(long, value_name = "SET", default_value = DemoArguments::SLAVE)]
-    pub slave: String,
+    /// The two sets of the mesh.
+    #[command(flatten)]
+    pub sets: SetArguments,
     /// VTU file to write
     #[arg(short, long, value_name = "OUT.vtu", default_value = DemoArguments::OUTPUT)]
     pub output: PathBuf,
@@ -60,8 +57,6 @@ pub struct DemoArguments {
 }
 
 impl DemoArguments {
-    const MASTER: &str = "master";
-    const SLAVE: &str = "slave";
     const OUTPUT: &str = "diffuse-contact.vtu";
 }
 
@@ -69,11 +64,32 @@ impl Default for DemoArguments {
     fn default() -> Self {
         Self {
             mesh: None,
-            master: Self::MASTER.into(),
-            slave: Self::SLAVE.into(),
+            sets: SetArguments::default(),
             output: Self::OUTPUT.into(),
             neighbours: diffuse_contact::pairing::DEFAULT_NEIGHBOURS,
         }
+    }
+}
+
+/// The two sets of a mesh that touch each other.
+#[derive(Args, Clone, Debug)]
+pub struct SetArguments {
+    /// Facet set that carries the smooth surface
+    #[arg(long, value_name = "SET", default_value = SetArguments::MASTER)]
+    pub master: String,
+    /// Set whose nodes touch it
+    #[arg(long, value_name = "SET", default_value = SetArguments::SLAVE)]
+    pub slave: String,
+}
+
+impl SetArguments {
+    const MASTER: &str = "master";
+    const SLAVE: &str = "slave";
+}
+
+impl Default for SetArguments {
+    fn default() -> Self {
+        Self { master: Self::MASTER.into(), slave: Self::SLAVE.into() }
     }
 }
 

@@ -29,6 +29,7 @@
 mod args;
 mod backend;
 pub mod check;
+mod contact_mesh;
 mod demo;
 mod emit;
 mod error;

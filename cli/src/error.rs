@@ -41,15 +41,25 @@ pub enum CliError {
         /// The field, if it is known, and what is wrong with it.
         what: String,
     },
-    /// An element has too few master nodes for any basis.
-    #[error("{file}: elements[{element}].masters: {found} nodes, but a surface needs at least 3")]
+    /// A list of master nodes is too short for any basis.
+    #[error("{file}: {place}: {found} nodes, but a surface needs at least 3")]
     TooFewMasters {
         /// The file, or `standard input`.
         file: String,
-        /// The element, counted from 0.
-        element: usize,
-        /// Its master nodes.
+        /// The field that lists them.
+        place: String,
+        /// Their number.
         found: usize,
+    },
+    /// A field has no meaning beside another one.
+    #[error("{file}: {place}: has no meaning {beside}")]
+    MeaninglessField {
+        /// The file, or `standard input`.
+        file: String,
+        /// The field.
+        place: String,
+        /// Beside what.
+        beside: &'static str,
     },
     /// An output file cannot be written.
     #[error("{}: cannot be written: {}", path.display(), plain(reason))]

@@ -29,11 +29,15 @@
 mod args;
 mod backend;
 pub mod check;
+mod contact_mesh;
 mod demo;
 mod emit;
 mod error;
 mod evaluate;
 pub mod interpreted;
+mod json;
+mod neighbours;
+mod outcome;
 mod output;
 mod progress;
 mod weight;
@@ -59,6 +63,7 @@ pub fn main() -> ExitCode {
         None => demo::run(&DemoArguments::default()).map(done),
         Some(Command::Demo(arguments)) => demo::run(&arguments).map(done),
         Some(Command::Evaluate(arguments)) => evaluate::run(&arguments).map(done),
+        Some(Command::Neighbours(arguments)) => neighbours::run(&arguments).map(done),
         Some(Command::Emit(arguments)) => emit::run(&arguments).map(done),
         Some(Command::Check(arguments)) => check::run(&arguments),
     };

@@ -4,6 +4,8 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use diffuse_contact_mesh::{VtuError, VtuFile};
+
 use crate::error::CliError;
 
 /// Tries to name a temporary file before giving up; more than one is needed only after a crash.
@@ -44,6 +46,16 @@ pub fn check_distinct(input: &Path, output: &Path) -> Result<(), CliError> {
 pub fn write_file(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliError> {
     check_target(path)?;
     replace(path, fill).map_err(|reason| CliError::Write { path: path.into(), reason })
+}
+
+/// Writes a picture for ParaView, as [`write_file`] does.
+pub fn write_vtu(path: &Path, grid: &VtuFile<'_>) -> Result<(), CliError> {
+    write_file(path, |mut writer| {
+        grid.write_to(&mut writer).map_err(|error| match error {
+            VtuError::Output { cause } => cause,
+            unsound => io::Error::other(unsound),
+        })
+    })
 }
 
 /// Writes to standard output.

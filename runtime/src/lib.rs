@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod ad;
+pub mod assembly;
 pub mod backend;
 pub mod element;
 pub mod error;

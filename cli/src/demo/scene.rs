@@ -12,11 +12,10 @@
 //!
 //! Where there is no gap or height (its status says why), the number is NaN and the normal zero.
 
-use std::io;
 use std::path::Path;
 
 use diffuse_contact::Point;
-use diffuse_contact_mesh::{ElementKind, Facet, VtuError, VtuFile};
+use diffuse_contact_mesh::{ElementKind, Facet, VtuFile};
 
 use super::nodes::{SlaveNode, SlaveNodes};
 use super::sampling::{Sample, SmoothSurface};
@@ -45,13 +44,7 @@ pub fn write(
     }
     scene.add_facets(surfaces, smooth);
     scene.add_smooth_surface(smooth);
-    let grid = scene.grid();
-    output::write_file(path, |mut writer| {
-        grid.write_to(&mut writer).map_err(|error| match error {
-            VtuError::Output { cause } => cause,
-            unsound => io::Error::other(unsound),
-        })
-    })
+    output::write_vtu(path, &scene.grid())
 }
 
 /// The arrays of the file, point by point and cell by cell.

@@ -1,16 +1,12 @@
-//! The two surfaces of a contact, taken from a mesh.
+//! The two surfaces of the demonstration, with the nodes of the master surface alone.
 
 use diffuse_contact::pairing::{NearestNodes, node_normals};
 use diffuse_contact::{Basis, ElementError, Point};
-use diffuse_contact_mesh::{Facet, Mesh, MeshError};
+use diffuse_contact_mesh::Facet;
 
 use crate::args::DemoArguments;
+use crate::contact_mesh::ContactMesh;
 use crate::error::CliError;
-
-/// The mesh that comes with the program.
-const SHIPPED: &[u8] = include_bytes!("../../../meshes/plate_on_cylinder.msh");
-/// Its name in messages and in the report.
-const SHIPPED_NAME: &str = "plate_on_cylinder.msh (comes with the program)";
 
 /// Master facets and slave nodes.
 pub struct Surfaces {
@@ -32,33 +28,21 @@ pub struct Surfaces {
 
 /// Reads the mesh and picks the two sets.
 pub fn read(arguments: &DemoArguments) -> Result<Surfaces, CliError> {
-    let (name, mesh) = match &arguments.mesh {
-        Some(path) => (path.display().to_string(), Mesh::read(path)),
-        None => (SHIPPED_NAME.to_owned(), Mesh::from_gmsh(SHIPPED, "plate_on_cylinder.msh")),
-    };
-    // The reader's own messages begin with the file, those about sets do not.
-    let mesh = mesh.map_err(|reason| CliError::Mesh(reason.into()))?;
-    let no_set = |reason: MeshError| CliError::Set { mesh: name.clone(), reason: reason.into() };
-    let facets = mesh.facets(&arguments.master).map_err(no_set)?;
-    let slaves = mesh.nodes_of(&arguments.slave).map_err(no_set)?;
-    let no_surface = |set: &str, reason: ElementError| CliError::Surface {
-        mesh: name.clone(),
-        set: set.to_owned(),
-        reason,
-    };
-
+    let sets = &arguments.sets;
+    let ContactMesh { name, mesh, facets, slaves } = ContactMesh::read(arguments.mesh.as_deref(), sets)?;
+    let no_surface =
+        |reason: ElementError| CliError::Surface { mesh: name.clone(), set: sets.master.clone(), reason };
     let (points, facets) = renumbered(mesh.nodes(), &facets);
     let needed = Basis::Quadratic.size();
     if points.len() < needed {
-        let reason = ElementError::TooFewNodes { found: points.len(), needed };
-        return Err(no_surface(&arguments.master, reason));
+        return Err(no_surface(ElementError::TooFewNodes { found: points.len(), needed }));
     }
     let corners: Vec<&[usize]> = facets.iter().map(Facet::nodes).collect();
     let normals = node_normals(&points, &corners);
-    let master = NearestNodes::new(points).map_err(|reason| no_surface(&arguments.master, reason))?;
+    let master = NearestNodes::new(points).map_err(no_surface)?;
     Ok(Surfaces {
-        master_set: arguments.master.clone(),
-        slave_set: arguments.slave.clone(),
+        master_set: sets.master.clone(),
+        slave_set: sets.slave.clone(),
         master,
         normals,
         slaves: slaves.into_iter().map(|node| mesh.nodes()[node]).collect(),

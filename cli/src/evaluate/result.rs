@@ -3,22 +3,9 @@
 use diffuse_contact::{Backend, Element, ElementError, Frame, FrameDerivative, Gap, Mode, Point, pairing};
 use serde::Serialize;
 
-use super::schema::{Coordinates, ElementInput, FrameInput};
-
-/// One entry of the output's `elements`.
-#[derive(Debug, Serialize)]
-#[serde(tag = "status", rename_all = "lowercase")]
-pub enum Outcome {
-    /// The element was evaluated.
-    Ok(Box<Evaluated>),
-    /// It has no result.
-    Error {
-        /// Stable machine-readable reason.
-        code: &'static str,
-        /// The reason in words, with its figures.
-        message: String,
-    },
-}
+use super::schema::{ElementInput, FrameInput};
+use crate::json::{Coordinates, FrameOutput};
+use crate::outcome::Outcome;
 
 /// The contact quantities of one element, in global axes; vectors and matrices over the 3(n+1) coordinates ordered
 /// slave, master 1, …, master n. Equation numbers are those of Chamoret et al. 2008.
@@ -49,21 +36,6 @@ pub struct Evaluated {
     residual: Vec<f64>,
     /// K = −∂R/∂x = ε (g M + N Nᵀ) (43), full rows.
     tangent: Vec<Vec<f64>>,
-}
-
-/// A frame in the form in which it can be given.
-#[derive(Debug, Serialize)]
-struct FrameOutput {
-    origin: Point,
-    t1: Point,
-    t2: Point,
-    normal: Point,
-}
-
-impl From<Frame> for FrameOutput {
-    fn from(frame: Frame) -> Self {
-        Self { origin: frame.origin, t1: frame.t1, t2: frame.t2, normal: frame.normal }
-    }
 }
 
 /// The motion of a frame, in the word for which it can be asked.
@@ -115,7 +87,7 @@ impl Refusal {
 }
 
 /// Evaluates one element with all derivatives.
-pub fn evaluate(input: &ElementInput, backend: &dyn Backend) -> Outcome {
+pub fn evaluate(input: &ElementInput, backend: &dyn Backend) -> Outcome<Evaluated> {
     match evaluated(input, backend) {
         Ok(evaluated) => Outcome::Ok(Box::new(evaluated)),
         Err(refusal) => Outcome::Error { code: refusal.code(), message: refusal.to_string() },

@@ -19,22 +19,13 @@
 //! length unit of the caller's choice; the penalty is force per length.
 
 use std::fmt;
-use std::marker::PhantomData;
 
 use diffuse_contact::{Basis, FrameDerivative, Point, Weight};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, MapAccess, Unexpected, Visitor};
-use serde_path_to_error::{Path, Segment};
 
 use crate::error::CliError;
-
-/// A word is taken for a misspelling of another if they are at least this similar (0 to 1).
-const SIMILARITY: f64 = 0.6;
-
-/// Words that some programs write in place of a number.
-const NO_NUMBERS: [&str; 6] = ["NaN", "nan", "Infinity", "infinity", "Inf", "inf"];
-/// What the parser says of a number beyond the range of f64: the text is JSON, but the number is lost.
-const OUT_OF_RANGE: &str = "number out of range";
+use crate::json::{self, BasisName, Coordinates, Object};
 
 /// The whole file.
 #[derive(Debug, serde::Deserialize)]
@@ -64,7 +55,7 @@ pub struct ElementInput {
     /// Radius of the domain of influence; 1.25 × the farthest in-plane distance of a master if left out.
     pub support_radius: Option<f64>,
     /// Basis of the fit; quadratic from six masters on, linear below, if left out.
-    basis: Option<BasisInput>,
+    basis: Option<BasisName>,
     /// Weight of the fit; `cubic` if left out.
     #[serde(default)]
     weight: WeightInput,
@@ -92,8 +83,7 @@ impl ElementInput {
     /// The basis asked for, or the default for this number of masters.
     pub fn basis(&self) -> Basis {
         match self.basis {
-            Some(BasisInput::Quadratic) => Basis::Quadratic,
-            Some(BasisInput::Linear) => Basis::Linear,
+            Some(basis) => basis.into(),
             None if self.masters.len() >= Basis::Quadratic.size() => Basis::Quadratic,
             None => Basis::Linear,
         }
@@ -109,27 +99,6 @@ impl ElementInput {
 
 const fn unit_penalty() -> f64 {
     1.0
-}
-
-/// Three numbers.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
-#[serde(try_from = "Vec<f64>")]
-pub struct Coordinates(pub Point);
-
-impl TryFrom<Vec<f64>> for Coordinates {
-    type Error = WrongLength;
-
-    fn try_from(numbers: Vec<f64>) -> Result<Self, WrongLength> {
-        let found = numbers.len();
-        numbers.try_into().map(Self).map_err(|_| WrongLength { found })
-    }
-}
-
-/// A point or a direction with a number of coordinates other than three.
-#[derive(Debug, thiserror::Error)]
-#[error("expected three coordinates [x, y, z], found {found}")]
-pub struct WrongLength {
-    found: usize,
 }
 
 /// The local frame.
@@ -187,42 +156,11 @@ impl<'de> Visitor<'de> for FrameVisitor {
     }
 }
 
-/// A structure written as a JSON object. Serde by itself also takes the array of its fields, without their names.
-#[derive(Debug)]
-pub struct Object<T>(pub T);
-
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(ObjectVisitor(PhantomData))
-    }
-}
-
-struct ObjectVisitor<T>(PhantomData<T>);
-
-impl<'de, T: Deserialize<'de>> Visitor<'de> for ObjectVisitor<T> {
-    type Value = Object<T>;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("an object")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Object<T>, A::Error> {
-        T::deserialize(MapAccessDeserializer::new(map)).map(Object)
-    }
-}
-
 #[derive(Clone, Copy, Debug, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum FrameDerivativeInput {
     Frozen,
     CoMoving,
-}
-
-#[derive(Clone, Copy, Debug, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum BasisInput {
-    Quadratic,
-    Linear,
 }
 
 #[derive(Clone, Copy, Debug, Default, serde::Deserialize)]
@@ -234,64 +172,7 @@ enum WeightInput {
 
 /// Reads a document, or says in one sentence where it departs from the schema.
 pub fn parse(file: &str, text: &[u8]) -> Result<Document, CliError> {
-    let mut deserializer = serde_json::Deserializer::from_slice(text);
-    let mut track = serde_path_to_error::Track::new();
-    let document = Object::<Document>::deserialize(serde_path_to_error::Deserializer::new(
-        &mut deserializer,
-        &mut track,
-    ));
-    match document {
-        Ok(Object(document)) => {
-            let rest = deserializer.end();
-            rest.map(|()| document).map_err(|error| describe(file, text, &error, None))
-        }
-        Err(error) => Err(describe(file, text, &error, Some(&track.path()))),
-    }
-}
-
-fn describe(file: &str, text: &[u8], error: &serde_json::Error, path: Option<&Path>) -> CliError {
-    let (line, column) = (error.line(), error.column());
-    let message = error.to_string();
-    let statement = message.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&message);
-    let statement = match word_at(text, line, column) {
-        Some(word) if error.is_syntax() && NO_NUMBERS.contains(&word) => {
-            &format!("{word} is no number in JSON")
-        }
-        _ if (error.is_syntax() || error.is_eof()) && statement != OUT_OF_RANGE => {
-            &format!("not valid JSON: {statement}")
-        }
-        _ => statement,
-    };
-    let place = path.map(Path::to_string).filter(|place| place != ".");
-    let suggestion = path.and_then(|path| suggestion(path, statement));
-    let what = format!(
-        "{}{statement}{}",
-        place.map(|place| format!("{place}: ")).unwrap_or_default(),
-        suggestion.map(|field| format!("; did you mean `{field}`?")).unwrap_or_default()
-    );
-    CliError::Json { file: file.into(), line, column, what }
-}
-
-/// The word of letters that begins or ends at a place of the text.
-fn word_at(text: &[u8], line: usize, column: usize) -> Option<&str> {
-    let line = text.split(|&byte| byte == b'\n').nth(line.checked_sub(1)?)?;
-    let place = column.saturating_sub(1).min(line.len());
-    let letter = |byte: &u8| byte.is_ascii_alphabetic();
-    let before = line[..place].iter().rev().take_while(|byte| letter(byte)).count();
-    let after = line[place..].iter().take_while(|byte| letter(byte)).count();
-    str::from_utf8(&line[place - before..place + after]).ok()
-}
-
-/// The known field a misspelt one comes closest to. Serde lists the known ones in its statement, in backquotes
-/// after the unknown one.
-fn suggestion<'s>(path: &Path, statement: &'s str) -> Option<&'s str> {
-    let known = statement.strip_prefix("unknown field `")?.split('`').skip(2).step_by(2);
-    let Some(Segment::Map { key }) = path.iter().next_back() else { return None };
-    known
-        .map(|field| (strsim::normalized_damerau_levenshtein(key, field), field))
-        .filter(|(similarity, _)| *similarity >= SIMILARITY)
-        .max_by(|(a, _), (b, _)| a.total_cmp(b))
-        .map(|(_, field)| field)
+    json::parse(file, text).map(|Object(document)| document)
 }
 
 #[cfg(test)]

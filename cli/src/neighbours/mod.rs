@@ -1,0 +1,86 @@
+//! The `neighbours` job: which master nodes surround a slave, from a JSON file to JSON.
+//!
+//! [`schema`] says what a file may contain, [`result`] what comes back. As in `evaluate`, a file that does not follow
+//! the schema is refused as a whole; a search that follows it but finds no neighbourhood gets an error entry.
+
+mod result;
+mod schema;
+
+use std::io::{self, Write};
+
+use diffuse_contact::Basis;
+
+use crate::args::NeighboursArguments;
+use crate::error::CliError;
+use crate::json::{self, Object};
+use crate::outcome::Failures;
+use crate::output;
+
+use result::search;
+use schema::{Document, Rule, SearchInput};
+
+/// Searches the neighbours of all slaves of the input file.
+pub fn run(arguments: &NeighboursArguments) -> Result<(), CliError> {
+    if let Some(path) = &arguments.output {
+        output::check_target(path)?;
+        output::check_distinct(&arguments.input, path)?;
+    }
+    let (file, text) = json::read(&arguments.input)?;
+    let document = parse(&file, &text)?;
+    let mut failures = Failures::default();
+    let write = |writer: &mut dyn Write| write_results(writer, &document, &mut failures);
+    match &arguments.output {
+        Some(path) => output::write_file(path, write)?,
+        None => output::write_stdout(write)?,
+    }
+    failures.report(document.searches.len(), "searches");
+    Ok(())
+}
+
+/// Reads the document; masters that no basis can fit and fields without meaning are bad input.
+fn parse(file: &str, text: &[u8]) -> Result<Document, CliError> {
+    let document: Document = json::parse(file, text)?;
+    for (index, Object(input)) in document.searches.iter().enumerate() {
+        let place = |field: &str| {
+            if document.is_list { format!("[{index}].{field}") } else { field.to_owned() }
+        };
+        let found = input.masters().len();
+        if found < Basis::Linear.size() {
+            return Err(CliError::TooFewMasters { file: file.to_owned(), place: place("masters"), found });
+        }
+        if let Some((field, beside)) = meaningless(input) {
+            return Err(CliError::MeaninglessField { file: file.to_owned(), place: place(field), beside });
+        }
+    }
+    Ok(document)
+}
+
+/// A field that is given although nothing looks at it, and because of what.
+fn meaningless(input: &SearchInput) -> Option<(&'static str, &'static str)> {
+    let SearchInput { rule, layers, count, basis, .. } = input;
+    match rule {
+        Rule::Nearest if layers.is_some() => Some(("layers", "for the rule \"nearest\"")),
+        Rule::HullLayers if count.is_some() => Some(("count", "for the rule \"hull-layers\"")),
+        Rule::HullRadius if count.is_some() => Some(("count", "for the rule \"hull-radius\"")),
+        Rule::HullLayers if layers.is_some() && basis.is_some() => {
+            Some(("basis", "for a number of hull layers, which are taken whatever fit they carry"))
+        }
+        _ => None,
+    }
+}
+
+/// One line per search, in a list if the input is one; counts the codes of those without a result.
+fn write_results(writer: &mut dyn Write, document: &Document, failures: &mut Failures) -> io::Result<()> {
+    if document.is_list {
+        writer.write_all(b"[")?;
+    }
+    for (index, Object(input)) in document.searches.iter().enumerate() {
+        let outcome = search(input);
+        failures.count(&outcome);
+        if document.is_list {
+            writer.write_all(if index == 0 { b"\n" } else { b",\n" })?;
+        }
+        serde_json::to_writer(&mut *writer, &outcome)?;
+    }
+    writer.write_all(if document.is_list { b"\n]\n" } else { b"\n" })
+}

@@ -1,0 +1,120 @@
+//! What `neighbours` reads.
+//!
+//! ```json
+//! {"slave": [0.1, 0.2, 0.3],
+//!  "masters": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]],
+//!  "outward": [0, 0, 1],
+//!  "rule": "hull-layers",
+//!  "layers": 1}
+//! ```
+//!
+//! or a list of such objects. `slave`, `masters` and `outward` are always needed; the defaults are those of
+//! [`SearchInput`]'s fields. Nothing else is accepted. All coordinates are global, in one length unit.
+
+use std::fmt;
+
+use diffuse_contact::{Basis, Point};
+use serde::Serialize;
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
+
+use crate::json::{BasisName, Coordinates, Object};
+
+/// The whole file.
+#[derive(Debug)]
+pub struct Document {
+    /// The searches, made in this order.
+    pub searches: Vec<Object<SearchInput>>,
+    /// Whether they stand in a list; otherwise there is one.
+    pub is_list: bool,
+}
+
+/// One search.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SearchInput {
+    /// Slave node.
+    pub slave: Coordinates,
+    /// Master nodes.
+    masters: Vec<Coordinates>,
+    /// A direction to the outward side of the master surface, of any length.
+    pub outward: Coordinates,
+    /// Which nodes take part; `hull-layers` if left out.
+    #[serde(default)]
+    pub rule: Rule,
+    /// Number of hull layers: exactly so many for `hull-layers`, at least so many for `hull-radius`; as many as make the
+    /// fit well conditioned if left out.
+    pub layers: Option<Count>,
+    /// Number of nodes to start from for `nearest`; the library's default if left out.
+    pub count: Option<Count>,
+    /// Basis the nodes are to carry; `quadratic`, and `linear` where no nodes carry that, if left out.
+    pub basis: Option<BasisName>,
+}
+
+impl SearchInput {
+    /// Positions of the masters.
+    pub fn masters(&self) -> Vec<Point> {
+        self.masters.iter().map(|master| master.0).collect()
+    }
+
+    /// The basis to try first.
+    pub fn basis(&self) -> Basis {
+        self.basis.map_or(Basis::Quadratic, Basis::from)
+    }
+}
+
+/// Which nodes take part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rule {
+    /// Those of the first hull layers.
+    #[default]
+    HullLayers,
+    /// All inside the support radius that the hull layers set.
+    HullRadius,
+    /// The nearest.
+    Nearest,
+}
+
+/// A number of things of which there is to be one at least.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(try_from = "u64")]
+pub struct Count(pub usize);
+
+impl TryFrom<u64> for Count {
+    type Error = &'static str;
+
+    fn try_from(number: u64) -> Result<Self, Self::Error> {
+        match usize::try_from(number) {
+            Ok(0) => Err("expected at least 1, found 0"),
+            Ok(number) => Ok(Self(number)),
+            Err(_) => Err("more than this machine can count"),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Document {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(DocumentVisitor)
+    }
+}
+
+struct DocumentVisitor;
+
+impl<'de> Visitor<'de> for DocumentVisitor {
+    type Value = Document;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object with slave, masters and outward, or a list of such objects")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Document, A::Error> {
+        let search = SearchInput::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Document { searches: vec![Object(search)], is_list: false })
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Document, A::Error> {
+        let searches = Vec::deserialize(SeqAccessDeserializer::new(list))?;
+        Ok(Document { searches, is_list: true })
+    }
+}

@@ -1,0 +1,160 @@
+//! Why nothing was assembled.
+
+/// Every reason for which an assembly is refused. Each carries the figures that led to it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum AssemblyError {
+    /// The penalty is not a positive finite number.
+    #[error("the penalty must be positive and finite, not {value}")]
+    InvalidPenalty {
+        /// The penalty given.
+        value: f64,
+    },
+    /// There is not one multiplier for each element.
+    #[error("{found} multipliers for {elements} elements")]
+    MultiplierCount {
+        /// Number of multipliers given.
+        found: usize,
+        /// Number of elements.
+        elements: usize,
+    },
+    /// A multiplier is negative or not finite: contact does not pull.
+    #[error("the multiplier of element {element} must be finite and not negative, but is {value}")]
+    InvalidMultiplier {
+        /// The element, counted from 0.
+        element: usize,
+        /// Its multiplier.
+        value: f64,
+    },
+    /// A gap is NaN or infinite.
+    #[error("the gap of element {element} is {value}")]
+    InvalidGap {
+        /// The element, counted from 0.
+        element: usize,
+        /// Its gap.
+        value: f64,
+    },
+    /// An area is negative or not finite.
+    #[error("the area of element {element} must be finite and not negative, but is {value}")]
+    InvalidArea {
+        /// The element, counted from 0.
+        element: usize,
+        /// Its area.
+        value: f64,
+    },
+    /// ε or λ − ε g of an element is beyond the range of numbers.
+    #[error(
+        "the contact force of element {element} overflows: penalty {penalty:e}, area {area:e}, gap {gap:e}"
+    )]
+    ForceOverflow {
+        /// The element, counted from 0.
+        element: usize,
+        /// The penalty.
+        penalty: f64,
+        /// Its area.
+        area: f64,
+        /// Its gap.
+        gap: f64,
+    },
+    /// An element has contact but no master nodes.
+    #[error("element {element} has contact but no master nodes")]
+    NoMasters {
+        /// The element, counted from 0.
+        element: usize,
+    },
+    /// A gradient or a Hessian does not have the size that follows from the number of nodes.
+    #[error("the {what} of element {element} has {found} entries instead of {expected}")]
+    DerivativeLength {
+        /// `"gradient"` or `"Hessian"`.
+        what: &'static str,
+        /// The element, counted from 0.
+        element: usize,
+        /// Number of entries given.
+        found: usize,
+        /// Number of entries needed: 3(n+1), or its packed lower triangle.
+        expected: usize,
+    },
+    /// An element names a node that the map of degrees of freedom does not know.
+    #[error("element {element} names node {node}, but there are only {nodes} nodes")]
+    UnknownNode {
+        /// The element, counted from 0.
+        element: usize,
+        /// The node it names.
+        node: usize,
+        /// Number of nodes of the map.
+        nodes: usize,
+    },
+    /// A degree of freedom is mapped to an equation that the system does not have.
+    #[error("axis {axis} of node {node} has equation {equation}, but there are only {equations} equations")]
+    UnknownEquation {
+        /// The node.
+        node: usize,
+        /// 0, 1 or 2.
+        axis: usize,
+        /// The equation it is mapped to.
+        equation: usize,
+        /// Number of equations.
+        equations: usize,
+    },
+    /// Two degrees of freedom are mapped to the same equation.
+    #[error("two degrees of freedom have the same equation {equation}")]
+    SharedEquation {
+        /// The equation.
+        equation: usize,
+    },
+    /// The slice to add to has the wrong length.
+    #[error("the {what} have {found} entries instead of {expected}")]
+    OutputLength {
+        /// `"residuals"` or `"values"`.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// Number of equations, or of entries of the pattern.
+        expected: usize,
+    },
+    /// The elements are not those of the pattern: other nodes, or another number of elements.
+    #[error("element {element} is not the one of the pattern")]
+    PatternMismatch {
+        /// The first element that differs, counted from 0.
+        element: usize,
+    },
+    /// An array cannot be allocated, or its indices do not fit their type.
+    #[error("{count} {what} are more than fit into memory or into their index")]
+    TooLarge {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many; `usize::MAX` also stands for more.
+        count: usize,
+    },
+    /// A sum left the range of numbers, or was not finite before anything was added.
+    #[error("the {what} of equation {equation} are not finite")]
+    Overflow {
+        /// `"residuals"` or `"values"`.
+        what: &'static str,
+        /// The first such equation.
+        equation: usize,
+    },
+}
+
+impl AssemblyError {
+    /// Stable machine-readable code.
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::InvalidPenalty { .. } => "invalid-penalty",
+            Self::MultiplierCount { .. } => "multiplier-count",
+            Self::InvalidMultiplier { .. } => "invalid-multiplier",
+            Self::InvalidGap { .. } => "invalid-gap",
+            Self::InvalidArea { .. } => "invalid-area",
+            Self::ForceOverflow { .. } | Self::Overflow { .. } => "overflow",
+            Self::NoMasters { .. } => "no-masters",
+            Self::DerivativeLength { .. } => "derivative-length",
+            Self::UnknownNode { .. } => "unknown-node",
+            Self::UnknownEquation { .. } => "unknown-equation",
+            Self::SharedEquation { .. } => "shared-equation",
+            Self::OutputLength { .. } => "output-length",
+            Self::PatternMismatch { .. } => "pattern-mismatch",
+            Self::TooLarge { .. } => "too-large",
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! From the gap to force and stiffness.
+
+use super::{AssemblyError, ElementView, Elements};
+
+/// Which tangent is assembled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Tangent {
+    /// K = ε N Nᵀ − f M, the exact derivative −∂R/∂x (Chamoret et al. 2008, eq. 43). It is indefinite in general: in
+    /// penetration −f M is negative along the directions in which the master surface is convex.
+    #[default]
+    Exact,
+    /// K = ε N Nᵀ, positive semidefinite. Newton's method then converges linearly; no Hessian is needed.
+    GaussNewton,
+}
+
+/// The law of frictionless contact, penalty or augmented Lagrangian.
+///
+/// Contact force of element k, with ε_k = penalty × area_k:
+///
+/// ```text
+/// f_k = λ_k − ε_k g_k        active if f_k > 0
+/// R_k = f_k N_k              force on the nodes; −ε g N for λ = 0 (Chamoret et al. 2008, eq. 33)
+/// K_k = ε_k N_k N_kᵀ − f_k M_k = −∂R_k/∂x; ε (g M + N Nᵀ) for λ = 0 (eq. 43)
+/// ```
+///
+/// An element with f_k ≤ 0 contributes nothing. At f_k = 0 exactly, such as a touching node with λ = 0, that is no force
+/// and, of the two one-sided tangents, the one of the open side: zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactLaw<'a> {
+    /// Penalty ε_n > 0: force per length, or force per length³ if the elements carry areas.
+    pub penalty: f64,
+    /// Multipliers λ_k ≥ 0 of the augmented Lagrangian, one contact force per element; `None` for λ = 0.
+    pub multipliers: Option<&'a [f64]>,
+    /// Which tangent is assembled.
+    pub tangent: Tangent,
+}
+
+impl ContactLaw<'_> {
+    /// The penalty law with the exact tangent.
+    #[must_use]
+    pub const fn penalty(penalty: f64) -> Self {
+        Self { penalty, multipliers: None, tangent: Tangent::Exact }
+    }
+
+    /// Contact force max(0, λ_k − ε_k g) of element `k` at the gap `gap`; with λ ← force it is also the update of the
+    /// augmented Lagrangian.
+    ///
+    /// # Panics
+    /// If there are multipliers, but none for `k`.
+    #[must_use]
+    pub fn force(&self, k: usize, gap: f64, area: f64) -> f64 {
+        (self.multiplier(k) - self.penalty * area * gap).max(0.0)
+    }
+
+    fn multiplier(&self, k: usize) -> f64 {
+        self.multipliers.map_or(0.0, |multipliers| multipliers[k])
+    }
+
+    /// Checks the penalty and the number of multipliers.
+    pub(super) fn check(&self, elements: usize) -> Result<(), AssemblyError> {
+        if !(self.penalty > 0.0 && self.penalty.is_finite()) {
+            return Err(AssemblyError::InvalidPenalty { value: self.penalty });
+        }
+        match self.multipliers {
+            Some(multipliers) if multipliers.len() != elements => {
+                Err(AssemblyError::MultiplierCount { found: multipliers.len(), elements })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Checks the contact quantities of an element, those of its derivatives only if it is active.
+    pub(super) fn check_element(
+        &self,
+        k: usize,
+        element: &ElementView<'_>,
+        needs: Needs,
+    ) -> Result<(), AssemblyError> {
+        let multiplier = self.multiplier(k);
+        if !(multiplier >= 0.0 && multiplier.is_finite()) {
+            return Err(AssemblyError::InvalidMultiplier { element: k, value: multiplier });
+        }
+        let Some(contact) = &element.contact else { return Ok(()) };
+        if element.masters.is_empty() {
+            return Err(AssemblyError::NoMasters { element: k });
+        }
+        if !contact.gap.is_finite() {
+            return Err(AssemblyError::InvalidGap { element: k, value: contact.gap });
+        }
+        if !(contact.area >= 0.0 && contact.area.is_finite()) {
+            return Err(AssemblyError::InvalidArea { element: k, value: contact.area });
+        }
+        let force = self.force(k, contact.gap, contact.area);
+        if !((self.penalty * contact.area).is_finite() && force.is_finite()) {
+            let (penalty, area, gap) = (self.penalty, contact.area, contact.gap);
+            return Err(AssemblyError::ForceOverflow { element: k, penalty, area, gap });
+        }
+        if !(force > 0.0) {
+            return Ok(());
+        }
+        let freedoms = 3 * element.node_count();
+        let length = |what, found, expected| {
+            let wrong = AssemblyError::DerivativeLength { what, element: k, found, expected };
+            if found == expected { Ok(()) } else { Err(wrong) }
+        };
+        length("gradient", contact.gradient.len(), freedoms)?;
+        if needs == Needs::Tangent && self.tangent == Tangent::Exact {
+            length("Hessian", contact.hessian.len(), freedoms * (freedoms + 1) / 2)?;
+        }
+        Ok(())
+    }
+
+    /// What element `k` contributes; `None` if that is nothing. The element is one that passes
+    /// [`check_element`](Self::check_element).
+    pub(super) fn active<'e, E: Elements + ?Sized>(&self, elements: &'e E, k: usize) -> Option<Active<'e>> {
+        let ElementView { contact, .. } = elements.element(k);
+        let contact = contact?;
+        let force = self.force(k, contact.gap, contact.area);
+        let hessian = match self.tangent {
+            Tangent::Exact => Some(contact.hessian),
+            Tangent::GaussNewton => None,
+        };
+        let stiffness = self.penalty * contact.area;
+        (force > 0.0).then_some(Active { force, stiffness, gradient: contact.gradient, hessian })
+    }
+}
+
+/// What is assembled from an element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Needs {
+    Residual,
+    Tangent,
+}
+
+/// An element that carries force.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Active<'a> {
+    /// f, force.
+    pub force: f64,
+    /// ε, force per length.
+    stiffness: f64,
+    /// N.
+    pub gradient: &'a [f64],
+    /// M, packed lower triangle, if it takes part.
+    hessian: Option<&'a [f64]>,
+}
+
+impl Active<'_> {
+    /// Entry (p, q) of the tangent; the same number as entry (q, p).
+    pub fn tangent(&self, p: usize, q: usize) -> f64 {
+        let rank_one = self.stiffness * (self.gradient[p] * self.gradient[q]);
+        match self.hessian {
+            Some(hessian) => {
+                let (row, column) = if p >= q { (p, q) } else { (q, p) };
+                rank_one - self.force * hessian[row * (row + 1) / 2 + column]
+            }
+            None => rank_one,
+        }
+    }
+}
+
+/// Checks the law and all elements, also that their nodes are among the first `nodes`.
+pub(super) fn check<E: Elements + ?Sized>(
+    elements: &E,
+    law: &ContactLaw<'_>,
+    nodes: usize,
+    needs: Needs,
+) -> Result<(), AssemblyError> {
+    law.check(elements.len())?;
+    for k in 0..elements.len() {
+        let element = elements.element(k);
+        if let Some(node) = element.nodes().find(|&node| node >= nodes) {
+            return Err(AssemblyError::UnknownNode { element: k, node, nodes });
+        }
+        law.check_element(k, &element, needs)?;
+    }
+    Ok(())
+}

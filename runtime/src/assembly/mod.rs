@@ -1,0 +1,70 @@
+//! From contact elements to the equations of a solver: residual vector, triplets, compressed rows.
+//!
+//! The input is any list of [`Elements`]; a [`ContactLaw`] says which of them carry force and how much; a [`DofMap`]
+//! says which equation a displacement has. The products of gap, gradient and Hessian that make up residual and tangent
+//! are formed entry by entry where they are added; no element matrix is stored.
+//!
+//! * [`add_residual`] adds the contact forces to a vector.
+//! * [`Triplets`] lists the entries of the tangent, for solvers that sort and sum themselves.
+//! * [`CsrPattern`] is built once for a pairing and then filled at every iteration, in parallel.
+//!
+//! Every sum is formed in the order of the elements, and within an element in the order of its nodes. So the result is,
+//! bit for bit, the one of a plain loop over the elements, for any number of threads.
+//!
+//! ```
+//! use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap, ElementView, add_residual};
+//! use diffuse_contact::{Backend, Basis, Element, Frame, Generated, Mode, Weight};
+//!
+//! // Nodes 0 to 8 are a flat master surface, node 9 penetrates it by 0.01.
+//! let masters: Vec<[f64; 3]> =
+//!     (0..9).map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0, 0.0]).collect();
+//! let element = Element {
+//!     slave: [0.1, 0.2, -0.01],
+//!     masters: &masters,
+//!     frame: Frame::average_plane(&masters, [0.0, 0.0, 1.0])?,
+//!     support_radius: 2.0,
+//!     basis: Basis::Quadratic,
+//!     weight: Weight::Cubic,
+//! };
+//! let gap = Generated.gap(&element, Mode::Hessian)?;
+//! let nodes: Vec<u32> = (0..9).collect();
+//! let elements = [ElementView::new(9, &nodes, &gap)];
+//!
+//! let law = ContactLaw::penalty(1e5);
+//! let dofs = DofMap::standard(10);
+//! let mut residual = vec![0.0; dofs.equations()];
+//! let active = add_residual(elements.as_slice(), &law, &dofs, &mut residual)?;
+//! assert_eq!(active, 1);
+//! // The slave is pushed out along +z.
+//! assert!((residual[3 * 9 + 2] - 1e3).abs() < 1e-9);
+//!
+//! let pattern = CsrPattern::union(elements.as_slice(), &dofs)?;
+//! let mut values = vec![0.0; pattern.entries()];
+//! pattern.fill(elements.as_slice(), &law, &mut values)?;
+//! let entry = pattern.position(29, 29).unwrap();
+//! assert!((values[entry] - 1e5).abs() < 1e-7);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod dofs;
+mod elements;
+mod error;
+mod law;
+mod pattern;
+mod residual;
+mod triplets;
+
+pub use dofs::DofMap;
+pub use elements::{ContactView, ElementView, Elements};
+pub use error::AssemblyError;
+pub use law::{ContactLaw, Tangent};
+pub use pattern::CsrPattern;
+pub use residual::add_residual;
+pub use triplets::{Triangle, Triplets};
+
+/// An empty vector with room for `count` of `what`: an error where there is no memory, not the end of the program.
+fn reserve<T>(what: &'static str, count: usize) -> Result<Vec<T>, AssemblyError> {
+    let mut vector = Vec::new();
+    vector.try_reserve_exact(count).map_err(|_| AssemblyError::TooLarge { what, count })?;
+    Ok(vector)
+}

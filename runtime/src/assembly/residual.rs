@@ -1,0 +1,39 @@
+//! The residual vector.
+
+use super::law::{Needs, check};
+use super::{AssemblyError, ContactLaw, DofMap, Elements};
+
+/// Adds the contact forces R = Σ f_k N_k on the nodes to `residual`, one entry per equation, in the order of the
+/// elements. Returns the number of elements that carry force.
+///
+/// # Errors
+/// [`AssemblyError::OutputLength`] if `residual` has not one entry per equation, and every reason for which the law or
+/// an element is refused; `residual` is then unchanged. [`AssemblyError::Overflow`] if a sum is not finite; the contents
+/// of `residual` are then unspecified.
+pub fn add_residual<E: Elements + ?Sized>(
+    elements: &E,
+    law: &ContactLaw<'_>,
+    dofs: &DofMap,
+    residual: &mut [f64],
+) -> Result<usize, AssemblyError> {
+    if residual.len() != dofs.equations() {
+        let (found, expected) = (residual.len(), dofs.equations());
+        return Err(AssemblyError::OutputLength { what: "residuals", found, expected });
+    }
+    check(elements, law, dofs.nodes(), Needs::Residual)?;
+    let mut count = 0;
+    for k in 0..elements.len() {
+        let Some(active) = law.active(elements, k) else { continue };
+        count += 1;
+        for (node, gradient) in elements.element(k).nodes().zip(active.gradient.chunks_exact(3)) {
+            for (equation, n) in dofs.of_node(node).into_iter().zip(gradient) {
+                let Some(equation) = equation else { continue };
+                residual[equation] += active.force * n;
+                if !residual[equation].is_finite() {
+                    return Err(AssemblyError::Overflow { what: "residuals", equation });
+                }
+            }
+        }
+    }
+    Ok(count)
+}

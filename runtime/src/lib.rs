@@ -10,6 +10,7 @@ pub mod generated;
 pub mod neighbourhood;
 pub mod output;
 pub mod pairing;
+pub mod surface;
 
 pub use backend::Backend;
 pub use diffuse_contact_kernels::support::{Basis, Mode};

@@ -6,6 +6,8 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 const MOST_STEPS: usize = 30;
 /// A step in natural coordinates below which the foot is found.
 const LAST_STEP: f64 = 1e-14;
+/// A step in natural coordinates below which the distance no longer tells better from worse.
+const SMALL_STEP: f64 = 1e-6;
 /// An iterate this far from the middle has left the facet.
 const FAR_OUTSIDE: f64 = 2.0;
 /// A natural coordinate this close to the end of its range lies on the edge.
@@ -175,7 +177,7 @@ fn inside_quadrilateral(corners: &[Vector3<f64>; 4], x: Vector3<f64>, start: [f6
         }
         let mut trial = from_foot(y + step);
         let mut halvings = 0;
-        while trial.norm_squared() > offset.norm_squared() && halvings < 20 {
+        while step.norm() > SMALL_STEP && trial.norm_squared() > offset.norm_squared() && halvings < 20 {
             step *= 0.5;
             trial = from_foot(y + step);
             halvings += 1;

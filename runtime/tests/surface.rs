@@ -80,7 +80,7 @@ fn the_closest_point_is_that_of_a_scan_over_all_facets() {
     let surface = MasterSurface::new(&positions, facets.clone()).unwrap();
     let index = surface.at(&positions).unwrap();
     let mut random = Uniform(3);
-    for _ in 0..20 {
+    for _ in 0..12 {
         let near = Vector3::from(positions[(random.next() * positions.len() as f64) as usize]);
         let x = near + Vector3::from_fn(|_, _| random.next() - 0.5);
         let found = index.closest(x.into()).unwrap();

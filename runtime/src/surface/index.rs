@@ -107,11 +107,13 @@ impl<'a> SurfaceIndex<'a> {
     /// The closest point of the surface; `None` if `point` is not finite (or beyond ±10⁷⁵).
     #[must_use]
     pub fn closest(&self, point: Point) -> Option<ClosestPoint> {
-        let found = self.closest_among_ties(point, &mut Vec::new())?;
+        let mut ties = Vec::new();
+        let found = self.closest_among_ties(point, &mut ties)?;
         let facet = found.facet as usize;
-        let borders = self.surface.across(facet).iter().enumerate();
-        let on_border =
-            borders.filter(|(_, across)| **across == NONE).any(|(edge, _)| found.edges >> edge & 1 == 1);
+        let on_border = ties.iter().any(|tie| {
+            let mut across = self.surface.across(tie.facet as usize).iter().enumerate();
+            across.any(|(edge, &other)| other == NONE && tie.edges >> edge & 1 == 1)
+        });
         let Closest { natural, distance, .. } = found;
         Some(ClosestPoint { facet, point: found.point.into(), natural, distance, on_border })
     }

@@ -1,7 +1,7 @@
 //! Why an element has no result.
 
 /// Every reason for which an element yields no numbers. Each carries the figures that led to it.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ElementError {
     /// Fewer master nodes than the basis has coefficients.

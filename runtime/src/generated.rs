@@ -145,6 +145,22 @@ impl Generated {
     }
 }
 
+impl Generated {
+    /// As [`gap_into`](Self::gap_into), with all the kernel's figures.
+    pub(crate) fn gap_values_into(
+        &self,
+        element: &Element<'_>,
+        mode: Mode,
+        gradient: &mut [f64],
+        hessian: &mut [f64],
+    ) -> Result<GapValues<f64>, ElementError> {
+        element.validate()?;
+        match element.weight {
+            Weight::Cubic => run_gap::<Cubic>(element, mode, gradient, hessian),
+        }
+    }
+}
+
 impl<K: KernelSet> GeneratedWith<K> {
     /// As [`Generated::gap_into`], with the kernels of `K`.
     ///

@@ -7,6 +7,7 @@ pub mod element;
 pub mod error;
 pub mod frame;
 pub mod generated;
+pub mod interface;
 pub mod neighbourhood;
 pub mod output;
 pub mod pairing;

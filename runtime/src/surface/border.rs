@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::index::Closest;
 use super::shape::Foot;
 use super::topology::NONE;
-use super::{MasterSurface, SurfaceIndex};
+use super::{MasterSurface, Shape, SurfaceIndex};
 use crate::Point;
 
 /// An edge counts as sharp if its angle exceeds the feature angle by this, in radians: prisms have edges of exactly 45°.
@@ -47,7 +47,7 @@ impl Creases {
         self.ends[facet] >> edge & 1 == 1
     }
 
-    /// Whether the patch around `nodes` (places, ascending) that `facet` belongs to ends anywhere.
+    /// Whether the patch around `nodes` (ascending) that `facet` belongs to ends anywhere.
     pub fn end_near(
         &self,
         surface: &MasterSurface,
@@ -97,6 +97,11 @@ impl Creases {
         beyond.fold(0.0, f64::max)
     }
 
+    /// How far `foot`, a point on the facet or its extension, lies beyond the edges at which the patch ends.
+    pub fn beyond_facet(&self, facet: u32, shape: &Shape, foot: Vector3<f64>) -> f64 {
+        self.reach_beyond(facet, u8::MAX, |edge| shape.reach_across(edge, foot - shape.edge(edge)[0]))
+    }
+
     /// The largest reach across those of the `edges` at which the patch ends.
     fn reach_beyond(&self, facet: u32, edges: u8, reach: impl Fn(usize) -> f64) -> f64 {
         let ends = self.ends[facet as usize] & edges;
@@ -114,8 +119,9 @@ impl Creases {
                 if self.ends_at(facet as usize, edge) || patch.contains(&other) {
                     continue;
                 }
-                let corners = surface.corners_of(other as usize);
-                if corners.iter().any(|corner| nodes.binary_search(corner).is_ok()) {
+                let mut corners = surface.corners_of(other as usize).iter();
+                let node = |place: &u32| surface.nodes()[*place as usize];
+                if corners.any(|place| nodes.binary_search(&node(place)).is_ok()) {
                     patch.push(other);
                 }
             }

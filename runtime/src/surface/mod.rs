@@ -43,6 +43,7 @@ pub use topology::MasterSurface;
 pub(crate) use border::{BorderScratch, Creases};
 pub(crate) use index::Closest;
 pub(crate) use shape::Shape;
+pub(crate) use topology::check_position;
 pub(crate) use walk::Walk;
 
 /// One facet of a surface: indices of its corners in the positions of all nodes, counter-clockwise seen from outside.

@@ -174,6 +174,7 @@ impl Backend for Interpreted {
             foot_iterations: evaluation.scalar("foot_iterations"),
             foot_distance: evaluation.scalar("foot_distance"),
             jacobian_determinant: evaluation.scalar("jacobian_determinant"),
+            jacobian_trace: evaluation.scalar("jacobian_trace"),
             checksum: evaluation.scalar("checksum"),
         };
         check(values.status())?;
@@ -304,6 +305,9 @@ fn check(status: Status) -> Result<(), ElementError> {
         Status::FootOutside { distance } => ElementError::FootOutside { distance },
         Status::NoAveragePlane { pivot_ratio } => ElementError::UnstableAveragePlane { pivot_ratio },
         Status::CentreOfCurvature { determinant } => ElementError::CentreOfCurvature { determinant },
+        Status::BeyondCentreOfCurvature { determinant, trace } => {
+            ElementError::BeyondCentreOfCurvature { determinant, trace }
+        }
         _ => ElementError::Overflow { what: "result" },
     })
 }

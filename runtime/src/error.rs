@@ -1,7 +1,7 @@
 //! Why an element has no result.
 
 /// Every reason for which an element yields no numbers. Each carries the figures that led to it.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ElementError {
     /// Fewer master nodes than the basis has coefficients.
@@ -107,6 +107,17 @@ pub enum ElementError {
         /// In-plane distance of the foot from the slave's projection over the support radius.
         distance: f64,
     },
+    /// The foot is a stationary point of the distance, but not the nearest: the slave is farther from a concave surface than a
+    /// centre of its curvature.
+    #[error(
+        "the slave lies beyond a centre of curvature of the surface: the foot's Jacobian has determinant {determinant:e} and trace {trace:e}"
+    )]
+    BeyondCentreOfCurvature {
+        /// Determinant of the foot equations' Jacobian J.
+        determinant: f64,
+        /// Its trace; −J is positive definite where the foot is the nearest point around it.
+        trace: f64,
+    },
     /// The slave lies on a centre of curvature of the surface: the foot point is not unique.
     #[error("the slave lies on a centre of curvature of the surface: Jacobian determinant {determinant:e}")]
     CentreOfCurvature {
@@ -139,6 +150,7 @@ impl ElementError {
             Self::FootDiverged { .. } => "foot-diverged",
             Self::FootOutside { .. } => "foot-outside",
             Self::CentreOfCurvature { .. } => "centre-of-curvature",
+            Self::BeyondCentreOfCurvature { .. } => "beyond-centre-of-curvature",
             Self::Overflow { .. } => "overflow",
         }
     }

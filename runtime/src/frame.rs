@@ -108,10 +108,9 @@ impl Frame {
         if !(scale > 0.0 && scale.is_finite()) {
             return Err(no_plane(0.0, 0.0));
         }
-        let offsets: Vec<Vector3<f64>> =
-            masters.iter().map(|x| (Vector3::from(*x) - first) / scale).collect();
-        let mean = offsets.iter().sum::<Vector3<f64>>() / offsets.len() as f64;
-        let scatter: Matrix3<f64> = offsets.iter().map(|x| (x - mean) * (x - mean).transpose()).sum();
+        let offsets = || masters.iter().map(|x| (Vector3::from(*x) - first) / scale);
+        let mean = offsets().sum::<Vector3<f64>>() / masters.len() as f64;
+        let scatter: Matrix3<f64> = offsets().map(|x| (x - mean) * (x - mean).transpose()).sum();
         let eigen = SymmetricEigen::new(scatter);
         let mut order = [0, 1, 2];
         order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));

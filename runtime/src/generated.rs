@@ -232,6 +232,9 @@ fn check(status: Status) -> Result<(), ElementError> {
         Status::FootOutside { distance } => ElementError::FootOutside { distance },
         Status::NoAveragePlane { pivot_ratio } => ElementError::UnstableAveragePlane { pivot_ratio },
         Status::CentreOfCurvature { determinant } => ElementError::CentreOfCurvature { determinant },
+        Status::BeyondCentreOfCurvature { determinant, trace } => {
+            ElementError::BeyondCentreOfCurvature { determinant, trace }
+        }
         _ => ElementError::Overflow { what: "result" },
     })
 }

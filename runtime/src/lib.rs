@@ -8,9 +8,11 @@ pub mod element;
 pub mod error;
 pub mod frame;
 pub mod generated;
+pub mod interface;
 pub mod neighbourhood;
 pub mod output;
 pub mod pairing;
+pub mod surface;
 
 pub use backend::Backend;
 pub use diffuse_contact_kernels::support::{Basis, CustomBasis, Mode};

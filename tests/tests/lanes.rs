@@ -165,6 +165,7 @@ fn bits(values: &GapValues<f64>, gradient: &[f64], hessian: &[f64]) -> Vec<u64> 
         values.foot_iterations,
         values.foot_distance,
         values.jacobian_determinant,
+        values.jacobian_trace,
         values.checksum,
     ];
     all.extend(values.foot);
@@ -204,6 +205,7 @@ fn lanes_are_elements<K: GapKernel>(cases: &[Case; 4]) -> [GapValues<f64>; 4] {
             foot_iterations: values.foot_iterations.0[k],
             foot_distance: values.foot_distance.0[k],
             jacobian_determinant: values.jacobian_determinant.0[k],
+            jacobian_trace: values.jacobian_trace.0[k],
             checksum: values.checksum.0[k],
         };
         let (alone, alone_gradient, alone_hessian) = run::<K, f64>(&inputs(&cases[k]));

@@ -88,6 +88,7 @@ pub(super) struct Contact {
     pub normal: [ExprId; 3],
     pub distance: ExprId,
     pub determinant: ExprId,
+    pub trace: ExprId,
     pub root: RootId,
 }
 
@@ -548,10 +549,12 @@ impl Diffuse {
 
         let determinant = g.determinant(&jacobian);
         let determinant = g.substitute(determinant, &at_foot);
+        let trace = g.add(jacobian[0][0], jacobian[1][1]);
+        let trace = g.substitute(trace, &at_foot);
         let square = g.dot(&foot, &foot);
         let distance = g.sqrt(square);
         let problem = fit.problem;
-        Contact { problem, functional, gap, foot: foot_point, normal, distance, determinant, root }
+        Contact { problem, functional, gap, foot: foot_point, normal, distance, determinant, trace, root }
     }
 
     /// −(u_k + δ_k) + h f_k with h = −f, at the surface point u + δ.

@@ -244,6 +244,11 @@ impl Kernel {
             "det J of the foot equations, 0 on a centre of curvature",
             contact.determinant,
         );
+        self.add_scalar(
+            "jacobian_trace",
+            "tr J, negative where the foot is the nearest point around it",
+            contact.trace,
+        );
         self.equations.extend([
             Equation { formula: "-u_k + h f_k = 0, h = -f(u)", source: "foot point x^d" },
             Equation { formula: "g = nu (x^c - x^d)", source: "Chamoret et al. 2008, eq. 19" },

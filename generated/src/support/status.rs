@@ -37,6 +37,13 @@ pub enum Status {
         /// Determinant of the Jacobian.
         determinant: f64,
     },
+    /// The slave lies beyond a centre of curvature: the foot is a stationary point of the distance, but not a minimum.
+    BeyondCentreOfCurvature {
+        /// Determinant of the Jacobian.
+        determinant: f64,
+        /// Its trace, negative at a minimum.
+        trace: f64,
+    },
     /// The average plane is not unique to working precision.
     NoAveragePlane {
         /// Smallest relative pivot of the plane's system.
@@ -96,6 +103,10 @@ impl GapValues<f64> {
         }
         if !(self.foot_distance <= 1.0) {
             return Status::FootOutside { distance: self.foot_distance };
+        }
+        let trace = self.jacobian_trace;
+        if determinant < 0.0 || trace >= 0.0 {
+            return Status::BeyondCentreOfCurvature { determinant, trace };
         }
         Status::of_fit(self.pivot_ratio, self.checksum)
     }

@@ -148,6 +148,8 @@ pub struct GapValues<T> {
     pub foot_distance: T,
     /// Determinant of the foot equations' Jacobian, 0 on a centre of curvature.
     pub jacobian_determinant: T,
+    /// Trace of the same Jacobian J. The distance has a minimum at the foot if −J is positive definite.
+    pub jacobian_trace: T,
     /// Finite only if every result is.
     pub checksum: T,
 }
@@ -185,6 +187,7 @@ impl GapValues<f64> {
         foot_iterations: f64::NAN,
         foot_distance: f64::NAN,
         jacobian_determinant: f64::NAN,
+        jacobian_trace: f64::NAN,
         checksum: f64::NAN,
     };
 }

@@ -172,6 +172,10 @@ impl Foot {
         if distance > 1.0 {
             return Err(ElementError::FootOutside { distance });
         }
+        let trace = jacobian[0][0] + jacobian[1][1];
+        if determinant < 0.0 || trace >= 0.0 {
+            return Err(ElementError::BeyondCentreOfCurvature { determinant, trace });
+        }
         Ok(Self { u, inverse_jacobian: inverse(&jacobian) })
     }
 

@@ -3,7 +3,7 @@
 use crate::{Basis, ElementError};
 
 /// Every reason for which a search yields no nodes. Each carries the figures that led to it.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NeighbourhoodError {
     /// Fewer nodes than the smallest fit needs: no contact candidate.

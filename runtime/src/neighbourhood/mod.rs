@@ -70,6 +70,8 @@ pub use options::{
 };
 pub use search::{NeighbourSearch, hull_layers};
 
+pub(crate) use conditioning::regularity;
+
 use crate::pairing::{NearestNodes, Pairing};
 use crate::{Basis, Frame, Point, Weight};
 

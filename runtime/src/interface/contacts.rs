@@ -1,0 +1,306 @@
+//! The results of all slaves.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::{InterfaceError, Outcome};
+use crate::assembly::{ContactView, ElementView, Elements};
+use crate::{ContactPoint, Mode};
+
+/// The contact of every slave node, in the order of the slaves.
+///
+/// Numbers lie in flat buffers that an interface reuses from one evaluation to the next.
+#[derive(Clone, Debug)]
+pub struct Contacts {
+    layout: Arc<Layout>,
+    slots: Results,
+}
+
+/// The contact of one slave node.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactRef<'a> {
+    /// Index of the slave node in all positions.
+    pub slave: usize,
+    /// Indices of the master nodes 1 … n: of the pairing, also if there is no contact; empty if there is no pairing.
+    pub nodes: &'a [u32],
+    /// Whether there is a result; without one the fields below are zero or empty.
+    pub outcome: Outcome,
+    /// Gap, foot and normal.
+    pub point: ContactPoint,
+    /// Tributary area of the slave node, length²; 1 if the interface has none.
+    pub area: f64,
+    /// N, 3(n+1) entries ordered slave, master 1, …, master n; empty in value mode.
+    pub gradient: &'a [f64],
+    /// M, packed lower triangle row by row: entry (i, j ≤ i) at i(i+1)/2 + j; empty below Hessian mode.
+    pub hessian: &'a [f64],
+}
+
+impl Contacts {
+    pub(super) fn new(layout: Arc<Layout>) -> Self {
+        let slots = Results::default();
+        Self { layout, slots }
+    }
+
+    /// Number of slave nodes that have been evaluated.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.slots.outcomes.len()
+    }
+
+    /// Whether there are no slave nodes.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// How many derivatives there are.
+    #[must_use]
+    pub const fn mode(&self) -> Mode {
+        self.slots.mode
+    }
+
+    /// The `k`-th slave node.
+    ///
+    /// # Panics
+    /// If there is none.
+    #[must_use]
+    pub fn get(&self, k: usize) -> ContactRef<'_> {
+        self.slots.get(&self.layout, k)
+    }
+
+    /// All slave nodes in their order.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = ContactRef<'_>> {
+        (0..self.len()).map(|k| self.get(k))
+    }
+
+    /// Room for all slaves of `layout`, to be filled.
+    pub(super) fn start(&mut self, layout: &Arc<Layout>, mode: Mode) -> Result<Slots<'_>, InterfaceError> {
+        self.layout = Arc::clone(layout);
+        self.slots.start(layout, 0..layout.len(), mode)
+    }
+}
+
+/// Residual and tangent of the interface: see [`assembly`](crate::assembly). A pattern made of contacts holds until the next
+/// refresh of the pairing.
+impl Elements for Contacts {
+    fn len(&self) -> usize {
+        self.len()
+    }
+
+    fn element(&self, k: usize) -> ElementView<'_> {
+        let ContactRef { slave, nodes, outcome, point, area, gradient, hessian } = self.get(k);
+        let contact =
+            outcome.is_contact().then_some(ContactView { gap: point.gap, area, gradient, hessian });
+        ElementView { slave, masters: nodes, contact }
+    }
+}
+
+/// Who is paired with whom, and where the numbers of each slave lie.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    slaves: Vec<usize>,
+    /// One per slave, or none.
+    areas: Vec<f64>,
+    masters: Vec<u32>,
+    /// Where the masters of each slave begin.
+    offsets: Vec<usize>,
+    /// Where its Hessian begins.
+    hessians: Vec<usize>,
+}
+
+impl Layout {
+    /// `lengths` are the numbers of masters of the slaves, one after another in `masters`.
+    pub fn new(
+        slaves: Vec<usize>,
+        areas: Vec<f64>,
+        lengths: impl Iterator<Item = usize>,
+        masters: Vec<u32>,
+    ) -> Self {
+        let (mut offset, mut hessian) = (0, 0);
+        let mut offsets = Vec::with_capacity(slaves.len() + 1);
+        let mut hessians = Vec::with_capacity(slaves.len() + 1);
+        offsets.push(0);
+        hessians.push(0);
+        for length in lengths {
+            offset += length;
+            hessian += packed_size(length);
+            offsets.push(offset);
+            hessians.push(hessian);
+        }
+        Self { slaves, areas, masters, offsets, hessians }
+    }
+
+    pub fn len(&self) -> usize {
+        self.slaves.len()
+    }
+
+    pub fn slaves(&self) -> &[usize] {
+        &self.slaves
+    }
+
+    pub fn areas(&self) -> &[f64] {
+        &self.areas
+    }
+
+    pub fn slave(&self, k: usize) -> usize {
+        self.slaves[k]
+    }
+
+    pub fn masters(&self, k: usize) -> &[u32] {
+        &self.masters[self.offsets[k]..self.offsets[k + 1]]
+    }
+
+    /// Where the gradient of the `k`-th slave begins: 3(n+1) numbers for each slave before.
+    fn gradient(&self, k: usize) -> usize {
+        3 * (self.offsets[k] + k)
+    }
+}
+
+/// Entries of the packed Hessian of an element with so many masters; none without masters.
+const fn packed_size(masters: usize) -> usize {
+    let freedoms = 3 * (masters + 1);
+    if masters == 0 { 0 } else { freedoms * (freedoms + 1) / 2 }
+}
+
+/// The numbers of some consecutive slaves.
+#[derive(Clone, Debug)]
+pub struct Results {
+    mode: Mode,
+    first: usize,
+    outcomes: Vec<Outcome>,
+    points: Vec<ContactPoint>,
+    gradients: Vec<f64>,
+    hessians: Vec<f64>,
+}
+
+impl Default for Results {
+    fn default() -> Self {
+        Self {
+            mode: Mode::Value,
+            first: 0,
+            outcomes: Vec::new(),
+            points: Vec::new(),
+            gradients: Vec::new(),
+            hessians: Vec::new(),
+        }
+    }
+}
+
+impl Results {
+    /// Room for these slaves. Memory of earlier results is reused.
+    pub fn start(
+        &mut self,
+        layout: &Layout,
+        range: Range<usize>,
+        mode: Mode,
+    ) -> Result<Slots<'_>, InterfaceError> {
+        let Range { start, end } = range;
+        (self.mode, self.first) = (mode, start);
+        let gradients = layout.gradient(end) - layout.gradient(start);
+        let hessians = layout.hessians[end] - layout.hessians[start];
+        resize(&mut self.outcomes, end - start, Outcome::None(super::NoContact::NotPaired))?;
+        resize(&mut self.points, end - start, ContactPoint::default())?;
+        resize(&mut self.gradients, if mode >= Mode::Gradient { gradients } else { 0 }, 0.0)?;
+        resize(&mut self.hessians, if mode >= Mode::Hessian { hessians } else { 0 }, 0.0)?;
+        Ok(Slots {
+            mode,
+            range: start..end,
+            outcomes: &mut self.outcomes,
+            points: &mut self.points,
+            gradients: &mut self.gradients,
+            hessians: &mut self.hessians,
+        })
+    }
+
+    pub fn get<'a>(&'a self, layout: &'a Layout, k: usize) -> ContactRef<'a> {
+        let outcome = self.outcomes[k - self.first];
+        let of = |numbers: &'a [f64], wanted: bool, position: &dyn Fn(usize) -> usize| {
+            let wanted = wanted && outcome.is_contact();
+            let base = position(self.first);
+            if wanted { &numbers[position(k) - base..position(k + 1) - base] } else { &[] }
+        };
+        ContactRef {
+            slave: layout.slaves[k],
+            nodes: layout.masters(k),
+            outcome,
+            point: self.points[k - self.first],
+            area: layout.areas.get(k).copied().unwrap_or(1.0),
+            gradient: of(&self.gradients, self.mode >= Mode::Gradient, &|k| layout.gradient(k)),
+            hessian: of(&self.hessians, self.mode >= Mode::Hessian, &|k| layout.hessians[k]),
+        }
+    }
+}
+
+/// New entries are `value`, old ones keep what they hold.
+fn resize<T: Clone>(numbers: &mut Vec<T>, length: usize, value: T) -> Result<(), InterfaceError> {
+    let more = length.saturating_sub(numbers.len());
+    numbers.try_reserve_exact(more).map_err(|_| InterfaceError::OutOfMemory { numbers: length })?;
+    numbers.resize(length, value);
+    Ok(())
+}
+
+/// Room for the results of some consecutive slaves, which can be split for parallel work.
+#[derive(Debug)]
+pub struct Slots<'a> {
+    mode: Mode,
+    range: Range<usize>,
+    outcomes: &'a mut [Outcome],
+    points: &'a mut [ContactPoint],
+    gradients: &'a mut [f64],
+    hessians: &'a mut [f64],
+}
+
+/// Room for the results of one slave.
+#[derive(Debug)]
+pub struct Slot<'a> {
+    pub index: usize,
+    pub outcome: &'a mut Outcome,
+    pub point: &'a mut ContactPoint,
+    pub gradient: &'a mut [f64],
+    pub hessian: &'a mut [f64],
+}
+
+impl<'a> Slots<'a> {
+    pub fn len(&self) -> usize {
+        self.range.len()
+    }
+
+    /// The first `count` slaves and the others.
+    pub fn split(self, layout: &Layout, count: usize) -> (Self, Self) {
+        let Range { start, end } = self.range;
+        let middle = start + count;
+        let gradients =
+            if self.mode >= Mode::Gradient { layout.gradient(middle) - layout.gradient(start) } else { 0 };
+        let hessians =
+            if self.mode >= Mode::Hessian { layout.hessians[middle] - layout.hessians[start] } else { 0 };
+        let outcomes = self.outcomes.split_at_mut(count);
+        let points = self.points.split_at_mut(count);
+        let gradients = self.gradients.split_at_mut(gradients);
+        let hessians = self.hessians.split_at_mut(hessians);
+        let slots = |range, outcomes, points, gradients, hessians| Slots {
+            mode: self.mode,
+            range,
+            outcomes,
+            points,
+            gradients,
+            hessians,
+        };
+        (
+            slots(start..middle, outcomes.0, points.0, gradients.0, hessians.0),
+            slots(middle..end, outcomes.1, points.1, gradients.1, hessians.1),
+        )
+    }
+
+    /// One slave after the other.
+    pub fn for_each(self, layout: &Layout, mut fill: impl FnMut(Slot<'_>)) {
+        let mut rest = self;
+        while rest.len() > 0 {
+            let (one, others) = rest.split(layout, 1);
+            if let ([outcome], [point]) = (one.outcomes, one.points) {
+                let Slots { gradients: gradient, hessians: hessian, .. } = one;
+                fill(Slot { index: one.range.start, outcome, point, gradient, hessian });
+            }
+            rest = others;
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! What the caller of an interface has to mend.
+
+use crate::neighbourhood::NeighbourhoodError;
+use crate::surface::SurfaceError;
+
+/// Every reason for which an interface cannot be made, paired or evaluated. That a single slave has no contact is none of
+/// them, but an [`Outcome`](super::Outcome).
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum InterfaceError {
+    /// The slave facets are no facets, or a position of the master surface is bad.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// An option of the neighbour search is outside its range.
+    #[error(transparent)]
+    InvalidSearch(#[from] NeighbourhoodError),
+    /// An option is outside its range.
+    #[error("the option {name} must be {range}, not {value}")]
+    InvalidOption {
+        /// Name of the option.
+        name: &'static str,
+        /// What it may be.
+        range: &'static str,
+        /// What it was.
+        value: f64,
+    },
+    /// A slave node is not among the positions.
+    #[error("slave {index} is node {node}, but there are {count} positions")]
+    SlaveOutOfRange {
+        /// Its place in the list of slaves.
+        index: usize,
+        /// The node.
+        node: usize,
+        /// Number of positions.
+        count: usize,
+    },
+    /// A node is a slave twice: it would carry twice the force.
+    #[error("node {node} is listed as a slave more than once")]
+    RepeatedSlave {
+        /// The node.
+        node: usize,
+    },
+    /// A node belongs to both surfaces.
+    #[error("node {node} is a slave and a node of the master surface")]
+    SlaveOnMaster {
+        /// The node.
+        node: usize,
+    },
+    /// Areas were asked for, but a slave belongs to no slave facet.
+    #[error("slave node {node} belongs to no slave facet and so has no tributary area")]
+    SlaveWithoutArea {
+        /// The node.
+        node: usize,
+    },
+    /// The number of positions is not the one the interface was made with.
+    #[error("{found} positions, but the interface was made with {expected}")]
+    WrongNumberOfPositions {
+        /// Number of positions given.
+        found: usize,
+        /// Number of positions at the beginning.
+        expected: usize,
+    },
+    /// The results do not fit into memory; [`for_each`](super::ContactInterface::for_each) does not hold them all.
+    #[error("no memory for {numbers} numbers of results")]
+    OutOfMemory {
+        /// How many numbers were asked for.
+        numbers: usize,
+    },
+}
+
+impl InterfaceError {
+    /// Stable machine-readable code.
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::Surface(error) => error.code(),
+            Self::InvalidSearch(error) => error.code(),
+            Self::InvalidOption { .. } => "invalid-option",
+            Self::SlaveOutOfRange { .. } => "slave-out-of-range",
+            Self::RepeatedSlave { .. } => "repeated-slave",
+            Self::SlaveOnMaster { .. } => "slave-on-master",
+            Self::SlaveWithoutArea { .. } => "slave-without-area",
+            Self::WrongNumberOfPositions { .. } => "wrong-number-of-positions",
+            Self::OutOfMemory { .. } => "out-of-memory",
+        }
+    }
+}

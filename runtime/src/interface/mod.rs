@@ -1,0 +1,268 @@
+//! A whole contact interface: every slave node paired with the master surface, refreshed and evaluated.
+//!
+//! ```text
+//! refresh_pairing   closest facet → nodes reached from it without crossing a sharp edge → neighbour search → pairing
+//! evaluate          element by element, in parallel, each into its own slot → Contacts
+//! ```
+//!
+//! * **Pairing data** (masters, support radius, basis, the facet that says which side is outside; the frame, if frames are
+//!   held; the facet of a node-to-facet element) are piecewise constant: only
+//!   [`refresh_pairing`](ContactInterface::refresh_pairing) changes them, and it reports by how much the gap jumped. Call it
+//!   once an increment, or once an iteration.
+//! * **Every slave has an [`Outcome`]**: contact, with what the search had to give up for it, or the named reason why not.
+//!   [`InterfaceError`]s are for what the caller has to mend.
+//! * **Derivatives** are with respect to the global coordinates of slave, master 1, …, master n, with the pairing held. With
+//!   a co-moving frame (the default) they are the exact derivatives of the gap.
+//! * **Outside** is the side of the closest facet's normal at the positions of the evaluation. A rigid motion of
+//!   everything changes nothing.
+//! * **Border.** A foot beyond the border of the master surface is no contact, nor is one beyond an edge sharper than the
+//!   feature angle, where the fit of one face would be extended past it. So a slave over a sharp convex edge, seen by neither face, has
+//!   no contact until it comes to lie over one of them.
+//! * **Threads.** Results and reports are the same, bit for bit, for any number of threads. Work is done in the current
+//!   rayon pool.
+//! * **Memory.** Results lie in buffers that are reused: after the first evaluation none is allocated per element, up to 24
+//!   masters. [`for_each`](ContactInterface::for_each) holds a few elements at a time instead of all.
+//!
+//! ```
+//! use diffuse_contact::Mode;
+//! use diffuse_contact::interface::{ContactInterface, InterfaceOptions};
+//! use diffuse_contact::surface::{Facet, MasterSurface};
+//!
+//! // A 9 × 9 grid of master nodes in the plane z = 0, outside above, and one slave node 0.25 over it.
+//! let mut positions: Vec<[f64; 3]> = (0..81).map(|k| [f64::from(k % 9), f64::from(k / 9), 0.0]).collect();
+//! let facets = (0..64).map(|k| k % 8 + 9 * (k / 8)).map(|k| Facet::Quadrilateral([k, k + 1, k + 10, k + 9]));
+//! let master = MasterSurface::new(&positions, facets.collect())?;
+//! positions.push([4.2, 3.9, 0.25]);
+//!
+//! let options = InterfaceOptions::default();
+//! let mut interface = ContactInterface::new(master, vec![81], &[], &positions, options)?;
+//! let report = interface.refresh_pairing(&positions)?;
+//! assert_eq!((report.paired, report.gained), (1, 1));
+//!
+//! // The slave moves; the pairing stays.
+//! positions[81][2] = -0.1;
+//! interface.update(&positions)?;
+//! let contacts = interface.evaluate(Mode::Hessian)?;
+//! let contact = contacts.get(0);
+//! assert!(contact.outcome.is_contact());
+//! assert!((contact.point.gap + 0.1).abs() < 1e-14);
+//! assert_eq!(contact.gradient.len(), 3 * (contact.nodes.len() + 1));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod contacts;
+mod error;
+mod evaluate;
+mod options;
+mod outcome;
+mod pairings;
+mod refresh;
+mod report;
+mod scratch;
+
+pub use contacts::{ContactRef, Contacts};
+pub use error::InterfaceError;
+pub use options::{ContactElement, InterfaceOptions};
+pub use outcome::{NoContact, Outcome};
+pub use report::{FallbackCounts, GapJump, RefreshReport};
+
+use contacts::Results;
+use evaluate::{CHUNK, ElementScratch, Evaluator};
+use pairings::Pairings;
+use refresh::{Refresh, RefreshScratch};
+use scratch::Pool;
+
+use crate::neighbourhood::SearchOptions;
+use crate::pairing::NearestNodes;
+use crate::surface::{Creases, Facet, MasterSurface, SurfaceError, check_position, tributary_areas};
+use crate::{Mode, Point};
+
+/// Chunks of slaves that [`ContactInterface::for_each`] holds for each thread.
+const CHUNKS_PER_THREAD: usize = 4;
+
+/// A master surface, slave nodes, and their pairing.
+#[derive(Debug)]
+pub struct ContactInterface {
+    master: MasterSurface,
+    options: InterfaceOptions,
+    /// Of all nodes, by the last update or refresh.
+    positions: Vec<Point>,
+    creases: Creases,
+    pairings: Pairings,
+    contacts: Contacts,
+    elements: Pool<ElementScratch>,
+    refreshes: Pool<RefreshScratch>,
+}
+
+impl ContactInterface {
+    /// An interface without a pairing: until the first [`refresh_pairing`](Self::refresh_pairing) no slave has
+    /// contact.
+    ///
+    /// `positions` are those of all nodes; `slaves`, the corners of `slave_facets` and those of the master's facets are indices
+    /// into them. The slave facets are only looked at for tributary areas, and may else be empty.
+    ///
+    /// # Errors
+    /// [`InterfaceError::InvalidOption`], [`InterfaceError::InvalidSearch`], [`InterfaceError::SlaveOutOfRange`],
+    /// [`InterfaceError::RepeatedSlave`], [`InterfaceError::SlaveOnMaster`], [`InterfaceError::SlaveWithoutArea`], and
+    /// [`InterfaceError::Surface`] for positions of nodes and for slave facets.
+    pub fn new(
+        master: MasterSurface,
+        slaves: Vec<usize>,
+        slave_facets: &[Facet],
+        positions: &[Point],
+        options: InterfaceOptions,
+    ) -> Result<Self, InterfaceError> {
+        options.check()?;
+        check_slaves(&master, &slaves, positions)?;
+        let areas = if options.areas { areas_of(&slaves, slave_facets, positions)? } else { Vec::new() };
+        let pairings = Pairings::none(slaves, areas);
+        let mut interface = Self {
+            contacts: Contacts::new(pairings.layout.clone()),
+            creases: Creases::default(),
+            positions: positions.to_vec(),
+            master,
+            options,
+            pairings,
+            elements: Pool::default(),
+            refreshes: Pool::default(),
+        };
+        interface.update(positions)?;
+        Ok(interface)
+    }
+
+    /// The master surface.
+    #[must_use]
+    pub const fn master(&self) -> &MasterSurface {
+        &self.master
+    }
+
+    /// The options.
+    #[must_use]
+    pub const fn options(&self) -> &InterfaceOptions {
+        &self.options
+    }
+
+    /// The slave nodes, in the order of all results.
+    #[must_use]
+    pub fn slaves(&self) -> &[usize] {
+        self.pairings.layout.slaves()
+    }
+
+    /// Takes over the positions at which the next evaluation takes place. The pairing is left as it is.
+    ///
+    /// # Errors
+    /// [`InterfaceError::WrongNumberOfPositions`]; [`InterfaceError::Surface`] if a slave or a node of the master surface
+    /// has a coordinate that is not finite. The positions of before then stay.
+    pub fn update(&mut self, positions: &[Point]) -> Result<(), InterfaceError> {
+        let (found, expected) = (positions.len(), self.positions.len());
+        if found != expected {
+            return Err(InterfaceError::WrongNumberOfPositions { found, expected });
+        }
+        self.master.check_positions(positions)?;
+        self.slaves().iter().try_for_each(|&node| check_position(positions, node))?;
+        self.positions.copy_from_slice(positions);
+        Ok(())
+    }
+
+    /// Takes over the positions and pairs every slave anew, or keeps its pairing while it is sound
+    /// ([`InterfaceOptions::hysteresis`]).
+    ///
+    /// A slave is paired with the masters that the neighbour search finds among the nodes on its side of sharp edges: those
+    /// reached from the closest facet over facets that meet in no edge sharper than the feature angle, that do not
+    /// turn away from it by 89° or more, and that are no farther from the slave than the node itself. If they do not
+    /// carry the quadratic basis the search takes more, then the linear basis; else there is no candidate.
+    ///
+    /// # Errors
+    /// As [`update`](Self::update). Pairing and positions of before then stay.
+    pub fn refresh_pairing(&mut self, positions: &[Point]) -> Result<RefreshReport, InterfaceError> {
+        self.update(positions)?;
+        let search = match self.options.element {
+            ContactElement::Diffuse { search, .. } => search,
+            ContactElement::NodeToFacet => SearchOptions::default(),
+        };
+        let blank = RefreshScratch::new(search)?;
+        let index = self.master.at(&self.positions)?;
+        let creases = Creases::new(&index, self.options.feature_angle_degrees.to_radians());
+        let cloud = match self.options.element {
+            ContactElement::Diffuse { .. } => index.positions().to_vec(),
+            ContactElement::NodeToFacet => Vec::new(),
+        };
+        // Positions have been checked.
+        let cloud = NearestNodes::new(cloud).map_err(|_| SurfaceError::Empty)?;
+        let evaluator = Evaluator {
+            surface: &self.master,
+            creases: &creases,
+            positions: &self.positions,
+            options: &self.options,
+        };
+        let refresh = Refresh { index: &index, cloud: &cloud, evaluator, old: &self.pairings };
+        let (pairings, report) = refresh.run(&self.refreshes, &blank);
+        self.pairings = pairings;
+        self.creases = creases;
+        Ok(report)
+    }
+
+    /// The contact of every slave at the positions of the last [`update`](Self::update) or
+    /// [`refresh_pairing`](Self::refresh_pairing), with the derivatives that `mode` asks for.
+    ///
+    /// # Errors
+    /// [`InterfaceError::OutOfMemory`]: a Hessian over 16 masters takes 10.6 kB, see [`for_each`](Self::for_each).
+    pub fn evaluate(&mut self, mode: Mode) -> Result<&Contacts, InterfaceError> {
+        let Self { master, options, positions, creases, pairings, contacts, elements, .. } = self;
+        let evaluator = Evaluator { surface: master, creases, positions, options };
+        let slots = contacts.start(&pairings.layout, mode)?;
+        evaluator.fill(pairings, mode, slots, elements);
+        Ok(contacts)
+    }
+
+    /// Hands the contact of every slave to `f`, in the order of the slaves, without holding them all: 256 times the
+    /// number of threads are evaluated in parallel, handed over one by one by the calling thread, and forgotten. They are the same
+    /// as those of [`evaluate`](Self::evaluate), bit for bit.
+    ///
+    /// # Errors
+    /// [`InterfaceError::OutOfMemory`].
+    pub fn for_each<F>(&self, mode: Mode, mut f: F) -> Result<(), InterfaceError>
+    where
+        F: FnMut(ContactRef<'_>),
+    {
+        let Self { master, options, positions, creases, pairings, .. } = self;
+        let evaluator = Evaluator { surface: master, creases, positions, options };
+        let mut results = Results::default();
+        let batch = CHUNKS_PER_THREAD * CHUNK * rayon::current_num_threads();
+        for start in pairings.all().step_by(batch) {
+            let range = start..pairings.all().end.min(start + batch);
+            let slots = results.start(&pairings.layout, range.clone(), mode)?;
+            evaluator.fill(pairings, mode, slots, &self.elements);
+            range.for_each(|k| f(results.get(&pairings.layout, k)));
+        }
+        Ok(())
+    }
+}
+
+/// Slaves exist, are named once and are no nodes of the master surface.
+fn check_slaves(master: &MasterSurface, slaves: &[usize], positions: &[Point]) -> Result<(), InterfaceError> {
+    let count = positions.len();
+    let mut is_slave = vec![false; count];
+    for (index, &node) in slaves.iter().enumerate() {
+        match is_slave.get_mut(node) {
+            None => return Err(InterfaceError::SlaveOutOfRange { index, node, count }),
+            Some(true) => return Err(InterfaceError::RepeatedSlave { node }),
+            Some(unnamed) => *unnamed = true,
+        }
+    }
+    let mut masters = master.nodes().iter().map(|&node| node as usize);
+    match masters.find(|&node| is_slave.get(node).copied().unwrap_or(false)) {
+        Some(node) => Err(InterfaceError::SlaveOnMaster { node }),
+        None => Ok(()),
+    }
+}
+
+/// The tributary areas of the slaves.
+fn areas_of(slaves: &[usize], facets: &[Facet], positions: &[Point]) -> Result<Vec<f64>, InterfaceError> {
+    let areas = tributary_areas(positions, facets)?;
+    let area = |&node: &usize| match areas[node] {
+        area if area > 0.0 => Ok(area),
+        _ => Err(InterfaceError::SlaveWithoutArea { node }),
+    };
+    slaves.iter().map(area).collect()
+}

@@ -1,0 +1,96 @@
+//! What became of a slave node.
+
+use crate::ElementError;
+use crate::neighbourhood::{Fallback, NeighbourhoodError};
+
+/// Whether a slave node has a contact element with a result.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome {
+    /// It has: gap, foot and normal are finite numbers, and so are the derivatives asked for. Whether it touches is for the
+    /// sign of the gap to say.
+    Contact {
+        /// What the neighbour search had to give up for it.
+        fallback: Fallback,
+    },
+    /// It has none.
+    None(NoContact),
+}
+
+/// Why a slave node has no contact.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NoContact {
+    /// There has been no refresh of the pairing yet.
+    #[error("the slave has not been paired yet")]
+    NotPaired,
+    /// The closest facet is farther away than the distance limit.
+    #[error("the closest facet is {distance:e} away, beyond the limit of {limit:e}")]
+    TooFar {
+        /// Distance from the closest facet.
+        distance: f64,
+        /// The limit.
+        limit: f64,
+    },
+    /// No set of master nodes on the slave's side of sharp edges carries a fit.
+    #[error("no candidate: {reason}")]
+    NoCandidate {
+        /// What the search says.
+        reason: NeighbourhoodError,
+    },
+    /// The foot lies beyond the border of the master surface, or beyond a sharp edge that ends the smooth patch. At
+    /// a refresh the same is said of a slave that lies beyond it by more than a facet.
+    #[error("the foot lies {distance:e} heights of a facet beyond the border, tolerance {tolerance:e}")]
+    BeyondBorder {
+        /// Distance beyond the border edge in the plane of the facet, over the facet's height over that edge.
+        distance: f64,
+        /// How far it may be.
+        tolerance: f64,
+    },
+    /// The element has no result.
+    #[error("{error}")]
+    Element {
+        /// What the element says.
+        error: ElementError,
+    },
+    /// The element of this interface has no kernel in this build.
+    #[error("the element has no kernel in this build")]
+    Unavailable,
+}
+
+impl Outcome {
+    /// Whether there is a result.
+    #[must_use]
+    pub const fn is_contact(&self) -> bool {
+        matches!(self, Self::Contact { .. })
+    }
+
+    /// Stable machine-readable code: `"contact"` or that of [`NoContact`].
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::Contact { .. } => "contact",
+            Self::None(reason) => reason.code(),
+        }
+    }
+}
+
+impl NoContact {
+    /// Stable machine-readable code; for [`Element`](Self::Element) that of the [`ElementError`].
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::NotPaired => "not-paired",
+            Self::TooFar { .. } => "too-far",
+            Self::NoCandidate { .. } => "no-candidate",
+            Self::BeyondBorder { .. } => "beyond-border",
+            Self::Element { error } => error.code(),
+            Self::Unavailable => "unavailable",
+        }
+    }
+}
+
+impl From<ElementError> for NoContact {
+    fn from(error: ElementError) -> Self {
+        Self::Element { error }
+    }
+}

@@ -1,0 +1,68 @@
+//! The pairing of all slaves, flat.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::{NoContact, contacts::Layout};
+use crate::neighbourhood::Fallback;
+use crate::{Basis, Frame};
+
+/// What stays fixed for one paired slave until the next refresh, besides its masters.
+#[derive(Clone, Copy, Debug)]
+pub struct Record {
+    /// Support radius R; of a node-to-facet element the facet's extent.
+    pub support_radius: f64,
+    pub basis: Basis,
+    pub fallback: Fallback,
+    /// The facet closest to the slave: the one whose side is outside.
+    pub facet: u32,
+    /// Natural coordinates of the point of `facet` closest to the slave.
+    pub natural: [f64; 2],
+    /// Whether the patch of the masters ends somewhere, so that a foot may lie beyond it.
+    pub ends_near: bool,
+}
+
+/// Pairing data of all slaves.
+#[derive(Clone, Debug)]
+pub struct Pairings {
+    /// Slaves and their masters. Masters are ascending; those of a node-to-facet element are in the facet's order.
+    pub layout: Arc<Layout>,
+    pub records: Vec<Result<Record, NoContact>>,
+    /// One frame per slave if frames are held, else none.
+    pub frames: Vec<Frame>,
+}
+
+/// One paired slave.
+#[derive(Clone, Copy, Debug)]
+pub struct Paired<'a> {
+    pub slave: usize,
+    pub masters: &'a [u32],
+    pub record: &'a Record,
+    /// If frames are held.
+    pub frame: Option<&'a Frame>,
+}
+
+impl Pairings {
+    /// Nobody is paired.
+    pub fn none(slaves: Vec<usize>, areas: Vec<f64>) -> Self {
+        let records = vec![Err(NoContact::NotPaired); slaves.len()];
+        let lengths = std::iter::repeat_n(0, slaves.len());
+        let layout = Arc::new(Layout::new(slaves, areas, lengths, Vec::new()));
+        Self { layout, records, frames: Vec::new() }
+    }
+
+    /// The `k`-th slave.
+    pub fn get(&self, k: usize) -> Result<Paired<'_>, NoContact> {
+        let record = self.records[k].as_ref().map_err(|reason| *reason)?;
+        Ok(Paired {
+            slave: self.layout.slave(k),
+            masters: self.layout.masters(k),
+            record,
+            frame: self.frames.get(k),
+        })
+    }
+
+    pub fn all(&self) -> Range<usize> {
+        0..self.records.len()
+    }
+}

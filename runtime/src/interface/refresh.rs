@@ -1,0 +1,270 @@
+//! Pairing every slave with its masters.
+
+use std::cell::RefCell;
+
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+use super::contacts::Layout;
+use super::evaluate::{ElementScratch, Evaluator};
+use super::pairings::{Paired, Pairings, Record};
+use super::report::{GapJump, RefreshReport};
+use super::scratch::Pool;
+use super::{ContactElement, InterfaceError, NoContact};
+use crate::neighbourhood::{Fallback, NeighbourSearch, SearchOptions, regularity};
+use crate::pairing::NearestNodes;
+use crate::surface::{BorderScratch, Closest, MasterSurface, SurfaceIndex, Walk};
+use crate::{Basis, Frame, Point};
+
+/// Slaves that one thread pairs in a row.
+const CHUNK: usize = 256;
+/// A slave that lies beyond the border by more than this many heights of the facet is not paired.
+const FARTHEST_BEYOND: f64 = 1.0;
+/// A pairing is kept while the regularity of its fit exceeds this fraction of what a new one has to exceed.
+const KEPT_REGULARITY: f64 = 0.5;
+
+/// All that a refresh works with.
+pub struct Refresh<'a> {
+    pub index: &'a SurfaceIndex<'a>,
+    /// The surface's nodes by place.
+    pub cloud: &'a NearestNodes,
+    pub evaluator: Evaluator<'a>,
+    pub old: &'a Pairings,
+}
+
+/// Memory of one thread, kept from one refresh to the next.
+#[derive(Clone, Debug)]
+pub struct RefreshScratch {
+    search: NeighbourSearch,
+    walk: Walk,
+    ties: Vec<Closest>,
+    masters: Vec<u32>,
+    border: BorderScratch,
+    element: ElementScratch,
+}
+
+impl RefreshScratch {
+    pub fn new(options: SearchOptions) -> Result<Self, InterfaceError> {
+        Ok(Self {
+            search: NeighbourSearch::new(options)?,
+            walk: Walk::default(),
+            ties: Vec::new(),
+            masters: Vec::new(),
+            border: BorderScratch::default(),
+            element: ElementScratch::default(),
+        })
+    }
+}
+
+/// The pairing of consecutive slaves.
+#[derive(Default)]
+struct Chunk {
+    records: Vec<Result<Record, NoContact>>,
+    lengths: Vec<usize>,
+    masters: Vec<u32>,
+    frames: Vec<Frame>,
+    report: RefreshReport,
+}
+
+impl Refresh<'_> {
+    /// Pairs all slaves, in parallel; neither the pairing nor the report depends on the number of threads.
+    pub fn run(&self, pool: &Pool<RefreshScratch>, blank: &RefreshScratch) -> (Pairings, RefreshReport) {
+        let slaves = self.old.all();
+        let chunks: Vec<Chunk> = (0..slaves.len().div_ceil(CHUNK))
+            .into_par_iter()
+            .map(|chunk| {
+                let range = chunk * CHUNK..slaves.end.min((chunk + 1) * CHUNK);
+                pool.with(
+                    || blank.clone(),
+                    |scratch| {
+                        let mut chunk = Chunk::default();
+                        range.for_each(|k| self.slave(k, scratch, &mut chunk));
+                        chunk
+                    },
+                )
+            })
+            .collect();
+        let mut report = RefreshReport::default();
+        let mut masters = Vec::with_capacity(chunks.iter().map(|chunk| chunk.masters.len()).sum());
+        let (mut records, mut frames) = (Vec::with_capacity(slaves.len()), Vec::new());
+        for chunk in &chunks {
+            report.append(&chunk.report);
+            masters.extend_from_slice(&chunk.masters);
+            records.extend_from_slice(&chunk.records);
+            frames.extend_from_slice(&chunk.frames);
+        }
+        let old = &self.old.layout;
+        let lengths = chunks.iter().flat_map(|chunk| chunk.lengths.iter().copied());
+        let layout = Layout::new(old.slaves().to_vec(), old.areas().to_vec(), lengths, masters);
+        (Pairings { layout: layout.into(), records, frames }, report)
+    }
+
+    /// Pairs the `k`-th slave, or keeps its pairing, and books it.
+    fn slave(&self, k: usize, scratch: &mut RefreshScratch, chunk: &mut Chunk) {
+        let node = self.old.layout.slave(k);
+        let old = self.old.get(k).ok();
+        let closest = self.closest(node, scratch);
+        let kept = match (&old, closest) {
+            (Some(old), Ok(closest)) => self.is_sound(old, &closest, scratch),
+            _ => false,
+        };
+        let record = match (old, closest) {
+            (_, Err(reason)) => Err(reason),
+            (Some(old), Ok(_)) if kept => {
+                scratch.masters.clear();
+                scratch.masters.extend_from_slice(old.masters);
+                Ok(*old.record)
+            }
+            (_, Ok(closest)) => self.pair(node, &closest, scratch),
+        };
+        let RefreshScratch { masters, element, .. } = scratch;
+        let paired = record.as_ref().map_err(|reason| *reason).and_then(|record| {
+            let paired = Paired { slave: node, masters, record, frame: None };
+            Ok((paired, self.evaluator.held_frame(&paired, element)?))
+        });
+        let report = &mut chunk.report;
+        match paired {
+            Ok((paired, frame)) => {
+                report.paired += 1;
+                report.count_fallback(paired.record.fallback);
+                match old {
+                    None => report.gained += 1,
+                    Some(_) if kept => report.kept += 1,
+                    Some(old) if old.masters == paired.masters => report.renewed += 1,
+                    Some(_) => report.changed += 1,
+                }
+                // A kept pairing gives another gap only if its frame is held, and so renewed.
+                if let Some(old) = old
+                    && (!kept || frame.is_some())
+                {
+                    let paired = Paired { frame: frame.as_ref(), ..paired };
+                    let before = self.evaluator.gap(&old, element);
+                    let after = self.evaluator.gap(&paired, element);
+                    if let (Ok(before), Ok(after)) = (before, after) {
+                        report.meet_jump(GapJump { slave: node, before, after });
+                    }
+                }
+                chunk.lengths.push(masters.len());
+                chunk.masters.extend_from_slice(masters);
+                chunk.records.push(record);
+                chunk.frames.extend(frame);
+            }
+            Err(reason) => {
+                report.lost += usize::from(old.is_some());
+                report.count_without(reason);
+                chunk.lengths.push(0);
+                chunk.records.push(Err(reason));
+                chunk.frames.extend(self.evaluator.stand_in_frame());
+            }
+        }
+    }
+
+    /// The closest facet, if it is near enough and the slave not far beyond the border.
+    fn closest(&self, node: usize, scratch: &mut RefreshScratch) -> Result<Closest, NoContact> {
+        let slave = self.evaluator.positions[node];
+        let Evaluator { creases, options, .. } = self.evaluator;
+        // Positions have been checked, so that there is a closest facet.
+        let closest = self.index.closest_among_ties(slave, &mut scratch.ties).ok_or(NoContact::NotPaired)?;
+        if let Some(limit) = options.distance_limit
+            && closest.distance > limit
+        {
+            return Err(NoContact::TooFar { distance: closest.distance, limit });
+        }
+        let beyond = creases.slave_beyond(self.index, slave, &scratch.ties);
+        if beyond > FARTHEST_BEYOND + options.border_tolerance {
+            return Err(NoContact::BeyondBorder { distance: beyond, tolerance: options.border_tolerance });
+        }
+        Ok(closest)
+    }
+
+    /// Whether a pairing may be kept: the patch of the facet that is closest now reaches all its masters, the slave has not
+    /// slid farther than the hysteresis allows, and the fit still is regular and gives a gap.
+    fn is_sound(&self, old: &Paired<'_>, closest: &Closest, scratch: &mut RefreshScratch) -> bool {
+        let Evaluator { surface, creases, positions, options } = self.evaluator;
+        if options.hysteresis == 0.0 {
+            return false;
+        }
+        let shape = self.index.shape(old.record.facet);
+        let before = match options.element {
+            ContactElement::Diffuse { .. } => shape.point(old.record.natural),
+            ContactElement::NodeToFacet => shape.closest(closest.point).point,
+        };
+        if !((closest.point - before).norm() <= options.hysteresis * old.record.support_radius) {
+            return false;
+        }
+        let RefreshScratch { walk, element, .. } = scratch;
+        let slave = positions[old.slave];
+        walk.start(self.index, closest.facet, slave);
+        let mut masters = old.masters.iter();
+        if !masters.all(|&node| walk.reaches(self.index, creases, place_of(surface, node))) {
+            return false;
+        }
+        // A frame that is held is renewed with the pairing.
+        let Ok(frame) = self.evaluator.held_frame(old, element) else { return false };
+        let renewed = Paired { frame: frame.as_ref(), ..*old };
+        self.is_regular(&renewed, element) && self.evaluator.gap(&renewed, element).is_ok()
+    }
+
+    /// Whether the masters of a diffuse element still carry the fit.
+    fn is_regular(&self, old: &Paired<'_>, scratch: &mut ElementScratch) -> bool {
+        let Evaluator { positions, options, .. } = self.evaluator;
+        let ContactElement::Diffuse { search, .. } = options.element else { return true };
+        let Ok((frame, masters)) = self.evaluator.frame(old, scratch) else { return false };
+        let slave = Vector3::from(positions[old.slave]);
+        let offsets = masters.iter().map(|&x| {
+            let offset = Vector3::from(x) - slave;
+            [frame.t1, frame.t2].map(|axis| offset.dot(&Vector3::from(axis)))
+        });
+        let found = regularity(offsets, old.record.support_radius).of(old.record.basis);
+        found > KEPT_REGULARITY * search.smallest_regularity
+    }
+
+    /// The pairing of a slave with the masters around its closest facet, which go to `scratch.masters`.
+    fn pair(
+        &self,
+        node: usize,
+        closest: &Closest,
+        scratch: &mut RefreshScratch,
+    ) -> Result<Record, NoContact> {
+        let Evaluator { surface, creases, positions, options } = self.evaluator;
+        let RefreshScratch { search, walk, masters, border, .. } = scratch;
+        masters.clear();
+        let Closest { facet, natural, .. } = *closest;
+        let shape = self.index.shape(facet);
+        if options.element == ContactElement::NodeToFacet {
+            masters.extend(surface.facet(facet as usize).corners().iter().map(|&node| node as u32));
+            return Ok(Record {
+                support_radius: shape.extent(),
+                basis: Basis::Linear,
+                fallback: Fallback::None,
+                facet,
+                natural,
+                ends_near: true,
+            });
+        }
+        let slave: Point = positions[node];
+        walk.start(self.index, facet, slave);
+        let walk = RefCell::new(walk);
+        let reached = |place: usize| walk.borrow_mut().reaches(self.index, creases, place);
+        let outward = self.index.normal(facet as usize);
+        let found = search
+            .find_among(self.cloud, slave, outward, reached)
+            .map_err(|reason| NoContact::NoCandidate { reason })?;
+        masters.extend(found.nodes.iter().map(|&place| surface.nodes()[place]));
+        masters.sort_unstable();
+        Ok(Record {
+            support_radius: found.support_radius,
+            basis: found.basis,
+            fallback: found.fallback,
+            facet,
+            natural,
+            ends_near: creases.end_near(surface, facet, masters, border),
+        })
+    }
+}
+
+/// Where a node of the surface stands among its nodes.
+fn place_of(surface: &MasterSurface, node: u32) -> usize {
+    // A master of a pairing is a node of the surface.
+    surface.nodes().partition_point(|&other| other < node)
+}

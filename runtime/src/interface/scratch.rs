@@ -1,0 +1,31 @@
+//! Memory that goes from one piece of parallel work to the next.
+
+use std::fmt;
+use std::sync::{Mutex, PoisonError};
+
+/// Scratch objects not in use. There are never more than threads that worked at once.
+pub struct Pool<T>(Mutex<Vec<T>>);
+
+impl<T> Default for Pool<T> {
+    fn default() -> Self {
+        Self(Mutex::new(Vec::new()))
+    }
+}
+
+impl<T> fmt::Debug for Pool<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Pool")
+    }
+}
+
+impl<T> Pool<T> {
+    /// Runs `work` with a scratch object, made by `make` if none is free.
+    pub fn with<R>(&self, make: impl FnOnce() -> T, work: impl FnOnce(&mut T) -> R) -> R {
+        // What a panicking thread had in its hands is not in the pool: the rest is sound.
+        let free = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let mut scratch = free.unwrap_or_else(make);
+        let result = work(&mut scratch);
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(scratch);
+        result
+    }
+}

@@ -1,0 +1,91 @@
+//! The area that belongs to each node of a faceted surface.
+
+use nalgebra::Vector3;
+
+use super::topology::{check_facets, shape_of};
+use super::{Facet, SurfaceError};
+use crate::Point;
+
+/// Gauss points and weights on [−1, 1], exact for polynomials of degree 5.
+const GAUSS: [(f64, f64); 3] =
+    [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+
+/// Tributary area of every node: the integral of its shape function over the facets at it; 0 for nodes of no facet.
+///
+/// A triangle's area goes to its corners in equal shares. On a quadrilateral the bilinear shape functions are integrated
+/// with 3 × 3 Gauss points, exactly if it is plane. The areas sum up to the area of the surface. With them a penalty per area
+/// gives a pressure that does not depend on the mesh.
+///
+/// # Errors
+/// [`SurfaceError::NodeOutOfRange`], [`SurfaceError::RepeatedNode`], [`SurfaceError::NonFinitePosition`],
+/// [`SurfaceError::NoArea`], [`SurfaceError::TooMany`].
+pub fn tributary_areas(positions: &[Point], facets: &[Facet]) -> Result<Vec<f64>, SurfaceError> {
+    check_facets(positions, facets)?;
+    let mut areas = vec![0.0; positions.len()];
+    for facet in facets {
+        match facet {
+            Facet::Triangle(corners) => {
+                let share = shape_of(facet, positions).area_vector().norm() / 3.0;
+                for &node in corners {
+                    areas[node] += share;
+                }
+            }
+            Facet::Quadrilateral(corners) => {
+                let shares = integrate_shape_functions(corners.map(|node| positions[node].into()));
+                for (&node, share) in corners.iter().zip(shares) {
+                    areas[node] += share;
+                }
+            }
+        }
+    }
+    Ok(areas)
+}
+
+/// ∫ N_k dA over a bilinear quadrilateral.
+fn integrate_shape_functions([a, b, c, d]: [Vector3<f64>; 4]) -> [f64; 4] {
+    let mut shares = [0.0; 4];
+    for (xi, weight_xi) in GAUSS {
+        for (eta, weight_eta) in GAUSS {
+            let [left, right, lower, upper] = [1.0 - xi, 1.0 + xi, 1.0 - eta, 1.0 + eta].map(|x| 0.5 * x);
+            let along = ((b - a) * lower + (c - d) * upper) * 0.5;
+            let across = ((d - a) * left + (c - b) * right) * 0.5;
+            let area = weight_xi * weight_eta * along.cross(&across).norm();
+            for (share, n) in
+                shares.iter_mut().zip([left * lower, right * lower, right * upper, left * upper])
+            {
+                *share += n * area;
+            }
+        }
+    }
+    shares
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_square_shares_equally_and_a_trapezium_by_its_shape_functions() {
+        let square = [[0.0, 0.0, 1.0], [2.0, 0.0, 1.0], [2.0, 2.0, 1.0], [0.0, 2.0, 1.0], [9.0, 9.0, 9.0]];
+        let facet = Facet::Quadrilateral([0, 1, 2, 3]);
+        let areas = tributary_areas(&square, &[facet]).unwrap();
+        for (found, expected) in areas.iter().zip([1.0, 1.0, 1.0, 1.0, 0.0]) {
+            assert!((found - expected).abs() < 1e-15);
+        }
+        // Width 3 − η on |x| ≤ width/2, η from −1 to 1: J = (3 − η)/2, ∫ N over ξ gives J (1 ∓ η)/2 per corner.
+        let trapezium = [[-2.0, -1.0, 0.0], [2.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+        let areas = tributary_areas(&trapezium, &[facet]).unwrap();
+        let (lower, upper) = (5.0 / 3.0, 4.0 / 3.0);
+        for (found, expected) in areas.iter().zip([lower, lower, upper, upper]) {
+            assert!((found - expected).abs() < 1e-14, "{areas:?}");
+        }
+    }
+
+    #[test]
+    fn bad_facets_are_refused() {
+        let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let error = tributary_areas(&positions, &[Facet::Triangle([0, 1, 3])]).unwrap_err();
+        assert_eq!(error.code(), "node-out-of-range");
+        assert_eq!(tributary_areas(&positions, &[]).unwrap(), [0.0; 3]);
+    }
+}

@@ -1,0 +1,130 @@
+//! Where a patch ends: at borders of the surface and at edges sharper than the feature angle.
+
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+use super::index::Closest;
+use super::shape::Foot;
+use super::topology::NONE;
+use super::{MasterSurface, Shape, SurfaceIndex};
+use crate::Point;
+
+/// An edge counts as sharp if its angle exceeds the feature angle by this, in radians: prisms have edges of exactly 45°.
+const ANGLE_TOLERANCE: f64 = 1e-4;
+/// Facets as close as the closest to this fraction of their extent share the closest point.
+const TIE: f64 = 1e-9;
+
+/// Which edges end a smooth patch: borders, and edges sharper than the feature angle at the positions of a refresh.
+#[derive(Clone, Debug, Default)]
+pub struct Creases {
+    /// Per facet, bit k for the edge from corner k to the next.
+    ends: Vec<u8>,
+}
+
+/// Memory of the border test, kept from one slave to the next.
+#[derive(Clone, Debug, Default)]
+pub struct BorderScratch {
+    patch: Vec<u32>,
+    feet: Vec<(u32, Foot)>,
+}
+
+impl Creases {
+    /// Of the surface as it is now; `feature_angle` in radians.
+    pub fn new(index: &SurfaceIndex<'_>, feature_angle: f64) -> Self {
+        let smallest = (feature_angle + ANGLE_TOLERANCE).min(std::f64::consts::PI).cos();
+        let (surface, normals) = (index.surface(), index.normals());
+        let of_facet = |facet: usize| {
+            let sharp =
+                |other: u32| other == NONE || !(normals[facet].dot(&normals[other as usize]) >= smallest);
+            let edges = surface.across(facet).iter().enumerate();
+            edges.map(|(edge, &other)| u8::from(sharp(other)) << edge).sum()
+        };
+        Self { ends: (0..surface.facet_count()).into_par_iter().map(of_facet).collect() }
+    }
+
+    /// Whether the patch ends at this edge.
+    pub fn ends_at(&self, facet: usize, edge: usize) -> bool {
+        self.ends[facet] >> edge & 1 == 1
+    }
+
+    /// Whether the patch around `nodes` (ascending) that `facet` belongs to ends anywhere.
+    pub fn end_near(
+        &self,
+        surface: &MasterSurface,
+        facet: u32,
+        nodes: &[u32],
+        scratch: &mut BorderScratch,
+    ) -> bool {
+        self.collect_patch(surface, facet, nodes, &mut scratch.patch);
+        scratch.patch.iter().any(|&facet| self.ends[facet as usize] != 0)
+    }
+
+    /// How far `point` lies beyond the end of the patch around `nodes` that `facet` belongs to: in the plane of the
+    /// closest facet, over its height over the edge; 0 if it does not lie beyond.
+    pub fn beyond(
+        &self,
+        surface: &MasterSurface,
+        positions: &[Point],
+        (facet, nodes): (u32, &[u32]),
+        point: Point,
+        scratch: &mut BorderScratch,
+    ) -> f64 {
+        let BorderScratch { patch, feet } = scratch;
+        self.collect_patch(surface, facet, nodes, patch);
+        let x = Vector3::from(point);
+        feet.clear();
+        feet.extend(patch.iter().map(|&facet| (facet, surface.shape(facet as usize, positions).closest(x))));
+        let least = feet.iter().map(|(_, foot)| foot.distance).fold(f64::INFINITY, f64::min);
+        feet.iter()
+            .map(|&(facet, foot)| {
+                let shape = surface.shape(facet as usize, positions);
+                if foot.distance > least + TIE * (least + shape.extent()) {
+                    return 0.0;
+                }
+                let offset = x - foot.point;
+                self.reach_beyond(facet, foot.edges, |edge| shape.reach_across(edge, offset))
+            })
+            .fold(0.0, f64::max)
+    }
+
+    /// The same for a slave and the facets closest to it among all.
+    pub fn slave_beyond(&self, index: &SurfaceIndex<'_>, slave: Point, closest: &[Closest]) -> f64 {
+        let x = Vector3::from(slave);
+        let beyond = closest.iter().map(|tie| {
+            let shape = index.shape(tie.facet);
+            self.reach_beyond(tie.facet, tie.edges, |edge| shape.reach_across(edge, x - tie.point))
+        });
+        beyond.fold(0.0, f64::max)
+    }
+
+    /// How far `foot`, a point on the facet or its extension, lies beyond the edges at which the patch ends.
+    pub fn beyond_facet(&self, facet: u32, shape: &Shape, foot: Vector3<f64>) -> f64 {
+        self.reach_beyond(facet, u8::MAX, |edge| shape.reach_across(edge, foot - shape.edge(edge)[0]))
+    }
+
+    /// The largest reach across those of the `edges` at which the patch ends.
+    fn reach_beyond(&self, facet: u32, edges: u8, reach: impl Fn(usize) -> f64) -> f64 {
+        let ends = self.ends[facet as usize] & edges;
+        (0..4).filter(|edge| ends >> edge & 1 == 1).map(reach).fold(0.0, f64::max)
+    }
+
+    /// The facets with a corner among `nodes` that are reached from `facet` over one another.
+    fn collect_patch(&self, surface: &MasterSurface, facet: u32, nodes: &[u32], patch: &mut Vec<u32>) {
+        patch.clear();
+        patch.push(facet);
+        let mut next = 0;
+        while let Some(&facet) = patch.get(next) {
+            next += 1;
+            for (edge, &other) in surface.across(facet as usize).iter().enumerate() {
+                if self.ends_at(facet as usize, edge) || patch.contains(&other) {
+                    continue;
+                }
+                let mut corners = surface.corners_of(other as usize).iter();
+                let node = |place: &u32| surface.nodes()[*place as usize];
+                if corners.any(|place| nodes.binary_search(&node(place)).is_ok()) {
+                    patch.push(other);
+                }
+            }
+        }
+    }
+}

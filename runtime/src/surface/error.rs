@@ -1,0 +1,96 @@
+//! Why a set of facets is no surface.
+
+/// Every reason for which facets and positions are refused. Facets and nodes are named by the caller's indices.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SurfaceError {
+    /// No facet at all.
+    #[error("the surface has no facets")]
+    Empty,
+    /// More nodes, facets or edges than 32-bit indices can name.
+    #[error("{count} {what} are more than 32-bit indices can name")]
+    TooMany {
+        /// `"nodes"` or `"facets"`.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+    },
+    /// A corner is not among the positions.
+    #[error("facet {facet} has node {node} for a corner, but there are {count} positions")]
+    NodeOutOfRange {
+        /// The facet.
+        facet: usize,
+        /// Its corner.
+        node: usize,
+        /// Number of positions.
+        count: usize,
+    },
+    /// A facet names a node twice.
+    #[error("facet {facet} has node {node} for two of its corners")]
+    RepeatedNode {
+        /// The facet.
+        facet: usize,
+        /// The corner named twice.
+        node: usize,
+    },
+    /// A coordinate is NaN or infinite, or beyond ±10⁷⁵, where areas squared overflow.
+    #[error("node {node} has a coordinate that is not a finite number below 1e75: {value}")]
+    NonFinitePosition {
+        /// The node.
+        node: usize,
+        /// The coordinate.
+        value: f64,
+    },
+    /// The corners of a facet lie on a line or a point, or its outline crosses itself so that no area is left.
+    #[error("facet {facet} has no area: {area:e} of the square of its extent {extent:e}")]
+    NoArea {
+        /// The facet.
+        facet: usize,
+        /// Area over the square of the extent.
+        area: f64,
+        /// Largest coordinate difference between corners, length.
+        extent: f64,
+    },
+    /// More than two facets meet in one edge.
+    #[error("facets {facets:?}, and perhaps more, share the edge between nodes {nodes:?}")]
+    BranchingEdge {
+        /// The ends of the edge.
+        nodes: [usize; 2],
+        /// Three of the facets.
+        facets: [usize; 3],
+    },
+    /// Two facets run through their common edge in the same direction: one of them shows its inside.
+    #[error("facets {facets:?} run through the edge from node {} to node {} in the same direction: one is flipped", nodes[0], nodes[1])]
+    InconsistentOrientation {
+        /// The facets.
+        facets: [usize; 2],
+        /// The ends of the edge in that direction.
+        nodes: [usize; 2],
+    },
+    /// Too few positions for the nodes of the surface.
+    #[error("{found} positions, but the surface needs {needed}")]
+    TooFewPositions {
+        /// Number of positions given.
+        found: usize,
+        /// The highest index of a corner, plus 1.
+        needed: usize,
+    },
+}
+
+impl SurfaceError {
+    /// Stable machine-readable code.
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::Empty => "empty-surface",
+            Self::TooMany { .. } => "too-many",
+            Self::NodeOutOfRange { .. } => "node-out-of-range",
+            Self::RepeatedNode { .. } => "repeated-node",
+            Self::NonFinitePosition { .. } => "non-finite-position",
+            Self::NoArea { .. } => "no-area",
+            Self::BranchingEdge { .. } => "branching-edge",
+            Self::InconsistentOrientation { .. } => "inconsistent-orientation",
+            Self::TooFewPositions { .. } => "too-few-positions",
+        }
+    }
+}

@@ -1,0 +1,318 @@
+//! One facet in space: its point at natural coordinates, its normal, and its point closest to another.
+
+use nalgebra::{Matrix2, Vector2, Vector3};
+
+/// Most steps towards an inner foot on a quadrilateral.
+const MOST_STEPS: usize = 30;
+/// A step in natural coordinates below which the foot is found.
+const LAST_STEP: f64 = 1e-14;
+/// A step in natural coordinates below which the distance no longer tells better from worse.
+const SMALL_STEP: f64 = 1e-6;
+/// An iterate this far from the middle has left the facet.
+const FAR_OUTSIDE: f64 = 2.0;
+/// A natural coordinate this close to the end of its range lies on the edge.
+const ON_EDGE: f64 = 1e-12;
+
+/// Natural coordinates of the corners. A triangle's are its area coordinates: x = (1 − ξ − η) x₁ + ξ x₂ + η x₃.
+const TRIANGLE: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+const QUADRILATERAL: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+
+/// A facet with the positions of its corners.
+#[derive(Clone, Copy, Debug)]
+pub enum Shape {
+    /// Plane.
+    Triangle([Vector3<f64>; 3]),
+    /// Bilinear.
+    Quadrilateral([Vector3<f64>; 4]),
+}
+
+/// The point of a facet closest to another point.
+#[derive(Clone, Copy, Debug)]
+pub struct Foot {
+    /// Natural coordinates.
+    pub natural: [f64; 2],
+    /// In space.
+    pub point: Vector3<f64>,
+    /// From the other point.
+    pub distance: f64,
+    /// Bit k is set if the foot lies on the edge from corner k to the next; on a corner two bits are.
+    pub edges: u8,
+}
+
+impl Shape {
+    pub fn corners(&self) -> &[Vector3<f64>] {
+        match self {
+            Self::Triangle(corners) => corners,
+            Self::Quadrilateral(corners) => corners,
+        }
+    }
+
+    /// The ends of the edge from corner `edge` to the next.
+    pub fn edge(&self, edge: usize) -> [Vector3<f64>; 2] {
+        let corners = self.corners();
+        [corners[edge], corners[(edge + 1) % corners.len()]]
+    }
+
+    /// The point at natural coordinates, which may lie outside their range.
+    pub fn point(&self, [xi, eta]: [f64; 2]) -> Vector3<f64> {
+        match self {
+            Self::Triangle([a, b, c]) => a + (b - a) * xi + (c - a) * eta,
+            Self::Quadrilateral([a, b, c, d]) => {
+                let lower = a + (b - a) * (0.5 * (1.0 + xi));
+                let upper = d + (c - d) * (0.5 * (1.0 + xi));
+                lower + (upper - lower) * (0.5 * (1.0 + eta))
+            }
+        }
+    }
+
+    /// Area vector: outward, of the length of the area (of a quadrilateral: of its projection on its middle plane).
+    pub fn area_vector(&self) -> Vector3<f64> {
+        match self {
+            Self::Triangle([a, b, c]) => (b - a).cross(&(c - a)) * 0.5,
+            Self::Quadrilateral([a, b, c, d]) => (c - a).cross(&(d - b)) * 0.5,
+        }
+    }
+
+    /// Unit normal in the middle, outward; zero if there is none.
+    pub fn normal(&self) -> Vector3<f64> {
+        let scale = 1.0 / self.extent();
+        let area = self.scaled(scale).area_vector();
+        area.try_normalize(0.0).filter(|n| n.iter().all(|x| x.is_finite())).unwrap_or_else(Vector3::zeros)
+    }
+
+    /// Largest coordinate difference from the first corner.
+    pub fn extent(&self) -> f64 {
+        let corners = self.corners();
+        corners.iter().map(|x| (x - corners[0]).amax()).fold(0.0, f64::max)
+    }
+
+    /// Offsets from the first corner times a factor.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let first = self.corners()[0];
+        match self {
+            Self::Triangle(corners) => Self::Triangle(corners.map(|x| (x - first) * factor)),
+            Self::Quadrilateral(corners) => Self::Quadrilateral(corners.map(|x| (x - first) * factor)),
+        }
+    }
+
+    /// The closest point. Exact for triangles and plane convex quadrilaterals; on a warped one the best of its edges and
+    /// of the inner stationary points found from its middle and from the best point of an edge.
+    pub fn closest(&self, x: Vector3<f64>) -> Foot {
+        match self {
+            Self::Triangle(corners) => inside_triangle(corners, x).unwrap_or_else(|| on_edges(self, x)),
+            Self::Quadrilateral(corners) => {
+                let edge = on_edges(self, x);
+                [[0.0; 2], edge.natural]
+                    .into_iter()
+                    .filter_map(|start| inside_quadrilateral(corners, x, start))
+                    .fold(edge, |best, foot| if foot.distance < best.distance { foot } else { best })
+            }
+        }
+    }
+
+    /// How far `offset` reaches outward across an edge in the plane of the facet, over the facet's height over
+    /// that edge; 0 if the facet has no area.
+    pub fn reach_across(&self, edge: usize, offset: Vector3<f64>) -> f64 {
+        let [from, to] = self.edge(edge);
+        let along = to - from;
+        let area = self.area_vector();
+        let height = match self {
+            Self::Triangle(_) => 2.0 * area.norm(),
+            Self::Quadrilateral(_) => area.norm(),
+        } / along.norm();
+        let outward = along.cross(&area).normalize();
+        let reach = outward.dot(&offset) / height;
+        if reach.is_finite() { reach } else { 0.0 }
+    }
+}
+
+/// The foot straight below, if it lies within the triangle.
+fn inside_triangle(corners: &[Vector3<f64>; 3], x: Vector3<f64>) -> Option<Foot> {
+    let [a, b, c] = corners;
+    let (along, across, offset) = (b - a, c - a, x - a);
+    let area = along.cross(&across);
+    let square = area.norm_squared();
+    if !(square > 0.0) {
+        return None;
+    }
+    let xi = offset.cross(&across).dot(&area) / square;
+    let eta = along.cross(&offset).dot(&area) / square;
+    let zeta = 1.0 - xi - eta;
+    if !(xi >= 0.0 && eta >= 0.0 && zeta >= 0.0) {
+        return None;
+    }
+    let point = a + along * xi + across * eta;
+    let edges = [eta, zeta, xi].map(|distance| distance <= ON_EDGE);
+    Some(Foot { natural: [xi, eta], point, distance: (x - point).norm(), edges: bits(edges) })
+}
+
+/// The stationary point of the distance that Newton's iteration reaches from `start`, if it lies within the quadrilateral.
+fn inside_quadrilateral(corners: &[Vector3<f64>; 4], x: Vector3<f64>, start: [f64; 2]) -> Option<Foot> {
+    let [a, b, c, d] = corners;
+    // S(ξ, η) = middle + ξ along + η across + ξη twist
+    let middle = a + ((b - a) + (c - a) + (d - a)) * 0.25;
+    let along = (b - a + c - d) * 0.25;
+    let across = (d - a + c - b) * 0.25;
+    let twist = (a - b + c - d) * 0.25;
+    let from_foot = |y: Vector2<f64>| middle - x + along * y[0] + across * y[1] + twist * (y[0] * y[1]);
+    let mut y = Vector2::from(start);
+    let mut offset = from_foot(y);
+    for _ in 0..MOST_STEPS {
+        let tangents = [along + twist * y[1], across + twist * y[0]];
+        let slope = Vector2::new(tangents[0].dot(&offset), tangents[1].dot(&offset));
+        let metric = |mixed: f64| {
+            let off = tangents[0].dot(&tangents[1]) + mixed;
+            Matrix2::new(tangents[0].norm_squared(), off, off, tangents[1].norm_squared())
+        };
+        // The full second derivative where it is positive definite, else Gauss's.
+        let full = metric(twist.dot(&offset));
+        let matrix = if full.determinant() > 1e-3 * full.m11 * full.m22 { full } else { metric(0.0) };
+        let mut step = -(matrix.try_inverse()? * slope);
+        let length = step.norm();
+        if !length.is_finite() {
+            return None;
+        }
+        if length > 1.0 {
+            step /= length;
+        }
+        let mut trial = from_foot(y + step);
+        let mut halvings = 0;
+        while step.norm() > SMALL_STEP && trial.norm_squared() > offset.norm_squared() && halvings < 20 {
+            step *= 0.5;
+            trial = from_foot(y + step);
+            halvings += 1;
+        }
+        y += step;
+        offset = trial;
+        if y.amax() > FAR_OUTSIDE {
+            return None;
+        }
+        if step.norm() < LAST_STEP {
+            break;
+        }
+    }
+    if y.amax() > 1.0 {
+        return None;
+    }
+    let on = |distance: f64| distance <= ON_EDGE;
+    let edges = [on(1.0 + y[1]), on(1.0 - y[0]), on(1.0 - y[1]), on(1.0 + y[0])];
+    Some(Foot { natural: y.into(), point: x + offset, distance: offset.norm(), edges: bits(edges) })
+}
+
+/// The closest point of the edges.
+fn on_edges(shape: &Shape, x: Vector3<f64>) -> Foot {
+    let naturals: &[[f64; 2]] = match shape {
+        Shape::Triangle(_) => &TRIANGLE,
+        Shape::Quadrilateral(_) => &QUADRILATERAL,
+    };
+    let count = naturals.len();
+    let mut best = Foot { natural: naturals[0], point: x, distance: f64::INFINITY, edges: 0 };
+    for (edge, from) in naturals.iter().enumerate() {
+        let to = naturals[(edge + 1) % count];
+        let [start, end] = shape.edge(edge);
+        let along = end - start;
+        let square = along.norm_squared();
+        let t = if square > 0.0 { ((x - start).dot(&along) / square).clamp(0.0, 1.0) } else { 0.0 };
+        let point = if t == 1.0 { end } else { start + along * t };
+        let distance = (x - point).norm();
+        if distance < best.distance {
+            let before = u8::from(t <= ON_EDGE) << ((edge + count - 1) % count);
+            let after = u8::from(1.0 - t <= ON_EDGE) << ((edge + 1) % count);
+            let natural = [0, 1].map(|k| from[k] + t * (to[k] - from[k]));
+            best = Foot { natural, point, distance, edges: 1 << edge | before | after };
+        }
+    }
+    best
+}
+
+/// Flags as bits, the first the lowest.
+fn bits<const N: usize>(flags: [bool; N]) -> u8 {
+    flags.iter().enumerate().map(|(k, &flag)| u8::from(flag) << k).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Smallest distance over a fine grid of the facet's points.
+    fn sampled(shape: &Shape, x: Vector3<f64>) -> f64 {
+        let n = 100;
+        let range = |k: usize| f64::from(k as u32) / f64::from(n as u32);
+        (0..=n)
+            .flat_map(|i| (0..=n).map(move |j| [range(i), range(j)]))
+            .filter_map(|[s, t]| match shape {
+                Shape::Triangle(_) => (s + t <= 1.0).then_some([s, t]),
+                Shape::Quadrilateral(_) => Some([2.0 * s - 1.0, 2.0 * t - 1.0]),
+            })
+            .map(|natural| (shape.point(natural) - x).norm())
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    fn uniform(state: &mut u64) -> f64 {
+        *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (*state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    }
+
+    #[test]
+    fn no_sampled_point_is_closer_than_the_closest() {
+        let mut state = 7;
+        let mut point = |size: f64| Vector3::from_fn(|_, _| size * uniform(&mut state));
+        for round in 0..150 {
+            let triangle = Shape::Triangle([(); 3].map(|()| point(2.0)));
+            let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+            let quadrilateral =
+                Shape::Quadrilateral(square.map(|[a, b]| Vector3::new(a, b, 0.0) + point(0.7)));
+            let x = point(if round % 2 == 0 { 3.0 } else { 8.0 });
+            for shape in [triangle, quadrilateral] {
+                let foot = shape.closest(x);
+                assert!((shape.point(foot.natural) - foot.point).norm() < 1e-12);
+                assert!(((x - foot.point).norm() - foot.distance).abs() < 1e-12);
+                let best = sampled(&shape, x);
+                assert!(foot.distance <= best + 1e-12, "{shape:?} {x:?}: {} > {best}", foot.distance);
+                assert!(foot.distance > best - 0.04, "a point that is not on the facet");
+            }
+        }
+    }
+
+    #[test]
+    fn the_edges_of_a_foot_are_those_it_lies_on() {
+        let [a, b, c, d] =
+            [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]].map(|[x, y]| Vector3::new(x, y, 0.0));
+        let (triangle, square) = (Shape::Triangle([a, b, c]), Shape::Quadrilateral([a, b, c, d]));
+        let edges = |shape: &Shape, x: f64, y: f64| shape.closest(Vector3::new(x, y, 1.0)).edges;
+        assert_eq!(edges(&triangle, 1.5, 0.5), 0);
+        assert_eq!(edges(&triangle, 1.5, -0.5), 0b001);
+        assert_eq!(edges(&triangle, 2.5, 1.0), 0b010);
+        assert_eq!(edges(&triangle, 0.5, 1.5), 0b100);
+        assert_eq!(edges(&triangle, 1.0, 1.0), 0b100, "on the edge itself");
+        assert_eq!(edges(&triangle, 3.0, -1.0), 0b011);
+        assert_eq!(edges(&square, 1.0, 1.0), 0);
+        assert_eq!(edges(&square, 2.0, 1.0), 0b0010, "on the edge itself");
+        assert_eq!(edges(&square, -1.0, 1.0), 0b1000);
+        assert_eq!(edges(&square, -1.0, 3.0), 0b1100);
+        assert_eq!(edges(&square, 0.0, 0.0), 0b1001);
+    }
+
+    #[test]
+    fn reach_across_an_edge_is_in_heights_of_the_facet() {
+        let [a, b, c, d] =
+            [[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [0.0, 2.0]].map(|[x, y]| Vector3::new(x, y, 0.0));
+        let offset = Vector3::new(0.3, -0.5, 7.0);
+        assert_eq!(Shape::Quadrilateral([a, b, c, d]).reach_across(0, offset), 0.25);
+        assert_eq!(Shape::Triangle([a, b, d]).reach_across(0, offset), 0.25);
+        assert_eq!(Shape::Quadrilateral([a, b, c, d]).reach_across(1, offset), 0.075);
+        assert_eq!(Shape::Triangle([a, b, b]).reach_across(0, offset), 0.0);
+    }
+
+    #[test]
+    fn a_facet_without_area_still_has_a_closest_point() {
+        let [a, b] = [Vector3::zeros(), Vector3::new(1.0, 0.0, 0.0)];
+        let x = Vector3::new(0.25, 1.0, 0.0);
+        for shape in [Shape::Triangle([a, b, a]), Shape::Quadrilateral([a, b, b, a])] {
+            assert_eq!(shape.closest(x).distance, 1.0);
+            assert_eq!(shape.normal(), Vector3::zeros());
+        }
+        let point = Shape::Quadrilateral([a; 4]);
+        assert_eq!((point.closest(b).distance, point.normal()), (1.0, Vector3::zeros()));
+    }
+}

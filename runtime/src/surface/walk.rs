@@ -1,0 +1,169 @@
+//! From facet to facet without crossing a sharp edge: the nodes that make up one smooth patch with the closest facet.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use nalgebra::Vector3;
+
+use super::{Creases, SurfaceIndex};
+use crate::Point;
+
+/// A patch ends where its facets turn away from the closest one by more than 89°: a height function over
+/// its plane reaches no farther, whatever the feature angle.
+const SMALLEST_COSINE: f64 = 0.017_452_406_437_283_51;
+
+/// Walks over the facets around a slave, the nearest first, and only as far as it is asked to. Marks carry the number of
+/// the walk, so that nothing is cleared between slaves.
+#[derive(Clone, Debug, Default)]
+pub struct Walk {
+    generation: u32,
+    /// Number of the last walk that saw the facet.
+    seen: Vec<u32>,
+    /// Number of the last walk that reached the node.
+    reached: Vec<u32>,
+    /// Facets to go to, by the square of their nearest corner's distance (the bits of a number that is not negative are
+    /// ordered like it).
+    next: BinaryHeap<Reverse<(u64, u32)>>,
+    from: Vector3<f64>,
+    up: Vector3<f64>,
+}
+
+impl Walk {
+    /// Starts at `facet`, for the slave at `slave`.
+    pub fn start(&mut self, index: &SurfaceIndex<'_>, facet: u32, slave: Point) {
+        self.seen.resize(index.surface().facet_count(), 0);
+        self.reached.resize(index.surface().nodes().len(), 0);
+        self.generation = self.generation.wrapping_add(1);
+        if self.generation == 0 {
+            self.seen.fill(0);
+            self.reached.fill(0);
+            self.generation = 1;
+        }
+        self.next.clear();
+        self.from = slave.into();
+        self.up = index.normals()[facet as usize];
+        self.seen[facet as usize] = self.generation;
+        self.next.push(Reverse((0, facet)));
+    }
+
+    /// Whether the node at `place` belongs to the patch: whether it is reached over facets none of which is farther from
+    /// the slave, by its nearest corner, than the node is. To be asked of nearer nodes first.
+    pub fn reaches(&mut self, index: &SurfaceIndex<'_>, creases: &Creases, place: usize) -> bool {
+        let distance = self.square_distance(index, place as u32).to_bits();
+        while let Some(&Reverse((nearest, facet))) = self.next.peek()
+            && nearest <= distance
+        {
+            self.next.pop();
+            self.step_on(index, creases, facet as usize);
+        }
+        self.reached[place] == self.generation
+    }
+
+    /// Marks the corners of a facet, and sees its neighbours across edges that are not sharp.
+    fn step_on(&mut self, index: &SurfaceIndex<'_>, creases: &Creases, facet: usize) {
+        let surface = index.surface();
+        for &corner in surface.corners_of(facet) {
+            self.reached[corner as usize] = self.generation;
+        }
+        for (edge, &other) in surface.across(facet).iter().enumerate() {
+            let seen = |other: u32| self.seen[other as usize] == self.generation;
+            if creases.ends_at(facet, edge) || seen(other) {
+                continue;
+            }
+            self.seen[other as usize] = self.generation;
+            if index.normals()[other as usize].dot(&self.up) > SMALLEST_COSINE {
+                let corners = surface.corners_of(other as usize).iter();
+                let nearest =
+                    corners.map(|&corner| self.square_distance(index, corner)).fold(f64::INFINITY, f64::min);
+                self.next.push(Reverse((nearest.to_bits(), other)));
+            }
+        }
+    }
+
+    fn square_distance(&self, index: &SurfaceIndex<'_>, place: u32) -> f64 {
+        (Vector3::from(index.positions()[place as usize]) - self.from).norm_squared()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::{Facet, MasterSurface};
+
+    /// Facets of a grid of `columns` × `rows` nodes, row by row, seen from the side to which columns × rows points.
+    fn grid(columns: usize, rows: usize, first: usize) -> Vec<Facet> {
+        (0..(rows - 1) * (columns - 1))
+            .map(|k| first + k % (columns - 1) + columns * (k / (columns - 1)))
+            .map(|k| Facet::Quadrilateral([k, k + 1, k + columns + 1, k + columns]))
+            .collect()
+    }
+
+    /// The nodes reached by a walk from the facet closest to `slave`, asked in the order of distance.
+    fn reached(positions: &[Point], facets: Vec<Facet>, slave: Point, feature_angle: f64) -> Vec<usize> {
+        let surface = MasterSurface::new(positions, facets).unwrap();
+        let index = surface.at(positions).unwrap();
+        let creases = Creases::new(&index, feature_angle.to_radians());
+        let facet = index.closest_among_ties(slave, &mut Vec::new()).unwrap().facet;
+        let mut walk = Walk::default();
+        let square = |k: usize| (Vector3::from(positions[k]) - Vector3::from(slave)).norm_squared();
+        let mut order: Vec<usize> = (0..positions.len()).collect();
+        order.sort_by(|&i, &j| square(i).total_cmp(&square(j)));
+        let mut found = Vec::new();
+        for round in 0..2 {
+            walk.start(&index, facet, slave);
+            found = order.iter().copied().filter(|&k| walk.reaches(&index, &creases, k)).collect();
+            assert_eq!(walk.generation, round + 1);
+        }
+        found.sort_unstable();
+        found
+    }
+
+    /// A strip of width 1 along y whose cross section is a polygon in the plane (x, z).
+    fn profile(points: &[[f64; 2]]) -> (Vec<Point>, Vec<Facet>) {
+        let row = |y: f64| points.iter().map(move |[x, z]| [*x, y, *z]);
+        (row(0.0).chain(row(1.0)).collect(), grid(points.len(), 2, 0))
+    }
+
+    #[test]
+    fn a_walk_stops_at_edges_sharper_than_the_feature_angle() {
+        // Level, up by 40°, up by another 40°.
+        let (s, c) = 40f64.to_radians().sin_cos();
+        let (s2, c2) = 80f64.to_radians().sin_cos();
+        let bend = [[-1.0, 0.0], [0.0, 0.0], [c, s], [c + c2, s + s2]];
+        let (positions, facets) = profile(&bend);
+        let at = |feature| reached(&positions, facets.clone(), [-0.5, 0.5, 0.1], feature);
+        assert_eq!(at(45.0), [0, 1, 2, 3, 4, 5, 6, 7]);
+        assert_eq!(at(40.0), [0, 1, 2, 3, 4, 5, 6, 7], "the feature angle itself does not stop it");
+        assert_eq!(at(39.9), [0, 1, 4, 5]);
+    }
+
+    #[test]
+    fn a_walk_does_not_turn_back() {
+        // An octagon's outline: every edge is 45°.
+        let octagon: Vec<[f64; 2]> = (0..=8)
+            .map(|k| (std::f64::consts::FRAC_PI_8 * f64::from(2 * k - 1)).sin_cos())
+            .map(|(s, c)| [s, c])
+            .collect();
+        let (positions, facets) = profile(&octagon);
+        let found = reached(&positions, facets, [0.0, 0.5, 1.0], 45.0);
+        assert_eq!(
+            found,
+            [0, 1, 2, 9, 10, 11],
+            "the facet above, one to the right; the outline is open to the left"
+        );
+    }
+
+    #[test]
+    fn the_far_face_of_a_plate_is_out_of_reach_although_near() {
+        // Two layers 0.01 apart, joined at x = 3 by a rounded rim of 30° steps.
+        let rim = (1..6).map(|k| (30.0 * f64::from(k)).to_radians().sin_cos());
+        let mut points: Vec<[f64; 2]> = (0..4).map(|k| [f64::from(k), 0.005]).collect();
+        points.extend(rim.map(|(s, c)| [3.0 + 0.005 * s, 0.005 * c]));
+        points.extend((0..4).rev().map(|k| [f64::from(k), -0.005]));
+        let (positions, facets) = profile(&points);
+        let found = reached(&positions, facets, [2.5, 0.5, 0.006], 45.0);
+        let upper = |k: &usize| positions[*k][2] > 0.0;
+        assert!(found.iter().filter(|k| positions[**k][0] <= 3.0).all(upper), "{found:?}");
+        assert!(found.contains(&0) && found.contains(&3));
+    }
+}

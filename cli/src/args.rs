@@ -108,7 +108,9 @@ const JSON_FORMATS: &str = r#"IN.json:
     "support_radius": R,             default 1.25 x the farthest in-plane distance of a master; held while
                                      differentiating: give it explicitly to compare with differences
     "basis": "quadratic",            or "linear"; default quadratic from 6 masters on
-    "weight": "cubic",               the default
+    "weight": "cubic",               the default, (1 - r)^2 (1 + 2 r), or
+              "cubic-interpolating", the same made interpolating: the surface passes through the masters, or
+              "wendland-c2",         (1 - r)^4 (1 + 4 r)
     "penalty": 1.0                   the default
   }, ...]}
 
@@ -183,7 +185,8 @@ const FORMULAS: &str = "\
 FORMULA is a weight w(r) for 0 <= r < 1, r = in-plane distance over the support radius; it is 0 beyond.
 It may contain r, numbers, + - * /, ^ with an integer exponent, ( ), exp(...), sqrt(...) and
 if r < 0.5 { ... } else { ... }. It must be positive and flat at r = 0.
-The cubic weight of the paper is \"(1 - r)^2 * (1 + 2*r)\".";
+The cubic weight of the paper is \"(1 - r)^2 * (1 + 2*r)\". Built-in weights have names: cubic, cubic-interpolating,
+wendland-c2. With --interpolating the weight is w/(1 - w): the surface passes through the master nodes.";
 
 /// Arguments of `emit`.
 #[derive(Args, Clone, Debug)]
@@ -201,9 +204,12 @@ pub struct EmitArguments {
     /// Basis of the fit [default: quadratic; both with --counts]
     #[arg(long, value_parser = named(Basis::ALL, Basis::name))]
     pub basis: Option<Basis>,
-    /// Weight of the fit [default: the cubic weight of the paper]
+    /// Weight of the fit, by name or formula [default: cubic]
     #[arg(long, value_name = "FORMULA")]
     pub weight: Option<String>,
+    /// Make the weight of the formula interpolating
+    #[arg(long, requires = "weight")]
+    pub interpolating: bool,
     /// What the local frame does while differentiating the gap [default: frozen; both with --counts]
     #[arg(long, value_parser = named([FrameRule::Frozen, FrameRule::CoMoving], frame_name))]
     pub frame_derivative: Option<FrameRule>,
@@ -225,10 +231,13 @@ pub struct CheckArguments {
     /// Basis of the fit [default: both]
     #[arg(long, value_parser = named(Basis::ALL, Basis::name))]
     pub basis: Option<Basis>,
-    /// Weight of the fit [default: the cubic weight of the generated kernels]. No kernels of another weight are
-    /// compiled into the program: for it the interpreter is compared with automatic differentiation
+    /// Weight of the fit, by name or formula [default: all that kernels are compiled for]. Of a formula there are no
+    /// kernels in the program: the interpreter is compared with automatic differentiation
     #[arg(long, value_name = "FORMULA")]
     pub weight: Option<String>,
+    /// Make the weight of the formula interpolating
+    #[arg(long, requires = "weight")]
+    pub interpolating: bool,
     /// Seed of the random elements
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,

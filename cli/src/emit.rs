@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use diffuse_contact_codegen::emit::{KernelCounts, OpCounts, emit_kernel, emit_single};
-use diffuse_contact_codegen::{Basis, Config, KernelSpec, Weight};
+use diffuse_contact_codegen::{Basis, Config, KernelSpec};
 
 use crate::args::{EmitArguments, frame_name};
 use crate::error::CliError;
@@ -19,7 +19,7 @@ pub fn run(arguments: &EmitArguments) -> Result<(), CliError> {
     if let Some(path) = &arguments.file {
         output::check_target(path)?;
     }
-    let weight = weight(arguments.weight.as_deref())?;
+    let weight = weight(arguments.weight.as_deref(), arguments.interpolating)?.for_generator();
     let text = match (arguments.nodes, arguments.output, arguments.mode) {
         (Some(nodes), Some(output), Some(mode)) => {
             let basis = arguments.basis.unwrap_or(Basis::Quadratic);
@@ -60,7 +60,7 @@ fn counts_comment(spec: &KernelSpec, counts: &KernelCounts, nodes: usize) -> Str
         spec.output.name(),
         spec.mode.name(),
         spec.basis.name(),
-        one_line(spec.weight.text()),
+        weight_text(&spec.weight),
         frame_name(spec.frame),
     );
     let mut line = |label: &str, figures: &[String]| {
@@ -99,11 +99,11 @@ const fn figures(counts: &OpCounts) -> [usize; 8] {
 }
 
 /// The totals of all kernels as a table in Markdown.
-fn counts_of_all(basis: Option<Basis>, weight: &Weight) -> String {
+fn counts_of_all(basis: Option<Basis>, weight: &diffuse_contact_codegen::Weight) -> String {
     let mut text = format!(
         "Operations by number of master nodes n, weight `{}`, one Newton iteration for a gap.\n\
          A fused multiply-add counts one, so does an unpaired addition or multiplication.\n\n",
-        one_line(weight.text())
+        weight_text(weight)
     );
     let columns = NODES.map(|nodes| format!(" {:>6} |", format!("n = {nodes}"))).concat();
     let _ = writeln!(text, "| basis     | output       | mode     | frame     |{columns}");
@@ -121,9 +121,10 @@ fn counts_of_all(basis: Option<Basis>, weight: &Weight) -> String {
     text
 }
 
-/// A formula without line breaks, which would end a comment or a table.
-fn one_line(formula: &str) -> String {
-    formula.split_whitespace().collect::<Vec<_>>().join(" ")
+/// A weight without line breaks, which would end a comment or a table.
+fn weight_text(weight: &diffuse_contact_codegen::Weight) -> String {
+    let formula = weight.text().split_whitespace().collect::<Vec<_>>().join(" ");
+    if weight.is_interpolating() { format!("w/(1 - w), w = {formula}") } else { formula }
 }
 
 #[cfg(test)]
@@ -134,7 +135,7 @@ mod tests {
 
     #[test]
     fn a_formula_over_two_lines_stays_in_its_comment() {
-        let weight = weight(Some("(1 - r)^2\n * (1 + 2*r)")).unwrap();
+        let weight = weight(Some("(1 - r)^2\n * (1 + 2*r)"), false).unwrap().for_generator();
         let (output, mode, basis, frame) =
             (Output::Coefficients, Mode::Value, Basis::Linear, FrameRule::Frozen);
         let spec = KernelSpec { output, mode, basis, weight, frame };

@@ -76,9 +76,9 @@ impl Interpreted {
     pub fn conditioning(&self, element: &Element<'_>, point: [f64; 2]) -> Result<Conditioning, ElementError> {
         element.validate()?;
         let inputs = inputs(element, point);
-        let mut surface = self.evaluation(Output::Surface, element, Mode::Value, &inputs);
+        let mut surface = self.evaluation(Output::Surface, element, Mode::Value, &inputs)?;
         // Without derivatives nothing is known of the plane.
-        let mut gap = self.evaluation(Output::Gap, element, Mode::Gradient, &inputs);
+        let mut gap = self.evaluation(Output::Gap, element, Mode::Gradient, &inputs)?;
         let [about_point, about_slave] = [surface.scalar("pivot_ratio"), gap.scalar("pivot_ratio")];
         Ok(Conditioning {
             // Written so that a NaN comes through.
@@ -95,19 +95,19 @@ impl Interpreted {
         element: &Element<'_>,
         mode: Mode,
         inputs: &'a NodeInputs,
-    ) -> Evaluation<'a> {
-        let (mode, basis) = (mode_of(mode), basis_of(element.basis));
+    ) -> Result<Evaluation<'a>, ElementError> {
+        let (mode, basis) = (mode_of(mode), basis_of(element.basis)?);
         let frame = frame_rule(output, mode, element.frame.derivative);
-        let index =
-            ((output as usize * MODES + mode as usize) * BASES + basis as usize) * FRAMES + frame as usize;
+        let place = codegen::Basis::ALL.iter().position(|&known| known == basis).unwrap_or_default();
+        let index = ((output as usize * MODES + mode as usize) * BASES + place) * FRAMES + frame as usize;
         let kernel = self.kernels[index].get_or_init(|| {
             Kernel::new(KernelSpec { output, mode, basis, weight: self.weight.clone(), frame })
         });
-        Evaluation {
+        Ok(Evaluation {
             kernel,
             interpreter: Interpreter::new(&kernel.graph, inputs),
             count: element.masters.len(),
-        }
+        })
     }
 }
 
@@ -115,7 +115,7 @@ impl Backend for Interpreted {
     fn coefficients(&self, element: &Element<'_>, mode: Mode) -> Result<Coefficients, ElementError> {
         element.validate()?;
         let inputs = inputs(element, [0.0; 2]);
-        let mut evaluation = self.evaluation(Output::Coefficients, element, mode, &inputs);
+        let mut evaluation = self.evaluation(Output::Coefficients, element, mode, &inputs)?;
         let coefficients = evaluation.padded("coefficients");
         check(
             CoefficientsValues {
@@ -138,7 +138,7 @@ impl Backend for Interpreted {
             return Err(ElementError::NonFiniteInput { what: "point", index: 0 });
         }
         let inputs = inputs(element, point);
-        let mut evaluation = self.evaluation(Output::Surface, element, mode, &inputs);
+        let mut evaluation = self.evaluation(Output::Surface, element, mode, &inputs)?;
         let values = SurfaceValues {
             value: evaluation.scalar("value"),
             slopes: evaluation.array("slopes"),
@@ -162,7 +162,7 @@ impl Backend for Interpreted {
     fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
         element.validate()?;
         let inputs = inputs(element, [0.0; 2]);
-        let mut evaluation = self.evaluation(Output::Gap, element, mode, &inputs);
+        let mut evaluation = self.evaluation(Output::Gap, element, mode, &inputs)?;
         let values = GapValues {
             gap: evaluation.scalar("gap"),
             foot: evaluation.array("foot"),
@@ -224,8 +224,8 @@ impl Evaluation<'_> {
     }
 
     /// Coefficients of either basis; the linear one leaves the last three at 0.
-    fn padded(&mut self, name: &str) -> [f64; 6] {
-        let mut padded = [0.0; 6];
+    fn padded(&mut self, name: &str) -> [f64; diffuse_contact::Basis::MOST_COEFFICIENTS] {
+        let mut padded = [0.0; diffuse_contact::Basis::MOST_COEFFICIENTS];
         for (entry, component) in padded.iter_mut().zip(self.components(name).to_vec()) {
             *entry = self.interpreter.element(component);
         }
@@ -283,6 +283,7 @@ fn inputs(element: &Element<'_>, point: [f64; 2]) -> NodeInputs {
         }
     }
     inputs.set_element("support_radius", element.support_radius);
+    inputs.set_element("anchor", element.nearest_in_plane() as f64);
     inputs.set_element("point_1", point[0]);
     inputs.set_element("point_2", point[1]);
     for (k, axis) in AXES.iter().enumerate() {
@@ -330,10 +331,12 @@ fn frame_rule(output: Output, mode: codegen::Mode, derivative: FrameDerivative) 
     }
 }
 
-const fn basis_of(basis: diffuse_contact::Basis) -> codegen::Basis {
+/// The built-in bases only.
+const fn basis_of(basis: diffuse_contact::Basis) -> Result<codegen::Basis, ElementError> {
     match basis {
-        diffuse_contact::Basis::Quadratic => codegen::Basis::Quadratic,
-        diffuse_contact::Basis::Linear => codegen::Basis::Linear,
+        diffuse_contact::Basis::Quadratic => Ok(codegen::Basis::Quadratic),
+        diffuse_contact::Basis::Linear => Ok(codegen::Basis::Linear),
+        diffuse_contact::Basis::Custom(custom) => Err(ElementError::NoKernels { basis: custom.name }),
     }
 }
 

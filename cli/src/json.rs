@@ -80,22 +80,13 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ObjectVisitor<T> {
 }
 
 /// Basis of a fit.
-#[derive(Clone, Copy, Debug, serde::Deserialize, serde::Serialize)]
+#[derive(Clone, Copy, Debug, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BasisName {
     /// `"quadratic"`.
     Quadratic,
     /// `"linear"`.
     Linear,
-}
-
-impl From<Basis> for BasisName {
-    fn from(basis: Basis) -> Self {
-        match basis {
-            Basis::Quadratic => Self::Quadratic,
-            Basis::Linear => Self::Linear,
-        }
-    }
 }
 
 impl From<BasisName> for Basis {

@@ -40,7 +40,7 @@ mod neighbours;
 mod outcome;
 mod output;
 mod progress;
-mod weight;
+pub mod weight;
 
 use std::process::ExitCode;
 

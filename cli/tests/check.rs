@@ -5,7 +5,8 @@ mod common;
 use common::{Run, run};
 use diffuse_contact_cli::check::blocks::BLOCKS;
 use diffuse_contact_cli::check::{Plan, TOLERANCE, compare};
-use diffuse_contact_codegen::{Basis, FrameRule, Weight};
+use diffuse_contact_cli::weight::Weight;
+use diffuse_contact_codegen::{Basis, FrameRule};
 use serde_json::Value;
 
 #[test]
@@ -28,6 +29,9 @@ fn a_small_range_passes_and_every_block_is_printed() {
         "quadratic 6",
         "n = 6 to 7",
         "12 in all",
+        "cubic: (1 - r)^2 * (1 + 2*r)\n",
+        "cubic-interpolating: omega/(1 - omega), omega = (1 - r)^2 * (1 + 2*r)\n",
+        "wendland-c2: (1 - r)^4 * (1 + 4*r)\n",
     ] {
         assert!(stdout.contains(part), "{part:?} is not in {stdout}");
     }
@@ -38,9 +42,13 @@ fn the_json_has_the_same_figures() {
     let arguments = ["check", "--nodes", "9", "--basis", "quadratic", "--seed", "5", "--json"];
     let Run { code, stdout, stderr } = run(&arguments);
     assert_eq!((code, stderr.as_str()), (0, ""));
-    let report: Value = serde_json::from_str(&stdout).unwrap();
+    let document: Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(document["passes"], true);
+    assert_eq!(document["reports"].as_array().unwrap().len(), 3);
+    let report = &document["reports"][1];
     assert_eq!(report["tested"], "generated");
     assert_eq!(report["passes"], true);
+    assert!(report["weight"].as_str().unwrap().starts_with("cubic-interpolating: "));
     assert_eq!((&report["seed"], &report["elements"]), (&Value::from(5), &Value::from(3)));
     let blocks = report["blocks"].as_array().unwrap();
     assert_eq!(blocks.len(), BLOCKS.len());
@@ -89,13 +97,31 @@ fn a_weight_of_ones_own_passes() {
 }
 
 #[test]
+fn a_weight_made_interpolating_passes() {
+    let arguments = ["check", "--nodes", "6..=8", "--weight", "(1 - r^2)^3", "--interpolating"];
+    let Run { code, stdout, stderr } = run(&arguments);
+    assert_eq!((code, stderr.as_str()), (0, ""), "{stdout}");
+    assert!(stdout.contains("omega = (1 - r^2)^3\n"), "{stdout}");
+    let named = run(&["check", "--nodes", "7", "--weight", "wendland-c2"]);
+    assert_eq!(named.code, 0);
+    assert!(
+        named.stdout.contains("the generated kernels") && !named.stdout.contains("cubic"),
+        "{}",
+        named.stdout
+    );
+    run(&["check", "--weight", "2 - r^2", "--interpolating"])
+        .assert_refused(&["--weight", "has to be 1 at r = 0"]);
+    run(&["check", "--interpolating"]).assert_refused(&["--weight"]);
+}
+
+#[test]
 fn polynomials_roots_and_branches_pass() {
     for formula in [
         "(1 - r)^4 * (1 + 4*r)",
         "sqrt(1 - r^2)^3",
         "if r < 0.5 { 2/3 - 4*r^2 + 4*r^3 } else { 4/3 - 4*r + 4*r^2 - 4/3*r^3 }",
     ] {
-        let weight = Some(Weight::new("own", formula).unwrap());
+        let weight = Weight::new(formula, false).unwrap();
         let plan = Plan { weight, ..Plan::default() };
         let plan = plan.nodes(Basis::Linear, 5..=5).nodes(Basis::Quadratic, 9..=9);
         let report = compare(&plan, || {}).unwrap();

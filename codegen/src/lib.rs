@@ -26,4 +26,6 @@ pub mod schedule;
 pub mod structure;
 
 pub use config::{Config, ConfigError};
-pub use model::{Basis, BasisError, CustomBasis, FrameRule, Kernel, KernelSpec, Mode, Output, Weight};
+pub use model::{
+    Basis, BasisError, CustomBasis, FrameRule, Kernel, KernelSpec, Mode, Output, Weight, WeightError,
+};

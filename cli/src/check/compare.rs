@@ -8,13 +8,14 @@ use std::thread;
 
 use diffuse_contact::ad::{Ad, FormulaError};
 use diffuse_contact::{Backend, ElementError, Generated, Mode};
-use diffuse_contact_codegen::{Basis, Weight};
+use diffuse_contact_codegen::Basis;
 
 use super::ELEMENTS;
 use super::blocks::{Blocks, Subject};
 use super::elements::{NoElement, RandomElement};
 use super::report::{Against, Report};
 use crate::interpreted::Interpreted;
+use crate::weight::Weight;
 
 /// The modes, fewest derivatives first, and their names.
 const MODES: [(Mode, &str); 3] =
@@ -25,9 +26,8 @@ const MODES: [(Mode, &str); 3] =
 pub struct Plan {
     /// Bases and numbers of master nodes.
     pub ranges: Vec<(Basis, RangeInclusive<usize>)>,
-    /// A weight instead of the cubic one. Only the cubic weight's kernels are compiled into this program: for
-    /// another, the interpreter stands in for them.
-    pub weight: Option<Weight>,
+    /// The weight. Of a formula no kernels are compiled into this program: the interpreter stands in for them.
+    pub weight: Weight,
     /// Seed of the random elements.
     pub seed: u64,
 }
@@ -36,7 +36,7 @@ impl Default for Plan {
     /// The node counts with kernels of fixed size in either basis, the generated kernels, seed 1.
     fn default() -> Self {
         let ranges = Basis::ALL.map(|basis| (basis, Self::default_nodes(basis))).to_vec();
-        Self { ranges, weight: None, seed: 1 }
+        Self { ranges, weight: Weight::default(), seed: 1 }
     }
 }
 
@@ -86,18 +86,22 @@ pub enum CompareError {
 /// # Errors
 /// [`CompareError`]. A backend that has no result where it should is in the report, not an error.
 pub fn compare(plan: &Plan, mut step: impl FnMut()) -> Result<Report, CompareError> {
-    let interpreted = Interpreted::new(plan.weight.clone().unwrap_or_else(Weight::cubic));
+    let interpreted = Interpreted::new(plan.weight.for_generator());
     let ad: Box<dyn Backend> = match &plan.weight {
-        None => Box::new(Ad),
-        Some(weight) => Box::new(
-            Ad::with_weight_formula(weight.text())
-                .map_err(|reason| CompareError::Ad { formula: weight.text().to_owned(), reason })?,
-        ),
+        Weight::BuiltIn(_) => Box::new(Ad),
+        Weight::Formula(weight) => {
+            let text = weight.text();
+            let ad: Result<Box<dyn Backend>, FormulaError> = match weight.is_interpolating() {
+                true => Ad::with_interpolating_formula(text).map(|ad| Box::new(ad) as _),
+                false => Ad::with_weight_formula(text).map(|ad| Box::new(ad) as _),
+            };
+            ad.map_err(|reason| CompareError::Ad { formula: text.to_owned(), reason })?
+        }
     };
     let backends = Backends {
         ad: &*ad,
         interpreted: &interpreted,
-        generated: plan.weight.is_none().then_some(&Generated as &dyn Backend),
+        generated: plan.weight.as_built_in().map(|_| &Generated as &dyn Backend),
     };
     let jobs: Vec<Job> = plan.jobs().collect();
     let next = AtomicUsize::new(0);
@@ -152,7 +156,8 @@ impl Plan {
 impl Job {
     fn run(&self, plan: &Plan, backends: &Backends<'_>) -> Result<Report, NoElement> {
         let &Self { basis, nodes, index, .. } = self;
-        let random = RandomElement::new(basis, nodes, plan.seed, index, backends.interpreted)?;
+        let mut random = RandomElement::new(basis, nodes, plan.seed, index, backends.interpreted)?;
+        random.weight = plan.weight.as_built_in().unwrap_or_default();
         let mut report = Report::new(plan);
         report.add_element(&random);
         for subject in Subject::ALL {

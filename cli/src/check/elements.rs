@@ -23,7 +23,7 @@
 
 use std::f64::consts::TAU;
 
-use diffuse_contact::{Element, ElementError, Frame, FrameDerivative, Point, Weight};
+use diffuse_contact::{CustomBasis, Element, ElementError, Frame, FrameDerivative, Point, Weight};
 use diffuse_contact_codegen::{Basis, FrameRule};
 
 use crate::interpreted::{Conditioning, Interpreted};
@@ -78,6 +78,8 @@ pub struct RandomElement {
     masters: Vec<Point>,
     support_radius: f64,
     basis: Basis,
+    /// Weight that backends are asked for.
+    pub(super) weight: Weight,
     frozen: Place,
     co_moving: Place,
     /// In-plane offset for the surface kernels, length.
@@ -162,8 +164,12 @@ impl RandomElement {
             basis: match self.basis {
                 Basis::Quadratic => diffuse_contact::Basis::Quadratic,
                 Basis::Linear => diffuse_contact::Basis::Linear,
+                Basis::Custom(_) => {
+                    let (name, monomials) = (self.basis.name(), self.basis.monomials());
+                    diffuse_contact::Basis::Custom(CustomBasis { name, monomials })
+                }
             },
-            weight: Weight::Cubic,
+            weight: self.weight,
         }
     }
 
@@ -218,6 +224,7 @@ impl RandomElement {
             masters,
             support_radius: radius,
             basis,
+            weight: Weight::default(),
             frozen,
             co_moving,
             point,

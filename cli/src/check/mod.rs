@@ -28,7 +28,7 @@ use crate::args::CheckArguments;
 use crate::error::CliError;
 use crate::output;
 use crate::progress::progress;
-use crate::weight::weight;
+use crate::weight::{Weight, weight};
 
 pub use compare::{CompareError, Plan, compare};
 pub use elements::NoElement;
@@ -46,36 +46,49 @@ const FAILED: u8 = 1;
 
 /// Compares what the arguments ask for and prints the report.
 pub(crate) fn run(arguments: &CheckArguments) -> Result<ExitCode, CliError> {
-    let plan = plan(arguments)?;
-    let bar = progress("elements", plan.elements());
-    let report = compare(&plan, || bar.inc(1));
+    let plans = plans(arguments)?;
+    let bar = progress("elements", plans.iter().map(Plan::elements).sum());
+    let reports: Result<Vec<Report>, CompareError> =
+        plans.iter().map(|plan| compare(plan, || bar.inc(1))).collect();
     bar.finish_and_clear();
-    let report = report.map_err(|error| match error {
+    let reports = reports.map_err(|error| match error {
         CompareError::Ad { formula, reason } => CliError::WeightOfAd { formula, reason },
         CompareError::NoElement(reason) => CliError::NoElement(reason),
     })?;
+    let passes = reports.iter().all(Report::passes);
     let written = output::write_stdout(|writer| {
         if arguments.json {
-            serde_json::to_writer_pretty(&mut *writer, &report)?;
-            writeln!(writer)
-        } else {
-            write!(writer, "{report}")
+            let document = serde_json::json!({ "passes": passes, "reports": reports });
+            serde_json::to_writer_pretty(&mut *writer, &document)?;
+            return writeln!(writer);
         }
+        for (k, report) in reports.iter().enumerate() {
+            let separator = if k > 0 { "\n\n" } else { "" };
+            write!(writer, "{separator}{report}")?;
+        }
+        Ok(())
     });
     match written {
         // The verdict stands, whether somebody reads it or not.
         Err(error) if !error.is_closed_pipe() => return Err(error),
         _ => {}
     }
-    Ok(if report.passes() { ExitCode::SUCCESS } else { ExitCode::from(FAILED) })
+    Ok(if passes { ExitCode::SUCCESS } else { ExitCode::from(FAILED) })
+}
+
+/// One plan for each weight: the one asked for, or all that kernels are compiled for.
+fn plans(arguments: &CheckArguments) -> Result<Vec<Plan>, CliError> {
+    let plan = plan(arguments)?;
+    let weights = match &arguments.weight {
+        Some(text) => vec![weight(Some(text), arguments.interpolating)?],
+        None => diffuse_contact::Weight::ALL.map(Weight::BuiltIn).to_vec(),
+    };
+    Ok(weights.into_iter().map(|weight| Plan { weight, ..plan.clone() }).collect())
 }
 
 /// A range given without a basis is for both, as far as they can use it.
 fn plan(arguments: &CheckArguments) -> Result<Plan, CliError> {
     let mut plan = Plan { ranges: Vec::new(), seed: arguments.seed, ..Plan::default() };
-    if let Some(formula) = &arguments.weight {
-        plan.weight = Some(weight(Some(formula))?);
-    }
     let bases = arguments.basis.map_or(Basis::ALL.to_vec(), |basis| vec![basis]);
     for &basis in &bases {
         let Some(counts) = &arguments.nodes else {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use diffuse_contact_codegen::{Basis, Weight};
+use diffuse_contact_codegen::Basis;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 use super::blocks::{BLOCKS, Block};
@@ -155,11 +155,6 @@ impl Report {
         self.elements > 0 && self.failures.is_empty() && self.rows.iter().all(Row::passes)
     }
 
-    fn weight(&self) -> String {
-        let cubic = Weight::cubic();
-        self.plan.weight.as_ref().unwrap_or(&cubic).text().split_whitespace().collect::<Vec<_>>().join(" ")
-    }
-
     fn ranges(&self) -> String {
         let counts = |(basis, range): &(Basis, std::ops::RangeInclusive<usize>)| {
             let (first, last) = (range.start(), range.end());
@@ -171,7 +166,7 @@ impl Report {
 
     fn head(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut line = |label: &str, text: &str| writeln!(f, "{label:<LABEL$}{text}");
-        if self.plan.weight.is_none() {
+        if self.plan.weight.as_built_in().is_some() {
             line("tested", "the generated kernels, in the modes value, gradient and Hessian")?;
         } else {
             line(
@@ -180,7 +175,7 @@ impl Report {
             )?;
             line("", "no kernels of this weight are compiled into the program; `emit --weight` prints them")?;
         }
-        line("weight", &self.weight())?;
+        line("weight", &self.plan.weight.description())?;
         line("kernels", &format!("{}; coefficients, surface, gap", self.ranges()))?;
         line(
             "elements",
@@ -279,9 +274,9 @@ impl fmt::Display for Report {
 impl Serialize for Report {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut report = serializer.serialize_struct("Report", 10)?;
-        let tested = if self.plan.weight.is_none() { "generated" } else { "interpreter" };
+        let tested = if self.plan.weight.as_built_in().is_some() { "generated" } else { "interpreter" };
         report.serialize_field("tested", tested)?;
-        report.serialize_field("weight", &self.weight())?;
+        report.serialize_field("weight", &self.plan.weight.description())?;
         report.serialize_field("seed", &self.plan.seed)?;
         report.serialize_field("elements", &self.elements)?;
         report.serialize_field("smallest_pivot", &self.smallest_pivot)?;

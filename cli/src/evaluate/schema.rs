@@ -93,6 +93,8 @@ impl ElementInput {
     pub fn weight(&self) -> Weight {
         match self.weight {
             WeightInput::Cubic => Weight::Cubic,
+            WeightInput::CubicInterpolating => Weight::CubicInterpolating,
+            WeightInput::WendlandC2 => Weight::WendlandC2,
         }
     }
 }
@@ -168,6 +170,8 @@ enum FrameDerivativeInput {
 enum WeightInput {
     #[default]
     Cubic,
+    CubicInterpolating,
+    WendlandC2,
 }
 
 /// Reads a document, or says in one sentence where it departs from the schema.
@@ -258,7 +262,7 @@ mod tests {
             ),
             (
                 r#"{"elements": [{"weight": "gauss"}]}"#,
-                "elements[0].weight: unknown variant `gauss`, expected `cubic`",
+                "elements[0].weight: unknown variant `gauss`, expected one of `cubic`, `cubic-interpolating`, `wendland-c2`",
             ),
             (
                 r#"{"elements": [{"frame_derivative": "moving"}]}"#,

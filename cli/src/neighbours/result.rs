@@ -8,7 +8,7 @@ use diffuse_contact::pairing::{DEFAULT_NEIGHBOURS, NearestNodes};
 use serde::Serialize;
 
 use super::schema::{Count, Rule, SearchInput};
-use crate::json::{BasisName, FrameOutput};
+use crate::json::FrameOutput;
 use crate::outcome::Outcome;
 
 /// The nodes around one slave, by their place among the masters, counted from 0.
@@ -25,7 +25,7 @@ pub struct Found {
     /// Radius of the domain of influence.
     support_radius: f64,
     /// Basis that the nodes carry.
-    basis: BasisName,
+    basis: &'static str,
     /// Condition number of the moment matrix (Chamoret et al. 2008, eq. 13); `None` if it is singular to rounding.
     condition: Option<f64>,
     /// How well the nodes carry the fit, from 0 to 1.
@@ -90,7 +90,7 @@ impl Found {
             layers: found.layers,
             nodes: found.nodes,
             support_radius: found.support_radius,
-            basis: found.basis.into(),
+            basis: found.basis.name(),
             condition: Some(found.condition).filter(|condition| condition.is_finite()),
             regularity: found.regularity,
             pivot_ratio: found.pivot_ratio,

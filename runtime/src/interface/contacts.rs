@@ -89,8 +89,7 @@ impl Elements for Contacts {
 
     fn element(&self, k: usize) -> ElementView<'_> {
         let ContactRef { slave, nodes, outcome, point, area, gradient, hessian } = self.get(k);
-        let contact =
-            outcome.is_contact().then_some(ContactView { gap: point.gap, area, gradient, hessian });
+        let contact = outcome.is_contact().then_some(ContactView { gap: point.gap, area, gradient, hessian });
         ElementView { slave, masters: nodes, contact }
     }
 }

@@ -78,11 +78,16 @@ impl Evaluator<'_> {
                 let (frame, masters) = self.frame(paired, scratch)?;
                 let (support_radius, basis) = (paired.record.support_radius, paired.record.basis);
                 let element = Element { slave, masters, frame, support_radius, basis, weight };
-                let point = diffuse_gap(&element, mode, gradient, hessian)?;
+                let point = diffuse_gap(&element, mode, gradient, hessian);
+                // A slave that has slid far beyond the border has no fit any more: the border is the reason.
+                let foot = match &point {
+                    Ok(point) => point.foot,
+                    Err(NoContact::Element { .. }) => slave,
+                    Err(reason) => return Err(*reason),
+                };
                 let beyond = if paired.record.ends_near {
                     let patch = (paired.record.facet, paired.masters);
-                    let border = &mut scratch.border;
-                    self.creases.beyond(self.surface, self.positions, patch, point.foot, border)
+                    self.creases.beyond(self.surface, self.positions, patch, foot, &mut scratch.border)
                 } else {
                     0.0
                 };
@@ -92,14 +97,14 @@ impl Evaluator<'_> {
                 let point = facet_gap(slave, self.gather(paired, scratch), mode, gradient, hessian)?;
                 let facet = paired.record.facet;
                 let shape = self.surface.shape(facet as usize, self.positions);
-                (point, self.creases.beyond_facet(facet, &shape, Vector3::from(point.foot)))
+                (Ok(point), self.creases.beyond_facet(facet, &shape, Vector3::from(point.foot)))
             }
         };
         let tolerance = self.options.border_tolerance;
         if beyond > tolerance {
             return Err(NoContact::BeyondBorder { distance: beyond, tolerance });
         }
-        Ok(point)
+        point
     }
 
     /// The frame of a diffuse element: the one that is held, or the average plane of the masters, outward where the

@@ -10,6 +10,7 @@ use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
 use diffuse_contact::surface::{Facet, MasterSurface, SurfaceError};
 use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 /// Half a torus, waves on it, and slaves near it, over and beyond its borders.
 fn scene(slaves: usize, options: InterfaceOptions) -> Scene {
@@ -150,6 +151,27 @@ fn what_the_caller_has_to_mend_is_an_error() {
 }
 
 #[test]
+fn a_facet_element_is_paired_with_the_corners_of_the_closest_facet() {
+    let mesh = Mesh::plane(6.0, 6.0, 1.0);
+    let options = InterfaceOptions { distance_limit: Some(1.0), ..InterfaceOptions::node_to_facet() };
+    let slaves = [[2.3, 1.6, 0.1], [2.6, 2.6, -0.2], [3.0, 3.0, 1.5], [6.8, 3.0, 0.1], [7.4, 3.0, 0.1]];
+    let mut scene = mesh.scene(&slaves, options);
+    let report = scene.refresh();
+    assert_eq!((report.paired, report.gained), (3, 3));
+    assert_eq!(report.without.iter().collect::<Vec<_>>(), [(&"too-far", &2)]);
+    let surface = mesh.surface();
+    let index = surface.at(&mesh.positions).unwrap();
+    let contacts = scene.interface.evaluate(Mode::Hessian).unwrap();
+    for k in [0, 1, 3] {
+        let closest = index.closest(slaves[k]).unwrap();
+        let facet = surface.facet(closest.facet);
+        let nodes: Vec<usize> = contacts.get(k).nodes.iter().map(|&node| node as usize).collect();
+        assert_eq!(nodes, facet.corners());
+    }
+    assert!([2, 4].into_iter().all(|k| contacts.get(k).nodes.is_empty()));
+}
+
+#[test]
 fn coincident_masters_and_slaves_on_them_have_an_outcome() {
     // Two nodes of a flat grid coincide in the deformed state, and slaves sit on nodes.
     let mesh = Mesh::plane(6.0, 6.0, 1.0);
@@ -214,7 +236,12 @@ fn point() -> impl Strategy<Value = Point> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 300,
+        rng_seed: RngSeed::Fixed(2008),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     /// The surface is sound when it is connected; then everything moves anywhere.
     #[test]

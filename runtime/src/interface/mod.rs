@@ -75,7 +75,7 @@ use scratch::Pool;
 use crate::neighbourhood::SearchOptions;
 use crate::pairing::NearestNodes;
 use crate::surface::{Creases, Facet, MasterSurface, SurfaceError, check_position, tributary_areas};
-use crate::{Mode, Point};
+use crate::{ElementError, Mode, Point};
 
 /// Chunks of slaves that [`ContactInterface::for_each`] holds for each thread.
 const CHUNKS_PER_THREAD: usize = 4;
@@ -187,8 +187,11 @@ impl ContactInterface {
             ContactElement::Diffuse { .. } => index.positions().to_vec(),
             ContactElement::NodeToFacet => Vec::new(),
         };
-        // Positions have been checked.
-        let cloud = NearestNodes::new(cloud).map_err(|_| SurfaceError::Empty)?;
+        let cloud = NearestNodes::new(cloud).map_err(|error| {
+            // Positions have been checked, so that this is for completeness.
+            let place = if let ElementError::NonFiniteInput { index, .. } = error { index } else { 0 };
+            SurfaceError::NonFinitePosition { node: self.master.nodes()[place] as usize, value: f64::NAN }
+        })?;
         let evaluator = Evaluator {
             surface: &self.master,
             creases: &creases,

@@ -47,8 +47,8 @@ pub enum NoContact {
         /// How far it may be.
         tolerance: f64,
     },
-    /// The foot is a stationary point of the distance, but not the nearest: the slave is farther from a concave surface than a
-    /// centre of its curvature.
+    /// The foot is a stationary point of the distance, but not the nearest: the slave lies beyond a centre of curvature of the
+    /// surface, high over a hollow or deep in a ball.
     #[error(
         "the slave lies beyond a centre of curvature: the distance's second derivative has determinant {determinant:e} and trace {trace:e}"
     )]

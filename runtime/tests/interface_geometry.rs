@@ -1,5 +1,5 @@
-//! Interfaces over surfaces whose gap is known: plane, cylinder, sphere, torus, graded meshes; derivatives, rigid motion,
-//! borders.
+//! Interfaces over surfaces whose gap is known: plane, cylinder, sphere, torus, graded meshes; derivatives,
+//! rigid motion, borders.
 
 mod common;
 
@@ -285,7 +285,8 @@ fn one_facet_is_a_surface() {
 
 #[test]
 fn beyond_a_centre_of_curvature_there_is_no_nearest_foot() {
-    // A groove of radius 1 and a bowl of curvature 1, seen from inside. Slaves rise from below the centre to beyond it.
+    // A groove of radius 1 and a bowl of curvature 1, seen from inside. Slaves rise from below the centre to
+    // beyond it.
     let groove = Mesh::grid([25, 25], [false; 2], |s, t| {
         let angle = 1.2 * (2.0 * s - 1.0);
         [angle.sin(), 2.0 * t - 1.0, 1.0 - angle.cos()]

@@ -1,4 +1,5 @@
-//! Whatever comes in: an error for the caller, a named outcome, or finite numbers, the same for any number of threads.
+//! Whatever comes in: an error for the caller, a named outcome, or finite numbers, the same for any number of
+//! threads.
 
 mod common;
 

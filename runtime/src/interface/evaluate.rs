@@ -30,8 +30,8 @@ pub struct ElementScratch {
 }
 
 impl Evaluator<'_> {
-    /// Fills the slots of consecutive slaves. Which thread fills a slot, and after which others, makes no difference to what
-    /// it gets.
+    /// Fills the slots of consecutive slaves. Which thread fills a slot, and after which others, makes no
+    /// difference to what it gets.
     pub fn fill(&self, pairings: &Pairings, mode: Mode, slots: Slots<'_>, pool: &Pool<ElementScratch>) {
         let layout: &Layout = &pairings.layout;
         if slots.len() > CHUNK {
@@ -131,8 +131,8 @@ impl Evaluator<'_> {
         &scratch.masters
     }
 
-    /// What stands in the place of the held frame of a slave without a pairing, so that frames are found by the number of
-    /// the slave.
+    /// What stands in the place of the held frame of a slave without a pairing, so that frames are found by the
+    /// number of the slave.
     pub fn stand_in_frame(&self) -> Option<Frame> {
         let [t1, t2, normal] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         self.holds_frames().then_some(Frame {

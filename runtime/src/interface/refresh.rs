@@ -190,8 +190,8 @@ impl Refresh<'_> {
         Ok(closest)
     }
 
-    /// Whether a pairing may be kept: the patch of the facet that is closest now reaches all its masters, the slave has not
-    /// slid farther than the hysteresis allows, and the fit still is regular and gives a gap.
+    /// Whether a pairing may be kept: the patch of the facet that is closest now reaches all its masters, the
+    /// slave has not slid farther than the hysteresis allows, and the fit still is regular and gives a gap.
     fn is_sound(&self, old: &Paired<'_>, closest: &Closest, scratch: &mut RefreshScratch) -> bool {
         let Evaluator { surface, creases, positions, options } = self.evaluator;
         if options.hysteresis == 0.0 {
@@ -282,8 +282,8 @@ fn place_of(surface: &MasterSurface, node: u32) -> usize {
     surface.nodes().partition_point(|&other| other < node)
 }
 
-/// The slaves along a space-filling curve (bits of the coordinates interleaved): one after another works on the same part
-/// of the master surface, which is in the cache then.
+/// The slaves along a space-filling curve (bits of the coordinates interleaved): one after another works on the
+/// same part of the master surface, which is in the cache then.
 fn spatial_order(slaves: &[usize], positions: &[Point]) -> Vec<u32> {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for &node in slaves {

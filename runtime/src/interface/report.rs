@@ -7,7 +7,8 @@ use crate::neighbourhood::Fallback;
 
 /// What [`refresh_pairing`](super::ContactInterface::refresh_pairing) did, in numbers of slave nodes.
 ///
-/// `paired` is the sum of `kept`, `renewed`, `changed` and `gained`; with those in `without` it makes up all slaves.
+/// `paired` is the sum of `kept`, `renewed`, `changed` and `gained`; with those in `without` it makes up all
+/// slaves.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RefreshReport {
     /// With a pairing now.

@@ -34,8 +34,9 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// A grid of m × n nodes at `place(s, t)`, s and t from 0 to 1, outward where s × t points. Every third cell is cut in two
-    /// triangles. In a closed direction the last nodes are the first: s (or t) stays below 1.
+    /// A grid of m × n nodes at `place(s, t)`, s and t from 0 to 1, outward where s × t points. Every third
+    /// cell is cut in two triangles. In a closed direction the last nodes are the first: s (or t) stays below
+    /// 1.
     pub fn grid([m, n]: [usize; 2], closed: [bool; 2], place: impl Fn(f64, f64) -> Point) -> Self {
         let cells = [m - usize::from(!closed[0]), n - usize::from(!closed[1])];
         let at = |k: usize, cells: usize| k as f64 / cells as f64;

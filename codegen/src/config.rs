@@ -69,6 +69,7 @@ pub enum ConfigError {
 pub struct Config {
     weights: Vec<Weight>,
     ranges: Vec<(Basis, std::ops::RangeInclusive<usize>)>,
+    facets: bool,
     support: String,
     folder: Option<PathBuf>,
 }
@@ -80,13 +81,14 @@ impl Default for Config {
 }
 
 impl Config {
-    /// No weights yet; both bases, quadratic with 6 to 24 and linear with 3 to 24 nodes specialised; output to
+    /// No weights and no facets yet; both bases, quadratic with 6 to 24 and linear with 3 to 24 nodes specialised; output to
     /// `OUT_DIR`; support from the crate `diffuse-contact-kernels`.
     #[must_use]
     pub fn new() -> Self {
         Self {
             weights: Vec::new(),
             ranges: vec![(Basis::Quadratic, QUADRATIC_RANGE), (Basis::Linear, LINEAR_RANGE)],
+            facets: false,
             support: "::diffuse_contact_kernels::support".to_owned(),
             folder: None,
         }
@@ -128,6 +130,13 @@ impl Config {
         Ok(self)
     }
 
+    /// Adds the kernels of contact on the facets themselves, in the module `facet`.
+    #[must_use]
+    pub const fn facets(mut self) -> Self {
+        self.facets = true;
+        self
+    }
+
     /// Path of the support module the kernels use.
     #[must_use]
     pub fn support(mut self, path: &str) -> Self {
@@ -154,7 +163,7 @@ impl Config {
                 return Err(ConfigError::DuplicateWeight { name: weight.name().to_owned() });
             }
         }
-        Ok(emit_file(&self.weights, &support, &self.ranges))
+        Ok(emit_file(&self.weights, &support, &self.ranges, self.facets))
     }
 
     /// Writes `diffuse_contact_kernels.rs` if its bytes change, and tells Cargo when to run again.

@@ -26,4 +26,4 @@ pub mod schedule;
 pub mod structure;
 
 pub use config::{Config, ConfigError};
-pub use model::{Basis, FrameRule, Kernel, KernelSpec, Mode, Output, Weight};
+pub use model::{Basis, FacetShape, FacetSpec, FrameRule, Kernel, KernelSpec, Mode, Output, Weight};

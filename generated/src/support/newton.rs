@@ -11,7 +11,7 @@ const TOLERANCE: f64 = 1e-12;
 const LONGEST_LAST_STEP: f64 = 1e-6;
 /// Added to the measure, so that a root at the start is one.
 const TINY: f64 = 1e-290;
-/// Longest step, in units of the support radius.
+/// Longest step, in units of the support radius or of an edge of the facet.
 const LONGEST_STEP: f64 = 0.5;
 
 /// Result of an iteration.
@@ -34,8 +34,8 @@ impl<T> RootSolution<T> {
 
 /// Solves r(y) = 0 from y = 0. `equations` returns the residuals and their Jacobian, row by row.
 ///
-/// Lengths are in support radii. A step is cut to half the support radius, and halved until it reduces the residual, so that the iteration
-/// cannot leave the region the start belongs to for a far root. Lanes that have converged stay where they are.
+/// Lengths are in support radii, or in edges of a facet. A step is cut to half of that, and halved until it reduces the residual, so that
+/// the iteration cannot leave the region the start belongs to for a far root. Lanes that have converged stay where they are.
 #[inline(always)]
 pub fn solve_two_equations<T: Lane>(equations: impl Fn([T; 2]) -> ([T; 2], [T; 4])) -> RootSolution<T> {
     let mut y = [T::ZERO; 2];

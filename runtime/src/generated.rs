@@ -195,7 +195,7 @@ fn inputs<'a>(element: &Element<'a>, point: [f64; 2]) -> Inputs<'a, f64> {
 }
 
 /// A kernel's status as the element's error.
-fn check(status: Status) -> Result<(), ElementError> {
+pub(crate) fn check(status: Status) -> Result<(), ElementError> {
     Err(match status {
         Status::Ok => return Ok(()),
         Status::SingularFit { pivot_ratio } => {
@@ -206,6 +206,7 @@ fn check(status: Status) -> Result<(), ElementError> {
         }
         Status::FootOutside { distance } => ElementError::FootOutside { distance },
         Status::NoAveragePlane { pivot_ratio } => ElementError::UnstableAveragePlane { pivot_ratio },
+        Status::DegenerateFacet { area } => ElementError::DegenerateFacet { area },
         Status::CentreOfCurvature { determinant } => ElementError::CentreOfCurvature { determinant },
         _ => ElementError::Overflow { what: "result" },
     })

@@ -77,6 +77,8 @@ fn write(program: &Program<FacetSpec>) -> EmittedFacetKernel {
     let corners = spec.shape.corners();
     let mut function = FunctionWriter::new(program);
     function.writer.names.reserve(&[GRADIENT, HESSIAN]);
+    // The foot's equations are the negative derivatives of half the squared distance.
+    function.solver = "minimise_two_variables";
 
     let body: Vec<TokenStream> =
         program.phases.iter().map(|phase| function.statements(&phase.statements)).collect();

@@ -79,6 +79,8 @@ pub(super) struct FunctionWriter<'a, S = KernelSpec> {
     pub writer: Writer<'a>,
     pub counts: KernelCounts,
     pub statements: usize,
+    /// What solves a root's equations: a function of the support module.
+    pub solver: &'static str,
 }
 
 impl<'a, S> FunctionWriter<'a, S> {
@@ -107,7 +109,8 @@ impl<'a, S> FunctionWriter<'a, S> {
             "do",
         ]);
         let writer = Writer::new(&program.kernel.graph, &program.layout, names);
-        Self { program, writer, counts: KernelCounts::default(), statements: 0 }
+        let counts = KernelCounts::default();
+        Self { program, writer, counts, statements: 0, solver: "solve_two_equations" }
     }
 
     pub fn statements(&mut self, statements: &[Statement]) -> TokenStream {
@@ -142,7 +145,7 @@ impl<'a, S> FunctionWriter<'a, S> {
         self.counts.iteration += self.writer.take_counts();
         self.counts.element += before;
 
-        let solution = format_ident!("{}_solution", data.name);
+        let (solution, solver) = (format_ident!("{}_solution", data.name), format_ident!("{}", self.solver));
         let figures = graph_roots(graph, root);
         let lets: Vec<TokenStream> = figures
             .into_iter()
@@ -153,7 +156,7 @@ impl<'a, S> FunctionWriter<'a, S> {
             .collect();
         self.statements += lets.len();
         quote! {
-            let #solution = solve_two_equations(|[#(#unknowns),*]: [T; 2]| {
+            let #solution = #solver(|[#(#unknowns),*]: [T; 2]| {
                 #body
                 ([#(#residuals),*], [#(#jacobian),*])
             });

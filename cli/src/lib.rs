@@ -34,6 +34,7 @@ mod emit;
 mod error;
 mod evaluate;
 pub mod interpreted;
+pub mod interpreted_facets;
 mod output;
 mod progress;
 mod weight;

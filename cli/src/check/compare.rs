@@ -13,11 +13,12 @@ use diffuse_contact_codegen::{Basis, Weight};
 use super::ELEMENTS;
 use super::blocks::{Blocks, Subject};
 use super::elements::{NoElement, RandomElement};
+use super::facets::compare_facets;
 use super::report::{Against, Report};
 use crate::interpreted::Interpreted;
 
 /// The modes, fewest derivatives first, and their names.
-const MODES: [(Mode, &str); 3] =
+pub(super) const MODES: [(Mode, &str); 3] =
     [(Mode::Value, "value"), (Mode::Gradient, "gradient"), (Mode::Hessian, "hessian")];
 
 /// What is compared.
@@ -128,6 +129,10 @@ pub fn compare(plan: &Plan, mut step: impl FnMut()) -> Result<Report, CompareErr
     let mut report = Report::new(plan);
     for part in parts.into_iter().flatten() {
         report.merge(part?);
+    }
+    // Facets have no weight: with another one than the kernels' there is nothing new to compare.
+    if plan.weight.is_none() {
+        report.add_facets(compare_facets(plan.seed));
     }
     Ok(report)
 }

@@ -3,11 +3,13 @@
 mod basis;
 mod diffuse;
 mod facet;
+mod facet_shape;
 mod kernel;
 mod weight;
 
 pub use basis::Basis;
 pub use diffuse::Equation;
-pub use facet::{FacetShape, FacetSpec};
+pub use facet::FacetSpec;
+pub use facet_shape::FacetShape;
 pub use kernel::{FrameRule, Kernel, KernelSpec, Mode, Output, Value};
 pub use weight::{Weight, WeightError};

@@ -7,7 +7,9 @@ use super::pairings::{Paired, Pairings};
 use super::scratch::Pool;
 use super::{ContactElement, InterfaceOptions, NoContact, Outcome};
 use crate::surface::{BorderScratch, Creases, MasterSurface};
-use crate::{ContactPoint, Element, ElementError, Frame, FrameDerivative, Generated, Mode, Point};
+use crate::{
+    ContactPoint, Element, ElementError, FacetElement, Frame, FrameDerivative, Generated, Mode, Point,
+};
 
 /// Slaves that one thread evaluates in a row.
 pub const CHUNK: usize = 64;
@@ -94,7 +96,8 @@ impl Evaluator<'_> {
                 (point.map_err(NoContact::from), beyond)
             }
             ContactElement::NodeToFacet => {
-                let point = facet_gap(slave, self.gather(paired, scratch), mode, gradient, hessian)?;
+                let element = FacetElement { slave, corners: self.gather(paired, scratch) };
+                let point = Generated.facet_gap_into(&element, mode, gradient, hessian)?.point;
                 let facet = paired.record.facet;
                 let shape = self.surface.shape(facet as usize, self.positions);
                 (Ok(point), self.creases.beyond_facet(facet, &shape, Vector3::from(point.foot)))
@@ -160,15 +163,4 @@ impl Evaluator<'_> {
     const fn holds_frames(&self) -> bool {
         matches!(self.options.element, ContactElement::Diffuse { frame: FrameDerivative::Frozen, .. })
     }
-}
-
-/// The distance of a slave from a facet. To be replaced by the generated kernels of the node-to-facet element.
-fn facet_gap(
-    _slave: Point,
-    _corners: &[Point],
-    _mode: Mode,
-    _gradient: &mut [f64],
-    _hessian: &mut [f64],
-) -> Result<ContactPoint, NoContact> {
-    Err(NoContact::Unavailable)
 }

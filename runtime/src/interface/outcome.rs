@@ -53,9 +53,6 @@ pub enum NoContact {
         /// What the element says.
         error: ElementError,
     },
-    /// The element of this interface has no kernel in this build.
-    #[error("the element has no kernel in this build")]
-    Unavailable,
 }
 
 impl Outcome {
@@ -85,7 +82,6 @@ impl NoContact {
             Self::NoCandidate { .. } => "no-candidate",
             Self::BeyondBorder { .. } => "beyond-border",
             Self::Element { error } => error.code(),
-            Self::Unavailable => "unavailable",
         }
     }
 }

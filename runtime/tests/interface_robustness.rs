@@ -64,9 +64,10 @@ fn everything(threads: usize, options: InterfaceOptions) -> Everything {
 fn results_do_not_depend_on_the_number_of_threads() {
     let search = SearchOptions::default().with_rule(NeighbourRule::hull_radius(Some(2)));
     let element = ContactElement::Diffuse { weight: Weight::Cubic, frame: FrameDerivative::Frozen, search };
-    for options in [InterfaceOptions::default(), InterfaceOptions { element, ..Default::default() }] {
+    let held = InterfaceOptions { element, ..Default::default() };
+    for options in [InterfaceOptions::default(), held, InterfaceOptions::node_to_facet()] {
         let one = everything(1, options);
-        assert!(one.1.kept > 100 && one.1.changed > 50 && one.1.largest_gap_jump.is_some(), "{:?}", one.1);
+        assert!(one.1.kept > 100 && one.1.changed > 40 && one.1.largest_gap_jump.is_some(), "{:?}", one.1);
         assert!(one.0.paired > 1000 && one.2.iter().any(|(outcome, ..)| outcome.contains("BeyondBorder")));
         for threads in [2, 5] {
             assert!(everything(threads, options) == one, "{threads} threads");

@@ -9,3 +9,4 @@
 pub mod support;
 
 include!(concat!(env!("OUT_DIR"), "/diffuse_contact_kernels.rs"));
+include!(concat!(env!("OUT_DIR"), "/compact/diffuse_contact_kernels.rs"));

@@ -22,7 +22,7 @@ fn compare<K: KernelSet + Sync>(case: &Case) {
 
 #[test]
 fn gap_with_both_weights() {
-    for seed in 0..4 {
+    for seed in 0..2 {
         for n in [4, 5, 9, 12] {
             let case = Case::random(n, BILINEAR, seed);
             compare::<Cubic>(&case);

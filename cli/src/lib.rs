@@ -30,6 +30,7 @@ mod args;
 mod backend;
 pub mod check;
 mod contact_mesh;
+mod contact_options;
 mod demo;
 mod emit;
 mod error;
@@ -40,7 +41,11 @@ mod neighbours;
 mod outcome;
 mod output;
 mod progress;
+mod study;
+mod surface;
+mod threads;
 pub mod weight;
+mod words;
 
 use std::process::ExitCode;
 
@@ -63,9 +68,11 @@ pub fn main() -> ExitCode {
         None => demo::run(&DemoArguments::default()).map(done),
         Some(Command::Demo(arguments)) => demo::run(&arguments).map(done),
         Some(Command::Evaluate(arguments)) => evaluate::run(&arguments).map(done),
+        Some(Command::Surface(arguments)) => surface::run(&arguments).map(done),
         Some(Command::Neighbours(arguments)) => neighbours::run(&arguments).map(done),
         Some(Command::Emit(arguments)) => emit::run(&arguments).map(done),
         Some(Command::Check(arguments)) => check::run(&arguments),
+        Some(Command::Study(arguments)) => study::run(&arguments).map(done),
     };
     match outcome {
         Ok(code) => code,

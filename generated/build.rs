@@ -5,6 +5,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .cubic()
         .cubic_interpolating()
         .wendland_c2()
+        .facets()
         .support("crate::support")
         .compile()?;
     Ok(())

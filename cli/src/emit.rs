@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-use diffuse_contact_codegen::emit::{KernelCounts, OpCounts, emit_kernel, emit_single};
-use diffuse_contact_codegen::{Basis, Config, KernelSpec};
+use diffuse_contact_codegen::emit::{KernelCounts, OpCounts, emit_facet_kernel, emit_kernel, emit_single};
+use diffuse_contact_codegen::{Basis, Config, FacetShape, FacetSpec, KernelSpec, Mode};
 
 use crate::args::{EmitArguments, frame_name};
 use crate::error::CliError;
@@ -27,7 +27,7 @@ pub fn run(arguments: &EmitArguments) -> Result<(), CliError> {
             source(&KernelSpec { output, mode, basis, weight, frame }, nodes)?
         }
         // The parser lets only `--counts` go without them.
-        _ => counts_of_all(arguments.basis, &weight),
+        _ => counts_of_all(arguments.basis, &weight) + &counts_of_facets(),
     };
     let write = |writer: &mut dyn Write| -> io::Result<()> { writer.write_all(text.as_bytes()) };
     match &arguments.file {
@@ -121,6 +121,19 @@ fn counts_of_all(basis: Option<Basis>, weight: &diffuse_contact_codegen::Weight)
     text
 }
 
+/// The totals of the kernels of contact on facets as a table in Markdown.
+fn counts_of_facets() -> String {
+    let mut text = "\n| facet         |  value | gradient | hessian |\n".to_owned();
+    text += "| ------------- | -----: | -------: | ------: |\n";
+    for shape in FacetShape::ALL {
+        let [value, gradient, hessian] =
+            Mode::ALL.map(|mode| emit_facet_kernel(FacetSpec { shape, mode }).counts.total());
+        let name = shape.name();
+        let _ = writeln!(text, "| {name:<13} | {value:>6} | {gradient:>8} | {hessian:>7} |");
+    }
+    text
+}
+
 /// A weight without line breaks, which would end a comment or a table.
 fn weight_text(weight: &diffuse_contact_codegen::Weight) -> String {
     let formula = weight.text().split_whitespace().collect::<Vec<_>>().join(" ");
@@ -129,7 +142,7 @@ fn weight_text(weight: &diffuse_contact_codegen::Weight) -> String {
 
 #[cfg(test)]
 mod tests {
-    use diffuse_contact_codegen::{FrameRule, Mode, Output};
+    use diffuse_contact_codegen::{FrameRule, Output};
 
     use super::*;
 

@@ -294,7 +294,7 @@ fn inputs(element: &Element<'_>, point: [f64; 2]) -> NodeInputs {
 }
 
 /// A kernel's status as the element's error.
-fn check(status: Status) -> Result<(), ElementError> {
+pub(crate) fn check(status: Status) -> Result<(), ElementError> {
     Err(match status {
         Status::Ok => return Ok(()),
         Status::SingularFit { pivot_ratio } => {
@@ -305,6 +305,7 @@ fn check(status: Status) -> Result<(), ElementError> {
         }
         Status::FootOutside { distance } => ElementError::FootOutside { distance },
         Status::NoAveragePlane { pivot_ratio } => ElementError::UnstableAveragePlane { pivot_ratio },
+        Status::DegenerateFacet { area } => ElementError::DegenerateFacet { area },
         Status::CentreOfCurvature { determinant } => ElementError::CentreOfCurvature { determinant },
         Status::BeyondCentreOfCurvature { determinant, trace } => {
             ElementError::BeyondCentreOfCurvature { determinant, trace }
@@ -313,7 +314,7 @@ fn check(status: Status) -> Result<(), ElementError> {
     })
 }
 
-const fn mode_of(mode: Mode) -> codegen::Mode {
+pub(crate) const fn mode_of(mode: Mode) -> codegen::Mode {
     match mode {
         Mode::Value => codegen::Mode::Value,
         Mode::Gradient => codegen::Mode::Gradient,

@@ -36,6 +36,7 @@ mod emit;
 mod error;
 mod evaluate;
 pub mod interpreted;
+pub mod interpreted_facets;
 mod json;
 mod neighbours;
 mod outcome;

@@ -4,6 +4,7 @@ mod common;
 
 use common::{Run, run};
 use diffuse_contact_cli::check::blocks::BLOCKS;
+use diffuse_contact_cli::check::facets::FACET_BLOCKS;
 use diffuse_contact_cli::check::{Plan, TOLERANCE, compare};
 use diffuse_contact_cli::weight::Weight;
 use diffuse_contact_codegen::{Basis, FrameRule};
@@ -20,6 +21,13 @@ fn a_small_range_passes_and_every_block_is_printed() {
             rest.and_then(|rest| rest.split_whitespace().next()) == Some(block.name)
         });
         assert!(row.is_some(), "no row for {block:?} in {stdout}");
+    }
+    for shape in ["triangle", "quadrilateral"] {
+        for block in FACET_BLOCKS {
+            let start = format!("{shape:<16}{block:<10}");
+            let row = stdout.lines().find(|line| line.starts_with(&start));
+            assert!(row.is_some(), "no row {start:?} in {stdout}");
+        }
     }
     for part in [
         "gap, co-moving  M",
@@ -66,6 +74,12 @@ fn the_json_has_the_same_figures() {
             assert_eq!((&worst["basis"], &worst["nodes"]), (&Value::from("quadratic"), &Value::from(9)));
         }
     }
+    let facets = report["facets"].as_array().unwrap();
+    assert_eq!(facets.len(), 2 * FACET_BLOCKS.len());
+    for row in facets {
+        assert_eq!(row["passes"], true, "{row}");
+        assert!(row["against"]["interpreter"].as_f64().unwrap() <= TOLERANCE, "{row}");
+    }
     assert_eq!(stdout, run(&arguments).stdout, "the same seed gives the same bytes");
 }
 
@@ -92,7 +106,7 @@ fn a_weight_of_ones_own_passes() {
     assert_eq!((code, stderr.as_str()), (0, ""), "{stdout}");
     assert!(stdout.contains("no kernels of this weight are compiled into the program"), "{stdout}");
     assert!(stdout.contains("exp(-r) * (1 + r)"));
-    assert!(!stdout.contains("against interpreter"));
+    assert!(!stdout.contains("against interpreter") && !stdout.contains("triangle"));
     assert!(stdout.ends_with("\nall within 1e-11\n"), "{stdout}");
 }
 

@@ -77,6 +77,7 @@ pub enum ConfigError {
 pub struct Config {
     weights: Vec<Weight>,
     ranges: Vec<(Basis, std::ops::RangeInclusive<usize>)>,
+    facets: bool,
     support: String,
     folder: Option<PathBuf>,
 }
@@ -88,13 +89,14 @@ impl Default for Config {
 }
 
 impl Config {
-    /// No weights yet; both bases, quadratic with 6 to 24 and linear with 3 to 24 nodes specialised; output to
+    /// No weights and no facets yet; both bases, quadratic with 6 to 24 and linear with 3 to 24 nodes specialised; output to
     /// `OUT_DIR`; support from the crate `diffuse-contact-kernels`.
     #[must_use]
     pub fn new() -> Self {
         Self {
             weights: Vec::new(),
             ranges: Basis::ALL.map(|basis| (basis, basis.size()..=MOST_FIXED_NODES)).to_vec(),
+            facets: false,
             support: "::diffuse_contact_kernels::support".to_owned(),
             folder: None,
         }
@@ -175,6 +177,13 @@ impl Config {
         Ok(self)
     }
 
+    /// Adds the kernels of contact on the facets themselves, in the module `facet`.
+    #[must_use]
+    pub const fn facets(mut self) -> Self {
+        self.facets = true;
+        self
+    }
+
     /// Path of the support module the kernels use.
     #[must_use]
     pub fn support(mut self, path: &str) -> Self {
@@ -201,7 +210,7 @@ impl Config {
                 return Err(ConfigError::DuplicateWeight { name: weight.name().to_owned() });
             }
         }
-        Ok(emit_file(&self.weights, &support, &self.ranges))
+        Ok(emit_file(&self.weights, &support, &self.ranges, self.facets))
     }
 
     /// Writes `diffuse_contact_kernels.rs` if its bytes change, and tells Cargo when to run again.

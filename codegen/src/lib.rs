@@ -27,5 +27,6 @@ pub mod structure;
 
 pub use config::{Config, ConfigError};
 pub use model::{
-    Basis, BasisError, CustomBasis, FrameRule, Kernel, KernelSpec, Mode, Output, Weight, WeightError,
+    Basis, BasisError, CustomBasis, FacetShape, FacetSpec, FrameRule, Kernel, KernelSpec, Mode, Output,
+    Weight, WeightError,
 };

@@ -12,7 +12,7 @@ use crate::structure::{Gradient, Hessian};
 
 /// The kernel over a graph without structured nodes other than sums and roots.
 #[must_use]
-pub fn lower(kernel: &Kernel) -> Kernel {
+pub fn lower<S: Clone>(kernel: &Kernel<S>) -> Kernel<S> {
     let mut lowering = Lowering::new(kernel);
     let block = |l: &mut Lowering<'_>, b: &[[ExprId; 3]; 3]| b.map(|row| row.map(|x| l.lower(x)));
     let values = kernel
@@ -76,7 +76,7 @@ struct Factor {
 }
 
 impl<'a> Lowering<'a> {
-    fn new(kernel: &'a Kernel) -> Self {
+    fn new<S>(kernel: &'a Kernel<S>) -> Self {
         let mut divisors = HashMap::new();
         for index in 0..kernel.graph.len() {
             if let Op::Div(_, y) = kernel.graph.op(ExprId(index as u32)) {

@@ -8,7 +8,7 @@
 use std::collections::{HashMap, HashSet};
 
 use crate::graph::{ExprId, Graph, Op, RootId, Scope};
-use crate::model::Kernel;
+use crate::model::{Kernel, KernelSpec};
 
 /// Deepest nesting of an expression that is written without an intermediate `let`.
 const MOST_DEPTH: usize = 14;
@@ -106,9 +106,9 @@ pub struct Layout {
 
 /// A scheduled kernel.
 #[derive(Clone, Debug)]
-pub struct Program {
+pub struct Program<S = KernelSpec> {
     /// The lowered kernel.
-    pub kernel: Kernel,
+    pub kernel: Kernel<S>,
     /// Segments and node loops in order.
     pub phases: Vec<Phase>,
     /// The loop over pairs, last.
@@ -119,24 +119,24 @@ pub struct Program {
     pub layout: Layout,
 }
 
-impl Program {
+impl<S: Clone> Program<S> {
     /// Schedules a lowered kernel.
     #[must_use]
-    pub fn new(kernel: Kernel) -> Self {
+    pub fn new(kernel: Kernel<S>) -> Self {
         Scheduler::new(&kernel).run()
     }
 }
 
-struct Scheduler<'a> {
-    kernel: &'a Kernel,
+struct Scheduler<'a, S> {
+    kernel: &'a Kernel<S>,
     graph: &'a Graph,
     levels: HashMap<ExprId, usize>,
     /// Everything the results depend on, operands first.
     reachable: Vec<ExprId>,
 }
 
-impl<'a> Scheduler<'a> {
-    fn new(kernel: &'a Kernel) -> Self {
+impl<'a, S: Clone> Scheduler<'a, S> {
+    fn new(kernel: &'a Kernel<S>) -> Self {
         let mut scheduler =
             Self { kernel, graph: &kernel.graph, levels: HashMap::new(), reachable: Vec::new() };
         let mut seen = HashSet::new();
@@ -210,7 +210,7 @@ impl<'a> Scheduler<'a> {
         self.reachable.push(expr);
     }
 
-    fn run(self) -> Program {
+    fn run(self) -> Program<S> {
         let last = self.levels.values().copied().max().unwrap_or(0);
         let mut phases: Vec<Phase> = (0..=last).map(|_| Phase::default()).collect();
         let mut layout = Layout::default();

@@ -36,7 +36,7 @@ impl<T: Lane> GapGradientNode<T> {
 /// * `nu = (-f_1, -f_2, 1) / sqrt(1 + f_1^2 + f_2^2)` (Chamoret et al. 2008, eq. 22)
 /// * `N = dg/dx, M = d2g/dx2` (Chamoret et al. 2008, eqs. 32 and 42)
 ///
-/// Operations: 141 + 66 n + 0 n(n−1)/2, and 10 for each Newton iteration.
+/// Operations: 144 + 66 n + 0 n(n−1)/2, and 10 for each Newton iteration.
 ///
 /// # Panics
 /// If a slice is shorter than stated.
@@ -184,6 +184,8 @@ pub fn gap_gradient<T: Lane>(
     let pivot_ratio = T::select_less(quotient, choice, quotient, choice);
     let foot_distance = foot_2.mul_add(foot_2, foot_1 * foot_1).sqrt();
     let jacobian_determinant = product.neg_mul_add(product, sum * sum_v2);
+    let jacobian_trace = alpha_2
+        .neg_mul_add(alpha_2, alpha_1.neg_mul_add(alpha_1, T::splat(-2.0)));
     let foot_moment_2_0 = moment_0_0.neg_mul_add(foot_2, moment_2_0);
     let foot_moment_2_2 = foot_2
         .neg_mul_add(foot_moment_2_0, moment_2_0.neg_mul_add(foot_2, moment_2_2));
@@ -207,41 +209,42 @@ pub fn gap_gradient<T: Lane>(
     let lambda_gap_1 = foot_l_inverse_1_1 * (foot_l_2_1 * minus_lambda_gap_0);
     let lambda_gap_2 = foot_l_inverse_0_0
         * foot_l_2_0.mul_sub(minus_lambda_gap_0, foot_l_1_0 * lambda_gap_1);
-    let sum_v3 = jacobian_determinant
-        + (foot_distance
-            + (foot_iterations
-                + (foot_residual
-                    + (pivot_ratio
-                        + (alpha_2
-                            + (alpha_1
-                                + support_radius
-                                    .mul_add(
-                                        alpha_0,
-                                        inverse_ell
-                                            .mul_add(
-                                                t2_z
-                                                    .neg_mul_add(alpha_2, t1_z.neg_mul_add(alpha_1, normal_z)),
-                                                inverse_ell
-                                                    .mul_add(
-                                                        t2_y
-                                                            .neg_mul_add(alpha_2, t1_y.neg_mul_add(alpha_1, normal_y)),
-                                                        inverse_ell
-                                                            .mul_add(
-                                                                t2_x
-                                                                    .neg_mul_add(alpha_2, t1_x.neg_mul_add(alpha_1, normal_x)),
-                                                                foot_2_v2
-                                                                    + (foot_1_v2
-                                                                        + support_radius
-                                                                            .mul_add(
-                                                                                alpha_2
-                                                                                    .mul_add(foot_2, alpha_1.mul_sub(foot_1, foot_alpha_0))
-                                                                                    * inverse_ell,
-                                                                                foot_0,
-                                                                            )),
-                                                            ),
-                                                    ),
-                                            ),
-                                    )))))));
+    let sum_v3 = jacobian_trace
+        + (jacobian_determinant
+            + (foot_distance
+                + (foot_iterations
+                    + (foot_residual
+                        + (pivot_ratio
+                            + (alpha_2
+                                + (alpha_1
+                                    + support_radius
+                                        .mul_add(
+                                            alpha_0,
+                                            inverse_ell
+                                                .mul_add(
+                                                    t2_z
+                                                        .neg_mul_add(alpha_2, t1_z.neg_mul_add(alpha_1, normal_z)),
+                                                    inverse_ell
+                                                        .mul_add(
+                                                            t2_y
+                                                                .neg_mul_add(alpha_2, t1_y.neg_mul_add(alpha_1, normal_y)),
+                                                            inverse_ell
+                                                                .mul_add(
+                                                                    t2_x
+                                                                        .neg_mul_add(alpha_2, t1_x.neg_mul_add(alpha_1, normal_x)),
+                                                                    foot_2_v2
+                                                                        + (foot_1_v2
+                                                                            + support_radius
+                                                                                .mul_add(
+                                                                                    alpha_2
+                                                                                        .mul_add(foot_2, alpha_1.mul_sub(foot_1, foot_alpha_0))
+                                                                                        * inverse_ell,
+                                                                                    foot_0,
+                                                                                )),
+                                                                ),
+                                                        ),
+                                                ),
+                                        ))))))));
     let mut minus_dgap_dslave_z = T::ZERO;
     let mut minus_dgap_dslave_y = T::ZERO;
     let mut minus_dgap_dslave_x = T::ZERO;
@@ -288,12 +291,29 @@ pub fn gap_gradient<T: Lane>(
         gap: gap,
         foot: [foot_0, foot_1_v2, foot_2_v2],
         normal: [normal_0, normal_1, normal_2],
-        coefficients: [coefficients_0, alpha_1, alpha_2, T::ZERO, T::ZERO, T::ZERO],
+        coefficients: [
+            coefficients_0,
+            alpha_1,
+            alpha_2,
+            T::ZERO,
+            T::ZERO,
+            T::ZERO,
+            T::ZERO,
+            T::ZERO,
+            T::ZERO,
+            T::ZERO,
+            T::ZERO,
+            T::ZERO,
+            T::ZERO,
+            T::ZERO,
+            T::ZERO,
+        ],
         pivot_ratio: pivot_ratio,
         foot_residual: foot_residual,
         foot_iterations: foot_iterations,
         foot_distance: foot_distance,
         jacobian_determinant: jacobian_determinant,
+        jacobian_trace: jacobian_trace,
         checksum: sum_v3 - minus_dgap_dslave_x - minus_dgap_dslave_y
             - minus_dgap_dslave_z,
     }
@@ -309,7 +329,7 @@ pub fn gap_gradient_fixed<T: Lane, const NODES: usize>(
     };
     gap_gradient(&Inputs { masters, ..*inputs }, &mut scratch, gradients)
 }
-/// `gap_gradient` for 4 master nodes: 415 operations.
+/// `gap_gradient` for 4 master nodes: 418 operations.
 pub fn gap_gradient_n4<T: Lane>(
     inputs: &Inputs<'_, T>,
     gradients: &mut [T],

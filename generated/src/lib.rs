@@ -2,7 +2,8 @@
 //!
 //! Nothing in here but [`support`] is written by hand: the build script generates the rest from the formulas in
 //! `diffuse-contact-codegen`. For every weight there is a module with the kernels of both bases, and a
-//! [`support::KernelSet`] that chooses among them by basis, mode and number of nodes.
+//! [`support::KernelSet`] that chooses among them by basis, mode and number of nodes. The module `facet` has the
+//! distance from a facet itself, a triangle or a quadrilateral.
 #![forbid(unsafe_code)]
 
 pub mod support;

@@ -5,8 +5,9 @@
 //! ```
 //!
 //! The argument is the number of slave nodes and, roughly, of master nodes (default 10000): a wavy surface of
-//! quadrilaterals, cells a little distorted, with as many slaves scattered closely over and under it. Prints seconds for
-//! each step and the peak memory of the process. A second argument `facets` takes the node-to-facet element.
+//! quadrilaterals, cells a little distorted, with as many slaves scattered closely over and under it. Prints
+//! seconds for each step and the peak memory of the process. A second argument `facets` takes the node-to-facet
+//! element.
 
 use std::error::Error;
 use std::time::Instant;

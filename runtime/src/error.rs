@@ -118,11 +118,27 @@ pub enum ElementError {
         /// Its trace; −J is positive definite where the foot is the nearest point around it.
         trace: f64,
     },
-    /// The slave lies on a centre of curvature of the surface: the foot point is not unique.
-    #[error("the slave lies on a centre of curvature of the surface: Jacobian determinant {determinant:e}")]
+    /// The slave lies on a centre of curvature of the surface: the foot point is not unique. For a facet also: beyond one,
+    /// where the foot is no minimum of the distance.
+    #[error(
+        "the slave lies on or beyond a centre of curvature of the surface: Jacobian determinant {determinant:e}"
+    )]
     CentreOfCurvature {
-        /// Determinant of the foot equations' Jacobian, 1 + f_1² + f_2² ≥ 1 on a flat surface.
+        /// Determinant of the foot equations' Jacobian: 1 + f_1² + f_2² ≥ 1 on a flat surface, 1 on a flat facet.
         determinant: f64,
+    },
+    /// A facet that is neither a triangle nor a quadrilateral.
+    #[error("a facet has 3 or 4 corners, not {found}")]
+    FacetCorners {
+        /// Number of corners given.
+        found: usize,
+    },
+    /// A facet without area, folded or not convex (corners coincide, lie on a line or are out of order), or a foot where
+    /// the facet's extension is folded.
+    #[error("the facet is degenerate: its area element at a corner or at the foot is {area:e} of a square's")]
+    DegenerateFacet {
+        /// Smallest area element, relative to the square of the facet's size and to its direction at the centre.
+        area: f64,
     },
     /// The numbers overflowed although the input was finite (coordinates beyond about 1e75 support radii).
     #[error("the result overflows: a {what} is not a finite number")]
@@ -151,6 +167,8 @@ impl ElementError {
             Self::FootOutside { .. } => "foot-outside",
             Self::CentreOfCurvature { .. } => "centre-of-curvature",
             Self::BeyondCentreOfCurvature { .. } => "beyond-centre-of-curvature",
+            Self::FacetCorners { .. } => "facet-corners",
+            Self::DegenerateFacet { .. } => "degenerate-facet",
             Self::Overflow { .. } => "overflow",
         }
     }

@@ -220,7 +220,7 @@ fn inputs<'a, K: KernelSet>(element: &Element<'a>, point: [f64; 2]) -> Inputs<'a
 }
 
 /// A kernel's status as the element's error.
-fn check(status: Status) -> Result<(), ElementError> {
+pub(crate) fn check(status: Status) -> Result<(), ElementError> {
     Err(match status {
         Status::Ok => return Ok(()),
         Status::SingularFit { pivot_ratio } => {
@@ -231,6 +231,7 @@ fn check(status: Status) -> Result<(), ElementError> {
         }
         Status::FootOutside { distance } => ElementError::FootOutside { distance },
         Status::NoAveragePlane { pivot_ratio } => ElementError::UnstableAveragePlane { pivot_ratio },
+        Status::DegenerateFacet { area } => ElementError::DegenerateFacet { area },
         Status::CentreOfCurvature { determinant } => ElementError::CentreOfCurvature { determinant },
         Status::BeyondCentreOfCurvature { determinant, trace } => {
             ElementError::BeyondCentreOfCurvature { determinant, trace }

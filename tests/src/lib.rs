@@ -2,6 +2,7 @@
 
 mod case;
 mod difference;
+mod facet;
 mod geometry;
 
 pub use case::{Case, Quadric, cases, fixed};
@@ -9,6 +10,7 @@ pub use difference::{
     assert_finite_gap, assert_same_coefficients, assert_same_gap, assert_same_surface, difference, largest,
     worse,
 };
+pub use facet::{FacetCase, facet_cases};
 pub use geometry::{Random, add, cross, dot, length, scale, turn, turned_rows, turned_vector};
 
 /// Kernels that the build script generated for weights of its own.

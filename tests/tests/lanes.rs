@@ -4,8 +4,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use diffuse_contact::Basis;
 use diffuse_contact_kernels::cubic::{linear, quadratic};
-use diffuse_contact_kernels::support::{GapValues, Inputs, Lane, Status};
-use diffuse_contact_tests::{Case, Quadric, add, weights};
+use diffuse_contact_kernels::facet::quadrilateral_hessian;
+use diffuse_contact_kernels::support::{FacetInputs, FacetValues, GapValues, Inputs, Lane, Status};
+use diffuse_contact_tests::{Case, FacetCase, Quadric, add, weights};
 
 /// Four numbers, one element each.
 #[derive(Clone, Copy, Debug)]
@@ -299,4 +300,48 @@ fn the_linear_basis() {
     let values = lanes_are_elements::<Linear>(&[linear(14), collinear, linear(15), linear(16)]);
     assert!(matches!(values[1].status(), Status::SingularFit { .. }), "{:?}", values[1].status());
     assert!([0, 2, 3].into_iter().all(|k| values[k].status() == Status::Ok));
+}
+
+fn facet<T: Lane>(inputs: &FacetInputs<T, 4>) -> (FacetValues<T>, Vec<T>) {
+    let (mut gradient, mut hessian) = ([T::ZERO; 15], [T::ZERO; 120]);
+    let values = quadrilateral_hessian(inputs, &mut gradient, &mut hessian);
+    (values, [&gradient[..], &hessian[..]].concat())
+}
+
+#[test]
+fn facets_converge_each_in_its_own_lane() {
+    let flat = FacetCase { natural: [0.0; 2], ..FacetCase::random(4, 0.0, 1) };
+    let mut degenerate = FacetCase::random(4, 0.2, 2);
+    degenerate.corners[1] = degenerate.corners[0];
+    let mut not_a_number = FacetCase::random(4, 0.2, 3);
+    not_a_number.corners[2][1] = f64::NAN;
+    let cases = [flat, degenerate, not_a_number, FacetCase::random(4, 0.3, 4)];
+    let corner = |i| gather(|k| cases[k].corners[i]);
+    let inputs = FacetInputs { slave: gather(|k| cases[k].slave), corners: [0, 1, 2, 3].map(corner) };
+    let (values, derivatives) = facet(&inputs);
+    for (k, case) in cases.iter().enumerate() {
+        let corners: [[f64; 3]; 4] = case.corners[..].try_into().unwrap();
+        let (alone, alone_derivatives) = facet(&FacetInputs { slave: case.slave, corners });
+        assert_eq!(alone.status() == Status::Ok, k % 3 == 0, "{alone:?}");
+        let in_lane: Vec<f64> = derivatives.iter().map(|x| x.0[k]).collect();
+        let figures =
+            |x: &FacetValues<f64>| [x.gap, x.natural[0], x.foot_iterations, x.foot_residual, x.corner_area];
+        let lane = FacetValues {
+            gap: values.gap.0[k],
+            foot: values.foot.map(|x| x.0[k]),
+            normal: values.normal.map(|x| x.0[k]),
+            natural: values.natural.map(|x| x.0[k]),
+            corner_area: values.corner_area.0[k],
+            foot_area: values.foot_area.0[k],
+            foot_residual: values.foot_residual.0[k],
+            foot_iterations: values.foot_iterations.0[k],
+            jacobian_determinant: values.jacobian_determinant.0[k],
+            checksum: values.checksum.0[k],
+        };
+        let bits = |values: &[f64], more: &[f64]| -> Vec<u64> {
+            let all = values.iter().chain(more);
+            all.map(|x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() }).collect()
+        };
+        assert_eq!(bits(&figures(&lane), &in_lane), bits(&figures(&alone), &alone_derivatives), "lane {k}");
+    }
 }

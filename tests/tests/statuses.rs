@@ -196,14 +196,22 @@ fn a_slave_on_a_centre_of_curvature_has_no_gap() {
 }
 
 #[test]
-fn beside_a_centre_of_curvature_there_is_a_gap() {
+fn below_a_centre_of_curvature_there_is_a_gap_and_beyond_it_none() {
     for (c, height) in BOWLS {
-        for beside in [0.99, 1.01] {
-            let case = over_vertex(c, height * beside);
-            let found = Generated.gap(&case.element(), Mode::Hessian);
-            let expected = Ad.gap(&case.element(), Mode::Hessian);
-            // M has the condition 1/0.01² there.
-            assert_same_gap(&case, &found.unwrap(), &expected.unwrap(), 1e-10);
+        let below = over_vertex(c, height * 0.99);
+        let found = Generated.gap(&below.element(), Mode::Hessian);
+        let expected = Ad.gap(&below.element(), Mode::Hessian);
+        // M has the condition 1/0.01² there.
+        assert_same_gap(&below, &found.unwrap(), &expected.unwrap(), 1e-10);
+
+        // The vertex is still a stationary point of the distance, but no longer the nearest.
+        let beyond = over_vertex(c, height * 1.01);
+        for backend in [&Generated as &dyn Backend, &Ad] {
+            let error = backend.gap(&beyond.element(), Mode::Value).unwrap_err();
+            let ElementError::BeyondCentreOfCurvature { determinant, trace } = error else {
+                panic!("{error}")
+            };
+            assert!(determinant < 0.0 || trace > 0.0, "{determinant:e} {trace:e}");
         }
     }
 }

@@ -6,8 +6,8 @@ use diffuse_contact::{Backend, Basis, Generated, Mode, Weight};
 use diffuse_contact_kernels::cubic_interpolating::CubicInterpolating;
 use diffuse_contact_kernels::support::{Inputs, KernelSet, Status};
 use diffuse_contact_tests::{
-    Case, add, assert_finite_gap, assert_same_coefficients, assert_same_gap, assert_same_surface, difference,
-    scale,
+    Case, Random, add, assert_finite_gap, assert_same_coefficients, assert_same_gap, assert_same_surface,
+    cross, difference, length, scale, turned_rows, turned_vector,
 };
 
 /// Relative to the largest entry. What is asked for is 1e-10.
@@ -177,5 +177,36 @@ fn derivatives_are_continuous_through_a_node() {
             "{step:e}: {:e}",
             difference(&found, &predicted)
         );
+    }
+}
+
+/// Σ N_i = 0 and Σ x_i × N_i = 0, and everything turns with the element.
+#[test]
+fn a_co_moving_frame_conserves_both_momenta_and_turns_with_the_element() {
+    for weight in Weight::ALL {
+        for (basis, seed) in [(Basis::Quadratic, 0..12), (Basis::Linear, 12..24)]
+            .into_iter()
+            .flat_map(|(b, s)| s.map(move |s| (b, s)))
+        {
+            let case = Case::random(6 + seed as usize % 9, basis, seed).with_weight(weight).co_moving();
+            let gap = |case: &Case| Generated.gap(&case.element(), Mode::Hessian).unwrap();
+            let here = gap(&case);
+            let forces = here.gradient.chunks_exact(3).map(|n| [n[0], n[1], n[2]]);
+            let arms = std::iter::once(case.slave).chain(case.masters.iter().copied());
+            let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+            for (n, x) in forces.zip(arms) {
+                force = add(force, n);
+                moment = add(moment, cross(x, n));
+            }
+            assert!(length(force) < 1e-12 && length(moment) < 1e-12, "{weight:?}: {force:?} {moment:?}");
+
+            let q = Random::new(seed).rotation();
+            // The frame is found anew: an average plane does not know its in-plane directions.
+            let there = gap(&case.turned(&q).co_moving());
+            assert!((there.gap - here.gap).abs() < 1e-11);
+            assert!(difference(&there.gradient, &turned_vector(&q, &here.gradient)) < 1e-11);
+            let expected = turned_rows(&q, &here.hessian).concat();
+            assert!(difference(&there.hessian.to_rows().concat(), &expected) < 1e-11);
+        }
     }
 }

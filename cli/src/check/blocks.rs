@@ -81,30 +81,31 @@ pub const BLOCKS: [Block; 21] = [
 
 /// Entries of one unit.
 #[derive(Clone, Debug, PartialEq)]
-struct Part {
-    entries: Vec<f64>,
+pub(super) struct Part {
+    pub(super) entries: Vec<f64>,
     /// Lower bound of the denominator.
     scale: f64,
 }
 
 impl Part {
-    fn scaled(entries: &[f64], scale: f64) -> Self {
+    pub(super) fn scaled(entries: &[f64], scale: f64) -> Self {
         Self { entries: entries.to_vec(), scale }
     }
 
     /// A part whose largest entry is its scale.
-    fn unscaled(entries: &[f64]) -> Self {
+    pub(super) fn unscaled(entries: &[f64]) -> Self {
         Self::scaled(entries, 0.0)
     }
 
     /// Largest difference over the largest entry of `expected`, or the scale if that is larger.
-    fn difference(&self, expected: &Self) -> f64 {
+    pub(super) fn difference(&self, expected: &Self) -> f64 {
         if self.entries.len() != expected.entries.len() {
             return f64::INFINITY;
         }
         let largest = expected.entries.iter().fold(expected.scale, |largest, x| largest.max(x.abs()));
         let differences = self.entries.iter().zip(&expected.entries).map(|(a, b)| (a - b).abs());
-        let worst = differences.fold(0.0_f64, f64::max);
+        let larger = |worst: f64, x: f64| if x > worst || x.is_nan() { x } else { worst };
+        let worst = differences.fold(0.0, larger);
         if worst == 0.0 { 0.0 } else { worst / largest }
     }
 }
@@ -206,6 +207,7 @@ mod tests {
         assert_eq!(Part::unscaled(&[1.0, -4.5]).difference(&expected), 0.0625);
         assert_eq!(Part::unscaled(&[0.0]).difference(&Part::unscaled(&[0.0])), 0.0);
         assert_eq!(Part::unscaled(&[0.0]).difference(&Part::unscaled(&[])), f64::INFINITY);
+        assert!(Part::unscaled(&[f64::NAN, 1.0]).difference(&Part::unscaled(&[1.0, 2.0])).is_nan());
     }
 
     #[test]

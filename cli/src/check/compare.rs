@@ -13,12 +13,13 @@ use diffuse_contact_codegen::Basis;
 use super::ELEMENTS;
 use super::blocks::{Blocks, Subject};
 use super::elements::{NoElement, RandomElement};
+use super::facets::compare_facets;
 use super::report::{Against, Report};
 use crate::interpreted::Interpreted;
 use crate::weight::Weight;
 
 /// The modes, fewest derivatives first, and their names.
-const MODES: [(Mode, &str); 3] =
+pub(super) const MODES: [(Mode, &str); 3] =
     [(Mode::Value, "value"), (Mode::Gradient, "gradient"), (Mode::Hessian, "hessian")];
 
 /// What is compared.
@@ -132,6 +133,10 @@ pub fn compare(plan: &Plan, mut step: impl FnMut()) -> Result<Report, CompareErr
     let mut report = Report::new(plan);
     for part in parts.into_iter().flatten() {
         report.merge(part?);
+    }
+    // Facets have no weight: they are compared once, beside the default one.
+    if plan.weight == Weight::default() {
+        report.add_facets(compare_facets(plan.seed));
     }
     Ok(report)
 }

@@ -240,11 +240,11 @@ fn straight_over(node: Point, slave: Point, plane: &Frame) -> Point {
 }
 
 /// A deterministic source of numbers (SplitMix64).
-struct Random(u64);
+pub(super) struct Random(u64);
 
 impl Random {
     /// A source of its own for every sequence of keys.
-    fn new(keys: &[u64]) -> Self {
+    pub(super) fn new(keys: &[u64]) -> Self {
         let mut random = Self(0);
         for key in keys {
             random.0 ^= key;
@@ -261,7 +261,7 @@ impl Random {
     }
 
     /// Uniform in [low, high).
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
         // 53 bits, exactly representable.
         let unit = (self.next() >> 11) as f64 / (1_u64 << 53) as f64;
         low + (high - low) * unit
@@ -278,7 +278,7 @@ impl Random {
     }
 
     /// Rows of a uniformly distributed rotation: that of a quaternion uniform on the unit sphere.
-    fn rotation(&mut self) -> [Point; 3] {
+    pub(super) fn rotation(&mut self) -> [Point; 3] {
         let (w, x, y, z) = loop {
             let q: [f64; 4] = std::array::from_fn(|_| self.between(-1.0, 1.0));
             let norm = q.iter().map(|c| c * c).sum::<f64>().sqrt();

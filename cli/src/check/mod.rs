@@ -2,7 +2,8 @@
 //! against the interpreter of its graph.
 //!
 //! [`elements`] makes the random elements, [`blocks`] says which numbers of a result belong together and how their
-//! differences are measured, [`compare()`] runs the backends, [`report`] prints what was found.
+//! differences are measured, [`compare()`] runs the backends, [`facets`] does the same for the kernels of contact on facets,
+//! [`report`] prints what was found.
 //!
 //! ```
 //! use diffuse_contact_cli::check::{Plan, compare};
@@ -17,6 +18,7 @@
 pub mod blocks;
 mod compare;
 pub mod elements;
+pub mod facets;
 mod nodes;
 pub mod report;
 

@@ -8,6 +8,7 @@ use serde::ser::{Serialize, SerializeStruct, Serializer};
 use super::blocks::{BLOCKS, Block};
 use super::compare::Plan;
 use super::elements::{LARGEST_FOOT_DISTANCE, RandomElement, SMALLEST_DETERMINANT, SMALLEST_PIVOT};
+use super::facets::{FACETS, FacetRow};
 use super::{ELEMENTS, TOLERANCE};
 use crate::args::frame_name;
 
@@ -43,7 +44,7 @@ impl Against {
     }
 
     /// Name in JSON.
-    const fn name(self) -> &'static str {
+    pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Ad => "ad",
             Self::Interpreter => "interpreter",
@@ -89,6 +90,7 @@ impl Row {
 pub struct Report {
     plan: Plan,
     rows: Vec<Row>,
+    facets: Vec<FacetRow>,
     elements: usize,
     /// The smallest relative pivot of a fit.
     smallest_pivot: f64,
@@ -105,6 +107,7 @@ impl Report {
         Self {
             plan: plan.clone(),
             rows: BLOCKS.map(row).to_vec(),
+            facets: Vec::new(),
             elements: 0,
             smallest_pivot: f64::INFINITY,
             smallest_plane_pivot: f64::INFINITY,
@@ -123,7 +126,8 @@ impl Report {
     pub(super) fn add(&mut self, block: Block, against: Against, difference: f64, at: (Basis, usize)) {
         let row = self.rows.iter_mut().find(|row| row.block == block).expect("every block has a row");
         let worst = &mut row.worst[against as usize];
-        if worst.is_none_or(|worst| !(difference <= worst.difference)) {
+        // A NaN stays.
+        if worst.is_none_or(|worst| !worst.difference.is_nan() && !(difference <= worst.difference)) {
             *worst = Some(Worst { difference, basis: at.0, nodes: at.1 });
         }
     }
@@ -143,6 +147,17 @@ impl Report {
         self.failures.extend(other.failures);
     }
 
+    pub(super) fn add_facets(&mut self, (rows, failures): (Vec<FacetRow>, Vec<String>)) {
+        self.facets = rows;
+        self.failures.extend(failures);
+    }
+
+    /// The worst differences on facets, one row per shape and block; none for a weight of one's own.
+    #[must_use]
+    pub fn facets(&self) -> &[FacetRow] {
+        &self.facets
+    }
+
     /// The worst differences, one row per block.
     #[must_use]
     pub fn rows(&self) -> &[Row] {
@@ -152,7 +167,8 @@ impl Report {
     /// Whether something was compared, every backend had results, and all differences are within [`TOLERANCE`].
     #[must_use]
     pub fn passes(&self) -> bool {
-        self.elements > 0 && self.failures.is_empty() && self.rows.iter().all(Row::passes)
+        let rows = self.rows.iter().all(Row::passes) && self.facets.iter().all(FacetRow::passes);
+        self.elements > 0 && self.failures.is_empty() && rows
     }
 
     fn ranges(&self) -> String {
@@ -185,6 +201,12 @@ impl Report {
             ),
         )?;
         line("", "(any unit, place and direction; some with a node straight under the slave, or beyond R)")?;
+        if !self.facets.is_empty() {
+            line(
+                "facets",
+                &format!("{FACETS} random triangles and {FACETS} quadrilaterals, flat and warped"),
+            )?;
+        }
         line("frame", "held in any direction; for the gap also the average plane of the nodes, co-moving")?;
         line(
             "conditioning",
@@ -220,6 +242,10 @@ impl Report {
             let cells: Vec<String> = shown.iter().map(|&against| cell(row.worst[against as usize])).collect();
             line(f, &row.block.subject.name(), row.block.name, &cells)?;
         }
+        for row in &self.facets {
+            let cells: Vec<String> = shown.iter().map(|&a| facet_cell(row.worst[a as usize])).collect();
+            line(f, row.shape.name(), row.name, &cells)?;
+        }
         Ok(())
     }
 
@@ -237,11 +263,11 @@ impl Report {
         if self.passes() {
             return writeln!(f, "all within {TOLERANCE:e}");
         }
-        let blocks: Vec<String> = self
-            .rows
-            .iter()
-            .filter(|row| !row.passes())
+        let elements = self.rows.iter().filter(|row| !row.passes());
+        let facets = self.facets.iter().filter(|row| !row.passes());
+        let blocks: Vec<String> = elements
             .map(|row| format!("{} {}", row.block.subject.name(), row.block.name))
+            .chain(facets.map(|row| format!("{} {}", row.shape.name(), row.name)))
             .collect();
         if blocks.is_empty() {
             writeln!(f, "failed: not every element has a result")
@@ -261,6 +287,15 @@ fn cell(worst: Option<Worst>) -> String {
     format!("{:.1e} {} {}{mark}", worst.difference, worst.basis.name(), worst.nodes)
 }
 
+/// A difference on facets, with a mark if it is too large.
+fn facet_cell(worst: Option<f64>) -> String {
+    match worst {
+        None => String::new(),
+        Some(0.0) => "0".to_owned(),
+        Some(difference) => format!("{difference:.1e}{}", if difference <= TOLERANCE { "" } else { " !" }),
+    }
+}
+
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.head(f)?;
@@ -273,7 +308,7 @@ impl fmt::Display for Report {
 
 impl Serialize for Report {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut report = serializer.serialize_struct("Report", 10)?;
+        let mut report = serializer.serialize_struct("Report", 11)?;
         let tested = if self.plan.weight.as_built_in().is_some() { "generated" } else { "interpreter" };
         report.serialize_field("tested", tested)?;
         report.serialize_field("weight", &self.plan.weight.description())?;
@@ -284,6 +319,7 @@ impl Serialize for Report {
         report.serialize_field("tolerance", &TOLERANCE)?;
         report.serialize_field("passes", &self.passes())?;
         report.serialize_field("blocks", &self.rows)?;
+        report.serialize_field("facets", &self.facets)?;
         report.serialize_field("failures", &self.failures)?;
         report.end()
     }
@@ -317,6 +353,8 @@ impl Serialize for Worst {
 
 #[cfg(test)]
 mod tests {
+    use diffuse_contact_codegen::FacetShape;
+
     use super::*;
 
     fn with(difference: f64) -> Report {
@@ -334,10 +372,26 @@ mod tests {
         assert!(report.to_string().contains("gap             M         1.0e-14 quadratic 9\n"), "{report}");
         assert!(report.to_string().ends_with("all within 1e-11\n"), "{report}");
         for difference in [2e-11, f64::INFINITY, f64::NAN] {
-            let report = with(difference);
+            let mut report = with(difference);
+            report.add(BLOCKS[14], Against::Ad, 1e-15, (Basis::Linear, 7));
             assert!(!report.passes());
             assert!(report.to_string().ends_with("failed: beyond 1e-11 are gap M\n"), "{report}");
         }
+    }
+
+    #[test]
+    fn facets_decide_too() {
+        let mut report = with(1e-14);
+        let row = |difference| FacetRow {
+            shape: FacetShape::Triangle,
+            name: "M",
+            worst: [Some(difference), None, None],
+        };
+        report.add_facets((vec![row(1e-15)], Vec::new()));
+        assert!(report.passes());
+        assert!(report.to_string().contains("triangle        M         1.0e-15\n"), "{report}");
+        report.add_facets((vec![row(1e-9)], Vec::new()));
+        assert!(report.to_string().ends_with("failed: beyond 1e-11 are triangle M\n"), "{report}");
     }
 
     #[test]

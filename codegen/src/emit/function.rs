@@ -72,15 +72,18 @@ pub(super) fn node_name(spec: &KernelSpec) -> Ident {
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-struct FunctionWriter<'a> {
-    program: &'a Program,
-    writer: Writer<'a>,
-    counts: KernelCounts,
-    statements: usize,
+/// Writes the function of a program.
+pub(super) struct FunctionWriter<'a, S = KernelSpec> {
+    pub program: &'a Program<S>,
+    pub writer: Writer<'a>,
+    pub counts: KernelCounts,
+    pub statements: usize,
+    /// What solves a root's equations: a function of the support module.
+    pub solver: &'static str,
 }
 
-impl<'a> FunctionWriter<'a> {
-    fn new(program: &'a Program) -> Self {
+impl<'a, S> FunctionWriter<'a, S> {
+    pub fn new(program: &'a Program<S>) -> Self {
         let mut names = Names::default();
         names.reserve(&[
             "inputs",
@@ -105,9 +108,63 @@ impl<'a> FunctionWriter<'a> {
             "do",
         ]);
         let writer = Writer::new(&program.kernel.graph, &program.layout, names);
-        Self { program, writer, counts: KernelCounts::default(), statements: 0 }
+        let counts = KernelCounts::default();
+        Self { program, writer, counts, statements: 0, solver: "solve_two_equations" }
     }
 
+    pub fn statements(&mut self, statements: &[Statement]) -> TokenStream {
+        let all: Vec<TokenStream> = statements.iter().map(|&statement| self.statement(statement)).collect();
+        quote!(#(#all)*)
+    }
+
+    fn statement(&mut self, statement: Statement) -> TokenStream {
+        self.statements += 1;
+        match statement {
+            Statement::Let(expr) => {
+                let definition = self.writer.definition(expr);
+                let name = self.writer.ident(expr);
+                quote!(let #name = #definition;)
+            }
+            Statement::Solve(root) => self.root(root),
+        }
+    }
+
+    /// Newton's iteration for a root of two equations.
+    fn root(&mut self, root: RootId) -> TokenStream {
+        let program = self.program;
+        let graph = &program.kernel.graph;
+        let data = graph.root(root);
+        let before = self.writer.take_counts();
+        let unknowns: Vec<Ident> =
+            data.unknowns.iter().map(|&u| format_ident!("{}", graph.symbol_data(u).name)).collect();
+        let body = self.statements(&program.roots[&root]);
+        let residuals: Vec<TokenStream> = data.residuals.iter().map(|&r| self.writer.used(r)).collect();
+        let jacobian: Vec<TokenStream> =
+            data.jacobian.iter().flatten().map(|&x| self.writer.used(x)).collect();
+        self.counts.iteration += self.writer.take_counts();
+        self.counts.element += before;
+
+        let (solution, solver) = (format_ident!("{}_solution", data.name), format_ident!("{}", self.solver));
+        let figures = graph_roots(graph, root);
+        let lets: Vec<TokenStream> = figures
+            .into_iter()
+            .map(|(expr, field)| {
+                let name = self.writer.ident(expr);
+                quote!(let #name = #solution.#field;)
+            })
+            .collect();
+        self.statements += lets.len();
+        quote! {
+            let #solution = #solver(|[#(#unknowns),*]: [T; 2]| {
+                #body
+                ([#(#residuals),*], [#(#jacobian),*])
+            });
+            #(#lets)*
+        }
+    }
+}
+
+impl FunctionWriter<'_> {
     fn write(mut self) -> EmittedKernel {
         let spec = &self.program.kernel.spec;
         let inputs = self.inputs();
@@ -184,57 +241,6 @@ impl<'a> FunctionWriter<'a> {
         quote! {
             #(#arrays)*
             let support_radius = inputs.support_radius;
-        }
-    }
-
-    fn statements(&mut self, statements: &[Statement]) -> TokenStream {
-        let all: Vec<TokenStream> = statements.iter().map(|&statement| self.statement(statement)).collect();
-        quote!(#(#all)*)
-    }
-
-    fn statement(&mut self, statement: Statement) -> TokenStream {
-        self.statements += 1;
-        match statement {
-            Statement::Let(expr) => {
-                let definition = self.writer.definition(expr);
-                let name = self.writer.ident(expr);
-                quote!(let #name = #definition;)
-            }
-            Statement::Solve(root) => self.root(root),
-        }
-    }
-
-    /// Newton's iteration for a root of two equations.
-    fn root(&mut self, root: RootId) -> TokenStream {
-        let program = self.program;
-        let graph = &program.kernel.graph;
-        let data = graph.root(root);
-        let before = self.writer.take_counts();
-        let unknowns: Vec<Ident> =
-            data.unknowns.iter().map(|&u| format_ident!("{}", graph.symbol_data(u).name)).collect();
-        let body = self.statements(&program.roots[&root]);
-        let residuals: Vec<TokenStream> = data.residuals.iter().map(|&r| self.writer.used(r)).collect();
-        let jacobian: Vec<TokenStream> =
-            data.jacobian.iter().flatten().map(|&x| self.writer.used(x)).collect();
-        self.counts.iteration += self.writer.take_counts();
-        self.counts.element += before;
-
-        let solution = format_ident!("{}_solution", data.name);
-        let figures = graph_roots(graph, root);
-        let lets: Vec<TokenStream> = figures
-            .into_iter()
-            .map(|(expr, field)| {
-                let name = self.writer.ident(expr);
-                quote!(let #name = #solution.#field;)
-            })
-            .collect();
-        self.statements += lets.len();
-        quote! {
-            let #solution = solve_two_equations(|[#(#unknowns),*]: [T; 2]| {
-                #body
-                ([#(#residuals),*], [#(#jacobian),*])
-            });
-            #(#lets)*
         }
     }
 

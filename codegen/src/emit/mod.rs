@@ -2,11 +2,13 @@
 
 mod count;
 mod expression;
+mod facet;
 mod function;
 mod module;
 mod names;
 
 pub use count::{KernelCounts, OpCounts};
+pub use facet::{EmittedFacetKernel, emit_facet_kernel};
 pub use function::{EmittedKernel, emit_kernel};
 pub use module::{emit_file, emit_single};
 

@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
+use super::facet::facet_module;
 use super::function::{EmittedKernel, emit_kernel, function_name, node_name, values_name};
 use crate::model::{Basis, FrameRule, KernelSpec, Mode, Output, Weight};
 
@@ -15,15 +16,21 @@ const HEADER: &str =
 /// Node counts with kernels of their own.
 pub type NodeRange = RangeInclusive<usize>;
 
-/// All kernels of a weight as a formatted file.
+/// All kernels of the weights, and the facet kernels if asked for, as a formatted file.
 ///
 /// `support` is the path of the support module (`crate::support` or `::diffuse_contact_kernels::support`);
 /// `ranges` gives, for each basis, the node counts for which a kernel of fixed size is made.
 #[must_use]
-pub fn emit_file(weights: &[Weight], support: &syn::Path, ranges: &[(Basis, NodeRange)]) -> String {
+pub fn emit_file(
+    weights: &[Weight],
+    support: &syn::Path,
+    ranges: &[(Basis, NodeRange)],
+    facets: bool,
+) -> String {
     let bases = ranges.iter().filter_map(|(basis, _)| custom_basis(*basis, support));
     let modules = weights.iter().map(|weight| weight_module(weight, support, ranges));
-    format(&quote!(#(#bases)* #(#modules)*))
+    let facets = facets.then(|| facet_module(support));
+    format(&quote!(#(#bases)* #(#modules)* #facets))
 }
 
 /// The constant that names a basis of the caller's.

@@ -10,7 +10,7 @@ use super::weight::{NodeWeight, Weight};
 use crate::graph::{
     ExprId, Graph, NODE_INDEX, RootFigure, RootId, Scope, SymbolId, SymmetricSystem, SystemId,
 };
-use crate::structure::{Block, CoordinateMap, Functional, NodeProblem};
+use crate::structure::{Block, CoordinateMap, Follower, Functional, NodeProblem};
 
 /// Names of the global axes.
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -495,11 +495,11 @@ impl Diffuse {
                     })
                     .collect();
                 let by_alpha = g.solve_small(&jacobian, &minus_partial);
-                let mut follower = Follower { alpha, moves: Vec::new() };
-                follower.moves.extend(delta_symbols.iter().copied().zip(by_alpha));
+                let mut follower = Follower::new(alpha);
+                follower.follow(delta_symbols.iter().copied().zip(by_alpha));
                 for k in 0..2 {
                     let change = follower.total_derivative(g, surface.slopes[k]);
-                    follower.moves.push((g.symbol_of(q[k]), change));
+                    follower.follow([(g.symbol_of(q[k]), change)]);
                 }
                 follower
             })
@@ -509,7 +509,7 @@ impl Diffuse {
         let mut at_foot: Vec<_> = delta_symbols.iter().map(|&d| (d, zero)).collect();
         let slopes = surface.slopes.map(|slope| g.substitute(slope, &at_foot));
         at_foot.extend([(g.symbol_of(q[0]), slopes[0]), (g.symbol_of(q[1]), slopes[1])]);
-        let first: Vec<ExprId> = followers.iter().map(|f| g.derivative(distance, f.alpha)).collect();
+        let first: Vec<ExprId> = followers.iter().map(|f| g.derivative(distance, f.parameter())).collect();
         let second = first
             .iter()
             .map(|&first| {
@@ -702,31 +702,12 @@ fn turned_back(g: &mut Graph, theta: [ExprId; 2], x: [ExprId; 3]) -> [ExprId; 3]
     })
 }
 
-fn cross(g: &mut Graph, x: [ExprId; 3], y: [ExprId; 3]) -> [ExprId; 3] {
+pub(super) fn cross(g: &mut Graph, x: [ExprId; 3], y: [ExprId; 3]) -> [ExprId; 3] {
     std::array::from_fn(|k| {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         let (left, right) = (g.mul(x[i], y[j]), g.mul(x[j], y[i]));
         g.sub(left, right)
     })
-}
-
-/// A parameter and the variables that move with it.
-struct Follower {
-    alpha: SymbolId,
-    moves: Vec<(SymbolId, ExprId)>,
-}
-
-impl Follower {
-    /// d expr/dα = ∂expr/∂α + Σ ∂expr/∂v dv/dα
-    fn total_derivative(&self, g: &mut Graph, expr: ExprId) -> ExprId {
-        let mut total = g.derivative(expr, self.alpha);
-        for &(variable, change) in &self.moves {
-            let partial = g.derivative(expr, variable);
-            let product = g.mul(partial, change);
-            total = g.add(total, product);
-        }
-        total
-    }
 }
 
 fn bind_all(g: &mut Graph, name: &str, exprs: Vec<ExprId>) -> Vec<ExprId> {

@@ -116,9 +116,9 @@ pub struct Value {
 
 /// A kernel as expressions.
 #[derive(Clone, Debug)]
-pub struct Kernel {
+pub struct Kernel<S = KernelSpec> {
     /// What it is.
-    pub spec: KernelSpec,
+    pub spec: S,
     /// The graph all ids refer to.
     pub graph: Graph,
     /// Results of element scope, diagnostics included.
@@ -285,9 +285,11 @@ impl Kernel {
             ratio,
         );
     }
+}
 
+impl<S> Kernel<S> {
     /// A sum that is finite only if all results are: the slave's derivatives contain those of all masters.
-    fn add_checksum(&mut self) {
+    pub(super) fn add_checksum(&mut self) {
         let mut terms: Vec<ExprId> = self.values.iter().flat_map(|v| v.components.clone()).collect();
         terms.extend(self.gradients.iter().flat_map(|(_, gradient)| gradient.slave));
         for (_, hessian) in &self.hessians {
@@ -297,12 +299,12 @@ impl Kernel {
         self.add_scalar("checksum", "Finite only if every result is", checksum);
     }
 
-    fn add_scalar(&mut self, name: &'static str, doc: &'static str, value: ExprId) {
+    pub(super) fn add_scalar(&mut self, name: &'static str, doc: &'static str, value: ExprId) {
         self.graph.name(value, name);
         self.values.push(Value { name, doc, is_array: false, components: vec![value] });
     }
 
-    fn add_array(&mut self, name: &'static str, doc: &'static str, components: Vec<ExprId>) {
+    pub(super) fn add_array(&mut self, name: &'static str, doc: &'static str, components: Vec<ExprId>) {
         for (k, &component) in components.iter().enumerate() {
             self.graph.name(component, &format!("{name}_{k}"));
         }

@@ -2,11 +2,15 @@
 
 mod basis;
 mod diffuse;
+mod facet;
+mod facet_shape;
 mod kernel;
 mod weight;
 
 pub(crate) use basis::MOST_COEFFICIENTS;
 pub use basis::{Basis, BasisError, CustomBasis};
 pub use diffuse::Equation;
+pub use facet::FacetSpec;
+pub use facet_shape::FacetShape;
 pub use kernel::{FrameRule, Kernel, KernelSpec, Mode, Output, Value};
 pub use weight::{Weight, WeightError};

@@ -3,6 +3,10 @@
 
 mod factors;
 mod fit_derivatives;
+mod follower;
+mod linear_images;
 mod small;
 
 pub use fit_derivatives::{Block, CoordinateMap, Functional, Gradient, Hessian, NodeProblem};
+pub use follower::Follower;
+pub use linear_images::{LinearImages, SecondDerivative};

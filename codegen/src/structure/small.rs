@@ -44,6 +44,22 @@ impl Graph {
             })
             .collect()
     }
+
+    /// Inverse of `matrix`, by rows.
+    ///
+    /// # Panics
+    /// As [`determinant`](Self::determinant).
+    pub fn inverse_small(&mut self, matrix: &[Vec<ExprId>]) -> Vec<Vec<ExprId>> {
+        let size = matrix.len();
+        let columns: Vec<Vec<ExprId>> = (0..size)
+            .map(|column| {
+                let unit: Vec<ExprId> =
+                    (0..size).map(|row| self.constant(f64::from(u8::from(row == column)))).collect();
+                self.solve_small(matrix, &unit)
+            })
+            .collect();
+        (0..size).map(|row| columns.iter().map(|column| column[row]).collect()).collect()
+    }
 }
 
 #[cfg(test)]
@@ -65,6 +81,23 @@ mod tests {
         let mut interpreter = Interpreter::new(&g, &inputs);
         for (x, expected) in x.into_iter().zip(solution) {
             assert!((interpreter.element(x) - expected).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn an_inverse_of_three_rows() {
+        let mut g = Graph::new();
+        let rows = [[2.0, 1.0, 0.0], [1.0, 3.0, -1.0], [0.5, 0.0, 4.0]];
+        let matrix: Vec<Vec<ExprId>> =
+            rows.iter().map(|row| row.iter().map(|&x| g.constant(x)).collect()).collect();
+        let inverse = g.inverse_small(&matrix);
+        let inputs = NodeInputs::new(0);
+        let mut interpreter = Interpreter::new(&g, &inputs);
+        for (i, row) in rows.iter().enumerate() {
+            for j in 0..3 {
+                let product: f64 = (0..3).map(|k| row[k] * interpreter.element(inverse[k][j])).sum();
+                assert!((product - f64::from(u8::from(i == j))).abs() < 1e-15);
+            }
         }
     }
 }

@@ -1,11 +1,15 @@
 //! What generated kernels stand on: the arithmetic they are generic over, their inputs and results, the
-//! iteration for the foot point and the typed status.
+//! iterations for the foot point and the typed status.
 
+mod descent;
+mod facet;
 mod lane;
 mod newton;
 mod status;
 mod values;
 
+pub use descent::minimise_two_variables;
+pub use facet::{AREA_TOLERANCE, FacetInputs, FacetValues, first_entries};
 pub use lane::Lane;
 pub use newton::{RootSolution, solve_two_equations};
 pub use status::{JACOBIAN_TOLERANCE, PIVOT_TOLERANCE, Status};

@@ -3,16 +3,16 @@
 use super::Lane;
 
 /// Most evaluations of the equations.
-const MOST_ITERATIONS: u32 = 60;
+pub(super) const MOST_ITERATIONS: u32 = 60;
 /// Residual at which the iteration ends, relative to the starting residual or the unknowns, whichever is larger; a last
 /// full step follows and squares it.
-const TOLERANCE: f64 = 1e-12;
+pub(super) const TOLERANCE: f64 = 1e-12;
 /// The last step has to be shorter than this, by the same measure, or a nearly singular Jacobian makes it worthless.
 const LONGEST_LAST_STEP: f64 = 1e-6;
 /// Added to the measure, so that a root at the start is one.
 const TINY: f64 = 1e-290;
-/// Longest step, in units of the support radius.
-const LONGEST_STEP: f64 = 0.5;
+/// Longest step, in units of the support radius, or of an edge of the facet.
+pub(super) const LONGEST_STEP: f64 = 0.5;
 
 /// Result of an iteration.
 #[derive(Clone, Copy, Debug)]
@@ -40,17 +40,12 @@ impl<T> RootSolution<T> {
 pub fn solve_two_equations<T: Lane>(equations: impl Fn([T; 2]) -> ([T; 2], [T; 4])) -> RootSolution<T> {
     let mut y = [T::ZERO; 2];
     let (mut residual, mut jacobian) = equations(y);
-    let start = norm(residual) + T::splat(TINY);
+    let start = residual;
     let tolerance = T::splat(TOLERANCE);
     let mut step = bounded_step(residual, jacobian);
     let mut iterations = T::ONE;
-    let distance = |y: [T; 2], residual: [T; 2], jacobian: [T; 4]| {
-        let step = norm(newton_step(residual, jacobian)) * T::splat(TOLERANCE / LONGEST_LAST_STEP);
-        // The step first: a NaN in it comes through.
-        larger(step, norm(residual)) / larger(start, norm(y))
-    };
     for _ in 1..MOST_ITERATIONS {
-        let relative = distance(y, residual, jacobian);
+        let relative = distance(start, y, residual, jacobian);
         if T::all_less(relative, tolerance) {
             break;
         }
@@ -71,14 +66,24 @@ pub fn solve_two_equations<T: Lane>(equations: impl Fn([T; 2]) -> ([T; 2], [T; 4
         step = [0, 1].map(|k| accepted(full[k], half * step[k]));
         iterations = iterations + active(T::ONE, T::ZERO);
     }
-    let relative = distance(y, residual, jacobian);
+    let relative = distance(start, y, residual, jacobian);
     let last = newton_step(residual, jacobian);
     RootSolution { unknowns: [y[0] + last[0], y[1] + last[1]], residual: relative, iterations }
 }
 
+/// How far y is from a root, by the larger of the residual and the step before it; relative to the starting residual or
+/// the unknowns.
+#[inline(always)]
+pub(super) fn distance<T: Lane>(start: [T; 2], y: [T; 2], residual: [T; 2], jacobian: [T; 4]) -> T {
+    let step = norm(newton_step(residual, jacobian)) * T::splat(TOLERANCE / LONGEST_LAST_STEP);
+    let start = norm(start) + T::splat(TINY);
+    // The step first: a NaN in it comes through.
+    larger(step, norm(residual)) / larger(start, norm(y))
+}
+
 /// −J⁻¹ r
 #[inline(always)]
-fn newton_step<T: Lane>(r: [T; 2], j: [T; 4]) -> [T; 2] {
+pub(super) fn newton_step<T: Lane>(r: [T; 2], j: [T; 4]) -> [T; 2] {
     let reciprocal = T::ONE / j[0].mul_sub(j[3], j[1] * j[2]);
     [j[1].mul_sub(r[1], j[3] * r[0]) * reciprocal, j[2].mul_sub(r[0], j[0] * r[1]) * reciprocal]
 }
@@ -100,7 +105,7 @@ fn larger<T: Lane>(x: T, y: T) -> T {
 
 /// Largest absolute component.
 #[inline(always)]
-fn norm<T: Lane>(x: [T; 2]) -> T {
+pub(super) fn norm<T: Lane>(x: [T; 2]) -> T {
     larger(x[0].abs(), x[1].abs())
 }
 

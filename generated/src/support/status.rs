@@ -32,7 +32,7 @@ pub enum Status {
         /// In-plane distance over the support radius.
         distance: f64,
     },
-    /// The slave lies on a centre of curvature.
+    /// The slave lies on a centre of curvature; of a facet, also beyond one.
     CentreOfCurvature {
         /// Determinant of the Jacobian.
         determinant: f64,
@@ -48,6 +48,11 @@ pub enum Status {
     NoAveragePlane {
         /// Smallest relative pivot of the plane's system.
         pivot_ratio: f64,
+    },
+    /// A facet without area, folded or not convex, or its extension folded at the foot.
+    DegenerateFacet {
+        /// Area element at a corner or at the foot, relative to a square's; 0 if there is none.
+        area: f64,
     },
     /// A result is not a finite number although nothing else is wrong: overflow, or input that was not finite.
     NotFinite,

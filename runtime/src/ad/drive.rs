@@ -65,15 +65,23 @@ pub(super) fn differentiate<Q: Quantity>(
     element: &Element<'_>,
     mode: Mode,
 ) -> Result<Derivatives, ElementError> {
-    let coordinates = coordinates_of(element);
-    let mut derivatives = Derivatives::of_values(quantity.evaluate(&coordinates)?);
-    let seed = element.support_radius;
+    differentiate_at(quantity, &coordinates_of(element), element.support_radius, mode)
+}
+
+/// Values and derivatives of a quantity at the given coordinates, which are seeded with `seed`.
+pub(super) fn differentiate_at<Q: Quantity>(
+    quantity: &Q,
+    coordinates: &[[f64; 3]],
+    seed: f64,
+    mode: Mode,
+) -> Result<Derivatives, ElementError> {
+    let mut derivatives = Derivatives::of_values(quantity.evaluate(coordinates)?);
     match mode {
         Mode::Value => {}
-        Mode::Gradient => fill_gradients(quantity, &coordinates, seed, &mut derivatives)?,
+        Mode::Gradient => fill_gradients(quantity, coordinates, seed, &mut derivatives)?,
         Mode::Hessian => {
-            fill_gradients(quantity, &coordinates, seed, &mut derivatives)?;
-            fill_hessians(quantity, &coordinates, seed, &mut derivatives)?;
+            fill_gradients(quantity, coordinates, seed, &mut derivatives)?;
+            fill_hessians(quantity, coordinates, seed, &mut derivatives)?;
         }
     }
     Ok(derivatives)

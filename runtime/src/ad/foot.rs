@@ -287,6 +287,11 @@ mod tests {
                     assert!(r_1.hypot(r_2) < 1e-13, "{polynomial:?}");
                     found += 1;
                 }
+                // A stationary point, but not the nearest: as much a foot for the iteration.
+                Err(ElementError::BeyondCentreOfCurvature { determinant, trace }) => {
+                    assert!(height > 0.3 && (determinant < 0.0 || trace >= 0.0), "{polynomial:?}");
+                    found += 1;
+                }
                 Err(ElementError::FootDiverged { residual, .. }) => {
                     assert!(residual > 1e-6, "{polynomial:?}");
                     stalled += 1;

@@ -22,12 +22,14 @@
 //! | `formula.rs` | weights written as text |
 //! | `plane.rs` | the average plane, where the frame moves with it |
 //! | `model.rs` | offsets, moment matrix, coefficients (Chamoret et al. 2008, eq. 13) |
+//! | `facet.rs` | the distance from a triangle or a quadrilateral |
 //! | `foot.rs` | the fitted polynomial, the foot point, the gap (Chamoret et al. 2008, eq. 19) |
 //! | `evaluate.rs` | which functions are differentiated, units of the results |
 //! | `drive.rs` | which dual numbers are pushed through the model, and how the parts are collected |
 
 mod drive;
 mod evaluate;
+mod facet;
 mod foot;
 mod formula;
 mod interpolating;

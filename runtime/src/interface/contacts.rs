@@ -21,7 +21,8 @@ pub struct Contacts {
 pub struct ContactRef<'a> {
     /// Index of the slave node in all positions.
     pub slave: usize,
-    /// Indices of the master nodes 1 … n: of the pairing, also if there is no contact; empty if there is no pairing.
+    /// Indices of the master nodes 1 … n: of the pairing, also if there is no contact; empty if there is no
+    /// pairing.
     pub nodes: &'a [u32],
     /// Whether there is a result; without one the fields below are zero or empty.
     pub outcome: Outcome,

@@ -3,8 +3,8 @@
 use crate::neighbourhood::NeighbourhoodError;
 use crate::surface::SurfaceError;
 
-/// Every reason for which an interface cannot be made, paired or evaluated. That a single slave has no contact is none of
-/// them, but an [`Outcome`](super::Outcome).
+/// Every reason for which an interface cannot be made, paired or evaluated. That a single slave has no contact
+/// is none of them, but an [`Outcome`](super::Outcome).
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InterfaceError {

@@ -7,7 +7,9 @@ use super::pairings::{Paired, Pairings};
 use super::scratch::Pool;
 use super::{ContactElement, InterfaceOptions, NoContact, Outcome};
 use crate::surface::{BorderScratch, Creases, MasterSurface};
-use crate::{ContactPoint, Element, Frame, FrameDerivative, Generated, Mode, Point};
+use crate::{
+    ContactPoint, Element, ElementError, FacetElement, Frame, FrameDerivative, Generated, Mode, Point,
+};
 
 /// Slaves that one thread evaluates in a row.
 pub const CHUNK: usize = 64;
@@ -30,8 +32,8 @@ pub struct ElementScratch {
 }
 
 impl Evaluator<'_> {
-    /// Fills the slots of consecutive slaves. Which thread fills a slot, and after which others, makes no difference to what
-    /// it gets.
+    /// Fills the slots of consecutive slaves. Which thread fills a slot, and after which others, makes no
+    /// difference to what it gets.
     pub fn fill(&self, pairings: &Pairings, mode: Mode, slots: Slots<'_>, pool: &Pool<ElementScratch>) {
         let layout: &Layout = &pairings.layout;
         if slots.len() > CHUNK {
@@ -78,28 +80,34 @@ impl Evaluator<'_> {
                 let (frame, masters) = self.frame(paired, scratch)?;
                 let (support_radius, basis) = (paired.record.support_radius, paired.record.basis);
                 let element = Element { slave, masters, frame, support_radius, basis, weight };
-                let point = Generated.gap_into(&element, mode, gradient, hessian)?;
+                let point = Generated.gap_into(&element, mode, gradient, hessian);
+                // A slave that has slid far beyond the border has no fit any more: the border is the reason.
+                let foot = match &point {
+                    Ok(point) => point.foot,
+                    Err(error @ ElementError::BeyondCentreOfCurvature { .. }) => return Err((*error).into()),
+                    Err(_) => slave,
+                };
                 let beyond = if paired.record.ends_near {
                     let patch = (paired.record.facet, paired.masters);
-                    let border = &mut scratch.border;
-                    self.creases.beyond(self.surface, self.positions, patch, point.foot, border)
+                    self.creases.beyond(self.surface, self.positions, patch, foot, &mut scratch.border)
                 } else {
                     0.0
                 };
-                (point, beyond)
+                (point.map_err(NoContact::from), beyond)
             }
             ContactElement::NodeToFacet => {
-                let point = facet_gap(slave, self.gather(paired, scratch), mode, gradient, hessian)?;
+                let element = FacetElement { slave, corners: self.gather(paired, scratch) };
+                let point = Generated.facet_gap_into(&element, mode, gradient, hessian)?.point;
                 let facet = paired.record.facet;
                 let shape = self.surface.shape(facet as usize, self.positions);
-                (point, self.creases.beyond_facet(facet, &shape, Vector3::from(point.foot)))
+                (Ok(point), self.creases.beyond_facet(facet, &shape, Vector3::from(point.foot)))
             }
         };
         let tolerance = self.options.border_tolerance;
         if beyond > tolerance {
             return Err(NoContact::BeyondBorder { distance: beyond, tolerance });
         }
-        Ok(point)
+        point
     }
 
     /// The frame of a diffuse element: the one that is held, or the average plane of the masters, outward where the
@@ -126,8 +134,8 @@ impl Evaluator<'_> {
         &scratch.masters
     }
 
-    /// What stands in the place of the held frame of a slave without a pairing, so that frames are found by the number of
-    /// the slave.
+    /// What stands in the place of the held frame of a slave without a pairing, so that frames are found by the
+    /// number of the slave.
     pub fn stand_in_frame(&self) -> Option<Frame> {
         let [t1, t2, normal] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         self.holds_frames().then_some(Frame {
@@ -155,15 +163,4 @@ impl Evaluator<'_> {
     const fn holds_frames(&self) -> bool {
         matches!(self.options.element, ContactElement::Diffuse { frame: FrameDerivative::Frozen, .. })
     }
-}
-
-/// The distance of a slave from a facet. To be replaced by the generated kernels of the node-to-facet element.
-fn facet_gap(
-    _slave: Point,
-    _corners: &[Point],
-    _mode: Mode,
-    _gradient: &mut [f64],
-    _hessian: &mut [f64],
-) -> Result<ContactPoint, NoContact> {
-    Err(NoContact::Unavailable)
 }

@@ -5,23 +5,24 @@
 //! evaluate          element by element, in parallel, each into its own slot → Contacts
 //! ```
 //!
-//! * **Pairing data** (masters, support radius, basis, the facet that says which side is outside; the frame, if frames are
-//!   held; the facet of a node-to-facet element) are piecewise constant: only
-//!   [`refresh_pairing`](ContactInterface::refresh_pairing) changes them, and it reports by how much the gap jumped. Call it
-//!   once an increment, or once an iteration.
-//! * **Every slave has an [`Outcome`]**: contact, with what the search had to give up for it, or the named reason why not.
-//!   [`InterfaceError`]s are for what the caller has to mend.
-//! * **Derivatives** are with respect to the global coordinates of slave, master 1, …, master n, with the pairing held. With
-//!   a co-moving frame (the default) they are the exact derivatives of the gap.
+//! * **Pairing data** (masters, support radius, basis, the facet that says which side is outside; the frame, if
+//!   frames are held; the facet of a node-to-facet element) are piecewise constant: only
+//!   [`refresh_pairing`](ContactInterface::refresh_pairing) changes them, and it reports by how much the gap
+//!   jumped. Call it once an increment, or once an iteration.
+//! * **Every slave has an [`Outcome`]**: contact, with what the search had to give up for it, or the named
+//!   reason why not. [`InterfaceError`]s are for what the caller has to mend.
+//! * **Derivatives** are with respect to the global coordinates of slave, master 1, …, master n, with the
+//!   pairing held. With a co-moving frame (the default) they are the exact derivatives of the gap.
 //! * **Outside** is the side of the closest facet's normal at the positions of the evaluation. A rigid motion of
 //!   everything changes nothing.
-//! * **Border.** A foot beyond the border of the master surface is no contact, nor is one beyond an edge sharper than the
-//!   feature angle, where the fit of one face would be extended past it. So a slave over a sharp convex edge, seen by neither face, has
-//!   no contact until it comes to lie over one of them.
-//! * **Threads.** Results and reports are the same, bit for bit, for any number of threads. Work is done in the current
-//!   rayon pool.
-//! * **Memory.** Results lie in buffers that are reused: after the first evaluation none is allocated per element, up to 24
-//!   masters. [`for_each`](ContactInterface::for_each) holds a few elements at a time instead of all.
+//! * **Border.** A foot beyond the border of the master surface is no contact, nor is one beyond an edge
+//!   sharper than the feature angle, where the fit of one face would be extended past it. So a slave over a
+//!   sharp convex edge, seen by neither face, has no contact until it comes to lie over one of them.
+//! * **Threads.** Results and reports are the same, bit for bit, for any number of threads. Work is done in the
+//!   current rayon pool.
+//! * **Memory.** Results lie in buffers that are reused: after the first evaluation none is allocated per
+//!   element, up to 24 masters. [`for_each`](ContactInterface::for_each) holds a few elements at a time instead
+//!   of all.
 //!
 //! ```
 //! use diffuse_contact::Mode;
@@ -75,7 +76,7 @@ use scratch::Pool;
 use crate::neighbourhood::SearchOptions;
 use crate::pairing::NearestNodes;
 use crate::surface::{Creases, Facet, MasterSurface, SurfaceError, check_position, tributary_areas};
-use crate::{Mode, Point};
+use crate::{ElementError, Mode, Point};
 
 /// Chunks of slaves that [`ContactInterface::for_each`] holds for each thread.
 const CHUNKS_PER_THREAD: usize = 4;
@@ -98,13 +99,15 @@ impl ContactInterface {
     /// An interface without a pairing: until the first [`refresh_pairing`](Self::refresh_pairing) no slave has
     /// contact.
     ///
-    /// `positions` are those of all nodes; `slaves`, the corners of `slave_facets` and those of the master's facets are indices
-    /// into them. The slave facets are only looked at for tributary areas, and may else be empty.
+    /// `positions` are those of all nodes; `slaves`, the corners of `slave_facets` and those of the master's
+    /// facets are indices into them. The slave facets are only looked at for tributary areas, and may else be
+    /// empty.
     ///
     /// # Errors
-    /// [`InterfaceError::InvalidOption`], [`InterfaceError::InvalidSearch`], [`InterfaceError::SlaveOutOfRange`],
-    /// [`InterfaceError::RepeatedSlave`], [`InterfaceError::SlaveOnMaster`], [`InterfaceError::SlaveWithoutArea`], and
-    /// [`InterfaceError::Surface`] for positions of nodes and for slave facets.
+    /// [`InterfaceError::InvalidOption`], [`InterfaceError::InvalidSearch`],
+    /// [`InterfaceError::SlaveOutOfRange`], [`InterfaceError::RepeatedSlave`],
+    /// [`InterfaceError::SlaveOnMaster`], [`InterfaceError::SlaveWithoutArea`], and [`InterfaceError::Surface`]
+    /// for positions of nodes and for slave facets.
     pub fn new(
         master: MasterSurface,
         slaves: Vec<usize>,
@@ -151,8 +154,8 @@ impl ContactInterface {
     /// Takes over the positions at which the next evaluation takes place. The pairing is left as it is.
     ///
     /// # Errors
-    /// [`InterfaceError::WrongNumberOfPositions`]; [`InterfaceError::Surface`] if a slave or a node of the master surface
-    /// has a coordinate that is not finite. The positions of before then stay.
+    /// [`InterfaceError::WrongNumberOfPositions`]; [`InterfaceError::Surface`] if a slave or a node of the
+    /// master surface has a coordinate that is not finite. The positions of before then stay.
     pub fn update(&mut self, positions: &[Point]) -> Result<(), InterfaceError> {
         let (found, expected) = (positions.len(), self.positions.len());
         if found != expected {
@@ -167,10 +170,11 @@ impl ContactInterface {
     /// Takes over the positions and pairs every slave anew, or keeps its pairing while it is sound
     /// ([`InterfaceOptions::hysteresis`]).
     ///
-    /// A slave is paired with the masters that the neighbour search finds among the nodes on its side of sharp edges: those
-    /// reached from the closest facet over facets that meet in no edge sharper than the feature angle, that do not
-    /// turn away from it by 89° or more, and that are no farther from the slave than the node itself. If they do not
-    /// carry the quadratic basis the search takes more, then the linear basis; else there is no candidate.
+    /// A slave is paired with the masters that the neighbour search finds among the nodes on its side of sharp
+    /// edges: those reached from the closest facet over facets that meet in no edge sharper than the feature
+    /// angle, that do not turn away from it by 89° or more, and that are no farther from the slave than the
+    /// node itself. If they do not carry the quadratic basis the search takes more, then the linear basis; else
+    /// there is no candidate.
     ///
     /// # Errors
     /// As [`update`](Self::update). Pairing and positions of before then stay.
@@ -187,8 +191,11 @@ impl ContactInterface {
             ContactElement::Diffuse { .. } => index.positions().to_vec(),
             ContactElement::NodeToFacet => Vec::new(),
         };
-        // Positions have been checked.
-        let cloud = NearestNodes::new(cloud).map_err(|_| SurfaceError::Empty)?;
+        let cloud = NearestNodes::new(cloud).map_err(|error| {
+            // Positions have been checked, so that this is for completeness.
+            let place = if let ElementError::NonFiniteInput { index, .. } = error { index } else { 0 };
+            SurfaceError::NonFinitePosition { node: self.master.nodes()[place] as usize, value: f64::NAN }
+        })?;
         let evaluator = Evaluator {
             surface: &self.master,
             creases: &creases,
@@ -215,9 +222,9 @@ impl ContactInterface {
         Ok(contacts)
     }
 
-    /// Hands the contact of every slave to `f`, in the order of the slaves, without holding them all: 256 times the
-    /// number of threads are evaluated in parallel, handed over one by one by the calling thread, and forgotten. They are the same
-    /// as those of [`evaluate`](Self::evaluate), bit for bit.
+    /// Hands the contact of every slave to `f`, in the order of the slaves, without holding them all: 256 times
+    /// the number of threads are evaluated in parallel, handed over one by one by the calling thread, and
+    /// forgotten. They are the same as those of [`evaluate`](Self::evaluate), bit for bit.
     ///
     /// # Errors
     /// [`InterfaceError::OutOfMemory`].

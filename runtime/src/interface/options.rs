@@ -11,14 +11,14 @@ pub enum ContactElement {
     Diffuse {
         /// Weight function of the fit.
         weight: Weight,
-        /// [`FrameDerivative::CoMoving`]: the frame is the average plane of the masters at the positions of the evaluation.
-        /// [`FrameDerivative::Frozen`]: it is the average plane of the last refresh.
+        /// [`FrameDerivative::CoMoving`]: the frame is the average plane of the masters at the positions of the
+        /// evaluation. [`FrameDerivative::Frozen`]: it is the average plane of the last refresh.
         frame: FrameDerivative,
         /// Which nodes take part.
         search: SearchOptions,
     },
-    /// The classic element: the distance from the closest facet. The facet is the pairing: it stays the slave's between
-    /// two refreshes even if the slave slides off it, and is then extended beyond its edges.
+    /// The classic element: the distance from the closest facet. The facet is the pairing: it stays the slave's
+    /// between two refreshes even if the slave slides off it, and is then extended beyond its edges.
     NodeToFacet,
 }
 
@@ -39,19 +39,20 @@ impl Default for ContactElement {
 pub struct InterfaceOptions {
     /// The element of every slave node.
     pub element: ContactElement,
-    /// Two facets belong to one smooth patch if the angle between their normals does not exceed this, in degrees from 0
-    /// to 180. A patch ends at sharper edges as it does at a border.
+    /// Two facets belong to one smooth patch if the angle between their normals does not exceed this, in
+    /// degrees from 0 to 180. A patch ends at sharper edges as it does at a border.
     pub feature_angle_degrees: f64,
-    /// At a refresh a pairing that is otherwise sound is kept until the slave has slid along the master by this fraction of
-    /// the support radius (node to facet: until it is off its facet by this fraction of the facet's extent); at least 0.
-    /// With 0 every refresh pairs all slaves anew.
+    /// At a refresh a pairing that is otherwise sound is kept until the slave has slid along the master by this
+    /// fraction of the support radius (node to facet: until it is off its facet by this fraction of the facet's
+    /// extent); at least 0. With 0 every refresh pairs all slaves anew.
     pub hysteresis: f64,
     /// A foot counts as on the border until it lies beyond it by this fraction of the facet's height over the
     /// border edge; at least 0.
     pub border_tolerance: f64,
     /// A slave farther than this from the closest facet is not paired, length; positive.
     pub distance_limit: Option<f64>,
-    /// Whether results carry the slave nodes' tributary areas, at the positions the interface was made with, instead of 1.
+    /// Whether results carry the slave nodes' tributary areas, at the positions the interface was made with,
+    /// instead of 1.
     pub areas: bool,
 }
 

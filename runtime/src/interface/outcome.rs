@@ -6,8 +6,8 @@ use crate::neighbourhood::{Fallback, NeighbourhoodError};
 /// Whether a slave node has a contact element with a result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
-    /// It has: gap, foot and normal are finite numbers, and so are the derivatives asked for. Whether it touches is for the
-    /// sign of the gap to say.
+    /// It has: gap, foot and normal are finite numbers, and so are the derivatives asked for. Whether it
+    /// touches is for the sign of the gap to say.
     Contact {
         /// What the neighbour search had to give up for it.
         fallback: Fallback,
@@ -37,8 +37,9 @@ pub enum NoContact {
         /// What the search says.
         reason: NeighbourhoodError,
     },
-    /// The foot lies beyond the border of the master surface, or beyond a sharp edge that ends the smooth patch. At
-    /// a refresh the same is said of a slave that lies beyond it by more than a facet.
+    /// The foot lies beyond the border of the master surface, or beyond a sharp edge that ends the smooth
+    /// patch. The same is said, at a refresh, of a slave that lies beyond it by more than a facet, and of one
+    /// that lies beyond it and whose element has no result.
     #[error("the foot lies {distance:e} heights of a facet beyond the border, tolerance {tolerance:e}")]
     BeyondBorder {
         /// Distance beyond the border edge in the plane of the facet, over the facet's height over that edge.
@@ -52,9 +53,6 @@ pub enum NoContact {
         /// What the element says.
         error: ElementError,
     },
-    /// The element of this interface has no kernel in this build.
-    #[error("the element has no kernel in this build")]
-    Unavailable,
 }
 
 impl Outcome {
@@ -84,7 +82,6 @@ impl NoContact {
             Self::NoCandidate { .. } => "no-candidate",
             Self::BeyondBorder { .. } => "beyond-border",
             Self::Element { error } => error.code(),
-            Self::Unavailable => "unavailable",
         }
     }
 }

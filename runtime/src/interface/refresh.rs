@@ -56,45 +56,59 @@ impl RefreshScratch {
     }
 }
 
-/// The pairing of consecutive slaves.
+/// The pairing of slaves near one another.
 #[derive(Default)]
 struct Chunk {
     records: Vec<Result<Record, NoContact>>,
-    lengths: Vec<usize>,
     masters: Vec<u32>,
+    /// Where the masters of each slave end.
+    ends: Vec<usize>,
     frames: Vec<Frame>,
     report: RefreshReport,
+}
+
+impl Chunk {
+    /// The masters of the `own`-th slave of the chunk.
+    fn masters_of(&self, own: usize) -> &[u32] {
+        let start = own.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.masters[start..self.ends[own]]
+    }
 }
 
 impl Refresh<'_> {
     /// Pairs all slaves, in parallel; neither the pairing nor the report depends on the number of threads.
     pub fn run(&self, pool: &Pool<RefreshScratch>, blank: &RefreshScratch) -> (Pairings, RefreshReport) {
-        let slaves = self.old.all();
-        let chunks: Vec<Chunk> = (0..slaves.len().div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|chunk| {
-                let range = chunk * CHUNK..slaves.end.min((chunk + 1) * CHUNK);
+        let old = &self.old.layout;
+        let order = spatial_order(old.slaves(), self.evaluator.positions);
+        let chunks: Vec<Chunk> = order
+            .par_chunks(CHUNK)
+            .map(|slaves| {
                 pool.with(
                     || blank.clone(),
                     |scratch| {
                         let mut chunk = Chunk::default();
-                        range.for_each(|k| self.slave(k, scratch, &mut chunk));
+                        slaves.iter().for_each(|&k| self.slave(k as usize, scratch, &mut chunk));
                         chunk
                     },
                 )
             })
             .collect();
         let mut report = RefreshReport::default();
-        let mut masters = Vec::with_capacity(chunks.iter().map(|chunk| chunk.masters.len()).sum());
-        let (mut records, mut frames) = (Vec::with_capacity(slaves.len()), Vec::new());
-        for chunk in &chunks {
-            report.append(&chunk.report);
-            masters.extend_from_slice(&chunk.masters);
-            records.extend_from_slice(&chunk.records);
-            frames.extend_from_slice(&chunk.frames);
+        let mut places = vec![0; order.len()];
+        for (place, &k) in order.iter().enumerate() {
+            places[k as usize] = place;
         }
-        let old = &self.old.layout;
-        let lengths = chunks.iter().flat_map(|chunk| chunk.lengths.iter().copied());
+        let mut masters = Vec::with_capacity(chunks.iter().map(|chunk| chunk.masters.len()).sum());
+        let mut records = Vec::with_capacity(order.len());
+        let mut frames = Vec::new();
+        chunks.iter().for_each(|chunk| report.append(&chunk.report));
+        for &place in &places {
+            let (chunk, own) = (&chunks[place / CHUNK], place % CHUNK);
+            records.push(chunk.records[own]);
+            masters.extend_from_slice(chunk.masters_of(own));
+            frames.extend(chunk.frames.get(own));
+        }
+        let lengths = places.iter().map(|place| chunks[place / CHUNK].masters_of(place % CHUNK).len());
         let layout = Layout::new(old.slaves().to_vec(), old.areas().to_vec(), lengths, masters);
         (Pairings { layout: layout.into(), records, frames }, report)
     }
@@ -144,7 +158,6 @@ impl Refresh<'_> {
                         report.meet_jump(GapJump { slave: node, before, after });
                     }
                 }
-                chunk.lengths.push(masters.len());
                 chunk.masters.extend_from_slice(masters);
                 chunk.records.push(record);
                 chunk.frames.extend(frame);
@@ -152,11 +165,11 @@ impl Refresh<'_> {
             Err(reason) => {
                 report.lost += usize::from(old.is_some());
                 report.count_without(reason);
-                chunk.lengths.push(0);
                 chunk.records.push(Err(reason));
                 chunk.frames.extend(self.evaluator.stand_in_frame());
             }
         }
+        chunk.ends.push(chunk.masters.len());
     }
 
     /// The closest facet, if it is near enough and the slave not far beyond the border.
@@ -177,8 +190,8 @@ impl Refresh<'_> {
         Ok(closest)
     }
 
-    /// Whether a pairing may be kept: the patch of the facet that is closest now reaches all its masters, the slave has not
-    /// slid farther than the hysteresis allows, and the fit still is regular and gives a gap.
+    /// Whether a pairing may be kept: the patch of the facet that is closest now reaches all its masters, the
+    /// slave has not slid farther than the hysteresis allows, and the fit still is regular and gives a gap.
     fn is_sound(&self, old: &Paired<'_>, closest: &Closest, scratch: &mut RefreshScratch) -> bool {
         let Evaluator { surface, creases, positions, options } = self.evaluator;
         if options.hysteresis == 0.0 {
@@ -267,4 +280,58 @@ impl Refresh<'_> {
 fn place_of(surface: &MasterSurface, node: u32) -> usize {
     // A master of a pairing is a node of the surface.
     surface.nodes().partition_point(|&other| other < node)
+}
+
+/// The slaves along a space-filling curve (bits of the coordinates interleaved): one after another works on the
+/// same part of the master surface, which is in the cache then.
+fn spatial_order(slaves: &[usize], positions: &[Point]) -> Vec<u32> {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for &node in slaves {
+        for axis in 0..3 {
+            low[axis] = low[axis].min(positions[node][axis]);
+            high[axis] = high[axis].max(positions[node][axis]);
+        }
+    }
+    let extent = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+    let key = |node: usize| {
+        let cell = |axis: usize| ((positions[node][axis] - low[axis]) / extent * f64::from(1 << 20)) as u64;
+        (0..3).map(|axis| spread_bits(cell(axis)) << axis).sum::<u64>()
+    };
+    let mut order: Vec<(u64, u32)> =
+        slaves.par_iter().enumerate().map(|(k, &node)| (key(node), k as u32)).collect();
+    order.par_sort_unstable();
+    order.into_iter().map(|(_, k)| k).collect()
+}
+
+/// Bit k of a number below 2²¹ goes to bit 3k.
+fn spread_bits(x: u64) -> u64 {
+    let x = x & 0x1f_ffff;
+    let x = (x | x << 32) & 0x001f_0000_0000_ffff;
+    let x = (x | x << 16) & 0x001f_0000_ff00_00ff;
+    let x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
+    let x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
+    (x | x << 2) & 0x1249_2492_4924_9249
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_are_spread_by_three() {
+        for x in [0, 1, 0b101, 0x1f_ffff, 0x15_5555, 0x10_0001] {
+            let expected: u64 = (0..21).map(|k| (x >> k & 1) << (3 * k)).sum();
+            assert_eq!(spread_bits(x), expected);
+        }
+    }
+
+    #[test]
+    fn the_order_holds_every_slave_once_wherever_they_are() {
+        let positions: Vec<Point> = (0..100).map(|k| [f64::from(k * 37 % 100), 1e70, -0.1]).collect();
+        let slaves: Vec<usize> = (0..100).collect();
+        let order = spatial_order(&slaves, &positions);
+        assert!(order.windows(2).all(|k| positions[k[0] as usize][0] < positions[k[1] as usize][0]));
+        assert_eq!(spatial_order(&[7], &positions), [0]);
+        assert!(spatial_order(&[], &positions).is_empty());
+    }
 }

@@ -7,7 +7,8 @@ use crate::neighbourhood::Fallback;
 
 /// What [`refresh_pairing`](super::ContactInterface::refresh_pairing) did, in numbers of slave nodes.
 ///
-/// `paired` is the sum of `kept`, `renewed`, `changed` and `gained`; with those in `without` it makes up all slaves.
+/// `paired` is the sum of `kept`, `renewed`, `changed` and `gained`; with those in `without` it makes up all
+/// slaves.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RefreshReport {
     /// With a pairing now.
@@ -74,14 +75,20 @@ impl RefreshReport {
         }
     }
 
-    /// Of jumps of equal size the first stays.
+    /// Of jumps of equal size that of the node with the lowest index stays.
     pub(super) fn meet_jump(&mut self, jump: GapJump) {
-        if jump.size() > self.largest_gap_jump.map_or(0.0, |largest| largest.size()) {
+        let is_larger = match self.largest_gap_jump {
+            None => jump.size() > 0.0,
+            Some(largest) => {
+                jump.size() > largest.size() || (jump.size() == largest.size() && jump.slave < largest.slave)
+            }
+        };
+        if is_larger {
             self.largest_gap_jump = Some(jump);
         }
     }
 
-    /// Adds what was done for the next slaves.
+    /// Adds what was done for other slaves.
     pub(super) fn append(&mut self, next: &Self) {
         self.paired += next.paired;
         self.kept += next.kept;

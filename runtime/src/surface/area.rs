@@ -12,9 +12,9 @@ const GAUSS: [(f64, f64); 3] =
 
 /// Tributary area of every node: the integral of its shape function over the facets at it; 0 for nodes of no facet.
 ///
-/// A triangle's area goes to its corners in equal shares. On a quadrilateral the bilinear shape functions are integrated
-/// with 3 × 3 Gauss points, exactly if it is plane. The areas sum up to the area of the surface. With them a penalty per area
-/// gives a pressure that does not depend on the mesh.
+/// A triangle's area goes to its corners in equal shares. On a quadrilateral the bilinear shape functions are
+/// integrated with 3 × 3 Gauss points, exactly if it is plane. The areas sum up to the area of the surface.
+/// With them a penalty per area gives a pressure that does not depend on the mesh.
 ///
 /// # Errors
 /// [`SurfaceError::NodeOutOfRange`], [`SurfaceError::RepeatedNode`], [`SurfaceError::NonFinitePosition`],

@@ -9,7 +9,8 @@ use super::topology::NONE;
 use super::{MasterSurface, Shape, SurfaceIndex};
 use crate::Point;
 
-/// An edge counts as sharp if its angle exceeds the feature angle by this, in radians: prisms have edges of exactly 45°.
+/// An edge counts as sharp if its angle exceeds the feature angle by this, in radians: prisms have edges of
+/// exactly 45°.
 const ANGLE_TOLERANCE: f64 = 1e-4;
 /// Facets as close as the closest to this fraction of their extent share the closest point.
 const TIE: f64 = 1e-9;

@@ -10,7 +10,8 @@ use super::topology::{LARGEST, NONE};
 use super::{MasterSurface, Shape};
 use crate::Point;
 
-/// Facets as close as the closest to this fraction of its distance and extent are closest, too: on a common edge or node.
+/// Facets as close as the closest to this fraction of its distance and extent are closest, too: on a common
+/// edge or node.
 const TIE: f64 = 1e-9;
 
 /// A facet's bounding box and its index.
@@ -32,8 +33,8 @@ pub struct SurfaceIndex<'a> {
 /// The point of a surface closest to another point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClosestPoint {
-    /// The facet. If several share the closest point, the one whose plane is farthest from the other point, which tells the
-    /// sides of the surface apart; of several such the one with the lowest index.
+    /// The facet. If several share the closest point, the one whose plane is farthest from the other point,
+    /// which tells the sides of the surface apart; of several such the one with the lowest index.
     pub facet: usize,
     /// The point, global axes.
     pub point: Point,

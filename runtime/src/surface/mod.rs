@@ -1,15 +1,15 @@
 //! The faceted surfaces of a contact: what is checked once, where the closest facet is, and where the surface ends.
 //!
-//! A [`MasterSurface`] is the connectivity of triangles and bilinear quadrilaterals, corners counter-clockwise seen from
-//! outside. It holds no positions: everything geometric is asked of a [`SurfaceIndex`], made from the positions of
-//! the moment with [`MasterSurface::at`].
+//! A [`MasterSurface`] is the connectivity of triangles and bilinear quadrilaterals, corners counter-clockwise
+//! seen from outside. It holds no positions: everything geometric is asked of a [`SurfaceIndex`], made from the
+//! positions of the moment with [`MasterSurface::at`].
 //!
 //! * [`SurfaceIndex::closest`]: the closest point of the surface, exact for both kinds of facets and for
 //!   any grading, ties decided by a rule.
 //! * Crossing an edge: two facets belong to one smooth patch if the angle between their normals does not exceed the
 //!   feature angle. What lies beyond a sharper edge, or on the far face of a thin plate, takes no part in a fit.
-//! * Border: a point is beyond the border if the closest point of the surface lies on an edge that ends the patch, and
-//!   the point lies farther out than that in the plane of the facet.
+//! * Border: a point is beyond the border if the closest point of the surface lies on an edge that ends the
+//!   patch, and the point lies farther out than that in the plane of the facet.
 //! * [`tributary_areas`]: the area that belongs to each slave node.
 //!
 //! ```
@@ -46,7 +46,8 @@ pub(crate) use shape::Shape;
 pub(crate) use topology::check_position;
 pub(crate) use walk::Walk;
 
-/// One facet of a surface: indices of its corners in the positions of all nodes, counter-clockwise seen from outside.
+/// One facet of a surface: indices of its corners in the positions of all nodes, counter-clockwise seen from
+/// outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Facet {
     /// A plane triangle.

@@ -95,8 +95,8 @@ impl Shape {
         }
     }
 
-    /// The closest point. Exact for triangles and plane convex quadrilaterals; on a warped one the best of its edges and
-    /// of the inner stationary points found from its middle and from the best point of an edge.
+    /// The closest point. Exact for triangles and plane convex quadrilaterals; on a warped one the best of its
+    /// edges and of the inner stationary points found from its middle and from the best point of an edge.
     pub fn closest(&self, x: Vector3<f64>) -> Foot {
         match self {
             Self::Triangle(corners) => inside_triangle(corners, x).unwrap_or_else(|| on_edges(self, x)),
@@ -146,7 +146,8 @@ fn inside_triangle(corners: &[Vector3<f64>; 3], x: Vector3<f64>) -> Option<Foot>
     Some(Foot { natural: [xi, eta], point, distance: (x - point).norm(), edges: bits(edges) })
 }
 
-/// The stationary point of the distance that Newton's iteration reaches from `start`, if it lies within the quadrilateral.
+/// The stationary point of the distance that Newton's iteration reaches from `start`, if it lies within the
+/// quadrilateral.
 fn inside_quadrilateral(corners: &[Vector3<f64>; 4], x: Vector3<f64>, start: [f64; 2]) -> Option<Foot> {
     let [a, b, c, d] = corners;
     // S(ξ, η) = middle + ξ along + η across + ξη twist

@@ -16,8 +16,8 @@ pub(crate) const LARGEST: f64 = 1e75;
 
 /// The master surface: which facets meet in which edges and nodes, checked once. Positions are no part of it.
 ///
-/// Nodes are numbered twice: by the caller's index of all nodes, and, in flat arrays of this crate, by their place in
-/// [`nodes`](Self::nodes). Everything public names the caller's indices.
+/// Nodes are numbered twice: by the caller's index of all nodes, and, in flat arrays of this crate, by their
+/// place in [`nodes`](Self::nodes). Everything public names the caller's indices.
 #[derive(Clone, Debug)]
 pub struct MasterSurface {
     /// The caller's indices of the nodes, ascending.
@@ -131,8 +131,8 @@ impl MasterSurface {
         })
     }
 
-    /// Outward normals of the nodes, in the order of [`nodes`](Self::nodes): the sum of the area vectors of the facets at
-    /// each, not normalised.
+    /// Outward normals of the nodes, in the order of [`nodes`](Self::nodes): the sum of the area vectors of the
+    /// facets at each, not normalised.
     ///
     /// # Errors
     /// [`SurfaceError::TooFewPositions`], [`SurfaceError::NonFinitePosition`].

@@ -1,4 +1,5 @@
-//! From facet to facet without crossing a sharp edge: the nodes that make up one smooth patch with the closest facet.
+//! From facet to facet without crossing a sharp edge: the nodes that make up one smooth patch with the closest
+//! facet.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -12,8 +13,8 @@ use crate::Point;
 /// its plane reaches no farther, whatever the feature angle.
 const SMALLEST_COSINE: f64 = 0.017_452_406_437_283_51;
 
-/// Walks over the facets around a slave, the nearest first, and only as far as it is asked to. Marks carry the number of
-/// the walk, so that nothing is cleared between slaves.
+/// Walks over the facets around a slave, the nearest first, and only as far as it is asked to. Marks carry the
+/// number of the walk, so that nothing is cleared between slaves.
 #[derive(Clone, Debug, Default)]
 pub struct Walk {
     generation: u32,
@@ -21,8 +22,8 @@ pub struct Walk {
     seen: Vec<u32>,
     /// Number of the last walk that reached the node.
     reached: Vec<u32>,
-    /// Facets to go to, by the square of their nearest corner's distance (the bits of a number that is not negative are
-    /// ordered like it).
+    /// Facets to go to, by the square of their nearest corner's distance (the bits of a number that is not
+    /// negative are ordered like it).
     next: BinaryHeap<Reverse<(u64, u32)>>,
     from: Vector3<f64>,
     up: Vector3<f64>,
@@ -46,8 +47,8 @@ impl Walk {
         self.next.push(Reverse((0, facet)));
     }
 
-    /// Whether the node at `place` belongs to the patch: whether it is reached over facets none of which is farther from
-    /// the slave, by its nearest corner, than the node is. To be asked of nearer nodes first.
+    /// Whether the node at `place` belongs to the patch: whether it is reached over facets none of which is
+    /// farther from the slave, by its nearest corner, than the node is. To be asked of nearer nodes first.
     pub fn reaches(&mut self, index: &SurfaceIndex<'_>, creases: &Creases, place: usize) -> bool {
         let distance = self.square_distance(index, place as u32).to_bits();
         while let Some(&Reverse((nearest, facet))) = self.next.peek()

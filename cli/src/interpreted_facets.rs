@@ -1,0 +1,99 @@
+//! The graph of the facet kernels, evaluated as it stands: their second witness, as
+//! [`Interpreted`](crate::interpreted::Interpreted) is of the others.
+
+use std::sync::OnceLock;
+
+use diffuse_contact::{ContactPoint, ElementError, FacetElement, FacetPoint, Gap, Mode, SymmetricMatrix};
+use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
+use diffuse_contact_codegen::{self as codegen, FacetShape, FacetSpec, Kernel};
+use diffuse_contact_kernels::support::FacetValues;
+
+use crate::interpreted::{check, mode_of};
+
+const MODES: usize = codegen::Mode::ALL.len();
+const SHAPES: usize = FacetShape::ALL.len();
+
+/// Evaluates facets by interpreting the graph their kernels are generated from, which is built when it is first needed
+/// and kept.
+#[derive(Debug, Default)]
+pub struct InterpretedFacets {
+    kernels: [OnceLock<Kernel<FacetSpec>>; SHAPES * MODES],
+}
+
+impl InterpretedFacets {
+    /// Gap and natural coordinates of the foot, the counterpart of
+    /// [`Generated::facet_gap`](diffuse_contact::Generated::facet_gap).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn gap(&self, element: &FacetElement<'_>, mode: Mode) -> Result<(Gap, FacetPoint), ElementError> {
+        element.validate()?;
+        let shape = if element.corners.len() == 3 { FacetShape::Triangle } else { FacetShape::Quadrilateral };
+        let spec = FacetSpec { shape, mode: mode_of(mode) };
+        let kernel =
+            self.kernels[shape as usize * MODES + spec.mode as usize].get_or_init(|| Kernel::facet(spec));
+        let inputs = inputs(element);
+        let mut evaluation = Evaluation { kernel, interpreter: Interpreter::new(&kernel.graph, &inputs) };
+        let values = FacetValues {
+            gap: evaluation.scalar("gap"),
+            foot: evaluation.array("foot"),
+            normal: evaluation.array("normal"),
+            natural: evaluation.array("natural"),
+            corner_area: evaluation.scalar("corner_area"),
+            foot_area: evaluation.scalar("foot_area"),
+            foot_residual: evaluation.scalar("foot_residual"),
+            foot_iterations: evaluation.scalar("foot_iterations"),
+            jacobian_determinant: evaluation.scalar("jacobian_determinant"),
+            checksum: evaluation.scalar("checksum"),
+        };
+        check(values.status())?;
+        let FacetValues { gap, foot, normal, natural, .. } = values;
+        let packed = evaluation.values("hessian");
+        let size = if packed.is_empty() { 0 } else { element.degrees_of_freedom() };
+        let mut hessian = SymmetricMatrix::zeros(size);
+        hessian.packed_mut().copy_from_slice(&packed);
+        let gradient = evaluation.values("gradient");
+        let point = FacetPoint { point: ContactPoint { gap, foot, normal }, natural };
+        Ok((Gap { gap, foot, normal, coefficients: Vec::new(), gradient, hessian }, point))
+    }
+}
+
+/// One facet on its way through one kernel's graph.
+struct Evaluation<'a> {
+    kernel: &'a Kernel<FacetSpec>,
+    interpreter: Interpreter<'a>,
+}
+
+impl Evaluation<'_> {
+    /// All components; none if the kernel has no such value in its mode.
+    fn values(&mut self, name: &str) -> Vec<f64> {
+        let value = self.kernel.values.iter().find(|value| value.name == name);
+        let components = value.map(|value| value.components.as_slice()).unwrap_or_default();
+        components.iter().map(|&x| self.interpreter.element(x)).collect()
+    }
+
+    fn array<const SIZE: usize>(&mut self, name: &str) -> [f64; SIZE] {
+        let values = self.values(name);
+        values.try_into().unwrap_or_else(|values: Vec<f64>| {
+            panic!("the kernel value {name} has {} components, not {SIZE}", values.len())
+        })
+    }
+
+    fn scalar(&mut self, name: &str) -> f64 {
+        self.array::<1>(name)[0]
+    }
+}
+
+fn inputs(element: &FacetElement<'_>) -> NodeInputs {
+    let mut inputs = NodeInputs::new(0);
+    let mut set = |name: &str, x: [f64; 3]| {
+        for (axis, value) in ["x", "y", "z"].iter().zip(x) {
+            inputs.set_element(&format!("{name}_{axis}"), value);
+        }
+    };
+    set("slave", element.slave);
+    for (k, corner) in element.corners.iter().enumerate() {
+        set(&format!("corner_{}", k + 1), *corner);
+    }
+    inputs
+}

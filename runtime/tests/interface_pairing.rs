@@ -1,0 +1,271 @@
+//! Who is paired with whom: sharp edges, thin plates, refresh reports, hysteresis, tributary areas.
+
+mod common;
+
+use common::{Mesh, Scene, Uniform, distance};
+use diffuse_contact::interface::{
+    ContactElement, ContactInterface, GapJump, InterfaceOptions, NoContact, Outcome,
+};
+use diffuse_contact::neighbourhood::SearchOptions;
+use diffuse_contact::surface::{Facet, tributary_areas};
+use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
+
+/// A bumpy floor of 20 × 20 cells.
+fn floor() -> Mesh {
+    Mesh::grid([21, 21], [false; 2], |s, t| {
+        let [x, y] = [20.0 * s, 20.0 * t];
+        [x, y, 0.3 * (0.7 * x).sin() * (0.5 * y).cos()]
+    })
+}
+
+/// Slaves over the inner part of the floor.
+fn over_floor(count: usize) -> Vec<Point> {
+    let mut random = Uniform(2);
+    (0..count).map(|_| [3.0 + 12.0 * random.next(), 3.0 + 12.0 * random.next(), 0.4]).collect()
+}
+
+fn gaps(scene: &mut Scene) -> Vec<Option<f64>> {
+    let contacts = scene.interface.evaluate(Mode::Value).unwrap();
+    contacts.iter().map(|contact| contact.outcome.is_contact().then_some(contact.point.gap)).collect()
+}
+
+#[test]
+fn around_sharp_edges_masters_lie_on_one_face() {
+    let cube = Mesh::cube(8);
+    let mut random = Uniform(4);
+    // Anywhere over the faces, up to their edges.
+    let slaves: Vec<(Point, usize, f64)> = (0..600)
+        .map(|k| {
+            let (axis, side) = (k % 3, if k % 2 == 0 { 1.0 } else { -1.0 });
+            let gap = 0.2 * random.next() - 0.02;
+            let along = |random: &mut Uniform| random.signed() * if gap < 0.0 { 0.97 } else { 0.999 };
+            let mut x = [along(&mut random), along(&mut random), along(&mut random)];
+            x[axis] = side * (1.0 + gap);
+            (x, axis, gap)
+        })
+        .collect();
+    let places: Vec<Point> = slaves.iter().map(|(x, ..)| *x).collect();
+    let mut scene = cube.paired(&places, InterfaceOptions::default());
+    let contacts = scene.interface.evaluate(Mode::Value).unwrap();
+    for (contact, &(x, axis, gap)) in contacts.iter().zip(&slaves) {
+        assert!(contact.outcome.is_contact(), "{x:?} {:?}", contact.outcome);
+        let face = x[axis].signum();
+        assert!(contact.nodes.iter().all(|&node| cube.positions[node as usize][axis] == face), "{x:?}");
+        assert!((contact.point.gap - gap).abs() < 1e-12, "{x:?} {}", contact.point.gap);
+    }
+    // Without a feature angle the fit rounds the edge.
+    let blunt = InterfaceOptions { feature_angle_degrees: 180.0, ..InterfaceOptions::default() };
+    let mut scene = cube.paired(&[[0.9, 0.9, 1.01]], blunt);
+    assert_eq!(gaps(&mut scene).len(), 1);
+    let nodes = scene.interface.evaluate(Mode::Value).unwrap().get(0).nodes.to_vec();
+    assert!(
+        nodes.iter().all(|&node| cube.positions[node as usize][2] == 1.0),
+        "faces at 90° are beyond the turn"
+    );
+}
+
+#[test]
+fn a_slave_over_a_sharp_edge_has_no_contact_until_it_comes_over_a_face() {
+    let cube = Mesh::cube(8);
+    let mut scene = cube.paired(&[[1.05, 0.1, 1.06], [0.9, 0.1, 1.05]], InterfaceOptions::default());
+    let outcome = |scene: &mut Scene, k| scene.interface.evaluate(Mode::Value).unwrap().get(k).outcome;
+    assert_eq!(outcome(&mut scene, 0).code(), "beyond-border");
+    assert!(outcome(&mut scene, 1).is_contact());
+    // The face's fit extended past the edge would say that this slave penetrates by 0.3.
+    scene.move_slaves(&[[0.96, 0.1, 1.05], [1.1, 0.1, 0.7]]);
+    scene.update();
+    assert!(outcome(&mut scene, 0).is_contact());
+    assert_eq!(outcome(&mut scene, 1).code(), "beyond-border");
+    scene.refresh();
+    assert!((gaps(&mut scene)[1].unwrap() - 0.1).abs() < 1e-12, "of the side face");
+}
+
+#[test]
+fn both_sides_of_a_thin_plate_are_told_apart() {
+    let plate = Mesh::block([20, 20, 1], [1.0, 1.0, 0.01]);
+    let mut random = Uniform(8);
+    let slaves: Vec<Point> = (0..200)
+        .map(|k| {
+            let side = if k % 2 == 0 { 1.0 } else { -1.0 };
+            [0.98 * random.signed(), 0.98 * random.signed(), side * (0.01 + 0.05 * random.next() - 0.004)]
+        })
+        .collect();
+    let mut scene = plate.paired(&slaves, InterfaceOptions::default());
+    for (contact, x) in scene.interface.evaluate(Mode::Value).unwrap().iter().zip(&slaves) {
+        assert!(contact.outcome.is_contact(), "{x:?} {:?}", contact.outcome);
+        assert!((contact.point.gap - (x[2].abs() - 0.01)).abs() < 1e-12, "{x:?} {}", contact.point.gap);
+        assert!(contact.nodes.iter().all(|&node| plate.positions[node as usize][2] * x[2] > 0.0));
+    }
+}
+
+#[test]
+fn a_report_counts_every_slave() {
+    let options = InterfaceOptions { distance_limit: Some(2.0), ..InterfaceOptions::default() };
+    let slaves = [over_floor(50), vec![[9.0, 9.0, 5.0], [-7.0, 9.0, 0.0], [30.0, 5.0, 0.1]]].concat();
+    let mut scene = floor().scene(&slaves, options);
+    let before = scene.interface.evaluate(Mode::Value).unwrap();
+    assert!(before.iter().all(|contact| contact.outcome == Outcome::None(NoContact::NotPaired)));
+    let report = scene.refresh();
+    assert_eq!((report.paired, report.gained, report.lost), (50, 50, 0));
+    assert_eq!(report.without.iter().collect::<Vec<_>>(), [(&"too-far", &3)]);
+    assert_eq!(report.fallbacks.none, 50);
+    assert_eq!(report.largest_gap_jump, None);
+
+    let again = scene.refresh();
+    assert_eq!((again.paired, again.kept, again.gained), (50, 50, 0));
+    assert_eq!(again.largest_gap_jump, None);
+
+    // One leaves, one comes.
+    scene.positions[scene.first] = [4.0, 4.0, 7.0];
+    scene.positions[scene.first + 50] = [9.0, 9.0, 0.5];
+    let moved = scene.refresh();
+    assert_eq!((moved.paired, moved.kept, moved.gained, moved.lost), (50, 49, 1, 1));
+    let outcome = scene.interface.evaluate(Mode::Value).unwrap().get(0).outcome;
+    assert!(matches!(outcome, Outcome::None(NoContact::TooFar { limit: 2.0, distance }) if distance > 6.0));
+}
+
+#[test]
+fn the_gap_jump_of_a_refresh_is_the_largest_there_was() {
+    for options in [InterfaceOptions::default(), InterfaceOptions { hysteresis: 0.0, ..Default::default() }] {
+        let slaves = over_floor(200);
+        let mut scene = floor().paired(&slaves, options);
+        let slid: Vec<Point> = slaves.iter().map(|[x, y, z]| [x + 0.6, y + 0.45, *z]).collect();
+        scene.move_slaves(&slid);
+        scene.update();
+        let before = gaps(&mut scene);
+        let report = scene.refresh();
+        let after = gaps(&mut scene);
+        assert_eq!(report.paired, report.kept + report.renewed + report.changed + report.gained);
+        assert!(report.changed > 100, "{report:?}");
+        let jumps = before.iter().zip(&after).enumerate().filter_map(|(k, (before, after))| {
+            Some(GapJump { slave: scene.first + k, before: (*before)?, after: (*after)? })
+        });
+        let largest = jumps.max_by(|a, b| a.size().total_cmp(&b.size())).unwrap();
+        assert_eq!(report.largest_gap_jump, Some(largest));
+        assert!(largest.size() > 1e-4 && largest.size() < 0.05, "{largest:?}");
+    }
+}
+
+#[test]
+fn without_hysteresis_a_refresh_in_place_renews_everything() {
+    let mut scene =
+        floor().paired(&over_floor(80), InterfaceOptions { hysteresis: 0.0, ..Default::default() });
+    let before = gaps(&mut scene);
+    let report = scene.refresh();
+    assert_eq!((report.kept, report.renewed, report.changed), (0, 80, 0));
+    assert_eq!(report.largest_gap_jump, None);
+    assert_eq!(gaps(&mut scene), before);
+}
+
+#[test]
+fn a_pairing_is_kept_until_the_slave_has_slid_far_enough() {
+    let mut scene =
+        floor().paired(&[[9.2, 9.3, 0.4]], InterfaceOptions { hysteresis: 0.2, ..Default::default() });
+    let nodes = |scene: &mut Scene| scene.interface.evaluate(Mode::Value).unwrap().get(0).nodes.to_vec();
+    let first = nodes(&mut scene);
+    // Support radii of a hull search on unit squares are between 1.5 and 3.5.
+    let mut slid = 0.0;
+    loop {
+        slid += 0.05;
+        scene.move_slaves(&[[9.2 + slid, 9.3, 0.4]]);
+        let report = scene.refresh();
+        if report.kept == 0 {
+            break;
+        }
+        assert_eq!(nodes(&mut scene), first);
+    }
+    assert!((0.2 * 1.5..0.2 * 3.5).contains(&slid), "{slid}");
+    // Lifting off is no sliding.
+    scene.move_slaves(&[[9.2 + slid, 9.3, 1.9]]);
+    assert_eq!(scene.refresh().kept, 1);
+    // Nor is what slave and master do together.
+    for x in &mut scene.positions {
+        *x = [x[1] + 5.0, -x[0], x[2] - 3.0];
+    }
+    assert_eq!(scene.refresh().kept, 1);
+}
+
+#[test]
+fn a_pairing_is_not_kept_across_a_sharp_edge() {
+    let cube = Mesh::cube(8);
+    let options = InterfaceOptions { hysteresis: 0.9, ..InterfaceOptions::default() };
+    let mut scene = cube.paired(&[[0.95, 0.1, 1.01]], options);
+    scene.move_slaves(&[[1.01, 0.1, 0.95]]);
+    let report = scene.refresh();
+    assert_eq!((report.kept, report.changed), (0, 1));
+    assert!((gaps(&mut scene)[0].unwrap() - 0.01).abs() < 1e-12);
+}
+
+#[test]
+fn a_held_frame_is_that_of_the_last_refresh() {
+    let search = SearchOptions::default();
+    let element = ContactElement::Diffuse { weight: Weight::Cubic, frame: FrameDerivative::Frozen, search };
+    let options = InterfaceOptions { element, ..InterfaceOptions::default() };
+    let mut scene = floor().paired(&over_floor(1), options);
+    let before = gaps(&mut scene)[0].unwrap();
+    // Turned by 20° about x, the held frame is not the average plane any more, and the gap not quite the same.
+    let (s, c) = 20f64.to_radians().sin_cos();
+    for x in &mut scene.positions {
+        *x = [x[0], c * x[1] - s * x[2], s * x[1] + c * x[2]];
+    }
+    scene.update();
+    let held = gaps(&mut scene)[0].unwrap();
+    let report = scene.refresh();
+    assert_eq!(report.kept, 1);
+    let renewed = gaps(&mut scene)[0].unwrap();
+    assert!((held - before).abs() > 1e-6 && (renewed - before).abs() < 1e-12, "{before} {held} {renewed}");
+    let jump = report.largest_gap_jump.unwrap();
+    assert_eq!((jump.before, jump.after), (held, renewed));
+}
+
+#[test]
+fn areas_are_those_of_the_slave_facets() {
+    let mut positions = floor().positions;
+    let first = positions.len();
+    let plate = Mesh::plane(6.0, 4.0, 0.5);
+    positions.extend(plate.positions.iter().map(|[x, y, _]| [x + 4.0, y + 4.0, 0.5]));
+    let facets: Vec<Facet> = plate
+        .facets
+        .iter()
+        .map(|facet| match facet {
+            Facet::Triangle(corners) => Facet::Triangle(corners.map(|k| k + first)),
+            Facet::Quadrilateral(corners) => Facet::Quadrilateral(corners.map(|k| k + first)),
+        })
+        .collect();
+    let slaves: Vec<usize> = (first..positions.len()).collect();
+    let interface = |areas: bool, facets: &[Facet], slaves: &[usize]| {
+        let options = InterfaceOptions { areas, ..InterfaceOptions::default() };
+        ContactInterface::new(floor().surface(), slaves.to_vec(), facets, &positions, options)
+    };
+    let mut with = interface(true, &facets, &slaves).unwrap();
+    with.refresh_pairing(&positions).unwrap();
+    let contacts = with.evaluate(Mode::Value).unwrap();
+    let total: f64 = contacts.iter().map(|contact| contact.area).sum();
+    assert!((total - 24.0).abs() < 1e-12, "{total}");
+    let nodal = tributary_areas(&positions, &facets).unwrap();
+    assert!(contacts.iter().all(|contact| contact.area == nodal[contact.slave]));
+    let mut without = interface(false, &facets, &slaves).unwrap();
+    assert!(without.evaluate(Mode::Value).unwrap().iter().all(|contact| contact.area == 1.0));
+    assert_eq!(interface(true, &[], &slaves).unwrap_err().code(), "slave-without-area");
+    assert_eq!(interface(true, &facets[1..], &slaves).err().map(|error| error.code()), None);
+}
+
+#[test]
+fn a_slave_moves_on_with_masters_that_move() {
+    // The floor is drawn to the side under the slave, which changes partners from refresh to refresh.
+    let mut scene = floor().paired(&[[10.0, 10.0, 0.4]], InterfaceOptions::default());
+    let (mut changed, mut last) = (0, gaps(&mut scene)[0].unwrap());
+    for _ in 0..40 {
+        for x in &mut scene.positions[..scene.first] {
+            x[0] -= 0.1;
+        }
+        let report = scene.refresh();
+        changed += report.changed;
+        let gap = gaps(&mut scene)[0].unwrap();
+        assert!((gap - last).abs() < 0.05);
+        last = gap;
+    }
+    assert!((3..40).contains(&changed), "{changed}");
+    let nodes = scene.interface.evaluate(Mode::Value).unwrap().get(0).nodes;
+    assert!(nodes.iter().all(|&node| distance(scene.positions[node as usize], [10.0, 10.0, 0.0]) < 4.0));
+}

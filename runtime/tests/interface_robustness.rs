@@ -1,0 +1,302 @@
+//! Whatever comes in: an error for the caller, a named outcome, or finite numbers, the same for any number of
+//! threads.
+
+mod common;
+
+use common::{Mesh, Scene, Uniform};
+use diffuse_contact::interface::{
+    ContactElement, ContactInterface, ContactRef, InterfaceError, InterfaceOptions, RefreshReport,
+};
+use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
+use diffuse_contact::surface::{Facet, MasterSurface, SurfaceError};
+use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+/// Half a torus, waves on it, and slaves near it, over and beyond its borders.
+fn scene(slaves: usize, options: InterfaceOptions) -> Scene {
+    let mesh = Mesh::grid([24, 40], [false; 2], |s, t| {
+        let (around, tube) = (3.0 * t, 5.0 * (1.0 - s));
+        let tube_radius = 1.0 + 0.05 * (7.0 * around).sin();
+        let radius = 2.5 + tube_radius * tube.cos();
+        [radius * around.cos(), radius * around.sin(), tube_radius * tube.sin()]
+    });
+    let mut random = Uniform(17);
+    let slaves: Vec<Point> = (0..slaves)
+        .map(|_| {
+            let (around, tube) = (3.2 * random.next() - 0.1, 5.4 * random.next() - 0.2);
+            let tube_radius = 1.0 + 0.1 * random.signed();
+            let radius = 2.5 + tube_radius * tube.cos();
+            [radius * around.cos(), radius * around.sin(), tube_radius * tube.sin()]
+        })
+        .collect();
+    mesh.scene(&slaves, options)
+}
+
+/// All numbers of a result, as bits.
+fn bits(contact: &ContactRef<'_>) -> Vec<u64> {
+    let point = &contact.point;
+    let values = std::iter::once(&point.gap).chain(&point.foot).chain(&point.normal);
+    values.chain(contact.gradient).chain(contact.hessian).map(|x| x.to_bits()).collect()
+}
+
+type Everything = (RefreshReport, RefreshReport, Vec<(String, Vec<u32>, Vec<u64>)>);
+
+/// Refresh, move, refresh again, evaluate.
+fn everything(threads: usize, options: InterfaceOptions) -> Everything {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(|| {
+        let mut scene = scene(1500, options);
+        let first = scene.refresh();
+        for x in &mut scene.positions[scene.first..] {
+            x[0] += 0.03;
+        }
+        let second = scene.refresh();
+        let contacts = scene.interface.evaluate(Mode::Hessian).unwrap();
+        let results = contacts
+            .iter()
+            .map(|contact| (format!("{:?}", contact.outcome), contact.nodes.to_vec(), bits(&contact)));
+        (first, second, results.collect())
+    })
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let search = SearchOptions::default().with_rule(NeighbourRule::hull_radius(Some(2)));
+    let element = ContactElement::Diffuse { weight: Weight::Cubic, frame: FrameDerivative::Frozen, search };
+    for options in [InterfaceOptions::default(), InterfaceOptions { element, ..Default::default() }] {
+        let one = everything(1, options);
+        assert!(one.1.kept > 100 && one.1.changed > 50 && one.1.largest_gap_jump.is_some(), "{:?}", one.1);
+        assert!(one.0.paired > 1000 && one.2.iter().any(|(outcome, ..)| outcome.contains("BeyondBorder")));
+        for threads in [2, 5] {
+            assert!(everything(threads, options) == one, "{threads} threads");
+        }
+    }
+}
+
+#[test]
+fn streaming_gives_the_same_as_holding_everything() {
+    let mut scene = scene(700, InterfaceOptions::default());
+    scene.refresh();
+    for mode in [Mode::Value, Mode::Gradient, Mode::Hessian] {
+        let mut streamed = Vec::new();
+        let record = |contact: ContactRef<'_>| (contact.slave, contact.outcome, bits(&contact));
+        scene.interface.for_each(mode, |contact| streamed.push(record(contact))).unwrap();
+        let contacts = scene.interface.evaluate(mode).unwrap();
+        assert_eq!(contacts.mode(), mode);
+        assert_eq!(streamed, contacts.iter().map(record).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn an_interface_without_slaves_has_nothing_to_say() {
+    for options in [InterfaceOptions::default(), InterfaceOptions::node_to_facet()] {
+        let mut scene = scene(0, options);
+        assert_eq!(scene.refresh(), RefreshReport::default());
+        assert!(scene.interface.evaluate(Mode::Hessian).unwrap().is_empty());
+        scene.interface.for_each(Mode::Hessian, |_| panic!("no slave")).unwrap();
+    }
+}
+
+#[test]
+fn what_the_caller_has_to_mend_is_an_error() {
+    let mesh = Mesh::plane(2.0, 2.0, 1.0);
+    let positions = [mesh.positions.clone(), vec![[1.0, 1.0, 0.1], [0.5, 0.5, 0.1]]].concat();
+    let new = |slaves: &[usize], options: InterfaceOptions| {
+        ContactInterface::new(mesh.surface(), slaves.to_vec(), &[], &positions, options)
+    };
+    let refused = |slaves: &[usize]| new(slaves, InterfaceOptions::default()).unwrap_err();
+    assert_eq!(refused(&[9, 11]), InterfaceError::SlaveOutOfRange { index: 1, node: 11, count: 11 });
+    assert_eq!(refused(&[9, 10, 9]), InterfaceError::RepeatedSlave { node: 9 });
+    assert_eq!(refused(&[9, 4]), InterfaceError::SlaveOnMaster { node: 4 });
+    let default = InterfaceOptions::default();
+    for options in [
+        InterfaceOptions { feature_angle_degrees: -1.0, ..default },
+        InterfaceOptions { feature_angle_degrees: f64::NAN, ..default },
+        InterfaceOptions { hysteresis: -0.1, ..default },
+        InterfaceOptions { border_tolerance: f64::INFINITY, ..default },
+        InterfaceOptions { distance_limit: Some(0.0), ..default },
+        InterfaceOptions { distance_limit: Some(f64::NAN), ..default },
+        InterfaceOptions {
+            element: ContactElement::Diffuse {
+                weight: Weight::Cubic,
+                frame: FrameDerivative::CoMoving,
+                search: SearchOptions { candidates: 1, ..SearchOptions::default() },
+            },
+            ..default
+        },
+    ] {
+        assert_eq!(new(&[9], options).unwrap_err().code(), "invalid-option", "{options:?}");
+    }
+
+    let mut interface = new(&[9, 10], default).unwrap();
+    interface.refresh_pairing(&positions).unwrap();
+    let before = bits(&interface.evaluate(Mode::Gradient).unwrap().get(0));
+    let wrong = interface.update(&positions[1..]).unwrap_err();
+    assert_eq!(wrong, InterfaceError::WrongNumberOfPositions { found: 10, expected: 11 });
+    for node in [0, 10] {
+        let mut broken = positions.clone();
+        broken[node][2] = f64::NAN;
+        for error in [interface.update(&broken).unwrap_err(), interface.refresh_pairing(&broken).unwrap_err()]
+        {
+            assert!(
+                matches!(error, InterfaceError::Surface(SurfaceError::NonFinitePosition { node: k, .. }) if k == node)
+            );
+        }
+    }
+    assert_eq!(
+        bits(&interface.evaluate(Mode::Gradient).unwrap().get(0)),
+        before,
+        "bad positions are not taken"
+    );
+}
+
+#[test]
+fn a_facet_element_is_paired_with_the_corners_of_the_closest_facet() {
+    let mesh = Mesh::plane(6.0, 6.0, 1.0);
+    let options = InterfaceOptions { distance_limit: Some(1.0), ..InterfaceOptions::node_to_facet() };
+    let slaves = [[2.3, 1.6, 0.1], [2.6, 2.6, -0.2], [3.0, 3.0, 1.5], [6.8, 3.0, 0.1], [7.4, 3.0, 0.1]];
+    let mut scene = mesh.scene(&slaves, options);
+    let report = scene.refresh();
+    assert_eq!((report.paired, report.gained), (3, 3));
+    assert_eq!(report.without.iter().collect::<Vec<_>>(), [(&"too-far", &2)]);
+    let surface = mesh.surface();
+    let index = surface.at(&mesh.positions).unwrap();
+    let contacts = scene.interface.evaluate(Mode::Hessian).unwrap();
+    for k in [0, 1, 3] {
+        let closest = index.closest(slaves[k]).unwrap();
+        let facet = surface.facet(closest.facet);
+        let nodes: Vec<usize> = contacts.get(k).nodes.iter().map(|&node| node as usize).collect();
+        assert_eq!(nodes, facet.corners());
+    }
+    assert!([2, 4].into_iter().all(|k| contacts.get(k).nodes.is_empty()));
+}
+
+#[test]
+fn coincident_masters_and_slaves_on_them_have_an_outcome() {
+    // Two nodes of a flat grid coincide in the deformed state, and slaves sit on nodes.
+    let mesh = Mesh::plane(6.0, 6.0, 1.0);
+    let slaves: Vec<Point> = mesh.positions.iter().map(|x| [x[0], x[1], 0.0]).collect();
+    let mut scene = mesh.paired(&slaves, InterfaceOptions::default());
+    assert!(
+        scene
+            .interface
+            .evaluate(Mode::Hessian)
+            .unwrap()
+            .iter()
+            .all(|contact| contact.point.gap.abs() < 1e-14)
+    );
+    scene.positions[24] = scene.positions[25];
+    scene.update();
+    check(&mut scene, Mode::Hessian);
+    scene.refresh();
+    check(&mut scene, Mode::Hessian);
+    // Everything in one point, and on one line.
+    for flatten in [[0.0, 0.0], [1.0, 0.0]] {
+        for x in &mut scene.positions {
+            *x = [x[0] * flatten[0], x[1] * flatten[1], 0.0];
+        }
+        scene.update();
+        check(&mut scene, Mode::Hessian);
+        scene.refresh();
+        check(&mut scene, Mode::Hessian);
+        assert!(scene.interface.evaluate(Mode::Value).unwrap().iter().all(|c| !c.outcome.is_contact()));
+    }
+}
+
+/// Contact with finite numbers, or a reason and no numbers; not for values alone.
+fn check(scene: &mut Scene, mode: Mode) {
+    let contacts = scene.interface.evaluate(mode).unwrap();
+    for contact in contacts.iter() {
+        let point = &contact.point;
+        let mut values = std::iter::once(&point.gap).chain(&point.foot).chain(&point.normal);
+        assert!(values.all(|x| x.is_finite()), "{contact:?}");
+        if contact.outcome.is_contact() {
+            let freedoms = 3 * (contact.nodes.len() + 1);
+            let entries = if mode == Mode::Hessian { freedoms * (freedoms + 1) / 2 } else { 0 };
+            assert_eq!((contact.gradient.len(), contact.hessian.len()), (freedoms, entries));
+            assert!(contact.gradient.iter().chain(contact.hessian).all(|x| x.is_finite()), "{contact:?}");
+        } else {
+            assert!(contact.gradient.is_empty() && contact.hessian.is_empty());
+            assert!(!contact.outcome.code().is_empty());
+        }
+    }
+}
+
+/// Any finite number, more often an ordinary one.
+fn coordinate() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        8 => -3.0..3.0,
+        3 => (-3i32..=3).prop_map(f64::from),
+        1 => prop_oneof![Just(0.0), Just(1e-300), Just(1e74), Just(-1e74), Just(1e-20), Just(1e12)],
+    ]
+}
+
+fn point() -> impl Strategy<Value = Point> {
+    [coordinate(), coordinate(), coordinate()]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 300,
+        rng_seed: RngSeed::Fixed(2008),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    /// The surface is sound when it is connected; then everything moves anywhere.
+    #[test]
+    fn garbage_positions_end_in_a_number_or_a_reason(
+        garbage in prop::collection::vec(point(), 45),
+        share in 0.0..1.0,
+        frozen in any::<bool>(),
+        facets in any::<bool>(),
+        hysteresis in prop_oneof![Just(0.0), Just(0.5)],
+    ) {
+        let frame = if frozen { FrameDerivative::Frozen } else { FrameDerivative::CoMoving };
+        let element = if facets {
+            ContactElement::NodeToFacet
+        } else {
+            ContactElement::Diffuse { weight: Weight::Cubic, frame, search: SearchOptions::default() }
+        };
+        let options = InterfaceOptions { element, hysteresis, ..InterfaceOptions::default() };
+        let mesh = Mesh::plane(5.0, 5.0, 1.0);
+        let slaves: Vec<Point> = (0..9).map(|k| [0.7 + 0.5 * f64::from(k), 2.3, 0.1]).collect();
+        let mut scene = mesh.paired(&slaves, options);
+        check(&mut scene, Mode::Hessian);
+        let at_rest = scene.positions.clone();
+        // A part of the nodes, or all, go astray.
+        let count = (share * 50.0) as usize;
+        for (k, x) in garbage.iter().enumerate().take(count) {
+            scene.positions[(7 * k) % at_rest.len()] = *x;
+        }
+        scene.update();
+        check(&mut scene, Mode::Hessian);
+        let report = scene.refresh();
+        let without: usize = report.without.values().sum();
+        prop_assert_eq!(report.paired + without, 9);
+        prop_assert_eq!(report.paired, report.kept + report.renewed + report.changed + report.gained);
+        check(&mut scene, Mode::Hessian);
+        scene.positions = at_rest;
+        scene.refresh();
+        check(&mut scene, Mode::Gradient);
+    }
+
+    /// Facets at random: refused by name, or a surface that can be used.
+    #[test]
+    fn garbage_facets_are_refused_or_work(
+        positions in prop::collection::vec(point(), 12),
+        corners in prop::collection::vec(([0usize..11, 0usize..11, 0usize..11, 0usize..11], any::<bool>()), 1..6),
+    ) {
+        let facets: Vec<Facet> = corners
+            .iter()
+            .map(|&([a, b, c, d], quad)| if quad { Facet::Quadrilateral([a, b, c, d]) } else { Facet::Triangle([a, b, c]) })
+            .collect();
+        if let Ok(surface) = MasterSurface::new(&positions, facets) {
+            let made = ContactInterface::new(surface, vec![11], &[], &positions, InterfaceOptions::default());
+            let mut scene = Scene { first: 11, interface: made.unwrap(), positions };
+            scene.refresh();
+            check(&mut scene, Mode::Hessian);
+        }
+    }
+}

@@ -5,7 +5,8 @@
 //! appears only when it is complete. Exit code 1 is left to `check`, when the kernels do not pass.
 //!
 //! Two parts are of use to other programs: [`interpreted`], the third backend of the element, which evaluates the
-//! formulas' expression graph as it stands, and [`check`], which compares the backends with each other.
+//! formulas' expression graph as it stands (for facets: [`interpreted_facets`]), and [`check`], which compares the
+//! backends with each other.
 //!
 //! ```
 //! use diffuse_contact::{Backend, Basis, Element, Frame, Mode, Weight};

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! formula    text of a weight                    "(1 - r)^2 * (1 + 2*r)"
-//! model      basis, weight, fit, foot, gap       formulas over a graph
+//! model      basis, weight, fit, foot, gap, facet formulas over a graph
 //! graph      hash-consed expressions             simplification, derivatives, substitution
 //! structure  sums, systems, roots                first and second derivatives of implicit quantities
 //! lower      structured nodes to arithmetic      unrolled factorisation and solves

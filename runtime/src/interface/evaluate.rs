@@ -128,7 +128,7 @@ impl Evaluator<'_> {
         Ok((frame, masters))
     }
 
-    fn gather<'s>(&self, paired: &Paired<'_>, scratch: &'s mut ElementScratch) -> &'s [Point] {
+    pub fn gather<'s>(&self, paired: &Paired<'_>, scratch: &'s mut ElementScratch) -> &'s [Point] {
         scratch.masters.clear();
         scratch.masters.extend(paired.masters.iter().map(|&node| self.positions[node as usize]));
         &scratch.masters

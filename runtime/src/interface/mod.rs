@@ -52,6 +52,7 @@
 //! ```
 
 mod contacts;
+mod element;
 mod error;
 mod evaluate;
 mod options;
@@ -62,6 +63,7 @@ mod report;
 mod scratch;
 
 pub use contacts::{ContactRef, Contacts};
+pub use element::PairedElement;
 pub use error::InterfaceError;
 pub use options::{ContactElement, InterfaceOptions};
 pub use outcome::{NoContact, Outcome};
@@ -149,6 +151,19 @@ impl ContactInterface {
     #[must_use]
     pub fn slaves(&self) -> &[usize] {
         self.pairings.layout.slaves()
+    }
+
+    /// The element of the `k`-th slave at the positions of the moment, to be looked at or evaluated by itself.
+    ///
+    /// # Errors
+    /// [`NoContact`] if the slave is not paired or its masters have no average plane.
+    ///
+    /// # Panics
+    /// If there is no such slave.
+    pub fn element(&self, k: usize) -> Result<PairedElement, NoContact> {
+        let Self { master, options, positions, creases, pairings, .. } = self;
+        let evaluator = Evaluator { surface: master, creases, positions, options };
+        evaluator.paired_element(&pairings.get(k)?, &mut ElementScratch::default())
     }
 
     /// Takes over the positions at which the next evaluation takes place. The pairing is left as it is.

@@ -1,0 +1,55 @@
+//! One element of an interface, taken out.
+
+use super::evaluate::{ElementScratch, Evaluator};
+use super::pairings::Paired;
+use super::{ContactElement, NoContact};
+use crate::Point;
+use crate::pairing::Pairing;
+
+/// A slave node and what it is paired with, at the positions of the moment.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PairedElement {
+    /// A diffuse element.
+    Diffuse {
+        /// Position of the slave node.
+        slave: Point,
+        /// Masters with their positions, frame, support radius, basis and weight; [`Pairing::element`] makes the element
+        /// that a [`Backend`](crate::Backend) evaluates.
+        pairing: Pairing,
+    },
+    /// An element of slave and facet, a [`FacetElement`](crate::FacetElement).
+    Facet {
+        /// Position of the slave node.
+        slave: Point,
+        /// Positions of the facet's corners.
+        corners: Vec<Point>,
+    },
+}
+
+impl Evaluator<'_> {
+    /// A copy of a paired element.
+    pub fn paired_element(
+        &self,
+        paired: &Paired<'_>,
+        scratch: &mut ElementScratch,
+    ) -> Result<PairedElement, NoContact> {
+        let slave = self.positions[paired.slave];
+        Ok(match self.options.element {
+            ContactElement::Diffuse { weight, .. } => {
+                let (frame, positions) = self.frame(paired, scratch)?;
+                let pairing = Pairing {
+                    masters: paired.masters.iter().map(|&node| node as usize).collect(),
+                    positions: positions.to_vec(),
+                    frame,
+                    support_radius: paired.record.support_radius,
+                    basis: paired.record.basis,
+                    weight,
+                };
+                PairedElement::Diffuse { slave, pairing }
+            }
+            ContactElement::NodeToFacet => {
+                PairedElement::Facet { slave, corners: self.gather(paired, scratch).to_vec() }
+            }
+        })
+    }
+}

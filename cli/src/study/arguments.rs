@@ -42,6 +42,9 @@ pub struct SweepArguments {
     /// All curves to write
     #[arg(long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
+    /// Make the cells so many times smaller, 1 to 8
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
+    pub refine: u32,
     /// Steps around the loop, 100 to 1000000
     #[arg(long, value_name = "N", default_value_t = 4800, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
     pub steps: u32,

@@ -10,11 +10,12 @@ use crate::demo::status;
 const OTHER: i32 = 99;
 
 /// Number, name, meaning.
-const CODES: [(i32, &str, &str); 5] = [
+const CODES: [(i32, &str, &str); 6] = [
     (13, "not-paired", "there has been no search for master nodes"),
     (14, "too-far", "the closest facet is farther away than the distance limit"),
     (15, "no-candidate", "no master nodes on its side of sharp edges carry a smooth surface"),
-    (16, "unavailable", "the element has no kernel in this build"),
+    (16, "beyond-centre-of-curvature", "the slave is so far away that the foot is not the closest point"),
+    (17, "degenerate-facet", "the closest facet has no normal at the foot"),
     (OTHER, "other", "a reason this table does not know"),
 ];
 
@@ -40,7 +41,7 @@ pub fn describe(code: &str) -> (i32, &'static str) {
 
 /// The arrays of the file, for the help.
 pub fn help() -> String {
-    let rows = all().map(|(number, name, meaning)| format!("  {number:>2}  {name:<24}{meaning}"));
+    let rows = all().map(|(number, name, meaning)| format!("  {number:>2}  {name:<27}{meaning}"));
     let rows: Vec<String> = rows.collect();
     format!(
         "Arrays of the nodes:
@@ -78,7 +79,6 @@ mod tests {
             (NoContact::BeyondBorder { distance: 1.0, tolerance: 0.0 }, 12),
             (NoContact::NotPaired, 13),
             (NoContact::TooFar { distance: 2.0, limit: 1.0 }, 14),
-            (NoContact::Unavailable, 16),
         ];
         for (reason, expected) in cases {
             assert_eq!(number(Outcome::None(reason)), expected, "{reason}");

@@ -1,7 +1,7 @@
 //! The `surface` job: the whole contact interface of a mesh, one refresh and one evaluation with all derivatives.
 //!
-//! The order of the work is the order of the modules: [`slaves`] picks the two surfaces, [`nodes`] pairs and evaluates every
-//! slave node, [`scene`] writes the slave surface for ParaView, [`report`] sums up.
+//! The order of the work is the order of the modules: [`slaves`] picks the two surfaces, [`nodes`] pairs and
+//! evaluates every slave node, [`scene`] writes the slave surface for ParaView, [`report`] sums up.
 
 mod arguments;
 mod legend;

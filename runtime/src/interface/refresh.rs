@@ -218,9 +218,8 @@ impl Refresh<'_> {
         self.is_regular(&renewed, element) && self.evaluator.gap(&renewed, element).is_ok()
     }
 
-    /// Whether the masters of a diffuse element still carry the fit, and will until the next refresh: without those that the
-    /// slave would leave behind the support radius if it slid on by half of what the hysteresis allows. A few masters
-    /// within the radius may all be needed, and the last of them loses its weight quickly.
+    /// Whether the masters of a diffuse element still carry the fit, and will until the next refresh: also without
+    /// those that would fall out of the support if the slave slid on by half of what the hysteresis allows.
     fn is_regular(&self, old: &Paired<'_>, scratch: &mut ElementScratch) -> bool {
         let Evaluator { positions, options, .. } = self.evaluator;
         let ContactElement::Diffuse { search, .. } = options.element else { return true };
@@ -230,8 +229,10 @@ impl Refresh<'_> {
             let offset = Vector3::from(x) - slave;
             [frame.t1, frame.t2].map(|axis| offset.dot(&Vector3::from(axis)))
         });
-        let radius = old.record.support_radius * (1.0 - 0.5 * options.hysteresis.min(1.0));
-        let found = regularity(offsets, radius).of(old.record.basis);
+        let radius = old.record.support_radius;
+        let inner = radius * (1.0 - 0.5 * options.hysteresis.min(1.0));
+        let stay = offsets.filter(|[a, b]| a.hypot(*b) < inner);
+        let found = regularity(stay, radius).of(old.record.basis);
         found > KEPT_REGULARITY * search.smallest_regularity
     }
 

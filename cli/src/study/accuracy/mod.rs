@@ -81,7 +81,8 @@ fn errors(
 fn beside_published(all: &[Measurement]) -> Table {
     let columns = ["cell", "element", "published", "largest", "mean"].map(String::from);
     let places = PLACES.map(|[s, t]| format!("at ({s}, {t})"));
-    let heading = "Cylinder: gap error beside the figures of Chamoret et al. 2008; (s, t) is a place of the cell, s around the axis";
+    let heading = "Cylinder: gap error beside the figures of Chamoret et al. 2008; (s, t) is a place of the cell, \
+                   s around the axis";
     let mut table = Table::new(heading, columns.into_iter().chain(places));
     for (size, published) in PUBLISHED {
         for (name, figure) in PUBLISHED_ELEMENTS.into_iter().zip(published) {

@@ -34,8 +34,10 @@ pub fn run(arguments: &SweepArguments) -> Result<(), CliError> {
     }
     let cases = Case::all();
     let bar = progress("steps", cases.len() * arguments.steps as usize);
-    let curves: Result<Vec<Curve>, StudyError> =
-        cases.into_par_iter().map(|case| sweep(case, arguments.steps, || bar.inc(1))).collect();
+    let curves: Result<Vec<Curve>, StudyError> = cases
+        .into_par_iter()
+        .map(|case| sweep(case, arguments.refine, arguments.steps, || bar.inc(1)))
+        .collect();
     bar.finish_and_clear();
     let curves = curves?;
     if let Some(path) = &arguments.output {
@@ -45,7 +47,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), CliError> {
     if let Some(path) = &arguments.csv {
         output::write_file(path, |writer| write_csv(writer, &curves))?;
     }
-    output::write_stdout(|writer| write!(writer, "{}", table(&curves, arguments.steps)))
+    output::write_stdout(|writer| write!(writer, "{}", table(&curves, arguments)))
 }
 
 /// The facets, and the default rule with each weight, paired anew at every step.
@@ -62,31 +64,38 @@ fn lines(curves: &[Curve]) -> Vec<Line<'_>> {
         .collect()
 }
 
-fn table(curves: &[Curve], steps: u32) -> Table {
-    let heading = format!("A loop of {steps} steps, {} cells deep; lengths in cells", scene::DEPTH);
+fn table(curves: &[Curve], arguments: &SweepArguments) -> Table {
+    let SweepArguments { refine, steps, .. } = arguments;
+    let heading = format!(
+        "Waves 1 high and {} long, cells of side 1/{refine}, a loop of {steps} steps at depth {}",
+        scene::WAVELENGTH,
+        scene::DEPTH
+    );
     let columns = [
         "neighbours",
         "weight",
         "pairing",
         "changes",
+        "steps lost",
         "gap, smallest to largest",
         "largest gap jump",
-        "% of the gap's range",
+        "in % of the gap's range",
         "largest kink of the normal",
-        "work ∮F·dx / ∮|F||dx|",
+        "work ∮F·dx over ∮‖F‖‖dx‖",
     ];
     let mut table = Table::new(heading, columns);
     for curve in curves {
         let [smallest, largest] = curve.gaps();
         let figures = [
             curve.changes.to_string(),
+            curve.lost.to_string(),
             format!("{smallest:.4} to {largest:.4}"),
             format!("{:.1e}", curve.gap_jump),
             format!("{:.1}", 100.0 * curve.gap_jump / (largest - smallest)),
             format!("{:.3}°", curve.kink_degrees),
             format!("{:+.1e}", curve.work / curve.effort),
         ];
-        table.row(curve.case.names().map(String::from).into_iter().chain(figures));
+        table.row(curve.case.names().into_iter().chain(figures));
     }
     table
 }
@@ -98,7 +107,7 @@ fn write_csv(writer: &mut dyn Write, curves: &[Curve]) -> io::Result<()> {
         "neighbours,weight,pairing,step,x,y,z,gap,force_x,force_y,force_z,normal_x,normal_y,normal_z"
     )?;
     for curve in curves {
-        let case = curve.case.names().map(|name| if name == "–" { "" } else { name }).join(",");
+        let case = curve.case.names().map(|name| if name == "–" { String::new() } else { name }).join(",");
         for (step, state) in curve.states.iter().enumerate() {
             let [x, y, z] = state.position;
             let ([f, g, h], [a, b, c]) = (state.force, state.normal);

@@ -1,4 +1,4 @@
-//! A wavy surface and a closed path just below it. Lengths are in cells of the mesh.
+//! A wavy surface and a closed path just below it. The unit of length is the height of the waves over their middle.
 
 use std::f64::consts::TAU;
 
@@ -6,12 +6,12 @@ use diffuse_contact::Point;
 
 use crate::study::patch::Patch;
 
-/// Cells along each side.
-const CELLS: usize = 24;
+/// Length of each side: two waves. The coarsest mesh has cells of side 1.
+const SIDE: usize = 24;
 /// Height of the waves.
 const AMPLITUDE: f64 = 1.0;
 /// Length of the waves.
-const WAVELENGTH: f64 = 12.0;
+pub const WAVELENGTH: f64 = 12.0;
 /// How deep below the exact surface the path runs.
 pub const DEPTH: f64 = 0.05;
 /// How far the path reaches from the middle.
@@ -27,15 +27,16 @@ fn surface(x: f64, y: f64) -> (Point, Point) {
     ([x, y, AMPLITUDE * sin_x * sin_y], normal)
 }
 
-/// The mesh, nodes on the exact surface, outside above.
-pub fn mesh() -> Patch {
-    Patch::new([CELLS; 2], |x, y| surface(x, y).0)
+/// The mesh with cells of side 1/`refine`, nodes on the exact surface, outside above.
+pub fn mesh(refine: u32) -> Patch {
+    let size = 1.0 / f64::from(refine);
+    Patch::new([SIDE * refine as usize; 2], |i, j| surface(size * i, size * j).0)
 }
 
 /// The slave's position at `turn`, from 0 to 1 around the path: a Lissajous figure that runs over the facets in all
 /// directions, at constant depth below the exact surface.
 pub fn path(turn: f64) -> Point {
-    let middle = 0.5 * CELLS as f64;
+    let middle = 0.5 * SIDE as f64;
     let [x, y] = [2.0 * TAU * turn + 0.3, 3.0 * TAU * turn].map(|angle| middle + REACH * angle.sin());
     let (position, normal) = surface(x, y);
     std::array::from_fn(|axis| position[axis] - DEPTH * normal[axis])

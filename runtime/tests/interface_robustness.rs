@@ -4,12 +4,16 @@
 mod common;
 
 use common::{Mesh, Scene, Uniform};
+use diffuse_contact::ad::Ad;
 use diffuse_contact::interface::{
-    ContactElement, ContactInterface, ContactRef, InterfaceError, InterfaceOptions, RefreshReport,
+    ContactElement, ContactInterface, ContactRef, InterfaceError, InterfaceOptions, PairedElement,
+    RefreshReport,
 };
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
 use diffuse_contact::surface::{Facet, MasterSurface, SurfaceError};
-use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
+use diffuse_contact::{
+    Backend, ContactPoint, Element, FacetElement, Frame, FrameDerivative, Generated, Mode, Point, Weight,
+};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -218,7 +222,7 @@ fn check(scene: &mut Scene, mode: Mode) {
             let entries = if mode == Mode::Hessian { freedoms * (freedoms + 1) / 2 } else { 0 };
             assert_eq!((contact.gradient.len(), contact.hessian.len()), (freedoms, entries));
             assert!(contact.gradient.iter().chain(contact.hessian).all(|x| x.is_finite()), "{contact:?}");
-            confirmed_by_ad(&elements[place].as_ref().unwrap(), &contact);
+            confirmed_by_ad(elements[place].as_ref().unwrap(), &contact);
         } else {
             assert!(contact.gradient.is_empty() && contact.hessian.is_empty());
             assert!(!contact.outcome.code().is_empty());
@@ -227,18 +231,42 @@ fn check(scene: &mut Scene, mode: Mode) {
 }
 
 /// What comes with a contact is what automatic differentiation of the same element says.
+///
+/// Of surfaces steeper than 1000, which lose digits by the square of their slope, it is asked nothing, nor of slaves 1000
+/// facets away. A surface may have several
+/// feet: where AD finds another one, or one that is no nearest point, the kernel's has to be a foot of AD's surface.
 fn confirmed_by_ad(element: &PairedElement, contact: &ContactRef<'_>) {
     let mode = if contact.hessian.is_empty() { Mode::Gradient } else { Mode::Hessian };
+    let offsets = |nodes: &[Point], slave: Point| {
+        let offsets = nodes.iter().flat_map(|x| (0..3).map(|k| (x[k] - slave[k]).abs()));
+        offsets.fold(0.0, f64::max)
+    };
     let (expected, size) = match element {
         PairedElement::Diffuse { slave, pairing } => {
-            (Ad.gap(&pairing.element(*slave), mode).unwrap(), pairing.support_radius)
+            let (element, size) = (pairing.element(*slave), pairing.support_radius);
+            if offsets(&pairing.positions, *slave) > 1e3 * size {
+                return;
+            }
+            let error = foot_error(&element, &contact.point);
+            assert!(error < 1e-9, "{error:e} {contact:?}");
+            (Ad.gap(&element, mode), size)
         }
         PairedElement::Facet { slave, corners } => {
-            let size =
-                corners.iter().map(|x| (x[0] - slave[0]).hypot(x[1] - slave[1]).hypot(x[2] - slave[2]));
-            (Ad.facet_gap(&FacetElement { slave: *slave, corners }, mode).unwrap(), size.fold(0.0, f64::max))
+            let facet = FacetElement { slave: *slave, corners };
+            let size = (0..3).map(|k| (corners[0][k] - corners[1][k]).powi(2)).sum::<f64>().sqrt();
+            if offsets(corners, *slave) > 1e3 * size {
+                return;
+            }
+            let natural = Generated.facet_point(&facet).unwrap().natural;
+            let expected = Ad.facet_gap_near(&facet, natural, mode).unwrap();
+            assert!(distance(expected.foot, contact.point.foot) <= 1e-6 * size, "{contact:?}");
+            (Ok(expected), size)
         }
     };
+    let Ok(expected) = expected else { return };
+    if distance(expected.foot, contact.point.foot) > 1e-6 * size {
+        return;
+    }
     let largest = |x: &[f64]| x.iter().map(|x| x.abs()).fold(0.0, f64::max);
     let difference = |x: &[f64], y: &[f64]| {
         x.iter().zip(y).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max) / largest(y).max(f64::MIN_POSITIVE)
@@ -246,9 +274,25 @@ fn confirmed_by_ad(element: &PairedElement, contact: &ContactRef<'_>) {
     let gap = (contact.point.gap - expected.gap).abs() / size;
     let n = difference(contact.gradient, &expected.gradient);
     let m = difference(contact.hessian, expected.hessian.packed());
-    if gap > 1e-12 || n > 1e-11 || m > 1e-11 {
-        println!("DIFF {gap:e} {n:e} {m:e}");
-    }
+    assert!(gap < 1e-9 && n < 1e-9 && m < 1e-9, "{gap:e} {n:e} {m:e} {element:?}");
+}
+
+fn distance(x: Point, y: Point) -> f64 {
+    (0..3).map(|k| (x[k] - y[k]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// How far the foot is from one of AD's surface: its height, and the slave's distance from the normal there, over the
+/// support radius and the surface's slope.
+fn foot_error(element: &Element<'_>, point: &ContactPoint) -> f64 {
+    let along = |axis: Point| (0..3).map(|k| (point.foot[k] - element.slave[k]) * axis[k]).sum::<f64>();
+    let Frame { t1, t2, normal, .. } = element.frame;
+    let u = [along(t1), along(t2)];
+    let surface = Ad.surface(element, u, Mode::Value).unwrap();
+    let [f_1, f_2] = surface.slopes;
+    let steepness = 1.0 + f_1.abs() + f_2.abs();
+    let residuals = [along(normal) - surface.value, u[0] + surface.value * f_1, u[1] + surface.value * f_2];
+    residuals.into_iter().map(|r| r.abs() / (steepness * steepness)).fold(0.0, f64::max)
+        / element.support_radius
 }
 
 /// Any finite number, more often an ordinary one.
@@ -266,7 +310,7 @@ fn point() -> impl Strategy<Value = Point> {
 
 proptest! {
     #![proptest_config(ProptestConfig {
-        cases: 300,
+        cases: 100,
         rng_seed: RngSeed::Fixed(2008),
         failure_persistence: None,
         ..ProptestConfig::default()
@@ -280,12 +324,13 @@ proptest! {
         frozen in any::<bool>(),
         facets in any::<bool>(),
         hysteresis in prop_oneof![Just(0.0), Just(0.5)],
+        weight in prop::sample::select(&Weight::ALL[..]),
     ) {
         let frame = if frozen { FrameDerivative::Frozen } else { FrameDerivative::CoMoving };
         let element = if facets {
             ContactElement::NodeToFacet
         } else {
-            ContactElement::Diffuse { weight: Weight::Cubic, frame, search: SearchOptions::default() }
+            ContactElement::Diffuse { weight, frame, search: SearchOptions::default() }
         };
         let options = InterfaceOptions { element, hysteresis, ..InterfaceOptions::default() };
         let mesh = Mesh::plane(5.0, 5.0, 1.0);

@@ -55,6 +55,11 @@ use clap::Parser;
 
 use args::{Arguments, Command, DemoArguments};
 
+/// The page on contact surfaces, whose example is run with the documentation tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/contact-surface.md")]
+pub struct ContactSurfacePage;
+
 /// Exit code for input the program cannot use, the same as for arguments it does not know.
 const BAD_INPUT: u8 = 2;
 

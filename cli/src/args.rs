@@ -11,6 +11,8 @@ use crate::backend::BackendKind;
 use crate::check::NodeCounts;
 use crate::demo::status;
 use crate::error::report;
+use crate::study::StudyArguments;
+use crate::surface::SurfaceArguments;
 
 /// Smooth 3D contact surfaces: gap, exact gradient and exact Hessian of the diffuse contact element.
 ///
@@ -30,12 +32,16 @@ pub enum Command {
     Demo(DemoArguments),
     /// Evaluate the elements of a JSON file and print gap, normal, N, M, residual and tangent as JSON.
     Evaluate(EvaluateArguments),
+    /// Evaluate all slave nodes of a mesh's contact interface and write their gaps for ParaView.
+    Surface(SurfaceArguments),
     /// Search the master nodes around the slaves of a JSON file by convex hulls and print them as JSON.
     Neighbours(NeighboursArguments),
     /// Print a kernel's source and its operation counts.
     Emit(EmitArguments),
     /// Compare the generated kernels with automatic differentiation and with the interpreter of their graph.
     Check(CheckArguments),
+    /// Measure accuracy, smoothness and speed of contact surfaces on meshes of known shape.
+    Study(StudyArguments),
 }
 
 /// Arguments of `demo`.
@@ -255,7 +261,7 @@ pub const fn frame_name(frame: FrameRule) -> &'static str {
 }
 
 /// Parser for a choice by name.
-fn named<T: Copy + Send + Sync + 'static, const COUNT: usize>(
+pub fn named<T: Copy + Send + Sync + 'static, const COUNT: usize>(
     all: [T; COUNT],
     name: fn(T) -> &'static str,
 ) -> impl TypedValueParser<Value = T> {

@@ -11,6 +11,7 @@ use diffuse_contact_codegen::{Basis, ConfigError, Mode, Output};
 use diffuse_contact_mesh::MeshError;
 
 use crate::check::NoElement;
+use crate::study::StudyError;
 
 /// Why the program stops. The text is the sentence the user reads after `error: `.
 #[derive(Debug, thiserror::Error)]
@@ -101,6 +102,35 @@ pub enum CliError {
         /// Why not.
         reason: ElementError,
     },
+    /// A set of the mesh cannot serve in a contact interface.
+    #[error("{mesh}: set \"{set}\": {reason}")]
+    Interface {
+        /// The file.
+        mesh: String,
+        /// The set.
+        set: String,
+        /// Why not, with facets and nodes named as in the file.
+        reason: String,
+    },
+    /// An option has no meaning beside another one.
+    #[error("{option} has no meaning beside {beside}")]
+    MeaninglessOption {
+        /// The option.
+        option: &'static str,
+        /// Beside what.
+        beside: &'static str,
+    },
+    /// So many threads cannot be started.
+    #[error("--threads {threads}: {reason}")]
+    Threads {
+        /// What was asked for.
+        threads: usize,
+        /// What the system says.
+        reason: rayon::ThreadPoolBuildError,
+    },
+    /// A study cannot be made.
+    #[error(transparent)]
+    Study(#[from] StudyError),
     /// A formula is no weight. If it cannot be read, the formula itself follows below the sentence, with a mark.
     #[error("--weight: {0}")]
     Weight(#[from] WeightError),

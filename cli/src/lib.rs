@@ -31,6 +31,7 @@ mod args;
 mod backend;
 pub mod check;
 mod contact_mesh;
+mod contact_options;
 mod demo;
 mod emit;
 mod error;
@@ -42,13 +43,22 @@ mod neighbours;
 mod outcome;
 mod output;
 mod progress;
+mod study;
+mod surface;
+mod threads;
 pub mod weight;
+mod words;
 
 use std::process::ExitCode;
 
 use clap::Parser;
 
 use args::{Arguments, Command, DemoArguments};
+
+/// The page on contact surfaces, whose example is run with the documentation tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/contact-surface.md")]
+pub struct ContactSurfacePage;
 
 /// Exit code for input the program cannot use, the same as for arguments it does not know.
 const BAD_INPUT: u8 = 2;
@@ -65,9 +75,11 @@ pub fn main() -> ExitCode {
         None => demo::run(&DemoArguments::default()).map(done),
         Some(Command::Demo(arguments)) => demo::run(&arguments).map(done),
         Some(Command::Evaluate(arguments)) => evaluate::run(&arguments).map(done),
+        Some(Command::Surface(arguments)) => surface::run(&arguments).map(done),
         Some(Command::Neighbours(arguments)) => neighbours::run(&arguments).map(done),
         Some(Command::Emit(arguments)) => emit::run(&arguments).map(done),
         Some(Command::Check(arguments)) => check::run(&arguments),
+        Some(Command::Study(arguments)) => study::run(&arguments).map(done),
     };
     match outcome {
         Ok(code) => code,

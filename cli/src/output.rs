@@ -5,6 +5,7 @@ use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use diffuse_contact_mesh::{VtuError, VtuFile};
+use serde::Serialize;
 
 use crate::error::CliError;
 
@@ -62,6 +63,14 @@ pub fn write_vtu(path: &Path, grid: &VtuFile<'_>) -> Result<(), CliError> {
 pub fn write_stdout(fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliError> {
     let mut writer = BufWriter::new(io::stdout().lock());
     fill(&mut writer).and_then(|()| writer.flush()).map_err(CliError::Stdout)
+}
+
+/// Writes a document to standard output, indented, with a line's end.
+pub fn write_json(document: &impl Serialize) -> Result<(), CliError> {
+    write_stdout(|writer| {
+        serde_json::to_writer_pretty(&mut *writer, document)?;
+        writeln!(writer)
+    })
 }
 
 fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {

@@ -479,6 +479,26 @@ fn the_hull_radius_takes_in_every_node_inside() {
     }
 }
 
+/// Nodes at the rim of the radius have next to no weight; where a fit needed them it was gone after a small step.
+#[test]
+fn the_fit_within_the_hull_radius_outlives_a_small_step() {
+    let (grid, _) = lattice([1.0, 0.0], [0.0, 1.0], 6);
+    let nodes = NearestNodes::new(grid.clone()).unwrap();
+    let options = SearchOptions::default().with_rule(NeighbourRule::hull_radius(None));
+    for k in 0..400 {
+        let [x, y] = [k % 20, k / 20].map(|place| f64::from(place) / 20.0);
+        let found = find(&grid, [x, y, 0.0], options).unwrap();
+        let pairing = found.pairing(&nodes, Weight::Cubic);
+        for direction in 0..8 {
+            let (sin, cos) = (f64::from(direction) * std::f64::consts::FRAC_PI_4).sin_cos();
+            let step = 0.05 * found.support_radius;
+            let slave = [x + step * cos, y + step * sin, 0.1];
+            let gap = Generated.gap(&pairing.element(slave), Mode::Value).unwrap();
+            assert!((gap.gap - 0.1).abs() < 1e-10, "{x} {y} {direction}: {}", gap.gap);
+        }
+    }
+}
+
 #[test]
 fn the_nearest_nodes_are_extended_until_they_carry_the_fit() {
     let (grid, _) = lattice([1.0, 0.0], [0.0, 1.0], 5);

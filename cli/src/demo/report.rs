@@ -3,16 +3,13 @@
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
-use std::time::Duration;
 
 use super::cross_check::CrossCheck;
 use super::nodes::SlaveNodes;
 use super::sampling::SmoothSurface;
 use super::status;
 use super::surfaces::Surfaces;
-
-/// Width of the left column.
-const LABEL: usize = 22;
+use crate::words::{counted, duration, row};
 
 /// Relative difference beyond which the table warns: far above rounding, far below any error of derivation.
 const AGREEMENT: f64 = 1e-9;
@@ -157,44 +154,5 @@ impl Report<'_> {
         writeln!(f, "  0  slave nodes       colour by gap, or by status (0 is ok); Representation: Points")?;
         writeln!(f, "  1  master facets     Representation: Surface With Edges")?;
         writeln!(f, "  2  smooth surface    colour by facet_height, the height of the facets over it")
-    }
-}
-
-/// One line of the table.
-fn row(f: &mut fmt::Formatter<'_>, label: &str, value: &str) -> fmt::Result {
-    writeln!(f, "{label:<LABEL$}{value}")
-}
-
-/// A number of things, in the plural unless it is one.
-fn counted(count: usize, what: &str) -> String {
-    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
-}
-
-/// A time with three digits and a fitting unit.
-fn duration(time: Duration) -> String {
-    let seconds = time.as_secs_f64();
-    let (value, unit) = match seconds {
-        s if s < 1e-3 => (s * 1e6, "µs"),
-        s if s < 1.0 => (s * 1e3, "ms"),
-        s => (s, "s"),
-    };
-    let digits = if value < 10.0 { 2 } else { usize::from(value < 100.0) };
-    format!("{value:.digits$} {unit}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn times_have_three_digits_and_a_unit() {
-        assert_eq!(duration(Duration::from_nanos(4_321)), "4.32 µs");
-        assert_eq!(duration(Duration::from_micros(12_345)), "12.3 ms");
-        assert_eq!(duration(Duration::from_millis(123_000)), "123 s");
-    }
-
-    #[test]
-    fn one_thing_is_singular() {
-        assert_eq!((counted(1, "node"), counted(2, "node")), ("1 node".into(), "2 nodes".into()));
     }
 }

@@ -39,6 +39,11 @@ pub fn describe(number: i32) -> (&'static str, &'static str) {
         .map_or(("other", "a reason this table does not know"), |(_, name, meaning)| (name, meaning))
 }
 
+/// Every number but that of reasons this list does not know, with its name and meaning.
+pub fn all() -> impl Iterator<Item = (i32, &'static str, &'static str)> {
+    CODES.into_iter()
+}
+
 /// All numbers with their names and meanings, for the help.
 pub fn table() -> String {
     let rows = CODES.iter().map(|(number, name, meaning)| format!("  {number:>2}  {name:<24}{meaning}"));

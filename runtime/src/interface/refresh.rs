@@ -218,7 +218,8 @@ impl Refresh<'_> {
         self.is_regular(&renewed, element) && self.evaluator.gap(&renewed, element).is_ok()
     }
 
-    /// Whether the masters of a diffuse element still carry the fit.
+    /// Whether the masters of a diffuse element still carry the fit, and will until the next refresh: also without
+    /// those that would fall out of the support if the slave slid on by half of what the hysteresis allows.
     fn is_regular(&self, old: &Paired<'_>, scratch: &mut ElementScratch) -> bool {
         let Evaluator { positions, options, .. } = self.evaluator;
         let ContactElement::Diffuse { search, .. } = options.element else { return true };
@@ -228,7 +229,10 @@ impl Refresh<'_> {
             let offset = Vector3::from(x) - slave;
             [frame.t1, frame.t2].map(|axis| offset.dot(&Vector3::from(axis)))
         });
-        let found = regularity(offsets, old.record.support_radius).of(old.record.basis);
+        let radius = old.record.support_radius;
+        let inner = radius * (1.0 - 0.5 * options.hysteresis.min(1.0));
+        let stay = offsets.filter(|[a, b]| a.hypot(*b) < inner);
+        let found = regularity(stay, radius).of(old.record.basis);
         found > KEPT_REGULARITY * search.smallest_regularity
     }
 

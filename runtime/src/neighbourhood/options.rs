@@ -32,7 +32,8 @@ pub enum NeighbourRule {
         max_layers: usize,
     },
     /// The hull layers set the support radius, and all nodes inside it take part: a node that comes into reach
-    /// enters with weight zero.
+    /// enters with weight zero. Those in the outermost tenth of the radius do not count for
+    /// [`smallest_regularity`](SearchOptions::smallest_regularity).
     HullRadius {
         /// How many to start with; `None` for as many as make the fit well conditioned, at least one.
         layers: Option<usize>,

@@ -24,6 +24,10 @@ const NARROW: f64 = 1e-6;
 /// the relative pivots of A have to exceed this, ten times what a [`Backend`](crate::Backend) tolerates.
 const SMALLEST_PIVOT: f64 = 1e-6;
 
+/// A node that a given support radius takes in counts for regularity up to this fraction of the radius: one at the
+/// rim has next to no weight, and a fit that needs it is gone as soon as the slave moves away from it.
+const RIM: f64 = 0.9;
+
 /// Searches neighbourhoods. One object serves any number of slaves and clouds and keeps its scratch
 /// memory from one search to the next; threads take a clone each.
 #[derive(Clone, Debug)]
@@ -214,7 +218,8 @@ impl NeighbourSearch {
                 continue;
             }
             let length = |k: &usize| self.offsets[*k][0].hypot(self.offsets[*k][1]);
-            let radius = self.options.radius_factor * members.iter().map(length).fold(0.0, f64::max);
+            let farthest = members.iter().map(length).fold(0.0, f64::max);
+            let radius = self.options.radius_factor * farthest;
             let inside: Vec<usize>;
             let (taking_part, given_radius) = match self.options.rule {
                 NeighbourRule::HullRadius { .. } => {
@@ -227,7 +232,10 @@ impl NeighbourSearch {
             if !so_far.complete && may_grow {
                 return None;
             }
-            let regularity = regularity(taking_part.iter().map(|&k| self.offsets[k]), radius);
+            // All members count.
+            let rim = farthest.max(RIM * radius);
+            let counted = taking_part.iter().filter(|k| length(k) <= rim);
+            let regularity = regularity(counted.map(|&k| self.offsets[k]), radius);
             let local = Local { nodes: taking_part, given_radius, plane: projection.plane };
             let extended = so_far.layers.len().saturating_sub(fewest);
             if let Some(found) = self.attempt(query, &so_far, &local, regularity, extended, &mut attempts) {

@@ -1,0 +1,122 @@
+//! The error of gap and normal on surfaces of known shape.
+//!
+//! Slave nodes sit on the exact surface, 20 × 20 of them all over one cell of the mesh, the nodes' corner, the middles of
+//! edges and the middle of the facet among them. Their gap ought to be zero and their normal the exact one.
+
+mod measure;
+mod shapes;
+
+use crate::error::CliError;
+use crate::output;
+use crate::study::arguments::AccuracyArguments;
+use crate::study::markdown::Table;
+
+pub use measure::angle;
+
+use measure::{Measurement, SIZES, elements, measure, order};
+use shapes::Shape;
+
+/// Published figures for the cylinder of radius 100 (Chamoret et al. 2008): cell in degrees, cubic weight, interpolating
+/// weight, facets. The points they belong to are not published.
+const PUBLISHED: [(f64, [f64; 3]); 2] = [(22.5, [0.441, 0.112, 1.92]), (10.0, [0.0176, 0.0055, 0.381])];
+/// The same elements by their names here.
+const PUBLISHED_ELEMENTS: [&str; 3] = ["cubic", "cubic-interpolating", "facets"];
+/// Places of the cell, (around the axis, along it), whose errors stand beside the published ones.
+const PLACES: [[f64; 2]; 3] = [[0.2, 0.5], [0.5, 0.2], [0.5, 0.5]];
+
+/// Measures and prints.
+pub fn run(arguments: &AccuracyArguments) -> Result<(), CliError> {
+    let elements = elements();
+    let mut all = Vec::new();
+    for shape in Shape::ALL {
+        for size in SIZES {
+            for &element in &elements {
+                all.push(measure(shape, size, element)?);
+            }
+        }
+    }
+    if arguments.json {
+        return output::write_json(&all);
+    }
+    let names: Vec<&str> = elements.iter().map(|(name, _)| *name).collect();
+    output::write_stdout(|writer| {
+        for shape in Shape::ALL {
+            let found: Vec<&Measurement> = all.iter().filter(|found| found.shape == shape).collect();
+            let gap = errors(&found, &names, "gap error", |m| [m.gap_max, m.gap_mean]);
+            writeln!(writer, "{gap}")?;
+            let of = |m: &Measurement| [m.normal_max_degrees, m.normal_mean_degrees];
+            writeln!(writer, "{}", errors(&found, &names, "error of the normal in degrees", of))?;
+        }
+        write!(writer, "{}", beside_published(&all))
+    })
+}
+
+/// One row for each size, one column for each element: largest and mean error, and the order of the largest.
+fn errors(
+    found: &[&Measurement],
+    names: &[&'static str],
+    what: &str,
+    of: impl Fn(&Measurement) -> [f64; 2],
+) -> Table {
+    let description = found.first().map(|first| first.shape.description()).unwrap_or_default();
+    let heading = format!("{description}: {what}, largest / mean (order of the largest)");
+    let mut table = Table::new(heading, ["cell"].iter().chain(names).copied());
+    let mut coarser: Option<(f64, Vec<[f64; 2]>)> = None;
+    for size in SIZES {
+        let row: Vec<[f64; 2]> =
+            found.iter().filter(|found| found.cell_degrees == size).map(|found| of(found)).collect();
+        let cells = row.iter().enumerate().map(|(k, [largest, mean])| {
+            let before = coarser.as_ref().and_then(|(size, row)| Some((*size, row.get(k)?[0])));
+            let order = before.and_then(|(before, error)| order([error, *largest], [before, size]));
+            let order = order.map(|order| format!(" ({order:.1})")).unwrap_or_default();
+            format!("{} / {}{order}", digits(*largest), digits(*mean))
+        });
+        table.row(std::iter::once(format!("{size}°")).chain(cells));
+        coarser = Some((size, row));
+    }
+    table
+}
+
+/// The cylinder's errors beside the published figures.
+fn beside_published(all: &[Measurement]) -> Table {
+    let columns = ["cell", "element", "published", "largest", "mean"].map(String::from);
+    let places = PLACES.map(|[s, t]| format!("at ({s}, {t})"));
+    let heading = "Cylinder: gap error beside the figures of Chamoret et al. 2008; (s, t) is a place of the cell, \
+                   s around the axis";
+    let mut table = Table::new(heading, columns.into_iter().chain(places));
+    for (size, published) in PUBLISHED {
+        for (name, figure) in PUBLISHED_ELEMENTS.into_iter().zip(published) {
+            let found = all.iter().find(|found| {
+                found.shape == Shape::Cylinder && found.cell_degrees == size && found.element == name
+            });
+            let Some(found) = found else { continue };
+            let places = PLACES.map(|place| digits(found.gap_at(place)));
+            let cells = [format!("{size}°"), name.into(), figure.to_string()];
+            let measured = [digits(found.gap_max), digits(found.gap_mean)];
+            table.row(cells.into_iter().chain(measured).chain(places));
+        }
+    }
+    table
+}
+
+/// Three digits.
+fn digits(value: f64) -> String {
+    match value {
+        0.0 => "0".into(),
+        v if v.abs() < 1e-4 => format!("{v:.2e}"),
+        v => {
+            let decimals = (2.0 - v.abs().log10().floor()).max(0.0) as usize;
+            format!("{v:.decimals$}")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_three_digits() {
+        assert_eq!([1.918, 0.01562, 0.381, 3.2e-5].map(digits), ["1.92", "0.0156", "0.381", "3.20e-5"]);
+    }
+}

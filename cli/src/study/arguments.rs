@@ -1,0 +1,65 @@
+//! What can be asked of `study`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+use crate::threads;
+
+/// Arguments of `study`.
+#[derive(Args, Clone, Debug)]
+pub struct StudyArguments {
+    /// The study.
+    #[command(subcommand)]
+    pub study: Study,
+}
+
+/// The studies.
+#[derive(Subcommand, Clone, Debug)]
+pub enum Study {
+    /// Error of gap and normal on meshes of a cylinder, a sphere and a torus, with the observed orders.
+    Accuracy(AccuracyArguments),
+    /// Sweep a slave node along a closed path: jumps of the gap, kinks of the normal, work around the loop.
+    Sweep(SweepArguments),
+    /// Time and memory of a large interface.
+    Throughput(ThroughputArguments),
+}
+
+/// Arguments of `study accuracy`.
+#[derive(Args, Clone, Debug)]
+pub struct AccuracyArguments {
+    /// Print JSON instead of Markdown tables
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `study sweep`.
+#[derive(Args, Clone, Debug)]
+pub struct SweepArguments {
+    /// Plot of gap and force to write
+    #[arg(short, long, value_name = "FILE.svg")]
+    pub output: Option<PathBuf>,
+    /// All curves to write
+    #[arg(long, value_name = "FILE.csv")]
+    pub csv: Option<PathBuf>,
+    /// Make the cells so many times smaller, 1 to 8
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
+    pub refine: u32,
+    /// Steps around the loop, 100 to 1000000
+    #[arg(long, value_name = "N", default_value_t = 4800, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
+    pub steps: u32,
+}
+
+/// Arguments of `study throughput`.
+#[derive(Args, Clone, Debug)]
+pub struct ThroughputArguments {
+    /// Slave nodes, and as many master nodes: 64 to 10000000, rounded up to a square
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(64..=10_000_000))]
+    pub nodes: u64,
+    /// Number of threads [default: one for each processor]
+    #[arg(long, value_name = "K", value_parser = threads::parse)]
+    pub threads: Option<usize>,
+    /// Print JSON instead of a table
+    #[arg(long)]
+    pub json: bool,
+}

@@ -1,0 +1,118 @@
+//! How smooth the contact is along a path: a slave node is swept around a closed loop over a wavy mesh, at a constant depth
+//! below the exact surface, and paired anew at every step.
+//!
+//! A frictionless surface does no work around a closed loop. What work there is comes from the jumps of the gap where the
+//! pairing changes.
+
+mod plot;
+mod run;
+mod scene;
+
+use std::io::{self, Write};
+
+use diffuse_contact::interface::ContactElement;
+use plotters::style::RGBColor;
+use rayon::prelude::*;
+
+use super::StudyError;
+use super::arguments::SweepArguments;
+use super::markdown::Table;
+use crate::error::CliError;
+use crate::output;
+use crate::progress::progress;
+
+use plot::Line;
+use run::{Case, Curve, sweep};
+
+/// Colours that stay apart for the colour-blind.
+const COLOURS: [RGBColor; 3] = [RGBColor(213, 94, 0), RGBColor(0, 114, 178), RGBColor(0, 158, 115)];
+
+/// Sweeps all cases, writes the files and prints the table.
+pub fn run(arguments: &SweepArguments) -> Result<(), CliError> {
+    for path in arguments.output.iter().chain(&arguments.csv) {
+        output::check_target(path)?;
+    }
+    let cases = Case::all();
+    let bar = progress("steps", cases.len() * arguments.steps as usize);
+    let curves: Result<Vec<Curve>, StudyError> = cases
+        .into_par_iter()
+        .map(|case| sweep(case, arguments.refine, arguments.steps, || bar.inc(1)))
+        .collect();
+    bar.finish_and_clear();
+    let curves = curves?;
+    if let Some(path) = &arguments.output {
+        let picture = plot::draw(&lines(&curves))?;
+        output::write_file(path, |writer| writer.write_all(picture.as_bytes()))?;
+    }
+    if let Some(path) = &arguments.csv {
+        output::write_file(path, |writer| write_csv(writer, &curves))?;
+    }
+    output::write_stdout(|writer| write!(writer, "{}", table(&curves, arguments)))
+}
+
+/// The facets, and the default rule with each weight, paired anew at every step.
+fn lines(curves: &[Curve]) -> Vec<Line<'_>> {
+    let labels = ["facets", "diffuse, cubic weight", "diffuse, interpolating weight"];
+    let shown = curves.iter().filter(|curve| match curve.case.element {
+        _ if curve.case.kept => false,
+        ContactElement::Diffuse { search, .. } => search == Default::default(),
+        ContactElement::NodeToFacet => true,
+    });
+    shown
+        .zip(labels.into_iter().zip(COLOURS))
+        .map(|(curve, (label, colour))| Line { label, colour, curve })
+        .collect()
+}
+
+fn table(curves: &[Curve], arguments: &SweepArguments) -> Table {
+    let SweepArguments { refine, steps, .. } = arguments;
+    let heading = format!(
+        "Waves 1 high and {} long, cells of side 1/{refine}, a loop of {steps} steps at depth {}",
+        scene::WAVELENGTH,
+        scene::DEPTH
+    );
+    let columns = [
+        "neighbours",
+        "weight",
+        "pairing",
+        "changes",
+        "steps lost",
+        "gap, smallest to largest",
+        "largest gap jump",
+        "in % of the gap's range",
+        "largest kink of the normal",
+        "work ∮F·dx over ∮‖F‖‖dx‖",
+    ];
+    let mut table = Table::new(heading, columns);
+    for curve in curves {
+        let [smallest, largest] = curve.gaps();
+        let figures = [
+            curve.changes.to_string(),
+            curve.lost.to_string(),
+            format!("{smallest:.4} to {largest:.4}"),
+            format!("{:.1e}", curve.gap_jump),
+            format!("{:.1}", 100.0 * curve.gap_jump / (largest - smallest)),
+            format!("{:.3}°", curve.kink_degrees),
+            format!("{:+.1e}", curve.work / curve.effort),
+        ];
+        table.row(curve.case.names().into_iter().chain(figures));
+    }
+    table
+}
+
+/// One line for each step of each case.
+fn write_csv(writer: &mut dyn Write, curves: &[Curve]) -> io::Result<()> {
+    writeln!(
+        writer,
+        "neighbours,weight,pairing,step,x,y,z,gap,force_x,force_y,force_z,normal_x,normal_y,normal_z"
+    )?;
+    for curve in curves {
+        let case = curve.case.names().map(|name| if name == "–" { String::new() } else { name }).join(",");
+        for (step, state) in curve.states.iter().enumerate() {
+            let [x, y, z] = state.position;
+            let ([f, g, h], [a, b, c]) = (state.force, state.normal);
+            writeln!(writer, "{case},{step},{x},{y},{z},{},{f},{g},{h},{a},{b},{c}", state.gap)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,159 @@
+//! Time and memory of a large interface: a wavy master surface of quadrilaterals, and as many slave nodes on a grid that
+//! is shifted and a little finer, just above and below it.
+
+use std::fmt;
+use std::time::Instant;
+
+use diffuse_contact::interface::{ContactInterface, InterfaceOptions, NoContact, Outcome};
+use diffuse_contact::surface::MasterSurface;
+use diffuse_contact::{Mode, Point};
+use serde::Serialize;
+
+use super::StudyError;
+use super::arguments::ThroughputArguments;
+use super::patch::Patch;
+use crate::error::CliError;
+use crate::output;
+use crate::progress::progress;
+use crate::threads::with_threads;
+use crate::words::row;
+
+/// Height of the waves, in cells.
+const AMPLITUDE: f64 = 1.0;
+/// Length of the waves, in cells.
+const WAVELENGTH: f64 = 16.0;
+/// The slaves' grid begins and ends so many cells inside the master's.
+const INSET: f64 = 1.3;
+/// How far slaves lie off the exact surface at most, in cells.
+const DISTANCE: f64 = 0.05;
+
+/// What was found.
+#[derive(Debug, Serialize)]
+struct Throughput {
+    /// Slave nodes, and master nodes.
+    nodes: usize,
+    threads: usize,
+    /// Slaves with a gap.
+    contacts: usize,
+    /// Mean number of masters of a slave with a gap.
+    masters: f64,
+    /// Connecting the facets and checking the surface.
+    connect_s: f64,
+    /// Index, search and pairing of all slaves, nothing kept.
+    refresh_s: f64,
+    /// Index and check of all slaves, all pairings kept.
+    refresh_kept_s: f64,
+    /// Gap, N and M of all slaves, streamed.
+    evaluate_s: f64,
+    /// Peak memory of the process, if the system tells.
+    peak_memory_mib: Option<f64>,
+}
+
+/// Measures and prints.
+pub fn run(arguments: &ThroughputArguments) -> Result<(), CliError> {
+    let side = (arguments.nodes as f64).sqrt().ceil() as usize;
+    let found = with_threads(arguments.threads, || Ok(measure(side)?))?;
+    if arguments.json {
+        return output::write_json(&found);
+    }
+    output::write_stdout(|writer| write!(writer, "{found}"))
+}
+
+/// The interface of `side`² slaves and `side`² masters.
+fn measure(side: usize) -> Result<Throughput, StudyError> {
+    let (mut positions, slaves, facets) = scene(side);
+    let (master, connect_s) = timed(|| MasterSurface::new(&positions, facets));
+    let nodes = slaves.len();
+    let options = InterfaceOptions::default();
+    let mut interface = ContactInterface::new(master?, slaves, &[], &positions, options)?;
+    let (refreshed, refresh_s) = timed(|| interface.refresh_pairing(&positions));
+    refreshed?;
+    // A small slide, as between two iterations.
+    for position in &mut positions[side * side..] {
+        position[0] += 1e-3;
+    }
+    let (refreshed, refresh_kept_s) = timed(|| interface.refresh_pairing(&positions));
+    refreshed?;
+    drop(positions);
+    let bar = progress("slave nodes", nodes);
+    let (mut contacts, mut masters, mut reason) = (0, 0, None::<(usize, NoContact)>);
+    let (streamed, evaluate_s) = timed(|| {
+        interface.for_each(Mode::Hessian, |contact| {
+            match contact.outcome {
+                Outcome::Contact { .. } => {
+                    contacts += 1;
+                    masters += contact.nodes.len();
+                }
+                Outcome::None(why) => reason = reason.or(Some((contact.slave, why))),
+            }
+            bar.inc(1);
+        })
+    });
+    bar.finish_and_clear();
+    streamed?;
+    // Times of slaves without contact would be too good.
+    if let Some((slave, reason)) = reason {
+        return Err(StudyError::NoContact { case: format!("{nodes} nodes"), slave, reason });
+    }
+    Ok(Throughput {
+        nodes,
+        threads: rayon::current_num_threads(),
+        contacts,
+        masters: masters as f64 / contacts as f64,
+        connect_s,
+        refresh_s,
+        refresh_kept_s,
+        evaluate_s,
+        peak_memory_mib: peak_memory_mib(),
+    })
+}
+
+/// Positions of masters and, behind them, slaves; indices of the slaves; facets of the master.
+fn scene(side: usize) -> (Vec<Point>, Vec<usize>, Vec<diffuse_contact::surface::Facet>) {
+    let wave = std::f64::consts::TAU / WAVELENGTH;
+    let height = |x: f64, y: f64| AMPLITUDE * (wave * x).sin() * (wave * y).cos();
+    let Patch { mut positions, facets } = Patch::new([side - 1; 2], |x, y| [x, y, height(x, y)]);
+    let width = (side - 1) as f64;
+    let step = (width - 2.0 * INSET) / width;
+    let slaves = (0..side * side).map(|k| {
+        let [x, y] = [k % side, k / side].map(|place| INSET + step * place as f64);
+        let above = if k % 2 == 0 { DISTANCE } else { -DISTANCE };
+        positions.push([x, y, height(x, y) + above]);
+        positions.len() - 1
+    });
+    let slaves = slaves.collect();
+    (positions, slaves, facets)
+}
+
+/// What a step returns, and how long it took in seconds.
+fn timed<T>(step: impl FnOnce() -> T) -> (T, f64) {
+    let start = Instant::now();
+    let result = step();
+    (result, start.elapsed().as_secs_f64())
+}
+
+/// The largest resident memory of this process, as Linux counts it.
+fn peak_memory_mib() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes / 1024.0)
+}
+
+impl fmt::Display for Throughput {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let each = |seconds: f64| {
+            let micro = 1e6 * seconds / self.nodes as f64;
+            format!("{seconds:.3} s, {micro:.2} µs for each slave")
+        };
+        row(f, "slave, master nodes", &format!("{0}, {0}", self.nodes))?;
+        row(f, "threads", &self.threads.to_string())?;
+        row(f, "contacts", &format!("{}, {:.1} master nodes each", self.contacts, self.masters))?;
+        row(f, "connect the surface", &each(self.connect_s))?;
+        row(f, "refresh, all paired", &each(self.refresh_s))?;
+        row(f, "refresh, all kept", &each(self.refresh_kept_s))?;
+        row(f, "gap, N and M", &each(self.evaluate_s))?;
+        let memory = self.peak_memory_mib.map_or("n/a".into(), |mib| format!("{mib:.0} MiB"));
+        row(f, "peak memory", &memory)
+    }
+}

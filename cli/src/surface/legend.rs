@@ -1,0 +1,88 @@
+//! What became of a slave node, as a number for ParaView and as words for people.
+//!
+//! The numbers of `demo` mean the same here; those that only a whole interface knows follow them.
+
+use diffuse_contact::interface::Outcome;
+
+use crate::demo::status;
+
+/// A reason this list does not know.
+const OTHER: i32 = 99;
+
+/// Number, name, meaning.
+const CODES: [(i32, &str, &str); 6] = [
+    (13, "not-paired", "there has been no search for master nodes"),
+    (14, "too-far", "the closest facet is farther away than the distance limit"),
+    (15, "no-candidate", "no master nodes on its side of sharp edges carry a smooth surface"),
+    (16, "beyond-centre-of-curvature", "the slave is so far away that the foot is not the closest point"),
+    (17, "degenerate-facet", "the closest facet has no normal at the foot"),
+    (OTHER, "other", "a reason this table does not know"),
+];
+
+/// All numbers with names and meanings.
+fn all() -> impl Iterator<Item = (i32, &'static str, &'static str)> {
+    let contact = (status::OK, "contact", "gap, normal and foot are valid");
+    let shared = status::all().filter(|(number, ..)| *number != status::OK);
+    std::iter::once(contact).chain(shared).chain(CODES)
+}
+
+/// The number of an outcome.
+pub fn number(outcome: Outcome) -> i32 {
+    let code = outcome.code();
+    all().find(|(_, name, _)| *name == code).map_or(OTHER, |(number, ..)| number)
+}
+
+/// Number and meaning of a code.
+pub fn describe(code: &str) -> (i32, &'static str) {
+    all()
+        .find(|(_, name, _)| *name == code)
+        .map_or((OTHER, "see the library"), |(number, _, meaning)| (number, meaning))
+}
+
+/// The arrays of the file, for the help.
+pub fn help() -> String {
+    let rows = all().map(|(number, name, meaning)| format!("  {number:>2}  {name:<27}{meaning}"));
+    let rows: Vec<String> = rows.collect();
+    format!(
+        "Arrays of the nodes:
+  gap      signed distance from the master surface, negative in penetration; NaN where there is no contact
+  normal   unit normal of the master surface at the foot; zero where there is none
+  foot     the point of the master surface the gap is measured from; NaN where there is none
+  masters  number of master nodes
+  basis    polynomial degree of the smooth surface: 2, 1 where the master nodes carry no more, 0 where there is none
+  area     tributary area of the node, if the slave set has facets
+  outcome  what became of the node:\n{}",
+        rows.join("\n")
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use diffuse_contact::ElementError;
+    use diffuse_contact::interface::NoContact;
+    use diffuse_contact::neighbourhood::Fallback;
+
+    use super::*;
+
+    #[test]
+    fn every_number_has_one_meaning() {
+        let numbers: Vec<i32> = all().map(|(number, ..)| number).collect();
+        assert!(numbers.is_sorted_by(|a, b| a < b), "{numbers:?}");
+    }
+
+    #[test]
+    fn outcomes_have_their_numbers() {
+        assert_eq!(number(Outcome::Contact { fallback: Fallback::None }), 0);
+        let singular = ElementError::SingularFit { pivot_ratio: 0.0, tolerance: 1e-12 };
+        let cases = [
+            (NoContact::Element { error: singular }, 7),
+            (NoContact::BeyondBorder { distance: 1.0, tolerance: 0.0 }, 12),
+            (NoContact::NotPaired, 13),
+            (NoContact::TooFar { distance: 2.0, limit: 1.0 }, 14),
+        ];
+        for (reason, expected) in cases {
+            assert_eq!(number(Outcome::None(reason)), expected, "{reason}");
+            assert_eq!(describe(reason.code()).0, expected);
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Master surface and slave nodes of a mesh, ready for an interface.
+
+use diffuse_contact::interface::InterfaceError;
+use diffuse_contact::surface::{Facet, SurfaceError};
+use diffuse_contact_mesh::{self as mesh, Mesh};
+
+use crate::args::SetArguments;
+use crate::contact_mesh::ContactMesh;
+use crate::error::CliError;
+
+/// The two surfaces, in the mesh's numbering of the nodes.
+pub struct Surfaces {
+    /// File name of the mesh.
+    pub name: String,
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Facets of the master set.
+    pub master: Vec<Facet>,
+    /// Slave nodes, ascending.
+    pub slaves: Vec<usize>,
+    /// Facets between slave nodes.
+    pub slave_facets: Vec<Facet>,
+    /// Whether every slave node is a corner of a slave facet, so that it has an area.
+    pub has_areas: bool,
+}
+
+impl Surfaces {
+    /// Picks the sets of a mesh. A slave set of nodes alone has no facets.
+    pub fn new(contact: ContactMesh, sets: &SetArguments) -> Self {
+        let ContactMesh { name, mesh, facets, slaves } = contact;
+        let is_slave = |node: &usize| slaves.binary_search(node).is_ok();
+        let slave_facets: Vec<Facet> = mesh
+            .facets(&sets.slave)
+            .unwrap_or_default()
+            .iter()
+            .filter(|facet| facet.nodes().iter().all(is_slave))
+            .map(facet_of)
+            .collect();
+        let mut is_corner = vec![false; mesh.nodes().len()];
+        for &node in slave_facets.iter().flat_map(Facet::corners) {
+            is_corner[node] = true;
+        }
+        let has_areas = slaves.iter().all(|&node| is_corner[node]);
+        let master = facets.iter().map(facet_of).collect();
+        Self { name, mesh, master, slaves, slave_facets, has_areas }
+    }
+
+    /// What the master set is refused for.
+    pub fn master_error(&self, set: &str, error: SurfaceError) -> CliError {
+        self.error(set, self.surface_sentence(&self.master, error))
+    }
+
+    /// What the interface is refused for.
+    pub fn interface_error(&self, sets: &SetArguments, error: InterfaceError) -> CliError {
+        let tag = |node: usize| self.mesh.node_tags()[node];
+        let sentence = match error {
+            InterfaceError::Surface(error) => self.surface_sentence(&self.slave_facets, error),
+            InterfaceError::SlaveOnMaster { node } => {
+                format!("node {} belongs to the set \"{}\", too", tag(node), sets.master)
+            }
+            other => other.to_string(),
+        };
+        self.error(&sets.slave, sentence)
+    }
+
+    fn error(&self, set: &str, reason: String) -> CliError {
+        CliError::Interface { mesh: self.name.clone(), set: set.to_owned(), reason }
+    }
+
+    /// The library's statement, with facets and nodes named as in the file.
+    fn surface_sentence(&self, facets: &[Facet], error: SurfaceError) -> String {
+        let tag = |node: usize| self.mesh.node_tags()[node];
+        let corners = |facet: usize| {
+            let tags: Vec<String> =
+                facets[facet].corners().iter().map(|&node| tag(node).to_string()).collect();
+            format!("the facet with the nodes {}", tags.join(", "))
+        };
+        match error {
+            SurfaceError::NoArea { facet, .. } => format!("{} has no area", corners(facet)),
+            SurfaceError::RepeatedNode { facet, node } => {
+                format!("{} has node {} for two of its corners", corners(facet), tag(node))
+            }
+            SurfaceError::BranchingEdge { nodes: [a, b], .. } => {
+                format!("more than two facets share the edge between the nodes {} and {}", tag(a), tag(b))
+            }
+            SurfaceError::InconsistentOrientation { nodes: [a, b], .. } => format!(
+                "two facets run through the edge from node {} to node {} in the same direction: one of them is flipped",
+                tag(a),
+                tag(b)
+            ),
+            SurfaceError::NonFinitePosition { node, value } => {
+                format!("node {} has the coordinate {value:e}, beyond 1e75", tag(node))
+            }
+            other => other.to_string(),
+        }
+    }
+}
+
+/// A facet of a mesh as one of a surface.
+fn facet_of(facet: &mesh::Facet) -> Facet {
+    match *facet {
+        mesh::Facet::Triangle(corners) => Facet::Triangle(corners),
+        mesh::Facet::Quadrilateral(corners) => Facet::Quadrilateral(corners),
+    }
+}

@@ -1,0 +1,92 @@
+//! Runs the studies and looks at what they find.
+
+mod common;
+
+use common::{Run, Scratch, run, run_in};
+use serde_json::Value;
+
+fn json(arguments: &[&str]) -> Value {
+    let Run { code, stdout, stderr } = run(arguments);
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    serde_json::from_str(&stdout).unwrap()
+}
+
+/// One number of `study accuracy --json`.
+fn error(all: &Value, shape: &str, degrees: f64, element: &str, what: &str) -> f64 {
+    let mut found = all.as_array().unwrap().iter().filter(|found| {
+        found["shape"] == shape && found["cell_degrees"] == degrees && found["element"] == element
+    });
+    found.next().unwrap()[what].as_f64().unwrap()
+}
+
+#[test]
+fn errors_fall_at_their_orders() {
+    let all = json(&["study", "accuracy", "--json"]);
+    assert_eq!(all.as_array().unwrap().len(), 3 * 5 * 4);
+    let order = |shape: &str, element: &str, what: &str| {
+        let [coarse, fine] = [10.0, 5.0].map(|size| error(&all, shape, size, element, what));
+        (coarse / fine).log2()
+    };
+    for shape in ["cylinder", "sphere", "torus"] {
+        assert!((order(shape, "facets", "gap_max") - 2.0).abs() < 0.15, "{shape}");
+        assert!((order(shape, "facets", "normal_max_degrees") - 1.0).abs() < 0.15, "{shape}");
+        for weight in ["cubic", "cubic-interpolating", "wendland-c2"] {
+            // A quadratic fit: third order at least, fourth where the mesh is nearly symmetric; its slope one less.
+            assert!(order(shape, weight, "gap_max") > 2.9, "{shape}, {weight}");
+            assert!(order(shape, weight, "normal_max_degrees") > 1.9, "{shape}, {weight}");
+        }
+    }
+    // The sagitta of a facet, in closed form.
+    for degrees in [22.5_f64, 10.0] {
+        let sagitta = 100.0 * (1.0 - (0.5 * degrees).to_radians().cos());
+        assert!((error(&all, "cylinder", degrees, "facets", "gap_max") - sagitta).abs() < 1e-9);
+    }
+    assert!(error(&all, "cylinder", 10.0, "cubic", "gap_max") < 0.0176);
+}
+
+#[test]
+fn tables_are_markdown() {
+    let Run { code, stdout, .. } = run(&["study", "accuracy"]);
+    assert_eq!(code, 0);
+    assert!(stdout.contains("| cell | facets | cubic | cubic-interpolating | wendland-c2 |"), "{stdout}");
+    assert!(stdout.contains("| 10° | facets | 0.381 | 0.381 |"), "{stdout}");
+}
+
+#[test]
+fn a_sweep_leaves_its_files() {
+    let scratch = Scratch::new("sweep");
+    let (picture, csv) = (scratch.path("sweep.svg"), scratch.path("sweep.csv"));
+    let Run { code, stdout, stderr } =
+        run(&["study", "sweep", "-o", &picture, "--csv", &csv, "--steps", "100"]);
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    // Facets, and four rules with two weights; each renewed and kept.
+    let cases = 2 * (1 + 4 * 2);
+    assert_eq!(stdout.lines().filter(|line| line.contains('°')).count(), cases, "{stdout}");
+    let picture = std::fs::read_to_string(&picture).unwrap();
+    assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"));
+    // Three curves in both panels, and in the legend.
+    for colour in ["#D55E00", "#0072B2", "#009E73"] {
+        assert_eq!(picture.matches(colour).count(), 3, "{colour}");
+    }
+    let csv = std::fs::read_to_string(&csv).unwrap();
+    assert_eq!(csv.lines().count(), 1 + 100 * cases);
+    let columns = csv.lines().next().unwrap().split(',').count();
+    assert!(csv.lines().all(|line| line.split(',').count() == columns));
+    run_in(&scratch, &["study", "sweep", "-o", "none/sweep.svg"])
+        .assert_refused(&["there is no directory none"]);
+    run(&["study", "sweep", "--steps", "5"]).assert_refused(&["'5'", "100"]);
+}
+
+#[test]
+fn a_large_interface_is_timed() {
+    let found = json(&["study", "throughput", "--nodes", "900", "--threads", "2", "--json"]);
+    assert_eq!(
+        (&found["nodes"], &found["contacts"], &found["threads"]),
+        (&900.into(), &900.into(), &2.into())
+    );
+    for time in ["connect_s", "refresh_s", "refresh_kept_s", "evaluate_s"] {
+        assert!(found[time].as_f64().unwrap() > 0.0, "{time}");
+    }
+    assert!(found["masters"].as_f64().unwrap() > 6.0);
+    run(&["study", "throughput", "--nodes", "3"]).assert_refused(&["'3'", "64"]);
+}

@@ -1,0 +1,179 @@
+//! Runs `surface` on the shipped meshes, on others, and on what is no interface.
+
+mod common;
+
+use common::{Run, Scratch, run, run_in};
+use serde_json::Value;
+
+/// A shipped mesh.
+fn shipped(name: &str) -> String {
+    format!("{}/../meshes/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A flat master of 4 × 4 unit quadrilaterals and one slave quadrilateral of side 1.5 that faces it, 0.5 above to 0.25 below.
+fn plane() -> String {
+    let mut text = String::from("*NODE\n");
+    let number = |i: usize, j: usize| 1 + i + 5 * j;
+    for j in 0..=4 {
+        for i in 0..=4 {
+            text += &format!("{}, {i}, {j}, 0\n", number(i, j));
+        }
+    }
+    text += "101, 1, 1, 0.5\n102, 2.5, 1, 0.5\n103, 2.5, 2.5, -0.25\n104, 1, 2.5, -0.25\n";
+    text += "*ELEMENT, TYPE=S4, ELSET=MASTER\n";
+    for j in 0..4 {
+        for i in 0..4 {
+            let corners = [number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)];
+            text += &format!("{}, {}\n", 1 + i + 4 * j, corners.map(|k| k.to_string()).join(", "));
+        }
+    }
+    text + "*ELEMENT, TYPE=S4, ELSET=SLAVE\n201, 101, 104, 103, 102\n*NSET, NSET=NODES\n101, 102, 103, 104\n"
+}
+
+/// The summary of a run that ends well and writes its file.
+fn summary(arguments: &[&str]) -> Value {
+    let Run { code, stdout, stderr } = run(arguments);
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    serde_json::from_str(&stdout).unwrap()
+}
+
+/// The numbers of one array of a VTU file with appended binary data.
+fn array(path: &str, name: &str) -> Vec<f64> {
+    let bytes = std::fs::read(path).unwrap();
+    let start = b"<AppendedData encoding=\"raw\">";
+    let data = bytes.windows(start.len()).position(|window| window == start).unwrap() + start.len();
+    let data = data + bytes[data..].iter().position(|&byte| byte == b'_').unwrap() + 1;
+    let head = String::from_utf8_lossy(&bytes[..data]).into_owned();
+    let tag = head.split('<').find(|tag| tag.contains(&format!("Name=\"{name}\""))).unwrap();
+    let value =
+        |key: &str| tag.split(&format!("{key}=\"")).nth(1).unwrap().split('"').next().unwrap().to_owned();
+    let offset: usize = value("offset").parse().unwrap();
+    let payload = &bytes[data + offset..];
+    let length = u64::from_le_bytes(payload[..8].try_into().unwrap()) as usize;
+    let payload = &payload[8..8 + length];
+    match value("type").as_str() {
+        "Float64" => payload.chunks(8).map(|x| f64::from_le_bytes(x.try_into().unwrap())).collect(),
+        "Int32" => payload.chunks(4).map(|x| f64::from(i32::from_le_bytes(x.try_into().unwrap()))).collect(),
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn every_slave_of_the_cylinder_has_its_gap() {
+    let scratch = Scratch::new("surface-cylinder");
+    let output = scratch.path("out.vtu");
+    for rule in ["hull-layers", "hull-radius", "nearest"] {
+        let mesh = shipped("plate_on_cylinder.msh");
+        let found = summary(&["surface", &mesh, "-o", &output, "--json", "--rule", rule]);
+        assert_eq!((&found["slaves"], &found["contacts"]), (&425.into(), &425.into()));
+        assert_eq!(found["without"], serde_json::json!({}));
+        // The distances from the true cylinder go from -0.5228 to 6.6336; the mesh is coarse.
+        assert!((found["smallest_gap"].as_f64().unwrap() + 0.5228).abs() < 2e-2, "{found}");
+        assert!((found["largest_gap"].as_f64().unwrap() - 6.6336).abs() < 2e-2, "{found}");
+        assert_eq!(found["element"]["rule"], rule);
+    }
+    let gaps = array(&output, "gap");
+    let (normals, feet) = (array(&output, "normal"), array(&output, "foot"));
+    assert_eq!((gaps.len(), normals.len(), feet.len()), (425, 3 * 425, 3 * 425));
+    assert!(array(&output, "outcome").iter().all(|&outcome| outcome == 0.0));
+    // The foot is where the gap says: x = foot + g ν.
+    let points = array(&output, "Points");
+    for (k, gap) in gaps.iter().enumerate() {
+        for axis in 3 * k..3 * k + 3 {
+            assert!((feet[axis] + gap * normals[axis] - points[axis]).abs() < 1e-9);
+        }
+    }
+    assert_eq!(scratch.names(), ["out.vtu"]);
+}
+
+#[test]
+fn both_formats_hold_the_same_interface() {
+    let scratch = Scratch::new("surface-formats");
+    let output = scratch.path("out.vtu");
+    let read = |name: &str| {
+        let mut found = summary(&["surface", &shipped(name), "-o", &output, "--json", "--threads", "1"]);
+        assert!(found["times_s"]["refresh"].as_f64().unwrap() >= 0.0);
+        found.as_object_mut().unwrap().remove("times_s");
+        found
+    };
+    assert_eq!(read("plate_on_cylinder.msh"), read("plate_on_cylinder.inp"));
+    let torus = read("torus_patch.msh");
+    assert_eq!(torus["slaves"], torus["contacts"], "{torus}");
+}
+
+#[test]
+fn weights_and_frames_are_those_asked_for() {
+    let scratch = Scratch::new("surface-options");
+    let output = scratch.path("out.vtu");
+    let mesh = shipped("torus_patch.msh");
+    let smallest = |options: &[&str]| {
+        let all = [&["surface", &mesh, "-o", &output, "--json"], options].concat();
+        summary(&all)["smallest_gap"].as_f64().unwrap()
+    };
+    let cubic = smallest(&[]);
+    assert_eq!(cubic, smallest(&["--weight", "cubic", "--frame-derivative", "co-moving"]));
+    // Held or moving, the frame is the same when the pairing has just been refreshed.
+    assert_eq!(cubic, smallest(&["--frame-derivative", "frozen"]));
+    for weight in ["cubic-interpolating", "wendland-c2"] {
+        let other = smallest(&["--weight", weight]);
+        assert!(other != cubic && (other - cubic).abs() < 0.05, "{weight}: {other} {cubic}");
+    }
+}
+
+#[test]
+fn a_plane_is_met_exactly() {
+    let scratch = Scratch::new("surface-plane");
+    let mesh = scratch.file("plane.inp", &plane());
+    let output = scratch.path("out.vtu");
+    let found =
+        summary(&["surface", &mesh, "--master", "MASTER", "--slave", "SLAVE", "-o", &output, "--json"]);
+    assert_eq!((&found["contacts"], &found["penetrating"]), (&4.into(), &2.into()));
+    assert!((found["smallest_gap"].as_f64().unwrap() + 0.25).abs() < 1e-13);
+    assert!((found["largest_gap"].as_f64().unwrap() - 0.5).abs() < 1e-13);
+    let area: f64 = array(&output, "area").iter().sum();
+    assert!((area - 1.5 * (1.5_f64.powi(2) + 0.75_f64.powi(2)).sqrt()).abs() < 1e-12, "{area}");
+    // A set of nodes has no areas.
+    let Run { code, stdout, .. } = run(&["surface", &mesh, "--slave", "NODES", "-o", &output]);
+    assert_eq!(code, 0);
+    assert!(stdout.contains("4 of 4 slave nodes") && stdout.contains("area            none"), "{stdout}");
+    assert!(!String::from_utf8_lossy(&std::fs::read(&output).unwrap()).contains("Name=\"area\""));
+}
+
+#[test]
+fn a_slave_beyond_the_border_has_a_number() {
+    let scratch = Scratch::new("surface-border");
+    let mesh = scratch.file("plane.inp", &plane().replace("101, 1, 1,", "101, -0.3, 1,"));
+    let output = scratch.path("out.vtu");
+    let found = summary(&["surface", &mesh, "-o", &output, "--json"]);
+    assert_eq!(found["without"], serde_json::json!({"beyond-border": 1}));
+    assert_eq!(array(&output, "outcome"), [12.0, 0.0, 0.0, 0.0]);
+    let gaps = array(&output, "gap");
+    assert!(gaps[0].is_nan() && gaps[1..].iter().all(|gap| gap.is_finite()));
+}
+
+#[test]
+fn bad_input_is_one_sentence_and_no_file() {
+    let scratch = Scratch::new("surface-bad");
+    let mesh = scratch.file("plane.inp", &plane());
+    let flipped = scratch.file("flipped.inp", &plane().replace("6, 7, 8, 13, 12", "6, 7, 12, 13, 8"));
+    let flat = scratch
+        .file("flat.inp", &plane().replace("13, 2, 2, 0", "13, 1, 2, 0").replace("8, 2, 1, 0", "8, 1, 1, 0"));
+    let before = scratch.names();
+    let refused = |arguments: &[&str], parts: &[&str]| {
+        let all = [&["surface"], arguments, &["-o", "out.vtu"]].concat();
+        run_in(&scratch, &all).assert_refused(parts);
+        assert_eq!(scratch.names(), before);
+    };
+    refused(&["none.msh"], &["none.msh"]);
+    refused(&[&mesh, "--master", "drum"], &["plane.inp", "\"drum\""]);
+    refused(&[&mesh, "--slave", "MASTER"], &["set \"MASTER\"", "node 1 ", "too"]);
+    refused(&[&flipped], &["flipped.inp", "set \"master\"", "same direction", "flipped"]);
+    refused(&[&flat], &["flat.inp", "no area", "7, 8, 13, 12"]);
+    refused(&[&mesh, "--element", "node-to-facet", "--rule", "nearest"], &["--rule", "no meaning"]);
+    refused(&[&mesh, "--feature-angle", "200"], &["'200'", "0 to 180"]);
+    refused(&[&mesh, "--weight", "quartic"], &["'quartic'", "cubic-interpolating"]);
+    refused(&[&mesh, "--threads", "0"], &["'0'", "from 1"]);
+    run_in(&scratch, &["surface", &mesh]).assert_refused(&["--output"]);
+    run_in(&scratch, &["surface", &mesh, "-o", &mesh]).assert_refused(&["input file"]);
+    assert_eq!(scratch.names(), before);
+}

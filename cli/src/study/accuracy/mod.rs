@@ -16,12 +16,12 @@ pub use measure::angle;
 use measure::{Measurement, SIZES, elements, measure, order};
 use shapes::Shape;
 
-/// Published figures for the cylinder of radius 100 (Chamoret et al. 2008): cell in degrees, cubic weight, interpolating
-/// weight, facets. The points they belong to are not published.
-const PUBLISHED: [(f64, [f64; 3]); 2] = [(22.5, [0.441, 0.112, 1.92]), (10.0, [0.0176, 0.0055, 0.381])];
+/// Reference figures for the cylinder of radius 100, from an independent trial of the same fits: cell in degrees, cubic
+/// weight, interpolating weight, facets (the sagitta). The places of the cell they belong to are not known.
+const REFERENCE: [(f64, [f64; 3]); 2] = [(22.5, [0.441, 0.112, 1.92]), (10.0, [0.0176, 0.0055, 0.381])];
 /// The same elements by their names here.
-const PUBLISHED_ELEMENTS: [&str; 3] = ["cubic", "cubic-interpolating", "facets"];
-/// Places of the cell, (around the axis, along it), whose errors stand beside the published ones.
+const REFERENCE_ELEMENTS: [&str; 3] = ["cubic", "cubic-interpolating", "facets"];
+/// Places of the cell, (around the axis, along it), whose errors stand beside the reference ones.
 const PLACES: [[f64; 2]; 3] = [[0.2, 0.5], [0.5, 0.2], [0.5, 0.5]];
 
 /// Measures and prints.
@@ -47,7 +47,7 @@ pub fn run(arguments: &AccuracyArguments) -> Result<(), CliError> {
             let of = |m: &Measurement| [m.normal_max_degrees, m.normal_mean_degrees];
             writeln!(writer, "{}", errors(&found, &names, "error of the normal in degrees", of))?;
         }
-        write!(writer, "{}", beside_published(&all))
+        write!(writer, "{}", beside_reference(&all))
     })
 }
 
@@ -77,15 +77,15 @@ fn errors(
     table
 }
 
-/// The cylinder's errors beside the published figures.
-fn beside_published(all: &[Measurement]) -> Table {
-    let columns = ["cell", "element", "published", "largest", "mean"].map(String::from);
+/// The cylinder's errors beside the reference figures.
+fn beside_reference(all: &[Measurement]) -> Table {
+    let columns = ["cell", "element", "reference", "largest", "mean"].map(String::from);
     let places = PLACES.map(|[s, t]| format!("at ({s}, {t})"));
-    let heading = "Cylinder: gap error beside the figures of Chamoret et al. 2008; (s, t) is a place of the cell, \
+    let heading = "Cylinder: gap error beside reference figures; (s, t) is a place of the cell, \
                    s around the axis";
     let mut table = Table::new(heading, columns.into_iter().chain(places));
-    for (size, published) in PUBLISHED {
-        for (name, figure) in PUBLISHED_ELEMENTS.into_iter().zip(published) {
+    for (size, reference) in REFERENCE {
+        for (name, figure) in REFERENCE_ELEMENTS.into_iter().zip(reference) {
             let found = all.iter().find(|found| {
                 found.shape == Shape::Cylinder && found.cell_degrees == size && found.element == name
             });

@@ -4,12 +4,12 @@
 //! radius R, so that the moment matrix has entries of order one in any length unit; outputs carry their units
 //! again. All derivatives in here are asked from the derivative engine.
 
+use super::anchor::Anchor;
+use super::average_plane::{AveragePlane, turned_back};
 use super::basis::Basis;
 use super::kernel::FrameRule;
 use super::weight::{NodeWeight, Weight};
-use crate::graph::{
-    ExprId, Graph, NODE_INDEX, RootFigure, RootId, Scope, SymbolId, SymmetricSystem, SystemId,
-};
+use crate::graph::{ExprId, Graph, RootFigure, RootId, Scope, SymbolId, SymmetricSystem, SystemId};
 use crate::structure::{Block, CoordinateMap, Follower, Functional, NodeProblem};
 
 /// Names of the global axes.
@@ -40,26 +40,6 @@ pub(super) struct Diffuse {
     anchor: Option<Anchor>,
     coordinates: CoordinateMap,
     plane: Option<AveragePlane>,
-}
-
-/// The node nearest to the slave, whose interpolating weight (16) may be infinite. Its weight times its error,
-/// σ = w_k e_k, is an unknown with the equation e_k = σ/w_k, smooth where 1/w_k = 0: what [T8] does by elimination. The
-/// surface does not depend on which node is the anchor.
-#[derive(Clone, Copy)]
-struct Anchor {
-    /// 1 at the anchor, 0 at the other nodes.
-    indicator: ExprId,
-    /// 1/w at the anchor, 0 at the other nodes.
-    compliance: ExprId,
-    /// Its in-plane coordinates, held: the origin of the basis, so that p = e₀ there.
-    origin: [ExprId; 2],
-}
-
-/// The average plane as unknowns of the nodes.
-struct AveragePlane {
-    block: Block,
-    /// No turn, and the plane's height over the slave.
-    values: Vec<(SymbolId, ExprId)>,
 }
 
 /// A fit.
@@ -601,113 +581,6 @@ impl Diffuse {
             },
         )
     }
-}
-
-impl Anchor {
-    /// The anchor, and the weight of the other nodes. The node with index `anchor` of the input is it.
-    fn declare(g: &mut Graph, weight: ExprId, compliance: ExprId, offset: [ExprId; 3]) -> (ExprId, Self) {
-        let (index, anchor) = (g.input(NODE_INDEX, Scope::Node), g.input("anchor", Scope::Element));
-        let difference = g.sub(index, anchor);
-        let square = g.mul(difference, difference);
-        let (half, zero, one) = (g.constant(0.5), g.zero(), g.one());
-        // The pole's infinity and its derivatives' NaN are in the branch that is not taken.
-        let mut choose = |here: ExprId, elsewhere: ExprId| g.select_less(square, half, here, elsewhere);
-        let weight = choose(zero, weight);
-        let indicator = choose(one, zero);
-        let compliance = choose(compliance, zero);
-        let own = [choose(offset[0], zero), choose(offset[1], zero)];
-        g.name(indicator, "is_anchor");
-        g.name(compliance, "compliance");
-        let mut origin = own;
-        for (k, name) in ["anchor_a", "anchor_b"].into_iter().enumerate() {
-            let sum = g.sum(own[k]);
-            origin[k] = g.bind(name, sum);
-        }
-        (weight, Self { indicator, compliance, origin })
-    }
-
-    /// The row of σ in the system, −(p_k·α) − σ/w_k with p = e₀ at the anchor, and its right-hand side −z_k.
-    fn equation(
-        self,
-        g: &mut Graph,
-        row: usize,
-        height: ExprId,
-        values: &[(SymbolId, ExprId)],
-    ) -> (Vec<ExprId>, ExprId) {
-        let own_height = g.mul(self.indicator, height);
-        let [compliance, height] = [self.compliance, own_height].map(|x| {
-            let x = g.substitute(x, values);
-            let sum = g.sum(x);
-            g.neg(sum)
-        });
-        let (zero, minus_one) = (g.zero(), g.constant(-1.0));
-        let mut entries = vec![zero; row + 1];
-        entries[0] = minus_one;
-        entries[row] = compliance;
-        (entries, height)
-    }
-}
-
-impl AveragePlane {
-    /// The plane n(θ)·x = c through the nodes minimises Σ ½ (z(θ) − c)² over its turn θ and its height c: [T9] with the
-    /// plane's height as an unknown, so that all is a sum over nodes. The frame in use is that plane, θ = 0.
-    fn declare(g: &mut Graph, theta: [ExprId; 2], height: ExprId, turned_height: ExprId) -> Self {
-        let c = g.variable("plane_height");
-        let distance = g.sub(turned_height, c);
-        let square = g.mul(distance, distance);
-        let half = g.constant(0.5);
-        let energy = g.mul(half, square);
-        let unknowns = vec![theta[0], theta[1], c];
-        let symbols: Vec<SymbolId> = unknowns.iter().map(|&x| g.symbol_of(x)).collect();
-
-        let (sum, count) = (g.sum(height), g.node_count());
-        let mean = g.div(sum, count);
-        let mean = g.bind("mean_height", mean);
-        let zero = g.zero();
-        let values = vec![(symbols[0], zero), (symbols[1], zero), (symbols[2], mean)];
-
-        let derivatives: Vec<ExprId> = symbols.iter().map(|&x| g.derivative(energy, x)).collect();
-        let residual = derivatives.iter().map(|&x| g.neg(x)).collect();
-        let matrix = (0..symbols.len())
-            .map(|i| {
-                (0..=i)
-                    .map(|j| {
-                        let second = g.derivative(derivatives[i], symbols[j]);
-                        let second = g.substitute(second, &values);
-                        let sum = g.sum(second);
-                        g.name(sum, &format!("plane_{i}_{j}"))
-                    })
-                    .collect()
-            })
-            .collect();
-        // The height first: the fit does not depend on it, which leaves a zero column in the coupling.
-        let system = g.add_system(SymmetricSystem::new("plane_l", matrix, vec![2, 0, 1]));
-        let groups = vec![unknowns.len()];
-        Self { block: Block { unknowns, residual, groups, system }, values }
-    }
-}
-
-/// Coordinates in a frame turned by θ about (t1, t2): X → exp(−[θ]) X, to second order in θ, which is all that first
-/// and second derivatives at θ = 0 see.
-fn turned_back(g: &mut Graph, theta: [ExprId; 2], x: [ExprId; 3]) -> [ExprId; 3] {
-    let zero = g.zero();
-    let axis = [theta[0], theta[1], zero];
-    let once = cross(g, axis, x);
-    let twice = cross(g, axis, once);
-    let half = g.constant(0.5);
-    std::array::from_fn(|k| {
-        let first = g.sub(x[k], once[k]);
-        let second = g.mul(half, twice[k]);
-        g.add(first, second)
-    })
-}
-
-pub(super) fn cross(g: &mut Graph, x: [ExprId; 3], y: [ExprId; 3]) -> [ExprId; 3] {
-    std::array::from_fn(|k| {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        let (left, right) = (g.mul(x[i], y[j]), g.mul(x[j], y[i]));
-        g.sub(left, right)
-    })
 }
 
 fn bind_all(g: &mut Graph, name: &str, exprs: Vec<ExprId>) -> Vec<ExprId> {

@@ -4,7 +4,8 @@
 //! to the slave is y(u) = Σ s_k(u) x_k. Everything is made dimensionless with a size of the facet that is held while
 //! differentiating; outputs carry their units again. All derivatives in here are asked from the derivative engine.
 
-use super::diffuse::{Equation, cross};
+use super::average_plane::cross;
+use super::diffuse::Equation;
 use super::facet_shape::FacetShape;
 use super::kernel::{Kernel, Mode};
 use crate::graph::{ExprId, Graph, RootFigure, Scope, SymbolId};

@@ -1,5 +1,7 @@
 //! The contact element as formulas, and the kernels made of it.
 
+mod anchor;
+mod average_plane;
 mod basis;
 mod diffuse;
 mod facet;

@@ -5,6 +5,7 @@ mod factors;
 mod fit_derivatives;
 mod follower;
 mod linear_images;
+mod low_rank;
 mod small;
 
 pub use fit_derivatives::{Block, CoordinateMap, Functional, Gradient, Hessian, NodeProblem};

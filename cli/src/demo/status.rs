@@ -10,7 +10,7 @@ pub const BEYOND_BORDER: i32 = 12;
 const OTHER: i32 = 99;
 
 /// Every code but `OTHER`: number, name, meaning.
-const CODES: [(i32, &str, &str); 13] = [
+const CODES: [(i32, &str, &str); 14] = [
     (OK, "ok", "gap and normal are valid"),
     (1, "too-few-nodes", "fewer master nodes than the fit needs"),
     (2, "non-finite-input", "a coordinate is not a finite number"),
@@ -24,6 +24,7 @@ const CODES: [(i32, &str, &str); 13] = [
     (10, "centre-of-curvature", "the foot point is not unique"),
     (11, "overflow", "the numbers overflow"),
     (BEYOND_BORDER, "beyond-border", "the slave does not face the master surface"),
+    (13, "beyond-centre-of-curvature", "the slave is so far away that the foot is not the closest point"),
 ];
 
 /// The number of an error.
@@ -46,7 +47,7 @@ pub fn all() -> impl Iterator<Item = (i32, &'static str, &'static str)> {
 
 /// All numbers with their names and meanings, for the help.
 pub fn table() -> String {
-    let rows = CODES.iter().map(|(number, name, meaning)| format!("  {number:>2}  {name:<24}{meaning}"));
+    let rows = CODES.iter().map(|(number, name, meaning)| format!("  {number:>2}  {name:<28}{meaning}"));
     let rows: Vec<String> = rows.collect();
     format!("The array `status` of the slave nodes:\n{}", rows.join("\n"))
 }

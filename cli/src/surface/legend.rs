@@ -10,11 +10,10 @@ use crate::demo::status;
 const OTHER: i32 = 99;
 
 /// Number, name, meaning.
-const CODES: [(i32, &str, &str); 6] = [
-    (13, "not-paired", "there has been no search for master nodes"),
-    (14, "too-far", "the closest facet is farther away than the distance limit"),
-    (15, "no-candidate", "no master nodes on its side of sharp edges carry a smooth surface"),
-    (16, "beyond-centre-of-curvature", "the slave is so far away that the foot is not the closest point"),
+const CODES: [(i32, &str, &str); 5] = [
+    (14, "not-paired", "there has been no search for master nodes"),
+    (15, "too-far", "the closest facet is farther away than the distance limit"),
+    (16, "no-candidate", "no master nodes on its side of sharp edges carry a smooth surface"),
     (17, "degenerate-facet", "the closest facet has no normal at the foot"),
     (OTHER, "other", "a reason this table does not know"),
 ];
@@ -77,8 +76,8 @@ mod tests {
         let cases = [
             (NoContact::Element { error: singular }, 7),
             (NoContact::BeyondBorder { distance: 1.0, tolerance: 0.0 }, 12),
-            (NoContact::NotPaired, 13),
-            (NoContact::TooFar { distance: 2.0, limit: 1.0 }, 14),
+            (NoContact::NotPaired, 14),
+            (NoContact::TooFar { distance: 2.0, limit: 1.0 }, 15),
         ];
         for (reason, expected) in cases {
             assert_eq!(number(Outcome::None(reason)), expected, "{reason}");

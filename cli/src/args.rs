@@ -127,6 +127,8 @@ OUT.json, in the same order; vectors and rows over slave, master 1, ... master n
      "residual": [...], "tangent": [[...], ...]},
     {"status": "error", "code": "singular-fit", "message": "..."}
   ]}
+A file that does not follow this form is refused: exit code 2, nothing written. An element whose geometry or parameters have
+no result is an entry with status "error", and the exit code is 0.
 Residual -penalty g N and tangent penalty (g M + N N^T) are given for either sign of the gap."#;
 
 /// Arguments of `evaluate`.

@@ -152,7 +152,7 @@ pub enum CliError {
     },
     /// A moving frame was asked for where it makes no difference.
     #[error(
-        "--frame-derivative co-moving: there is no such kernel for {} {}, only for gradient and hessian of the gap",
+        "--frame-derivative co-moving: there is no such kernel for {} {}, only for the gap",
         output.name(),
         mode.name()
     )]

@@ -97,7 +97,7 @@ impl Interpreted {
         inputs: &'a NodeInputs,
     ) -> Result<Evaluation<'a>, ElementError> {
         let (mode, basis) = (mode_of(mode), basis_of(element.basis)?);
-        let frame = frame_rule(output, mode, element.frame.derivative);
+        let frame = frame_rule(output, element.frame.derivative);
         let place = codegen::Basis::ALL.iter().position(|&known| known == basis).unwrap_or_default();
         let index = ((output as usize * MODES + mode as usize) * BASES + place) * FRAMES + frame as usize;
         let kernel = self.kernels[index].get_or_init(|| {
@@ -322,12 +322,10 @@ pub(crate) const fn mode_of(mode: Mode) -> codegen::Mode {
     }
 }
 
-/// The frame's motion makes a difference to the derivatives of the gap only.
-fn frame_rule(output: Output, mode: codegen::Mode, derivative: FrameDerivative) -> FrameRule {
+/// The frame's motion makes a difference to the gap only.
+fn frame_rule(output: Output, derivative: FrameDerivative) -> FrameRule {
     match derivative {
-        FrameDerivative::CoMoving if output == Output::Gap && mode > codegen::Mode::Value => {
-            FrameRule::CoMoving
-        }
+        FrameDerivative::CoMoving if output == Output::Gap => FrameRule::CoMoving,
         _ => FrameRule::Frozen,
     }
 }
@@ -409,9 +407,8 @@ mod tests {
         let frame = Frame { derivative: FrameDerivative::CoMoving, ..held.frame };
         let moving = Element { frame, ..held };
         assert!(Interpreted::default().gap(&held, Mode::Gradient).is_ok());
-        assert!(Interpreted::default().gap(&moving, Mode::Value).is_ok());
         for backend in [&Interpreted::default() as &dyn Backend, &Generated] {
-            for mode in [Mode::Gradient, Mode::Hessian] {
+            for mode in [Mode::Value, Mode::Gradient, Mode::Hessian] {
                 let error = backend.gap(&moving, mode).unwrap_err();
                 assert!(matches!(error, ElementError::UnstableAveragePlane { .. }), "{error}");
             }

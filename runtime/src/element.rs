@@ -72,9 +72,13 @@ impl Element<'_> {
     /// frame.
     ///
     /// # Errors
-    /// [`ElementError::TooFewNodes`], [`ElementError::NonFiniteInput`], [`ElementError::InvalidSupportRadius`],
+    /// [`ElementError::NoKernels`] for a custom basis that can have none, [`ElementError::TooFewNodes`],
+    /// [`ElementError::NonFiniteInput`], [`ElementError::InvalidSupportRadius`],
     /// [`ElementError::InvalidFrame`], [`ElementError::NotAveragePlane`], [`ElementError::AnisotropicBasis`].
     pub fn validate(&self) -> Result<(), ElementError> {
+        if !self.basis.is_sound() {
+            return Err(ElementError::NoKernels { basis: self.basis.name() });
+        }
         let needed = self.basis.size();
         if self.masters.len() < needed {
             return Err(ElementError::TooFewNodes { found: self.masters.len(), needed });

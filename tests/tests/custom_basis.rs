@@ -1,7 +1,9 @@
 //! Kernels for bases of one's own against automatic differentiation, and what is refused.
 
 use diffuse_contact::ad::Ad;
-use diffuse_contact::{Backend, Basis, Element, ElementError, Generated, GeneratedWith, Mode, Weight};
+use diffuse_contact::{
+    Backend, Basis, CustomBasis, Element, ElementError, Generated, GeneratedWith, Mode, Weight,
+};
 use diffuse_contact_codegen::{BasisError, Config, ConfigError};
 use diffuse_contact_kernels::support::KernelSet;
 use diffuse_contact_tests::bases::{
@@ -79,6 +81,15 @@ fn what_a_basis_cannot_do_is_said() {
     let few = Element { masters: &case.masters[..3], ..case.element() };
     let error = GeneratedWith::<Cubic>::new().gap(&few, Mode::Value).unwrap_err();
     assert_eq!(error, ElementError::TooFewNodes { found: 3, needed: 4 });
+    for monomials in
+        [&[][..], &[(0, 0), (0, 1), (1, 0)], &[(0, 0), (1, 0), (0, 1), (200, 100)], &[(0, 0); 20]]
+    {
+        let basis = Basis::Custom(CustomBasis { name: "none", monomials });
+        for weight in [Weight::Cubic, Weight::CubicInterpolating] {
+            let error = Ad.gap(&Element { basis, weight, ..case.element() }, Mode::Hessian).unwrap_err();
+            assert_eq!(error, ElementError::NoKernels { basis: "none" });
+        }
+    }
     assert!(BILINEAR != Basis::Linear && !BILINEAR.is_isotropic() && THIRD_DEGREE.is_isotropic());
 }
 

@@ -210,3 +210,31 @@ fn a_co_moving_frame_conserves_both_momenta_and_turns_with_the_element() {
         }
     }
 }
+
+/// Where everything is symmetric about the slave, or nearly so, the foot is straight below it or nearly so.
+#[test]
+fn a_foot_almost_below_the_slave_is_found() {
+    let offsets = [0.0, 1e-300, 1e-17, 1e-15, 1e-13, 1e-10, 1e-8, 1e-6, 1e-4, 1e-3];
+    for weight in Weight::ALL {
+        for (curvature, height) in
+            [(0.05, 0.02), (-0.05, 0.3), (0.2, -0.4), (-0.3, 0.1), (1e-3, 0.5), (0.0, 0.2)]
+        {
+            for (offset, turn) in
+                offsets.iter().flat_map(|&offset| [0.0, 0.7, 2.0].map(|turn| (offset, turn)))
+            {
+                let (sin, cos) = f64::sin_cos(turn);
+                let mut nodes = vec![[offset * cos, offset * sin, height]];
+                nodes.extend((0..16).map(|k| {
+                    let (a, b) = (f64::from(k % 4) / 3.0 - 0.5, f64::from(k / 4) / 3.0 - 0.5);
+                    [a, b, 0.5 * curvature * (a * a + b * b)]
+                }));
+                let case = Case::axis_aligned(&nodes, 0.9, Basis::Quadratic).with_weight(weight);
+                let element = case.element();
+                let found = Generated.gap(&element, Mode::Gradient);
+                let found = found
+                    .unwrap_or_else(|error| panic!("{weight:?} {curvature} {height} {offset:e}: {error}"));
+                assert_same_gap(&case, &found, &Ad.gap(&element, Mode::Gradient).unwrap(), TOLERANCE);
+            }
+        }
+    }
+}

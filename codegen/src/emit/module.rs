@@ -279,8 +279,6 @@ fn dispatch(output: Output, frame: FrameRule, weight: &Weight, ranges: &[(Basis,
     let arms = ranges.iter().flat_map(|&(basis, _)| {
         let modes = Mode::ALL.into_iter().filter(move |_| frame == FrameRule::Frozen || basis.is_isotropic());
         modes.map(move |mode| {
-            // Values are the same for both frame rules.
-            let frame = if mode == Mode::Value { FrameRule::Frozen } else { frame };
             let spec = KernelSpec { output, mode, basis, weight: weight.clone(), frame };
             let function = format_ident!("{}_any", function_name(&spec));
             let module = format_ident!("{}", basis.name());

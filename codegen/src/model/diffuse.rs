@@ -394,8 +394,13 @@ impl Diffuse {
     }
 
     fn surface_at(&self, g: &mut Graph, problem: &NodeProblem, u: [ExprId; 2]) -> SurfacePoint {
+        self.surface_of(g, self.alpha(problem), u)
+    }
+
+    /// f = p(u)·α with its derivatives by the variables u.
+    fn surface_of(&self, g: &mut Graph, alpha: &[ExprId], u: [ExprId; 2]) -> SurfacePoint {
         let p = self.basis.evaluate(g, u[0], u[1]);
-        let value = g.dot(&p, self.alpha(problem));
+        let value = g.dot(&p, alpha);
         g.name(value, "f");
         let [u1, u2] = u.map(|u| g.symbol_of(u));
         let slopes = [g.derivative(value, u1), g.derivative(value, u2)];
@@ -437,7 +442,15 @@ impl Diffuse {
         // Foot point: F_k = −u_k + h f_k = 0 with h = −f(u).
         let u = [g.variable("u_1"), g.variable("u_2")];
         let zero = g.zero();
-        let equations = self.foot_equations(g, &fit, u, [zero; 2]);
+        // With the coefficients about the slave, also where the basis has its origin at the anchor: close to u = 0 the
+        // residual is then as small as the foot, not as the rounding of what cancels.
+        let about_slave = self.coefficients_about_slave(g, &fit);
+        let about_slave = match self.anchor {
+            Some(_) => bind_all(g, "slave_alpha", about_slave),
+            None => about_slave,
+        };
+        let surface = self.surface_of(g, &about_slave, u);
+        let equations = foot_equations(g, &surface, u);
         let (root, foot) = g.add_root("foot", &u, equations.to_vec());
         let foot = [g.bind("foot_1", foot[0]), g.bind("foot_2", foot[1])];
         let fit = self.recentred(g, fit, foot);
@@ -456,7 +469,7 @@ impl Diffuse {
         let distance = g.div(along, length);
 
         // How δ and q follow α: δ by the foot equations, q = f_k(δ, α) by chain rule.
-        let equations = self.foot_equations(g, &fit, delta, foot);
+        let equations = foot_equations(g, &surface, point);
         let delta_symbols = delta.map(|d| g.symbol_of(d));
         let jacobian: Vec<Vec<ExprId>> = equations
             .iter()
@@ -537,17 +550,6 @@ impl Diffuse {
         Contact { problem, functional, gap, foot: foot_point, normal, distance, determinant, trace, root }
     }
 
-    /// −(u_k + δ_k) + h f_k with h = −f, at the surface point u + δ.
-    fn foot_equations(&self, g: &mut Graph, fit: &Fit, delta: [ExprId; 2], u: [ExprId; 2]) -> [ExprId; 2] {
-        let surface = self.surface_beside(g, fit, delta, u);
-        let height = g.neg(surface.value);
-        std::array::from_fn(|k| {
-            let point = g.add(u[k], delta[k]);
-            let product = g.mul(height, surface.slopes[k]);
-            g.sub(product, point)
-        })
-    }
-
     /// The surface at u + δ as a function of the variables δ.
     fn surface_beside(&self, g: &mut Graph, fit: &Fit, delta: [ExprId; 2], u: [ExprId; 2]) -> SurfacePoint {
         let from_origin = [0, 1].map(|k| g.sub(u[k], fit.origin[k]));
@@ -581,6 +583,15 @@ impl Diffuse {
             },
         )
     }
+}
+
+/// −u_k + h f_k with h = −f: zero where the line from the surface point over u to the slave is normal to the surface.
+fn foot_equations(g: &mut Graph, surface: &SurfacePoint, u: [ExprId; 2]) -> [ExprId; 2] {
+    let height = g.neg(surface.value);
+    std::array::from_fn(|k| {
+        let product = g.mul(height, surface.slopes[k]);
+        g.sub(product, u[k])
+    })
 }
 
 fn bind_all(g: &mut Graph, name: &str, exprs: Vec<ExprId>) -> Vec<ExprId> {

@@ -84,8 +84,8 @@ pub struct KernelSpec {
 }
 
 impl KernelSpec {
-    /// All kernels of a basis and a weight. A moving frame makes a difference to the derivatives of the gap only, and needs a
-    /// basis that is [isotropic](Basis::is_isotropic).
+    /// All kernels of a basis and a weight. A moving frame makes a difference to the gap only, and needs a basis that is
+    /// [isotropic](Basis::is_isotropic); the value of the gap is the same, but not whether there is an average plane.
     #[must_use]
     pub fn all(basis: Basis, weight: &Weight) -> Vec<Self> {
         let spec = |output, mode, frame| Self { output, mode, basis, weight: weight.clone(), frame };
@@ -94,8 +94,7 @@ impl KernelSpec {
             .flat_map(|output| Mode::ALL.map(|mode| spec(output, mode, FrameRule::Frozen)))
             .collect();
         if basis.is_isotropic() {
-            let moving = [Mode::Gradient, Mode::Hessian];
-            all.extend(moving.map(|mode| spec(Output::Gap, mode, FrameRule::CoMoving)));
+            all.extend(Mode::ALL.map(|mode| spec(Output::Gap, mode, FrameRule::CoMoving)));
         }
         all
     }

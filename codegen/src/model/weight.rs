@@ -225,8 +225,9 @@ impl Weight {
 /// Whether a module and, in camel case, a kernel set can have this name.
 pub(super) fn is_module_name(name: &str) -> bool {
     /// Names of the support module in lower case.
-    const TAKEN: [&str; 12] = [
+    const TAKEN: [&str; 13] = [
         "basis",
+        "facet",
         "custombasis",
         "mode",
         "inputs",

@@ -43,6 +43,16 @@ impl Basis {
         }
     }
 
+    /// Whether the basis is one that kernels can be generated for: 1, a, b first, at most
+    /// [`MOST_COEFFICIENTS`](Self::MOST_COEFFICIENTS) functions of degree 4 at most.
+    #[must_use]
+    pub fn is_sound(self) -> bool {
+        let monomials = self.monomials();
+        monomials.starts_with(&MONOMIALS[..3])
+            && monomials.len() <= Self::MOST_COEFFICIENTS
+            && monomials.iter().all(|&(i, j)| i <= 4 && j <= 4 && i + j <= 4)
+    }
+
     /// Whether the basis spans the same functions when it is turned in the plane: with one monomial of a degree it has
     /// all. Otherwise the surface depends on the directions of t1 and t2, which the average plane does not
     /// determine, and there are no kernels for a moving frame.

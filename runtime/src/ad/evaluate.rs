@@ -56,8 +56,9 @@ pub(super) fn gap<W: RadialWeight>(model: Model<'_, W>, mode: Mode) -> Result<Ga
     let element = model.element;
     let radius = element.support_radius;
     let polynomial = model.fit(&coordinates_of(element))?;
-    let moves = element.frame.derivative == FrameDerivative::CoMoving && mode > Mode::Value;
+    let moves = element.frame.derivative == FrameDerivative::CoMoving;
     let plane = if moves { Some(AveragePlane::find(element)?) } else { None };
+    let plane = plane.filter(|_| mode > Mode::Value);
     let foot = Foot::find(&polynomial)?;
     let (foot_point, normal) = global_foot(element, &polynomial, foot.position());
     finite("foot", foot_point)?;

@@ -43,7 +43,10 @@ pub enum NeighbourhoodError {
         cosine: f64,
     },
     /// No admitted number of nodes carries an admitted fit.
-    #[error("{nodes} nodes do not carry the {basis:?} fit: regularity {regularity:e}, wanted {wanted:e}")]
+    #[error(
+        "none of the sets of up to {nodes} nodes carries the {} fit and has an average plane and sound pivots: regularity {regularity:.1e} at best, wanted {wanted:.1e}",
+        .basis.name()
+    )]
     IllConditioned {
         /// Number of nodes in the largest set tried.
         nodes: usize,

@@ -15,8 +15,8 @@ use crate::{Basis, ElementError, Frame, Point};
 const FLAT: f64 = 0.5;
 /// Fewer candidates are taken while their heights differ by more than this fraction (half a sphere).
 const STEEP: f64 = 1.0;
-/// Candidates below which a steep set is not reduced further.
-const FEWEST_CANDIDATES: usize = 12;
+/// Candidates below which a set that is steep, or carries no fit, is not reduced further.
+const FEWEST_CANDIDATES: usize = 6;
 /// Nodes whose middle principal moment is below this fraction of the largest are too narrow for a
 /// plane, rather than too thick.
 const NARROW: f64 = 1e-6;
@@ -45,6 +45,11 @@ struct Layers {
     layers: Vec<Vec<usize>>,
     encloses_slave: bool,
     complete: bool,
+}
+
+/// Two thirds.
+const fn reduced(candidates: usize) -> usize {
+    2 * candidates / 3
 }
 
 impl NeighbourSearch {
@@ -129,8 +134,10 @@ impl NeighbourSearch {
         let (mut projection, mut may_grow) = self.first_projection(query, &mut wanted)?;
         loop {
             may_grow &= wanted < self.options.max_candidates && !self.candidates.are_all();
-            if let Some(settled) = self.by_layers(query, &projection, fewest, most, may_grow) {
-                return settled;
+            match self.by_layers(query, &projection, fewest, most, may_grow) {
+                Some(Ok(found)) => return Ok(found),
+                Some(Err(reason)) => return self.by_fewer(query, fewest, most).ok_or(reason),
+                None => {}
             }
             wanted = wanted.saturating_mul(2).min(self.options.max_candidates);
             std::mem::swap(&mut self.candidates, &mut self.fewer);
@@ -144,6 +151,27 @@ impl NeighbourSearch {
                 }
             }
         }
+    }
+
+    /// What ever fewer candidates give, if all together carry no fit: on a narrow strip that bends, the plane of the near
+    /// ones may still be one.
+    fn by_fewer<F: Fn(usize) -> bool>(
+        &mut self,
+        query: &Query<'_, F>,
+        fewest: usize,
+        most: usize,
+    ) -> Option<Neighbourhood> {
+        let mut fewer = reduced(self.candidates.nodes.len());
+        while fewer >= FEWEST_CANDIDATES {
+            self.candidates.gather(query, fewer);
+            if let Ok(projection) = Projection::new(query, &self.candidates, &mut self.offsets)
+                && let Some(Ok(found)) = self.by_layers(query, &projection, fewest, most, false)
+            {
+                return Some(found);
+            }
+            fewer = reduced(fewer);
+        }
+        None
     }
 
     /// The projection to start from, and whether more candidates may be of use: the number asked for, more if they
@@ -173,12 +201,12 @@ impl NeighbourSearch {
         if narrow || first.as_ref().is_ok_and(|projection| projection.steepness <= STEEP) {
             return first.map(|projection| (projection, true));
         }
-        let mut fewer = self.candidates.nodes.len() / 2;
+        let mut fewer = reduced(self.candidates.nodes.len());
         while fewer >= FEWEST_CANDIDATES {
             self.candidates.gather(query, fewer);
             match Projection::new(query, &self.candidates, &mut self.offsets) {
                 Ok(projection) if projection.steepness <= STEEP => return Ok((projection, false)),
-                _ => fewer /= 2,
+                _ => fewer = reduced(fewer),
             }
         }
         self.candidates.gather(query, *wanted);

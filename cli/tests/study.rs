@@ -41,7 +41,20 @@ fn errors_fall_at_their_orders() {
         let sagitta = 100.0 * (1.0 - (0.5 * degrees).to_radians().cos());
         assert!((error(&all, "cylinder", degrees, "facets", "gap_max") - sagitta).abs() < 1e-9);
     }
-    assert!(error(&all, "cylinder", 10.0, "cubic", "gap_max") < 0.0176);
+    // The figures of the manual.
+    for (degrees, element, largest, mean) in [
+        (22.5, "cubic", 0.423, 0.214),
+        (22.5, "cubic-interpolating", 0.179, 0.118),
+        (22.5, "facets", 1.92, 1.28),
+        (10.0, "cubic", 0.0156, 0.00803),
+        (10.0, "cubic-interpolating", 0.00661, 0.00441),
+        (10.0, "facets", 0.381, 0.253),
+    ] {
+        for (what, expected) in [("gap_max", largest), ("gap_mean", mean)] {
+            let found = error(&all, "cylinder", degrees, element, what);
+            assert!((found / expected - 1.0).abs() < 0.02, "{degrees}°, {element}, {what}: {found}");
+        }
+    }
 }
 
 #[test]
@@ -50,6 +63,19 @@ fn tables_are_markdown() {
     assert_eq!(code, 0);
     assert!(stdout.contains("| cell | facets | cubic | cubic-interpolating | wendland-c2 |"), "{stdout}");
     assert!(stdout.contains("| 10° | facets | 0.381 | 0.381 |"), "{stdout}");
+    // Element, reference, largest, mean, then the error at three places of the cell, of which the first is (0.2, 0.5).
+    for (start, expected) in [
+        ("| 22.5° | cubic | 0.441 |", 0.352),
+        ("| 22.5° | cubic-interpolating | 0.112 |", 0.0980),
+        ("| 22.5° | facets | 1.92 |", 1.23),
+        ("| 10° | cubic | 0.0176 |", 0.0140),
+        ("| 10° | cubic-interpolating | 0.0055 |", 0.00384),
+        ("| 10° | facets | 0.381 |", 0.243),
+    ] {
+        let row = stdout.lines().find_map(|line| line.strip_prefix(start)).unwrap();
+        let found: f64 = row.split('|').nth(2).unwrap().trim().parse().unwrap();
+        assert!((found / expected - 1.0).abs() < 0.02, "{start} {found}");
+    }
 }
 
 #[test]

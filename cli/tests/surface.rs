@@ -92,8 +92,10 @@ fn both_formats_hold_the_same_interface() {
     let output = scratch.path("out.vtu");
     let read = |name: &str| {
         let mut found = summary(&["surface", &shipped(name), "-o", &output, "--json", "--threads", "1"]);
-        assert!(found["times_s"]["refresh"].as_f64().unwrap() >= 0.0);
-        found.as_object_mut().unwrap().remove("times_s");
+        // Times are left out of the comparison.
+        let times = found.as_object_mut().unwrap().remove("times_s").unwrap();
+        let names: Vec<&str> = times.as_object().unwrap().keys().map(String::as_str).collect();
+        assert_eq!(names, ["connect", "evaluate", "read", "refresh", "write"]);
         found
     };
     assert_eq!(read("plate_on_cylinder.msh"), read("plate_on_cylinder.inp"));

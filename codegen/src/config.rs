@@ -90,8 +90,8 @@ impl Default for Config {
 }
 
 impl Config {
-    /// No weights and no facets yet; both bases, quadratic with 6 to 24 and linear with 3 to 24 nodes specialised; output to
-    /// `OUT_DIR`; support from the crate `diffuse-contact-kernels`.
+    /// No weights and no facets yet; both bases, quadratic with 6 to 24 and linear with 3 to 24 nodes specialised;
+    /// output to `OUT_DIR`; support from the crate `diffuse-contact-kernels`.
     #[must_use]
     pub fn new() -> Self {
         Self {
@@ -144,9 +144,9 @@ impl Config {
         Ok(self)
     }
 
-    /// Adds a basis of the caller's to the built-in ones, for all weights: in each weight's module one more module `name`, and
-    /// the constant `NAME`, a support `Basis` to evaluate elements with. Exponents of (a, b), in the order of their degrees,
-    /// as [`CustomBasis::new`] takes them.
+    /// Adds a basis of the caller's to the built-in ones, for all weights: in each weight's module one more module
+    /// `name`, and the constant `NAME`, a support `Basis` to evaluate elements with. Exponents of (a, b), in the order
+    /// of their degrees, as [`CustomBasis::new`] takes them.
     ///
     /// # Errors
     /// [`ConfigError::Basis`], [`ConfigError::DuplicateBasis`].
@@ -186,8 +186,8 @@ impl Config {
         self
     }
 
-    /// Makes no kernels of fixed size: one body serves all numbers of nodes. Compiles in half the time; the gap's Hessian
-    /// with a frozen frame is 13 to 25 % slower.
+    /// Makes no kernels of fixed size: one body serves all numbers of nodes. Compiles in half the time; the gap's
+    /// Hessian with a frozen frame is 13 to 25 % slower.
     #[must_use]
     pub const fn compact(mut self) -> Self {
         self.specialised = false;

@@ -12,6 +12,12 @@ pub enum ElementError {
         /// Number of coefficients of the basis.
         needed: usize,
     },
+    /// More master nodes than a k-d tree can name.
+    #[error("{found} master nodes are more than a search tree can name")]
+    TooManyNodes {
+        /// Number of master nodes given.
+        found: usize,
+    },
     /// The backend has no kernels for the basis.
     #[error("there are no kernels for the basis \"{basis}\": generate them with `Config::basis`")]
     NoKernels {
@@ -154,6 +160,7 @@ impl ElementError {
     pub const fn code(&self) -> &'static str {
         match self {
             Self::TooFewNodes { .. } => "too-few-nodes",
+            Self::TooManyNodes { .. } => "too-many-nodes",
             Self::NoKernels { .. } => "no-kernels",
             Self::AnisotropicBasis { .. } => "anisotropic-basis",
             Self::NonFiniteInput { .. } => "non-finite-input",

@@ -54,22 +54,24 @@ const DISTANCE_ROUNDING: f64 = 1e-12;
 #[derive(Debug)]
 pub struct NearestNodes {
     points: Vec<Point>,
-    tree: Option<ImmutableKdTree<f64, 3>>,
+    tree: ImmutableKdTree<f64, 3>,
 }
 
 impl NearestNodes {
     /// Sorts the master nodes into a k-d tree. Nodes are named by their index in `points`.
     ///
     /// # Errors
-    /// [`ElementError::NonFiniteInput`] if a coordinate is NaN or infinite.
+    /// [`ElementError::NonFiniteInput`] if a coordinate is NaN or infinite; [`ElementError::TooManyNodes`] if the tree
+    /// cannot name all nodes.
     pub fn new(points: Vec<Point>) -> Result<Self, ElementError> {
         for (index, point) in points.iter().enumerate() {
             if !point.iter().all(|x| x.is_finite()) {
                 return Err(ElementError::NonFiniteInput { what: "master", index });
             }
         }
-        // Building fails only if the number of nodes overflows an index; without a tree every query is a scan.
-        let tree = ImmutableKdTree::new_from_slice(&points).ok();
+        // Building an immutable tree fails only if the number of nodes overflows its index.
+        let tree = ImmutableKdTree::new_from_slice(&points)
+            .map_err(|_| ElementError::TooManyNodes { found: points.len() })?;
         Ok(Self { points, tree })
     }
 
@@ -103,15 +105,14 @@ impl NearestNodes {
 
     /// A set that contains the `m` nearest nodes and every node as near as the last of them, in any order.
     fn candidates(&self, slave: Point, m: usize) -> Vec<usize> {
-        let (Some(tree), Some(quantity)) = (&self.tree, NonZero::new(m)) else {
-            return if m == 0 { Vec::new() } else { (0..self.points.len()).collect() };
-        };
+        let Some(quantity) = NonZero::new(m) else { return Vec::new() };
         if m >= self.points.len() || !slave.iter().all(|x| x.is_finite()) {
             return (0..self.points.len()).collect();
         }
-        let nearest = tree.query(&slave).nearest_n::<SquaredEuclidean<f64>>(quantity).execute();
+        let nearest = self.tree.query(&slave).nearest_n::<SquaredEuclidean<f64>>(quantity).execute();
         let farthest = nearest.iter().map(|node| node.distance).fold(0.0, f64::max);
-        let within = tree
+        let within = self
+            .tree
             .query(&slave)
             .within::<SquaredEuclidean<f64>>(farthest * (1.0 + DISTANCE_ROUNDING))
             .unsorted()

@@ -94,7 +94,7 @@ fn the_closest_point_is_that_of_a_scan_over_all_facets() {
         let near = facets.iter().filter(|facet| lower_bound(facet) <= found.distance);
         let scan = near.map(|&facet| distance(facet, &positions, x)).fold(f64::INFINITY, f64::min);
         assert!((found.distance - scan).abs() < 1e-9 * scan, "{} against {scan}", found.distance);
-        assert!((Vector3::from(found.point) - x).norm() - found.distance < 1e-14);
+        assert!(((Vector3::from(found.point) - x).norm() - found.distance).abs() < 1e-14);
     }
 }
 

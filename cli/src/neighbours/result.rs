@@ -1,6 +1,5 @@
 //! What `neighbours` answers for one search.
 
-use diffuse_contact::ElementError;
 use diffuse_contact::neighbourhood::{
     Fallback, NeighbourRule, NeighbourSearch, Neighbourhood, NeighbourhoodError, SearchOptions, hull_layers,
 };
@@ -75,10 +74,7 @@ fn find(input: &SearchInput) -> Result<Neighbourhood, NeighbourhoodError> {
         }
     };
     let options = SearchOptions { basis: input.basis(), ..SearchOptions::default().with_rule(rule) };
-    let nodes = NearestNodes::new(masters).map_err(|error| match error {
-        ElementError::NonFiniteInput { what, index } => NeighbourhoodError::NonFiniteInput { what, index },
-        _ => NeighbourhoodError::Overflow { what: "master node" },
-    })?;
+    let nodes = NearestNodes::new(masters).map_err(|error| NeighbourhoodError::of_nodes(&error))?;
     NeighbourSearch::new(options)?.find(&nodes, slave, outward)
 }
 

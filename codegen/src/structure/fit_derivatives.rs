@@ -14,8 +14,9 @@
 //! (B̂₁ = L₁⁻¹B₁ + L₁⁻¹ r₁₂ L₂⁻ᵀ B̂₂) and K has a block for every pair.
 //!
 //! With A = L S Lᵀ, S = diag(±1), B̂ = L⁻¹B and Ĉ = S L⁻¹C + ½ S (L⁻¹ K L⁻ᵀ) S B̂ the off-diagonal blocks are the
-//! symmetric low-rank update Ĉᵢᵀ B̂ⱼ + B̂ᵢᵀ Ĉⱼ: K costs nothing per pair of nodes. (S is the identity but for a multiplier.) Which of these blocks are zero, and that ρ and ∂Λ/∂α
-//! are a scalar times one and the same vector p, is found in the expressions, not assumed.
+//! symmetric low-rank update Ĉᵢᵀ B̂ⱼ + B̂ᵢᵀ Ĉⱼ: K costs nothing per pair of nodes. (S is the identity but for a
+//! multiplier.) Which of these blocks are zero, and that ρ and ∂Λ/∂α are a scalar times one and the same vector p, is
+//! found in the expressions, not assumed.
 
 use super::factors::ScaledVector;
 use super::low_rank::{add_products, low_rank, low_rank_pair};

@@ -20,8 +20,8 @@ pub struct RootSolution<T> {
     /// The unknowns.
     pub unknowns: [T; 2],
     /// Largest absolute residual before the last step, divided by the starting residual or the unknowns, whichever
-    /// is larger, or 10⁻⁶ of the last step by the same measure, if that is larger. Not below [`RootSolution::TOLERANCE`] (or NaN) if the
-    /// iteration did not converge.
+    /// is larger, or 10⁻⁶ of the last step by the same measure, if that is larger. Not below
+    /// [`RootSolution::TOLERANCE`] (or NaN) if the iteration did not converge.
     pub residual: T,
     /// Evaluations of the equations.
     pub iterations: T,
@@ -34,8 +34,9 @@ impl<T> RootSolution<T> {
 
 /// Solves r(y) = 0 from y = 0. `equations` returns the residuals and their Jacobian, row by row.
 ///
-/// Lengths are in support radii. A step is cut to half the support radius, and halved until it reduces the residual, so that the iteration
-/// cannot leave the region the start belongs to for a far root. Lanes that have converged stay where they are.
+/// Lengths are in support radii. A step is cut to half the support radius, and halved until it reduces the residual, so
+/// that the iteration cannot leave the region the start belongs to for a far root. Lanes that have converged stay where
+/// they are.
 #[inline(always)]
 pub fn solve_two_equations<T: Lane>(equations: impl Fn([T; 2]) -> ([T; 2], [T; 4])) -> RootSolution<T> {
     let mut y = [T::ZERO; 2];

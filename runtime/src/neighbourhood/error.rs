@@ -22,6 +22,12 @@ pub enum NeighbourhoodError {
         /// Which one, counted from 0.
         index: usize,
     },
+    /// More nodes than a k-d tree can name.
+    #[error("{found} master nodes are more than a search tree can name")]
+    TooManyNodes {
+        /// Number of nodes given.
+        found: usize,
+    },
     /// The nearest nodes lie (nearly) on a line or a point, or are as thick as they are wide.
     #[error(
         "the {nodes} nearest nodes have no average plane: the two smallest principal moments are {smallest:e} and {middle:e} of the largest"
@@ -90,11 +96,22 @@ impl NeighbourhoodError {
         match self {
             Self::NoCandidate { .. } => "no-candidate",
             Self::NonFiniteInput { .. } => "non-finite-input",
+            Self::TooManyNodes { .. } => "too-many-nodes",
             Self::NoAveragePlane { .. } => "no-average-plane",
             Self::AmbiguousOutward { .. } => "ambiguous-outward",
             Self::IllConditioned { .. } => "ill-conditioned",
             Self::UnsupportedBasis { .. } | Self::InvalidOption { .. } => "invalid-option",
             Self::Overflow { .. } => "overflow",
+        }
+    }
+
+    /// The reason why [`NearestNodes::new`](crate::pairing::NearestNodes::new) refused a set of nodes.
+    #[must_use]
+    pub const fn of_nodes(error: &ElementError) -> Self {
+        match *error {
+            ElementError::NonFiniteInput { what, index } => Self::NonFiniteInput { what, index },
+            ElementError::TooManyNodes { found } => Self::TooManyNodes { found },
+            _ => Self::Overflow { what: "master node" },
         }
     }
 

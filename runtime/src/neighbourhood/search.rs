@@ -8,7 +8,7 @@ use super::hull::Point2;
 use super::inversion::Peeler;
 use super::{Fallback, NeighbourRule, Neighbourhood, NeighbourhoodError, Outward, SearchOptions, TOLERANCE};
 use crate::pairing::NearestNodes;
-use crate::{Basis, ElementError, Frame, Point};
+use crate::{Basis, Frame, Point};
 
 /// More candidates are taken only while their heights differ by at most this fraction of their in-plane
 /// distance (a spherical cap of 53° from its middle): beyond, the surface turns away from their average plane.
@@ -488,10 +488,7 @@ pub fn hull_layers(
     let rule = NeighbourRule::HullLayers { layers: Some(layers), max_layers: layers };
     let options = SearchOptions::default().with_rule(rule);
     options.check()?;
-    let nodes = NearestNodes::new(masters.to_vec()).map_err(|error| match error {
-        ElementError::NonFiniteInput { what, index } => NeighbourhoodError::NonFiniteInput { what, index },
-        _ => NeighbourhoodError::Overflow { what: "master node" },
-    })?;
+    let nodes = NearestNodes::new(masters.to_vec()).map_err(|error| NeighbourhoodError::of_nodes(&error))?;
     // Everything is more regular than this.
     let unconditional = SearchOptions { smallest_regularity: f64::NEG_INFINITY, ..options };
     NeighbourSearch::unchecked(unconditional).find(&nodes, slave, outward)

@@ -131,9 +131,10 @@ mod tests {
         let point = |angle: f64| [100.0 * angle.sin(), 100.0 * angle.cos()];
         let [[x1, z1], [x2, z2]] = [point(0.5 * h), point(1.5 * h)];
         let expected = 100.0 - (z1 + (z1 - z2) * x1 * x1 / (x2 * x2 - x1 * x1));
-        for element in elements().into_iter().filter(|(name, _)| *name == "cubic-interpolating") {
+        for weight in Weight::ALL {
+            let element = (weight.name(), diffuse(weight, FrameDerivative::CoMoving, Default::default()));
             let found = measure(Shape::Cylinder, 10.0, element).unwrap().gap_at([0.5, 0.5]);
-            assert!((found - expected.abs()).abs() < 1e-9, "{found} {expected}");
+            assert!((found - expected.abs()).abs() < 1e-9, "{}: {found} {expected}", weight.name());
         }
     }
 }

@@ -269,3 +269,25 @@ fn a_slave_moves_on_with_masters_that_move() {
     let nodes = scene.interface.evaluate(Mode::Value).unwrap().get(0).nodes;
     assert!(nodes.iter().all(|&node| distance(scene.positions[node as usize], [10.0, 10.0, 0.0]) < 4.0));
 }
+
+#[test]
+fn a_kept_pairing_learns_that_its_patch_has_come_to_end() {
+    // Unit squares over 0 ≤ x, y ≤ 12. The slave's masters end at some x, and there the plate is folded down by 60°:
+    // neither they nor the fit change.
+    let mut scene = Mesh::plane(12.0, 12.0, 1.0)
+        .paired(&[[5.6, 5.6, -0.1]], InterfaceOptions { hysteresis: 0.3, ..Default::default() });
+    let nodes = scene.interface.evaluate(Mode::Value).unwrap().get(0).nodes.to_vec();
+    let fold = nodes.iter().map(|&node| scene.positions[node as usize][0]).fold(0.0, f64::max);
+    assert!(fold < 10.0);
+    let (s, c) = 60f64.to_radians().sin_cos();
+    for x in &mut scene.positions[..scene.first] {
+        let past = (x[0] - fold).max(0.0);
+        *x = [x[0].min(fold) + c * past, x[1], -s * past];
+    }
+    assert_eq!(scene.refresh().kept, 1);
+    assert!((gaps(&mut scene)[0].unwrap() + 0.1).abs() < 1e-12);
+    scene.move_slaves(&[[fold + 0.2, 5.6, -0.1]]);
+    scene.update();
+    let outcome = scene.interface.evaluate(Mode::Value).unwrap().get(0).outcome;
+    assert_eq!(outcome.code(), "beyond-border", "{outcome:?}");
+}

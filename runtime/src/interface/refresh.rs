@@ -118,18 +118,19 @@ impl Refresh<'_> {
         let node = self.old.layout.slave(k);
         let old = self.old.get(k).ok();
         let closest = self.closest(node, scratch);
-        let kept = match (&old, closest) {
-            (Some(old), Ok(closest)) => self.is_sound(old, &closest, scratch),
-            _ => false,
+        let sound = match (&old, &closest) {
+            (Some(old), Ok(closest)) => self.sound(old, closest, scratch),
+            _ => None,
         };
-        let record = match (old, closest) {
-            (_, Err(reason)) => Err(reason),
-            (Some(old), Ok(_)) if kept => {
+        let kept = sound.is_some();
+        let record = match (old, closest, sound) {
+            (_, Err(reason), _) => Err(reason),
+            (Some(old), _, Some(record)) => {
                 scratch.masters.clear();
                 scratch.masters.extend_from_slice(old.masters);
-                Ok(*old.record)
+                Ok(record)
             }
-            (_, Ok(closest)) => self.pair(node, &closest, scratch),
+            (_, Ok(closest), _) => self.pair(node, &closest, scratch),
         };
         let RefreshScratch { masters, element, .. } = scratch;
         let paired = record.as_ref().map_err(|reason| *reason).and_then(|record| {
@@ -190,12 +191,13 @@ impl Refresh<'_> {
         Ok(closest)
     }
 
-    /// Whether a pairing may be kept: the patch of the facet that is closest now reaches all its masters, the
-    /// slave has not slid farther than the hysteresis allows, and the fit still is regular and gives a gap.
-    fn is_sound(&self, old: &Paired<'_>, closest: &Closest, scratch: &mut RefreshScratch) -> bool {
+    /// The record of a pairing that may be kept: the patch of the facet that is closest now reaches all its masters,
+    /// the slave has not slid farther than the hysteresis allows, and the fit still is regular and gives a gap, with
+    /// the patch ending where it ends now.
+    fn sound(&self, old: &Paired<'_>, closest: &Closest, scratch: &mut RefreshScratch) -> Option<Record> {
         let Evaluator { surface, creases, positions, options } = self.evaluator;
         if options.hysteresis == 0.0 {
-            return false;
+            return None;
         }
         let shape = self.index.shape(old.record.facet);
         let before = match options.element {
@@ -203,19 +205,28 @@ impl Refresh<'_> {
             ContactElement::NodeToFacet => shape.closest(closest.point).point,
         };
         if !((closest.point - before).norm() <= options.hysteresis * old.record.support_radius) {
-            return false;
+            return None;
         }
-        let RefreshScratch { walk, element, .. } = scratch;
+        let RefreshScratch { walk, element, border, .. } = scratch;
         let slave = positions[old.slave];
         walk.start(self.index, closest.facet, slave);
         let mut masters = old.masters.iter();
         if !masters.all(|&node| walk.reaches(self.index, creases, place_of(surface, node))) {
-            return false;
+            return None;
         }
+        let ends_near = match options.element {
+            ContactElement::Diffuse { .. } => {
+                creases.end_near(surface, old.record.facet, old.masters, border)
+            }
+            ContactElement::NodeToFacet => true,
+        };
+        let record = Record { ends_near, ..*old.record };
+        let kept = Paired { record: &record, ..*old };
         // A frame that is held is renewed with the pairing.
-        let Ok(frame) = self.evaluator.held_frame(old, element) else { return false };
-        let renewed = Paired { frame: frame.as_ref(), ..*old };
-        self.is_regular(&renewed, element) && self.evaluator.gap(&renewed, element).is_ok()
+        let frame = self.evaluator.held_frame(&kept, element).ok()?;
+        let renewed = Paired { frame: frame.as_ref(), ..kept };
+        let is_sound = self.is_regular(&renewed, element) && self.evaluator.gap(&renewed, element).is_ok();
+        is_sound.then_some(record)
     }
 
     /// Whether the masters of a diffuse element still carry the fit, and will until the next refresh: also without

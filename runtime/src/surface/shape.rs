@@ -105,15 +105,18 @@ impl Shape {
     /// How far `offset` reaches outward across an edge in the plane of the facet, over the facet's height over
     /// that edge; 0 if the facet has no area.
     pub fn reach_across(&self, edge: usize, offset: Vector3<f64>) -> f64 {
-        let [from, to] = self.edge(edge);
+        // In extents of the facet: the cubes of lengths below must neither overflow nor underflow.
+        let scale = 1.0 / self.extent();
+        let shape = self.scaled(scale);
+        let [from, to] = shape.edge(edge);
         let along = to - from;
-        let area = self.area_vector();
+        let area = shape.area_vector();
         let height = match self {
             Self::Triangle(_) => 2.0 * area.norm(),
             Self::Quadrilateral(_) => area.norm(),
         } / along.norm();
         let outward = along.cross(&area).normalize();
-        let reach = outward.dot(&offset) / height;
+        let reach = outward.dot(&(offset * scale)) / height;
         if reach.is_finite() { reach } else { 0.0 }
     }
 }
@@ -256,6 +259,13 @@ mod tests {
         assert_eq!(Shape::Triangle([a, b, d]).reach_across(0, offset), 0.25);
         assert_eq!(Shape::Quadrilateral([a, b, c, d]).reach_across(1, offset), 0.075);
         assert_eq!(Shape::Triangle([a, b, b]).reach_across(0, offset), 0.0);
+        for unit in [1e-75, 1e-60, 1e60, 1e75] {
+            let [a, b, c, d] = [a, b, c, d].map(|x| x * unit);
+            for shape in [Shape::Quadrilateral([a, b, c, d]), Shape::Triangle([a, b, d])] {
+                let reach = shape.reach_across(0, offset * unit);
+                assert!((reach - 0.25).abs() < 1e-14, "{unit:e} {reach}");
+            }
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ mod common;
 
 use common::{Mesh, Scene, Uniform, distance};
 use diffuse_contact::interface::{
-    ContactElement, ContactInterface, GapJump, InterfaceOptions, NoContact, Outcome,
+    ContactElement, ContactInterface, GapJump, InterfaceOptions, NoContact, Outcome, SlaveGap,
 };
 use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact::surface::{Facet, tributary_areas};
@@ -290,4 +290,48 @@ fn a_kept_pairing_learns_that_its_patch_has_come_to_end() {
     scene.update();
     let outcome = scene.interface.evaluate(Mode::Value).unwrap().get(0).outcome;
     assert_eq!(outcome.code(), "beyond-border", "{outcome:?}");
+}
+
+#[test]
+fn a_contact_that_a_refresh_loses_or_gains_is_reported() {
+    let mut scene = Mesh::cube(8).scene(
+        &[[0.9, 0.1, 0.97], [0.2, 0.3, 0.95]],
+        InterfaceOptions { distance_limit: Some(0.5), ..Default::default() },
+    );
+    let report = scene.refresh();
+    assert_eq!((report.contacts_gained, report.contacts_lost), (2, 0));
+    let deepest = report.smallest_gap_gained.unwrap();
+    assert!(deepest.slave == scene.first + 1 && (deepest.gap + 0.05).abs() < 1e-12, "{deepest:?}");
+    let report = scene.refresh();
+    assert_eq!((report.kept, report.contacts_gained, report.contacts_lost), (2, 0, 0));
+    assert_eq!((report.smallest_gap_gained, report.smallest_gap_lost), (None, None));
+
+    // One loses its pairing, at a gap of 1 by the old one; the other keeps a pairing that is no contact.
+    scene.move_slaves(&[[1.02, 0.1, 1.02], [0.2, 0.3, 2.0]]);
+    scene.update();
+    let before = gaps(&mut scene);
+    assert!(before[0].is_none() && (before[1].unwrap() - 1.0).abs() < 1e-12, "{before:?}");
+    let report = scene.refresh();
+    assert_eq!((report.paired, report.lost, report.contacts_lost, report.contacts_gained), (1, 1, 1, 0));
+    assert_eq!(report.smallest_gap_lost, Some(SlaveGap { slave: scene.first + 1, gap: before[1].unwrap() }));
+}
+
+#[test]
+fn a_contact_that_a_new_crease_takes_away_is_reported() {
+    // The plate is folded by 60° at x = 6 below a slave that has slid on past it, seen as penetrating by the old pairing.
+    let mut scene = Mesh::plane(12.0, 12.0, 1.0).paired(&[[5.6, 5.6, -0.3]], InterfaceOptions::default());
+    let (s, c) = 60f64.to_radians().sin_cos();
+    for x in &mut scene.positions[..scene.first] {
+        let past = (x[0] - 6.0).max(0.0);
+        *x = [x[0].min(6.0) + c * past, x[1], s * past];
+    }
+    // Outside is above: the fold is concave, and the slave beneath both sides.
+    scene.move_slaves(&[[6.3, 5.6, -0.3]]);
+    scene.update();
+    let before = gaps(&mut scene)[0];
+    let report = scene.refresh();
+    let after = gaps(&mut scene)[0];
+    assert!(before.is_some_and(|gap| gap < 0.0) && after.is_none(), "{before:?} {after:?}");
+    assert_eq!((report.contacts_lost, report.largest_gap_jump), (1, None));
+    assert_eq!(report.smallest_gap_lost, before.map(|gap| SlaveGap { slave: scene.first, gap }));
 }

@@ -67,7 +67,7 @@ pub use element::PairedElement;
 pub use error::InterfaceError;
 pub use options::{ContactElement, InterfaceOptions};
 pub use outcome::{NoContact, Outcome};
-pub use report::{FallbackCounts, GapJump, RefreshReport};
+pub use report::{FallbackCounts, GapJump, RefreshReport, SlaveGap};
 
 use contacts::Results;
 use evaluate::{CHUNK, ElementScratch, Evaluator};
@@ -217,7 +217,13 @@ impl ContactInterface {
             positions: &self.positions,
             options: &self.options,
         };
-        let refresh = Refresh { index: &index, cloud: &cloud, evaluator, old: &self.pairings };
+        let refresh = Refresh {
+            index: &index,
+            cloud: &cloud,
+            evaluator,
+            old: &self.pairings,
+            old_creases: &self.creases,
+        };
         let (pairings, report) = refresh.run(&self.refreshes, &blank);
         self.pairings = pairings;
         self.creases = creases;

@@ -8,12 +8,12 @@ use rayon::prelude::*;
 use super::contacts::Layout;
 use super::evaluate::{ElementScratch, Evaluator};
 use super::pairings::{Paired, Pairings, Record};
-use super::report::{GapJump, RefreshReport};
+use super::report::RefreshReport;
 use super::scratch::Pool;
 use super::{ContactElement, InterfaceError, NoContact};
 use crate::neighbourhood::{Fallback, NeighbourSearch, SearchOptions, regularity};
 use crate::pairing::NearestNodes;
-use crate::surface::{BorderScratch, Closest, MasterSurface, SurfaceIndex, Walk};
+use crate::surface::{BorderScratch, Closest, Creases, MasterSurface, SurfaceIndex, Walk};
 use crate::{Basis, Frame, Point};
 
 /// Slaves that one thread pairs in a row.
@@ -30,6 +30,8 @@ pub struct Refresh<'a> {
     pub cloud: &'a NearestNodes,
     pub evaluator: Evaluator<'a>,
     pub old: &'a Pairings,
+    /// What the old pairing has been evaluated with.
+    pub old_creases: &'a Creases,
 }
 
 /// Memory of one thread, kept from one refresh to the next.
@@ -148,16 +150,13 @@ impl Refresh<'_> {
                     Some(old) if old.masters == paired.masters => report.renewed += 1,
                     Some(_) => report.changed += 1,
                 }
-                // A kept pairing gives another gap only if its frame is held, and so renewed.
-                if let Some(old) = old
-                    && (!kept || frame.is_some())
-                {
+                // A kept pairing has a gap. It had another, or none, only if its frame is held and so renewed, or if
+                // its patch ended somewhere before.
+                let is_as_before = |old: &Paired<'_>| kept && frame.is_none() && !old.record.ends_near;
+                if !old.as_ref().is_some_and(is_as_before) {
                     let paired = Paired { frame: frame.as_ref(), ..paired };
-                    let before = self.evaluator.gap(&old, element);
-                    let after = self.evaluator.gap(&paired, element);
-                    if let (Ok(before), Ok(after)) = (before, after) {
-                        report.meet_jump(GapJump { slave: node, before, after });
-                    }
+                    let before = old.as_ref().and_then(|old| self.old_gap(old, element));
+                    report.compare(node, before, self.evaluator.gap(&paired, element).ok());
                 }
                 chunk.masters.extend_from_slice(masters);
                 chunk.records.push(record);
@@ -165,12 +164,19 @@ impl Refresh<'_> {
             }
             Err(reason) => {
                 report.lost += usize::from(old.is_some());
+                report.compare(node, old.and_then(|old| self.old_gap(&old, element)), None);
                 report.count_without(reason);
                 chunk.records.push(Err(reason));
                 chunk.frames.extend(self.evaluator.stand_in_frame());
             }
         }
         chunk.ends.push(chunk.masters.len());
+    }
+
+    /// The gap by the old pairing and the creases of before, if there is one.
+    fn old_gap(&self, old: &Paired<'_>, scratch: &mut ElementScratch) -> Option<f64> {
+        let evaluator = Evaluator { creases: self.old_creases, ..self.evaluator };
+        evaluator.gap(old, scratch).ok()
     }
 
     /// The closest facet, if it is near enough and the slave not far beyond the border.

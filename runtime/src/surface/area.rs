@@ -16,7 +16,7 @@ const GAUSS: [(f64, f64); 3] =
 ///
 /// # Errors
 /// [`SurfaceError::NodeOutOfRange`], [`SurfaceError::RepeatedNode`], [`SurfaceError::NonFinitePosition`],
-/// [`SurfaceError::NoArea`], [`SurfaceError::TooMany`].
+/// [`SurfaceError::NoArea`], [`SurfaceError::NotConvex`], [`SurfaceError::TooMany`].
 pub fn tributary_areas(positions: &[Point], facets: &[Facet]) -> Result<Vec<f64>, SurfaceError> {
     check_facets(positions, facets)?;
     let mut areas = vec![0.0; positions.len()];

@@ -335,3 +335,24 @@ fn a_contact_that_a_new_crease_takes_away_is_reported() {
     assert_eq!((report.contacts_lost, report.largest_gap_jump), (1, None));
     assert_eq!(report.smallest_gap_lost, before.map(|gap| SlaveGap { slave: scene.first, gap }));
 }
+
+#[test]
+fn a_refresh_that_fails_leaves_everything_as_it_was() {
+    let mut scene = floor().paired(&over_floor(40), InterfaceOptions::default());
+    let before = gaps(&mut scene);
+    let nodes = |scene: &mut Scene| {
+        let contacts = scene.interface.evaluate(Mode::Value).unwrap();
+        contacts.iter().map(|contact| contact.nodes.to_vec()).collect::<Vec<_>>()
+    };
+    let paired = nodes(&mut scene);
+    let moved: Vec<Point> = scene.positions.iter().map(|[x, y, z]| [x + 3.0, 0.5 * y, *z]).collect();
+    for (node, code) in [(7, "non-finite-position"), (scene.first + 39, "non-finite-position")] {
+        let mut positions = moved.clone();
+        positions[node][1] = f64::NAN;
+        assert_eq!(scene.interface.refresh_pairing(&positions).unwrap_err().code(), code);
+        assert_eq!((gaps(&mut scene), nodes(&mut scene)), (before.clone(), paired.clone()));
+    }
+    let error = scene.interface.refresh_pairing(&moved[1..]).unwrap_err();
+    assert_eq!(error.code(), "wrong-number-of-positions");
+    assert_eq!((gaps(&mut scene), nodes(&mut scene)), (before, paired));
+}

@@ -1,5 +1,6 @@
 //! What the caller of an interface has to mend.
 
+use crate::ElementError;
 use crate::neighbourhood::NeighbourhoodError;
 use crate::surface::SurfaceError;
 
@@ -14,6 +15,10 @@ pub enum InterfaceError {
     /// An option of the neighbour search is outside its range.
     #[error(transparent)]
     InvalidSearch(#[from] NeighbourhoodError),
+    /// The nodes of the master surface cannot be searched. An index is that of
+    /// [`MasterSurface::nodes`](crate::surface::MasterSurface::nodes).
+    #[error("the nodes of the master surface: {0}")]
+    MasterNodes(#[source] ElementError),
     /// An option is outside its range.
     #[error("the option {name} must be {range}, not {value}")]
     InvalidOption {
@@ -75,6 +80,7 @@ impl InterfaceError {
         match self {
             Self::Surface(error) => error.code(),
             Self::InvalidSearch(error) => error.code(),
+            Self::MasterNodes(error) => error.code(),
             Self::InvalidOption { .. } => "invalid-option",
             Self::SlaveOutOfRange { .. } => "slave-out-of-range",
             Self::RepeatedSlave { .. } => "repeated-slave",

@@ -77,8 +77,8 @@ use scratch::Pool;
 
 use crate::neighbourhood::SearchOptions;
 use crate::pairing::NearestNodes;
-use crate::surface::{Creases, Facet, MasterSurface, SurfaceError, check_position, tributary_areas};
-use crate::{ElementError, Mode, Point};
+use crate::surface::{Creases, Facet, MasterSurface, check_position, tributary_areas};
+use crate::{Mode, Point};
 
 /// Chunks of slaves that [`ContactInterface::for_each`] holds for each thread.
 const CHUNKS_PER_THREAD: usize = 4;
@@ -172,14 +172,19 @@ impl ContactInterface {
     /// [`InterfaceError::WrongNumberOfPositions`]; [`InterfaceError::Surface`] if a slave or a node of the
     /// master surface has a coordinate that is not finite. The positions of before then stay.
     pub fn update(&mut self, positions: &[Point]) -> Result<(), InterfaceError> {
+        self.check_positions(positions)?;
+        self.positions.copy_from_slice(positions);
+        Ok(())
+    }
+
+    /// Whether an update may take over these positions.
+    fn check_positions(&self, positions: &[Point]) -> Result<(), InterfaceError> {
         let (found, expected) = (positions.len(), self.positions.len());
         if found != expected {
             return Err(InterfaceError::WrongNumberOfPositions { found, expected });
         }
         self.master.check_positions(positions)?;
-        self.slaves().iter().try_for_each(|&node| check_position(positions, node))?;
-        self.positions.copy_from_slice(positions);
-        Ok(())
+        Ok(self.slaves().iter().try_for_each(|&node| check_position(positions, node))?)
     }
 
     /// Takes over the positions and pairs every slave anew, or keeps its pairing while it is sound
@@ -194,29 +199,22 @@ impl ContactInterface {
     /// # Errors
     /// As [`update`](Self::update). Pairing and positions of before then stay.
     pub fn refresh_pairing(&mut self, positions: &[Point]) -> Result<RefreshReport, InterfaceError> {
-        self.update(positions)?;
+        // Everything that may fail comes first; nothing of `self` changes before.
+        self.check_positions(positions)?;
         let search = match self.options.element {
             ContactElement::Diffuse { search, .. } => search,
             ContactElement::NodeToFacet => SearchOptions::default(),
         };
         let blank = RefreshScratch::new(search)?;
-        let index = self.master.at(&self.positions)?;
-        let creases = Creases::new(&index, self.options.feature_angle_degrees.to_radians());
+        let index = self.master.at(positions)?;
         let cloud = match self.options.element {
             ContactElement::Diffuse { .. } => index.positions().to_vec(),
             ContactElement::NodeToFacet => Vec::new(),
         };
-        let cloud = NearestNodes::new(cloud).map_err(|error| {
-            // Positions have been checked, so that this is for completeness.
-            let place = if let ElementError::NonFiniteInput { index, .. } = error { index } else { 0 };
-            SurfaceError::NonFinitePosition { node: self.master.nodes()[place] as usize, value: f64::NAN }
-        })?;
-        let evaluator = Evaluator {
-            surface: &self.master,
-            creases: &creases,
-            positions: &self.positions,
-            options: &self.options,
-        };
+        let cloud = NearestNodes::new(cloud).map_err(InterfaceError::MasterNodes)?;
+        let creases = Creases::new(&index, self.options.feature_angle_degrees.to_radians());
+        let evaluator =
+            Evaluator { surface: &self.master, creases: &creases, positions, options: &self.options };
         let refresh = Refresh {
             index: &index,
             cloud: &cloud,
@@ -227,6 +225,7 @@ impl ContactInterface {
         let (pairings, report) = refresh.run(&self.refreshes, &blank);
         self.pairings = pairings;
         self.creases = creases;
+        self.positions.copy_from_slice(positions);
         Ok(report)
     }
 

@@ -29,6 +29,14 @@ pub enum InterfaceError {
         /// What it was.
         value: f64,
     },
+    /// More positions or slaves than 32-bit indices can name.
+    #[error("{count} {what} are more than 32-bit indices can name")]
+    TooMany {
+        /// `"positions"` or `"slaves"`.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+    },
     /// A slave node is not among the positions.
     #[error("slave {index} is node {node}, but there are {count} positions")]
     SlaveOutOfRange {
@@ -82,6 +90,7 @@ impl InterfaceError {
             Self::InvalidSearch(error) => error.code(),
             Self::MasterNodes(error) => error.code(),
             Self::InvalidOption { .. } => "invalid-option",
+            Self::TooMany { .. } => "too-many",
             Self::SlaveOutOfRange { .. } => "slave-out-of-range",
             Self::RepeatedSlave { .. } => "repeated-slave",
             Self::SlaveOnMaster { .. } => "slave-on-master",

@@ -106,7 +106,7 @@ impl ContactInterface {
     /// empty.
     ///
     /// # Errors
-    /// [`InterfaceError::InvalidOption`], [`InterfaceError::InvalidSearch`],
+    /// [`InterfaceError::InvalidOption`], [`InterfaceError::InvalidSearch`], [`InterfaceError::TooMany`],
     /// [`InterfaceError::SlaveOutOfRange`], [`InterfaceError::RepeatedSlave`],
     /// [`InterfaceError::SlaveOnMaster`], [`InterfaceError::SlaveWithoutArea`], and [`InterfaceError::Surface`]
     /// for positions of nodes and for slave facets.
@@ -118,6 +118,8 @@ impl ContactInterface {
         options: InterfaceOptions,
     ) -> Result<Self, InterfaceError> {
         options.check()?;
+        check_count("positions", positions.len())?;
+        check_count("slaves", slaves.len())?;
         check_slaves(&master, &slaves, positions)?;
         let areas = if options.areas { areas_of(&slaves, slave_facets, positions)? } else { Vec::new() };
         let pairings = Pairings::none(slaves, areas);
@@ -266,6 +268,11 @@ impl ContactInterface {
     }
 }
 
+/// Pairings name nodes and slaves by 32-bit indices.
+fn check_count(what: &'static str, count: usize) -> Result<(), InterfaceError> {
+    if u32::try_from(count).is_ok() { Ok(()) } else { Err(InterfaceError::TooMany { what, count }) }
+}
+
 /// Slaves exist, are named once and are no nodes of the master surface.
 fn check_slaves(master: &MasterSurface, slaves: &[usize], positions: &[Point]) -> Result<(), InterfaceError> {
     let count = positions.len();
@@ -292,4 +299,16 @@ fn areas_of(slaves: &[usize], facets: &[Facet], positions: &[Point]) -> Result<V
         _ => Err(InterfaceError::SlaveWithoutArea { node }),
     };
     slaves.iter().map(area).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_than_indices_can_name_is_too_many() {
+        assert_eq!(check_count("slaves", u32::MAX as usize), Ok(()));
+        let count = u32::MAX as usize + 1;
+        assert_eq!(check_count("slaves", count), Err(InterfaceError::TooMany { what: "slaves", count }));
+    }
 }

@@ -18,6 +18,11 @@
 //! * **Border.** A foot beyond the border of the master surface is no contact, nor is one beyond an edge
 //!   sharper than the feature angle, where the fit of one face would be extended past it. So a slave over a
 //!   sharp convex edge, seen by neither face, has no contact until it comes to lie over one of them.
+//! * **Ends of slits.** Which nodes a slave's facet reaches is a matter of distance alone: those on the far side of a slit
+//!   take part if the way around its end is over facets no farther from the slave than they are. Near the end
+//!   that is most of the far side, and the search may also take nodes far away to surround the slave where the near
+//!   ones are cut off: the fit then is over a support many facets wide, smooth across the slit. A support radius
+//!   that large, or a fallback, shows in the pairing; finer facets around the end of the slit make it small.
 //! * **Threads.** Results and reports are the same, bit for bit, for any number of threads. Work is done in the
 //!   current rayon pool.
 //! * **Memory.** Results lie in buffers that are reused: after the first evaluation none is allocated per
@@ -306,6 +311,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[cfg(target_pointer_width = "64")]
     fn more_than_indices_can_name_is_too_many() {
         assert_eq!(check_count("slaves", u32::MAX as usize), Ok(()));
         let count = u32::MAX as usize + 1;

@@ -1,5 +1,9 @@
 //! From facet to facet without crossing a sharp edge: the nodes that make up one smooth patch with the closest
 //! facet.
+//!
+//! Only distance decides which way around the end of a slit counts: a node beyond the slit belongs to the patch as soon as
+//! the way there is over facets no farther from the slave than the node. How far a search goes for its nodes is for the
+//! search to say.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

@@ -429,9 +429,8 @@ fn an_unstable_plane_is_an_error() {
         weight: Weight::Cubic,
     };
     for backend in [&Ad as &dyn Backend, &Generated] {
-        // The gap itself needs the frame, not its motion.
-        assert!(backend.gap(&element, Mode::Value).is_ok());
-        for mode in [Mode::Gradient, Mode::Hessian] {
+        // Whether there is a result does not depend on how many derivatives are asked for.
+        for mode in [Mode::Value, Mode::Gradient, Mode::Hessian] {
             let outcome = backend.gap(&element, mode).map(|gap| gap.gap);
             assert!(
                 matches!(outcome, Err(ElementError::UnstableAveragePlane { .. })),

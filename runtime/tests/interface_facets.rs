@@ -107,3 +107,43 @@ fn a_facet_is_kept_until_the_slave_is_clearly_off_it() {
         assert_eq!(scene.refresh().kept, kept, "{x}");
     }
 }
+
+/// A strip along x of facets between these x, 1 wide.
+fn strip(x: &[f64]) -> Mesh {
+    let count = x.len();
+    let positions = [0.0, 1.0].into_iter().flat_map(|y| x.iter().map(move |&x| [x, y, 0.0])).collect();
+    let facets = (1..count).map(|k| Facet::Quadrilateral([k - 1, k, k + count, k + count - 1])).collect();
+    Mesh { positions, facets }
+}
+
+#[test]
+fn past_the_border_of_a_neighbour_there_is_no_contact_whatever_the_hysteresis() {
+    let mesh = strip(&[-1.0, 0.0, 1.0, 1.08]);
+    for hysteresis in [0.0, 0.2, 0.5] {
+        let options = InterfaceOptions { hysteresis, ..InterfaceOptions::node_to_facet() };
+        let mut scene = mesh.paired(&[[0.9, 0.5, -0.05]], options);
+        for (x, expected) in [(1.05, "contact"), (1.15, "beyond-border")] {
+            scene.move_slaves(&[[x, 0.5, -0.05]]);
+            scene.update();
+            let code = |scene: &mut common::Scene| {
+                scene.interface.evaluate(Mode::Value).unwrap().get(0).outcome.code()
+            };
+            assert_eq!(code(&mut scene), expected, "{x} before a refresh, hysteresis {hysteresis}");
+            scene.refresh();
+            assert_eq!(code(&mut scene), expected, "{x} after a refresh, hysteresis {hysteresis}");
+        }
+    }
+}
+
+#[test]
+fn the_border_is_seen_in_any_unit_of_length() {
+    for unit in [1e-60, 1e60] {
+        let mut mesh = strip(&[-1.0, 0.0, 1.0, 2.0]);
+        mesh.positions.iter_mut().for_each(|x| *x = x.map(|x| unit * x));
+        let slaves = [[1.9, 0.5, -0.05], [2.1, 0.5, -0.05]].map(|x: Point| x.map(|x| unit * x));
+        let mut scene = mesh.paired(&slaves, InterfaceOptions::node_to_facet());
+        let contacts = scene.interface.evaluate(Mode::Gradient).unwrap();
+        let codes: Vec<&str> = contacts.iter().map(|contact| contact.outcome.code()).collect();
+        assert_eq!(codes, ["contact", "beyond-border"], "{unit:e}");
+    }
+}

@@ -4,7 +4,7 @@ mod common;
 
 use common::{Mesh, Scene, Uniform, distance};
 use diffuse_contact::interface::{
-    ContactElement, ContactInterface, GapJump, InterfaceOptions, NoContact, Outcome,
+    ContactElement, ContactInterface, GapJump, InterfaceOptions, NoContact, Outcome, SlaveGap,
 };
 use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact::surface::{Facet, tributary_areas};
@@ -268,4 +268,91 @@ fn a_slave_moves_on_with_masters_that_move() {
     assert!((3..40).contains(&changed), "{changed}");
     let nodes = scene.interface.evaluate(Mode::Value).unwrap().get(0).nodes;
     assert!(nodes.iter().all(|&node| distance(scene.positions[node as usize], [10.0, 10.0, 0.0]) < 4.0));
+}
+
+#[test]
+fn a_kept_pairing_learns_that_its_patch_has_come_to_end() {
+    // Unit squares over 0 ≤ x, y ≤ 12. The slave's masters end at some x, and there the plate is folded down by 60°:
+    // neither they nor the fit change.
+    let mut scene = Mesh::plane(12.0, 12.0, 1.0)
+        .paired(&[[5.6, 5.6, -0.1]], InterfaceOptions { hysteresis: 0.3, ..Default::default() });
+    let nodes = scene.interface.evaluate(Mode::Value).unwrap().get(0).nodes.to_vec();
+    let fold = nodes.iter().map(|&node| scene.positions[node as usize][0]).fold(0.0, f64::max);
+    assert!(fold < 10.0);
+    let (s, c) = 60f64.to_radians().sin_cos();
+    for x in &mut scene.positions[..scene.first] {
+        let past = (x[0] - fold).max(0.0);
+        *x = [x[0].min(fold) + c * past, x[1], -s * past];
+    }
+    assert_eq!(scene.refresh().kept, 1);
+    assert!((gaps(&mut scene)[0].unwrap() + 0.1).abs() < 1e-12);
+    scene.move_slaves(&[[fold + 0.2, 5.6, -0.1]]);
+    scene.update();
+    let outcome = scene.interface.evaluate(Mode::Value).unwrap().get(0).outcome;
+    assert_eq!(outcome.code(), "beyond-border", "{outcome:?}");
+}
+
+#[test]
+fn a_contact_that_a_refresh_loses_or_gains_is_reported() {
+    let mut scene = Mesh::cube(8).scene(
+        &[[0.9, 0.1, 0.97], [0.2, 0.3, 0.95]],
+        InterfaceOptions { distance_limit: Some(0.5), ..Default::default() },
+    );
+    let report = scene.refresh();
+    assert_eq!((report.contacts_gained, report.contacts_lost), (2, 0));
+    let deepest = report.smallest_gap_gained.unwrap();
+    assert!(deepest.slave == scene.first + 1 && (deepest.gap + 0.05).abs() < 1e-12, "{deepest:?}");
+    let report = scene.refresh();
+    assert_eq!((report.kept, report.contacts_gained, report.contacts_lost), (2, 0, 0));
+    assert_eq!((report.smallest_gap_gained, report.smallest_gap_lost), (None, None));
+
+    // One loses its pairing, at a gap of 1 by the old one; the other keeps a pairing that is no contact.
+    scene.move_slaves(&[[1.02, 0.1, 1.02], [0.2, 0.3, 2.0]]);
+    scene.update();
+    let before = gaps(&mut scene);
+    assert!(before[0].is_none() && (before[1].unwrap() - 1.0).abs() < 1e-12, "{before:?}");
+    let report = scene.refresh();
+    assert_eq!((report.paired, report.lost, report.contacts_lost, report.contacts_gained), (1, 1, 1, 0));
+    assert_eq!(report.smallest_gap_lost, Some(SlaveGap { slave: scene.first + 1, gap: before[1].unwrap() }));
+}
+
+#[test]
+fn a_contact_that_a_new_crease_takes_away_is_reported() {
+    // The plate is folded by 60° at x = 6 below a slave that has slid on past it, seen as penetrating by the old pairing.
+    let mut scene = Mesh::plane(12.0, 12.0, 1.0).paired(&[[5.6, 5.6, -0.3]], InterfaceOptions::default());
+    let (s, c) = 60f64.to_radians().sin_cos();
+    for x in &mut scene.positions[..scene.first] {
+        let past = (x[0] - 6.0).max(0.0);
+        *x = [x[0].min(6.0) + c * past, x[1], s * past];
+    }
+    // Outside is above: the fold is concave, and the slave beneath both sides.
+    scene.move_slaves(&[[6.3, 5.6, -0.3]]);
+    scene.update();
+    let before = gaps(&mut scene)[0];
+    let report = scene.refresh();
+    let after = gaps(&mut scene)[0];
+    assert!(before.is_some_and(|gap| gap < 0.0) && after.is_none(), "{before:?} {after:?}");
+    assert_eq!((report.contacts_lost, report.largest_gap_jump), (1, None));
+    assert_eq!(report.smallest_gap_lost, before.map(|gap| SlaveGap { slave: scene.first, gap }));
+}
+
+#[test]
+fn a_refresh_that_fails_leaves_everything_as_it_was() {
+    let mut scene = floor().paired(&over_floor(40), InterfaceOptions::default());
+    let before = gaps(&mut scene);
+    let nodes = |scene: &mut Scene| {
+        let contacts = scene.interface.evaluate(Mode::Value).unwrap();
+        contacts.iter().map(|contact| contact.nodes.to_vec()).collect::<Vec<_>>()
+    };
+    let paired = nodes(&mut scene);
+    let moved: Vec<Point> = scene.positions.iter().map(|[x, y, z]| [x + 3.0, 0.5 * y, *z]).collect();
+    for (node, code) in [(7, "non-finite-position"), (scene.first + 39, "non-finite-position")] {
+        let mut positions = moved.clone();
+        positions[node][1] = f64::NAN;
+        assert_eq!(scene.interface.refresh_pairing(&positions).unwrap_err().code(), code);
+        assert_eq!((gaps(&mut scene), nodes(&mut scene)), (before.clone(), paired.clone()));
+    }
+    let error = scene.interface.refresh_pairing(&moved[1..]).unwrap_err();
+    assert_eq!(error.code(), "wrong-number-of-positions");
+    assert_eq!((gaps(&mut scene), nodes(&mut scene)), (before, paired));
 }

@@ -77,6 +77,9 @@ impl Surfaces {
         };
         match error {
             SurfaceError::NoArea { facet, .. } => format!("{} has no area", corners(facet)),
+            SurfaceError::NotConvex { facet, node, .. } => {
+                format!("{} is not convex at node {}: split it into triangles", corners(facet), tag(node))
+            }
             SurfaceError::RepeatedNode { facet, node } => {
                 format!("{} has node {} for two of its corners", corners(facet), tag(node))
             }

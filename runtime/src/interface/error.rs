@@ -1,5 +1,6 @@
 //! What the caller of an interface has to mend.
 
+use crate::ElementError;
 use crate::neighbourhood::NeighbourhoodError;
 use crate::surface::SurfaceError;
 
@@ -14,6 +15,10 @@ pub enum InterfaceError {
     /// An option of the neighbour search is outside its range.
     #[error(transparent)]
     InvalidSearch(#[from] NeighbourhoodError),
+    /// The nodes of the master surface cannot be searched. An index is that of
+    /// [`MasterSurface::nodes`](crate::surface::MasterSurface::nodes).
+    #[error("the nodes of the master surface: {0}")]
+    MasterNodes(#[source] ElementError),
     /// An option is outside its range.
     #[error("the option {name} must be {range}, not {value}")]
     InvalidOption {
@@ -23,6 +28,14 @@ pub enum InterfaceError {
         range: &'static str,
         /// What it was.
         value: f64,
+    },
+    /// More positions or slaves than 32-bit indices can name.
+    #[error("{count} {what} are more than 32-bit indices can name")]
+    TooMany {
+        /// `"positions"` or `"slaves"`.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
     },
     /// A slave node is not among the positions.
     #[error("slave {index} is node {node}, but there are {count} positions")]
@@ -75,7 +88,9 @@ impl InterfaceError {
         match self {
             Self::Surface(error) => error.code(),
             Self::InvalidSearch(error) => error.code(),
+            Self::MasterNodes(error) => error.code(),
             Self::InvalidOption { .. } => "invalid-option",
+            Self::TooMany { .. } => "too-many",
             Self::SlaveOutOfRange { .. } => "slave-out-of-range",
             Self::RepeatedSlave { .. } => "repeated-slave",
             Self::SlaveOnMaster { .. } => "slave-on-master",

@@ -1,7 +1,5 @@
 //! One element at the positions of the moment, and all of them in parallel.
 
-use nalgebra::Vector3;
-
 use super::contacts::{Layout, Slot, Slots};
 use super::pairings::{Paired, Pairings};
 use super::scratch::Pool;
@@ -28,6 +26,8 @@ pub struct Evaluator<'a> {
 #[derive(Clone, Debug, Default)]
 pub struct ElementScratch {
     masters: Vec<Point>,
+    /// Nodes of a facet, ascending.
+    corners: Vec<u32>,
     border: BorderScratch,
 }
 
@@ -97,10 +97,19 @@ impl Evaluator<'_> {
             }
             ContactElement::NodeToFacet => {
                 let element = FacetElement { slave, corners: self.gather(paired, scratch) };
-                let point = Generated.facet_gap_into(&element, mode, gradient, hessian)?.point;
-                let facet = paired.record.facet;
-                let shape = self.surface.shape(facet as usize, self.positions);
-                (Ok(point), self.creases.beyond_facet(facet, &shape, Vector3::from(point.foot)))
+                let found = Generated.facet_gap_into(&element, mode, gradient, hessian)?;
+                // Off its facet, the foot may lie over a neighbour or beyond the neighbour's end.
+                let beyond = if element.contains(found.natural, 0.0) {
+                    0.0
+                } else {
+                    let ElementScratch { corners, border, .. } = scratch;
+                    corners.clear();
+                    corners.extend_from_slice(paired.masters);
+                    corners.sort_unstable();
+                    let patch = (paired.record.facet, corners.as_slice());
+                    self.creases.beyond(self.surface, self.positions, patch, found.point.foot, border)
+                };
+                (Ok(found.point), beyond)
             }
         };
         let tolerance = self.options.border_tolerance;

@@ -18,6 +18,11 @@
 //! * **Border.** A foot beyond the border of the master surface is no contact, nor is one beyond an edge
 //!   sharper than the feature angle, where the fit of one face would be extended past it. So a slave over a
 //!   sharp convex edge, seen by neither face, has no contact until it comes to lie over one of them.
+//! * **Ends of slits.** Which nodes a slave's facet reaches is a matter of distance alone: those on the far side of a slit
+//!   take part if the way around its end is over facets no farther from the slave than they are. Near the end
+//!   that is most of the far side, and the search may also take nodes far away to surround the slave where the near
+//!   ones are cut off: the fit then is over a support many facets wide, smooth across the slit. A support radius
+//!   that large, or a fallback, shows in the pairing; finer facets around the end of the slit make it small.
 //! * **Threads.** Results and reports are the same, bit for bit, for any number of threads. Work is done in the
 //!   current rayon pool.
 //! * **Memory.** Results lie in buffers that are reused: after the first evaluation none is allocated per
@@ -67,7 +72,7 @@ pub use element::PairedElement;
 pub use error::InterfaceError;
 pub use options::{ContactElement, InterfaceOptions};
 pub use outcome::{NoContact, Outcome};
-pub use report::{FallbackCounts, GapJump, RefreshReport};
+pub use report::{FallbackCounts, GapJump, RefreshReport, SlaveGap};
 
 use contacts::Results;
 use evaluate::{CHUNK, ElementScratch, Evaluator};
@@ -77,8 +82,8 @@ use scratch::Pool;
 
 use crate::neighbourhood::SearchOptions;
 use crate::pairing::NearestNodes;
-use crate::surface::{Creases, Facet, MasterSurface, SurfaceError, check_position, tributary_areas};
-use crate::{ElementError, Mode, Point};
+use crate::surface::{Creases, Facet, MasterSurface, check_position, tributary_areas};
+use crate::{Mode, Point};
 
 /// Chunks of slaves that [`ContactInterface::for_each`] holds for each thread.
 const CHUNKS_PER_THREAD: usize = 4;
@@ -106,7 +111,7 @@ impl ContactInterface {
     /// empty.
     ///
     /// # Errors
-    /// [`InterfaceError::InvalidOption`], [`InterfaceError::InvalidSearch`],
+    /// [`InterfaceError::InvalidOption`], [`InterfaceError::InvalidSearch`], [`InterfaceError::TooMany`],
     /// [`InterfaceError::SlaveOutOfRange`], [`InterfaceError::RepeatedSlave`],
     /// [`InterfaceError::SlaveOnMaster`], [`InterfaceError::SlaveWithoutArea`], and [`InterfaceError::Surface`]
     /// for positions of nodes and for slave facets.
@@ -118,6 +123,8 @@ impl ContactInterface {
         options: InterfaceOptions,
     ) -> Result<Self, InterfaceError> {
         options.check()?;
+        check_count("positions", positions.len())?;
+        check_count("slaves", slaves.len())?;
         check_slaves(&master, &slaves, positions)?;
         let areas = if options.areas { areas_of(&slaves, slave_facets, positions)? } else { Vec::new() };
         let pairings = Pairings::none(slaves, areas);
@@ -172,14 +179,19 @@ impl ContactInterface {
     /// [`InterfaceError::WrongNumberOfPositions`]; [`InterfaceError::Surface`] if a slave or a node of the
     /// master surface has a coordinate that is not finite. The positions of before then stay.
     pub fn update(&mut self, positions: &[Point]) -> Result<(), InterfaceError> {
+        self.check_positions(positions)?;
+        self.positions.copy_from_slice(positions);
+        Ok(())
+    }
+
+    /// Whether an update may take over these positions.
+    fn check_positions(&self, positions: &[Point]) -> Result<(), InterfaceError> {
         let (found, expected) = (positions.len(), self.positions.len());
         if found != expected {
             return Err(InterfaceError::WrongNumberOfPositions { found, expected });
         }
         self.master.check_positions(positions)?;
-        self.slaves().iter().try_for_each(|&node| check_position(positions, node))?;
-        self.positions.copy_from_slice(positions);
-        Ok(())
+        Ok(self.slaves().iter().try_for_each(|&node| check_position(positions, node))?)
     }
 
     /// Takes over the positions and pairs every slave anew, or keeps its pairing while it is sound
@@ -194,33 +206,33 @@ impl ContactInterface {
     /// # Errors
     /// As [`update`](Self::update). Pairing and positions of before then stay.
     pub fn refresh_pairing(&mut self, positions: &[Point]) -> Result<RefreshReport, InterfaceError> {
-        self.update(positions)?;
+        // Everything that may fail comes first; nothing of `self` changes before.
+        self.check_positions(positions)?;
         let search = match self.options.element {
             ContactElement::Diffuse { search, .. } => search,
             ContactElement::NodeToFacet => SearchOptions::default(),
         };
         let blank = RefreshScratch::new(search)?;
-        let index = self.master.at(&self.positions)?;
-        let creases = Creases::new(&index, self.options.feature_angle_degrees.to_radians());
+        let index = self.master.at(positions)?;
         let cloud = match self.options.element {
             ContactElement::Diffuse { .. } => index.positions().to_vec(),
             ContactElement::NodeToFacet => Vec::new(),
         };
-        let cloud = NearestNodes::new(cloud).map_err(|error| {
-            // Positions have been checked, so that this is for completeness.
-            let place = if let ElementError::NonFiniteInput { index, .. } = error { index } else { 0 };
-            SurfaceError::NonFinitePosition { node: self.master.nodes()[place] as usize, value: f64::NAN }
-        })?;
-        let evaluator = Evaluator {
-            surface: &self.master,
-            creases: &creases,
-            positions: &self.positions,
-            options: &self.options,
+        let cloud = NearestNodes::new(cloud).map_err(InterfaceError::MasterNodes)?;
+        let creases = Creases::new(&index, self.options.feature_angle_degrees.to_radians());
+        let evaluator =
+            Evaluator { surface: &self.master, creases: &creases, positions, options: &self.options };
+        let refresh = Refresh {
+            index: &index,
+            cloud: &cloud,
+            evaluator,
+            old: &self.pairings,
+            old_creases: &self.creases,
         };
-        let refresh = Refresh { index: &index, cloud: &cloud, evaluator, old: &self.pairings };
         let (pairings, report) = refresh.run(&self.refreshes, &blank);
         self.pairings = pairings;
         self.creases = creases;
+        self.positions.copy_from_slice(positions);
         Ok(report)
     }
 
@@ -261,6 +273,11 @@ impl ContactInterface {
     }
 }
 
+/// Pairings name nodes and slaves by 32-bit indices.
+fn check_count(what: &'static str, count: usize) -> Result<(), InterfaceError> {
+    if u32::try_from(count).is_ok() { Ok(()) } else { Err(InterfaceError::TooMany { what, count }) }
+}
+
 /// Slaves exist, are named once and are no nodes of the master surface.
 fn check_slaves(master: &MasterSurface, slaves: &[usize], positions: &[Point]) -> Result<(), InterfaceError> {
     let count = positions.len();
@@ -287,4 +304,17 @@ fn areas_of(slaves: &[usize], facets: &[Facet], positions: &[Point]) -> Result<V
         _ => Err(InterfaceError::SlaveWithoutArea { node }),
     };
     slaves.iter().map(area).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[cfg(target_pointer_width = "64")]
+    fn more_than_indices_can_name_is_too_many() {
+        assert_eq!(check_count("slaves", u32::MAX as usize), Ok(()));
+        let count = u32::MAX as usize + 1;
+        assert_eq!(check_count("slaves", count), Err(InterfaceError::TooMany { what: "slaves", count }));
+    }
 }

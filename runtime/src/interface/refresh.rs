@@ -8,12 +8,12 @@ use rayon::prelude::*;
 use super::contacts::Layout;
 use super::evaluate::{ElementScratch, Evaluator};
 use super::pairings::{Paired, Pairings, Record};
-use super::report::{GapJump, RefreshReport};
+use super::report::RefreshReport;
 use super::scratch::Pool;
 use super::{ContactElement, InterfaceError, NoContact};
 use crate::neighbourhood::{Fallback, NeighbourSearch, SearchOptions, regularity};
 use crate::pairing::NearestNodes;
-use crate::surface::{BorderScratch, Closest, MasterSurface, SurfaceIndex, Walk};
+use crate::surface::{BorderScratch, Closest, Creases, MasterSurface, SurfaceIndex, Walk};
 use crate::{Basis, Frame, Point};
 
 /// Slaves that one thread pairs in a row.
@@ -30,6 +30,8 @@ pub struct Refresh<'a> {
     pub cloud: &'a NearestNodes,
     pub evaluator: Evaluator<'a>,
     pub old: &'a Pairings,
+    /// What the old pairing has been evaluated with.
+    pub old_creases: &'a Creases,
 }
 
 /// Memory of one thread, kept from one refresh to the next.
@@ -118,18 +120,19 @@ impl Refresh<'_> {
         let node = self.old.layout.slave(k);
         let old = self.old.get(k).ok();
         let closest = self.closest(node, scratch);
-        let kept = match (&old, closest) {
-            (Some(old), Ok(closest)) => self.is_sound(old, &closest, scratch),
-            _ => false,
+        let sound = match (&old, &closest) {
+            (Some(old), Ok(closest)) => self.sound(old, closest, scratch),
+            _ => None,
         };
-        let record = match (old, closest) {
-            (_, Err(reason)) => Err(reason),
-            (Some(old), Ok(_)) if kept => {
+        let kept = sound.is_some();
+        let record = match (old, closest, sound) {
+            (_, Err(reason), _) => Err(reason),
+            (Some(old), _, Some(record)) => {
                 scratch.masters.clear();
                 scratch.masters.extend_from_slice(old.masters);
-                Ok(*old.record)
+                Ok(record)
             }
-            (_, Ok(closest)) => self.pair(node, &closest, scratch),
+            (_, Ok(closest), _) => self.pair(node, &closest, scratch),
         };
         let RefreshScratch { masters, element, .. } = scratch;
         let paired = record.as_ref().map_err(|reason| *reason).and_then(|record| {
@@ -147,16 +150,13 @@ impl Refresh<'_> {
                     Some(old) if old.masters == paired.masters => report.renewed += 1,
                     Some(_) => report.changed += 1,
                 }
-                // A kept pairing gives another gap only if its frame is held, and so renewed.
-                if let Some(old) = old
-                    && (!kept || frame.is_some())
-                {
+                // A kept pairing has a gap. It had another, or none, only if its frame is held and so renewed, or if
+                // its patch ended somewhere before.
+                let is_as_before = |old: &Paired<'_>| kept && frame.is_none() && !old.record.ends_near;
+                if !old.as_ref().is_some_and(is_as_before) {
                     let paired = Paired { frame: frame.as_ref(), ..paired };
-                    let before = self.evaluator.gap(&old, element);
-                    let after = self.evaluator.gap(&paired, element);
-                    if let (Ok(before), Ok(after)) = (before, after) {
-                        report.meet_jump(GapJump { slave: node, before, after });
-                    }
+                    let before = old.as_ref().and_then(|old| self.old_gap(old, element));
+                    report.compare(node, before, self.evaluator.gap(&paired, element).ok());
                 }
                 chunk.masters.extend_from_slice(masters);
                 chunk.records.push(record);
@@ -164,12 +164,19 @@ impl Refresh<'_> {
             }
             Err(reason) => {
                 report.lost += usize::from(old.is_some());
+                report.compare(node, old.and_then(|old| self.old_gap(&old, element)), None);
                 report.count_without(reason);
                 chunk.records.push(Err(reason));
                 chunk.frames.extend(self.evaluator.stand_in_frame());
             }
         }
         chunk.ends.push(chunk.masters.len());
+    }
+
+    /// The gap by the old pairing and the creases of before, if there is one.
+    fn old_gap(&self, old: &Paired<'_>, scratch: &mut ElementScratch) -> Option<f64> {
+        let evaluator = Evaluator { creases: self.old_creases, ..self.evaluator };
+        evaluator.gap(old, scratch).ok()
     }
 
     /// The closest facet, if it is near enough and the slave not far beyond the border.
@@ -190,12 +197,13 @@ impl Refresh<'_> {
         Ok(closest)
     }
 
-    /// Whether a pairing may be kept: the patch of the facet that is closest now reaches all its masters, the
-    /// slave has not slid farther than the hysteresis allows, and the fit still is regular and gives a gap.
-    fn is_sound(&self, old: &Paired<'_>, closest: &Closest, scratch: &mut RefreshScratch) -> bool {
+    /// The record of a pairing that may be kept: the patch of the facet that is closest now reaches all its masters,
+    /// the slave has not slid farther than the hysteresis allows, and the fit still is regular and gives a gap, with
+    /// the patch ending where it ends now.
+    fn sound(&self, old: &Paired<'_>, closest: &Closest, scratch: &mut RefreshScratch) -> Option<Record> {
         let Evaluator { surface, creases, positions, options } = self.evaluator;
         if options.hysteresis == 0.0 {
-            return false;
+            return None;
         }
         let shape = self.index.shape(old.record.facet);
         let before = match options.element {
@@ -203,19 +211,28 @@ impl Refresh<'_> {
             ContactElement::NodeToFacet => shape.closest(closest.point).point,
         };
         if !((closest.point - before).norm() <= options.hysteresis * old.record.support_radius) {
-            return false;
+            return None;
         }
-        let RefreshScratch { walk, element, .. } = scratch;
+        let RefreshScratch { walk, element, border, .. } = scratch;
         let slave = positions[old.slave];
         walk.start(self.index, closest.facet, slave);
         let mut masters = old.masters.iter();
         if !masters.all(|&node| walk.reaches(self.index, creases, place_of(surface, node))) {
-            return false;
+            return None;
         }
+        let ends_near = match options.element {
+            ContactElement::Diffuse { .. } => {
+                creases.end_near(surface, old.record.facet, old.masters, border)
+            }
+            ContactElement::NodeToFacet => true,
+        };
+        let record = Record { ends_near, ..*old.record };
+        let kept = Paired { record: &record, ..*old };
         // A frame that is held is renewed with the pairing.
-        let Ok(frame) = self.evaluator.held_frame(old, element) else { return false };
-        let renewed = Paired { frame: frame.as_ref(), ..*old };
-        self.is_regular(&renewed, element) && self.evaluator.gap(&renewed, element).is_ok()
+        let frame = self.evaluator.held_frame(&kept, element).ok()?;
+        let renewed = Paired { frame: frame.as_ref(), ..kept };
+        let is_sound = self.is_regular(&renewed, element) && self.evaluator.gap(&renewed, element).is_ok();
+        is_sound.then_some(record)
     }
 
     /// Whether the masters of a diffuse element still carry the fit, and will until the next refresh: also without

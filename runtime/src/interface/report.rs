@@ -9,6 +9,10 @@ use crate::neighbourhood::Fallback;
 ///
 /// `paired` is the sum of `kept`, `renewed`, `changed` and `gained`; with those in `without` it makes up all
 /// slaves.
+///
+/// A pairing alone is no contact: its element may have no result, or a foot beyond the border. What an
+/// evaluation right before the refresh would have given, at the same positions, is compared with what one gives right
+/// after it: either there is a gap in both, whose largest change is `largest_gap_jump`, or a contact is lost or gained.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RefreshReport {
     /// With a pairing now.
@@ -27,8 +31,16 @@ pub struct RefreshReport {
     pub without: BTreeMap<&'static str, usize>,
     /// What the searches of the paired had to give up.
     pub fallbacks: FallbackCounts,
+    /// With a gap by the old pairing at these positions, but none by the new or without one: their forces vanish.
+    pub contacts_lost: usize,
+    /// With a gap now, but none by the old pairing at these positions or without one: forces may appear.
+    pub contacts_gained: usize,
+    /// Of the contacts lost, that with the smallest gap: the deepest penetration, if it is negative.
+    pub smallest_gap_lost: Option<SlaveGap>,
+    /// Of the contacts gained, that with the smallest gap.
+    pub smallest_gap_gained: Option<SlaveGap>,
     /// Where the refresh changed the gap most, if it changed any. Slaves that have no gap before or after do not
-    /// take part.
+    /// take part: they are contacts gained or lost.
     pub largest_gap_jump: Option<GapJump>,
 }
 
@@ -54,6 +66,23 @@ pub struct GapJump {
     pub after: f64,
 }
 
+/// The gap of one slave.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlaveGap {
+    /// The slave node.
+    pub slave: usize,
+    /// Its gap, length.
+    pub gap: f64,
+}
+
+impl SlaveGap {
+    /// The smaller gap; of equal ones that of the node with the lower index.
+    fn smallest(one: Option<Self>, other: Option<Self>) -> Option<Self> {
+        let order = |a: &Self, b: &Self| a.gap.total_cmp(&b.gap).then(a.slave.cmp(&b.slave));
+        one.into_iter().chain(other).min_by(order)
+    }
+}
+
 impl GapJump {
     /// |after − before|
     #[must_use]
@@ -75,8 +104,26 @@ impl RefreshReport {
         }
     }
 
+    /// Books the gap of a slave by the old and by the new pairing, as far as there is one.
+    pub(super) fn compare(&mut self, slave: usize, before: Option<f64>, after: Option<f64>) {
+        match (before, after) {
+            (Some(before), Some(after)) => self.meet_jump(GapJump { slave, before, after }),
+            (Some(gap), None) => {
+                self.contacts_lost += 1;
+                self.smallest_gap_lost =
+                    SlaveGap::smallest(self.smallest_gap_lost, Some(SlaveGap { slave, gap }));
+            }
+            (None, Some(gap)) => {
+                self.contacts_gained += 1;
+                self.smallest_gap_gained =
+                    SlaveGap::smallest(self.smallest_gap_gained, Some(SlaveGap { slave, gap }));
+            }
+            (None, None) => {}
+        }
+    }
+
     /// Of jumps of equal size that of the node with the lowest index stays.
-    pub(super) fn meet_jump(&mut self, jump: GapJump) {
+    fn meet_jump(&mut self, jump: GapJump) {
         let is_larger = match self.largest_gap_jump {
             None => jump.size() > 0.0,
             Some(largest) => {
@@ -102,6 +149,10 @@ impl RefreshReport {
         self.fallbacks.none += next.fallbacks.none;
         self.fallbacks.extended += next.fallbacks.extended;
         self.fallbacks.linear += next.fallbacks.linear;
+        self.contacts_lost += next.contacts_lost;
+        self.contacts_gained += next.contacts_gained;
+        self.smallest_gap_lost = SlaveGap::smallest(self.smallest_gap_lost, next.smallest_gap_lost);
+        self.smallest_gap_gained = SlaveGap::smallest(self.smallest_gap_gained, next.smallest_gap_gained);
         if let Some(jump) = next.largest_gap_jump {
             self.meet_jump(jump);
         }

@@ -1,9 +1,7 @@
 //! The area that belongs to each node of a faceted surface.
 
-use nalgebra::Vector3;
-
 use super::topology::{check_facets, shape_of};
-use super::{Facet, SurfaceError};
+use super::{Facet, Shape, SurfaceError};
 use crate::Point;
 
 /// Gauss points and weights on [−1, 1], exact for polynomials of degree 5.
@@ -18,7 +16,7 @@ const GAUSS: [(f64, f64); 3] =
 ///
 /// # Errors
 /// [`SurfaceError::NodeOutOfRange`], [`SurfaceError::RepeatedNode`], [`SurfaceError::NonFinitePosition`],
-/// [`SurfaceError::NoArea`], [`SurfaceError::TooMany`].
+/// [`SurfaceError::NoArea`], [`SurfaceError::NotConvex`], [`SurfaceError::TooMany`].
 pub fn tributary_areas(positions: &[Point], facets: &[Facet]) -> Result<Vec<f64>, SurfaceError> {
     check_facets(positions, facets)?;
     let mut areas = vec![0.0; positions.len()];
@@ -31,7 +29,7 @@ pub fn tributary_areas(positions: &[Point], facets: &[Facet]) -> Result<Vec<f64>
                 }
             }
             Facet::Quadrilateral(corners) => {
-                let shares = integrate_shape_functions(corners.map(|node| positions[node].into()));
+                let shares = integrate_shape_functions(&shape_of(facet, positions));
                 for (&node, share) in corners.iter().zip(shares) {
                     areas[node] += share;
                 }
@@ -42,14 +40,17 @@ pub fn tributary_areas(positions: &[Point], facets: &[Facet]) -> Result<Vec<f64>
 }
 
 /// ∫ N_k dA over a bilinear quadrilateral.
-fn integrate_shape_functions([a, b, c, d]: [Vector3<f64>; 4]) -> [f64; 4] {
+///
+/// It is ruled by two families of straight lines, ξ ↦ x(ξ, η) and η ↦ x(ξ, η), on which the point moves evenly: over
+/// natural coordinates 2 long it goes the whole chord, the difference of the line's ends.
+fn integrate_shape_functions(shape: &Shape) -> [f64; 4] {
     let mut shares = [0.0; 4];
     for (xi, weight_xi) in GAUSS {
         for (eta, weight_eta) in GAUSS {
+            let chord_xi = shape.point([1.0, eta]) - shape.point([-1.0, eta]);
+            let chord_eta = shape.point([xi, 1.0]) - shape.point([xi, -1.0]);
+            let area = weight_xi * weight_eta * (chord_xi * 0.5).cross(&(chord_eta * 0.5)).norm();
             let [left, right, lower, upper] = [1.0 - xi, 1.0 + xi, 1.0 - eta, 1.0 + eta].map(|x| 0.5 * x);
-            let along = ((b - a) * lower + (c - d) * upper) * 0.5;
-            let across = ((d - a) * left + (c - b) * right) * 0.5;
-            let area = weight_xi * weight_eta * along.cross(&across).norm();
             for (share, n) in
                 shares.iter_mut().zip([left * lower, right * lower, right * upper, left * upper])
             {

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::index::Closest;
 use super::shape::Foot;
 use super::topology::NONE;
-use super::{MasterSurface, Shape, SurfaceIndex};
+use super::{MasterSurface, SurfaceIndex};
 use crate::Point;
 
 /// An edge counts as sharp if its angle exceeds the feature angle by this, in radians: prisms have edges of
@@ -96,11 +96,6 @@ impl Creases {
             self.reach_beyond(tie.facet, tie.edges, |edge| shape.reach_across(edge, x - tie.point))
         });
         beyond.fold(0.0, f64::max)
-    }
-
-    /// How far `foot`, a point on the facet or its extension, lies beyond the edges at which the patch ends.
-    pub fn beyond_facet(&self, facet: u32, shape: &Shape, foot: Vector3<f64>) -> f64 {
-        self.reach_beyond(facet, u8::MAX, |edge| shape.reach_across(edge, foot - shape.edge(edge)[0]))
     }
 
     /// The largest reach across those of the `edges` at which the patch ends.

@@ -51,6 +51,21 @@ pub enum SurfaceError {
         /// Largest coordinate difference between corners, length.
         extent: f64,
     },
+    /// A quadrilateral has a corner that points inwards or is straight, or its outline crosses itself: its
+    /// normal turns over somewhere on it.
+    #[error(
+        "facet {facet} is not convex: the sine at its corner {corner} (node {node}) is {sine:e}, seen along its normal; mend it or split it into triangles"
+    )]
+    NotConvex {
+        /// The facet.
+        facet: usize,
+        /// The worst corner, 0 to 3.
+        corner: usize,
+        /// The node there.
+        node: usize,
+        /// Area spanned by the two edges at the corner, in the facet's middle plane, over the product of their lengths.
+        sine: f64,
+    },
     /// More than two facets meet in one edge.
     #[error("facets {facets:?}, and perhaps more, share the edge between nodes {nodes:?}")]
     BranchingEdge {
@@ -88,6 +103,7 @@ impl SurfaceError {
             Self::RepeatedNode { .. } => "repeated-node",
             Self::NonFinitePosition { .. } => "non-finite-position",
             Self::NoArea { .. } => "no-area",
+            Self::NotConvex { .. } => "not-convex",
             Self::BranchingEdge { .. } => "branching-edge",
             Self::InconsistentOrientation { .. } => "inconsistent-orientation",
             Self::TooFewPositions { .. } => "too-few-positions",

@@ -1,15 +1,9 @@
 //! One facet in space: its point at natural coordinates, its normal, and its point closest to another.
 
-use nalgebra::{Matrix2, Vector2, Vector3};
+use nalgebra::Vector3;
 
-/// Most steps towards an inner foot on a quadrilateral.
-const MOST_STEPS: usize = 30;
-/// A step in natural coordinates below which the foot is found.
-const LAST_STEP: f64 = 1e-14;
-/// A step in natural coordinates below which the distance no longer tells better from worse.
-const SMALL_STEP: f64 = 1e-6;
-/// An iterate this far from the middle has left the facet.
-const FAR_OUTSIDE: f64 = 2.0;
+use crate::{FacetElement, Generated, Point};
+
 /// A natural coordinate this close to the end of its range lies on the edge.
 const ON_EDGE: f64 = 1e-12;
 
@@ -95,17 +89,15 @@ impl Shape {
         }
     }
 
-    /// The closest point. Exact for triangles and plane convex quadrilaterals; on a warped one the best of its
-    /// edges and of the inner stationary points found from its middle and from the best point of an edge.
+    /// The closest point. Exact for triangles and plane convex quadrilaterals; on a warped or folded one the best of
+    /// its edges and of the foot of the facet element.
     pub fn closest(&self, x: Vector3<f64>) -> Foot {
         match self {
             Self::Triangle(corners) => inside_triangle(corners, x).unwrap_or_else(|| on_edges(self, x)),
             Self::Quadrilateral(corners) => {
                 let edge = on_edges(self, x);
-                [[0.0; 2], edge.natural]
-                    .into_iter()
-                    .filter_map(|start| inside_quadrilateral(corners, x, start))
-                    .fold(edge, |best, foot| if foot.distance < best.distance { foot } else { best })
+                let inside = inside_quadrilateral(self, corners, x);
+                inside.filter(|foot| foot.distance < edge.distance).unwrap_or(edge)
             }
         }
     }
@@ -113,15 +105,18 @@ impl Shape {
     /// How far `offset` reaches outward across an edge in the plane of the facet, over the facet's height over
     /// that edge; 0 if the facet has no area.
     pub fn reach_across(&self, edge: usize, offset: Vector3<f64>) -> f64 {
-        let [from, to] = self.edge(edge);
+        // In extents of the facet: the cubes of lengths below must neither overflow nor underflow.
+        let scale = 1.0 / self.extent();
+        let shape = self.scaled(scale);
+        let [from, to] = shape.edge(edge);
         let along = to - from;
-        let area = self.area_vector();
+        let area = shape.area_vector();
         let height = match self {
             Self::Triangle(_) => 2.0 * area.norm(),
             Self::Quadrilateral(_) => area.norm(),
         } / along.norm();
         let outward = along.cross(&area).normalize();
-        let reach = outward.dot(&offset) / height;
+        let reach = outward.dot(&(offset * scale)) / height;
         if reach.is_finite() { reach } else { 0.0 }
     }
 }
@@ -146,58 +141,19 @@ fn inside_triangle(corners: &[Vector3<f64>; 3], x: Vector3<f64>) -> Option<Foot>
     Some(Foot { natural: [xi, eta], point, distance: (x - point).norm(), edges: bits(edges) })
 }
 
-/// The stationary point of the distance that Newton's iteration reaches from `start`, if it lies within the
-/// quadrilateral.
-fn inside_quadrilateral(corners: &[Vector3<f64>; 4], x: Vector3<f64>, start: [f64; 2]) -> Option<Foot> {
-    let [a, b, c, d] = corners;
-    // S(ξ, η) = middle + ξ along + η across + ξη twist
-    let middle = a + ((b - a) + (c - a) + (d - a)) * 0.25;
-    let along = (b - a + c - d) * 0.25;
-    let across = (d - a + c - b) * 0.25;
-    let twist = (a - b + c - d) * 0.25;
-    let from_foot = |y: Vector2<f64>| middle - x + along * y[0] + across * y[1] + twist * (y[0] * y[1]);
-    let mut y = Vector2::from(start);
-    let mut offset = from_foot(y);
-    for _ in 0..MOST_STEPS {
-        let tangents = [along + twist * y[1], across + twist * y[0]];
-        let slope = Vector2::new(tangents[0].dot(&offset), tangents[1].dot(&offset));
-        let metric = |mixed: f64| {
-            let off = tangents[0].dot(&tangents[1]) + mixed;
-            Matrix2::new(tangents[0].norm_squared(), off, off, tangents[1].norm_squared())
-        };
-        // The full second derivative where it is positive definite, else Gauss's.
-        let full = metric(twist.dot(&offset));
-        let matrix = if full.determinant() > 1e-3 * full.m11 * full.m22 { full } else { metric(0.0) };
-        let mut step = -(matrix.try_inverse()? * slope);
-        let length = step.norm();
-        if !length.is_finite() {
-            return None;
-        }
-        if length > 1.0 {
-            step /= length;
-        }
-        let mut trial = from_foot(y + step);
-        let mut halvings = 0;
-        while step.norm() > SMALL_STEP && trial.norm_squared() > offset.norm_squared() && halvings < 20 {
-            step *= 0.5;
-            trial = from_foot(y + step);
-            halvings += 1;
-        }
-        y += step;
-        offset = trial;
-        if y.amax() > FAR_OUTSIDE {
-            return None;
-        }
-        if step.norm() < LAST_STEP {
-            break;
-        }
-    }
-    if y.amax() > 1.0 {
+/// The foot of the facet element, if it has one and it lies within the quadrilateral.
+fn inside_quadrilateral(shape: &Shape, corners: &[Vector3<f64>; 4], x: Vector3<f64>) -> Option<Foot> {
+    let corners = corners.map(Point::from);
+    let element = FacetElement { slave: x.into(), corners: &corners };
+    // No foot, or a facet folded over: the edges are left.
+    let natural = Generated.facet_point(&element).ok()?.natural;
+    if !element.contains(natural, 0.0) {
         return None;
     }
-    let on = |distance: f64| distance <= ON_EDGE;
-    let edges = [on(1.0 + y[1]), on(1.0 - y[0]), on(1.0 - y[1]), on(1.0 + y[0])];
-    Some(Foot { natural: y.into(), point: x + offset, distance: offset.norm(), edges: bits(edges) })
+    let [xi, eta] = natural;
+    let point = shape.point(natural);
+    let edges = [1.0 + eta, 1.0 - xi, 1.0 - eta, 1.0 + xi].map(|distance| distance <= ON_EDGE);
+    Some(Foot { natural, point, distance: (x - point).norm(), edges: bits(edges) })
 }
 
 /// The closest point of the edges.
@@ -303,6 +259,13 @@ mod tests {
         assert_eq!(Shape::Triangle([a, b, d]).reach_across(0, offset), 0.25);
         assert_eq!(Shape::Quadrilateral([a, b, c, d]).reach_across(1, offset), 0.075);
         assert_eq!(Shape::Triangle([a, b, b]).reach_across(0, offset), 0.0);
+        for unit in [1e-75, 1e-60, 1e60, 1e75] {
+            let [a, b, c, d] = [a, b, c, d].map(|x| x * unit);
+            for shape in [Shape::Quadrilateral([a, b, c, d]), Shape::Triangle([a, b, d])] {
+                let reach = shape.reach_across(0, offset * unit);
+                assert!((reach - 0.25).abs() < 1e-14, "{unit:e} {reach}");
+            }
+        }
     }
 
     #[test]

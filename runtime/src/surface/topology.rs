@@ -1,5 +1,6 @@
 //! Which facets meet where, and whether they make up an oriented surface.
 
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::{Facet, Shape, SurfaceError, SurfaceIndex};
@@ -9,6 +10,8 @@ use crate::Point;
 pub(crate) const NONE: u32 = u32::MAX;
 /// An area below this fraction of the square of the facet's extent is none.
 const SMALLEST_AREA: f64 = 1e-12;
+/// A corner of a quadrilateral whose sine is below this is straight or points inwards.
+const SMALLEST_SINE: f64 = 1e-9;
 /// Smallest extent of a facet: areas squared do not underflow.
 const SMALLEST: f64 = 1e-75;
 /// Largest coordinate: areas squared do not overflow.
@@ -49,8 +52,8 @@ impl MasterSurface {
     ///
     /// # Errors
     /// [`SurfaceError::Empty`], [`SurfaceError::NodeOutOfRange`], [`SurfaceError::RepeatedNode`],
-    /// [`SurfaceError::NonFinitePosition`], [`SurfaceError::NoArea`], [`SurfaceError::BranchingEdge`],
-    /// [`SurfaceError::InconsistentOrientation`], [`SurfaceError::TooMany`].
+    /// [`SurfaceError::NonFinitePosition`], [`SurfaceError::NoArea`], [`SurfaceError::NotConvex`],
+    /// [`SurfaceError::BranchingEdge`], [`SurfaceError::InconsistentOrientation`], [`SurfaceError::TooMany`].
     pub fn new(positions: &[Point], facets: Vec<Facet>) -> Result<Self, SurfaceError> {
         if facets.is_empty() {
             return Err(SurfaceError::Empty);
@@ -223,11 +226,32 @@ fn check_facet(positions: &[Point], index: usize, facet: &Facet) -> Result<(), S
     }
     let shape = shape_of(facet, positions);
     let extent = shape.extent();
-    let area = if extent > SMALLEST { shape.scaled(1.0 / extent).area_vector().norm() } else { 0.0 };
+    // Below the smallest extent the factor may be infinite.
+    let unit = shape.scaled(1.0 / extent.max(SMALLEST));
+    let area = if extent > SMALLEST { unit.area_vector().norm() } else { 0.0 };
     if !(area > SMALLEST_AREA) {
         return Err(SurfaceError::NoArea { facet: index, area, extent });
     }
-    Ok(())
+    // A triangle with an area is convex.
+    let Shape::Quadrilateral(places) = unit else { return Ok(()) };
+    let sines = corner_sines(&places, unit.area_vector() / area);
+    let worst = (0..4).min_by(|&a, &b| sines[a].total_cmp(&sines[b])).map(|corner| (corner, sines[corner]));
+    match worst {
+        Some((corner, sine)) if !(sine > SMALLEST_SINE) => {
+            Err(SurfaceError::NotConvex { facet: index, corner, node: corners[corner], sine })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The sine of the angle at each corner, seen along the unit normal: positive if the corner points outwards; 0 at
+/// a corner that coincides with the next.
+fn corner_sines(corners: &[Vector3<f64>; 4], normal: Vector3<f64>) -> [f64; 4] {
+    [0, 1, 2, 3].map(|k| {
+        let (next, before) = (corners[(k + 1) % 4] - corners[k], corners[(k + 3) % 4] - corners[k]);
+        let lengths = next.norm() * before.norm();
+        if lengths > 0.0 { next.cross(&before).dot(&normal) / lengths } else { 0.0 }
+    })
 }
 
 /// A facet in space.
@@ -394,6 +418,32 @@ mod tests {
         }
         let tiny: Vec<Point> = positions.iter().map(|x| x.map(|x| x * 1e-100)).collect();
         assert!(matches!(refused(&tiny, facets.clone()), SurfaceError::NoArea { facet: 0, .. }));
+    }
+
+    #[test]
+    fn a_quadrilateral_has_to_be_convex() {
+        let facet = || vec![Facet::Quadrilateral([3, 2, 1, 0])];
+        // Nodes in the order against that of the corners, so that node 3 is corner 0.
+        let with_third = |third: Point| [[0.0, 1.0, 0.0], third, [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]];
+        for unit in [1e-70, 1.0, 1e70] {
+            let scaled = |third: Point| with_third(third).map(|x| x.map(|x| x * unit));
+            let sine_at_third = |third: Point| match refused(&scaled(third), facet()) {
+                SurfaceError::NotConvex { facet: 0, corner: 2, node: 1, sine } => sine,
+                error => panic!("{error}"),
+            };
+            // A dart, and three corners on a line.
+            assert!((sine_at_third([0.25, 0.25, 0.0]) + 0.8).abs() < 1e-12);
+            assert!(sine_at_third([0.5, 0.5, 0.0]).abs() < 1e-12);
+            // Convex though slender, and warped.
+            for third in [[0.501, 0.5, 0.0], [1.0, 1.0, 0.8], [1e-3, 1.0, 0.0]] {
+                assert!(MasterSurface::new(&scaled(third), facet()).is_ok(), "{third:?}");
+            }
+        }
+        // A bow-tie with one wing larger than the other, so that area is left.
+        let bow = [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [1.0, 1.0, 0.0], [2.0, 1.0, 0.0]];
+        let error = refused(&bow, vec![Facet::Quadrilateral([0, 1, 2, 3])]);
+        assert!(matches!(error, SurfaceError::NotConvex { facet: 0, sine, .. } if sine < -0.4), "{error}");
+        assert!(error.to_string().contains("split it into triangles"));
     }
 
     #[test]

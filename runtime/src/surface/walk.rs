@@ -1,5 +1,9 @@
 //! From facet to facet without crossing a sharp edge: the nodes that make up one smooth patch with the closest
 //! facet.
+//!
+//! Only distance decides which way around the end of a slit counts: a node beyond the slit belongs to the patch as soon as
+//! the way there is over facets no farther from the slave than the node. How far a search goes for its nodes is for the
+//! search to say.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -20,8 +24,10 @@ pub struct Walk {
     generation: u32,
     /// Number of the last walk that saw the facet.
     seen: Vec<u32>,
-    /// Number of the last walk that reached the node.
-    reached: Vec<u32>,
+    /// Number of the last walk that reached the node, and its level then.
+    reached: Vec<(u32, u64)>,
+    /// The farthest facet stepped on: the largest key popped from `next`.
+    level: u64,
     /// Facets to go to, by the square of their nearest corner's distance (the bits of a number that is not
     /// negative are ordered like it).
     next: BinaryHeap<Reverse<(u64, u32)>>,
@@ -33,14 +39,15 @@ impl Walk {
     /// Starts at `facet`, for the slave at `slave`.
     pub fn start(&mut self, index: &SurfaceIndex<'_>, facet: u32, slave: Point) {
         self.seen.resize(index.surface().facet_count(), 0);
-        self.reached.resize(index.surface().nodes().len(), 0);
+        self.reached.resize(index.surface().nodes().len(), (0, 0));
         self.generation = self.generation.wrapping_add(1);
         if self.generation == 0 {
             self.seen.fill(0);
-            self.reached.fill(0);
+            self.reached.fill((0, 0));
             self.generation = 1;
         }
         self.next.clear();
+        self.level = 0;
         self.from = slave.into();
         self.up = index.normals()[facet as usize];
         self.seen[facet as usize] = self.generation;
@@ -48,23 +55,30 @@ impl Walk {
     }
 
     /// Whether the node at `place` belongs to the patch: whether it is reached over facets none of which is
-    /// farther from the slave, by its nearest corner, than the node is. To be asked of nearer nodes first.
+    /// farther from the slave, by its nearest corner, than the node is. The answer does not depend on what has been
+    /// asked before, however far the walk went for it.
     pub fn reaches(&mut self, index: &SurfaceIndex<'_>, creases: &Creases, place: usize) -> bool {
         let distance = self.square_distance(index, place as u32).to_bits();
         while let Some(&Reverse((nearest, facet))) = self.next.peek()
             && nearest <= distance
         {
             self.next.pop();
+            self.level = self.level.max(nearest);
             self.step_on(index, creases, facet as usize);
         }
-        self.reached[place] == self.generation
+        let (generation, level) = self.reached[place];
+        generation == self.generation && level <= distance
     }
 
     /// Marks the corners of a facet, and sees its neighbours across edges that are not sharp.
     fn step_on(&mut self, index: &SurfaceIndex<'_>, creases: &Creases, facet: usize) {
         let surface = index.surface();
         for &corner in surface.corners_of(facet) {
-            self.reached[corner as usize] = self.generation;
+            let reached = &mut self.reached[corner as usize];
+            // The nearest facets come first, so that the first level is the lowest.
+            if reached.0 != self.generation {
+                *reached = (self.generation, self.level);
+            }
         }
         for (edge, &other) in surface.across(facet).iter().enumerate() {
             let seen = |other: u32| self.seen[other as usize] == self.generation;
@@ -99,7 +113,7 @@ mod tests {
             .collect()
     }
 
-    /// The nodes reached by a walk from the facet closest to `slave`, asked in the order of distance.
+    /// The nodes reached by a walk from the facet closest to `slave`, asked in the order of distance and against it.
     fn reached(positions: &[Point], facets: Vec<Facet>, slave: Point, feature_angle: f64) -> Vec<usize> {
         let surface = MasterSurface::new(positions, facets).unwrap();
         let index = surface.at(positions).unwrap();
@@ -112,10 +126,15 @@ mod tests {
         let mut found = Vec::new();
         for round in 0..2 {
             walk.start(&index, facet, slave);
+            let before = std::mem::take(&mut found);
             found = order.iter().copied().filter(|&k| walk.reaches(&index, &creases, k)).collect();
+            found.sort_unstable();
             assert_eq!(walk.generation, round + 1);
+            assert!(round == 0 || found == before, "the order of the questions counts");
+            order.reverse();
         }
-        found.sort_unstable();
+        let again: Vec<usize> = (0..positions.len()).filter(|&k| walk.reaches(&index, &creases, k)).collect();
+        assert_eq!(again, found, "asked again");
         found
     }
 
@@ -166,5 +185,40 @@ mod tests {
         let upper = |k: &usize| positions[*k][2] > 0.0;
         assert!(found.iter().filter(|k| positions[**k][0] <= 3.0).all(upper), "{found:?}");
         assert!(found.contains(&0) && found.contains(&3));
+    }
+
+    #[test]
+    fn across_a_slit_a_node_is_reached_only_if_the_way_around_is_no_farther() {
+        // Unit squares over |x| ≤ 6, 0 ≤ y ≤ 5, whose left and right half have a column of nodes each along x = 0,
+        // joined above y = 3 only: nodes are numbered forwards and backwards.
+        let node = |x: i32, y: i32, right: bool| {
+            if right && x == 0 && y < 3 { 78 + y } else { 13 * y + x + 6 }
+        };
+        let mut positions: Vec<Point> =
+            (0..78).map(|k| [f64::from(k % 13) - 6.0, f64::from(k / 13), 0.0]).collect();
+        positions.extend((0..3).map(|y| [0.0, f64::from(y), 0.0]));
+        let corners = (0..60).map(|k| (k % 12 - 6, k / 12)).map(|(x, y)| {
+            [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)].map(|(i, j)| node(i, j, x >= 0) as usize)
+        });
+        let facets: Vec<Facet> = corners.map(Facet::Quadrilateral).collect();
+        let slave = [-0.6, 0.4, 0.1];
+        let found = reached(&positions, facets.clone(), slave, 45.0);
+        // The way around is over the facets at (0, 3), which is 2.67 away.
+        let around = 0.6f64.hypot(2.6).hypot(0.1);
+        for (k, &[x, y, z]) in positions.iter().enumerate() {
+            let right = x > 0.0 || k >= 78;
+            let distance = (x - slave[0]).hypot(y - slave[1]).hypot(z - slave[2]);
+            assert_eq!(found.contains(&k), !right || distance >= around - 1e-12, "{x} {y} {distance}");
+        }
+        let last = positions.len() - 1;
+        let backwards: Vec<Point> = positions.iter().rev().copied().collect();
+        let renumbered = facets.iter().map(|facet| match facet {
+            Facet::Triangle(corners) => Facet::Triangle(corners.map(|k| last - k)),
+            Facet::Quadrilateral(corners) => Facet::Quadrilateral(corners.map(|k| last - k)),
+        });
+        let mut other = reached(&backwards, renumbered.collect(), slave, 45.0);
+        other.iter_mut().for_each(|k| *k = last - *k);
+        other.sort_unstable();
+        assert_eq!(other, found);
     }
 }

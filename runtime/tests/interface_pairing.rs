@@ -6,7 +6,7 @@ use common::{Mesh, Scene, Uniform, distance};
 use diffuse_contact::interface::{
     ContactElement, ContactInterface, GapJump, InterfaceOptions, NoContact, Outcome, SlaveGap,
 };
-use diffuse_contact::neighbourhood::SearchOptions;
+use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
 use diffuse_contact::surface::{Facet, tributary_areas};
 use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
 
@@ -272,13 +272,16 @@ fn a_slave_moves_on_with_masters_that_move() {
 
 #[test]
 fn a_kept_pairing_learns_that_its_patch_has_come_to_end() {
-    // Unit squares over 0 ≤ x, y ≤ 12. The slave's masters end at some x, and there the plate is folded down by 60°:
-    // neither they nor the fit change.
-    let mut scene = Mesh::plane(12.0, 12.0, 1.0)
-        .paired(&[[5.6, 5.6, -0.1]], InterfaceOptions { hysteresis: 0.3, ..Default::default() });
+    // Unit squares over 0 ≤ x, y ≤ 20. The slave's masters end at some x, and there the plate is folded down by 60°:
+    // neither they nor the fit change. Three layers carry a fit from the fold, too.
+    let search = SearchOptions::default().with_rule(NeighbourRule::hull_radius(Some(3)));
+    let frame = FrameDerivative::CoMoving;
+    let element = ContactElement::Diffuse { weight: Weight::Cubic, frame, search };
+    let options = InterfaceOptions { element, hysteresis: 0.3, ..Default::default() };
+    let mut scene = Mesh::plane(20.0, 20.0, 1.0).paired(&[[9.6, 9.6, -0.1]], options);
     let nodes = scene.interface.evaluate(Mode::Value).unwrap().get(0).nodes.to_vec();
     let fold = nodes.iter().map(|&node| scene.positions[node as usize][0]).fold(0.0, f64::max);
-    assert!(fold < 10.0);
+    assert!(fold < 16.0);
     let (s, c) = 60f64.to_radians().sin_cos();
     for x in &mut scene.positions[..scene.first] {
         let past = (x[0] - fold).max(0.0);
@@ -286,10 +289,12 @@ fn a_kept_pairing_learns_that_its_patch_has_come_to_end() {
     }
     assert_eq!(scene.refresh().kept, 1);
     assert!((gaps(&mut scene)[0].unwrap() + 0.1).abs() < 1e-12);
-    scene.move_slaves(&[[fold + 0.2, 5.6, -0.1]]);
-    scene.update();
-    let outcome = scene.interface.evaluate(Mode::Value).unwrap().get(0).outcome;
-    assert_eq!(outcome.code(), "beyond-border", "{outcome:?}");
+    for (past, expected) in [(-0.1, "contact"), (0.1, "beyond-border")] {
+        scene.move_slaves(&[[fold + past, 9.6, -0.1]]);
+        scene.update();
+        let outcome = scene.interface.evaluate(Mode::Value).unwrap().get(0).outcome;
+        assert_eq!(outcome.code(), expected, "{past} {outcome:?}");
+    }
 }
 
 #[test]

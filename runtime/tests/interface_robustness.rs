@@ -6,13 +6,14 @@ mod common;
 use common::{Mesh, Scene, Uniform};
 use diffuse_contact::ad::Ad;
 use diffuse_contact::interface::{
-    ContactElement, ContactInterface, ContactRef, InterfaceError, InterfaceOptions, PairedElement,
-    RefreshReport,
+    ContactElement, ContactInterface, ContactRef, InterfaceError, InterfaceOptions, NoContact, Outcome,
+    PairedElement, RefreshReport,
 };
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
 use diffuse_contact::surface::{Facet, MasterSurface, SurfaceError};
 use diffuse_contact::{
-    Backend, ContactPoint, Element, FacetElement, Frame, FrameDerivative, Generated, Mode, Point, Weight,
+    Backend, ContactPoint, Element, ElementError, FacetElement, Frame, FrameDerivative, Generated, Mode,
+    Point, Weight,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -67,9 +68,13 @@ fn everything(threads: usize, options: InterfaceOptions) -> Everything {
 #[test]
 fn results_do_not_depend_on_the_number_of_threads() {
     let search = SearchOptions::default().with_rule(NeighbourRule::hull_radius(Some(2)));
-    let element = ContactElement::Diffuse { weight: Weight::Cubic, frame: FrameDerivative::Frozen, search };
-    let held = InterfaceOptions { element, ..Default::default() };
-    for options in [InterfaceOptions::default(), held, InterfaceOptions::node_to_facet()] {
+    let with = |weight, frame, search| InterfaceOptions {
+        element: ContactElement::Diffuse { weight, frame, search },
+        ..Default::default()
+    };
+    let held = with(Weight::Cubic, FrameDerivative::Frozen, search);
+    let interpolating = with(Weight::CubicInterpolating, FrameDerivative::CoMoving, SearchOptions::default());
+    for options in [InterfaceOptions::default(), held, interpolating, InterfaceOptions::node_to_facet()] {
         let one = everything(1, options);
         assert!(one.1.kept > 100 && one.1.changed > 40 && one.1.largest_gap_jump.is_some(), "{:?}", one.1);
         assert!(one.0.paired > 1000 && one.2.iter().any(|(outcome, ..)| outcome.contains("BeyondBorder")));
@@ -226,6 +231,11 @@ fn check(scene: &mut Scene, mode: Mode) {
         } else {
             assert!(contact.gradient.is_empty() && contact.hessian.is_empty());
             assert!(!contact.outcome.code().is_empty());
+            if let (Outcome::None(NoContact::Element { error }), Ok(element)) =
+                (contact.outcome, &elements[place])
+            {
+                refused_by_ad(element, error, mode);
+            }
         }
     }
 }
@@ -237,14 +247,10 @@ fn check(scene: &mut Scene, mode: Mode) {
 /// feet: where AD finds another one, or one that is no nearest point, the kernel's has to be a foot of AD's surface.
 fn confirmed_by_ad(element: &PairedElement, contact: &ContactRef<'_>) {
     let mode = if contact.hessian.is_empty() { Mode::Gradient } else { Mode::Hessian };
-    let offsets = |nodes: &[Point], slave: Point| {
-        let offsets = nodes.iter().flat_map(|x| (0..3).map(|k| (x[k] - slave[k]).abs()));
-        offsets.fold(0.0, f64::max)
-    };
     let (expected, size) = match element {
         PairedElement::Diffuse { slave, pairing } => {
             let (element, size) = (pairing.element(*slave), pairing.support_radius);
-            if offsets(&pairing.positions, *slave) > 1e3 * size {
+            if largest_offset(&pairing.positions, *slave) > 1e3 * size {
                 return;
             }
             let error = foot_error(&element, &contact.point);
@@ -254,7 +260,7 @@ fn confirmed_by_ad(element: &PairedElement, contact: &ContactRef<'_>) {
         PairedElement::Facet { slave, corners } => {
             let facet = FacetElement { slave: *slave, corners };
             let size = (0..3).map(|k| (corners[0][k] - corners[1][k]).powi(2)).sum::<f64>().sqrt();
-            if offsets(corners, *slave) > 1e3 * size {
+            if largest_offset(corners, *slave) > 1e3 * size {
                 return;
             }
             let natural = Generated.facet_point(&facet).unwrap().natural;
@@ -275,6 +281,38 @@ fn confirmed_by_ad(element: &PairedElement, contact: &ContactRef<'_>) {
     let n = difference(contact.gradient, &expected.gradient);
     let m = difference(contact.hessian, expected.hessian.packed());
     assert!(gap < 1e-9 && n < 1e-9 && m < 1e-9, "{gap:e} {n:e} {m:e} {element:?}");
+}
+
+/// Where the kernel has no result automatic differentiation of the same element has none either.
+///
+/// As in the converse nothing is asked of slaves 1000 support radii from a master; and nothing where the iteration for
+/// the foot gives up within 1e-80 support radii of the surface without being on it: squares of residuals underflow there.
+fn refused_by_ad(element: &PairedElement, error: ElementError, mode: Mode) {
+    let found = match element {
+        PairedElement::Diffuse { slave, pairing } => {
+            let far = 1e3 * pairing.support_radius;
+            if largest_offset(&pairing.positions, *slave) > far {
+                return;
+            }
+            let found = Ad.gap(&pairing.element(*slave), mode);
+            let touches = |gap: f64| gap.abs() < 1e-80 * pairing.support_radius;
+            if matches!(error, ElementError::FootDiverged { .. })
+                && found.as_ref().is_ok_and(|found| touches(found.gap))
+            {
+                return;
+            }
+            found
+        }
+        PairedElement::Facet { slave, corners } => {
+            Ad.facet_gap(&FacetElement { slave: *slave, corners }, mode)
+        }
+    };
+    assert!(found.is_err(), "{error} {element:?} {found:?}");
+}
+
+/// Largest coordinate difference between a slave and its masters.
+fn largest_offset(nodes: &[Point], slave: Point) -> f64 {
+    nodes.iter().flat_map(|x| (0..3).map(|k| (x[k] - slave[k]).abs())).fold(0.0, f64::max)
 }
 
 fn distance(x: Point, y: Point) -> f64 {

@@ -4,8 +4,8 @@
 //! seen from outside. It holds no positions: everything geometric is asked of a [`SurfaceIndex`], made from the
 //! positions of the moment with [`MasterSurface::at`].
 //!
-//! * [`SurfaceIndex::closest`]: the closest point of the surface, exact for both kinds of facets and for
-//!   any grading, ties decided by a rule.
+//! * [`SurfaceIndex::closest`]: the closest point of the surface for any grading, ties decided by a rule; exact
+//!   on triangles and plane quadrilaterals, on warped ones the best of the edges and of the foot found from the middle.
 //! * Crossing an edge: two facets belong to one smooth patch if the angle between their normals does not exceed the
 //!   feature angle. What lies beyond a sharper edge, or on the far face of a thin plate, takes no part in a fit.
 //! * Border: a point is beyond the border if the closest point of the surface lies on an edge that ends the

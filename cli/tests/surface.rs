@@ -170,7 +170,7 @@ fn bad_input_is_one_sentence_and_no_file() {
     refused(&[&mesh, "--master", "drum"], &["plane.inp", "\"drum\""]);
     refused(&[&mesh, "--slave", "MASTER"], &["set \"MASTER\"", "node 1 ", "too"]);
     refused(&[&flipped], &["flipped.inp", "set \"master\"", "same direction", "flipped"]);
-    refused(&[&flat], &["flat.inp", "no area", "7, 8, 13, 12"]);
+    refused(&[&flat], &["flat.inp", "2, 3, 8, 7", "not convex at node 8"]);
     refused(&[&mesh, "--element", "node-to-facet", "--rule", "nearest"], &["--rule", "no meaning"]);
     refused(&[&mesh, "--feature-angle", "200"], &["'200'", "0 to 180"]);
     refused(&[&mesh, "--weight", "quartic"], &["'quartic'", "cubic-interpolating"]);

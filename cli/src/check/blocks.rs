@@ -18,7 +18,7 @@ use crate::args::frame_name;
 pub struct Subject {
     /// The output.
     pub output: Output,
-    /// The frame rule; a moving frame makes a difference to the derivatives of the gap only.
+    /// The frame rule; a moving frame makes a difference to the gap only.
     pub frame: FrameRule,
 }
 

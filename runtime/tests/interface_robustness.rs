@@ -285,8 +285,7 @@ fn confirmed_by_ad(element: &PairedElement, contact: &ContactRef<'_>) {
 
 /// Where the kernel has no result automatic differentiation of the same element has none either.
 ///
-/// As in the converse nothing is asked of slaves 1000 support radii from a master; and nothing where the iteration for
-/// the foot gives up within 1e-80 support radii of the surface without being on it: squares of residuals underflow there.
+/// As in the converse nothing is asked of slaves 1000 support radii from a master.
 fn refused_by_ad(element: &PairedElement, error: ElementError, mode: Mode) {
     let found = match element {
         PairedElement::Diffuse { slave, pairing } => {
@@ -294,14 +293,7 @@ fn refused_by_ad(element: &PairedElement, error: ElementError, mode: Mode) {
             if largest_offset(&pairing.positions, *slave) > far {
                 return;
             }
-            let found = Ad.gap(&pairing.element(*slave), mode);
-            let touches = |gap: f64| gap.abs() < 1e-80 * pairing.support_radius;
-            if matches!(error, ElementError::FootDiverged { .. })
-                && found.as_ref().is_ok_and(|found| touches(found.gap))
-            {
-                return;
-            }
-            found
+            Ad.gap(&pairing.element(*slave), mode)
         }
         PairedElement::Facet { slave, corners } => {
             Ad.facet_gap(&FacetElement { slave: *slave, corners }, mode)

@@ -43,6 +43,8 @@ pub fn solve_two_equations<T: Lane>(equations: impl Fn([T; 2]) -> ([T; 2], [T; 4
     let (mut residual, mut jacobian) = equations(y);
     let start = residual;
     let tolerance = T::splat(TOLERANCE);
+    // Squares of what is compared, in units of the start, must not underflow.
+    let unit = T::ONE / (norm(start) + T::splat(TINY));
     let mut step = bounded_step(residual, jacobian);
     let mut iterations = T::ONE;
     for _ in 1..MOST_ITERATIONS {
@@ -53,7 +55,7 @@ pub fn solve_two_equations<T: Lane>(equations: impl Fn([T; 2]) -> ([T; 2], [T; 4
         let active = |then, otherwise| T::select_less(relative, tolerance, otherwise, then);
         let trial = [y[0] + step[0], y[1] + step[1]];
         let (trial_residual, trial_jacobian) = equations(trial);
-        let (before, after) = (squared(residual), squared(trial_residual));
+        let [before, after] = [residual, trial_residual].map(|r| squared(r.map(|x| unit * x)));
         let accepted = |then, otherwise| active(T::select_less(after, before, then, otherwise), otherwise);
         for k in 0..2 {
             y[k] = accepted(trial[k], y[k]);
@@ -127,6 +129,17 @@ mod tests {
         let [x, y] = solution.unknowns;
         assert!((x * x + y - 0.3).abs() < 1e-15 && (x - y * y + 0.2).abs() < 1e-15);
         assert!(solution.residual < 1e-12);
+    }
+
+    #[test]
+    fn a_root_next_to_the_start_is_found_however_near() {
+        for size in [1e-20, 1e-160, 1e-200, 1e-280] {
+            let solution = solve_two_equations(|[x, y]: [f64; 2]| {
+                ([size - x + 0.3 * y, 0.2 * size - y - 0.1 * x + x * x], [-1.0, 0.3, 2.0 * x - 0.1, -1.0])
+            });
+            assert!(solution.residual < RootSolution::<f64>::TOLERANCE, "{size:e}");
+            assert!((solution.unknowns[0] / size - 1.06 / 1.03).abs() < 1e-12, "{size:e}");
+        }
     }
 
     #[test]

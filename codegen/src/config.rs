@@ -2,13 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::emit::{NodeRange, emit_file};
+use crate::emit::emit_file;
 use crate::model::{Basis, BasisError, CustomBasis, Weight, WeightError};
-
-/// Node counts up to which kernels of fixed size are made by default.
-const MOST_FIXED_NODES: usize = 24;
-/// Largest node count a kernel of fixed size is made for: beyond, its node values would fill a stack.
-const MOST_NODES: usize = 64;
 
 /// Why kernels were not generated.
 #[derive(Debug, thiserror::Error)]
@@ -31,14 +26,6 @@ pub enum ConfigError {
     DuplicateWeight {
         /// The name.
         name: String,
-    },
-    /// A range of node counts is empty or out of bounds.
-    #[error("{} to {} master nodes is no range for the {} basis: give {} to at most {MOST_NODES}", .range.0, .range.1, .basis.name(), .basis.size())]
-    NodeRange {
-        /// The basis.
-        basis: Basis,
-        /// Start and end given.
-        range: (usize, usize),
     },
     /// The path of the support module is not a Rust path.
     #[error("\"{path}\" is not a Rust path")]
@@ -76,8 +63,7 @@ pub enum ConfigError {
 #[derive(Clone, Debug)]
 pub struct Config {
     weights: Vec<Weight>,
-    ranges: Vec<(Basis, std::ops::RangeInclusive<usize>)>,
-    specialised: bool,
+    bases: Vec<Basis>,
     facets: bool,
     support: String,
     folder: Option<PathBuf>,
@@ -90,14 +76,13 @@ impl Default for Config {
 }
 
 impl Config {
-    /// No weights and no facets yet; both bases, quadratic with 6 to 24 and linear with 3 to 24 nodes specialised;
-    /// output to `OUT_DIR`; support from the crate `diffuse-contact-kernels`.
+    /// No weights and no facets yet; both built-in bases, quadratic and linear; output to `OUT_DIR`; support from the
+    /// crate `diffuse-contact-kernels`.
     #[must_use]
     pub fn new() -> Self {
         Self {
             weights: Vec::new(),
-            ranges: Basis::ALL.map(|basis| (basis, basis.size()..=MOST_FIXED_NODES)).to_vec(),
-            specialised: true,
+            bases: Basis::ALL.to_vec(),
             facets: false,
             support: "::diffuse_contact_kernels::support".to_owned(),
             folder: None,
@@ -152,30 +137,10 @@ impl Config {
     /// [`ConfigError::Basis`], [`ConfigError::DuplicateBasis`].
     pub fn basis(mut self, name: &'static str, monomials: &'static [(u8, u8)]) -> Result<Self, ConfigError> {
         let basis = CustomBasis::new(name, monomials)?;
-        if self.ranges.iter().any(|(other, _)| other.name() == name) {
+        if self.bases.iter().any(|other| other.name() == name) {
             return Err(ConfigError::DuplicateBasis { name: name.to_owned() });
         }
-        self.ranges.push((Basis::Custom(basis), monomials.len()..=MOST_FIXED_NODES.max(monomials.len())));
-        Ok(self)
-    }
-
-    /// Node counts for which kernels of fixed size are made; any other count is served at run time.
-    ///
-    /// # Errors
-    /// [`ConfigError::NodeRange`] if the range is empty, starts below the number of coefficients, or ends above 64.
-    pub fn nodes(
-        mut self,
-        basis: Basis,
-        range: std::ops::RangeInclusive<usize>,
-    ) -> Result<Self, ConfigError> {
-        if range.is_empty() || *range.start() < basis.size() || *range.end() > MOST_NODES {
-            return Err(ConfigError::NodeRange { basis, range: (*range.start(), *range.end()) });
-        }
-        for entry in &mut self.ranges {
-            if entry.0 == basis {
-                entry.1 = range.clone();
-            }
-        }
+        self.bases.push(Basis::Custom(basis));
         Ok(self)
     }
 
@@ -183,14 +148,6 @@ impl Config {
     #[must_use]
     pub const fn facets(mut self) -> Self {
         self.facets = true;
-        self
-    }
-
-    /// Makes no kernels of fixed size: one body serves all numbers of nodes. Compiles in half the time; the gap's
-    /// Hessian with a frozen frame is 13 to 25 % slower.
-    #[must_use]
-    pub const fn compact(mut self) -> Self {
-        self.specialised = false;
         self
     }
 
@@ -220,13 +177,7 @@ impl Config {
                 return Err(ConfigError::DuplicateWeight { name: weight.name().to_owned() });
             }
         }
-        let specialised = self.specialised;
-        let ranges: Vec<(Basis, NodeRange)> = self
-            .ranges
-            .iter()
-            .map(|(basis, counts)| (*basis, NodeRange { counts: counts.clone(), specialised }))
-            .collect();
-        Ok(emit_file(&self.weights, &support, &ranges, self.facets))
+        Ok(emit_file(&self.weights, &support, &self.bases, self.facets))
     }
 
     /// Writes `diffuse_contact_kernels.rs` if its bytes change, and tells Cargo when to run again.

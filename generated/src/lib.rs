@@ -4,9 +4,8 @@
 //! `diffuse-contact-codegen`. For every weight there is a module with the kernels of both bases, and a
 //! [`support::KernelSet`] that chooses among them by basis, mode and number of nodes. The module `facet` has the
 //! distance from a facet itself, a triangle or a quadrilateral.
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 pub mod support;
 
 include!(concat!(env!("OUT_DIR"), "/diffuse_contact_kernels.rs"));
-include!(concat!(env!("OUT_DIR"), "/compact/diffuse_contact_kernels.rs"));

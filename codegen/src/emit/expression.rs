@@ -1,11 +1,11 @@
 //! Expressions as tokens, with their operation counts.
 
 use proc_macro2::{Ident, Literal, TokenStream};
-use quote::quote;
+use quote::{format_ident, quote};
 
 use super::count::OpCounts;
 use super::names::Names;
-use crate::graph::{ExprId, Graph, Op};
+use crate::graph::{ExprId, Graph, Op, Scope};
 use crate::schedule::Layout;
 
 /// Binding strength of rendered tokens.
@@ -16,18 +16,42 @@ enum Strength {
     Atom,
 }
 
+/// Which of a kernel's two kinds of vectors code computes with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Vectors {
+    /// `E`, values of element scope.
+    Element,
+    /// `T`, values of node scope.
+    Node,
+}
+
 /// Writes expressions of one function.
 pub(super) struct Writer<'a> {
     graph: &'a Graph,
     layout: &'a Layout,
     pub names: Names,
+    vectors: Vectors,
+    /// Element values that node code has used since it began.
+    spread: Vec<Ident>,
     /// Operations written since the last [`take_counts`](Self::take_counts).
     counts: OpCounts,
 }
 
 impl<'a> Writer<'a> {
     pub fn new(graph: &'a Graph, layout: &'a Layout, names: Names) -> Self {
-        Self { graph, layout, names, counts: OpCounts::default() }
+        let (vectors, spread) = (Vectors::Element, Vec::new());
+        Self { graph, layout, names, vectors, spread, counts: OpCounts::default() }
+    }
+
+    /// What follows is node code, until [`end_nodes`](Self::end_nodes).
+    pub fn begin_nodes(&mut self) {
+        self.vectors = Vectors::Node;
+    }
+
+    /// What follows is element code again. Returns the names of element values that the node code has used.
+    pub fn end_nodes(&mut self) -> Vec<Ident> {
+        self.vectors = Vectors::Element;
+        std::mem::take(&mut self.spread)
     }
 
     /// Operations written since the last call.
@@ -38,6 +62,16 @@ impl<'a> Writer<'a> {
     /// The identifier of a bound expression.
     pub fn ident(&mut self, expr: ExprId) -> Ident {
         self.names.of(self.graph, expr)
+    }
+
+    /// The identifier of a node value at the row of a pair.
+    pub fn row_ident(&mut self, expr: ExprId) -> Ident {
+        format_ident!("row_{}", self.ident(expr))
+    }
+
+    /// The constant that names a node value's place among those kept.
+    pub fn place(&mut self, expr: ExprId) -> Ident {
+        format_ident!("{}", self.ident(expr).to_string().to_ascii_uppercase())
     }
 
     /// The expression where it is used: its name, or its operation.
@@ -66,17 +100,23 @@ impl<'a> Writer<'a> {
 
     fn operand(&mut self, expr: ExprId) -> (TokenStream, Strength) {
         match self.graph.op(expr) {
-            Op::Constant(bits) => (constant(f64::from_bits(bits)), Strength::Atom),
+            Op::Constant(bits) => (self.constant(f64::from_bits(bits)), Strength::Atom),
             Op::Row(x) => {
-                let ident = self.ident(x);
-                (quote!(row.#ident), Strength::Atom)
+                let ident = self.row_ident(x);
+                (quote!(#ident), Strength::Atom)
             }
             Op::Column(x) => {
-                let ident = self.ident(x);
-                (quote!(column.#ident), Strength::Atom)
+                let place = self.place(x);
+                (quote!(column[at::#place]), Strength::Atom)
             }
             _ if self.layout.bound.contains(&expr) => {
                 let ident = self.ident(expr);
+                if self.vectors == Vectors::Node
+                    && self.graph.scope(expr) == Scope::Element
+                    && !self.spread.contains(&ident)
+                {
+                    self.spread.push(ident.clone());
+                }
                 (quote!(#ident), Strength::Atom)
             }
             _ => self.operation(expr),
@@ -130,7 +170,8 @@ impl<'a> Writer<'a> {
             Op::Select { x, y, then, otherwise } => {
                 self.counts.selections += 1;
                 let [x, y, then, otherwise] = [x, y, then, otherwise].map(|e| self.used(e));
-                (quote!(T::select_less(#x, #y, #then, #otherwise)), Strength::Atom)
+                let vector = self.vector();
+                (quote!(#vector::select_less(#x, #y, #then, #otherwise)), Strength::Atom)
             }
             op => unreachable!("{op:?} is always bound"),
         }
@@ -185,15 +226,24 @@ impl<'a> Writer<'a> {
             _ => None,
         }
     }
-}
 
-fn constant(value: f64) -> TokenStream {
-    if value == 0.0 {
-        quote!(T::ZERO)
-    } else if value == 1.0 {
-        quote!(T::ONE)
-    } else {
-        let magnitude = Literal::f64_unsuffixed(value.abs());
-        if value < 0.0 { quote!(T::splat(-#magnitude)) } else { quote!(T::splat(#magnitude)) }
+    /// The type of the vectors.
+    fn vector(&self) -> TokenStream {
+        match self.vectors {
+            Vectors::Element => quote!(E),
+            Vectors::Node => quote!(T),
+        }
+    }
+
+    fn constant(&self, value: f64) -> TokenStream {
+        let vector = self.vector();
+        if value == 0.0 {
+            quote!(#vector::ZERO)
+        } else if value == 1.0 {
+            quote!(#vector::ONE)
+        } else {
+            let magnitude = Literal::f64_unsuffixed(value.abs());
+            if value < 0.0 { quote!(#vector::splat(-#magnitude)) } else { quote!(#vector::splat(#magnitude)) }
+        }
     }
 }

@@ -78,7 +78,7 @@ fn write(program: &Program<FacetSpec>) -> EmittedFacetKernel {
     let mut function = FunctionWriter::new(program);
     function.writer.names.reserve(&[GRADIENT, HESSIAN]);
     // The foot's equations are the negative derivatives of half the squared distance.
-    function.solver = "minimise_two_variables";
+    function.solver = "TwoVariables";
 
     let body: Vec<TokenStream> =
         program.phases.iter().map(|phase| function.statements(&phase.statements)).collect();
@@ -117,16 +117,16 @@ fn write(program: &Program<FacetSpec>) -> EmittedFacetKernel {
             quote!([#(#names),*])
         })
         .collect();
-    let gradient = (spec.mode >= Mode::Gradient).then(|| quote!(gradient: &mut [T; #freedoms],));
-    let hessian = (spec.mode >= Mode::Hessian).then(|| quote!(hessian: &mut [T; #packed],));
+    let gradient = (spec.mode >= Mode::Gradient).then(|| quote!(gradient: &mut [E; #freedoms],));
+    let hessian = (spec.mode >= Mode::Hessian).then(|| quote!(hessian: &mut [E; #packed],));
     let tokens = quote! {
         #(#[doc = #documentation])*
         #[inline(always)]
-        pub fn #name<T: Lane>(
-            inputs: &FacetInputs<T, #corners>,
+        pub fn #name<E: Lane>(
+            inputs: &FacetInputs<E, #corners>,
             #gradient
             #hessian
-        ) -> FacetValues<T> {
+        ) -> FacetValues<E> {
             let [#(#slave),*] = inputs.slave;
             let [#(#corner_names),*] = inputs.corners;
             #(#body)*

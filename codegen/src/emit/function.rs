@@ -1,4 +1,4 @@
-//! One kernel as a function, with the struct of what it keeps per node.
+//! One kernel as a function, with the places of what it keeps per node.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -16,14 +16,12 @@ use crate::schedule::{NodeTarget, Program, Statement};
 pub struct EmittedKernel {
     /// What it is.
     pub spec: KernelSpec,
-    /// The functions and the struct of node values.
+    /// The function, and the module with the places of node values.
     pub tokens: TokenStream,
     /// Operation counts.
     pub counts: KernelCounts,
     /// Statements of the function.
     pub statements: usize,
-    /// Whether the function keeps values per node between its loops, and so takes a `scratch`.
-    pub keeps_nodes: bool,
 }
 
 /// Lowers, schedules and writes a kernel.
@@ -54,20 +52,9 @@ pub(super) fn values_name(output: Output) -> Ident {
     }
 }
 
-/// Name of the struct with a kernel's values per node.
-pub(super) fn node_name(spec: &KernelSpec) -> Ident {
-    let output = match spec.output {
-        Output::Coefficients => "Coefficients",
-        Output::Surface => "Surface",
-        Output::Gap => "Gap",
-    };
-    let frame = frame_word(spec.frame, "CoMoving");
-    let mode = match spec.mode {
-        Mode::Value => "Value",
-        Mode::Gradient => "Gradient",
-        Mode::Hessian => "Hessian",
-    };
-    format_ident!("{output}{frame}{mode}Node")
+/// Name of the module with the places of a kernel's values per node.
+pub(super) fn kept_name(spec: &KernelSpec) -> Ident {
+    format_ident!("{}_kept", function_name(spec))
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -78,7 +65,7 @@ pub(super) struct FunctionWriter<'a, S = KernelSpec> {
     pub writer: Writer<'a>,
     pub counts: KernelCounts,
     pub statements: usize,
-    /// What solves a root's equations: a function of the support module.
+    /// What solves a root's equations: an iteration of the support module.
     pub solver: &'static str,
 }
 
@@ -95,11 +82,16 @@ impl<'a, S> FunctionWriter<'a, S> {
             "packed",
             "index",
             "node",
+            "nodes",
             "master",
+            "vector",
+            "at",
             "row",
             "column",
+            "columns",
             "row_index",
-            "column_index",
+            "row_vector",
+            "row_lane",
             "start",
             "type",
             "in",
@@ -109,7 +101,7 @@ impl<'a, S> FunctionWriter<'a, S> {
         ]);
         let writer = Writer::new(&program.kernel.graph, &program.layout, names);
         let counts = KernelCounts::default();
-        Self { program, writer, counts, statements: 0, solver: "solve_two_equations" }
+        Self { program, writer, counts, statements: 0, solver: "TwoEquations" }
     }
 
     pub fn statements(&mut self, statements: &[Statement]) -> TokenStream {
@@ -154,11 +146,16 @@ impl<'a, S> FunctionWriter<'a, S> {
             })
             .collect();
         self.statements += lets.len();
+        let iteration = format_ident!("{}_iteration", data.name);
         quote! {
-            let #solution = #solver(|[#(#unknowns),*]: [T; 2]| {
+            let mut #iteration = #solver::<E>::start();
+            let #solution = loop {
+                let [#(#unknowns),*] = #iteration.point();
                 #body
-                ([#(#residuals),*], [#(#jacobian),*])
-            });
+                if let Some(solution) = #iteration.advance([#(#residuals),*], [#(#jacobian),*]) {
+                    break solution;
+                }
+            };
             #(#lets)*
         }
     }
@@ -172,38 +169,44 @@ impl FunctionWriter<'_> {
         let pairs = self.pairs();
         let outputs = self.element_outputs();
         let values = self.values();
-        let keeps_nodes = self.program.phases.iter().any(|phase| !phase.nodes.stores.is_empty());
-        let struct_tokens = keeps_nodes.then(|| self.node_struct());
+        let kept = self.kept();
+        let kept_module = self.kept_module(&kept);
 
         let function = function_name(spec);
-        let node = node_name(spec);
         let returned = values_name(spec.output);
         let documentation = self.documentation();
         let has_gradients = !self.program.kernel.gradients.is_empty();
         let has_hessians = !self.program.kernel.hessians.is_empty();
-        let gradients = has_gradients.then(|| quote!(gradients: &mut [T],));
-        let hessians = has_hessians.then(|| quote!(hessians: &mut [T],));
-        let scratch = keeps_nodes.then(|| quote!(scratch: &mut [#node<T>],));
+        let gradients = has_gradients.then(|| quote!(gradients: &mut [S::Output],));
+        let hessians = has_hessians.then(|| quote!(hessians: &mut [S::Output],));
+        let nodes = if kept.is_empty() {
+            quote!(let _ = scratch;)
+        } else {
+            let kept = kept_name(spec);
+            quote! {
+                use #kept as at;
+                let nodes = &mut scratch.as_chunks_mut::<{ at::COUNT }>().0[..inputs.masters.len()];
+            }
+        };
         let (many_gradients, many_hessians) =
             (self.program.kernel.gradients.len() > 1, self.program.kernel.hessians.len() > 1);
-        let node_count = spec.frame == FrameRule::CoMoving;
-        let count =
-            (has_hessians || many_gradients || node_count).then(|| quote!(let count = inputs.masters.len();));
-        let node_count = node_count.then(|| quote!(let node_count = T::splat(count as f64);));
+        let node_count =
+            (spec.frame == FrameRule::CoMoving).then(|| quote!(let node_count = E::splat(count as f64);));
         let freedoms = (many_gradients || many_hessians).then(|| quote!(let freedoms = 3 * (count + 1);));
         let packed = many_hessians.then(|| quote!(let packed = packed_row(freedoms);));
         let tokens = quote! {
-            #struct_tokens
+            #kept_module
 
             #(#[doc = #documentation])*
             #[inline(always)]
-            pub fn #function<T: Lane>(
-                inputs: &Inputs<'_, T>,
-                #scratch
+            pub fn #function<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
+                inputs: &Inputs<'_, E, T>,
+                scratch: &mut [T],
                 #gradients
                 #hessians
-            ) -> #returned<T> {
-                #count
+            ) -> #returned<E> {
+                #nodes
+                let count = inputs.count;
                 #node_count
                 #freedoms
                 #packed
@@ -214,13 +217,7 @@ impl FunctionWriter<'_> {
                 #values
             }
         };
-        EmittedKernel {
-            spec: spec.clone(),
-            tokens,
-            counts: self.counts,
-            statements: self.statements,
-            keeps_nodes,
-        }
+        EmittedKernel { spec: spec.clone(), tokens, counts: self.counts, statements: self.statements }
     }
 
     /// `let`s for the inputs of element scope.
@@ -257,7 +254,9 @@ impl FunctionWriter<'_> {
         let graph = &program.kernel.graph;
         let sums: Vec<Ident> = nodes.sums.iter().map(|&sum| self.writer.ident(sum)).collect();
         let loads: Vec<Ident> = nodes.loads.iter().map(|&x| self.writer.ident(x)).collect();
+        let load_places: Vec<Ident> = nodes.loads.iter().map(|&x| self.writer.place(x)).collect();
         let master = AXES.map(|axis| format_ident!("master_{axis}"));
+        self.writer.begin_nodes();
         let body = self.statements(&nodes.statements);
         let accumulations: Vec<TokenStream> = nodes
             .sums
@@ -265,14 +264,15 @@ impl FunctionWriter<'_> {
             .zip(&sums)
             .map(|(&sum, name)| {
                 let total = self.writer.accumulated(name, graph.operands(sum)[0]);
-                quote!(#name = #total;)
+                quote!(#name = S::keep(node_index, count, #total, #name);)
             })
             .collect();
-        let outputs: Vec<TokenStream> =
-            nodes.outputs.iter().map(|&(target, expr)| self.node_output(target, expr)).collect();
+        let outputs = self.node_outputs(&nodes.outputs);
         let stores: Vec<Ident> = nodes.stores.iter().map(|&x| self.writer.ident(x)).collect();
+        let store_places: Vec<Ident> = nodes.stores.iter().map(|&x| self.writer.place(x)).collect();
+        let spread = self.writer.end_nodes();
         self.counts.node += self.writer.take_counts();
-        self.statements += 2 * sums.len() + loads.len() + outputs.len() + stores.len() + 1;
+        self.statements += 2 * sums.len() + loads.len() + nodes.outputs.len() + stores.len() + 5;
 
         // A loop that reads stored values only has no use for the positions.
         let reads = |is_read: fn(&str) -> bool| {
@@ -281,38 +281,45 @@ impl FunctionWriter<'_> {
                 Statement::Solve(_) => false,
             })
         };
-        let reads_index = reads(|name| name == NODE_INDEX);
+        let reads_index = !sums.is_empty() || reads(|name| name == NODE_INDEX);
         let reads_positions = reads(|name| name != NODE_INDEX);
-        let node = if stores.is_empty() { quote!(scratch.iter()) } else { quote!(scratch.iter_mut()) };
+        let node = if stores.is_empty() { quote!(nodes.iter()) } else { quote!(nodes.iter_mut()) };
         let unused = stores.is_empty() && loads.is_empty();
         let (pattern, iterator) = match (reads_positions || unused, unused) {
-            (true, true) => (quote!(master), quote!(inputs.masters)),
+            (true, true) => (quote!(master), quote!(inputs.masters.iter())),
             (true, false) => (quote!((master, node)), quote!(inputs.masters.iter().zip(#node))),
             (false, _) => (quote!(node), node),
         };
-        let (pattern, iterator) = if outputs.is_empty() && !reads_index {
+        let (pattern, iterator) = if outputs.is_none() && !reads_index {
             (pattern, iterator)
         } else {
-            let iterator = if unused { quote!(#iterator.iter()) } else { iterator };
-            (quote!((index, #pattern)), quote!(#iterator.enumerate()))
+            (quote!((vector, #pattern)), quote!(#iterator.enumerate()))
         };
         let positions = reads_positions.then(|| quote!(let [#(#master),*] = *master;));
         let node_index = reads_index.then(|| {
             let name = format_ident!("{NODE_INDEX}");
-            quote!(let #name = T::splat(index as f64);)
+            quote!(let #name = S::node_index(S::NODES * vector);)
         });
+        let totals = (!sums.is_empty()).then(|| quote!(let [#(#sums),*] =));
+        let total = (!sums.is_empty()).then(|| quote!(S::total([#(#sums),*])));
+        let end = totals.is_some().then(|| quote!(;));
+        let spread = spread_statement(&spread);
         quote! {
             #element
-            #(let mut #sums = T::ZERO;)*
-            for #pattern in #iterator {
-                #positions
-                #node_index
-                #(let #loads = node.#loads;)*
-                #body
-                #(#accumulations)*
-                #(#outputs)*
-                #(node.#stores = #stores;)*
-            }
+            #totals {
+                #spread
+                #(let mut #sums = T::ZERO;)*
+                for #pattern in #iterator {
+                    #positions
+                    #node_index
+                    #(let #loads = node[at::#load_places];)*
+                    #body
+                    #(#accumulations)*
+                    #outputs
+                    #(node[at::#store_places] = #stores;)*
+                }
+                #total
+            } #end
         }
     }
 
@@ -325,9 +332,14 @@ impl FunctionWriter<'_> {
         })
     }
 
-    fn node_output(&mut self, target: NodeTarget, expr: ExprId) -> TokenStream {
-        let value = self.writer.used(expr);
-        let place = match target {
+    /// Writes the results of a loop, if it has any.
+    fn node_outputs(&mut self, outputs: &[(NodeTarget, ExprId)]) -> Option<TokenStream> {
+        if outputs.is_empty() {
+            return None;
+        }
+        let values: Vec<TokenStream> = outputs.iter().map(|&(_, expr)| self.writer.used(expr)).collect();
+        let results: Vec<Ident> = (0..outputs.len()).map(|k| format_ident!("result_{k}")).collect();
+        let places = outputs.iter().map(|&(target, _)| match target {
             NodeTarget::Gradient { gradient, axis } => {
                 let offset = times_offset(gradient, &quote!(freedoms));
                 let shift = 3 + axis;
@@ -343,8 +355,12 @@ impl FunctionWriter<'_> {
                 let (row_shift, column_shift) = (3 + row, 3 + column);
                 quote!(hessians[#offset packed_row(3 * index + #row_shift) + 3 * index + #column_shift])
             }
-        };
-        quote!(#place = #value;)
+        });
+        Some(quote! {
+            S::for_each_node(S::NODES * vector, count, [#(#values),*], |index, [#(#results),*]| {
+                #(#places = #results;)*
+            });
+        })
     }
 
     fn pairs(&mut self) -> Option<TokenStream> {
@@ -353,28 +369,48 @@ impl FunctionWriter<'_> {
         if pairs.outputs.is_empty() {
             return None;
         }
+        let row_loads: Vec<Ident> = pairs.row_loads.iter().map(|&x| self.writer.row_ident(x)).collect();
+        let row_places: Vec<Ident> = pairs.row_loads.iter().map(|&x| self.writer.place(x)).collect();
+        self.writer.begin_nodes();
         let body = self.statements(&pairs.statements);
+        // Three columns at a time: x, y and z of one node.
         let outputs: Vec<TokenStream> = pairs
             .outputs
-            .iter()
-            .map(|&((hessian, row, column), expr)| {
-                let value = self.writer.used(expr);
+            .chunks(3)
+            .map(|entries| {
+                let ((hessian, row, _), _) = entries[0];
+                assert!(
+                    entries.iter().enumerate().all(|(k, (place, _))| *place == (hessian, row, k)),
+                    "entries of a row follow each other"
+                );
+                let values: Vec<TokenStream> =
+                    entries.iter().map(|&(_, expr)| self.writer.used(expr)).collect();
                 let offset = times_offset(hessian, &quote!(packed));
                 let start = format_ident!("row_{}", AXES[row]);
-                quote!(hessians[#offset #start + 3 * column_index + #column] = #value;)
+                quote! {
+                    S::write_nodes([#(#values),*], &mut hessians[#offset #start + columns.start..#offset #start + columns.end]);
+                }
             })
             .collect();
+        let spread = spread_statement(&self.writer.end_nodes());
         self.counts.pair += self.writer.take_counts();
-        self.statements += outputs.len() + 6;
+        self.statements += pairs.outputs.len() + 8;
         let rows = AXES.map(|axis| format_ident!("row_{axis}"));
         let shifts = [3usize, 4, 5];
         Some(quote! {
-            for row_index in 1..count {
-                let row = scratch[row_index];
-                #(let #rows = packed_row(3 * row_index + #shifts) + 3;)*
-                for (column_index, column) in scratch[..row_index].iter().enumerate() {
-                    #body
-                    #(#outputs)*
+            {
+                #spread
+                for row_index in 1..count {
+                    let (row_vector, row_lane) = (row_index / S::NODES, row_index % S::NODES);
+                    let row = &nodes[row_vector];
+                    let [#(#row_loads),*] = S::pick([#(&row[at::#row_places]),*], row_lane);
+                    #(let #rows = packed_row(3 * row_index + #shifts) + 3;)*
+                    for (vector, column) in nodes[..row_index.div_ceil(S::NODES)].iter().enumerate() {
+                        let start = S::NODES * vector;
+                        let columns = 3 * start..3 * row_index.min(start + S::NODES);
+                        #body
+                        #(#outputs)*
+                    }
                 }
             }
         })
@@ -388,7 +424,7 @@ impl FunctionWriter<'_> {
             let offset = times_offset(k, &quote!(freedoms));
             for (axis, &x) in gradient.slave.iter().enumerate() {
                 let value = self.writer.used(x);
-                all.push(quote!(gradients[#offset #axis] = #value;));
+                all.push(quote!(gradients[#offset #axis] = S::element_output(#value);));
             }
         }
         for (k, (_, hessian)) in kernel.hessians.iter().enumerate() {
@@ -397,7 +433,7 @@ impl FunctionWriter<'_> {
                 for (column, &x) in hessian.slave[row][..=row].iter().enumerate() {
                     let value = self.writer.used(x);
                     let place = row * (row + 1) / 2 + column;
-                    all.push(quote!(hessians[#offset #place] = #value;));
+                    all.push(quote!(hessians[#offset #place] = S::element_output(#value);));
                 }
             }
         }
@@ -422,38 +458,39 @@ impl FunctionWriter<'_> {
                 // A basis leaves the coefficients of the largest one that it does not have at zero.
                 let missing =
                     if value.name == "coefficients" { MOST_COEFFICIENTS - components.len() } else { 0 };
-                let zeros = std::iter::repeat_n(quote!(T::ZERO), missing);
+                let zeros = std::iter::repeat_n(quote!(E::ZERO), missing);
                 let components = components.into_iter().chain(zeros);
                 quote!(#field: [#(#components),*])
             })
             .collect();
         let held = kernel.spec.output == Output::Gap && kernel.spec.frame == FrameRule::Frozen;
-        let held = held.then(|| quote!(plane_pivot_ratio: T::ONE,));
+        let held = held.then(|| quote!(plane_pivot_ratio: E::ONE,));
         self.counts.element += self.writer.take_counts();
         quote!(#name { #held #(#fields),* })
     }
 
-    fn node_struct(&mut self) -> TokenStream {
-        let program = self.program;
-        let spec = &program.kernel.spec;
-        let name = node_name(spec);
+    /// What is kept of a node between the loops, in the order of the loops.
+    fn kept(&mut self) -> Vec<ExprId> {
         let mut seen = std::collections::HashSet::new();
-        let fields: Vec<Ident> = program
-            .phases
-            .iter()
-            .flat_map(|phase| phase.nodes.stores.clone())
-            .filter(|x| seen.insert(*x))
-            .map(|x| self.writer.ident(x))
-            .collect();
-        let doc = format!(" What `{}` keeps of a master node between its loops.", function_name(spec));
+        let stores = self.program.phases.iter().flat_map(|phase| phase.nodes.stores.clone());
+        stores.filter(|x| seen.insert(*x)).collect()
+    }
+
+    fn kept_module(&mut self, kept: &[ExprId]) -> TokenStream {
+        let name = kept_name(&self.program.kernel.spec);
+        let places: Vec<Ident> = kept.iter().map(|&x| self.writer.place(x)).collect();
+        let indices = 0..kept.len();
+        let count = kept.len();
+        let doc = format!(
+            " Places of what `{}` keeps of a node between its loops.",
+            function_name(&self.program.kernel.spec)
+        );
         quote! {
             #[doc = #doc]
-            #[derive(Clone, Copy, Debug)]
-            pub struct #name<T> { #(#fields: T),* }
-
-            impl<T: Lane> #name<T> {
-                /// All values zero.
-                pub const ZERO: Self = Self { #(#fields: T::ZERO),* };
+            pub mod #name {
+                #(pub(super) const #places: usize = #indices;)*
+                /// Number of values.
+                pub const COUNT: usize = #count;
             }
         }
     }
@@ -482,9 +519,10 @@ impl FunctionWriter<'_> {
             String::new(),
             " Coordinates are ordered slave, master 1, …, master n.".to_owned(),
         ];
-        if self.program.phases.iter().any(|phase| !phase.nodes.stores.is_empty()) {
-            lines.push(" `scratch`: one entry per master node, of any content.".to_owned());
-        }
+        lines.push(format!(
+            " `scratch`: [`{}::COUNT`] for each vector of nodes, of any content.",
+            kept_name(spec)
+        ));
         if !kernel.gradients.is_empty() {
             let names: Vec<&str> = kernel.gradients.iter().map(|(name, _)| *name).collect();
             lines.push(format!(" `gradients`: {} × 3(n+1) entries, of {}.", names.len(), names.join(", ")));
@@ -534,6 +572,11 @@ fn graph_roots(graph: &crate::graph::Graph, root: RootId) -> Vec<(ExprId, TokenS
             _ => None,
         })
         .collect()
+}
+
+/// Element values for all nodes, under the same names.
+fn spread_statement(names: &[Ident]) -> Option<TokenStream> {
+    (!names.is_empty()).then(|| quote!(let [#(#names),*] = S::spread([#(#names),*]);))
 }
 
 /// `k * size +`, or nothing for k = 0.

@@ -1,6 +1,6 @@
 //! Minimum of a function of two variables by a damped Newton iteration, all lanes at once.
 
-use super::newton::{LONGEST_STEP, MOST_ITERATIONS, TOLERANCE, distance, newton_step, norm};
+use super::newton::{LONGEST_STEP, MOST_ITERATIONS, TOLERANCE, choose, distance, newton_step, norm};
 use super::{Lane, RootSolution};
 
 /// Smallest curvature a step is based on where the function is not convex, relative to the largest.
@@ -8,55 +8,98 @@ const SMALLEST_CURVATURE: f64 = 1e-3;
 /// A step may overshoot the minimum along it until the slope is this part of the one before, with the other sign.
 const OVERSHOOT: f64 = 0.5;
 
-/// Finds a minimum of E(y) from y = 0. `equations` returns −∂E/∂y and its Jacobian, row by row.
+/// Finds a minimum of E(y) from y = 0, one evaluation of −∂E/∂y and its Jacobian at a time.
 ///
 /// Lengths are in edges of a facet. Where E is convex a step is Newton's; elsewhere it goes down along both principal
 /// directions, so that the iteration is not drawn to a saddle. It is cut to half an edge plus half of the way already
 /// made, and halved until it does not overshoot, or shortens the way by the same matrix, which does not depend on how
 /// narrow a facet is. Lanes that have converged stay where they are.
-#[inline(always)]
-pub fn minimise_two_variables<T: Lane>(equations: impl Fn([T; 2]) -> ([T; 2], [T; 4])) -> RootSolution<T> {
-    let mut y = [T::ZERO; 2];
-    let (mut residual, mut jacobian) = equations(y);
-    let start = residual;
-    let tolerance = T::splat(TOLERANCE);
-    let mut full = downhill_step(residual, jacobian);
-    let mut step = bounded(y, full);
-    let mut iterations = T::ONE;
-    for _ in 1..MOST_ITERATIONS {
-        let relative = distance(start, y, residual, jacobian);
-        if T::all_less(relative, tolerance) {
-            break;
+#[derive(Clone, Copy, Debug)]
+pub struct TwoVariables<T> {
+    y: [T; 2],
+    residual: [T; 2],
+    jacobian: [T; 4],
+    start: [T; 2],
+    full: [T; 2],
+    step: [T; 2],
+    relative: T,
+    iterations: T,
+    evaluations: u32,
+}
+
+impl<T: Lane> TwoVariables<T> {
+    /// The iteration before the first evaluation.
+    #[inline(always)]
+    #[must_use]
+    pub fn start() -> Self {
+        Self {
+            y: [T::ZERO; 2],
+            residual: [T::ZERO; 2],
+            jacobian: [T::ZERO; 4],
+            start: [T::ZERO; 2],
+            full: [T::ZERO; 2],
+            step: [T::ZERO; 2],
+            relative: T::ONE,
+            iterations: T::ONE,
+            evaluations: 0,
         }
-        let active = |then, otherwise| T::select_less(relative, tolerance, otherwise, then);
-        let trial = [y[0] + step[0], y[1] + step[1]];
-        let (trial_residual, trial_jacobian) = equations(trial);
-        let (before, after) = (dot(step, residual), dot(step, trial_residual));
-        let bound = T::splat(-OVERSHOOT) * before;
-        // What is left to go by the same matrix, and how much that may be after this part of the way.
-        let rest = norm(downhill_step(trial_residual, jacobian));
-        let most = T::splat(OVERSHOOT).neg_mul_add(norm(step), norm(full));
-        let accepted = |then, otherwise| {
-            let closer = T::select_less(rest, most, then, otherwise);
-            active(T::select_less(bound, after, then, closer), otherwise)
-        };
-        for k in 0..2 {
-            y[k] = accepted(trial[k], y[k]);
-            residual[k] = accepted(trial_residual[k], residual[k]);
-        }
-        for k in 0..4 {
-            jacobian[k] = accepted(trial_jacobian[k], jacobian[k]);
-        }
-        full = downhill_step(residual, jacobian);
-        let (next, half) = (bounded(y, full), T::splat(0.5));
-        step = [0, 1].map(|k| accepted(next[k], half * step[k]));
-        iterations = iterations + active(T::ONE, T::ZERO);
     }
-    let relative = distance(start, y, residual, jacobian);
-    // None from where the Jacobian is singular: the figures there tell.
-    let last = newton_step(residual, jacobian);
-    let last = last.map(|x| T::select_less(norm(last), longest_step(y), x, T::ZERO));
-    RootSolution { unknowns: [y[0] + last[0], y[1] + last[1]], residual: relative, iterations }
+
+    /// Where to evaluate next.
+    #[inline(always)]
+    #[must_use]
+    pub fn point(&self) -> [T; 2] {
+        [self.y[0] + self.step[0], self.y[1] + self.step[1]]
+    }
+
+    /// Takes −∂E/∂y at [`point`](Self::point) and its Jacobian, row by row; returns the solution at the end.
+    #[inline(always)]
+    pub fn advance(&mut self, residual: [T; 2], jacobian: [T; 4]) -> Option<RootSolution<T>> {
+        let tolerance = T::splat(TOLERANCE);
+        if self.evaluations == 0 {
+            (self.residual, self.jacobian, self.start) = (residual, jacobian, residual);
+            self.full = downhill_step(residual, jacobian);
+            self.step = bounded(self.y, self.full);
+        } else {
+            let relative = self.relative;
+            let active = T::select_less(relative, tolerance, T::ZERO, T::ONE);
+            let (before, after) = (dot(self.step, self.residual), dot(self.step, residual));
+            let bound = T::splat(-OVERSHOOT) * before;
+            // What is left to go by the same matrix, and how much that may be after this part of the way.
+            let rest = norm(downhill_step(residual, self.jacobian));
+            let most = T::splat(OVERSHOOT).neg_mul_add(norm(self.step), norm(self.full));
+            let closer = T::select_less(rest, most, active, T::ZERO);
+            let accepted = T::select_less(bound, after, active, closer);
+            let trial = self.point();
+            for k in 0..2 {
+                self.y[k] = choose(accepted, trial[k], self.y[k]);
+                self.residual[k] = choose(accepted, residual[k], self.residual[k]);
+            }
+            for k in 0..4 {
+                self.jacobian[k] = choose(accepted, jacobian[k], self.jacobian[k]);
+            }
+            self.full = downhill_step(self.residual, self.jacobian);
+            let (next, half) = (bounded(self.y, self.full), T::splat(0.5));
+            for k in 0..2 {
+                self.step[k] = choose(accepted, next[k], half * self.step[k]);
+            }
+            self.iterations = self.iterations + active;
+        }
+        self.evaluations += 1;
+        self.relative = distance(self.start, self.y, self.residual, self.jacobian);
+        if self.evaluations < MOST_ITERATIONS && !T::all_less(self.relative, tolerance) {
+            return None;
+        }
+        // None from where the Jacobian is singular: the figures there tell.
+        let last = newton_step(self.residual, self.jacobian);
+        let longest = longest_step(self.y);
+        let last = last.map(|x| T::select_less(norm(last), longest, x, T::ZERO));
+        Some(RootSolution {
+            unknowns: [self.y[0] + last[0], self.y[1] + last[1]],
+            residual: self.relative,
+            iterations: self.iterations,
+        })
+    }
 }
 
 #[inline(always)]
@@ -102,6 +145,16 @@ fn dot<T: Lane>(x: [T; 2], y: [T; 2]) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn minimise_two_variables(equations: impl Fn([f64; 2]) -> ([f64; 2], [f64; 4])) -> RootSolution<f64> {
+        let mut iteration = TwoVariables::start();
+        loop {
+            let (residual, jacobian) = equations(iteration.point());
+            if let Some(solution) = iteration.advance(residual, jacobian) {
+                return solution;
+            }
+        }
+    }
 
     /// E = x⁴/4 − x²/2 − c x + y²/2 + x y/10, not convex at the start.
     fn double_well(c: f64) -> impl Fn([f64; 2]) -> ([f64; 2], [f64; 4]) {

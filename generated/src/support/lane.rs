@@ -15,6 +15,8 @@ pub trait Lane:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
+    /// Numbers side by side.
+    const WIDTH: usize;
     /// 0 in all lanes.
     const ZERO: Self;
     /// 1 in all lanes.
@@ -23,6 +25,17 @@ pub trait Lane:
     /// `value` in all lanes.
     #[must_use]
     fn splat(value: f64) -> Self;
+
+    /// `value(k)` in lane k.
+    #[must_use]
+    fn from_fn(value: impl FnMut(usize) -> f64) -> Self;
+
+    /// The number in lane k.
+    ///
+    /// # Panics
+    /// If there is no such lane.
+    #[must_use]
+    fn lane(&self, k: usize) -> f64;
 
     /// `self` · `factor` + `term`, fused where the target has the instruction.
     #[must_use]
@@ -71,6 +84,7 @@ pub trait Lane:
 }
 
 impl Lane for f64 {
+    const WIDTH: usize = 1;
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
 
@@ -80,9 +94,24 @@ impl Lane for f64 {
     }
 
     #[inline(always)]
+    fn from_fn(mut value: impl FnMut(usize) -> f64) -> Self {
+        value(0)
+    }
+
+    #[inline(always)]
+    fn lane(&self, k: usize) -> f64 {
+        assert_eq!(k, 0, "one lane");
+        *self
+    }
+
+    #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         // Without the instruction, a fused multiply-add is a slow library call.
-        if cfg!(target_feature = "fma") { f64::mul_add(self, factor, term) } else { self * factor + term }
+        if cfg!(any(target_feature = "fma", target_arch = "aarch64")) {
+            f64::mul_add(self, factor, term)
+        } else {
+            self * factor + term
+        }
     }
 
     #[inline(always)]

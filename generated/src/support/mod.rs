@@ -1,19 +1,32 @@
-//! What generated kernels stand on: the arithmetic they are generic over, their inputs and results, the
-//! iterations for the foot point and the typed status.
+//! What generated kernels stand on: the arithmetic and the layouts they are generic over, what compiles them for the
+//! machine's vector instructions and runs them, their inputs and results, the iterations for the foot point and the typed
+//! status.
 
 mod descent;
+mod drive;
 mod facet;
+mod inputs;
+mod isa;
 mod lane;
 mod newton;
+mod set;
+mod shape;
+mod simd;
 mod status;
 mod values;
 
-pub use descent::minimise_two_variables;
+pub use descent::TwoVariables;
+pub use drive::{GapKernel, GapOutput, Workspace, batch, scalar, single};
 pub use facet::{AREA_TOLERANCE, FacetInputs, FacetValues, first_entries};
+pub use inputs::{ElementInputs, Inputs, Masters};
+pub use isa::Isa;
 pub use lane::Lane;
-pub use newton::{RootSolution, solve_two_equations};
+pub use newton::{RootSolution, TwoEquations};
+pub use set::KernelSet;
+pub use shape::{Batch, Shape, Single};
+pub use simd::{Vector, WithLanes};
 pub use status::{JACOBIAN_TOLERANCE, PIVOT_TOLERANCE, Status};
-pub use values::{Basis, CoefficientsValues, CustomBasis, GapValues, Inputs, KernelSet, Mode, SurfaceValues};
+pub use values::{Basis, CoefficientsValues, CustomBasis, FrameRule, GapValues, Mode, SurfaceValues};
 
 /// Position of the first entry of a row in a packed lower triangle.
 #[inline(always)]

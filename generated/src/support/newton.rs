@@ -32,46 +32,91 @@ impl<T> RootSolution<T> {
     pub const TOLERANCE: f64 = TOLERANCE;
 }
 
-/// Solves r(y) = 0 from y = 0. `equations` returns the residuals and their Jacobian, row by row.
+/// Solves r(y) = 0 from y = 0, one evaluation of r and its Jacobian at a time.
 ///
 /// Lengths are in support radii. A step is cut to half the support radius, and halved until it reduces the residual, so
 /// that the iteration cannot leave the region the start belongs to for a far root. Lanes that have converged stay where
 /// they are.
-#[inline(always)]
-pub fn solve_two_equations<T: Lane>(equations: impl Fn([T; 2]) -> ([T; 2], [T; 4])) -> RootSolution<T> {
-    let mut y = [T::ZERO; 2];
-    let (mut residual, mut jacobian) = equations(y);
-    let start = residual;
-    let tolerance = T::splat(TOLERANCE);
-    // Squares of what is compared, in units of the start, must not underflow.
-    let unit = T::ONE / (norm(start) + T::splat(TINY));
-    let mut step = bounded_step(residual, jacobian);
-    let mut iterations = T::ONE;
-    for _ in 1..MOST_ITERATIONS {
-        let relative = distance(start, y, residual, jacobian);
-        if T::all_less(relative, tolerance) {
-            break;
+#[derive(Clone, Copy, Debug)]
+pub struct TwoEquations<T> {
+    y: [T; 2],
+    residual: [T; 2],
+    jacobian: [T; 4],
+    start: [T; 2],
+    /// Squares of what is compared, in units of the start, must not underflow.
+    unit: T,
+    step: [T; 2],
+    relative: T,
+    iterations: T,
+    evaluations: u32,
+}
+
+impl<T: Lane> TwoEquations<T> {
+    /// The iteration before the first evaluation.
+    #[inline(always)]
+    #[must_use]
+    pub fn start() -> Self {
+        Self {
+            y: [T::ZERO; 2],
+            residual: [T::ZERO; 2],
+            jacobian: [T::ZERO; 4],
+            start: [T::ZERO; 2],
+            unit: T::ONE,
+            step: [T::ZERO; 2],
+            relative: T::ONE,
+            iterations: T::ONE,
+            evaluations: 0,
         }
-        let active = |then, otherwise| T::select_less(relative, tolerance, otherwise, then);
-        let trial = [y[0] + step[0], y[1] + step[1]];
-        let (trial_residual, trial_jacobian) = equations(trial);
-        let [before, after] = [residual, trial_residual].map(|r| squared(r.map(|x| unit * x)));
-        let accepted = |then, otherwise| active(T::select_less(after, before, then, otherwise), otherwise);
-        for k in 0..2 {
-            y[k] = accepted(trial[k], y[k]);
-            residual[k] = accepted(trial_residual[k], residual[k]);
-        }
-        for k in 0..4 {
-            jacobian[k] = accepted(trial_jacobian[k], jacobian[k]);
-        }
-        let full = bounded_step(residual, jacobian);
-        let half = T::splat(0.5);
-        step = [0, 1].map(|k| accepted(full[k], half * step[k]));
-        iterations = iterations + active(T::ONE, T::ZERO);
     }
-    let relative = distance(start, y, residual, jacobian);
-    let last = newton_step(residual, jacobian);
-    RootSolution { unknowns: [y[0] + last[0], y[1] + last[1]], residual: relative, iterations }
+
+    /// Where to evaluate next.
+    #[inline(always)]
+    #[must_use]
+    pub fn point(&self) -> [T; 2] {
+        [self.y[0] + self.step[0], self.y[1] + self.step[1]]
+    }
+
+    /// Takes the residuals at [`point`](Self::point) and their Jacobian, row by row; returns the solution at the end.
+    #[inline(always)]
+    pub fn advance(&mut self, residual: [T; 2], jacobian: [T; 4]) -> Option<RootSolution<T>> {
+        let tolerance = T::splat(TOLERANCE);
+        if self.evaluations == 0 {
+            (self.residual, self.jacobian, self.start) = (residual, jacobian, residual);
+            self.unit = T::ONE / (norm(residual) + T::splat(TINY));
+            self.step = bounded_step(residual, jacobian);
+        } else {
+            let (relative, unit) = (self.relative, self.unit);
+            let before = squared(unit, self.residual);
+            let after = squared(unit, residual);
+            let active = T::select_less(relative, tolerance, T::ZERO, T::ONE);
+            let accepted = T::select_less(after, before, active, T::ZERO);
+            let trial = self.point();
+            for k in 0..2 {
+                self.y[k] = choose(accepted, trial[k], self.y[k]);
+                self.residual[k] = choose(accepted, residual[k], self.residual[k]);
+            }
+            for k in 0..4 {
+                self.jacobian[k] = choose(accepted, jacobian[k], self.jacobian[k]);
+            }
+            let full = bounded_step(self.residual, self.jacobian);
+            let half = T::splat(0.5);
+            for k in 0..2 {
+                self.step[k] = choose(accepted, full[k], half * self.step[k]);
+            }
+            self.iterations = self.iterations + active;
+        }
+        self.evaluations += 1;
+        self.relative = distance(self.start, self.y, self.residual, self.jacobian);
+        if self.evaluations < MOST_ITERATIONS && !T::all_less(self.relative, tolerance) {
+            return None;
+        }
+        let last = newton_step(self.residual, self.jacobian);
+        Some(RootSolution {
+            unknowns: [self.y[0] + last[0], self.y[1] + last[1]],
+            residual: self.relative,
+            iterations: self.iterations,
+        })
+    }
 }
 
 /// How far y is from a root, by the larger of the residual and the step before it; relative to the starting residual or
@@ -97,7 +142,20 @@ fn bounded_step<T: Lane>(r: [T; 2], j: [T; 4]) -> [T; 2] {
     let length = norm(step);
     let longest = T::splat(LONGEST_STEP);
     let factor = T::select_less(longest, length, longest / length, T::ONE);
-    step.map(|x| factor * x)
+    [factor * step[0], factor * step[1]]
+}
+
+/// `then` in the lanes where `condition` is 1, `otherwise` where it is 0.
+#[inline(always)]
+pub(super) fn choose<T: Lane>(condition: T, then: T, otherwise: T) -> T {
+    T::select_less(T::ZERO, condition, then, otherwise)
+}
+
+/// |unit · x|²
+#[inline(always)]
+fn squared<T: Lane>(unit: T, x: [T; 2]) -> T {
+    let [x, y] = [unit * x[0], unit * x[1]];
+    x.mul_add(x, y * y)
 }
 
 /// The larger value; x if x is NaN.
@@ -112,14 +170,19 @@ pub(super) fn norm<T: Lane>(x: [T; 2]) -> T {
     larger(x[0].abs(), x[1].abs())
 }
 
-#[inline(always)]
-fn squared<T: Lane>(x: [T; 2]) -> T {
-    x[0].mul_add(x[0], x[1] * x[1])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn solve_two_equations(equations: impl Fn([f64; 2]) -> ([f64; 2], [f64; 4])) -> RootSolution<f64> {
+        let mut iteration = TwoEquations::start();
+        loop {
+            let (residual, jacobian) = equations(iteration.point());
+            if let Some(solution) = iteration.advance(residual, jacobian) {
+                return solution;
+            }
+        }
+    }
 
     #[test]
     fn a_smooth_root_is_found_to_rounding() {

@@ -1,4 +1,6 @@
-//! Inputs and results of kernels.
+//! Bases, modes and results of kernels.
+
+use super::Lane;
 
 /// Polynomial basis of the moving least squares fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -86,27 +88,13 @@ pub enum Mode {
     Hessian,
 }
 
-/// What a kernel reads. Positions are in global axes.
-#[derive(Clone, Copy, Debug)]
-pub struct Inputs<'a, T> {
-    /// Slave node x^c.
-    pub slave: [T; 3],
-    /// Master nodes x^1 … x^n.
-    pub masters: &'a [[T; 3]],
-    /// First in-plane direction of the local frame.
-    pub t1: [T; 3],
-    /// Second in-plane direction.
-    pub t2: [T; 3],
-    /// Unit normal n̂ of the plane, outward.
-    pub normal: [T; 3],
-    /// Support radius R.
-    pub support_radius: T,
-    /// In-plane offset from the slave at which the surface kernels evaluate, length; others ignore it.
-    pub point: [T; 2],
-    /// Index of the master node nearest to the slave in the plane (t1, t2), a whole number; only kernels with an
-    /// interpolating weight use it. Their results do not depend on it in exact arithmetic: another node costs digits
-    /// when the slave is close to the nearest one.
-    pub anchor: T,
+/// What the local frame does while differentiating.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FrameRule {
+    /// It is held, as in the paper.
+    Frozen,
+    /// It is the average plane of the master nodes and moves with them.
+    CoMoving,
 }
 
 /// Values of the coefficient kernels.
@@ -164,6 +152,29 @@ pub struct GapValues<T> {
     pub checksum: T,
 }
 
+impl<T: Lane> GapValues<T> {
+    /// The values in lane k.
+    #[inline(always)]
+    #[must_use]
+    pub fn lane(&self, k: usize) -> GapValues<f64> {
+        let numbers = |x: &[T; 3]| [x[0].lane(k), x[1].lane(k), x[2].lane(k)];
+        GapValues {
+            gap: self.gap.lane(k),
+            foot: numbers(&self.foot),
+            normal: numbers(&self.normal),
+            coefficients: std::array::from_fn(|j| self.coefficients[j].lane(k)),
+            pivot_ratio: self.pivot_ratio.lane(k),
+            plane_pivot_ratio: self.plane_pivot_ratio.lane(k),
+            foot_residual: self.foot_residual.lane(k),
+            foot_iterations: self.foot_iterations.lane(k),
+            foot_distance: self.foot_distance.lane(k),
+            jacobian_determinant: self.jacobian_determinant.lane(k),
+            jacobian_trace: self.jacobian_trace.lane(k),
+            checksum: self.checksum.lane(k),
+        }
+    }
+}
+
 impl CoefficientsValues<f64> {
     /// No values.
     pub const NONE: Self = Self {
@@ -200,60 +211,4 @@ impl GapValues<f64> {
         jacobian_trace: f64::NAN,
         checksum: f64::NAN,
     };
-}
-
-/// The generated kernels of one weight, for one element at a time. The kernels themselves are generic over
-/// [`Lane`](super::Lane).
-///
-/// `gradients` and `hessians` hold, one after another, the derivatives with respect to the 3(n+1) global
-/// coordinates ordered slave, master 1, …, master n; a Hessian is its packed lower triangle. What the mode does
-/// not ask for is not touched and may be empty.
-///
-/// # Panics
-/// The methods panic if a slice is shorter than their mode needs.
-pub trait KernelSet {
-    /// The weight's formula; of an interpolating weight ω/(1 − ω) that of ω.
-    const WEIGHT: &'static str;
-
-    /// Whether the weight is an interpolating one, which makes kernels read [`Inputs::anchor`].
-    const INTERPOLATING: bool;
-
-    /// The bases there are kernels for. Any other gives values of which none is a number.
-    const BASES: &'static [Basis];
-
-    /// α with ∂α/∂x and ∂²α/∂x∂x of each coefficient.
-    fn coefficients(
-        basis: Basis,
-        mode: Mode,
-        inputs: &Inputs<'_, f64>,
-        gradients: &mut [f64],
-        hessians: &mut [f64],
-    ) -> CoefficientsValues<f64>;
-
-    /// f, f_l, f_lm at `inputs.point` with the gradients ∇f, T_1, T_2 and the Hessian H_f.
-    fn surface(
-        basis: Basis,
-        mode: Mode,
-        inputs: &Inputs<'_, f64>,
-        gradients: &mut [f64],
-        hessians: &mut [f64],
-    ) -> SurfaceValues<f64>;
-
-    /// g, foot and ν with the gradient N and the Hessian M.
-    fn gap(
-        basis: Basis,
-        mode: Mode,
-        inputs: &Inputs<'_, f64>,
-        gradients: &mut [f64],
-        hessians: &mut [f64],
-    ) -> GapValues<f64>;
-
-    /// As [`gap`](Self::gap), for a frame that is the average plane of the masters and moves with them.
-    fn gap_co_moving(
-        basis: Basis,
-        mode: Mode,
-        inputs: &Inputs<'_, f64>,
-        gradients: &mut [f64],
-        hessians: &mut [f64],
-    ) -> GapValues<f64>;
 }

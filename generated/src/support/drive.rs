@@ -1,0 +1,205 @@
+//! Runs generated kernels: one element, or many of the same number of nodes.
+
+use std::marker::PhantomData;
+
+use super::simd::{Block, Vector};
+use super::{Batch, ElementInputs, GapValues, Inputs, Isa, Lane, Mode, Shape, Single, WithLanes, packed_row};
+
+/// A generated kernel for the gap.
+pub trait GapKernel {
+    /// How many derivatives it computes.
+    const MODE: Mode;
+    /// Values it keeps of a node between its loops.
+    const KEPT: usize;
+
+    /// Evaluates the elements of a [`Shape`].
+    ///
+    /// `scratch`: [`KEPT`](Self::KEPT) values for each vector of nodes, of any content. `gradients` and `hessians`: N,
+    /// 3(n+1) entries, and the packed lower triangle of M; empty if it does not compute them.
+    fn evaluate<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
+        inputs: &Inputs<'_, E, T>,
+        scratch: &mut [T],
+        gradients: &mut [S::Output],
+        hessians: &mut [S::Output],
+    ) -> GapValues<E>;
+}
+
+/// Room for the vectors of batches, reused from one to the next.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    blocks: Vec<Block>,
+}
+
+impl Workspace {
+    fn blocks(&mut self, count: usize) -> &mut [Block] {
+        if self.blocks.len() < count {
+            self.blocks.resize(count, Block::ZERO);
+        }
+        &mut self.blocks[..count]
+    }
+}
+
+/// Where the results of an element of a batch go. What the kernel does not compute may be empty and is not touched.
+#[derive(Debug)]
+pub struct GapOutput<'a> {
+    /// Values.
+    pub values: GapValues<f64>,
+    /// N, 3(n+1) entries ordered slave, master 1, …, master n.
+    pub gradient: &'a mut [f64],
+    /// M, packed lower triangle of 3(n+1) rows.
+    pub hessian: &'a mut [f64],
+}
+
+/// Entries of the gradient and of the packed Hessian that a mode computes.
+const fn sizes(mode: Mode, nodes: usize) -> (usize, usize) {
+    let freedoms = 3 * (nodes + 1);
+    match mode {
+        Mode::Value => (0, 0),
+        Mode::Gradient => (freedoms, 0),
+        Mode::Hessian => (freedoms, packed_row(freedoms)),
+    }
+}
+
+/// Runs a kernel of any output for one element, number by number. `kept`: values it keeps of a node between its loops.
+pub fn scalar<V>(
+    inputs: &ElementInputs<'_>,
+    kept: usize,
+    kernel: impl FnOnce(&Inputs<'_, f64>, &mut [f64]) -> V,
+) -> V {
+    let count = inputs.masters.len();
+    let masters: Vec<[f64; 3]> = (0..count).map(|k| inputs.masters.get(k)).collect();
+    let mut scratch = vec![0.0; kept * count];
+    kernel(&Inputs::gather(std::slice::from_ref(inputs), &masters), &mut scratch)
+}
+
+/// Evaluates one element, its nodes side by side. Allocates only for more than 24 nodes or so.
+///
+/// # Panics
+/// If a slice is shorter than the kernel needs.
+pub fn single<K: GapKernel>(
+    isa: Isa,
+    inputs: &ElementInputs<'_>,
+    gradient: &mut [f64],
+    hessian: &mut [f64],
+) -> GapValues<f64> {
+    let (gradients, hessians) = sizes(K::MODE, inputs.masters.len());
+    isa.run_narrow(SingleElement::<K> {
+        inputs,
+        gradient: &mut gradient[..gradients],
+        hessian: &mut hessian[..hessians],
+        kernel: PhantomData,
+    })
+}
+
+struct SingleElement<'a, K> {
+    inputs: &'a ElementInputs<'a>,
+    gradient: &'a mut [f64],
+    hessian: &'a mut [f64],
+    kernel: PhantomData<K>,
+}
+
+impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
+    type Output = GapValues<f64>;
+
+    #[inline(always)]
+    fn run<T: Vector>(self) -> GapValues<f64> {
+        let Self { inputs, gradient, hessian, .. } = self;
+        let count = inputs.masters.len();
+        let vectors = count.div_ceil(T::WIDTH);
+        let needed = Block::count::<T>((3 + K::KEPT) * vectors);
+        // Memory has to be filled before it can be used: as little as will do.
+        let (mut few, mut some, mut many);
+        let blocks: &mut [Block] = if needed <= FEW {
+            few = [Block::ZERO; FEW];
+            &mut few
+        } else if needed <= SOME {
+            some = [Block::ZERO; SOME];
+            &mut some
+        } else {
+            many = vec![Block::ZERO; needed];
+            &mut many
+        };
+        let (masters, scratch) = Block::vectors::<T>(blocks).split_at_mut(3 * vectors);
+        let (masters, _) = masters.as_chunks_mut::<3>();
+        for (k, master) in masters.iter_mut().enumerate() {
+            // The last node also fills the rest of the last vector.
+            let node = |lane: usize| inputs.masters.get((k * T::WIDTH + lane).min(count - 1));
+            for (axis, vector) in master.iter_mut().enumerate() {
+                *vector = T::from_fn(|lane| node(lane)[axis]);
+            }
+        }
+        let inputs = Inputs::gather(std::slice::from_ref(inputs), masters);
+        K::evaluate::<T::Scalar, T, Single<T>>(&inputs, scratch, gradient, hessian).lane(0)
+    }
+}
+
+/// Blocks of 64 bytes for 12 nodes or so, and for 24.
+const FEW: usize = 96;
+const SOME: usize = 256;
+
+/// Evaluates elements of the same number of nodes, side by side. What one of them gets does not depend on the others.
+///
+/// # Panics
+/// If there are not as many outputs as elements, the numbers of nodes differ, or a slice is shorter than the kernel
+/// needs.
+pub fn batch<K: GapKernel>(
+    isa: Isa,
+    elements: &[ElementInputs<'_>],
+    outputs: &mut [GapOutput<'_>],
+    workspace: &mut Workspace,
+) {
+    assert_eq!(elements.len(), outputs.len(), "an output for each element");
+    let Some(first) = elements.first() else { return };
+    let count = first.masters.len();
+    assert!(elements.iter().all(|element| element.masters.len() == count), "elements of as many nodes");
+    let code = Elements::<K> { elements, outputs, workspace, kernel: PhantomData };
+    if let Err(Elements { elements, outputs, .. }) = isa.run_wide(code) {
+        for (element, output) in elements.iter().zip(outputs) {
+            output.values = single::<K>(isa, element, output.gradient, output.hessian);
+        }
+    }
+}
+
+struct Elements<'a, 'o, K> {
+    elements: &'a [ElementInputs<'a>],
+    outputs: &'a mut [GapOutput<'o>],
+    workspace: &'a mut Workspace,
+    kernel: PhantomData<K>,
+}
+
+impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<T: Vector>(self) {
+        let count = self.elements[0].masters.len();
+        let (gradients, hessians) = sizes(K::MODE, count);
+        let needed = (3 + K::KEPT) * count + gradients + hessians;
+        let vectors = Block::vectors::<T>(self.workspace.blocks(Block::count::<T>(needed)));
+        let (masters, vectors) = vectors.split_at_mut(3 * count);
+        let (masters, _) = masters.as_chunks_mut::<3>();
+        let (scratch, vectors) = vectors.split_at_mut(K::KEPT * count);
+        let (gradient, vectors) = vectors.split_at_mut(gradients);
+        let hessian = &mut vectors[..hessians];
+        for (elements, outputs) in self.elements.chunks(T::WIDTH).zip(self.outputs.chunks_mut(T::WIDTH)) {
+            for (k, master) in masters.iter_mut().enumerate() {
+                // The last element also fills the lanes beyond.
+                let node = |lane: usize| elements[lane.min(elements.len() - 1)].masters.get(k);
+                for (axis, vector) in master.iter_mut().enumerate() {
+                    *vector = T::from_fn(|lane| node(lane)[axis]);
+                }
+            }
+            let inputs = Inputs::gather(elements, masters);
+            let values = K::evaluate::<T, T, Batch<T>>(&inputs, scratch, gradient, hessian);
+            for (lane, output) in outputs.iter_mut().enumerate() {
+                output.values = values.lane(lane);
+            }
+            if gradients > 0 {
+                T::store_transposed(gradient, outputs, |output| output.gradient);
+            }
+            if hessians > 0 {
+                T::store_transposed(hessian, outputs, |output| output.hessian);
+            }
+        }
+    }
+}

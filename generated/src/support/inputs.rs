@@ -1,0 +1,124 @@
+//! What kernels read.
+
+use super::Lane;
+
+/// Positions of an element's master nodes x^1 … x^n, global axes.
+#[derive(Clone, Copy, Debug)]
+pub enum Masters<'a> {
+    /// One after another.
+    Positions(&'a [[f64; 3]]),
+    /// By their places among all positions.
+    Indexed {
+        /// Positions of all nodes.
+        positions: &'a [[f64; 3]],
+        /// The masters' places.
+        nodes: &'a [u32],
+    },
+}
+
+impl Masters<'_> {
+    /// n
+    #[must_use]
+    #[inline(always)]
+    pub const fn len(&self) -> usize {
+        match self {
+            Self::Positions(positions) => positions.len(),
+            Self::Indexed { nodes, .. } => nodes.len(),
+        }
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    #[inline(always)]
+    pub const fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The k-th, counted from 0.
+    ///
+    /// # Panics
+    /// If there is none.
+    #[must_use]
+    #[inline(always)]
+    pub fn get(&self, k: usize) -> [f64; 3] {
+        match self {
+            Self::Positions(positions) => positions[k],
+            Self::Indexed { positions, nodes } => positions[nodes[k] as usize],
+        }
+    }
+}
+
+/// One element. Positions are in global axes.
+#[derive(Clone, Copy, Debug)]
+pub struct ElementInputs<'a> {
+    /// Slave node x^c.
+    pub slave: [f64; 3],
+    /// Master nodes.
+    pub masters: Masters<'a>,
+    /// First in-plane direction of the local frame.
+    pub t1: [f64; 3],
+    /// Second in-plane direction.
+    pub t2: [f64; 3],
+    /// Unit normal n̂ of the plane, outward.
+    pub normal: [f64; 3],
+    /// Support radius R.
+    pub support_radius: f64,
+    /// In-plane offset from the slave at which the surface kernels evaluate, length; others ignore it.
+    pub point: [f64; 2],
+    /// Which master node is nearest to the slave in the plane (t1, t2); only kernels with an interpolating weight use
+    /// it. Their results do not depend on it in exact arithmetic: another node costs digits when the slave is close to
+    /// the nearest one.
+    pub anchor: usize,
+}
+
+/// What a kernel reads, as vectors: element values `E` and node values `T` of a [`Shape`](super::Shape). Fields as in
+/// [`ElementInputs`].
+#[derive(Clone, Copy, Debug)]
+pub struct Inputs<'a, E, T = E> {
+    /// Slave node.
+    pub slave: [E; 3],
+    /// Master nodes; the last vector may hold more than there are.
+    pub masters: &'a [[T; 3]],
+    /// Number of master nodes.
+    pub count: usize,
+    /// First in-plane direction.
+    pub t1: [E; 3],
+    /// Second in-plane direction.
+    pub t2: [E; 3],
+    /// Unit normal.
+    pub normal: [E; 3],
+    /// Support radius.
+    pub support_radius: E,
+    /// Where the surface kernels evaluate.
+    pub point: [E; 2],
+    /// Index of the nearest master node, a whole number.
+    pub anchor: E,
+}
+
+impl<'a, E: Lane, T: Lane> Inputs<'a, E, T> {
+    /// The elements side by side, one per lane of `E`; the last one also in lanes beyond. `masters` are theirs as
+    /// vectors.
+    ///
+    /// # Panics
+    /// If there are no elements.
+    #[inline(always)]
+    #[must_use]
+    pub fn gather(elements: &[ElementInputs<'_>], masters: &'a [[T; 3]]) -> Self {
+        let last = elements.len() - 1;
+        let at = |lane: usize| &elements[lane.min(last)];
+        let vector = |x: fn(&ElementInputs<'_>) -> [f64; 3]| {
+            [0, 1, 2].map(|axis| E::from_fn(|lane| x(at(lane))[axis]))
+        };
+        Self {
+            slave: vector(|x| x.slave),
+            masters,
+            count: elements[0].masters.len(),
+            t1: vector(|x| x.t1),
+            t2: vector(|x| x.t2),
+            normal: vector(|x| x.normal),
+            support_radius: E::from_fn(|lane| at(lane).support_radius),
+            point: [0, 1].map(|k| E::from_fn(|lane| at(lane).point[k])),
+            anchor: E::from_fn(|lane| at(lane).anchor as f64),
+        }
+    }
+}

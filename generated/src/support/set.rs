@@ -1,0 +1,66 @@
+//! The generated kernels of a weight behind one trait.
+
+use super::{
+    Basis, CoefficientsValues, ElementInputs, FrameRule, GapOutput, GapValues, Isa, Mode, SurfaceValues,
+    Workspace,
+};
+
+/// The generated kernels of one weight.
+///
+/// `gradients` and `hessians` hold, one after another, the derivatives with respect to the 3(n+1) global
+/// coordinates ordered slave, master 1, …, master n; a Hessian is its packed lower triangle. What the mode does
+/// not ask for is not touched and may be empty.
+///
+/// # Panics
+/// The methods panic if a slice is shorter than their mode needs, or an element has no master nodes.
+pub trait KernelSet {
+    /// The weight's formula; of an interpolating weight ω/(1 − ω) that of ω.
+    const WEIGHT: &'static str;
+
+    /// Whether the weight is an interpolating one, which makes kernels read [`ElementInputs::anchor`].
+    const INTERPOLATING: bool;
+
+    /// The bases there are kernels for. Any other gives values of which none is a number.
+    const BASES: &'static [Basis];
+
+    /// α with ∂α/∂x and ∂²α/∂x∂x of each coefficient, number by number.
+    fn coefficients(
+        basis: Basis,
+        mode: Mode,
+        inputs: &ElementInputs<'_>,
+        gradients: &mut [f64],
+        hessians: &mut [f64],
+    ) -> CoefficientsValues<f64>;
+
+    /// f, f_l, f_lm at `inputs.point` with the gradients ∇f, T_1, T_2 and the Hessian H_f, number by number.
+    fn surface(
+        basis: Basis,
+        mode: Mode,
+        inputs: &ElementInputs<'_>,
+        gradients: &mut [f64],
+        hessians: &mut [f64],
+    ) -> SurfaceValues<f64>;
+
+    /// g, foot and ν with the gradient N and the Hessian M: one element, its nodes side by side. A frame that moves is
+    /// the average plane of the masters. Does not allocate for up to 24 nodes.
+    fn gap(
+        isa: Isa,
+        kernel: (Basis, FrameRule, Mode),
+        inputs: &ElementInputs<'_>,
+        gradient: &mut [f64],
+        hessian: &mut [f64],
+    ) -> GapValues<f64>;
+
+    /// As [`gap`](Self::gap), for elements of the same number of nodes, which are evaluated side by side. What one of
+    /// them gets does not depend on the others. Allocates only if `workspace` has to grow.
+    ///
+    /// # Panics
+    /// Also if there are not as many outputs as elements, or the numbers of nodes differ.
+    fn gap_batch(
+        isa: Isa,
+        kernel: (Basis, FrameRule, Mode),
+        elements: &[ElementInputs<'_>],
+        outputs: &mut [GapOutput<'_>],
+        workspace: &mut Workspace,
+    );
+}

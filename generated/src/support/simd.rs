@@ -1,0 +1,798 @@
+//! Vectors of numbers, and code compiled for the machine's vector instructions: the one file with unsafe code.
+//!
+//! Safety rests on two things. The vector types are not public: code gets hold of them only as the type parameter of
+//! [`WithLanes::run`], which [`Isa::run`] calls, and an [`Isa`] exists only where its instructions do. And each type is a
+//! vector of plain numbers, for which any content is valid.
+#![allow(unsafe_code)]
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::Lane;
+use super::isa::{Isa, Kind};
+
+/// Code that is generic over the vector it computes with.
+pub trait WithLanes {
+    /// What it returns.
+    type Output;
+
+    /// Runs it. To be marked `#[inline(always)]`, and so everything it calls that computes with `T`: only what is
+    /// inlined is compiled for the instruction set.
+    fn run<T: Vector>(self) -> Self::Output;
+}
+
+/// A vector of plain numbers of the machine.
+pub trait Vector: Lane + sealed::Sealed {
+    /// One number, with the same instructions.
+    type Scalar: Vector;
+
+    /// The sum of the lanes.
+    #[must_use]
+    fn sum(self) -> f64;
+
+    /// Writes lane 0 of the three vectors, then lane 1, …, as far as `target` goes.
+    fn store_interleaved(values: [Self; 3], target: &mut [f64]);
+
+    /// Writes lane l of the k-th vector to place k of the l-th target.
+    ///
+    /// # Panics
+    /// If a target is shorter than `source`, or there are more targets than lanes.
+    fn store_transposed<O>(source: &[Self], outputs: &mut [O], target: impl Fn(&mut O) -> &mut [f64]);
+}
+
+mod sealed {
+    pub trait Sealed {}
+}
+
+impl Isa {
+    /// Runs code compiled for these instructions.
+    #[inline]
+    pub fn run<W: WithLanes>(self, code: W) -> W::Output {
+        match self.0 {
+            Kind::Scalar => code.run::<f64>(),
+            // SAFETY: an `Isa` exists only where its instructions do.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Sse2 => code.run::<x86::F64x2>(),
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 => unsafe { x86::run_avx2::<x86::F64x4, W>(code) },
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => unsafe { x86::run_avx512::<x86::F64x8, W>(code) },
+            #[cfg(target_arch = "aarch64")]
+            Kind::Neon => code.run::<neon::F64x2>(),
+        }
+    }
+
+    /// As [`run`](Self::run), with vectors of four numbers at most.
+    #[inline]
+    pub fn run_narrow<W: WithLanes>(self, code: W) -> W::Output {
+        match self.0 {
+            // SAFETY: an `Isa` exists only where its instructions do, and those of four numbers are among them.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 | Kind::Avx2 => unsafe { x86::run_avx2::<x86::F64x4, W>(code) },
+            #[cfg(target_arch = "aarch64")]
+            Kind::Neon => code.run::<neon::F64x2>(),
+            _ => code.run::<f64>(),
+        }
+    }
+
+    /// As [`run`](Self::run), or the code back if there are no vectors.
+    #[inline]
+    pub fn run_wide<W: WithLanes>(self, code: W) -> Result<W::Output, W> {
+        match self.0 {
+            Kind::Scalar => Err(code),
+            // SAFETY: an `Isa` exists only where its instructions do.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Sse2 => Ok(code.run::<x86::F64x2>()),
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 => Ok(unsafe { x86::run_avx2::<x86::F64x4, W>(code) }),
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => Ok(unsafe { x86::run_avx512::<x86::F64x8, W>(code) }),
+            #[cfg(target_arch = "aarch64")]
+            Kind::Neon => Ok(code.run::<neon::F64x2>()),
+        }
+    }
+}
+
+/// Memory for vectors of any width.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct Block([f64; 8]);
+
+impl Block {
+    /// Zeros.
+    pub const ZERO: Self = Self([0.0; 8]);
+
+    /// Blocks that hold `count` vectors.
+    #[must_use]
+    pub const fn count<T: Lane>(count: usize) -> usize {
+        (count * T::WIDTH).div_ceil(8)
+    }
+
+    /// The blocks as vectors.
+    #[must_use]
+    pub fn vectors<T: Vector>(blocks: &mut [Self]) -> &mut [T] {
+        const { assert!(size_of::<T>() == 8 * T::WIDTH && align_of::<T>() <= 64 && 8 % T::WIDTH == 0) };
+        let count = blocks.len() * (8 / T::WIDTH);
+        // SAFETY: size and alignment fit (above), and any bits are a `T`, as it is a vector of `f64`.
+        unsafe { std::slice::from_raw_parts_mut(blocks.as_mut_ptr().cast::<T>(), count) }
+    }
+}
+
+impl sealed::Sealed for f64 {}
+
+impl Vector for f64 {
+    type Scalar = Self;
+
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn store_interleaved(values: [Self; 3], target: &mut [f64]) {
+        target.copy_from_slice(&values[..target.len()]);
+    }
+
+    #[inline(always)]
+    fn store_transposed<O>(source: &[Self], outputs: &mut [O], target: impl Fn(&mut O) -> &mut [f64]) {
+        assert!(outputs.len() <= 1);
+        for output in outputs {
+            target(output)[..source.len()].copy_from_slice(source);
+        }
+    }
+}
+
+/// Operators by their intrinsics.
+macro_rules! operators {
+    ($name:ident, $($trait:ident $method:ident $intrinsic:ident),*) => {
+        $(impl $trait for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                // SAFETY: the type exists only where the instructions do.
+                Self(unsafe { $intrinsic(self.0, other.0) })
+            }
+        })*
+    };
+}
+
+/// What all vectors of `$width` numbers have in common. `$expression`s may use the intrinsics.
+macro_rules! common_lane_methods {
+    ($name:ident, $width:literal) => {
+        const WIDTH: usize = $width;
+        // SAFETY: of the same size, both plain numbers.
+        const ZERO: Self = Self(unsafe { std::mem::transmute::<[f64; $width], _>([0.0; $width]) });
+        const ONE: Self = Self(unsafe { std::mem::transmute::<[f64; $width], _>([1.0; $width]) });
+
+        #[inline(always)]
+        fn from_fn(value: impl FnMut(usize) -> f64) -> Self {
+            let numbers: [f64; $width] = std::array::from_fn(value);
+            // SAFETY: of the same size, both plain numbers.
+            Self(unsafe { std::mem::transmute::<[f64; $width], _>(numbers) })
+        }
+
+        #[inline(always)]
+        fn lane(&self, k: usize) -> f64 {
+            // SAFETY: of the same size, both plain numbers; the array is not aligned more strictly.
+            let numbers: &[f64; $width] = unsafe { &*std::ptr::from_ref(self).cast() };
+            numbers[k]
+        }
+
+        #[inline(always)]
+        fn exp(self) -> Self {
+            Self::from_fn(|k| self.lane(k).exp())
+        }
+    };
+}
+
+/// [`Vector::store_interleaved`] and [`Vector::store_transposed`] number by number.
+macro_rules! stores_by_number {
+    () => {
+        #[inline(always)]
+        fn store_interleaved(values: [Self; 3], target: &mut [f64]) {
+            for (place, number) in target.iter_mut().enumerate() {
+                *number = values[place % 3].lane(place / 3);
+            }
+        }
+
+        #[inline(always)]
+        fn store_transposed<O>(source: &[Self], outputs: &mut [O], target: impl Fn(&mut O) -> &mut [f64]) {
+            assert!(outputs.len() <= Self::WIDTH);
+            for (lane, output) in outputs.iter_mut().enumerate() {
+                for (number, vector) in target(output)[..source.len()].iter_mut().zip(source) {
+                    *number = vector.lane(lane);
+                }
+            }
+        }
+    };
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use std::arch::x86_64::*;
+
+    use super::*;
+
+    /// # Safety
+    /// The machine has the instructions.
+    #[target_feature(enable = "avx2,fma")]
+    pub unsafe fn run_avx2<T: Vector, W: WithLanes>(code: W) -> W::Output {
+        code.run::<T>()
+    }
+
+    /// # Safety
+    /// The machine has the instructions.
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+    pub unsafe fn run_avx512<T: Vector, W: WithLanes>(code: W) -> W::Output {
+        code.run::<T>()
+    }
+
+    /// One number, with fused multiply-adds.
+    #[derive(Clone, Copy, Debug)]
+    #[repr(transparent)]
+    pub struct Fused(f64);
+
+    /// Two numbers; multiply-adds are not fused.
+    #[derive(Clone, Copy, Debug)]
+    #[repr(transparent)]
+    pub struct F64x2(__m128d);
+
+    /// Four numbers.
+    #[derive(Clone, Copy, Debug)]
+    #[repr(transparent)]
+    pub struct F64x4(__m256d);
+
+    /// Eight numbers.
+    #[derive(Clone, Copy, Debug)]
+    #[repr(transparent)]
+    pub struct F64x8(__m512d);
+
+    impl sealed::Sealed for Fused {}
+    impl sealed::Sealed for F64x2 {}
+    impl sealed::Sealed for F64x4 {}
+    impl sealed::Sealed for F64x8 {}
+
+    macro_rules! fused_operators {
+        ($($trait:ident $method:ident $operator:tt),*) => {
+            $(impl $trait for Fused {
+                type Output = Self;
+                #[inline(always)]
+                fn $method(self, other: Self) -> Self {
+                    Self(self.0 $operator other.0)
+                }
+            })*
+        };
+    }
+    fused_operators!(Add add +, Sub sub -, Mul mul *, Div div /);
+
+    impl Neg for Fused {
+        type Output = Self;
+        #[inline(always)]
+        fn neg(self) -> Self {
+            Self(-self.0)
+        }
+    }
+
+    impl Lane for Fused {
+        const WIDTH: usize = 1;
+        const ZERO: Self = Self(0.0);
+        const ONE: Self = Self(1.0);
+
+        #[inline(always)]
+        fn splat(value: f64) -> Self {
+            Self(value)
+        }
+
+        #[inline(always)]
+        fn from_fn(mut value: impl FnMut(usize) -> f64) -> Self {
+            Self(value(0))
+        }
+
+        #[inline(always)]
+        fn lane(&self, k: usize) -> f64 {
+            self.0.lane(k)
+        }
+
+        #[inline(always)]
+        fn mul_add(self, factor: Self, term: Self) -> Self {
+            Self(f64::mul_add(self.0, factor.0, term.0))
+        }
+
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Self(self.0.sqrt())
+        }
+
+        #[inline(always)]
+        fn exp(self) -> Self {
+            Self(self.0.exp())
+        }
+
+        #[inline(always)]
+        fn abs(self) -> Self {
+            Self(self.0.abs())
+        }
+
+        #[inline(always)]
+        fn select_less(x: Self, y: Self, then: Self, otherwise: Self) -> Self {
+            if x.0 < y.0 { then } else { otherwise }
+        }
+
+        #[inline(always)]
+        fn all_less(x: Self, y: Self) -> bool {
+            x.0 < y.0
+        }
+    }
+
+    impl Vector for Fused {
+        type Scalar = Self;
+
+        #[inline(always)]
+        fn sum(self) -> f64 {
+            self.0
+        }
+
+        stores_by_number!();
+    }
+
+    operators!(F64x2, Add add _mm_add_pd, Sub sub _mm_sub_pd, Mul mul _mm_mul_pd, Div div _mm_div_pd);
+    operators!(F64x4, Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd);
+    operators!(F64x8, Add add _mm512_add_pd, Sub sub _mm512_sub_pd, Mul mul _mm512_mul_pd, Div div _mm512_div_pd);
+
+    // SAFETY, of all below: the types exist only where the instructions do.
+
+    impl Neg for F64x2 {
+        type Output = Self;
+        #[inline(always)]
+        fn neg(self) -> Self {
+            Self(unsafe { _mm_xor_pd(self.0, _mm_set1_pd(-0.0)) })
+        }
+    }
+
+    impl Lane for F64x2 {
+        common_lane_methods!(F64x2, 2);
+
+        #[inline(always)]
+        fn splat(value: f64) -> Self {
+            Self(unsafe { _mm_set1_pd(value) })
+        }
+
+        #[inline(always)]
+        fn mul_add(self, factor: Self, term: Self) -> Self {
+            self * factor + term
+        }
+
+        #[inline(always)]
+        fn mul_sub(self, factor: Self, term: Self) -> Self {
+            self * factor - term
+        }
+
+        #[inline(always)]
+        fn neg_mul_add(self, factor: Self, term: Self) -> Self {
+            term - self * factor
+        }
+
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Self(unsafe { _mm_sqrt_pd(self.0) })
+        }
+
+        #[inline(always)]
+        fn abs(self) -> Self {
+            Self(unsafe { _mm_andnot_pd(_mm_set1_pd(-0.0), self.0) })
+        }
+
+        #[inline(always)]
+        fn select_less(x: Self, y: Self, then: Self, otherwise: Self) -> Self {
+            Self(unsafe {
+                let less = _mm_cmplt_pd(x.0, y.0);
+                _mm_or_pd(_mm_and_pd(less, then.0), _mm_andnot_pd(less, otherwise.0))
+            })
+        }
+
+        #[inline(always)]
+        fn all_less(x: Self, y: Self) -> bool {
+            unsafe { _mm_movemask_pd(_mm_cmplt_pd(x.0, y.0)) == 0b11 }
+        }
+    }
+
+    impl Vector for F64x2 {
+        type Scalar = f64;
+
+        #[inline(always)]
+        fn sum(self) -> f64 {
+            self.lane(0) + self.lane(1)
+        }
+
+        stores_by_number!();
+    }
+
+    impl Neg for F64x4 {
+        type Output = Self;
+        #[inline(always)]
+        fn neg(self) -> Self {
+            Self(unsafe { _mm256_xor_pd(self.0, _mm256_set1_pd(-0.0)) })
+        }
+    }
+
+    impl Lane for F64x4 {
+        common_lane_methods!(F64x4, 4);
+
+        #[inline(always)]
+        fn splat(value: f64) -> Self {
+            Self(unsafe { _mm256_set1_pd(value) })
+        }
+
+        #[inline(always)]
+        fn mul_add(self, factor: Self, term: Self) -> Self {
+            Self(unsafe { _mm256_fmadd_pd(self.0, factor.0, term.0) })
+        }
+
+        #[inline(always)]
+        fn mul_sub(self, factor: Self, term: Self) -> Self {
+            Self(unsafe { _mm256_fmsub_pd(self.0, factor.0, term.0) })
+        }
+
+        #[inline(always)]
+        fn neg_mul_add(self, factor: Self, term: Self) -> Self {
+            Self(unsafe { _mm256_fnmadd_pd(self.0, factor.0, term.0) })
+        }
+
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Self(unsafe { _mm256_sqrt_pd(self.0) })
+        }
+
+        #[inline(always)]
+        fn abs(self) -> Self {
+            Self(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
+        }
+
+        #[inline(always)]
+        fn select_less(x: Self, y: Self, then: Self, otherwise: Self) -> Self {
+            Self(unsafe { _mm256_blendv_pd(otherwise.0, then.0, _mm256_cmp_pd::<_CMP_LT_OQ>(x.0, y.0)) })
+        }
+
+        #[inline(always)]
+        fn all_less(x: Self, y: Self) -> bool {
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(x.0, y.0)) == 0b1111 }
+        }
+    }
+
+    impl F64x4 {
+        /// Rows become columns.
+        #[inline(always)]
+        fn transposed(rows: [Self; 4]) -> [Self; 4] {
+            let [a, b, c, d] = rows.map(|row| row.0);
+            unsafe {
+                let (ab_even, ab_odd) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+                let (cd_even, cd_odd) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
+                [
+                    Self(_mm256_permute2f128_pd::<0x20>(ab_even, cd_even)),
+                    Self(_mm256_permute2f128_pd::<0x20>(ab_odd, cd_odd)),
+                    Self(_mm256_permute2f128_pd::<0x31>(ab_even, cd_even)),
+                    Self(_mm256_permute2f128_pd::<0x31>(ab_odd, cd_odd)),
+                ]
+            }
+        }
+
+        /// Stores the first numbers, as many as fit.
+        #[inline(always)]
+        fn store(self, target: &mut [f64]) {
+            if target.len() >= 4 {
+                // SAFETY: there is room for four.
+                unsafe { _mm256_storeu_pd(target.as_mut_ptr(), self.0) };
+            } else {
+                // SAFETY: the mask ends where the target does.
+                unsafe {
+                    let places = _mm256_set_epi64x(3, 2, 1, 0);
+                    let length = _mm256_set1_epi64x(target.len() as i64);
+                    let mask = _mm256_cmpgt_epi64(length, places);
+                    _mm256_maskstore_pd(target.as_mut_ptr(), mask, self.0);
+                }
+            }
+        }
+    }
+
+    impl Vector for F64x4 {
+        type Scalar = Fused;
+
+        #[inline(always)]
+        fn sum(self) -> f64 {
+            unsafe {
+                let halves = _mm_add_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
+                _mm_cvtsd_f64(_mm_add_sd(halves, _mm_unpackhi_pd(halves, halves)))
+            }
+        }
+
+        #[inline(always)]
+        fn store_interleaved(values: [Self; 3], target: &mut [f64]) {
+            let [x, y, z] = values.map(|value| value.0);
+            let interleaved = unsafe {
+                // x0 y0 x2 y2, z0 x1 z2 x3, y1 z1 y3 z3
+                let xy = _mm256_unpacklo_pd(x, y);
+                let zx = _mm256_shuffle_pd::<0b1010>(z, x);
+                let yz = _mm256_unpackhi_pd(y, z);
+                [
+                    Self(_mm256_permute2f128_pd::<0x20>(xy, zx)),
+                    Self(_mm256_permute2f128_pd::<0x30>(yz, xy)),
+                    Self(_mm256_permute2f128_pd::<0x31>(zx, yz)),
+                ]
+            };
+            for (k, vector) in interleaved.into_iter().enumerate() {
+                if let Some(rest) = target.get_mut(4 * k..) {
+                    vector.store(rest);
+                }
+            }
+        }
+
+        #[inline(always)]
+        fn store_transposed<O>(source: &[Self], outputs: &mut [O], target: impl Fn(&mut O) -> &mut [f64]) {
+            let (squares, rest) = source.as_chunks::<{ Self::WIDTH }>();
+            let targets = places::<O, { Self::WIDTH }>(source.len(), outputs, &target);
+            for (k, square) in squares.iter().enumerate() {
+                let columns = Self::transposed(*square);
+                for (place, column) in targets.iter().zip(columns).take(outputs.len()) {
+                    // SAFETY: vectors of plain numbers, and each target has room for `source.len()` of them.
+                    unsafe { place.add(k * Self::WIDTH).cast::<Self>().write_unaligned(column) };
+                }
+            }
+            for (lane, output) in outputs.iter_mut().enumerate() {
+                let end = &mut target(output)[Self::WIDTH * squares.len()..source.len()];
+                for (number, vector) in end.iter_mut().zip(rest) {
+                    *number = vector.lane(lane);
+                }
+            }
+        }
+    }
+
+    impl Neg for F64x8 {
+        type Output = Self;
+        #[inline(always)]
+        fn neg(self) -> Self {
+            Self(unsafe { _mm512_xor_pd(self.0, _mm512_set1_pd(-0.0)) })
+        }
+    }
+
+    impl Lane for F64x8 {
+        common_lane_methods!(F64x8, 8);
+
+        #[inline(always)]
+        fn splat(value: f64) -> Self {
+            Self(unsafe { _mm512_set1_pd(value) })
+        }
+
+        #[inline(always)]
+        fn mul_add(self, factor: Self, term: Self) -> Self {
+            Self(unsafe { _mm512_fmadd_pd(self.0, factor.0, term.0) })
+        }
+
+        #[inline(always)]
+        fn mul_sub(self, factor: Self, term: Self) -> Self {
+            Self(unsafe { _mm512_fmsub_pd(self.0, factor.0, term.0) })
+        }
+
+        #[inline(always)]
+        fn neg_mul_add(self, factor: Self, term: Self) -> Self {
+            Self(unsafe { _mm512_fnmadd_pd(self.0, factor.0, term.0) })
+        }
+
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Self(unsafe { _mm512_sqrt_pd(self.0) })
+        }
+
+        #[inline(always)]
+        fn abs(self) -> Self {
+            Self(unsafe { _mm512_abs_pd(self.0) })
+        }
+
+        #[inline(always)]
+        fn select_less(x: Self, y: Self, then: Self, otherwise: Self) -> Self {
+            Self(unsafe {
+                let less = _mm512_cmp_pd_mask::<_CMP_LT_OQ>(x.0, y.0);
+                _mm512_mask_blend_pd(less, otherwise.0, then.0)
+            })
+        }
+
+        #[inline(always)]
+        fn all_less(x: Self, y: Self) -> bool {
+            unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(x.0, y.0) == 0xff }
+        }
+    }
+
+    impl F64x8 {
+        /// Rows become columns.
+        #[inline(always)]
+        fn transposed(rows: [Self; 8]) -> [Self; 8] {
+            let r = rows.map(|row| row.0);
+            unsafe {
+                // Pairs of rows, then quarters of four rows, then halves of all.
+                let pairs = [
+                    _mm512_unpacklo_pd(r[0], r[1]),
+                    _mm512_unpackhi_pd(r[0], r[1]),
+                    _mm512_unpacklo_pd(r[2], r[3]),
+                    _mm512_unpackhi_pd(r[2], r[3]),
+                    _mm512_unpacklo_pd(r[4], r[5]),
+                    _mm512_unpackhi_pd(r[4], r[5]),
+                    _mm512_unpacklo_pd(r[6], r[7]),
+                    _mm512_unpackhi_pd(r[6], r[7]),
+                ];
+                #[inline(always)]
+                unsafe fn quarters(even: __m512d, odd: __m512d) -> (__m512d, __m512d) {
+                    unsafe {
+                        (_mm512_shuffle_f64x2::<0x88>(even, odd), _mm512_shuffle_f64x2::<0xdd>(even, odd))
+                    }
+                }
+                // Columns 0 and 4, 2 and 6 of rows 0 … 3 or 4 … 7; then the odd ones.
+                let (upper_04, upper_26) = quarters(pairs[0], pairs[2]);
+                let (upper_15, upper_37) = quarters(pairs[1], pairs[3]);
+                let (lower_04, lower_26) = quarters(pairs[4], pairs[6]);
+                let (lower_15, lower_37) = quarters(pairs[5], pairs[7]);
+                let (c0, c4) = quarters(upper_04, lower_04);
+                let (c2, c6) = quarters(upper_26, lower_26);
+                let (c1, c5) = quarters(upper_15, lower_15);
+                let (c3, c7) = quarters(upper_37, lower_37);
+                [c0, c1, c2, c3, c4, c5, c6, c7].map(Self)
+            }
+        }
+
+        /// Stores the first numbers, as many as fit.
+        #[inline(always)]
+        fn store(self, target: &mut [f64]) {
+            let mask = if target.len() >= 8 { 0xff } else { (1u8 << target.len()) - 1 };
+            // SAFETY: the mask ends where the target does.
+            unsafe { _mm512_mask_storeu_pd(target.as_mut_ptr(), mask, self.0) };
+        }
+    }
+
+    impl Vector for F64x8 {
+        type Scalar = Fused;
+
+        #[inline(always)]
+        fn sum(self) -> f64 {
+            F64x4(unsafe {
+                _mm256_add_pd(_mm512_castpd512_pd256(self.0), _mm512_extractf64x4_pd::<1>(self.0))
+            })
+            .sum()
+        }
+
+        #[inline(always)]
+        fn store_interleaved(values: [Self; 3], target: &mut [f64]) {
+            let [x, y, z] = values.map(|value| value.0);
+            let interleaved = unsafe {
+                // The k-th vector holds numbers 8k … 8k + 7 of x0 y0 z0 x1 …; from 8 on an index means the second operand.
+                #[inline(always)]
+                unsafe fn pick(k: [i64; 8]) -> __m512i {
+                    unsafe { _mm512_setr_epi64(k[0], k[1], k[2], k[3], k[4], k[5], k[6], k[7]) }
+                }
+                let first = _mm512_permutex2var_pd(x, pick([0, 8, 0, 1, 9, 0, 2, 10]), y);
+                let second = _mm512_permutex2var_pd(x, pick([0, 3, 11, 0, 4, 12, 0, 5]), y);
+                let third = _mm512_permutex2var_pd(x, pick([13, 0, 6, 14, 0, 7, 15, 0]), y);
+                [
+                    Self(_mm512_permutex2var_pd(first, pick([0, 1, 8, 3, 4, 9, 6, 7]), z)),
+                    Self(_mm512_permutex2var_pd(second, pick([10, 1, 2, 11, 4, 5, 12, 7]), z)),
+                    Self(_mm512_permutex2var_pd(third, pick([0, 13, 2, 3, 14, 5, 6, 15]), z)),
+                ]
+            };
+            for (k, vector) in interleaved.into_iter().enumerate() {
+                if let Some(rest) = target.get_mut(8 * k..) {
+                    vector.store(rest);
+                }
+            }
+        }
+
+        #[inline(always)]
+        fn store_transposed<O>(source: &[Self], outputs: &mut [O], target: impl Fn(&mut O) -> &mut [f64]) {
+            let (squares, rest) = source.as_chunks::<{ Self::WIDTH }>();
+            let targets = places::<O, { Self::WIDTH }>(source.len(), outputs, &target);
+            for (k, square) in squares.iter().enumerate() {
+                let columns = Self::transposed(*square);
+                for (place, column) in targets.iter().zip(columns).take(outputs.len()) {
+                    // SAFETY: vectors of plain numbers, and each target has room for `source.len()` of them.
+                    unsafe { place.add(k * Self::WIDTH).cast::<Self>().write_unaligned(column) };
+                }
+            }
+            for (lane, output) in outputs.iter_mut().enumerate() {
+                let end = &mut target(output)[Self::WIDTH * squares.len()..source.len()];
+                for (number, vector) in end.iter_mut().zip(rest) {
+                    *number = vector.lane(lane);
+                }
+            }
+        }
+    }
+
+    /// Where each output's target begins.
+    ///
+    /// # Panics
+    /// If one is shorter than `length`, or there are more than `WIDTH`.
+    #[inline(always)]
+    fn places<O, const WIDTH: usize>(
+        length: usize,
+        outputs: &mut [O],
+        target: impl Fn(&mut O) -> &mut [f64],
+    ) -> [*mut f64; WIDTH] {
+        let mut places = [std::ptr::null_mut(); WIDTH];
+        assert!(outputs.len() <= WIDTH, "{} outputs of {WIDTH} lanes", outputs.len());
+        for (place, output) in places.iter_mut().zip(outputs) {
+            *place = target(output)[..length].as_mut_ptr();
+        }
+        places
+    }
+}
+
+#[cfg(target_arch = "aarch64")]
+mod neon {
+    use std::arch::aarch64::*;
+
+    use super::*;
+
+    /// Two numbers.
+    #[derive(Clone, Copy, Debug)]
+    #[repr(transparent)]
+    pub struct F64x2(float64x2_t);
+
+    impl sealed::Sealed for F64x2 {}
+
+    operators!(F64x2, Add add vaddq_f64, Sub sub vsubq_f64, Mul mul vmulq_f64, Div div vdivq_f64);
+
+    // SAFETY, of all below: every machine of this architecture has the instructions.
+
+    impl Neg for F64x2 {
+        type Output = Self;
+        #[inline(always)]
+        fn neg(self) -> Self {
+            Self(unsafe { vnegq_f64(self.0) })
+        }
+    }
+
+    impl Lane for F64x2 {
+        common_lane_methods!(F64x2, 2);
+
+        #[inline(always)]
+        fn splat(value: f64) -> Self {
+            Self(unsafe { vdupq_n_f64(value) })
+        }
+
+        #[inline(always)]
+        fn mul_add(self, factor: Self, term: Self) -> Self {
+            Self(unsafe { vfmaq_f64(term.0, self.0, factor.0) })
+        }
+
+        #[inline(always)]
+        fn neg_mul_add(self, factor: Self, term: Self) -> Self {
+            Self(unsafe { vfmsq_f64(term.0, self.0, factor.0) })
+        }
+
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Self(unsafe { vsqrtq_f64(self.0) })
+        }
+
+        #[inline(always)]
+        fn abs(self) -> Self {
+            Self(unsafe { vabsq_f64(self.0) })
+        }
+
+        #[inline(always)]
+        fn select_less(x: Self, y: Self, then: Self, otherwise: Self) -> Self {
+            Self(unsafe { vbslq_f64(vcltq_f64(x.0, y.0), then.0, otherwise.0) })
+        }
+
+        #[inline(always)]
+        fn all_less(x: Self, y: Self) -> bool {
+            let less = unsafe { vcltq_f64(x.0, y.0) };
+            unsafe { vgetq_lane_u64::<0>(less) & vgetq_lane_u64::<1>(less) != 0 }
+        }
+    }
+
+    impl Vector for F64x2 {
+        type Scalar = f64;
+
+        #[inline(always)]
+        fn sum(self) -> f64 {
+            self.lane(0) + self.lane(1)
+        }
+
+        stores_by_number!();
+    }
+}

@@ -13,9 +13,9 @@
 //! the fit depends on the average plane. Then A is block triangular, r₁₂ = ∂r₁/∂y₂ couples the blocks
 //! (B̂₁ = L₁⁻¹B₁ + L₁⁻¹ r₁₂ L₂⁻ᵀ B̂₂) and K has a block for every pair.
 //!
-//! With A = L S Lᵀ, S = diag(±1), B̂ = L⁻¹B and Ĉ = S L⁻¹C + ½ S (L⁻¹ K L⁻ᵀ) S B̂ the off-diagonal blocks are the
-//! symmetric low-rank update Ĉᵢᵀ B̂ⱼ + B̂ᵢᵀ Ĉⱼ: K costs nothing per pair of nodes. (S is the identity but for a
-//! multiplier.) Which of these blocks are zero, and that ρ and ∂Λ/∂α are a scalar times one and the same vector p, is
+//! With A = L S Lᵀ, S = diag(±1), B̂ = L⁻¹B and Ĉ = S L⁻¹C + H B̂, where H is the lower triangle of S (L⁻¹ K L⁻ᵀ) S with
+//! half of its diagonal, H + Hᵀ the whole, the off-diagonal blocks are the symmetric low-rank update
+//! Ĉᵢᵀ B̂ⱼ + B̂ᵢᵀ Ĉⱼ: K costs nothing per pair of nodes. (S is the identity but for a multiplier.) Which of these blocks are zero, and that ρ and ∂Λ/∂α are a scalar times one and the same vector p, is
 //! found in the expressions, not assumed.
 
 use super::factors::ScaledVector;
@@ -362,41 +362,21 @@ impl NodeProblem {
             }
         }
 
-        // Ĉ_j += ½ Σ_k S_j (L_j⁻¹ K_jk L_k⁻ᵀ) S_k B̂_k
-        let half = g.constant(0.5);
+        // Ĉ_j += Σ_{k≤j} H_jk B̂_k, H + Hᵀ = S (L⁻¹ K L⁻ᵀ) S
         let solved: Vec<Vec<[ExprId; 3]>> = factors.iter().map(|f| f.b.clone()).collect();
-        let mut second: Vec<Vec<Vec<Vec<ExprId>>>> = vec![Vec::new(); self.blocks.len()];
-        for j in 0..self.blocks.len() {
-            for k in 0..=j {
+        for (j, factor) in factors.iter_mut().enumerate() {
+            for (k, solved) in solved[..=j].iter().enumerate() {
                 let matrix = self.second_derivative(g, functional, lagrangian, j, k);
                 let mut matrix = self.congruence(g, j, k, &matrix);
                 for (row, entries) in matrix.iter_mut().enumerate() {
                     for (column, entry) in entries.iter_mut().enumerate() {
-                        *entry = g.mul(half, *entry);
-                        *entry = self.blocks[j].signed(g, row, *entry);
-                        *entry = self.blocks[k].signed(g, column, *entry);
-                        if j != k || column <= row {
-                            let block =
-                                if self.blocks.len() == 1 { String::new() } else { format!("{j}{k}_") };
-                            g.name(*entry, &format!("half_k_{}_{block}{row}_{column}", functional.name));
-                        }
+                        *entry = self.half_of_symmetric(g, *entry, (j, row), (k, column));
+                        let block = if self.blocks.len() == 1 { String::new() } else { format!("{j}{k}_") };
+                        g.name(*entry, &format!("h_{}_{block}{row}_{column}", functional.name));
                     }
                 }
-                second[j].push(matrix);
-            }
-        }
-        for (j, factor) in factors.iter_mut().enumerate() {
-            for (row, c) in factor.c.iter_mut().enumerate() {
-                for (k, solved) in solved.iter().enumerate() {
-                    let coefficients: Vec<ExprId> = (0..solved.len())
-                        .map(|column| match j.cmp(&k) {
-                            // Of a symmetric block the lower triangle is read.
-                            std::cmp::Ordering::Equal => second[j][j][row.max(column)][row.min(column)],
-                            std::cmp::Ordering::Greater => second[j][k][row][column],
-                            std::cmp::Ordering::Less => second[k][j][column][row],
-                        })
-                        .collect();
-                    *c = add_rows(g, *c, &coefficients, solved);
+                for (c, entries) in factor.c.iter_mut().zip(&matrix) {
+                    *c = add_rows(g, *c, entries, solved);
                 }
             }
         }
@@ -441,6 +421,26 @@ impl NodeProblem {
                     .collect()
             })
             .collect()
+    }
+
+    /// The entry of H at (row, column), each given as a block and a position in it, where S K̂ S = H + Hᵀ has the
+    /// entry ±`entry`: H is the lower triangle with half of the diagonal, so that K costs half as much.
+    fn half_of_symmetric(
+        &self,
+        g: &mut Graph,
+        entry: ExprId,
+        row: (usize, usize),
+        column: (usize, usize),
+    ) -> ExprId {
+        let share = match row.cmp(&column) {
+            std::cmp::Ordering::Less => return g.zero(),
+            std::cmp::Ordering::Equal => 0.5,
+            std::cmp::Ordering::Greater => 1.0,
+        };
+        let share = g.constant(share);
+        let entry = g.mul(share, entry);
+        let entry = self.blocks[row.0].signed(g, row.1, entry);
+        self.blocks[column.0].signed(g, column.1, entry)
     }
 
     /// L_j⁻¹ X L_k⁻ᵀ

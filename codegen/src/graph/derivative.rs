@@ -29,6 +29,18 @@ impl Graph {
         result
     }
 
+    /// Makes mixed second derivatives of `expr` by these symbols one expression, whichever symbol comes first.
+    pub(crate) fn unite_mixed_derivatives(&mut self, expr: ExprId, symbols: &[SymbolId]) {
+        for (k, &later) in symbols.iter().enumerate() {
+            for &earlier in &symbols[..k] {
+                let by_earlier = self.derivative(expr, earlier);
+                let mixed = self.derivative(by_earlier, later);
+                let by_later = self.derivative(expr, later);
+                self.derivatives.insert((by_later, earlier), mixed);
+            }
+        }
+    }
+
     fn differentiate(&mut self, expr: ExprId, symbol: SymbolId) -> ExprId {
         match self.op(expr) {
             Op::Constant(_) => self.zero(),

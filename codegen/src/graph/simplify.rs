@@ -204,12 +204,28 @@ impl Graph {
 
     /// A node expression at the pair's row; expressions of element scope stay what they are.
     pub fn at_row(&mut self, x: ExprId) -> ExprId {
-        if self.scope(x) == Scope::Node { self.intern(Op::Row(x)) } else { x }
+        match self.op(x) {
+            _ if self.scope(x) != Scope::Node => x,
+            // The sign is free where the value is used.
+            Op::Neg(inner) => {
+                let inner = self.at_row(inner);
+                self.neg(inner)
+            }
+            _ => self.intern(Op::Row(x)),
+        }
     }
 
     /// A node expression at the pair's column; expressions of element scope stay what they are.
     pub fn at_column(&mut self, x: ExprId) -> ExprId {
-        if self.scope(x) == Scope::Node { self.intern(Op::Column(x)) } else { x }
+        match self.op(x) {
+            _ if self.scope(x) != Scope::Node => x,
+            // The sign is free where the value is used.
+            Op::Neg(inner) => {
+                let inner = self.at_column(inner);
+                self.neg(inner)
+            }
+            _ => self.intern(Op::Column(x)),
+        }
     }
 
     /// x · y for two vectors of equal length.

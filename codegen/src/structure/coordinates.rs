@@ -75,6 +75,11 @@ impl CoordinateMap {
         self.local.len()
     }
 
+    /// The variables that move.
+    pub(super) fn moving_variables(&self) -> Vec<SymbolId> {
+        self.moving.iter().map(|&(variable, _)| variable).collect()
+    }
+
     /// An unknown, with the variables that move with it.
     pub(super) fn follower(&self, g: &mut Graph, unknown: ExprId) -> Follower {
         let unknown = g.symbol_of(unknown);

@@ -121,6 +121,8 @@ pub(super) struct Lagrangian {
     pub inner: ExprId,
     /// Λ₁ + μ·ρ₂
     pub total: ExprId,
+    /// μ·ρ₂
+    pub outer: ExprId,
     /// μ
     pub outer_adjoint: Vec<ExprId>,
 }
@@ -221,10 +223,11 @@ impl NodeProblem {
             inner = g.add(inner, term);
         }
         let Some(outer) = &self.outer else {
-            return Lagrangian { inner, total: inner, outer_adjoint: Vec::new() };
+            return Lagrangian { inner, total: inner, outer: g.zero(), outer_adjoint: Vec::new() };
         };
         // A name keeps its derivatives whole, which are needed by themselves.
         g.name(inner, &format!("lagrangian_{name}"));
+        g.unite_mixed_derivatives(inner, &self.coordinates.moving_variables());
         let right_hand_side: Vec<ExprId> = outer
             .unknowns
             .iter()
@@ -234,8 +237,8 @@ impl NodeProblem {
             })
             .collect();
         let outer_adjoint = solved(g, outer.system, &right_hand_side, &format!("mu_{name}"));
-        let along = g.dot(&outer_adjoint, &outer.residual);
-        Lagrangian { inner, total: g.add(inner, along), outer_adjoint }
+        let outer = g.dot(&outer_adjoint, &outer.residual);
+        Lagrangian { inner, total: g.add(inner, outer), outer, outer_adjoint }
     }
 
     /// Σ expr over the nodes, evaluated at the values.

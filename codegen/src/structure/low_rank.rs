@@ -28,6 +28,8 @@ pub(super) fn low_rank(
     }
     let [same, varying] = split_by_scope(g, all);
     let same = g.total(&same);
+    // A name keeps it whole.
+    g.name(same, "same_for_all_nodes");
     let start = g.add(start, same);
     add_all(g, start, varying)
 }

@@ -20,6 +20,8 @@ use crate::graph::{ExprId, Graph};
 /// How the unknowns of interest move with an outer unknown.
 struct Motion {
     follower: Follower,
+    /// ∂Λ₁/∂θ
+    lagrangian: ExprId,
     /// Σ ∂²Λ₁/∂α∂θ
     change: Vec<ExprId>,
     /// A₁ Z'
@@ -40,17 +42,20 @@ impl NodeProblem {
         lagrangian: &Lagrangian,
         by_unknowns: &[ExprId],
     ) -> (Vec<ExprId>, Vec<Vec<ExprId>>) {
-        let motions: Vec<Motion> =
-            outer.unknowns.iter().map(|&unknown| self.motion(g, functional, by_unknowns, unknown)).collect();
+        let motions: Vec<Motion> = outer
+            .unknowns
+            .iter()
+            .map(|&unknown| self.motion(g, functional, lagrangian, by_unknowns, unknown))
+            .collect();
         let by_outer = motions
             .iter()
             .map(|motion| {
-                let held = motion.follower.total_derivative(g, lagrangian.total);
+                let outer = motion.follower.total_derivative(g, lagrangian.outer);
                 let name = g.symbol_data(motion.follower.parameter()).name.clone();
                 let by_alpha = self.along(g, by_unknowns, &motion.unknowns, &format!("p_alpha_{name}"));
                 let by_lambda =
                     self.along(g, &self.block.residual, &motion.adjoint, &format!("p_lambda_{name}"));
-                g.total(&[held, by_alpha, by_lambda])
+                g.total(&[motion.lagrangian, by_alpha, by_lambda, outer])
             })
             .collect();
         let second = (0..motions.len())
@@ -70,12 +75,15 @@ impl NodeProblem {
         &self,
         g: &mut Graph,
         functional: &Functional,
+        lagrangian: &Lagrangian,
         by_unknowns: &[ExprId],
         unknown: ExprId,
     ) -> Motion {
         let system = self.block.system;
         let follower = self.coordinates.follower(g, unknown);
         let name = g.symbol_data(follower.parameter()).name.clone();
+        let by_unknown = follower.total_derivative(g, lagrangian.inner);
+        g.name(by_unknown, &format!("lagrangian_{}_{name}", functional.name));
         let residual_change = self.sums_of_changes(g, &self.block.residual, &follower);
         let unknowns = solved(g, system, &residual_change, &format!("alpha_{name}"));
         let change = self.sums_of_changes(g, by_unknowns, &follower);
@@ -89,7 +97,7 @@ impl NodeProblem {
             })
             .collect();
         let adjoint = solved(g, system, &adjoint_change, &format!("lambda_{}_{name}", functional.name));
-        Motion { follower, change, adjoint_change, unknowns, adjoint }
+        Motion { follower, lagrangian: by_unknown, change, adjoint_change, unknowns, adjoint }
     }
 
     /// Σ dv/dθ over the nodes for a vector v of the residuals' length, θ moving what the coordinates say.
@@ -137,13 +145,19 @@ impl NodeProblem {
         lagrangian: &Lagrangian,
         [row, column]: [&Motion; 2],
     ) -> ExprId {
-        let twice = |g: &mut Graph, expr: ExprId| {
-            let first = row.follower.total_derivative(g, expr);
+        let sum_of_change = |g: &mut Graph, first: ExprId| {
             let second = column.follower.total_derivative(g, first);
             self.sum_at_values(g, second)
         };
-        let inner = twice(g, lagrangian.inner);
-        let of_residuals: Vec<ExprId> = outer.residual.iter().map(|&residual| twice(g, residual)).collect();
+        let inner = sum_of_change(g, row.lagrangian);
+        let of_residuals: Vec<ExprId> = outer
+            .residual
+            .iter()
+            .map(|&residual| {
+                let first = row.follower.total_derivative(g, residual);
+                sum_of_change(g, first)
+            })
+            .collect();
         let outer = g.dot(&lagrangian.outer_adjoint, &of_residuals);
         let through_alpha = g.dot(&row.unknowns, &column.change);
         let through_lambda = g.dot(&row.adjoint_change, &column.unknowns);

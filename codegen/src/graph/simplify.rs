@@ -130,7 +130,13 @@ impl Graph {
 
     /// x / y, and 0 where y = 0.
     pub fn div_or_zero(&mut self, x: ExprId, y: ExprId) -> ExprId {
-        if self.is_zero(x) { x } else { self.intern(Op::DivOrZero(x, y)) }
+        if self.is_zero(x) {
+            return x;
+        }
+        // x / y → x (1 / y): the reciprocal of a norm serves all its components
+        let one = self.one();
+        let reciprocal = self.intern(Op::DivOrZero(one, y));
+        self.mul(x, reciprocal)
     }
 
     /// √x
@@ -182,7 +188,8 @@ impl Graph {
         if then == otherwise {
             return then; // both branches agree
         }
-        self.intern(Op::Select { x, y, then, otherwise })
+        self.pull_out_of_choice(x, y, then, otherwise)
+            .unwrap_or_else(|| self.intern(Op::Select { x, y, then, otherwise }))
     }
 
     /// Sum over the nodes of a node expression.
@@ -342,6 +349,37 @@ impl Graph {
         let (Op::Neg(x), Op::Neg(y)) = (self.op(x), self.op(y)) else { return None };
         let sum = self.add(x, y);
         Some(self.neg(sum))
+    }
+
+    /// if x < y { s u } else { 0 } → s (if x < y { u } else { 0 }), and the other way round, for symbols s: their values
+    /// are finite, those of other factors perhaps only where they are chosen.
+    fn pull_out_of_choice(
+        &mut self,
+        x: ExprId,
+        y: ExprId,
+        then: ExprId,
+        otherwise: ExprId,
+    ) -> Option<ExprId> {
+        let zero = self.zero();
+        let chosen = match (self.is_zero(then), self.is_zero(otherwise)) {
+            (false, true) => then,
+            (true, false) => otherwise,
+            _ => return None,
+        };
+        let (coefficient, factors) = self.coefficient_and_factors(chosen);
+        let (symbols, others): (Vec<ExprId>, Vec<ExprId>) =
+            factors.into_iter().partition(|&factor| matches!(self.op(factor), Op::Symbol(_)));
+        if symbols.is_empty() {
+            return None;
+        }
+        let number = self.constant(coefficient);
+        let rest = others.into_iter().fold(number, |product, factor| self.mul(product, factor));
+        let choice = if chosen == then {
+            self.select_less(x, y, rest, zero)
+        } else {
+            self.select_less(x, y, zero, rest)
+        };
+        Some(symbols.into_iter().fold(choice, |product, symbol| self.mul(product, symbol)))
     }
 
     fn append_terms(&self, x: ExprId, sign: f64, terms: &mut Vec<(f64, ExprId)>) {
@@ -589,6 +627,21 @@ mod tests {
         assert_eq!(g.power(cube, -2), g.power(x, -6));
         let (xx, yy) = (g.mul(x, x), g.mul(y, y));
         assert_eq!(g.power(r, 2), g.add(xx, yy));
+    }
+
+    #[test]
+    fn a_symbol_is_pulled_out_of_a_choice() {
+        let (mut g, x, y, z) = graph();
+        let (zero, power) = (g.zero(), g.power(z, -1));
+        let product = g.mul(x, power);
+        let choice = g.select_less(y, z, product, zero);
+        let inner = g.select_less(y, z, power, zero);
+        assert_eq!(choice, g.mul(x, inner));
+        let choice = g.select_less(y, z, zero, product);
+        let inner = g.select_less(y, z, zero, power);
+        assert_eq!(choice, g.mul(x, inner));
+        // What may be infinite stays where it is chosen.
+        assert!(matches!(g.op(inner), Op::Select { .. }));
     }
 
     #[test]

@@ -295,6 +295,19 @@ mod tests {
     }
 
     #[test]
+    fn mixed_derivatives_are_one_expression_once_united() {
+        let mut g = Graph::new();
+        let [x, y] = ["x", "y"].map(|name| g.input(name, Scope::Element));
+        let (r, xxx) = (g.hypot(x, y), g.power(x, 3));
+        let cube = g.power(r, 3);
+        let f = g.mul(cube, xxx);
+        let [x, y] = [x, y].map(|s| g.symbol_of(s));
+        g.unite_mixed_derivatives(f, &[x, y]);
+        let (by_x, by_y) = (g.derivative(f, x), g.derivative(f, y));
+        assert_eq!(g.derivative(by_x, y), g.derivative(by_y, x));
+    }
+
+    #[test]
     fn a_solution_is_differentiated_by_another_solve() {
         // (2 + x²) y = x
         let twice = |build_second: bool| {

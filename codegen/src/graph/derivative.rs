@@ -29,6 +29,18 @@ impl Graph {
         result
     }
 
+    /// Makes mixed second derivatives of `expr` by these symbols one expression, whichever symbol comes first.
+    pub(crate) fn unite_mixed_derivatives(&mut self, expr: ExprId, symbols: &[SymbolId]) {
+        for (k, &later) in symbols.iter().enumerate() {
+            for &earlier in &symbols[..k] {
+                let by_earlier = self.derivative(expr, earlier);
+                let mixed = self.derivative(by_earlier, later);
+                let by_later = self.derivative(expr, later);
+                self.derivatives.insert((by_later, earlier), mixed);
+            }
+        }
+    }
+
     fn differentiate(&mut self, expr: ExprId, symbol: SymbolId) -> ExprId {
         match self.op(expr) {
             Op::Constant(_) => self.zero(),
@@ -280,6 +292,19 @@ mod tests {
         let t = 1.0 - near_one;
         assert!((value(&g, w, near_one) / (t * t * (1.0 + 2.0 * near_one)) - 1.0).abs() < 1e-14);
         assert!((value(&g, first, near_one) / (-6.0 * near_one * t) - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn mixed_derivatives_are_one_expression_once_united() {
+        let mut g = Graph::new();
+        let [x, y] = ["x", "y"].map(|name| g.input(name, Scope::Element));
+        let (r, xxx) = (g.hypot(x, y), g.power(x, 3));
+        let cube = g.power(r, 3);
+        let f = g.mul(cube, xxx);
+        let [x, y] = [x, y].map(|s| g.symbol_of(s));
+        g.unite_mixed_derivatives(f, &[x, y]);
+        let (by_x, by_y) = (g.derivative(f, x), g.derivative(f, y));
+        assert_eq!(g.derivative(by_x, y), g.derivative(by_y, x));
     }
 
     #[test]

@@ -11,6 +11,7 @@
 
 mod derivative;
 mod polynomial;
+mod products;
 mod simplify;
 mod structured;
 mod substitute;

@@ -130,7 +130,13 @@ impl Graph {
 
     /// x / y, and 0 where y = 0.
     pub fn div_or_zero(&mut self, x: ExprId, y: ExprId) -> ExprId {
-        if self.is_zero(x) { x } else { self.intern(Op::DivOrZero(x, y)) }
+        if self.is_zero(x) {
+            return x;
+        }
+        // x / y → x (1 / y): the reciprocal of a norm serves all its components
+        let one = self.one();
+        let reciprocal = self.intern(Op::DivOrZero(one, y));
+        self.mul(x, reciprocal)
     }
 
     /// √x
@@ -182,7 +188,8 @@ impl Graph {
         if then == otherwise {
             return then; // both branches agree
         }
-        self.intern(Op::Select { x, y, then, otherwise })
+        self.pull_out_of_choice(x, y, then, otherwise)
+            .unwrap_or_else(|| self.intern(Op::Select { x, y, then, otherwise }))
     }
 
     /// Sum over the nodes of a node expression.
@@ -204,12 +211,28 @@ impl Graph {
 
     /// A node expression at the pair's row; expressions of element scope stay what they are.
     pub fn at_row(&mut self, x: ExprId) -> ExprId {
-        if self.scope(x) == Scope::Node { self.intern(Op::Row(x)) } else { x }
+        match self.op(x) {
+            _ if self.scope(x) != Scope::Node => x,
+            // The sign is free where the value is used.
+            Op::Neg(inner) => {
+                let inner = self.at_row(inner);
+                self.neg(inner)
+            }
+            _ => self.intern(Op::Row(x)),
+        }
     }
 
     /// A node expression at the pair's column; expressions of element scope stay what they are.
     pub fn at_column(&mut self, x: ExprId) -> ExprId {
-        if self.scope(x) == Scope::Node { self.intern(Op::Column(x)) } else { x }
+        match self.op(x) {
+            _ if self.scope(x) != Scope::Node => x,
+            // The sign is free where the value is used.
+            Op::Neg(inner) => {
+                let inner = self.at_column(inner);
+                self.neg(inner)
+            }
+            _ => self.intern(Op::Column(x)),
+        }
     }
 
     /// x · y for two vectors of equal length.
@@ -328,6 +351,37 @@ impl Graph {
         Some(self.neg(sum))
     }
 
+    /// if x < y { s u } else { 0 } → s (if x < y { u } else { 0 }), and the other way round, for symbols s: their values
+    /// are finite, those of other factors perhaps only where they are chosen.
+    fn pull_out_of_choice(
+        &mut self,
+        x: ExprId,
+        y: ExprId,
+        then: ExprId,
+        otherwise: ExprId,
+    ) -> Option<ExprId> {
+        let zero = self.zero();
+        let chosen = match (self.is_zero(then), self.is_zero(otherwise)) {
+            (false, true) => then,
+            (true, false) => otherwise,
+            _ => return None,
+        };
+        let (coefficient, factors) = self.coefficient_and_factors(chosen);
+        let (symbols, others): (Vec<ExprId>, Vec<ExprId>) =
+            factors.into_iter().partition(|&factor| matches!(self.op(factor), Op::Symbol(_)));
+        if symbols.is_empty() {
+            return None;
+        }
+        let number = self.constant(coefficient);
+        let rest = others.into_iter().fold(number, |product, factor| self.mul(product, factor));
+        let choice = if chosen == then {
+            self.select_less(x, y, rest, zero)
+        } else {
+            self.select_less(x, y, zero, rest)
+        };
+        Some(symbols.into_iter().fold(choice, |product, symbol| self.mul(product, symbol)))
+    }
+
     fn append_terms(&self, x: ExprId, sign: f64, terms: &mut Vec<(f64, ExprId)>) {
         match self.op(x) {
             // A named sum is a quantity of the model: it is kept whole.
@@ -347,76 +401,6 @@ impl Graph {
                     None => terms.push((sign, x)),
                 }
             }
-        }
-    }
-
-    /// c · core, where core has no numerical coefficient.
-    fn scaled(&mut self, coefficient: f64, core: ExprId) -> ExprId {
-        if coefficient == 0.0 {
-            self.zero()
-        } else if self.is_one(core) {
-            self.constant(coefficient)
-        } else if coefficient == 1.0 {
-            core
-        } else if coefficient == -1.0 {
-            self.intern(Op::Neg(core))
-        } else {
-            let coefficient = self.constant(coefficient);
-            self.intern(Op::Mul(coefficient.min(core), coefficient.max(core)))
-        }
-    }
-
-    /// Whether a product is a quantity of its own, computed once per element, that products with it do not take
-    /// apart.
-    fn is_whole(&self, x: ExprId) -> bool {
-        matches!(self.op(x), Op::Mul(..)) && self.scope(x) == Scope::Element && self.name_of(x).is_some()
-    }
-
-    /// Splits x into a number and its sorted other factors.
-    pub(crate) fn coefficient_and_factors(&self, x: ExprId) -> (f64, Vec<ExprId>) {
-        match self.op(x) {
-            Op::Mul(..) if self.is_whole(x) => (1.0, vec![x]),
-            Op::Constant(bits) => (f64::from_bits(bits), Vec::new()),
-            Op::Neg(inner) => {
-                let (coefficient, factors) = self.coefficient_and_factors(inner);
-                (-coefficient, factors)
-            }
-            Op::Mul(left, right) => {
-                let (c, mut factors) = self.coefficient_and_factors(left);
-                let (d, others) = self.coefficient_and_factors(right);
-                factors.extend(others);
-                factors.sort_unstable();
-                (c * d, factors)
-            }
-            _ => (1.0, vec![x]),
-        }
-    }
-
-    fn merged_factors(&self, x: ExprId, y: ExprId) -> (f64, Vec<ExprId>) {
-        let (c, mut factors) = self.coefficient_and_factors(x);
-        let (d, others) = self.coefficient_and_factors(y);
-        factors.extend(others);
-        factors.sort_unstable();
-        (c * d, factors)
-    }
-
-    /// x without its numerical coefficient, if that expression exists already.
-    fn core(&self, x: ExprId) -> Option<ExprId> {
-        match self.op(x) {
-            _ if self.is_whole(x) => Some(x),
-            Op::Neg(inner) => self.core(inner),
-            Op::Mul(left, right) if self.constant_value(left).is_some() => Some(right),
-            Op::Mul(left, right) if self.constant_value(right).is_some() => Some(left),
-            Op::Constant(_) => None,
-            _ => Some(x),
-        }
-    }
-
-    /// x without its numerical coefficient; 1 for a number.
-    fn without_coefficient(&mut self, x: ExprId) -> ExprId {
-        match self.core(x) {
-            Some(core) => core,
-            None => self.one(),
         }
     }
 }
@@ -464,17 +448,6 @@ mod tests {
     }
 
     #[test]
-    fn products_are_equal_however_they_are_associated() {
-        let (mut g, x, y, z) = graph();
-        let xy = g.mul(x, y);
-        let left = g.mul(xy, z);
-        let minus_y = g.neg(y);
-        let zy = g.mul(z, minus_y);
-        let right = g.mul(zy, x);
-        assert_eq!(g.neg(right), left);
-    }
-
-    #[test]
     fn like_terms_are_collected_inside_sums() {
         let (mut g, x, y, z) = graph();
         let (xy, yz) = (g.add(x, y), g.add(y, z));
@@ -507,20 +480,6 @@ mod tests {
         let six_y = g.mul(six, y);
         let bracket = g.add(six_y, minus_six);
         assert_eq!(sum, g.mul(x, bracket));
-    }
-
-    #[test]
-    fn a_named_product_of_element_scope_is_kept_whole() {
-        let (mut g, x, y, z) = graph();
-        let half = g.constant(0.5);
-        let half_x = g.mul(half, x);
-        g.name(half_x, "k");
-        let product = g.mul(half_x, y);
-        assert_eq!(g.op(product), Op::Mul(half_x.min(y), half_x.max(y)));
-        let plain = g.mul(half, z);
-        let product = g.mul(plain, y);
-        let zy = g.mul(z, y);
-        assert_eq!(product, g.mul(half, zy));
     }
 
     #[test]
@@ -573,6 +532,32 @@ mod tests {
         assert_eq!(g.power(cube, -2), g.power(x, -6));
         let (xx, yy) = (g.mul(x, x), g.mul(y, y));
         assert_eq!(g.power(r, 2), g.add(xx, yy));
+    }
+
+    #[test]
+    fn a_symbol_is_pulled_out_of_a_choice() {
+        let (mut g, x, y, z) = graph();
+        let (zero, power) = (g.zero(), g.power(z, -1));
+        let product = g.mul(x, power);
+        let choice = g.select_less(y, z, product, zero);
+        let inner = g.select_less(y, z, power, zero);
+        assert_eq!(choice, g.mul(x, inner));
+        let choice = g.select_less(y, z, zero, product);
+        let inner = g.select_less(y, z, zero, power);
+        assert_eq!(choice, g.mul(x, inner));
+        // What may be infinite stays where it is chosen.
+        assert!(matches!(g.op(inner), Op::Select { .. }));
+    }
+
+    #[test]
+    fn the_sign_of_a_node_value_is_left_to_the_pair() {
+        let mut g = Graph::new();
+        let w = g.input("w", Scope::Node);
+        let minus = g.neg(w);
+        let (row, column) = (g.at_row(w), g.at_column(w));
+        let (minus_row, minus_column) = (g.at_row(minus), g.at_column(minus));
+        assert_eq!(minus_row, g.neg(row));
+        assert_eq!(minus_column, g.neg(column));
     }
 
     #[test]

@@ -1,32 +1,42 @@
 //! The average plane of the master nodes, which a co-moving frame follows.
 
-use crate::graph::{ExprId, Graph, SymbolId, SymmetricSystem};
+use crate::graph::{ExprId, Graph, Scope, SymbolId, SymmetricSystem};
 use crate::structure::Block;
 
 /// The average plane as unknowns of the nodes.
 pub(super) struct AveragePlane {
     pub block: Block,
-    /// No turn, and the plane's height over the slave.
+    /// A node's offset (a, b, z) in the frame that turns with the plane, as variables.
+    pub position: [ExprId; 3],
+    /// The same variables as functions of the offset in the frame that is held, and of the turn.
+    pub moving: Vec<(SymbolId, ExprId)>,
+    /// No turn, the plane's height over the slave, and the offsets there.
     pub values: Vec<(SymbolId, ExprId)>,
 }
 
 impl AveragePlane {
     /// The plane n(θ)·x = c through the nodes minimises Σ ½ (z(θ) − c)² over its turn θ and its height c: [T9] with the
     /// plane's height as an unknown, so that all is a sum over nodes. The frame in use is that plane, θ = 0.
-    pub fn declare(g: &mut Graph, theta: [ExprId; 2], height: ExprId, turned_height: ExprId) -> Self {
+    pub fn declare(g: &mut Graph, offset: [ExprId; 3]) -> Self {
+        let theta = [g.variable("theta_1"), g.variable("theta_2")];
+        let turned = turned_back(g, theta, offset);
+        let position = ["a_turned", "b_turned", "z_turned"].map(|name| g.input(name, Scope::Node));
+        let moving = position.iter().zip(turned).map(|(&x, turned)| (g.symbol_of(x), turned)).collect();
+
         let c = g.variable("plane_height");
-        let distance = g.sub(turned_height, c);
+        let distance = g.sub(turned[2], c);
         let square = g.mul(distance, distance);
         let half = g.constant(0.5);
         let energy = g.mul(half, square);
         let unknowns = vec![theta[0], theta[1], c];
         let symbols: Vec<SymbolId> = unknowns.iter().map(|&x| g.symbol_of(x)).collect();
 
-        let (sum, count) = (g.sum(height), g.node_count());
+        let (sum, count) = (g.sum(offset[2]), g.node_count());
         let mean = g.div(sum, count);
         let mean = g.bind("mean_height", mean);
         let zero = g.zero();
-        let values = vec![(symbols[0], zero), (symbols[1], zero), (symbols[2], mean)];
+        let mut values = vec![(symbols[0], zero), (symbols[1], zero), (symbols[2], mean)];
+        values.extend(position.iter().zip(offset).map(|(&x, offset)| (g.symbol_of(x), offset)));
 
         let derivatives: Vec<ExprId> = symbols.iter().map(|&x| g.derivative(energy, x)).collect();
         let residual = derivatives.iter().map(|&x| g.neg(x)).collect();
@@ -45,13 +55,13 @@ impl AveragePlane {
         // The height first: the fit does not depend on it, which leaves a zero column in the coupling.
         let system = g.add_system(SymmetricSystem::new("plane_l", matrix, vec![2, 0, 1]));
         let groups = vec![unknowns.len()];
-        Self { block: Block { unknowns, residual, groups, system }, values }
+        Self { block: Block { unknowns, residual, groups, system }, position, moving, values }
     }
 }
 
 /// Coordinates in a frame turned by θ about (t1, t2): X → exp(−[θ]) X, to second order in θ, which is all that first
 /// and second derivatives at θ = 0 see.
-pub(super) fn turned_back(g: &mut Graph, theta: [ExprId; 2], x: [ExprId; 3]) -> [ExprId; 3] {
+fn turned_back(g: &mut Graph, theta: [ExprId; 2], x: [ExprId; 3]) -> [ExprId; 3] {
     let zero = g.zero();
     let axis = [theta[0], theta[1], zero];
     let once = cross(g, axis, x);

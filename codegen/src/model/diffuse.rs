@@ -5,7 +5,7 @@
 //! again. All derivatives in here are asked from the derivative engine.
 
 use super::anchor::Anchor;
-use super::average_plane::{AveragePlane, turned_back};
+use super::average_plane::AveragePlane;
 use super::basis::Basis;
 use super::kernel::FrameRule;
 use super::weight::{NodeWeight, Weight};
@@ -32,8 +32,8 @@ pub(super) struct Diffuse {
     frame: [[ExprId; 3]; 3],
     support_radius: ExprId,
     inverse_radius: ExprId,
-    /// (a, b, z): a node's offset from the slave over R, in the frame; where the frame moves, as a function of
-    /// its turn.
+    /// (a, b, z): a node's offset from the slave over R, in the frame; where the frame moves, variables that move with
+    /// it.
     position: [ExprId; 3],
     /// w; where the weight has a pole, without the anchor's.
     weight: ExprId,
@@ -107,10 +107,13 @@ impl Diffuse {
         let (position, plane) = match frame_rule {
             FrameRule::Frozen => (offset, None),
             FrameRule::CoMoving => {
-                let theta = [g.variable("theta_1"), g.variable("theta_2")];
-                let turned = turned_back(g, theta, offset);
-                (turned, Some(AveragePlane::declare(g, theta, offset[2], turned[2])))
+                let plane = AveragePlane::declare(g, offset);
+                (plane.position, Some(plane))
             }
+        };
+        let coordinates = match &plane {
+            None => coordinates,
+            Some(plane) => coordinates.with_moving(g, &plane.moving, &plane.values),
         };
 
         // (14) w = w(r), r = √(a² + b²)
@@ -301,9 +304,9 @@ impl Diffuse {
         }
         let mut residual: Vec<ExprId> = p.iter().map(|&p| g.mul(weighted_error, p)).collect();
         residual.extend(constraint);
-        let mut blocks = vec![Block { unknowns, residual, groups, system }];
-        blocks.extend(self.plane.as_ref().map(|plane| plane.block.clone()));
-        NodeProblem { blocks, coordinates: self.coordinates.clone(), values: self.values() }
+        let block = Block { unknowns, residual, groups, system };
+        let outer = self.plane.as_ref().map(|plane| plane.block.clone());
+        NodeProblem { block, outer, coordinates: self.coordinates.clone(), values: self.values() }
     }
 
     /// Values of what is a variable while differentiating only.

@@ -9,104 +9,22 @@
 //! Y = dα/dx = A⁻¹ B,   B = ∂ρ/∂x,   C = ∂²Λ/∂α∂x,   K = ∂²G/∂α²
 //! ```
 //!
-//! Unknowns may come in blocks, each the root of a sum over nodes of its own, that depend on the blocks after them:
-//! the fit depends on the average plane. Then A is block triangular, r₁₂ = ∂r₁/∂y₂ couples the blocks
-//! (B̂₁ = L₁⁻¹B₁ + L₁⁻¹ r₁₂ L₂⁻ᵀ B̂₂) and K has a block for every pair.
+//! With A = L S Lᵀ, S = diag(±1), B̂ = L⁻¹B and Ĉ = S L⁻¹C + H B̂, where H is the lower triangle of S (L⁻¹ K L⁻ᵀ) S with
+//! half of its diagonal, H + Hᵀ the whole, the off-diagonal blocks are the symmetric low-rank update
+//! Ĉᵢᵀ B̂ⱼ + B̂ᵢᵀ Ĉⱼ: K costs nothing per pair of nodes. (S is the identity but for a multiplier.) Which of these blocks
+//! are zero, which rows are the same for all nodes, and that ρ and ∂Λ/∂α are a scalar times one and the same vector p,
+//! is found in the expressions, not assumed.
 //!
-//! With A = L S Lᵀ, S = diag(±1), B̂ = L⁻¹B and Ĉ = S L⁻¹C + ½ S (L⁻¹ K L⁻ᵀ) S B̂ the off-diagonal blocks are the
-//! symmetric low-rank update Ĉᵢᵀ B̂ⱼ + B̂ᵢᵀ Ĉⱼ: K costs nothing per pair of nodes. (S is the identity but for a
-//! multiplier.) Which of these blocks are zero, and that ρ and ∂Λ/∂α are a scalar times one and the same vector p, is
-//! found in the expressions, not assumed.
+//! The residuals may depend on further, outer unknowns θ, the root of a sum of their own: the fit depends on the average
+//! plane. `outer_block` adds what that brings.
 
+use super::coordinates::CoordinateMap;
 use super::factors::ScaledVector;
 use super::low_rank::{add_products, low_rank, low_rank_pair};
-use crate::graph::{ExprId, Graph, Op, Scope, SymbolId, SystemId};
+use crate::graph::{ExprId, Graph, Op, SymbolId, SystemId};
 
 /// Names of the global axes in emitted code.
 const AXES: [&str; 3] = ["x", "y", "z"];
-
-/// How local node coordinates depend on the global ones. The map is linear in the nodes' positions relative
-/// to the slave, so all quantities are invariant under translation and the slave's derivatives are the negative
-/// sums of the masters'.
-#[derive(Clone, Debug)]
-pub struct CoordinateMap {
-    /// Bound symbols of the local coordinates.
-    local: Vec<SymbolId>,
-    /// ∂(local coordinate)/∂(global coordinate), element expressions.
-    jacobian: Vec<[ExprId; 3]>,
-}
-
-impl CoordinateMap {
-    /// Derives the map from the definitions of the `local` coordinates.
-    ///
-    /// # Panics
-    /// If a local coordinate is not bound, is not linear in the positions, or changes when node and slave move
-    /// together.
-    #[must_use]
-    pub fn new(g: &mut Graph, local: &[ExprId], node: &[ExprId; 3], slave: &[ExprId; 3]) -> Self {
-        let local: Vec<SymbolId> = local.iter().map(|&x| g.symbol_of(x)).collect();
-        let jacobian = local
-            .iter()
-            .map(|&coordinate| {
-                let data = g.symbol_data(coordinate).clone();
-                let definition = data.definition.expect("a local coordinate has a definition");
-                std::array::from_fn(|axis| {
-                    let (node, slave) = (g.symbol_of(node[axis]), g.symbol_of(slave[axis]));
-                    let by_node = g.derivative(definition, node);
-                    let by_slave = g.derivative(definition, slave);
-                    assert_eq!(
-                        g.scope(by_node),
-                        Scope::Element,
-                        "{} is not linear in the positions",
-                        data.name
-                    );
-                    assert_eq!(g.neg(by_slave), by_node, "{} is not invariant under translation", data.name);
-                    by_node
-                })
-            })
-            .collect();
-        Self { local, jacobian }
-    }
-
-    /// Global gradient of a node expression of the local coordinates.
-    fn gradient(&self, g: &mut Graph, expr: ExprId) -> [ExprId; 3] {
-        let partial: Vec<ExprId> = self.local.iter().map(|&c| g.derivative(expr, c)).collect();
-        self.pull_back(g, &partial)
-    }
-
-    /// Jᵀ v for a vector v of derivatives by the local coordinates.
-    fn pull_back(&self, g: &mut Graph, partial: &[ExprId]) -> [ExprId; 3] {
-        std::array::from_fn(|axis| {
-            let column: Vec<ExprId> = self.jacobian.iter().map(|row| row[axis]).collect();
-            g.dot(&column, partial)
-        })
-    }
-
-    /// Global Hessian of a node expression of the local coordinates.
-    fn hessian(&self, g: &mut Graph, expr: ExprId) -> [[ExprId; 3]; 3] {
-        // One order of differentiation for both of a pair of mixed derivatives, so that they are one expression.
-        let second = |g: &mut Graph, i: usize, j: usize| {
-            let first = g.derivative(expr, self.local[i.min(j)]);
-            g.derivative(first, self.local[i.max(j)])
-        };
-        let half: Vec<[ExprId; 3]> = (0..self.local.len())
-            .map(|i| {
-                let partial: Vec<ExprId> = (0..self.local.len()).map(|j| second(g, i, j)).collect();
-                self.pull_back(g, &partial)
-            })
-            .collect();
-        let mut hessian = [[g.zero(); 3]; 3];
-        for row in 0..3 {
-            for column in 0..=row {
-                let left: Vec<ExprId> = self.jacobian.iter().map(|j| j[row]).collect();
-                let right: Vec<ExprId> = half.iter().map(|h| h[column]).collect();
-                hessian[row][column] = g.dot(&left, &right);
-                hessian[column][row] = hessian[row][column];
-            }
-        }
-        hessian
-    }
-}
 
 /// Unknowns y defined by a sum over nodes, Σ ρ(y, …; xᵢ) = 0.
 #[derive(Clone, Debug)]
@@ -123,7 +41,7 @@ pub struct Block {
 
 impl Block {
     /// A vector of residuals' length as the sum of its groups' parts.
-    fn split(&self, g: &mut Graph, vector: &[ExprId]) -> Vec<ScaledVector> {
+    pub(super) fn split(&self, g: &mut Graph, vector: &[ExprId]) -> Vec<ScaledVector> {
         let mut start = 0;
         self.groups
             .iter()
@@ -144,11 +62,13 @@ impl Block {
     }
 }
 
-/// Unknowns defined by sums over nodes, in blocks. A block's residuals may depend on the unknowns of later blocks.
+/// Unknowns defined by sums over nodes.
 #[derive(Clone, Debug)]
 pub struct NodeProblem {
-    /// The blocks; the quantities of interest are functions of the first one's unknowns.
-    pub blocks: Vec<Block>,
+    /// The unknowns α that the quantities of interest are functions of.
+    pub block: Block,
+    /// The unknowns θ that the residuals of the first ones depend on.
+    pub outer: Option<Block>,
     /// The coordinates the residuals depend on.
     pub coordinates: CoordinateMap,
     /// Values of symbols that are variables while differentiating, put in afterwards.
@@ -188,32 +108,45 @@ pub struct Hessian {
     pub pair: [[ExprId; 3]; 3],
 }
 
-/// A block's part of the factors of a Hessian: B̂ and Ĉ, one row per unknown in elimination order.
-struct BlockFactors {
-    b: Vec<[ExprId; 3]>,
-    c: Vec<[ExprId; 3]>,
+/// The factors B̂ and Ĉ of a Hessian, one row per unknown in elimination order.
+#[derive(Default)]
+pub(super) struct HessianFactors {
+    pub b: Vec<[ExprId; 3]>,
+    pub c: Vec<[ExprId; 3]>,
+}
+
+/// Λ = Λ₁ + Λ₂, a node expression in which the unknowns and the adjoint ones are variables of their own.
+pub(super) struct Lagrangian {
+    /// Λ₁ = λ·ρ₁
+    pub inner: ExprId,
+    /// Λ₁ + μ·ρ₂
+    pub total: ExprId,
+    /// μ·ρ₂
+    pub outer: ExprId,
+    /// μ
+    pub outer_adjoint: Vec<ExprId>,
 }
 
 impl NodeProblem {
     /// The unknowns of interest.
     #[must_use]
     pub fn unknowns(&self) -> &[ExprId] {
-        &self.blocks[0].unknowns
+        &self.block.unknowns
     }
 
     /// The system of the unknowns of interest.
     #[must_use]
     pub fn system(&self) -> SystemId {
-        self.blocks[0].system
+        self.block.system
     }
 
-    /// Checks that the first block's system, assembled from the nodes, is the derivative of its residuals: the first
+    /// Checks that the system of the unknowns of interest, assembled from the nodes, is the derivative of its residuals: the first
     /// group's rows and columns.
     ///
     /// # Panics
     /// If it is not, or is not symmetric.
     pub fn check_system(&self, g: &mut Graph) {
-        let block = &self.blocks[0];
+        let block = &self.block;
         let checked = block.groups[0];
         for (i, &residual) in block.residual[..checked].iter().enumerate() {
             for (j, &unknown) in block.unknowns[..checked].iter().enumerate() {
@@ -229,7 +162,7 @@ impl NodeProblem {
 
     /// dG/dx.
     pub fn gradient(&self, g: &mut Graph, functional: &Functional) -> Gradient {
-        let lagrangian = self.lagrangian(g, functional);
+        let lagrangian = self.lagrangian(g, functional).total;
         let node = self.coordinates.gradient(g, lagrangian).map(|x| g.substitute(x, &self.values));
         let slave = node.map(|x| negative_sum(g, x));
         for axis in 0..3 {
@@ -242,10 +175,9 @@ impl NodeProblem {
     /// d²G/dx².
     pub fn hessian(&self, g: &mut Graph, functional: &Functional) -> Hessian {
         let lagrangian = self.lagrangian(g, functional);
-        let own =
-            self.coordinates.hessian(g, lagrangian).map(|row| row.map(|x| g.substitute(x, &self.values)));
-        let factors = self.factors(g, functional, lagrangian);
-        let (b, c) = name_factors(g, &functional.name, factors);
+        let own = self.coordinates.hessian(g, lagrangian.total);
+        let own = own.map(|row| row.map(|x| g.substitute(x, &self.values)));
+        let HessianFactors { b, c } = self.factors(g, functional, &lagrangian);
         let b_slave = slave_rows(g, &b, "b");
         let c_slave = slave_rows(g, &c, &format!("c_{}", functional.name));
 
@@ -275,189 +207,82 @@ impl NodeProblem {
         hessian
     }
 
-    /// Λ = Σ λ·ρ over the blocks, a node expression in which λ and the unknowns are variables of their own. The adjoint
-    /// equations are A₁ λ₁ = ∂G/∂y₁ and, for later blocks, A_k λ_k = Σ_{j<k} (∂r_j/∂y_k)ᵀ λ_j.
-    fn lagrangian(&self, g: &mut Graph, functional: &Functional) -> ExprId {
-        let mut lagrangian = g.zero();
-        for (k, block) in self.blocks.iter().enumerate() {
-            let right_hand_side = if k == 0 {
-                functional.first.clone()
-            } else {
-                self.sums_of_derivatives(g, lagrangian, &block.unknowns)
-            };
-            let prefix = ["lambda", "mu"][k.min(1)];
-            let solution = g.solve_symmetric_once(block.system, &right_hand_side);
-            let adjoint: Vec<ExprId> = solution
-                .into_iter()
-                .enumerate()
-                .map(|(j, x)| g.bind_once(&format!("{prefix}_{}_{j}", functional.name), x))
-                .collect();
-            for (group, ScaledVector { scale, direction }) in
-                block.split(g, &block.residual).into_iter().enumerate()
-            {
-                let along = g.dot(&adjoint, &direction);
-                if (k, group) == (0, 0) {
-                    g.name(along, &format!("sigma_{}", functional.name));
-                }
-                let term = g.mul(scale, along);
-                lagrangian = g.add(lagrangian, term);
+    /// The adjoint equations are A₁ λ = ∂G/∂α and A₂ μ = Σ (∂ρ₁/∂θ)ᵀ λ.
+    fn lagrangian(&self, g: &mut Graph, functional: &Functional) -> Lagrangian {
+        let name = &functional.name;
+        let adjoint = solved(g, self.block.system, &functional.first, &format!("lambda_{name}"));
+        let mut inner = g.zero();
+        for (group, ScaledVector { scale, direction }) in
+            self.block.split(g, &self.block.residual).into_iter().enumerate()
+        {
+            let along = g.dot(&adjoint, &direction);
+            if group == 0 {
+                g.name(along, &format!("sigma_{name}"));
             }
+            let term = g.mul(scale, along);
+            inner = g.add(inner, term);
         }
-        lagrangian
-    }
-
-    /// Σ ∂expr/∂y over the nodes for every unknown y.
-    fn sums_of_derivatives(&self, g: &mut Graph, expr: ExprId, unknowns: &[ExprId]) -> Vec<ExprId> {
-        unknowns
+        let Some(outer) = &self.outer else {
+            return Lagrangian { inner, total: inner, outer: g.zero(), outer_adjoint: Vec::new() };
+        };
+        // A name keeps its derivatives whole, which are needed by themselves.
+        g.name(inner, &format!("lagrangian_{name}"));
+        g.unite_mixed_derivatives(inner, &self.coordinates.moving_variables());
+        let right_hand_side: Vec<ExprId> = outer
+            .unknowns
             .iter()
             .map(|&unknown| {
-                let unknown = g.symbol_of(unknown);
-                let derivative = g.derivative(expr, unknown);
-                let derivative = g.substitute(derivative, &self.values);
-                g.sum(derivative)
-            })
-            .collect()
-    }
-
-    /// B̂ and Ĉ of all blocks.
-    fn factors(&self, g: &mut Graph, functional: &Functional, lagrangian: ExprId) -> Vec<BlockFactors> {
-        // L⁻¹B and S L⁻¹C of each block by itself.
-        let mut factors: Vec<BlockFactors> = self
-            .blocks
-            .iter()
-            .enumerate()
-            .map(|(k, block)| {
-                let by_unknowns: Vec<ExprId> = block
-                    .unknowns
-                    .iter()
-                    .map(|&unknown| {
-                        let unknown = g.symbol_of(unknown);
-                        g.derivative(lagrangian, unknown)
-                    })
-                    .collect();
-                let name = ["p", "plane"][k.min(1)];
-                let b = self.solved_gradient(g, block, &block.residual, name);
-                let mut c = self.solved_gradient(g, block, &by_unknowns, name);
-                for (position, row) in c.iter_mut().enumerate() {
-                    *row = row.map(|x| block.signed(g, position, x));
-                }
-                BlockFactors { b, c }
+                let change = self.coordinates.follower(g, unknown).total_derivative(g, inner);
+                self.sum_at_values(g, change)
             })
             .collect();
+        let outer_adjoint = solved(g, outer.system, &right_hand_side, &format!("mu_{name}"));
+        let outer = g.dot(&outer_adjoint, &outer.residual);
+        Lagrangian { inner, total: g.add(inner, outer), outer, outer_adjoint }
+    }
 
-        // B̂_j += L_j⁻¹ (∂r_j/∂y_k) L_k⁻ᵀ B̂_k for later blocks k, the last ones first.
-        for j in (0..self.blocks.len()).rev() {
-            for k in j + 1..self.blocks.len() {
-                let coupling: Vec<Vec<ExprId>> = self.blocks[j]
-                    .residual
-                    .iter()
-                    .map(|&residual| self.sums_of_derivatives(g, residual, &self.blocks[k].unknowns))
-                    .collect();
-                let coupling = self.congruence(g, j, k, &coupling);
-                name_matrix(g, &coupling, &format!("coupling_{j}{k}"));
-                let later = factors[k].b.clone();
-                for (row, coefficients) in factors[j].b.iter_mut().zip(&coupling) {
-                    *row = add_rows(g, *row, coefficients, &later);
-                }
-            }
-        }
+    /// Σ expr over the nodes, evaluated at the values.
+    pub(super) fn sum_at_values(&self, g: &mut Graph, expr: ExprId) -> ExprId {
+        let expr = g.substitute(expr, &self.values);
+        g.sum(expr)
+    }
 
-        // Ĉ_j += ½ Σ_k S_j (L_j⁻¹ K_jk L_k⁻ᵀ) S_k B̂_k
-        let half = g.constant(0.5);
-        let solved: Vec<Vec<[ExprId; 3]>> = factors.iter().map(|f| f.b.clone()).collect();
-        let mut second: Vec<Vec<Vec<Vec<ExprId>>>> = vec![Vec::new(); self.blocks.len()];
-        for j in 0..self.blocks.len() {
-            for k in 0..=j {
-                let matrix = self.second_derivative(g, functional, lagrangian, j, k);
-                let mut matrix = self.congruence(g, j, k, &matrix);
-                for (row, entries) in matrix.iter_mut().enumerate() {
-                    for (column, entry) in entries.iter_mut().enumerate() {
-                        *entry = g.mul(half, *entry);
-                        *entry = self.blocks[j].signed(g, row, *entry);
-                        *entry = self.blocks[k].signed(g, column, *entry);
-                        if j != k || column <= row {
-                            let block =
-                                if self.blocks.len() == 1 { String::new() } else { format!("{j}{k}_") };
-                            g.name(*entry, &format!("half_k_{}_{block}{row}_{column}", functional.name));
-                        }
-                    }
-                }
-                second[j].push(matrix);
-            }
+    /// B̂ and Ĉ, named.
+    fn factors(&self, g: &mut Graph, functional: &Functional, lagrangian: &Lagrangian) -> HessianFactors {
+        let block = &self.block;
+        let by_unknowns = partial_derivatives(g, lagrangian.inner, &block.unknowns);
+        let mut factors = self.block_factors(g, block, &by_unknowns, "p");
+        add_second_derivative(g, &mut factors, block, &functional.second, &format!("h_{}", functional.name));
+        if let Some(outer) = &self.outer {
+            let (by_outer, second) = self.reduced(g, outer, functional, lagrangian, &by_unknowns);
+            let mut added = self.block_factors(g, outer, &by_outer, "plane");
+            add_second_derivative(g, &mut added, outer, &second, &format!("h_{}_plane", functional.name));
+            factors.b.extend(added.b);
+            factors.c.extend(added.c);
         }
-        for (j, factor) in factors.iter_mut().enumerate() {
-            for (row, c) in factor.c.iter_mut().enumerate() {
-                for (k, solved) in solved.iter().enumerate() {
-                    let coefficients: Vec<ExprId> = (0..solved.len())
-                        .map(|column| match j.cmp(&k) {
-                            // Of a symmetric block the lower triangle is read.
-                            std::cmp::Ordering::Equal => second[j][j][row.max(column)][row.min(column)],
-                            std::cmp::Ordering::Greater => second[j][k][row][column],
-                            std::cmp::Ordering::Less => second[k][j][column][row],
-                        })
-                        .collect();
-                    *c = add_rows(g, *c, &coefficients, solved);
-                }
+        for k in 0..factors.b.len() {
+            for axis in 0..3 {
+                g.name(factors.b[k][axis], &format!("b_hat_{k}_{}", AXES[axis]));
+                g.name(factors.c[k][axis], &format!("c_hat_{}_{k}_{}", functional.name, AXES[axis]));
             }
         }
         factors
     }
 
-    /// ∂²L/∂y_j∂y_k: ∂²G/∂y₁² in the first block, sums of second derivatives of Λ elsewhere. (Λ is linear in the
-    /// first block's unknowns.)
-    fn second_derivative(
+    /// L⁻¹B and S L⁻¹C of a block, C being the gradient of `by_unknowns`.
+    fn block_factors(
         &self,
         g: &mut Graph,
-        functional: &Functional,
-        lagrangian: ExprId,
-        j: usize,
-        k: usize,
-    ) -> Vec<Vec<ExprId>> {
-        if (j, k) == (0, 0) {
-            let size = functional.second.len();
-            return (0..size)
-                .map(|row| {
-                    (0..size).map(|column| functional.second[row.max(column)][row.min(column)]).collect()
-                })
-                .collect();
+        block: &Block,
+        by_unknowns: &[ExprId],
+        name: &str,
+    ) -> HessianFactors {
+        let b = self.solved_gradient(g, block, &block.residual, name);
+        let mut c = self.solved_gradient(g, block, by_unknowns, name);
+        for (position, row) in c.iter_mut().enumerate() {
+            *row = row.map(|x| block.signed(g, position, x));
         }
-        let entry = |g: &mut Graph, x: ExprId, y: ExprId| {
-            let first = g.symbol_of(x);
-            let first = g.derivative(lagrangian, first);
-            self.sums_of_derivatives(g, first, &[y])[0]
-        };
-        let (rows, columns) = (&self.blocks[j].unknowns, &self.blocks[k].unknowns);
-        (0..rows.len())
-            .map(|row| {
-                (0..columns.len())
-                    .map(|column| {
-                        // Of a symmetric block every entry is derived once.
-                        if j == k && column > row {
-                            entry(g, rows[column], columns[row])
-                        } else {
-                            entry(g, rows[row], columns[column])
-                        }
-                    })
-                    .collect()
-            })
-            .collect()
-    }
-
-    /// L_j⁻¹ X L_k⁻ᵀ
-    fn congruence(&self, g: &mut Graph, j: usize, k: usize, matrix: &[Vec<ExprId>]) -> Vec<Vec<ExprId>> {
-        let columns = matrix.first().map_or(0, Vec::len);
-        let left: Vec<Vec<ExprId>> = (0..columns)
-            .map(|column| {
-                let entries: Vec<ExprId> = matrix.iter().map(|row| row[column]).collect();
-                apply_inverse_factor(g, self.blocks[j].system, &entries)
-            })
-            .collect();
-        (0..matrix.len())
-            .map(|row| {
-                let entries: Vec<ExprId> = left.iter().map(|column| column[row]).collect();
-                apply_inverse_factor(g, self.blocks[k].system, &entries)
-            })
-            .collect()
+        HessianFactors { b, c }
     }
 
     /// L⁻¹ ∂v/∂x for a vector v of node expressions, rows in elimination order.
@@ -473,13 +298,11 @@ impl NodeProblem {
         let mut total = vec![[g.zero(); 3]; vector.len()];
         for (group, ScaledVector { scale, direction }) in block.split(g, vector).into_iter().enumerate() {
             let scale_gradient = self.coordinates.gradient(g, scale).map(|x| g.substitute(x, &self.values));
-            let solved_derivatives: Vec<Vec<ExprId>> = self
-                .coordinates
-                .local
-                .iter()
-                .map(|&coordinate| {
-                    let derivative: Vec<ExprId> =
-                        direction.iter().map(|&x| g.derivative(x, coordinate)).collect();
+            let partial: Vec<Vec<ExprId>> =
+                direction.iter().map(|&x| self.coordinates.partial_derivatives(g, x)).collect();
+            let solved_derivatives: Vec<Vec<ExprId>> = (0..self.coordinates.dimension())
+                .map(|coordinate| {
+                    let derivative: Vec<ExprId> = partial.iter().map(|row| row[coordinate]).collect();
                     let derivative = g.substitute_all(&derivative, &self.values);
                     apply_inverse_factor(g, block.system, &derivative)
                 })
@@ -505,6 +328,47 @@ impl NodeProblem {
     }
 }
 
+/// Ĉ += H B̂, where H is the lower triangle of S (L⁻¹ K L⁻ᵀ) S with half of the diagonal, so that K costs half as much. Of
+/// K, `second`, the lower triangle is read.
+fn add_second_derivative(
+    g: &mut Graph,
+    factors: &mut HessianFactors,
+    block: &Block,
+    second: &[Vec<ExprId>],
+    name: &str,
+) {
+    let half = g.constant(0.5);
+    for (row, entries) in congruence(g, block.system, second).into_iter().enumerate() {
+        for (column, &entry) in entries[..=row].iter().enumerate() {
+            let entry = if row == column { g.mul(half, entry) } else { entry };
+            let entry = block.signed(g, row, entry);
+            let entry = block.signed(g, column, entry);
+            g.name(entry, &format!("{name}_{row}_{column}"));
+            for axis in 0..3 {
+                factors.c[row][axis] =
+                    add_products(g, factors.c[row][axis], &[entry], &[factors.b[column][axis]]);
+            }
+        }
+    }
+}
+
+/// L⁻¹ X L⁻ᵀ for a symmetric X, of which the lower triangle is read.
+fn congruence(g: &mut Graph, system: SystemId, lower: &[Vec<ExprId>]) -> Vec<Vec<ExprId>> {
+    let size = lower.len();
+    let left: Vec<Vec<ExprId>> = (0..size)
+        .map(|column| {
+            let entries: Vec<ExprId> = (0..size).map(|row| lower[row.max(column)][row.min(column)]).collect();
+            apply_inverse_factor(g, system, &entries)
+        })
+        .collect();
+    (0..size)
+        .map(|row| {
+            let entries: Vec<ExprId> = left.iter().map(|column| column[row]).collect();
+            apply_inverse_factor(g, system, &entries)
+        })
+        .collect()
+}
+
 /// L⁻¹ v, rows in elimination order.
 fn apply_inverse_factor(g: &mut Graph, system: SystemId, vector: &[ExprId]) -> Vec<ExprId> {
     let permuted: Vec<ExprId> = (0..vector.len()).map(|k| vector[g.system(system).eliminated(k)]).collect();
@@ -518,40 +382,27 @@ fn apply_inverse_factor(g: &mut Graph, system: SystemId, vector: &[ExprId]) -> V
         .collect()
 }
 
-/// start + Σ coefficient · row
-fn add_rows(g: &mut Graph, start: [ExprId; 3], coefficients: &[ExprId], rows: &[[ExprId; 3]]) -> [ExprId; 3] {
-    std::array::from_fn(|axis| {
-        let column: Vec<ExprId> = rows.iter().map(|row| row[axis]).collect();
-        add_products(g, start[axis], coefficients, &column)
-    })
+/// A⁻¹ v as variables of their own; 0 for 0.
+pub(super) fn solved(g: &mut Graph, system: SystemId, vector: &[ExprId], name: &str) -> Vec<ExprId> {
+    if vector.iter().all(|&x| g.is_zero(x)) {
+        return vector.to_vec();
+    }
+    g.solve_symmetric_once(system, vector)
+        .into_iter()
+        .enumerate()
+        .map(|(k, x)| g.bind_once(&format!("{name}_{k}"), x))
+        .collect()
 }
 
-fn name_matrix(g: &mut Graph, matrix: &[Vec<ExprId>], name: &str) {
-    for (row, entries) in matrix.iter().enumerate() {
-        for (column, &entry) in entries.iter().enumerate() {
-            g.name(entry, &format!("{name}_{row}_{column}"));
-        }
-    }
-}
-
-/// All blocks' rows below each other, named.
-fn name_factors(
-    g: &mut Graph,
-    functional: &str,
-    factors: Vec<BlockFactors>,
-) -> (Vec<[ExprId; 3]>, Vec<[ExprId; 3]>) {
-    let (mut b, mut c) = (Vec::new(), Vec::new());
-    for factor in factors {
-        b.extend(factor.b);
-        c.extend(factor.c);
-    }
-    for k in 0..b.len() {
-        for axis in 0..3 {
-            g.name(b[k][axis], &format!("b_hat_{k}_{}", AXES[axis]));
-            g.name(c[k][axis], &format!("c_hat_{functional}_{k}_{}", AXES[axis]));
-        }
-    }
-    (b, c)
+/// Derivatives of an expression by unknowns.
+fn partial_derivatives(g: &mut Graph, expr: ExprId, unknowns: &[ExprId]) -> Vec<ExprId> {
+    unknowns
+        .iter()
+        .map(|&unknown| {
+            let unknown = g.symbol_of(unknown);
+            g.derivative(expr, unknown)
+        })
+        .collect()
 }
 
 /// The slave's rows of a factor: the negative sums of the nodes'.

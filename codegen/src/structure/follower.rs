@@ -22,6 +22,11 @@ impl Follower {
         self.parameter
     }
 
+    /// The variables v that follow, with their dv/dα.
+    pub(super) fn moves(&self) -> &[(SymbolId, ExprId)] {
+        &self.moves
+    }
+
     /// Adds variables v with their dv/dα.
     pub fn follow(&mut self, moves: impl IntoIterator<Item = (SymbolId, ExprId)>) {
         self.moves.extend(moves);

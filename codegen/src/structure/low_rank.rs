@@ -1,6 +1,6 @@
 //! Products of low rank, and sums of products that fuse.
 
-use crate::graph::{ExprId, Graph};
+use crate::graph::{ExprId, Graph, Scope};
 
 pub(super) type Factors<'a> = (&'a [[ExprId; 3]], &'a [[ExprId; 3]]);
 
@@ -13,17 +13,29 @@ pub(super) fn low_rank(
     row: usize,
     column: usize,
 ) -> ExprId {
-    let at = |rows: &[[ExprId; 3]], axis: usize| -> Vec<ExprId> { rows.iter().map(|r| r[axis]).collect() };
+    let one_way = products(g, &column_of(first.1, row), &column_of(second.0, column));
     if row == column && first == second {
-        let one_way = g.dot(&at(first.1, row), &at(second.0, column));
         let two = g.constant(2.0);
-        return add_products(g, start, &[two], &[one_way]);
+        return split_by_scope(g, one_way).into_iter().fold(start, |total, products| {
+            let sum = g.total(&products);
+            add_products(g, total, &[two], &[sum])
+        });
     }
-    let one_way = add_products(g, start, &at(first.1, row), &at(second.0, column));
-    add_products(g, one_way, &at(first.0, row), &at(second.1, column))
+    let mut all = one_way;
+    all.extend(products(g, &column_of(first.0, row), &column_of(second.1, column)));
+    if g.scope(start) == Scope::Element {
+        return add_all(g, start, all);
+    }
+    let [same, varying] = split_by_scope(g, all);
+    let same = g.total(&same);
+    // A name keeps it whole.
+    g.name(same, "same_for_all_nodes");
+    let start = g.add(start, same);
+    add_all(g, start, varying)
 }
 
-/// The same for the pair (row node, column node).
+/// The same for the pair (row node, column node). What rows that are the same for all nodes contribute is computed once
+/// per element.
 pub(super) fn low_rank_pair(
     g: &mut Graph,
     b: &[[ExprId; 3]],
@@ -38,8 +50,30 @@ pub(super) fn low_rank_pair(
     };
     let (b_row, c_row) = (rows(g, b), rows(g, c));
     let (b_column, c_column) = (columns(g, b), columns(g, c));
-    let one_way = g.dot(&c_row, &b_column);
-    add_products(g, one_way, &b_row, &c_column)
+    let mut all = products(g, &c_row, &b_column);
+    all.extend(products(g, &b_row, &c_column));
+    let [same, varying] = split_by_scope(g, all);
+    let start = g.total(&same);
+    add_all(g, start, varying)
+}
+
+/// Entries of one column of a factor.
+fn column_of(rows: &[[ExprId; 3]], axis: usize) -> Vec<ExprId> {
+    rows.iter().map(|row| row[axis]).collect()
+}
+
+fn products(g: &mut Graph, x: &[ExprId], y: &[ExprId]) -> Vec<ExprId> {
+    x.iter().zip(y).map(|(&x, &y)| g.mul(x, y)).collect()
+}
+
+/// Terms of element scope, and the others.
+fn split_by_scope(g: &Graph, terms: Vec<ExprId>) -> [Vec<ExprId>; 2] {
+    terms.into_iter().partition::<Vec<_>, _>(|&term| g.scope(term) == Scope::Element).into()
+}
+
+/// start + Σ term, added from the left.
+fn add_all(g: &mut Graph, start: ExprId, terms: Vec<ExprId>) -> ExprId {
+    terms.into_iter().fold(start, |total, term| g.add(total, term))
 }
 
 /// start + Σ x_k y_k, added from the left so that every product fuses with its addition.

@@ -1,13 +1,16 @@
 //! Derivatives of implicitly defined quantities, found in the structure of their definitions: sums over nodes,
 //! common factors, small linear systems.
 
+mod coordinates;
 mod factors;
 mod fit_derivatives;
 mod follower;
 mod linear_images;
 mod low_rank;
+mod outer_block;
 mod small;
 
-pub use fit_derivatives::{Block, CoordinateMap, Functional, Gradient, Hessian, NodeProblem};
+pub use coordinates::CoordinateMap;
+pub use fit_derivatives::{Block, Functional, Gradient, Hessian, NodeProblem};
 pub use follower::Follower;
 pub use linear_images::{LinearImages, SecondDerivative};

@@ -1,0 +1,30 @@
+//! What the derivatives of a moving frame cost beside those of a held one.
+
+use diffuse_contact_codegen::emit::{KernelCounts, emit_kernel};
+use diffuse_contact_codegen::{Basis, FrameRule, KernelSpec, Mode, Output, Weight};
+
+fn gap_hessian(basis: Basis, weight: &Weight, frame: FrameRule) -> KernelCounts {
+    let (output, mode, weight) = (Output::Gap, Mode::Hessian, weight.clone());
+    emit_kernel(&KernelSpec { output, mode, basis, weight, frame }).counts
+}
+
+#[test]
+fn a_moving_frame_costs_about_half_as_much_again_as_a_held_one() {
+    for weight in [Weight::cubic(), Weight::cubic_interpolating(), Weight::wendland_c2()] {
+        let held = gap_hessian(Basis::Quadratic, &weight, FrameRule::Frozen);
+        let moving = gap_hessian(Basis::Quadratic, &weight, FrameRule::CoMoving);
+        for nodes in 6..=24 {
+            let [held, moving] = [held, moving].map(|counts| counts.total(nodes).total() as f64);
+            assert!(moving <= 1.55 * held, "{}, {nodes} nodes: {held}, {moving}", weight.name());
+        }
+    }
+}
+
+#[test]
+fn a_moving_frame_adds_a_rank_of_four_to_the_pairs() {
+    for basis in Basis::ALL {
+        let [held, moving] = [FrameRule::Frozen, FrameRule::CoMoving]
+            .map(|frame| gap_hessian(basis, &Weight::cubic(), frame).pair.total());
+        assert_eq!(moving - held, 4 * 9, "{}", basis.name());
+    }
+}

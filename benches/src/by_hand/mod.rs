@@ -231,10 +231,9 @@ impl NodePart {
 }
 
 /// The packed lower triangle of F Gᵀ + G Fᵀ.
-#[inline(always)]
+#[inline(never)]
 fn lower_triangle<const C: usize>(f: &SMatrix<f64, C, 6>, g: &SMatrix<f64, C, 6>, packed: &mut [f64]) {
-    let columns = |m: &'_ SMatrix<f64, C, 6>| -> [[f64; C]; 6] { m.data.0 };
-    let (f, g) = (columns(f), columns(g));
+    let (f, g) = (&f.data.0, &g.data.0);
     let mut start = 0;
     for i in 0..C {
         let row = &mut packed[start..start + i + 1];

@@ -205,7 +205,7 @@ fn differences(found: &Evaluation, expected: &Evaluation, radius: f64) -> [(&'st
             return f64::INFINITY;
         }
         // A NaN comes through.
-        let larger = |x: f64, y: f64| if y <= x { x } else { y };
+        let larger = |x: f64, y: f64| if y <= x || x.is_nan() { x } else { y };
         let size = expected.iter().map(|x| x.abs()).fold(f64::MIN_POSITIVE, f64::max);
         found.iter().zip(expected).map(|(x, y)| (x - y).abs() / size).fold(0.0, larger)
     };

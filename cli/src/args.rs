@@ -8,6 +8,7 @@ use clap::{Args, Parser, Subcommand};
 use diffuse_contact_codegen::{Basis, FrameRule, Mode, Output};
 
 use crate::backend::BackendKind;
+use crate::bench::BenchArguments;
 use crate::check::NodeCounts;
 use crate::demo::status;
 use crate::error::report;
@@ -42,6 +43,8 @@ pub enum Command {
     Check(CheckArguments),
     /// Measure accuracy, smoothness and speed of contact surfaces on meshes of known shape.
     Study(StudyArguments),
+    /// Measure the generated kernels against the element written by hand and over dual numbers.
+    Bench(BenchArguments),
 }
 
 /// Arguments of `demo`.

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use diffuse_contact::ElementError;
 use diffuse_contact::ad::FormulaError;
+use diffuse_contact_benches::MeasureError;
 use diffuse_contact_codegen::model::WeightError;
 use diffuse_contact_codegen::{Basis, ConfigError, Mode, Output};
 use diffuse_contact_mesh::MeshError;
@@ -165,6 +166,9 @@ pub enum CliError {
     /// A kernel of fixed size cannot be made.
     #[error("--nodes: {0}")]
     Kernel(#[from] ConfigError),
+    /// Nothing can be measured, or a contender computes something else.
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
     /// There is nothing to compare on.
     #[error(transparent)]
     NoElement(#[from] NoElement),

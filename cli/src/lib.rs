@@ -29,6 +29,7 @@
 
 mod args;
 mod backend;
+mod bench;
 pub mod check;
 mod contact_mesh;
 mod contact_options;
@@ -80,6 +81,7 @@ pub fn main() -> ExitCode {
         Some(Command::Emit(arguments)) => emit::run(&arguments).map(done),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Study(arguments)) => study::run(&arguments).map(done),
+        Some(Command::Bench(arguments)) => bench::run(&arguments).map(done),
     };
     match outcome {
         Ok(code) => code,

@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+"""Counts the instructions of the generated kernels under callgrind and compares them with the stored baseline.
+
+    benches/instructions/check.py            exit code 1 if a count has left the baseline by more than the tolerance
+    benches/instructions/check.py --update   writes the baseline instead
+
+Instructions, unlike times, do not depend on how busy the machine is; on the compiler they do. Needs valgrind.
+"""
+
+import argparse
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+BASELINE = HERE / "baseline.json"
+# (kernel, instruction set, nodes). Valgrind knows none of AVX-512.
+CASES = [("generated-single", "sse2", 12)]
+# Elements of a round in the program, and rounds that are counted.
+ELEMENTS = 16
+ROUNDS = 8
+# Largest change that passes, relative.
+TOLERANCE = 0.03
+
+
+def build():
+    """The program, with the flags it is benchmarked with; its path."""
+    command = ["cargo", "build", "--profile", "bench", "-p", "diffuse-contact-benches", "--example", "instructions"]
+    command += ["--message-format", "json-render-diagnostics"]
+    output = subprocess.run(command, cwd=HERE, check=True, stdout=subprocess.PIPE, text=True).stdout
+    messages = [json.loads(line) for line in output.splitlines()]
+    return next(
+        message["executable"]
+        for message in messages
+        if message["reason"] == "compiler-artifact" and message["target"]["name"] == "instructions"
+    )
+
+
+def instructions(program, case, rounds):
+    """Instructions of a whole run."""
+    kernel, isa, nodes = case
+    with tempfile.TemporaryDirectory() as folder:
+        valgrind = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={folder}/out"]
+        command = [*valgrind, program, kernel, isa, str(nodes), str(rounds)]
+        answer = subprocess.run(command, capture_output=True, text=True)
+    found = re.search(r"Collected : (\d+)", answer.stderr)
+    if answer.returncode or not found:
+        sys.exit(f"error: {' '.join(command)}\n{answer.stderr}")
+    return int(found[1])
+
+
+def per_element(program, case):
+    """Instructions an element: the difference of a run with rounds and one without."""
+    return (instructions(program, case, ROUNDS) - instructions(program, case, 0)) / (ROUNDS * ELEMENTS)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--update", action="store_true", help="write the baseline")
+    arguments = parser.parse_args()
+    if not shutil.which("valgrind"):
+        sys.exit("error: valgrind is not installed")
+    program = build()
+    counts = {f"{kernel} {isa} {nodes}": per_element(program, (kernel, isa, nodes)) for kernel, isa, nodes in CASES}
+    if arguments.update:
+        compiler = subprocess.run(["rustc", "--version"], check=True, capture_output=True, text=True).stdout.strip()
+        text = json.dumps({"compiler": compiler, "instructions_per_element": counts}, indent=2)
+        BASELINE.write_text(text + "\n")
+        print(text)
+        return
+    baseline = json.loads(BASELINE.read_text())["instructions_per_element"]
+    passes = baseline.keys() == counts.keys()
+    if not passes:
+        print(f"the baseline has {sorted(baseline)}, counted were {sorted(counts)}: --update")
+    for name, count in counts.items():
+        expected = baseline.get(name)
+        if expected is None:
+            continue
+        change = count / expected - 1
+        sound = abs(change) <= TOLERANCE
+        passes &= sound
+        verdict = "ok" if sound else "fewer: --update" if change < 0 else "MORE"
+        print(f"{name}: {count:.0f} instructions an element, baseline {expected:.0f}, {change:+.2%}, {verdict}")
+    sys.exit(0 if passes else 1)
+
+
+if __name__ == "__main__":
+    main()

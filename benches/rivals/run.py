@@ -1,0 +1,173 @@
+#!/usr/bin/env python3
+"""Runs `diffuse-contact bench` and its rivals CasADi and JAX in turn, and writes docs/performance.md with its picture.
+
+    python benches/rivals/run.py                 the whole report, into docs/
+    python benches/rivals/run.py --nodes 9 --rounds 2 --docs /tmp/trial
+
+See README.md beside this file for what it needs.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import platform
+import statistics
+import subprocess
+import sys
+import time
+
+import casadi
+import jax
+
+import casadi_rival
+import jax_rival
+import report
+from elements import Elements
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+# What everybody has to agree to with the generated kernels.
+TOLERANCE = 1e-10
+# Different elements, and elements in one call of JAX.
+ELEMENTS, BATCH = 256, 1024
+# CasADi's compile time grows with the fourth power of the number of nodes: the whole gap up to here.
+MOST_NODES_OF_CASADI_GAP = 6
+# A rival is timed so long in each round.
+SECONDS = 0.5
+
+
+def build(folder, native):
+    """Builds the program and the one that prints elements; their paths and the seconds it took (of the first build, later
+    ones are quick)."""
+    environment = dict(os.environ)
+    # Cargo's folder, with one of its own for each set of flags.
+    target = pathlib.Path(environment.get("CARGO_TARGET_DIR", ROOT / "target"))
+    if native:
+        environment["RUSTFLAGS"] = "-C target-cpu=native"
+        target = target / "native"
+        environment["CARGO_TARGET_DIR"] = str(target)
+    start = time.perf_counter()
+    profile = ["cargo", "build", "--profile", "bench"]
+    subprocess.run([*profile, "-p", "diffuse-contact-cli"], cwd=ROOT, env=environment, check=True)
+    examples = ["-p", "diffuse-contact-benches", "--example", "surface_elements"]
+    if not native:
+        subprocess.run([*profile, *examples], cwd=ROOT, env=environment, check=True)
+    seconds = time.perf_counter() - start
+    facts = folder / f"cargo{'-native' if native else ''}.json"
+    if seconds > 20 or not facts.exists():
+        facts.write_text(json.dumps(seconds))
+    release = target / "release"
+    return release / "diffuse-contact", release / "examples" / "surface_elements", json.loads(facts.read_text())
+
+
+def bench(program, nodes, kernels=()):
+    """One run of the program: the report."""
+    command = [program, "bench", "--json", "--rounds", "3", "--nodes", ",".join(map(str, nodes))]
+    if kernels:
+        command += ["--kernels", ",".join(kernels)]
+    return json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
+
+
+def kernel_code(program):
+    """Number and bytes of the compiled kernels of the quadratic basis and the cubic weight, all outputs and numbers of
+    nodes together; None if there is no `nm`."""
+    try:
+        text = subprocess.run(["nm", "-SC", program], check=True, capture_output=True, text=True).stdout
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    rows = [line.split(maxsplit=3) for line in text.splitlines() if "kernels::cubic::quadratic::" in line]
+    sizes = [int(row[1], 16) for row in rows if len(row) == 4 and row[2] in "tT"]
+    return {"functions": len(sizes), "bytes": sum(sizes)}
+
+
+def machine():
+    """Processor, system and compilers."""
+    def said(*command):
+        return subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT).stdout.splitlines()
+
+    changed = bool(said("git", "status", "--porcelain", "--untracked-files=no"))
+    return {
+        "system": f"{platform.system()} {platform.machine()}",
+        "rustc": said("rustc", "--version")[0],
+        "gcc": said("gcc", "--version")[0],
+        "casadi": casadi.__version__,
+        "jax": jax.__version__,
+        "python": platform.python_version(),
+        "commit": said("git", "rev-parse", "HEAD")[0] + (" with changes" if changed else ""),
+    }
+
+
+def rivals(folder, program, nodes):
+    """All rivals for one number of nodes, compiled and compared."""
+    elements = Elements(program, nodes, ELEMENTS)
+    for what in ("surface", "gap"):
+        if what == "surface" or nodes <= MOST_NODES_OF_CASADI_GAP:
+            print(f"{nodes} nodes: CasADi, {what}", file=sys.stderr, flush=True)
+            yield casadi_rival.Rival(folder, what, elements)
+        print(f"{nodes} nodes: JAX, {what}", file=sys.stderr, flush=True)
+        yield jax_rival.Rival(folder, what, elements, BATCH)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--nodes", default="6,9,12,16", help="numbers of master nodes of the rivals")
+    parser.add_argument("--kernel-nodes", default="6,8,9,12,16,20,24", help="those of diffuse-contact bench")
+    parser.add_argument("--rounds", type=int, default=5, help="rounds of which times are medians")
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "target" / "rivals", help="folder for objects")
+    parser.add_argument("--docs", type=pathlib.Path, default=ROOT / "docs", help="where the report goes")
+    parser.add_argument("--no-native", action="store_true", help="without the build for this processor alone")
+    arguments = parser.parse_args()
+    nodes = [int(text) for text in arguments.nodes.split(",")]
+    kernel_nodes = [int(text) for text in arguments.kernel_nodes.split(",")]
+    folder = arguments.build.resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+
+    program, printer, cargo_s = build(folder, native=False)
+    native, _, native_s = (None, None, None) if arguments.no_native else build(folder, native=True)
+    ring = [rival for count in nodes for rival in rivals(folder, printer, count)]
+    agreement = {}
+    for rival in ring:
+        difference = rival.difference()
+        agreement[rival.name] = max(difference, agreement.get(rival.name, 0.0))
+        if not difference <= TOLERANCE:
+            sys.exit(f"error: {rival.name} {rival.what}, {rival.elements.nodes} nodes: differs by {difference:e}")
+
+    times, reports, natives = {}, [], []
+    for turn in range(arguments.rounds):
+        print(f"round {turn + 1} of {arguments.rounds}", file=sys.stderr, flush=True)
+        reports.append(bench(program, kernel_nodes))
+        if native:
+            natives.append(bench(native, kernel_nodes, ["generated", "by-hand"]))
+        for rival in ring:
+            key = (rival.elements.nodes, rival.name, rival.what)
+            times.setdefault(key, []).append(rival.run(SECONDS))
+    rows = report.median_rows(reports)
+    for (count, name, what), values in times.items():
+        rows.append({"nodes": count, "kernel": name, "output": f"{what}-hessian", "ns": statistics.median(values)})
+    result = {
+        **machine(),
+        "machine": reports[0]["machine"],
+        "isa": reports[0]["isa"],
+        "compiled_for": reports[0]["compiled_for"],
+        "peak": statistics.median(one["peak_fma_per_ns"] for one in reports),
+        "rounds": arguments.rounds,
+        "rows": rows,
+        "native_rows": report.median_rows(natives),
+        "native_isa": natives[0]["compiled_for"] if natives else None,
+        "agreement": agreement,
+        "compile": [
+            {"kernel": rival.name, "what": rival.what, "nodes": rival.elements.nodes, **rival.facts} for rival in ring
+        ],
+        "cargo_s": cargo_s,
+        "native_cargo_s": native_s,
+        "kernel_code": kernel_code(program),
+    }
+    for rival in ring:
+        if hasattr(rival, "close"):
+            rival.close()
+    (folder / "result.json").write_text(json.dumps(result, indent=1))
+    report.write(result, arguments.docs)
+
+
+if __name__ == "__main__":
+    main()

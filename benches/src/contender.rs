@@ -1,0 +1,181 @@
+//! The ways to evaluate an element, each behind the same two functions.
+
+use serde::Serialize;
+
+use crate::dual;
+use crate::generated::{GapOneByOne, SurfaceOneByOne};
+use crate::{Elements, by_hand};
+
+/// What a contender computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Output {
+    /// g, foot, ν, N: what a residual takes. The frame is held.
+    GapGradient,
+    /// g, foot, ν, N and the lower triangle of M. The frame is held.
+    GapHessian,
+    /// The same with the frame moving with the masters.
+    GapCoMovingHessian,
+    /// f, ∇f, T_1, T_2 and the lower triangle of H_f at a point of the plane. The frame is held.
+    SurfaceHessian,
+}
+
+impl Output {
+    /// Name, as in JSON.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::GapGradient => "gap-gradient",
+            Self::GapHessian => "gap-hessian",
+            Self::GapCoMovingHessian => "gap-co-moving-hessian",
+            Self::SurfaceHessian => "surface-hessian",
+        }
+    }
+}
+
+/// A contender gave no result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("element {element} has no result")]
+pub struct NoResult {
+    /// The element.
+    pub element: usize,
+}
+
+/// What is compared of a result, as far as the output has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evaluation {
+    /// g, or f of a surface, length.
+    pub value: f64,
+    /// Its derivatives with respect to the 3(n+1) coordinates.
+    pub gradient: Vec<f64>,
+    /// Packed lower triangle of its second derivatives; empty if the output has none.
+    pub hessian: Vec<f64>,
+}
+
+/// A contender with its buffers, for one set of elements.
+pub trait Run {
+    /// Evaluates the next `count` elements, after the last one again the first. Nothing is allocated.
+    ///
+    /// # Errors
+    /// [`NoResult`] for the first element that has none.
+    fn run(&mut self, count: usize) -> Result<(), NoResult>;
+
+    /// The result of one element.
+    ///
+    /// # Errors
+    /// [`NoResult`] if it has none.
+    fn evaluation(&mut self, element: usize) -> Result<Evaluation, NoResult>;
+}
+
+/// One way to compute one output.
+#[derive(Clone, Copy)]
+pub struct Contender {
+    /// What computes.
+    pub kernel: &'static str,
+    /// What is computed.
+    pub output: Output,
+    /// Makes room for a set of elements; `None` if the contender is not compiled for their number of nodes.
+    pub prepare: for<'a> fn(&'a Elements) -> Option<Box<dyn Run + 'a>>,
+    /// Whether [`operations`](crate::operations) counts what it does.
+    pub counted: bool,
+}
+
+impl std::fmt::Debug for Contender {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} {}", self.kernel, self.output.name())
+    }
+}
+
+/// The generated kernels, one element at a time.
+pub const GENERATED_SINGLE: &str = "generated-single";
+
+/// All contenders. One more is one more entry here and its [`Run`].
+pub const CONTENDERS: [Contender; 7] = [
+    Contender {
+        kernel: GENERATED_SINGLE,
+        output: Output::GapHessian,
+        prepare: |elements| Some(Box::new(GapOneByOne::new(elements, Output::GapHessian))),
+        counted: true,
+    },
+    Contender {
+        kernel: GENERATED_SINGLE,
+        output: Output::GapGradient,
+        prepare: |elements| Some(Box::new(GapOneByOne::new(elements, Output::GapGradient))),
+        counted: true,
+    },
+    Contender {
+        kernel: GENERATED_SINGLE,
+        output: Output::GapCoMovingHessian,
+        prepare: |elements| Some(Box::new(GapOneByOne::new(elements, Output::GapCoMovingHessian))),
+        counted: true,
+    },
+    Contender {
+        kernel: GENERATED_SINGLE,
+        output: Output::SurfaceHessian,
+        prepare: |elements| Some(Box::new(SurfaceOneByOne::new(elements))),
+        counted: true,
+    },
+    Contender {
+        kernel: "by-hand-nalgebra",
+        output: Output::GapHessian,
+        prepare: by_hand::prepare,
+        counted: false,
+    },
+    Contender {
+        kernel: "num-dual-dual2-vec",
+        output: Output::GapHessian,
+        prepare: dual::prepare_vectors,
+        counted: false,
+    },
+    Contender {
+        kernel: "num-dual-hyper-dual",
+        output: Output::GapHessian,
+        prepare: dual::prepare_pairs,
+        counted: false,
+    },
+];
+
+/// A contender that takes one element after another: `evaluate` computes element `index` into gradient and Hessian and
+/// returns the gap.
+pub(crate) struct OneByOne<'a, F> {
+    elements: &'a Elements,
+    evaluate: F,
+    next: usize,
+    gradient: Vec<f64>,
+    hessian: Vec<f64>,
+}
+
+impl<'a, F> OneByOne<'a, F>
+where
+    F: FnMut(&Elements, usize, &mut [f64], &mut [f64]) -> Option<f64>,
+{
+    pub(crate) fn new(elements: &'a Elements, evaluate: F) -> Self {
+        let freedoms = elements.degrees_of_freedom();
+        let hessian = vec![0.0; freedoms * (freedoms + 1) / 2];
+        Self { elements, evaluate, next: 0, gradient: vec![0.0; freedoms], hessian }
+    }
+}
+
+impl<F> Run for OneByOne<'_, F>
+where
+    F: FnMut(&Elements, usize, &mut [f64], &mut [f64]) -> Option<f64>,
+{
+    fn run(&mut self, count: usize) -> Result<(), NoResult> {
+        for _ in 0..count {
+            let element = self.next;
+            let value = (self.evaluate)(self.elements, element, &mut self.gradient, &mut self.hessian);
+            std::hint::black_box(value.ok_or(NoResult { element })?);
+            std::hint::black_box((&mut self.gradient, &mut self.hessian));
+            self.next = if element + 1 == self.elements.len() { 0 } else { element + 1 };
+        }
+        Ok(())
+    }
+
+    fn evaluation(&mut self, element: usize) -> Result<Evaluation, NoResult> {
+        self.gradient.fill(f64::NAN);
+        self.hessian.fill(f64::NAN);
+        let value = (self.evaluate)(self.elements, element, &mut self.gradient, &mut self.hessian)
+            .ok_or(NoResult { element })?;
+        Ok(Evaluation { value, gradient: self.gradient.clone(), hessian: self.hessian.clone() })
+    }
+}

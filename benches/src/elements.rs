@@ -1,0 +1,226 @@
+//! The elements all contenders evaluate: patches of a curved surface with noise, turned and moved anywhere.
+
+use std::f64::consts::PI;
+
+use diffuse_contact::{Backend, Basis, Element, ElementError, Frame, Generated, Mode, Point, Weight};
+
+/// Support radius over the largest in-plane distance of a master from the slave, as the pairing has it.
+const RADIUS_FACTOR: f64 = 1.25;
+/// Slopes and curvatures of the surface in its own axes, with the patch's radius as unit of length.
+const SIZES: [f64; 5] = [0.2, 0.2, 0.15, 0.1, 0.15];
+/// Noise in the masters' heights.
+const NOISE: f64 = 0.01;
+/// Farthest that slaves are above or below the surface.
+const DISTANCE: f64 = 0.1;
+/// Farthest that slaves are from the middle of the patch, in each direction.
+const INSET: f64 = 0.2;
+/// Patches drawn for each element asked for before giving up.
+const DRAWS: usize = 20;
+
+/// Why there are no elements.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ElementsError {
+    /// A fit of second degree needs more nodes.
+    #[error("{nodes} master nodes: the quadratic basis needs at least {}", Basis::Quadratic.size())]
+    TooFewNodes {
+        /// What was asked for.
+        nodes: usize,
+    },
+    /// Too many of the patches drawn have no gap.
+    #[error("of {drawn} patches with {nodes} master nodes only {found} have a gap, {wanted} are wanted")]
+    TooFewSound {
+        /// Master nodes.
+        nodes: usize,
+        /// Patches drawn.
+        drawn: usize,
+        /// Those with a gap.
+        found: usize,
+        /// What was asked for.
+        wanted: usize,
+    },
+}
+
+/// Elements with the same number of master nodes, all of which have a gap.
+#[derive(Clone, Debug)]
+pub struct Elements {
+    nodes: usize,
+    slaves: Vec<Point>,
+    masters: Vec<Point>,
+    frames: Vec<Frame>,
+    radii: Vec<f64>,
+}
+
+impl Elements {
+    /// `count` elements with `nodes` master nodes each, the same in every run.
+    ///
+    /// # Errors
+    /// [`ElementsError`].
+    pub fn new(nodes: usize, count: usize) -> Result<Self, ElementsError> {
+        if nodes < Basis::Quadratic.size() {
+            return Err(ElementsError::TooFewNodes { nodes });
+        }
+        let mut random = Random(nodes as u64);
+        let mut elements = Self { nodes, slaves: vec![], masters: vec![], frames: vec![], radii: vec![] };
+        let drawn = DRAWS * count;
+        for _ in 0..drawn {
+            if elements.len() == count {
+                break;
+            }
+            let _ = elements.try_push(&mut random);
+        }
+        if elements.len() < count {
+            return Err(ElementsError::TooFewSound { nodes, drawn, found: elements.len(), wanted: count });
+        }
+        Ok(elements)
+    }
+
+    /// Number of elements.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.slaves.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.slaves.is_empty()
+    }
+
+    /// Master nodes of each.
+    #[must_use]
+    pub const fn nodes(&self) -> usize {
+        self.nodes
+    }
+
+    /// Coordinates the gap of one depends on, 3(n+1).
+    #[must_use]
+    pub const fn degrees_of_freedom(&self) -> usize {
+        3 * (self.nodes + 1)
+    }
+
+    /// Element `index` with its frame held.
+    ///
+    /// # Panics
+    /// If there is no such element.
+    #[must_use]
+    pub fn frozen(&self, index: usize) -> Element<'_> {
+        let element = self.co_moving(index);
+        Element { frame: element.frame.frozen(), ..element }
+    }
+
+    /// Element `index` with its frame, the average plane, moving with the masters.
+    ///
+    /// # Panics
+    /// If there is no such element.
+    #[must_use]
+    pub fn co_moving(&self, index: usize) -> Element<'_> {
+        Element {
+            slave: self.slaves[index],
+            masters: &self.masters[index * self.nodes..][..self.nodes],
+            frame: self.frames[index],
+            support_radius: self.radii[index],
+            basis: Basis::Quadratic,
+            weight: Weight::Cubic,
+        }
+    }
+
+    /// Draws a patch and keeps it if it has a gap with either frame.
+    fn try_push(&mut self, random: &mut Random) -> Result<(), ElementError> {
+        let surface = SIZES.map(|size| size * random.signed());
+        let height = |a: f64, b: f64| {
+            surface[0] * a + surface[1] * b + surface[2] * a * a + surface[3] * a * b + surface[4] * b * b
+        };
+        let axes = random.rotation();
+        let origin: Point = std::array::from_fn(|_| 10.0 * random.signed());
+        let globally = |local: Point| -> Point {
+            std::array::from_fn(|k| origin[k] + (0..3).map(|j| axes[j][k] * local[j]).sum::<f64>())
+        };
+        let masters: Vec<Point> = spread(self.nodes, random)
+            .into_iter()
+            .map(|[a, b]| globally([a, b, height(a, b) + NOISE * random.signed()]))
+            .collect();
+        let [a, b] = [INSET * random.signed(), INSET * random.signed()];
+        let slave = globally([a, b, height(a, b) + DISTANCE * random.signed()]);
+        let frame = Frame::average_plane(&masters, axes[2])?;
+        let square = |x: &Point| {
+            let along = |t: Point| (0..3).map(|k| t[k] * (x[k] - slave[k])).sum::<f64>();
+            along(frame.t1).powi(2) + along(frame.t2).powi(2)
+        };
+        let support_radius = RADIUS_FACTOR * masters.iter().map(square).fold(0.0, f64::max).sqrt();
+        let (basis, weight) = (Basis::Quadratic, Weight::Cubic);
+        let element = Element { slave, masters: &masters, frame, support_radius, basis, weight };
+        Generated.gap(&element, Mode::Hessian)?;
+        Generated.gap(&Element { frame: frame.frozen(), ..element }, Mode::Hessian)?;
+        self.slaves.push(slave);
+        self.masters.extend_from_slice(&masters);
+        self.frames.push(frame);
+        self.radii.push(support_radius);
+        Ok(())
+    }
+}
+
+/// `n` points of the unit disc along a spiral by golden angles, each moved by up to a quarter of their distance.
+fn spread(n: usize, random: &mut Random) -> Vec<[f64; 2]> {
+    let golden = PI * (3.0 - 5.0f64.sqrt());
+    let start = PI * random.signed();
+    let step = 0.25 / (n as f64).sqrt();
+    (0..n)
+        .map(|i| {
+            let r = ((i as f64 + 0.5) / n as f64).sqrt();
+            let (s, c) = (golden * i as f64 + start).sin_cos();
+            [r * c + step * random.signed(), r * s + step * random.signed()]
+        })
+        .collect()
+}
+
+/// Numbers that are the same in every run.
+struct Random(u64);
+
+impl Random {
+    /// A number in [−1, 1) (`SplitMix64`).
+    fn signed(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let x = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    /// Rows of a rotation matrix.
+    fn rotation(&mut self) -> [Point; 3] {
+        let [w, x, y, z] = loop {
+            let q: [f64; 4] = std::array::from_fn(|_| self.signed());
+            let square: f64 = q.iter().map(|x| x * x).sum();
+            if (0.01..=1.0).contains(&square) {
+                break q.map(|x| x / square.sqrt());
+            }
+        };
+        [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn elements_are_different_and_the_same_in_every_run() {
+        let elements = Elements::new(9, 20).unwrap();
+        assert_eq!((elements.len(), elements.nodes(), elements.degrees_of_freedom()), (20, 9, 30));
+        let again = Elements::new(9, 20).unwrap();
+        for i in 0..20 {
+            assert_eq!(elements.frozen(i).masters, again.frozen(i).masters);
+            for j in 0..i {
+                assert_ne!(elements.frozen(i).slave, elements.frozen(j).slave);
+            }
+        }
+    }
+
+    #[test]
+    fn too_few_nodes_are_refused() {
+        assert_eq!(Elements::new(5, 1).unwrap_err(), ElementsError::TooFewNodes { nodes: 5 });
+    }
+}

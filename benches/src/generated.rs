@@ -1,0 +1,202 @@
+//! The generated kernels as contenders, and how many operations they do.
+//!
+//! [`GapOneByOne`] is what a program calls for one element. A call for many elements at once is one more [`Run`] beside
+//! it, listed in [`CONTENDERS`](crate::CONTENDERS).
+
+use diffuse_contact::{Basis, Element, Generated, Mode};
+use diffuse_contact_codegen as codegen;
+use diffuse_contact_kernels::cubic::Cubic;
+use diffuse_contact_kernels::support::{GapValues, Inputs, KernelSet, Status, SurfaceValues};
+
+use crate::Elements;
+use crate::contender::{Evaluation, NoResult, Output, Run};
+
+/// Name of the instruction set the generated kernels use.
+#[must_use]
+pub const fn isa() -> &'static str {
+    compiled_for()
+}
+
+/// Name of the instruction set the program is compiled for, which all but the generated kernels use.
+#[must_use]
+pub const fn compiled_for() -> &'static str {
+    if cfg!(target_feature = "avx512f") {
+        "avx512"
+    } else if cfg!(all(target_feature = "avx2", target_feature = "fma")) {
+        "avx2"
+    } else if cfg!(target_feature = "sse2") {
+        "sse2"
+    } else {
+        "portable"
+    }
+}
+
+/// In-plane offset from the slave at which surfaces are evaluated, over the support radius.
+pub const SURFACE_POINT: [f64; 2] = [0.05, -0.08];
+
+/// [`Generated::gap_into`] on one element after another.
+pub struct GapOneByOne<'a> {
+    elements: &'a Elements,
+    output: Output,
+    next: usize,
+    gradient: Vec<f64>,
+    hessian: Vec<f64>,
+}
+
+impl<'a> GapOneByOne<'a> {
+    /// For these elements; `output` is one of the gap's.
+    ///
+    /// # Panics
+    /// If the output is a surface.
+    #[must_use]
+    pub fn new(elements: &'a Elements, output: Output) -> Self {
+        assert_ne!(output, Output::SurfaceHessian);
+        let freedoms = elements.degrees_of_freedom();
+        let packed = if output == Output::GapGradient { 0 } else { freedoms * (freedoms + 1) / 2 };
+        Self { elements, output, next: 0, gradient: vec![0.0; freedoms], hessian: vec![0.0; packed] }
+    }
+
+    #[inline]
+    fn evaluate(&mut self, index: usize) -> Result<f64, NoResult> {
+        let element = element(self.elements, self.output, index);
+        let mode = if self.output == Output::GapGradient { Mode::Gradient } else { Mode::Hessian };
+        let point = Generated.gap_into(&element, mode, &mut self.gradient, &mut self.hessian);
+        // Foot and normal count as used, too.
+        Ok(std::hint::black_box(point.map_err(|_| NoResult { element: index })?).gap)
+    }
+}
+
+impl Run for GapOneByOne<'_> {
+    fn run(&mut self, count: usize) -> Result<(), NoResult> {
+        for _ in 0..count {
+            self.evaluate(self.next)?;
+            std::hint::black_box((&mut self.gradient, &mut self.hessian));
+            self.next = if self.next + 1 == self.elements.len() { 0 } else { self.next + 1 };
+        }
+        Ok(())
+    }
+
+    fn evaluation(&mut self, element: usize) -> Result<Evaluation, NoResult> {
+        self.gradient.fill(f64::NAN);
+        self.hessian.fill(f64::NAN);
+        let value = self.evaluate(element)?;
+        Ok(Evaluation { value, gradient: self.gradient.clone(), hessian: self.hessian.clone() })
+    }
+}
+
+/// The surface kernel on one element after another.
+pub struct SurfaceOneByOne<'a> {
+    elements: &'a Elements,
+    next: usize,
+    /// ∇f, T_1, T_2, one after another.
+    gradients: Vec<f64>,
+    hessian: Vec<f64>,
+}
+
+impl<'a> SurfaceOneByOne<'a> {
+    /// For these elements.
+    #[must_use]
+    pub fn new(elements: &'a Elements) -> Self {
+        let freedoms = elements.degrees_of_freedom();
+        let hessian = vec![0.0; freedoms * (freedoms + 1) / 2];
+        Self { elements, next: 0, gradients: vec![0.0; 3 * freedoms], hessian }
+    }
+
+    #[inline]
+    fn evaluate(&mut self, index: usize) -> Result<f64, NoResult> {
+        let element = self.elements.frozen(index);
+        let inputs = inputs(&element, SURFACE_POINT.map(|u| u * element.support_radius));
+        let values: SurfaceValues<f64> =
+            Cubic::surface(Basis::Quadratic, Mode::Hessian, &inputs, &mut self.gradients, &mut self.hessian);
+        match values.status() {
+            Status::Ok => Ok(std::hint::black_box(values).value),
+            _ => Err(NoResult { element: index }),
+        }
+    }
+}
+
+impl Run for SurfaceOneByOne<'_> {
+    fn run(&mut self, count: usize) -> Result<(), NoResult> {
+        for _ in 0..count {
+            self.evaluate(self.next)?;
+            std::hint::black_box((&mut self.gradients, &mut self.hessian));
+            self.next = if self.next + 1 == self.elements.len() { 0 } else { self.next + 1 };
+        }
+        Ok(())
+    }
+
+    fn evaluation(&mut self, element: usize) -> Result<Evaluation, NoResult> {
+        self.gradients.fill(f64::NAN);
+        self.hessian.fill(f64::NAN);
+        let value = self.evaluate(element)?;
+        let gradient = self.gradients[..self.elements.degrees_of_freedom()].to_vec();
+        Ok(Evaluation { value, gradient, hessian: self.hessian.clone() })
+    }
+}
+
+/// Operations of the generated kernel for one element: fused multiply-adds, and whatever else counts like one (an
+/// unpaired addition, a division, a root, a choice). The foot's equations count as often as these elements evaluate
+/// them on average.
+#[must_use]
+pub fn operations(output: Output, elements: &Elements) -> f64 {
+    use codegen::{FrameRule, Mode, Output as Kernel};
+    let (kernel, mode, frame) = match output {
+        Output::GapGradient => (Kernel::Gap, Mode::Gradient, FrameRule::Frozen),
+        Output::GapHessian => (Kernel::Gap, Mode::Hessian, FrameRule::Frozen),
+        Output::GapCoMovingHessian => (Kernel::Gap, Mode::Hessian, FrameRule::CoMoving),
+        Output::SurfaceHessian => (Kernel::Surface, Mode::Hessian, FrameRule::Frozen),
+    };
+    let spec = codegen::KernelSpec {
+        output: kernel,
+        mode,
+        basis: codegen::Basis::Quadratic,
+        weight: codegen::Weight::cubic(),
+        frame,
+    };
+    let counts = codegen::emit::emit_kernel(&spec).counts;
+    let once = counts.total(elements.nodes()).total() - counts.iteration.total();
+    once as f64 + counts.iteration.total() as f64 * foot_iterations(elements)
+}
+
+/// Evaluations of the foot's equations for one element, the mean.
+#[must_use]
+pub fn foot_iterations(elements: &Elements) -> f64 {
+    let iterations = |index| {
+        let inputs = inputs(&elements.frozen(index), [0.0; 2]);
+        let values: GapValues<f64> = Cubic::gap(Basis::Quadratic, Mode::Value, &inputs, &mut [], &mut []);
+        values.foot_iterations
+    };
+    (0..elements.len()).map(iterations).sum::<f64>() / elements.len() as f64
+}
+
+/// Element `index` with the frame rule of the output.
+fn element(elements: &Elements, output: Output, index: usize) -> Element<'_> {
+    match output {
+        Output::GapCoMovingHessian => elements.co_moving(index),
+        _ => elements.frozen(index),
+    }
+}
+
+fn inputs<'a>(element: &Element<'a>, point: [f64; 2]) -> Inputs<'a, f64> {
+    Inputs {
+        slave: element.slave,
+        masters: element.masters,
+        t1: element.frame.t1,
+        t2: element.frame.t2,
+        normal: element.frame.normal,
+        support_radius: element.support_radius,
+        point,
+        anchor: 0.0,
+    }
+}
+
+/// The result all contenders are held against: that of the generated kernels, one element at a time.
+///
+/// # Errors
+/// [`NoResult`] if the element has none.
+pub fn reference(elements: &Elements, output: Output, index: usize) -> Result<Evaluation, NoResult> {
+    match output {
+        Output::SurfaceHessian => SurfaceOneByOne::new(elements).evaluation(index),
+        _ => GapOneByOne::new(elements, output).evaluation(index),
+    }
+}

@@ -1,0 +1,32 @@
+//! The generated kernels against their rivals, all on the same elements: quadratic basis, cubic weight.
+//!
+//! Every way to evaluate the element is a [`Contender`]: the kernels, the element written by hand, automatic
+//! differentiation. [`measure()`] compares their results, runs them in interleaved rounds and takes medians; a
+//! [`Report`] holds what was found. `diffuse-contact bench` prints it. Figures count with link-time optimisation only:
+//! `cargo run --profile bench -- bench`.
+//!
+//! | file | what it holds |
+//! | --- | --- |
+//! | `elements.rs` | the elements all contenders evaluate |
+//! | `contender.rs` | what a contender is, and the list of them |
+//! | `generated.rs` | the generated kernels as contenders, and their operation counts |
+//! | `by_hand/` | the element written by hand with nalgebra |
+//! | `dual.rs` | the element over the dual numbers of num-dual |
+//! | `peak.rs` | the fused multiply-adds a second that the machine can do |
+//! | `measure.rs`, `report.rs` | rounds and medians, tables and JSON |
+#![forbid(unsafe_code)]
+
+pub mod by_hand;
+pub mod contender;
+pub mod dual;
+pub mod elements;
+pub mod generated;
+pub mod measure;
+pub mod peak;
+pub mod report;
+
+pub use contender::{CONTENDERS, Contender, Evaluation, NoResult, Output, Run};
+pub use elements::{Elements, ElementsError};
+pub use generated::operations;
+pub use measure::{MeasureError, Plan, measure};
+pub use report::Report;

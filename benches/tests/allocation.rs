@@ -1,0 +1,40 @@
+//! No contender allocates while it is timed.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use diffuse_contact_benches::{CONTENDERS, Elements};
+
+/// The system's allocator, counting.
+struct Counting;
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: everything is passed on to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller's promises are those of `System`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the pointer came from `System`.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+/// The only test of its program: others would be counted, too.
+#[test]
+fn runs_do_not_allocate() {
+    let elements = Elements::new(9, 4).unwrap();
+    for contender in CONTENDERS {
+        let mut run = (contender.prepare)(&elements).unwrap();
+        let before = ALLOCATIONS.load(Ordering::Relaxed);
+        run.run(6).unwrap();
+        assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0, "{contender:?}");
+    }
+}

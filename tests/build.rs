@@ -2,7 +2,7 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use diffuse_contact_codegen::{Basis, Config};
+use diffuse_contact_codegen::Config;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = PathBuf::from(std::env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?).join("bases");
@@ -15,16 +15,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             "third_degree",
             &[(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)],
         )?
-        .nodes(Basis::Quadratic, 6..=6)?
-        .nodes(Basis::Linear, 3..=3)?
         .output_folder(folder)
         .compile()?;
     Config::new()
         .weight("wendland", "(1 - r)^4 * (1 + 4*r)")?
         .weight("matern", "exp(-r) * (1 + r) * (1 - r^2)^2 / sqrt(1 + 3*r^2)")?
         .weight("spline", "if r < 0.5 { 2/3 - 4*r^2 + 4*r^3 } else { 4/3*(1 - r)^3 }")?
-        .nodes(Basis::Quadratic, 7..=7)?
-        .nodes(Basis::Linear, 4..=4)?
         .compile()?;
     Ok(())
 }

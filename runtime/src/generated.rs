@@ -4,7 +4,9 @@ use std::marker::PhantomData;
 
 use diffuse_contact_kernels::cubic::Cubic;
 use diffuse_contact_kernels::cubic_interpolating::CubicInterpolating;
-use diffuse_contact_kernels::support::{GapValues, Inputs, KernelSet, PIVOT_TOLERANCE, Status};
+use diffuse_contact_kernels::support::{
+    ElementInputs, FrameRule, GapValues, Isa, KernelSet, Masters, PIVOT_TOLERANCE, Status,
+};
 
 use diffuse_contact_kernels::wendland_c2::WendlandC2;
 
@@ -197,25 +199,30 @@ fn run_gap<K: KernelSet>(
     hessian: &mut [f64],
 ) -> Result<GapValues<f64>, ElementError> {
     let inputs = inputs::<K>(element, [0.0; 2]);
-    let values = match element.frame.derivative {
-        FrameDerivative::Frozen => K::gap(element.basis, mode, &inputs, gradient, hessian),
-        FrameDerivative::CoMoving => K::gap_co_moving(element.basis, mode, &inputs, gradient, hessian),
-    };
+    let kernel = (element.basis, frame_rule(element.frame.derivative), mode);
+    let values = K::gap(Isa::best(), kernel, &inputs, gradient, hessian);
     check(values.status())?;
     Ok(values)
 }
 
-fn inputs<'a, K: KernelSet>(element: &Element<'a>, point: [f64; 2]) -> Inputs<'a, f64> {
+pub(crate) const fn frame_rule(derivative: FrameDerivative) -> FrameRule {
+    match derivative {
+        FrameDerivative::Frozen => FrameRule::Frozen,
+        FrameDerivative::CoMoving => FrameRule::CoMoving,
+    }
+}
+
+pub(crate) fn inputs<'a, K: KernelSet>(element: &Element<'a>, point: [f64; 2]) -> ElementInputs<'a> {
     let anchor = if K::INTERPOLATING { element.nearest_in_plane() } else { 0 };
-    Inputs {
+    ElementInputs {
         slave: element.slave,
-        masters: element.masters,
+        masters: Masters::Positions(element.masters),
         t1: element.frame.t1,
         t2: element.frame.t2,
         normal: element.frame.normal,
         support_radius: element.support_radius,
         point,
-        anchor: anchor as f64,
+        anchor,
     }
 }
 

@@ -274,13 +274,12 @@ fn gap_methods(weight: &Weight, bases: &[Basis]) -> TokenStream {
         fn gap_batch(
             isa: Isa,
             kernel: (Basis, FrameRule, Mode),
-            elements: &[ElementInputs<'_>],
-            outputs: &mut [GapOutput<'_>],
+            elements: &mut [BatchElement<'_>],
             workspace: &mut Workspace,
         ) {
             match kernel {
-                #(#patterns => batch::<#types>(isa, elements, outputs, workspace),)*
-                (Basis::Custom(_), _, _) => outputs.iter_mut().for_each(|output| output.values = GapValues::NONE),
+                #(#patterns => batch::<#types>(isa, elements, workspace),)*
+                (Basis::Custom(_), _, _) => elements.iter_mut().for_each(|element| element.values = GapValues::NONE),
             }
         }
     }

@@ -39,9 +39,11 @@ impl Workspace {
     }
 }
 
-/// Where the results of an element of a batch go. What the kernel does not compute may be empty and is not touched.
+/// One element of a batch, and where its results go. What the kernel does not compute may be empty and is not touched.
 #[derive(Debug)]
-pub struct GapOutput<'a> {
+pub struct BatchElement<'a> {
+    /// What is read.
+    pub inputs: ElementInputs<'a>,
     /// Values.
     pub values: GapValues<f64>,
     /// N, 3(n+1) entries ordered slave, master 1, …, master n.
@@ -69,7 +71,7 @@ pub fn scalar<V>(
     let count = inputs.masters.len();
     let masters: Vec<[f64; 3]> = (0..count).map(|k| inputs.masters.get(k)).collect();
     let mut scratch = vec![0.0; kept * count];
-    kernel(&Inputs::gather(std::slice::from_ref(inputs), &masters), &mut scratch)
+    kernel(&Inputs::gather(|_| inputs, &masters), &mut scratch)
 }
 
 /// Evaluates one element, its nodes side by side. Allocates only for more than 24 nodes or so.
@@ -128,7 +130,7 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
                 *vector = T::from_fn(|lane| node(lane)[axis]);
             }
         }
-        let inputs = Inputs::gather(std::slice::from_ref(inputs), masters);
+        let inputs = Inputs::gather(|_| inputs, masters);
         K::evaluate::<T::Scalar, T, Single<T>>(&inputs, scratch, gradient, hessian).lane(0)
     }
 }
@@ -140,29 +142,25 @@ const SOME: usize = 256;
 /// Evaluates elements of the same number of nodes, side by side. What one of them gets does not depend on the others.
 ///
 /// # Panics
-/// If there are not as many outputs as elements, the numbers of nodes differ, or a slice is shorter than the kernel
-/// needs.
-pub fn batch<K: GapKernel>(
-    isa: Isa,
-    elements: &[ElementInputs<'_>],
-    outputs: &mut [GapOutput<'_>],
-    workspace: &mut Workspace,
-) {
-    assert_eq!(elements.len(), outputs.len(), "an output for each element");
+/// If the numbers of nodes differ, or a slice is shorter than the kernel needs.
+pub fn batch<K: GapKernel>(isa: Isa, elements: &mut [BatchElement<'_>], workspace: &mut Workspace) {
     let Some(first) = elements.first() else { return };
-    let count = first.masters.len();
-    assert!(elements.iter().all(|element| element.masters.len() == count), "elements of as many nodes");
-    let code = Elements::<K> { elements, outputs, workspace, kernel: PhantomData };
-    if let Err(Elements { elements, outputs, .. }) = isa.run_wide(code) {
-        for (element, output) in elements.iter().zip(outputs) {
-            output.values = single::<K>(isa, element, output.gradient, output.hessian);
+    let count = first.inputs.masters.len();
+    assert!(
+        elements.iter().all(|element| element.inputs.masters.len() == count),
+        "elements of as many nodes"
+    );
+    if let Err(Elements { elements, .. }) =
+        isa.run_wide(Elements::<K> { elements, workspace, kernel: PhantomData })
+    {
+        for BatchElement { inputs, values, gradient, hessian } in elements {
+            *values = single::<K>(isa, inputs, gradient, hessian);
         }
     }
 }
 
-struct Elements<'a, 'o, K> {
-    elements: &'a [ElementInputs<'a>],
-    outputs: &'a mut [GapOutput<'o>],
+struct Elements<'a, 'e, K> {
+    elements: &'a mut [BatchElement<'e>],
     workspace: &'a mut Workspace,
     kernel: PhantomData<K>,
 }
@@ -172,7 +170,7 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
 
     #[inline(always)]
     fn run<T: Vector>(self) {
-        let count = self.elements[0].masters.len();
+        let count = self.elements[0].inputs.masters.len();
         let (gradients, hessians) = sizes(K::MODE, count);
         let needed = (3 + K::KEPT) * count + gradients + hessians;
         let vectors = Block::vectors::<T>(self.workspace.blocks(Block::count::<T>(needed)));
@@ -181,25 +179,21 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
         let (scratch, vectors) = vectors.split_at_mut(K::KEPT * count);
         let (gradient, vectors) = vectors.split_at_mut(gradients);
         let hessian = &mut vectors[..hessians];
-        for (elements, outputs) in self.elements.chunks(T::WIDTH).zip(self.outputs.chunks_mut(T::WIDTH)) {
+        for elements in self.elements.chunks_mut(T::WIDTH) {
+            // The last element also fills the lanes beyond.
+            let last = elements.len() - 1;
             for (k, master) in masters.iter_mut().enumerate() {
-                // The last element also fills the lanes beyond.
-                let node = |lane: usize| elements[lane.min(elements.len() - 1)].masters.get(k);
                 for (axis, vector) in master.iter_mut().enumerate() {
-                    *vector = T::from_fn(|lane| node(lane)[axis]);
+                    *vector = T::from_fn(|lane| elements[lane.min(last)].inputs.masters.get(k)[axis]);
                 }
             }
-            let inputs = Inputs::gather(elements, masters);
+            let inputs = Inputs::gather(|lane| &elements[lane.min(last)].inputs, masters);
             let values = K::evaluate::<T, T, Batch<T>>(&inputs, scratch, gradient, hessian);
-            for (lane, output) in outputs.iter_mut().enumerate() {
-                output.values = values.lane(lane);
+            for (lane, element) in elements.iter_mut().enumerate() {
+                element.values = values.lane(lane);
             }
-            if gradients > 0 {
-                T::store_transposed(gradient, outputs, |output| output.gradient);
-            }
-            if hessians > 0 {
-                T::store_transposed(hessian, outputs, |output| output.hessian);
-            }
+            T::store_transposed(gradient, elements, |element| element.gradient);
+            T::store_transposed(hessian, elements, |element| element.hessian);
         }
     }
 }

@@ -96,26 +96,18 @@ pub struct Inputs<'a, E, T = E> {
 }
 
 impl<'a, E: Lane, T: Lane> Inputs<'a, E, T> {
-    /// The elements side by side, one per lane of `E`; the last one also in lanes beyond. `masters` are theirs as
-    /// vectors.
-    ///
-    /// # Panics
-    /// If there are no elements.
+    /// The elements `at(lane)` side by side, one per lane of `E`. `masters` are theirs as vectors.
     #[inline(always)]
     #[must_use]
-    pub fn gather(elements: &[ElementInputs<'_>], masters: &'a [[T; 3]]) -> Self {
-        let last = elements.len() - 1;
-        let at = |lane: usize| &elements[lane.min(last)];
-        let vector = |x: fn(&ElementInputs<'_>) -> [f64; 3]| {
-            [0, 1, 2].map(|axis| E::from_fn(|lane| x(at(lane))[axis]))
-        };
+    pub fn gather<'e>(at: impl Fn(usize) -> &'e ElementInputs<'e>, masters: &'a [[T; 3]]) -> Self {
+        let axes = [0, 1, 2];
         Self {
-            slave: vector(|x| x.slave),
+            slave: axes.map(|axis| E::from_fn(|lane| at(lane).slave[axis])),
             masters,
-            count: elements[0].masters.len(),
-            t1: vector(|x| x.t1),
-            t2: vector(|x| x.t2),
-            normal: vector(|x| x.normal),
+            count: at(0).masters.len(),
+            t1: axes.map(|axis| E::from_fn(|lane| at(lane).t1[axis])),
+            t2: axes.map(|axis| E::from_fn(|lane| at(lane).t2[axis])),
+            normal: axes.map(|axis| E::from_fn(|lane| at(lane).normal[axis])),
             support_radius: E::from_fn(|lane| at(lane).support_radius),
             point: [0, 1].map(|k| E::from_fn(|lane| at(lane).point[k])),
             anchor: E::from_fn(|lane| at(lane).anchor as f64),

@@ -16,7 +16,7 @@ mod status;
 mod values;
 
 pub use descent::TwoVariables;
-pub use drive::{GapKernel, GapOutput, Workspace, batch, scalar, single};
+pub use drive::{BatchElement, GapKernel, Workspace, batch, scalar, single};
 pub use facet::{AREA_TOLERANCE, FacetInputs, FacetValues, first_entries};
 pub use inputs::{ElementInputs, Inputs, Masters};
 pub use isa::Isa;

@@ -1,7 +1,7 @@
 //! The generated kernels of a weight behind one trait.
 
 use super::{
-    Basis, CoefficientsValues, ElementInputs, FrameRule, GapOutput, GapValues, Isa, Mode, SurfaceValues,
+    Basis, BatchElement, CoefficientsValues, ElementInputs, FrameRule, GapValues, Isa, Mode, SurfaceValues,
     Workspace,
 };
 
@@ -55,12 +55,11 @@ pub trait KernelSet {
     /// them gets does not depend on the others. Allocates only if `workspace` has to grow.
     ///
     /// # Panics
-    /// Also if there are not as many outputs as elements, or the numbers of nodes differ.
+    /// Also if the numbers of nodes differ.
     fn gap_batch(
         isa: Isa,
         kernel: (Basis, FrameRule, Mode),
-        elements: &[ElementInputs<'_>],
-        outputs: &mut [GapOutput<'_>],
+        elements: &mut [BatchElement<'_>],
         workspace: &mut Workspace,
     );
 }

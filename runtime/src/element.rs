@@ -3,7 +3,7 @@
 use crate::{Basis, ElementError, Frame, FrameDerivative, Point};
 
 /// Weight function of the fit, a function of r = (in-plane distance from the slave) / (support radius).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum Weight {
     /// 1 − 3r² + 2r³ inside the support radius, 0 outside (Chamoret et al. 2008, eq. 14).
     #[default]
@@ -58,14 +58,7 @@ impl Element<'_> {
     /// Index of the master node nearest to the slave in the plane (t1, t2), the first of several; 0 if there are none.
     #[must_use]
     pub fn nearest_in_plane(&self) -> usize {
-        let square = |master: &Point| {
-            let offset: Point = std::array::from_fn(|k| master[k] - self.slave[k]);
-            let [a, b] = [self.frame.t1, self.frame.t2]
-                .map(|t| (0..3).map(|k| t[k] * offset[k]).sum::<f64>() / self.support_radius);
-            a * a + b * b
-        };
-        let squares = self.masters.iter().map(square).enumerate();
-        squares.min_by(|x, y| x.1.total_cmp(&y.1)).map_or(0, |(index, _)| index)
+        nearest_in_plane(self.slave, self.masters.iter().copied(), &self.frame, self.support_radius)
     }
 
     /// Checks what no kernel can repair: enough master nodes, finite input, positive support radius, orthonormal
@@ -100,4 +93,21 @@ impl Element<'_> {
         self.frame.check()?;
         self.frame.check_average_plane(self.masters)
     }
+}
+
+/// As [`Element::nearest_in_plane`].
+pub(crate) fn nearest_in_plane(
+    slave: Point,
+    masters: impl Iterator<Item = Point>,
+    frame: &Frame,
+    support_radius: f64,
+) -> usize {
+    let square = |master: Point| {
+        let offset: Point = std::array::from_fn(|k| master[k] - slave[k]);
+        let [a, b] =
+            [frame.t1, frame.t2].map(|t| (0..3).map(|k| t[k] * offset[k]).sum::<f64>() / support_radius);
+        a * a + b * b
+    };
+    let squares = masters.map(square).enumerate();
+    squares.min_by(|x, y| x.1.total_cmp(&y.1)).map_or(0, |(index, _)| index)
 }

@@ -98,17 +98,23 @@ impl Frame {
                 return Err(ElementError::NonFiniteInput { what: "master", index });
             }
         }
+        Self::average_plane_of(masters.iter().copied(), outward)
+    }
+
+    /// As [`average_plane`](Self::average_plane), of points that are known to be finite.
+    pub(crate) fn average_plane_of(
+        masters: impl ExactSizeIterator<Item = Point> + Clone,
+        outward: Point,
+    ) -> Result<Self, ElementError> {
         let no_plane = |smallest, middle| ElementError::NoAveragePlane { smallest, middle };
-        if masters.is_empty() {
-            return Err(no_plane(0.0, 0.0));
-        }
+        let Some(first) = masters.clone().next() else { return Err(no_plane(0.0, 0.0)) };
         // Mean of differences from the first node: far from the origin the plain mean loses digits.
-        let first = Vector3::from(masters[0]);
-        let scale = masters.iter().map(|x| (Vector3::from(*x) - first).amax()).fold(0.0, f64::max);
+        let first = Vector3::from(first);
+        let scale = masters.clone().map(|x| (Vector3::from(x) - first).amax()).fold(0.0, f64::max);
         if !(scale > 0.0 && scale.is_finite()) {
             return Err(no_plane(0.0, 0.0));
         }
-        let offsets = || masters.iter().map(|x| (Vector3::from(*x) - first) / scale);
+        let offsets = || masters.clone().map(|x| (Vector3::from(x) - first) / scale);
         let mean = offsets().sum::<Vector3<f64>>() / masters.len() as f64;
         let scatter: Matrix3<f64> = offsets().map(|x| (x - mean) * (x - mean).transpose()).sum();
         let eigen = SymmetricEigen::new(scatter);

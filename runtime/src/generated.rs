@@ -2,13 +2,9 @@
 
 use std::marker::PhantomData;
 
-use diffuse_contact_kernels::cubic::Cubic;
-use diffuse_contact_kernels::cubic_interpolating::CubicInterpolating;
 use diffuse_contact_kernels::support::{
     ElementInputs, FrameRule, GapValues, Isa, KernelSet, Masters, PIVOT_TOLERANCE, Status,
 };
-
-use diffuse_contact_kernels::wendland_c2::WendlandC2;
 
 use crate::output::SymmetricMatrix;
 use crate::{
@@ -59,20 +55,22 @@ macro_rules! with_kernels {
     ($weight:expr, $kernels:ident => $call:expr) => {
         match $weight {
             Weight::Cubic => {
-                type $kernels = Cubic;
+                type $kernels = diffuse_contact_kernels::cubic::Cubic;
                 $call
             }
             Weight::CubicInterpolating => {
-                type $kernels = CubicInterpolating;
+                type $kernels = diffuse_contact_kernels::cubic_interpolating::CubicInterpolating;
                 $call
             }
             Weight::WendlandC2 => {
-                type $kernels = WendlandC2;
+                type $kernels = diffuse_contact_kernels::wendland_c2::WendlandC2;
                 $call
             }
         }
     };
 }
+
+pub(crate) use with_kernels;
 
 impl Backend for Generated {
     fn coefficients(&self, element: &Element<'_>, mode: Mode) -> Result<Coefficients, ElementError> {
@@ -184,7 +182,7 @@ impl<K: KernelSet> GeneratedWith<K> {
 }
 
 /// [`Element::validate`], and whether there are kernels for the basis.
-fn validate<K: KernelSet>(element: &Element<'_>) -> Result<(), ElementError> {
+pub(crate) fn validate<K: KernelSet>(element: &Element<'_>) -> Result<(), ElementError> {
     if !K::BASES.contains(&element.basis) {
         return Err(ElementError::NoKernels { basis: element.basis.name() });
     }

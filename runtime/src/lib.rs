@@ -4,6 +4,7 @@
 pub mod ad;
 pub mod assembly;
 pub mod backend;
+pub mod batch;
 pub mod element;
 pub mod error;
 pub mod facet;
@@ -16,6 +17,7 @@ pub mod pairing;
 pub mod surface;
 
 pub use backend::Backend;
+pub use batch::{BatchScratch, GapSlot};
 pub use diffuse_contact_kernels::support::{Basis, CustomBasis, Mode};
 pub use element::{Element, Weight};
 pub use error::ElementError;

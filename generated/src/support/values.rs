@@ -3,7 +3,7 @@
 use super::Lane;
 
 /// Polynomial basis of the moving least squares fit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Basis {
     /// (1, a, b, a², ab, b²): six coefficients, at least six master nodes.
     Quadratic,
@@ -14,7 +14,7 @@ pub enum Basis {
 }
 
 /// A basis of the caller's. Generated code has a constant for each: only kernel sets made for it know it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CustomBasis {
     /// Name, that of the kernels' module.
     pub name: &'static str,
@@ -89,7 +89,7 @@ pub enum Mode {
 }
 
 /// What the local frame does while differentiating.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum FrameRule {
     /// It is held, as in the paper.
     Frozen,

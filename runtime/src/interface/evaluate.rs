@@ -1,16 +1,22 @@
 //! One element at the positions of the moment, and all of them in parallel.
 
+use diffuse_contact_kernels::support::{ElementInputs, Masters};
+
 use super::contacts::{Layout, Slot, Slots};
 use super::pairings::{Paired, Pairings};
 use super::scratch::Pool;
 use super::{ContactElement, InterfaceOptions, NoContact, Outcome};
+use crate::batch::{BatchScratch, GapSlot, Waiting, contact_point, evaluate};
+use crate::element::nearest_in_plane;
+use crate::generated::frame_rule;
+use crate::neighbourhood::Fallback;
 use crate::surface::{BorderScratch, Creases, MasterSurface};
 use crate::{
-    ContactPoint, Element, ElementError, FacetElement, Frame, FrameDerivative, Generated, Mode, Point,
+    ContactPoint, Element, ElementError, FacetElement, Frame, FrameDerivative, Generated, Mode, Point, Weight,
 };
 
-/// Slaves that one thread evaluates in a row.
-pub const CHUNK: usize = 64;
+/// Slaves that one thread evaluates in a row: enough for full vectors although numbers of masters differ.
+pub const CHUNK: usize = 256;
 
 /// What every element of an interface has in common.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +35,7 @@ pub struct ElementScratch {
     /// Nodes of a facet, ascending.
     corners: Vec<u32>,
     border: BorderScratch,
+    batch: BatchScratch,
 }
 
 impl Evaluator<'_> {
@@ -45,19 +52,87 @@ impl Evaluator<'_> {
             );
             return;
         }
-        pool.with(ElementScratch::default, |scratch| {
-            slots.for_each(layout, |slot| {
+        pool.with(ElementScratch::default, |scratch| match self.options.element {
+            ContactElement::Diffuse { weight, .. } => {
+                self.fill_side_by_side(pairings, mode, slots, weight, scratch);
+            }
+            ContactElement::NodeToFacet => slots.for_each(layout, |slot| {
                 let Slot { index, outcome, point, gradient, hessian } = slot;
                 let result = pairings.get(index).and_then(|paired| {
                     let point = self.element(&paired, mode, gradient, hessian, scratch)?;
                     Ok((point, paired.record.fallback))
                 });
-                (*outcome, *point) = match result {
-                    Ok((point, fallback)) => (Outcome::Contact { fallback }, point),
-                    Err(reason) => (Outcome::None(reason), ContactPoint::default()),
-                };
-            });
+                write(result, outcome, point);
+            }),
         });
+    }
+
+    /// Diffuse elements, those with the same number of masters side by side.
+    fn fill_side_by_side(
+        &self,
+        pairings: &Pairings,
+        mode: Mode,
+        slots: Slots<'_>,
+        weight: Weight,
+        scratch: &mut ElementScratch,
+    ) {
+        let mut slots = slots.each(&pairings.layout);
+        let mut waiting = Vec::with_capacity(slots.len());
+        let mut places = Vec::with_capacity(slots.len());
+        for (place, slot) in slots.iter_mut().enumerate() {
+            let paired = pairings.get(slot.index);
+            let with_frame = paired.and_then(|paired| Ok((paired, self.current_frame(&paired)?)));
+            match with_frame {
+                Ok((paired, frame)) => {
+                    let gradient = std::mem::take(&mut slot.gradient);
+                    let hessian = std::mem::take(&mut slot.hessian);
+                    waiting.push(Waiting {
+                        weight,
+                        frame: frame_rule(frame.derivative),
+                        basis: paired.record.basis,
+                        inputs: self.inputs(&paired, &frame, weight),
+                        slot: GapSlot { gradient, hessian },
+                        is_sound: true,
+                    });
+                    places.push((place, paired));
+                }
+                Err(reason) => write(Err(reason), slot.outcome, slot.point),
+            }
+        }
+        let ElementScratch { border, batch, .. } = scratch;
+        evaluate(mode, waiting, batch, |index, values| {
+            let (place, paired) = &places[index];
+            let point = self.within_border(paired, contact_point(values), border);
+            let slot = &mut slots[*place];
+            write(point.map(|point| (point, paired.record.fallback)), slot.outcome, slot.point);
+        });
+    }
+
+    /// What a kernel reads of a paired slave.
+    fn inputs<'s>(&'s self, paired: &Paired<'s>, frame: &Frame, weight: Weight) -> ElementInputs<'s> {
+        let slave = self.positions[paired.slave];
+        let support_radius = paired.record.support_radius;
+        let anchor = match weight {
+            Weight::CubicInterpolating => {
+                nearest_in_plane(slave, self.masters(paired), frame, support_radius)
+            }
+            Weight::Cubic | Weight::WendlandC2 => 0,
+        };
+        ElementInputs {
+            slave,
+            masters: Masters::Indexed { positions: self.positions, nodes: paired.masters },
+            t1: frame.t1,
+            t2: frame.t2,
+            normal: frame.normal,
+            support_radius,
+            point: [0.0; 2],
+            anchor,
+        }
+    }
+
+    /// Positions of the masters.
+    fn masters<'s>(&'s self, paired: &Paired<'s>) -> impl ExactSizeIterator<Item = Point> + Clone + 's {
+        paired.masters.iter().map(|&node| self.positions[node as usize])
     }
 
     /// The gap alone.
@@ -81,19 +156,7 @@ impl Evaluator<'_> {
                 let (support_radius, basis) = (paired.record.support_radius, paired.record.basis);
                 let element = Element { slave, masters, frame, support_radius, basis, weight };
                 let point = Generated.gap_into(&element, mode, gradient, hessian);
-                // A slave that has slid far beyond the border has no fit any more: the border is the reason.
-                let foot = match &point {
-                    Ok(point) => point.foot,
-                    Err(error @ ElementError::BeyondCentreOfCurvature { .. }) => return Err((*error).into()),
-                    Err(_) => slave,
-                };
-                let beyond = if paired.record.ends_near {
-                    let patch = (paired.record.facet, paired.masters);
-                    self.creases.beyond(self.surface, self.positions, patch, foot, &mut scratch.border)
-                } else {
-                    0.0
-                };
-                (point.map_err(NoContact::from), beyond)
+                return self.within_border(paired, point, &mut scratch.border);
             }
             ContactElement::NodeToFacet => {
                 let element = FacetElement { slave, corners: self.gather(paired, scratch) };
@@ -109,14 +172,46 @@ impl Evaluator<'_> {
                     let patch = (paired.record.facet, corners.as_slice());
                     self.creases.beyond(self.surface, self.positions, patch, found.point.foot, border)
                 };
-                (Ok(found.point), beyond)
+                (found.point, beyond)
             }
         };
-        let tolerance = self.options.border_tolerance;
-        if beyond > tolerance {
-            return Err(NoContact::BeyondBorder { distance: beyond, tolerance });
+        self.check_border(beyond)?;
+        Ok(point)
+    }
+
+    /// The result of a diffuse element, if its foot lies on its patch.
+    fn within_border(
+        &self,
+        paired: &Paired<'_>,
+        point: Result<ContactPoint, ElementError>,
+        border: &mut BorderScratch,
+    ) -> Result<ContactPoint, NoContact> {
+        if paired.record.ends_near {
+            // A slave that has slid far beyond the border has no fit any more: the border is the reason.
+            let foot = match &point {
+                Ok(point) => point.foot,
+                Err(error @ ElementError::BeyondCentreOfCurvature { .. }) => return Err((*error).into()),
+                Err(_) => self.positions[paired.slave],
+            };
+            let patch = (paired.record.facet, paired.masters);
+            self.check_border(self.creases.beyond(self.surface, self.positions, patch, foot, border))?;
         }
-        point
+        point.map_err(NoContact::from)
+    }
+
+    fn check_border(&self, beyond: f64) -> Result<(), NoContact> {
+        let tolerance = self.options.border_tolerance;
+        if beyond > tolerance { Err(NoContact::BeyondBorder { distance: beyond, tolerance }) } else { Ok(()) }
+    }
+
+    /// The frame of a diffuse element: the one that is held, or the average plane of the masters, outward where the
+    /// slave's facet is now.
+    fn current_frame(&self, paired: &Paired<'_>) -> Result<Frame, NoContact> {
+        if let Some(frame) = paired.frame {
+            return Ok(*frame);
+        }
+        let facet = self.surface.shape(paired.record.facet as usize, self.positions);
+        Ok(Frame::average_plane_of(self.masters(paired), facet.normal().into())?)
     }
 
     /// The frame of a diffuse element: the one that is held, or the average plane of the masters, outward where the
@@ -126,15 +221,7 @@ impl Evaluator<'_> {
         paired: &Paired<'_>,
         scratch: &'s mut ElementScratch,
     ) -> Result<(Frame, &'s [Point]), NoContact> {
-        let masters = self.gather(paired, scratch);
-        let frame = match paired.frame {
-            Some(frame) => *frame,
-            None => {
-                let facet = self.surface.shape(paired.record.facet as usize, self.positions);
-                Frame::average_plane(masters, facet.normal().into())?
-            }
-        };
-        Ok((frame, masters))
+        Ok((self.current_frame(paired)?, self.gather(paired, scratch)))
     }
 
     pub fn gather<'s>(&self, paired: &Paired<'_>, scratch: &'s mut ElementScratch) -> &'s [Point] {
@@ -172,4 +259,15 @@ impl Evaluator<'_> {
     const fn holds_frames(&self) -> bool {
         matches!(self.options.element, ContactElement::Diffuse { frame: FrameDerivative::Frozen, .. })
     }
+}
+
+fn write(
+    result: Result<(ContactPoint, Fallback), NoContact>,
+    outcome: &mut Outcome,
+    point: &mut ContactPoint,
+) {
+    (*outcome, *point) = match result {
+        Ok((point, fallback)) => (Outcome::Contact { fallback }, point),
+        Err(reason) => (Outcome::None(reason), ContactPoint::default()),
+    };
 }

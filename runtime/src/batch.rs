@@ -1,0 +1,153 @@
+//! Many elements at once: those with the same kernel and number of nodes are evaluated side by side.
+
+use diffuse_contact_kernels::support::{
+    Basis, BatchElement, ElementInputs, FrameRule, GapValues, Isa, KernelSet, Workspace,
+};
+
+use crate::generated::{check, frame_rule, inputs, validate, with_kernels};
+use crate::{ContactPoint, Element, ElementError, Generated, Mode, Weight};
+
+/// Room that batches use, kept from one to the next.
+#[derive(Clone, Debug, Default)]
+pub struct BatchScratch {
+    workspace: Workspace,
+    /// Which elements go through which kernel, those with the same one after another.
+    order: Vec<(Key, usize)>,
+}
+
+/// What elements that go side by side have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Key {
+    weight: Weight,
+    frame: FrameRule,
+    basis: Basis,
+    nodes: usize,
+}
+
+/// Where the results of one element go. What the mode does not ask for may be empty and is not touched.
+#[derive(Debug, Default)]
+pub struct GapSlot<'a> {
+    /// N, 3(n+1) entries.
+    pub gradient: &'a mut [f64],
+    /// M, packed lower triangle: see [`SymmetricMatrix`](crate::SymmetricMatrix).
+    pub hessian: &'a mut [f64],
+}
+
+impl Generated {
+    /// [`gap_into`](Self::gap_into) for many elements, which may differ in everything: those that share weight, basis,
+    /// frame rule and number of nodes are evaluated side by side, one per lane of the machine's vectors. What an element
+    /// gets does not depend on the others; it differs from what `gap_into` gives by rounding.
+    ///
+    /// # Errors
+    /// An entry for each element, as [`gap_into`](Self::gap_into).
+    ///
+    /// # Panics
+    /// If there are not as many slots as elements, or a slice is shorter than its mode needs.
+    ///
+    /// ```
+    /// use diffuse_contact::{BatchScratch, Basis, Element, Frame, GapSlot, Generated, Mode, Weight};
+    ///
+    /// let masters: Vec<[f64; 3]> =
+    ///     (0..9).map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0, 0.0]).collect();
+    /// let frame = Frame::average_plane(&masters, [0.0, 0.0, 1.0])?;
+    /// let (basis, weight) = (Basis::Quadratic, Weight::Cubic);
+    /// let heights = [0.25, 0.5, -0.125];
+    /// let elements = heights.map(|z| Element {
+    ///     slave: [0.1, 0.2, z], masters: &masters, frame, support_radius: 2.0, basis, weight,
+    /// });
+    /// // N of all elements, 3(n+1) entries each.
+    /// let mut gradients = vec![0.0; 3 * 30];
+    /// let slots = gradients.chunks_mut(30).map(|gradient| GapSlot { gradient, ..GapSlot::default() });
+    /// let mut scratch = BatchScratch::default();
+    /// let contacts = Generated.gap_batch(&elements, Mode::Gradient, slots, &mut scratch);
+    /// for (contact, z) in contacts.into_iter().zip(heights) {
+    ///     assert!((contact?.gap - z).abs() < 1e-14);
+    /// }
+    /// # Ok::<(), diffuse_contact::ElementError>(())
+    /// ```
+    pub fn gap_batch<'a>(
+        &self,
+        elements: &[Element<'_>],
+        mode: Mode,
+        slots: impl IntoIterator<Item = GapSlot<'a>>,
+        scratch: &mut BatchScratch,
+    ) -> Vec<Result<ContactPoint, ElementError>> {
+        let mut results = Vec::with_capacity(elements.len());
+        let mut waiting = Vec::with_capacity(elements.len());
+        let mut slots = slots.into_iter();
+        for element in elements {
+            let slot = slots.next().expect("a slot for each element");
+            let (sound, inputs) = with_kernels!(element.weight, K => {
+                (validate::<K>(element), inputs::<K>(element, [0.0; 2]))
+            });
+            results.push(sound.map(|()| ContactPoint::default()));
+            waiting.push(Waiting {
+                weight: element.weight,
+                frame: frame_rule(element.frame.derivative),
+                basis: element.basis,
+                inputs,
+                slot,
+                is_sound: sound.is_ok(),
+            });
+        }
+        assert!(slots.next().is_none(), "a slot for each element");
+        evaluate(mode, waiting, scratch, |index, values| results[index] = contact_point(values));
+        results
+    }
+}
+
+/// Gap, foot and normal, if there are any.
+pub(crate) fn contact_point(values: &GapValues<f64>) -> Result<ContactPoint, ElementError> {
+    check(values.status())?;
+    Ok(ContactPoint { gap: values.gap, foot: values.foot, normal: values.normal })
+}
+
+/// An element before it is evaluated.
+#[derive(Debug)]
+pub(crate) struct Waiting<'a, 's> {
+    pub weight: Weight,
+    pub frame: FrameRule,
+    pub basis: Basis,
+    pub inputs: ElementInputs<'a>,
+    pub slot: GapSlot<'s>,
+    /// Others are left out.
+    pub is_sound: bool,
+}
+
+/// Evaluates the elements, which need no further check, and hands over the values of each with its place among them.
+pub(crate) fn evaluate<'a>(
+    mode: Mode,
+    mut waiting: Vec<Waiting<'a, 'a>>,
+    scratch: &mut BatchScratch,
+    mut result: impl FnMut(usize, &GapValues<f64>),
+) {
+    let BatchScratch { workspace, order } = scratch;
+    order.clear();
+    order.extend(waiting.iter().enumerate().filter(|(_, element)| element.is_sound).map(
+        |(index, element)| {
+            let Waiting { weight, frame, basis, inputs, .. } = element;
+            (Key { weight: *weight, frame: *frame, basis: *basis, nodes: inputs.masters.len() }, index)
+        },
+    ));
+    order.sort_unstable();
+    let mut elements = Vec::with_capacity(MOST_AT_ONCE);
+    for group in order.chunk_by(|x, y| x.0 == y.0) {
+        let Key { weight, frame, basis, .. } = group[0].0;
+        for group in group.chunks(MOST_AT_ONCE) {
+            elements.clear();
+            elements.extend(group.iter().map(|&(_, index)| {
+                let GapSlot { gradient, hessian } = std::mem::take(&mut waiting[index].slot);
+                BatchElement { inputs: waiting[index].inputs, values: GapValues::NONE, gradient, hessian }
+            }));
+            with_kernels!(weight, K => {
+                K::gap_batch(Isa::best(), (basis, frame, mode), &mut elements, workspace)
+            });
+            for (element, &(_, index)) in elements.iter().zip(group) {
+                result(index, &element.values);
+            }
+        }
+    }
+}
+
+/// Elements handed to a kernel at once: a multiple of the widest vector.
+const MOST_AT_ONCE: usize = 32;

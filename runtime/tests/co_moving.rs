@@ -293,7 +293,9 @@ fn a_held_frame_has_the_same_gap_and_other_derivatives() {
         for backend in [&Ad as &dyn Backend, &Generated] {
             let (moving, held) = (hessian(backend, &case), hessian(backend, &frozen));
             assert_below((moving.gap - held.gap).abs() / case.radius, 1e-15, "g");
-            assert_eq!((moving.foot, moving.normal), (held.foot, held.normal));
+            // Two kernels: the same but for rounding.
+            assert_below(difference(&moving.foot, &held.foot) / case.radius, 1e-15, "foot");
+            assert_below(difference(&moving.normal, &held.normal), 1e-15, "normal");
             // With three nodes the linear fit interpolates: no frame changes its plane.
             if case.nodes.len() == 4 {
                 assert_below(difference(&moving.gradient, &held.gradient), 1e-12, "N");

@@ -164,8 +164,12 @@ macro_rules! common_lane_methods {
         const ONE: Self = Self(unsafe { std::mem::transmute::<[f64; $width], _>([1.0; $width]) });
 
         #[inline(always)]
-        fn from_fn(value: impl FnMut(usize) -> f64) -> Self {
-            let numbers: [f64; $width] = std::array::from_fn(value);
+        fn from_fn(mut value: impl FnMut(usize) -> f64) -> Self {
+            // Not `std::array::from_fn`, which is not always inlined.
+            let mut numbers = [0.0; $width];
+            for (k, number) in numbers.iter_mut().enumerate() {
+                *number = value(k);
+            }
             // SAFETY: of the same size, both plain numbers.
             Self(unsafe { std::mem::transmute::<[f64; $width], _>(numbers) })
         }

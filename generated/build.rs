@@ -3,6 +3,13 @@
 use diffuse_contact_codegen::Config;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    Config::new().cubic().cubic_interpolating().wendland_c2().facets().support("crate::support").compile()?;
+    Config::new()
+        .cubic()
+        .wendland_c2()
+        .cubic_interpolating()
+        .share_kernels()
+        .facets()
+        .support("crate::support")
+        .compile()?;
     Ok(())
 }

@@ -8,7 +8,7 @@ use super::expression::Writer;
 use super::names::Names;
 use crate::graph::{ExprId, NODE_INDEX, Op, RootFigure, RootId, Scope};
 use crate::lower::lower;
-use crate::model::{FrameRule, Kernel, KernelSpec, MOST_COEFFICIENTS, Mode, Output};
+use crate::model::{FrameRule, Kernel, KernelSpec, MOST_COEFFICIENTS, Mode, Output, WEIGHT_NUMBER};
 use crate::schedule::{NodeTarget, Program, Statement};
 
 /// A kernel's source.
@@ -233,6 +233,10 @@ impl FunctionWriter<'_> {
         }
         if self.program.kernel.spec.weight.is_interpolating() {
             arrays.push(quote!(let anchor = inputs.anchor;));
+        }
+        if self.program.kernel.spec.weight.is_several() {
+            let name = format_ident!("{WEIGHT_NUMBER}");
+            arrays.push(quote!(let #name = inputs.weight_number;));
         }
         self.statements += arrays.len() + 1;
         quote! {

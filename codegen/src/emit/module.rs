@@ -13,11 +13,12 @@ const HEADER: &str =
 
 /// All kernels of the weights, and the facet kernels if asked for, as a formatted file.
 ///
-/// `support` is the path of the support module (`crate::support` or `::diffuse_contact_kernels::support`).
+/// Weights of one group share kernels, see [`Weight::either`]. `support` is the path of the support module
+/// (`crate::support` or `::diffuse_contact_kernels::support`).
 #[must_use]
-pub fn emit_file(weights: &[Weight], support: &syn::Path, bases: &[Basis], facets: bool) -> String {
+pub fn emit_file(weights: &[Vec<Weight>], support: &syn::Path, bases: &[Basis], facets: bool) -> String {
     let constants = bases.iter().filter_map(|basis| custom_basis(*basis, support));
-    let modules = weights.iter().map(|weight| weight_module(weight, support, bases));
+    let modules = weights.iter().map(|weights| weight_modules(weights, support, bases));
     let facets = facets.then(|| facet_module(support));
     format(&quote!(#(#constants)* #(#modules)* #facets))
 }
@@ -58,7 +59,39 @@ fn format(tokens: &TokenStream) -> String {
     format!("{HEADER}\n{}", prettyplease::unparse(&file))
 }
 
-fn weight_module(weight: &Weight, support: &syn::Path, bases: &[Basis]) -> TokenStream {
+/// The kernels of weights that share them, and a module for each weight.
+fn weight_modules(weights: &[Weight], support: &syn::Path, bases: &[Basis]) -> TokenStream {
+    let [weight] = weights else {
+        let both = Weight::either(weights).expect("no interpolating weights are put together");
+        let module = format_ident!("{}", both.name());
+        let kernels = bases.iter().map(|basis| basis_module(&both, *basis, support));
+        let sets = weights.iter().enumerate().map(|(number, weight)| {
+            weight_module(weight, (&both, number), &quote!(super::#module), &quote!(), support, bases)
+        });
+        let doc = format!(" Kernels with one of the weights `{}`.", both.text());
+        return quote! {
+            #[doc = #doc]
+            #[allow(clippy::all, clippy::pedantic)]
+            mod #module {
+                #(#kernels)*
+            }
+            #(#sets)*
+        };
+    };
+    let kernels = bases.iter().map(|basis| basis_module(weight, *basis, support));
+    weight_module(weight, (weight, 0), &quote!(self), &quote!(#(#kernels)*), support, bases)
+}
+
+/// The module of a weight: the set of its kernels, which are those of another weight with a number, in the module
+/// `place`; and what else it has.
+fn weight_module(
+    weight: &Weight,
+    (of, number): (&Weight, usize),
+    place: &TokenStream,
+    kernels: &TokenStream,
+    support: &syn::Path,
+    bases: &[Basis],
+) -> TokenStream {
     let module = format_ident!("{}", weight.name());
     let set = format_ident!("{}", camel_case(weight.name()));
     let all_bases = bases.iter().map(|basis| match basis {
@@ -71,9 +104,9 @@ fn weight_module(weight: &Weight, support: &syn::Path, bases: &[Basis]) -> Token
             quote!(Basis::#name)
         }
     });
-    let modules = bases.iter().map(|basis| basis_module(weight, *basis, support));
-    let scalar = [Output::Coefficients, Output::Surface].map(|output| scalar_method(output, weight, bases));
-    let gap = gap_methods(weight, bases);
+    let scalar = [Output::Coefficients, Output::Surface]
+        .map(|output| scalar_method(output, (of, number), place, bases));
+    let gap = gap_methods((of, number), place, bases);
     let description = match weight.is_interpolating() {
         true => format!("ω/(1 − ω), ω = `{}`", weight.text()),
         false => format!("`{}`", weight.text()),
@@ -89,7 +122,7 @@ fn weight_module(weight: &Weight, support: &syn::Path, bases: &[Basis]) -> Token
         pub mod #module {
             use #support::*;
 
-            #(#modules)*
+            #kernels
 
             #[doc = #set_doc]
             #[derive(Clone, Copy, Debug, Default)]
@@ -135,7 +168,7 @@ fn basis_module(weight: &Weight, basis: Basis, support: &syn::Path) -> TokenStre
     let doc = format!(" {} basis, {} coefficients.", camel_case(basis.name()), basis.size());
     quote! {
         #[doc = #doc]
-        mod #module {
+        pub(super) mod #module {
             use #support::*;
             #(#kernels)*
         }
@@ -163,6 +196,7 @@ fn gap_kernel(kernel: &EmittedKernel) -> Option<TokenStream> {
     let arguments = derivative_arguments(spec.mode);
     let mode = format_ident!("{}", camel_case(spec.mode.name()));
     let doc = format!(" [`{function}`]");
+    let every_width = is_compiled_for_every_width(spec);
     let parameter = |name: &str, is_used: bool| {
         let name = format_ident!("{name}");
         if is_used { quote!(#name) } else { quote!(_) }
@@ -177,6 +211,7 @@ fn gap_kernel(kernel: &EmittedKernel) -> Option<TokenStream> {
         impl GapKernel for #name {
             const MODE: Mode = Mode::#mode;
             const KEPT: usize = #kept::COUNT;
+            const EVERY_WIDTH: bool = #every_width;
 
             #[inline(always)]
             fn evaluate<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
@@ -191,6 +226,12 @@ fn gap_kernel(kernel: &EmittedKernel) -> Option<TokenStream> {
     })
 }
 
+/// The quadratic basis with a fitting weight is what most elements have. Batches with another basis (a fallback) or an
+/// interpolating weight are compiled for vectors of four numbers only.
+fn is_compiled_for_every_width(spec: &KernelSpec) -> bool {
+    spec.basis == Basis::Quadratic && !spec.weight.is_interpolating()
+}
+
 /// A basis as a pattern; with it a condition, as the constant of a caller's basis is no pattern.
 fn basis_pattern(basis: Basis) -> (TokenStream, Option<TokenStream>) {
     if let Basis::Custom(_) = basis {
@@ -202,7 +243,12 @@ fn basis_pattern(basis: Basis) -> (TokenStream, Option<TokenStream>) {
 }
 
 /// The method of `KernelSet` for coefficients or surface.
-fn scalar_method(output: Output, weight: &Weight, bases: &[Basis]) -> TokenStream {
+fn scalar_method(
+    output: Output,
+    (weight, number): (&Weight, usize),
+    place: &TokenStream,
+    bases: &[Basis],
+) -> TokenStream {
     let method = format_ident!("{}", output.name());
     let values = values_name(output);
     let arms = bases.iter().flat_map(|&basis| {
@@ -215,8 +261,8 @@ fn scalar_method(output: Output, weight: &Weight, bases: &[Basis]) -> TokenStrea
             let arguments = derivative_arguments(mode);
             let mode_name = format_ident!("{}", camel_case(mode.name()));
             quote! {
-                (#pattern, Mode::#mode_name) #condition => scalar(inputs, #module::#kept::COUNT, |inputs, scratch| {
-                    #module::#function::<f64, f64, Batch<f64>>(inputs, scratch, #arguments)
+                (#pattern, Mode::#mode_name) #condition => scalar(inputs, #number, #place::#module::#kept::COUNT, |inputs, scratch| {
+                    #place::#module::#function::<f64, f64, Batch<f64>>(inputs, scratch, #arguments)
                 }),
             }
         })
@@ -238,7 +284,7 @@ fn scalar_method(output: Output, weight: &Weight, bases: &[Basis]) -> TokenStrea
 }
 
 /// The methods of `KernelSet` for the gap.
-fn gap_methods(weight: &Weight, bases: &[Basis]) -> TokenStream {
+fn gap_methods((weight, number): (&Weight, usize), place: &TokenStream, bases: &[Basis]) -> TokenStream {
     let kernels: Vec<(TokenStream, TokenStream)> = bases
         .iter()
         .flat_map(|&basis| {
@@ -252,7 +298,7 @@ fn gap_methods(weight: &Weight, bases: &[Basis]) -> TokenStream {
                 };
                 let mode = format_ident!("{}", camel_case(spec.mode.name()));
                 let name = format_ident!("{}", camel_case(&function_name(&spec).to_string()));
-                (quote!((#pattern, #frame, Mode::#mode) #condition), quote!(#module::#name))
+                (quote!((#pattern, #frame, Mode::#mode) #condition), quote!(#place::#module::#name))
             })
         })
         .collect();
@@ -266,7 +312,7 @@ fn gap_methods(weight: &Weight, bases: &[Basis]) -> TokenStream {
             hessian: &mut [f64],
         ) -> GapValues<f64> {
             match kernel {
-                #(#patterns => single::<#types>(isa, inputs, gradient, hessian),)*
+                #(#patterns => single::<#types>(isa, #number, inputs, gradient, hessian),)*
                 (Basis::Custom(_), _, _) => GapValues::NONE,
             }
         }
@@ -278,7 +324,7 @@ fn gap_methods(weight: &Weight, bases: &[Basis]) -> TokenStream {
             workspace: &mut Workspace,
         ) {
             match kernel {
-                #(#patterns => batch::<#types>(isa, elements, workspace),)*
+                #(#patterns => batch::<#types>(isa, #number, elements, workspace),)*
                 (Basis::Custom(_), _, _) => elements.iter_mut().for_each(|element| element.values = GapValues::NONE),
             }
         }

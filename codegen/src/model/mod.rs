@@ -15,4 +15,5 @@ pub use diffuse::Equation;
 pub use facet::FacetSpec;
 pub use facet_shape::FacetShape;
 pub use kernel::{FrameRule, Kernel, KernelSpec, Mode, Output, Value};
+pub(crate) use weight::WEIGHT_NUMBER;
 pub use weight::{Weight, WeightError};

@@ -1,16 +1,23 @@
 //! Weight functions w(r) of compact support.
 
 use crate::formula::{Formula, FormulaError};
-use crate::graph::{ExprId, Graph, Polynomial};
+use crate::graph::{ExprId, Graph, Polynomial, Scope};
 
 /// A weight function: a name for the emitted code and a formula ω in r = distance / support radius.
+///
+/// Or several of them, of which a kernel's input says which one it is: see [`either`](Self::either).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weight {
     name: String,
     text: String,
     formula: Formula,
     interpolating: bool,
+    /// What the weight is if the input is not 0, but 1, 2, ….
+    others: Vec<Formula>,
 }
+
+/// Name of the input of element scope that says which of several weights it is.
+pub(crate) const WEIGHT_NUMBER: &str = "weight_number";
 
 /// A weight at a node.
 #[derive(Clone, Copy, Debug)]
@@ -120,9 +127,36 @@ impl Weight {
             text: formula.trim().to_owned(),
             formula: Formula::parse(formula)?,
             interpolating: false,
+            others: Vec::new(),
         };
         weight.check()?;
         Ok(weight)
+    }
+
+    /// One weight for several that are not interpolating, so that they share kernels: the input
+    /// `weight_number` says which of them it is, counted from 0. `None` if there are none, or one is interpolating or
+    /// several weights itself.
+    #[must_use]
+    pub fn either(weights: &[Self]) -> Option<Self> {
+        let (first, others) = weights.split_first()?;
+        if weights.iter().any(|weight| weight.interpolating || weight.is_several()) {
+            return None;
+        }
+        let names: Vec<&str> = weights.iter().map(|weight| weight.name.as_str()).collect();
+        let texts: Vec<&str> = weights.iter().map(|weight| weight.text.as_str()).collect();
+        Some(Self {
+            name: names.join("_or_"),
+            text: texts.join(" or "),
+            formula: first.formula.clone(),
+            interpolating: false,
+            others: others.iter().map(|weight| weight.formula.clone()).collect(),
+        })
+    }
+
+    /// Whether this is several weights, made by [`either`](Self::either).
+    #[must_use]
+    pub const fn is_several(&self) -> bool {
+        !self.others.is_empty()
     }
 
     /// The C² weight (1 − r)⁴ (1 + 4r) (Wendland 1995), in the module `wendland_c2`.
@@ -208,7 +242,13 @@ impl Weight {
 
     /// The weight at the norm `r`, an expression made by [`Graph::hypot`]; 0 where r ≥ 1.
     pub(super) fn evaluate(&self, g: &mut Graph, r: ExprId) -> NodeWeight {
-        let inside = around_origin(g, &self.formula, r);
+        let mut inside = around_origin(g, &self.formula, r);
+        for (number, formula) in self.others.iter().enumerate() {
+            let input = g.input(WEIGHT_NUMBER, Scope::Element);
+            let bound = g.constant(number as f64 + 0.5);
+            let other = around_origin(g, formula, r);
+            inside = g.select_less(input, bound, inside, other);
+        }
         let (zero, one) = (g.zero(), g.one());
         let omega = g.select_less(r, one, inside, zero);
         if !self.interpolating {
@@ -401,6 +441,15 @@ mod tests {
         for formula in ["(1-r)^4*(1+4*r)", "exp(-4*r^2)", "if r < 0.5 { 1-r^2 } else { 1.5*(1-r) }"] {
             assert!(Weight::interpolating("test", formula).unwrap().is_interpolating());
         }
+    }
+
+    #[test]
+    fn interpolating_weights_are_not_put_together() {
+        assert!(Weight::either(&[]).is_none());
+        assert!(Weight::either(&[Weight::cubic(), Weight::cubic_interpolating()]).is_none());
+        let both = Weight::either(&[Weight::cubic(), Weight::wendland_c2()]).unwrap();
+        assert!(both.is_several() && both.name() == "cubic_or_wendland_c2");
+        assert!(Weight::either(&[both, Weight::cubic()]).is_none());
     }
 
     #[test]

@@ -11,6 +11,8 @@ pub trait GapKernel {
     const MODE: Mode;
     /// Values it keeps of a node between its loops.
     const KEPT: usize;
+    /// Whether batches are compiled for vectors of every width, or of four numbers only, to save time and room.
+    const EVERY_WIDTH: bool;
 
     /// Evaluates the elements of a [`Shape`].
     ///
@@ -65,13 +67,14 @@ const fn sizes(mode: Mode, nodes: usize) -> (usize, usize) {
 /// Runs a kernel of any output for one element, number by number. `kept`: values it keeps of a node between its loops.
 pub fn scalar<V>(
     inputs: &ElementInputs<'_>,
+    weight_number: usize,
     kept: usize,
     kernel: impl FnOnce(&Inputs<'_, f64>, &mut [f64]) -> V,
 ) -> V {
     let count = inputs.masters.len();
     let masters: Vec<[f64; 3]> = (0..count).map(|k| inputs.masters.get(k)).collect();
     let mut scratch = vec![0.0; kept * count];
-    kernel(&Inputs::gather(|_| inputs, &masters), &mut scratch)
+    kernel(&Inputs::gather(|_| inputs, weight_number, &masters), &mut scratch)
 }
 
 /// Evaluates one element, its nodes side by side. Allocates only for more than 24 nodes or so.
@@ -80,21 +83,25 @@ pub fn scalar<V>(
 /// If a slice is shorter than the kernel needs.
 pub fn single<K: GapKernel>(
     isa: Isa,
+    weight_number: usize,
     inputs: &ElementInputs<'_>,
     gradient: &mut [f64],
     hessian: &mut [f64],
 ) -> GapValues<f64> {
     let (gradients, hessians) = sizes(K::MODE, inputs.masters.len());
-    isa.run_narrow(SingleElement::<K> {
+    let code = SingleElement::<K> {
         inputs,
+        weight_number,
         gradient: &mut gradient[..gradients],
         hessian: &mut hessian[..hessians],
         kernel: PhantomData,
-    })
+    };
+    isa.run_four(code).unwrap_or_else(|code| code.run::<f64>())
 }
 
 struct SingleElement<'a, K> {
     inputs: &'a ElementInputs<'a>,
+    weight_number: usize,
     gradient: &'a mut [f64],
     hessian: &'a mut [f64],
     kernel: PhantomData<K>,
@@ -105,7 +112,7 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
 
     #[inline(always)]
     fn run<T: Vector>(self) -> GapValues<f64> {
-        let Self { inputs, gradient, hessian, .. } = self;
+        let Self { inputs, weight_number, gradient, hessian, .. } = self;
         let count = inputs.masters.len();
         let vectors = count.div_ceil(T::WIDTH);
         let needed = Block::count::<T>((3 + K::KEPT) * vectors);
@@ -130,7 +137,7 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
                 *vector = T::from_fn(|lane| node(lane)[axis]);
             }
         }
-        let inputs = Inputs::gather(|_| inputs, masters);
+        let inputs = Inputs::gather(|_| inputs, weight_number, masters);
         K::evaluate::<T::Scalar, T, Single<T>>(&inputs, scratch, gradient, hessian).lane(0)
     }
 }
@@ -143,24 +150,30 @@ const SOME: usize = 256;
 ///
 /// # Panics
 /// If the numbers of nodes differ, or a slice is shorter than the kernel needs.
-pub fn batch<K: GapKernel>(isa: Isa, elements: &mut [BatchElement<'_>], workspace: &mut Workspace) {
+pub fn batch<K: GapKernel>(
+    isa: Isa,
+    weight_number: usize,
+    elements: &mut [BatchElement<'_>],
+    workspace: &mut Workspace,
+) {
     let Some(first) = elements.first() else { return };
     let count = first.inputs.masters.len();
     assert!(
         elements.iter().all(|element| element.inputs.masters.len() == count),
         "elements of as many nodes"
     );
-    if let Err(Elements { elements, .. }) =
-        isa.run_wide(Elements::<K> { elements, workspace, kernel: PhantomData })
-    {
+    let code = Elements::<K> { elements, weight_number, workspace, kernel: PhantomData };
+    let left = if K::EVERY_WIDTH { isa.run_vectors(code) } else { isa.run_four(code) };
+    if let Err(Elements { elements, .. }) = left {
         for BatchElement { inputs, values, gradient, hessian } in elements {
-            *values = single::<K>(isa, inputs, gradient, hessian);
+            *values = single::<K>(isa, weight_number, inputs, gradient, hessian);
         }
     }
 }
 
 struct Elements<'a, 'e, K> {
     elements: &'a mut [BatchElement<'e>],
+    weight_number: usize,
     workspace: &'a mut Workspace,
     kernel: PhantomData<K>,
 }
@@ -187,7 +200,7 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
                     *vector = T::from_fn(|lane| elements[lane.min(last)].inputs.masters.get(k)[axis]);
                 }
             }
-            let inputs = Inputs::gather(|lane| &elements[lane.min(last)].inputs, masters);
+            let inputs = Inputs::gather(|lane| &elements[lane.min(last)].inputs, self.weight_number, masters);
             let values = K::evaluate::<T, T, Batch<T>>(&inputs, scratch, gradient, hessian);
             for (lane, element) in elements.iter_mut().enumerate() {
                 element.values = values.lane(lane);

@@ -93,13 +93,19 @@ pub struct Inputs<'a, E, T = E> {
     pub point: [E; 2],
     /// Index of the nearest master node, a whole number.
     pub anchor: E,
+    /// Which of the weights that share the kernel it is, a whole number.
+    pub weight_number: E,
 }
 
 impl<'a, E: Lane, T: Lane> Inputs<'a, E, T> {
     /// The elements `at(lane)` side by side, one per lane of `E`. `masters` are theirs as vectors.
     #[inline(always)]
     #[must_use]
-    pub fn gather<'e>(at: impl Fn(usize) -> &'e ElementInputs<'e>, masters: &'a [[T; 3]]) -> Self {
+    pub fn gather<'e>(
+        at: impl Fn(usize) -> &'e ElementInputs<'e>,
+        weight_number: usize,
+        masters: &'a [[T; 3]],
+    ) -> Self {
         let axes = [0, 1, 2];
         Self {
             slave: axes.map(|axis| E::from_fn(|lane| at(lane).slave[axis])),
@@ -111,6 +117,7 @@ impl<'a, E: Lane, T: Lane> Inputs<'a, E, T> {
             support_radius: E::from_fn(|lane| at(lane).support_radius),
             point: [0, 1].map(|k| E::from_fn(|lane| at(lane).point[k])),
             anchor: E::from_fn(|lane| at(lane).anchor as f64),
+            weight_number: E::splat(weight_number as f64),
         }
     }
 }

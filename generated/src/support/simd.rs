@@ -61,22 +61,9 @@ impl Isa {
         }
     }
 
-    /// As [`run`](Self::run), with vectors of four numbers at most.
-    #[inline]
-    pub fn run_narrow<W: WithLanes>(self, code: W) -> W::Output {
-        match self.0 {
-            // SAFETY: an `Isa` exists only where its instructions do, and those of four numbers are among them.
-            #[cfg(target_arch = "x86_64")]
-            Kind::Avx512 | Kind::Avx2 => unsafe { x86::run_avx2::<x86::F64x4, W>(code) },
-            #[cfg(target_arch = "aarch64")]
-            Kind::Neon => code.run::<neon::F64x2>(),
-            _ => code.run::<f64>(),
-        }
-    }
-
     /// As [`run`](Self::run), or the code back if there are no vectors.
     #[inline]
-    pub fn run_wide<W: WithLanes>(self, code: W) -> Result<W::Output, W> {
+    pub fn run_vectors<W: WithLanes>(self, code: W) -> Result<W::Output, W> {
         match self.0 {
             Kind::Scalar => Err(code),
             // SAFETY: an `Isa` exists only where its instructions do.
@@ -88,6 +75,19 @@ impl Isa {
             Kind::Avx512 => Ok(unsafe { x86::run_avx512::<x86::F64x8, W>(code) }),
             #[cfg(target_arch = "aarch64")]
             Kind::Neon => Ok(code.run::<neon::F64x2>()),
+        }
+    }
+
+    /// Runs code with vectors of four numbers; if there are none (on aarch64, of two), it comes back.
+    #[inline]
+    pub fn run_four<W: WithLanes>(self, code: W) -> Result<W::Output, W> {
+        match self.0 {
+            // SAFETY: an `Isa` exists only where its instructions do, and those of four numbers are among them.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 | Kind::Avx512 => Ok(unsafe { x86::run_avx2::<x86::F64x4, W>(code) }),
+            #[cfg(target_arch = "aarch64")]
+            Kind::Neon => Ok(code.run::<neon::F64x2>()),
+            _ => Err(code),
         }
     }
 }

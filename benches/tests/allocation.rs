@@ -4,6 +4,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use diffuse_contact_benches::{CONTENDERS, Elements};
+use diffuse_contact_kernels::support::Isa;
 
 /// The system's allocator, counting.
 struct Counting;
@@ -32,7 +33,7 @@ static COUNTING: Counting = Counting;
 fn runs_do_not_allocate() {
     let elements = Elements::new(9, 4).unwrap();
     for contender in CONTENDERS {
-        let mut run = (contender.prepare)(&elements).unwrap();
+        let mut run = (contender.prepare)(&elements, Isa::best()).unwrap();
         let before = ALLOCATIONS.load(Ordering::Relaxed);
         run.run(6).unwrap();
         assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0, "{contender:?}");

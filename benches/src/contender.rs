@@ -56,7 +56,8 @@ pub struct Evaluation {
 
 /// A contender with its buffers, for one set of elements.
 pub trait Run {
-    /// Evaluates the next `count` elements, after the last one again the first. Nothing is allocated.
+    /// Evaluates the next `count` elements, after the last one again the first. Nothing is allocated for a
+    /// gap.
     ///
     /// # Errors
     /// [`NoResult`] for the first element that has none.

@@ -14,13 +14,16 @@ use crate::weights::{matern::Matern, spline::Spline};
 /// Which kernel of a set.
 pub type Kernel = (Basis, FrameRule, Mode);
 
+type Single = fn(Isa, Kernel, &ElementInputs<'_>, &mut [f64], &mut [f64]) -> GapValues<f64>;
+type Batch = fn(Isa, Kernel, &mut [BatchElement<'_>], &mut Workspace);
+
 /// The kernels for the gap of one weight, whatever their type.
 #[derive(Clone, Copy, Debug)]
 pub struct GapKernels {
     /// Name of the weight.
     pub weight: &'static str,
-    single: fn(Isa, Kernel, &ElementInputs<'_>, &mut [f64], &mut [f64]) -> GapValues<f64>,
-    batch: fn(Isa, Kernel, &mut [BatchElement<'_>], &mut Workspace),
+    single: Single,
+    batch: Batch,
 }
 
 /// The built-in weights and two of one's own: an expansion with a formula beyond it, and two branches.

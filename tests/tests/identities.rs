@@ -1,7 +1,7 @@
 //! What every implementation of the element must satisfy, whatever it is compared with: the generated kernels
 //! on random elements.
 
-use diffuse_contact::{Backend, Basis, Frame, Gap, Generated, Mode, Point, SymmetricMatrix};
+use diffuse_contact::{Backend, Basis, Gap, Generated, Mode, Point, SymmetricMatrix};
 use diffuse_contact_kernels::cubic::Cubic;
 use diffuse_contact_kernels::support::{FrameRule, Isa, KernelSet, Status};
 use diffuse_contact_tests::{

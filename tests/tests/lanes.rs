@@ -69,8 +69,10 @@ fn over_a_node(basis: Basis, frame: FrameRule, n: usize, offset: f64) -> Case {
     with_frame(case, frame)
 }
 
-/// Elements that go wrong, and which status a held frame gives them.
-fn bad(basis: Basis, n: usize) -> [(Case, fn(&Status) -> bool); 7] {
+/// An element that goes wrong, and whether a status is one that a held frame gives it.
+type Bad = (Case, fn(&Status) -> bool);
+
+fn bad(basis: Basis, n: usize) -> [Bad; 7] {
     let random = |seed| Case::random(n, basis, seed);
     let mut on_a_line = random(4);
     for (k, master) in on_a_line.masters.iter_mut().enumerate() {

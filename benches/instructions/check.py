@@ -79,6 +79,7 @@ def main():
     for name, count in counts.items():
         expected = baseline.get(name)
         if expected is None:
+            print(f"{name}: {count:.0f} instructions an element")
             continue
         change = count / expected - 1
         sound = abs(change) <= TOLERANCE

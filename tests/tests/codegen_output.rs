@@ -167,10 +167,13 @@ fn statements_are_counted_as_the_compiler_sees_them() {
     }
 }
 
-/// Statements of a block with those of the loops and closures in it.
+/// Statements of a block with those of the loops, blocks and closures in it.
 fn statements(block: &syn::Block) -> usize {
     let inside = |expr: &syn::Expr| match expr {
         syn::Expr::ForLoop(inner) => statements(&inner.body),
+        syn::Expr::Loop(inner) => statements(&inner.body),
+        syn::Expr::Block(inner) => statements(&inner.block),
+        syn::Expr::If(inner) => statements(&inner.then_branch),
         syn::Expr::Call(call) => call
             .args
             .iter()

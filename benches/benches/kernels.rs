@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use diffuse_contact_benches::{CONTENDERS, Elements};
+use diffuse_contact_kernels::support::Isa;
 
 /// Different elements for each number of nodes.
 const ELEMENTS: usize = 256;
@@ -14,7 +15,7 @@ fn kernels(criterion: &mut Criterion) {
     for nodes in [6, 8, 9, 12, 16, 20, 24] {
         let elements = Elements::new(nodes, ELEMENTS).expect("patches with these numbers of nodes have gaps");
         for contender in CONTENDERS.iter().filter(|contender| !contender.kernel.starts_with("num-dual")) {
-            let Some(mut run) = (contender.prepare)(&elements) else { continue };
+            let Some(mut run) = (contender.prepare)(&elements, Isa::best()) else { continue };
             let mut group = criterion.benchmark_group(contender.output.name());
             group.bench_function(BenchmarkId::new(contender.kernel, nodes), |bencher| {
                 bencher.iter_custom(|count| -> Duration {

@@ -1,7 +1,9 @@
 //! The ways to evaluate an element, each behind the same two functions.
 
+use diffuse_contact_kernels::support::Isa;
 use serde::Serialize;
 
+use crate::batch::GapInBatches;
 use crate::dual;
 use crate::generated::{GapOneByOne, SurfaceOneByOne};
 use crate::{Elements, by_hand};
@@ -54,7 +56,8 @@ pub struct Evaluation {
 
 /// A contender with its buffers, for one set of elements.
 pub trait Run {
-    /// Evaluates the next `count` elements, after the last one again the first. Nothing is allocated.
+    /// Evaluates the next `count` elements, after the last one again the first. Nothing is allocated for a
+    /// gap.
     ///
     /// # Errors
     /// [`NoResult`] for the first element that has none.
@@ -74,8 +77,10 @@ pub struct Contender {
     pub kernel: &'static str,
     /// What is computed.
     pub output: Output,
-    /// Makes room for a set of elements; `None` if the contender is not compiled for their number of nodes.
-    pub prepare: for<'a> fn(&'a Elements) -> Option<Box<dyn Run + 'a>>,
+    /// Makes room for a set of elements; `None` if the contender is not compiled for their number of nodes. The
+    /// generated kernels are run with the vector instructions given; the others, and the kernel of the surface, are
+    /// compiled for those of the program.
+    pub prepare: for<'a> fn(&'a Elements, Isa) -> Option<Box<dyn Run + 'a>>,
     /// Whether [`operations`](crate::operations) counts what it does.
     pub counted: bool,
 }
@@ -89,48 +94,69 @@ impl std::fmt::Debug for Contender {
 /// The generated kernels, one element at a time.
 pub const GENERATED_SINGLE: &str = "generated-single";
 
+/// The generated kernels, many elements at a time.
+pub const GENERATED_BATCH: &str = "generated-batch";
+
 /// All contenders. One more is one more entry here and its [`Run`].
-pub const CONTENDERS: [Contender; 7] = [
+pub const CONTENDERS: [Contender; 10] = [
     Contender {
         kernel: GENERATED_SINGLE,
         output: Output::GapHessian,
-        prepare: |elements| Some(Box::new(GapOneByOne::new(elements, Output::GapHessian))),
+        prepare: |elements, isa| Some(Box::new(GapOneByOne::new(elements, Output::GapHessian, isa))),
         counted: true,
     },
     Contender {
         kernel: GENERATED_SINGLE,
         output: Output::GapGradient,
-        prepare: |elements| Some(Box::new(GapOneByOne::new(elements, Output::GapGradient))),
+        prepare: |elements, isa| Some(Box::new(GapOneByOne::new(elements, Output::GapGradient, isa))),
         counted: true,
     },
     Contender {
         kernel: GENERATED_SINGLE,
         output: Output::GapCoMovingHessian,
-        prepare: |elements| Some(Box::new(GapOneByOne::new(elements, Output::GapCoMovingHessian))),
+        prepare: |elements, isa| Some(Box::new(GapOneByOne::new(elements, Output::GapCoMovingHessian, isa))),
         counted: true,
     },
     Contender {
         kernel: GENERATED_SINGLE,
         output: Output::SurfaceHessian,
-        prepare: |elements| Some(Box::new(SurfaceOneByOne::new(elements))),
+        prepare: |elements, _| Some(Box::new(SurfaceOneByOne::new(elements))),
+        counted: true,
+    },
+    Contender {
+        kernel: GENERATED_BATCH,
+        output: Output::GapHessian,
+        prepare: |elements, isa| Some(Box::new(GapInBatches::new(elements, Output::GapHessian, isa))),
+        counted: true,
+    },
+    Contender {
+        kernel: GENERATED_BATCH,
+        output: Output::GapGradient,
+        prepare: |elements, isa| Some(Box::new(GapInBatches::new(elements, Output::GapGradient, isa))),
+        counted: true,
+    },
+    Contender {
+        kernel: GENERATED_BATCH,
+        output: Output::GapCoMovingHessian,
+        prepare: |elements, isa| Some(Box::new(GapInBatches::new(elements, Output::GapCoMovingHessian, isa))),
         counted: true,
     },
     Contender {
         kernel: "by-hand-nalgebra",
         output: Output::GapHessian,
-        prepare: by_hand::prepare,
+        prepare: |elements, _| by_hand::prepare(elements),
         counted: false,
     },
     Contender {
         kernel: "num-dual-dual2-vec",
         output: Output::GapHessian,
-        prepare: dual::prepare_vectors,
+        prepare: |elements, _| dual::prepare_vectors(elements),
         counted: false,
     },
     Contender {
         kernel: "num-dual-hyper-dual",
         output: Output::GapHessian,
-        prepare: dual::prepare_pairs,
+        prepare: |elements, _| dual::prepare_pairs(elements),
         counted: false,
     },
 ];

@@ -1,20 +1,34 @@
-//! The generated kernels as contenders, and how many operations they do.
-//!
-//! [`GapOneByOne`] is what a program calls for one element. A call for many elements at once is one more [`Run`] beside
-//! it, listed in [`CONTENDERS`](crate::CONTENDERS).
+//! The generated kernels one element at a time as contenders, and how many operations they do.
 
-use diffuse_contact::{Basis, Element, Generated, Mode};
+use diffuse_contact::{Basis, Element, Mode};
 use diffuse_contact_codegen as codegen;
 use diffuse_contact_kernels::cubic::Cubic;
-use diffuse_contact_kernels::support::{GapValues, Inputs, KernelSet, Status, SurfaceValues};
+use diffuse_contact_kernels::support::{
+    ElementInputs, FrameRule, GapValues, Isa, KernelSet, Masters, Status, SurfaceValues,
+};
 
 use crate::Elements;
 use crate::contender::{Evaluation, NoResult, Output, Run};
 
-/// Name of the instruction set the generated kernels use.
-#[must_use]
-pub const fn isa() -> &'static str {
-    compiled_for()
+/// There is no set of vector instructions of a name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("this machine has {}, not {name}", .available.join(", "))]
+pub struct UnknownIsa {
+    /// What was asked for.
+    pub name: String,
+    /// Those this machine has.
+    pub available: Vec<&'static str>,
+}
+
+/// The set of vector instructions of a name, for the generated kernels to be run with.
+///
+/// # Errors
+/// [`UnknownIsa`].
+pub fn isa_named(name: &str) -> Result<Isa, UnknownIsa> {
+    Isa::named(name).ok_or_else(|| UnknownIsa {
+        name: name.to_owned(),
+        available: Isa::available().map(Isa::name).collect(),
+    })
 }
 
 /// Name of the instruction set the program is compiled for, which all but the generated kernels use.
@@ -34,10 +48,11 @@ pub const fn compiled_for() -> &'static str {
 /// In-plane offset from the slave at which surfaces are evaluated, over the support radius.
 pub const SURFACE_POINT: [f64; 2] = [0.05, -0.08];
 
-/// [`Generated::gap_into`] on one element after another.
+/// One element after another, with the checks of [`Generated::gap_into`](diffuse_contact::Generated::gap_into).
 pub struct GapOneByOne<'a> {
     elements: &'a Elements,
     output: Output,
+    isa: Isa,
     next: usize,
     gradient: Vec<f64>,
     hessian: Vec<f64>,
@@ -49,20 +64,24 @@ impl<'a> GapOneByOne<'a> {
     /// # Panics
     /// If the output is a surface.
     #[must_use]
-    pub fn new(elements: &'a Elements, output: Output) -> Self {
-        assert_ne!(output, Output::SurfaceHessian);
-        let freedoms = elements.degrees_of_freedom();
-        let packed = if output == Output::GapGradient { 0 } else { freedoms * (freedoms + 1) / 2 };
-        Self { elements, output, next: 0, gradient: vec![0.0; freedoms], hessian: vec![0.0; packed] }
+    pub fn new(elements: &'a Elements, output: Output, isa: Isa) -> Self {
+        let (gradient, hessian) = (elements.degrees_of_freedom(), hessian_size(elements, output));
+        let _ = gap_kernel(output);
+        Self { elements, output, isa, next: 0, gradient: vec![0.0; gradient], hessian: vec![0.0; hessian] }
     }
 
     #[inline]
     fn evaluate(&mut self, index: usize) -> Result<f64, NoResult> {
         let element = element(self.elements, self.output, index);
-        let mode = if self.output == Output::GapGradient { Mode::Gradient } else { Mode::Hessian };
-        let point = Generated.gap_into(&element, mode, &mut self.gradient, &mut self.hessian);
-        // Foot and normal count as used, too.
-        Ok(std::hint::black_box(point.map_err(|_| NoResult { element: index })?).gap)
+        element.validate().map_err(|_| NoResult { element: index })?;
+        let inputs = inputs(&element, [0.0; 2]);
+        let kernel = gap_kernel(self.output);
+        let values = Cubic::gap(self.isa, kernel, &inputs, &mut self.gradient, &mut self.hessian);
+        match values.status() {
+            // Foot and normal count as used, too.
+            Status::Ok => Ok(std::hint::black_box(values).gap),
+            _ => Err(NoResult { element: index }),
+        }
     }
 }
 
@@ -163,30 +182,50 @@ pub fn operations(output: Output, elements: &Elements) -> f64 {
 pub fn foot_iterations(elements: &Elements) -> f64 {
     let iterations = |index| {
         let inputs = inputs(&elements.frozen(index), [0.0; 2]);
-        let values: GapValues<f64> = Cubic::gap(Basis::Quadratic, Mode::Value, &inputs, &mut [], &mut []);
+        let kernel = (Basis::Quadratic, FrameRule::Frozen, Mode::Value);
+        let values: GapValues<f64> = Cubic::gap(Isa::best(), kernel, &inputs, &mut [], &mut []);
         values.foot_iterations
     };
     (0..elements.len()).map(iterations).sum::<f64>() / elements.len() as f64
 }
 
 /// Element `index` with the frame rule of the output.
-fn element(elements: &Elements, output: Output, index: usize) -> Element<'_> {
+pub(crate) fn element(elements: &Elements, output: Output, index: usize) -> Element<'_> {
     match output {
         Output::GapCoMovingHessian => elements.co_moving(index),
         _ => elements.frozen(index),
     }
 }
 
-fn inputs<'a>(element: &Element<'a>, point: [f64; 2]) -> Inputs<'a, f64> {
-    Inputs {
+/// The kernel of one of the gap's outputs.
+///
+/// # Panics
+/// If the output is a surface.
+pub(crate) fn gap_kernel(output: Output) -> (Basis, FrameRule, Mode) {
+    match output {
+        Output::GapGradient => (Basis::Quadratic, FrameRule::Frozen, Mode::Gradient),
+        Output::GapHessian => (Basis::Quadratic, FrameRule::Frozen, Mode::Hessian),
+        Output::GapCoMovingHessian => (Basis::Quadratic, FrameRule::CoMoving, Mode::Hessian),
+        Output::SurfaceHessian => panic!("a surface has no gap"),
+    }
+}
+
+/// Entries of an element's packed Hessian, as far as the output has one.
+pub(crate) fn hessian_size(elements: &Elements, output: Output) -> usize {
+    let freedoms = elements.degrees_of_freedom();
+    if output == Output::GapGradient { 0 } else { freedoms * (freedoms + 1) / 2 }
+}
+
+pub(crate) fn inputs<'a>(element: &Element<'a>, point: [f64; 2]) -> ElementInputs<'a> {
+    ElementInputs {
         slave: element.slave,
-        masters: element.masters,
+        masters: Masters::Positions(element.masters),
         t1: element.frame.t1,
         t2: element.frame.t2,
         normal: element.frame.normal,
         support_radius: element.support_radius,
         point,
-        anchor: 0.0,
+        anchor: 0,
     }
 }
 
@@ -197,6 +236,6 @@ fn inputs<'a>(element: &Element<'a>, point: [f64; 2]) -> Inputs<'a, f64> {
 pub fn reference(elements: &Elements, output: Output, index: usize) -> Result<Evaluation, NoResult> {
     match output {
         Output::SurfaceHessian => SurfaceOneByOne::new(elements).evaluation(index),
-        _ => GapOneByOne::new(elements, output).evaluation(index),
+        _ => GapOneByOne::new(elements, output, Isa::best()).evaluation(index),
     }
 }

@@ -9,13 +9,15 @@
 //! | --- | --- |
 //! | `elements.rs` | the elements all contenders evaluate |
 //! | `contender.rs` | what a contender is, and the list of them |
-//! | `generated.rs` | the generated kernels as contenders, and their operation counts |
+//! | `generated.rs` | the generated kernels one element at a time, and their operation counts |
+//! | `batch.rs` | the generated kernels for many elements at once |
 //! | `by_hand/` | the element written by hand with nalgebra |
 //! | `dual.rs` | the element over the dual numbers of num-dual |
 //! | `peak.rs` | the fused multiply-adds a second that the machine can do |
 //! | `measure.rs`, `report.rs` | rounds and medians, tables and JSON |
 #![forbid(unsafe_code)]
 
+pub mod batch;
 pub mod by_hand;
 pub mod contender;
 pub mod dual;
@@ -27,6 +29,6 @@ pub mod report;
 
 pub use contender::{CONTENDERS, Contender, Evaluation, NoResult, Output, Run};
 pub use elements::{Elements, ElementsError};
-pub use generated::operations;
+pub use generated::{UnknownIsa, isa_named, operations};
 pub use measure::{MeasureError, Plan, measure};
 pub use report::Report;

@@ -2,8 +2,10 @@
 
 use std::time::Instant;
 
+use diffuse_contact_kernels::support::Isa;
+
 use crate::contender::{CONTENDERS, Contender, Evaluation, NoResult, Run};
-use crate::generated::{compiled_for, isa, operations, reference};
+use crate::generated::{compiled_for, operations, reference};
 use crate::report::{Absent, Report, Row};
 use crate::{Elements, ElementsError, peak};
 
@@ -26,11 +28,14 @@ pub struct Plan {
     pub elements: usize,
     /// The contenders whose names contain one of these texts; all if there are none.
     pub kernels: Vec<String>,
+    /// The vector instructions that the generated kernels are run with.
+    pub isa: Isa,
 }
 
 impl Default for Plan {
     fn default() -> Self {
-        Self { nodes: vec![8, 12, 16, 20], rounds: 7, elements: 256, kernels: Vec::new() }
+        let nodes = vec![8, 12, 16, 20];
+        Self { nodes, rounds: 7, elements: 256, kernels: Vec::new(), isa: Isa::best() }
     }
 }
 
@@ -96,7 +101,7 @@ pub fn measure(plan: &Plan, progress: impl Fn(&str) + Sync) -> Result<Report, Me
         known.dedup();
         return Err(MeasureError::NoContender { asked: plan.kernels.clone(), known });
     }
-    let mut report = Report::new(isa(), compiled_for(), plan);
+    let mut report = Report::new(compiled_for(), plan);
     let mut peaks = Vec::new();
     std::thread::scope(|scope| {
         let work = || -> Result<(), MeasureError> {
@@ -140,7 +145,7 @@ fn measure_nodes(
     let elements = Elements::new(nodes, plan.elements)?;
     let mut entrants = Vec::new();
     for &contender in chosen {
-        let Some(mut run) = (contender.prepare)(&elements) else {
+        let Some(mut run) = (contender.prepare)(&elements, plan.isa) else {
             report.absent.push(Absent { nodes, kernel: contender.kernel, output: contender.output });
             continue;
         };
@@ -152,7 +157,7 @@ fn measure_nodes(
     }
     for round in 0..plan.rounds {
         progress(&format!("{nodes} nodes: round {} of {}", round + 1, plan.rounds));
-        peaks.push(peak::fma_per_ns());
+        peaks.push(peak::fma_per_ns(plan.isa));
         // Nobody is always the one after the heaviest.
         let shift = round % entrants.len().max(1);
         entrants.rotate_left(shift);
@@ -264,9 +269,23 @@ mod tests {
         for nodes in [6, 9] {
             let elements = Elements::new(nodes, 4).unwrap();
             for contender in CONTENDERS {
-                let mut run = (contender.prepare)(&elements).expect("compiled for 6 and 9 nodes");
+                let mut run =
+                    (contender.prepare)(&elements, Isa::best()).expect("compiled for 6 and 9 nodes");
                 compare(&contender, run.as_mut(), &elements).unwrap();
                 run.run(6).unwrap();
+            }
+        }
+    }
+
+    /// More elements than a batch has, and not a multiple.
+    #[test]
+    fn the_generated_kernels_agree_with_any_instructions() {
+        let elements = Elements::new(8, 21).unwrap();
+        for isa in Isa::available() {
+            for contender in CONTENDERS.into_iter().filter(|x| x.kernel.starts_with("generated")) {
+                let mut run = (contender.prepare)(&elements, isa).expect("for any number of nodes");
+                compare(&contender, run.as_mut(), &elements).unwrap();
+                run.run(50).unwrap();
             }
         }
     }

@@ -3,27 +3,38 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use diffuse_contact_kernels::support::Lane;
+use diffuse_contact_kernels::support::{Isa, Lane, Vector, WithLanes};
 
 /// Passes over the accumulators in one measurement, a good millisecond.
 const PASSES: usize = 200_000;
-/// Lanes of the number the loop runs on.
-const LANES: usize = 1;
 
-/// Fused multiply-adds a nanosecond in one thread, with the instruction set the generated kernels use. Independent
-/// accumulators hide the latency; how many are best depends on registers and latency, so that several numbers are
-/// tried and the best counts.
+/// Fused multiply-adds a nanosecond in one thread with these instructions; where they have none that are fused, pairs of
+/// a multiplication and an addition. Independent accumulators hide the latency; how many are best depends on registers
+/// and latency, so that several numbers are tried and the best counts.
 #[must_use]
-pub fn fma_per_ns() -> f64 {
-    let rates = [rate::<8>(), rate::<12>(), rate::<16>(), rate::<24>()];
+pub fn fma_per_ns(isa: Isa) -> f64 {
+    let rates = [rate::<8>(isa), rate::<12>(isa), rate::<16>(isa), rate::<24>(isa)];
     rates.into_iter().fold(0.0, f64::max)
 }
 
-fn rate<const ACCUMULATORS: usize>() -> f64 {
+fn rate<const ACCUMULATORS: usize>(isa: Isa) -> f64 {
     let start = Instant::now();
-    // Here a vector of lanes takes the place of f64.
-    black_box(fma_loop::<f64, ACCUMULATORS>(PASSES));
-    (PASSES * ACCUMULATORS * LANES) as f64 / (1e9 * start.elapsed().as_secs_f64())
+    black_box(isa.run(Loop::<ACCUMULATORS> { passes: PASSES }));
+    (PASSES * ACCUMULATORS * isa.width()) as f64 / (1e9 * start.elapsed().as_secs_f64())
+}
+
+/// [`fma_loop`] for any vector; the sum of its lanes.
+struct Loop<const ACCUMULATORS: usize> {
+    passes: usize,
+}
+
+impl<const ACCUMULATORS: usize> WithLanes for Loop<ACCUMULATORS> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<T: Vector>(self) -> f64 {
+        fma_loop::<T, ACCUMULATORS>(self.passes).sum()
+    }
 }
 
 /// `passes` fused multiply-adds on each of the accumulators. They approach a fixed point: nothing overflows or becomes
@@ -46,12 +57,17 @@ mod tests {
 
     #[test]
     fn all_accumulators_reach_the_fixed_point() {
-        assert_eq!(fma_loop::<f64, 12>(1000), 12.0 * 2.0);
+        for isa in Isa::available() {
+            let sum = isa.run(Loop::<12> { passes: 1000 });
+            assert_eq!(sum, (isa.width() * 12) as f64 * 2.0, "{isa}");
+        }
     }
 
     #[test]
     fn the_rate_is_a_number() {
-        let rate = fma_per_ns();
-        assert!(rate.is_finite() && rate > 0.0);
+        for isa in Isa::available() {
+            let rate = fma_per_ns(isa);
+            assert!(rate.is_finite() && rate > 0.0, "{isa}");
+        }
     }
 }

@@ -12,9 +12,9 @@ use crate::measure::Plan;
 pub struct Report {
     /// The processor, if the system tells.
     pub machine: Option<String>,
-    /// Instruction set of the generated kernels, and of the loop that measures the peak.
+    /// Vector instructions of the generated kernels, and of the loop that measures the peak.
     pub isa: &'static str,
-    /// Instruction set the program is compiled for, which all others use.
+    /// Instruction set the program is compiled for, which all others use, and the kernel of the surface.
     pub compiled_for: &'static str,
     /// Fused multiply-adds a nanosecond in one thread, measured in the same run.
     pub peak_fma_per_ns: f64,
@@ -57,10 +57,10 @@ pub struct Absent {
 }
 
 impl Report {
-    pub(crate) fn new(isa: &'static str, compiled_for: &'static str, plan: &Plan) -> Self {
+    pub(crate) fn new(compiled_for: &'static str, plan: &Plan) -> Self {
         Self {
             machine: machine(),
-            isa,
+            isa: plan.isa.name(),
             compiled_for,
             peak_fma_per_ns: f64::NAN,
             rounds: plan.rounds,

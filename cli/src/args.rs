@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, value_parser};
 use diffuse_contact_codegen::{Basis, FrameRule, Mode, Output};
 
 use crate::backend::BackendKind;
@@ -199,13 +199,16 @@ if r < 0.5 { ... } else { ... }. It must be positive and flat at r = 0.
 The cubic weight of the paper is \"(1 - r)^2 * (1 + 2*r)\". Built-in weights have names: cubic, cubic-interpolating,
 wendland-c2. With --interpolating the weight is w/(1 - w): the surface passes through the master nodes.";
 
+/// Most nodes that operations are counted for: their pairs are as many as half the square.
+const MOST_NODES: i64 = 1_000;
+
 /// Arguments of `emit`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = FORMULAS)]
 pub struct EmitArguments {
-    /// Master nodes of the element
-    #[arg(long, value_name = "N", required_unless_present = "counts")]
-    pub nodes: Option<usize>,
+    /// Master nodes that operations are counted for; the kernel serves any number
+    #[arg(long, value_name = "N", required_unless_present = "counts", value_parser = value_parser!(u32).range(1..=MOST_NODES))]
+    pub nodes: Option<u32>,
     /// What the kernel computes
     #[arg(long, value_parser = named(Output::ALL, Output::name), required_unless_present = "counts")]
     pub output: Option<Output>,

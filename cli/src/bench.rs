@@ -3,7 +3,8 @@
 use std::io::{IsTerminal, Write, stderr};
 
 use clap::Args;
-use diffuse_contact_benches::{Plan, measure};
+use diffuse_contact_benches::{Plan, isa_named, measure};
+use diffuse_contact_kernels::support::Isa;
 
 use crate::error::CliError;
 use crate::output;
@@ -14,7 +15,8 @@ kernels: a difference above 1e-10 ends the program with exit code 2. Then they r
 rounds. Times of optimised programs only mean anything; with link-time optimisation:
   cargo run --profile bench -- bench
 
-kernel   generated-*          the kernels of this library
+kernel   generated-single     the kernels of this library, one element at a time
+         generated-batch      the same, many elements at a time
          by-hand-nalgebra     the same element and derivatives written by hand with nalgebra
          num-dual-dual2-vec   num-dual, Hessians of exactly the width needed; compiled for 6, 8, 9, 12, 16, 20, 24 nodes
          num-dual-hyper-dual  num-dual, one evaluation for each entry of the lower triangle
@@ -23,7 +25,8 @@ output   gap-hessian          g, foot, normal, N and the lower triangle of M, th
          gap-co-moving-hessian  as gap-hessian, the frame moving with the nodes
          surface-hessian      f, its gradient, T_1, T_2 and the lower triangle of H_f at a given point
 
-JSON: {"machine": processor or null, "isa": instruction set of the generated kernels, "compiled_for": that of the others,
+JSON: {"machine": processor or null, "isa": vector instructions of the generated kernels,
+ "compiled_for": those of the program, which the others and surface-hessian use,
  "peak_fma_per_ns": of a loop that does nothing else, in the same run and with "isa", "rounds": ..., "elements": ...,
  "rows": [{"nodes": n, "kernel": "...", "output": "...", "ns_per_element": t,
            "fma_per_element": operations, a fused multiply-add counting one; null where nobody counted,
@@ -46,6 +49,10 @@ pub struct BenchArguments {
     /// Only kernels whose names contain one of these texts [default: all]
     #[arg(long, value_name = "TEXT,TEXT,...", value_delimiter = ',')]
     pub kernels: Vec<String>,
+    /// Vector instructions the generated kernels are run with: scalar, sse2, avx2, avx512 or neon, as far as the
+    /// machine has them [default: the widest]
+    #[arg(long, value_name = "NAME", value_parser = isa_named)]
+    pub isa: Option<Isa>,
     /// Print JSON instead of a table
     #[arg(long)]
     pub json: bool,
@@ -53,8 +60,8 @@ pub struct BenchArguments {
 
 /// Measures and prints.
 pub fn run(arguments: &BenchArguments) -> Result<(), CliError> {
-    let BenchArguments { nodes, rounds, elements, kernels, json } = arguments.clone();
-    let plan = Plan { nodes, rounds, elements, kernels };
+    let BenchArguments { nodes, rounds, elements, kernels, isa, json } = arguments.clone();
+    let plan = Plan { nodes, rounds, elements, kernels, isa: isa.unwrap_or_default() };
     let terminal = stderr().is_terminal();
     let report = measure(&plan, |step| {
         // One line that is written over, on a terminal; nothing in a log. If standard error is closed, nobody waits.

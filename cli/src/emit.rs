@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use diffuse_contact_codegen::emit::{KernelCounts, OpCounts, emit_facet_kernel, emit_kernel, emit_single};
-use diffuse_contact_codegen::{Basis, Config, FacetShape, FacetSpec, KernelSpec, Mode};
+use diffuse_contact_codegen::{Basis, FacetShape, FacetSpec, KernelSpec, Mode};
 
 use crate::args::{EmitArguments, frame_name};
 use crate::error::CliError;
@@ -22,6 +22,7 @@ pub fn run(arguments: &EmitArguments) -> Result<(), CliError> {
     let weight = weight(arguments.weight.as_deref(), arguments.interpolating)?.for_generator();
     let text = match (arguments.nodes, arguments.output, arguments.mode) {
         (Some(nodes), Some(output), Some(mode)) => {
+            let nodes = nodes as usize;
             let basis = arguments.basis.unwrap_or(Basis::Quadratic);
             let frame = arguments.frame_derivative.unwrap_or_default();
             source(&KernelSpec { output, mode, basis, weight, frame }, nodes)?
@@ -36,7 +37,8 @@ pub fn run(arguments: &EmitArguments) -> Result<(), CliError> {
     }
 }
 
-/// A kernel as a Rust file that starts with its operation counts.
+/// A kernel as a Rust file that starts with its operation counts. It serves any number of nodes: `nodes` are what the
+/// operations are counted for.
 fn source(spec: &KernelSpec, nodes: usize) -> Result<String, CliError> {
     if nodes < spec.basis.size() {
         return Err(CliError::TooFewNodes { nodes: nodes.to_string(), basis: spec.basis });
@@ -44,10 +46,8 @@ fn source(spec: &KernelSpec, nodes: usize) -> Result<String, CliError> {
     if !KernelSpec::all(spec.basis, &spec.weight).contains(spec) {
         return Err(CliError::NoMovingFrame { output: spec.output, mode: spec.mode });
     }
-    // The library's own bounds for kernels of fixed size.
-    Config::new().nodes(spec.basis, nodes..=nodes)?;
     let support = syn::parse_quote!(::diffuse_contact_kernels::support);
-    let (text, kernel) = emit_single(spec, nodes, &support);
+    let (text, kernel) = emit_single(spec, &support);
     Ok(counts_comment(spec, &kernel.counts, nodes) + &text)
 }
 

@@ -8,7 +8,7 @@ use diffuse_contact::ElementError;
 use diffuse_contact::ad::FormulaError;
 use diffuse_contact_benches::MeasureError;
 use diffuse_contact_codegen::model::WeightError;
-use diffuse_contact_codegen::{Basis, ConfigError, Mode, Output};
+use diffuse_contact_codegen::{Basis, Mode, Output};
 use diffuse_contact_mesh::MeshError;
 
 use crate::check::NoElement;
@@ -143,7 +143,7 @@ pub enum CliError {
         /// What the backend says.
         reason: FormulaError,
     },
-    /// A kernel was asked for fewer nodes than the fit has coefficients.
+    /// Fewer nodes were asked for than the fit has coefficients.
     #[error("--nodes {nodes}: the {} basis needs at least {} master nodes", basis.name(), basis.size())]
     TooFewNodes {
         /// What was asked for.
@@ -163,9 +163,6 @@ pub enum CliError {
         /// With how many derivatives.
         mode: Mode,
     },
-    /// A kernel of fixed size cannot be made.
-    #[error("--nodes: {0}")]
-    Kernel(#[from] ConfigError),
     /// Nothing can be measured, or a contender computes something else.
     #[error(transparent)]
     Measure(#[from] MeasureError),

@@ -2,7 +2,7 @@
 //!
 //! Nothing in here but [`support`] is written by hand: the build script generates the rest from the formulas in
 //! `diffuse-contact-codegen`. For every weight there is a module with the kernels of both bases, and a
-//! [`support::KernelSet`] that chooses among them by basis, mode and number of nodes. The module `facet` has the
+//! [`support::KernelSet`] that chooses among them by basis, frame rule and mode. The module `facet` has the
 //! distance from a facet itself, a triangle or a quadrilateral.
 #![deny(unsafe_code)]
 

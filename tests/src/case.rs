@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use diffuse_contact::{Basis, Element, Frame, Point, Weight};
+use diffuse_contact_kernels::support::{ElementInputs, Masters};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -90,6 +91,21 @@ impl Case {
             support_radius: self.support_radius,
             basis: self.basis,
             weight: self.weight,
+        }
+    }
+
+    /// What the kernels read; surfaces are evaluated below the slave.
+    #[must_use]
+    pub fn inputs(&self) -> ElementInputs<'_> {
+        ElementInputs {
+            slave: self.slave,
+            masters: Masters::Positions(&self.masters),
+            t1: self.frame.t1,
+            t2: self.frame.t2,
+            normal: self.frame.normal,
+            support_radius: self.support_radius,
+            point: [0.0; 2],
+            anchor: self.element().nearest_in_plane(),
         }
     }
 

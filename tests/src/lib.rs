@@ -4,6 +4,7 @@ mod case;
 mod difference;
 mod facet;
 mod geometry;
+mod shapes;
 
 pub use case::{Case, Quadric, cases, fixed};
 pub use difference::{
@@ -12,6 +13,7 @@ pub use difference::{
 };
 pub use facet::{FacetCase, facet_cases};
 pub use geometry::{Random, add, cross, dot, length, scale, turn, turned_rows, turned_vector};
+pub use shapes::{Found, GAP_KERNELS, GapKernels, Kernel, output_sizes, with_large_stack};
 
 /// Kernels that the build script generated for weights of its own.
 pub mod weights {

@@ -5,7 +5,7 @@ use diffuse_contact::ad::Ad;
 use diffuse_contact::{Backend, Basis, Element, Generated, GeneratedWith, Mode};
 use diffuse_contact_codegen::formula::FormulaError;
 use diffuse_contact_codegen::model::WeightError;
-use diffuse_contact_codegen::{Basis as CodeBasis, Config, ConfigError};
+use diffuse_contact_codegen::{Config, ConfigError};
 use diffuse_contact_kernels::support::KernelSet;
 use diffuse_contact_tests::weights::{matern, spline, wendland};
 use diffuse_contact_tests::{
@@ -172,27 +172,6 @@ fn names_are_checked() {
 fn a_keyword_names_no_weight() {
     for name in ["fn", "mod", "type", "self", "super", "crate"] {
         assert!(Config::new().weight(name, "(1 - r^2)^2").is_err(), "{name}");
-    }
-}
-
-#[test]
-fn ranges_are_checked() {
-    for (basis, first, last) in [
-        (CodeBasis::Quadratic, 5, 9),
-        (CodeBasis::Quadratic, 9, 8),
-        (CodeBasis::Quadratic, 6, 65),
-        (CodeBasis::Linear, 2, 9),
-        (CodeBasis::Linear, 3, usize::MAX),
-        (CodeBasis::Linear, 0, 0),
-    ] {
-        let error = Config::new().nodes(basis, first..=last).unwrap_err();
-        let ConfigError::NodeRange { basis: found, range } = &error else { panic!("{error}") };
-        assert_eq!((*found, *range), (basis, (first, last)));
-        let text = error.to_string();
-        assert!(text.contains(&first.to_string()) && text.contains(basis.name()), "{text}");
-    }
-    for (basis, n) in [(CodeBasis::Quadratic, 6), (CodeBasis::Quadratic, 64), (CodeBasis::Linear, 3)] {
-        assert!(Config::new().nodes(basis, n..=n).is_ok());
     }
 }
 

@@ -1,4 +1,4 @@
-//! Every number of master nodes that has a kernel of its own, and some beyond: generated kernels against automatic
+//! Every number of master nodes up to that of the largest pairings, and some beyond: generated kernels against automatic
 //! differentiation, and the lower modes against the Hessian mode.
 
 use diffuse_contact::ad::Ad;
@@ -11,7 +11,7 @@ use diffuse_contact_tests::{
 const TOLERANCE: f64 = 1e-13;
 /// The same for the surface, also where it extrapolates, and for each single coefficient.
 const TOLERANCE_OF_FIT: f64 = 1e-12;
-/// Node counts beyond those with kernels of their own.
+/// Numbers of nodes beyond.
 const BEYOND: [usize; 3] = [25, 40, 70];
 
 #[track_caller]

@@ -1,9 +1,9 @@
 //! What every implementation of the element must satisfy, whatever it is compared with: the generated kernels
 //! on random elements.
 
-use diffuse_contact::{Backend, Basis, Frame, Gap, Generated, Mode, Point, SymmetricMatrix};
+use diffuse_contact::{Backend, Basis, Gap, Generated, Mode, Point, SymmetricMatrix};
 use diffuse_contact_kernels::cubic::Cubic;
-use diffuse_contact_kernels::support::{Inputs, KernelSet, Status};
+use diffuse_contact_kernels::support::{FrameRule, Isa, KernelSet, Status};
 use diffuse_contact_tests::{
     Case, Quadric, Random, add, cases, cross, difference, dot, fixed, largest, length, scale, turn,
     turned_rows, turned_vector,
@@ -267,13 +267,11 @@ const CO_MOVING_ROUNDING: f64 = 1e-12;
 
 /// N and M with a frame that is the average plane of the masters and moves with them.
 fn co_moving(case: &Case) -> (Vec<f64>, SymmetricMatrix) {
-    let Frame { t1, t2, normal, .. } = Frame::average_plane(&case.masters, case.frame.normal).unwrap();
-    let (slave, masters, support_radius) = (case.slave, &case.masters[..], case.support_radius);
-    let inputs = Inputs { slave, masters, t1, t2, normal, support_radius, point: [0.0; 2], anchor: 0.0 };
+    let case = case.clone().co_moving();
     let freedoms = case.element().degrees_of_freedom();
     let (mut gradient, mut hessian) = (vec![0.0; freedoms], SymmetricMatrix::zeros(freedoms));
-    let values =
-        Cubic::gap_co_moving(case.basis, Mode::Hessian, &inputs, &mut gradient, hessian.packed_mut());
+    let kernel = (case.basis, FrameRule::CoMoving, Mode::Hessian);
+    let values = Cubic::gap(Isa::best(), kernel, &case.inputs(), &mut gradient, hessian.packed_mut());
     assert_eq!(values.status(), Status::Ok);
     (gradient, hessian)
 }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use diffuse_contact::ad::Ad;
 use diffuse_contact::{Backend, Basis, ElementError, Gap, Generated, Mode};
 use diffuse_contact_kernels::cubic::Cubic;
-use diffuse_contact_kernels::support::{Inputs, KernelSet};
+use diffuse_contact_kernels::support::{FrameRule, Isa, KernelSet};
 use diffuse_contact_tests::{
     Case, Quadric, Random, add, assert_finite_gap, assert_same_gap, difference, fixed, largest, scale,
 };
@@ -471,10 +471,8 @@ proptest! {
 
 /// Smallest relative pivot of an element's fit.
 fn pivot_ratio(case: &Case) -> f64 {
-    let [t1, t2, normal] = case.frame.rows();
-    let (slave, masters, support_radius) = (case.slave, &case.masters[..], case.support_radius);
-    let inputs = Inputs { slave, masters, t1, t2, normal, support_radius, point: [0.0; 2], anchor: 0.0 };
-    Cubic::gap(case.basis, Mode::Value, &inputs, &mut [], &mut []).pivot_ratio
+    let kernel = (case.basis, FrameRule::Frozen, Mode::Value);
+    Cubic::gap(Isa::best(), kernel, &case.inputs(), &mut [], &mut []).pivot_ratio
 }
 
 /// Coefficients of the fit in units of R: heights over R as a polynomial of offsets over R.

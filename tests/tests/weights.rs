@@ -4,7 +4,7 @@
 use diffuse_contact::ad::Ad;
 use diffuse_contact::{Backend, Basis, Generated, Mode, Weight};
 use diffuse_contact_kernels::cubic_interpolating::CubicInterpolating;
-use diffuse_contact_kernels::support::{Inputs, KernelSet, Status};
+use diffuse_contact_kernels::support::{ElementInputs, FrameRule, Isa, KernelSet, Status};
 use diffuse_contact_tests::{
     Case, Random, add, assert_finite_gap, assert_same_coefficients, assert_same_gap, assert_same_surface,
     cross, difference, length, scale, turned_rows, turned_vector,
@@ -134,20 +134,11 @@ fn any_node_can_be_the_anchor() {
         let element = case.element();
         let expected = Generated.gap(&element, Mode::Hessian).unwrap();
         for anchor in 0..case.masters.len() {
-            let inputs = Inputs {
-                slave: case.slave,
-                masters: &case.masters,
-                t1: case.frame.t1,
-                t2: case.frame.t2,
-                normal: case.frame.normal,
-                support_radius: case.support_radius,
-                point: [0.0; 2],
-                anchor: anchor as f64,
-            };
+            let inputs = ElementInputs { anchor, ..case.inputs() };
             let freedoms = element.degrees_of_freedom();
             let (mut gradient, mut hessian) = (vec![0.0; freedoms], vec![0.0; freedoms * (freedoms + 1) / 2]);
-            let values =
-                CubicInterpolating::gap(case.basis, Mode::Hessian, &inputs, &mut gradient, &mut hessian);
+            let kernel = (case.basis, FrameRule::Frozen, Mode::Hessian);
+            let values = CubicInterpolating::gap(Isa::best(), kernel, &inputs, &mut gradient, &mut hessian);
             assert_eq!(values.status(), Status::Ok);
             assert!((values.gap - expected.gap).abs() < 1e-13);
             assert!(difference(&gradient, &expected.gradient) < 1e-11);

@@ -34,7 +34,7 @@ pub struct Plan {
 }
 
 impl Default for Plan {
-    /// The node counts with kernels of fixed size in either basis, the generated kernels, seed 1.
+    /// The node counts of pairings in either basis, the generated kernels, seed 1.
     fn default() -> Self {
         let ranges = Basis::ALL.map(|basis| (basis, Self::default_nodes(basis))).to_vec();
         Self { ranges, weight: Weight::default(), seed: 1 }
@@ -42,7 +42,7 @@ impl Default for Plan {
 }
 
 impl Plan {
-    /// The node counts for which a basis has kernels of fixed size.
+    /// The node counts that pairings have with a basis.
     #[must_use]
     pub const fn default_nodes(basis: Basis) -> RangeInclusive<usize> {
         basis.size()..=24

@@ -1,0 +1,251 @@
+//! Generated kernels in both shapes, with guards around everything they write.
+
+use diffuse_contact::{Basis, Gap, Mode, SymmetricMatrix};
+use diffuse_contact_kernels::cubic::Cubic;
+use diffuse_contact_kernels::cubic_interpolating::CubicInterpolating;
+use diffuse_contact_kernels::support::{
+    BatchElement, ElementInputs, FrameRule, GapValues, Isa, KernelSet, Status, Workspace, packed_row,
+};
+use diffuse_contact_kernels::wendland_c2::WendlandC2;
+
+use crate::Case;
+use crate::weights::{matern::Matern, spline::Spline};
+
+/// Which kernel of a set.
+pub type Kernel = (Basis, FrameRule, Mode);
+
+type Single = fn(Isa, Kernel, &ElementInputs<'_>, &mut [f64], &mut [f64]) -> GapValues<f64>;
+type Batch = fn(Isa, Kernel, &mut [BatchElement<'_>], &mut Workspace);
+
+/// The kernels for the gap of one weight, whatever their type.
+#[derive(Clone, Copy, Debug)]
+pub struct GapKernels {
+    /// Name of the weight.
+    pub weight: &'static str,
+    single: Single,
+    batch: Batch,
+}
+
+/// The built-in weights and two of one's own: an expansion with a formula beyond it, and two branches.
+pub const GAP_KERNELS: [GapKernels; 5] = [
+    GapKernels::of::<Cubic>("cubic"),
+    GapKernels::of::<CubicInterpolating>("cubic_interpolating"),
+    GapKernels::of::<WendlandC2>("wendland_c2"),
+    GapKernels::of::<Matern>("matern"),
+    GapKernels::of::<Spline>("spline"),
+];
+
+/// What a kernel made of one element.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// Values.
+    pub values: GapValues<f64>,
+    /// N, as far as the mode has it.
+    pub gradient: Vec<f64>,
+    /// Packed lower triangle of M, as far as the mode has it.
+    pub hessian: Vec<f64>,
+}
+
+impl GapKernels {
+    const fn of<K: KernelSet>(weight: &'static str) -> Self {
+        Self { weight, single: K::gap, batch: K::gap_batch }
+    }
+
+    /// One element by itself. Slices are longer than needed by `spare` numbers.
+    ///
+    /// # Panics
+    /// If something is not written, or written that should not be.
+    #[track_caller]
+    #[must_use]
+    pub fn single(&self, isa: Isa, kernel: Kernel, case: &Case, spare: usize) -> Found {
+        let [mut gradient, mut hessian] = room(kernel.2, case, spare);
+        let values =
+            (self.single)(isa, kernel, &case.inputs(), gradient.numbers_mut(), hessian.numbers_mut());
+        Found { values, gradient: gradient.written(), hessian: hessian.written() }
+    }
+
+    /// Elements side by side, in the order given. Slices are longer than needed by `spare` numbers.
+    ///
+    /// # Panics
+    /// If something is not written, or written that should not be.
+    #[track_caller]
+    #[must_use]
+    pub fn batch(
+        &self,
+        isa: Isa,
+        kernel: Kernel,
+        cases: &[&Case],
+        workspace: &mut Workspace,
+        spare: usize,
+    ) -> Vec<Found> {
+        let mut rooms: Vec<[Guarded; 2]> = cases.iter().map(|case| room(kernel.2, case, spare)).collect();
+        let mut elements: Vec<BatchElement<'_>> = cases
+            .iter()
+            .zip(&mut rooms)
+            .map(|(case, [gradient, hessian])| BatchElement {
+                inputs: case.inputs(),
+                values: GapValues::NONE,
+                gradient: gradient.numbers_mut(),
+                hessian: hessian.numbers_mut(),
+            })
+            .collect();
+        (self.batch)(isa, kernel, &mut elements, workspace);
+        let values: Vec<GapValues<f64>> = elements.iter().map(|element| element.values).collect();
+        let found = values.into_iter().zip(rooms);
+        found
+            .map(|(values, [gradient, hessian])| Found {
+                values,
+                gradient: gradient.written(),
+                hessian: hessian.written(),
+            })
+            .collect()
+    }
+
+    /// Elements side by side, with slices as they are.
+    pub fn run_batch(
+        &self,
+        isa: Isa,
+        kernel: Kernel,
+        elements: &mut [BatchElement<'_>],
+        workspace: &mut Workspace,
+    ) {
+        (self.batch)(isa, kernel, elements, workspace);
+    }
+
+    /// One element by itself, with slices as they are.
+    pub fn run_single(
+        &self,
+        isa: Isa,
+        kernel: Kernel,
+        inputs: &ElementInputs<'_>,
+        gradient: &mut [f64],
+        hessian: &mut [f64],
+    ) -> GapValues<f64> {
+        (self.single)(isa, kernel, inputs, gradient, hessian)
+    }
+}
+
+impl Found {
+    /// Whether it is a result.
+    #[must_use]
+    pub fn status(&self) -> Status {
+        self.values.status()
+    }
+
+    /// All of it as bits; NaNs are one whatever their sign and payload.
+    #[must_use]
+    pub fn bits(&self) -> Vec<u64> {
+        let GapValues {
+            gap,
+            foot,
+            normal,
+            coefficients,
+            pivot_ratio,
+            plane_pivot_ratio,
+            foot_residual,
+            foot_iterations,
+            foot_distance,
+            jacobian_determinant,
+            jacobian_trace,
+            checksum,
+        } = self.values;
+        let figures = [
+            gap,
+            pivot_ratio,
+            plane_pivot_ratio,
+            foot_residual,
+            foot_iterations,
+            foot_distance,
+            jacobian_determinant,
+            jacobian_trace,
+            checksum,
+        ];
+        let all = [&figures[..], &foot, &normal, &coefficients, &self.gradient, &self.hessian].concat();
+        all.into_iter().map(|x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() }).collect()
+    }
+
+    /// As backends return it.
+    #[must_use]
+    pub fn gap(&self, case: &Case) -> Gap {
+        let mut hessian = SymmetricMatrix::zeros(if self.hessian.is_empty() { 0 } else { freedoms(case) });
+        hessian.packed_mut().copy_from_slice(&self.hessian);
+        Gap {
+            gap: self.values.gap,
+            foot: self.values.foot,
+            normal: self.values.normal,
+            coefficients: self.values.coefficients[..case.basis.size()].to_vec(),
+            gradient: self.gradient.clone(),
+            hessian,
+        }
+    }
+}
+
+/// Entries of N and of the packed lower triangle of M that a mode computes.
+#[must_use]
+pub fn output_sizes(mode: Mode, case: &Case) -> [usize; 2] {
+    let freedoms = freedoms(case);
+    match mode {
+        Mode::Value => [0, 0],
+        Mode::Gradient => [freedoms, 0],
+        Mode::Hessian => [freedoms, packed_row(freedoms)],
+    }
+}
+
+fn freedoms(case: &Case) -> usize {
+    case.element().degrees_of_freedom()
+}
+
+fn room(mode: Mode, case: &Case, spare: usize) -> [Guarded; 2] {
+    output_sizes(mode, case).map(|needed| Guarded::new(needed, spare))
+}
+
+/// Runs a test on a stack that is large enough. Not optimised, kernels over the widest vectors take up to 2.5 MiB: every
+/// intermediate value has a place of its own. Threads have 2 MiB.
+///
+/// # Panics
+/// If `run` does.
+pub fn with_large_stack<R: Send>(run: impl FnOnce() -> R + Send) -> R {
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(16 << 20).spawn_scoped(scope, run);
+        thread.expect("a thread").join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })
+}
+
+/// Numbers before and after a slice: the widest vectors have eight.
+const GUARDS: usize = 16;
+/// What nobody else writes: NaNs with a payload of their own.
+const GUARD: u64 = 0x7ff8_0000_6172_6421;
+const UNWRITTEN: u64 = 0x7ff8_0000_7761_6974;
+
+/// A slice to write to, among numbers that are to stay what they are.
+struct Guarded {
+    numbers: Vec<f64>,
+    needed: usize,
+    spare: usize,
+}
+
+impl Guarded {
+    fn new(needed: usize, spare: usize) -> Self {
+        let guards = |count| std::iter::repeat_n(f64::from_bits(GUARD), count);
+        let unwritten = std::iter::repeat_n(f64::from_bits(UNWRITTEN), needed);
+        let numbers = guards(GUARDS).chain(unwritten).chain(guards(spare + GUARDS)).collect();
+        Self { numbers, needed, spare }
+    }
+
+    fn numbers_mut(&mut self) -> &mut [f64] {
+        &mut self.numbers[GUARDS..][..self.needed + self.spare]
+    }
+
+    /// What has been written.
+    #[track_caller]
+    fn written(self) -> Vec<f64> {
+        let (before, rest) = self.numbers.split_at(GUARDS);
+        let (written, after) = rest.split_at(self.needed);
+        let is_left = |number: &f64| number.to_bits() == GUARD;
+        assert!(before.iter().all(is_left), "written before the slice");
+        assert!(after.iter().all(is_left), "written after the {} numbers needed", self.needed);
+        let missing = written.iter().position(|number| number.to_bits() == UNWRITTEN);
+        assert_eq!(missing, None, "not written, of {}", self.needed);
+        written.to_vec()
+    }
+}

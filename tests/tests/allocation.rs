@@ -1,0 +1,113 @@
+//! The kernels for the gap do not allocate: one element by itself of up to [`most_nodes`] never, a batch once its
+//! workspace has the size.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use diffuse_contact::{Basis, Mode};
+use diffuse_contact_kernels::support::{BatchElement, FrameRule, GapValues, Isa, Workspace};
+use diffuse_contact_tests::{Case, GAP_KERNELS, GapKernels, Kernel, output_sizes, with_large_stack};
+
+/// The system's allocator, counting.
+struct Counting;
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: everything is passed on to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller's promises are those of `System`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the pointer came from `System`.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+/// Most nodes of an element that has its place on the stack: what the Hessian keeps of a node with a moving frame is
+/// twice what others keep.
+const fn most_nodes(kernel: Kernel) -> usize {
+    match kernel {
+        (_, FrameRule::CoMoving, Mode::Hessian) => 16,
+        _ => 24,
+    }
+}
+
+/// How often `run` allocates.
+fn allocations(run: impl FnOnce()) -> usize {
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    run();
+    ALLOCATIONS.load(Ordering::Relaxed) - before
+}
+
+fn of_single(set: &GapKernels, isa: Isa, kernel: Kernel, case: &Case) -> usize {
+    let [mut gradient, mut hessian] = output_sizes(kernel.2, case).map(|size| vec![0.0; size]);
+    let inputs = case.inputs();
+    allocations(|| {
+        set.run_single(isa, kernel, &inputs, &mut gradient, &mut hessian);
+    })
+}
+
+fn of_batch(set: &GapKernels, isa: Isa, kernel: Kernel, case: &Case, workspace: &mut Workspace) -> usize {
+    let mut room = vec![output_sizes(kernel.2, case).map(|size| vec![0.0; size]); isa.width() + 1];
+    let inputs = case.inputs();
+    let mut elements: Vec<BatchElement<'_>> = room
+        .iter_mut()
+        .map(|[gradient, hessian]| BatchElement { inputs, values: GapValues::NONE, gradient, hessian })
+        .collect();
+    allocations(|| set.run_batch(isa, kernel, &mut elements, workspace))
+}
+
+/// The only test of its program: others would be counted, too.
+#[test]
+fn kernels_do_not_allocate() {
+    with_large_stack(measure);
+}
+
+fn measure() {
+    // That allocations are seen at all.
+    let (cubic, isa) = (&GAP_KERNELS[0], Isa::best());
+    let full = (Basis::Quadratic, FrameRule::Frozen, Mode::Hessian);
+    assert!(of_single(cubic, isa, full, &Case::random(100, Basis::Quadratic, 1)) > 0);
+    assert!(of_batch(cubic, isa, full, &Case::random(9, Basis::Quadratic, 1), &mut Workspace::default()) > 0);
+
+    for isa in Isa::available() {
+        // Its size is that of the first batch, which is the largest.
+        let mut workspace = Workspace::default();
+        of_batch(
+            &GAP_KERNELS[1],
+            isa,
+            (Basis::Quadratic, FrameRule::CoMoving, Mode::Hessian),
+            &Case::random(24, Basis::Quadratic, 1).co_moving(),
+            &mut workspace,
+        );
+        for set in &GAP_KERNELS {
+            for basis in [Basis::Quadratic, Basis::Linear] {
+                for n in (basis.size()..=24).rev() {
+                    let case = Case::random(n, basis, n as u64).co_moving();
+                    for frame in [FrameRule::Frozen, FrameRule::CoMoving] {
+                        for mode in [Mode::Value, Mode::Gradient, Mode::Hessian] {
+                            let kernel = (basis, frame, mode);
+                            let fits = n <= most_nodes(kernel);
+                            if fits {
+                                let single = of_single(set, isa, kernel, &case);
+                                assert_eq!(single, 0, "{} {kernel:?} {isa}, {n} nodes", set.weight);
+                            }
+                            // Number by number, a batch is its elements one by one.
+                            if fits || isa != Isa::SCALAR {
+                                let batch = of_batch(set, isa, kernel, &case, &mut workspace);
+                                assert_eq!(batch, 0, "{} {kernel:?} {isa}, {n} nodes", set.weight);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

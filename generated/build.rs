@@ -3,6 +3,10 @@
 use diffuse_contact_codegen::Config;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    println!("cargo::rustc-check-cfg=cfg(unoptimised)");
+    if std::env::var("OPT_LEVEL").as_deref() == Ok("0") {
+        println!("cargo::rustc-cfg=unoptimised");
+    }
     Config::new()
         .cubic()
         .wendland_c2()

@@ -1,7 +1,8 @@
 //! The local frame: given by the caller, or the average plane of the master nodes.
 
-use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+use nalgebra::Vector3;
 
+use crate::eigen::symmetric_eigen;
 use crate::{ElementError, Point};
 
 /// What the frame does while the element is differentiated.
@@ -116,15 +117,21 @@ impl Frame {
         }
         let offsets = || masters.clone().map(|x| (Vector3::from(x) - first) / scale);
         let mean = offsets().sum::<Vector3<f64>>() / masters.len() as f64;
-        let scatter: Matrix3<f64> = offsets().map(|x| (x - mean) * (x - mean).transpose()).sum();
-        let eigen = SymmetricEigen::new(scatter);
-        let mut order = [0, 1, 2];
-        order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
-        let [smallest, middle, largest] = order.map(|k| eigen.eigenvalues[k].max(0.0));
+        let mut scatter = [[0.0; 3]; 3];
+        for x in offsets() {
+            let x = x - mean;
+            for i in 0..3 {
+                for j in i..3 {
+                    scatter[i][j] += x[i] * x[j];
+                }
+            }
+        }
+        let [(smallest, direction), (middle, _), (largest, _)] = symmetric_eigen(scatter);
+        let [smallest, middle, largest] = [smallest, middle, largest].map(|moment| moment.max(0.0));
         if !(middle > LINE_TOLERANCE * largest && middle - smallest > THICKNESS_TOLERANCE * largest) {
             return Err(no_plane(smallest / largest, middle / largest));
         }
-        let normal = oriented(eigen.eigenvectors.column(order[0]).normalize(), outward)?;
+        let normal = oriented(Vector3::from(direction).normalize(), outward)?;
         let (t1, t2) = tangents(&normal);
         Ok(Self {
             origin: (first + mean * scale).into(),

@@ -5,6 +5,7 @@ pub mod ad;
 pub mod assembly;
 pub mod backend;
 pub mod batch;
+mod eigen;
 pub mod element;
 pub mod error;
 pub mod facet;

@@ -64,6 +64,30 @@ const fn sizes(mode: Mode, nodes: usize) -> (usize, usize) {
     }
 }
 
+/// Blocks of 64 bytes on the stack: for 12 nodes or so, and for 24.
+const FEW: usize = 96;
+const SOME: usize = 384;
+
+/// Code that uses `$needed` blocks of memory, on the stack if there are not too many. Memory has to be filled before it can
+/// be used: as little as will do.
+macro_rules! with_blocks {
+    ($needed:expr, $blocks:ident => $code:block) => {{
+        let needed = $needed;
+        let (mut few, mut some, mut many);
+        let $blocks: &mut [Block] = if needed <= FEW {
+            few = [Block::ZERO; FEW];
+            &mut few
+        } else if needed <= SOME {
+            some = [Block::ZERO; SOME];
+            &mut some
+        } else {
+            many = vec![Block::ZERO; needed];
+            &mut many
+        };
+        $code
+    }};
+}
+
 /// Runs a kernel of any output for one element, number by number. `kept`: values it keeps of a node between its loops.
 pub fn scalar<V>(
     inputs: &ElementInputs<'_>,
@@ -72,9 +96,14 @@ pub fn scalar<V>(
     kernel: impl FnOnce(&Inputs<'_, f64>, &mut [f64]) -> V,
 ) -> V {
     let count = inputs.masters.len();
-    let masters: Vec<[f64; 3]> = (0..count).map(|k| inputs.masters.get(k)).collect();
-    let mut scratch = vec![0.0; kept * count];
-    kernel(&Inputs::gather(|_| inputs, weight_number, &masters), &mut scratch)
+    with_blocks!(Block::count::<f64>((3 + kept) * count), blocks => {
+        let (masters, scratch) = Block::vectors::<f64>(blocks).split_at_mut(3 * count);
+        let (masters, _) = masters.as_chunks_mut::<3>();
+        for (k, master) in masters.iter_mut().enumerate() {
+            *master = inputs.masters.get(k);
+        }
+        kernel(&Inputs::gather(|_| inputs, weight_number, masters), scratch)
+    })
 }
 
 /// Evaluates one element, its nodes side by side. Allocates only for more than 24 nodes or so.
@@ -115,19 +144,7 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
         let Self { inputs, weight_number, gradient, hessian, .. } = self;
         let count = inputs.masters.len();
         let vectors = count.div_ceil(T::WIDTH);
-        let needed = Block::count::<T>((3 + K::KEPT) * vectors);
-        // Memory has to be filled before it can be used: as little as will do.
-        let (mut few, mut some, mut many);
-        let blocks: &mut [Block] = if needed <= FEW {
-            few = [Block::ZERO; FEW];
-            &mut few
-        } else if needed <= SOME {
-            some = [Block::ZERO; SOME];
-            &mut some
-        } else {
-            many = vec![Block::ZERO; needed];
-            &mut many
-        };
+        with_blocks!(Block::count::<T>((3 + K::KEPT) * vectors), blocks => {
         let (masters, scratch) = Block::vectors::<T>(blocks).split_at_mut(3 * vectors);
         let (masters, _) = masters.as_chunks_mut::<3>();
         for (k, master) in masters.iter_mut().enumerate() {
@@ -139,12 +156,9 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
         }
         let inputs = Inputs::gather(|_| inputs, weight_number, masters);
         K::evaluate::<T::Scalar, T, Single<T>>(&inputs, scratch, gradient, hessian).lane(0)
+        })
     }
 }
-
-/// Blocks of 64 bytes for 12 nodes or so, and for 24.
-const FEW: usize = 96;
-const SOME: usize = 256;
 
 /// Evaluates elements of the same number of nodes, side by side. What one of them gets does not depend on the others.
 ///

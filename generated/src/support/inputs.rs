@@ -106,16 +106,25 @@ impl<'a, E: Lane, T: Lane> Inputs<'a, E, T> {
         weight_number: usize,
         masters: &'a [[T; 3]],
     ) -> Self {
-        let axes = [0, 1, 2];
+        // Spelt out: arrays' `map` is not always inlined.
+        macro_rules! vector {
+            ($field:ident) => {
+                [
+                    E::from_fn(|lane| at(lane).$field[0]),
+                    E::from_fn(|lane| at(lane).$field[1]),
+                    E::from_fn(|lane| at(lane).$field[2]),
+                ]
+            };
+        }
         Self {
-            slave: axes.map(|axis| E::from_fn(|lane| at(lane).slave[axis])),
+            slave: vector!(slave),
             masters,
             count: at(0).masters.len(),
-            t1: axes.map(|axis| E::from_fn(|lane| at(lane).t1[axis])),
-            t2: axes.map(|axis| E::from_fn(|lane| at(lane).t2[axis])),
-            normal: axes.map(|axis| E::from_fn(|lane| at(lane).normal[axis])),
+            t1: vector!(t1),
+            t2: vector!(t2),
+            normal: vector!(normal),
             support_radius: E::from_fn(|lane| at(lane).support_radius),
-            point: [0, 1].map(|k| E::from_fn(|lane| at(lane).point[k])),
+            point: [E::from_fn(|lane| at(lane).point[0]), E::from_fn(|lane| at(lane).point[1])],
             anchor: E::from_fn(|lane| at(lane).anchor as f64),
             weight_number: E::splat(weight_number as f64),
         }

@@ -47,10 +47,14 @@ impl Isa {
         kinds.into_iter().filter(|(_, is_there)| *is_there).map(|(kind, _)| Self(kind))
     }
 
-    /// The widest that this machine has.
+    /// The widest that this machine has. Where this crate is compiled without optimisation, one number at a time: nothing
+    /// is gained by vectors there, and what is inlined for them takes megabytes of stack.
     #[must_use]
     pub fn best() -> Self {
         static BEST: OnceLock<Isa> = OnceLock::new();
+        if cfg!(unoptimised) {
+            return Self::SCALAR;
+        }
         *BEST.get_or_init(|| Self::available().next_back().unwrap_or(Self::SCALAR))
     }
 

@@ -12,7 +12,7 @@ use super::{
 /// not ask for is not touched and may be empty.
 ///
 /// # Panics
-/// The methods panic if a slice is shorter than their mode needs, or an element has no master nodes.
+/// The methods panic if a slice is shorter than their mode needs.
 pub trait KernelSet {
     /// The weight's formula; of an interpolating weight ω/(1 − ω) that of ω.
     const WEIGHT: &'static str;

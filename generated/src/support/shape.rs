@@ -82,7 +82,12 @@ impl<T: Lane> Shape for Batch<T> {
 
     #[inline(always)]
     fn pick<const VALUES: usize>(values: [&T; VALUES], _: usize) -> [T; VALUES] {
-        values.map(|value| *value)
+        // Not `map`, which is not always inlined.
+        let mut picked = [T::ZERO; VALUES];
+        for (picked, value) in picked.iter_mut().zip(values) {
+            *picked = *value;
+        }
+        picked
     }
 
     #[inline(always)]
@@ -166,7 +171,11 @@ impl<T: Vector> Shape for Single<T> {
         mut write: impl FnMut(usize, [f64; RESULTS]),
     ) {
         for k in 0..T::WIDTH.min(count - first) {
-            write(first + k, std::array::from_fn(|result| values[result].lane(k)));
+            let mut results = [0.0; RESULTS];
+            for (result, value) in results.iter_mut().zip(&values) {
+                *result = value.lane(k);
+            }
+            write(first + k, results);
         }
     }
 

@@ -157,11 +157,11 @@ macro_rules! operators {
 
 /// What all vectors of `$width` numbers have in common. `$expression`s may use the intrinsics.
 macro_rules! common_lane_methods {
-    ($name:ident, $width:literal) => {
+    ($vector:ident, $width:literal) => {
         const WIDTH: usize = $width;
         // SAFETY: of the same size, both plain numbers.
-        const ZERO: Self = Self(unsafe { std::mem::transmute::<[f64; $width], _>([0.0; $width]) });
-        const ONE: Self = Self(unsafe { std::mem::transmute::<[f64; $width], _>([1.0; $width]) });
+        const ZERO: Self = Self(unsafe { std::mem::transmute::<[f64; $width], $vector>([0.0; $width]) });
+        const ONE: Self = Self(unsafe { std::mem::transmute::<[f64; $width], $vector>([1.0; $width]) });
 
         #[inline(always)]
         fn from_fn(mut value: impl FnMut(usize) -> f64) -> Self {
@@ -171,7 +171,7 @@ macro_rules! common_lane_methods {
                 *number = value(k);
             }
             // SAFETY: of the same size, both plain numbers.
-            Self(unsafe { std::mem::transmute::<[f64; $width], _>(numbers) })
+            Self(unsafe { std::mem::transmute::<[f64; $width], $vector>(numbers) })
         }
 
         #[inline(always)]
@@ -353,7 +353,7 @@ mod x86 {
     }
 
     impl Lane for F64x2 {
-        common_lane_methods!(F64x2, 2);
+        common_lane_methods!(__m128d, 2);
 
         #[inline(always)]
         fn splat(value: f64) -> Self {
@@ -419,7 +419,7 @@ mod x86 {
     }
 
     impl Lane for F64x4 {
-        common_lane_methods!(F64x4, 4);
+        common_lane_methods!(__m256d, 4);
 
         #[inline(always)]
         fn splat(value: f64) -> Self {
@@ -558,7 +558,7 @@ mod x86 {
     }
 
     impl Lane for F64x8 {
-        common_lane_methods!(F64x8, 8);
+        common_lane_methods!(__m512d, 8);
 
         #[inline(always)]
         fn splat(value: f64) -> Self {
@@ -750,7 +750,7 @@ mod neon {
     }
 
     impl Lane for F64x2 {
-        common_lane_methods!(F64x2, 2);
+        common_lane_methods!(float64x2_t, 2);
 
         #[inline(always)]
         fn splat(value: f64) -> Self {

@@ -158,11 +158,15 @@ impl<T: Lane> GapValues<T> {
     #[must_use]
     pub fn lane(&self, k: usize) -> GapValues<f64> {
         let numbers = |x: &[T; 3]| [x[0].lane(k), x[1].lane(k), x[2].lane(k)];
+        let mut coefficients = [0.0; Basis::MOST_COEFFICIENTS];
+        for (number, vector) in coefficients.iter_mut().zip(&self.coefficients) {
+            *number = vector.lane(k);
+        }
         GapValues {
             gap: self.gap.lane(k),
             foot: numbers(&self.foot),
             normal: numbers(&self.normal),
-            coefficients: std::array::from_fn(|j| self.coefficients[j].lane(k)),
+            coefficients,
             pivot_ratio: self.pivot_ratio.lane(k),
             plane_pivot_ratio: self.plane_pivot_ratio.lane(k),
             foot_residual: self.foot_residual.lane(k),

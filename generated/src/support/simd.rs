@@ -466,7 +466,7 @@ mod x86 {
         /// Rows become columns.
         #[inline(always)]
         fn transposed(rows: [Self; 4]) -> [Self; 4] {
-            let [a, b, c, d] = rows.map(|row| row.0);
+            let [Self(a), Self(b), Self(c), Self(d)] = rows;
             unsafe {
                 let (ab_even, ab_odd) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
                 let (cd_even, cd_odd) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
@@ -510,7 +510,7 @@ mod x86 {
 
         #[inline(always)]
         fn store_interleaved(values: [Self; 3], target: &mut [f64]) {
-            let [x, y, z] = values.map(|value| value.0);
+            let [Self(x), Self(y), Self(z)] = values;
             let interleaved = unsafe {
                 // x0 y0 x2 y2, z0 x1 z2 x3, y1 z1 y3 z3
                 let xy = _mm256_unpacklo_pd(x, y);
@@ -608,18 +608,18 @@ mod x86 {
         /// Rows become columns.
         #[inline(always)]
         fn transposed(rows: [Self; 8]) -> [Self; 8] {
-            let r = rows.map(|row| row.0);
+            let [Self(r0), Self(r1), Self(r2), Self(r3), Self(r4), Self(r5), Self(r6), Self(r7)] = rows;
             unsafe {
                 // Pairs of rows, then quarters of four rows, then halves of all.
                 let pairs = [
-                    _mm512_unpacklo_pd(r[0], r[1]),
-                    _mm512_unpackhi_pd(r[0], r[1]),
-                    _mm512_unpacklo_pd(r[2], r[3]),
-                    _mm512_unpackhi_pd(r[2], r[3]),
-                    _mm512_unpacklo_pd(r[4], r[5]),
-                    _mm512_unpackhi_pd(r[4], r[5]),
-                    _mm512_unpacklo_pd(r[6], r[7]),
-                    _mm512_unpackhi_pd(r[6], r[7]),
+                    _mm512_unpacklo_pd(r0, r1),
+                    _mm512_unpackhi_pd(r0, r1),
+                    _mm512_unpacklo_pd(r2, r3),
+                    _mm512_unpackhi_pd(r2, r3),
+                    _mm512_unpacklo_pd(r4, r5),
+                    _mm512_unpackhi_pd(r4, r5),
+                    _mm512_unpacklo_pd(r6, r7),
+                    _mm512_unpackhi_pd(r6, r7),
                 ];
                 #[inline(always)]
                 unsafe fn quarters(even: __m512d, odd: __m512d) -> (__m512d, __m512d) {
@@ -636,7 +636,7 @@ mod x86 {
                 let (c2, c6) = quarters(upper_26, lower_26);
                 let (c1, c5) = quarters(upper_15, lower_15);
                 let (c3, c7) = quarters(upper_37, lower_37);
-                [c0, c1, c2, c3, c4, c5, c6, c7].map(Self)
+                [Self(c0), Self(c1), Self(c2), Self(c3), Self(c4), Self(c5), Self(c6), Self(c7)]
             }
         }
 
@@ -662,7 +662,7 @@ mod x86 {
 
         #[inline(always)]
         fn store_interleaved(values: [Self; 3], target: &mut [f64]) {
-            let [x, y, z] = values.map(|value| value.0);
+            let [Self(x), Self(y), Self(z)] = values;
             let interleaved = unsafe {
                 // The k-th vector holds numbers 8k … 8k + 7 of x0 y0 z0 x1 …; from 8 on an index means the second operand.
                 #[inline(always)]

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Counts the instructions of the generated kernels under callgrind and compares them with the stored baseline.
 
-    benches/instructions/check.py            exit code 1 if a count has left the baseline by more than the tolerance
+    benches/instructions/check.py            exit code 1 if a count exceeds the baseline by more than the tolerance
     benches/instructions/check.py --update   writes the baseline instead
 
-Instructions, unlike times, do not depend on how busy the machine is; on the compiler they do. Needs valgrind.
+Instructions, unlike times, do not depend on how busy the machine is. They do on the compiler: with another one than the
+baseline's, counts are printed and nothing fails. Needs valgrind.
 """
 
 import argparse
@@ -28,8 +29,8 @@ TOLERANCE = 0.03
 
 
 def build():
-    """The program, with the flags it is benchmarked with; its path."""
-    command = ["cargo", "build", "--profile", "bench", "-p", "diffuse-contact-benches", "--example", "instructions"]
+    """The program, optimised; its path."""
+    command = ["cargo", "build", "--release", "-p", "diffuse-contact-benches", "--example", "instructions"]
     command += ["--message-format", "json-render-diagnostics"]
     output = subprocess.run(command, cwd=HERE, check=True, stdout=subprocess.PIPE, text=True).stdout
     messages = [json.loads(line) for line in output.splitlines()]
@@ -65,14 +66,15 @@ def main():
     if not shutil.which("valgrind"):
         sys.exit("error: valgrind is not installed")
     program = build()
+    compiler = subprocess.run(["rustc", "--version"], check=True, capture_output=True, text=True).stdout.strip()
     counts = {f"{shape} {isa} {nodes}": per_element(program, (shape, isa, nodes)) for shape, isa, nodes in CASES}
     if arguments.update:
-        compiler = subprocess.run(["rustc", "--version"], check=True, capture_output=True, text=True).stdout.strip()
         text = json.dumps({"compiler": compiler, "instructions_per_element": counts}, indent=2)
         BASELINE.write_text(text + "\n")
         print(text)
         return
-    baseline = json.loads(BASELINE.read_text())["instructions_per_element"]
+    stored = json.loads(BASELINE.read_text())
+    baseline, comparable = stored["instructions_per_element"], stored["compiler"] == compiler
     passes = baseline.keys() == counts.keys()
     if not passes:
         print(f"the baseline has {sorted(baseline)}, counted were {sorted(counts)}: --update")
@@ -82,11 +84,13 @@ def main():
             print(f"{name}: {count:.0f} instructions an element")
             continue
         change = count / expected - 1
-        sound = abs(change) <= TOLERANCE
+        sound = change <= TOLERANCE
         passes &= sound
-        verdict = "ok" if sound else "fewer: --update" if change < 0 else "MORE"
+        verdict = "MORE" if not sound else "fewer: --update" if change < -TOLERANCE else "ok"
         print(f"{name}: {count:.0f} instructions an element, baseline {expected:.0f}, {change:+.2%}, {verdict}")
-    sys.exit(0 if passes else 1)
+    if not comparable:
+        print(f"the baseline is of {stored['compiler']}, this is {compiler}: not compared")
+    sys.exit(0 if passes or not comparable else 1)
 
 
 if __name__ == "__main__":

@@ -170,7 +170,7 @@ def text(result):
     ours = best_generated(rows)
     generated = [kernel for kernel in NAMES if kernel.startswith("generated")]
     agreement = ", ".join(f"{name(kernel)} {value:.1e}" for kernel, value in sorted(result["agreement"].items()))
-    code = result["kernel_code"]
+    kernels = result["kernels"]
     parts = [
         "# Performance",
         "Written by `benches/rivals/run.py`; do not edit. Its last part comes from `benches/rivals/notes.md`.",
@@ -215,9 +215,8 @@ def text(result):
         f"The whole Rust program, with all kernels for all n, three weights and two bases, and all rivals within: "
         f"{result['cargo_s']:.0f} s in the profile `bench`."
         + (
-            f" Kernels of the cubic weight and the quadratic basis, all outputs, all n: {code['bytes']:,} bytes in "
-            f"{code['functions']} functions."
-            if code and code["functions"]
+            f" The library with all kernels, in that profile: {kernels['library']:,} bytes, {kernels['code']:,} of them code."
+            if kernels
             else ""
         ),
     ]

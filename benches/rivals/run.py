@@ -68,16 +68,17 @@ def bench(program, nodes, kernels=()):
     return json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
 
 
-def kernel_code(program):
-    """Number and bytes of the compiled kernels of the quadratic basis and the cubic weight, all outputs and numbers of
-    nodes together; None if there is no `nm`."""
+def library_bytes(program):
+    """Bytes of the kernels' library as Cargo leaves it, and of the code in it; None if there is no `size`."""
+    libraries = sorted(program.parent.glob("deps/libdiffuse_contact_kernels-*.rlib"), key=os.path.getmtime)
+    if not libraries:
+        return None
     try:
-        text = subprocess.run(["nm", "-SC", program], check=True, capture_output=True, text=True).stdout
+        text = subprocess.run(["size", libraries[-1]], check=True, capture_output=True, text=True).stdout
     except (OSError, subprocess.CalledProcessError):
         return None
-    rows = [line.split(maxsplit=3) for line in text.splitlines() if "kernels::cubic::quadratic::" in line]
-    sizes = [int(row[1], 16) for row in rows if len(row) == 4 and row[2] in "tT"]
-    return {"functions": len(sizes), "bytes": sum(sizes)}
+    code = sum(int(line.split()[0]) for line in text.splitlines() if line.split()[0].isdigit())
+    return {"library": libraries[-1].stat().st_size, "code": code}
 
 
 def machine():
@@ -115,7 +116,7 @@ def main():
     parser.add_argument("--rounds", type=int, default=5, help="rounds of which times are medians")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "target" / "rivals", help="folder for objects")
     parser.add_argument("--docs", type=pathlib.Path, default=ROOT / "docs", help="where the report goes")
-    parser.add_argument("--no-native", action="store_true", help="without the build for this processor alone")
+    parser.add_argument("--native", action="store_true", help="also a build for this processor alone, minutes more")
     arguments = parser.parse_args()
     nodes = [int(text) for text in arguments.nodes.split(",")]
     kernel_nodes = [int(text) for text in arguments.kernel_nodes.split(",")]
@@ -123,7 +124,7 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
 
     program, printer, cargo_s = build(folder, native=False)
-    native, _, native_s = (None, None, None) if arguments.no_native else build(folder, native=True)
+    native, _, native_s = build(folder, native=True) if arguments.native else (None, None, None)
     ring = [rival for count in nodes for rival in rivals(folder, printer, count)]
     agreement = {}
     for rival in ring:
@@ -160,7 +161,7 @@ def main():
         ],
         "cargo_s": cargo_s,
         "native_cargo_s": native_s,
-        "kernel_code": kernel_code(program),
+        "kernels": library_bytes(program),
     }
     for rival in ring:
         if hasattr(rival, "close"):

@@ -103,6 +103,17 @@ def factors(rows, reference):
     return table([f"time over {name(reference)}"] + [f"n = {n}" for n in counts], lines)
 
 
+def whole_interface(found):
+    """Times per slave of a whole interface."""
+    each = lambda seconds: f"{1e6 * seconds / found['nodes']:.3g} µs"
+    rows = [
+        ["g, N and M of all slaves, pairing as it is", each(found["evaluate_s"])],
+        ["the same after a refresh that keeps all pairings", each(found["evaluate_s"] + found["refresh_kept_s"])],
+        ["the same with the search of all neighbours", each(found["evaluate_s"] + found["refresh_s"])],
+    ]
+    return table(["", "each slave"], rows)
+
+
 def losses(result):
     """Where a rival is faster than the generated kernels, in words."""
     found = []
@@ -199,6 +210,15 @@ def text(result):
         "Other outputs of the generated kernels, gap and N, and gap, N and M with the frame moving along:",
         by_nodes(rows, "gap-gradient", generated, duration),
         by_nodes(rows, "gap-co-moving-hessian", generated, duration),
+    ]
+    found = result["interface"]
+    parts += [
+        "## A whole interface",
+        f"`diffuse-contact study throughput`: {found['nodes']:,.0f} slaves over as many master nodes, {found['masters']:.1f} "
+        "masters each, the frame moving along, one thread. Elements of the same number of masters are gathered from "
+        "the positions into vectors and evaluated side by side; results go straight to each slave's place in the arrays that "
+        "assembly reads.",
+        whole_interface(found),
     ]
     if native:
         parts += [

@@ -32,6 +32,8 @@ TOLERANCE = 1e-10
 ELEMENTS, BATCH = 256, 1024
 # CasADi's compile time grows with the fourth power of the number of nodes: the whole gap up to here.
 MOST_NODES_OF_CASADI_GAP = 6
+# Slave and master nodes of a whole interface.
+SLAVES = 100_000
 # A rival is timed so long in each round.
 SECONDS = 0.5
 
@@ -66,6 +68,13 @@ def bench(program, nodes, kernels=()):
     if kernels:
         command += ["--kernels", ",".join(kernels)]
     return json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
+
+
+def interface(program):
+    """A whole interface on one thread: medians of three runs of `diffuse-contact study throughput`."""
+    command = [program, "study", "throughput", "--nodes", str(SLAVES), "--threads", "1", "--json"]
+    runs = [json.loads(subprocess.run(command, check=True, capture_output=True).stdout) for _ in range(3)]
+    return {key: statistics.median(run[key] for run in runs) for key in runs[0] if runs[0][key] is not None}
 
 
 def library_bytes(program):
@@ -161,6 +170,7 @@ def main():
         ],
         "cargo_s": cargo_s,
         "native_cargo_s": native_s,
+        "interface": interface(program),
         "kernels": library_bytes(program),
     }
     for rival in ring:

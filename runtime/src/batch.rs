@@ -5,14 +5,24 @@ use diffuse_contact_kernels::support::{
 };
 
 use crate::generated::{check, frame_rule, inputs, validate, with_kernels};
+use crate::interface::recycled;
 use crate::{ContactPoint, Element, ElementError, Generated, Mode, Weight};
 
 /// Room that batches use, kept from one to the next.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct BatchScratch {
     workspace: Workspace,
     /// Which elements go through which kernel, those with the same one after another.
     order: Vec<(Key, usize)>,
+    /// Memory of the elements of a group: empty.
+    elements: Vec<BatchElement<'static>>,
+}
+
+/// A copy has no memory yet.
+impl Clone for BatchScratch {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
 }
 
 /// What elements that go side by side have in common.
@@ -91,7 +101,7 @@ impl Generated {
             });
         }
         assert!(slots.next().is_none(), "a slot for each element");
-        evaluate(mode, waiting, scratch, |index, values| results[index] = contact_point(values));
+        evaluate(mode, &mut waiting, scratch, |index, values| results[index] = contact_point(values));
         results
     }
 }
@@ -117,11 +127,11 @@ pub(crate) struct Waiting<'a, 's> {
 /// Evaluates the elements, which need no further check, and hands over the values of each with its place among them.
 pub(crate) fn evaluate<'a>(
     mode: Mode,
-    mut waiting: Vec<Waiting<'a, 'a>>,
+    waiting: &mut [Waiting<'a, 'a>],
     scratch: &mut BatchScratch,
     mut result: impl FnMut(usize, &GapValues<f64>),
 ) {
-    let BatchScratch { workspace, order } = scratch;
+    let BatchScratch { workspace, order, elements: memory } = scratch;
     order.clear();
     order.extend(waiting.iter().enumerate().filter(|(_, element)| element.is_sound).map(
         |(index, element)| {
@@ -130,7 +140,7 @@ pub(crate) fn evaluate<'a>(
         },
     ));
     order.sort_unstable();
-    let mut elements = Vec::with_capacity(MOST_AT_ONCE);
+    let mut elements = recycled(std::mem::take(memory));
     for group in order.chunk_by(|x, y| x.0 == y.0) {
         let Key { weight, frame, basis, .. } = group[0].0;
         for group in group.chunks(MOST_AT_ONCE) {
@@ -147,6 +157,7 @@ pub(crate) fn evaluate<'a>(
             }
         }
     }
+    *memory = recycled(elements);
 }
 
 /// Elements handed to a kernel at once: a multiple of the widest vector.

@@ -291,13 +291,6 @@ impl<'a> Slots<'a> {
         )
     }
 
-    /// All slaves on their own.
-    pub fn each(self, layout: &Layout) -> Vec<Slot<'a>> {
-        let mut all = Vec::with_capacity(self.len());
-        self.for_each(layout, |slot| all.push(slot));
-        all
-    }
-
     /// One slave after the other.
     pub fn for_each(self, layout: &Layout, mut fill: impl FnMut(Slot<'a>)) {
         let mut rest = self;

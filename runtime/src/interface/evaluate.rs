@@ -4,7 +4,7 @@ use diffuse_contact_kernels::support::{ElementInputs, Masters};
 
 use super::contacts::{Layout, Slot, Slots};
 use super::pairings::{Paired, Pairings};
-use super::scratch::Pool;
+use super::scratch::{Pool, recycled};
 use super::{ContactElement, InterfaceOptions, NoContact, Outcome};
 use crate::batch::{BatchScratch, GapSlot, Waiting, contact_point, evaluate};
 use crate::element::nearest_in_plane;
@@ -28,6 +28,21 @@ pub struct Evaluator<'a> {
     pub options: &'a InterfaceOptions,
 }
 
+/// Memory of lists that are empty between evaluations.
+#[derive(Debug, Default)]
+struct Lists {
+    slots: Vec<Slot<'static>>,
+    waiting: Vec<Waiting<'static, 'static>>,
+    places: Vec<(usize, Paired<'static>)>,
+}
+
+/// A copy has no memory yet.
+impl Clone for Lists {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
 /// Memory kept from one element to the next.
 #[derive(Clone, Debug, Default)]
 pub struct ElementScratch {
@@ -36,6 +51,7 @@ pub struct ElementScratch {
     corners: Vec<u32>,
     border: BorderScratch,
     batch: BatchScratch,
+    lists: Lists,
 }
 
 impl Evaluator<'_> {
@@ -76,9 +92,12 @@ impl Evaluator<'_> {
         weight: Weight,
         scratch: &mut ElementScratch,
     ) {
-        let mut slots = slots.each(&pairings.layout);
-        let mut waiting = Vec::with_capacity(slots.len());
-        let mut places = Vec::with_capacity(slots.len());
+        let ElementScratch { border, batch, lists, .. } = scratch;
+        let mut all = recycled(std::mem::take(&mut lists.slots));
+        slots.for_each(&pairings.layout, |slot| all.push(slot));
+        let mut slots = all;
+        let mut waiting = recycled(std::mem::take(&mut lists.waiting));
+        let mut places = recycled(std::mem::take(&mut lists.places));
         for (place, slot) in slots.iter_mut().enumerate() {
             let paired = pairings.get(slot.index);
             let with_frame = paired.and_then(|paired| Ok((paired, self.current_frame(&paired)?)));
@@ -99,13 +118,13 @@ impl Evaluator<'_> {
                 Err(reason) => write(Err(reason), slot.outcome, slot.point),
             }
         }
-        let ElementScratch { border, batch, .. } = scratch;
-        evaluate(mode, waiting, batch, |index, values| {
+        evaluate(mode, &mut waiting, batch, |index, values| {
             let (place, paired) = &places[index];
             let point = self.within_border(paired, contact_point(values), border);
             let slot = &mut slots[*place];
             write(point.map(|point| (point, paired.record.fallback)), slot.outcome, slot.point);
         });
+        *lists = Lists { slots: recycled(slots), waiting: recycled(waiting), places: recycled(places) };
     }
 
     /// What a kernel reads of a paired slave.

@@ -79,6 +79,7 @@ use evaluate::{CHUNK, ElementScratch, Evaluator};
 use pairings::Pairings;
 use refresh::{Refresh, RefreshScratch};
 use scratch::Pool;
+pub(crate) use scratch::recycled;
 
 use crate::neighbourhood::SearchOptions;
 use crate::pairing::NearestNodes;

@@ -3,6 +3,13 @@
 use std::fmt;
 use std::sync::{Mutex, PoisonError};
 
+/// An empty vector in the memory of another one, whose elements differ in nothing but lifetimes.
+pub fn recycled<Old, New>(mut old: Vec<Old>) -> Vec<New> {
+    old.clear();
+    // Collecting a vector's own elements reuses its memory if they are as large.
+    old.into_iter().map(|_| unreachable!("the vector is empty")).collect()
+}
+
 /// Scratch objects not in use. There are never more than threads that worked at once.
 pub struct Pool<T>(Mutex<Vec<T>>);
 

@@ -414,7 +414,9 @@ fn elements_of_different_numbers_of_nodes_are_a_panic() {
 #[test]
 fn instructions_have_names_and_widths() {
     let available: Vec<Isa> = Isa::available().collect();
-    assert_eq!((available.first(), available.last()), (Some(&Isa::SCALAR), Some(&Isa::best())));
+    assert_eq!(available.first(), Some(&Isa::SCALAR));
+    // The last one, but where the kernels are compiled without optimisation.
+    assert!([available.last(), available.first()].contains(&Some(&Isa::best())));
     assert!(available.is_sorted_by_key(|isa| isa.width()));
     for isa in available {
         assert_eq!(Isa::named(isa.name()), Some(isa));

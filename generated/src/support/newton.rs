@@ -110,7 +110,12 @@ impl<T: Lane> TwoEquations<T> {
         if self.evaluations < MOST_ITERATIONS && !T::all_less(self.relative, tolerance) {
             return None;
         }
+        // None where the iteration has not converged, as from a singular Jacobian: the figures at y tell why.
         let last = newton_step(self.residual, self.jacobian);
+        let last = [
+            T::select_less(self.relative, tolerance, last[0], T::ZERO),
+            T::select_less(self.relative, tolerance, last[1], T::ZERO),
+        ];
         Some(RootSolution {
             unknowns: [self.y[0] + last[0], self.y[1] + last[1]],
             residual: self.relative,

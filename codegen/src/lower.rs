@@ -40,6 +40,7 @@ pub fn lower<S: Clone>(kernel: &Kernel<S>) -> Kernel<S> {
                 node_slave: block(&mut lowering, &hessian.node_slave),
                 diagonal: block(&mut lowering, &hessian.diagonal),
                 pair: block(&mut lowering, &hessian.pair),
+                form: hessian.form.map(|x| lowering.lower(x)),
             };
             (*name, lowered)
         })

@@ -14,7 +14,7 @@ pub trait GapKernel {
 
     /// Evaluates the elements of a [`Shape`].
     ///
-    /// `scratch`: [`KEPT`](Self::KEPT) values for each vector of nodes, of any content. `gradients` and `hessians`: N,
+    /// `scratch`: [`KEPT`](Self::KEPT) values for each vector of nodes and one more, of any content. `gradients` and `hessians`: N,
     /// 3(n+1) entries, and the packed lower triangle of M; empty if it does not compute them.
     fn evaluate<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
         inputs: &Inputs<'_, E, T>,
@@ -70,7 +70,7 @@ pub fn scalar<V>(
 ) -> V {
     let count = inputs.masters.len();
     let masters: Vec<[f64; 3]> = (0..count).map(|k| inputs.masters.get(k)).collect();
-    let mut scratch = vec![0.0; kept * count];
+    let mut scratch = vec![0.0; kept * (count + 1)];
     kernel(&Inputs::gather(|_| inputs, &masters), &mut scratch)
 }
 
@@ -108,7 +108,7 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
         let Self { inputs, gradient, hessian, .. } = self;
         let count = inputs.masters.len();
         let vectors = count.div_ceil(T::WIDTH);
-        let needed = Block::count::<T>((3 + K::KEPT) * vectors);
+        let needed = Block::count::<T>(3 * vectors + K::KEPT * (vectors + 1));
         // Memory has to be filled before it can be used: as little as will do.
         let (mut few, mut some, mut many);
         let blocks: &mut [Block] = if needed <= FEW {
@@ -172,11 +172,11 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
     fn run<T: Vector>(self) {
         let count = self.elements[0].inputs.masters.len();
         let (gradients, hessians) = sizes(K::MODE, count);
-        let needed = (3 + K::KEPT) * count + gradients + hessians;
+        let needed = 3 * count + K::KEPT * (count + 1) + gradients + hessians;
         let vectors = Block::vectors::<T>(self.workspace.blocks(Block::count::<T>(needed)));
         let (masters, vectors) = vectors.split_at_mut(3 * count);
         let (masters, _) = masters.as_chunks_mut::<3>();
-        let (scratch, vectors) = vectors.split_at_mut(K::KEPT * count);
+        let (scratch, vectors) = vectors.split_at_mut(K::KEPT * (count + 1));
         let (gradient, vectors) = vectors.split_at_mut(gradients);
         let hessian = &mut vectors[..hessians];
         for elements in self.elements.chunks_mut(T::WIDTH) {

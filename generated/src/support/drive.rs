@@ -1,5 +1,6 @@
 //! Runs generated kernels: one element, or many of the same number of nodes.
 
+use std::cell::Cell;
 use std::marker::PhantomData;
 
 use super::simd::{Block, Vector};
@@ -74,7 +75,8 @@ pub fn scalar<V>(
     kernel(&Inputs::gather(|_| inputs, &masters), &mut scratch)
 }
 
-/// Evaluates one element, its nodes side by side. Allocates only for more than 24 nodes or so.
+/// Evaluates one element, its nodes side by side. Allocates only for the first element of a thread, and for a larger one than
+/// before.
 ///
 /// # Panics
 /// If a slice is shorter than the kernel needs.
@@ -109,19 +111,11 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
         let count = inputs.masters.len();
         let vectors = count.div_ceil(T::WIDTH);
         let needed = Block::count::<T>(3 * vectors + K::KEPT * (vectors + 1));
-        // Memory has to be filled before it can be used: as little as will do.
-        let (mut few, mut some, mut many);
-        let blocks: &mut [Block] = if needed <= FEW {
-            few = [Block::ZERO; FEW];
-            &mut few
-        } else if needed <= SOME {
-            some = [Block::ZERO; SOME];
-            &mut some
-        } else {
-            many = vec![Block::ZERO; needed];
-            &mut many
-        };
-        let (masters, scratch) = Block::vectors::<T>(blocks).split_at_mut(3 * vectors);
+        let mut blocks = BLOCKS.take();
+        if blocks.len() < needed {
+            blocks.resize(needed, Block::ZERO);
+        }
+        let (masters, scratch) = Block::vectors::<T>(&mut blocks).split_at_mut(3 * vectors);
         let (masters, _) = masters.as_chunks_mut::<3>();
         for (k, master) in masters.iter_mut().enumerate() {
             // The last node also fills the rest of the last vector.
@@ -131,13 +125,16 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
             }
         }
         let inputs = Inputs::gather(|_| inputs, masters);
-        K::evaluate::<T::Scalar, T, Single<T>>(&inputs, scratch, gradient, hessian).lane(0)
+        let values = K::evaluate::<T::Scalar, T, Single<T>>(&inputs, scratch, gradient, hessian).lane(0);
+        BLOCKS.set(blocks);
+        values
     }
 }
 
-/// Blocks of 64 bytes for 12 nodes or so, and for 24.
-const FEW: usize = 96;
-const SOME: usize = 256;
+thread_local! {
+    /// Room of the last element of a thread: new memory would have to be filled before it can be used.
+    static BLOCKS: Cell<Vec<Block>> = const { Cell::new(Vec::new()) };
+}
 
 /// Evaluates elements of the same number of nodes, side by side. What one of them gets does not depend on the others.
 ///

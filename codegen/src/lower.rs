@@ -2,7 +2,7 @@
 //!
 //! After lowering only these operations are left: constants, inputs, + − × ÷, square root, exponential, choice,
 //! sums over nodes, rows and columns of pairs, and roots, whose equations are lowered too. Symmetric systems become
-//! an unrolled Cholesky factorisation, with signs where there are multipliers, and unrolled substitutions.
+//! an unrolled factorisation, Cholesky's without his square roots, and unrolled substitutions.
 
 use std::collections::HashMap;
 
@@ -40,6 +40,7 @@ pub fn lower<S: Clone>(kernel: &Kernel<S>) -> Kernel<S> {
                 node_slave: block(&mut lowering, &hessian.node_slave),
                 diagonal: block(&mut lowering, &hessian.diagonal),
                 pair: block(&mut lowering, &hessian.pair),
+                form: hessian.form.map(|x| lowering.lower(x)),
             };
             (*name, lowered)
         })
@@ -67,12 +68,16 @@ struct Lowering<'a> {
     divisors: HashMap<ExprId, usize>,
 }
 
-/// L and 1/L_kk of a system in elimination order.
+/// A = U D Uᵀ in elimination order, U with ones on its diagonal. L = U |D|^½, but no square root is waited for: it is
+/// drawn where L⁻¹ is asked for, of 1/D.
 #[derive(Clone)]
 struct Factor {
+    /// U below its diagonal.
     lower: Vec<Vec<ExprId>>,
-    reciprocal: Vec<ExprId>,
+    /// D, with its sign.
     pivots: Vec<ExprId>,
+    /// 1/D
+    reciprocal: Vec<ExprId>,
 }
 
 impl<'a> Lowering<'a> {
@@ -262,44 +267,37 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// A = L S Lᵀ
+    /// A = U D Uᵀ
     fn factor(&mut self, system: SystemId) -> Factor {
         if let Some(known) = self.factors.get(&system) {
             return known.clone();
         }
         let data = self.source.system(system).clone();
         let name = &data.name;
-        let size = data.size();
-        let mut factor = Factor { lower: Vec::new(), reciprocal: Vec::new(), pivots: Vec::new() };
-        for i in 0..size {
+        let mut factor = Factor { lower: Vec::new(), pivots: Vec::new(), reciprocal: Vec::new() };
+        for i in 0..data.size() {
+            // Of U D, and of U.
+            let mut scaled: Vec<ExprId> = Vec::with_capacity(i);
             let mut row: Vec<ExprId> = Vec::with_capacity(i);
             for j in 0..=i {
-                let entry = self.lower(data.entry(data.eliminated(i), data.eliminated(j)));
-                let mut rest = entry;
+                let mut rest = self.lower(data.entry(data.eliminated(i), data.eliminated(j)));
                 for k in 0..j {
-                    let left = row[k];
-                    let right = if i == j { row[k] } else { factor.lower[j][k] };
-                    let product = self.target.mul(left, right);
-                    rest = if data.is_negative(k) {
-                        self.target.add(rest, product)
-                    } else {
-                        self.target.sub(rest, product)
-                    };
-                }
-                if data.is_negative(j) {
-                    rest = self.target.neg(rest);
+                    let left = if i == j { row[k] } else { factor.lower[j][k] };
+                    let product = self.target.mul(left, scaled[k]);
+                    rest = self.target.sub(rest, product);
                 }
                 if i == j {
                     self.target.name(rest, &format!("{name}_pivot_{i}"));
-                    let root = self.target.sqrt(rest);
                     let one = self.target.one();
-                    let reciprocal = self.target.div(one, root);
-                    self.target.name(reciprocal, &format!("{name}_inverse_{i}_{i}"));
+                    let reciprocal = self.target.div(one, rest);
+                    self.target.name(reciprocal, &format!("{name}_reciprocal_{i}"));
                     factor.pivots.push(rest);
                     factor.reciprocal.push(reciprocal);
                 } else {
                     let entry = self.target.mul(rest, factor.reciprocal[j]);
+                    self.target.name(rest, &format!("{name}_scaled_{i}_{j}"));
                     self.target.name(entry, &format!("{name}_{i}_{j}"));
+                    scaled.push(rest);
                     row.push(entry);
                 }
             }
@@ -309,31 +307,40 @@ impl<'a> Lowering<'a> {
         factor
     }
 
-    /// Entry of L⁻¹: L⁻¹_ij = −(1/L_ii) Σ_{k=j}^{i−1} L_ik L⁻¹_kj.
+    /// Entry of L⁻¹ = |D|^−½ U⁻¹.
     fn inverse_factor(&mut self, system: SystemId, row: usize, column: usize) -> ExprId {
+        let reciprocal = self.factor(system).reciprocal[row];
+        let is_negative = self.source.system(system).is_negative(row);
+        let magnitude = if is_negative { self.target.neg(reciprocal) } else { reciprocal };
+        let root = self.target.sqrt(magnitude);
+        let name = self.source.system(system).name.clone();
+        self.target.name(root, &format!("{name}_inverse_{row}_{row}"));
+        if row == column {
+            return root;
+        }
+        let entry = self.unit_inverse(system, row, column);
+        let entry = self.target.mul(entry, root);
+        self.target.name(entry, &format!("{name}_inverse_{row}_{column}"))
+    }
+
+    /// Entry of U⁻¹ below the diagonal: U⁻¹_ij = −U_ij − Σ_{k=j+1}^{i−1} U_ik U⁻¹_kj.
+    fn unit_inverse(&mut self, system: SystemId, row: usize, column: usize) -> ExprId {
         if let Some(&known) = self.inverses.get(&(system, row, column)) {
             return known;
         }
         let factor = self.factor(system);
-        let entry = if row == column {
-            factor.reciprocal[row]
-        } else {
-            let mut total = self.target.zero();
-            for k in column..row {
-                let inverse = self.inverse_factor(system, k, column);
-                let product = self.target.mul(factor.lower[row][k], inverse);
-                total = self.target.add(total, product);
-            }
-            let minus = self.target.neg(total);
-            let entry = self.target.mul(minus, factor.reciprocal[row]);
-            let name = &self.source.system(system).name;
-            self.target.name(entry, &format!("{name}_inverse_{row}_{column}"))
-        };
+        let mut total = factor.lower[row][column];
+        for k in column + 1..row {
+            let inverse = self.unit_inverse(system, k, column);
+            let product = self.target.mul(factor.lower[row][k], inverse);
+            total = self.target.add(total, product);
+        }
+        let entry = self.target.neg(total);
         self.inverses.insert((system, row, column), entry);
         entry
     }
 
-    /// L y = b, Lᵀ x = S y
+    /// U y = b, Uᵀ x = D⁻¹ y
     fn lower_solve(&mut self, solve: SolveId) -> Vec<ExprId> {
         if let Some(known) = self.solutions.get(&solve) {
             return known.clone();
@@ -350,23 +357,20 @@ impl<'a> Lowering<'a> {
                 let product = self.target.mul(factor.lower[i][k], y[k]);
                 rest = self.target.sub(rest, product);
             }
-            let value = self.target.mul(rest, factor.reciprocal[i]);
             let name = &self.source.system(data.system).name;
-            y.push(self.target.name(value, &format!("{name}_forward_{i}")));
+            y.push(self.target.name(rest, &format!("{name}_forward_{i}")));
         }
-        let mut x = y;
-        for i in 0..size {
-            if self.source.system(data.system).is_negative(i) {
-                x[i] = self.target.neg(x[i]);
-            }
-        }
+        let mut x: Vec<ExprId> = y
+            .iter()
+            .zip(&factor.reciprocal)
+            .map(|(&y, &reciprocal)| self.target.mul(y, reciprocal))
+            .collect();
         for i in (0..size).rev() {
-            let mut rest = x[i];
-            for k in i + 1..size {
+            // The unknown found last comes last: nothing else waits for it.
+            for k in (i + 1..size).rev() {
                 let product = self.target.mul(factor.lower[k][i], x[k]);
-                rest = self.target.sub(rest, product);
+                x[i] = self.target.sub(x[i], product);
             }
-            x[i] = self.target.mul(rest, factor.reciprocal[i]);
         }
         let mut solution = x.clone();
         for (position, row) in order.into_iter().enumerate() {
@@ -382,10 +386,13 @@ impl<'a> Lowering<'a> {
         let ratios: Vec<ExprId> = (0..data.size())
             .filter_map(|k| {
                 let reference = self.lower(data.reference(data.eliminated(k))?);
-                Some(self.target.div(factor.pivots[k], reference))
+                let pivot = factor.pivots[k];
+                let pivot = if data.is_negative(k) { self.target.neg(pivot) } else { pivot };
+                Some(self.target.div(pivot, reference))
             })
             .collect();
-        // A pivot after a negative one is NaN, which is not smaller; if all are NaN, so is the result.
+        // Pivots after one that is not positive mean nothing, but the smallest is not above that one. A NaN after it is
+        // not smaller; if all are NaN, so is the result.
         let mut smallest = ratios[0];
         for &ratio in &ratios[1..] {
             smallest = self.target.select_less(ratio, smallest, ratio, smallest);

@@ -2,45 +2,59 @@
 //!
 //! An expression of element scope can be computed once all sums it needs are known. Its *level* counts the loops
 //! over nodes that have to run before. A program is: for every level, a straight-line segment, then one loop over
-//! the nodes; after the last, one loop over the pairs of nodes. Node values that a later loop needs are stored
-//! with the node; what is not needed is not computed.
+//! the nodes. Hessians leave it as rows of low rank; their products are not part of the program. Node values that a
+//! later loop needs are stored with the node; what is not needed is not computed.
 
 use std::collections::{HashMap, HashSet};
 
 use crate::graph::{ExprId, Graph, Op, RootId, Scope};
 use crate::model::{Kernel, KernelSpec};
+use crate::structure::{LowRankForm, LowRankTerm};
 
 /// Deepest nesting of an expression that is written without an intermediate `let`.
 const MOST_DEPTH: usize = 14;
 
-/// Where a result of node scope goes.
+/// What results of node scope are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeTarget {
-    /// Component of a node's part of a gradient.
+    /// A node's part of a gradient, x, y and z.
     Gradient {
         /// Which gradient.
         gradient: usize,
-        /// Which component.
-        axis: usize,
     },
-    /// Entry of the block (node, slave) of a Hessian.
-    NodeSlave {
+    /// A node's part of a row of a Hessian's form, x, y and z.
+    Row {
         /// Which Hessian.
         hessian: usize,
-        /// Axis of the row.
+        /// Which row.
         row: usize,
-        /// Axis of the column.
-        column: usize,
     },
-    /// Entry of the block (node, node).
-    Diagonal {
+    /// A node's own block of a Hessian's form, lower triangle.
+    Own {
         /// Which Hessian.
         hessian: usize,
-        /// Axis of the row.
-        row: usize,
-        /// Axis of the column.
-        column: usize,
     },
+}
+
+/// The rows of a Hessian's form in the order in which they are multiplied: b and c of each term.
+#[derive(Clone, Debug, Default)]
+pub struct FormRows {
+    /// Those of terms that differ between nodes: of a node, and of the slave.
+    pub varying: Vec<[[ExprId; 3]; 2]>,
+    /// Those of terms that are the same for all nodes.
+    pub constant: Vec<[[ExprId; 3]; 2]>,
+}
+
+impl FormRows {
+    fn new(graph: &Graph, form: &LowRankForm) -> Self {
+        let mut rows = Self::default();
+        for LowRankTerm { b, c } in &form.terms {
+            let is_constant = b[0].iter().chain(&c[0]).all(|&x| graph.scope(x) == Scope::Element);
+            let list = if is_constant { &mut rows.constant } else { &mut rows.varying };
+            list.extend([*b, *c]);
+        }
+        rows
+    }
 }
 
 /// One statement of a straight-line piece.
@@ -64,26 +78,13 @@ pub struct NodeLoop {
     /// Values stored with the node.
     pub stores: Vec<ExprId>,
     /// Results written.
-    pub outputs: Vec<(NodeTarget, ExprId)>,
+    pub outputs: Vec<(NodeTarget, Vec<ExprId>)>,
 }
 
 impl NodeLoop {
     fn is_empty(&self) -> bool {
         self.sums.is_empty() && self.stores.is_empty() && self.outputs.is_empty()
     }
-}
-
-/// The loop over pairs (row node, column node < row node).
-#[derive(Clone, Debug, Default)]
-pub struct PairLoop {
-    /// Node values read at the row.
-    pub row_loads: Vec<ExprId>,
-    /// Node values read at the column.
-    pub column_loads: Vec<ExprId>,
-    /// The body.
-    pub statements: Vec<Statement>,
-    /// Results: (hessian, row axis, column axis), value.
-    pub outputs: Vec<((usize, usize, usize), ExprId)>,
 }
 
 /// One straight-line segment and the loop after it.
@@ -111,8 +112,8 @@ pub struct Program<S = KernelSpec> {
     pub kernel: Kernel<S>,
     /// Segments and node loops in order.
     pub phases: Vec<Phase>,
-    /// The loop over pairs, last.
-    pub pairs: PairLoop,
+    /// Rows of the Hessians' forms.
+    pub forms: Vec<FormRows>,
     /// Bodies of the roots' equations: statements for residuals and Jacobian.
     pub roots: HashMap<RootId, Vec<Statement>>,
     /// How expressions are written.
@@ -130,6 +131,7 @@ impl<S: Clone> Program<S> {
 struct Scheduler<'a, S> {
     kernel: &'a Kernel<S>,
     graph: &'a Graph,
+    forms: Vec<FormRows>,
     levels: HashMap<ExprId, usize>,
     /// Everything the results depend on, operands first.
     reachable: Vec<ExprId>,
@@ -137,8 +139,9 @@ struct Scheduler<'a, S> {
 
 impl<'a, S: Clone> Scheduler<'a, S> {
     fn new(kernel: &'a Kernel<S>) -> Self {
-        let mut scheduler =
-            Self { kernel, graph: &kernel.graph, levels: HashMap::new(), reachable: Vec::new() };
+        let graph = &kernel.graph;
+        let forms = kernel.hessians.iter().map(|(_, hessian)| FormRows::new(graph, &hessian.form)).collect();
+        let mut scheduler = Self { kernel, graph, forms, levels: HashMap::new(), reachable: Vec::new() };
         let mut seen = HashSet::new();
         for root in scheduler.results() {
             scheduler.reach(root, &mut seen);
@@ -159,44 +162,31 @@ impl<'a, S: Clone> Scheduler<'a, S> {
         for (_, hessian) in &self.kernel.hessians {
             all.extend((0..3).flat_map(|row| hessian.slave[row][..=row].to_vec()));
         }
+        for form in &self.forms {
+            all.extend(form.varying.iter().flat_map(|[_, slave]| *slave));
+            all.extend(form.constant.iter().flat_map(|rows| rows.as_flattened()));
+        }
         all
     }
 
-    fn node_results(&self) -> Vec<(NodeTarget, ExprId)> {
+    fn node_results(&self) -> Vec<(NodeTarget, Vec<ExprId>)> {
         let mut all = Vec::new();
         for (gradient, (_, data)) in self.kernel.gradients.iter().enumerate() {
-            all.extend((0..3).map(|axis| (NodeTarget::Gradient { gradient, axis }, data.node[axis])));
+            all.push((NodeTarget::Gradient { gradient }, data.node.to_vec()));
         }
-        for (hessian, (_, data)) in self.kernel.hessians.iter().enumerate() {
-            for row in 0..3 {
-                for column in 0..3 {
-                    let target = NodeTarget::NodeSlave { hessian, row, column };
-                    all.push((target, data.node_slave[row][column]));
-                }
-                for column in 0..=row {
-                    all.push((NodeTarget::Diagonal { hessian, row, column }, data.diagonal[row][column]));
-                }
+        for (hessian, ((_, data), form)) in self.kernel.hessians.iter().zip(&self.forms).enumerate() {
+            for (row, [node, _]) in form.varying.iter().enumerate() {
+                all.push((NodeTarget::Row { hessian, row }, node.to_vec()));
             }
-        }
-        all
-    }
-
-    fn pair_results(&self) -> Vec<((usize, usize, usize), ExprId)> {
-        let mut all = Vec::new();
-        for (hessian, (_, data)) in self.kernel.hessians.iter().enumerate() {
-            for row in 0..3 {
-                for column in 0..3 {
-                    all.push(((hessian, row, column), data.pair[row][column]));
-                }
-            }
+            let own = (0..3).flat_map(|row| data.form.own[row][..=row].to_vec());
+            all.push((NodeTarget::Own { hessian }, own.collect()));
         }
         all
     }
 
     fn results(&self) -> Vec<ExprId> {
         let mut all = self.element_results();
-        all.extend(self.node_results().into_iter().map(|(_, x)| x));
-        all.extend(self.pair_results().into_iter().map(|(_, x)| x));
+        all.extend(self.node_results().into_iter().flat_map(|(_, x)| x));
         all
     }
 
@@ -215,48 +205,18 @@ impl<'a, S: Clone> Scheduler<'a, S> {
         let mut phases: Vec<Phase> = (0..=last).map(|_| Phase::default()).collect();
         let mut layout = Layout::default();
 
-        let pairs = self.schedule_pairs(&mut layout);
-        self.schedule_nodes(&mut phases, &pairs, &mut layout);
+        self.schedule_nodes(&mut phases, &mut layout);
         let roots = self.schedule_elements(&mut phases, &mut layout);
         while phases.last().is_some_and(|p| p.statements.is_empty() && p.nodes.is_empty()) {
             phases.pop();
         }
-        Program { kernel: self.kernel.clone(), phases, pairs, roots, layout }
+        Program { kernel: self.kernel.clone(), phases, forms: self.forms, roots, layout }
     }
 
-    fn schedule_pairs(&self, layout: &mut Layout) -> PairLoop {
-        let outputs = self.pair_results();
-        let roots: Vec<ExprId> = outputs.iter().map(|(_, x)| *x).collect();
-        let members = self.members(&roots, |x| self.graph.scope(x) == Scope::Pair && !self.is_load(x));
-        let mut pairs = PairLoop { outputs, ..PairLoop::default() };
-        for &x in
-            members.iter().flat_map(|&x| self.graph.operands(x)).collect::<Vec<_>>().iter().chain(&roots)
-        {
-            let (list, node) = match self.graph.op(x) {
-                Op::Row(node) => (&mut pairs.row_loads, node),
-                Op::Column(node) => (&mut pairs.column_loads, node),
-                _ => continue,
-            };
-            if !list.contains(&node) {
-                list.push(node);
-            }
-        }
-        pairs.statements = self.lay_out(&members, &roots, &HashSet::new(), layout);
-        pairs
-    }
-
-    fn is_load(&self, x: ExprId) -> bool {
-        matches!(self.graph.op(x), Op::Row(_) | Op::Column(_))
-    }
-
-    fn schedule_nodes(&self, phases: &mut [Phase], pairs: &PairLoop, layout: &mut Layout) {
+    fn schedule_nodes(&self, phases: &mut [Phase], layout: &mut Layout) {
         let mut computed_in: HashMap<ExprId, usize> = HashMap::new();
         let mut stores: Vec<HashSet<ExprId>> = vec![HashSet::new(); phases.len()];
         let mut loop_members: Vec<(Vec<ExprId>, Vec<ExprId>)> = Vec::new();
-        let pair_needs: Vec<ExprId> = {
-            let mut seen = HashSet::new();
-            pairs.row_loads.iter().chain(&pairs.column_loads).copied().filter(|x| seen.insert(*x)).collect()
-        };
         for (level, phase) in phases.iter_mut().enumerate() {
             let at_level = |x: &ExprId| self.levels[x] == level;
             let nodes = &mut phase.nodes;
@@ -266,16 +226,14 @@ impl<'a, S: Clone> Scheduler<'a, S> {
                 .filter(|&&x| matches!(self.graph.op(x), Op::Sum(body) if at_level(&body)))
                 .copied()
                 .collect();
-            nodes.outputs = self
-                .node_results()
-                .into_iter()
-                .filter(|(_, x)| self.graph.scope(*x) == Scope::Node && at_level(x))
+            // All components at once.
+            let outputs = self.node_results().into_iter();
+            nodes.outputs = outputs
+                .filter(|(_, values)| values.iter().map(|x| self.levels[x]).max() == Some(level))
                 .collect();
-            let kept: Vec<ExprId> = pair_needs.iter().copied().filter(at_level).collect();
             let mut roots: Vec<ExprId> = nodes.sums.iter().map(|&sum| self.graph.operands(sum)[0]).collect();
-            roots.extend(nodes.outputs.iter().map(|(_, x)| *x));
-            roots.extend(&kept);
-            stores[level].extend(kept);
+            let is_node = |x: &ExprId| self.graph.scope(*x) == Scope::Node;
+            roots.extend(nodes.outputs.iter().flat_map(|(_, values)| values).copied().filter(is_node));
 
             let mut loads = Vec::new();
             let members = {
@@ -324,6 +282,8 @@ impl<'a, S: Clone> Scheduler<'a, S> {
         }
         // What another piece of code uses needs a name.
         let mut external: HashSet<ExprId> = HashSet::new();
+        let node_results = self.node_results().into_iter().flat_map(|(_, values)| values);
+        external.extend(node_results.filter(|&x| is_element(x)).map(|x| self.without_sign(x)));
         for &x in &self.reachable {
             for operand in self.graph.dependencies(x) {
                 let other_piece = !is_element(x)

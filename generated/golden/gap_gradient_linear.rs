@@ -9,13 +9,15 @@ pub mod gap_gradient_kept {
     pub(super) const ONE_MINUS_R: usize = 3usize;
     pub(super) const W: usize = 4usize;
     pub(super) const Z: usize = 5usize;
-    /// Number of values.
+    #[allow(dead_code)]
+    pub(super) const PLACES: usize = 6usize;
+    /// Number of values, those of the Hessian's form included.
     pub const COUNT: usize = 6usize;
 }
 /// Gap, foot point and normal with first derivatives; linear basis (3 coefficients), weight `(1 - r)^2 * (1 + 2*r)`.
 ///
 /// Coordinates are ordered slave, master 1, …, master n.
-/// `scratch`: [`gap_gradient_kept::COUNT`] for each vector of nodes, of any content.
+/// `scratch`: [`gap_gradient_kept::COUNT`] for each vector of nodes and one more, of any content.
 /// `gradients`: 1 × 3(n+1) entries, of gap.
 ///
 /// * `(a, b, z)_i = Q (x^i - x^c) / R, Q = (t1, t2, n)` (local offsets over the support radius)
@@ -26,7 +28,7 @@ pub mod gap_gradient_kept {
 /// * `nu = (-f_1, -f_2, 1) / sqrt(1 + f_1^2 + f_2^2)` (Chamoret et al. 2008, eq. 22)
 /// * `N = dg/dx, M = d2g/dx2` (Chamoret et al. 2008, eqs. 32 and 42)
 ///
-/// Operations: 144 + 64 n + 0 n(n−1)/2, and 10 for each Newton iteration.
+/// Operations: 132 + 64 n + 0 n(n−1)/2, and 10 for each Newton iteration.
 ///
 /// # Panics
 /// If a slice is shorter than stated.
@@ -37,7 +39,7 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
     gradients: &mut [S::Output],
 ) -> GapValues<E> {
     use gap_gradient_kept as at;
-    let nodes = &mut scratch.as_chunks_mut::<{ at::COUNT }>().0[..inputs.masters.len()];
+    let nodes = &mut scratch.as_chunks_mut::<{ at::PLACES }>().0[..inputs.masters.len()];
     let count = inputs.count;
     let [slave_x, slave_y, slave_z] = inputs.slave;
     let [t1_x, t1_y, t1_z] = inputs.t1;
@@ -54,8 +56,8 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
     let axis_z_z = inverse_radius * normal_z;
     let axis_z_x = inverse_radius * normal_x;
     let axis_z_y = inverse_radius * normal_y;
-    let [moment_2_2, beta_2, moment_2_1, moment_1_1, beta_1, moment_1_0, moment_2_0,
-    moment_0_0, beta_0] = {
+    let [moment_2_2, beta_2, moment_2_0, moment_0_0, moment_1_0, moment_2_1, moment_1_1,
+    beta_0, beta_1] = {
         let [slave_y, slave_x, slave_z, axis_b_z, axis_b_y, axis_b_x, axis_a_z, axis_a_y,
         axis_a_x, axis_z_z, axis_z_y, axis_z_x] = S::spread([
             slave_y,
@@ -73,13 +75,13 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
         ]);
         let mut moment_2_2 = T::ZERO;
         let mut beta_2 = T::ZERO;
-        let mut moment_2_1 = T::ZERO;
-        let mut moment_1_1 = T::ZERO;
-        let mut beta_1 = T::ZERO;
-        let mut moment_1_0 = T::ZERO;
         let mut moment_2_0 = T::ZERO;
         let mut moment_0_0 = T::ZERO;
+        let mut moment_1_0 = T::ZERO;
+        let mut moment_2_1 = T::ZERO;
+        let mut moment_1_1 = T::ZERO;
         let mut beta_0 = T::ZERO;
+        let mut beta_1 = T::ZERO;
         for (vector, (master, node)) in inputs
             .masters
             .iter()
@@ -123,6 +125,9 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
                 moment_2_2,
             );
             beta_2 = S::keep(node_index, count, w_p_2.mul_add(z, beta_2), beta_2);
+            moment_2_0 = S::keep(node_index, count, moment_2_0 + w_p_2, moment_2_0);
+            moment_0_0 = S::keep(node_index, count, moment_0_0 + w, moment_0_0);
+            moment_1_0 = S::keep(node_index, count, moment_1_0 + w_p_1, moment_1_0);
             moment_2_1 = S::keep(
                 node_index,
                 count,
@@ -135,11 +140,8 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
                 a.mul_add(w_p_1, moment_1_1),
                 moment_1_1,
             );
-            beta_1 = S::keep(node_index, count, w_p_1.mul_add(z, beta_1), beta_1);
-            moment_1_0 = S::keep(node_index, count, moment_1_0 + w_p_1, moment_1_0);
-            moment_2_0 = S::keep(node_index, count, moment_2_0 + w_p_2, moment_2_0);
-            moment_0_0 = S::keep(node_index, count, moment_0_0 + w, moment_0_0);
             beta_0 = S::keep(node_index, count, w.mul_add(z, beta_0), beta_0);
+            beta_1 = S::keep(node_index, count, w_p_1.mul_add(z, beta_1), beta_1);
             node[at::B] = b;
             node[at::A] = a;
             node[at::R] = r;
@@ -150,31 +152,31 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
         S::total([
             moment_2_2,
             beta_2,
-            moment_2_1,
-            moment_1_1,
-            beta_1,
-            moment_1_0,
             moment_2_0,
             moment_0_0,
+            moment_1_0,
+            moment_2_1,
+            moment_1_1,
             beta_0,
+            beta_1,
         ])
     };
-    let l_inverse_0_0 = E::ONE / moment_2_2.sqrt();
-    let l_forward_0 = l_inverse_0_0 * beta_2;
-    let l_1_0 = l_inverse_0_0 * moment_2_1;
-    let l_pivot_1 = l_1_0.neg_mul_add(l_1_0, moment_1_1);
-    let l_inverse_1_1 = E::ONE / l_pivot_1.sqrt();
-    let l_forward_1 = l_inverse_1_1 * l_1_0.neg_mul_add(l_forward_0, beta_1);
-    let l_2_0 = l_inverse_0_0 * moment_2_0;
-    let l_2_1 = l_inverse_1_1 * l_1_0.neg_mul_add(l_2_0, moment_1_0);
-    let l_pivot_2 = l_2_1.neg_mul_add(l_2_1, l_2_0.neg_mul_add(l_2_0, moment_0_0));
-    let l_inverse_2_2 = E::ONE / l_pivot_2.sqrt();
-    let alpha_0 = l_inverse_2_2
-        * (l_inverse_2_2
-            * l_2_1.neg_mul_add(l_forward_1, l_2_0.neg_mul_add(l_forward_0, beta_0)));
-    let alpha_1 = l_inverse_1_1 * l_2_1.neg_mul_add(alpha_0, l_forward_1);
-    let alpha_2 = l_inverse_0_0
-        * l_2_0.neg_mul_add(alpha_0, l_1_0.neg_mul_add(alpha_1, l_forward_0));
+    let l_reciprocal_0 = E::ONE / moment_2_2;
+    let l_2_0 = l_reciprocal_0 * moment_2_0;
+    let l_1_0 = l_reciprocal_0 * moment_2_1;
+    let l_scaled_2_1 = l_1_0.neg_mul_add(moment_2_0, moment_1_0);
+    let l_pivot_1 = moment_2_1.neg_mul_add(l_1_0, moment_1_1);
+    let l_reciprocal_1 = E::ONE / l_pivot_1;
+    let l_2_1 = l_reciprocal_1 * l_scaled_2_1;
+    let l_pivot_2 = l_scaled_2_1
+        .neg_mul_add(l_2_1, moment_2_0.neg_mul_add(l_2_0, moment_0_0));
+    let l_reciprocal_2 = E::ONE / l_pivot_2;
+    let l_forward_1 = l_1_0.neg_mul_add(beta_2, beta_1);
+    let l_forward_2 = l_2_1.neg_mul_add(l_forward_1, l_2_0.neg_mul_add(beta_2, beta_0));
+    let alpha_0 = l_reciprocal_2 * l_forward_2;
+    let alpha_1 = l_2_1.neg_mul_add(alpha_0, l_reciprocal_1 * l_forward_1);
+    let alpha_2 = l_1_0
+        .neg_mul_add(alpha_1, l_2_0.neg_mul_add(alpha_0, l_reciprocal_0 * beta_2));
     let sum = alpha_1.mul_add(alpha_1, E::ONE);
     let product = alpha_1 * alpha_2;
     let sum_v2 = alpha_2.mul_add(alpha_2, E::ONE);
@@ -247,26 +249,25 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
     let foot_moment_2_0 = moment_0_0.neg_mul_add(foot_2, moment_2_0);
     let foot_moment_2_2 = foot_2
         .neg_mul_add(foot_moment_2_0, moment_2_0.neg_mul_add(foot_2, moment_2_2));
-    let foot_l_inverse_0_0 = E::ONE / foot_moment_2_2.sqrt();
+    let foot_l_reciprocal_0 = E::ONE / foot_moment_2_2;
+    let foot_l_2_0 = foot_moment_2_0 * foot_l_reciprocal_0;
+    let foot_moment_1_0 = moment_0_0.neg_mul_add(foot_1, moment_1_0);
     let foot_moment_2_1 = foot_1
         .neg_mul_add(foot_moment_2_0, moment_1_0.neg_mul_add(foot_2, moment_2_1));
-    let foot_l_1_0 = foot_l_inverse_0_0 * foot_moment_2_1;
-    let foot_moment_1_0 = moment_0_0.neg_mul_add(foot_1, moment_1_0);
+    let foot_l_1_0 = foot_l_reciprocal_0 * foot_moment_2_1;
+    let foot_l_scaled_2_1 = foot_moment_2_0.neg_mul_add(foot_l_1_0, foot_moment_1_0);
     let foot_moment_1_1 = foot_1
         .neg_mul_add(foot_moment_1_0, moment_1_0.neg_mul_add(foot_1, moment_1_1));
-    let foot_l_pivot_1 = foot_l_1_0.neg_mul_add(foot_l_1_0, foot_moment_1_1);
-    let foot_l_inverse_1_1 = E::ONE / foot_l_pivot_1.sqrt();
-    let foot_l_2_0 = foot_moment_2_0 * foot_l_inverse_0_0;
-    let foot_l_2_1 = foot_l_inverse_1_1
-        * foot_l_1_0.neg_mul_add(foot_l_2_0, foot_moment_1_0);
-    let foot_l_pivot_2 = foot_l_2_1
-        .neg_mul_add(foot_l_2_1, foot_l_2_0.neg_mul_add(foot_l_2_0, moment_0_0));
-    let foot_l_inverse_2_2 = E::ONE / foot_l_pivot_2.sqrt();
-    let minus_lambda_gap_0 = foot_l_inverse_2_2
-        * (foot_l_inverse_2_2 * (support_radius * inverse_ell));
-    let lambda_gap_1 = foot_l_inverse_1_1 * (foot_l_2_1 * minus_lambda_gap_0);
-    let lambda_gap_2 = foot_l_inverse_0_0
-        * foot_l_2_0.mul_sub(minus_lambda_gap_0, foot_l_1_0 * lambda_gap_1);
+    let foot_l_pivot_1 = foot_moment_2_1.neg_mul_add(foot_l_1_0, foot_moment_1_1);
+    let foot_l_reciprocal_1 = E::ONE / foot_l_pivot_1;
+    let foot_l_2_1 = foot_l_reciprocal_1 * foot_l_scaled_2_1;
+    let foot_l_pivot_2 = foot_l_scaled_2_1
+        .neg_mul_add(foot_l_2_1, foot_moment_2_0.neg_mul_add(foot_l_2_0, moment_0_0));
+    let foot_l_reciprocal_2 = E::ONE / foot_l_pivot_2;
+    let minus_lambda_gap_0 = foot_l_reciprocal_2 * (support_radius * inverse_ell);
+    let lambda_gap_1 = foot_l_2_1 * minus_lambda_gap_0;
+    let lambda_gap_2 = foot_l_1_0
+        .neg_mul_add(lambda_gap_1, foot_l_2_0 * minus_lambda_gap_0);
     let sum_v3 = jacobian_trace
         + (jacobian_determinant
             + (foot_distance
@@ -382,15 +383,10 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
                 minus_dgap_dslave_x + dgap_dx,
                 minus_dgap_dslave_x,
             );
-            S::for_each_node(
-                S::NODES * vector,
-                count,
+            S::write_nodes(
                 [dgap_dx, dgap_dy, dgap_dz],
-                |index, [result_0, result_1, result_2]| {
-                    gradients[3 * index + 3usize] = result_0;
-                    gradients[3 * index + 4usize] = result_1;
-                    gradients[3 * index + 5usize] = result_2;
-                },
+                vector,
+                &mut gradients[3..3 * count + 3],
             );
         }
         S::total([minus_dgap_dslave_z, minus_dgap_dslave_y, minus_dgap_dslave_x])
@@ -436,6 +432,7 @@ pub struct GapGradient;
 impl GapKernel for GapGradient {
     const MODE: Mode = Mode::Gradient;
     const KEPT: usize = gap_gradient_kept::COUNT;
+    const EVERY_WIDTH: bool = false;
     #[inline(always)]
     fn evaluate<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
         inputs: &Inputs<'_, E, T>,

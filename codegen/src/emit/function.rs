@@ -9,7 +9,7 @@ use super::names::Names;
 use crate::graph::{ExprId, NODE_INDEX, Op, RootFigure, RootId, Scope};
 use crate::lower::lower;
 use crate::model::{FrameRule, Kernel, KernelSpec, MOST_COEFFICIENTS, Mode, Output, WEIGHT_NUMBER};
-use crate::schedule::{NodeTarget, Program, Statement};
+use crate::schedule::{FormRows, NodeTarget, Program, Statement};
 
 /// A kernel's source.
 #[derive(Clone, Debug)]
@@ -86,13 +86,9 @@ impl<'a, S> FunctionWriter<'a, S> {
             "master",
             "vector",
             "at",
-            "row",
-            "column",
-            "columns",
-            "row_index",
-            "row_vector",
-            "row_lane",
-            "start",
+            "forms",
+            "form",
+            "mask",
             "type",
             "in",
             "if",
@@ -166,8 +162,8 @@ impl FunctionWriter<'_> {
         let spec = &self.program.kernel.spec;
         let inputs = self.inputs();
         let phases: Vec<TokenStream> = (0..self.program.phases.len()).map(|k| self.phase(k)).collect();
-        let pairs = self.pairs();
         let outputs = self.element_outputs();
+        let updates = self.updates();
         let values = self.values();
         let kept = self.kept();
         let kept_module = self.kept_module(&kept);
@@ -179,15 +175,23 @@ impl FunctionWriter<'_> {
         let has_hessians = !self.program.kernel.hessians.is_empty();
         let gradients = has_gradients.then(|| quote!(gradients: &mut [S::Output],));
         let hessians = has_hessians.then(|| quote!(hessians: &mut [S::Output],));
-        let nodes = if kept.is_empty() {
+        let nodes = if kept.is_empty() && !has_hessians {
             quote!(let _ = scratch;)
         } else {
             let kept = kept_name(spec);
+            // The forms have the scratch of one vector of nodes more, for the slave.
+            let split = if has_hessians {
+                quote!(let (scratch, forms) = scratch.split_at_mut(at::PLACES * inputs.masters.len());)
+            } else {
+                quote!()
+            };
             quote! {
                 use #kept as at;
-                let nodes = &mut scratch.as_chunks_mut::<{ at::COUNT }>().0[..inputs.masters.len()];
+                #split
+                let nodes = &mut scratch.as_chunks_mut::<{ at::PLACES }>().0[..inputs.masters.len()];
             }
         };
+        let forms = self.forms();
         let (many_gradients, many_hessians) =
             (self.program.kernel.gradients.len() > 1, self.program.kernel.hessians.len() > 1);
         let node_count =
@@ -210,10 +214,11 @@ impl FunctionWriter<'_> {
                 #node_count
                 #freedoms
                 #packed
+                #forms
                 #inputs
                 #(#phases)*
-                #pairs
                 #outputs
+                #updates
                 #values
             }
         };
@@ -337,87 +342,83 @@ impl FunctionWriter<'_> {
     }
 
     /// Writes the results of a loop, if it has any.
-    fn node_outputs(&mut self, outputs: &[(NodeTarget, ExprId)]) -> Option<TokenStream> {
+    fn node_outputs(&mut self, outputs: &[(NodeTarget, Vec<ExprId>)]) -> Option<TokenStream> {
         if outputs.is_empty() {
             return None;
         }
-        let values: Vec<TokenStream> = outputs.iter().map(|&(_, expr)| self.writer.used(expr)).collect();
-        let results: Vec<Ident> = (0..outputs.len()).map(|k| format_ident!("result_{k}")).collect();
-        let places = outputs.iter().map(|&(target, _)| match target {
-            NodeTarget::Gradient { gradient, axis } => {
-                let offset = times_offset(gradient, &quote!(freedoms));
-                let shift = 3 + axis;
-                quote!(gradients[#offset 3 * index + #shift])
-            }
-            NodeTarget::NodeSlave { hessian, row, column } => {
-                let offset = times_offset(hessian, &quote!(packed));
-                let shift = 3 + row;
-                quote!(hessians[#offset packed_row(3 * index + #shift) + #column])
-            }
-            NodeTarget::Diagonal { hessian, row, column } => {
-                let offset = times_offset(hessian, &quote!(packed));
-                let (row_shift, column_shift) = (3 + row, 3 + column);
-                quote!(hessians[#offset packed_row(3 * index + #row_shift) + 3 * index + #column_shift])
+        let outputs = outputs.iter().map(|(target, values)| {
+            let values: Vec<TokenStream> = values.iter().map(|&x| self.writer.used(x)).collect();
+            match *target {
+                NodeTarget::Gradient { gradient } => {
+                    let offset = times_offset(gradient, &quote!(freedoms));
+                    quote!(S::write_nodes([#(#values),*], vector, &mut gradients[#offset 3..#offset 3 * count + 3]);)
+                }
+                NodeTarget::Row { hessian, row } => {
+                    let (form, rows) = (form_name(hessian), rows_name(hessian));
+                    quote!(S::keep_row(#form, #rows, #row, vector, [#(#values),*]);)
+                }
+                NodeTarget::Own { hessian } => {
+                    let (form, rows) = (form_name(hessian), rows_name(hessian));
+                    quote!(S::keep_own(#form, #rows, vector, [#(#values),*]);)
+                }
             }
         });
+        let outputs: Vec<TokenStream> = outputs.collect();
+        Some(quote!(#(#outputs)*))
+    }
+
+    /// Places for the Hessians' forms.
+    fn forms(&mut self) -> Option<TokenStream> {
+        if self.program.forms.is_empty() {
+            return None;
+        }
+        let forms = self.program.forms.iter().enumerate().map(|(hessian, rows)| {
+            let (form, name) = (form_name(hessian), rows_name(hessian));
+            let (varying, constant) = (rows.varying.len(), rows.constant.len());
+            quote! {
+                let #name = FormRows { varying: #varying, constant: #constant, count };
+                let (#form, forms) = forms.split_at_mut(S::form_length(#name));
+            }
+        });
+        let forms: Vec<TokenStream> = forms.collect();
+        self.statements += 2 * forms.len() + 2;
         Some(quote! {
-            S::for_each_node(S::NODES * vector, count, [#(#values),*], |index, [#(#results),*]| {
-                #(#places = #results;)*
-            });
+            let forms = S::outputs(forms);
+            #(#forms)*
+            let _ = forms;
         })
     }
 
-    fn pairs(&mut self) -> Option<TokenStream> {
+    /// Writes the Hessians from their forms.
+    fn updates(&mut self) -> TokenStream {
         let program = self.program;
-        let pairs = &program.pairs;
-        if pairs.outputs.is_empty() {
-            return None;
-        }
-        let row_loads: Vec<Ident> = pairs.row_loads.iter().map(|&x| self.writer.row_ident(x)).collect();
-        let row_places: Vec<Ident> = pairs.row_loads.iter().map(|&x| self.writer.place(x)).collect();
-        self.writer.begin_nodes();
-        let body = self.statements(&pairs.statements);
-        // Three columns at a time: x, y and z of one node.
-        let outputs: Vec<TokenStream> = pairs
-            .outputs
-            .chunks(3)
-            .map(|entries| {
-                let ((hessian, row, _), _) = entries[0];
-                assert!(
-                    entries.iter().enumerate().all(|(k, (place, _))| *place == (hessian, row, k)),
-                    "entries of a row follow each other"
+        let updates = program.forms.iter().enumerate().map(|(hessian, rows)| {
+            let (form, name) = (form_name(hessian), rows_name(hessian));
+            let offset = times_offset(hessian, &quote!(packed));
+            let mut row = |x: &[ExprId; 3]| {
+                let entries = x.map(|x| self.writer.used(x));
+                quote!([#(#entries),*])
+            };
+            let slave: Vec<TokenStream> =
+                rows.varying.iter().chain(&rows.constant).map(|[_, slave]| row(slave)).collect();
+            let constant: Vec<TokenStream> = rows.constant.iter().map(|[node, _]| row(node)).collect();
+            let (per_node, per_pair) = form_counts(rows);
+            self.counts.node += per_node;
+            self.counts.pair += per_pair;
+            quote! {
+                S::multiply_form(
+                    #form,
+                    #name,
+                    &[#(#slave),*],
+                    &[#(#constant),*],
+                    &mut hessians[#offset 0..#offset packed_row(3 * count + 3)],
                 );
-                let values: Vec<TokenStream> =
-                    entries.iter().map(|&(_, expr)| self.writer.used(expr)).collect();
-                let offset = times_offset(hessian, &quote!(packed));
-                let start = format_ident!("row_{}", AXES[row]);
-                quote! {
-                    S::write_nodes([#(#values),*], &mut hessians[#offset #start + columns.start..#offset #start + columns.end]);
-                }
-            })
-            .collect();
-        let spread = spread_statement(&self.writer.end_nodes());
-        self.counts.pair += self.writer.take_counts();
-        self.statements += pairs.outputs.len() + 8;
-        let rows = AXES.map(|axis| format_ident!("row_{axis}"));
-        let shifts = [3usize, 4, 5];
-        Some(quote! {
-            {
-                #spread
-                for row_index in 1..count {
-                    let (row_vector, row_lane) = (row_index / S::NODES, row_index % S::NODES);
-                    let row = &nodes[row_vector];
-                    let [#(#row_loads),*] = S::pick([#(&row[at::#row_places]),*], row_lane);
-                    #(let #rows = packed_row(3 * row_index + #shifts) + 3;)*
-                    for (vector, column) in nodes[..row_index.div_ceil(S::NODES)].iter().enumerate() {
-                        let start = S::NODES * vector;
-                        let columns = 3 * start..3 * row_index.min(start + S::NODES);
-                        #body
-                        #(#outputs)*
-                    }
-                }
             }
-        })
+        });
+        let updates: Vec<TokenStream> = updates.collect();
+        self.counts.element += self.writer.take_counts();
+        self.statements += updates.len();
+        quote!(#(#updates)*)
     }
 
     /// The slave's parts of gradients and Hessians.
@@ -484,7 +485,15 @@ impl FunctionWriter<'_> {
         let name = kept_name(&self.program.kernel.spec);
         let places: Vec<Ident> = kept.iter().map(|&x| self.writer.place(x)).collect();
         let indices = 0..kept.len();
-        let count = kept.len();
+        let places_count = kept.len();
+        // x, y and z of the rows, and room for a node's own block.
+        let forms: usize = self
+            .program
+            .forms
+            .iter()
+            .map(|rows| 3 * (rows.varying.len() + rows.constant.len()) + OWN_ROOM)
+            .sum();
+        let count = places_count + forms;
         let doc = format!(
             " Places of what `{}` keeps of a node between its loops.",
             function_name(&self.program.kernel.spec)
@@ -493,7 +502,9 @@ impl FunctionWriter<'_> {
             #[doc = #doc]
             pub mod #name {
                 #(pub(super) const #places: usize = #indices;)*
-                /// Number of values.
+                #[allow(dead_code)]
+                pub(super) const PLACES: usize = #places_count;
+                /// Number of values, those of the Hessian's form included.
                 pub const COUNT: usize = #count;
             }
         }
@@ -524,7 +535,7 @@ impl FunctionWriter<'_> {
             " Coordinates are ordered slave, master 1, …, master n.".to_owned(),
         ];
         lines.push(format!(
-            " `scratch`: [`{}::COUNT`] for each vector of nodes, of any content.",
+            " `scratch`: [`{}::COUNT`] for each vector of nodes and one more, of any content.",
             kept_name(spec)
         ));
         if !kernel.gradients.is_empty() {
@@ -560,6 +571,25 @@ impl FunctionWriter<'_> {
         }
         lines
     }
+}
+
+/// Room per node for its own block in a Hessian's form: three rows of four.
+const OWN_ROOM: usize = 12;
+
+fn form_name(hessian: usize) -> Ident {
+    format_ident!("form_{hessian}")
+}
+
+fn rows_name(hessian: usize) -> Ident {
+    format_ident!("form_rows_{hessian}")
+}
+
+/// Operations of a form's products: per node, with the slave and with itself, and per pair of nodes.
+fn form_counts(rows: &FormRows) -> (OpCounts, OpCounts) {
+    let products = 9 * rows.varying.len();
+    // The diagonal block is symmetric: half the products, twice, and the own block added.
+    let node = products + 3 * rows.varying.len() + 6;
+    (OpCounts { fused: node, ..OpCounts::default() }, OpCounts { fused: products, ..OpCounts::default() })
 }
 
 /// The figures of a root that the graph holds, with the field of the solution each is read from.

@@ -20,7 +20,7 @@
 
 use super::coordinates::CoordinateMap;
 use super::factors::ScaledVector;
-use super::low_rank::{add_products, low_rank, low_rank_pair};
+use super::low_rank::{LowRankForm, add_products, low_rank, low_rank_pair};
 use crate::graph::{ExprId, Graph, Op, SymbolId, SystemId};
 
 /// Names of the global axes in emitted code.
@@ -95,7 +95,7 @@ pub struct Gradient {
     pub node: [ExprId; 3],
 }
 
-/// d²G/dx² by global coordinates; `[row][column]`.
+/// d²G/dx² by global coordinates; `[row][column]`. The blocks are what the form says.
 #[derive(Clone, Debug)]
 pub struct Hessian {
     /// Slave by slave, symmetric.
@@ -106,6 +106,8 @@ pub struct Hessian {
     pub diagonal: [[ExprId; 3]; 3],
     /// Row of one master node, column of another.
     pub pair: [[ExprId; 3]; 3],
+    /// All of it as products of rows.
+    pub form: LowRankForm,
 }
 
 /// The factors B̂ and Ĉ of a Hessian, one row per unknown in elimination order.
@@ -186,6 +188,7 @@ impl NodeProblem {
             node_slave: [[g.zero(); 3]; 3],
             diagonal: [[g.zero(); 3]; 3],
             pair: [[g.zero(); 3]; 3],
+            form: LowRankForm::new(own, g, (&b, &c), (&b_slave, &c_slave)),
         };
         for row in 0..3 {
             for column in 0..3 {

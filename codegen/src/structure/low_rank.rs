@@ -2,6 +2,48 @@
 
 use crate::graph::{ExprId, Graph, Scope};
 
+/// One of the products a Hessian is made of off its diagonal: cᵢᵀ bⱼ + bᵢᵀ cⱼ for the row i and the column j.
+#[derive(Clone, Copy, Debug)]
+pub struct LowRankTerm {
+    /// Rows b of a node and of the slave.
+    pub b: [[ExprId; 3]; 2],
+    /// Rows c of a node and of the slave.
+    pub c: [[ExprId; 3]; 2],
+}
+
+/// A Hessian over slave and nodes as Σ cᵀ b + bᵀ c plus, for every node, its own block O in the four places
+/// of the difference between node and slave: O at (node, node) and (slave, slave), −O at (node, slave).
+#[derive(Clone, Debug)]
+pub struct LowRankForm {
+    /// O, symmetric.
+    pub own: [[ExprId; 3]; 3],
+    /// The products.
+    pub terms: Vec<LowRankTerm>,
+}
+
+impl LowRankForm {
+    /// From the factors' rows, for a node and for the slave; products that vanish are left out.
+    pub(super) fn new(own: [[ExprId; 3]; 3], g: &Graph, node: Factors<'_>, slave: Factors<'_>) -> Self {
+        let is_zero = |row: &[ExprId; 3]| row.iter().all(|&x| g.is_zero(x));
+        let terms = (0..node.0.len())
+            .map(|k| LowRankTerm { b: [node.0[k], slave.0[k]], c: [node.1[k], slave.1[k]] })
+            .filter(|term| !is_zero(&term.b[0]) && !is_zero(&term.c[0]))
+            .collect();
+        Self { own, terms }
+    }
+
+    /// The same with other expressions.
+    #[must_use]
+    pub fn map(&self, mut new: impl FnMut(ExprId) -> ExprId) -> Self {
+        let own = self.own.map(|row| row.map(&mut new));
+        let terms = self.terms.iter().map(|term| LowRankTerm {
+            b: term.b.map(|row| row.map(&mut new)),
+            c: term.c.map(|row| row.map(&mut new)),
+        });
+        Self { own, terms: terms.collect() }
+    }
+}
+
 pub(super) type Factors<'a> = (&'a [[ExprId; 3]], &'a [[ExprId; 3]]);
 
 /// `start` plus entry (row, column) of C₁ᵀB₂ + B₁ᵀC₂ for factors (B, C).

@@ -14,3 +14,4 @@ pub use coordinates::CoordinateMap;
 pub use fit_derivatives::{Block, Functional, Gradient, Hessian, NodeProblem};
 pub use follower::Follower;
 pub use linear_images::{LinearImages, SecondDerivative};
+pub use low_rank::{LowRankForm, LowRankTerm};

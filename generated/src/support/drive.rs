@@ -1,5 +1,6 @@
 //! Runs generated kernels: one element, or many of the same number of nodes.
 
+use std::cell::Cell;
 use std::marker::PhantomData;
 
 use super::simd::{Block, Vector};
@@ -16,7 +17,7 @@ pub trait GapKernel {
 
     /// Evaluates the elements of a [`Shape`].
     ///
-    /// `scratch`: [`KEPT`](Self::KEPT) values for each vector of nodes, of any content. `gradients` and `hessians`: N,
+    /// `scratch`: [`KEPT`](Self::KEPT) values for each vector of nodes and one more, of any content. `gradients` and `hessians`: N,
     /// 3(n+1) entries, and the packed lower triangle of M; empty if it does not compute them.
     fn evaluate<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
         inputs: &Inputs<'_, E, T>,
@@ -64,30 +65,6 @@ const fn sizes(mode: Mode, nodes: usize) -> (usize, usize) {
     }
 }
 
-/// Blocks of 64 bytes on the stack: for 12 nodes or so, and for 24.
-const FEW: usize = 96;
-const SOME: usize = 384;
-
-/// Code that uses `$needed` blocks of memory, on the stack if there are not too many. Memory has to be filled before it can
-/// be used: as little as will do.
-macro_rules! with_blocks {
-    ($needed:expr, $blocks:ident => $code:block) => {{
-        let needed = $needed;
-        let (mut few, mut some, mut many);
-        let $blocks: &mut [Block] = if needed <= FEW {
-            few = [Block::ZERO; FEW];
-            &mut few
-        } else if needed <= SOME {
-            some = [Block::ZERO; SOME];
-            &mut some
-        } else {
-            many = vec![Block::ZERO; needed];
-            &mut many
-        };
-        $code
-    }};
-}
-
 /// Runs a kernel of any output for one element, number by number. `kept`: values it keeps of a node between its loops.
 pub fn scalar<V>(
     inputs: &ElementInputs<'_>,
@@ -96,17 +73,20 @@ pub fn scalar<V>(
     kernel: impl FnOnce(&Inputs<'_, f64>, &mut [f64]) -> V,
 ) -> V {
     let count = inputs.masters.len();
-    with_blocks!(Block::count::<f64>((3 + kept) * count), blocks => {
-        let (masters, scratch) = Block::vectors::<f64>(blocks).split_at_mut(3 * count);
-        let (masters, _) = masters.as_chunks_mut::<3>();
-        for (k, master) in masters.iter_mut().enumerate() {
-            *master = inputs.masters.get(k);
-        }
-        kernel(&Inputs::gather(|_| inputs, weight_number, masters), scratch)
-    })
+    let needed = Block::count::<f64>(3 * count + kept * (count + 1));
+    let mut blocks = memory(needed);
+    let (masters, scratch) = Block::vectors::<f64>(&mut blocks).split_at_mut(3 * count);
+    let (masters, _) = masters.as_chunks_mut::<3>();
+    for (k, master) in masters.iter_mut().enumerate() {
+        *master = inputs.masters.get(k);
+    }
+    let values = kernel(&Inputs::gather(|_| inputs, weight_number, masters), scratch);
+    BLOCKS.set(blocks);
+    values
 }
 
-/// Evaluates one element, its nodes side by side. Allocates only for more than 24 nodes or so.
+/// Evaluates one element, its nodes side by side. Allocates only for the first element of a thread, and for a larger one than
+/// before.
 ///
 /// # Panics
 /// If a slice is shorter than the kernel needs.
@@ -144,8 +124,8 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
         let Self { inputs, weight_number, gradient, hessian, .. } = self;
         let count = inputs.masters.len();
         let vectors = count.div_ceil(T::WIDTH);
-        with_blocks!(Block::count::<T>((3 + K::KEPT) * vectors), blocks => {
-        let (masters, scratch) = Block::vectors::<T>(blocks).split_at_mut(3 * vectors);
+        let mut blocks = memory(Block::count::<T>(3 * vectors + K::KEPT * (vectors + 1)));
+        let (masters, scratch) = Block::vectors::<T>(&mut blocks).split_at_mut(3 * vectors);
         let (masters, _) = masters.as_chunks_mut::<3>();
         for (k, master) in masters.iter_mut().enumerate() {
             // The last node also fills the rest of the last vector.
@@ -155,9 +135,24 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
             }
         }
         let inputs = Inputs::gather(|_| inputs, weight_number, masters);
-        K::evaluate::<T::Scalar, T, Single<T>>(&inputs, scratch, gradient, hessian).lane(0)
-        })
+        let values = K::evaluate::<T::Scalar, T, Single<T>>(&inputs, scratch, gradient, hessian).lane(0);
+        BLOCKS.set(blocks);
+        values
     }
+}
+
+thread_local! {
+    /// Memory of the last element of a thread: new memory would have to be filled before it can be used.
+    static BLOCKS: Cell<Vec<Block>> = const { Cell::new(Vec::new()) };
+}
+
+/// At least so many blocks, to be given back to [`BLOCKS`].
+fn memory(count: usize) -> Vec<Block> {
+    let mut blocks = BLOCKS.take();
+    if blocks.len() < count {
+        blocks.resize(count, Block::ZERO);
+    }
+    blocks
 }
 
 /// Evaluates elements of the same number of nodes, side by side. What one of them gets does not depend on the others.
@@ -199,11 +194,11 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
     fn run<T: Vector>(self) {
         let count = self.elements[0].inputs.masters.len();
         let (gradients, hessians) = sizes(K::MODE, count);
-        let needed = (3 + K::KEPT) * count + gradients + hessians;
+        let needed = 3 * count + K::KEPT * (count + 1) + gradients + hessians;
         let vectors = Block::vectors::<T>(self.workspace.blocks(Block::count::<T>(needed)));
         let (masters, vectors) = vectors.split_at_mut(3 * count);
         let (masters, _) = masters.as_chunks_mut::<3>();
-        let (scratch, vectors) = vectors.split_at_mut(K::KEPT * count);
+        let (scratch, vectors) = vectors.split_at_mut(K::KEPT * (count + 1));
         let (gradient, vectors) = vectors.split_at_mut(gradients);
         let hessian = &mut vectors[..hessians];
         for elements in self.elements.chunks_mut(T::WIDTH) {

@@ -5,6 +5,7 @@
 mod descent;
 mod drive;
 mod facet;
+mod form;
 mod inputs;
 mod isa;
 mod lane;
@@ -18,6 +19,7 @@ mod values;
 pub use descent::TwoVariables;
 pub use drive::{BatchElement, GapKernel, Workspace, batch, scalar, single};
 pub use facet::{AREA_TOLERANCE, FacetInputs, FacetValues, first_entries};
+pub use form::FormRows;
 pub use inputs::{ElementInputs, Inputs, Masters};
 pub use isa::Isa;
 pub use lane::Lane;

@@ -42,7 +42,7 @@ pub trait KernelSet {
     ) -> SurfaceValues<f64>;
 
     /// g, foot and ν with the gradient N and the Hessian M: one element, its nodes side by side. A frame that moves is
-    /// the average plane of the masters. Does not allocate for up to 24 nodes.
+    /// the average plane of the masters. Allocates only for the first element of a thread, and for a larger one than before.
     fn gap(
         isa: Isa,
         kernel: (Basis, FrameRule, Mode),

@@ -3,6 +3,7 @@
 use std::marker::PhantomData;
 
 use super::Lane;
+use super::form::{FormRows, batch, single};
 use super::simd::Vector;
 
 /// A layout of elements and nodes.
@@ -32,22 +33,43 @@ pub trait Shape {
     /// `new` for the nodes below `count`, `old` for what only fills the last vector.
     fn keep(node_index: Self::Node, count: usize, new: Self::Node, old: Self::Node) -> Self::Node;
 
-    /// Values of one of the nodes side by side, for all of them.
-    fn pick<const VALUES: usize>(values: [&Self::Node; VALUES], node: usize) -> [Self::Node; VALUES];
-
     /// An element value as a result.
     fn element_output(value: Self::Element) -> Self::Output;
 
-    /// Calls `write` for each node from `first` on, below `count`, with its number and results.
-    fn for_each_node<const RESULTS: usize>(
-        first: usize,
-        count: usize,
-        values: [Self::Node; RESULTS],
-        write: impl FnMut(usize, [Self::Output; RESULTS]),
+    /// Writes x, y and z of the nodes of a vector to their places among those of all.
+    fn write_nodes(values: [Self::Node; 3], vector: usize, target: &mut [Self::Output]);
+
+    /// Scratch as results.
+    fn outputs(scratch: &mut [Self::Node]) -> &mut [Self::Output];
+
+    /// Results that a form takes until it is multiplied: at most 3 for each row and 12 for each node of the vectors of
+    /// nodes, and of one vector more.
+    fn form_length(rows: FormRows) -> usize;
+
+    /// Keeps the nodes' part of a varying row of a form, by x, y and z.
+    fn keep_row(
+        form: &mut [Self::Output],
+        rows: FormRows,
+        row: usize,
+        vector: usize,
+        values: [Self::Node; 3],
     );
 
-    /// Writes the results of nodes side by side, x, y and z of each, as many as `target` takes.
-    fn write_nodes(values: [Self::Node; 3], target: &mut [Self::Output]);
+    /// Keeps the nodes' own blocks, lower triangles.
+    fn keep_own(form: &mut [Self::Output], rows: FormRows, vector: usize, own: [Self::Node; 6]);
+
+    /// Writes the packed Hessian of a form, but for the slave's own block. `slave`: its part of all rows; `constant`: a
+    /// node's part of those that are the same for all.
+    ///
+    /// # Panics
+    /// If a slice is shorter than `rows` says.
+    fn multiply_form(
+        form: &mut [Self::Output],
+        rows: FormRows,
+        slave: &[[Self::Element; 3]],
+        constant: &[[Self::Element; 3]],
+        target: &mut [Self::Output],
+    );
 }
 
 /// Elements side by side, one per lane.
@@ -81,33 +103,44 @@ impl<T: Lane> Shape for Batch<T> {
     }
 
     #[inline(always)]
-    fn pick<const VALUES: usize>(values: [&T; VALUES], _: usize) -> [T; VALUES] {
-        // Not `map`, which is not always inlined.
-        let mut picked = [T::ZERO; VALUES];
-        for (picked, value) in picked.iter_mut().zip(values) {
-            *picked = *value;
-        }
-        picked
-    }
-
-    #[inline(always)]
     fn element_output(value: T) -> T {
         value
     }
 
     #[inline(always)]
-    fn for_each_node<const RESULTS: usize>(
-        first: usize,
-        _: usize,
-        values: [T; RESULTS],
-        mut write: impl FnMut(usize, [T; RESULTS]),
-    ) {
-        write(first, values);
+    fn write_nodes(values: [T; 3], vector: usize, target: &mut [T]) {
+        target[3 * vector..][..3].copy_from_slice(&values);
     }
 
     #[inline(always)]
-    fn write_nodes(values: [T; 3], target: &mut [T]) {
-        target.copy_from_slice(&values);
+    fn outputs(scratch: &mut [T]) -> &mut [T] {
+        scratch
+    }
+
+    #[inline(always)]
+    fn form_length(rows: FormRows) -> usize {
+        batch::length(rows)
+    }
+
+    #[inline(always)]
+    fn keep_row(form: &mut [T], rows: FormRows, row: usize, vector: usize, values: [T; 3]) {
+        batch::keep_row(form, rows, row, vector, values);
+    }
+
+    #[inline(always)]
+    fn keep_own(form: &mut [T], rows: FormRows, vector: usize, own: [T; 6]) {
+        batch::keep_own(form, rows, vector, own);
+    }
+
+    #[inline(always)]
+    fn multiply_form(
+        form: &mut [T],
+        rows: FormRows,
+        slave: &[[T; 3]],
+        constant: &[[T; 3]],
+        target: &mut [T],
+    ) {
+        batch::multiply(form, rows, slave, constant, target);
     }
 }
 
@@ -150,37 +183,45 @@ impl<T: Vector> Shape for Single<T> {
     }
 
     #[inline(always)]
-    fn pick<const VALUES: usize>(values: [&T; VALUES], node: usize) -> [T; VALUES] {
-        let mut picked = [T::ZERO; VALUES];
-        for (picked, value) in picked.iter_mut().zip(values) {
-            *picked = T::splat(value.lane(node));
-        }
-        picked
-    }
-
-    #[inline(always)]
     fn element_output(value: T::Scalar) -> f64 {
         value.lane(0)
     }
 
     #[inline(always)]
-    fn for_each_node<const RESULTS: usize>(
-        first: usize,
-        count: usize,
-        values: [T; RESULTS],
-        mut write: impl FnMut(usize, [f64; RESULTS]),
-    ) {
-        for k in 0..T::WIDTH.min(count - first) {
-            let mut results = [0.0; RESULTS];
-            for (result, value) in results.iter_mut().zip(&values) {
-                *result = value.lane(k);
-            }
-            write(first + k, results);
-        }
+    fn write_nodes(values: [T; 3], vector: usize, target: &mut [f64]) {
+        let place = 3 * T::WIDTH * vector;
+        let end = target.len().min(place + 3 * T::WIDTH);
+        T::store_interleaved(values, &mut target[place..end]);
     }
 
     #[inline(always)]
-    fn write_nodes(values: [T; 3], target: &mut [f64]) {
-        T::store_interleaved(values, target);
+    fn outputs(scratch: &mut [T]) -> &mut [f64] {
+        T::numbers(scratch)
+    }
+
+    #[inline(always)]
+    fn form_length(rows: FormRows) -> usize {
+        single::length::<T>(rows)
+    }
+
+    #[inline(always)]
+    fn keep_row(form: &mut [f64], rows: FormRows, row: usize, vector: usize, values: [T; 3]) {
+        single::keep_row(form, rows, row, vector, values);
+    }
+
+    #[inline(always)]
+    fn keep_own(form: &mut [f64], rows: FormRows, vector: usize, own: [T; 6]) {
+        single::keep_own(form, rows, vector, own);
+    }
+
+    #[inline(always)]
+    fn multiply_form(
+        form: &mut [f64],
+        rows: FormRows,
+        slave: &[[T::Scalar; 3]],
+        constant: &[[T::Scalar; 3]],
+        target: &mut [f64],
+    ) {
+        single::multiply::<T>(form, rows, slave, constant, target);
     }
 }

@@ -29,6 +29,39 @@ pub trait Vector: Lane + sealed::Sealed {
     #[must_use]
     fn sum(self) -> f64;
 
+    /// The vectors as numbers.
+    #[must_use]
+    #[inline(always)]
+    fn numbers(vectors: &mut [Self]) -> &mut [f64] {
+        const { assert!(size_of::<Self>() == 8 * Self::WIDTH && align_of::<Self>() >= align_of::<f64>()) };
+        let count = vectors.len() * Self::WIDTH;
+        // SAFETY: size and alignment fit (above), and a vector is plain numbers.
+        unsafe { std::slice::from_raw_parts_mut(vectors.as_mut_ptr().cast::<f64>(), count) }
+    }
+
+    /// The numbers from `place` on.
+    ///
+    /// # Panics
+    /// If there are too few.
+    #[must_use]
+    #[inline(always)]
+    fn load(source: &[f64], place: usize) -> Self {
+        let numbers = &source[place..place + Self::WIDTH];
+        // SAFETY: there are as many as in a vector (above), which is plain numbers.
+        unsafe { numbers.as_ptr().cast::<Self>().read_unaligned() }
+    }
+
+    /// Writes the numbers from `place` on.
+    ///
+    /// # Panics
+    /// If there is no room.
+    #[inline(always)]
+    fn store(self, target: &mut [f64], place: usize) {
+        let numbers = &mut target[place..place + Self::WIDTH];
+        // SAFETY: there are as many as in a vector (above), which is plain numbers.
+        unsafe { numbers.as_mut_ptr().cast::<Self>().write_unaligned(self) };
+    }
+
     /// Writes lane 0 of the three vectors, then lane 1, …, as far as `target` goes.
     fn store_interleaved(values: [Self; 3], target: &mut [f64]);
 
@@ -481,7 +514,7 @@ mod x86 {
 
         /// Stores the first numbers, as many as fit.
         #[inline(always)]
-        fn store(self, target: &mut [f64]) {
+        fn store_first(self, target: &mut [f64]) {
             if target.len() >= 4 {
                 // SAFETY: there is room for four.
                 unsafe { _mm256_storeu_pd(target.as_mut_ptr(), self.0) };
@@ -524,7 +557,7 @@ mod x86 {
             };
             for (k, vector) in interleaved.into_iter().enumerate() {
                 if let Some(rest) = target.get_mut(4 * k..) {
-                    vector.store(rest);
+                    vector.store_first(rest);
                 }
             }
         }
@@ -642,7 +675,7 @@ mod x86 {
 
         /// Stores the first numbers, as many as fit.
         #[inline(always)]
-        fn store(self, target: &mut [f64]) {
+        fn store_first(self, target: &mut [f64]) {
             let mask = if target.len() >= 8 { 0xff } else { (1u8 << target.len()) - 1 };
             // SAFETY: the mask ends where the target does.
             unsafe { _mm512_mask_storeu_pd(target.as_mut_ptr(), mask, self.0) };
@@ -680,7 +713,7 @@ mod x86 {
             };
             for (k, vector) in interleaved.into_iter().enumerate() {
                 if let Some(rest) = target.get_mut(8 * k..) {
-                    vector.store(rest);
+                    vector.store_first(rest);
                 }
             }
         }

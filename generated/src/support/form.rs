@@ -1,0 +1,294 @@
+//! Hessians from their form of low rank: M = Σ cᵀb + bᵀc over slave and nodes, plus the nodes' own blocks.
+//!
+//! The own block O of a node stands at (node, node), −O at (node, slave); the slave's own block is not written here.
+//! Rows are ordered b₀, c₀, b₁, c₁, …; first those that differ between nodes, then those that are the same for all.
+
+use super::simd::Vector;
+use super::{Lane, packed_row};
+
+/// How many rows a form has.
+#[derive(Clone, Copy, Debug)]
+pub struct FormRows {
+    /// Rows that differ between nodes, two for each product.
+    pub varying: usize,
+    /// Rows that are the same for all nodes.
+    pub constant: usize,
+    /// Number of master nodes.
+    pub count: usize,
+}
+
+impl FormRows {
+    const fn all(self) -> usize {
+        self.varying + self.constant
+    }
+}
+
+/// Room for a node's own block: three rows of four.
+const OWN: usize = 12;
+
+/// Elements side by side: of slave and nodes, one after another, the varying rows and the own block.
+pub(super) mod batch {
+    use super::*;
+
+    #[inline(always)]
+    pub fn length(rows: FormRows) -> usize {
+        node_length(rows) * (rows.count + 1)
+    }
+
+    #[inline(always)]
+    const fn node_length(rows: FormRows) -> usize {
+        3 * rows.varying + OWN
+    }
+
+    #[inline(always)]
+    pub fn keep_row<T: Lane>(form: &mut [T], rows: FormRows, row: usize, node: usize, values: [T; 3]) {
+        form[node_length(rows) * (node + 1) + 3 * row..][..3].copy_from_slice(&values);
+    }
+
+    #[inline(always)]
+    pub fn keep_own<T: Lane>(form: &mut [T], rows: FormRows, node: usize, own: [T; 6]) {
+        form[node_length(rows) * (node + 1) + 3 * rows.varying..][..6].copy_from_slice(&own);
+    }
+
+    #[inline(always)]
+    pub fn multiply<T: Lane>(
+        form: &mut [T],
+        rows: FormRows,
+        slave: &[[T; 3]],
+        constant: &[[T; 3]],
+        target: &mut [T],
+    ) {
+        let size = node_length(rows);
+        let (slave_varying, slave_constant) = slave.split_at(rows.varying);
+        form[..3 * rows.varying].copy_from_slice(slave_varying.as_flattened());
+        let zero = [[T::ZERO; 3]; 3];
+        let all_nodes = products(zero, constant, constant);
+        let all_slave = products(zero, constant, slave_constant);
+        for row_node in 1..=rows.count {
+            let row = &form[size * row_node..][..size];
+            let (row, own) = row.split_at(3 * rows.varying);
+            let (row, _) = row.as_chunks::<3>();
+            let own = [[own[0], own[1], own[3]], [own[1], own[2], own[4]], [own[3], own[4], own[5]]];
+            let starts = [0, 1, 2].map(|axis| packed_row(3 * row_node + axis));
+            for column_node in 0..row_node {
+                let column = &form[size * column_node..][..3 * rows.varying];
+                let (column, _) = column.as_chunks::<3>();
+                let mut start = all_nodes;
+                if column_node == 0 {
+                    for row in 0..3 {
+                        for column in 0..3 {
+                            start[row][column] = all_slave[row][column] - own[row][column];
+                        }
+                    }
+                }
+                let block = products(start, row, column);
+                for (start, entries) in starts.iter().zip(&block) {
+                    target[start + 3 * column_node..][..3].copy_from_slice(entries);
+                }
+            }
+            let half = half_products(row);
+            for i in 0..3 {
+                for j in 0..=i {
+                    let same = all_nodes[i][j] + own[i][j];
+                    target[starts[i] + 3 * row_node + j] = half[i][j] + same;
+                }
+            }
+        }
+    }
+
+    /// start + Σ cᵀb + bᵀc
+    #[inline(always)]
+    fn products<T: Lane>(start: [[T; 3]; 3], row: &[[T; 3]], column: &[[T; 3]]) -> [[T; 3]; 3] {
+        let mut block = start;
+        for (row, column) in row.as_chunks::<2>().0.iter().zip(column.as_chunks::<2>().0) {
+            for (row, column) in [(&row[1], &column[0]), (&row[0], &column[1])] {
+                for i in 0..3 {
+                    for j in 0..3 {
+                        block[i][j] = row[i].mul_add(column[j], block[i][j]);
+                    }
+                }
+            }
+        }
+        block
+    }
+
+    /// The lower triangle of Σ cᵀb + bᵀc for a node with itself.
+    #[inline(always)]
+    fn half_products<T: Lane>(row: &[[T; 3]]) -> [[T; 3]; 3] {
+        let mut block = [[T::ZERO; 3]; 3];
+        for [b, c] in row.as_chunks::<2>().0 {
+            for i in 0..3 {
+                for j in 0..=i {
+                    block[i][j] = c[i].mul_add(b[j], b[i].mul_add(c[j], block[i][j]));
+                }
+            }
+        }
+        block
+    }
+}
+
+/// The nodes of one element side by side: every row over all coordinates, the slave's first; then the own blocks, four
+/// numbers for each coordinate, the fourth 0.
+pub(super) mod single {
+    use super::*;
+
+    #[inline(always)]
+    pub fn length<T: Vector>(rows: FormRows) -> usize {
+        (3 * rows.all() + OWN) * (stride::<T>(rows) / 3)
+    }
+
+    /// Numbers in a row: for full vectors of nodes, and for the slave.
+    #[inline(always)]
+    fn stride<T: Vector>(rows: FormRows) -> usize {
+        3 * T::WIDTH * (rows.count.div_ceil(T::WIDTH) + 1)
+    }
+
+    #[inline(always)]
+    pub fn keep_row<T: Vector>(form: &mut [f64], rows: FormRows, row: usize, vector: usize, values: [T; 3]) {
+        let start = stride::<T>(rows) * row + 3 + 3 * T::WIDTH * vector;
+        T::store_interleaved(values, &mut form[start..start + 3 * T::WIDTH]);
+    }
+
+    #[inline(always)]
+    pub fn keep_own<T: Vector>(form: &mut [f64], rows: FormRows, vector: usize, own: [T; 6]) {
+        let [xx, yx, yy, zx, zy, zz] = own;
+        let nodes =
+            &mut form[stride::<T>(rows) * rows.all()..].as_chunks_mut::<OWN>().0[1 + T::WIDTH * vector..];
+        let nodes = &mut nodes[..T::WIDTH];
+        for (axis, row) in [[xx, yx, zx], [yx, yy, zy], [zx, zy, zz]].into_iter().enumerate() {
+            let [x, y, z] = row;
+            T::store_transposed(&[x, y, z, T::ZERO], nodes, |node| &mut node[4 * axis..4 * axis + 4]);
+        }
+    }
+
+    #[inline(always)]
+    pub fn multiply<T: Vector>(
+        form: &mut [f64],
+        rows: FormRows,
+        slave: &[[T::Scalar; 3]],
+        constant: &[[T::Scalar; 3]],
+        target: &mut [f64],
+    ) {
+        const { assert!(T::WIDTH <= 4) };
+        let stride = stride::<T>(rows);
+        let (form, own) = form.split_at_mut(stride * rows.all());
+        for (row, slave) in form.chunks_exact_mut(stride).zip(slave) {
+            for (entry, slave) in row.iter_mut().zip(slave) {
+                *entry = slave.lane(0);
+            }
+        }
+        for (row, values) in form[stride * rows.varying..].chunks_exact_mut(stride).zip(constant) {
+            for node in row[3..].as_chunks_mut::<3>().0 {
+                *node = [values[0].lane(0), values[1].lane(0), values[2].lane(0)];
+            }
+        }
+        for node in 1..=rows.count {
+            let mut end = 3 * node + 3;
+            let strip = Strip { form, own, stride, node };
+            // From right to left: what a vector writes beyond its row, and where the last two overlap, is written again.
+            while end > 2 * T::WIDTH {
+                let columns = [end.saturating_sub(3 * T::WIDTH), end - 2 * T::WIDTH, end - T::WIDTH];
+                strip.write_3::<T>(columns, target);
+                end = columns[0];
+            }
+            if end > T::WIDTH {
+                strip.write_2::<T>([0, end - T::WIDTH], target);
+            } else if end > 0 {
+                strip.write_1::<T>([0], target);
+            }
+            if node == 1 {
+                // The own block and its negative are side by side: no vector begins with one of them only.
+                for axis in 0..3 {
+                    let own = &own[OWN + 4 * axis..][..3];
+                    let row = &mut target[packed_row(3 + axis)..][..4 + axis];
+                    for column in 0..3 {
+                        row[column] = row[column] - own[column];
+                    }
+                    for column in 0..=axis {
+                        row[3 + column] = row[3 + column] + own[column];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Rows of one node.
+    #[derive(Clone, Copy)]
+    struct Strip<'a> {
+        form: &'a [f64],
+        own: &'a [f64],
+        stride: usize,
+        node: usize,
+    }
+
+    /// Entries of a node's three rows, side by side from a column on.
+    struct Entries<T> {
+        column: usize,
+        x: T,
+        y: T,
+        z: T,
+    }
+
+    /// Writes vectors of the three rows that begin at the columns, which ascend. Written out for each number of
+    /// columns, so that all sums stay in registers at any level of optimisation.
+    macro_rules! strip {
+        ($name:ident, $count:literal, $($entries:ident),+; $($from_last:ident),+) => {
+            #[inline(always)]
+            fn $name<T: Vector>(self, [$($entries),+]: [usize; $count], target: &mut [f64]) {
+                let first = 3 * self.node;
+                $(let mut $entries = self.own_entries::<T>($entries);)+
+                for pair in self.form.chunks_exact(2 * self.stride) {
+                    let (b, c) = pair.split_at(self.stride);
+                    let row = &c[first..first + 3];
+                    let (x, y, z) = (T::splat(row[0]), T::splat(row[1]), T::splat(row[2]));
+                    $($entries.add(x, y, z, b);)+
+                    let row = &b[first..first + 3];
+                    let (x, y, z) = (T::splat(row[0]), T::splat(row[1]), T::splat(row[2]));
+                    $($entries.add(x, y, z, c);)+
+                }
+                let row = packed_row(first);
+                $($from_last.x.store(target, row + $from_last.column);)+
+                let row = packed_row(first + 1);
+                $($from_last.y.store(target, row + $from_last.column);)+
+                let row = packed_row(first + 2);
+                $($from_last.z.store(target, row + $from_last.column);)+
+            }
+        };
+    }
+
+    impl Strip<'_> {
+        strip!(write_3, 3, left, middle, right; right, middle, left);
+        strip!(write_2, 2, left, right; right, left);
+        strip!(write_1, 1, left; left);
+
+        /// The part of the node's own block.
+        #[inline(always)]
+        fn own_entries<T: Vector>(self, column: usize) -> Entries<T> {
+            let Self { own, node, .. } = self;
+            let (row, first) = (OWN * node, 3 * node);
+            let (x, y, z) = if node == 1 {
+                (T::ZERO, T::ZERO, T::ZERO)
+            } else if column + T::WIDTH > first {
+                let start = row + column - first;
+                (T::load(own, start), T::load(own, start + 4), T::load(own, start + 8))
+            } else if column + T::WIDTH <= 4 {
+                let start = row + column;
+                (-T::load(own, start), -T::load(own, start + 4), -T::load(own, start + 8))
+            } else {
+                (T::ZERO, T::ZERO, T::ZERO)
+            };
+            Entries { column, x, y, z }
+        }
+    }
+
+    impl<T: Vector> Entries<T> {
+        /// Adds the products of numbers of the rows with a row of the form.
+        #[inline(always)]
+        fn add(&mut self, x: T, y: T, z: T, row: &[f64]) {
+            let row = T::load(row, self.column);
+            self.x = x.mul_add(row, self.x);
+            self.y = y.mul_add(row, self.y);
+            self.z = z.mul_add(row, self.z);
+        }
+    }
+}

@@ -88,7 +88,7 @@ impl<'a, S> FunctionWriter<'a, S> {
             "at",
             "forms",
             "form",
-            "mask",
+            "presence",
             "type",
             "in",
             "if",
@@ -269,7 +269,7 @@ impl FunctionWriter<'_> {
             .zip(&sums)
             .map(|(&sum, name)| {
                 let total = self.writer.accumulated(name, graph.operands(sum)[0]);
-                quote!(#name = S::keep(node_index, count, #total, #name);)
+                quote!(#name = #total;)
             })
             .collect();
         let outputs = self.node_outputs(&nodes.outputs);
@@ -286,7 +286,7 @@ impl FunctionWriter<'_> {
                 Statement::Solve(_) => false,
             })
         };
-        let reads_index = !sums.is_empty() || reads(|name| name == NODE_INDEX);
+        let reads_index = reads(|name| name == NODE_INDEX);
         let reads_positions = reads(|name| name != NODE_INDEX);
         let node = if stores.is_empty() { quote!(nodes.iter()) } else { quote!(nodes.iter_mut()) };
         let unused = stores.is_empty() && loads.is_empty();
@@ -295,7 +295,9 @@ impl FunctionWriter<'_> {
             (true, false) => (quote!((master, node)), quote!(inputs.masters.iter().zip(#node))),
             (false, _) => (quote!(node), node),
         };
-        let (pattern, iterator) = if outputs.is_none() && !reads_index {
+        let presence =
+            (!sums.is_empty()).then(|| quote!(let presence = S::presence(S::NODES * vector, count);));
+        let (pattern, iterator) = if outputs.is_none() && presence.is_none() && !reads_index {
             (pattern, iterator)
         } else {
             (quote!((vector, #pattern)), quote!(#iterator.enumerate()))
@@ -317,6 +319,7 @@ impl FunctionWriter<'_> {
                 for #pattern in #iterator {
                     #positions
                     #node_index
+                    #presence
                     #(let #loads = node[at::#load_places];)*
                     #body
                     #(#accumulations)*

@@ -307,8 +307,8 @@ impl FunctionWriter<'_> {
             let name = format_ident!("{NODE_INDEX}");
             quote!(let #name = S::node_index(S::NODES * vector);)
         });
-        let totals = (!sums.is_empty()).then(|| quote!(let [#(#sums),*] =));
-        let total = (!sums.is_empty()).then(|| quote!(S::total([#(#sums),*])));
+        let totals = (!sums.is_empty()).then(|| quote!(let (#(#sums,)*) =));
+        let total = (!sums.is_empty()).then(|| quote!((#(S::total(#sums),)*)));
         let end = totals.is_some().then(|| quote!(;));
         let spread = spread_statement(&spread);
         quote! {
@@ -609,7 +609,7 @@ fn graph_roots(graph: &crate::graph::Graph, root: RootId) -> Vec<(ExprId, TokenS
 
 /// Element values for all nodes, under the same names.
 fn spread_statement(names: &[Ident]) -> Option<TokenStream> {
-    (!names.is_empty()).then(|| quote!(let [#(#names),*] = S::spread([#(#names),*]);))
+    (!names.is_empty()).then(|| quote!(#(let #names = S::spread(#names);)*))
 }
 
 /// `k * size +`, or nothing for k = 0.

@@ -21,12 +21,11 @@ pub trait Shape {
     /// Nodes side by side in one node value.
     const NODES: usize;
 
-    /// Element values for all nodes.
-    fn spread<const VALUES: usize>(values: [Self::Element; VALUES]) -> [Self::Node; VALUES];
+    /// An element value for all nodes.
+    fn spread(value: Self::Element) -> Self::Node;
 
-    /// Sums over the nodes of values that were added up with [`add`](Self::add) or
-    /// [`add_product`](Self::add_product).
-    fn total<const VALUES: usize>(values: [Self::Node; VALUES]) -> [Self::Element; VALUES];
+    /// Sum over the nodes of values that were added up with [`add`](Self::add) or [`add_product`](Self::add_product).
+    fn total(value: Self::Node) -> Self::Element;
 
     /// The number of each node, from `first` on.
     fn node_index(first: usize) -> Self::Node;
@@ -91,13 +90,13 @@ impl<T: Lane> Shape for Batch<T> {
     const NODES: usize = 1;
 
     #[inline(always)]
-    fn spread<const VALUES: usize>(values: [T; VALUES]) -> [T; VALUES] {
-        values
+    fn spread(value: T) -> T {
+        value
     }
 
     #[inline(always)]
-    fn total<const VALUES: usize>(values: [T; VALUES]) -> [T; VALUES] {
-        values
+    fn total(value: T) -> T {
+        value
     }
 
     #[inline(always)]
@@ -173,21 +172,13 @@ impl<T: Vector> Shape for Single<T> {
     const NODES: usize = T::WIDTH;
 
     #[inline(always)]
-    fn spread<const VALUES: usize>(values: [T::Scalar; VALUES]) -> [T; VALUES] {
-        let mut spread = [T::ZERO; VALUES];
-        for (spread, value) in spread.iter_mut().zip(&values) {
-            *spread = T::splat(value.lane(0));
-        }
-        spread
+    fn spread(value: T::Scalar) -> T {
+        T::splat(value.lane(0))
     }
 
     #[inline(always)]
-    fn total<const VALUES: usize>(values: [T; VALUES]) -> [T::Scalar; VALUES] {
-        let mut totals = [T::Scalar::ZERO; VALUES];
-        for (total, value) in totals.iter_mut().zip(&values) {
-            *total = T::Scalar::splat(value.sum());
-        }
-        totals
+    fn total(value: T) -> T::Scalar {
+        T::Scalar::splat(value.sum())
     }
 
     #[inline(always)]

@@ -84,18 +84,18 @@ impl<'a> Writer<'a> {
         self.operation(expr).0
     }
 
-    /// `sum + body`, fused where the body is a product without a name.
+    /// `sum + body` for the nodes that are present, fused where the body is a product without a name.
     pub fn accumulated(&mut self, sum: &Ident, body: ExprId) -> TokenStream {
         if let Op::Mul(x, y) = self.graph.op(body)
             && !self.layout.bound.contains(&body)
         {
             self.counts.fused += 1;
-            let (x, y) = (self.receiver(x), self.used(y));
-            return quote!(#x.mul_add(#y, #sum));
+            let (x, y) = (self.used(x), self.used(y));
+            return quote!(S::add_product(presence, #x, #y, #sum));
         }
         self.counts.additions += 1;
-        let body = self.at_least(body, Strength::Product);
-        quote!(#sum + #body)
+        let body = self.used(body);
+        quote!(S::add(presence, #body, #sum))
     }
 
     fn operand(&mut self, expr: ExprId) -> (TokenStream, Strength) {

@@ -88,7 +88,7 @@ impl<'a, S> FunctionWriter<'a, S> {
             "at",
             "forms",
             "form",
-            "mask",
+            "presence",
             "type",
             "in",
             "if",
@@ -273,7 +273,7 @@ impl FunctionWriter<'_> {
             .zip(&sums)
             .map(|(&sum, name)| {
                 let total = self.writer.accumulated(name, graph.operands(sum)[0]);
-                quote!(#name = S::keep(node_index, count, #total, #name);)
+                quote!(#name = #total;)
             })
             .collect();
         let outputs = self.node_outputs(&nodes.outputs);
@@ -290,7 +290,7 @@ impl FunctionWriter<'_> {
                 Statement::Solve(_) => false,
             })
         };
-        let reads_index = !sums.is_empty() || reads(|name| name == NODE_INDEX);
+        let reads_index = reads(|name| name == NODE_INDEX);
         let reads_positions = reads(|name| name != NODE_INDEX);
         let node = if stores.is_empty() { quote!(nodes.iter()) } else { quote!(nodes.iter_mut()) };
         let unused = stores.is_empty() && loads.is_empty();
@@ -299,7 +299,9 @@ impl FunctionWriter<'_> {
             (true, false) => (quote!((master, node)), quote!(inputs.masters.iter().zip(#node))),
             (false, _) => (quote!(node), node),
         };
-        let (pattern, iterator) = if outputs.is_none() && !reads_index {
+        let presence =
+            (!sums.is_empty()).then(|| quote!(let presence = S::presence(S::NODES * vector, count);));
+        let (pattern, iterator) = if outputs.is_none() && presence.is_none() && !reads_index {
             (pattern, iterator)
         } else {
             (quote!((vector, #pattern)), quote!(#iterator.enumerate()))
@@ -309,8 +311,8 @@ impl FunctionWriter<'_> {
             let name = format_ident!("{NODE_INDEX}");
             quote!(let #name = S::node_index(S::NODES * vector);)
         });
-        let totals = (!sums.is_empty()).then(|| quote!(let [#(#sums),*] =));
-        let total = (!sums.is_empty()).then(|| quote!(S::total([#(#sums),*])));
+        let totals = (!sums.is_empty()).then(|| quote!(let (#(#sums,)*) =));
+        let total = (!sums.is_empty()).then(|| quote!((#(S::total(#sums),)*)));
         let end = totals.is_some().then(|| quote!(;));
         let spread = spread_statement(&spread);
         quote! {
@@ -321,6 +323,7 @@ impl FunctionWriter<'_> {
                 for #pattern in #iterator {
                     #positions
                     #node_index
+                    #presence
                     #(let #loads = node[at::#load_places];)*
                     #body
                     #(#accumulations)*
@@ -610,7 +613,7 @@ fn graph_roots(graph: &crate::graph::Graph, root: RootId) -> Vec<(ExprId, TokenS
 
 /// Element values for all nodes, under the same names.
 fn spread_statement(names: &[Ident]) -> Option<TokenStream> {
-    (!names.is_empty()).then(|| quote!(let [#(#names),*] = S::spread([#(#names),*]);))
+    (!names.is_empty()).then(|| quote!(#(let #names = S::spread(#names);)*))
 }
 
 /// `k * size +`, or nothing for k = 0.

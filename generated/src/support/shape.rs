@@ -21,17 +21,24 @@ pub trait Shape {
     /// Nodes side by side in one node value.
     const NODES: usize;
 
-    /// Element values for all nodes.
-    fn spread<const VALUES: usize>(values: [Self::Element; VALUES]) -> [Self::Node; VALUES];
+    /// An element value for all nodes.
+    fn spread(value: Self::Element) -> Self::Node;
 
-    /// Sums over the nodes of values that were added up with [`keep`](Self::keep).
-    fn total<const VALUES: usize>(values: [Self::Node; VALUES]) -> [Self::Element; VALUES];
+    /// Sum over the nodes of values that were added up with [`add`](Self::add) or [`add_product`](Self::add_product).
+    fn total(value: Self::Node) -> Self::Element;
 
     /// The number of each node, from `first` on.
     fn node_index(first: usize) -> Self::Node;
 
-    /// `new` for the nodes below `count`, `old` for what only fills the last vector.
-    fn keep(node_index: Self::Node, count: usize, new: Self::Node, old: Self::Node) -> Self::Node;
+    /// 1 for the nodes from `first` on below `count`, 0 for what only fills the last vector.
+    fn presence(first: usize, count: usize) -> Self::Node;
+
+    /// `sum` + `x` for the nodes that are present. The others are copies of the last node: they bring no infinity or NaN
+    /// that it does not bring itself.
+    fn add(presence: Self::Node, x: Self::Node, sum: Self::Node) -> Self::Node;
+
+    /// `sum` + `x` · `y` for the nodes that are present.
+    fn add_product(presence: Self::Node, x: Self::Node, y: Self::Node, sum: Self::Node) -> Self::Node;
 
     /// An element value as a result.
     fn element_output(value: Self::Element) -> Self::Output;
@@ -83,13 +90,13 @@ impl<T: Lane> Shape for Batch<T> {
     const NODES: usize = 1;
 
     #[inline(always)]
-    fn spread<const VALUES: usize>(values: [T; VALUES]) -> [T; VALUES] {
-        values
+    fn spread(value: T) -> T {
+        value
     }
 
     #[inline(always)]
-    fn total<const VALUES: usize>(values: [T; VALUES]) -> [T; VALUES] {
-        values
+    fn total(value: T) -> T {
+        value
     }
 
     #[inline(always)]
@@ -98,8 +105,18 @@ impl<T: Lane> Shape for Batch<T> {
     }
 
     #[inline(always)]
-    fn keep(_: T, _: usize, new: T, _: T) -> T {
-        new
+    fn presence(_: usize, _: usize) -> T {
+        T::ONE
+    }
+
+    #[inline(always)]
+    fn add(_: T, x: T, sum: T) -> T {
+        sum + x
+    }
+
+    #[inline(always)]
+    fn add_product(_: T, x: T, y: T, sum: T) -> T {
+        x.mul_add(y, sum)
     }
 
     #[inline(always)]
@@ -155,21 +172,13 @@ impl<T: Vector> Shape for Single<T> {
     const NODES: usize = T::WIDTH;
 
     #[inline(always)]
-    fn spread<const VALUES: usize>(values: [T::Scalar; VALUES]) -> [T; VALUES] {
-        let mut spread = [T::ZERO; VALUES];
-        for (spread, value) in spread.iter_mut().zip(&values) {
-            *spread = T::splat(value.lane(0));
-        }
-        spread
+    fn spread(value: T::Scalar) -> T {
+        T::splat(value.lane(0))
     }
 
     #[inline(always)]
-    fn total<const VALUES: usize>(values: [T; VALUES]) -> [T::Scalar; VALUES] {
-        let mut totals = [T::Scalar::ZERO; VALUES];
-        for (total, value) in totals.iter_mut().zip(&values) {
-            *total = T::Scalar::splat(value.sum());
-        }
-        totals
+    fn total(value: T) -> T::Scalar {
+        T::Scalar::splat(value.sum())
     }
 
     #[inline(always)]
@@ -178,8 +187,18 @@ impl<T: Vector> Shape for Single<T> {
     }
 
     #[inline(always)]
-    fn keep(node_index: T, count: usize, new: T, old: T) -> T {
-        T::select_less(node_index, T::splat(count as f64), new, old)
+    fn presence(first: usize, count: usize) -> T {
+        T::select_less(Self::node_index(first), T::splat(count as f64), T::ONE, T::ZERO)
+    }
+
+    #[inline(always)]
+    fn add(presence: T, x: T, sum: T) -> T {
+        x.mul_add(presence, sum)
+    }
+
+    #[inline(always)]
+    fn add_product(presence: T, x: T, y: T, sum: T) -> T {
+        (x * y).mul_add(presence, sum)
     }
 
     #[inline(always)]

@@ -56,23 +56,29 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
     let axis_z_z = inverse_radius * normal_z;
     let axis_z_x = inverse_radius * normal_x;
     let axis_z_y = inverse_radius * normal_y;
-    let [moment_2_2, beta_2, moment_2_0, moment_0_0, moment_1_0, moment_2_1, moment_1_1,
-    beta_0, beta_1] = {
-        let [slave_y, slave_x, slave_z, axis_b_z, axis_b_y, axis_b_x, axis_a_z, axis_a_y,
-        axis_a_x, axis_z_z, axis_z_y, axis_z_x] = S::spread([
-            slave_y,
-            slave_x,
-            slave_z,
-            axis_b_z,
-            axis_b_y,
-            axis_b_x,
-            axis_a_z,
-            axis_a_y,
-            axis_a_x,
-            axis_z_z,
-            axis_z_y,
-            axis_z_x,
-        ]);
+    let (
+        moment_2_2,
+        beta_2,
+        moment_2_0,
+        moment_0_0,
+        moment_1_0,
+        moment_2_1,
+        moment_1_1,
+        beta_0,
+        beta_1,
+    ) = {
+        let slave_y = S::spread(slave_y);
+        let slave_x = S::spread(slave_x);
+        let slave_z = S::spread(slave_z);
+        let axis_b_z = S::spread(axis_b_z);
+        let axis_b_y = S::spread(axis_b_y);
+        let axis_b_x = S::spread(axis_b_x);
+        let axis_a_z = S::spread(axis_a_z);
+        let axis_a_y = S::spread(axis_a_y);
+        let axis_a_x = S::spread(axis_a_x);
+        let axis_z_z = S::spread(axis_z_z);
+        let axis_z_y = S::spread(axis_z_y);
+        let axis_z_x = S::spread(axis_z_x);
         let mut moment_2_2 = T::ZERO;
         let mut beta_2 = T::ZERO;
         let mut moment_2_0 = T::ZERO;
@@ -89,7 +95,7 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
             .enumerate()
         {
             let [master_x, master_y, master_z] = *master;
-            let node_index = S::node_index(S::NODES * vector);
+            let presence = S::presence(S::NODES * vector, count);
             let from_slave_y = master_y - slave_y;
             let from_slave_x = master_x - slave_x;
             let from_slave_z = master_z - slave_z;
@@ -118,30 +124,15 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
                     from_slave_y.mul_add(axis_z_y, from_slave_x * axis_z_x),
                 );
             let w_p_1 = a * w;
-            moment_2_2 = S::keep(
-                node_index,
-                count,
-                b.mul_add(w_p_2, moment_2_2),
-                moment_2_2,
-            );
-            beta_2 = S::keep(node_index, count, w_p_2.mul_add(z, beta_2), beta_2);
-            moment_2_0 = S::keep(node_index, count, moment_2_0 + w_p_2, moment_2_0);
-            moment_0_0 = S::keep(node_index, count, moment_0_0 + w, moment_0_0);
-            moment_1_0 = S::keep(node_index, count, moment_1_0 + w_p_1, moment_1_0);
-            moment_2_1 = S::keep(
-                node_index,
-                count,
-                a.mul_add(w_p_2, moment_2_1),
-                moment_2_1,
-            );
-            moment_1_1 = S::keep(
-                node_index,
-                count,
-                a.mul_add(w_p_1, moment_1_1),
-                moment_1_1,
-            );
-            beta_0 = S::keep(node_index, count, w.mul_add(z, beta_0), beta_0);
-            beta_1 = S::keep(node_index, count, w_p_1.mul_add(z, beta_1), beta_1);
+            moment_2_2 = S::add_product(presence, b, w_p_2, moment_2_2);
+            beta_2 = S::add_product(presence, w_p_2, z, beta_2);
+            moment_2_0 = S::add(presence, w_p_2, moment_2_0);
+            moment_0_0 = S::add(presence, w, moment_0_0);
+            moment_1_0 = S::add(presence, w_p_1, moment_1_0);
+            moment_2_1 = S::add_product(presence, a, w_p_2, moment_2_1);
+            moment_1_1 = S::add_product(presence, a, w_p_1, moment_1_1);
+            beta_0 = S::add_product(presence, w, z, beta_0);
+            beta_1 = S::add_product(presence, w_p_1, z, beta_1);
             node[at::B] = b;
             node[at::A] = a;
             node[at::R] = r;
@@ -149,17 +140,17 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
             node[at::W] = w;
             node[at::Z] = z;
         }
-        S::total([
-            moment_2_2,
-            beta_2,
-            moment_2_0,
-            moment_0_0,
-            moment_1_0,
-            moment_2_1,
-            moment_1_1,
-            beta_0,
-            beta_1,
-        ])
+        (
+            S::total(moment_2_2),
+            S::total(beta_2),
+            S::total(moment_2_0),
+            S::total(moment_0_0),
+            S::total(moment_1_0),
+            S::total(moment_2_1),
+            S::total(moment_1_1),
+            S::total(beta_0),
+            S::total(beta_1),
+        )
     };
     let l_reciprocal_0 = E::ONE / moment_2_2;
     let l_2_0 = l_reciprocal_0 * moment_2_0;
@@ -304,33 +295,29 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
                                                         ),
                                                 ),
                                         ))))))));
-    let [minus_dgap_dslave_z, minus_dgap_dslave_y, minus_dgap_dslave_x] = {
-        let [foot_1, foot_2, alpha_2, alpha_1, foot_alpha_0, lambda_gap_2, lambda_gap_1,
-        minus_lambda_gap_0, axis_z_z, axis_b_z, axis_a_z, axis_z_y, axis_b_y, axis_a_y,
-        axis_z_x, axis_b_x, axis_a_x] = S::spread([
-            foot_1,
-            foot_2,
-            alpha_2,
-            alpha_1,
-            foot_alpha_0,
-            lambda_gap_2,
-            lambda_gap_1,
-            minus_lambda_gap_0,
-            axis_z_z,
-            axis_b_z,
-            axis_a_z,
-            axis_z_y,
-            axis_b_y,
-            axis_a_y,
-            axis_z_x,
-            axis_b_x,
-            axis_a_x,
-        ]);
+    let (minus_dgap_dslave_z, minus_dgap_dslave_y, minus_dgap_dslave_x) = {
+        let foot_1 = S::spread(foot_1);
+        let foot_2 = S::spread(foot_2);
+        let alpha_2 = S::spread(alpha_2);
+        let alpha_1 = S::spread(alpha_1);
+        let foot_alpha_0 = S::spread(foot_alpha_0);
+        let lambda_gap_2 = S::spread(lambda_gap_2);
+        let lambda_gap_1 = S::spread(lambda_gap_1);
+        let minus_lambda_gap_0 = S::spread(minus_lambda_gap_0);
+        let axis_z_z = S::spread(axis_z_z);
+        let axis_b_z = S::spread(axis_b_z);
+        let axis_a_z = S::spread(axis_a_z);
+        let axis_z_y = S::spread(axis_z_y);
+        let axis_b_y = S::spread(axis_b_y);
+        let axis_a_y = S::spread(axis_a_y);
+        let axis_z_x = S::spread(axis_z_x);
+        let axis_b_x = S::spread(axis_b_x);
+        let axis_a_x = S::spread(axis_a_x);
         let mut minus_dgap_dslave_z = T::ZERO;
         let mut minus_dgap_dslave_y = T::ZERO;
         let mut minus_dgap_dslave_x = T::ZERO;
         for (vector, node) in nodes.iter().enumerate() {
-            let node_index = S::node_index(S::NODES * vector);
+            let presence = S::presence(S::NODES * vector, count);
             let a = node[at::A];
             let b = node[at::B];
             let z = node[at::Z];
@@ -365,31 +352,20 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
                 .mul_add(w_sigma_gap, axis_b_y.mul_add(sum_v4, axis_a_y * sum_v5));
             let dgap_dx = axis_z_x
                 .mul_add(w_sigma_gap, axis_b_x.mul_add(sum_v4, axis_a_x * sum_v5));
-            minus_dgap_dslave_z = S::keep(
-                node_index,
-                count,
-                minus_dgap_dslave_z + dgap_dz,
-                minus_dgap_dslave_z,
-            );
-            minus_dgap_dslave_y = S::keep(
-                node_index,
-                count,
-                minus_dgap_dslave_y + dgap_dy,
-                minus_dgap_dslave_y,
-            );
-            minus_dgap_dslave_x = S::keep(
-                node_index,
-                count,
-                minus_dgap_dslave_x + dgap_dx,
-                minus_dgap_dslave_x,
-            );
+            minus_dgap_dslave_z = S::add(presence, dgap_dz, minus_dgap_dslave_z);
+            minus_dgap_dslave_y = S::add(presence, dgap_dy, minus_dgap_dslave_y);
+            minus_dgap_dslave_x = S::add(presence, dgap_dx, minus_dgap_dslave_x);
             S::write_nodes(
                 [dgap_dx, dgap_dy, dgap_dz],
                 vector,
                 &mut gradients[3..3 * count + 3],
             );
         }
-        S::total([minus_dgap_dslave_z, minus_dgap_dslave_y, minus_dgap_dslave_x])
+        (
+            S::total(minus_dgap_dslave_z),
+            S::total(minus_dgap_dslave_y),
+            S::total(minus_dgap_dslave_x),
+        )
     };
     gradients[0usize] = S::element_output(-minus_dgap_dslave_x);
     gradients[1usize] = S::element_output(-minus_dgap_dslave_y);

@@ -88,13 +88,9 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
         let mut moment_1_1 = T::ZERO;
         let mut beta_0 = T::ZERO;
         let mut beta_1 = T::ZERO;
-        for (vector, (master, node)) in inputs
-            .masters
-            .iter()
-            .zip(nodes.iter_mut())
-            .enumerate()
-        {
-            let [master_x, master_y, master_z] = *master;
+        for vector in 0..inputs.masters.len() {
+            let node = &mut nodes[vector];
+            let [master_x, master_y, master_z] = inputs.masters[vector];
             let presence = S::presence(S::NODES * vector, count);
             let from_slave_y = master_y - slave_y;
             let from_slave_x = master_x - slave_x;
@@ -316,7 +312,8 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
         let mut minus_dgap_dslave_z = T::ZERO;
         let mut minus_dgap_dslave_y = T::ZERO;
         let mut minus_dgap_dslave_x = T::ZERO;
-        for (vector, node) in nodes.iter().enumerate() {
+        for vector in 0..inputs.masters.len() {
+            let node = &nodes[vector];
             let presence = S::presence(S::NODES * vector, count);
             let a = node[at::A];
             let b = node[at::B];

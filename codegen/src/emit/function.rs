@@ -292,21 +292,18 @@ impl FunctionWriter<'_> {
         };
         let reads_index = reads(|name| name == NODE_INDEX);
         let reads_positions = reads(|name| name != NODE_INDEX);
-        let node = if stores.is_empty() { quote!(nodes.iter()) } else { quote!(nodes.iter_mut()) };
+        // Loops by index: iterators are not always inlined, see `support::simd`.
         let unused = stores.is_empty() && loads.is_empty();
-        let (pattern, iterator) = match (reads_positions || unused, unused) {
-            (true, true) => (quote!(master), quote!(inputs.masters.iter())),
-            (true, false) => (quote!((master, node)), quote!(inputs.masters.iter().zip(#node))),
-            (false, _) => (quote!(node), node),
-        };
+        let node = (!unused).then(|| {
+            if stores.is_empty() {
+                quote!(let node = &nodes[vector];)
+            } else {
+                quote!(let node = &mut nodes[vector];)
+            }
+        });
         let presence =
             (!sums.is_empty()).then(|| quote!(let presence = S::presence(S::NODES * vector, count);));
-        let (pattern, iterator) = if outputs.is_none() && presence.is_none() && !reads_index {
-            (pattern, iterator)
-        } else {
-            (quote!((vector, #pattern)), quote!(#iterator.enumerate()))
-        };
-        let positions = reads_positions.then(|| quote!(let [#(#master),*] = *master;));
+        let positions = reads_positions.then(|| quote!(let [#(#master),*] = inputs.masters[vector];));
         let node_index = reads_index.then(|| {
             let name = format_ident!("{NODE_INDEX}");
             quote!(let #name = S::node_index(S::NODES * vector);)
@@ -320,7 +317,8 @@ impl FunctionWriter<'_> {
             #totals {
                 #spread
                 #(let mut #sums = T::ZERO;)*
-                for #pattern in #iterator {
+                for vector in 0..inputs.masters.len() {
+                    #node
                     #positions
                     #node_index
                     #presence

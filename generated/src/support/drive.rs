@@ -147,6 +147,7 @@ thread_local! {
 }
 
 /// At least so many blocks, to be given back to [`BLOCKS`].
+#[inline]
 fn memory(count: usize) -> Vec<Block> {
     let mut blocks = BLOCKS.take();
     if blocks.len() < count {

@@ -23,6 +23,15 @@ impl FormRows {
     }
 }
 
+/// Writes values one after another. (`copy_from_slice` is not always inlined.)
+#[inline(always)]
+pub(super) fn write<T: Copy, const VALUES: usize>(values: [T; VALUES], target: &mut [T], start: usize) {
+    let target = &mut target[start..start + VALUES];
+    for k in 0..VALUES {
+        target[k] = values[k];
+    }
+}
+
 /// Room for a node's own block: three rows of four.
 const OWN: usize = 12;
 
@@ -42,12 +51,12 @@ pub(super) mod batch {
 
     #[inline(always)]
     pub fn keep_row<T: Lane>(form: &mut [T], rows: FormRows, row: usize, node: usize, values: [T; 3]) {
-        form[node_length(rows) * (node + 1) + 3 * row..][..3].copy_from_slice(&values);
+        write(values, form, node_length(rows) * (node + 1) + 3 * row);
     }
 
     #[inline(always)]
     pub fn keep_own<T: Lane>(form: &mut [T], rows: FormRows, node: usize, own: [T; 6]) {
-        form[node_length(rows) * (node + 1) + 3 * rows.varying..][..6].copy_from_slice(&own);
+        write(own, form, node_length(rows) * (node + 1) + 3 * rows.varying);
     }
 
     #[inline(always)]
@@ -60,7 +69,9 @@ pub(super) mod batch {
     ) {
         let size = node_length(rows);
         let (slave_varying, slave_constant) = slave.split_at(rows.varying);
-        form[..3 * rows.varying].copy_from_slice(slave_varying.as_flattened());
+        for row in 0..rows.varying {
+            write(slave_varying[row], form, 3 * row);
+        }
         let zero = [[T::ZERO; 3]; 3];
         let all_nodes = products(zero, constant, constant);
         let all_slave = products(zero, constant, slave_constant);
@@ -69,7 +80,8 @@ pub(super) mod batch {
             let (row, own) = row.split_at(3 * rows.varying);
             let (row, _) = row.as_chunks::<3>();
             let own = [[own[0], own[1], own[3]], [own[1], own[2], own[4]], [own[3], own[4], own[5]]];
-            let starts = [0, 1, 2].map(|axis| packed_row(3 * row_node + axis));
+            let first = 3 * row_node;
+            let starts = [packed_row(first), packed_row(first + 1), packed_row(first + 2)];
             for column_node in 0..row_node {
                 let column = &form[size * column_node..][..3 * rows.varying];
                 let (column, _) = column.as_chunks::<3>();
@@ -82,8 +94,8 @@ pub(super) mod batch {
                     }
                 }
                 let block = products(start, row, column);
-                for (start, entries) in starts.iter().zip(&block) {
-                    target[start + 3 * column_node..][..3].copy_from_slice(entries);
+                for axis in 0..3 {
+                    write(block[axis], target, starts[axis] + 3 * column_node);
                 }
             }
             let half = half_products(row);
@@ -100,12 +112,12 @@ pub(super) mod batch {
     #[inline(always)]
     fn products<T: Lane>(start: [[T; 3]; 3], row: &[[T; 3]], column: &[[T; 3]]) -> [[T; 3]; 3] {
         let mut block = start;
-        for (row, column) in row.as_chunks::<2>().0.iter().zip(column.as_chunks::<2>().0) {
-            for (row, column) in [(&row[1], &column[0]), (&row[0], &column[1])] {
-                for i in 0..3 {
-                    for j in 0..3 {
-                        block[i][j] = row[i].mul_add(column[j], block[i][j]);
-                    }
+        for k in 0..row.len() {
+            // b with c, c with b
+            let (row, column) = (&row[k], &column[k ^ 1]);
+            for i in 0..3 {
+                for j in 0..3 {
+                    block[i][j] = row[i].mul_add(column[j], block[i][j]);
                 }
             }
         }
@@ -172,14 +184,15 @@ pub(super) mod single {
         const { assert!(T::WIDTH <= 4) };
         let stride = stride::<T>(rows);
         let (form, own) = form.split_at_mut(stride * rows.all());
-        for (row, slave) in form.chunks_exact_mut(stride).zip(slave) {
-            for (entry, slave) in row.iter_mut().zip(slave) {
-                *entry = slave.lane(0);
-            }
+        for row in 0..slave.len() {
+            let [x, y, z] = &slave[row];
+            write([x.lane(0), y.lane(0), z.lane(0)], form, stride * row);
         }
-        for (row, values) in form[stride * rows.varying..].chunks_exact_mut(stride).zip(constant) {
-            for node in row[3..].as_chunks_mut::<3>().0 {
-                *node = [values[0].lane(0), values[1].lane(0), values[2].lane(0)];
+        for row in 0..constant.len() {
+            let [x, y, z] = &constant[row];
+            let values = [x.lane(0), y.lane(0), z.lane(0)];
+            for node in 1..stride / 3 {
+                write(values, form, stride * (rows.varying + row) + 3 * node);
             }
         }
         for node in 1..=rows.count {

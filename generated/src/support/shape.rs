@@ -3,6 +3,7 @@
 use std::marker::PhantomData;
 
 use super::Lane;
+use super::form::write;
 use super::form::{FormRows, batch, single};
 use super::simd::Vector;
 
@@ -126,7 +127,7 @@ impl<T: Lane> Shape for Batch<T> {
 
     #[inline(always)]
     fn write_nodes(values: [T; 3], vector: usize, target: &mut [T]) {
-        target[3 * vector..][..3].copy_from_slice(&values);
+        write(values, target, 3 * vector);
     }
 
     #[inline(always)]

@@ -234,9 +234,10 @@ macro_rules! stores_by_number {
         #[inline(always)]
         fn store_transposed<O>(source: &[Self], outputs: &mut [O], target: impl Fn(&mut O) -> &mut [f64]) {
             assert!(outputs.len() <= Self::WIDTH);
-            for (lane, output) in outputs.iter_mut().enumerate() {
-                for (number, vector) in target(output)[..source.len()].iter_mut().zip(source) {
-                    *number = vector.lane(lane);
+            for lane in 0..outputs.len() {
+                let target = &mut target(&mut outputs[lane])[..source.len()];
+                for k in 0..source.len() {
+                    target[k] = source[k].lane(lane);
                 }
             }
         }
@@ -565,18 +566,20 @@ mod x86 {
         #[inline(always)]
         fn store_transposed<O>(source: &[Self], outputs: &mut [O], target: impl Fn(&mut O) -> &mut [f64]) {
             let (squares, rest) = source.as_chunks::<{ Self::WIDTH }>();
-            let targets = places::<O, { Self::WIDTH }>(source.len(), outputs, &target);
+            let targets = places::<O, _, { Self::WIDTH }>(source.len(), outputs, &target);
             for (k, square) in squares.iter().enumerate() {
                 let columns = Self::transposed(*square);
-                for (place, column) in targets.iter().zip(columns).take(outputs.len()) {
+                for lane in 0..outputs.len() {
                     // SAFETY: vectors of plain numbers, and each target has room for `source.len()` of them.
-                    unsafe { place.add(k * Self::WIDTH).cast::<Self>().write_unaligned(column) };
+                    unsafe {
+                        targets[lane].add(k * Self::WIDTH).cast::<Self>().write_unaligned(columns[lane])
+                    };
                 }
             }
-            for (lane, output) in outputs.iter_mut().enumerate() {
-                let end = &mut target(output)[Self::WIDTH * squares.len()..source.len()];
-                for (number, vector) in end.iter_mut().zip(rest) {
-                    *number = vector.lane(lane);
+            for lane in 0..outputs.len() {
+                let end = &mut target(&mut outputs[lane])[Self::WIDTH * squares.len()..source.len()];
+                for k in 0..end.len() {
+                    end[k] = rest[k].lane(lane);
                 }
             }
         }
@@ -721,18 +724,20 @@ mod x86 {
         #[inline(always)]
         fn store_transposed<O>(source: &[Self], outputs: &mut [O], target: impl Fn(&mut O) -> &mut [f64]) {
             let (squares, rest) = source.as_chunks::<{ Self::WIDTH }>();
-            let targets = places::<O, { Self::WIDTH }>(source.len(), outputs, &target);
+            let targets = places::<O, _, { Self::WIDTH }>(source.len(), outputs, &target);
             for (k, square) in squares.iter().enumerate() {
                 let columns = Self::transposed(*square);
-                for (place, column) in targets.iter().zip(columns).take(outputs.len()) {
+                for lane in 0..outputs.len() {
                     // SAFETY: vectors of plain numbers, and each target has room for `source.len()` of them.
-                    unsafe { place.add(k * Self::WIDTH).cast::<Self>().write_unaligned(column) };
+                    unsafe {
+                        targets[lane].add(k * Self::WIDTH).cast::<Self>().write_unaligned(columns[lane])
+                    };
                 }
             }
-            for (lane, output) in outputs.iter_mut().enumerate() {
-                let end = &mut target(output)[Self::WIDTH * squares.len()..source.len()];
-                for (number, vector) in end.iter_mut().zip(rest) {
-                    *number = vector.lane(lane);
+            for lane in 0..outputs.len() {
+                let end = &mut target(&mut outputs[lane])[Self::WIDTH * squares.len()..source.len()];
+                for k in 0..end.len() {
+                    end[k] = rest[k].lane(lane);
                 }
             }
         }
@@ -743,15 +748,15 @@ mod x86 {
     /// # Panics
     /// If one is shorter than `length`, or there are more than `WIDTH`.
     #[inline(always)]
-    fn places<O, const WIDTH: usize>(
+    fn places<O, F: Fn(&mut O) -> &mut [f64], const WIDTH: usize>(
         length: usize,
         outputs: &mut [O],
-        target: impl Fn(&mut O) -> &mut [f64],
+        target: &F,
     ) -> [*mut f64; WIDTH] {
         let mut places = [std::ptr::null_mut(); WIDTH];
         assert!(outputs.len() <= WIDTH, "{} outputs of {WIDTH} lanes", outputs.len());
-        for (place, output) in places.iter_mut().zip(outputs) {
-            *place = target(output)[..length].as_mut_ptr();
+        for lane in 0..outputs.len() {
+            places[lane] = target(&mut outputs[lane])[..length].as_mut_ptr();
         }
         places
     }

@@ -159,8 +159,8 @@ impl<T: Lane> GapValues<T> {
     pub fn lane(&self, k: usize) -> GapValues<f64> {
         let numbers = |x: &[T; 3]| [x[0].lane(k), x[1].lane(k), x[2].lane(k)];
         let mut coefficients = [0.0; Basis::MOST_COEFFICIENTS];
-        for (number, vector) in coefficients.iter_mut().zip(&self.coefficients) {
-            *number = vector.lane(k);
+        for (place, number) in coefficients.iter_mut().enumerate() {
+            *number = self.coefficients[place].lane(k);
         }
         GapValues {
             gap: self.gap.lane(k),

@@ -24,6 +24,7 @@ impl FormRows {
 }
 
 /// Writes values one after another. (`copy_from_slice` is not always inlined.)
+#[allow(clippy::manual_memcpy)]
 #[inline(always)]
 pub(super) fn write<T: Copy, const VALUES: usize>(values: [T; VALUES], target: &mut [T], start: usize) {
     let target = &mut target[start..start + VALUES];
@@ -215,10 +216,10 @@ pub(super) mod single {
                     let own = &own[OWN + 4 * axis..][..3];
                     let row = &mut target[packed_row(3 + axis)..][..4 + axis];
                     for column in 0..3 {
-                        row[column] = row[column] - own[column];
+                        row[column] -= own[column];
                     }
                     for column in 0..=axis {
-                        row[3 + column] = row[3 + column] + own[column];
+                        row[3 + column] += own[column];
                     }
                 }
             }

@@ -183,7 +183,7 @@ pub fn foot_iterations(elements: &Elements) -> f64 {
     let iterations = |index| {
         let inputs = inputs(&elements.frozen(index), [0.0; 2]);
         let kernel = (Basis::Quadratic, FrameRule::Frozen, Mode::Value);
-        let values: GapValues<f64> = Cubic::gap(Isa::best(), kernel, &inputs, &mut [], &mut []);
+        let values: GapValues<f64> = Cubic::gap(Isa::SCALAR, kernel, &inputs, &mut [], &mut []);
         values.foot_iterations
     };
     (0..elements.len()).map(iterations).sum::<f64>() / elements.len() as f64

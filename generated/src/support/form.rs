@@ -63,7 +63,12 @@ pub(super) mod batch {
         form[..3 * rows.varying].copy_from_slice(slave_varying.as_flattened());
         let zero = [[T::ZERO; 3]; 3];
         let all_nodes = products(zero, constant, constant);
-        let all_slave = products(zero, constant, slave_constant);
+        let mut slave_instead = products(zero, constant, slave_constant);
+        for i in 0..3 {
+            for j in 0..3 {
+                slave_instead[i][j] = slave_instead[i][j] - all_nodes[i][j];
+            }
+        }
         for row_node in 1..=rows.count {
             let row = &form[size * row_node..][..size];
             let (row, own) = row.split_at(3 * rows.varying);
@@ -73,17 +78,19 @@ pub(super) mod batch {
             for column_node in 0..row_node {
                 let column = &form[size * column_node..][..3 * rows.varying];
                 let (column, _) = column.as_chunks::<3>();
-                let mut start = all_nodes;
+                let mut block = products(all_nodes, row, column);
                 if column_node == 0 {
-                    for row in 0..3 {
-                        for column in 0..3 {
-                            start[row][column] = all_slave[row][column] - own[row][column];
+                    for i in 0..3 {
+                        for j in 0..3 {
+                            block[i][j] = block[i][j] + (slave_instead[i][j] - own[i][j]);
                         }
                     }
                 }
-                let block = products(start, row, column);
-                for (start, entries) in starts.iter().zip(&block) {
-                    target[start + 3 * column_node..][..3].copy_from_slice(entries);
+                for i in 0..3 {
+                    let entries = &mut target[starts[i] + 3 * column_node..][..3];
+                    for j in 0..3 {
+                        entries[j] = block[i][j];
+                    }
                 }
             }
             let half = half_products(row);

@@ -8,7 +8,7 @@
 //! graph      hash-consed expressions             simplification, derivatives, substitution
 //! structure  sums, systems, roots                first and second derivatives of implicit quantities
 //! lower      structured nodes to arithmetic      unrolled factorisation and solves
-//! schedule   arithmetic to a program             segments, loops over nodes and pairs, fused products
+//! schedule   arithmetic to a program             segments, loops over nodes, fused products
 //! emit       program to syn::File                functions, documentation, operation counts
 //! config     syn::File to a file                 the build API, the only place with input and output
 //! interpret  the graph in f64                    second witness of every kernel

@@ -64,11 +64,6 @@ impl<'a> Writer<'a> {
         self.names.of(self.graph, expr)
     }
 
-    /// The identifier of a node value at the row of a pair.
-    pub fn row_ident(&mut self, expr: ExprId) -> Ident {
-        format_ident!("row_{}", self.ident(expr))
-    }
-
     /// The constant that names a node value's place among those kept.
     pub fn place(&mut self, expr: ExprId) -> Ident {
         format_ident!("{}", self.ident(expr).to_string().to_ascii_uppercase())
@@ -101,14 +96,6 @@ impl<'a> Writer<'a> {
     fn operand(&mut self, expr: ExprId) -> (TokenStream, Strength) {
         match self.graph.op(expr) {
             Op::Constant(bits) => (self.constant(f64::from_bits(bits)), Strength::Atom),
-            Op::Row(x) => {
-                let ident = self.row_ident(x);
-                (quote!(#ident), Strength::Atom)
-            }
-            Op::Column(x) => {
-                let place = self.place(x);
-                (quote!(column[at::#place]), Strength::Atom)
-            }
             _ if self.layout.bound.contains(&expr) => {
                 let ident = self.ident(expr);
                 if self.vectors == Vectors::Node

@@ -75,7 +75,12 @@ pub(super) mod batch {
         }
         let zero = [[T::ZERO; 3]; 3];
         let all_nodes = products(zero, constant, constant);
-        let all_slave = products(zero, constant, slave_constant);
+        let mut slave_instead = products(zero, constant, slave_constant);
+        for i in 0..3 {
+            for j in 0..3 {
+                slave_instead[i][j] = slave_instead[i][j] - all_nodes[i][j];
+            }
+        }
         for row_node in 1..=rows.count {
             let row = &form[size * row_node..][..size];
             let (row, own) = row.split_at(3 * rows.varying);
@@ -86,17 +91,19 @@ pub(super) mod batch {
             for column_node in 0..row_node {
                 let column = &form[size * column_node..][..3 * rows.varying];
                 let (column, _) = column.as_chunks::<3>();
-                let mut start = all_nodes;
+                let mut block = products(all_nodes, row, column);
                 if column_node == 0 {
-                    for row in 0..3 {
-                        for column in 0..3 {
-                            start[row][column] = all_slave[row][column] - own[row][column];
+                    for i in 0..3 {
+                        for j in 0..3 {
+                            block[i][j] = block[i][j] + (slave_instead[i][j] - own[i][j]);
                         }
                     }
                 }
-                let block = products(start, row, column);
-                for axis in 0..3 {
-                    write(block[axis], target, starts[axis] + 3 * column_node);
+                for i in 0..3 {
+                    let entries = &mut target[starts[i] + 3 * column_node..][..3];
+                    for j in 0..3 {
+                        entries[j] = block[i][j];
+                    }
                 }
             }
             let half = half_products(row);
@@ -303,6 +310,129 @@ pub(super) mod single {
             self.x = x.mul_add(row, self.x);
             self.y = y.mul_add(row, self.y);
             self.z = z.mul_add(row, self.z);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::simd::Block;
+    use super::super::{Isa, WithLanes};
+    use super::*;
+
+    /// Rows and own blocks of slave and nodes, by any rule, and the Hessian without the slave's own block.
+    struct Case {
+        rows: FormRows,
+    }
+
+    impl Case {
+        fn entry(&self, row: usize, node: usize, axis: usize) -> f64 {
+            // Constant rows do not depend on the node, but on whether it is one.
+            let node = if row < self.rows.varying { node } else { node.min(1) };
+            ((7 * row + 13 * node + 5 * axis) % 17) as f64 - 8.0
+        }
+
+        fn own(&self, node: usize, row: usize, column: usize) -> f64 {
+            ((11 * node + 3 * row.max(column) + row.min(column)) % 19) as f64 - 9.0
+        }
+
+        fn expected(&self, row: usize, column: usize) -> f64 {
+            let [(i, a), (j, b)] = [row, column].map(|k| (k / 3, k % 3));
+            let products: f64 = (0..self.rows.all())
+                .step_by(2)
+                .map(|k| {
+                    self.entry(k + 1, i, a) * self.entry(k, j, b)
+                        + self.entry(k, i, a) * self.entry(k + 1, j, b)
+                })
+                .sum();
+            match j {
+                _ if i == j => products + self.own(i, a, b),
+                0 => products - self.own(i, a, b),
+                _ => products,
+            }
+        }
+
+        /// Whole numbers: any order of additions gives the same.
+        fn check(&self, hessian: &[f64], what: &str) {
+            for row in 3..3 * (self.rows.count + 1) {
+                for column in 0..=row {
+                    let found = hessian[packed_row(row) + column];
+                    assert_eq!(
+                        found,
+                        self.expected(row, column),
+                        "{what}, {:?}: ({row}, {column})",
+                        self.rows
+                    );
+                }
+            }
+        }
+
+        fn slave<E: Lane>(&self) -> Vec<[E; 3]> {
+            (0..self.rows.all()).map(|row| [0, 1, 2].map(|axis| E::splat(self.entry(row, 0, axis)))).collect()
+        }
+
+        fn constant<E: Lane>(&self) -> Vec<[E; 3]> {
+            let rows = self.rows.varying..self.rows.all();
+            rows.map(|row| [0, 1, 2].map(|axis| E::splat(self.entry(row, 1, axis)))).collect()
+        }
+
+        /// The lower triangle of own blocks.
+        fn own_of<T: Lane>(&self, node: impl Fn(usize) -> usize) -> [T; 6] {
+            [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)]
+                .map(|(row, column)| T::from_fn(|lane| self.own(node(lane), row, column)))
+        }
+    }
+
+    impl WithLanes for &Case {
+        type Output = ();
+
+        #[inline(always)]
+        fn run<T: Vector>(self) {
+            let rows = self.rows;
+            let size = packed_row(3 * (rows.count + 1));
+
+            // What is read must have been written: NaN shows.
+            let mut form = vec![f64::NAN; single::length::<T>(rows)];
+            for vector in 0..rows.count.div_ceil(T::WIDTH) {
+                let node = |lane: usize| 1 + (T::WIDTH * vector + lane).min(rows.count - 1);
+                for row in 0..rows.varying {
+                    let values = [0, 1, 2].map(|axis| T::from_fn(|lane| self.entry(row, node(lane), axis)));
+                    single::keep_row(&mut form, rows, row, vector, values);
+                }
+                single::keep_own(&mut form, rows, vector, self.own_of::<T>(node));
+            }
+            let mut hessian = vec![f64::NAN; size + 1];
+            let (slave, constant) = (self.slave::<T::Scalar>(), self.constant::<T::Scalar>());
+            single::multiply::<T>(&mut form, rows, &slave, &constant, &mut hessian[..size]);
+            self.check(&hessian, "nodes side by side");
+            assert!(hessian[size].is_nan(), "beyond the end");
+
+            let mut blocks = vec![Block::ZERO; Block::count::<T>(batch::length(rows) + size)];
+            let (form, rest) = Block::vectors::<T>(&mut blocks).split_at_mut(batch::length(rows));
+            form.fill(T::splat(f64::NAN));
+            for node in 0..rows.count {
+                for row in 0..rows.varying {
+                    let values = [0, 1, 2].map(|axis| T::splat(self.entry(row, node + 1, axis)));
+                    batch::keep_row(form, rows, row, node, values);
+                }
+                batch::keep_own(form, rows, node, self.own_of::<T>(|_| node + 1));
+            }
+            batch::multiply(form, rows, &self.slave(), &self.constant(), &mut rest[..size]);
+            for lane in 0..T::WIDTH {
+                let hessian: Vec<f64> = rest[..size].iter().map(|x| x.lane(lane)).collect();
+                self.check(&hessian, "elements side by side");
+            }
+        }
+    }
+
+    #[test]
+    fn the_products_of_rows_are_the_hessian() {
+        for isa in Isa::available() {
+            for (varying, constant) in [(12, 0), (16, 2), (2, 0), (0, 2)] {
+                for count in 1..=33 {
+                    isa.run_narrow(&Case { rows: FormRows { varying, constant, count } });
+                }
+            }
         }
     }
 }

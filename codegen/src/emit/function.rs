@@ -281,7 +281,8 @@ impl FunctionWriter<'_> {
         let store_places: Vec<Ident> = nodes.stores.iter().map(|&x| self.writer.place(x)).collect();
         let spread = self.writer.end_nodes();
         self.counts.node += self.writer.take_counts();
-        self.statements += 2 * sums.len() + loads.len() + nodes.outputs.len() + stores.len() + 5;
+        self.statements +=
+            2 * sums.len() + loads.len() + nodes.outputs.len() + stores.len() + spread.len() + 5;
 
         // A loop that reads stored values only has no use for the positions.
         let reads = |is_read: fn(&str) -> bool| {

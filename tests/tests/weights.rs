@@ -147,6 +147,36 @@ fn any_node_can_be_the_anchor() {
     }
 }
 
+/// Vectors of nodes are filled up with copies of the last node: where it is the anchor and has the slave on it, its plain
+/// weight is infinite.
+#[test]
+fn the_slave_on_any_node_with_all_instructions() {
+    for nodes in 9..=12 {
+        let mut case = Case::random(nodes, Basis::Quadratic, 3).with_weight(Weight::CubicInterpolating);
+        for anchor in 0..nodes {
+            case.slave = case.masters[anchor];
+            let inputs = ElementInputs { anchor, ..case.inputs() };
+            let freedoms = case.element().degrees_of_freedom();
+            let evaluate = |isa: Isa| {
+                let (mut gradient, mut hessian) =
+                    (vec![f64::NAN; freedoms], vec![f64::NAN; freedoms * (freedoms + 1) / 2]);
+                let kernel = (case.basis, FrameRule::Frozen, Mode::Hessian);
+                let values = CubicInterpolating::gap(isa, kernel, &inputs, &mut gradient, &mut hessian);
+                (values, gradient, hessian)
+            };
+            let (expected, gradient, hessian) = evaluate(Isa::SCALAR);
+            assert_eq!(expected.status(), Status::Ok, "node {anchor} of {nodes}");
+            for isa in Isa::available() {
+                let (found, found_gradient, found_hessian) = evaluate(isa);
+                assert_eq!(found.status(), Status::Ok, "{isa}, node {anchor} of {nodes}");
+                assert!((found.gap - expected.gap).abs() < 1e-13 * case.support_radius);
+                assert!(difference(&found_gradient, &gradient) < 1e-11);
+                assert!(difference(&found_hessian, &hessian) < 1e-10);
+            }
+        }
+    }
+}
+
 #[test]
 fn derivatives_are_continuous_through_a_node() {
     // N of neighbouring positions along a line through the node differs by M times the step, at every scale.

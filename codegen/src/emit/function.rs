@@ -307,7 +307,7 @@ impl FunctionWriter<'_> {
         let positions = reads_positions.then(|| quote!(let [#(#master),*] = inputs.masters[vector];));
         let node_index = reads_index.then(|| {
             let name = format_ident!("{NODE_INDEX}");
-            quote!(let #name = S::node_index(S::NODES * vector);)
+            quote!(let #name = S::node_index(S::NODES * vector, count);)
         });
         let totals = (!sums.is_empty()).then(|| quote!(let (#(#sums,)*) =));
         let total = (!sums.is_empty()).then(|| quote!((#(S::total(#sums),)*)));

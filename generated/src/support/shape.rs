@@ -28,8 +28,8 @@ pub trait Shape {
     /// Sum over the nodes of values that were added up with [`add`](Self::add) or [`add_product`](Self::add_product).
     fn total(value: Self::Node) -> Self::Element;
 
-    /// The number of each node, from `first` on.
-    fn node_index(first: usize) -> Self::Node;
+    /// The number of each node, from `first` on; beyond the last of `count` nodes, of which there are copies, its number.
+    fn node_index(first: usize, count: usize) -> Self::Node;
 
     /// 1 for the nodes from `first` on below `count`, 0 for what only fills the last vector.
     fn presence(first: usize, count: usize) -> Self::Node;
@@ -101,7 +101,7 @@ impl<T: Lane> Shape for Batch<T> {
     }
 
     #[inline(always)]
-    fn node_index(first: usize) -> T {
+    fn node_index(first: usize, _: usize) -> T {
         T::splat(first as f64)
     }
 
@@ -183,13 +183,13 @@ impl<T: Vector> Shape for Single<T> {
     }
 
     #[inline(always)]
-    fn node_index(first: usize) -> T {
-        T::from_fn(|k| (first + k) as f64)
+    fn node_index(first: usize, count: usize) -> T {
+        T::from_fn(|k| (first + k).min(count - 1) as f64)
     }
 
     #[inline(always)]
     fn presence(first: usize, count: usize) -> T {
-        T::select_less(Self::node_index(first), T::splat(count as f64), T::ONE, T::ZERO)
+        T::from_fn(|k| if first + k < count { 1.0 } else { 0.0 })
     }
 
     #[inline(always)]

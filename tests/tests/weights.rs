@@ -170,8 +170,10 @@ fn the_slave_on_any_node_with_all_instructions() {
                 let (found, found_gradient, found_hessian) = evaluate(isa);
                 assert_eq!(found.status(), Status::Ok, "{isa}, node {anchor} of {nodes}");
                 assert!((found.gap - expected.gap).abs() < 1e-13 * case.support_radius);
-                assert!(difference(&found_gradient, &gradient) < 1e-11);
-                assert!(difference(&found_hessian, &hessian) < 1e-10);
+                // Over a node at the rim the fit loses digits in proportion to its pivots.
+                let bound = 1e-13 / expected.pivot_ratio;
+                let (n, m) = (difference(&found_gradient, &gradient), difference(&found_hessian, &hessian));
+                assert!(n < bound && m < 10.0 * bound, "{isa}, {anchor} of {nodes}: {n:e} {m:e}, {bound:e}");
             }
         }
     }

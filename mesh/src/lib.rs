@@ -36,6 +36,7 @@ mod abaqus;
 mod builder;
 mod element;
 mod error;
+pub mod file;
 mod gmsh;
 mod mesh;
 mod names;

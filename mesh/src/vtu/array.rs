@@ -11,6 +11,8 @@ pub(super) const HEADER_BYTES: u64 = 8;
 pub(super) enum Values<'a> {
     Scalars(Cow<'a, [f64]>),
     Vectors(Cow<'a, [[f64; 3]]>),
+    /// xx, yy, zz, xy, yz, xz
+    Tensors(Cow<'a, [[f64; 6]]>),
     I32(Cow<'a, [i32]>),
     I64(Cow<'a, [i64]>),
 }
@@ -20,6 +22,7 @@ impl Values<'_> {
         match self {
             Values::Scalars(values) => Array::Scalars(values),
             Values::Vectors(values) => Array::Vectors(values),
+            Values::Tensors(values) => Array::Tensors(values),
             Values::I32(values) => Array::I32(values),
             Values::I64(values) => Array::I64(values),
         }
@@ -35,6 +38,7 @@ impl Values<'_> {
         match self {
             Values::Scalars(values) => values.iter().position(|value| !value.is_finite()),
             Values::Vectors(values) => values.iter().position(|value| value.iter().any(|x| !x.is_finite())),
+            Values::Tensors(values) => values.iter().position(|value| value.iter().any(|x| !x.is_finite())),
             Values::I32(_) | Values::I64(_) => None,
         }
     }
@@ -45,6 +49,7 @@ impl Values<'_> {
 pub(super) enum Array<'a> {
     Scalars(&'a [f64]),
     Vectors(&'a [[f64; 3]]),
+    Tensors(&'a [[f64; 6]]),
     I32(&'a [i32]),
     I64(&'a [i64]),
     Indices(&'a [usize]),
@@ -56,6 +61,7 @@ impl Array<'_> {
         match self {
             Array::Scalars(values) => values.len(),
             Array::Vectors(values) => values.len(),
+            Array::Tensors(values) => values.len(),
             Array::I32(values) => values.len(),
             Array::I64(values) => values.len(),
             Array::Indices(values) => values.len(),
@@ -64,12 +70,16 @@ impl Array<'_> {
     }
 
     pub fn components(self) -> usize {
-        if matches!(self, Array::Vectors(_)) { 3 } else { 1 }
+        match self {
+            Array::Vectors(_) => 3,
+            Array::Tensors(_) => 6,
+            _ => 1,
+        }
     }
 
     pub fn vtk_type(self) -> &'static str {
         match self {
-            Array::Scalars(_) | Array::Vectors(_) => "Float64",
+            Array::Scalars(_) | Array::Vectors(_) | Array::Tensors(_) => "Float64",
             Array::I32(_) => "Int32",
             Array::I64(_) | Array::Indices(_) => "Int64",
             Array::U8(_) => "UInt8",
@@ -80,6 +90,7 @@ impl Array<'_> {
         let size = match self {
             Array::Scalars(_) | Array::I64(_) | Array::Indices(_) => 8,
             Array::Vectors(_) => 24,
+            Array::Tensors(_) => 48,
             Array::I32(_) => 4,
             Array::U8(_) => 1,
         };
@@ -93,6 +104,9 @@ impl Array<'_> {
             Array::Vectors(values) => {
                 values.iter().try_for_each(|[x, y, z]| writeln!(writer, "{x:?} {y:?} {z:?}"))
             }
+            Array::Tensors(values) => values.iter().try_for_each(|[xx, yy, zz, xy, yz, xz]| {
+                writeln!(writer, "{xx:?} {yy:?} {zz:?} {xy:?} {yz:?} {xz:?}")
+            }),
             Array::I32(values) => values.iter().try_for_each(|value| writeln!(writer, "{value}")),
             Array::I64(values) => values.iter().try_for_each(|value| writeln!(writer, "{value}")),
             Array::Indices(values) => values.iter().try_for_each(|value| writeln!(writer, "{value}")),
@@ -106,6 +120,9 @@ impl Array<'_> {
         match self {
             Array::Scalars(values) => values.iter().try_for_each(|x| writer.write_all(&x.to_le_bytes())),
             Array::Vectors(values) => {
+                values.as_flattened().iter().try_for_each(|x| writer.write_all(&x.to_le_bytes()))
+            }
+            Array::Tensors(values) => {
                 values.as_flattened().iter().try_for_each(|x| writer.write_all(&x.to_le_bytes()))
             }
             Array::I32(values) => values.iter().try_for_each(|i| writer.write_all(&i.to_le_bytes())),

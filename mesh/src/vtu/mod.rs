@@ -17,7 +17,6 @@
 
 mod array;
 mod error;
-mod file;
 
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -149,6 +148,11 @@ impl<'a> VtuFile<'a> {
         self.point_field(name, Values::Vectors(values.into()))
     }
 
+    /// Adds a symmetric tensor, xx, yy, zz, xy, yz, xz, for each point.
+    pub fn point_tensors(self, name: impl Into<String>, values: impl Into<Cow<'a, [[f64; 6]]>>) -> Self {
+        self.point_field(name, Values::Tensors(values.into()))
+    }
+
     /// Adds an integer for each point.
     pub fn point_i32(self, name: impl Into<String>, values: impl Into<Cow<'a, [i32]>>) -> Self {
         self.point_field(name, Values::I32(values.into()))
@@ -190,7 +194,7 @@ impl<'a> VtuFile<'a> {
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), VtuError> {
         let path = path.as_ref();
         self.check()?;
-        file::replace(path, |writer| self.write_grid(writer))
+        crate::file::replace(path, |writer| self.write_grid(writer))
             .map_err(|cause| VtuError::Write { path: path.to_path_buf(), cause })
     }
 

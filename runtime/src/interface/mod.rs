@@ -250,6 +250,12 @@ impl ContactInterface {
         Ok(contacts)
     }
 
+    /// What the last [`evaluate`](Self::evaluate) returned; empty before. A refresh or an update leaves it as it is.
+    #[must_use]
+    pub const fn contacts(&self) -> &Contacts {
+        &self.contacts
+    }
+
     /// Hands the contact of every slave to `f`, in the order of the slaves, without holding them all: 256 times
     /// the number of threads are evaluated in parallel, handed over one by one by the calling thread, and
     /// forgotten. They are the same as those of [`evaluate`](Self::evaluate), bit for bit.

@@ -5,8 +5,12 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Lets `write` fill a temporary file beside `path`, then gives it that name. On failure it is removed.
-pub(super) fn replace(
+/// Lets `write` fill a temporary file beside `path`, then gives it that name. On failure it is removed, and what was there
+/// before stays.
+///
+/// # Errors
+/// Those of `write`, and of making, syncing and renaming the file.
+pub fn replace(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> io::Result<()> {

@@ -1,0 +1,52 @@
+//! What the contact part of the solver can refuse.
+
+use diffuse_contact::assembly::AssemblyError;
+use diffuse_contact::interface::InterfaceError;
+use diffuse_contact::surface::SurfaceError;
+use thiserror::Error;
+
+/// Why contact could not be set up or evaluated.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ContactError {
+    /// The master facets are no surface.
+    #[error("interface `{interface}`, master surface: {source}")]
+    Master {
+        /// Its name.
+        interface: String,
+        /// The reason.
+        source: SurfaceError,
+    },
+    /// The interface refused its slaves, options or positions.
+    #[error("interface `{interface}`: {source}")]
+    Interface {
+        /// Its name.
+        interface: String,
+        /// The reason.
+        source: InterfaceError,
+    },
+    /// Forces or stiffnesses could not be summed.
+    #[error("interface `{interface}`: {source}")]
+    Assembly {
+        /// Its name.
+        interface: String,
+        /// The reason.
+        source: AssemblyError,
+    },
+    /// The penalty is not a positive number.
+    #[error("interface `{interface}`: the penalty is {value:e}; it has to be positive and finite")]
+    Penalty {
+        /// Its name.
+        interface: String,
+        /// What was given.
+        value: f64,
+    },
+    /// Multipliers of another problem.
+    #[error("there are multipliers for {found} passes or slaves; this problem has {expected}")]
+    Multipliers {
+        /// How many there are.
+        found: usize,
+        /// How many belong here.
+        expected: usize,
+    },
+}

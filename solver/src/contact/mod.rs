@@ -1,0 +1,142 @@
+//! Contact interfaces among the solver's forces and stiffnesses.
+//!
+//! An [`Interaction`] is one pair of surfaces of the deck: one [`ContactInterface`], or two with the roles exchanged
+//! (two-pass). It is a host of the contact surface like any other: refresh the pairing, update the positions, evaluate,
+//! and add residual and tangent. Forces of a pair sum up to nothing.
+
+mod error;
+mod interaction;
+mod pass;
+
+pub use error::ContactError;
+pub use interaction::{Augmentation, Interaction, InteractionOptions, RefreshRule, SlaveState};
+
+use diffuse_contact::Mode;
+
+use crate::system::{BlockMatrix, BlockPattern};
+
+/// All interactions of a problem.
+#[derive(Debug, Default)]
+pub struct ContactSet {
+    interactions: Vec<Interaction>,
+}
+
+impl ContactSet {
+    /// The interactions in the order of the deck.
+    #[must_use]
+    pub fn new(interactions: Vec<Interaction>) -> Self {
+        Self { interactions }
+    }
+
+    /// The interactions in the order of the deck.
+    #[must_use]
+    pub fn interactions(&self) -> &[Interaction] {
+        &self.interactions
+    }
+
+    /// Whether there is no interaction.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.interactions.is_empty()
+    }
+
+    /// Pairs the slaves of the interactions that `rule` is asked of anew; whether any did.
+    ///
+    /// # Errors
+    /// [`ContactError::Interface`].
+    pub fn refresh(&mut self, rule: RefreshRule, positions: &[[f64; 3]]) -> Result<bool, ContactError> {
+        let mut any = false;
+        for interaction in &mut self.interactions {
+            if interaction.options().refresh == rule || rule == RefreshRule::Increment {
+                interaction.refresh(positions)?;
+                any = true;
+            }
+        }
+        Ok(any)
+    }
+
+    /// Evaluates all contacts at these positions, with their derivatives as far as `mode` asks.
+    ///
+    /// # Errors
+    /// [`ContactError::Interface`].
+    pub fn evaluate(&mut self, positions: &[[f64; 3]], mode: Mode) -> Result<(), ContactError> {
+        self.interactions.iter_mut().try_for_each(|interaction| interaction.evaluate(positions, mode))
+    }
+
+    /// Subtracts the contact forces from the internal forces, three entries per node. Returns the number of active
+    /// contacts.
+    ///
+    /// # Errors
+    /// [`ContactError::Assembly`].
+    pub fn add_internal_forces(&mut self, forces: &mut [f64]) -> Result<usize, ContactError> {
+        let mut active = 0;
+        for interaction in &mut self.interactions {
+            active += interaction.add_internal_forces(forces)?;
+        }
+        Ok(active)
+    }
+
+    /// The nodes that each paired slave couples, for the pattern of the stiffness.
+    pub fn cliques(&self) -> impl Iterator<Item = Vec<usize>> {
+        self.interactions.iter().flat_map(Interaction::cliques)
+    }
+
+    /// Looks up where the entries of the contact tangents lie in a stiffness of this pattern, which holds the
+    /// [`cliques`](Self::cliques); to be done after every refresh.
+    ///
+    /// # Errors
+    /// [`ContactError::Assembly`].
+    pub fn bind(&mut self, pattern: &BlockPattern) -> Result<(), ContactError> {
+        self.interactions.iter_mut().try_for_each(|interaction| interaction.bind(pattern))
+    }
+
+    /// Adds the contact tangents, to be used after [`bind`](Self::bind).
+    ///
+    /// # Errors
+    /// [`ContactError::Assembly`].
+    pub fn add_tangent(&mut self, matrix: &mut BlockMatrix) -> Result<(), ContactError> {
+        self.interactions.iter_mut().try_for_each(|interaction| interaction.add_tangent(matrix))
+    }
+
+    /// Updates the multipliers of the augmented Lagrangian interactions. Returns whether all penetrations had already been
+    /// within their tolerances, and if so leaves the multipliers as they are.
+    pub fn augment(&mut self, round: usize) -> bool {
+        let done = self.interactions.iter().all(|interaction| interaction.is_augmented(round));
+        if !done {
+            for interaction in &mut self.interactions {
+                interaction.augment(round);
+            }
+        }
+        done
+    }
+
+    /// The multipliers of all interactions, for a restart.
+    #[must_use]
+    pub fn multipliers(&self) -> Vec<Vec<f64>> {
+        self.interactions.iter().flat_map(Interaction::multipliers).collect()
+    }
+
+    /// Takes over multipliers as [`multipliers`](Self::multipliers) gave them.
+    ///
+    /// # Errors
+    /// [`ContactError::Multipliers`] if they belong to other interactions.
+    pub fn set_multipliers(&mut self, multipliers: &[Vec<f64>]) -> Result<(), ContactError> {
+        let expected = self.interactions.iter().map(Interaction::pass_count).sum();
+        if multipliers.len() != expected {
+            return Err(ContactError::Multipliers { found: multipliers.len(), expected });
+        }
+        let mut rest = multipliers;
+        for interaction in &mut self.interactions {
+            let (own, others) = rest.split_at(interaction.pass_count());
+            interaction.set_multipliers(own)?;
+            rest = others;
+        }
+        Ok(())
+    }
+
+    /// Deepest penetration of any active contact at the last evaluation, length; 0 without any.
+    #[must_use]
+    pub fn max_penetration(&self) -> f64 {
+        self.interactions.iter().map(Interaction::max_penetration).fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,96 @@
+//! Why a run or an increment ended early.
+
+use thiserror::Error;
+
+use crate::contact::ContactError;
+use crate::solid::SolidError;
+use crate::system::SystemError;
+
+/// Why a run ended before the end of time.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum StaticsError {
+    /// A setting out of its range.
+    #[error("{name} is {value}; it has to be {range}")]
+    Setting {
+        /// Its name in the deck.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is allowed.
+        range: &'static str,
+    },
+    /// The shortest increment did not converge.
+    #[error(
+        "no convergence after time {time}: {reason}; the increment of {length:e} may not be cut below {minimum:e}"
+    )]
+    NoConvergence {
+        /// The time that was reached.
+        time: f64,
+        /// Length of the last increment tried.
+        length: f64,
+        /// Shortest length allowed.
+        minimum: f64,
+        /// Why it failed.
+        reason: Box<Failure>,
+    },
+    /// The solid was refused.
+    #[error(transparent)]
+    Solid(#[from] SolidError),
+    /// A contact was refused.
+    #[error(transparent)]
+    Contact(#[from] ContactError),
+    /// The equations were refused.
+    #[error(transparent)]
+    System(#[from] SystemError),
+    /// A state of another problem.
+    #[error("the state has {found} {what}; this problem has {expected}")]
+    ForeignState {
+        /// What was counted.
+        what: &'static str,
+        /// How many the state has.
+        found: usize,
+        /// How many the problem has.
+        expected: usize,
+    },
+    /// Whoever was told of an increment failed.
+    #[error(transparent)]
+    Observer(Box<dyn std::error::Error + Send + Sync>),
+}
+
+/// Why one increment failed.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum Failure {
+    /// Too many iterations.
+    #[error("the residual is {residual:.2e} of the forces after {iterations} iterations")]
+    Iterations {
+        /// Relative residual.
+        residual: f64,
+        /// Iterations made.
+        iterations: usize,
+    },
+    /// The residual grew beyond reason or is no number.
+    #[error("the residual grew to {residual:.2e} of the forces in iteration {iteration}")]
+    Diverged {
+        /// Relative residual.
+        residual: f64,
+        /// Number of the iteration.
+        iteration: usize,
+    },
+    /// An element was turned inside out, however short the step.
+    #[error("{0}")]
+    Inverted(SolidError),
+    /// The stiffness is singular.
+    #[error("{0}")]
+    Singular(SystemError),
+    /// What a shorter increment does not mend.
+    #[error(transparent)]
+    Fatal(StaticsError),
+}
+
+impl From<ContactError> for Failure {
+    fn from(error: ContactError) -> Self {
+        Self::Fatal(error.into())
+    }
+}

@@ -1,0 +1,196 @@
+//! One increment.
+
+use super::line_search::line_search;
+use super::observer::{IncrementRecord, IterationRecord, Observer};
+use super::problem::{Balance, Problem, State};
+use super::{Failure, Settings};
+use crate::contact::RefreshRule;
+use crate::solid::Order;
+
+/// The residual that counts as divergence, relative to the largest of the increment's first two.
+const DIVERGED: f64 = 1e6;
+/// How often a step that turns an element inside out is halved.
+const HALVINGS: usize = 5;
+
+/// An increment on its way.
+pub struct Increment<'a> {
+    problem: &'a mut Problem,
+    settings: &'a Settings,
+    committed: &'a State,
+    end: f64,
+    positions: Vec<[f64; 3]>,
+    history: Vec<IterationRecord>,
+    iterations: usize,
+    step: f64,
+}
+
+impl<'a> Increment<'a> {
+    /// From a committed state to time `end`.
+    pub fn new(problem: &'a mut Problem, settings: &'a Settings, committed: &'a State, end: f64) -> Self {
+        let positions = committed.positions.clone();
+        Self { problem, settings, committed, end, positions, history: Vec::new(), iterations: 0, step: 0.0 }
+    }
+
+    /// Iterates to equilibrium. A failure leaves the committed state what it is.
+    pub fn solve(mut self, observer: &mut dyn Observer) -> Result<(State, IncrementRecord), Failure> {
+        let newton = self.settings.newton;
+        self.problem.contacts_mut().set_multipliers(&self.committed.multipliers)?;
+        self.problem.refresh(RefreshRule::Increment, &self.positions)?;
+        let balance = self.evaluate_at_start()?;
+        self.record(balance, observer)?;
+        self.predict()?;
+        let (mut augmentations, mut in_round) = (0, 1);
+        loop {
+            if in_round > 0 {
+                self.problem.refresh(RefreshRule::Iteration, &self.positions)?;
+            }
+            let balance = self.evaluate(Order::Tangent)?;
+            self.record(balance, observer)?;
+            if balance.residual <= newton.tolerance * balance.scale + newton.absolute {
+                if self.problem.contacts_mut().augment(augmentations) {
+                    break;
+                }
+                augmentations += 1;
+                in_round = 0;
+                self.evaluate(Order::Tangent)?;
+            } else if in_round >= newton.max_iterations {
+                let residual = balance.residual / balance.scale;
+                return Err(Failure::Iterations { residual, iterations: self.iterations });
+            }
+            self.iterate()?;
+            in_round += 1;
+        }
+        Ok(self.finish(augmentations))
+    }
+
+    /// Evaluates at the committed positions with the loads of the new time.
+    fn evaluate_at_start(&mut self) -> Result<Balance, Failure> {
+        self.evaluate(Order::Tangent)
+    }
+
+    fn evaluate(&mut self, order: Order) -> Result<Balance, Failure> {
+        self.problem.evaluate(self.end, &self.positions, &self.committed.points, order)
+    }
+
+    /// Notes a residual; one that is no number or too large is a failure.
+    fn record(&mut self, balance: Balance, observer: &mut dyn Observer) -> Result<(), Failure> {
+        let Balance { residual, scale } = balance;
+        let relative = if residual == 0.0 { 0.0 } else { residual / scale };
+        let record = IterationRecord {
+            time: self.end,
+            iteration: self.iterations,
+            residual,
+            relative,
+            active: self.problem.active(),
+            step: self.step,
+        };
+        observer.iteration(&record);
+        self.history.push(record);
+        let first = self.history.iter().take(2).map(|record| record.residual).fold(0.0, f64::max);
+        if !residual.is_finite() || !scale.is_finite() || residual > DIVERGED * first {
+            return Err(Failure::Diverged { residual: relative, iteration: self.iterations });
+        }
+        Ok(())
+    }
+
+    /// The linear step that takes the prescribed nodes to where they belong.
+    fn predict(&mut self) -> Result<(), Failure> {
+        let targets: Vec<(usize, f64)> = {
+            let start = self.problem.start_positions();
+            self.problem.supports().prescribed(self.end, start).collect()
+        };
+        let prescribed: Vec<(usize, f64)> = targets
+            .iter()
+            .map(|&(freedom, target)| (freedom, target - self.positions[freedom / 3][freedom % 3]))
+            .collect();
+        let step = self.linear_solution(&prescribed)?;
+        self.advance(&step, 1.0);
+        // Exactly, not to rounding.
+        for (freedom, target) in targets {
+            self.positions[freedom / 3][freedom % 3] = target;
+        }
+        self.step = 1.0;
+        Ok(())
+    }
+
+    /// A Newton step, as far along as the line search says.
+    fn iterate(&mut self) -> Result<(), Failure> {
+        let step = self.linear_solution(&[])?;
+        let slope = |problem: &Problem| -> f64 { -problem.imbalance().zip(&step).map(|(f, s)| f * s).sum::<f64>() };
+        let before = slope(self.problem);
+        let origin = self.positions.clone();
+        let mut longest = self.longest(&origin, &step)?;
+        if self.settings.newton.line_search {
+            longest *= line_search(before, |s| {
+                self.positions.clone_from(&origin);
+                self.advance(&step, s * longest);
+                self.evaluate(Order::Residual)?;
+                Ok::<f64, Failure>(slope(self.problem) * longest)
+            })?;
+        }
+        self.positions = origin;
+        self.advance(&step, longest);
+        self.step = longest;
+        Ok(())
+    }
+
+    /// The full step, or the part of it that leaves all elements the right way round.
+    fn longest(&mut self, origin: &[[f64; 3]], step: &[f64]) -> Result<f64, Failure> {
+        let mut length = 1.0;
+        for _ in 0..HALVINGS {
+            self.positions.copy_from_slice(origin);
+            self.advance(step, length);
+            if self.problem.solid().check(&self.positions).is_ok() {
+                return Ok(length);
+            }
+            length *= 0.5;
+        }
+        self.positions.copy_from_slice(origin);
+        self.advance(step, length);
+        self.problem.solid().check(&self.positions).map_err(Failure::Inverted)?;
+        Ok(length)
+    }
+
+    fn linear_solution(&mut self, prescribed: &[(usize, f64)]) -> Result<Vec<f64>, Failure> {
+        self.iterations += 1;
+        self.problem.solve(self.end, &self.positions, prescribed, self.settings.newton.threads)
+    }
+
+    fn advance(&mut self, step: &[f64], factor: f64) {
+        for (position, step) in self.positions.iter_mut().zip(step.as_chunks::<3>().0) {
+            for axis in 0..3 {
+                position[axis] += factor * step[axis];
+            }
+        }
+    }
+
+    fn finish(self, augmentations: usize) -> (State, IncrementRecord) {
+        let Self { problem, committed, end, positions, history, iterations, .. } = self;
+        let state = State {
+            time: end,
+            length: committed.length,
+            increments: committed.increments + 1,
+            iterations: committed.iterations + iterations,
+            cutbacks: committed.cutbacks,
+            positions,
+            points: problem.response().states().to_vec(),
+            multipliers: problem.contacts().multipliers(),
+        };
+        let imbalance: Vec<f64> = problem.imbalance().collect();
+        let groups = 0..problem.supports().groups().len();
+        let record = IncrementRecord {
+            number: state.increments,
+            time: end,
+            length: end - committed.time,
+            iterations,
+            history,
+            augmentations,
+            active: problem.active(),
+            max_penetration: problem.contacts().max_penetration(),
+            contact_forces: problem.contacts().forces(),
+            reactions: groups.map(|group| problem.supports().sum(group, &imbalance)).collect(),
+            timing: problem.timing,
+        };
+        (state, record)
+    }
+}

@@ -1,0 +1,69 @@
+//! How far to go along a step.
+
+/// Slope after a step, relative to that before, that is good enough.
+const GOOD: f64 = 0.8;
+/// Shortest step, relative to the full one.
+const SHORTEST: f64 = 0.1;
+/// Most evaluations besides that of the full step.
+const TRIES: usize = 5;
+
+/// Finds s in (0, 1] so that the slope, Δx·r at x + s Δx, is small against `start`, that at x. `slope` is asked for s = 1 first and last for
+/// the result.
+pub fn line_search<E>(start: f64, mut slope: impl FnMut(f64) -> Result<f64, E>) -> Result<f64, E> {
+    let full = slope(1.0)?;
+    let good = |slope: f64| slope.abs() <= GOOD * start.abs();
+    if good(full) || !start.is_finite() || !(start * full < 0.0) {
+        return Ok(1.0);
+    }
+    // A root lies between.
+    let (mut low, mut low_slope) = (0.0, start);
+    let (mut high, mut high_slope) = (1.0, full);
+    let mut s = 1.0;
+    for _ in 0..TRIES {
+        s = (low - low_slope * (high - low) / (high_slope - low_slope)).max(SHORTEST);
+        let found = slope(s)?;
+        if good(found) || s <= SHORTEST {
+            break;
+        }
+        // Illinois: the end that stays counts half.
+        if found * low_slope > 0.0 {
+            (low, low_slope) = (s, found);
+            high_slope *= 0.5;
+        } else {
+            (high, high_slope) = (s, found);
+            low_slope *= 0.5;
+        }
+    }
+    Ok(s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn search(slope: impl Fn(f64) -> f64) -> (f64, usize) {
+        let mut count = 0;
+        let found = line_search(slope(0.0), |s| {
+            count += 1;
+            Ok::<_, ()>(slope(s))
+        });
+        (found.unwrap(), count)
+    }
+
+    #[test]
+    fn a_step_that_does_well_is_taken_whole() {
+        assert_eq!(search(|s| 1.0 - 0.9 * s), (1.0, 1));
+        // Still descending: no shorter step is better.
+        assert_eq!(search(|s| 1.0 + s), (1.0, 1));
+    }
+
+    #[test]
+    fn a_step_too_far_is_shortened_to_where_the_slope_is_small() {
+        let (s, _) = search(|s| 1.0 - 4.0 * s);
+        assert!((s - 0.25).abs() < 0.2 * 0.25);
+        let (s, count) = search(|s| 1.0 - 50.0 * s * s * s);
+        assert!((1.0 - 50.0 * s * s * s).abs() <= GOOD && count <= TRIES + 1);
+        // The root is nearer than the shortest step.
+        assert_eq!(search(|s| 1.0 - 1e4 * s).0, SHORTEST);
+    }
+}

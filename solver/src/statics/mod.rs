@@ -1,0 +1,103 @@
+//! Equilibrium over time: increments, Newton's method, cut-back and growth.
+//!
+//! A [`Problem`] is what has to be in equilibrium, a [`State`] what history there is. [`Statics::run`] leads from a state to
+//! the end of time, one converged increment after the other, and tells an [`Observer`] about each; it knows nothing of files.
+//!
+//! **An increment** starts from a committed state. Slaves are paired at its positions, and one linear step from there, with the
+//! prescribed nodes moving to where they belong at the new time, predicts the new positions; from then on it is Newton's method:
+//!
+//! ```text
+//! r = f_ext(t, x) + Σ f_k N_k − f_int(x)      K Δx = r      x ← x + s Δx
+//! ```
+//!
+//! **Convergence**: ‖r‖ ≤ tolerance · F + absolute, over the free degrees of freedom, where F is the largest of the norms of
+//! external forces, reactions and contact forces of the moment. The same rule holds for every element.
+//!
+//! **Line search**: if the slope Δx·r after a full step is not below 0.8 of that before, or grows beyond it, s is sought by
+//! regula falsi between 0.1 and 1. A step that turns an element inside out is halved first.
+//!
+//! **Cut-back**: an increment that does not converge within its iterations, diverges, or turns an element inside out in spite of
+//! halved steps, starts again with a fraction of its length; nothing of the failed try is kept. Below the smallest length the run ends with
+//! [`StaticsError::NoConvergence`]: all increments before it are valid.
+
+mod error;
+mod increment;
+mod line_search;
+mod observer;
+mod pressure;
+mod problem;
+mod settings;
+mod supports;
+
+pub use error::{Failure, StaticsError};
+pub use observer::{Control, IncrementRecord, IterationRecord, Observer, Timing};
+pub use pressure::{Amplitude, Pressure};
+pub use problem::{Problem, State};
+pub use settings::{NewtonSettings, Settings, TimeSettings};
+pub use supports::{Supports, SupportGroup};
+
+use increment::Increment;
+
+/// Leads a problem through time.
+#[derive(Debug)]
+pub struct Statics {
+    problem: Problem,
+    settings: Settings,
+}
+
+impl Statics {
+    /// A problem and how to solve it.
+    ///
+    /// # Errors
+    /// [`StaticsError::Setting`].
+    pub fn new(problem: Problem, settings: Settings) -> Result<Self, StaticsError> {
+        settings.check()?;
+        Ok(Self { problem, settings })
+    }
+
+    /// The problem.
+    #[must_use]
+    pub fn problem(&self) -> &Problem {
+        &self.problem
+    }
+
+    /// Goes on from `state` until the end of time, or until the observer stops it. Returns the last converged state.
+    ///
+    /// # Errors
+    /// [`StaticsError::NoConvergence`] when the smallest increment does not converge, [`StaticsError::Observer`] if the observer fails,
+    /// [`StaticsError::Solid`], [`StaticsError::Contact`], [`StaticsError::System`] for what a smaller increment does not mend.
+    pub fn run(&mut self, mut state: State, observer: &mut dyn Observer) -> Result<State, StaticsError> {
+        let time = self.settings.time;
+        while !time.is_over(state.time) {
+            let length = time.length(&state);
+            let end = time.next(state.time, length);
+            let mut increment = Increment::new(&mut self.problem, &self.settings, &state, end);
+            match increment.solve(observer) {
+                Ok((mut next, record)) => {
+                    next.length = time.grown(length, record.iterations, &self.settings.newton);
+                    let control = observer.increment(&record, &next, &self.problem);
+                    state = next;
+                    match control.map_err(StaticsError::Observer)? {
+                        Control::Continue => {}
+                        Control::Stop => break,
+                    }
+                }
+                Err(Failure::Fatal(error)) => return Err(error),
+                Err(failure) => {
+                    state.cutbacks += 1;
+                    observer.cut_back(end, length, &failure);
+                    state.length = time.cut(length);
+                    if state.length < time.minimum {
+                        return Err(StaticsError::NoConvergence {
+                            time: state.time,
+                            length,
+                            minimum: time.minimum,
+                            reason: Box::new(failure),
+                        });
+                    }
+                }
+            }
+        }
+        Ok(state)
+    }
+}

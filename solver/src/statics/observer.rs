@@ -1,0 +1,95 @@
+//! What a run tells about itself.
+
+use std::time::Duration;
+
+use super::{Failure, Problem, State};
+
+/// Whether to go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Control {
+    /// With the next increment.
+    Continue,
+    /// No further: the run ends with what there is.
+    Stop,
+}
+
+/// Is told of iterations and increments.
+pub trait Observer {
+    /// The residual was evaluated.
+    fn iteration(&mut self, record: &IterationRecord) {
+        let _ = record;
+    }
+
+    /// An increment to time `end`, `length` long, failed and is tried again with a shorter one.
+    fn cut_back(&mut self, end: f64, length: f64, reason: &Failure) {
+        let _ = (end, length, reason);
+    }
+
+    /// An increment has converged; `problem` holds forces and contacts at its end.
+    ///
+    /// # Errors
+    /// Whatever keeps the run from going on, such as a full disk.
+    fn increment(
+        &mut self,
+        record: &IncrementRecord,
+        state: &State,
+        problem: &Problem,
+    ) -> Result<Control, Box<dyn std::error::Error + Send + Sync>>;
+}
+
+/// A residual.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IterationRecord {
+    /// The time at the end of the increment.
+    pub time: f64,
+    /// Linear solutions so far in this increment: 0 for the residual before the first.
+    pub iteration: usize,
+    /// Norm of the residual, force.
+    pub residual: f64,
+    /// The same divided by the norm of the forces.
+    pub relative: f64,
+    /// Contacts that carry force.
+    pub active: usize,
+    /// Factor on the last step.
+    pub step: f64,
+}
+
+/// A converged increment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IncrementRecord {
+    /// Its number in the run, from 1.
+    pub number: usize,
+    /// The time at its end.
+    pub time: f64,
+    /// Its length.
+    pub length: f64,
+    /// Linear solutions.
+    pub iterations: usize,
+    /// Residuals, from the one before the first solution to the converged one.
+    pub history: Vec<IterationRecord>,
+    /// Rounds of augmentation.
+    pub augmentations: usize,
+    /// Contacts that carry force.
+    pub active: usize,
+    /// Deepest penetration, length.
+    pub max_penetration: f64,
+    /// Force on the slaves of each interaction.
+    pub contact_forces: Vec<[f64; 3]>,
+    /// Force that each support group exerts on the nodes it moves.
+    pub reactions: Vec<[f64; 3]>,
+    /// Time spent so far in the whole run.
+    pub timing: Timing,
+}
+
+/// Where the time went.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Timing {
+    /// Forces and stiffness of the solid.
+    pub solid: Duration,
+    /// Gap and derivatives of all contacts, with their forces and tangents.
+    pub contact: Duration,
+    /// Pairing slaves.
+    pub pairing: Duration,
+    /// Pattern of the stiffness, ordering, factorisation, solution.
+    pub linear: Duration,
+}

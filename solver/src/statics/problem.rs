@@ -1,0 +1,286 @@
+//! What has to be in equilibrium, and its history.
+
+use std::time::Instant;
+
+use diffuse_contact::Mode;
+use serde::{Deserialize, Serialize};
+
+use super::{Failure, Pressure, StaticsError, Supports, Timing};
+use crate::contact::{ContactSet, RefreshRule};
+use crate::solid::{Order, PointState, Solid, SolidResponse};
+use crate::system::{BlockMatrix, BlockPattern, Equations, Symmetry};
+
+/// All history: an increment starts from one and ends in one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Pseudo-time.
+    pub time: f64,
+    /// Length of the next increment; 0: the first one.
+    pub length: f64,
+    /// Increments so far.
+    pub increments: usize,
+    /// Linear solutions so far, those of failed increments among them.
+    pub iterations: usize,
+    /// Increments that failed so far.
+    pub cutbacks: usize,
+    /// Positions of all nodes, length.
+    pub positions: Vec<[f64; 3]>,
+    /// Plastic state of each integration point.
+    pub points: Vec<PointState>,
+    /// Multipliers of each pass of each interaction, force.
+    pub multipliers: Vec<Vec<f64>>,
+}
+
+/// Solids, supports, loads and contacts, with forces and stiffness at the positions of the last evaluation.
+#[derive(Debug)]
+pub struct Problem {
+    start: Vec<[f64; 3]>,
+    solid: Solid,
+    supports: Supports,
+    pressures: Vec<Pressure>,
+    contacts: ContactSet,
+    response: SolidResponse,
+    /// Of the solid, f_int.
+    internal: Vec<f64>,
+    /// Of the loads, f_ext.
+    external: Vec<f64>,
+    /// −Σ f_k N_k
+    contact: Vec<f64>,
+    active: usize,
+    stiffness: Option<Stiffness>,
+    pub(super) timing: Timing,
+}
+
+/// The stiffness for the pairing of the moment.
+#[derive(Debug)]
+struct Stiffness {
+    matrix: BlockMatrix,
+    equations: Equations,
+}
+
+/// Norms of the forces at an evaluation.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Balance {
+    /// ‖r‖ over the free degrees of freedom.
+    pub residual: f64,
+    /// The largest of the norms of external forces, reactions and contact forces.
+    pub scale: f64,
+}
+
+impl Problem {
+    /// Everything in equilibrium from `start` on. Indices of nodes in the parts are in range.
+    #[must_use]
+    pub fn new(
+        start: Vec<[f64; 3]>,
+        solid: Solid,
+        supports: Supports,
+        pressures: Vec<Pressure>,
+        contacts: ContactSet,
+    ) -> Self {
+        let freedoms = 3 * start.len();
+        Self {
+            start,
+            solid,
+            supports,
+            pressures,
+            contacts,
+            response: SolidResponse::default(),
+            internal: vec![0.0; freedoms],
+            external: vec![0.0; freedoms],
+            contact: vec![0.0; freedoms],
+            active: 0,
+            stiffness: None,
+            timing: Timing::default(),
+        }
+    }
+
+    /// The state at time 0.
+    #[must_use]
+    pub fn start(&self) -> State {
+        State {
+            time: 0.0,
+            length: 0.0,
+            increments: 0,
+            iterations: 0,
+            cutbacks: 0,
+            positions: self.start.clone(),
+            points: self.solid.states(),
+            multipliers: self.contacts.multipliers(),
+        }
+    }
+
+    /// Whether a state can be gone on from.
+    ///
+    /// # Errors
+    /// [`StaticsError::ForeignState`], [`StaticsError::Contact`].
+    pub fn check_state(&mut self, state: &State) -> Result<(), StaticsError> {
+        let counts = [
+            ("nodes", state.positions.len(), self.start.len()),
+            ("integration points", state.points.len(), self.solid.states().len()),
+        ];
+        for (what, found, expected) in counts {
+            if found != expected {
+                return Err(StaticsError::ForeignState { what, found, expected });
+            }
+        }
+        Ok(self.contacts.set_multipliers(&state.multipliers)?)
+    }
+
+    /// Positions of the nodes at the start.
+    #[must_use]
+    pub fn start_positions(&self) -> &[[f64; 3]] {
+        &self.start
+    }
+
+    /// The solid.
+    #[must_use]
+    pub fn solid(&self) -> &Solid {
+        &self.solid
+    }
+
+    /// The prescribed motions.
+    #[must_use]
+    pub fn supports(&self) -> &Supports {
+        &self.supports
+    }
+
+    /// The contacts at the last evaluation.
+    #[must_use]
+    pub fn contacts(&self) -> &ContactSet {
+        &self.contacts
+    }
+
+    /// Contacts that carry force at the last evaluation.
+    #[must_use]
+    pub fn active(&self) -> usize {
+        self.active
+    }
+
+    /// f_int − f_ext − Σ f_k N_k of the last evaluation, three entries per node: where prescribed, the reaction of the support; else minus
+    /// the residual.
+    pub fn imbalance(&self) -> impl Iterator<Item = f64> {
+        self.internal.iter().zip(&self.external).zip(&self.contact).map(|((i, e), c)| i + c - e)
+    }
+
+    pub(super) fn response(&self) -> &SolidResponse {
+        &self.response
+    }
+
+    pub(super) fn contacts_mut(&mut self) -> &mut ContactSet {
+        &mut self.contacts
+    }
+
+    /// Pairs anew; the stiffness then needs a new pattern.
+    pub(super) fn refresh(&mut self, rule: RefreshRule, positions: &[[f64; 3]]) -> Result<(), Failure> {
+        let begin = Instant::now();
+        let any = self.contacts.refresh(rule, positions)?;
+        if any {
+            self.stiffness = None;
+        }
+        self.timing.pairing += begin.elapsed();
+        Ok(())
+    }
+
+    /// Forces at `positions`, and what the stiffness is made of if `order` asks for it.
+    pub(super) fn evaluate(
+        &mut self,
+        time: f64,
+        positions: &[[f64; 3]],
+        committed: &[PointState],
+        order: Order,
+    ) -> Result<Balance, Failure> {
+        let begin = Instant::now();
+        self.solid.evaluate(positions, committed, order, &mut self.response).map_err(Failure::Inverted)?;
+        self.internal.fill(0.0);
+        self.solid.add_forces(&self.response, &mut self.internal);
+        self.external.fill(0.0);
+        for pressure in &self.pressures {
+            pressure.add_forces(time, &self.start, positions, &mut self.external);
+        }
+        let solid = Instant::now();
+        self.timing.solid += solid - begin;
+        let mode = match order {
+            Order::Residual => Mode::Gradient,
+            Order::Tangent => Mode::Hessian,
+        };
+        self.contacts.evaluate(positions, mode)?;
+        self.contact.fill(0.0);
+        self.active = self.contacts.add_internal_forces(&mut self.contact)?;
+        self.timing.contact += solid.elapsed();
+        Ok(self.balance())
+    }
+
+    fn balance(&self) -> Balance {
+        let norm = |sum: f64| sum.sqrt();
+        let (mut residual, mut reaction) = (0.0, 0.0);
+        for (freedom, force) in self.imbalance().enumerate() {
+            let square = force * force;
+            if self.supports.is_free(freedom) { residual += square } else { reaction += square }
+        }
+        let squares = |forces: &[f64]| forces.iter().map(|force| force * force).sum::<f64>();
+        let scale = squares(&self.external).max(squares(&self.contact)).max(reaction);
+        Balance { residual: norm(residual), scale: norm(scale) }
+    }
+
+    /// Solves K Δx = r for the free degrees of freedom while the prescribed ones move by `prescribed`, with the stiffness at the last
+    /// evaluation, which was one of [`Order::Tangent`].
+    pub(super) fn solve(
+        &mut self,
+        time: f64,
+        positions: &[[f64; 3]],
+        prescribed: &[(usize, f64)],
+        threads: usize,
+    ) -> Result<Vec<f64>, Failure> {
+        let begin = Instant::now();
+        let mut stiffness = match self.stiffness.take() {
+            Some(stiffness) => stiffness,
+            None => self.new_stiffness(threads)?,
+        };
+        let linear = Instant::now();
+        self.timing.linear += linear - begin;
+        let matrix = &mut stiffness.matrix;
+        matrix.clear();
+        self.solid.add_tangent(&self.response, matrix);
+        for pressure in &self.pressures {
+            pressure.add_tangent(time, positions, matrix);
+        }
+        let solid = Instant::now();
+        self.timing.solid += solid - linear;
+        self.contacts.add_tangent(matrix)?;
+        let contact = Instant::now();
+        self.timing.contact += contact - solid;
+        let mut step = vec![0.0; self.internal.len()];
+        for &(freedom, change) in prescribed {
+            step[freedom] = change;
+        }
+        let moved = matrix.times(&step);
+        let right: Vec<f64> = self.imbalance().zip(&moved).map(|(force, moved)| -force - moved).collect();
+        let solution = stiffness.equations.solve(matrix, &right).map_err(Failure::Singular);
+        self.timing.linear += contact.elapsed();
+        self.stiffness = Some(stiffness);
+        for (freedom, change) in solution?.into_iter().enumerate() {
+            if self.supports.is_free(freedom) {
+                step[freedom] = change;
+            }
+        }
+        Ok(step)
+    }
+
+    /// A matrix for the pairing of the moment.
+    fn new_stiffness(&mut self, threads: usize) -> Result<Stiffness, Failure> {
+        let elements = self.solid.elements().map(|nodes| nodes.to_vec());
+        let facets = self.pressures.iter().filter(|pressure| pressure.follower).flat_map(|pressure| {
+            pressure.facets.iter().map(|facet| facet.corners().to_vec())
+        });
+        let pattern = BlockPattern::new(self.start.len(), elements.chain(facets).chain(self.contacts.cliques()));
+        self.contacts.bind(&pattern)?;
+        let symmetry = if self.pressures.iter().any(|pressure| pressure.follower) {
+            Symmetry::General
+        } else {
+            Symmetry::Symmetric
+        };
+        let free = |freedom| self.supports.is_free(freedom);
+        let equations = Equations::new(&pattern, free, symmetry, threads);
+        Ok(Stiffness { matrix: BlockMatrix::new(pattern), equations })
+    }
+}

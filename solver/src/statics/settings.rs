@@ -1,0 +1,99 @@
+//! How increments and iterations go.
+
+use super::{State, StaticsError};
+
+/// All settings of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Increments.
+    pub time: TimeSettings,
+    /// Iterations.
+    pub newton: NewtonSettings,
+}
+
+/// From 0 to `end` in increments.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimeSettings {
+    /// T, the end of pseudo-time.
+    pub end: f64,
+    /// Length of the first increment.
+    pub increment: f64,
+    /// Shortest increment tried.
+    pub minimum: f64,
+    /// Longest increment.
+    pub maximum: f64,
+    /// Factor ≥ 1 on the length after an increment that took few iterations.
+    pub growth: f64,
+    /// Factor < 1 on the length after a failure.
+    pub cutback: f64,
+}
+
+/// Newton's method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NewtonSettings {
+    /// Residual relative to the forces, > 0.
+    pub tolerance: f64,
+    /// Residual that is always small enough, force, ≥ 0.
+    pub absolute: f64,
+    /// Most linear solutions in an increment, and in each round of an augmented Lagrangian.
+    pub max_iterations: usize,
+    /// An increment that takes at most so many lets the next one grow.
+    pub few_iterations: usize,
+    /// Whether steps are shortened that increase the slope.
+    pub line_search: bool,
+    /// Threads of the linear solver.
+    pub threads: usize,
+}
+
+impl Settings {
+    /// Checks the ranges.
+    pub(super) fn check(&self) -> Result<(), StaticsError> {
+        let Self { time, newton } = self;
+        let positive = |name, value: f64| {
+            let wrong = StaticsError::Setting { name, value, range: "positive and finite" };
+            if value > 0.0 && value.is_finite() { Ok(()) } else { Err(wrong) }
+        };
+        positive("time.end", time.end)?;
+        positive("time.increment", time.increment)?;
+        positive("time.minimum", time.minimum)?;
+        positive("time.maximum", time.maximum)?;
+        positive("newton.tolerance", newton.tolerance)?;
+        let within = |name, value: f64, inside: bool, range| {
+            if inside { Ok(()) } else { Err(StaticsError::Setting { name, value, range }) }
+        };
+        within("time.growth", time.growth, time.growth >= 1.0 && time.growth.is_finite(), "at least 1 and finite")?;
+        within("time.cutback", time.cutback, time.cutback > 0.0 && time.cutback < 1.0, "between 0 and 1")?;
+        let absolute = newton.absolute;
+        within("newton.absolute", absolute, absolute >= 0.0 && absolute.is_finite(), "at least 0 and finite")?;
+        within("newton.max_iterations", newton.max_iterations as f64, newton.max_iterations > 0, "at least 1")
+    }
+}
+
+impl TimeSettings {
+    /// Rounding of a sum of increments, relative to the end.
+    const ROUNDING: f64 = 1e-9;
+
+    pub(super) fn is_over(&self, time: f64) -> bool {
+        time >= self.end * (1.0 - Self::ROUNDING)
+    }
+
+    /// Length of the next increment.
+    pub(super) fn length(&self, state: &State) -> f64 {
+        let length = if state.length > 0.0 { state.length } else { self.increment };
+        length.min(self.maximum)
+    }
+
+    /// The end of an increment: at most the end of time, which is met exactly.
+    pub(super) fn next(&self, time: f64, length: f64) -> f64 {
+        if self.is_over(time + length) { self.end } else { time + length }
+    }
+
+    pub(super) fn grown(&self, length: f64, iterations: usize, newton: &NewtonSettings) -> f64 {
+        let factor = if iterations <= newton.few_iterations { self.growth } else { 1.0 };
+        (length * factor).min(self.maximum)
+    }
+
+    pub(super) fn cut(&self, length: f64) -> f64 {
+        length * self.cutback
+    }
+}

@@ -4,3 +4,5 @@
 
 pub mod material;
 pub mod model;
+pub mod solid;
+pub mod system;

@@ -1,0 +1,107 @@
+//! Stresses for output: at the points, and averaged to the nodes.
+
+use nalgebra::Matrix3;
+
+use super::{POINTS, Solid, SolidError, shape};
+use crate::material::PointState;
+
+/// What is known of the material at an integration point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointFields {
+    /// Cauchy stress xx, yy, zz, xy, yz, xz, force per current area; its mean is the element's pressure U'(θ).
+    pub stress: [f64; 6],
+    /// √(3/2 s·s) of its deviator.
+    pub von_mises: f64,
+    /// p.
+    pub equivalent_plastic_strain: f64,
+}
+
+/// Fields at the nodes of one body: extrapolated from the points to the nodes of each element, then averaged over the
+/// elements of the body at a node.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NodalFields {
+    /// The nodes of the body, ascending.
+    pub nodes: Vec<usize>,
+    /// The fields at each. Von Mises' stress is that of the averaged tensor; a plastic strain extrapolated below 0 is 0.
+    pub fields: Vec<PointFields>,
+}
+
+/// Stresses and plastic strains.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recovery {
+    /// [`POINTS`] an element, in the order of [`Solid::elements`].
+    pub points: Vec<PointFields>,
+    /// One entry a body, because stresses jump where materials meet.
+    pub bodies: Vec<NodalFields>,
+}
+
+impl Solid {
+    /// Stresses at `positions` with `states`, those at the end of the step that led there.
+    ///
+    /// # Errors
+    /// Those of [`Solid::evaluate`].
+    pub fn recover(&self, positions: &[[f64; 3]], states: &[PointState]) -> Result<Recovery, SolidError> {
+        self.check(positions, states)?;
+        let mut points = Vec::with_capacity(states.len());
+        for (index, element) in self.elements.iter().enumerate() {
+            let law = self.law(index);
+            let states = &states[POINTS * index..POINTS * (index + 1)];
+            let mut deviators = [Matrix3::zeros(); POINTS];
+            let mut plastic = [0.0; POINTS];
+            let ratio = element.for_each_point(index, law, positions, states, |point, deformed| {
+                deviators[point] = deformed.answer.kirchhoff() / deformed.jacobian;
+                plastic[point] = deformed.answer.state.equivalent_plastic_strain;
+            })?;
+            let pressure = law.volumetric(ratio).pressure;
+            for (s, p) in deviators.iter().zip(plastic) {
+                let stress = [
+                    s[(0, 0)] + pressure,
+                    s[(1, 1)] + pressure,
+                    s[(2, 2)] + pressure,
+                    s[(1, 0)],
+                    s[(2, 1)],
+                    s[(2, 0)],
+                ];
+                points.push(PointFields::new(stress, p));
+            }
+        }
+        let bodies = (0..self.bodies.len()).map(|body| self.average(body, &points)).collect();
+        Ok(Recovery { points, bodies })
+    }
+
+    fn average(&self, body: usize, points: &[PointFields]) -> NodalFields {
+        // Seven sums and a count by node; nodes of other bodies stay empty.
+        let mut sums = vec![([0.0; 7], 0_u32); self.nodes];
+        let weights: [[f64; POINTS]; 8] = std::array::from_fn(shape::extrapolation);
+        for index in self.body(body) {
+            let points = &points[POINTS * index..POINTS * (index + 1)];
+            for (corner, &node) in self.elements[index].nodes.iter().enumerate() {
+                let (sum, count) = &mut sums[node];
+                *count += 1;
+                for (weight, point) in weights[corner].iter().zip(points) {
+                    for k in 0..6 {
+                        sum[k] += weight * point.stress[k];
+                    }
+                    sum[6] += weight * point.equivalent_plastic_strain;
+                }
+            }
+        }
+        let mut nodal = NodalFields::default();
+        for (node, (sum, count)) in sums.into_iter().enumerate().filter(|(_, (_, count))| *count > 0) {
+            let mean = sum.map(|value| value / f64::from(count));
+            let [stress @ .., plastic] = mean;
+            nodal.nodes.push(node);
+            nodal.fields.push(PointFields::new(stress, plastic.max(0.0)));
+        }
+        nodal
+    }
+}
+
+impl PointFields {
+    fn new(stress: [f64; 6], equivalent_plastic_strain: f64) -> Self {
+        let [xx, yy, zz, xy, yz, xz] = stress;
+        let apart = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
+        let von_mises = (0.5 * apart + 3.0 * (xy * xy + yz * yz + xz * xz)).sqrt();
+        Self { stress, von_mises, equivalent_plastic_strain }
+    }
+}

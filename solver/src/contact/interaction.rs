@@ -163,6 +163,19 @@ impl Interaction {
         self.slaves().filter_map(|slave| slave.gap).map(|gap| -gap).fold(0.0, f64::max)
     }
 
+    /// Sum of the contact forces on the slaves of the first pass less those of the second: what the master exerts on the slave.
+    pub(super) fn force(&self) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for (sign, pass) in [1.0, -1.0].into_iter().zip(&self.passes) {
+            for slave in pass.slaves() {
+                for axis in 0..3 {
+                    sum[axis] += sign * slave.force * slave.normal[axis];
+                }
+            }
+        }
+        sum
+    }
+
     /// Does the same with each pass; an error gets the interaction's name.
     fn each(
         &mut self,

@@ -134,6 +134,12 @@ impl ContactSet {
         Ok(())
     }
 
+    /// Sum of the contact forces on the slaves of each interaction.
+    #[must_use]
+    pub fn forces(&self) -> Vec<[f64; 3]> {
+        self.interactions.iter().map(Interaction::force).collect()
+    }
+
     /// Deepest penetration of any active contact at the last evaluation, length; 0 without any.
     #[must_use]
     pub fn max_penetration(&self) -> f64 {

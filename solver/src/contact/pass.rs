@@ -135,8 +135,9 @@ impl Pass {
         let mut values = std::mem::take(&mut self.values);
         values.resize(pattern.entries(), 0.0);
         pattern.fill(self.contacts(), &self.law(), &mut values)?;
+        let entries = matrix.entries_mut();
         for (&place, value) in places.iter().zip(&values) {
-            matrix.values_mut()[place] += value;
+            entries[place] += value;
         }
         self.values = values;
         Ok(())

@@ -94,3 +94,13 @@ impl From<ContactError> for Failure {
         Self::Fatal(error.into())
     }
 }
+
+impl Failure {
+    /// An element that a shorter step may leave the right way round, or something else.
+    pub(super) fn of_solid(error: SolidError) -> Self {
+        match error {
+            SolidError::Inverted { .. } | SolidError::Unresolved { .. } => Self::Inverted(error),
+            _ => Self::Fatal(error.into()),
+        }
+    }
+}

@@ -36,15 +36,11 @@ impl<'a> Increment<'a> {
         let newton = self.settings.newton;
         self.problem.contacts_mut().set_multipliers(&self.committed.multipliers)?;
         self.problem.refresh(RefreshRule::Increment, &self.positions)?;
-        let balance = self.evaluate_at_start()?;
+        let balance = self.evaluate(Order::Tangent)?;
         self.record(balance, observer)?;
-        self.predict()?;
+        let mut balance = self.predict()?;
         let (mut augmentations, mut in_round) = (0, 1);
         loop {
-            if in_round > 0 {
-                self.problem.refresh(RefreshRule::Iteration, &self.positions)?;
-            }
-            let balance = self.evaluate(Order::Tangent)?;
             self.record(balance, observer)?;
             if balance.residual <= newton.tolerance * balance.scale + newton.absolute {
                 if self.problem.contacts_mut().augment(augmentations) {
@@ -57,15 +53,10 @@ impl<'a> Increment<'a> {
                 let residual = balance.residual / balance.scale;
                 return Err(Failure::Iterations { residual, iterations: self.iterations });
             }
-            self.iterate()?;
+            balance = self.iterate()?;
             in_round += 1;
         }
         Ok(self.finish(augmentations))
-    }
-
-    /// Evaluates at the committed positions with the loads of the new time.
-    fn evaluate_at_start(&mut self) -> Result<Balance, Failure> {
-        self.evaluate(Order::Tangent)
     }
 
     fn evaluate(&mut self, order: Order) -> Result<Balance, Failure> {
@@ -94,72 +85,80 @@ impl<'a> Increment<'a> {
     }
 
     /// The linear step that takes the prescribed nodes to where they belong.
-    fn predict(&mut self) -> Result<(), Failure> {
+    fn predict(&mut self) -> Result<Balance, Failure> {
         let targets: Vec<(usize, f64)> = {
             let start = self.problem.start_positions();
-            self.problem.supports().prescribed(self.end, start).collect()
+            self.problem.supports().targets(self.end, start).collect()
         };
         let prescribed: Vec<(usize, f64)> = targets
             .iter()
             .map(|&(freedom, target)| (freedom, target - self.positions[freedom / 3][freedom % 3]))
             .collect();
         let step = self.linear_solution(&prescribed)?;
-        self.advance(&step, 1.0);
+        let origin = self.positions.clone();
+        self.advance(&origin, &step, 1.0);
         // Exactly, not to rounding.
         for (freedom, target) in targets {
             self.positions[freedom / 3][freedom % 3] = target;
         }
         self.step = 1.0;
-        Ok(())
+        self.settle()
     }
 
     /// A Newton step, as far along as the line search says.
-    fn iterate(&mut self) -> Result<(), Failure> {
+    fn iterate(&mut self) -> Result<Balance, Failure> {
         let step = self.linear_solution(&[])?;
-        let slope = |problem: &Problem| -> f64 { -problem.imbalance().zip(&step).map(|(f, s)| f * s).sum::<f64>() };
+        let slope = |problem: &Problem| -> f64 {
+            -problem.imbalance().zip(&step).map(|(force, step)| force * step).sum::<f64>()
+        };
         let before = slope(self.problem);
         let origin = self.positions.clone();
-        let mut longest = self.longest(&origin, &step)?;
+        let full = self.longest(&origin, &step)?;
+        self.step = full;
         if self.settings.newton.line_search {
-            longest *= line_search(before, |s| {
-                self.positions.clone_from(&origin);
-                self.advance(&step, s * longest);
+            let after = slope(self.problem);
+            self.step *= line_search(before, after, |s| {
+                self.advance(&origin, &step, s * full);
                 self.evaluate(Order::Residual)?;
-                Ok::<f64, Failure>(slope(self.problem) * longest)
+                Ok::<f64, Failure>(slope(self.problem))
             })?;
         }
-        self.positions = origin;
-        self.advance(&step, longest);
-        self.step = longest;
-        Ok(())
+        self.advance(&origin, &step, self.step);
+        self.settle()
     }
 
-    /// The full step, or the part of it that leaves all elements the right way round.
+    /// Pairs anew where that is due in every iteration, and evaluates.
+    fn settle(&mut self) -> Result<Balance, Failure> {
+        self.problem.refresh(RefreshRule::Iteration, &self.positions)?;
+        self.evaluate(Order::Tangent)
+    }
+
+    /// Takes the full step, or the part of it that leaves all elements the right way round, and evaluates there.
     fn longest(&mut self, origin: &[[f64; 3]], step: &[f64]) -> Result<f64, Failure> {
         let mut length = 1.0;
         for _ in 0..HALVINGS {
-            self.positions.copy_from_slice(origin);
-            self.advance(step, length);
-            if self.problem.solid().check(&self.positions).is_ok() {
-                return Ok(length);
+            self.advance(origin, step, length);
+            match self.evaluate(Order::Residual) {
+                Ok(_) => return Ok(length),
+                Err(Failure::Inverted(_)) => length *= 0.5,
+                Err(failure) => return Err(failure),
             }
-            length *= 0.5;
         }
-        self.positions.copy_from_slice(origin);
-        self.advance(step, length);
-        self.problem.solid().check(&self.positions).map_err(Failure::Inverted)?;
-        Ok(length)
+        self.advance(origin, step, length);
+        self.evaluate(Order::Residual).map(|_| length)
     }
 
     fn linear_solution(&mut self, prescribed: &[(usize, f64)]) -> Result<Vec<f64>, Failure> {
         self.iterations += 1;
-        self.problem.solve(self.end, &self.positions, prescribed, self.settings.newton.threads)
+        self.problem.solve(self.end, &self.positions, prescribed)
     }
 
-    fn advance(&mut self, step: &[f64], factor: f64) {
-        for (position, step) in self.positions.iter_mut().zip(step.as_chunks::<3>().0) {
+    /// x ← origin + factor · step
+    fn advance(&mut self, origin: &[[f64; 3]], step: &[f64], factor: f64) {
+        let moves = origin.iter().zip(step.as_chunks::<3>().0);
+        for (position, (origin, step)) in self.positions.iter_mut().zip(moves) {
             for axis in 0..3 {
-                position[axis] += factor * step[axis];
+                position[axis] = origin[axis] + factor * step[axis];
             }
         }
     }
@@ -173,7 +172,7 @@ impl<'a> Increment<'a> {
             iterations: committed.iterations + iterations,
             cutbacks: committed.cutbacks,
             positions,
-            points: problem.response().states().to_vec(),
+            points: problem.response().states.clone(),
             multipliers: problem.contacts().multipliers(),
         };
         let imbalance: Vec<f64> = problem.imbalance().collect();

@@ -31,10 +31,10 @@ mod supports;
 
 pub use error::{Failure, StaticsError};
 pub use observer::{Control, IncrementRecord, IterationRecord, Observer, Timing};
-pub use pressure::{Amplitude, Pressure};
+pub use pressure::Pressure;
 pub use problem::{Problem, State};
 pub use settings::{NewtonSettings, Settings, TimeSettings};
-pub use supports::{Supports, SupportGroup};
+pub use supports::{SupportGroup, SupportGroups};
 
 use increment::Increment;
 

@@ -2,38 +2,8 @@
 
 use diffuse_contact::surface::Facet;
 
+use crate::model::Amplitude;
 use crate::system::BlockMatrix;
-
-/// A factor over time, linear between its points.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Amplitude {
-    points: Vec<[f64; 2]>,
-}
-
-impl Amplitude {
-    /// Through `[time, factor]` points, ascending in time; constant before the first and after the last.
-    #[must_use]
-    pub fn new(points: Vec<[f64; 2]>) -> Self {
-        Self { points }
-    }
-
-    /// From 0 at time 0 to 1 at `end`.
-    #[must_use]
-    pub fn ramp(end: f64) -> Self {
-        Self::new(vec![[0.0, 0.0], [end, 1.0]])
-    }
-
-    /// The factor at `time`.
-    #[must_use]
-    pub fn at(&self, time: f64) -> f64 {
-        let after = self.points.partition_point(|point| point[0] <= time);
-        match (after.checked_sub(1).map(|k| self.points[k]), self.points.get(after)) {
-            (Some([t0, f0]), Some([t1, f1])) => f0 + (f1 - f0) * (time - t0) / (t1 - t0),
-            (Some([_, factor]), None) | (None, Some(&[_, factor])) => factor,
-            (None, None) => 1.0,
-        }
-    }
-}
 
 /// A pressure on facets; positive pushes against their outward side.
 #[derive(Clone, Debug)]

@@ -1,14 +1,15 @@
 //! What has to be in equilibrium, and its history.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use diffuse_contact::Mode;
 use serde::{Deserialize, Serialize};
 
-use super::{Failure, Pressure, StaticsError, Supports, Timing};
+use super::{Failure, Pressure, StaticsError, SupportGroups, Timing};
 use crate::contact::{ContactSet, RefreshRule};
 use crate::solid::{Order, PointState, Solid, SolidResponse};
-use crate::system::{BlockMatrix, BlockPattern, Equations, Symmetry};
+use crate::system::{BlockMatrix, BlockPattern, DirectSolver, Equations, Symmetry};
 
 /// All history: an increment starts from one and ends in one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,11 +33,10 @@ pub struct State {
 }
 
 /// Solids, supports, loads and contacts, with forces and stiffness at the positions of the last evaluation.
-#[derive(Debug)]
 pub struct Problem {
     start: Vec<[f64; 3]>,
     solid: Solid,
-    supports: Supports,
+    supports: SupportGroups,
     pressures: Vec<Pressure>,
     contacts: ContactSet,
     response: SolidResponse,
@@ -47,15 +47,11 @@ pub struct Problem {
     /// −Σ f_k N_k
     contact: Vec<f64>,
     active: usize,
-    stiffness: Option<Stiffness>,
-    pub(super) timing: Timing,
-}
-
-/// The stiffness for the pairing of the moment.
-#[derive(Debug)]
-struct Stiffness {
-    matrix: BlockMatrix,
     equations: Equations,
+    solver: DirectSolver,
+    /// `None`: the pairing has changed, a new pattern is due.
+    stiffness: Option<BlockMatrix>,
+    pub(super) timing: Timing,
 }
 
 /// Norms of the forces at an evaluation.
@@ -68,16 +64,19 @@ pub(super) struct Balance {
 }
 
 impl Problem {
-    /// Everything in equilibrium from `start` on. Indices of nodes in the parts are in range.
+    /// Everything in equilibrium from `start` on. Indices of nodes in the parts are in range. `threads`: those of the linear
+    /// solver.
     #[must_use]
     pub fn new(
         start: Vec<[f64; 3]>,
         solid: Solid,
-        supports: Supports,
+        supports: SupportGroups,
         pressures: Vec<Pressure>,
         contacts: ContactSet,
+        threads: usize,
     ) -> Self {
         let freedoms = 3 * start.len();
+        let equations = Equations::new(&supports.prescribed());
         Self {
             start,
             solid,
@@ -89,6 +88,8 @@ impl Problem {
             external: vec![0.0; freedoms],
             contact: vec![0.0; freedoms],
             active: 0,
+            equations,
+            solver: DirectSolver::new(threads),
             stiffness: None,
             timing: Timing::default(),
         }
@@ -140,7 +141,7 @@ impl Problem {
 
     /// The prescribed motions.
     #[must_use]
-    pub fn supports(&self) -> &Supports {
+    pub fn supports(&self) -> &SupportGroups {
         &self.supports
     }
 
@@ -190,9 +191,15 @@ impl Problem {
         order: Order,
     ) -> Result<Balance, Failure> {
         let begin = Instant::now();
-        self.solid.evaluate(positions, committed, order, &mut self.response).map_err(Failure::Inverted)?;
+        self.solid.evaluate(positions, committed, order, &mut self.response).map_err(Failure::of_solid)?;
         self.internal.fill(0.0);
-        self.solid.add_forces(&self.response, &mut self.internal);
+        for (nodes, forces) in self.solid.elements().zip(&self.response.forces) {
+            for (node, force) in nodes.iter().zip(forces.as_chunks::<3>().0) {
+                for axis in 0..3 {
+                    self.internal[3 * node + axis] += force[axis];
+                }
+            }
+        }
         self.external.fill(0.0);
         for pressure in &self.pressures {
             pressure.add_forces(time, &self.start, positions, &mut self.external);
@@ -229,58 +236,62 @@ impl Problem {
         time: f64,
         positions: &[[f64; 3]],
         prescribed: &[(usize, f64)],
-        threads: usize,
     ) -> Result<Vec<f64>, Failure> {
         let begin = Instant::now();
-        let mut stiffness = match self.stiffness.take() {
-            Some(stiffness) => stiffness,
-            None => self.new_stiffness(threads)?,
+        let mut matrix = match self.stiffness.take() {
+            Some(matrix) => matrix,
+            None => BlockMatrix::new(self.new_pattern()?),
         };
         let linear = Instant::now();
         self.timing.linear += linear - begin;
-        let matrix = &mut stiffness.matrix;
         matrix.clear();
-        self.solid.add_tangent(&self.response, matrix);
+        for (nodes, tangent) in self.solid.elements().zip(&self.response.tangents) {
+            matrix.add_symmetric(nodes, tangent, 1.0);
+        }
         for pressure in &self.pressures {
-            pressure.add_tangent(time, positions, matrix);
+            pressure.add_tangent(time, positions, &mut matrix);
         }
         let solid = Instant::now();
         self.timing.solid += solid - linear;
-        self.contacts.add_tangent(matrix)?;
+        self.contacts.add_tangent(&mut matrix)?;
         let contact = Instant::now();
         self.timing.contact += contact - solid;
-        let mut step = vec![0.0; self.internal.len()];
+        let mut step = vec![[0.0; 3]; self.start.len()];
         for &(freedom, change) in prescribed {
-            step[freedom] = change;
+            step[freedom / 3][freedom % 3] = change;
         }
-        let moved = matrix.times(&step);
-        let right: Vec<f64> = self.imbalance().zip(&moved).map(|(force, moved)| -force - moved).collect();
-        let solution = stiffness.equations.solve(matrix, &right).map_err(Failure::Singular);
+        let mut right = vec![[0.0; 3]; self.start.len()];
+        matrix.multiply(&step, &mut right);
+        for (right, force) in right.as_flattened_mut().iter_mut().zip(self.imbalance()) {
+            *right = -force - *right;
+        }
+        let symmetry = if self.has_followers() { Symmetry::General } else { Symmetry::Symmetric };
+        let mut solution = Vec::new();
+        let solved = self
+            .solver
+            .factorise(&matrix, &self.equations, symmetry)
+            .and_then(|()| self.solver.solve(&right, &mut solution));
         self.timing.linear += contact.elapsed();
-        self.stiffness = Some(stiffness);
-        for (freedom, change) in solution?.into_iter().enumerate() {
-            if self.supports.is_free(freedom) {
-                step[freedom] = change;
-            }
+        self.stiffness = Some(matrix);
+        solved.map_err(Failure::Singular)?;
+        for (sum, part) in step.as_flattened_mut().iter_mut().zip(solution.as_flattened()) {
+            *sum += part;
         }
-        Ok(step)
+        Ok(step.into_flattened())
     }
 
-    /// A matrix for the pairing of the moment.
-    fn new_stiffness(&mut self, threads: usize) -> Result<Stiffness, Failure> {
-        let elements = self.solid.elements().map(|nodes| nodes.to_vec());
-        let facets = self.pressures.iter().filter(|pressure| pressure.follower).flat_map(|pressure| {
-            pressure.facets.iter().map(|facet| facet.corners().to_vec())
-        });
-        let pattern = BlockPattern::new(self.start.len(), elements.chain(facets).chain(self.contacts.cliques()));
+    fn has_followers(&self) -> bool {
+        self.pressures.iter().any(|pressure| pressure.follower)
+    }
+
+    /// The pattern for the pairing of the moment.
+    fn new_pattern(&mut self) -> Result<Arc<BlockPattern>, Failure> {
+        let mut cliques: Vec<Vec<usize>> = self.solid.elements().map(|nodes| nodes.to_vec()).collect();
+        let followers = self.pressures.iter().filter(|pressure| pressure.follower);
+        cliques.extend(followers.flat_map(|pressure| &pressure.facets).map(|facet| facet.corners().to_vec()));
+        cliques.extend(self.contacts.cliques());
+        let pattern = Arc::new(BlockPattern::new(self.start.len(), cliques.iter()));
         self.contacts.bind(&pattern)?;
-        let symmetry = if self.pressures.iter().any(|pressure| pressure.follower) {
-            Symmetry::General
-        } else {
-            Symmetry::Symmetric
-        };
-        let free = |freedom| self.supports.is_free(freedom);
-        let equations = Equations::new(&pattern, free, symmetry, threads);
-        Ok(Stiffness { matrix: BlockMatrix::new(pattern), equations })
+        Ok(pattern)
     }
 }

@@ -41,8 +41,6 @@ pub struct NewtonSettings {
     pub few_iterations: usize,
     /// Whether steps are shortened that increase the slope.
     pub line_search: bool,
-    /// Threads of the linear solver.
-    pub threads: usize,
 }
 
 impl Settings {

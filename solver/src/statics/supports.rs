@@ -1,34 +1,43 @@
-//! Degrees of freedom whose motion is given.
+//! Supports with the names under which results show them.
 
-use crate::deck::Motion;
+use crate::model::Support;
 
 /// Nodes moved together: what one `[[boundary]]` of a deck says.
 #[derive(Clone, Debug)]
 pub struct SupportGroup {
     /// What it is called in results.
     pub name: String,
-    /// Where its nodes are at a time.
-    pub motion: Motion,
-    /// Which nodes, and which of their axes.
-    pub nodes: Vec<(usize, [bool; 3])>,
+    /// Its nodes, their axes and their motion.
+    pub support: Support,
 }
 
-/// All prescribed motions.
+impl SupportGroup {
+    /// Displacement of its first node at `time` along the axes that it prescribes, 0 along others.
+    #[must_use]
+    pub fn displacement(&self, time: f64, start: &[[f64; 3]]) -> [f64; 3] {
+        let Some(&node) = self.support.nodes.first() else { return [0.0; 3] };
+        let position = self.support.motion.position(time, start[node]);
+        let moved = |axis: usize| position[axis] - start[node][axis];
+        [0, 1, 2].map(|axis| if self.support.axes[axis] { moved(axis) } else { 0.0 })
+    }
+}
+
+/// All prescribed degrees of freedom.
 #[derive(Clone, Debug, Default)]
-pub struct Supports {
+pub struct SupportGroups {
     groups: Vec<SupportGroup>,
-    /// The group that prescribes each degree of freedom.
+    /// The group that prescribes each degree of freedom, 3·node + axis.
     group_of: Vec<Option<u32>>,
 }
 
-impl Supports {
-    /// `groups` prescribe no degree of freedom twice; of several the first counts.
+impl SupportGroups {
+    /// The groups of a model of so many nodes. Where several prescribe a degree of freedom, alike, it belongs to the first.
     #[must_use]
     pub fn new(nodes: usize, groups: Vec<SupportGroup>) -> Self {
         let mut group_of = vec![None; 3 * nodes];
         for (k, group) in groups.iter().enumerate() {
-            for &(node, axes) in &group.nodes {
-                for axis in (0..3).filter(|&axis| axes[axis]) {
+            for &node in &group.support.nodes {
+                for axis in (0..3).filter(|&axis| group.support.axes[axis]) {
                     group_of[3 * node + axis].get_or_insert(k as u32);
                 }
             }
@@ -48,15 +57,21 @@ impl Supports {
         self.group_of[freedom].is_none()
     }
 
-    /// Where the prescribed coordinates are at `time`; `start`: positions at the start.
-    pub fn prescribed<'a>(&'a self, time: f64, start: &'a [[f64; 3]]) -> impl Iterator<Item = (usize, f64)> + 'a {
+    /// The prescribed axes of each node.
+    #[must_use]
+    pub fn prescribed(&self) -> Vec<[bool; 3]> {
+        self.group_of.as_chunks::<3>().0.iter().map(|axes| axes.map(|group| group.is_some())).collect()
+    }
+
+    /// Prescribed degrees of freedom and their coordinates at `time`; `start`: positions at the start.
+    pub fn targets<'a>(&'a self, time: f64, start: &'a [[f64; 3]]) -> impl Iterator<Item = (usize, f64)> + 'a {
         self.group_of.iter().enumerate().filter_map(move |(freedom, group)| {
-            let group = &self.groups[(*group)? as usize];
-            Some((freedom, group.motion.position(time, start[freedom / 3])[freedom % 3]))
+            let motion = &self.groups[(*group)? as usize].support.motion;
+            Some((freedom, motion.position(time, start[freedom / 3])[freedom % 3]))
         })
     }
 
-    /// Sum of `forces`, three per node, over the degrees of freedom that a group prescribes.
+    /// Sum of `forces`, three per node, over the degrees of freedom that belong to a group.
     #[must_use]
     pub fn sum(&self, group: usize, forces: &[f64]) -> [f64; 3] {
         let mut sum = [0.0; 3];

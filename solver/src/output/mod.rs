@@ -1,0 +1,51 @@
+//! Results on disk.
+//!
+//! | file | what it is |
+//! | --- | --- |
+//! | `deck.toml` | the deck as it was read |
+//! | `history.csv` | a line per increment: iterations, penetration, contact forces, reactions and where their supports are |
+//! | `iterations.csv` | a line per residual |
+//! | `results.pvd`, `results/*.vtu` | for ParaView: displacement, stress, plastic strain, contact gap and pressure |
+//! | `skins/*.json` | the skin of the bodies with the same fields, for the report |
+//! | `state.json` | what a restart goes on from |
+//! | `summary.json` | how the run ended |
+//!
+//! **An increment is on disk before the next begins**: pictures and tables first, then `state.json`, which takes the place of its
+//! predecessor in one step. So whatever stops the run, `state.json` is whole, and every increment it counts is there; a restart
+//! takes back what the others wrote after it. A disk that is full stops the run with the name of the file.
+
+mod error;
+mod fields;
+mod history;
+mod recorder;
+mod skin;
+mod summary;
+
+pub use error::OutputError;
+pub use fields::{ContactStatus, Fields};
+pub use history::{HistoryRow, read_history, read_iterations};
+pub use recorder::{Recorder, RecorderOptions};
+pub use skin::{Skin, SkinFrame};
+pub use summary::Summary;
+
+/// Names of the files in a directory of results.
+pub mod names {
+    /// The deck as it was read.
+    pub const DECK: &str = "deck.toml";
+    /// A line per increment.
+    pub const HISTORY: &str = "history.csv";
+    /// A line per residual.
+    pub const ITERATIONS: &str = "iterations.csv";
+    /// The series for ParaView.
+    pub const SERIES: &str = "results.pvd";
+    /// Its pictures.
+    pub const PICTURES: &str = "results";
+    /// Skins for the report.
+    pub const SKINS: &str = "skins";
+    /// What a restart goes on from.
+    pub const STATE: &str = "state.json";
+    /// How the run ended.
+    pub const SUMMARY: &str = "summary.json";
+    /// The report.
+    pub const REPORT: &str = "report.html";
+}

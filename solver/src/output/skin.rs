@@ -1,0 +1,99 @@
+//! What one sees: the outer faces of the bodies and the rigid surfaces.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::Fields;
+use crate::model::Model;
+
+/// The faces of a hexahedron, outward.
+const FACES: [[usize; 4]; 6] =
+    [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+
+/// Faces that belong to one hexahedron only, and rigid facets.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Skin {
+    /// Indices of the nodes in the model, ascending.
+    pub nodes: Vec<usize>,
+    /// Corners of each face, three or four, as places in `nodes`.
+    pub faces: Vec<Vec<usize>>,
+    /// Index of each face's body; the number of bodies for rigid facets.
+    pub bodies: Vec<usize>,
+    /// Names of the bodies, then "rigid".
+    pub names: Vec<String>,
+}
+
+/// A skin at one time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SkinFrame {
+    /// Number of the increment; 0: the start.
+    pub increment: usize,
+    /// Pseudo-time.
+    pub time: f64,
+    /// Positions of the skin's nodes.
+    pub positions: Vec<[f64; 3]>,
+    /// Fields at the skin's nodes by name.
+    pub fields: BTreeMap<String, Vec<f64>>,
+}
+
+impl Skin {
+    /// The skin of a model.
+    #[must_use]
+    pub fn of(model: &Model) -> Self {
+        let mut faces: BTreeMap<[usize; 4], Option<([usize; 4], usize)>> = BTreeMap::new();
+        for (body, element) in
+            model.bodies.iter().enumerate().flat_map(|(k, body)| body.elements.iter().map(move |e| (k, e)))
+        {
+            for face in FACES {
+                let corners = face.map(|corner| element[corner]);
+                let mut key = corners;
+                key.sort_unstable();
+                faces.entry(key).and_modify(|face| *face = None).or_insert(Some((corners, body)));
+            }
+        }
+        let mut corners: Vec<Vec<usize>> = Vec::new();
+        let mut bodies = Vec::new();
+        for (face, body) in faces.into_values().flatten() {
+            corners.push(face.to_vec());
+            bodies.push(body);
+        }
+        for facet in model.rigid_facets() {
+            corners.push(facet.corners().to_vec());
+            bodies.push(model.bodies.len());
+        }
+        let mut nodes: Vec<usize> = corners.iter().flatten().copied().collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let mut place = vec![0; model.nodes.len()];
+        for (k, &node) in nodes.iter().enumerate() {
+            place[node] = k;
+        }
+        let faces = corners.into_iter().map(|face| face.into_iter().map(|node| place[node]).collect()).collect();
+        let names = model.bodies.iter().map(|body| body.name.clone()).chain(["rigid".to_owned()]).collect();
+        Self { nodes, faces, bodies, names }
+    }
+
+    /// The skin's part of positions and fields.
+    #[must_use]
+    pub fn frame(&self, increment: usize, time: f64, positions: &[[f64; 3]], fields: &Fields) -> SkinFrame {
+        let size = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let displacement: Vec<f64> = fields.displacement.iter().map(size).collect();
+        let named: [(&str, &[f64]); 5] = [
+            ("displacement", &displacement),
+            ("von_mises", &fields.von_mises),
+            ("plastic_strain", &fields.plastic_strain),
+            ("contact_pressure", &fields.contact_pressure),
+            ("contact_gap", &fields.contact_gap),
+        ];
+        SkinFrame {
+            increment,
+            time,
+            positions: self.nodes.iter().map(|&node| positions[node]).collect(),
+            fields: named
+                .into_iter()
+                .map(|(name, values)| (name.to_owned(), self.nodes.iter().map(|&node| values[node]).collect()))
+                .collect(),
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! How a run ended, in a few numbers.
+
+use serde::{Deserialize, Serialize};
+
+/// `summary.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Title of the deck.
+    pub title: String,
+    /// Whether the end of time was reached.
+    pub converged: bool,
+    /// Why not, in a sentence; empty if it was.
+    pub reason: String,
+    /// Pseudo-time reached.
+    pub time: f64,
+    /// Converged increments.
+    pub increments: usize,
+    /// Increments that failed and were tried again with a shorter one.
+    pub cutbacks: usize,
+    /// Linear solutions, those of failed increments among them.
+    pub newton_iterations: usize,
+    /// Deepest penetration at the end, length.
+    pub max_penetration: f64,
+    /// Deepest penetration at the end of any increment, length.
+    pub max_penetration_ever: f64,
+    /// Sum of the contact forces on the slaves of all interactions at the end.
+    pub contact_force: [f64; 3],
+    /// Seconds of the run; of all runs, if it was restarted.
+    pub wall_s: f64,
+    /// Share of the last run's time in evaluating contacts, 0 to 1.
+    pub contact_share: f64,
+    /// Share of the last run's time in pairing, 0 to 1.
+    pub pairing_share: f64,
+    /// Share of the last run's time in the linear solver, 0 to 1.
+    pub linear_share: f64,
+    /// Element of the interfaces: `diffuse`, `node-to-facet` or `none`.
+    pub element: String,
+    /// Nodes, elements.
+    pub size: [usize; 2],
+}

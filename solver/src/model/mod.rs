@@ -1,10 +1,30 @@
-//! What is simulated: nodes, bodies of hexahedra, named node sets and surfaces.
+//! What is simulated: nodes, bodies of hexahedra, named node sets and surfaces, and how nodes are moved.
+//!
+//! A [`Model`] is put together from parts with [`Model::add`]. A [`Part`] comes from a parametric [`shape`] or from a
+//! mesh file; it has its own nodes, so that parts are connected by contact alone. What a model holds is sound: indices are
+//! in range, coordinates are finite, no hexahedron is turned inside out, facets point outward.
+//!
+//! Names: `"pipe.inner"` is the set or the surface `inner` of the part `pipe`, and `"pipe"` is all of its nodes or its whole
+//! skin.
+
+mod error;
+mod file;
+mod motion;
+mod part;
+pub mod shape;
+mod supports;
 
 use std::collections::BTreeMap;
 
 use diffuse_contact::surface::Facet;
 
 use crate::material::Material;
+
+pub use error::{ModelError, ShapeError};
+pub use file::{read_rigid_part, read_solid_part};
+pub use motion::{Amplitude, Motion, Rotation};
+pub use part::{MAX_NODES, Part, hexahedron_faces, skin};
+pub use supports::{Conflict, Support, Supports};
 
 /// A mesh with materials. Indices in it are in range.
 #[derive(Clone, Debug, Default)]
@@ -29,3 +49,76 @@ pub struct Body {
     /// What it is made of.
     pub material: Material,
 }
+
+impl Model {
+    /// Adds a part under a name: its nodes after those that are there, its elements as a body of `material`, its sets and
+    /// surfaces as `name.set`, all its nodes and its whole skin as `name`. A part without elements is rigid and takes no
+    /// material.
+    ///
+    /// # Errors
+    /// [`ModelError`]: a part of this name exists, the part is not sound, a material is missing or has no use, or there are
+    /// more than [`MAX_NODES`] nodes.
+    pub fn add(&mut self, name: &str, part: Part, material: Option<Material>) -> Result<(), ModelError> {
+        if self.node_sets.contains_key(name) {
+            return Err(ModelError::RepeatedPart { part: name.into() });
+        }
+        part.check(name)?;
+        let count = self.nodes.len() + part.nodes.len();
+        if count > MAX_NODES {
+            return Err(ModelError::TooManyNodes { count: count as f64, limit: MAX_NODES });
+        }
+        match (part.elements.is_empty(), material) {
+            (false, None) => return Err(ModelError::NoMaterial { part: name.into() }),
+            (true, Some(_)) => return Err(ModelError::RigidMaterial { part: name.into() }),
+            _ => {}
+        }
+
+        let first = self.nodes.len();
+        let whole = part.outside();
+        self.node_sets.insert(name.into(), (first..count).collect());
+        self.surfaces.insert(name.into(), shifted(whole, first));
+        for (set, nodes) in part.node_sets {
+            self.node_sets.insert(format!("{name}.{set}"), nodes.into_iter().map(|n| n + first).collect());
+        }
+        for (set, facets) in part.surfaces {
+            self.surfaces.insert(format!("{name}.{set}"), shifted(facets, first));
+        }
+        if let Some(material) = material {
+            let elements = part.elements.iter().map(|element| element.map(|n| n + first)).collect();
+            self.bodies.push(Body { name: name.into(), elements, material });
+        }
+        self.nodes.extend(part.nodes);
+        Ok(())
+    }
+
+    /// Which nodes belong to a body; the others are rigid.
+    #[must_use]
+    pub fn deformable(&self) -> Vec<bool> {
+        let mut deformable = vec![false; self.nodes.len()];
+        for &node in self.bodies.iter().flat_map(|body| &body.elements).flatten() {
+            deformable[node] = true;
+        }
+        deformable
+    }
+
+    /// The parts by name with their first node, in the order of their nodes.
+    #[must_use]
+    pub fn parts(&self) -> Vec<(&str, usize)> {
+        let whole = self.node_sets.iter().filter(|(name, _)| !name.contains('.'));
+        let mut parts: Vec<_> = whole.map(|(name, nodes)| (name.as_str(), nodes[0])).collect();
+        parts.sort_by_key(|&(_, first)| first);
+        parts
+    }
+}
+
+/// Facets with all corners moved on.
+fn shifted(facets: Vec<Facet>, by: usize) -> Vec<Facet> {
+    let shift = |facet| match facet {
+        Facet::Triangle(corners) => Facet::Triangle(corners.map(|n| n + by)),
+        Facet::Quadrilateral(corners) => Facet::Quadrilateral(corners.map(|n| n + by)),
+    };
+    facets.into_iter().map(shift).collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,126 @@
+//! What can be wrong with shapes, parts and models.
+
+use diffuse_contact_mesh::MeshError;
+
+/// A shape that cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ShapeError {
+    /// A number is outside its range.
+    #[error("{field} must be {range}, not {value}")]
+    OutOfRange {
+        /// Field of the shape, as in a deck.
+        field: &'static str,
+        /// What it may be.
+        range: &'static str,
+        /// What it was.
+        value: f64,
+    },
+    /// The shape would have more than [`MAX_NODES`](super::MAX_NODES) nodes.
+    #[error("these divisions make {count} nodes; at most {limit} are possible")]
+    TooManyNodes {
+        /// How many there would be.
+        count: f64,
+        /// How many there may be.
+        limit: usize,
+    },
+}
+
+/// Parts that make no model.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// Two parts have one name.
+    #[error("two parts are named {part:?}")]
+    RepeatedPart {
+        /// The name.
+        part: String,
+    },
+    /// A part has no nodes, or nothing that uses them.
+    #[error("the part {part:?} has neither elements nor facets")]
+    EmptyPart {
+        /// The part.
+        part: String,
+    },
+    /// A part with elements has no material.
+    #[error("the part {part:?} has hexahedra and needs a material")]
+    NoMaterial {
+        /// The part.
+        part: String,
+    },
+    /// A part without elements has a material.
+    #[error("the part {part:?} is rigid: a material has no meaning")]
+    RigidMaterial {
+        /// The part.
+        part: String,
+    },
+    /// More than [`MAX_NODES`](super::MAX_NODES) nodes in all.
+    #[error("the parts have {count} nodes together; at most {limit} are possible")]
+    TooManyNodes {
+        /// How many there would be.
+        count: f64,
+        /// How many there may be.
+        limit: usize,
+    },
+    /// A node of a set, a facet or an element does not exist.
+    #[error("the part {part:?} refers to node {node}, but it has {count} nodes")]
+    NodeOutOfRange {
+        /// The part.
+        part: String,
+        /// The node, from 0.
+        node: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A coordinate is NaN, infinite or beyond [`MAX_COORDINATE`](super::part::MAX_COORDINATE).
+    #[error(
+        "node {node} of the part {part:?} has a coordinate that is not a finite number below 1e75: {value}"
+    )]
+    NonFinitePosition {
+        /// The part.
+        part: String,
+        /// The node, from 0.
+        node: usize,
+        /// The coordinate.
+        value: f64,
+    },
+    /// A hexahedron is turned inside out or flat at one of its corners.
+    #[error(
+        "hexahedron {element} of the part {part:?} is not convex: the Jacobian at its corner {corner} is {jacobian:e} of \
+         the cube of its extent"
+    )]
+    InvertedElement {
+        /// The part.
+        part: String,
+        /// The hexahedron, from 0 in the order of the part.
+        element: usize,
+        /// The corner, from 0 in the order of its nodes.
+        corner: usize,
+        /// Triple product of the edges there, over the cube of the largest of their lengths.
+        jacobian: f64,
+    },
+    /// A mesh file cannot be read, or has no such set.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A solid part of a mesh file has solids that are no hexahedra.
+    #[error(
+        "the element set {set:?} has a {kind} (element {tag}); deformable parts are made of 8-node hexahedra only"
+    )]
+    UnsupportedSolid {
+        /// The element set.
+        set: String,
+        /// The kind of element.
+        kind: &'static str,
+        /// Its number in the file.
+        tag: u64,
+    },
+    /// A mesh file has no hexahedra where a solid part was asked for.
+    #[error("the mesh file has no 8-node hexahedra{}", in_set(set))]
+    NoHexahedra {
+        /// The element set asked for; `None` for the whole file.
+        set: Option<String>,
+    },
+}
+
+fn in_set(set: &Option<String>) -> String {
+    set.as_ref().map_or_else(String::new, |set| format!(" in the element set {set:?}"))
+}

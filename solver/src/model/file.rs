@@ -1,0 +1,129 @@
+//! Parts from mesh files.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use diffuse_contact::surface::Facet;
+use diffuse_contact_mesh::{self as mesh, ElementKind, Mesh};
+
+use super::{ModelError, Part, skin};
+
+/// A deformable part: the hexahedra of an element set, or of the whole file, and of the file's sets and surfaces what lies on
+/// them. A surface of shell elements counts if it lies on the part's skin, and is turned outward.
+///
+/// # Errors
+/// [`ModelError`]: the file cannot be read, there is no such set, it has solids of another kind or no hexahedra.
+pub fn read_solid_part(path: &Path, elements: Option<&str>) -> Result<Part, ModelError> {
+    let mesh = Mesh::read(path)?;
+    let all: Vec<usize>;
+    let chosen = match elements {
+        Some(set) => mesh.elements_of(set)?,
+        None => {
+            all = (0..mesh.elements().len()).collect();
+            &all
+        }
+    };
+    let mut hexahedra = Vec::new();
+    for element in chosen.iter().map(|&index| &mesh.elements()[index]) {
+        match (element.kind(), <[usize; 8]>::try_from(element.nodes())) {
+            (ElementKind::Hexahedron8, Ok(nodes)) => hexahedra.push(nodes),
+            (kind, _) if kind.dimension() == 3 => {
+                let set = elements.unwrap_or("the whole file").into();
+                return Err(ModelError::UnsupportedSolid { set, kind: kind.name(), tag: element.tag() });
+            }
+            _ => {}
+        }
+    }
+    if hexahedra.is_empty() {
+        return Err(ModelError::NoHexahedra { set: elements.map(String::from) });
+    }
+    let part = Subset::new(&mesh, hexahedra.iter().flatten().copied());
+    let elements: Vec<[usize; 8]> =
+        hexahedra.iter().map(|nodes| nodes.map(|node| part.number[node])).collect();
+    // A facet of the file that lies on the skin is taken as the skin has it.
+    let outward: BTreeMap<Vec<usize>, Facet> =
+        skin(&elements).into_iter().map(|facet| (sorted(&facet), facet)).collect();
+    let surfaces = part.surfaces(&mesh, |facet| outward.get(&sorted(&facet)).copied());
+    Ok(Part { elements, surfaces, ..part.into_part(&mesh) })
+}
+
+/// A rigid part: the triangles and quadrilaterals of a surface or an element set, oriented as in the file, and of the file's
+/// sets and surfaces what lies on them.
+///
+/// # Errors
+/// [`ModelError`]: the file cannot be read, or there is no such set, or it has no facets.
+pub fn read_rigid_part(path: &Path, surface: &str) -> Result<Part, ModelError> {
+    let mesh = Mesh::read(path)?;
+    let chosen = mesh.facets(surface)?;
+    let part = Subset::new(&mesh, chosen.iter().flat_map(mesh::Facet::nodes).copied());
+    let facets: Vec<Facet> = chosen.iter().filter_map(|facet| part.facet(facet)).collect();
+    let own: BTreeMap<Vec<usize>, Facet> = facets.iter().map(|&facet| (sorted(&facet), facet)).collect();
+    let surfaces = part.surfaces(&mesh, |facet| own.get(&sorted(&facet)).copied());
+    Ok(Part { facets, surfaces, ..part.into_part(&mesh) })
+}
+
+/// The nodes of a mesh that a part uses.
+struct Subset {
+    /// Nodes of the file in use, ascending.
+    nodes: Vec<usize>,
+    /// The part's number of each node of the file; `usize::MAX` if it has none.
+    number: Vec<usize>,
+}
+
+impl Subset {
+    fn new(mesh: &Mesh, used: impl Iterator<Item = usize>) -> Self {
+        let mut nodes: Vec<usize> = used.collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let mut number = vec![usize::MAX; mesh.nodes().len()];
+        nodes.iter().enumerate().for_each(|(own, &node)| number[node] = own);
+        Self { nodes, number }
+    }
+
+    /// A facet of the file in the part's numbers, if all of its corners are in use.
+    fn facet(&self, facet: &mesh::Facet) -> Option<Facet> {
+        match *facet {
+            mesh::Facet::Triangle(nodes) => self.all(nodes).map(Facet::Triangle),
+            mesh::Facet::Quadrilateral(nodes) => self.all(nodes).map(Facet::Quadrilateral),
+        }
+    }
+
+    fn all<const N: usize>(&self, nodes: [usize; N]) -> Option<[usize; N]> {
+        let own = nodes.map(|node| self.number[node]);
+        (!own.contains(&usize::MAX)).then_some(own)
+    }
+
+    /// The file's surfaces as far as `own` knows their facets; those of which nothing is left do not count.
+    fn surfaces(&self, mesh: &Mesh, own: impl Fn(Facet) -> Option<Facet>) -> BTreeMap<String, Vec<Facet>> {
+        let mut surfaces = BTreeMap::new();
+        for name in mesh.set_names() {
+            let Ok(facets) = mesh.facets(name) else { continue };
+            let found: Vec<Facet> = facets.iter().filter_map(|f| self.facet(f)).filter_map(&own).collect();
+            if !found.is_empty() {
+                surfaces.insert(name.to_string(), found);
+            }
+        }
+        surfaces
+    }
+
+    /// Nodes and node sets; sets of which nothing is left do not count.
+    fn into_part(self, mesh: &Mesh) -> Part {
+        let mut node_sets = BTreeMap::new();
+        for name in mesh.set_names() {
+            let Ok(nodes) = mesh.nodes_of(name) else { continue };
+            let own: Vec<usize> =
+                nodes.iter().map(|&n| self.number[n]).filter(|&own| own != usize::MAX).collect();
+            if !own.is_empty() {
+                node_sets.insert(name.to_string(), own);
+            }
+        }
+        let nodes = self.nodes.iter().map(|&node| mesh.nodes()[node]).collect();
+        Part { nodes, node_sets, ..Part::default() }
+    }
+}
+
+fn sorted(facet: &Facet) -> Vec<usize> {
+    let mut corners = facet.corners().to_vec();
+    corners.sort_unstable();
+    corners
+}

@@ -1,0 +1,125 @@
+//! One part before it joins a model: nodes, hexahedra or rigid facets, sets by their short names.
+
+use std::collections::{BTreeMap, HashMap};
+
+use diffuse_contact::surface::Facet;
+use nalgebra::Vector3;
+
+use super::{ModelError, Rotation};
+
+/// Nodes a model may have.
+pub const MAX_NODES: usize = 20_000_000;
+/// Coordinates stay below, where products of three lengths are finite: the bound of contact surfaces.
+pub(super) const MAX_COORDINATE: f64 = 1e75;
+/// The Jacobian at a corner of a hexahedron exceeds this times the cube of the largest edge.
+const SMALLEST_JACOBIAN: f64 = 1e-12;
+
+/// A part. Indices are those of its own nodes.
+#[derive(Clone, Debug, Default)]
+pub struct Part {
+    /// Positions, length.
+    pub nodes: Vec<[f64; 3]>,
+    /// Nodes of each hexahedron: a quadrilateral, then the opposite one, on the side of the first one's normal. A part
+    /// without is rigid.
+    pub elements: Vec<[usize; 8]>,
+    /// All facets of a rigid part, oriented outward; empty for others, whose skin follows from the elements.
+    pub facets: Vec<Facet>,
+    /// Nodes by name, ascending.
+    pub node_sets: BTreeMap<String, Vec<usize>>,
+    /// Facets by name, oriented outward.
+    pub surfaces: BTreeMap<String, Vec<Facet>>,
+}
+
+impl Part {
+    /// Turns the part about an axis.
+    pub fn rotate(&mut self, rotation: &Rotation) {
+        for node in &mut self.nodes {
+            *node = rotation.turned(*node, 1.0);
+        }
+    }
+
+    /// Moves the part.
+    pub fn translate(&mut self, by: [f64; 3]) {
+        for node in &mut self.nodes {
+            (0..3).for_each(|k| node[k] += by[k]);
+        }
+    }
+
+    /// All facets of the outside: those of a rigid part, the skin of a solid.
+    #[must_use]
+    pub fn outside(&self) -> Vec<Facet> {
+        if self.elements.is_empty() { self.facets.clone() } else { skin(&self.elements) }
+    }
+
+    /// Names the nodes where `belongs` holds, and the facets of `outside` all of whose corners are among them.
+    pub(super) fn name_face(&mut self, name: &str, outside: &[Facet], belongs: impl Fn(usize) -> bool) {
+        let facets: Vec<Facet> =
+            outside.iter().filter(|facet| facet.corners().iter().all(|&n| belongs(n))).copied().collect();
+        self.node_sets.insert(name.into(), (0..self.nodes.len()).filter(|&n| belongs(n)).collect());
+        if !facets.is_empty() {
+            self.surfaces.insert(name.into(), facets);
+        }
+    }
+
+    /// Checks what [`Model::add`](super::Model::add) promises; `name` is that of the part, for messages.
+    pub(super) fn check(&self, name: &str) -> Result<(), ModelError> {
+        let part = || name.to_string();
+        let count = self.nodes.len();
+        if self.elements.is_empty() && self.facets.is_empty() {
+            return Err(ModelError::EmptyPart { part: part() });
+        }
+        let facets = self.facets.iter().chain(self.surfaces.values().flatten());
+        let named = self.node_sets.values().flatten().chain(facets.flat_map(|facet| facet.corners()));
+        if let Some(&node) = self.elements.iter().flatten().chain(named).find(|&&node| node >= count) {
+            return Err(ModelError::NodeOutOfRange { part: part(), node, count });
+        }
+        for (node, position) in self.nodes.iter().enumerate() {
+            if let Some(&value) = position.iter().find(|value| !(value.abs() < MAX_COORDINATE)) {
+                return Err(ModelError::NonFinitePosition { part: part(), node, value });
+            }
+        }
+        for (element, nodes) in self.elements.iter().enumerate() {
+            for corner in 0..8 {
+                let jacobian = corner_jacobian(nodes.map(|n| self.nodes[n]), corner);
+                if !(jacobian > SMALLEST_JACOBIAN) {
+                    return Err(ModelError::InvertedElement { part: part(), element, corner, jacobian });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Triple product of the edges that leave a corner, over the cube of the longest of them: positive where the map from the
+/// unit cube keeps its orientation.
+fn corner_jacobian(corners: [[f64; 3]; 8], corner: usize) -> f64 {
+    // The neighbours of each corner, in a right-handed order.
+    const NEIGHBOURS: [[usize; 3]; 8] =
+        [[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]];
+    let at = |n: usize| Vector3::from(corners[n]);
+    let [a, b, c] = NEIGHBOURS[corner].map(|n| at(n) - at(corner));
+    let longest = a.norm().max(b.norm()).max(c.norm());
+    if longest > 0.0 { (a / longest).cross(&(b / longest)).dot(&(c / longest)) } else { 0.0 }
+}
+
+/// The faces of a hexahedron, oriented outward.
+#[must_use]
+pub fn hexahedron_faces(e: &[usize; 8]) -> [[usize; 4]; 6] {
+    [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+        .map(|f| f.map(|n| e[n]))
+}
+
+/// The faces that belong to one hexahedron only, oriented outward, in the order of the elements.
+#[must_use]
+pub fn skin(elements: &[[usize; 8]]) -> Vec<Facet> {
+    let key = |mut face: [usize; 4]| {
+        face.sort_unstable();
+        face
+    };
+    let mut uses: HashMap<[usize; 4], u32> = HashMap::with_capacity(4 * elements.len());
+    for face in elements.iter().flat_map(hexahedron_faces) {
+        *uses.entry(key(face)).or_insert(0) += 1;
+    }
+    let faces = elements.iter().flat_map(hexahedron_faces);
+    faces.filter(|&face| uses[&key(face)] == 1).map(Facet::Quadrilateral).collect()
+}

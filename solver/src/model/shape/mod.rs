@@ -1,0 +1,147 @@
+//! Parametric shapes.
+//!
+//! | solid | | rigid | |
+//! | --- | --- | --- | --- |
+//! | [`Block`] | a box of graded hexahedra | [`RigidPlane`] | plane, normal +z |
+//! | [`Pipe`] | a pipe, whole or a sector | [`RigidWave`] | z = a sin(2πx/λ) |
+//! | [`Cylinder`] | a full cylinder, half or quarter | [`RigidCylinder`] | cylinder, whole or a sector |
+//! | [`Ball`] | a full ball, half, quarter or eighth | [`RigidSphere`], [`RigidTorus`] | sphere and torus or parts of them |
+//!
+//! Every shape has public fields, `check`, which finds the first number out of range, and `part`, which calls `check` and
+//! makes the [`Part`]. Lengths are in the deck's unit, angles in degrees.
+
+mod ball;
+mod block;
+mod cylinder;
+mod grading;
+mod lattice;
+mod pipe;
+mod rigid;
+mod rigid_sphere;
+
+pub use ball::Ball;
+pub use block::Block;
+pub use cylinder::Cylinder;
+pub use pipe::Pipe;
+pub use rigid::{Facets, RigidCylinder, RigidPlane, RigidTorus, RigidWave, Side};
+pub use rigid_sphere::RigidSphere;
+
+use super::{MAX_NODES, Part, ShapeError};
+
+/// The longest length: its cube, times as many nodes as there may be, is finite.
+const MAX_LENGTH: f64 = 1e50;
+/// The shortest length, for the same reason.
+const MIN_LENGTH: f64 = 1e-50;
+/// The most a size of a cell may differ from the first to the last one.
+const MAX_GRADING: f64 = 1e6;
+
+/// A coordinate axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Axis {
+    /// x
+    X,
+    /// y
+    Y,
+    /// z
+    Z,
+}
+
+impl Axis {
+    /// Name in decks.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        ["x", "y", "z"][self as usize]
+    }
+
+    /// Where the local axis `k` of a shape along z lies when the shape is along this axis: axes are exchanged cyclically.
+    const fn global(self, k: usize) -> usize {
+        (k + self as usize + 1) % 3
+    }
+
+    /// A point in local axes, the third one along this axis.
+    fn point(self, local: [f64; 3]) -> [f64; 3] {
+        let mut point = [0.0; 3];
+        (0..3).for_each(|k| point[self.global(k)] = local[k]);
+        point
+    }
+}
+
+/// One side of a plane through the centre: what is kept of a shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HalfSpace {
+    /// Axis normal to the plane.
+    pub axis: Axis,
+    /// Whether the side of positive coordinates is kept, or that of negative ones.
+    pub positive: bool,
+}
+
+impl HalfSpace {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self { axis: Axis::X, positive: false },
+        Self { axis: Axis::X, positive: true },
+        Self { axis: Axis::Y, positive: false },
+        Self { axis: Axis::Y, positive: true },
+        Self { axis: Axis::Z, positive: false },
+        Self { axis: Axis::Z, positive: true },
+    ];
+
+    /// Name in decks.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        ["x-", "x+", "y-", "y+", "z-", "z+"][2 * self.axis as usize + self.positive as usize]
+    }
+}
+
+/// The range of a lattice of 2n cells over a whole diameter along a global axis, and whether the lattice is cut.
+fn kept(keep: &[HalfSpace], axis: usize, n: i64) -> ([i64; 2], bool) {
+    match keep.iter().rev().find(|half| half.axis as usize == axis) {
+        None => ([-n, n], false),
+        Some(HalfSpace { positive: true, .. }) => ([0, n], true),
+        Some(HalfSpace { positive: false, .. }) => ([-n, 0], true),
+    }
+}
+
+/// Checks that a length is in a sensible range.
+fn length(field: &'static str, value: f64) -> Result<(), ShapeError> {
+    let sensible = (MIN_LENGTH..=MAX_LENGTH).contains(&value);
+    in_range(sensible, field, "a positive length (1e-50 to 1e50)", value)
+}
+
+/// Checks a ratio of sizes of cells.
+fn ratio(field: &'static str, value: f64) -> Result<(), ShapeError> {
+    in_range((1.0 / MAX_GRADING..=MAX_GRADING).contains(&value), field, "from 1e-6 to 1e6", value)
+}
+
+/// Checks a range of angles and returns whether it is a whole turn.
+fn turn(field: &'static str, [start, end]: [f64; 2]) -> Result<bool, ShapeError> {
+    for angle in [start, end] {
+        in_range(angle.abs() <= 3600.0, field, "made of angles from -3600 to 3600 degrees", angle)?;
+    }
+    let range = "a start and a larger end, at most 360 degrees apart";
+    in_range(end > start && end - start <= 360.0, field, range, end - start)?;
+    Ok(end - start == 360.0)
+}
+
+/// Checks that numbers of cells are positive and that there are not too many nodes.
+fn divisions(counts: &[usize], nodes: f64) -> Result<(), ShapeError> {
+    for &count in counts {
+        in_range(count >= 1, "divisions", "at least 1", count as f64)?;
+    }
+    match nodes <= MAX_NODES as f64 {
+        true => Ok(()),
+        false => Err(ShapeError::TooManyNodes { count: nodes, limit: MAX_NODES }),
+    }
+}
+
+fn in_range(holds: bool, field: &'static str, range: &'static str, value: f64) -> Result<(), ShapeError> {
+    if holds { Ok(()) } else { Err(ShapeError::OutOfRange { field, range, value }) }
+}
+
+/// A whole turn needs three cells to be a ring.
+fn ring(whole: bool, count: usize) -> Result<(), ShapeError> {
+    in_range(!whole || count >= 3, "divisions", "at least 3 around a whole turn", count as f64)
+}
+
+#[cfg(test)]
+mod tests;

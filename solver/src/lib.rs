@@ -2,7 +2,11 @@
 
 #![forbid(unsafe_code)]
 
+pub mod contact;
 pub mod material;
 pub mod model;
+pub mod output;
+pub mod report;
 pub mod solid;
+pub mod statics;
 pub mod system;

@@ -101,6 +101,13 @@ impl Model {
         deformable
     }
 
+    /// The facets of the rigid parts, part by part.
+    pub fn rigid_facets(&self) -> impl Iterator<Item = &Facet> {
+        let rigid = |name: &str| self.bodies.iter().all(|body| body.name != name);
+        let parts = self.parts().into_iter().filter(move |&(name, _)| rigid(name));
+        parts.flat_map(|(name, _)| &self.surfaces[name])
+    }
+
     /// The parts by name with their first node, in the order of their nodes.
     #[must_use]
     pub fn parts(&self) -> Vec<(&str, usize)> {

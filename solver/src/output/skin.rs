@@ -5,11 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::Fields;
-use crate::model::Model;
-
-/// The faces of a hexahedron, outward.
-const FACES: [[usize; 4]; 6] =
-    [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+use crate::model::{Model, skin};
 
 /// Faces that belong to one hexahedron only, and rigid facets.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -41,22 +37,12 @@ impl Skin {
     /// The skin of a model.
     #[must_use]
     pub fn of(model: &Model) -> Self {
-        let mut faces: BTreeMap<[usize; 4], Option<([usize; 4], usize)>> = BTreeMap::new();
-        for (body, element) in
-            model.bodies.iter().enumerate().flat_map(|(k, body)| body.elements.iter().map(move |e| (k, e)))
-        {
-            for face in FACES {
-                let corners = face.map(|corner| element[corner]);
-                let mut key = corners;
-                key.sort_unstable();
-                faces.entry(key).and_modify(|face| *face = None).or_insert(Some((corners, body)));
-            }
-        }
         let mut corners: Vec<Vec<usize>> = Vec::new();
         let mut bodies = Vec::new();
-        for (face, body) in faces.into_values().flatten() {
-            corners.push(face.to_vec());
-            bodies.push(body);
+        for (k, body) in model.bodies.iter().enumerate() {
+            let faces = skin(&body.elements);
+            corners.extend(faces.iter().map(|face| face.corners().to_vec()));
+            bodies.resize(corners.len(), k);
         }
         for facet in model.rigid_facets() {
             corners.push(facet.corners().to_vec());

@@ -39,7 +39,6 @@ pub use supports::{SupportGroup, SupportGroups};
 use increment::Increment;
 
 /// Leads a problem through time.
-#[derive(Debug)]
 pub struct Statics {
     problem: Problem,
     settings: Settings,

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Failure, Pressure, StaticsError, SupportGroups, Timing};
 use crate::contact::{ContactSet, RefreshRule};
-use crate::solid::{Order, PointState, Solid, SolidResponse};
+use crate::material::PointState;
+use crate::solid::{Order, Solid, SolidResponse};
 use crate::system::{BlockMatrix, BlockPattern, DirectSolver, Equations, Symmetry};
 
 /// All history: an increment starts from one and ends in one.

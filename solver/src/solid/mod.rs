@@ -102,7 +102,7 @@ impl Solid {
     }
 
     /// The nodes of each element, body by body.
-    pub fn elements(&self) -> impl ExactSizeIterator<Item = &[usize; 8]> {
+    pub fn elements(&self) -> impl ExactSizeIterator<Item = &[usize; 8]> + Clone {
         self.elements.iter().map(|element| &element.nodes)
     }
 

@@ -14,7 +14,7 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 /// Memory that grows to the largest request.
 #[derive(Default)]
 struct Workspace {
-    buffer: Option<(MemBuffer, usize)>,
+    buffer: Option<(MemBuffer, StackReq)>,
 }
 
 /// P (A) Pᵀ = L B Lᵀ with blocks of B of size 1 and 2, pivots chosen by Bunch and Kaufman among the columns of a supernode.
@@ -37,12 +37,14 @@ pub(super) struct GeneralFactor {
 
 impl Workspace {
     fn stack(&mut self, request: StackReq) -> Result<&mut MemStack, FaerError> {
-        let size = request.unaligned_bytes_required();
-        if self.buffer.as_ref().is_none_or(|(_, capacity)| *capacity < size) {
+        let fits = |(_, held): &(MemBuffer, StackReq)| {
+            held.size_bytes() >= request.size_bytes() && held.align_bytes() >= request.align_bytes()
+        };
+        if !self.buffer.as_ref().is_some_and(fits) {
             // The old one goes first: the two need not exist side by side.
             self.buffer = None;
             let buffer = MemBuffer::try_new(request).map_err(|_| FaerError::OutOfMemory)?;
-            self.buffer = Some((buffer, size));
+            self.buffer = Some((buffer, request));
         }
         let (buffer, _) = self.buffer.as_mut().ok_or(FaerError::OutOfMemory)?;
         Ok(MemStack::new(buffer))

@@ -379,10 +379,12 @@ fn irregular(index: usize) -> f64 {
     ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
+/// The maximum norm; NaN if an entry is.
 fn largest(values: &[f64]) -> f64 {
-    values
-        .iter()
-        .fold(0.0, |largest: f64, value| if value.is_nan() { f64::NAN } else { largest.max(value.abs()) })
+    values.iter().fold(0.0, |largest, value| {
+        let modulus = value.abs();
+        if modulus > largest || modulus.is_nan() { modulus } else { largest }
+    })
 }
 
 /// Euclidean, of numbers of any size.

@@ -1,0 +1,283 @@
+//! One hexahedron: forces, tangent, stresses.
+
+mod common;
+
+use common::{body, grid, numbers};
+use diffuse_contact_solver::material::{Material, Plasticity, PointState};
+use diffuse_contact_solver::solid::{Order, Solid, SolidError, SolidResponse};
+
+const RUBBER: Material = Material { young: 10.0, poisson: 0.45, plasticity: None };
+const SOFT_METAL: Material = Material {
+    young: 2000.0,
+    poisson: 0.3,
+    plasticity: Some(Plasticity { yield_stress: 10.0, hardening: 50.0 }),
+};
+
+/// A distorted hexahedron and a deformed state of it.
+fn distorted(material: Material, amplitude: f64) -> (Solid, Vec<[f64; 3]>) {
+    let mut next = numbers(3);
+    let (nodes, elements) = grid([1, 1, 1], |x| x.map(|x| 2.0 * x + 0.3 * next_of(x)));
+    let solid = Solid::new(&nodes, &[body(elements, material)]).unwrap();
+    let deformed =
+        nodes.iter().map(|x| [0, 1, 2].map(|i| 1.1 * x[(i + 1) % 3] + 5.0 + amplitude * next())).collect();
+    (solid, deformed)
+}
+
+/// Some number between −1 and 1 for a coordinate of the unit cube.
+fn next_of(x: f64) -> f64 {
+    (7.0 * x + 1.0).sin()
+}
+
+fn evaluate(solid: &Solid, positions: &[[f64; 3]], states: &[PointState]) -> SolidResponse {
+    let mut response = SolidResponse::default();
+    solid.evaluate(positions, states, Order::Tangent, &mut response).unwrap();
+    response
+}
+
+/// Central differences with Richardson's extrapolation, sixth order.
+fn derivative<const N: usize>(step: f64, at: impl Fn(f64) -> [f64; N]) -> [f64; N] {
+    let central = |h: f64| {
+        let (plus, minus) = (at(h), at(-h));
+        std::array::from_fn::<f64, N, _>(|i| (plus[i] - minus[i]) / (2.0 * h))
+    };
+    let (d1, d2, d4) = (central(step), central(step / 2.0), central(step / 4.0));
+    std::array::from_fn(|i| {
+        let (e1, e2) = ((4.0 * d2[i] - d1[i]) / 3.0, (4.0 * d4[i] - d2[i]) / 3.0);
+        (16.0 * e2 - e1) / 15.0
+    })
+}
+
+fn moved(positions: &[[f64; 3]], coordinate: usize, by: f64) -> Vec<[f64; 3]> {
+    let mut positions = positions.to_vec();
+    positions[coordinate / 3][coordinate % 3] += by;
+    positions
+}
+
+/// Coordinates of the element's nodes in the order of its forces.
+fn coordinates(solid: &Solid) -> Vec<usize> {
+    let nodes = solid.elements().next().unwrap();
+    nodes.iter().flat_map(|node| (0..3).map(move |i| 3 * node + i)).collect()
+}
+
+#[test]
+fn forces_are_the_gradient_of_the_energy() {
+    let (solid, positions) = distorted(RUBBER, 0.25);
+    let states = solid.states();
+    let forces = evaluate(&solid, &positions, &states).forces[0];
+    let largest = forces.iter().fold(0.0, |m: f64, f| m.max(f.abs()));
+    assert!(largest > 1.0);
+    for (i, coordinate) in coordinates(&solid).into_iter().enumerate() {
+        let [numeric] =
+            derivative(1e-2, |h| [solid.stored_energy(&moved(&positions, coordinate, h), &states).unwrap()]);
+        assert!((numeric - forces[i]).abs() < 1e-9 * largest, "{i}: {numeric} {}", forces[i]);
+    }
+}
+
+fn assert_tangent(solid: &Solid, positions: &[[f64; 3]], states: &[PointState], step: f64, tolerance: f64) {
+    let tangent = evaluate(solid, positions, states).tangents[0];
+    let largest = tangent.iter().fold(0.0, |m: f64, k| m.max(k.abs()));
+    for (j, coordinate) in coordinates(solid).into_iter().enumerate() {
+        let column =
+            derivative(step, |h| evaluate(solid, &moved(positions, coordinate, h), states).forces[0]);
+        for i in 0..24 {
+            // Both halves are compared: the tangent is symmetric only if the forces' derivative is.
+            let (row, col) = (i.max(j), i.min(j));
+            let exact = tangent[row * (row + 1) / 2 + col];
+            assert!((column[i] - exact).abs() < tolerance * largest, "({i}, {j}): {} {exact}", column[i]);
+        }
+    }
+}
+
+#[test]
+fn tangent_is_the_derivative_of_the_forces() {
+    let (solid, positions) = distorted(RUBBER, 0.25);
+    assert_tangent(&solid, &positions, &solid.states(), 1e-2, 1e-9);
+    let (nearly, positions) = distorted(Material { poisson: 0.4999, ..RUBBER }, 0.1);
+    assert_tangent(&nearly, &positions, &nearly.states(), 1e-2, 1e-9);
+    // At rest principal stretches are equal everywhere.
+    let (nodes, elements) = grid([1, 1, 1], |x| x);
+    let solid = Solid::new(&nodes, &[body(elements, RUBBER)]).unwrap();
+    assert_tangent(&solid, &nodes, &solid.states(), 1e-2, 1e-9);
+}
+
+#[test]
+fn plastic_tangent_is_the_derivative_of_the_forces() {
+    let (solid, positions) = distorted(SOFT_METAL, 0.2);
+    let virgin = solid.states();
+    let first = evaluate(&solid, &positions, &virgin);
+    assert!(first.states.iter().all(|state| state.equivalent_plastic_strain > 0.05));
+    assert_tangent(&solid, &positions, &virgin, 2e-3, 1e-8);
+    // On from there, in another direction.
+    let mut next = numbers(11);
+    let further: Vec<_> = positions.iter().map(|x| x.map(|x| x + 0.15 * next())).collect();
+    let second = evaluate(&solid, &further, &first.states);
+    let flowing = second.states.iter().zip(&first.states);
+    assert!(flowing.clone().all(|(b, a)| b.equivalent_plastic_strain > a.equivalent_plastic_strain + 0.01));
+    assert_tangent(&solid, &further, &first.states, 1e-3, 1e-8);
+    for state in &second.states {
+        let determinant = state.inverse_plastic_metric().determinant();
+        assert!((determinant - 1.0).abs() < 1e-14);
+    }
+}
+
+/// No force and no torque on the whole, no force from a translation; a rotation of the body rotates the forces.
+#[test]
+fn rigid_motions() {
+    let (solid, positions) = distorted(RUBBER, 0.25);
+    let states = solid.states();
+    let response = evaluate(&solid, &positions, &states);
+    let (forces, tangent) = (response.forces[0], response.tangents[0]);
+    let nodes = solid.elements().next().unwrap();
+    let x: Vec<f64> = nodes.iter().flat_map(|&node| positions[node]).collect();
+    let entry = |i: usize, j: usize| tangent[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
+    let largest = tangent.iter().fold(0.0, |m: f64, k| m.max(k.abs()));
+    for axis in 0..3 {
+        let force: f64 = (0..8).map(|a| forces[3 * a + axis]).sum();
+        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+        let torque: f64 =
+            (0..8).map(|a| x[3 * a + i] * forces[3 * a + j] - x[3 * a + j] * forces[3 * a + i]).sum();
+        assert!(force.abs() < 1e-13 * largest, "{force:e}");
+        assert!(torque.abs() < 1e-12 * largest, "{torque:e}");
+        // e_axis × v
+        let turned = |v: &[f64]| -> Vec<f64> {
+            let mut w = vec![0.0; 24];
+            for a in 0..8 {
+                w[3 * a + i] = -v[3 * a + j];
+                w[3 * a + j] = v[3 * a + i];
+            }
+            w
+        };
+        let (rotation, rotated_force) = (turned(&x), turned(&forces));
+        for row in 0..24 {
+            let translation: f64 = (0..8).map(|a| entry(row, 3 * a + axis)).sum();
+            assert!(translation.abs() < 1e-13 * largest, "{translation:e}");
+            let spin: f64 = (0..24).map(|col| entry(row, col) * rotation[col]).sum();
+            assert!((spin - rotated_force[row]).abs() < 1e-12 * largest);
+        }
+    }
+}
+
+#[test]
+fn a_quarter_turn_has_no_stress() {
+    let (nodes, elements) = grid([2, 2, 2], |x| x.map(|x| 3.0 * x + 0.2 * next_of(x)));
+    let solid = Solid::new(&nodes, &[body(elements, SOFT_METAL)]).unwrap();
+    let turned: Vec<_> = nodes.iter().map(|x| [100.0 - x[1], x[0] - 50.0, x[2]]).collect();
+    let response = evaluate(&solid, &turned, &solid.states());
+    assert!(response.forces.as_flattened().iter().all(|f| f.abs() < 1e-10));
+    let recovery = solid.recover(&turned, &response.states).unwrap();
+    assert!(recovery.points.iter().all(|point| point.von_mises < 1e-10));
+    assert_eq!(response.states, solid.states());
+}
+
+/// Recovery gives back the stress that was put in, at points and nodes, in each body by its own material.
+#[test]
+fn recovery_of_a_uniform_state() {
+    let (nodes, elements) = grid([2, 1, 1], |x| [2.0 * x[0], x[1], x[2]]);
+    let stiff = Material { young: 30.0, ..RUBBER };
+    let bodies = [body(vec![elements[0]], RUBBER), body(vec![elements[1]], stiff)];
+    let solid = Solid::new(&nodes, &bodies).unwrap();
+    let stretched: Vec<_> = nodes.iter().map(|x| [1.2 * x[0], 0.9 * x[1], x[2] + 0.1 * x[0]]).collect();
+    let response = evaluate(&solid, &stretched, &solid.states());
+    let recovery = solid.recover(&stretched, &response.states).unwrap();
+    assert_eq!(recovery.points.len(), 16);
+    assert_eq!(recovery.bodies.len(), 2);
+    for (body, points) in recovery.bodies.iter().zip(recovery.points.chunks(8)) {
+        assert_eq!(body.nodes.len(), 8);
+        for fields in body.fields.iter().chain(points) {
+            for k in 0..6 {
+                assert!((fields.stress[k] - points[0].stress[k]).abs() < 1e-12);
+            }
+            assert!((fields.von_mises - points[0].von_mises).abs() < 1e-12);
+        }
+    }
+    let (soft, hard) = (recovery.points[0], recovery.points[8]);
+    assert!((hard.stress[0] - 3.0 * soft.stress[0]).abs() < 1e-12 && soft.stress[0] > 0.5);
+    // The mean stress is κ ln θ / θ.
+    let theta: f64 = 1.2 * 0.9;
+    let mean = (soft.stress[0] + soft.stress[1] + soft.stress[2]) / 3.0;
+    assert!((mean - RUBBER.bulk_modulus() * theta.ln() / theta).abs() < 1e-12);
+    // Nodes between the bodies are in both.
+    assert!(
+        recovery.bodies[0].nodes.iter().filter(|node| recovery.bodies[1].nodes.contains(node)).count() == 4
+    );
+}
+
+/// The same bits for any number of threads.
+#[test]
+fn threads_make_no_difference() {
+    let (nodes, elements) = grid([5, 5, 4], |x| x.map(|x| 3.0 * x + 0.1 * next_of(x)));
+    let solid = Solid::new(&nodes, &[body(elements, SOFT_METAL)]).unwrap();
+    let mut next = numbers(5);
+    let positions: Vec<_> = nodes.iter().map(|x| x.map(|x| x + 0.05 * next())).collect();
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| evaluate(&solid, &positions, &solid.states()))
+    };
+    let (one, three) = (run(1), run(3));
+    assert_eq!(one.forces, three.forces);
+    assert_eq!(one.tangents, three.tangents);
+    assert_eq!(one.states, three.states);
+}
+
+#[test]
+fn bad_input_is_named() {
+    let (nodes, elements) = grid([2, 1, 1], |x| x);
+    let solid = Solid::new(&nodes, &[body(elements.clone(), RUBBER)]).unwrap();
+    let states = solid.states();
+    let mut out = SolidResponse::default();
+    let mut evaluate = |positions: &[[f64; 3]], states: &[PointState]| {
+        solid.evaluate(positions, states, Order::Residual, &mut out).unwrap_err()
+    };
+
+    let mut flipped = nodes.clone();
+    for position in &mut flipped {
+        position[0] = -position[0];
+    }
+    assert!(
+        matches!(evaluate(&flipped, &states), SolidError::Inverted { element: 0, point: 0, jacobian } if (jacobian + 1.0).abs() < 1e-12)
+    );
+    // Only the second element is bad.
+    let mut second = nodes.clone();
+    for position in second.iter_mut().filter(|position| position[0] == 1.0) {
+        position[0] = 0.2;
+    }
+    assert!(matches!(evaluate(&second, &states), SolidError::Inverted { element: 1, .. }));
+    let flat: Vec<_> = nodes.iter().map(|x| [x[0], x[1], 0.0]).collect();
+    assert!(matches!(evaluate(&flat, &states), SolidError::Inverted { jacobian: 0.0, .. }));
+    let huge: Vec<_> = nodes.iter().map(|x| x.map(|x| 1e150 * x)).collect();
+    assert!(matches!(evaluate(&huge, &states), SolidError::Inverted { .. } | SolidError::Unresolved { .. }));
+    let needle: Vec<_> =
+        nodes.iter().map(|x| [1e12 * (x[0] + x[1]), 1e12 * (x[0] + x[1]) + 1e-6 * x[1], x[2]]).collect();
+    assert!(matches!(
+        evaluate(&needle, &states),
+        SolidError::Inverted { .. } | SolidError::Unresolved { .. }
+    ));
+
+    let mut nan = nodes.clone();
+    nan[3][1] = f64::NAN;
+    assert!(matches!(evaluate(&nan, &states), SolidError::NotFinite { node: 3, .. }));
+    assert!(matches!(
+        evaluate(&nodes[1..], &states),
+        SolidError::WrongCount { what: "positions", given: 11, expected: 12 }
+    ));
+    assert!(matches!(
+        evaluate(&nodes, &states[1..]),
+        SolidError::WrongCount { what: "states", given: 15, expected: 16 }
+    ));
+    let mut broken = states.clone();
+    broken[9].inverse_plastic_metric = [f64::NAN; 6];
+    assert!(matches!(evaluate(&nodes, &broken), SolidError::Unresolved { element: 1, point: 1, .. }));
+
+    assert!(matches!(
+        Solid::new(&flipped, &[body(elements.clone(), RUBBER)]).unwrap_err(),
+        SolidError::BadElement { element: 0, point: 0, jacobian } if jacobian < 0.0
+    ));
+    assert!(matches!(
+        Solid::new(&nodes[..11], &[body(elements.clone(), RUBBER)]).unwrap_err(),
+        SolidError::NodeOutOfRange { element: 1, node: 11, count: 11 }
+    ));
+    assert!(matches!(
+        Solid::new(&nodes, &[body(elements, Material { poisson: 0.5, ..RUBBER })]).unwrap_err(),
+        SolidError::Material { body: 0, .. }
+    ));
+}

@@ -1,0 +1,199 @@
+//! Bodies of hexahedra against closed forms.
+
+mod common;
+
+use common::{Problem, grid, numbers};
+use diffuse_contact_solver::material::{Material, Plasticity};
+
+const STEEL: Material = Material { young: 2e5, poisson: 0.3, plasticity: None };
+const PLASTIC: Material =
+    Material { plasticity: Some(Plasticity { yield_stress: 400.0, hardening: 3450.0 }), ..STEEL };
+
+/// Linear displacements on the boundary of distorted hexahedra: the same inside, and one stress everywhere.
+#[test]
+fn patch_test() {
+    for material in [STEEL, Material { poisson: 0.4999, ..STEEL }] {
+        let mut next = numbers(2);
+        let (mut nodes, elements) = grid([3, 3, 3], |x| x);
+        let inside = |x: &[f64; 3]| x.iter().all(|&x| x > 0.01 && x < 0.99);
+        for node in nodes.iter_mut().filter(|node| inside(node)) {
+            *node = node.map(|x| x + 0.12 * next());
+        }
+        let mut problem = Problem::new(&nodes, elements, material);
+        problem.hold([true; 3], |x| !inside(x));
+        // Strains of about a tenth.
+        let slope = [[0.1, 0.04, -0.02], [0.03, -0.06, 0.05], [0.02, 0.01, 0.08]];
+        let affine = |x: &[f64; 3]| {
+            [0, 1, 2].map(|i| x[i] + slope[i][0] * x[0] + slope[i][1] * x[1] + slope[i][2] * x[2])
+        };
+        let target: Vec<_> = nodes.iter().map(affine).collect();
+        problem.step(&target, 1e-7);
+        for (position, expected) in problem.positions.iter().zip(&target) {
+            for i in 0..3 {
+                assert!((position[i] - expected[i]).abs() < 1e-12, "{position:?} {expected:?}");
+            }
+        }
+        let recovery = problem.solid.recover(&problem.positions, &problem.states).unwrap();
+        let first = recovery.points[0].stress;
+        let scale = recovery.points[0].von_mises;
+        assert!(scale > 1e3);
+        let nodal = &recovery.bodies[0].fields;
+        for fields in recovery.points.iter().chain(nodal) {
+            for k in 0..6 {
+                // Where the volume has to be right to 1e-14 for the pressure to be right to 1e-10.
+                let size = scale.max(first[0].abs());
+                assert!((fields.stress[k] - first[k]).abs() < 1e-10 * size, "{:?} {first:?}", fields.stress);
+            }
+        }
+    }
+}
+
+/// A bar drawn out to 1.3 times its length; sides free.
+#[test]
+fn uniaxial_plastic_tension() {
+    let (nodes, elements) = grid([2, 1, 1], |x| [10.0 * x[0], 2.0 * x[1], 2.0 * x[2]]);
+    let mut problem = Problem::new(&nodes, elements, PLASTIC);
+    problem.hold([true, false, false], |x| x[0] == 0.0 || x[0] == 10.0);
+    problem.hold([false, true, false], |x| x[1] == 0.0);
+    problem.hold([false, false, true], |x| x[2] == 0.0);
+    let steps = 30;
+    for step in 1..=steps {
+        let length = 10.0 * (1.0 + 0.3 * f64::from(step) / f64::from(steps));
+        let target: Vec<_> = nodes.iter().map(|x| [x[0] * length / 10.0, x[1], x[2]]).collect();
+        problem.step(&target, 1e-8);
+        // Kirchhoff's stress τ = σ_y + H p, ln λ = τ/E + p.
+        let strain = (length / 10.0).ln();
+        let tau = (400.0 + 3450.0 * strain) / (1.0 + 3450.0 / 2e5);
+        let theta = (tau / (3.0 * PLASTIC.bulk_modulus())).exp();
+        let recovery = problem.solid.recover(&problem.positions, &problem.states).unwrap();
+        for point in &recovery.points {
+            assert!(
+                (point.stress[0] - tau / theta).abs() < 1e-8 * tau,
+                "{} {}",
+                point.stress[0],
+                tau / theta
+            );
+            assert!(point.stress[1..].iter().all(|s| s.abs() < 1e-7));
+            assert!((point.equivalent_plastic_strain - (strain - tau / 2e5)).abs() < 1e-11);
+        }
+    }
+}
+
+/// The tip of Cook's membrane under a small load, plane strain, per load and modulus.
+fn cook(divisions: usize, poisson: f64) -> f64 {
+    let (nodes, elements) = grid([divisions, divisions, 1], |[x, y, z]| {
+        [48.0 * x, 44.0 * x + y * (44.0 - 28.0 * x), 48.0 / divisions as f64 * z]
+    });
+    let thickness = 48.0 / divisions as f64;
+    let material = Material { young: 250.0, poisson, plasticity: None };
+    let mut problem = Problem::new(&nodes, elements, material);
+    problem.hold([true; 3], |x| x[0] == 0.0);
+    problem.hold([false, false, true], |_| true);
+    let load = 1e-4 * thickness / (2 * divisions) as f64;
+    for (node, x) in nodes.iter().enumerate().filter(|(_, x)| x[0] == 48.0) {
+        // Nodes at the ends of the edge carry half of the others.
+        let ends = (x[1] - 44.0).abs() < 1e-9 || (x[1] - 60.0).abs() < 1e-9;
+        problem.loads[node][1] = if ends { 0.5 * load } else { load };
+    }
+    problem.step(&nodes, 1e-11);
+    let tip = nodes.iter().position(|x| x[0] == 48.0 && (x[1] - 60.0).abs() < 1e-9).unwrap();
+    (problem.positions[tip][1] - nodes[tip][1]) * 1e6
+}
+
+/// The reference 7.77 for ν = 0.4999 and a load of 100 is the literature's for small strains.
+#[test]
+fn no_locking_as_the_material_becomes_incompressible() {
+    let tips = [4, 8, 16].map(|divisions| cook(divisions, 0.4999));
+    println!("{tips:?} {}", cook(16, 0.3));
+    assert!((tips[2] / 7.77 - 1.0).abs() < 0.02, "{tips:?}");
+    assert!((tips[1] / 7.77 - 1.0).abs() < 0.06, "{tips:?}");
+    // As the limit is approached nothing changes any more.
+    let limit = cook(8, 0.499_999_9);
+    assert!((limit / tips[1] - 1.0).abs() < 1e-3, "{limit} {tips:?}");
+}
+
+/// Deflection of a cantilever's tip over Timoshenko's, ν = 0.
+fn cantilever(through: usize) -> f64 {
+    let (length, height) = (10.0, 1.0);
+    let (nodes, elements) = grid([10 * through, 1, through], |x| [length * x[0], x[1], height * x[2]]);
+    let material = Material { poisson: 0.0, ..STEEL };
+    let mut problem = Problem::new(&nodes, elements, material);
+    problem.hold([true; 3], |x| x[0] == 0.0);
+    let force = 1e-3;
+    for (node, x) in nodes.iter().enumerate().filter(|(_, x)| x[0] == length) {
+        let ends = x[2] == 0.0 || x[2] == height;
+        problem.loads[node][2] = force / (2 * through) as f64 * if ends { 0.5 } else { 1.0 };
+    }
+    problem.step(&nodes, 1e-10);
+    let tip = nodes.iter().position(|x| x[0] == length).unwrap();
+    let inertia = height.powi(3) / 12.0;
+    let bending = force * length.powi(3) / (3.0 * material.young * inertia);
+    let shear = force * length / (5.0 / 6.0 * material.shear_modulus() * height);
+    (problem.positions[tip][2] - nodes[tip][2]) / (bending + shear)
+}
+
+/// The full integration of shear makes coarse elements stiff in bending; the error falls with the square of their size.
+#[test]
+fn bending_converges_to_beam_theory() {
+    let [e1, e2, e4] = [1, 2, 4].map(|through| 1.0 - cantilever(through));
+    println!("{e1} {e2} {e4}");
+    assert!(e4 > 0.0 && e4 < 0.035, "{e4}");
+    assert!(e1 / e2 > 2.5 && e2 / e4 > 3.3, "{e1} {e2} {e4}");
+    // What is left after extrapolation is the difference between beam and solid at the clamped end.
+    let extrapolated = e4 - (e2 - e4) / 3.0;
+    assert!(extrapolated.abs() < 3e-3, "{extrapolated}");
+}
+
+/// The elastica with P L² / EI = 5: the tip moves by 0.71379 L across and 0.38763 L back.
+#[test]
+fn a_strip_bends_like_the_elastica() {
+    let (length, height, through) = (10.0, 0.5, 2);
+    let along = 80;
+    let (nodes, elements) = grid([along, 1, through], |x| [length * x[0], x[1], height * (x[2] - 0.5)]);
+    let material = Material { poisson: 0.0, ..STEEL };
+    let mut problem = Problem::new(&nodes, elements, material);
+    problem.hold([true; 3], |x| x[0] == 0.0);
+    let force = 5.0 * material.young * height.powi(3) / 12.0 / (length * length);
+    for step in 1..=10 {
+        for (node, x) in nodes.iter().enumerate().filter(|(_, x)| x[0] == length) {
+            let share = if x[2] == 0.0 { 0.25 } else { 0.125 };
+            problem.loads[node][2] = share * force * f64::from(step) / 10.0;
+        }
+        let target = problem.positions.clone();
+        problem.step(&target, 1e-7 * force);
+    }
+    let tip = nodes.iter().position(|x| x[0] == length && x[2] == 0.0).unwrap();
+    let across = problem.positions[tip][2] / length;
+    let back = 1.0 - problem.positions[tip][0] / length;
+    println!("{across} {back}");
+    assert!((across - 0.71379).abs() < 0.01, "{across}");
+    assert!((back - 0.38763).abs() < 0.01, "{back}");
+}
+
+/// Upsetting of a plastic block between rough plates: residuals fall quadratically until rounding.
+#[test]
+fn newton_converges_quadratically() {
+    for material in [PLASTIC, STEEL, Material { poisson: 0.4999, ..STEEL }] {
+        let (nodes, elements) = grid([3, 3, 3], |x| x);
+        let mut problem = Problem::new(&nodes, elements, material);
+        problem.hold([true; 3], |x| x[2] == 0.0 || x[2] == 1.0);
+        let mut deepest = 0;
+        for step in 1..=4 {
+            let height = 1.0 - 0.03 * f64::from(step);
+            let target: Vec<_> =
+                nodes.iter().map(|x| [x[0] + 0.02 * f64::from(step) * x[2], x[1], x[2] * height]).collect();
+            let history = problem.step(&target, 1e-8);
+            println!("{history:?}");
+            let floor = 1e-7;
+            let mut quadratic = 0;
+            for pair in history.windows(2).filter(|pair| pair[0] < 30.0) {
+                // r / E a² is the measure of a strain; C is that of the material's nonlinearity.
+                let (r, next) = (pair[0] / material.young, pair[1] / material.young);
+                assert!(next < 3e3 * r * r + floor / material.young, "{history:?}");
+                quadratic += usize::from(pair[0] > 1e-3);
+            }
+            deepest = deepest.max(quadratic);
+        }
+        assert!(deepest >= 1, "no step came close enough to see");
+    }
+}

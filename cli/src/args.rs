@@ -12,6 +12,7 @@ use crate::bench::BenchArguments;
 use crate::check::NodeCounts;
 use crate::demo::status;
 use crate::error::report;
+use crate::solve::{ReportArguments, SolveArguments};
 use crate::study::StudyArguments;
 use crate::surface::SurfaceArguments;
 
@@ -37,6 +38,10 @@ pub enum Command {
     Surface(SurfaceArguments),
     /// Search the master nodes around the slaves of a JSON file by convex hulls and print them as JSON.
     Neighbours(NeighboursArguments),
+    /// Solve a deck: finite-strain statics with contact, from a TOML file to results and a report.
+    Solve(SolveArguments),
+    /// Write one page for the results of several runs.
+    Report(ReportArguments),
     /// Print a kernel's source and its operation counts.
     Emit(EmitArguments),
     /// Compare the generated kernels with automatic differentiation and with the interpreter of their graph.

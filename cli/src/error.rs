@@ -10,6 +10,7 @@ use diffuse_contact_benches::MeasureError;
 use diffuse_contact_codegen::model::WeightError;
 use diffuse_contact_codegen::{Basis, Mode, Output};
 use diffuse_contact_mesh::MeshError;
+use diffuse_contact_solver::solve::SolveError;
 
 use crate::check::NoElement;
 use crate::study::StudyError;
@@ -79,6 +80,9 @@ pub enum CliError {
         /// Its directory.
         directory: PathBuf,
     },
+    /// A deck, its model or its results.
+    #[error(transparent)]
+    Solve(Box<SolveError>),
     /// Standard output cannot be written.
     #[error("standard output cannot be written: {}", plain(.0))]
     Stdout(io::Error),

@@ -44,6 +44,7 @@ mod neighbours;
 mod outcome;
 mod output;
 mod progress;
+mod solve;
 mod study;
 mod surface;
 mod threads;
@@ -78,6 +79,8 @@ pub fn main() -> ExitCode {
         Some(Command::Evaluate(arguments)) => evaluate::run(&arguments).map(done),
         Some(Command::Surface(arguments)) => surface::run(&arguments).map(done),
         Some(Command::Neighbours(arguments)) => neighbours::run(&arguments).map(done),
+        Some(Command::Solve(arguments)) => solve::run(&arguments),
+        Some(Command::Report(arguments)) => solve::report(&arguments).map(done),
         Some(Command::Emit(arguments)) => emit::run(&arguments).map(done),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Study(arguments)) => study::run(&arguments).map(done),

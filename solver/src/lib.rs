@@ -3,10 +3,12 @@
 #![forbid(unsafe_code)]
 
 pub mod contact;
+pub mod deck;
 pub mod material;
 pub mod model;
 pub mod output;
 pub mod report;
 pub mod solid;
+pub mod solve;
 pub mod statics;
 pub mod system;

@@ -29,7 +29,7 @@ pub struct Conflict {
 /// The prescribed degrees of freedom of a model.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Supports {
-    motions: Vec<Motion>,
+    supports: Vec<Support>,
     /// Of each node and axis the motion.
     of_node: Vec<[Option<usize>; 3]>,
 }
@@ -52,13 +52,19 @@ impl Supports {
                 }
             }
         }
-        Ok(Self { motions: supports.iter().map(|support| support.motion.clone()).collect(), of_node })
+        Ok(Self { supports: supports.to_vec(), of_node })
+    }
+
+    /// The supports it was made of.
+    #[must_use]
+    pub fn supports(&self) -> &[Support] {
+        &self.supports
     }
 
     /// How a node moves along an axis (0 for x, 1 for y, 2 for z); `None` if it is free.
     #[must_use]
     pub fn motion(&self, node: usize, axis: usize) -> Option<&Motion> {
-        self.of_node[node][axis].map(|motion| &self.motions[motion])
+        self.of_node[node][axis].map(|k| &self.supports[k].motion)
     }
 
     /// The prescribed degrees of freedom as node and axis, ascending.
@@ -75,8 +81,8 @@ impl Supports {
     pub fn apply(&self, time: f64, reference: &[[f64; 3]], positions: &mut [[f64; 3]]) {
         for (node, of_axis) in self.of_node.iter().enumerate() {
             for axis in 0..3 {
-                if let Some(motion) = of_axis[axis] {
-                    positions[node][axis] = self.motions[motion].position(time, reference[node])[axis];
+                if let Some(k) = of_axis[axis] {
+                    positions[node][axis] = self.supports[k].motion.position(time, reference[node])[axis];
                 }
             }
         }

@@ -24,7 +24,7 @@ mod summary;
 pub use error::OutputError;
 pub use fields::{ContactStatus, Fields};
 pub use history::{HistoryRow, read_history, read_iterations};
-pub use recorder::{Recorder, RecorderOptions};
+pub use recorder::{Recorder, RecorderOptions, Watcher};
 pub use skin::{Skin, SkinFrame};
 pub use summary::Summary;
 

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::{Fields, OutputError, Skin, Summary, history, names};
 use crate::model::Model;
+use crate::report::{SURFACES, SurfaceSample};
 use crate::statics::{Control, Failure, IncrementRecord, IterationRecord, Observer, Problem, State};
 
 /// What is written.
@@ -22,7 +23,7 @@ pub struct RecorderOptions {
 }
 
 /// Someone who watches a run and may stop it.
-pub trait Watcher {
+pub trait Watcher: Send {
     /// A residual.
     fn iteration(&mut self, record: &IterationRecord);
     /// A failed increment.
@@ -44,7 +45,7 @@ pub struct Recorder<'a> {
     /// Seconds of earlier runs.
     earlier_s: f64,
     max_penetration_ever: f64,
-    last: Option<IncrementRecord>,
+    last: Option<(IncrementRecord, State)>,
     watcher: &'a mut dyn Watcher,
 }
 
@@ -159,6 +160,20 @@ impl<'a> Recorder<'a> {
         self.earlier_s + self.begin.elapsed().as_secs_f64()
     }
 
+    /// The last state that is on disk, if it was reached in this run.
+    #[must_use]
+    pub fn last_state(&self) -> Option<&State> {
+        self.last.as_ref().map(|(_, state)| state)
+    }
+
+    /// Writes the sampled master surfaces for the report.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`].
+    pub fn write_surfaces(&self, surfaces: &[SurfaceSample]) -> Result<(), OutputError> {
+        self.write(&format!("{}/{SURFACES}", names::SKINS), |writer| json(writer, &surfaces))
+    }
+
     /// Writes how the run ended.
     ///
     /// # Errors
@@ -166,7 +181,7 @@ impl<'a> Recorder<'a> {
     pub fn finish(&self, mut summary: Summary) -> Result<Summary, OutputError> {
         summary.wall_s = self.wall_s();
         summary.max_penetration_ever = self.max_penetration_ever;
-        if let Some(last) = &self.last {
+        if let Some((last, _)) = &self.last {
             summary.max_penetration = last.max_penetration;
             for force in &last.contact_forces {
                 for axis in 0..3 {
@@ -284,7 +299,7 @@ impl Observer for Recorder<'_> {
     ) -> Result<Control, Box<dyn std::error::Error + Send + Sync>> {
         self.save(record, state, problem)?;
         self.max_penetration_ever = self.max_penetration_ever.max(record.max_penetration);
-        self.last = Some(record.clone());
+        self.last = Some((record.clone(), state.clone()));
         Ok(self.watcher.increment(record))
     }
 }

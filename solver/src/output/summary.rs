@@ -2,8 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::deck::Deck;
+use crate::model::Model;
+use crate::statics::State;
+
 /// `summary.json`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Title of the deck.
     pub title: String,
@@ -37,4 +41,26 @@ pub struct Summary {
     pub element: String,
     /// Nodes, elements.
     pub size: [usize; 2],
+}
+
+impl Summary {
+    /// That of a deck's run before its first increment.
+    #[must_use]
+    pub fn new(deck: &Deck, model: &Model) -> Self {
+        let elements = model.bodies.iter().map(|body| body.elements.len()).sum();
+        Self {
+            title: deck.title.clone(),
+            element: deck.contact.name().to_owned(),
+            size: [model.nodes.len(), elements],
+            ..Self::default()
+        }
+    }
+
+    /// Takes over the counts of the last converged state.
+    pub fn take(&mut self, state: &State) {
+        self.time = state.time;
+        self.increments = state.increments;
+        self.cutbacks = state.cutbacks;
+        self.newton_iterations = state.iterations;
+    }
 }

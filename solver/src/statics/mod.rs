@@ -60,6 +60,14 @@ impl Statics {
         &self.problem
     }
 
+    /// Whether a state can be gone on from.
+    ///
+    /// # Errors
+    /// [`StaticsError::ForeignState`], [`StaticsError::Contact`].
+    pub fn check_state(&mut self, state: &State) -> Result<(), StaticsError> {
+        self.problem.check_state(state)
+    }
+
     /// Goes on from `state` until the end of time, or until the observer stops it. Returns the last converged state.
     ///
     /// # Errors

@@ -1,0 +1,252 @@
+//! From a deck to results.
+
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::contact::{self, ContactError, ContactSet, Interaction, InteractionOptions, RefreshRule};
+use crate::deck::{Contact, Deck, DeckError, Interface, Refresh, Tangent};
+use crate::material::Material;
+use crate::model::Model;
+use crate::output::{Fields, OutputError, Recorder, RecorderOptions, Summary, Watcher, names};
+use crate::report::{self, sample_surfaces};
+use crate::solid::Solid;
+use crate::statics::{
+    NewtonSettings, Pressure, Problem, Settings, State, Statics, StaticsError, SupportGroup, SupportGroups,
+    TimeSettings,
+};
+
+/// What to do with a deck.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SolveOptions {
+    /// Directory of results.
+    pub out: PathBuf,
+    /// Go on from the last finished increment in `out`.
+    pub restart: bool,
+    /// Replace results in `out`.
+    pub overwrite: bool,
+    /// Threads of the linear solver; elements and contacts use those of the current rayon pool.
+    pub threads: usize,
+}
+
+/// Why there are no results, or none to the end.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SolveError {
+    /// The deck.
+    #[error(transparent)]
+    Deck(#[from] DeckError),
+    /// Elements or materials.
+    #[error(transparent)]
+    Solid(#[from] crate::solid::SolidError),
+    /// Interfaces.
+    #[error(transparent)]
+    Contact(#[from] ContactError),
+    /// Settings, or the state of a restart.
+    #[error(transparent)]
+    Statics(#[from] StaticsError),
+    /// Results.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The run ended before the end of time; all increments before are on disk.
+    #[error("{reason}; {} holds {increments} finished increments, up to time {time}", out.display())]
+    EndedEarly {
+        /// Why.
+        reason: String,
+        /// Where the results are.
+        out: PathBuf,
+        /// How many increments.
+        increments: usize,
+        /// The time they reach.
+        time: f64,
+    },
+}
+
+/// Solves a deck and writes everything. The summary of a run that was stopped says so.
+///
+/// # Errors
+/// [`SolveError`]; after [`SolveError::EndedEarly`] summary and report are there as after success.
+pub fn solve(deck_path: &Path, options: &SolveOptions, watcher: &mut dyn Watcher) -> Result<Summary, SolveError> {
+    let text = std::fs::read_to_string(deck_path)
+        .map_err(|cause| DeckError::Read { path: deck_path.into(), cause })?;
+    let deck = Deck::parse_named(&text, deck_path)?;
+    let base = deck_path.parent().unwrap_or(Path::new(""));
+    let model = deck.model(base)?;
+    let problem = problem(&deck, &model, options.threads)?;
+    let settings = settings(&deck, &model);
+    let surfaces = deck
+        .interfaces
+        .iter()
+        .flat_map(|interface| deck.sides(&model, interface).map(|sides| [sides.slave, sides.master]))
+        .flatten()
+        .collect::<Vec<_>>();
+    let areas = Fields::slave_areas(&model, &surfaces);
+    let mut statics = Statics::new(problem, settings)?;
+    let recorded = RecorderOptions { every: deck.output.every, end: deck.time.end };
+    let (mut recorder, state) = if options.restart {
+        let (recorder, state) = Recorder::reopen(&options.out, &text, recorded, &model, areas, watcher)?;
+        statics.check_state(&state)?;
+        (recorder, state)
+    } else {
+        let problem = statics.problem();
+        let recorder = Recorder::create(
+            &options.out,
+            &text,
+            recorded,
+            &model,
+            areas,
+            problem,
+            options.overwrite,
+            watcher,
+        )?;
+        (recorder, problem.start())
+    };
+    let mut summary = Summary::new(&deck, &model);
+    let outcome = statics.run(state, &mut recorder);
+    let last = recorder.last_state().cloned();
+    let reason = match &outcome {
+        Ok(state) if state.time < deck.time.end => "it was stopped".to_owned(),
+        Ok(_) => String::new(),
+        Err(error) => error.to_string(),
+    };
+    let end = match (outcome, last) {
+        (Ok(state), _) | (Err(_), Some(state)) => Some(state),
+        (Err(_), None) => None,
+    };
+    let (increments, time) = end.as_ref().map_or((0, 0.0), |state| (state.increments, state.time));
+    if let Some(state) = &end {
+        summary.take(state);
+        recorder.write_surfaces(&master_surfaces(&deck, &model, state))?;
+    }
+    summary.converged = reason.is_empty();
+    summary.reason.clone_from(&reason);
+    let summary = recorder.finish(summary)?;
+    write_report(&[&options.out], &options.out.join(names::REPORT))?;
+    if reason.is_empty() || reason == "it was stopped" {
+        return Ok(summary);
+    }
+    Err(SolveError::EndedEarly { reason, out: options.out.clone(), increments, time })
+}
+
+/// Writes the page for directories of results.
+///
+/// # Errors
+/// [`OutputError`].
+pub fn write_report(directories: &[&Path], target: &Path) -> Result<(), OutputError> {
+    let page = report::report(directories)?;
+    diffuse_contact_mesh::file::replace(target, |writer| std::io::Write::write_all(writer, page.as_bytes()))
+        .map_err(OutputError::write(target))
+}
+
+/// What a deck's problem is made of.
+///
+/// # Errors
+/// [`SolveError::Solid`], [`SolveError::Contact`], [`SolveError::Deck`].
+pub fn problem(deck: &Deck, model: &Model, threads: usize) -> Result<Problem, SolveError> {
+    let solid = Solid::new(&model.nodes, &model.bodies)?;
+    let names = deck.boundaries.iter().map(|boundary| {
+        let sets: Vec<&str> = boundary.nodes.iter().map(|name| name.name.as_str()).collect();
+        sets.join("+")
+    });
+    let supports = deck.supports(model)?;
+    let groups = names.zip(supports.supports().to_vec()).map(|(name, support)| SupportGroup { name, support });
+    let pressures = deck.loads(model)?.into_iter().map(|load| Pressure {
+        facets: load.facets,
+        value: load.value,
+        amplitude: load.amplitude,
+        follower: load.follower,
+    });
+    let contacts = match deck.contact {
+        Contact::None => Vec::new(),
+        contact => deck
+            .interfaces
+            .iter()
+            .map(|interface| interaction(deck, model, interface, contact))
+            .collect::<Result<_, _>>()?,
+    };
+    Ok(Problem::new(
+        model.nodes.clone(),
+        solid,
+        SupportGroups::new(model.nodes.len(), groups.collect()),
+        pressures.collect(),
+        ContactSet::new(contacts),
+        threads,
+    ))
+}
+
+fn interaction(
+    deck: &Deck,
+    model: &Model,
+    interface: &Interface,
+    contact: Contact,
+) -> Result<Interaction, SolveError> {
+    let sides = deck.sides(model, interface)?;
+    let options = InteractionOptions {
+        name: interface.name.clone(),
+        penalty: interface.penalty,
+        augmentation: interface.augmentation.map(|augmentation| contact::Augmentation {
+            tolerance: augmentation.tolerance,
+            max_rounds: augmentation.max,
+        }),
+        refresh: match interface.refresh {
+            Refresh::Increment => RefreshRule::Increment,
+            Refresh::Iteration => RefreshRule::Iteration,
+        },
+        tangent: match interface.tangent {
+            Tangent::Exact => diffuse_contact::assembly::Tangent::Exact,
+            Tangent::GaussNewton => diffuse_contact::assembly::Tangent::GaussNewton,
+        },
+        two_pass: interface.two_pass,
+        interface: interface.options(contact),
+    };
+    Ok(Interaction::new(options, &sides.master, &sides.slave, &model.nodes)?)
+}
+
+/// How a deck's problem is solved. A residual below 10⁻¹² of Young's modulus times the square of the model's mean edge is zero, whatever
+/// the deck says: it is rounding.
+#[must_use]
+pub fn settings(deck: &Deck, model: &Model) -> Settings {
+    let time = &deck.time;
+    let young = model.bodies.iter().map(|body| body.material.young).fold(0.0, f64::max);
+    let rounding = 1e-12 * young * mean_edge(model).powi(2);
+    Settings {
+        time: TimeSettings {
+            end: time.end,
+            increment: time.increment,
+            minimum: if time.fixed { time.increment } else { time.minimum },
+            maximum: time.maximum,
+            growth: if time.fixed { 1.0 } else { time.growth },
+            cutback: time.cutback,
+        },
+        newton: NewtonSettings {
+            tolerance: deck.newton.tolerance,
+            absolute: deck.newton.absolute.max(rounding),
+            max_iterations: deck.newton.max_iterations,
+            few_iterations: 6,
+            line_search: deck.newton.line_search,
+        },
+    }
+}
+
+/// Of the first edge of all hexahedra.
+fn mean_edge(model: &Model) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0_f64);
+    for element in model.bodies.iter().flat_map(|body| &body.elements) {
+        let [a, b] = [model.nodes[element[0]], model.nodes[element[1]]];
+        sum += (0..3).map(|axis| (b[axis] - a[axis]).powi(2)).sum::<f64>().sqrt();
+        count += 1.0;
+    }
+    sum / count.max(1.0)
+}
+
+fn master_surfaces(deck: &Deck, model: &Model, state: &State) -> Vec<report::SurfaceSample> {
+    let sides: Vec<_> = deck
+        .interfaces
+        .iter()
+        .filter_map(|interface| Some((interface, deck.sides(model, interface).ok()?.master)))
+        .collect();
+    let surfaces = sides.iter().map(|(interface, master)| {
+        (interface.name.as_str(), &master[..], interface.options(Contact::Diffuse))
+    });
+    sample_surfaces(surfaces, &state.positions)
+}

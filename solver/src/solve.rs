@@ -6,7 +6,6 @@ use thiserror::Error;
 
 use crate::contact::{self, ContactError, ContactSet, Interaction, InteractionOptions, RefreshRule};
 use crate::deck::{Contact, Deck, DeckError, Interface, Refresh, Tangent};
-use crate::material::Material;
 use crate::model::Model;
 use crate::output::{Fields, OutputError, Recorder, RecorderOptions, Summary, Watcher, names};
 use crate::report::{self, sample_surfaces};

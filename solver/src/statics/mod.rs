@@ -78,7 +78,7 @@ impl Statics {
         while !time.is_over(state.time) {
             let length = time.length(&state);
             let end = time.next(state.time, length);
-            let mut increment = Increment::new(&mut self.problem, &self.settings, &state, end);
+            let increment = Increment::new(&mut self.problem, &self.settings, &state, end);
             match increment.solve(observer) {
                 Ok((mut next, record)) => {
                     next.length = time.grown(length, record.iterations, &self.settings.newton);

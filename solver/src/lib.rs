@@ -2,5 +2,6 @@
 
 #![forbid(unsafe_code)]
 
+pub mod deck;
 pub mod material;
 pub mod model;

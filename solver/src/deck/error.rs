@@ -1,0 +1,244 @@
+//! What can be wrong with a deck.
+
+use std::path::PathBuf;
+
+use crate::model::{ModelError, ShapeError};
+
+/// Why a deck cannot be used. Each message is one sentence that can be shown as it stands.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DeckError {
+    /// The file cannot be read at all.
+    #[error("{path}: cannot read the file: {cause}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        cause: std::io::Error,
+    },
+    /// Something is wrong at one place.
+    #[error("{path}, line {line}: {problem}")]
+    Invalid {
+        /// The file; `deck` if the text came from elsewhere.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong there.
+        problem: Box<Problem>,
+    },
+}
+
+impl DeckError {
+    /// What is wrong, unless the file cannot be read.
+    #[must_use]
+    pub fn problem(&self) -> Option<&Problem> {
+        match self {
+            Self::Invalid { problem, .. } => Some(problem),
+            Self::Read { .. } => None,
+        }
+    }
+}
+
+/// What is wrong at one place of a deck. Fields are named with their tables, like `parts.pipe.radius`.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Problem {
+    /// Not TOML.
+    #[error("not valid TOML: {message}")]
+    Syntax {
+        /// What the parser says.
+        message: String,
+    },
+    /// A field that does not exist here.
+    #[error("{table} has no field {field:?}{}; it has {}", did_you_mean(nearest), list(known))]
+    UnknownField {
+        /// The table.
+        table: String,
+        /// The field.
+        field: String,
+        /// The known field closest in spelling, if one is close.
+        nearest: Option<String>,
+        /// All known fields.
+        known: Vec<String>,
+    },
+    /// A field that has to be there is not.
+    #[error("{table} needs a field {field:?}")]
+    Missing {
+        /// The table.
+        table: String,
+        /// The field.
+        field: &'static str,
+    },
+    /// A value of another type.
+    #[error("{field} must be {expected}, not {found}")]
+    WrongType {
+        /// The field.
+        field: String,
+        /// What it must be.
+        expected: String,
+        /// What it is.
+        found: String,
+    },
+    /// A number outside its range.
+    #[error("{field} must be {range}, not {value}")]
+    OutOfRange {
+        /// The field.
+        field: String,
+        /// What it may be.
+        range: &'static str,
+        /// What it is.
+        value: f64,
+    },
+    /// A word that is none of those a field can have.
+    #[error("{field} cannot be {word:?}{}; it can be {}", did_you_mean(nearest), list(known))]
+    UnknownWord {
+        /// The field.
+        field: String,
+        /// The word.
+        word: String,
+        /// The known word closest in spelling, if one is close.
+        nearest: Option<String>,
+        /// All known words.
+        known: Vec<String>,
+    },
+    /// A field without meaning beside another, or without it.
+    #[error("{field} has no meaning {reason}")]
+    Meaningless {
+        /// The field.
+        field: String,
+        /// Why: `"without yield_stress"`, `"beside fix"`.
+        reason: &'static str,
+    },
+    /// None of several fields is there.
+    #[error("{table} needs {fields}")]
+    Incomplete {
+        /// The table.
+        table: String,
+        /// The fields.
+        fields: &'static str,
+    },
+    /// A list of time and factor that does not ascend in time.
+    #[error("{field}: times must ascend, but point {} is not later than the one before", index + 1)]
+    Amplitude {
+        /// The field.
+        field: String,
+        /// The point, from 0.
+        index: usize,
+    },
+    /// A name used twice.
+    #[error("two {what}s are named {name:?}; the other is in line {other}")]
+    Repeated {
+        /// `"interface"`.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// Line of the other.
+        other: usize,
+    },
+    /// A name of nothing.
+    #[error("no {what} is named {name:?}{}; there {}", did_you_mean(nearest), all(known, what))]
+    UnknownName {
+        /// `"material"`, `"node set"` or `"surface"`.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// The known name closest in spelling, if one is close.
+        nearest: Option<String>,
+        /// All names there are.
+        known: Vec<String>,
+    },
+    /// A shape that cannot be made.
+    #[error("parts.{part}: {error}")]
+    Shape {
+        /// The part.
+        part: String,
+        /// Why.
+        error: ShapeError,
+    },
+    /// A part that cannot be used.
+    #[error("parts.{part}: {error}")]
+    Part {
+        /// The part.
+        part: String,
+        /// Why.
+        error: ModelError,
+    },
+    /// Two boundary conditions move one node differently along one axis.
+    #[error(
+        "node {node} at ({}) is moved along {axis} by this boundary condition and, differently, by that in line {other}",
+        triple(position)
+    )]
+    Conflict {
+        /// The node, from 0 in the order of the model.
+        node: usize,
+        /// Where it is.
+        position: [f64; 3],
+        /// `"x"`, `"y"` or `"z"`.
+        axis: &'static str,
+        /// Line of the earlier condition.
+        other: usize,
+    },
+    /// A node of a rigid part is free.
+    #[error(
+        "the part {part:?} is rigid, but its node at ({}) is free along {axis}: a [[boundary]] has to fix, translate or \
+         rotate all of its nodes along all axes",
+        triple(position)
+    )]
+    FreeRigidNode {
+        /// The part.
+        part: String,
+        /// Where the node is.
+        position: [f64; 3],
+        /// `"x"`, `"y"` or `"z"`.
+        axis: &'static str,
+    },
+    /// Pressure on a rigid surface.
+    #[error("the surface {name:?} is rigid: a pressure on it has no effect")]
+    PressureOnRigid {
+        /// The surface.
+        name: String,
+    },
+    /// Both sides of an interface are rigid.
+    #[error("both sides of the interface {name:?} are rigid")]
+    RigidInterface {
+        /// The interface.
+        name: String,
+    },
+    /// A node is on both sides of an interface.
+    #[error("the node at ({}) is on both sides of the interface {name:?}", triple(position))]
+    SharedNode {
+        /// The interface.
+        name: String,
+        /// Where the node is.
+        position: [f64; 3],
+    },
+    /// There is nothing to move: no deformable part.
+    #[error("the deck has no deformable part")]
+    NothingDeformable,
+}
+
+fn did_you_mean(nearest: &Option<String>) -> String {
+    nearest.as_ref().map_or_else(String::new, |name| format!(" (did you mean {name:?}?)"))
+}
+
+fn list(names: &[String]) -> String {
+    names.join(", ")
+}
+
+fn all(names: &[String], what: &str) -> String {
+    if names.is_empty() { format!("is no {what}") } else { format!("are {}", list(names)) }
+}
+
+fn triple([x, y, z]: &[f64; 3]) -> String {
+    format!("{x}, {y}, {z}")
+}
+
+/// The name among `known` closest in spelling to what was written, if it is close enough to be a slip: at most one edit for
+/// every three letters, letter case not counted.
+pub(super) fn nearest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let wanted = written.to_lowercase();
+    let allowed = (wanted.chars().count() / 3).max(1);
+    let distance = |name: &str| strsim::osa_distance(&wanted, &name.to_lowercase());
+    let close = known.into_iter().map(|name| (distance(name), name)).filter(|&(edits, _)| edits <= allowed);
+    close.min().map(|(_, name)| name.to_string())
+}

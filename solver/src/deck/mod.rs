@@ -1,0 +1,209 @@
+//! Decks: a problem in TOML, every field checked.
+//!
+//! [`Deck::read`] checks all that can be said about the text: fields, types, ranges. [`Deck::model`] makes the parts and
+//! resolves every name. What is wrong is a [`DeckError`] with file, line, field and number. `docs/decks.md` lists all fields
+//! with units and defaults; the types here hold them after checking.
+//!
+//! Any consistent units will do: a length, a force, and stresses in force per length².
+
+mod conditions;
+mod control;
+mod error;
+mod interface;
+mod parts;
+mod reader;
+mod resolve;
+pub mod schema;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use toml::de::DeTable;
+
+use crate::material::Material;
+use crate::model::shape::Shape;
+use crate::model::{Amplitude, Motion, Rotation};
+
+pub use control::{Colour, Newton, Output, Time};
+pub use error::{DeckError, Problem};
+pub use interface::{Augmentation, Contact, Interface, Refresh, Tangent};
+pub use resolve::{Load, Sides};
+
+use reader::{Section, Source};
+
+/// A problem to solve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deck {
+    /// The file, for messages; `deck` if the text came from elsewhere.
+    pub path: PathBuf,
+    /// What the problem is called; empty if it was not given.
+    pub title: String,
+    /// The element of every interface.
+    pub contact: Contact,
+    /// Materials by name.
+    pub materials: BTreeMap<String, Material>,
+    /// Parts in the order of the text.
+    pub parts: Vec<PartEntry>,
+    /// Where nodes are held or moved.
+    pub boundaries: Vec<Boundary>,
+    /// Pressures on surfaces.
+    pub pressures: Vec<Pressure>,
+    /// Surfaces that may touch.
+    pub interfaces: Vec<Interface>,
+    /// How time goes on.
+    pub time: Time,
+    /// When an increment is solved.
+    pub newton: Newton,
+    /// What is written.
+    pub output: Output,
+}
+
+/// A name and where it stands.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Reference {
+    /// `"pipe.inner"`.
+    pub name: String,
+    /// Line of the deck, from 1.
+    pub line: usize,
+}
+
+/// A part of the deck.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartEntry {
+    /// Its name.
+    pub name: String,
+    /// Line of the deck, from 1.
+    pub line: usize,
+    /// Where its mesh comes from.
+    pub source: PartSource,
+    /// Name of its material; `None` for a rigid part.
+    pub material: Option<Reference>,
+    /// Rotations that place it, one after the other.
+    pub rotations: Vec<Rotation>,
+    /// Translation that places it, after the rotations, length.
+    pub translation: [f64; 3],
+}
+
+/// Where the mesh of a part comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PartSource {
+    /// A parametric shape.
+    Shape(Shape),
+    /// Hexahedra of a mesh file.
+    Solid {
+        /// The file, relative to the deck.
+        file: PathBuf,
+        /// Element set; `None` for all hexahedra.
+        elements: Option<String>,
+    },
+    /// Facets of a mesh file.
+    Rigid {
+        /// The file, relative to the deck.
+        file: PathBuf,
+        /// Surface or element set.
+        surface: String,
+    },
+}
+
+/// Nodes that are held or moved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Boundary {
+    /// Line of the deck, from 1.
+    pub line: usize,
+    /// Node sets; all of their nodes take part.
+    pub nodes: Vec<Reference>,
+    /// The axes along which they are prescribed: x, y, z.
+    pub axes: [bool; 3],
+    /// Where they are over time.
+    pub motion: Motion,
+}
+
+/// A pressure on surfaces of deformable parts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pressure {
+    /// Line of the deck, from 1.
+    pub line: usize,
+    /// The surfaces.
+    pub surfaces: Vec<Reference>,
+    /// Pressure at amplitude 1, force per area; positive pushes against the surface.
+    pub value: f64,
+    /// Whether it acts on the deformed surface along its normal; otherwise each force keeps the direction and size it has at
+    /// the start.
+    pub follower: bool,
+    /// Factor over time.
+    pub amplitude: Amplitude,
+}
+
+impl Deck {
+    /// Reads a deck.
+    ///
+    /// # Errors
+    /// [`DeckError`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, DeckError> {
+        let path = path.as_ref();
+        let text =
+            std::fs::read_to_string(path).map_err(|cause| DeckError::Read { path: path.into(), cause })?;
+        Self::parse_named(&text, path)
+    }
+
+    /// Reads the text of a deck.
+    ///
+    /// # Errors
+    /// [`DeckError::Invalid`].
+    pub fn parse(text: &str) -> Result<Self, DeckError> {
+        Self::parse_named(text, "deck")
+    }
+
+    /// Reads the text of a deck; `path` is used in messages only.
+    ///
+    /// # Errors
+    /// [`DeckError::Invalid`].
+    pub fn parse_named(text: &str, path: impl AsRef<Path>) -> Result<Self, DeckError> {
+        let source = Source { text, path: path.as_ref() };
+        let table = DeTable::parse(text).map_err(|error| {
+            let at = error.span().map_or(0, |span| span.start);
+            source.error(at, Problem::Syntax { message: error.message().into() })
+        })?;
+        let deck = Section::root(source, &table).expect(schema::DECK)?;
+
+        let time = control::time(&deck)?;
+        let mut materials = BTreeMap::new();
+        for (name, material) in named(&deck, "materials")? {
+            materials.insert(name, parts::material(&material)?);
+        }
+        let parts = named(&deck, "parts")?;
+        Ok(Self {
+            path: source.path.to_path_buf(),
+            title: deck.get("title").map_or_else(|| Ok(String::new()), |title| title.text())?,
+            contact: interface::contact(&deck)?,
+            materials,
+            parts: parts.iter().map(|(name, part)| parts::part(name, part)).collect::<Result<_, _>>()?,
+            boundaries: listed(&deck, "boundary", |section| conditions::boundary(section, time.end))?,
+            pressures: listed(&deck, "pressure", |section| conditions::pressure(section, time.end))?,
+            interfaces: interface::distinct(source, listed(&deck, "interface", interface::interface)?)?,
+            newton: control::newton(&deck)?,
+            output: control::output(&deck)?,
+            time,
+        })
+    }
+}
+
+/// The tables of a table of tables, such as `[parts.pipe]`.
+fn named<'a>(deck: &Section<'a>, field: &str) -> Result<Vec<(String, Section<'a>)>, DeckError> {
+    let Some(tables) = deck.get(field) else { return Ok(Vec::new()) };
+    tables.section()?.all().into_iter().map(|(name, table)| Ok((name, table.section()?))).collect()
+}
+
+/// What `read` makes of each of the tables of a list, such as `[[boundary]]`.
+fn listed<'a, T>(
+    deck: &Section<'a>,
+    field: &str,
+    read: impl Fn(Section<'a>) -> Result<T, DeckError>,
+) -> Result<Vec<T>, DeckError> {
+    let Some(tables) = deck.get(field) else { return Ok(Vec::new()) };
+    let expected = format!("a list of tables: write [[{field}]]");
+    tables.list(&expected)?.iter().map(|table| read(table.section()?)).collect()
+}
+
+#[cfg(test)]
+mod tests;

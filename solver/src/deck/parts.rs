@@ -1,0 +1,260 @@
+//! `[materials.…]` and `[parts.…]`.
+
+use std::path::PathBuf;
+
+use super::error::{DeckError, Problem};
+use super::reader::{Field, Section};
+use super::{PartEntry, PartSource, Reference, schema};
+use crate::material::{Material, Plasticity};
+use crate::model::shape::{
+    Axis, Ball, Block, Cylinder, Facets, HalfSpace, Pipe, RigidCylinder, RigidPlane, RigidSphere, RigidTorus,
+    RigidWave, Shape, Side,
+};
+use crate::model::{Rotation, ShapeError};
+
+pub(super) fn material(section: &Section) -> Result<Material, DeckError> {
+    let section = section.clone().expect(schema::MATERIAL)?;
+    let poisson = section.need("poisson")?;
+    let plasticity = match section.get("yield_stress") {
+        Some(yield_stress) => Some(Plasticity {
+            yield_stress: yield_stress.positive()?,
+            hardening: match section.get("hardening") {
+                Some(field) => field.number_in("at least 0", |value| value >= 0.0)?,
+                None => 0.0,
+            },
+        }),
+        None => {
+            section.refuse(&["hardening"], "without yield_stress")?;
+            None
+        }
+    };
+    Ok(Material {
+        young: section.need("young")?.positive()?,
+        poisson: poisson.number_in("above -1 and below 0.5", |value| value > -1.0 && value < 0.5)?,
+        plasticity,
+    })
+}
+
+pub(super) fn part(name: &str, section: &Section) -> Result<PartEntry, DeckError> {
+    let invalid = crate::model::ModelError::InvalidName { part: name.into() };
+    if name.is_empty() || name.contains('.') {
+        return Err(section.error(Problem::Part { part: name.into(), error: invalid }));
+    }
+    let source = match (section.get("shape"), section.get("file")) {
+        (Some(shape), None) => shaped(name, section, &shape)?,
+        (None, Some(file)) => from_file(section, &file)?,
+        (Some(shape), Some(_)) => {
+            let field = shape.name().into();
+            return Err(shape.error(Problem::Meaningless { field, reason: "beside file" }));
+        }
+        (None, None) => {
+            // A misspelt field comes before a missing one.
+            let every = schema::SHAPES.iter().flat_map(|(_, fields)| fields.iter());
+            let known: Vec<&str> = schema::PART.iter().chain(schema::FILE).chain(every).copied().collect();
+            section.clone().expect(&known)?;
+            return Err(section.incomplete("either a shape or a file"));
+        }
+    };
+    let rigid = match &source {
+        PartSource::Shape(shape) => shape.is_rigid(),
+        PartSource::Solid { .. } => false,
+        PartSource::Rigid { .. } => true,
+    };
+    let material = if rigid {
+        section.refuse(&["material"], "for a rigid part")?;
+        None
+    } else {
+        let field = section.need("material")?;
+        Some(Reference { name: field.text()?, line: field.line() })
+    };
+    let rotations = match section.get("rotate") {
+        Some(field) if field.is_list() => {
+            field.list("rotations")?.iter().map(placed).collect::<Result<_, _>>()?
+        }
+        Some(field) => vec![placed(&field)?],
+        None => Vec::new(),
+    };
+    let translation = section.get("translate").map_or(Ok([0.0; 3]), |field| field.vector())?;
+    Ok(PartEntry { name: name.into(), line: section.line(), source, material, rotations, translation })
+}
+
+/// A rotation that places a part.
+fn placed(field: &Field) -> Result<Rotation, DeckError> {
+    rotation(&field.section()?.expect(schema::ROTATION)?)
+}
+
+/// Axis, point and angle.
+pub(super) fn rotation(section: &Section) -> Result<Rotation, DeckError> {
+    let field = section.need("axis")?;
+    let axis = field.vector()?;
+    if axis.iter().all(|&x| x == 0.0) {
+        return Err(field.out_of_range("a direction: at least one component other than 0", 0.0));
+    }
+    let point = section.get("point").map_or(Ok([0.0; 3]), |field| field.vector())?;
+    Ok(Rotation { axis, point, degrees: section.need("degrees")?.number()? })
+}
+
+fn from_file(section: &Section, file: &Field) -> Result<PartSource, DeckError> {
+    let known: Vec<&str> = schema::PART.iter().chain(schema::FILE).copied().collect();
+    let section = section.clone().expect(&known)?;
+    let file = PathBuf::from(file.text()?);
+    match section.get("surface") {
+        Some(surface) => {
+            section.refuse(&["elements"], "beside surface, which makes a rigid part")?;
+            Ok(PartSource::Rigid { file, surface: surface.text()? })
+        }
+        None => {
+            let elements = section.get("elements").map(|field| field.text()).transpose()?;
+            Ok(PartSource::Solid { file, elements })
+        }
+    }
+}
+
+fn shaped(part: &str, section: &Section, shape: &Field) -> Result<PartSource, DeckError> {
+    let words: Vec<(&str, usize)> =
+        schema::SHAPES.iter().enumerate().map(|(k, (name, _))| (*name, k)).collect();
+    let (name, fields) = schema::SHAPES[shape.word(&words)?];
+    // `file` belongs to PART, but not beside a shape.
+    let known: Vec<&str> =
+        schema::PART.iter().chain(fields).copied().filter(|&field| field != "file").collect();
+    let section = section.clone().expect(&known)?;
+    let shape = read_shape(name, &ShapeSection(section.clone()))?;
+    shape.check().map_err(|error| {
+        let problem = Problem::Shape { part: part.into(), error: error.clone() };
+        let field = match error {
+            ShapeError::OutOfRange { field, .. } => field,
+            ShapeError::TooManyNodes { .. } => "divisions",
+        };
+        match section.get(field) {
+            Some(field) => field.error(problem),
+            None => section.error(problem),
+        }
+    })?;
+    Ok(PartSource::Shape(shape))
+}
+
+/// `name` is one of [`schema::SHAPES`].
+fn read_shape(name: &str, section: &ShapeSection) -> Result<Shape, DeckError> {
+    Ok(match name {
+        "pipe" => Shape::Pipe(Pipe {
+            axis: section.axis()?,
+            inner_radius: section.number("inner_radius")?,
+            outer_radius: section.number("outer_radius")?,
+            angles: section.angles("angles")?,
+            length: section.number("length")?,
+            divisions: section.counts("divisions")?,
+            grading: section.gradings()?,
+        }),
+        "cylinder" => Shape::Cylinder(Cylinder {
+            axis: section.axis()?,
+            radius: section.number("radius")?,
+            length: section.number("length")?,
+            keep: section.keep()?,
+            divisions: section.counts("divisions")?,
+            core: section.number_or("core", 0.5)?,
+            grading: section.gradings()?,
+            layer_grading: section.number_or("layer_grading", 1.0)?,
+        }),
+        "sphere" => Shape::Ball(Ball {
+            radius: section.number("radius")?,
+            keep: section.keep()?,
+            divisions: section.counts("divisions")?,
+            core: section.number_or("core", 0.5)?,
+            grading: section.gradings()?,
+            layer_grading: section.number_or("layer_grading", 1.0)?,
+        }),
+        "rigid-plane" => Shape::RigidPlane(RigidPlane {
+            size: section.0.need("size")?.numbers("a list of two numbers")?,
+            divisions: section.counts("divisions")?,
+            facets: section.facets()?,
+        }),
+        "rigid-wave" => Shape::RigidWave(RigidWave {
+            size: section.0.need("size")?.numbers("a list of two numbers")?,
+            height: section.number("height")?,
+            wavelength: section.number("wavelength")?,
+            divisions: section.counts("divisions")?,
+            facets: section.facets()?,
+        }),
+        "rigid-cylinder" => Shape::RigidCylinder(RigidCylinder {
+            axis: section.axis()?,
+            radius: section.number("radius")?,
+            angles: section.angles("angles")?,
+            length: section.number("length")?,
+            divisions: section.counts("divisions")?,
+            facets: section.facets()?,
+            side: section.side()?,
+        }),
+        "rigid-sphere" => Shape::RigidSphere(RigidSphere {
+            radius: section.number("radius")?,
+            keep: section.keep()?,
+            divisions: section.0.need("divisions")?.count()?,
+            grading: section.gradings()?,
+            facets: section.facets()?,
+            side: section.side()?,
+        }),
+        "rigid-torus" => Shape::RigidTorus(RigidTorus {
+            axis: section.axis()?,
+            radius: section.number("radius")?,
+            tube_radius: section.number("tube_radius")?,
+            angles: section.angles("angles")?,
+            tube_angles: section.angles("tube_angles")?,
+            divisions: section.counts("divisions")?,
+            facets: section.facets()?,
+            side: section.side()?,
+        }),
+        // "box" and "plate"
+        _ => Shape::Block(Block {
+            origin: section.0.get("origin").map_or(Ok([0.0; 3]), |field| field.vector())?,
+            size: section.0.need("size")?.vector()?,
+            divisions: section.counts("divisions")?,
+            grading: section.gradings()?,
+        }),
+    })
+}
+
+/// What the shapes have in common. Ranges are the shapes' own business.
+struct ShapeSection<'a>(Section<'a>);
+
+impl ShapeSection<'_> {
+    fn number(&self, field: &'static str) -> Result<f64, DeckError> {
+        self.0.need(field)?.number()
+    }
+
+    fn number_or(&self, field: &str, default: f64) -> Result<f64, DeckError> {
+        self.0.get(field).map_or(Ok(default), |field| field.number())
+    }
+
+    fn counts<const N: usize>(&self, field: &'static str) -> Result<[usize; N], DeckError> {
+        let expected = if N == 2 { "a list of two whole numbers" } else { "a list of three whole numbers" };
+        self.0.need(field)?.counts(expected)
+    }
+
+    fn gradings(&self) -> Result<[f64; 3], DeckError> {
+        self.0.get("grading").map_or(Ok([1.0; 3]), |field| field.vector())
+    }
+
+    fn angles(&self, field: &str) -> Result<[f64; 2], DeckError> {
+        self.0.get(field).map_or(Ok([0.0, 360.0]), |field| field.numbers("a list of two angles"))
+    }
+
+    fn axis(&self) -> Result<Axis, DeckError> {
+        let words = [Axis::X, Axis::Y, Axis::Z].map(|axis| (axis.name(), axis));
+        self.0.get("axis").map_or(Ok(Axis::Z), |field| field.word(&words))
+    }
+
+    fn keep(&self) -> Result<Vec<HalfSpace>, DeckError> {
+        let Some(keep) = self.0.get("keep") else { return Ok(Vec::new()) };
+        let words = HalfSpace::ALL.map(|half| (half.name(), half));
+        keep.list("a list of half spaces like \"x+\"")?.iter().map(|field| field.word(&words)).collect()
+    }
+
+    fn facets(&self) -> Result<Facets, DeckError> {
+        let words = [("quadrilaterals", Facets::Quadrilaterals), ("triangles", Facets::Triangles)];
+        self.0.get("facets").map_or(Ok(Facets::default()), |field| field.word(&words))
+    }
+
+    fn side(&self) -> Result<Side, DeckError> {
+        let words = [("outside", Side::Outside), ("inside", Side::Inside)];
+        self.0.get("side").map_or(Ok(Side::default()), |field| field.word(&words))
+    }
+}

@@ -1,0 +1,251 @@
+//! TOML with places: every value knows its line and its full name.
+
+use std::ops::Range;
+use std::path::Path;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::error::{DeckError, Problem, nearest};
+
+/// A text and where it came from.
+#[derive(Clone, Copy)]
+pub(super) struct Source<'a> {
+    pub text: &'a str,
+    pub path: &'a Path,
+}
+
+impl Source<'_> {
+    pub fn line(&self, at: usize) -> usize {
+        1 + self.text.bytes().take(at).filter(|&byte| byte == b'\n').count()
+    }
+
+    pub fn error(&self, at: usize, problem: Problem) -> DeckError {
+        let (path, line) = (self.path.to_path_buf(), self.line(at));
+        DeckError::Invalid { path, line, problem: Box::new(problem) }
+    }
+}
+
+/// A table whose fields are all known.
+#[derive(Clone)]
+pub(super) struct Section<'a> {
+    pub source: Source<'a>,
+    /// For messages, such as `[parts.pipe]`.
+    name: String,
+    /// What stands before the name of a field, with its dot.
+    prefix: String,
+    at: usize,
+    table: &'a DeTable<'a>,
+}
+
+impl<'a> Section<'a> {
+    /// A whole deck.
+    pub fn root(source: Source<'a>, table: &'a Spanned<DeTable<'a>>) -> Self {
+        Self { source, name: "the deck".into(), prefix: String::new(), at: 0, table: table.get_ref() }
+    }
+
+    /// Refuses fields other than these.
+    pub fn expect(self, known: &[&str]) -> Result<Self, DeckError> {
+        let unknown = self.table.keys().filter(|key| !known.contains(&key.get_ref().as_ref()));
+        let Some(key) = unknown.min_by_key(|key| key.span().start) else { return Ok(self) };
+        let field = key.get_ref().to_string();
+        let nearest = nearest(&field, known.iter().copied());
+        let known = known.iter().map(|name| name.to_string()).collect();
+        let table = self.name.clone();
+        Err(self.source.error(key.span().start, Problem::UnknownField { table, field, nearest, known }))
+    }
+
+    /// The field, if it is there.
+    pub fn get(&self, field: &str) -> Option<Field<'a>> {
+        let (_, value) = self.table.iter().find(|(key, _)| key.get_ref().as_ref() == field)?;
+        let name = format!("{}{field}", self.prefix);
+        Some(Field { source: self.source, name, at: value.span(), value: value.get_ref() })
+    }
+
+    /// The field.
+    pub fn need(&self, field: &'static str) -> Result<Field<'a>, DeckError> {
+        let missing = || self.error(Problem::Missing { table: self.name.clone(), field });
+        self.get(field).ok_or_else(missing)
+    }
+
+    /// All fields in the order of the text.
+    pub fn all(&self) -> Vec<(String, Field<'a>)> {
+        let mut keys: Vec<_> = self.table.keys().collect();
+        keys.sort_by_key(|key| key.span().start);
+        keys.iter().filter_map(|key| Some((key.get_ref().to_string(), self.get(key.get_ref())?))).collect()
+    }
+
+    /// The first of these fields that is there beside another makes no sense.
+    pub fn refuse(&self, fields: &[&str], reason: &'static str) -> Result<(), DeckError> {
+        match fields.iter().find_map(|field| self.get(field)) {
+            Some(field) => Err(field.error(Problem::Meaningless { field: field.name.clone(), reason })),
+            None => Ok(()),
+        }
+    }
+
+    /// Several fields of which none is there.
+    pub fn incomplete(&self, fields: &'static str) -> DeckError {
+        self.error(Problem::Incomplete { table: self.name.clone(), fields })
+    }
+
+    pub fn error(&self, problem: Problem) -> DeckError {
+        self.source.error(self.at, problem)
+    }
+
+    pub fn line(&self) -> usize {
+        self.source.line(self.at)
+    }
+}
+
+/// A value with its full name.
+#[derive(Clone)]
+pub(super) struct Field<'a> {
+    source: Source<'a>,
+    name: String,
+    at: Range<usize>,
+    value: &'a DeValue<'a>,
+}
+
+impl<'a> Field<'a> {
+    pub fn error(&self, problem: Problem) -> DeckError {
+        self.source.error(self.at.start, problem)
+    }
+
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub fn line(&self) -> usize {
+        self.source.line(self.at.start)
+    }
+
+    pub fn wrong_type(&self, expected: impl Into<String>) -> DeckError {
+        let found = match self.value {
+            DeValue::Array(items) => format!("a list of {}", items.len()),
+            DeValue::Table(_) => "a table".into(),
+            DeValue::String(text) => format!("the text {text:?}"),
+            _ => self.source.text.get(self.at.clone()).unwrap_or("something else").to_string(),
+        };
+        self.error(Problem::WrongType { field: self.name.clone(), expected: expected.into(), found })
+    }
+
+    pub fn out_of_range(&self, range: &'static str, value: f64) -> DeckError {
+        self.error(Problem::OutOfRange { field: self.name.clone(), range, value })
+    }
+
+    /// A finite number.
+    pub fn number(&self) -> Result<f64, DeckError> {
+        let value = match self.value {
+            // TOML's underscores are gone from the text here. An integer may be written in another base.
+            DeValue::Integer(integer) => {
+                i128::from_str_radix(integer.as_str(), integer.radix()).ok().map(|n| n as f64)
+            }
+            DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
+            _ => None,
+        };
+        match value {
+            Some(value) if value.is_finite() => Ok(value),
+            Some(value) => Err(self.out_of_range("finite", value)),
+            None => Err(self.wrong_type("a number")),
+        }
+    }
+
+    /// A number for which `holds`; `range` says so in words.
+    pub fn number_in(&self, range: &'static str, holds: impl Fn(f64) -> bool) -> Result<f64, DeckError> {
+        let value = self.number()?;
+        if holds(value) { Ok(value) } else { Err(self.out_of_range(range, value)) }
+    }
+
+    pub fn positive(&self) -> Result<f64, DeckError> {
+        self.number_in("positive", |value| value > 0.0)
+    }
+
+    /// A whole number from 0 on.
+    pub fn count(&self) -> Result<usize, DeckError> {
+        let DeValue::Integer(integer) = self.value else { return Err(self.wrong_type("a whole number")) };
+        let value = i128::from_str_radix(integer.as_str(), integer.radix()).ok();
+        match value.and_then(|value| u32::try_from(value).ok()) {
+            Some(count) => Ok(count as usize),
+            None => {
+                let value = value.map_or(f64::INFINITY, |value| value as f64);
+                Err(self.out_of_range("a whole number from 0 to 4294967295", value))
+            }
+        }
+    }
+
+    /// A whole number from 1 on.
+    pub fn positive_count(&self) -> Result<usize, DeckError> {
+        match self.count()? {
+            0 => Err(self.out_of_range("at least 1", 0.0)),
+            count => Ok(count),
+        }
+    }
+
+    pub fn flag(&self) -> Result<bool, DeckError> {
+        self.value.as_bool().ok_or_else(|| self.wrong_type("true or false"))
+    }
+
+    pub fn text(&self) -> Result<String, DeckError> {
+        self.value.as_str().map(String::from).ok_or_else(|| self.wrong_type("a text in quotes"))
+    }
+
+    /// The thing whose name this is.
+    pub fn word<T: Copy>(&self, words: &[(&str, T)]) -> Result<T, DeckError> {
+        let word = self.text()?;
+        if let Some(&(_, found)) = words.iter().find(|(name, _)| *name == word) {
+            return Ok(found);
+        }
+        let nearest = nearest(&word, words.iter().map(|&(name, _)| name));
+        let known = words.iter().map(|(name, _)| format!("{name:?}")).collect();
+        Err(self.error(Problem::UnknownWord { field: self.name.clone(), word, nearest, known }))
+    }
+
+    /// The members of a list.
+    pub fn list(&self, expected: &str) -> Result<Vec<Field<'a>>, DeckError> {
+        let items = self.value.as_array().ok_or_else(|| self.wrong_type(expected))?;
+        let member = |(k, item): (usize, &'a Spanned<DeValue<'a>>)| {
+            let name = format!("{}[{}]", self.name, k + 1);
+            Field { source: self.source, name, at: item.span(), value: item.get_ref() }
+        };
+        Ok(items.iter().enumerate().map(member).collect())
+    }
+
+    /// Exactly N members.
+    pub fn tuple<const N: usize>(&self, expected: &str) -> Result<[Field<'a>; N], DeckError> {
+        <[Field; N]>::try_from(self.list(expected)?).map_err(|_| self.wrong_type(expected))
+    }
+
+    /// N numbers.
+    pub fn numbers<const N: usize>(&self, expected: &str) -> Result<[f64; N], DeckError> {
+        let mut numbers = [0.0; N];
+        for (number, field) in numbers.iter_mut().zip(self.tuple::<N>(expected)?) {
+            *number = field.number()?;
+        }
+        Ok(numbers)
+    }
+
+    /// N whole numbers.
+    pub fn counts<const N: usize>(&self, expected: &str) -> Result<[usize; N], DeckError> {
+        let mut counts = [0; N];
+        for (count, field) in counts.iter_mut().zip(self.tuple::<N>(expected)?) {
+            *count = field.count()?;
+        }
+        Ok(counts)
+    }
+
+    /// A point or direction.
+    pub fn vector(&self) -> Result<[f64; 3], DeckError> {
+        self.numbers("a list of three numbers")
+    }
+
+    pub fn is_list(&self) -> bool {
+        self.value.is_array()
+    }
+
+    /// A table.
+    pub fn section(&self) -> Result<Section<'a>, DeckError> {
+        let table = self.value.as_table().ok_or_else(|| self.wrong_type("a table"))?;
+        let (name, prefix) = (format!("[{}]", self.name), format!("{}.", self.name));
+        Ok(Section { source: self.source, name, prefix, at: self.at.start, table })
+    }
+}

@@ -1,0 +1,212 @@
+//! From a deck to a model: parts are made, names become nodes and facets.
+
+use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::path::Path;
+
+use diffuse_contact::surface::Facet;
+
+use super::error::{DeckError, Problem, nearest};
+use super::{Deck, Interface, PartEntry, PartSource, Reference};
+use crate::model::{
+    Amplitude, Conflict, Model, ModelError, Part, Support, Supports, read_rigid_part, read_solid_part,
+};
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The two sides of an interface, exchanged if the deck says so.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sides {
+    /// Facets that carry the contact surface.
+    pub master: Vec<Facet>,
+    /// Facets whose nodes must not penetrate it.
+    pub slave: Vec<Facet>,
+}
+
+impl Sides {
+    /// The nodes of the slave facets, ascending.
+    #[must_use]
+    pub fn slave_nodes(&self) -> Vec<usize> {
+        nodes_of(&self.slave).into_iter().collect()
+    }
+}
+
+/// A pressure on facets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Load {
+    /// The facets.
+    pub facets: Vec<Facet>,
+    /// Pressure at amplitude 1, force per area; positive pushes against the surface.
+    pub value: f64,
+    /// Whether it acts on the deformed surface along its normal.
+    pub follower: bool,
+    /// Factor over time.
+    pub amplitude: Amplitude,
+}
+
+impl Deck {
+    /// Makes the model. Mesh files are sought beside `base`, the directory of the deck. All names of the deck are resolved, so
+    /// that what [`supports`](Self::supports), [`loads`](Self::loads) and [`sides`](Self::sides) have to say is said here.
+    ///
+    /// # Errors
+    /// [`DeckError::Invalid`].
+    pub fn model(&self, base: impl AsRef<Path>) -> Result<Model, DeckError> {
+        let mut model = Model::default();
+        for entry in &self.parts {
+            let failed = |error| self.error(entry.line, Problem::Part { part: entry.name.clone(), error });
+            let material = entry.material.as_ref().map(|name| self.material(name)).transpose()?;
+            let part = entry.part(base.as_ref()).map_err(|problem| self.error(entry.line, *problem))?;
+            model.add(&entry.name, part, material).map_err(failed)?;
+        }
+        if model.bodies.is_empty() {
+            return Err(self.error(1, Problem::NothingDeformable));
+        }
+        self.supports(&model)?;
+        self.loads(&model)?;
+        self.interfaces.iter().try_for_each(|interface| self.sides(&model, interface).map(drop))?;
+        Ok(model)
+    }
+
+    /// The prescribed degrees of freedom of the deck's model.
+    ///
+    /// # Errors
+    /// [`DeckError::Invalid`]: a set that does not exist, two conditions that contradict each other, a rigid node that is free.
+    pub fn supports(&self, model: &Model) -> Result<Supports, DeckError> {
+        let mut supports = Vec::new();
+        for boundary in &self.boundaries {
+            let mut nodes = BTreeSet::new();
+            for name in &boundary.nodes {
+                nodes.extend(self.find(&model.node_sets, "node set", name)?);
+            }
+            let (axes, motion) = (boundary.axes, boundary.motion.clone());
+            supports.push(Support { nodes: nodes.into_iter().collect(), axes, motion });
+        }
+        let contradiction = |Conflict { node, axis, first, second }| {
+            let (position, axis, other) = (model.nodes[node], AXES[axis], self.boundaries[first].line);
+            self.error(self.boundaries[second].line, Problem::Conflict { node, position, axis, other })
+        };
+        let supports = Supports::new(model.nodes.len(), &supports).map_err(contradiction)?;
+
+        let deformable = model.deformable();
+        for entry in self.parts.iter().filter(|entry| entry.material.is_none()) {
+            for &node in &model.node_sets[&entry.name] {
+                let free = (0..3).find(|&axis| !deformable[node] && supports.motion(node, axis).is_none());
+                if let Some(axis) = free {
+                    let (part, position) = (entry.name.clone(), model.nodes[node]);
+                    let problem = Problem::FreeRigidNode { part, position, axis: AXES[axis] };
+                    return Err(self.error(entry.line, problem));
+                }
+            }
+        }
+        Ok(supports)
+    }
+
+    /// The pressures on the deck's model.
+    ///
+    /// # Errors
+    /// [`DeckError::Invalid`]: a surface that does not exist or is rigid.
+    pub fn loads(&self, model: &Model) -> Result<Vec<Load>, DeckError> {
+        let deformable = model.deformable();
+        let mut loads = Vec::new();
+        for pressure in &self.pressures {
+            for name in &pressure.surfaces {
+                let facets = self.find(&model.surfaces, "surface", name)?;
+                if facets.iter().flat_map(Facet::corners).any(|&node| !deformable[node]) {
+                    let problem = Problem::PressureOnRigid { name: name.name.clone() };
+                    return Err(self.error(name.line, problem));
+                }
+            }
+            loads.push(Load {
+                facets: self.facets(model, &pressure.surfaces)?,
+                value: pressure.value,
+                follower: pressure.follower,
+                amplitude: pressure.amplitude.clone(),
+            });
+        }
+        Ok(loads)
+    }
+
+    /// The sides of one of the deck's interfaces.
+    ///
+    /// # Errors
+    /// [`DeckError::Invalid`]: a surface that does not exist, two rigid sides, or a node on both.
+    pub fn sides(&self, model: &Model, interface: &Interface) -> Result<Sides, DeckError> {
+        let mut sides = Sides {
+            master: self.facets(model, &interface.master)?,
+            slave: self.facets(model, &interface.slave)?,
+        };
+        if interface.exchange {
+            std::mem::swap(&mut sides.master, &mut sides.slave);
+        }
+        let (masters, slaves) = (nodes_of(&sides.master), nodes_of(&sides.slave));
+        let name = || interface.name.clone();
+        if let Some(&node) = masters.intersection(&slaves).next() {
+            let problem = Problem::SharedNode { name: name(), position: model.nodes[node] };
+            return Err(self.error(interface.line, problem));
+        }
+        let deformable = model.deformable();
+        if !masters.union(&slaves).any(|&node| deformable[node]) {
+            return Err(self.error(interface.line, Problem::RigidInterface { name: name() }));
+        }
+        Ok(sides)
+    }
+
+    /// The facets of several surfaces, each facet once, in the order of the names.
+    ///
+    /// # Errors
+    /// [`DeckError::Invalid`] for a surface that does not exist.
+    pub fn facets(&self, model: &Model, names: &[Reference]) -> Result<Vec<Facet>, DeckError> {
+        let (mut facets, mut known) = (Vec::new(), HashSet::new());
+        for name in names {
+            let surface = self.find(&model.surfaces, "surface", name)?;
+            facets.extend(surface.iter().filter(|&&facet| known.insert(facet)));
+        }
+        Ok(facets)
+    }
+
+    fn material(&self, name: &Reference) -> Result<crate::material::Material, DeckError> {
+        self.find(&self.materials, "material", name).copied()
+    }
+
+    fn find<'a, T>(
+        &self,
+        among: &'a BTreeMap<String, T>,
+        what: &'static str,
+        name: &Reference,
+    ) -> Result<&'a T, DeckError> {
+        among.get(&name.name).ok_or_else(|| {
+            let nearest = nearest(&name.name, among.keys().map(String::as_str));
+            let known = among.keys().cloned().collect();
+            self.error(name.line, Problem::UnknownName { what, name: name.name.clone(), nearest, known })
+        })
+    }
+
+    fn error(&self, line: usize, problem: Problem) -> DeckError {
+        DeckError::Invalid { path: self.path.clone(), line, problem: Box::new(problem) }
+    }
+}
+
+impl PartEntry {
+    /// The mesh, in its place.
+    fn part(&self, base: &Path) -> Result<Part, Box<Problem>> {
+        let name = || self.name.clone();
+        let failed = |error: ModelError| Box::new(Problem::Part { part: name(), error });
+        let mut part = match &self.source {
+            PartSource::Shape(shape) => {
+                shape.part().map_err(|error| Box::new(Problem::Shape { part: name(), error }))?
+            }
+            PartSource::Solid { file, elements } => {
+                read_solid_part(&base.join(file), elements.as_deref()).map_err(failed)?
+            }
+            PartSource::Rigid { file, surface } => {
+                read_rigid_part(&base.join(file), surface).map_err(failed)?
+            }
+        };
+        self.rotations.iter().for_each(|rotation| part.rotate(rotation));
+        part.translate(self.translation);
+        Ok(part)
+    }
+}
+
+fn nodes_of(facets: &[Facet]) -> BTreeSet<usize> {
+    facets.iter().flat_map(Facet::corners).copied().collect()
+}

@@ -1,0 +1,76 @@
+//! The fields of every table of a deck. `docs/decks.md` explains them; a test compares the two.
+
+/// Fields of the deck itself.
+pub const DECK: &[&str] = &[
+    "title",
+    "contact",
+    "materials",
+    "parts",
+    "boundary",
+    "pressure",
+    "interface",
+    "time",
+    "newton",
+    "output",
+];
+/// Fields of a material.
+pub const MATERIAL: &[&str] = &["young", "poisson", "yield_stress", "hardening"];
+/// Fields of any part.
+pub const PART: &[&str] = &["shape", "file", "material", "translate", "rotate"];
+/// Fields of a part from a mesh file.
+pub const FILE: &[&str] = &["elements", "surface"];
+/// The shapes and their fields.
+pub const SHAPES: &[(&str, &[&str])] = &[
+    ("box", &["origin", "size", "divisions", "grading"]),
+    ("plate", &["origin", "size", "divisions", "grading"]),
+    ("pipe", &["axis", "inner_radius", "outer_radius", "angles", "length", "divisions", "grading"]),
+    ("cylinder", &["axis", "radius", "length", "keep", "divisions", "core", "grading", "layer_grading"]),
+    ("sphere", &["radius", "keep", "divisions", "core", "grading", "layer_grading"]),
+    ("rigid-plane", &["size", "divisions", "facets"]),
+    ("rigid-wave", &["size", "height", "wavelength", "divisions", "facets"]),
+    ("rigid-cylinder", &["axis", "radius", "angles", "length", "divisions", "facets", "side"]),
+    ("rigid-sphere", &["radius", "keep", "divisions", "grading", "facets", "side"]),
+    (
+        "rigid-torus",
+        &["axis", "radius", "tube_radius", "angles", "tube_angles", "divisions", "facets", "side"],
+    ),
+];
+/// Fields of a rotation that places a part.
+pub const ROTATION: &[&str] = &["axis", "point", "degrees"];
+/// Fields of a boundary condition.
+pub const BOUNDARY: &[&str] = &["nodes", "fix", "translate", "rotate", "amplitude"];
+/// Fields of a boundary condition's rotation.
+pub const BOUNDARY_ROTATION: &[&str] = &["axis", "point", "degrees", "amplitude"];
+/// Fields of a pressure.
+pub const PRESSURE: &[&str] = &["surface", "value", "follower", "amplitude"];
+/// Fields of an interface.
+pub const INTERFACE: &[&str] = &[
+    "name",
+    "master",
+    "slave",
+    "penalty",
+    "areas",
+    "method",
+    "augmentation",
+    "two_pass",
+    "exchange",
+    "weight",
+    "frame",
+    "neighbours",
+    "refresh",
+    "tangent",
+    "feature_angle",
+    "hysteresis",
+    "border_tolerance",
+    "distance_limit",
+];
+/// Fields of an augmentation.
+pub const AUGMENTATION: &[&str] = &["max", "tolerance"];
+/// Fields of the neighbour search.
+pub const NEIGHBOURS: &[&str] = &["rule", "count"];
+/// Fields of the time.
+pub const TIME: &[&str] = &["end", "increment", "minimum", "maximum", "growth", "cutback", "fixed"];
+/// Fields of the Newton iteration.
+pub const NEWTON: &[&str] = &["tolerance", "absolute", "max_iterations", "line_search"];
+/// Fields of the output.
+pub const OUTPUT: &[&str] = &["every", "stress", "colour"];

@@ -29,6 +29,12 @@ pub enum ShapeError {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
+    /// A name is empty or has a dot, which separates the names of a part and of its sets.
+    #[error("a part cannot be named {part:?}: a name is not empty and has no dot")]
+    InvalidName {
+        /// The name.
+        part: String,
+    },
     /// Two parts have one name.
     #[error("two parts are named {part:?}")]
     RepeatedPart {

@@ -59,6 +59,9 @@ impl Model {
     /// [`ModelError`]: a part of this name exists, the part is not sound, a material is missing or has no use, or there are
     /// more than [`MAX_NODES`] nodes.
     pub fn add(&mut self, name: &str, part: Part, material: Option<Material>) -> Result<(), ModelError> {
+        if name.is_empty() || name.contains('.') {
+            return Err(ModelError::InvalidName { part: name.into() });
+        }
         if self.node_sets.contains_key(name) {
             return Err(ModelError::RepeatedPart { part: name.into() });
         }

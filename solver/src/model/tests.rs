@@ -1,1 +1,171 @@
+//! Models from parts, mesh files, and what the shapes have in common. The geometry of each shape is tested beside it.
 
+use std::path::{Path, PathBuf};
+
+use super::shape::{Block, RigidPlane};
+use super::*;
+use crate::material::Material;
+
+const STEEL: Material = Material { young: 200_000.0, poisson: 0.3, plasticity: None };
+
+fn block() -> Part {
+    let block =
+        Block { origin: [1.0, 2.0, 3.0], size: [2.0, 3.0, 4.0], divisions: [2, 3, 1], grading: [1.0; 3] };
+    block.part().unwrap()
+}
+
+fn plane() -> Part {
+    RigidPlane { size: [1.0, 1.0], divisions: [1, 1], facets: Default::default() }.part().unwrap()
+}
+
+#[test]
+fn parts_keep_their_nodes_apart_and_their_names() {
+    let mut model = Model::default();
+    model.add("block", block(), Some(STEEL)).unwrap();
+    model.add("floor", plane(), None).unwrap();
+    assert_eq!(model.nodes.len(), 3 * 4 * 2 + 4);
+    assert_eq!(model.node_sets["floor"], [24, 25, 26, 27]);
+    assert_eq!(model.surfaces["floor"], [Facet::Quadrilateral([24, 25, 27, 26])]);
+    assert_eq!(model.surfaces["block"].len(), 2 * (2 * 3 + 3 + 2));
+    assert_eq!(model.surfaces["block.z+"].len(), 6);
+    assert_eq!(model.parts(), [("block", 0), ("floor", 24)]);
+    let deformable = model.deformable();
+    assert!(deformable[..24].iter().all(|&d| d) && deformable[24..].iter().all(|&d| !d));
+    for (name, axis, value) in
+        [("block.x-", 0, 1.0), ("block.x+", 0, 3.0), ("block.y+", 1, 5.0), ("block.z-", 2, 3.0)]
+    {
+        let expected: Vec<usize> = (0..24).filter(|&n| model.nodes[n][axis] == value).collect();
+        assert_eq!(model.node_sets[name], expected, "{name}");
+    }
+}
+
+#[test]
+fn parts_that_are_not_sound_are_refused() {
+    let mut model = Model::default();
+    assert!(matches!(model.add("a.b", block(), Some(STEEL)), Err(ModelError::InvalidName { .. })));
+    assert!(matches!(model.add("a", block(), None), Err(ModelError::NoMaterial { .. })));
+    assert!(matches!(model.add("a", plane(), Some(STEEL)), Err(ModelError::RigidMaterial { .. })));
+    assert!(matches!(model.add("a", Part::default(), None), Err(ModelError::EmptyPart { .. })));
+
+    let mut inverted = block();
+    for [a, b, c, d, e, f, g, h] in &mut inverted.elements[3..4] {
+        for (low, high) in [(a, e), (b, f), (c, g), (d, h)] {
+            std::mem::swap(low, high);
+        }
+    }
+    let error = model.add("a", inverted, Some(STEEL)).unwrap_err();
+    assert!(
+        matches!(error, ModelError::InvertedElement { element: 3, corner: 0, jacobian, .. } if jacobian < 0.0)
+    );
+
+    let mut lost = block();
+    lost.node_sets.insert("lost".into(), vec![24]);
+    let error = model.add("a", lost, Some(STEEL)).unwrap_err();
+    assert!(matches!(error, ModelError::NodeOutOfRange { node: 24, count: 24, .. }));
+
+    let mut endless = block();
+    endless.nodes[7][1] = f64::INFINITY;
+    assert!(matches!(
+        model.add("a", endless, Some(STEEL)),
+        Err(ModelError::NonFinitePosition { node: 7, .. })
+    ));
+
+    assert!(model.nodes.is_empty() && model.node_sets.is_empty(), "nothing of a refused part is left");
+    model.add("a", block(), Some(STEEL)).unwrap();
+    assert!(matches!(model.add("a", block(), Some(STEEL)), Err(ModelError::RepeatedPart { .. })));
+}
+
+#[test]
+fn a_part_is_placed_by_rotation_and_translation() {
+    let mut part = block();
+    part.rotate(&Rotation { axis: [0.0, 0.0, 1.0], point: [1.0, 2.0, 0.0], degrees: 90.0 });
+    part.translate([10.0, 0.0, -3.0]);
+    assert_eq!(part.nodes[0], [11.0, 2.0, 0.0]);
+    assert_eq!(part.nodes[2], [11.0, 4.0, 0.0]);
+    Model::default().add("turned", part, Some(STEEL)).unwrap();
+}
+
+/// Two cubes side by side along x in one file, a shell on top of the first one, seen from below, and a rigid square.
+const INPUT: &str = "*NODE
+1, 0, 0, 0
+2, 1, 0, 0
+3, 1, 1, 0
+4, 0, 1, 0
+5, 0, 0, 1
+6, 1, 0, 1
+7, 1, 1, 1
+8, 0, 1, 1
+9, 2, 0, 0
+10, 2, 1, 0
+11, 2, 0, 1
+12, 2, 1, 1
+21, 0, 0, 5
+22, 1, 0, 5
+23, 1, 1, 5
+24, 0, 1, 5
+*ELEMENT, TYPE=C3D8, ELSET=LEFT
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*ELEMENT, TYPE=C3D8, ELSET=RIGHT
+2, 2, 9, 10, 3, 6, 11, 12, 7
+*ELEMENT, TYPE=S4, ELSET=LID
+3, 5, 8, 7, 6
+*ELEMENT, TYPE=R3D4, ELSET=PUNCH
+4, 21, 24, 23, 22
+*ELEMENT, TYPE=C3D4, ELSET=TET
+5, 1, 2, 3, 5
+*NSET, NSET=CORNERS
+1, 9, 21
+*SURFACE, NAME=END, TYPE=ELEMENT
+RIGHT, S4
+";
+
+fn written(name: &str) -> PathBuf {
+    let directory = std::env::temp_dir().join(format!("diffuse-contact-model-{}", std::process::id()));
+    std::fs::create_dir_all(&directory).unwrap();
+    let path = directory.join(name);
+    std::fs::write(&path, INPUT).unwrap();
+    path
+}
+
+#[test]
+fn a_solid_part_of_a_file_has_its_nodes_and_sets_only() {
+    let path = written("solid.inp");
+    let part = read_solid_part(&path, Some("LEFT")).unwrap();
+    assert_eq!((part.nodes.len(), part.elements.len()), (8, 1));
+    assert_eq!(part.node_sets["CORNERS"], [0]);
+    // The shell looks down, the skin up.
+    let lid = &part.surfaces["LID"];
+    assert!(matches!(lid[..], [Facet::Quadrilateral([4, 5, 6, 7])]), "{lid:?}");
+    // What the other cube has there is inside, or not on this part.
+    assert!(!part.surfaces.contains_key("END") && !part.node_sets.contains_key("PUNCH"));
+
+    let mut model = Model::default();
+    model.add("left", part, Some(STEEL)).unwrap();
+    model.add("right", read_solid_part(&path, Some("right")).unwrap(), Some(STEEL)).unwrap();
+    assert_eq!(model.nodes.len(), 16);
+    let end: Vec<[f64; 3]> =
+        model.surfaces["right.END"][0].corners().iter().map(|&n| model.nodes[n]).collect();
+    assert!(end.iter().all(|node| node[0] == 2.0), "{end:?}");
+}
+
+#[test]
+fn a_rigid_part_of_a_file_keeps_its_orientation() {
+    let part = read_rigid_part(&written("rigid.inp"), "PUNCH").unwrap();
+    assert_eq!(part.facets, [Facet::Quadrilateral([0, 3, 2, 1])]);
+    assert_eq!(part.node_sets["CORNERS"], [0]);
+    let mut model = Model::default();
+    model.add("punch", part, None).unwrap();
+    assert_eq!(model.surfaces["punch.PUNCH"], model.surfaces["punch"]);
+}
+
+#[test]
+fn files_without_what_is_asked_for_are_refused() {
+    let path = written("refused.inp");
+    let error = read_solid_part(&path, Some("TET")).unwrap_err();
+    assert!(matches!(error, ModelError::UnsupportedSolid { kind: "tetrahedron", tag: 5, .. }), "{error}");
+    assert!(matches!(read_solid_part(&path, None), Err(ModelError::UnsupportedSolid { .. })));
+    assert!(matches!(read_solid_part(&path, Some("LID")), Err(ModelError::NoHexahedra { .. })));
+    assert!(matches!(read_solid_part(&path, Some("LEVT")), Err(ModelError::Mesh(_))));
+    assert!(matches!(read_rigid_part(&path, "LEFT"), Err(ModelError::Mesh(_))));
+    assert!(matches!(read_rigid_part(Path::new("/nowhere.inp"), "LEFT"), Err(ModelError::Mesh(_))));
+}

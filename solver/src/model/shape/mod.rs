@@ -35,6 +35,59 @@ const MIN_LENGTH: f64 = 1e-50;
 /// The most a size of a cell may differ from the first to the last one.
 const MAX_GRADING: f64 = 1e6;
 
+/// Any of the shapes.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)] // Each is what its content says.
+pub enum Shape {
+    Block(Block),
+    Pipe(Pipe),
+    Cylinder(Cylinder),
+    Ball(Ball),
+    RigidPlane(RigidPlane),
+    RigidWave(RigidWave),
+    RigidCylinder(RigidCylinder),
+    RigidSphere(RigidSphere),
+    RigidTorus(RigidTorus),
+}
+
+impl Shape {
+    /// Finds the first number out of range.
+    pub fn check(&self) -> Result<(), ShapeError> {
+        match self {
+            Self::Block(shape) => shape.check(),
+            Self::Pipe(shape) => shape.check(),
+            Self::Cylinder(shape) => shape.check(),
+            Self::Ball(shape) => shape.check(),
+            Self::RigidPlane(shape) => shape.check(),
+            Self::RigidWave(shape) => shape.check(),
+            Self::RigidCylinder(shape) => shape.check(),
+            Self::RigidSphere(shape) => shape.check(),
+            Self::RigidTorus(shape) => shape.check(),
+        }
+    }
+
+    /// Its mesh.
+    pub fn part(&self) -> Result<Part, ShapeError> {
+        match self {
+            Self::Block(shape) => shape.part(),
+            Self::Pipe(shape) => shape.part(),
+            Self::Cylinder(shape) => shape.part(),
+            Self::Ball(shape) => shape.part(),
+            Self::RigidPlane(shape) => shape.part(),
+            Self::RigidWave(shape) => shape.part(),
+            Self::RigidCylinder(shape) => shape.part(),
+            Self::RigidSphere(shape) => shape.part(),
+            Self::RigidTorus(shape) => shape.part(),
+        }
+    }
+
+    /// Whether it is a surface without a body.
+    #[must_use]
+    pub const fn is_rigid(&self) -> bool {
+        !matches!(self, Self::Block(_) | Self::Pipe(_) | Self::Cylinder(_) | Self::Ball(_))
+    }
+}
+
 /// A coordinate axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Axis {

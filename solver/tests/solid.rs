@@ -79,7 +79,7 @@ fn uniaxial_plastic_tension() {
     }
 }
 
-/// The tip of Cook's membrane under a small load, plane strain, per load and modulus.
+/// How far the tip of Cook's membrane moves in plane strain with E = 250, for a load of 100 by proportion to a small one.
 fn cook(divisions: usize, poisson: f64) -> f64 {
     let (nodes, elements) = grid([divisions, divisions, 1], |[x, y, z]| {
         [48.0 * x, 44.0 * x + y * (44.0 - 28.0 * x), 48.0 / divisions as f64 * z]
@@ -89,26 +89,29 @@ fn cook(divisions: usize, poisson: f64) -> f64 {
     let mut problem = Problem::new(&nodes, elements, material);
     problem.hold([true; 3], |x| x[0] == 0.0);
     problem.hold([false, false, true], |_| true);
-    let load = 1e-4 * thickness / (2 * divisions) as f64;
+    let load = 0.1 * thickness / (2 * divisions) as f64;
     for (node, x) in nodes.iter().enumerate().filter(|(_, x)| x[0] == 48.0) {
         // Nodes at the ends of the edge carry half of the others.
         let ends = (x[1] - 44.0).abs() < 1e-9 || (x[1] - 60.0).abs() < 1e-9;
         problem.loads[node][1] = if ends { 0.5 * load } else { load };
     }
-    problem.step(&nodes, 1e-11);
+    problem.step(&nodes, 1e-11 * material.bulk_modulus());
     let tip = nodes.iter().position(|x| x[0] == 48.0 && (x[1] - 60.0).abs() < 1e-9).unwrap();
-    (problem.positions[tip][1] - nodes[tip][1]) * 1e6
+    (problem.positions[tip][1] - nodes[tip][1]) * 1e3
 }
 
-/// The reference 7.77 for ν = 0.4999 and a load of 100 is the literature's for small strains.
+/// 7.77 is the value under refinement for an incompressible material at small strains.
 #[test]
 fn no_locking_as_the_material_becomes_incompressible() {
     let tips = [4, 8, 16].map(|divisions| cook(divisions, 0.4999));
-    println!("{tips:?} {}", cook(16, 0.3));
-    assert!((tips[2] / 7.77 - 1.0).abs() < 0.02, "{tips:?}");
-    assert!((tips[1] / 7.77 - 1.0).abs() < 0.06, "{tips:?}");
+    println!("{tips:?}");
+    assert!(tips[1] > 0.935 * 7.77 && tips[2] > 0.97 * 7.77 && tips[2] < 7.77, "{tips:?}");
+    // Aitken's extrapolation.
+    let (d1, d2) = (tips[1] - tips[0], tips[2] - tips[1]);
+    let extrapolated = tips[2] + d2 * d2 / (d1 - d2);
+    assert!((extrapolated / 7.77 - 1.0).abs() < 0.01, "{extrapolated}");
     // As the limit is approached nothing changes any more.
-    let limit = cook(8, 0.499_999_9);
+    let limit = cook(8, 0.499_99);
     assert!((limit / tips[1] - 1.0).abs() < 1e-3, "{limit} {tips:?}");
 }
 
@@ -119,12 +122,12 @@ fn cantilever(through: usize) -> f64 {
     let material = Material { poisson: 0.0, ..STEEL };
     let mut problem = Problem::new(&nodes, elements, material);
     problem.hold([true; 3], |x| x[0] == 0.0);
-    let force = 1e-3;
+    let force = 1.0;
     for (node, x) in nodes.iter().enumerate().filter(|(_, x)| x[0] == length) {
         let ends = x[2] == 0.0 || x[2] == height;
         problem.loads[node][2] = force / (2 * through) as f64 * if ends { 0.5 } else { 1.0 };
     }
-    problem.step(&nodes, 1e-10);
+    problem.step(&nodes, 1e-7);
     let tip = nodes.iter().position(|x| x[0] == length).unwrap();
     let inertia = height.powi(3) / 12.0;
     let bending = force * length.powi(3) / (3.0 * material.young * inertia);
@@ -135,19 +138,19 @@ fn cantilever(through: usize) -> f64 {
 /// The full integration of shear makes coarse elements stiff in bending; the error falls with the square of their size.
 #[test]
 fn bending_converges_to_beam_theory() {
-    let [e1, e2, e4] = [1, 2, 4].map(|through| 1.0 - cantilever(through));
-    println!("{e1} {e2} {e4}");
-    assert!(e4 > 0.0 && e4 < 0.035, "{e4}");
-    assert!(e1 / e2 > 2.5 && e2 / e4 > 3.3, "{e1} {e2} {e4}");
+    let [e2, e4, e8] = [2, 4, 8].map(|through| 1.0 - cantilever(through));
+    println!("{e2} {e4} {e8}");
+    assert!(e8 > 0.0 && e8 < 0.005, "{e8}");
+    assert!(e2 / e4 > 3.3 && e4 / e8 > 3.3, "{e2} {e4} {e8}");
     // What is left after extrapolation is the difference between beam and solid at the clamped end.
-    let extrapolated = e4 - (e2 - e4) / 3.0;
-    assert!(extrapolated.abs() < 3e-3, "{extrapolated}");
+    let extrapolated = e8 - (e4 - e8) / 3.0;
+    assert!(extrapolated.abs() < 2e-3, "{extrapolated}");
 }
 
 /// The elastica with P L² / EI = 5: the tip moves by 0.71379 L across and 0.38763 L back.
 #[test]
 fn a_strip_bends_like_the_elastica() {
-    let (length, height, through) = (10.0, 0.5, 2);
+    let (length, height, through) = (10.0, 0.5, 4);
     let along = 80;
     let (nodes, elements) = grid([along, 1, through], |x| [length * x[0], x[1], height * (x[2] - 0.5)]);
     let material = Material { poisson: 0.0, ..STEEL };
@@ -156,7 +159,7 @@ fn a_strip_bends_like_the_elastica() {
     let force = 5.0 * material.young * height.powi(3) / 12.0 / (length * length);
     for step in 1..=10 {
         for (node, x) in nodes.iter().enumerate().filter(|(_, x)| x[0] == length) {
-            let share = if x[2] == 0.0 { 0.25 } else { 0.125 };
+            let share = if x[2].abs() < 0.24 { 0.125 } else { 0.0625 };
             problem.loads[node][2] = share * force * f64::from(step) / 10.0;
         }
         let target = problem.positions.clone();
@@ -166,8 +169,8 @@ fn a_strip_bends_like_the_elastica() {
     let across = problem.positions[tip][2] / length;
     let back = 1.0 - problem.positions[tip][0] / length;
     println!("{across} {back}");
-    assert!((across - 0.71379).abs() < 0.01, "{across}");
-    assert!((back - 0.38763).abs() < 0.01, "{back}");
+    assert!((across - 0.71379).abs() < 0.005, "{across}");
+    assert!((back - 0.38763).abs() < 0.005, "{back}");
 }
 
 /// Upsetting of a plastic block between rough plates: residuals fall quadratically until rounding.
@@ -182,14 +185,14 @@ fn newton_converges_quadratically() {
             let height = 1.0 - 0.03 * f64::from(step);
             let target: Vec<_> =
                 nodes.iter().map(|x| [x[0] + 0.02 * f64::from(step) * x[2], x[1], x[2] * height]).collect();
-            let history = problem.step(&target, 1e-8);
+            let floor = 1e-6;
+            let history = problem.step(&target, floor);
             println!("{history:?}");
-            let floor = 1e-7;
             let mut quadratic = 0;
-            for pair in history.windows(2).filter(|pair| pair[0] < 30.0) {
+            for pair in history.windows(2).filter(|pair| pair[0] < 100.0) {
                 // r / E a² is the measure of a strain; C is that of the material's nonlinearity.
                 let (r, next) = (pair[0] / material.young, pair[1] / material.young);
-                assert!(next < 3e3 * r * r + floor / material.young, "{history:?}");
+                assert!(next < 500.0 * r * r + floor / material.young, "{history:?}");
                 quadratic += usize::from(pair[0] > 1e-3);
             }
             deepest = deepest.max(quadratic);

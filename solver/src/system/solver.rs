@@ -11,8 +11,8 @@ use super::{BlockMatrix, BlockPattern, Equations, SystemError};
 
 /// Below this many equations threads cost more than they bring.
 const PARALLEL_FROM: usize = 6000;
-/// A residual at rounding, relative to the right-hand side: there is nothing to refine.
-const REFINED: f64 = 1e-13;
+/// A residual, relative to the right-hand side, that needs no refinement.
+const REFINED: f64 = 1e-11;
 const MAX_REFINEMENTS: usize = 2;
 /// A relative residual above this is no solution.
 const ACCEPTABLE: f64 = 1e-6;

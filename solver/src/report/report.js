@@ -11,7 +11,7 @@ const layout = (x, y, more) => Object.assign({
   legend: { orientation: "h", y: 1.12 },
   paper_bgcolor: "rgba(0,0,0,0)",
 }, more);
-const config = { responsive: true, displaylogo: false };
+const config = { responsive: true, displaylogo: false, displayModeBar: false };
 const element = (id) => document.getElementById(id);
 
 function draw(id, traces, look) {
@@ -94,8 +94,9 @@ function convergence() {
   const number = element("increment").value;
   element("increment-label").textContent = number;
   const traces = runs.map((run, k) => {
-    const residuals = run.residuals[number] || [];
-    return { x: residuals.map((_, i) => i), y: residuals.map((r) => (r > 0 ? r : null)), name: run.label, mode: "lines+markers", line: { color: colours[k % colours.length] } };
+    // The first residual is that before the prescribed nodes move.
+    const residuals = (run.residuals[number] || []).slice(1);
+    return { x: residuals.map((_, i) => i + 1), y: residuals.map((r) => (r > 0 ? r : null)), name: run.label, mode: "lines+markers", line: { color: colours[k % colours.length] } };
   });
   const axes = { yaxis: { title: { text: "residual over forces" }, type: "log", exponentformat: "power" }, xaxis: { title: { text: "linear solutions" }, dtick: 1 } };
   return draw("convergence", traces, layout("", "", axes));
@@ -123,8 +124,32 @@ function outline(faces, points) {
   return { x, y, z };
 }
 
-const axes = { aspectmode: "data", xaxis: { title: { text: "x" } }, yaxis: { title: { text: "y" } }, zaxis: { title: { text: "z" } } };
-const scene = (uirevision) => ({ margin: { l: 0, r: 0, t: 0, b: 0 }, scene: Object.assign({ uirevision }, axes), uirevision, paper_bgcolor: "rgba(0,0,0,0)", showlegend: false });
+// A scene that holds all points, seen along its shortest side, y up unless that is the side.
+function scene(points, revision) {
+  const bounds = [0, 1, 2].map((axis) => {
+    let [low, high] = [Infinity, -Infinity];
+    for (const p of points) { low = Math.min(low, p[axis]); high = Math.max(high, p[axis]); }
+    return [low, high];
+  });
+  const sides = bounds.map(([low, high]) => high - low);
+  const largest = Math.max(...sides, 1e-300);
+  const margin = 0.03 * largest;
+  const depth = sides.indexOf(Math.min(...sides));
+  const up = depth === 1 ? 2 : 1;
+  const right = 3 - depth - up;
+  const along = (weights) => Object.fromEntries(["x", "y", "z"].map((name, axis) => [name, weights[axis]]));
+  const direction = [0, 0, 0];
+  direction[depth] = 1.15; direction[up] = 0.45; direction[right] = 0.55;
+  const axis = (k) => ({ title: { text: "xyz"[k] }, range: [bounds[k][0] - margin, bounds[k][1] + margin], autorange: false });
+  return {
+    margin: { l: 0, r: 0, t: 0, b: 0 }, uirevision: revision, paper_bgcolor: "rgba(0,0,0,0)", showlegend: false,
+    scene: {
+      uirevision: revision, aspectmode: "manual", aspectratio: along(sides.map((side) => (1.8 * (side + 2 * margin)) / largest)),
+      camera: { eye: along(direction), up: along([0, 1, 2].map((k) => Number(k === up))), projection: { type: "orthographic" } },
+      xaxis: axis(0), yaxis: axis(1), zaxis: axis(2),
+    },
+  };
+}
 
 function shape() {
   const run = runs[element("run").value];
@@ -152,7 +177,7 @@ function shape() {
   if (element("edges").checked) {
     traces.push(Object.assign({ type: "scatter3d", mode: "lines", line: { color: "#33414d", width: 1.5 }, hoverinfo: "skip" }, outline(run.skin.faces, points)));
   }
-  return draw("shape", traces, scene(`shape ${element("run").value}`));
+  return draw("shape", traces, scene(frames.flatMap((each) => each.positions), `shape ${element("run").value}`));
 }
 
 function surfaces() {
@@ -180,7 +205,7 @@ function surfaces() {
     traces.push(mesh(surface.smooth, { intensity: distance, colorscale: "Portland", colorbar: { title: { text: "distance" }, thickness: 14 } }));
     traces.push(Object.assign(lines(surface.smooth), { line: { color: "#1c2733", width: 2 } }));
   }
-  return draw("surfaces", traces, scene(`surface ${element("surface").value}`));
+  return draw("surfaces", traces, scene(surface.flat.concat(surface.smooth), `surface ${element("surface").value}`));
 }
 
 summary();

@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 fn cliques(nodes: usize) -> Vec<Vec<usize>> {
     let mut cliques: Vec<Vec<usize>> =
         (0..nodes - 3).map(|first| vec![first, first + 2, first + 1, first + 3]).collect();
-    cliques.push((0..nodes).step_by(5).collect());
+    cliques.push((0..nodes).step_by(nodes / 8).collect());
     cliques.push(vec![nodes - 1, 0, 7, 7]);
     cliques
 }

@@ -12,7 +12,7 @@ use super::{BlockMatrix, BlockPattern, Equations, SystemError};
 /// Below this many equations threads cost more than they bring.
 const PARALLEL_FROM: usize = 6000;
 /// A residual, relative to the right-hand side, that needs no refinement.
-const REFINED: f64 = 1e-11;
+const REFINED: f64 = 1e-10;
 const MAX_REFINEMENTS: usize = 2;
 /// A relative residual above this is no solution.
 const ACCEPTABLE: f64 = 1e-6;

@@ -6,7 +6,7 @@ use super::eigen::symmetric_eigen;
 use super::{Material, MaterialError, PointState};
 
 /// The law of one [`Material`]: stored energy U(θ) + μ ‖e‖², where θ is the ratio of volumes and e the deviator of the
-/// elastic logarithmic strains. `energies` are per reference volume and stresses are those of Kirchhoff, force per
+/// elastic logarithmic strains. Energies are per reference volume and stresses are those of Kirchhoff, force per
 /// reference area.
 #[derive(Clone, Copy, Debug)]
 pub struct Hencky {

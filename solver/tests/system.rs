@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 fn cliques(nodes: usize) -> Vec<Vec<usize>> {
     let mut cliques: Vec<Vec<usize>> =
         (0..nodes - 3).map(|first| vec![first, first + 2, first + 1, first + 3]).collect();
-    cliques.push((0..nodes).step_by(5).collect());
+    cliques.push((0..nodes).step_by(nodes / 8).collect());
     cliques.push(vec![nodes - 1, 0, 7, 7]);
     cliques
 }
@@ -282,11 +282,16 @@ fn a_solver_is_used_again() {
     let free = Equations::new(&vec![[false; 3]; nodes]);
     let some = Equations::new(&some_prescribed(nodes));
     let none = Equations::new(&vec![[true; 3]; nodes]);
+    let mut all_but_one = vec![[true; 3]; nodes];
+    all_but_one[3][1] = false;
+    let one = Equations::new(&all_but_one);
     for (equations, symmetry, shift) in [
         (&free, Symmetry::Symmetric, 2.0),
         (&free, Symmetry::Symmetric, 5.0),
         (&some, Symmetry::General, 2.0),
         (&none, Symmetry::Symmetric, 2.0),
+        (&one, Symmetry::General, 2.0),
+        (&one, Symmetry::Symmetric, 2.0),
         (&some, Symmetry::Symmetric, 7.0),
         (&free, Symmetry::Symmetric, 2.0),
     ] {
@@ -339,6 +344,11 @@ fn bad_input_is_named() {
     assert!(matches!(error, SystemError::NotFinite { .. }));
     let error = solver.factorise(&sound, &Equations::new(&[[false; 3]; 3]), Symmetry::General).unwrap_err();
     assert!(matches!(error, SystemError::WrongCount { given: 3, expected: 12, .. }));
+
+    // What failed leaves nothing to solve with.
+    assert_eq!(solver.solve(&rhs(nodes), &mut Vec::new()), Err(SystemError::NotFactorised));
+    let unused = DirectSolver::new(1).solve(&rhs(nodes), &mut Vec::new());
+    assert_eq!(unused, Err(SystemError::NotFactorised));
 
     solver.factorise(&sound, &equations, Symmetry::Symmetric).unwrap();
     let mut loads = rhs(nodes);

@@ -9,7 +9,8 @@ use nalgebra::{Matrix3, Vector3};
 const MAX_SWEEPS: usize = 16;
 
 /// Eigenvalues, in no particular order, and as columns the vectors that belong to them. Only the lower triangle is read. With
-/// a NaN or an infinity in it the values are not finite either.
+/// a NaN or an infinity in it the values are not finite either; squares of the entries must neither overflow nor
+/// underflow.
 #[inline]
 pub(crate) fn symmetric_eigen(matrix: &Matrix3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
     let mut diagonal = [matrix[(0, 0)], matrix[(1, 1)], matrix[(2, 2)]];
@@ -26,9 +27,10 @@ pub(crate) fn symmetric_eigen(matrix: &Matrix3<f64>) -> (Vector3<f64>, Matrix3<f
                 continue;
             }
             rotated = true;
-            // t = tan φ, the smaller root of t² + 2 t cot 2φ − 1 = 0.
-            let cotangent = (diagonal[q] - diagonal[p]) / (2.0 * entry);
-            let t = 1.0_f64.copysign(cotangent) / (cotangent.abs() + (cotangent * cotangent + 1.0).sqrt());
+            // t = tan φ, the smaller root of t² + 2 t cot 2φ − 1 = 0 with cot 2φ = difference / 2 entry.
+            let difference = diagonal[q] - diagonal[p];
+            let hypotenuse = (difference * difference + 4.0 * entry * entry).sqrt();
+            let t = 2.0 * entry / (difference + hypotenuse.copysign(difference));
             let cosine = 1.0 / (1.0 + t * t).sqrt();
             let sine = t * cosine;
             diagonal[p] -= t * entry;

@@ -6,7 +6,7 @@ use super::eigen::symmetric_eigen;
 use super::{Material, MaterialError, PointState};
 
 /// The law of one [`Material`]: stored energy U(θ) + μ ‖e‖², where θ is the ratio of volumes and e the deviator of the
-/// elastic logarithmic strains. `energies` are per reference volume and stresses are those of Kirchhoff, force per
+/// elastic logarithmic strains. Energies are per reference volume and stresses are those of Kirchhoff, force per
 /// reference area.
 #[derive(Clone, Copy, Debug)]
 pub struct Hencky {
@@ -46,8 +46,8 @@ pub struct Volumetric {
     pub stiffness: f64,
 }
 
-/// F C_p⁻¹ Fᵀ is not positive definite in floating point: a stretch is lost beside another, overflows, or the state is no
-/// metric.
+/// F C_p⁻¹ Fᵀ is not positive definite in floating point: a stretch is lost beside another or is no length any more, or
+/// the state is no metric.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("the squares of the principal stretches are {squares:?}")]
 pub struct Unresolved {
@@ -85,7 +85,7 @@ impl Hencky {
     /// trial deviator e and one secant modulus μ_s. The tangent is the exact derivative of the step.
     ///
     /// # Errors
-    /// If a trial stretch is not a positive number.
+    /// If a trial stretch is not a number between 1e-70 and 1e70.
     #[inline]
     pub fn isochoric(
         &self,
@@ -93,9 +93,9 @@ impl Hencky {
         committed: &PointState,
     ) -> Result<Isochoric, Unresolved> {
         let f = deformation_gradient;
-        let trial = f * committed.inverse_plastic_metric() * f.transpose();
+        let trial = congruence(f, &committed.inverse_plastic_metric());
         let (squares, axes) = symmetric_eigen(&trial);
-        if !squares.iter().all(|&square| square > 0.0 && square < f64::INFINITY) {
+        if !squares.iter().all(|&square| square > 1e-140 && square < 1e140) {
             return Err(Unresolved { squares: squares.into() });
         }
         let strain = squares.map(|square| 0.5 * square.ln());
@@ -121,7 +121,7 @@ impl Hencky {
                 .filter(|rows| rows.iter().all(|entry| entry.is_finite()))
                 .ok_or(Unresolved { squares: squares.into() })?;
             state = PointState::isochoric(
-                &(pulled_back * Matrix3::from_diagonal(&elastic) * pulled_back.transpose()),
+                &congruence(&pulled_back, &Matrix3::from_diagonal(&elastic)),
                 committed.equivalent_plastic_strain + increment,
             );
         }
@@ -154,6 +154,26 @@ impl Isochoric {
         let scaled = Matrix3::from_columns(&[0, 1, 2].map(|a| self.axes.column(a) * self.stress[a]));
         scaled * self.axes.transpose()
     }
+}
+
+/// A S Aᵀ for symmetric S, symmetric to the last bit. Written out, as the products of matrices are not always inlined.
+#[inline]
+fn congruence(a: &Matrix3<f64>, s: &Matrix3<f64>) -> Matrix3<f64> {
+    let mut half = [[0.0; 3]; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            half[i][j] = a[(i, 0)] * s[(0, j)] + a[(i, 1)] * s[(1, j)] + a[(i, 2)] * s[(2, j)];
+        }
+    }
+    let mut result = Matrix3::zeros();
+    for i in 0..3 {
+        for j in 0..=i {
+            let entry = half[i][0] * a[(j, 0)] + half[i][1] * a[(j, 1)] + half[i][2] * a[(j, 2)];
+            result[(i, j)] = entry;
+            result[(j, i)] = entry;
+        }
+    }
+    result
 }
 
 /// x coth x, even and smooth, 1 at 0.

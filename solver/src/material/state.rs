@@ -25,18 +25,11 @@ impl PointState {
         Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
     }
 
-    /// The state with this C_p⁻¹, but for its determinant, which is set to 1: rounding in thousands of increments would
+    /// The state with this C_p⁻¹, a symmetric matrix, but for its determinant, which is set to 1: rounding in thousands of increments would
     /// add up to a volume otherwise.
     pub(super) fn isochoric(metric: &Matrix3<f64>, equivalent_plastic_strain: f64) -> Self {
         let m = metric / metric.determinant().cbrt();
-        let inverse_plastic_metric = [
-            m[(0, 0)],
-            m[(1, 1)],
-            m[(2, 2)],
-            0.5 * (m[(0, 1)] + m[(1, 0)]),
-            0.5 * (m[(1, 2)] + m[(2, 1)]),
-            0.5 * (m[(0, 2)] + m[(2, 0)]),
-        ];
+        let inverse_plastic_metric = [m[(0, 0)], m[(1, 1)], m[(2, 2)], m[(1, 0)], m[(2, 1)], m[(2, 0)]];
         Self { inverse_plastic_metric, equivalent_plastic_strain }
     }
 }

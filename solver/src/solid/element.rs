@@ -1,7 +1,10 @@
 //! One hexahedron.
+//!
+//! Loops instead of `array::map`, which is not always inlined.
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::product::{AtPoints, Strains, product};
 use super::{COORDINATES, POINTS, SolidError, TRIANGLE, shape};
 use crate::material::{Hencky, Isochoric, PointState};
 
@@ -26,15 +29,12 @@ pub(super) struct Point {
     pub answer: Isochoric,
 }
 
-/// Strains in principal axes per coordinate of the nodes: 11, 22, 33, then the shears γ 23, 31, 12.
-type Strains = [[f64; COORDINATES]; 6];
-
 /// Memory of a tangent under construction.
 pub(super) struct Scratch {
     /// B of each point.
-    strains: [Strains; POINTS],
+    strains: AtPoints,
     /// C B times the point's volume.
-    stresses: [Strains; POINTS],
+    stresses: AtPoints,
 }
 
 impl Default for Scratch {
@@ -101,8 +101,9 @@ impl Element {
             let weight = self.weights[point];
             let volume = weight * deformed.jacobian;
             let stress = deformed.answer.kirchhoff() * weight;
-            let forces = deformed.gradients.map(|gradient| stress * gradient);
+            let mut forces = [Vector3::zeros(); 8];
             for a in 0..8 {
+                forces[a] = stress * deformed.gradients[a];
                 isochoric[a] += forces[a];
                 by_volume[a] += deformed.gradients[a] * volume;
             }
@@ -188,7 +189,10 @@ impl Element {
         let answer = law
             .isochoric(&deformation_gradient, committed)
             .map_err(|source| SolidError::Unresolved { element, point, source })?;
-        let gradients = self.gradients[point].map(|reference| inverse.tr_mul(&reference));
+        let mut gradients = [Vector3::zeros(); 8];
+        for a in 0..8 {
+            gradients[a] = inverse.tr_mul(&self.gradients[point][a]);
+        }
         Ok(Point { jacobian, gradients, answer })
     }
 }
@@ -218,37 +222,14 @@ impl Point {
 fn apply(answer: &Isochoric, weight: f64, strains: &Strains, stresses: &mut Strains) {
     let normal = answer.normal * weight;
     let shear = answer.shear * weight;
-    for column in 0..COORDINATES {
-        for k in 0..3 {
+    for k in 0..3 {
+        for column in 0..COORDINATES {
             stresses[k][column] = normal[(k, 0)] * strains[0][column]
                 + normal[(k, 1)] * strains[1][column]
                 + normal[(k, 2)] * strains[2][column];
             stresses[3 + k][column] = shear[k] * strains[3 + k][column];
         }
     }
-}
-
-/// Σ Bᵀ (C B) over the points, in tiles of 4 × 4 that stay in registers; above the diagonal's tiles it is 0.
-fn product(strains: &[Strains; POINTS], stresses: &[Strains; POINTS]) -> [[f64; COORDINATES]; COORDINATES] {
-    let mut full = [[0.0; COORDINATES]; COORDINATES];
-    for row in (0..COORDINATES).step_by(4) {
-        for column in (0..=row).step_by(4) {
-            let mut tile = [[0.0; 4]; 4];
-            for (b, s) in strains.as_flattened().iter().zip(stresses.as_flattened()) {
-                let b: [f64; 4] = std::array::from_fn(|i| b[row + i]);
-                let s: [f64; 4] = std::array::from_fn(|j| s[column + j]);
-                for i in 0..4 {
-                    for j in 0..4 {
-                        tile[i][j] += b[i] * s[j];
-                    }
-                }
-            }
-            for i in 0..4 {
-                full[row + i][column..column + 4].copy_from_slice(&tile[i]);
-            }
-        }
-    }
-    full
 }
 
 impl Pairs {
@@ -288,7 +269,11 @@ impl Pairs {
 #[inline]
 fn relative(positions: &[[f64; 3]], nodes: &[usize; 8]) -> [Vector3<f64>; 8] {
     let origin = Vector3::from(positions[nodes[0]]);
-    nodes.map(|node| Vector3::from(positions[node]) - origin)
+    let mut corners = [Vector3::zeros(); 8];
+    for a in 0..8 {
+        corners[a] = Vector3::from(positions[nodes[a]]) - origin;
+    }
+    corners
 }
 
 /// Σ xₐ ⊗ ∇Nₐ.

@@ -9,6 +9,7 @@
 
 mod element;
 mod error;
+mod product;
 mod recovery;
 mod shape;
 

@@ -26,6 +26,9 @@ pub enum SystemError {
         /// The entry.
         value: f64,
     },
+    /// A solution was asked for before a matrix was factorised, or after that failed.
+    #[error("there are no factors to solve with")]
+    NotFactorised,
     /// The matrix is singular to rounding.
     #[error(
         "the matrix of {equations} equations is singular: relative residual {residual:e}, condition at least {condition:e}"

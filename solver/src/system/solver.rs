@@ -12,7 +12,7 @@ use super::{BlockMatrix, BlockPattern, Equations, SystemError};
 /// Below this many equations threads cost more than they bring.
 const PARALLEL_FROM: usize = 6000;
 /// A residual, relative to the right-hand side, that needs no refinement.
-const REFINED: f64 = 1e-11;
+const REFINED: f64 = 1e-10;
 const MAX_REFINEMENTS: usize = 2;
 /// A relative residual above this is no solution.
 const ACCEPTABLE: f64 = 1e-6;
@@ -111,6 +111,7 @@ impl DirectSolver {
         structure.gather(matrix, &mut self.values)?;
         self.norm = structure.norm(&self.values);
         if equations.is_empty() {
+            self.current = Some(Method::Symmetric);
             return Ok(());
         }
         match symmetry {
@@ -130,16 +131,13 @@ impl DirectSolver {
     /// If the symmetric factors are not good enough the general ones are made and used.
     ///
     /// # Errors
-    /// A right-hand side that is not finite; a matrix found to be singular. Then `solution` is of no use.
-    ///
-    /// # Panics
-    /// If no matrix was factorised, or the last attempt failed.
+    /// A right-hand side that is not finite; no factors; a matrix found to be singular. Then `solution` is of no use.
     pub fn solve(
         &mut self,
         rhs: &[[f64; 3]],
         solution: &mut Vec<[f64; 3]>,
     ) -> Result<SolveReport, SystemError> {
-        let structure = self.structure.as_ref().expect("a matrix is factorised before it is solved with");
+        let Some(structure) = &self.structure else { return Err(SystemError::NotFactorised) };
         let nodes = structure.equations.nodes();
         if rhs.len() != nodes {
             return Err(SystemError::WrongCount {
@@ -152,11 +150,11 @@ impl DirectSolver {
         if let Some(equation) = self.rhs.iter().position(|value| !value.is_finite()) {
             return Err(structure.not_finite(equation, self.rhs[equation]));
         }
+        let Some(mut method) = self.current else { return Err(SystemError::NotFactorised) };
         if self.rhs.is_empty() {
             structure.equations.scatter(&[], solution);
-            return Ok(SolveReport { residual: 0.0, refinements: 0, method: Method::Symmetric });
+            return Ok(SolveReport { residual: 0.0, refinements: 0, method });
         }
-        let mut method = self.current.expect("the last factorisation succeeded");
         let mut report = self.solve_refined(method)?;
         if method == Method::Symmetric && !(report.residual <= ACCEPTABLE) {
             self.factorise_general(report.residual)?;

@@ -1,1 +1,557 @@
+//! Decks as they are written, and as they are miswritten.
 
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use diffuse_contact::interface::ContactElement;
+use diffuse_contact::neighbourhood::NeighbourRule;
+use diffuse_contact::pairing::MAX_NEIGHBOURS;
+use diffuse_contact::{FrameDerivative, Weight};
+
+use super::*;
+
+/// A deck that is right: a block on a rigid floor.
+const DECK: &str = r#"
+title = "Block on a floor"
+
+[materials.steel]
+young = 200_000
+poisson = 0.3
+yield_stress = 400.0
+hardening = 3450.0
+
+[parts.block]
+shape = "box"
+size = [1.0, 1.0, 1.0]
+divisions = [2, 2, 2]
+material = "steel"
+
+[parts.floor]
+shape = "rigid-plane"
+size = [3.0, 3.0]
+divisions = [3, 3]
+translate = [-1.0, -1.0, -0.1]
+
+[[boundary]]
+nodes = "floor"
+fix = ["x", "y", "z"]
+
+[[boundary]]
+nodes = ["block.z+"]
+translate = [0.0, "free", -0.2]
+
+[[pressure]]
+surface = "block.x+"
+value = 10.0
+
+[[interface]]
+name = "joint"
+master = "floor"
+slave = "block.z-"
+penalty = 1e5
+
+[time]
+increment = 0.25
+"#;
+
+/// The deck with one piece of text in the place of another, which is there once.
+fn changed(from: &str, to: &str) -> String {
+    assert_eq!(DECK.matches(from).count(), 1, "{from}");
+    DECK.replace(from, to)
+}
+
+/// The message of a deck that is wrong in its text or in its names.
+fn message(text: &str) -> String {
+    match Deck::parse(text) {
+        Err(error) => error.to_string(),
+        Ok(deck) => deck.model(".").map(drop).expect_err("the deck is right").to_string(),
+    }
+}
+
+#[track_caller]
+fn refused(from: &str, to: &str, expected: &str) {
+    let message = message(&changed(from, to));
+    assert!(message.contains(expected), "{message}\ndoes not contain\n{expected}");
+}
+
+#[test]
+fn a_deck_is_read_with_its_defaults() {
+    let deck = Deck::parse(DECK).unwrap();
+    assert_eq!((deck.title.as_str(), deck.contact), ("Block on a floor", Contact::Diffuse));
+    let plasticity = deck.materials["steel"].plasticity.unwrap();
+    assert_eq!((plasticity.yield_stress, plasticity.hardening), (400.0, 3450.0));
+    assert_eq!(deck.parts.iter().map(|part| part.name.as_str()).collect::<Vec<_>>(), ["block", "floor"]);
+    assert_eq!(deck.boundaries[1].axes, [true, false, true]);
+    assert_eq!(deck.boundaries[1].motion.position(0.5, [0.0; 3]), [0.0, 0.0, -0.1]);
+    assert_eq!(deck.pressures[0].amplitude.at(0.25), 0.25);
+    assert_eq!(
+        deck.time,
+        Time {
+            end: 1.0,
+            increment: 0.25,
+            minimum: 0.25 / 1024.0,
+            maximum: 0.25,
+            growth: 1.5,
+            cutback: 0.5,
+            fixed: false
+        }
+    );
+    assert_eq!(
+        deck.newton,
+        Newton { tolerance: 1e-6, absolute: 1e-8, max_iterations: 20, line_search: true }
+    );
+    assert_eq!(deck.output, Output { every: 1, stress: true, colour: Colour::VonMises });
+    let interface = &deck.interfaces[0];
+    assert_eq!(interface.options(Contact::Diffuse), Default::default());
+    assert_eq!(interface.options(Contact::NodeToFacet).element, ContactElement::NodeToFacet);
+    assert_eq!(
+        (interface.augmentation, interface.refresh, interface.tangent),
+        (None, Refresh::Increment, Tangent::Exact)
+    );
+
+    let model = deck.model(".").unwrap();
+    assert_eq!((model.nodes.len(), model.bodies.len()), (27 + 16, 1));
+    assert_eq!(model.nodes[27], [-1.0, -1.0, -0.1]);
+    let supports = deck.supports(&model).unwrap();
+    assert_eq!(supports.prescribed().count(), 16 * 3 + 9 * 2);
+    let sides = deck.sides(&model, interface).unwrap();
+    assert_eq!((sides.master.len(), sides.slave.len(), sides.slave_nodes().len()), (9, 4, 9));
+    assert_eq!(deck.loads(&model).unwrap()[0].facets.len(), 4);
+}
+
+#[test]
+fn every_field_is_taken() {
+    let deck = changed(
+        "penalty = 1e5",
+        r#"penalty = 1e5
+        areas = true
+        method = "augmented-lagrangian"
+        augmentation = { max = 7, tolerance = 1e-3 }
+        two_pass = true
+        exchange = true
+        weight = "wendland-c2"
+        frame = "frozen"
+        neighbours = { rule = "nearest", count = 14 }
+        refresh = "iteration"
+        tangent = "gauss-newton"
+        feature_angle = 30
+        hysteresis = 0
+        border_tolerance = 0.5
+        distance_limit = 2"#,
+    )
+    .replace(
+        "increment = 0.25",
+        r#"
+        end = 4.0
+        increment = 0.5
+        minimum = 0.125
+        maximum = 1.0
+        growth = 2
+        cutback = 0.25
+        [newton]
+        tolerance = 1e-8
+        absolute = 0
+        max_iterations = 11
+        line_search = false
+        [output]
+        every = 3
+        stress = false
+        colour = "gap""#,
+    )
+    .replace("value = 10.0", "value = 10.0\nfollower = true\namplitude = [[0, 0], [1, 5], [4, 0]]")
+    .replace("title =", "contact = \"node-to-facet\"\ntitle =");
+    let deck = Deck::parse(&deck).unwrap();
+    let interface = &deck.interfaces[0];
+    let options = interface.options(Contact::Diffuse);
+    assert!(options.areas && interface.two_pass && interface.exchange && deck.pressures[0].follower);
+    assert_eq!(interface.augmentation, Some(Augmentation { max: 7, tolerance: 1e-3 }));
+    let ContactElement::Diffuse { weight, frame, search } = options.element else { panic!("not diffuse") };
+    assert_eq!((weight, frame), (Weight::WendlandC2, FrameDerivative::Frozen));
+    assert_eq!(search.rule, NeighbourRule::nearest(14));
+    assert_eq!(
+        (options.feature_angle_degrees, options.hysteresis, options.border_tolerance, options.distance_limit),
+        (30.0, 0.0, 0.5, Some(2.0))
+    );
+    options.check().unwrap();
+    assert_eq!(
+        (interface.refresh, interface.tangent, deck.contact),
+        (Refresh::Iteration, Tangent::GaussNewton, Contact::NodeToFacet)
+    );
+    assert_eq!(
+        deck.time,
+        Time {
+            end: 4.0,
+            increment: 0.5,
+            minimum: 0.125,
+            maximum: 1.0,
+            growth: 2.0,
+            cutback: 0.25,
+            fixed: false
+        }
+    );
+    assert_eq!(
+        deck.newton,
+        Newton { tolerance: 1e-8, absolute: 0.0, max_iterations: 11, line_search: false }
+    );
+    assert_eq!(deck.output, Output { every: 3, stress: false, colour: Colour::Gap });
+    assert_eq!(deck.pressures[0].amplitude.at(2.5), 2.5);
+    // Without an amplitude a motion lasts to the end.
+    assert_eq!(deck.boundaries[1].motion.position(2.0, [0.0; 3]), [0.0, 0.0, -0.1]);
+
+    let model = deck.model(".").unwrap();
+    let sides = deck.sides(&model, interface).unwrap();
+    assert_eq!((sides.master.len(), sides.slave.len()), (4, 9), "exchanged");
+}
+
+#[test]
+fn misspelt_fields_name_the_nearest() {
+    refused(
+        "poisson = 0.3",
+        "poison = 0.3",
+        "deck, line 6: [materials.steel] has no field \"poison\" (did you mean \"poisson\"?); it has young, poisson, yield_stress, hardening",
+    );
+    refused("title =", "tilte =", "line 2: the deck has no field \"tilte\" (did you mean \"title\"?)");
+    refused(
+        "divisions = [2, 2, 2]",
+        "division = [2, 2, 2]",
+        "line 13: [parts.block] has no field \"division\" (did you mean \"divisions\"?)",
+    );
+    refused("penalty", "penaltY", "[interface[1]] has no field \"penaltY\" (did you mean \"penalty\"?)");
+    refused(
+        "shape = \"box\"",
+        "shap = \"box\"",
+        "line 11: [parts.block] has no field \"shap\" (did you mean \"shape\"?)",
+    );
+    refused(
+        "increment = 0.25",
+        "increment = 0.25\nxyzzy = 1",
+        "[time] has no field \"xyzzy\"; it has end, increment",
+    );
+    refused(
+        "size = [3.0, 3.0]",
+        "size = [3.0, 3.0]\norigin = [0, 0, 0]",
+        "[parts.floor] has no field \"origin\"",
+    );
+}
+
+#[test]
+fn misspelt_words_and_names_name_the_nearest() {
+    refused(
+        "title =",
+        "contact = \"difuse\"\ntitle =",
+        "contact cannot be \"difuse\" (did you mean \"diffuse\"?); it can be \"diffuse\", \"node-to-facet\", \"none\"",
+    );
+    refused(
+        "shape = \"box\"",
+        "shape = \"bax\"",
+        "parts.block.shape cannot be \"bax\" (did you mean \"box\"?)",
+    );
+    refused(
+        "material = \"steel\"",
+        "material = \"stel\"",
+        "line 14: no material is named \"stel\" (did you mean \"steel\"?)",
+    );
+    refused(
+        "\"block.z+\"",
+        "\"blok.z+\"",
+        "line 27: no node set is named \"blok.z+\" (did you mean \"block.z+\"?)",
+    );
+    refused(
+        "surface = \"block.x+\"",
+        "surface = \"block.crown\"",
+        "line 31: no surface is named \"block.crown\"; there are block, block.x+",
+    );
+    refused(
+        "slave = \"block.z-\"",
+        "slave = [\"block.z-\", \"flor\"]",
+        "no surface is named \"flor\" (did you mean \"floor\"?)",
+    );
+    refused("fix = [\"x\", \"y\", \"z\"]", "fix = [\"x\", \"w\"]", "boundary[1].fix[2] cannot be \"w\"");
+}
+
+#[test]
+fn wrong_types_and_ranges_say_what_was_found() {
+    refused(
+        "young = 200_000",
+        "young = \"hard\"",
+        "line 5: materials.steel.young must be a number, not the text \"hard\"",
+    );
+    refused("young = 200_000", "young = -1.5", "materials.steel.young must be positive, not -1.5");
+    refused("young = 200_000", "young = nan", "materials.steel.young must be finite, not NaN");
+    refused("young = 200_000", "young = inf", "materials.steel.young must be finite, not inf");
+    refused(
+        "poisson = 0.3",
+        "poisson = 0.5",
+        "materials.steel.poisson must be above -1 and below 0.5, not 0.5",
+    );
+    refused(
+        "size = [1.0, 1.0, 1.0]",
+        "size = [1.0, 1.0]",
+        "line 12: parts.block.size must be a list of three numbers, not a list of 2",
+    );
+    refused(
+        "size = [1.0, 1.0, 1.0]",
+        "size = [1.0, 0.0, 1.0]",
+        "line 12: parts.block: size must be a positive length (1e-50 to 1e50), not 0",
+    );
+    refused(
+        "divisions = [2, 2, 2]",
+        "divisions = [2, 2.5, 2]",
+        "parts.block.divisions[2] must be a whole number, not 2.5",
+    );
+    refused(
+        "divisions = [2, 2, 2]",
+        "divisions = [2, -2, 2]",
+        "parts.block.divisions[2] must be a whole number from 0 to 4294967295, not -2",
+    );
+    refused(
+        "divisions = [2, 2, 2]",
+        "divisions = [999, 999, 99]",
+        "line 13: parts.block: these divisions make 100000000 nodes; at most 20000000 are possible",
+    );
+    refused(
+        "value = 10.0",
+        "value = 10.0\nfollower = 1",
+        "pressure[1].follower must be true or false, not 1",
+    );
+    refused(
+        "value = 10.0",
+        "value = 10.0\namplitude = [[0, 0], [2, 1], [1, 0]]",
+        "pressure[1].amplitude: times must ascend, but point 3 is not later",
+    );
+    refused(
+        "increment = 0.25",
+        "increment = 2.0",
+        "time.increment must be from 1e-9 times end to end, not 2",
+    );
+    refused(
+        "increment = 0.25",
+        "increment = 0.25\nmaximum = 0.1",
+        "time.maximum must be from increment to end, not 0.1",
+    );
+    refused(
+        "translate = [0.0, \"free\", -0.2]",
+        "translate = [0.0, \"fre\", -0.2]",
+        "boundary[2].translate[2] must be a number or \"free\", not the text \"fre\"",
+    );
+    refused("nodes = \"floor\"", "nodes = []", "boundary[1].nodes must be a list of at least one name");
+    refused(
+        "penalty = 1e5",
+        "penalty = 1e5\nneighbours = { rule = \"nearest\", count = 25 }",
+        "interface[1].neighbours.count must be from 1 to 24, not 25",
+    );
+    assert_eq!(MAX_NEIGHBOURS, 24);
+}
+
+#[test]
+fn fields_that_do_not_go_together_are_refused() {
+    refused(
+        "yield_stress = 400.0\n",
+        "",
+        "line 7: materials.steel.hardening has no meaning without yield_stress",
+    );
+    refused(
+        "fix = [\"x\", \"y\", \"z\"]",
+        "fix = [\"x\"]\namplitude = [[0, 0]]",
+        "boundary[1].amplitude has no meaning beside fix",
+    );
+    refused("fix = [\"x\", \"y\", \"z\"]", "", "[boundary[1]] needs fix, translate or rotate");
+    refused(
+        "translate = [0.0, \"free\", -0.2]",
+        "translate = [0.0, \"free\", -0.2]\nrotate = { axis = [0, 0, 1], degrees = 9 }",
+        "has no meaning beside rotate",
+    );
+    refused(
+        "penalty = 1e5",
+        "penalty = 1e5\naugmentation = { tolerance = 1.0 }",
+        "interface[1].augmentation has no meaning without method",
+    );
+    refused(
+        "penalty = 1e5",
+        "penalty = 1e5\nmethod = \"augmented-lagrangian\"",
+        "[interface[1]] needs a field \"augmentation\"",
+    );
+    refused(
+        "increment = 0.25",
+        "increment = 0.25\nfixed = true\ngrowth = 2.0",
+        "time.growth has no meaning beside fixed = true",
+    );
+    refused(
+        "divisions = [3, 3]",
+        "divisions = [3, 3]\nmaterial = \"steel\"",
+        "parts.floor.material has no meaning for a rigid part",
+    );
+    refused(
+        "shape = \"box\"",
+        "shape = \"box\"\nfile = \"box.msh\"",
+        "parts.block.shape has no meaning beside file",
+    );
+    refused(
+        "shape = \"box\"\nsize = [1.0, 1.0, 1.0]\ndivisions = [2, 2, 2]",
+        "",
+        "[parts.block] needs either a shape or a file",
+    );
+    refused("material = \"steel\"\n", "", "[parts.block] needs a field \"material\"");
+    refused("[time]\nincrement = 0.25", "", "the deck needs a field \"time\"");
+    let second =
+        "[[interface]]\nname = \"joint\"\nmaster = \"floor\"\nslave = \"block.x-\"\npenalty = 1\n[time]";
+    refused("[time]", second, "two interfaces are named \"joint\"; the other is in line 35");
+}
+
+#[test]
+fn contradictions_in_space_are_refused() {
+    let twice = "[[boundary]]\nnodes = \"block.x+\"\nfix = [\"z\"]\n[[pressure]]";
+    refused(
+        "[[pressure]]",
+        twice,
+        "is moved along z by this boundary condition and, differently, by that in line 26",
+    );
+    // Along x both say that nothing moves, along y one of them says nothing.
+    let alike =
+        changed("[[pressure]]", "[[boundary]]\nnodes = \"block.x+\"\nfix = [\"x\", \"y\"]\n[[pressure]]");
+    Deck::parse(&alike).unwrap().model(".").unwrap();
+
+    refused(
+        "fix = [\"x\", \"y\", \"z\"]",
+        "fix = [\"x\", \"z\"]",
+        "line 16: the part \"floor\" is rigid, but its node at (-1, -1, -0.1) is free along y",
+    );
+    refused("surface = \"block.x+\"", "surface = \"floor\"", "the surface \"floor\" is rigid");
+    refused("slave = \"block.z-\"", "slave = \"floor\"", "on both sides of the interface \"joint\"");
+    let floor = "[parts.lid]\nshape = \"rigid-plane\"\nsize = [1, 1]\ndivisions = [1, 1]\n[parts.floor]";
+    let rigid = changed("[parts.floor]", floor)
+        .replace("slave = \"block.z-\"", "slave = \"lid\"")
+        .replace("nodes = \"floor\"", "nodes = [\"floor\", \"lid\"]");
+    assert!(message(&rigid).contains("both sides of the interface \"joint\" are rigid"));
+    let nothing =
+        "[parts.floor]\nshape = \"rigid-plane\"\nsize = [1, 1]\ndivisions = [1, 1]\n[time]\nincrement = 1";
+    assert!(message(nothing).contains("the deck has no deformable part"));
+}
+
+#[test]
+fn broken_texts_and_files_are_errors() {
+    let text = message("title = \"a\nb\"");
+    assert!(text.starts_with("deck, line 1: not valid TOML"), "{text}");
+    assert!(message("[time]\nincrement = 0.1\nincrement = 0.2").starts_with("deck, line 3: not valid TOML"));
+    assert!(message("").contains("the deck needs a field \"time\""));
+    assert!(
+        message("boundary = 3\n[time]\nincrement = 1")
+            .contains("boundary must be a list of tables: write [[boundary]], not 3")
+    );
+    assert!(message("parts = 3\n[time]\nincrement = 1").contains("parts must be a table, not 3"));
+    let missing = Deck::read("/nowhere/deck.toml").unwrap_err();
+    assert!(missing.to_string().starts_with("/nowhere/deck.toml: cannot read the file"));
+    let text =
+        changed("shape = \"box\"\nsize = [1.0, 1.0, 1.0]\ndivisions = [2, 2, 2]", "file = \"nowhere.msh\"");
+    assert!(
+        message(&text).contains("line 10: parts.block: ./nowhere.msh: cannot read the file"),
+        "{}",
+        message(&text)
+    );
+    // Whatever is cut off, there is an answer.
+    for end in 0..DECK.len() {
+        if let Ok(deck) = Deck::parse(&DECK[..end]) {
+            let _ = deck.model(".");
+        }
+    }
+}
+
+#[test]
+fn parts_come_from_mesh_files() {
+    let meshes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../meshes");
+    let text = changed(
+        "shape = \"rigid-plane\"\nsize = [3.0, 3.0]\ndivisions = [3, 3]",
+        "file = \"plate_on_cylinder.msh\"\nsurface = \"master\"",
+    );
+    let model = Deck::parse(&text).unwrap().model(&meshes).unwrap();
+    assert_eq!(model.surfaces["floor"], model.surfaces["floor.master"]);
+    assert!(!model.surfaces.contains_key("floor.slave"));
+    let solid = changed(
+        "shape = \"box\"\nsize = [1.0, 1.0, 1.0]\ndivisions = [2, 2, 2]",
+        "file = \"plate_on_cylinder.msh\"",
+    );
+    let error = Deck::parse(&solid).unwrap().model(&meshes).unwrap_err().to_string();
+    assert!(error.contains("parts.block: the mesh file has no 8-node hexahedra"), "{error}");
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+#[test]
+fn the_example_decks_build() {
+    let expected: BTreeMap<&str, (usize, usize, usize)> = BTreeMap::from([
+        // Hexahedra, master facets and slave facets.
+        ("coaxial_cylinders", (36 * 4 + 40 * 4, 80, 72)),
+        ("hertz_cylinder", (20 * 20 + 40 * 16, 40, 40)),
+        ("hertz_sphere", (12 * 12 * 12 + 3 * 144 * 10, 64, 3 * 144)),
+        ("patch_test", (50 + 24, 25, 12)),
+        ("pipe_pinch", (64 + 48, 24, 32)),
+        ("pipe_pinch_plastic", (64 + 48, 24, 32)),
+        ("plate_cylinder", (100, 32, 100)),
+        ("ring_block", (128 + 360, 60, 64)),
+        ("sliding_block", (108, 150, 36)),
+    ]);
+    let mut found = BTreeSet::new();
+    for entry in std::fs::read_dir(root().join("examples")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            continue;
+        }
+        let name = path.file_stem().unwrap().to_str().unwrap().to_string();
+        let deck = Deck::read(&path).unwrap_or_else(|error| panic!("{error}"));
+        let model = deck.model(path.parent().unwrap()).unwrap_or_else(|error| panic!("{error}"));
+        assert!(!deck.title.is_empty() && deck.contact == Contact::Diffuse);
+        let sides = deck.sides(&model, &deck.interfaces[0]).unwrap();
+        let hexahedra = model.bodies.iter().map(|body| body.elements.len()).sum::<usize>();
+        assert_eq!((hexahedra, sides.master.len(), sides.slave.len()), expected[name.as_str()], "{name}");
+        found.insert(name);
+    }
+    assert!(expected.keys().all(|name| found.contains(*name)), "{found:?}");
+}
+
+/// The fields in the first columns of the tables below each heading of docs/decks.md.
+fn documented() -> BTreeMap<String, BTreeSet<String>> {
+    let page = std::fs::read_to_string(root().join("docs/decks.md")).unwrap();
+    let (mut heading, mut fields) = (String::new(), BTreeMap::new());
+    for line in page.lines() {
+        if line.starts_with('#') {
+            heading = line.trim_start_matches('#').trim().to_string();
+        } else if let Some((field, _)) = line.strip_prefix("| `").and_then(|row| row.split_once("` |")) {
+            let fresh = fields.entry(heading.clone()).or_insert_with(BTreeSet::new).insert(field.to_string());
+            assert!(fresh, "{field} is documented twice under {heading}");
+        }
+    }
+    fields
+}
+
+#[test]
+fn every_field_is_documented_and_every_documented_field_exists() {
+    let mut fields: BTreeMap<String, &[&str]> = BTreeMap::from([
+        ("The deck", schema::DECK),
+        ("`[materials.NAME]`", schema::MATERIAL),
+        ("`[parts.NAME]`", schema::PART),
+        ("`rotate`", schema::ROTATION),
+        ("`file`", schema::FILE),
+        ("`[[boundary]]`", schema::BOUNDARY),
+        ("`rotate` of a boundary", schema::BOUNDARY_ROTATION),
+        ("`[[pressure]]`", schema::PRESSURE),
+        ("`[[interface]]`", schema::INTERFACE),
+        ("`augmentation`", schema::AUGMENTATION),
+        ("`neighbours`", schema::NEIGHBOURS),
+        ("`[time]`", schema::TIME),
+        ("`[newton]`", schema::NEWTON),
+        ("`[output]`", schema::OUTPUT),
+    ])
+    .into_iter()
+    .map(|(heading, fields)| (heading.to_string(), fields))
+    .collect();
+    // A plate is a box by another name.
+    let shapes = schema::SHAPES.iter().filter(|(name, _)| *name != "plate");
+    fields.extend(shapes.map(|&(name, fields)| (format!("`shape = \"{name}\"`"), fields)));
+    let known: BTreeMap<String, BTreeSet<String>> = fields
+        .into_iter()
+        .map(|(heading, fields)| (heading, fields.iter().map(|f| f.to_string()).collect()))
+        .collect();
+    assert_eq!(documented(), known);
+}

@@ -84,9 +84,9 @@ impl Cylinder {
     }
 }
 
-/// Checks the relative size of a core.
+/// Checks the relative size of a core: the corners of a larger one come too close to the outside.
 pub(super) fn core(field: &'static str, value: f64) -> Result<(), ShapeError> {
-    in_range((0.1..=0.8).contains(&value), field, "from 0.1 to 0.8", value)
+    in_range((0.1..=0.6).contains(&value), field, "from 0.1 to 0.6", value)
 }
 
 /// Checks that no axis is cut from both sides.

@@ -236,7 +236,7 @@ fn balls_whole_half_quarter_and_eighth() {
 
 #[test]
 fn round_solids_have_no_poor_cells_for_any_core() {
-    for core in [0.1, 0.35, 0.8] {
+    for core in [0.1, 0.35, 0.6] {
         for ratio in [0.05, 1.0, 20.0] {
             let ball = Ball {
                 radius: 1.0,

@@ -88,7 +88,7 @@ impl Deck {
 
         let deformable = model.deformable();
         for entry in self.parts.iter().filter(|entry| entry.material.is_none()) {
-            for &node in &model.node_sets[&entry.name] {
+            for &node in model.node_sets.get(&entry.name).into_iter().flatten() {
                 let free = (0..3).find(|&axis| !deformable[node] && supports.motion(node, axis).is_none());
                 if let Some(axis) = free {
                     let (part, position) = (entry.name.clone(), model.nodes[node]);

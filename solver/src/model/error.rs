@@ -77,7 +77,7 @@ pub enum ModelError {
         /// How many there are.
         count: usize,
     },
-    /// A coordinate is NaN, infinite or beyond [`MAX_COORDINATE`](super::part::MAX_COORDINATE).
+    /// A coordinate is NaN, infinite or beyond ±10⁷⁵.
     #[error(
         "node {node} of the part {part:?} has a coordinate that is not a finite number below 1e75: {value}"
     )]
@@ -91,8 +91,8 @@ pub enum ModelError {
     },
     /// A hexahedron is turned inside out or flat at one of its corners.
     #[error(
-        "hexahedron {element} of the part {part:?} is not convex: the Jacobian at its corner {corner} is {jacobian:e} of \
-         the cube of its extent"
+        "hexahedron {element} of the part {part:?} is not convex: the triple product of the directions of the edges at its \
+         corner {corner} is {jacobian:e}"
     )]
     InvertedElement {
         /// The part.
@@ -101,7 +101,7 @@ pub enum ModelError {
         element: usize,
         /// The corner, from 0 in the order of its nodes.
         corner: usize,
-        /// Triple product of the edges there, over the cube of the largest of their lengths.
+        /// Triple product of the directions of the edges there; 1 at the corner of a cube.
         jacobian: f64,
     },
     /// A mesh file cannot be read, or has no such set.

@@ -115,7 +115,8 @@ impl Model {
     #[must_use]
     pub fn parts(&self) -> Vec<(&str, usize)> {
         let whole = self.node_sets.iter().filter(|(name, _)| !name.contains('.'));
-        let mut parts: Vec<_> = whole.map(|(name, nodes)| (name.as_str(), nodes[0])).collect();
+        let mut parts: Vec<_> =
+            whole.filter_map(|(name, nodes)| Some((name.as_str(), *nodes.first()?))).collect();
         parts.sort_by_key(|&(_, first)| first);
         parts
     }

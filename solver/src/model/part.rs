@@ -11,8 +11,8 @@ use super::{ModelError, Rotation};
 pub const MAX_NODES: usize = 20_000_000;
 /// Coordinates stay below, where products of three lengths are finite: the bound of contact surfaces.
 pub(super) const MAX_COORDINATE: f64 = 1e75;
-/// The Jacobian at a corner of a hexahedron exceeds this times the cube of the largest edge.
-const SMALLEST_JACOBIAN: f64 = 1e-12;
+/// What the triple product of the directions of the edges at a corner of a hexahedron exceeds.
+const SMALLEST_JACOBIAN: f64 = 1e-6;
 
 /// A part. Indices are those of its own nodes.
 #[derive(Clone, Debug, Default)]
@@ -90,16 +90,19 @@ impl Part {
     }
 }
 
-/// Triple product of the edges that leave a corner, over the cube of the longest of them: positive where the map from the
-/// unit cube keeps its orientation.
+/// Triple product of the directions of the edges that leave a corner, at most 1: positive where the map from the unit cube
+/// keeps its orientation.
 fn corner_jacobian(corners: [[f64; 3]; 8], corner: usize) -> f64 {
     // The neighbours of each corner, in a right-handed order.
     const NEIGHBOURS: [[usize; 3]; 8] =
         [[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]];
     let at = |n: usize| Vector3::from(corners[n]);
     let [a, b, c] = NEIGHBOURS[corner].map(|n| at(n) - at(corner));
-    let longest = a.norm().max(b.norm()).max(c.norm());
-    if longest > 0.0 { (a / longest).cross(&(b / longest)).dot(&(c / longest)) } else { 0.0 }
+    if [a, b, c].iter().any(|edge| edge.amax() == 0.0) {
+        return 0.0;
+    }
+    let [a, b, c] = [a, b, c].map(|edge| (edge / edge.amax()).normalize());
+    a.cross(&b).dot(&c)
 }
 
 /// The faces of a hexahedron, oriented outward.

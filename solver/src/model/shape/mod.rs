@@ -191,9 +191,12 @@ fn in_range(holds: bool, field: &'static str, range: &'static str, value: f64) -
     if holds { Ok(()) } else { Err(ShapeError::OutOfRange { field, range, value }) }
 }
 
-/// A whole turn needs three cells to be a ring.
-fn ring(whole: bool, count: usize) -> Result<(), ShapeError> {
-    in_range(!whole || count >= 3, "divisions", "at least 3 around a whole turn", count as f64)
+/// Checks a range of angles with the number of cells in it: each spans less than half a turn.
+fn arc(field: &'static str, angles: [f64; 2], count: usize) -> Result<(), ShapeError> {
+    let whole = turn(field, angles)?;
+    let cell = (angles[1] - angles[0]) / count as f64;
+    in_range(!whole || count >= 3, "divisions", "at least 3 around a whole turn", count as f64)?;
+    in_range(cell < 180.0, "divisions", "so many that a cell spans less than 180 degrees", count as f64)
 }
 
 #[cfg(test)]

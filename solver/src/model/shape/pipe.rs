@@ -2,7 +2,7 @@
 
 use super::grading::graded;
 use super::lattice::HexLattice;
-use super::{Axis, divisions, in_range, length, ratio, ring, turn};
+use super::{Axis, arc, divisions, in_range, length, ratio, turn};
 use crate::model::motion::sine_cosine;
 use crate::model::{Part, ShapeError};
 
@@ -43,9 +43,7 @@ impl Pipe {
         let whole = turn("angles", self.angles)?;
         self.grading.into_iter().try_for_each(|value| ratio("grading", value))?;
         in_range(!whole || self.grading[0] == 1.0, "grading", "1 around a whole pipe", self.grading[0])?;
-        ring(whole, self.divisions[0])?;
-        let cell = (self.angles[1] - self.angles[0]) / self.divisions[0] as f64;
-        in_range(cell < 180.0, "divisions", "more than one around for an angle of 180 degrees or more", 1.0)?;
+        arc("angles", self.angles, self.divisions[0])?;
         divisions(&self.divisions, self.divisions.iter().map(|&n| n as f64 + 1.0).product())
     }
 

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use diffuse_contact::surface::Facet;
 
-use super::{Axis, divisions, in_range, length, ring, turn};
+use super::{Axis, arc, divisions, in_range, length, turn};
 use crate::model::motion::sine_cosine;
 use crate::model::{Part, ShapeError};
 
@@ -191,17 +191,6 @@ impl RigidTorus {
 /// Sine and cosine at the end of the cell before `k`.
 fn direction([start, end]: [f64; 2], k: usize, count: usize) -> (f64, f64) {
     sine_cosine(start + (end - start) * (k as f64 / count as f64))
-}
-
-/// Checks a range of angles with its cells: a facet spans less than half a turn.
-fn arc(field: &'static str, angles: [f64; 2], count: usize) -> Result<(), ShapeError> {
-    ring(turn(field, angles)?, count)?;
-    in_range(
-        count == 0 || (angles[1] - angles[0]) / (count as f64) < 180.0,
-        "divisions",
-        "at least 2 for 180 degrees or more",
-        count as f64,
-    )
 }
 
 fn node_count(divisions: [usize; 2]) -> f64 {

@@ -152,6 +152,31 @@ fn nodes_on_a_line_have_no_plane_and_two_rows_only_a_linear_fit() {
 }
 
 #[test]
+fn a_narrow_strip_that_bends_carries_a_quadratic_also_where_it_bulges() {
+    // Three rows around a cylinder: the nodes far around it are wider apart across than along the axis, so that the plane of
+    // all candidates is normal to the axis. Bulges keep the rows from lying exactly upon each other in it.
+    let strip = |bulge: f64| -> Vec<Point> {
+        let node = |row: usize, column: usize| {
+            let (sin, cos) = (column as f64 * std::f64::consts::TAU / 40.0).sin_cos();
+            let radius = 50.0 + bulge * [1.0, 0.8, 1.1][row] * (1.0 + 0.1 * cos);
+            [radius * cos, radius * sin, 5.0 * row as f64]
+        };
+        (0..120).map(|k| node(k / 40, k % 40)).collect()
+    };
+    for bulge in [0.0, 1e-6, 1e-3, 0.01, 0.1] {
+        let nodes = NearestNodes::new(strip(bulge)).unwrap();
+        let mut search = NeighbourSearch::new(hull(None)).unwrap();
+        for (angle, height) in [(0.026, 0.0), (0.2, 0.0), (0.1, 5.0), (0.13, 10.001), (0.0, 2.0)] {
+            let (sin, cos) = f64::sin_cos(angle);
+            let found = search.find(&nodes, [50.02 * cos, 50.02 * sin, height], [cos, sin, 0.0]);
+            let found = found.unwrap_or_else(|error| panic!("{bulge} {angle}: {error}"));
+            assert_eq!(found.basis, Basis::Quadratic, "{bulge} {angle} {height}: {found:?}");
+            assert!(found.support_radius < 30.0, "{bulge} {angle} {height}: {}", found.support_radius);
+        }
+    }
+}
+
+#[test]
 fn few_nodes_carry_a_linear_fit_and_fewer_than_three_none() {
     let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.4, 0.6, 0.0]];
     for count in 3..=5 {

@@ -80,12 +80,16 @@ pub struct Projection {
     pub plane: Frame,
     /// Largest in-plane distance from the slave.
     pub scale: f64,
-    /// Difference of the candidates' heights over the largest in-plane distance.
+    /// Difference of the candidates' heights over the largest in-plane distance; infinite if the plane does not face outward.
     pub steepness: f64,
     /// In-plane distance from the slave, divided by the scale, below which there is no other admitted node, provided
     /// that those others are no higher over or deeper under the slave than the candidates.
     pub reach: f64,
 }
+
+/// Cosine between outward and the normal of a plane below which it is no plane of the surface at the slave: that of the nodes of a
+/// narrow strip that bends is normal to the strip's width.
+const FACING: f64 = 0.5;
 
 impl Projection {
     /// Projects the candidates; their offsets go to `offsets`.
@@ -114,7 +118,11 @@ impl Projection {
         let height = lowest.abs().max(highest.abs()) / scale;
         let beyond = candidates.beyond / scale;
         let reach = ((beyond - height).max(0.0) * (beyond + height)).sqrt();
-        Ok(Self { plane, scale, steepness: (highest - lowest) / scale, reach })
+        // Outward is the way the surface faces at the slave.
+        let outward = Vector3::from(query.outward.of(&candidates.nodes));
+        let cosine = outward.dot(&Vector3::from(plane.normal)) / outward.norm();
+        let steepness = if cosine < FACING { f64::INFINITY } else { (highest - lowest) / scale };
+        Ok(Self { plane, scale, steepness, reach })
     }
 }
 

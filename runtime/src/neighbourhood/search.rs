@@ -135,8 +135,19 @@ impl NeighbourSearch {
         loop {
             may_grow &= wanted < self.options.max_candidates && !self.candidates.are_all();
             match self.by_layers(query, &projection, fewest, most, may_grow) {
-                Some(Ok(found)) => return Ok(found),
-                Some(Err(reason)) => return self.by_fewer(query, fewest, most).ok_or(reason),
+                Some(Ok(found)) if found.basis == self.options.basis => return Ok(found),
+                // A strip that bends may be wider across than along itself as seen in the plane of all candidates.
+                Some(other) => {
+                    let (basis, all) = (self.options.basis, self.candidates.nodes.len());
+                    let fewer = self.by_fewer(query, all, fewest, most, |found| found.basis == basis);
+                    return match (fewer, other) {
+                        (Some(found), _) => Ok(found),
+                        (None, Ok(lower)) => Ok(lower),
+                        (None, Err(reason)) => {
+                            self.by_fewer(query, all, fewest, most, |_| true).ok_or(reason)
+                        }
+                    };
+                }
                 None => {}
             }
             wanted = wanted.saturating_mul(2).min(self.options.max_candidates);
@@ -153,19 +164,22 @@ impl NeighbourSearch {
         }
     }
 
-    /// What ever fewer candidates give, if all together carry no fit: on a narrow strip that bends, the plane of the near
-    /// ones may still be one.
+    /// What ever fewer candidates give that is good enough, if all together carry no fit of the basis asked for: on a narrow
+    /// strip that bends, the plane of the near ones may still be one.
     fn by_fewer<F: Fn(usize) -> bool>(
         &mut self,
         query: &Query<'_, F>,
+        all: usize,
         fewest: usize,
         most: usize,
+        is_good: impl Fn(&Neighbourhood) -> bool,
     ) -> Option<Neighbourhood> {
-        let mut fewer = reduced(self.candidates.nodes.len());
+        let mut fewer = reduced(all);
         while fewer >= FEWEST_CANDIDATES {
             self.candidates.gather(query, fewer);
             if let Ok(projection) = Projection::new(query, &self.candidates, &mut self.offsets)
                 && let Some(Ok(found)) = self.by_layers(query, &projection, fewest, most, false)
+                && is_good(&found)
             {
                 return Some(found);
             }

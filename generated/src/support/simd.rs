@@ -80,18 +80,7 @@ impl Isa {
     /// Runs code compiled for these instructions.
     #[inline]
     pub fn run<W: WithLanes>(self, code: W) -> W::Output {
-        match self.0 {
-            Kind::Scalar => code.run::<f64>(),
-            // SAFETY: an `Isa` exists only where its instructions do.
-            #[cfg(target_arch = "x86_64")]
-            Kind::Sse2 => code.run::<x86::F64x2>(),
-            #[cfg(target_arch = "x86_64")]
-            Kind::Avx2 => unsafe { x86::run_avx2::<x86::F64x4, W>(code) },
-            #[cfg(target_arch = "x86_64")]
-            Kind::Avx512 => unsafe { x86::run_avx512::<x86::F64x8, W>(code) },
-            #[cfg(target_arch = "aarch64")]
-            Kind::Neon => code.run::<neon::F64x2>(),
-        }
+        self.run_vectors(code).unwrap_or_else(|code| code.run::<f64>())
     }
 
     /// As [`run`](Self::run), or the code back if there are no vectors.
@@ -372,11 +361,71 @@ mod x86 {
         stores_by_number!();
     }
 
+    // SAFETY, of all below: the types exist only where the instructions do.
+
+    /// What F64x4 and F64x8 do by the same intrinsics of different width.
+    macro_rules! fused_lane_methods {
+        ($splat:ident, $mul_add:ident, $mul_sub:ident, $neg_mul_add:ident, $sqrt:ident) => {
+            #[inline(always)]
+            fn splat(value: f64) -> Self {
+                Self(unsafe { $splat(value) })
+            }
+
+            #[inline(always)]
+            fn mul_add(self, factor: Self, term: Self) -> Self {
+                Self(unsafe { $mul_add(self.0, factor.0, term.0) })
+            }
+
+            #[inline(always)]
+            fn mul_sub(self, factor: Self, term: Self) -> Self {
+                Self(unsafe { $mul_sub(self.0, factor.0, term.0) })
+            }
+
+            #[inline(always)]
+            fn neg_mul_add(self, factor: Self, term: Self) -> Self {
+                Self(unsafe { $neg_mul_add(self.0, factor.0, term.0) })
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Self(unsafe { $sqrt(self.0) })
+            }
+        };
+    }
+
+    /// [`Vector::store_transposed`] for vectors with a function `transposed`: squares of numbers, then what is left over.
+    macro_rules! stores_by_squares {
+        () => {
+            #[inline(always)]
+            fn store_transposed<O>(
+                source: &[Self],
+                outputs: &mut [O],
+                target: impl Fn(&mut O) -> &mut [f64],
+            ) {
+                let (squares, rest) = source.as_chunks::<{ Self::WIDTH }>();
+                let targets = places::<O, _, { Self::WIDTH }>(source.len(), outputs, &target);
+                for (k, square) in squares.iter().enumerate() {
+                    let columns = Self::transposed(*square);
+                    for lane in 0..outputs.len() {
+                        // SAFETY: vectors of plain numbers, and each target has room for `source.len()` of them.
+                        unsafe {
+                            targets[lane].add(k * Self::WIDTH).cast::<Self>().write_unaligned(columns[lane])
+                        };
+                    }
+                }
+                for lane in 0..outputs.len() {
+                    let end = &mut target(&mut outputs[lane])[Self::WIDTH * squares.len()..source.len()];
+                    for k in 0..end.len() {
+                        end[k] = rest[k].lane(lane);
+                    }
+                }
+            }
+        };
+    }
+
     operators!(F64x2, Add add _mm_add_pd, Sub sub _mm_sub_pd, Mul mul _mm_mul_pd, Div div _mm_div_pd);
     operators!(F64x4, Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd);
     operators!(F64x8, Add add _mm512_add_pd, Sub sub _mm512_sub_pd, Mul mul _mm512_mul_pd, Div div _mm512_div_pd);
-
-    // SAFETY, of all below: the types exist only where the instructions do.
 
     impl Neg for F64x2 {
         type Output = Self;
@@ -455,30 +504,13 @@ mod x86 {
     impl Lane for F64x4 {
         common_lane_methods!(__m256d, 4);
 
-        #[inline(always)]
-        fn splat(value: f64) -> Self {
-            Self(unsafe { _mm256_set1_pd(value) })
-        }
-
-        #[inline(always)]
-        fn mul_add(self, factor: Self, term: Self) -> Self {
-            Self(unsafe { _mm256_fmadd_pd(self.0, factor.0, term.0) })
-        }
-
-        #[inline(always)]
-        fn mul_sub(self, factor: Self, term: Self) -> Self {
-            Self(unsafe { _mm256_fmsub_pd(self.0, factor.0, term.0) })
-        }
-
-        #[inline(always)]
-        fn neg_mul_add(self, factor: Self, term: Self) -> Self {
-            Self(unsafe { _mm256_fnmadd_pd(self.0, factor.0, term.0) })
-        }
-
-        #[inline(always)]
-        fn sqrt(self) -> Self {
-            Self(unsafe { _mm256_sqrt_pd(self.0) })
-        }
+        fused_lane_methods!(
+            _mm256_set1_pd,
+            _mm256_fmadd_pd,
+            _mm256_fmsub_pd,
+            _mm256_fnmadd_pd,
+            _mm256_sqrt_pd
+        );
 
         #[inline(always)]
         fn abs(self) -> Self {
@@ -563,26 +595,7 @@ mod x86 {
             }
         }
 
-        #[inline(always)]
-        fn store_transposed<O>(source: &[Self], outputs: &mut [O], target: impl Fn(&mut O) -> &mut [f64]) {
-            let (squares, rest) = source.as_chunks::<{ Self::WIDTH }>();
-            let targets = places::<O, _, { Self::WIDTH }>(source.len(), outputs, &target);
-            for (k, square) in squares.iter().enumerate() {
-                let columns = Self::transposed(*square);
-                for lane in 0..outputs.len() {
-                    // SAFETY: vectors of plain numbers, and each target has room for `source.len()` of them.
-                    unsafe {
-                        targets[lane].add(k * Self::WIDTH).cast::<Self>().write_unaligned(columns[lane])
-                    };
-                }
-            }
-            for lane in 0..outputs.len() {
-                let end = &mut target(&mut outputs[lane])[Self::WIDTH * squares.len()..source.len()];
-                for k in 0..end.len() {
-                    end[k] = rest[k].lane(lane);
-                }
-            }
-        }
+        stores_by_squares!();
     }
 
     impl Neg for F64x8 {
@@ -596,30 +609,13 @@ mod x86 {
     impl Lane for F64x8 {
         common_lane_methods!(__m512d, 8);
 
-        #[inline(always)]
-        fn splat(value: f64) -> Self {
-            Self(unsafe { _mm512_set1_pd(value) })
-        }
-
-        #[inline(always)]
-        fn mul_add(self, factor: Self, term: Self) -> Self {
-            Self(unsafe { _mm512_fmadd_pd(self.0, factor.0, term.0) })
-        }
-
-        #[inline(always)]
-        fn mul_sub(self, factor: Self, term: Self) -> Self {
-            Self(unsafe { _mm512_fmsub_pd(self.0, factor.0, term.0) })
-        }
-
-        #[inline(always)]
-        fn neg_mul_add(self, factor: Self, term: Self) -> Self {
-            Self(unsafe { _mm512_fnmadd_pd(self.0, factor.0, term.0) })
-        }
-
-        #[inline(always)]
-        fn sqrt(self) -> Self {
-            Self(unsafe { _mm512_sqrt_pd(self.0) })
-        }
+        fused_lane_methods!(
+            _mm512_set1_pd,
+            _mm512_fmadd_pd,
+            _mm512_fmsub_pd,
+            _mm512_fnmadd_pd,
+            _mm512_sqrt_pd
+        );
 
         #[inline(always)]
         fn abs(self) -> Self {
@@ -721,26 +717,7 @@ mod x86 {
             }
         }
 
-        #[inline(always)]
-        fn store_transposed<O>(source: &[Self], outputs: &mut [O], target: impl Fn(&mut O) -> &mut [f64]) {
-            let (squares, rest) = source.as_chunks::<{ Self::WIDTH }>();
-            let targets = places::<O, _, { Self::WIDTH }>(source.len(), outputs, &target);
-            for (k, square) in squares.iter().enumerate() {
-                let columns = Self::transposed(*square);
-                for lane in 0..outputs.len() {
-                    // SAFETY: vectors of plain numbers, and each target has room for `source.len()` of them.
-                    unsafe {
-                        targets[lane].add(k * Self::WIDTH).cast::<Self>().write_unaligned(columns[lane])
-                    };
-                }
-            }
-            for lane in 0..outputs.len() {
-                let end = &mut target(&mut outputs[lane])[Self::WIDTH * squares.len()..source.len()];
-                for k in 0..end.len() {
-                    end[k] = rest[k].lane(lane);
-                }
-            }
-        }
+        stores_by_squares!();
     }
 
     /// Where each output's target begins.

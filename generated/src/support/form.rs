@@ -4,7 +4,8 @@
 //! Rows are ordered b₀, c₀, b₁, c₁, …; first those that differ between nodes, then those that are the same for all.
 //!
 //! A product may overflow though the slave's own block, in which it is cancelled, does not: what multiplies also
-//! returns Σ 0 · M_ij over all it wrote, 0 if every entry is finite and NaN if not.
+//! returns 0 times the sums of up to nine entries it wrote at a time: 0 if all are finite, NaN if not, or if one is within
+//! a factor of nine of overflow.
 
 use super::simd::Vector;
 use super::{Lane, packed_row};
@@ -65,7 +66,7 @@ pub(super) mod batch {
         write(own, form, node_length(rows) * (node + 1) + 3 * rows.varying);
     }
 
-    /// Returns Σ 0 · M_ij.
+    /// Returns 0 or, if an entry is not finite, NaN.
     #[inline(always)]
     #[must_use]
     pub fn multiply<T: Lane>(
@@ -107,10 +108,10 @@ pub(super) mod batch {
                         }
                     }
                 }
+                let [x, y, z] = &block;
+                let (x, y, z) = (x[0] + x[1] + x[2], y[0] + y[1] + y[2], z[0] + z[1] + z[2]);
+                not_finite = (x + y + z).mul_add(T::ZERO, not_finite);
                 for i in 0..3 {
-                    for j in 0..3 {
-                        not_finite = block[i][j].mul_add(T::ZERO, not_finite);
-                    }
                     write(block[i], target, starts[i] + 3 * column_node);
                 }
             }
@@ -192,7 +193,7 @@ pub(super) mod single {
         }
     }
 
-    /// Returns Σ 0 · M_ij.
+    /// Returns 0 or, if an entry is not finite, NaN.
     #[inline(always)]
     #[must_use]
     pub fn multiply<T: Vector>(
@@ -242,9 +243,11 @@ pub(super) mod single {
                     for column in 0..=axis {
                         row[3 + column] += own[column];
                     }
-                    for entry in row {
-                        not_finite = T::splat(*entry).mul_add(T::ZERO, not_finite);
+                    let mut sum = 0.0;
+                    for column in 0..4 + axis {
+                        sum += row[column];
                     }
+                    not_finite = T::splat(sum).mul_add(T::ZERO, not_finite);
                 }
             }
         }
@@ -268,8 +271,8 @@ pub(super) mod single {
         z: T,
     }
 
-    /// Writes vectors of the three rows that begin at the columns, which ascend; adds 0 times their entries, all of
-    /// which are entries of M by symmetry, to `not_finite`. Written out for each number of columns, so that all sums
+    /// Writes vectors of the three rows that begin at the columns, which ascend; adds 0 times the sum of their entries,
+    /// all of which are entries of M by symmetry, to `not_finite`. Written out for each number of columns, so that all sums
     /// stay in registers at any level of optimisation.
     macro_rules! strip {
         ($name:ident, $count:literal, $($entries:ident),+; $($from_last:ident),+) => {
@@ -278,7 +281,7 @@ pub(super) mod single {
                 self,
                 [$($entries),+]: [usize; $count],
                 target: &mut [f64],
-                mut not_finite: T,
+                not_finite: T,
             ) -> T {
                 let first = 3 * self.node;
                 $(let mut $entries = self.own_entries::<T>($entries);)+
@@ -291,18 +294,15 @@ pub(super) mod single {
                     let (x, y, z) = (T::splat(row[0]), T::splat(row[1]), T::splat(row[2]));
                     $($entries.add(x, y, z, c);)+
                 }
-                $(
-                    not_finite = $entries.x.mul_add(T::ZERO, not_finite);
-                    not_finite = $entries.y.mul_add(T::ZERO, not_finite);
-                    not_finite = $entries.z.mul_add(T::ZERO, not_finite);
-                )+
+                let mut sum = T::ZERO;
+                $(sum = sum + ($entries.x + $entries.y + $entries.z);)+
                 let row = packed_row(first);
                 $($from_last.x.store(target, row + $from_last.column);)+
                 let row = packed_row(first + 1);
                 $($from_last.y.store(target, row + $from_last.column);)+
                 let row = packed_row(first + 2);
                 $($from_last.z.store(target, row + $from_last.column);)+
-                not_finite
+                sum.mul_add(T::ZERO, not_finite)
             }
         };
     }
@@ -390,7 +390,7 @@ mod tests {
             }
         }
 
-        /// Whole numbers: any order of additions gives the same. `sum`: Σ 0 · M_ij.
+        /// Whole numbers: any order of additions gives the same. `sum`: what `multiply` returned.
         fn check(&self, hessian: &[f64], sum: f64, what: &str) {
             assert_eq!(sum.is_nan(), self.infinite.is_some(), "{what}, {:?}: {:?}", self.rows, self.infinite);
             assert!(sum == 0.0 || sum.is_nan());

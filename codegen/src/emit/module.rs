@@ -175,6 +175,7 @@ fn basis_module(weight: &Weight, basis: Basis, support: &syn::Path) -> TokenStre
             kernel.statements
         );
         kernels.extend(gap_kernel(&kernel));
+        kernels.extend(scalar_kernel(&spec));
         kernels.push(kernel.tokens);
     }
     let doc = format!(" {} basis, {} coefficients.", camel_case(basis.name()), basis.size());
@@ -194,6 +195,36 @@ fn derivative_arguments(mode: Mode) -> TokenStream {
         Mode::Gradient => quote!(gradients),
         Mode::Hessian => quote!(gradients, hessians),
     }
+}
+
+/// A kernel for coefficients or surface, compiled for numbers: once for all weights that share it.
+fn scalar_kernel(spec: &KernelSpec) -> Option<TokenStream> {
+    if spec.output == Output::Gap {
+        return None;
+    }
+    let (function, name, kept) = (function_name(spec), scalar_name(spec), kept_name(spec));
+    let values = values_name(spec.output);
+    let arguments = derivative_arguments(spec.mode);
+    let gradients = (spec.mode >= Mode::Gradient).then(|| quote!(gradients: &mut [f64],));
+    let hessians = (spec.mode >= Mode::Hessian).then(|| quote!(hessians: &mut [f64],));
+    let doc = format!(" [`{function}`] of one element, number by number.");
+    Some(quote! {
+        #[doc = #doc]
+        pub fn #name(
+            inputs: &ElementInputs<'_>,
+            weight_number: usize,
+            #gradients
+            #hessians
+        ) -> #values<f64> {
+            scalar(inputs, weight_number, #kept::COUNT, |inputs, scratch| {
+                #function::<f64, f64, Batch<f64>>(inputs, scratch, #arguments)
+            })
+        }
+    })
+}
+
+fn scalar_name(spec: &KernelSpec) -> proc_macro2::Ident {
+    format_ident!("{}_by_number", function_name(spec))
 }
 
 /// A kernel for the gap as a type.
@@ -269,13 +300,11 @@ fn scalar_method(
         Mode::ALL.map(|mode| {
             let spec =
                 KernelSpec { output, mode, basis, weight: weight.clone(), frame: FrameRule::Frozen };
-            let (function, kept) = (function_name(&spec), kept_name(&spec));
+            let name = scalar_name(&spec);
             let arguments = derivative_arguments(mode);
             let mode_name = format_ident!("{}", camel_case(mode.name()));
             quote! {
-                (#pattern, Mode::#mode_name) #condition => scalar(inputs, #number, #place::#module::#kept::COUNT, |inputs, scratch| {
-                    #place::#module::#function::<f64, f64, Batch<f64>>(inputs, scratch, #arguments)
-                }),
+                (#pattern, Mode::#mode_name) #condition => #place::#module::#name(inputs, #number, #arguments),
             }
         })
     });

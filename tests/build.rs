@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use diffuse_contact_codegen::Config;
 
 fn main() -> Result<(), Box<dyn Error>> {
+    println!("cargo::rustc-env=KERNELS_OPT_LEVEL={}", std::env::var("OPT_LEVEL")?);
     let folder = PathBuf::from(std::env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?).join("bases");
     std::fs::create_dir_all(&folder)?;
     Config::new()

@@ -5,7 +5,7 @@
     benches/instructions/check.py --update   writes the baseline instead
 
 Instructions, unlike times, do not depend on how busy the machine is. They do on the compiler: with another one than the
-baseline's, counts are printed and nothing fails. Needs valgrind.
+baseline's the tolerance is wider. A case of the baseline that could not be counted is a failure. Needs valgrind.
 """
 
 import argparse
@@ -25,8 +25,8 @@ CASES = [("single", "sse2", 12), ("batch", "sse2", 12), ("single", "avx2", 12), 
 # Elements of a round in the program, and rounds that are counted.
 ELEMENTS = 16
 ROUNDS = 8
-# Largest change that passes, relative.
-TOLERANCE = 0.03
+# Largest increase that passes, relative: with the baseline's compiler, and with another one.
+TOLERANCE, OTHER_COMPILER = 0.03, 0.25
 
 
 def build():
@@ -81,23 +81,25 @@ def main():
         print(text)
         return
     stored = json.loads(BASELINE.read_text())
-    baseline, comparable = stored["instructions_per_element"], stored["compiler"] == compiler
-    passes = bool(counts.keys() & baseline.keys())
-    if not passes:
-        print(f"the baseline has {sorted(baseline)}, counted were {sorted(counts)}: --update")
+    baseline = stored["instructions_per_element"]
+    tolerance = TOLERANCE if stored["compiler"] == compiler else OTHER_COMPILER
+    if tolerance != TOLERANCE:
+        print(f"the baseline is of {stored['compiler']}, this is {compiler}: {tolerance:.0%} more pass")
+    missing = sorted(baseline.keys() - counts.keys())
+    passes = bool(baseline) and not missing
+    for name in missing:
+        print(f"{name}: in the baseline, but NOT COUNTED")
     for name, count in counts.items():
         expected = baseline.get(name)
         if expected is None:
             print(f"{name}: {count:.0f} instructions an element")
             continue
         change = count / expected - 1
-        sound = change <= TOLERANCE
+        sound = change <= tolerance
         passes &= sound
-        verdict = "MORE" if not sound else "fewer: --update" if change < -TOLERANCE else "ok"
+        verdict = "MORE" if not sound else "fewer: --update" if change < -tolerance else "ok"
         print(f"{name}: {count:.0f} instructions an element, baseline {expected:.0f}, {change:+.2%}, {verdict}")
-    if not comparable:
-        print(f"the baseline is of {stored['compiler']}, this is {compiler}: not compared")
-    sys.exit(0 if passes or not comparable else 1)
+    sys.exit(0 if passes else 1)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,8 @@
 """CasADi: symbolic expression, C code, compiler."""
 
+import datetime
 import json
+import os
 import pathlib
 import subprocess
 import time
@@ -47,11 +49,14 @@ class Rival:
         if not self.facts_file.exists():
             folder.mkdir(parents=True, exist_ok=True)
             self.build(folder, cse)
-        self.facts = json.loads(self.facts_file.read_text())
+        # Of objects compiled before this was noted, the file tells the day.
+        day = datetime.date.fromtimestamp(self.facts_file.stat().st_mtime).isoformat()
+        self.facts = {"compiled": day, "load": None} | json.loads(self.facts_file.read_text())
         elements.inputs().astype(np.float64).tofile(self.inputs_file)
 
     def build(self, folder, cse):
         """C code, object file, driver; remembers times and sizes."""
+        compiled_on, load = datetime.date.today().isoformat(), os.getloadavg()[0]
         start = time.perf_counter()
         code = function(self.what, self.elements.nodes, cse)
         generator = ca.CodeGenerator("rival.c", {"with_header": False})
@@ -68,6 +73,8 @@ class Rival:
             "compile_s": compiled - generated,
             "code_bytes": int(text.stdout.splitlines()[1].split()[0]),
             "operations": code.n_instructions(),
+            "compiled": compiled_on,
+            "load": load,
         }
         self.facts_file.write_text(json.dumps(facts))
 

@@ -9,13 +9,16 @@ import pathlib
 import statistics
 import sys
 
+import reach
+from tables import GAP, SURFACE, duration, lookup, table
+
 NOTES = pathlib.Path(__file__).resolve().parent / "notes.md"
-GAP, SURFACE = "gap-hessian", "surface-hessian"
 # Kernel -> how the report calls it.
 NAMES = {
     "generated-batch": "generated, batch",
     "generated-single": "generated, single",
     "by-hand-nalgebra": "by hand, nalgebra",
+    "by-hand-native": "by hand, native",
     "num-dual-dual2-vec": "num-dual `Dual2Vec`",
     "num-dual-hyper-dual": "num-dual `HyperDual`",
     "casadi": "CasADi",
@@ -45,28 +48,6 @@ def median_rows(reports):
 def name(kernel):
     """How the report calls a kernel."""
     return NAMES.get(kernel, kernel)
-
-
-def duration(ns):
-    """A time with three digits."""
-    for unit, size in (("ms", 1e6), ("µs", 1e3)):
-        if ns >= size:
-            return f"{ns / size:.3g} {unit}" if ns < 1000 * size else f"{ns / size:.0f} {unit}"
-    return f"{ns:.0f} ns"
-
-
-def table(columns, rows):
-    """Markdown."""
-    lines = ["| " + " | ".join(columns) + " |", "| --- |" + " ---: |" * (len(columns) - 1)]
-    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
-
-
-def lookup(rows, nodes, kernel, output, field="ns"):
-    """A figure, or None."""
-    for row in rows:
-        if (row["nodes"], row["kernel"], row["output"]) == (nodes, kernel, output):
-            return row.get(field)
-    return None
 
 
 def by_nodes(rows, output, kernels, show, field="ns"):
@@ -114,13 +95,47 @@ def whole_interface(found):
     return table(["", "each slave"], rows)
 
 
+def with_native(result):
+    """The result, in which the element by hand compiled for this processor is one more kernel."""
+    native = [
+        {**row, "kernel": "by-hand-native"} for row in result["native_rows"] if row["kernel"] == "by-hand-nalgebra"
+    ]
+    return {**result, "rows": result["rows"] + native}
+
+
+def compiled_for(result):
+    """What the code of each row is compiled for, in words."""
+    baseline = result["compiled_for"]
+    parts = [
+        f"generated: all instruction sets, of which {result['isa']} is chosen at run time "
+        f"(f, ∇f and H_f at a given point: {baseline}, number by number)",
+        f"by hand and num-dual: {baseline}, which is what Cargo does unless told otherwise",
+    ]
+    if result["native_rows"]:
+        parts.append(
+            f"by hand, native: the same source with `-C target-cpu=native`, here {result['native_isa']} with fused "
+            "multiply-adds"
+        )
+    parts += ["CasADi: `gcc -O3 -march=native`", "JAX: by XLA, for this processor"]
+    return "What each row is compiled for: " + "; ".join(parts) + ". Rust is compiled with link-time optimisation."
+
+
+def casadi_gap(result):
+    """For which numbers of nodes there is CasADi's gap, in words."""
+    nodes = sorted(row["nodes"] for row in result["rows"] if (row["kernel"], row["output"]) == ("casadi", GAP))
+    if not nodes:
+        return "CasADi's is not part of this run."
+    return f"CasADi's is compiled for n = {', '.join(map(str, nodes))} only, for the compile times below."
+
+
 def losses(result):
     """Where a rival is faster than the generated kernels, in words."""
     found = []
     for label, rows in (("", result["rows"]), (", compiled for this processor", result["native_rows"])):
         ours = best_generated(rows)
         for row in rows:
-            if row["kernel"].startswith("generated"):
+            # The native one is among the native rows.
+            if row["kernel"].startswith("generated") or row["kernel"] == "by-hand-native":
                 continue
             time = lookup(rows, row["nodes"], ours, GAP)
             if row["output"] == GAP and time and row["ns"] < time:
@@ -138,9 +153,12 @@ def compile_table(result):
         generate = f"{fact['generate_s']:.1f}" if "generate_s" in fact else "–"
         operations = f"{fact['operations']:,}" if "operations" in fact else "–"
         row = [f"{name(fact['kernel'])}: {what}", str(fact["nodes"]), generate, f"{fact['compile_s']:.1f}"]
-        lines.append([*row, size, operations])
+        when = fact.get("compiled", "–")
+        load = f"{fact['load']:.1f}" if fact.get("load") is not None else "–"
+        lines.append([*row, size, operations, when, load])
     lines.sort(key=lambda row: (row[0], int(row[1])))
-    return table(["", "n", "generation, s", "compiler, s", "code, bytes", "operations"], lines)
+    columns = ["", "n", "generation, s", "compiler, s", "code, bytes", "operations", "compiled on", "load"]
+    return table(columns, lines)
 
 
 def plot(result, path):
@@ -177,11 +195,12 @@ def plot(result, path):
 
 def text(result):
     """The page."""
+    result = with_native(result)
     rows, native = result["rows"], result["native_rows"]
     ours = best_generated(rows)
     generated = [kernel for kernel in NAMES if kernel.startswith("generated")]
     agreement = ", ".join(f"{name(kernel)} {value:.1e}" for kernel, value in sorted(result["agreement"].items()))
-    kernels = result["kernels"]
+    clean = result["clean_build"]
     parts = [
         "# Performance",
         "Written by `benches/rivals/run.py`; do not edit. Its last part comes from `benches/rivals/notes.md`.",
@@ -191,14 +210,14 @@ def text(result):
         f"All run in the same {result['rounds']} rounds, one after another; times are medians. The elements are 256 "
         "curved patches with noise for each n: quadratic basis, cubic weight, the frame held. Before timing, everybody's "
         "value, gradient and Hessian is compared with the generated kernels; the largest relative difference of those "
-        f"outside the program: {agreement}. Rust is compiled with link-time optimisation for {result['compiled_for']}; "
-        f"the generated kernels use {result['isa']}.",
+        f"outside the program: {agreement}.",
+        compiled_for(result),
         "## g, foot, ν, N and the lower triangle of M",
         by_nodes(rows, GAP, NAMES, duration),
         "![Time against the number of nodes](pictures/performance.svg)",
         factors(rows, ours),
         "CasADi's and JAX's gap starts from the foot and takes two Newton steps for its derivatives: they need not find it. "
-        "CasADi's is compiled for n = 6 only, for the compile times below.",
+        + casadi_gap(result),
         "## f, ∇f and H_f at a given point",
         "The smaller problem: no foot, no normal. The generated kernel adds ∇f_1 and ∇f_2.",
         by_nodes(rows, SURFACE, NAMES, duration),
@@ -223,27 +242,23 @@ def text(result):
     if native:
         parts += [
             f"## Compiled for this processor ({result['native_isa']})",
-            "The same program with `-C target-cpu=native`, which gives the element written by hand what the processor has.",
+            "The same program with `-C target-cpu=native`, which gives the element written by hand what the processor has; "
+            "the generated kernels choose at run time here, too.",
             by_nodes(native, GAP, NAMES, duration),
         ]
     parts += [
+        "## What was asked for",
+        reach.text(result),
         "## Where we lose",
         losses(result),
         "## Compile times and code sizes",
-        "CasADi: `gcc -O3 -march=native`. JAX: XLA, one process.",
+        "CasADi: `gcc -O3 -march=native`; JAX: XLA, one process. Objects of CasADi stay from one run to the next: times are "
+        "of the day they were compiled, with so many other processes running or waiting (load average).",
         compile_table(result),
-        (
-            f"The whole Rust program, with all kernels for all n, three weights and two bases, and all rivals within: "
-            f"{result['cargo_s']:.0f} s in the profile `bench`."
-            # Next to nothing if it was there already.
-            if result["cargo_s"] > 20
-            else ""
-        )
-        + (
-            f" The library with all kernels, in that profile: {kernels['library']:,} bytes, {kernels['code']:,} of them code."
-            if kernels
-            else ""
-        ),
+        f"The generated kernels, all n, three weights and two bases, facets: `cargo build --release -p "
+        f"diffuse-contact-kernels` into an empty folder, generator and its dependencies included, took "
+        f"{clean['seconds']:.0f} s on {clean['cores']} cores at a load of {clean['load']:.1f} before; the library has "
+        f"{clean['library']:,} bytes{', ' + format(clean['code'], ',') + ' of them code' if clean['code'] else ''}.",
     ]
     notes = NOTES.read_text().strip() if NOTES.exists() else ""
     return "\n\n".join(part.strip() for part in [*parts, notes] if part.strip()) + "\n"

@@ -2,7 +2,7 @@
 """Runs `diffuse-contact bench` and its rivals CasADi and JAX in turn, and writes docs/performance.md with its picture.
 
     python benches/rivals/run.py                 the whole report, into docs/
-    python benches/rivals/run.py --nodes 9 --rounds 2 --docs /tmp/trial
+    python benches/rivals/run.py --nodes 9 --rounds 2 --docs target/rivals/trial
 
 See README.md beside this file for what it needs.
 """
@@ -15,6 +15,7 @@ import platform
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 
 import casadi
@@ -38,9 +39,8 @@ SLAVES = 100_000
 SECONDS = 0.5
 
 
-def build(folder, native):
-    """Builds the program and the one that prints elements; their paths and the seconds it took (of the first build, later
-    ones are quick)."""
+def build(native):
+    """Builds the program and the one that prints elements; their paths."""
     environment = dict(os.environ)
     # Cargo's folder, with one of its own for each set of flags.
     target = pathlib.Path(environment.get("CARGO_TARGET_DIR", ROOT / "target"))
@@ -48,18 +48,13 @@ def build(folder, native):
         environment["RUSTFLAGS"] = "-C target-cpu=native"
         target = target / "native"
         environment["CARGO_TARGET_DIR"] = str(target)
-    start = time.perf_counter()
     profile = ["cargo", "build", "--profile", "bench"]
     subprocess.run([*profile, "-p", "diffuse-contact-cli"], cwd=ROOT, env=environment, check=True)
     examples = ["-p", "diffuse-contact-benches", "--example", "surface_elements"]
     if not native:
         subprocess.run([*profile, *examples], cwd=ROOT, env=environment, check=True)
-    seconds = time.perf_counter() - start
-    facts = folder / f"cargo{'-native' if native else ''}.json"
-    if seconds > 20 or not facts.exists():
-        facts.write_text(json.dumps(seconds))
     release = target / "release"
-    return release / "diffuse-contact", release / "examples" / "surface_elements", json.loads(facts.read_text())
+    return release / "diffuse-contact", release / "examples" / "surface_elements"
 
 
 def bench(program, nodes, kernels=()):
@@ -77,17 +72,29 @@ def interface(program):
     return {key: statistics.median(run[key] for run in runs) for key in runs[0] if runs[0][key] is not None}
 
 
-def library_bytes(program):
-    """Bytes of the kernels' library as Cargo leaves it, and of the code in it; None if there is no `size`."""
-    libraries = sorted(program.parent.glob("deps/libdiffuse_contact_kernels-*.rlib"), key=os.path.getmtime)
-    if not libraries:
-        return None
-    try:
-        text = subprocess.run(["size", libraries[-1]], check=True, capture_output=True, text=True).stdout
-    except (OSError, subprocess.CalledProcessError):
-        return None
-    code = sum(int(line.split()[0]) for line in text.splitlines() if line.split()[0].isdigit())
-    return {"library": libraries[-1].stat().st_size, "code": code}
+def clean_build():
+    """A release build of the kernels' crate into an empty folder: seconds, bytes of the library as Cargo leaves it and of
+    the code in it (None if there is no `size`)."""
+    load = os.getloadavg()[0]
+    with tempfile.TemporaryDirectory() as target:
+        environment = {**os.environ, "CARGO_TARGET_DIR": target}
+        command = ["cargo", "build", "--release", "-p", "diffuse-contact-kernels"]
+        start = time.perf_counter()
+        subprocess.run(command, cwd=ROOT, env=environment, check=True)
+        seconds = time.perf_counter() - start
+        library = pathlib.Path(target) / "release" / "libdiffuse_contact_kernels.rlib"
+        try:
+            text = subprocess.run(["size", library], check=True, capture_output=True, text=True).stdout
+            code = sum(int(line.split()[0]) for line in text.splitlines() if line.split()[0].isdigit())
+        except (OSError, subprocess.CalledProcessError):
+            code = None
+        return {
+            "seconds": seconds,
+            "cores": len(os.sched_getaffinity(0)),
+            "load": load,
+            "library": library.stat().st_size,
+            "code": code,
+        }
 
 
 def machine():
@@ -125,15 +132,22 @@ def main():
     parser.add_argument("--rounds", type=int, default=5, help="rounds of which times are medians")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "target" / "rivals", help="folder for objects")
     parser.add_argument("--docs", type=pathlib.Path, default=ROOT / "docs", help="where the report goes")
-    parser.add_argument("--native", action="store_true", help="also a build for this processor alone, minutes more")
+    parser.add_argument(
+        "--native",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="also a build for this processor alone, for the element by hand; minutes more",
+    )
     arguments = parser.parse_args()
     nodes = [int(text) for text in arguments.nodes.split(",")]
     kernel_nodes = [int(text) for text in arguments.kernel_nodes.split(",")]
     folder = arguments.build.resolve()
     folder.mkdir(parents=True, exist_ok=True)
 
-    program, printer, cargo_s = build(folder, native=False)
-    native, _, native_s = build(folder, native=True) if arguments.native else (None, None, None)
+    # First, while the machine does nothing else.
+    clean = clean_build()
+    program, printer = build(native=False)
+    native = build(native=True)[0] if arguments.native else None
     ring = [rival for count in nodes for rival in rivals(folder, printer, count)]
     agreement = {}
     for rival in ring:
@@ -168,10 +182,8 @@ def main():
         "compile": [
             {"kernel": rival.name, "what": rival.what, "nodes": rival.elements.nodes, **rival.facts} for rival in ring
         ],
-        "cargo_s": cargo_s,
-        "native_cargo_s": native_s,
+        "clean_build": clean,
         "interface": interface(program),
-        "kernels": library_bytes(program),
     }
     for rival in ring:
         if hasattr(rival, "close"):

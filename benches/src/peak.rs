@@ -1,12 +1,14 @@
 //! How many fused multiply-adds the machine can do: what a fraction of peak is a fraction of.
 
 use std::hint::black_box;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use diffuse_contact_kernels::support::{Isa, Lane, Vector, WithLanes};
 
-/// Passes over the accumulators in one measurement, a good millisecond.
-const PASSES: usize = 200_000;
+/// Passes over the accumulators between two looks at the clock: 0.1 ms and more.
+const PASSES: usize = 20_000;
+/// A measurement takes so long: what the operating system and the processor's clock do meanwhile averages out.
+const SHORTEST: Duration = Duration::from_millis(20);
 
 /// Fused multiply-adds a nanosecond in one thread with these instructions; where they have none that are fused, pairs of
 /// a multiplication and an addition. Independent accumulators hide the latency; how many are best depends on registers
@@ -19,8 +21,16 @@ pub fn fma_per_ns(isa: Isa) -> f64 {
 
 fn rate<const ACCUMULATORS: usize>(isa: Isa) -> f64 {
     let start = Instant::now();
-    black_box(isa.run(Loop::<ACCUMULATORS> { passes: PASSES }));
-    (PASSES * ACCUMULATORS * isa.width()) as f64 / (1e9 * start.elapsed().as_secs_f64())
+    let mut rounds = 0;
+    loop {
+        black_box(isa.run(Loop::<ACCUMULATORS> { passes: PASSES }));
+        rounds += 1;
+        let elapsed = start.elapsed();
+        if elapsed >= SHORTEST {
+            let operations = rounds * PASSES * ACCUMULATORS * isa.width();
+            return operations as f64 / (1e9 * elapsed.as_secs_f64());
+        }
+    }
 }
 
 /// [`fma_loop`] for any vector; the sum of its lanes.

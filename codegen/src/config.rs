@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::emit::emit_file;
+use crate::emit::{EmitOptions, emit_file};
 use crate::model::{Basis, BasisError, CustomBasis, Weight, WeightError};
 
 /// Why kernels were not generated.
@@ -177,11 +177,15 @@ impl Config {
         self
     }
 
-    /// The kernels' source text.
+    /// The kernels' source text, for a crate compiled with optimisation.
     ///
     /// # Errors
     /// [`ConfigError::SupportPath`], [`ConfigError::DuplicateWeight`].
     pub fn source(&self) -> Result<String, ConfigError> {
+        self.source_for(true)
+    }
+
+    fn source_for(&self, optimised: bool) -> Result<String, ConfigError> {
         let support = syn::parse_str(&self.support)
             .map_err(|_| ConfigError::SupportPath { path: self.support.clone() })?;
         let names: Vec<&str> = self.weights.iter().flatten().map(Weight::name).collect();
@@ -190,10 +194,13 @@ impl Config {
                 return Err(ConfigError::DuplicateWeight { name: (*name).to_owned() });
             }
         }
-        Ok(emit_file(&self.weights, &support, &self.bases, self.facets))
+        let options = EmitOptions { support: &support, bases: &self.bases, optimised };
+        Ok(emit_file(&self.weights, self.facets, options))
     }
 
-    /// Writes `diffuse_contact_kernels.rs` if its bytes change, and tells Cargo when to run again.
+    /// Writes `diffuse_contact_kernels.rs` if its bytes change, and tells Cargo when to run again. In a build script the
+    /// kernels know whether their crate is compiled with optimisation, from Cargo's `OPT_LEVEL`: without, they are
+    /// run number by number, as vector code would take megabytes of stack.
     ///
     /// # Errors
     /// [`ConfigError`].
@@ -203,7 +210,8 @@ impl Config {
             None => std::env::var_os("OUT_DIR").map(PathBuf::from).ok_or(ConfigError::NoOutputFolder)?,
         };
         let path = folder.join("diffuse_contact_kernels.rs");
-        let source = self.source()?;
+        let optimised = std::env::var("OPT_LEVEL").as_deref() != Ok("0");
+        let source = self.source_for(optimised)?;
         if !std::fs::read(&path).is_ok_and(|old| old == source.as_bytes()) {
             std::fs::write(&path, source)
                 .map_err(|source| ConfigError::Write { path: path.clone(), source })?;

@@ -9,10 +9,9 @@ pub mod gap_gradient_kept {
     pub(super) const ONE_MINUS_R: usize = 3usize;
     pub(super) const W: usize = 4usize;
     pub(super) const Z: usize = 5usize;
-    #[allow(dead_code)]
     pub(super) const PLACES: usize = 6usize;
     /// Number of values, those of the Hessian's form included.
-    pub const COUNT: usize = 6usize;
+    pub const COUNT: usize = PLACES;
 }
 /// Gap, foot point and normal with first derivatives; linear basis (3 coefficients), weight `(1 - r)^2 * (1 + 2*r)`.
 ///

@@ -1,12 +1,12 @@
 //! Many elements at once: those with the same kernel and number of nodes are evaluated side by side.
 
 use diffuse_contact_kernels::support::{
-    Basis, BatchElement, ElementInputs, FrameRule, GapValues, Isa, KernelSet, Workspace,
+    Basis, BatchElement, ElementInputs, FrameRule, GapValues, KernelSet, Workspace,
 };
 
 use crate::generated::{check, frame_rule, inputs, validate, with_kernels};
 use crate::interface::recycled;
-use crate::{ContactPoint, Element, ElementError, Generated, Mode, Weight};
+use crate::{ContactPoint, Element, ElementError, Generated, GeneratedWith, Mode, Weight};
 
 /// Room that batches use, kept from one to the next.
 #[derive(Debug, Default)]
@@ -16,6 +16,8 @@ pub struct BatchScratch {
     order: Vec<(Key, usize)>,
     /// Memory of the elements of a group: empty.
     elements: Vec<BatchElement<'static>>,
+    /// Memory of the elements that wait: empty.
+    waiting: Vec<Waiting<'static, 'static>>,
 }
 
 /// A copy has no memory yet.
@@ -46,7 +48,8 @@ pub struct GapSlot<'a> {
 impl Generated {
     /// [`gap_into`](Self::gap_into) for many elements, which may differ in everything: those that share weight, basis,
     /// frame rule and number of nodes are evaluated side by side, one per lane of the machine's vectors. What an element
-    /// gets does not depend on the others; it differs from what `gap_into` gives by rounding.
+    /// gets does not depend on the others; it differs from what `gap_into` gives by rounding. Allocates the vector it
+    /// returns, and more only where `scratch` has to grow.
     ///
     /// # Errors
     /// An entry for each element, as [`gap_into`](Self::gap_into).
@@ -82,28 +85,103 @@ impl Generated {
         slots: impl IntoIterator<Item = GapSlot<'a>>,
         scratch: &mut BatchScratch,
     ) -> Vec<Result<ContactPoint, ElementError>> {
-        let mut results = Vec::with_capacity(elements.len());
-        let mut waiting = Vec::with_capacity(elements.len());
-        let mut slots = slots.into_iter();
-        for element in elements {
-            let slot = slots.next().expect("a slot for each element");
-            let (sound, inputs) = with_kernels!(element.weight, K => {
-                (validate::<K>(element), inputs::<K>(element, [0.0; 2]))
-            });
-            results.push(sound.map(|()| ContactPoint::default()));
-            waiting.push(Waiting {
-                weight: element.weight,
-                frame: frame_rule(element.frame.derivative),
-                basis: element.basis,
-                inputs,
-                slot,
-                is_sound: sound.is_ok(),
-            });
-        }
-        assert!(slots.next().is_none(), "a slot for each element");
-        evaluate(mode, &mut waiting, scratch, |index, values| results[index] = contact_point(values));
-        results
+        gap_batch(self, elements, mode, slots, scratch)
     }
+}
+
+impl<K: KernelSet> GeneratedWith<K> {
+    /// As [`Generated::gap_batch`], with the kernels of `K` for all elements.
+    ///
+    /// # Errors
+    /// An entry for each element, as [`gap_into`](Self::gap_into).
+    ///
+    /// # Panics
+    /// If there are not as many slots as elements, or a slice is shorter than its mode needs.
+    pub fn gap_batch<'a>(
+        &self,
+        elements: &[Element<'_>],
+        mode: Mode,
+        slots: impl IntoIterator<Item = GapSlot<'a>>,
+        scratch: &mut BatchScratch,
+    ) -> Vec<Result<ContactPoint, ElementError>> {
+        gap_batch(self, elements, mode, slots, scratch)
+    }
+}
+
+/// The kernel sets of a backend.
+pub(crate) trait KernelSets {
+    /// Whether an element can be evaluated, and what its kernel reads.
+    fn prepare<'a>(&self, element: &Element<'a>) -> (Result<(), ElementError>, ElementInputs<'a>);
+
+    /// Evaluates elements of as many nodes with the kernels of a weight.
+    fn run(
+        &self,
+        weight: Weight,
+        kernel: (Basis, FrameRule, Mode),
+        elements: &mut [BatchElement<'_>],
+        workspace: &mut Workspace,
+    );
+}
+
+impl KernelSets for Generated {
+    fn prepare<'a>(&self, element: &Element<'a>) -> (Result<(), ElementError>, ElementInputs<'a>) {
+        with_kernels!(element.weight, K => GeneratedWith::<K>::new().prepare(element))
+    }
+
+    fn run(
+        &self,
+        weight: Weight,
+        kernel: (Basis, FrameRule, Mode),
+        elements: &mut [BatchElement<'_>],
+        workspace: &mut Workspace,
+    ) {
+        with_kernels!(weight, K => GeneratedWith::<K>::new().run(weight, kernel, elements, workspace));
+    }
+}
+
+impl<K: KernelSet> KernelSets for GeneratedWith<K> {
+    fn prepare<'a>(&self, element: &Element<'a>) -> (Result<(), ElementError>, ElementInputs<'a>) {
+        (validate::<K>(element), inputs::<K>(element, [0.0; 2]))
+    }
+
+    fn run(
+        &self,
+        _: Weight,
+        kernel: (Basis, FrameRule, Mode),
+        elements: &mut [BatchElement<'_>],
+        workspace: &mut Workspace,
+    ) {
+        K::gap_batch(K::best_isa(), kernel, elements, workspace);
+    }
+}
+
+fn gap_batch<'a>(
+    sets: &impl KernelSets,
+    elements: &[Element<'_>],
+    mode: Mode,
+    slots: impl IntoIterator<Item = GapSlot<'a>>,
+    scratch: &mut BatchScratch,
+) -> Vec<Result<ContactPoint, ElementError>> {
+    let mut results = Vec::with_capacity(elements.len());
+    let mut waiting = recycled(std::mem::take(&mut scratch.waiting));
+    let mut slots = slots.into_iter();
+    for element in elements {
+        let slot = slots.next().expect("a slot for each element");
+        let (sound, inputs) = sets.prepare(element);
+        results.push(sound.map(|()| ContactPoint::default()));
+        waiting.push(Waiting {
+            weight: element.weight,
+            frame: frame_rule(element.frame.derivative),
+            basis: element.basis,
+            inputs,
+            slot,
+            is_sound: sound.is_ok(),
+        });
+    }
+    assert!(slots.next().is_none(), "a slot for each element");
+    evaluate(sets, mode, &mut waiting, scratch, |index, values| results[index] = contact_point(values));
+    scratch.waiting = recycled(waiting);
+    results
 }
 
 /// Gap, foot and normal, if there are any.
@@ -126,12 +204,13 @@ pub(crate) struct Waiting<'a, 's> {
 
 /// Evaluates the elements, which need no further check, and hands over the values of each with its place among them.
 pub(crate) fn evaluate<'a>(
+    sets: &impl KernelSets,
     mode: Mode,
     waiting: &mut [Waiting<'a, 'a>],
     scratch: &mut BatchScratch,
     mut result: impl FnMut(usize, &GapValues<f64>),
 ) {
-    let BatchScratch { workspace, order, elements: memory } = scratch;
+    let BatchScratch { workspace, order, elements: memory, .. } = scratch;
     order.clear();
     order.extend(waiting.iter().enumerate().filter(|(_, element)| element.is_sound).map(
         |(index, element)| {
@@ -149,9 +228,7 @@ pub(crate) fn evaluate<'a>(
                 let GapSlot { gradient, hessian } = std::mem::take(&mut waiting[index].slot);
                 BatchElement { inputs: waiting[index].inputs, values: GapValues::NONE, gradient, hessian }
             }));
-            with_kernels!(weight, K => {
-                K::gap_batch(Isa::best(), (basis, frame, mode), &mut elements, workspace)
-            });
+            sets.run(weight, (basis, frame, mode), &mut elements, workspace);
             for (element, &(_, index)) in elements.iter().zip(group) {
                 result(index, &element.values);
             }

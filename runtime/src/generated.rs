@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 
 use diffuse_contact_kernels::support::{
-    ElementInputs, FrameRule, GapValues, Isa, KernelSet, Masters, PIVOT_TOLERANCE, Status,
+    ElementInputs, FrameRule, GapValues, KernelSet, Masters, PIVOT_TOLERANCE, Status,
 };
 
 use crate::output::SymmetricMatrix;
@@ -198,7 +198,7 @@ fn run_gap<K: KernelSet>(
 ) -> Result<GapValues<f64>, ElementError> {
     let inputs = inputs::<K>(element, [0.0; 2]);
     let kernel = (element.basis, frame_rule(element.frame.derivative), mode);
-    let values = K::gap(Isa::best(), kernel, &inputs, gradient, hessian);
+    let values = K::gap(K::best_isa(), kernel, &inputs, gradient, hessian);
     check(values.status())?;
     Ok(values)
 }

@@ -1,4 +1,5 @@
 //! What the tests share: random elements, their transformations, and the measure of a difference.
+#![forbid(unsafe_code)]
 
 mod case;
 mod difference;

@@ -2,14 +2,16 @@
 //! text; and what the build API says about formulas and ranges it does not take.
 
 use diffuse_contact::ad::Ad;
-use diffuse_contact::{Backend, Basis, Element, Generated, GeneratedWith, Mode};
+use diffuse_contact::{
+    Backend, Basis, BatchScratch, Element, GapSlot, Generated, GeneratedWith, Mode, Weight,
+};
 use diffuse_contact_codegen::formula::FormulaError;
 use diffuse_contact_codegen::model::WeightError;
 use diffuse_contact_codegen::{Config, ConfigError};
-use diffuse_contact_kernels::support::KernelSet;
+use diffuse_contact_kernels::support::{Isa, KernelSet};
 use diffuse_contact_tests::weights::{matern, spline, wendland};
 use diffuse_contact_tests::{
-    Case, assert_same_coefficients, assert_same_gap, assert_same_surface, difference, largest,
+    Case, assert_same_coefficients, assert_same_gap, assert_same_surface, difference, largest, output_sizes,
 };
 
 /// Relative to the largest entry; what is asked for.
@@ -41,6 +43,52 @@ fn matches_automatic_differentiation<K: KernelSet + Sync>(tolerance: f64) {
             assert_same_coefficients(&case, &found.unwrap(), &expected.unwrap(), tolerance);
         }
     }
+}
+
+/// All with the one weight, whatever an element says; each as by itself.
+#[test]
+fn a_batch_of_elements_with_a_weight_of_ones_own() {
+    let backend = GeneratedWith::<matern::Matern>::new();
+    let sizes = [(Basis::Quadratic, 9), (Basis::Linear, 7), (Basis::Quadratic, 9), (Basis::Quadratic, 7)];
+    let mut cases: Vec<Case> = (0..12)
+        .map(|k| {
+            let (basis, n) = sizes[k % sizes.len()];
+            let case = Case::random(n, basis, 40 + k as u64).with_weight(Weight::ALL[k % Weight::ALL.len()]);
+            if k % 3 == 0 { case.co_moving() } else { case }
+        })
+        .collect();
+    cases[5].support_radius = -1.0;
+    let elements: Vec<Element<'_>> = cases.iter().map(Case::element).collect();
+    let mut room: Vec<[Vec<f64>; 2]> =
+        cases.iter().map(|case| output_sizes(Mode::Hessian, case).map(|size| vec![0.0; size])).collect();
+    let mut scratch = BatchScratch::default();
+    for _ in 0..2 {
+        let slots = room.iter_mut().map(|[gradient, hessian]| GapSlot { gradient, hessian });
+        let found = backend.gap_batch(&elements, Mode::Hessian, slots, &mut scratch);
+        assert_eq!(found.len(), cases.len());
+        for (k, found) in found.into_iter().enumerate() {
+            let Ok(expected) = backend.gap(&elements[k], Mode::Hessian) else {
+                assert!(k == 5 && found.is_err(), "{k}");
+                continue;
+            };
+            let (found, [gradient, hessian]) = (found.unwrap(), &room[k]);
+            assert!((found.gap - expected.gap).abs() < 1e-12, "{k}");
+            assert!(difference(gradient, &expected.gradient) < TOLERANCE, "{k}");
+            let expected = expected.hessian.packed();
+            assert!(difference(hessian, expected) < TOLERANCE, "{k}");
+        }
+    }
+}
+
+/// Kernels made in a crate that is not optimised, as this one by default, are not run with vectors: their frames would
+/// not fit on the stack of a thread. How the crate `diffuse-contact-kernels` is compiled makes no difference.
+#[test]
+fn unoptimised_kernels_are_run_number_by_number() {
+    let is_optimised = env!("KERNELS_OPT_LEVEL") != "0";
+    assert_eq!(wendland::Wendland::OPTIMISED, is_optimised);
+    assert_eq!(matern::Matern::OPTIMISED, is_optimised);
+    let isa = if is_optimised { Isa::best() } else { Isa::SCALAR };
+    assert_eq!(wendland::Wendland::best_isa(), isa);
 }
 
 #[test]

@@ -25,7 +25,7 @@ const TOLERANCE: f64 = 1e-12;
 const BASES: [Basis; 2] = [Basis::Quadratic, Basis::Linear];
 const FRAMES: [FrameRule; 2] = [FrameRule::Frozen, FrameRule::CoMoving];
 const MODES: [Mode; 3] = [Mode::Value, Mode::Gradient, Mode::Hessian];
-/// Around multiples of 2, 4 and 8, and beyond what has its place on the stack.
+/// Around multiples of 2, 4 and 8, and larger ones.
 const COUNTS: [usize; 18] = [3, 4, 5, 6, 7, 8, 9, 11, 12, 13, 15, 16, 17, 20, 23, 24, 25, 30];
 
 /// All kernels of all weights.

@@ -2,6 +2,8 @@
 
 use nalgebra::{Matrix6, Vector6};
 
+use super::fma;
+
 /// Most evaluations of the foot equations, and most halvings of a step.
 const MOST_ITERATIONS: usize = 50;
 /// Largest residual, relative to the starting one, at which one last step is taken; that squares it.
@@ -53,28 +55,15 @@ pub(super) fn moments(nodes: &[Node]) -> (Matrix6<f64>, Vector6<f64>) {
     for &Node { a, b, z, w, .. } in nodes {
         let (aa, ab, bb) = (a * a, a * b, b * b);
         let (waa, wab, wbb) = (w * aa, w * ab, w * bb);
-        let values = [
-            w,
-            w * a,
-            w * b,
-            waa,
-            wab,
-            wbb,
-            waa * a,
-            waa * b,
-            wbb * a,
-            wbb * b,
-            waa * aa,
-            waa * ab,
-            waa * bb,
-            wab * bb,
-            wbb * bb,
-        ];
-        for k in 0..15 {
-            m[k] += values[k];
-        }
+        let low = [w, w * a, w * b, waa, wab, wbb];
         for k in 0..6 {
-            beta[k] += values[k] * z;
+            m[k] += low[k];
+            beta[k] = fma(low[k], z, beta[k]);
+        }
+        let high =
+            [(waa, a), (waa, b), (wbb, a), (wbb, b), (waa, aa), (waa, ab), (waa, bb), (wab, bb), (wbb, bb)];
+        for k in 0..9 {
+            m[6 + k] = fma(high[k].0, high[k].1, m[6 + k]);
         }
     }
     let [m00, m10, m01, m20, m11, m02, m30, m21, m12, m03, m40, m31, m22, m13, m04] = m;
@@ -97,7 +86,7 @@ pub(super) fn cholesky(mut l: Matrix6<f64>) -> Option<(Matrix6<f64>, [f64; 6])> 
     for j in 0..6 {
         let mut pivot = l[(j, j)];
         for k in 0..j {
-            pivot -= l[(j, k)] * l[(j, k)];
+            pivot = fma(-l[(j, k)], l[(j, k)], pivot);
         }
         if !(pivot > PIVOT_TOLERANCE * l[(j, j)]) {
             return None;
@@ -107,7 +96,7 @@ pub(super) fn cholesky(mut l: Matrix6<f64>) -> Option<(Matrix6<f64>, [f64; 6])> 
         for i in j + 1..6 {
             let mut entry = l[(i, j)];
             for k in 0..j {
-                entry -= l[(i, k)] * l[(j, k)];
+                entry = fma(-l[(i, k)], l[(j, k)], entry);
             }
             l[(i, j)] = entry * reciprocal;
         }
@@ -126,7 +115,7 @@ pub(super) fn inverse(l: &Matrix6<f64>, reciprocals: &[f64; 6]) -> Matrix6<f64> 
         for i in j + 1..6 {
             let mut sum = 0.0;
             for k in j..i {
-                sum += l[(i, k)] * inverse[(k, j)];
+                sum = fma(l[(i, k)], inverse[(k, j)], sum);
             }
             inverse[(i, j)] = -sum * reciprocals[i];
         }
@@ -149,24 +138,28 @@ impl Point {
         let [a, b] = u;
         let curvatures = [2.0 * alpha[3], alpha[4], 2.0 * alpha[5]];
         let slopes = [
-            alpha[1] + curvatures[0] * a + curvatures[1] * b,
-            alpha[2] + curvatures[1] * a + curvatures[2] * b,
+            fma(curvatures[1], b, fma(curvatures[0], a, alpha[1])),
+            fma(curvatures[2], b, fma(curvatures[1], a, alpha[2])),
         ];
-        let f = alpha[0] + 0.5 * ((alpha[1] + slopes[0]) * a + (alpha[2] + slopes[1]) * b);
+        let f = fma(0.5, fma(alpha[1] + slopes[0], a, (alpha[2] + slopes[1]) * b), alpha[0]);
         Self { u, f, slopes, curvatures }
     }
 
     /// Foot equations F_k = −u_k + h f_k with h = −f.
     #[inline(always)]
     fn residual(&self) -> [f64; 2] {
-        [-self.u[0] - self.f * self.slopes[0], -self.u[1] - self.f * self.slopes[1]]
+        [fma(-self.f, self.slopes[0], -self.u[0]), fma(-self.f, self.slopes[1], -self.u[1])]
     }
 
     /// Their Jacobian −δ_kl − f_k f_l + h f_kl, entries 11, 12, 22.
     #[inline(always)]
     pub(super) fn jacobian(&self) -> [f64; 3] {
         let ([f_1, f_2], [f_11, f_12, f_22]) = (self.slopes, self.curvatures);
-        [-1.0 - f_1 * f_1 - self.f * f_11, -f_1 * f_2 - self.f * f_12, -1.0 - f_2 * f_2 - self.f * f_22]
+        [
+            fma(-self.f, f_11, fma(-f_1, f_1, -1.0)),
+            fma(-self.f, f_12, -f_1 * f_2),
+            fma(-self.f, f_22, fma(-f_2, f_2, -1.0)),
+        ]
     }
 
     /// −J⁻¹ F
@@ -174,8 +167,8 @@ impl Point {
     fn step(&self) -> [f64; 2] {
         let [j_11, j_12, j_22] = self.jacobian();
         let [r_1, r_2] = self.residual();
-        let reciprocal = 1.0 / (j_11 * j_22 - j_12 * j_12);
-        [(j_12 * r_2 - j_22 * r_1) * reciprocal, (j_12 * r_1 - j_11 * r_2) * reciprocal]
+        let reciprocal = 1.0 / fma(j_11, j_22, -j_12 * j_12);
+        [fma(j_12, r_2, -j_22 * r_1) * reciprocal, fma(j_12, r_1, -j_11 * r_2) * reciprocal]
     }
 }
 

@@ -10,7 +10,8 @@
 //!   form in the three rows ∇f, T_1, T_2, which lie in the row space of B̂, and is folded into Ĉ;
 //! * the factors are rotated to global axes, not the finished matrix, and the slave is one more node whose factors are
 //!   minus the sum of the others;
-//! * only the lower triangle is computed, where it is wanted.
+//! * only the lower triangle is computed, where it is wanted;
+//! * multiply-adds are fused where the program is compiled for a processor that has them (`-C target-cpu=native`).
 //!
 //! Derivatives are written out here and nowhere else in the workspace.
 
@@ -23,6 +24,39 @@ use fit::{Node, cholesky, foot, inverse, moments};
 
 use crate::Elements;
 use crate::contender::{OneByOne, Run};
+
+/// a b + c, fused where the compiler may use the instruction: elsewhere that would be a call.
+#[inline(always)]
+fn fma(a: f64, b: f64, c: f64) -> f64 {
+    if cfg!(any(target_feature = "fma", target_arch = "aarch64")) { a.mul_add(b, c) } else { a * b + c }
+}
+
+/// `sum` + `a` `b`. (nalgebra's products are not fused.)
+#[inline(always)]
+fn add_product<const R: usize, const K: usize, const C: usize>(
+    mut sum: SMatrix<f64, R, C>,
+    a: &SMatrix<f64, R, K>,
+    b: &SMatrix<f64, K, C>,
+) -> SMatrix<f64, R, C> {
+    let (a, b) = (&a.data.0, &b.data.0);
+    for (column, factors) in sum.data.0.iter_mut().zip(b) {
+        for k in 0..K {
+            for i in 0..R {
+                column[i] = fma(a[k][i], factors[k], column[i]);
+            }
+        }
+    }
+    sum
+}
+
+/// `a` `b`
+#[inline(always)]
+fn product<const R: usize, const K: usize, const C: usize>(
+    a: &SMatrix<f64, R, K>,
+    b: &SMatrix<f64, K, C>,
+) -> SMatrix<f64, R, C> {
+    add_product(SMatrix::zeros(), a, b)
+}
 
 /// The contender for these elements; `None` if they have fewer than 6 or more than 24 nodes.
 #[must_use]
@@ -90,7 +124,8 @@ impl<const N: usize, const C: usize> ByHand<N, C> {
         let (matrix, beta) = moments(&self.nodes);
         let (l, reciprocals) = cholesky(matrix)?;
         let l_inverse = inverse(&l, &reciprocals);
-        let alpha = l_inverse.tr_mul(&(l_inverse * beta));
+        let l_transposed = l_inverse.transpose();
+        let alpha = product(&l_transposed, &product(&l_inverse, &beta));
         let foot = foot(&alpha)?;
 
         let [a, b] = foot.u;
@@ -100,8 +135,8 @@ impl<const N: usize, const C: usize> ByHand<N, C> {
             Vector6::new(0.0, 1.0, 0.0, 2.0 * a, b, 0.0),
             Vector6::new(0.0, 0.0, 1.0, 0.0, a, 2.0 * b),
         ]);
-        let g = l_inverse * p;
-        let lambda = l_inverse.tr_mul(&g);
+        let g = product(&l_inverse, &p);
+        let lambda = product(&l_transposed, &g);
 
         let [f_1, f_2] = foot.slopes;
         let ell = (1.0 + f_1 * f_1 + f_2 * f_2).sqrt();
@@ -110,7 +145,7 @@ impl<const N: usize, const C: usize> ByHand<N, C> {
 
         // M = scale (blocks + Ĉᵀ B̂ + B̂ᵀ Ĉ), where Ĉ has taken in the foot's form: Vᵀ c V with V = Gᵀ B̂.
         let scale = -per_radius / ell;
-        let folded = g * form * (-0.5 * ell);
+        let folded = product(&g, &form) * (-0.5 * ell);
         let axes = Matrix3::from_columns(&[t1, t2, normal]);
         let mut blocks = [Matrix3::zeros(); N];
         let mut slave_sums = [SMatrix::<f64, 3, 6>::zeros(); 2];
@@ -119,16 +154,16 @@ impl<const N: usize, const C: usize> ByHand<N, C> {
         for (i, node) in self.nodes.iter().enumerate() {
             let part = NodePart::new(node, &alpha, &lambda, &l_inverse);
             let v = part.gradients;
-            let c_local = part.c_hat + folded * v.transpose();
+            let c_local = add_product(part.c_hat, &folded, &v.transpose());
             let row = 3 * (i + 1);
-            let b_global = axes * part.b_hat.transpose();
-            let c_global = axes * (c_local.transpose() * scale);
+            let b_global = product(&axes, &part.b_hat.transpose());
+            let c_global = product(&axes, &(c_local.transpose() * scale));
             b_factor.fixed_rows_mut::<3>(row).copy_from(&b_global);
             c_factor.fixed_rows_mut::<3>(row).copy_from(&c_global);
             slave_sums[0] -= b_global;
             slave_sums[1] -= c_global;
-            blocks[i] = axes * (part.block * scale) * axes.transpose();
-            let n = axes * (v.column(0) * (-1.0 / ell));
+            blocks[i] = product(&product(&axes, &(part.block * scale)), &axes.transpose());
+            let n = product(&axes, &(v.column(0) * (-1.0 / ell)));
             gradient[row..row + 3].copy_from_slice(n.as_slice());
             slave_gradient -= n;
         }
@@ -188,44 +223,55 @@ impl NodePart {
         l_inverse: &nalgebra::Matrix6<f64>,
     ) -> Self {
         let &Node { a, b, z, w, slope, curvature } = node;
-        let value = |c: &[f64; 6]| c[0] + a * (c[1] + a * c[3] + b * c[4]) + b * (c[2] + b * c[5]);
-        let along_a = |c: &[f64; 6]| c[1] + 2.0 * a * c[3] + b * c[4];
-        let along_b = |c: &[f64; 6]| c[2] + a * c[4] + 2.0 * b * c[5];
+        // (1, a, b, a², ab, b²) · c and its derivatives.
+        let value = |c: &[f64; 6]| {
+            let along_a = fma(b, c[4], fma(a, c[3], c[1]));
+            fma(b, fma(b, c[5], c[2]), fma(a, along_a, c[0]))
+        };
+        let along_a = |c: &[f64; 6]| fma(b, c[4], fma(2.0 * a, c[3], c[1]));
+        let along_b = |c: &[f64; 6]| fma(2.0 * b, c[5], fma(a, c[4], c[2]));
+        // x · y
+        let dot = |x: [f64; 2], y: [f64; 2]| fma(x[0], y[0], x[1] * y[1]);
         let alpha: &[f64; 6] = alpha.as_ref();
         let lambda: &[[f64; 6]; 3] = lambda.as_ref();
 
         let (w_a, w_b) = (slope * a, slope * b);
-        let (w_aa, w_ab, w_bb) = (slope + curvature * a * a, curvature * a * b, slope + curvature * b * b);
+        let (cu_a, cu_b) = (curvature * a, curvature * b);
+        let (w_aa, w_ab, w_bb) = (fma(cu_a, a, slope), cu_a * b, fma(cu_b, b, slope));
         let (e, e_a, e_b) = (z - value(alpha), -along_a(alpha), -along_b(alpha));
-        let (we, we_a, we_b) = (w * e, w_a * e + w * e_a, w_b * e + w * e_b);
+        let (we, we_a, we_b) = (w * e, dot([w_a, w], [e, e_a]), dot([w_b, w], [e, e_b]));
         let gradients = Matrix3::from_columns(&[0, 1, 2].map(|k| {
             let (c, s) = (&lambda[k], value(&lambda[k]));
-            Vector3::new(we_a * s + we * along_a(c), we_b * s + we * along_b(c), w * s)
+            Vector3::new(dot([we_a, we], [s, along_a(c)]), dot([we_b, we], [s, along_b(c)]), w * s)
         }));
 
         let c = &lambda[0];
         let (s, s_a, s_b) = (value(c), along_a(c), along_b(c));
-        let (ws, ws_a, ws_b) = (w * s, w_a * s + w * s_a, w_b * s + w * s_b);
-        let (es_a, es_b) = (e_a * s + e * s_a, e_b * s + e * s_b);
-        let second = |k: usize, factor: f64| factor * (e * c[k] - s * alpha[k]);
-        let aa = w_aa * e * s + 2.0 * w_a * es_a + w * (second(3, 2.0) + 2.0 * e_a * s_a);
-        let bb = w_bb * e * s + 2.0 * w_b * es_b + w * (second(5, 2.0) + 2.0 * e_b * s_b);
-        let ab = w_ab * e * s + w_a * es_b + w_b * es_a + w * (second(4, 1.0) + e_a * s_b + e_b * s_a);
+        let (ws, ws_a, ws_b) = (w * s, dot([w_a, w], [s, s_a]), dot([w_b, w], [s, s_b]));
+        let (es_a, es_b) = (dot([e_a, e], [s, s_a]), dot([e_b, e], [s, s_b]));
+        let second = |k: usize| fma(e, c[k], -s * alpha[k]);
+        let es = e * s;
+        let aa = fma(w_aa, es, 2.0 * fma(w_a, es_a, w * fma(e_a, s_a, second(3))));
+        let bb = fma(w_bb, es, 2.0 * fma(w_b, es_b, w * fma(e_b, s_b, second(5))));
+        let mixed = fma(e_a, s_b, fma(e_b, s_a, second(4)));
+        let ab = fma(w_ab, es, fma(w_a, es_b, fma(w_b, es_a, w * mixed)));
         let block = Matrix3::new(aa, ab, ws_a, ab, bb, ws_b, ws_a, ws_b, 0.0);
 
         // L⁻¹ p, L⁻¹ ∂p/∂a, L⁻¹ ∂p/∂b: columns of L⁻¹ times the few entries that are not zero.
-        let column = |k: usize| l_inverse.column(k);
-        let p = column(0)
-            + column(1) * a
-            + column(2) * b
-            + column(3) * (a * a)
-            + column(4) * (a * b)
-            + column(5) * (b * b);
-        let p_a = column(1) + column(3) * (2.0 * a) + column(4) * b;
-        let p_b = column(2) + column(4) * a + column(5) * (2.0 * b);
-        let b_hat = Matrix6x3::from_columns(&[p * we_a + p_a * we, p * we_b + p_b * we, p * w]);
-        let c_hat =
-            Matrix6x3::from_columns(&[-(p * ws_a + p_a * ws), -(p * ws_b + p_b * ws), Vector6::zeros()]);
+        let l = &l_inverse.data.0;
+        let (aa, ab, bb) = (a * a, a * b, b * b);
+        let [mut b_hat, mut c_hat] = [Matrix6x3::zeros(); 2];
+        for i in 0..6 {
+            let linear = fma(l[2][i], b, fma(l[1][i], a, l[0][i]));
+            let p = fma(l[5][i], bb, fma(l[4][i], ab, fma(l[3][i], aa, linear)));
+            let p_a = fma(l[4][i], b, fma(l[3][i], 2.0 * a, l[1][i]));
+            let p_b = fma(l[5][i], 2.0 * b, fma(l[4][i], a, l[2][i]));
+            b_hat.data.0[0][i] = dot([p, p_a], [we_a, we]);
+            b_hat.data.0[1][i] = dot([p, p_b], [we_b, we]);
+            b_hat.data.0[2][i] = p * w;
+            c_hat.data.0[0][i] = -dot([p, p_a], [ws_a, ws]);
+            c_hat.data.0[1][i] = -dot([p, p_b], [ws_b, ws]);
+        }
         Self { gradients, b_hat, c_hat, block }
     }
 }
@@ -245,13 +291,13 @@ fn lower_triangle<const C: usize>(f: &SMatrix<f64, C, 6>, g: &SMatrix<f64, C, 6>
         };
         let (f_rows, g_rows) = (rows(f), rows(g));
         let entry = |m: usize, j: usize| {
-            (0..6).fold(0.0, |sum, k| sum + f_rows[m][k] * g[k][j] + g_rows[m][k] * f[k][j])
+            (0..6).fold(0.0, |sum, k| fma(g_rows[m][k], f[k][j], fma(f_rows[m][k], g[k][j], sum)))
         };
         for j in 0..first {
             let mut sums = [0.0; 3];
             for k in 0..6 {
                 for m in 0..3 {
-                    sums[m] += f_rows[m][k] * g[k][j] + g_rows[m][k] * f[k][j];
+                    sums[m] = fma(g_rows[m][k], f[k][j], fma(f_rows[m][k], g[k][j], sums[m]));
                 }
             }
             (x[j], y[j], z[j]) = (sums[0], sums[1], sums[2]);

@@ -8,7 +8,7 @@ use super::expression::Writer;
 use super::names::Names;
 use crate::graph::{ExprId, NODE_INDEX, Op, RootFigure, RootId, Scope};
 use crate::lower::lower;
-use crate::model::{FrameRule, Kernel, KernelSpec, MOST_COEFFICIENTS, Mode, Output, WEIGHT_NUMBER};
+use crate::model::{CHECKSUM, FrameRule, Kernel, KernelSpec, MOST_COEFFICIENTS, Mode, Output, WEIGHT_NUMBER};
 use crate::schedule::{FormRows, NodeTarget, Program, Statement};
 
 /// A kernel's source.
@@ -407,8 +407,9 @@ impl FunctionWriter<'_> {
             let (per_node, per_pair) = form_counts(rows);
             self.counts.node += per_node;
             self.counts.pair += per_pair;
+            let not_finite = not_finite_name(hessian);
             quote! {
-                S::multiply_form(
+                let #not_finite = S::multiply_form(
                     #form,
                     #name,
                     &[#(#slave),*],
@@ -460,7 +461,10 @@ impl FunctionWriter<'_> {
                 let components: Vec<TokenStream> =
                     value.components.iter().map(|&x| self.writer.used(x)).collect();
                 if !value.is_array {
-                    return quote!(#field: #(#components)*);
+                    // What the Hessians' forms say of the entries they wrote.
+                    let forms = if value.name == CHECKSUM { kernel.hessians.len() } else { 0 };
+                    let not_finite = (0..forms).map(not_finite_name);
+                    return quote!(#field: #(#components)* #(+ #not_finite)*);
                 }
                 // A basis leaves the coefficients of the largest one that it does not have at zero.
                 let missing =
@@ -489,13 +493,10 @@ impl FunctionWriter<'_> {
         let indices = 0..kept.len();
         let places_count = kept.len();
         // x, y and z of the rows, and room for a node's own block.
-        let forms: usize = self
-            .program
-            .forms
-            .iter()
-            .map(|rows| 3 * (rows.varying.len() + rows.constant.len()) + OWN_ROOM)
-            .sum();
-        let count = places_count + forms;
+        let forms = self.program.forms.iter().map(|rows| {
+            let numbers = 3 * (rows.varying.len() + rows.constant.len());
+            quote!(+ #numbers + super::FormRows::OWN)
+        });
         let doc = format!(
             " Places of what `{}` keeps of a node between its loops.",
             function_name(&self.program.kernel.spec)
@@ -504,10 +505,9 @@ impl FunctionWriter<'_> {
             #[doc = #doc]
             pub mod #name {
                 #(pub(super) const #places: usize = #indices;)*
-                #[allow(dead_code)]
                 pub(super) const PLACES: usize = #places_count;
                 /// Number of values, those of the Hessian's form included.
-                pub const COUNT: usize = #count;
+                pub const COUNT: usize = PLACES #(#forms)*;
             }
         }
     }
@@ -575,11 +575,12 @@ impl FunctionWriter<'_> {
     }
 }
 
-/// Room per node for its own block in a Hessian's form: three rows of four.
-const OWN_ROOM: usize = 12;
-
 fn form_name(hessian: usize) -> Ident {
     format_ident!("form_{hessian}")
+}
+
+fn not_finite_name(hessian: usize) -> Ident {
+    format_ident!("form_{hessian}_not_finite")
 }
 
 fn rows_name(hessian: usize) -> Ident {

@@ -130,6 +130,9 @@ pub struct Kernel<S = KernelSpec> {
     pub equations: Vec<Equation>,
 }
 
+/// The value that says whether all results are finite.
+pub(crate) const CHECKSUM: &str = "checksum";
+
 const COEFFICIENT_NAMES: [&str; MOST_COEFFICIENTS] = [
     "alpha_0", "alpha_1", "alpha_2", "alpha_3", "alpha_4", "alpha_5", "alpha_6", "alpha_7", "alpha_8",
     "alpha_9", "alpha_10", "alpha_11", "alpha_12", "alpha_13", "alpha_14",
@@ -287,7 +290,9 @@ impl Kernel {
 }
 
 impl<S> Kernel<S> {
-    /// A sum that is finite only if all results are: the slave's derivatives contain those of all masters.
+    /// A sum that is finite only if all results are, but for the Hessian's blocks off the slave: the slave's gradient is
+    /// the sum of the masters' as they are written, but its block of the Hessian is multiplied from sums of rows, where
+    /// large entries may cancel. The emitted kernel adds what `multiply_form` says of the entries it wrote.
     pub(super) fn add_checksum(&mut self) {
         let mut terms: Vec<ExprId> = self.values.iter().flat_map(|v| v.components.clone()).collect();
         terms.extend(self.gradients.iter().flat_map(|(_, gradient)| gradient.slave));
@@ -295,7 +300,7 @@ impl<S> Kernel<S> {
             terms.extend((0..3).flat_map(|row| hessian.slave[row][..=row].to_vec()));
         }
         let checksum = self.graph.total(&terms);
-        self.add_scalar("checksum", "Finite only if every result is", checksum);
+        self.add_scalar(CHECKSUM, "Finite only if every result is", checksum);
     }
 
     pub(super) fn add_scalar(&mut self, name: &'static str, doc: &'static str, value: ExprId) {

@@ -14,6 +14,7 @@ pub use basis::{Basis, BasisError, CustomBasis};
 pub use diffuse::Equation;
 pub use facet::FacetSpec;
 pub use facet_shape::FacetShape;
+pub(crate) use kernel::CHECKSUM;
 pub use kernel::{FrameRule, Kernel, KernelSpec, Mode, Output, Value};
 pub(crate) use weight::WEIGHT_NUMBER;
 pub use weight::{Weight, WeightError};

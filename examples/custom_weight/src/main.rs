@@ -8,6 +8,7 @@
 //!
 //! Expect: the four gaps, and for each of the three own kernels the largest difference of its gradient and Hessian to
 //! automatic differentiation of the same formula (around 1e-15).
+#![forbid(unsafe_code)]
 
 use diffuse_contact::ad::Ad;
 use diffuse_contact::{Backend, Basis, Element, Frame, Gap, Generated, GeneratedWith, Mode, Weight};

@@ -2,6 +2,10 @@
 //!
 //! The own block O of a node stands at (node, node), −O at (node, slave); the slave's own block is not written here.
 //! Rows are ordered b₀, c₀, b₁, c₁, …; first those that differ between nodes, then those that are the same for all.
+//!
+//! A product may overflow though the slave's own block, in which it is cancelled, does not: what multiplies also
+//! returns 0 times the sums of up to nine entries it wrote at a time: 0 if all are finite, NaN if not, or if one is within
+//! a factor of nine of overflow.
 
 use super::simd::Vector;
 use super::{Lane, packed_row};
@@ -18,6 +22,9 @@ pub struct FormRows {
 }
 
 impl FormRows {
+    /// Room for a node's own block: three rows of four.
+    pub const OWN: usize = 12;
+
     const fn all(self) -> usize {
         self.varying + self.constant
     }
@@ -33,8 +40,7 @@ pub(super) fn write<T: Copy, const VALUES: usize>(values: [T; VALUES], target: &
     }
 }
 
-/// Room for a node's own block: three rows of four.
-const OWN: usize = 12;
+const OWN: usize = FormRows::OWN;
 
 /// Elements side by side: of slave and nodes, one after another, the varying rows and the own block.
 pub(super) mod batch {
@@ -60,14 +66,17 @@ pub(super) mod batch {
         write(own, form, node_length(rows) * (node + 1) + 3 * rows.varying);
     }
 
+    /// Returns 0 or, if an entry is not finite, NaN.
     #[inline(always)]
+    #[must_use]
     pub fn multiply<T: Lane>(
         form: &mut [T],
         rows: FormRows,
         slave: &[[T; 3]],
         constant: &[[T; 3]],
         target: &mut [T],
-    ) {
+    ) -> T {
+        let mut not_finite = T::ZERO;
         let size = node_length(rows);
         let (slave_varying, slave_constant) = slave.split_at(rows.varying);
         for row in 0..rows.varying {
@@ -99,6 +108,9 @@ pub(super) mod batch {
                         }
                     }
                 }
+                let [x, y, z] = &block;
+                let (x, y, z) = (x[0] + x[1] + x[2], y[0] + y[1] + y[2], z[0] + z[1] + z[2]);
+                not_finite = (x + y + z).mul_add(T::ZERO, not_finite);
                 for i in 0..3 {
                     write(block[i], target, starts[i] + 3 * column_node);
                 }
@@ -107,10 +119,13 @@ pub(super) mod batch {
             for i in 0..3 {
                 for j in 0..=i {
                     let same = all_nodes[i][j] + own[i][j];
-                    target[starts[i] + 3 * row_node + j] = half[i][j] + same;
+                    let entry = half[i][j] + same;
+                    not_finite = entry.mul_add(T::ZERO, not_finite);
+                    target[starts[i] + 3 * row_node + j] = entry;
                 }
             }
         }
+        not_finite
     }
 
     /// start + Σ cᵀb + bᵀc
@@ -178,15 +193,18 @@ pub(super) mod single {
         }
     }
 
+    /// Returns 0 or, if an entry is not finite, NaN.
     #[inline(always)]
+    #[must_use]
     pub fn multiply<T: Vector>(
         form: &mut [f64],
         rows: FormRows,
         slave: &[[T::Scalar; 3]],
         constant: &[[T::Scalar; 3]],
         target: &mut [f64],
-    ) {
+    ) -> f64 {
         const { assert!(T::WIDTH <= 4) };
+        let mut not_finite = T::ZERO;
         let stride = stride::<T>(rows);
         let (form, own) = form.split_at_mut(stride * rows.all());
         for row in 0..slave.len() {
@@ -206,13 +224,13 @@ pub(super) mod single {
             // From right to left: what a vector writes beyond its row, and where the last two overlap, is written again.
             while end > 2 * T::WIDTH {
                 let columns = [end.saturating_sub(3 * T::WIDTH), end - 2 * T::WIDTH, end - T::WIDTH];
-                strip.write_3::<T>(columns, target);
+                not_finite = strip.write_3::<T>(columns, target, not_finite);
                 end = columns[0];
             }
             if end > T::WIDTH {
-                strip.write_2::<T>([0, end - T::WIDTH], target);
+                not_finite = strip.write_2::<T>([0, end - T::WIDTH], target, not_finite);
             } else if end > 0 {
-                strip.write_1::<T>([0], target);
+                not_finite = strip.write_1::<T>([0], target, not_finite);
             }
             if node == 1 {
                 // The own block and its negative are side by side: no vector begins with one of them only.
@@ -225,9 +243,15 @@ pub(super) mod single {
                     for column in 0..=axis {
                         row[3 + column] += own[column];
                     }
+                    let mut sum = 0.0;
+                    for column in 0..4 + axis {
+                        sum += row[column];
+                    }
+                    not_finite = T::splat(sum).mul_add(T::ZERO, not_finite);
                 }
             }
         }
+        not_finite.sum()
     }
 
     /// Rows of one node.
@@ -247,12 +271,18 @@ pub(super) mod single {
         z: T,
     }
 
-    /// Writes vectors of the three rows that begin at the columns, which ascend. Written out for each number of
-    /// columns, so that all sums stay in registers at any level of optimisation.
+    /// Writes vectors of the three rows that begin at the columns, which ascend; adds 0 times the sum of their entries,
+    /// all of which are entries of M by symmetry, to `not_finite`. Written out for each number of columns, so that all sums
+    /// stay in registers at any level of optimisation.
     macro_rules! strip {
         ($name:ident, $count:literal, $($entries:ident),+; $($from_last:ident),+) => {
             #[inline(always)]
-            fn $name<T: Vector>(self, [$($entries),+]: [usize; $count], target: &mut [f64]) {
+            fn $name<T: Vector>(
+                self,
+                [$($entries),+]: [usize; $count],
+                target: &mut [f64],
+                not_finite: T,
+            ) -> T {
                 let first = 3 * self.node;
                 $(let mut $entries = self.own_entries::<T>($entries);)+
                 for pair in self.form.chunks_exact(2 * self.stride) {
@@ -264,12 +294,15 @@ pub(super) mod single {
                     let (x, y, z) = (T::splat(row[0]), T::splat(row[1]), T::splat(row[2]));
                     $($entries.add(x, y, z, c);)+
                 }
+                let mut sum = T::ZERO;
+                $(sum = sum + ($entries.x + $entries.y + $entries.z);)+
                 let row = packed_row(first);
                 $($from_last.x.store(target, row + $from_last.column);)+
                 let row = packed_row(first + 1);
                 $($from_last.y.store(target, row + $from_last.column);)+
                 let row = packed_row(first + 2);
                 $($from_last.z.store(target, row + $from_last.column);)+
+                sum.mul_add(T::ZERO, not_finite)
             }
         };
     }
@@ -320,7 +353,12 @@ mod tests {
     /// Rows and own blocks of slave and nodes, by any rule, and the Hessian without the slave's own block.
     struct Case {
         rows: FormRows,
+        /// An entry of a node's own block that is infinite: node, row, column.
+        infinite: Option<(usize, usize, usize)>,
     }
+
+    /// A lower triangle.
+    const LOWER: [(usize, usize); 6] = [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)];
 
     impl Case {
         fn entry(&self, row: usize, node: usize, axis: usize) -> f64 {
@@ -330,6 +368,9 @@ mod tests {
         }
 
         fn own(&self, node: usize, row: usize, column: usize) -> f64 {
+            if self.infinite == Some((node, row.max(column), row.min(column))) {
+                return f64::INFINITY;
+            }
             ((11 * node + 3 * row.max(column) + row.min(column)) % 19) as f64 - 9.0
         }
 
@@ -349,8 +390,10 @@ mod tests {
             }
         }
 
-        /// Whole numbers: any order of additions gives the same.
-        fn check(&self, hessian: &[f64], what: &str) {
+        /// Whole numbers: any order of additions gives the same. `sum`: what `multiply` returned.
+        fn check(&self, hessian: &[f64], sum: f64, what: &str) {
+            assert_eq!(sum.is_nan(), self.infinite.is_some(), "{what}, {:?}: {:?}", self.rows, self.infinite);
+            assert!(sum == 0.0 || sum.is_nan());
             for row in 3..3 * (self.rows.count + 1) {
                 for column in 0..=row {
                     let found = hessian[packed_row(row) + column];
@@ -375,49 +418,83 @@ mod tests {
 
         /// The lower triangle of own blocks.
         fn own_of<T: Lane>(&self, node: impl Fn(usize) -> usize) -> [T; 6] {
-            [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)]
-                .map(|(row, column)| T::from_fn(|lane| self.own(node(lane), row, column)))
+            LOWER.map(|(row, column)| T::from_fn(|lane| self.own(node(lane), row, column)))
         }
     }
 
-    impl WithLanes for &Case {
+    /// The nodes of one element side by side.
+    struct Nodes<'a>(&'a Case);
+
+    impl WithLanes for Nodes<'_> {
         type Output = ();
 
         #[inline(always)]
         fn run<T: Vector>(self) {
-            let rows = self.rows;
+            let Self(case) = self;
+            let rows = case.rows;
             let size = packed_row(3 * (rows.count + 1));
-
             // What is read must have been written: NaN shows.
             let mut form = vec![f64::NAN; single::length::<T>(rows)];
             for vector in 0..rows.count.div_ceil(T::WIDTH) {
                 let node = |lane: usize| 1 + (T::WIDTH * vector + lane).min(rows.count - 1);
                 for row in 0..rows.varying {
-                    let values = [0, 1, 2].map(|axis| T::from_fn(|lane| self.entry(row, node(lane), axis)));
+                    let values = [0, 1, 2].map(|axis| T::from_fn(|lane| case.entry(row, node(lane), axis)));
                     single::keep_row(&mut form, rows, row, vector, values);
                 }
-                single::keep_own(&mut form, rows, vector, self.own_of::<T>(node));
+                single::keep_own(&mut form, rows, vector, case.own_of::<T>(node));
             }
             let mut hessian = vec![f64::NAN; size + 1];
-            let (slave, constant) = (self.slave::<T::Scalar>(), self.constant::<T::Scalar>());
-            single::multiply::<T>(&mut form, rows, &slave, &constant, &mut hessian[..size]);
-            self.check(&hessian, "nodes side by side");
+            let (slave, constant) = (case.slave::<T::Scalar>(), case.constant::<T::Scalar>());
+            let sum = single::multiply::<T>(&mut form, rows, &slave, &constant, &mut hessian[..size]);
+            case.check(&hessian, sum, &format!("nodes side by side, {}", T::WIDTH));
             assert!(hessian[size].is_nan(), "beyond the end");
+        }
+    }
 
-            let mut blocks = vec![Block::ZERO; Block::count::<T>(batch::length(rows) + size)];
-            let (form, rest) = Block::vectors::<T>(&mut blocks).split_at_mut(batch::length(rows));
-            form.fill(T::splat(f64::NAN));
-            for node in 0..rows.count {
-                for row in 0..rows.varying {
-                    let values = [0, 1, 2].map(|axis| T::splat(self.entry(row, node + 1, axis)));
-                    batch::keep_row(form, rows, row, node, values);
+    /// Elements side by side, the case in one lane after the other; the others have no infinite entry.
+    struct Elements<'a>(&'a Case);
+
+    impl WithLanes for Elements<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn run<T: Vector>(self) {
+            let Self(case) = self;
+            let rows = case.rows;
+            let size = packed_row(3 * (rows.count + 1));
+            let finite = Case { infinite: None, ..*case };
+            for place in 0..T::WIDTH {
+                let case_of = |lane: usize| if lane == place { case } else { &finite };
+                let mut blocks = vec![Block::ZERO; Block::count::<T>(batch::length(rows) + size)];
+                let (form, rest) = Block::vectors::<T>(&mut blocks).split_at_mut(batch::length(rows));
+                form.fill(T::splat(f64::NAN));
+                for node in 0..rows.count {
+                    for row in 0..rows.varying {
+                        let values = [0, 1, 2].map(|axis| T::splat(case.entry(row, node + 1, axis)));
+                        batch::keep_row(form, rows, row, node, values);
+                    }
+                    let own = LOWER.map(|(i, j)| T::from_fn(|lane| case_of(lane).own(node + 1, i, j)));
+                    batch::keep_own(form, rows, node, own);
                 }
-                batch::keep_own(form, rows, node, self.own_of::<T>(|_| node + 1));
+                let sum = batch::multiply(form, rows, &case.slave(), &case.constant(), &mut rest[..size]);
+                for lane in 0..T::WIDTH {
+                    let hessian: Vec<f64> = rest[..size].iter().map(|x| x.lane(lane)).collect();
+                    let what = format!("elements side by side, {lane} of {}", T::WIDTH);
+                    case_of(lane).check(&hessian, sum.lane(lane), &what);
+                }
             }
-            batch::multiply(form, rows, &self.slave(), &self.constant(), &mut rest[..size]);
-            for lane in 0..T::WIDTH {
-                let hessian: Vec<f64> = rest[..size].iter().map(|x| x.lane(lane)).collect();
-                self.check(&hessian, "elements side by side");
+        }
+    }
+
+    /// In vectors of every width that there is code for.
+    fn check_all_widths(isa: Isa, case: &Case) {
+        isa.run(Elements(case));
+        match isa {
+            Isa::SCALAR => Nodes(case).run::<f64>(),
+            _ => {
+                if isa.run_four(Nodes(case)).is_err() {
+                    assert!(isa.run_two(Nodes(case)).is_ok(), "{isa}");
+                }
             }
         }
     }
@@ -427,9 +504,21 @@ mod tests {
         for isa in Isa::available() {
             for (varying, constant) in [(12, 0), (16, 2), (2, 0), (0, 2)] {
                 for count in 1..=33 {
-                    let case = Case { rows: FormRows { varying, constant, count } };
-                    if isa.run_four(&case).is_err() {
-                        (&case).run::<f64>();
+                    let rows = FormRows { varying, constant, count };
+                    check_all_widths(isa, &Case { rows, infinite: None });
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_entry_that_is_not_finite_goes_unnoticed() {
+        for isa in Isa::available() {
+            for count in 1..=9 {
+                for node in 1..=count {
+                    for (row, column) in LOWER {
+                        let rows = FormRows { varying: 4, constant: 2, count };
+                        check_all_widths(isa, &Case { rows, infinite: Some((node, row, column)) });
                     }
                 }
             }

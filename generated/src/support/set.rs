@@ -23,6 +23,16 @@ pub trait KernelSet {
     /// The bases there are kernels for. Any other gives values of which none is a number.
     const BASES: &'static [Basis];
 
+    /// Whether the kernels were compiled with optimisation. Without, what is inlined for vectors takes megabytes of stack.
+    const OPTIMISED: bool;
+
+    /// The instructions to run these kernels with: the widest that the machine has, or without optimisation one number
+    /// at a time.
+    #[must_use]
+    fn best_isa() -> Isa {
+        if Self::OPTIMISED { Isa::best() } else { Isa::SCALAR }
+    }
+
     /// α with ∂α/∂x and ∂²α/∂x∂x of each coefficient, number by number.
     fn coefficients(
         basis: Basis,
@@ -42,7 +52,8 @@ pub trait KernelSet {
     ) -> SurfaceValues<f64>;
 
     /// g, foot and ν with the gradient N and the Hessian M: one element, its nodes side by side. A frame that moves is
-    /// the average plane of the masters. Allocates only for the first element of a thread, and for a larger one than before.
+    /// the average plane of the masters. `isa`: [`best_isa`](Self::best_isa) unless there is a reason for another. Allocates
+    /// only for the first element of a thread, and for a larger one than before.
     fn gap(
         isa: Isa,
         kernel: (Basis, FrameRule, Mode),

@@ -50,7 +50,7 @@ pub trait Shape {
     /// Scratch as results.
     fn outputs(scratch: &mut [Self::Node]) -> &mut [Self::Output];
 
-    /// Results that a form takes until it is multiplied: at most 3 for each row and 12 for each node of the vectors of
+    /// Results that a form takes until it is multiplied: at most 3 for each row and [`FormRows::OWN`] for each node of the vectors of
     /// nodes, and of one vector more.
     fn form_length(rows: FormRows) -> usize;
 
@@ -67,7 +67,7 @@ pub trait Shape {
     fn keep_own(form: &mut [Self::Output], rows: FormRows, vector: usize, own: [Self::Node; 6]);
 
     /// Writes the packed Hessian of a form, but for the slave's own block. `slave`: its part of all rows; `constant`: a
-    /// node's part of those that are the same for all.
+    /// node's part of those that are the same for all. Returns 0 if every entry written is finite, else NaN.
     ///
     /// # Panics
     /// If a slice is shorter than `rows` says.
@@ -77,7 +77,7 @@ pub trait Shape {
         slave: &[[Self::Element; 3]],
         constant: &[[Self::Element; 3]],
         target: &mut [Self::Output],
-    );
+    ) -> Self::Element;
 }
 
 /// Elements side by side, one per lane.
@@ -157,8 +157,8 @@ impl<T: Lane> Shape for Batch<T> {
         slave: &[[T; 3]],
         constant: &[[T; 3]],
         target: &mut [T],
-    ) {
-        batch::multiply(form, rows, slave, constant, target);
+    ) -> T {
+        batch::multiply(form, rows, slave, constant, target)
     }
 }
 
@@ -241,7 +241,7 @@ impl<T: Vector> Shape for Single<T> {
         slave: &[[T::Scalar; 3]],
         constant: &[[T::Scalar; 3]],
         target: &mut [f64],
-    ) {
-        single::multiply::<T>(form, rows, slave, constant, target);
+    ) -> T::Scalar {
+        T::Scalar::splat(single::multiply::<T>(form, rows, slave, constant, target))
     }
 }

@@ -118,7 +118,7 @@ impl Evaluator<'_> {
                 Err(reason) => write(Err(reason), slot.outcome, slot.point),
             }
         }
-        evaluate(mode, &mut waiting, batch, |index, values| {
+        evaluate(&Generated, mode, &mut waiting, batch, |index, values| {
             let (place, paired) = &places[index];
             let point = self.within_border(paired, contact_point(values), border);
             let slot = &mut slots[*place];

@@ -1,0 +1,357 @@
+//! Vectors of numbers, and code compiled for the machine's vector instructions: the one module with unsafe code.
+//!
+//! Safety rests on two things. The vector types are not public: code gets hold of them only as the type parameter of
+//! [`WithLanes::run`], which [`Isa::run`] calls, and an [`Isa`] exists only where its instructions do: only this module
+//! can make one, and it asks the machine. And each type is a vector of plain numbers, for which any content is valid.
+#![allow(unsafe_code)]
+
+use std::fmt;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::OnceLock;
+
+use super::Lane;
+
+/// Code that is generic over the vector it computes with.
+pub trait WithLanes {
+    /// What it returns.
+    type Output;
+
+    /// Runs it. To be marked `#[inline(always)]`, and so everything it calls that computes with `T`: only what is
+    /// inlined is compiled for the instruction set.
+    fn run<T: Vector>(self) -> Self::Output;
+}
+
+/// A vector of plain numbers of the machine.
+pub trait Vector: Lane + sealed::Sealed {
+    /// One number, with the same instructions.
+    type Scalar: Vector;
+
+    /// The sum of the lanes.
+    #[must_use]
+    fn sum(self) -> f64;
+
+    /// The vectors as numbers.
+    #[must_use]
+    #[inline(always)]
+    fn numbers(vectors: &mut [Self]) -> &mut [f64] {
+        const { assert!(size_of::<Self>() == 8 * Self::WIDTH && align_of::<Self>() >= align_of::<f64>()) };
+        let count = vectors.len() * Self::WIDTH;
+        // SAFETY: size and alignment fit (above), and a vector is plain numbers.
+        unsafe { std::slice::from_raw_parts_mut(vectors.as_mut_ptr().cast::<f64>(), count) }
+    }
+
+    /// The numbers from `place` on.
+    ///
+    /// # Panics
+    /// If there are too few.
+    #[must_use]
+    #[inline(always)]
+    fn load(source: &[f64], place: usize) -> Self {
+        let numbers = &source[place..place + Self::WIDTH];
+        // SAFETY: there are as many as in a vector (above), which is plain numbers.
+        unsafe { numbers.as_ptr().cast::<Self>().read_unaligned() }
+    }
+
+    /// Writes the numbers from `place` on.
+    ///
+    /// # Panics
+    /// If there is no room.
+    #[inline(always)]
+    fn store(self, target: &mut [f64], place: usize) {
+        let numbers = &mut target[place..place + Self::WIDTH];
+        // SAFETY: there are as many as in a vector (above), which is plain numbers.
+        unsafe { numbers.as_mut_ptr().cast::<Self>().write_unaligned(self) };
+    }
+
+    /// Writes lane 0 of the three vectors, then lane 1, …, as far as `target` goes.
+    ///
+    /// # Panics
+    /// If `target` is longer than the three vectors.
+    fn store_interleaved(values: [Self; 3], target: &mut [f64]);
+
+    /// Writes lane l of the k-th vector to place k of the l-th target.
+    ///
+    /// # Panics
+    /// If a target is shorter than `source`, or there are more targets than lanes.
+    fn store_transposed<O>(source: &[Self], outputs: &mut [O], target: impl Fn(&mut O) -> &mut [f64]);
+}
+
+mod sealed {
+    pub trait Sealed {}
+}
+
+/// A set of vector instructions that this machine has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Isa(Kind);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+enum Kind {
+    Scalar,
+    #[cfg(target_arch = "x86_64")]
+    Sse2,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+    #[cfg(target_arch = "aarch64")]
+    Neon,
+}
+
+impl Isa {
+    /// One number at a time: on every machine.
+    pub const SCALAR: Self = Self(Kind::Scalar);
+
+    /// All that this machine has, the widest last.
+    pub fn available() -> impl DoubleEndedIterator<Item = Self> {
+        #[cfg(target_arch = "x86_64")]
+        let kinds = [
+            (Kind::Scalar, true),
+            (Kind::Sse2, true),
+            (Kind::Avx2, x86::has_avx2()),
+            (Kind::Avx512, x86::has_avx512()),
+        ];
+        #[cfg(target_arch = "aarch64")]
+        let kinds = [(Kind::Scalar, true), (Kind::Neon, true)];
+        #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+        let kinds = [(Kind::Scalar, true)];
+        kinds.into_iter().filter(|(_, is_there)| *is_there).map(|(kind, _)| Self(kind))
+    }
+
+    /// The widest that this machine has. Where this crate is compiled without optimisation, one number at a time: nothing
+    /// is gained by vectors there, and what is inlined for them takes megabytes of stack. Kernels of a crate of one's
+    /// own may be compiled otherwise than this one: [`KernelSet::best_isa`](super::KernelSet::best_isa).
+    #[must_use]
+    pub fn best() -> Self {
+        static BEST: OnceLock<Isa> = OnceLock::new();
+        if cfg!(unoptimised) {
+            return Self::SCALAR;
+        }
+        *BEST.get_or_init(|| Self::available().next_back().unwrap_or(Self::SCALAR))
+    }
+
+    /// The one of this name, if this machine has it.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::available().find(|isa| isa.name() == name)
+    }
+
+    /// `scalar`, `sse2`, `avx2`, `avx512` or `neon`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self.0 {
+            Kind::Scalar => "scalar",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Sse2 => "sse2",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => "avx512",
+            #[cfg(target_arch = "aarch64")]
+            Kind::Neon => "neon",
+        }
+    }
+
+    /// Numbers in a vector.
+    #[must_use]
+    pub const fn width(self) -> usize {
+        match self.0 {
+            Kind::Scalar => 1,
+            #[cfg(target_arch = "x86_64")]
+            Kind::Sse2 => 2,
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 => 4,
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => 8,
+            #[cfg(target_arch = "aarch64")]
+            Kind::Neon => 2,
+        }
+    }
+
+    /// Runs code compiled for these instructions.
+    #[inline]
+    pub fn run<W: WithLanes>(self, code: W) -> W::Output {
+        self.run_vectors(code).unwrap_or_else(|code| code.run::<f64>())
+    }
+
+    /// As [`run`](Self::run), or the code back if there are no vectors.
+    #[inline]
+    pub fn run_vectors<W: WithLanes>(self, code: W) -> Result<W::Output, W> {
+        match self.0 {
+            Kind::Scalar => Err(code),
+            // SAFETY: an `Isa` exists only where its instructions do.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Sse2 => Ok(code.run::<x86::F64x2>()),
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 => Ok(unsafe { x86::run_avx2::<x86::F64x4, W>(code) }),
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => Ok(unsafe { x86::run_avx512::<x86::F64x8, W>(code) }),
+            #[cfg(target_arch = "aarch64")]
+            Kind::Neon => Ok(code.run::<neon::F64x2>()),
+        }
+    }
+
+    /// Runs code with vectors of four numbers; if there are none (on aarch64, of two), it comes back.
+    #[inline]
+    pub fn run_four<W: WithLanes>(self, code: W) -> Result<W::Output, W> {
+        match self.0 {
+            // SAFETY: an `Isa` exists only where its instructions do, and those of four numbers are among them.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 | Kind::Avx512 => Ok(unsafe { x86::run_avx2::<x86::F64x4, W>(code) }),
+            #[cfg(target_arch = "aarch64")]
+            Kind::Neon => Ok(code.run::<neon::F64x2>()),
+            _ => Err(code),
+        }
+    }
+}
+
+#[cfg(test)]
+impl Isa {
+    /// Runs code with vectors of two numbers, if there are any.
+    pub(super) fn run_two<W: WithLanes>(self, code: W) -> Result<W::Output, W> {
+        match self.0 {
+            #[cfg(target_arch = "x86_64")]
+            Kind::Sse2 => Ok(code.run::<x86::F64x2>()),
+            #[cfg(target_arch = "aarch64")]
+            Kind::Neon => Ok(code.run::<neon::F64x2>()),
+            _ => Err(code),
+        }
+    }
+}
+
+impl Default for Isa {
+    fn default() -> Self {
+        Self::best()
+    }
+}
+
+impl fmt::Display for Isa {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Memory for vectors of any width.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct Block([f64; 8]);
+
+impl Block {
+    /// Zeros.
+    pub const ZERO: Self = Self([0.0; 8]);
+
+    /// Blocks that hold `count` vectors.
+    #[must_use]
+    pub const fn count<T: Lane>(count: usize) -> usize {
+        (count * T::WIDTH).div_ceil(8)
+    }
+
+    /// The blocks as vectors.
+    #[must_use]
+    pub fn vectors<T: Vector>(blocks: &mut [Self]) -> &mut [T] {
+        const { assert!(size_of::<T>() == 8 * T::WIDTH && align_of::<T>() <= 64 && 8 % T::WIDTH == 0) };
+        let count = blocks.len() * (8 / T::WIDTH);
+        // SAFETY: size and alignment fit (above), and any bits are a `T`, as it is a vector of `f64`.
+        unsafe { std::slice::from_raw_parts_mut(blocks.as_mut_ptr().cast::<T>(), count) }
+    }
+}
+
+impl sealed::Sealed for f64 {}
+
+impl Vector for f64 {
+    type Scalar = Self;
+
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn store_interleaved(values: [Self; 3], target: &mut [f64]) {
+        assert!(target.len() <= 3);
+        target.copy_from_slice(&values[..target.len()]);
+    }
+
+    #[inline(always)]
+    fn store_transposed<O>(source: &[Self], outputs: &mut [O], target: impl Fn(&mut O) -> &mut [f64]) {
+        assert!(outputs.len() <= 1);
+        for output in outputs {
+            target(output)[..source.len()].copy_from_slice(source);
+        }
+    }
+}
+
+/// Operators by their intrinsics.
+macro_rules! operators {
+    ($name:ident, $($trait:ident $method:ident $intrinsic:ident),*) => {
+        $(impl $trait for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                // SAFETY: the type exists only where the instructions do.
+                Self(unsafe { $intrinsic(self.0, other.0) })
+            }
+        })*
+    };
+}
+
+/// What all vectors of `$width` numbers have in common. `$expression`s may use the intrinsics.
+macro_rules! common_lane_methods {
+    ($vector:ident, $width:literal) => {
+        const WIDTH: usize = $width;
+        // SAFETY: of the same size, both plain numbers.
+        const ZERO: Self = Self(unsafe { std::mem::transmute::<[f64; $width], $vector>([0.0; $width]) });
+        const ONE: Self = Self(unsafe { std::mem::transmute::<[f64; $width], $vector>([1.0; $width]) });
+
+        #[inline(always)]
+        fn from_fn(mut value: impl FnMut(usize) -> f64) -> Self {
+            // Not `std::array::from_fn`, which is not always inlined.
+            let mut numbers = [0.0; $width];
+            for (k, number) in numbers.iter_mut().enumerate() {
+                *number = value(k);
+            }
+            // SAFETY: of the same size, both plain numbers.
+            Self(unsafe { std::mem::transmute::<[f64; $width], $vector>(numbers) })
+        }
+
+        #[inline(always)]
+        fn lane(&self, k: usize) -> f64 {
+            // SAFETY: of the same size, both plain numbers; the array is not aligned more strictly.
+            let numbers: &[f64; $width] = unsafe { &*std::ptr::from_ref(self).cast() };
+            numbers[k]
+        }
+
+        #[inline(always)]
+        fn exp(self) -> Self {
+            Self::from_fn(|k| self.lane(k).exp())
+        }
+    };
+}
+
+/// [`Vector::store_interleaved`] and [`Vector::store_transposed`] number by number.
+macro_rules! stores_by_number {
+    () => {
+        #[inline(always)]
+        fn store_interleaved(values: [Self; 3], target: &mut [f64]) {
+            assert!(target.len() <= 3 * Self::WIDTH);
+            for (place, number) in target.iter_mut().enumerate() {
+                *number = values[place % 3].lane(place / 3);
+            }
+        }
+
+        #[inline(always)]
+        fn store_transposed<O>(source: &[Self], outputs: &mut [O], target: impl Fn(&mut O) -> &mut [f64]) {
+            assert!(outputs.len() <= Self::WIDTH);
+            for lane in 0..outputs.len() {
+                let target = &mut target(&mut outputs[lane])[..source.len()];
+                for k in 0..source.len() {
+                    target[k] = source[k].lane(lane);
+                }
+            }
+        }
+    };
+}
+
+#[cfg(target_arch = "aarch64")]
+mod neon;
+#[cfg(target_arch = "x86_64")]
+mod x86;

@@ -1,0 +1,491 @@
+//! Vectors of x86-64, and code compiled for them.
+
+use std::arch::x86_64::*;
+
+use super::*;
+
+/// A question whether the machine has some features, and what runs code compiled for them.
+macro_rules! compiled_for {
+    ($has:ident, $run:ident: $($feature:tt),+) => {
+        #[doc = concat!("Whether the machine has", $(" ", $feature),+, ".")]
+        pub fn $has() -> bool {
+            $(is_x86_feature_detected!($feature))&&+
+        }
+
+        /// # Safety
+        /// The machine has the instructions.
+        $(#[target_feature(enable = $feature)])+
+        pub unsafe fn $run<T: Vector, W: WithLanes>(code: W) -> W::Output {
+            code.run::<T>()
+        }
+    };
+}
+compiled_for!(has_avx2, run_avx2: "avx2", "fma");
+compiled_for!(has_avx512, run_avx512: "avx512f", "avx512dq", "avx512vl", "avx2", "fma");
+
+/// One number, with fused multiply-adds.
+#[derive(Clone, Copy, Debug)]
+#[repr(transparent)]
+pub struct Fused(f64);
+
+/// Two numbers; multiply-adds are not fused.
+#[derive(Clone, Copy, Debug)]
+#[repr(transparent)]
+pub struct F64x2(__m128d);
+
+/// Four numbers.
+#[derive(Clone, Copy, Debug)]
+#[repr(transparent)]
+pub struct F64x4(__m256d);
+
+/// Eight numbers.
+#[derive(Clone, Copy, Debug)]
+#[repr(transparent)]
+pub struct F64x8(__m512d);
+
+impl sealed::Sealed for Fused {}
+impl sealed::Sealed for F64x2 {}
+impl sealed::Sealed for F64x4 {}
+impl sealed::Sealed for F64x8 {}
+
+macro_rules! fused_operators {
+    ($($trait:ident $method:ident $operator:tt),*) => {
+        $(impl $trait for Fused {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(self.0 $operator other.0)
+            }
+        })*
+    };
+}
+fused_operators!(Add add +, Sub sub -, Mul mul *, Div div /);
+
+impl Neg for Fused {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl Lane for Fused {
+    const WIDTH: usize = 1;
+    const ZERO: Self = Self(0.0);
+    const ONE: Self = Self(1.0);
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Self(value)
+    }
+
+    #[inline(always)]
+    fn from_fn(mut value: impl FnMut(usize) -> f64) -> Self {
+        Self(value(0))
+    }
+
+    #[inline(always)]
+    fn lane(&self, k: usize) -> f64 {
+        self.0.lane(k)
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        Self(f64::mul_add(self.0, factor.0, term.0))
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt())
+    }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        Self(self.0.exp())
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.abs())
+    }
+
+    #[inline(always)]
+    fn select_less(x: Self, y: Self, then: Self, otherwise: Self) -> Self {
+        if x.0 < y.0 { then } else { otherwise }
+    }
+
+    #[inline(always)]
+    fn all_less(x: Self, y: Self) -> bool {
+        x.0 < y.0
+    }
+}
+
+impl Vector for Fused {
+    type Scalar = Self;
+
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        self.0
+    }
+
+    stores_by_number!();
+}
+
+// SAFETY, of all below: the types exist only where the instructions do.
+
+/// What F64x4 and F64x8 do by the same intrinsics of different width.
+macro_rules! fused_lane_methods {
+    ($splat:ident, $mul_add:ident, $mul_sub:ident, $neg_mul_add:ident, $sqrt:ident) => {
+        #[inline(always)]
+        fn splat(value: f64) -> Self {
+            Self(unsafe { $splat(value) })
+        }
+
+        #[inline(always)]
+        fn mul_add(self, factor: Self, term: Self) -> Self {
+            Self(unsafe { $mul_add(self.0, factor.0, term.0) })
+        }
+
+        #[inline(always)]
+        fn mul_sub(self, factor: Self, term: Self) -> Self {
+            Self(unsafe { $mul_sub(self.0, factor.0, term.0) })
+        }
+
+        #[inline(always)]
+        fn neg_mul_add(self, factor: Self, term: Self) -> Self {
+            Self(unsafe { $neg_mul_add(self.0, factor.0, term.0) })
+        }
+
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Self(unsafe { $sqrt(self.0) })
+        }
+    };
+}
+
+/// [`Vector::store_transposed`] for vectors with a function `transposed`: squares of numbers, then what is left over.
+macro_rules! stores_by_squares {
+    () => {
+        #[inline(always)]
+        fn store_transposed<O>(source: &[Self], outputs: &mut [O], target: impl Fn(&mut O) -> &mut [f64]) {
+            let (squares, rest) = source.as_chunks::<{ Self::WIDTH }>();
+            let targets = places::<O, _, { Self::WIDTH }>(source.len(), outputs, &target);
+            for (k, square) in squares.iter().enumerate() {
+                let columns = Self::transposed(*square);
+                for lane in 0..outputs.len() {
+                    // SAFETY: vectors of plain numbers, and each target has room for `source.len()` of them.
+                    unsafe {
+                        targets[lane].add(k * Self::WIDTH).cast::<Self>().write_unaligned(columns[lane])
+                    };
+                }
+            }
+            for lane in 0..outputs.len() {
+                let end = &mut target(&mut outputs[lane])[Self::WIDTH * squares.len()..source.len()];
+                for k in 0..end.len() {
+                    end[k] = rest[k].lane(lane);
+                }
+            }
+        }
+    };
+}
+
+operators!(F64x2, Add add _mm_add_pd, Sub sub _mm_sub_pd, Mul mul _mm_mul_pd, Div div _mm_div_pd);
+operators!(F64x4, Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd);
+operators!(F64x8, Add add _mm512_add_pd, Sub sub _mm512_sub_pd, Mul mul _mm512_mul_pd, Div div _mm512_div_pd);
+
+impl Neg for F64x2 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(unsafe { _mm_xor_pd(self.0, _mm_set1_pd(-0.0)) })
+    }
+}
+
+impl Lane for F64x2 {
+    common_lane_methods!(__m128d, 2);
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Self(unsafe { _mm_set1_pd(value) })
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        self * factor + term
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, factor: Self, term: Self) -> Self {
+        self * factor - term
+    }
+
+    #[inline(always)]
+    fn neg_mul_add(self, factor: Self, term: Self) -> Self {
+        term - self * factor
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(unsafe { _mm_sqrt_pd(self.0) })
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(unsafe { _mm_andnot_pd(_mm_set1_pd(-0.0), self.0) })
+    }
+
+    #[inline(always)]
+    fn select_less(x: Self, y: Self, then: Self, otherwise: Self) -> Self {
+        Self(unsafe {
+            let less = _mm_cmplt_pd(x.0, y.0);
+            _mm_or_pd(_mm_and_pd(less, then.0), _mm_andnot_pd(less, otherwise.0))
+        })
+    }
+
+    #[inline(always)]
+    fn all_less(x: Self, y: Self) -> bool {
+        unsafe { _mm_movemask_pd(_mm_cmplt_pd(x.0, y.0)) == 0b11 }
+    }
+}
+
+impl Vector for F64x2 {
+    type Scalar = f64;
+
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        self.lane(0) + self.lane(1)
+    }
+
+    stores_by_number!();
+}
+
+impl Neg for F64x4 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(unsafe { _mm256_xor_pd(self.0, _mm256_set1_pd(-0.0)) })
+    }
+}
+
+impl Lane for F64x4 {
+    common_lane_methods!(__m256d, 4);
+
+    fused_lane_methods!(_mm256_set1_pd, _mm256_fmadd_pd, _mm256_fmsub_pd, _mm256_fnmadd_pd, _mm256_sqrt_pd);
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
+    }
+
+    #[inline(always)]
+    fn select_less(x: Self, y: Self, then: Self, otherwise: Self) -> Self {
+        Self(unsafe { _mm256_blendv_pd(otherwise.0, then.0, _mm256_cmp_pd::<_CMP_LT_OQ>(x.0, y.0)) })
+    }
+
+    #[inline(always)]
+    fn all_less(x: Self, y: Self) -> bool {
+        unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(x.0, y.0)) == 0b1111 }
+    }
+}
+
+impl F64x4 {
+    /// Rows become columns.
+    #[inline(always)]
+    fn transposed(rows: [Self; 4]) -> [Self; 4] {
+        let [Self(a), Self(b), Self(c), Self(d)] = rows;
+        unsafe {
+            let (ab_even, ab_odd) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+            let (cd_even, cd_odd) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
+            [
+                Self(_mm256_permute2f128_pd::<0x20>(ab_even, cd_even)),
+                Self(_mm256_permute2f128_pd::<0x20>(ab_odd, cd_odd)),
+                Self(_mm256_permute2f128_pd::<0x31>(ab_even, cd_even)),
+                Self(_mm256_permute2f128_pd::<0x31>(ab_odd, cd_odd)),
+            ]
+        }
+    }
+
+    /// Stores the first numbers, as many as fit.
+    #[inline(always)]
+    fn store_first(self, target: &mut [f64]) {
+        if target.len() >= 4 {
+            // SAFETY: there is room for four.
+            unsafe { _mm256_storeu_pd(target.as_mut_ptr(), self.0) };
+        } else {
+            // SAFETY: the mask ends where the target does.
+            unsafe {
+                let places = _mm256_set_epi64x(3, 2, 1, 0);
+                let length = _mm256_set1_epi64x(target.len() as i64);
+                let mask = _mm256_cmpgt_epi64(length, places);
+                _mm256_maskstore_pd(target.as_mut_ptr(), mask, self.0);
+            }
+        }
+    }
+}
+
+impl Vector for F64x4 {
+    type Scalar = Fused;
+
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        unsafe {
+            let halves = _mm_add_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
+            _mm_cvtsd_f64(_mm_add_sd(halves, _mm_unpackhi_pd(halves, halves)))
+        }
+    }
+
+    #[inline(always)]
+    fn store_interleaved(values: [Self; 3], target: &mut [f64]) {
+        assert!(target.len() <= 3 * Self::WIDTH);
+        let [Self(x), Self(y), Self(z)] = values;
+        let interleaved = unsafe {
+            // x0 y0 x2 y2, z0 x1 z2 x3, y1 z1 y3 z3
+            let xy = _mm256_unpacklo_pd(x, y);
+            let zx = _mm256_shuffle_pd::<0b1010>(z, x);
+            let yz = _mm256_unpackhi_pd(y, z);
+            [
+                Self(_mm256_permute2f128_pd::<0x20>(xy, zx)),
+                Self(_mm256_permute2f128_pd::<0x30>(yz, xy)),
+                Self(_mm256_permute2f128_pd::<0x31>(zx, yz)),
+            ]
+        };
+        for (k, vector) in interleaved.into_iter().enumerate() {
+            if let Some(rest) = target.get_mut(4 * k..) {
+                vector.store_first(rest);
+            }
+        }
+    }
+
+    stores_by_squares!();
+}
+
+impl Neg for F64x8 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(unsafe { _mm512_xor_pd(self.0, _mm512_set1_pd(-0.0)) })
+    }
+}
+
+impl Lane for F64x8 {
+    common_lane_methods!(__m512d, 8);
+
+    fused_lane_methods!(_mm512_set1_pd, _mm512_fmadd_pd, _mm512_fmsub_pd, _mm512_fnmadd_pd, _mm512_sqrt_pd);
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(unsafe { _mm512_abs_pd(self.0) })
+    }
+
+    #[inline(always)]
+    fn select_less(x: Self, y: Self, then: Self, otherwise: Self) -> Self {
+        Self(unsafe {
+            let less = _mm512_cmp_pd_mask::<_CMP_LT_OQ>(x.0, y.0);
+            _mm512_mask_blend_pd(less, otherwise.0, then.0)
+        })
+    }
+
+    #[inline(always)]
+    fn all_less(x: Self, y: Self) -> bool {
+        unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(x.0, y.0) == 0xff }
+    }
+}
+
+impl F64x8 {
+    /// Rows become columns.
+    #[inline(always)]
+    fn transposed(rows: [Self; 8]) -> [Self; 8] {
+        let [Self(r0), Self(r1), Self(r2), Self(r3), Self(r4), Self(r5), Self(r6), Self(r7)] = rows;
+        unsafe {
+            // Pairs of rows, then quarters of four rows, then halves of all.
+            let pairs = [
+                _mm512_unpacklo_pd(r0, r1),
+                _mm512_unpackhi_pd(r0, r1),
+                _mm512_unpacklo_pd(r2, r3),
+                _mm512_unpackhi_pd(r2, r3),
+                _mm512_unpacklo_pd(r4, r5),
+                _mm512_unpackhi_pd(r4, r5),
+                _mm512_unpacklo_pd(r6, r7),
+                _mm512_unpackhi_pd(r6, r7),
+            ];
+            #[inline(always)]
+            unsafe fn quarters(even: __m512d, odd: __m512d) -> (__m512d, __m512d) {
+                unsafe { (_mm512_shuffle_f64x2::<0x88>(even, odd), _mm512_shuffle_f64x2::<0xdd>(even, odd)) }
+            }
+            // Columns 0 and 4, 2 and 6 of rows 0 … 3 or 4 … 7; then the odd ones.
+            let (upper_04, upper_26) = quarters(pairs[0], pairs[2]);
+            let (upper_15, upper_37) = quarters(pairs[1], pairs[3]);
+            let (lower_04, lower_26) = quarters(pairs[4], pairs[6]);
+            let (lower_15, lower_37) = quarters(pairs[5], pairs[7]);
+            let (c0, c4) = quarters(upper_04, lower_04);
+            let (c2, c6) = quarters(upper_26, lower_26);
+            let (c1, c5) = quarters(upper_15, lower_15);
+            let (c3, c7) = quarters(upper_37, lower_37);
+            [Self(c0), Self(c1), Self(c2), Self(c3), Self(c4), Self(c5), Self(c6), Self(c7)]
+        }
+    }
+
+    /// Stores the first numbers, as many as fit.
+    #[inline(always)]
+    fn store_first(self, target: &mut [f64]) {
+        let mask = if target.len() >= 8 { 0xff } else { (1u8 << target.len()) - 1 };
+        // SAFETY: the mask ends where the target does.
+        unsafe { _mm512_mask_storeu_pd(target.as_mut_ptr(), mask, self.0) };
+    }
+}
+
+impl Vector for F64x8 {
+    type Scalar = Fused;
+
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        F64x4(unsafe { _mm256_add_pd(_mm512_castpd512_pd256(self.0), _mm512_extractf64x4_pd::<1>(self.0)) })
+            .sum()
+    }
+
+    #[inline(always)]
+    fn store_interleaved(values: [Self; 3], target: &mut [f64]) {
+        assert!(target.len() <= 3 * Self::WIDTH);
+        let [Self(x), Self(y), Self(z)] = values;
+        let interleaved = unsafe {
+            // The k-th vector holds numbers 8k … 8k + 7 of x0 y0 z0 x1 …; from 8 on an index means the second operand.
+            #[inline(always)]
+            unsafe fn pick(k: [i64; 8]) -> __m512i {
+                unsafe { _mm512_setr_epi64(k[0], k[1], k[2], k[3], k[4], k[5], k[6], k[7]) }
+            }
+            let first = _mm512_permutex2var_pd(x, pick([0, 8, 0, 1, 9, 0, 2, 10]), y);
+            let second = _mm512_permutex2var_pd(x, pick([0, 3, 11, 0, 4, 12, 0, 5]), y);
+            let third = _mm512_permutex2var_pd(x, pick([13, 0, 6, 14, 0, 7, 15, 0]), y);
+            [
+                Self(_mm512_permutex2var_pd(first, pick([0, 1, 8, 3, 4, 9, 6, 7]), z)),
+                Self(_mm512_permutex2var_pd(second, pick([10, 1, 2, 11, 4, 5, 12, 7]), z)),
+                Self(_mm512_permutex2var_pd(third, pick([0, 13, 2, 3, 14, 5, 6, 15]), z)),
+            ]
+        };
+        for (k, vector) in interleaved.into_iter().enumerate() {
+            if let Some(rest) = target.get_mut(8 * k..) {
+                vector.store_first(rest);
+            }
+        }
+    }
+
+    stores_by_squares!();
+}
+
+/// Where each output's target begins.
+///
+/// # Panics
+/// If one is shorter than `length`, or there are more than `WIDTH`.
+#[inline(always)]
+fn places<O, F: Fn(&mut O) -> &mut [f64], const WIDTH: usize>(
+    length: usize,
+    outputs: &mut [O],
+    target: &F,
+) -> [*mut f64; WIDTH] {
+    let mut places = [std::ptr::null_mut(); WIDTH];
+    assert!(outputs.len() <= WIDTH, "{} outputs of {WIDTH} lanes", outputs.len());
+    for lane in 0..outputs.len() {
+        places[lane] = target(&mut outputs[lane])[..length].as_mut_ptr();
+    }
+    places
+}

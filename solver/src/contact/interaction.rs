@@ -5,8 +5,8 @@ use diffuse_contact::interface::InterfaceOptions;
 use diffuse_contact::surface::Facet;
 use diffuse_contact::{Mode, Point};
 
-use super::ContactError;
 use super::pass::Pass;
+use super::{ContactError, SlavePairing};
 use crate::system::{BlockMatrix, BlockPattern};
 
 /// When slaves are paired anew.
@@ -155,6 +155,15 @@ impl Interaction {
 
     pub(super) fn set_multipliers(&mut self, multipliers: &[Vec<f64>]) -> Result<(), ContactError> {
         self.passes.iter_mut().zip(multipliers).try_for_each(|(pass, own)| pass.set_multipliers(own))
+    }
+
+    pub(super) fn pairings(&self) -> impl Iterator<Item = Vec<Option<SlavePairing>>> {
+        self.passes.iter().map(Pass::pairings)
+    }
+
+    pub(super) fn set_pairings(&mut self, pairings: &[Vec<Option<SlavePairing>>]) -> Result<(), ContactError> {
+        let mut own = pairings.iter();
+        self.each(|pass| own.next().map_or(Ok(()), |own| pass.set_pairings(own)))
     }
 
     /// Deepest penetration at the last evaluation, length; 0 without any.

@@ -7,7 +7,7 @@ use diffuse_contact::interface::{ContactInterface, ContactRef, Contacts, Interfa
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
-use super::{ContactError, InteractionOptions, SlaveState};
+use super::{ContactError, InteractionOptions, SlavePairing, SlaveState};
 use crate::system::{BlockMatrix, BlockPattern};
 
 /// A step of a pass that failed.
@@ -160,10 +160,27 @@ impl Pass {
     pub fn set_multipliers(&mut self, multipliers: &[f64]) -> Result<(), ContactError> {
         let (found, expected) = (multipliers.len(), self.multipliers.len());
         if found != expected {
-            return Err(ContactError::Multipliers { found, expected });
+            return Err(ContactError::OtherPasses { found, expected });
         }
         self.multipliers.copy_from_slice(multipliers);
         Ok(())
+    }
+
+    /// What the next refresh may keep, slave by slave; nothing where every refresh pairs anew.
+    pub fn pairings(&self) -> Vec<Option<SlavePairing>> {
+        if self.interface.options().hysteresis == 0.0 {
+            return Vec::new();
+        }
+        self.interface.kept_pairings().into_iter().map(|kept| kept.map(SlavePairing::from)).collect()
+    }
+
+    pub fn set_pairings(&mut self, pairings: &[Option<SlavePairing>]) -> Result<(), PassError> {
+        if self.interface.options().hysteresis == 0.0 {
+            return Ok(());
+        }
+        let kept: Vec<_> = pairings.iter().map(|saved| saved.as_ref().map(Into::into)).collect();
+        self.entries = None;
+        Ok(self.interface.set_kept_pairings(&kept)?)
     }
 
     /// The contact of every slave node at the last evaluation.

@@ -11,11 +11,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 pub use surface::{SurfaceSample, sample_surfaces};
 
-use crate::output::{OutputError, Skin, SkinFrame, Summary, names, read_history, read_iterations};
+use crate::output::{OutputError, SKIN, Skin, SkinFrame, Summary, names, read_history, read_json};
 
 /// What the page is made of.
 const PAGE: &str = include_str!("page.html");
@@ -53,13 +53,27 @@ pub fn report(directories: &[&Path]) -> Result<String, OutputError> {
     let mut runs = directories.iter().map(|directory| read_run(directory)).collect::<Result<Vec<_>, _>>()?;
     name_apart(&mut runs, directories);
     let title = runs.first().map_or_else(String::new, |run| run.summary.title.clone());
-    // Within a script element only "</" could end it early.
-    let data = serde_json::to_string(&Data { runs }).unwrap_or_default().replace("</", "<\\/");
-    Ok(PAGE
-        .replace("@TITLE@", &escaped(&title))
-        .replace("@DATA@", &data)
-        .replace("@SCRIPT@", SCRIPT)
-        .replace("@PLOTLY@", &plotly_script()))
+    // Within a script element a "<" could end it early or open a comment. In JSON it occurs within strings only.
+    let data = serde_json::to_string(&Data { runs }).unwrap_or_default().replace('<', "\\u003c");
+    Ok(fill(&[
+        ("@TITLE@", &escaped(&title)),
+        ("@PLOTLY@", &plotly_script()),
+        ("@DATA@", &data),
+        ("@SCRIPT@", SCRIPT),
+    ]))
+}
+
+/// The page with its marks, which it holds in this order, replaced. What replaces them is not searched for marks.
+fn fill(marks: &[(&str, &str)]) -> String {
+    let mut rest = PAGE;
+    let mut page = String::new();
+    for (mark, text) in marks {
+        let (before, after) = rest.split_once(mark).unwrap_or((rest, ""));
+        page.push_str(before);
+        page.push_str(text);
+        rest = after;
+    }
+    page + rest
 }
 
 /// plotly.js as a script element; without the typesetting of formulas that the library would bring along.
@@ -85,14 +99,13 @@ fn name_apart(runs: &mut [Run], directories: &[&Path]) {
 }
 
 fn read_run(directory: &Path) -> Result<Run, OutputError> {
-    let (columns, rows) = read_history(&directory.join(names::HISTORY))?;
-    let column = |k: usize| rows.iter().map(|row| row.values[k]).collect();
-    let history = columns.iter().enumerate().map(|(k, name)| (name.clone(), column(k))).collect();
-    let (columns, rows) = read_iterations(&directory.join(names::ITERATIONS))?;
-    let relative = columns.iter().position(|name| name == "relative").unwrap_or(0);
+    let increments = read_history(&directory.join(names::HISTORY))?;
+    let column = |k: usize| increments.rows.iter().map(|row| row.values[k]).collect();
+    let history = increments.columns.iter().enumerate().map(|(k, name)| (name.clone(), column(k))).collect();
+    let iterations = read_history(&directory.join(names::ITERATIONS))?;
     let mut residuals: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    for row in rows {
-        residuals.entry(row.increment).or_default().push(row.values[relative]);
+    for row in &iterations.rows {
+        residuals.entry(row.increment).or_default().push(iterations.value(row, "relative"));
     }
     let skins = directory.join(names::SKINS);
     let surfaces = skins.join(SURFACES);
@@ -102,7 +115,7 @@ fn read_run(directory: &Path) -> Result<Run, OutputError> {
         summary: read_json(&directory.join(names::SUMMARY))?,
         history,
         residuals,
-        skin: read_json(&skins.join("skin.json"))?,
+        skin: read_json(&skins.join(SKIN))?,
         frames: read_frames(&skins)?,
         surfaces,
     })
@@ -111,6 +124,7 @@ fn read_run(directory: &Path) -> Result<Run, OutputError> {
 /// Name of the file of sampled surfaces, in the folder of skins.
 pub const SURFACES: &str = "surfaces.json";
 
+/// The frames of a run, those of its first and last increment among them.
 fn read_frames(skins: &Path) -> Result<Vec<SkinFrame>, OutputError> {
     let entries = fs::read_dir(skins).map_err(OutputError::read(skins))?;
     let number = |path: &Path| path.file_stem()?.to_str()?.parse::<usize>().ok();
@@ -122,16 +136,6 @@ fn read_frames(skins: &Path) -> Result<Vec<SkinFrame>, OutputError> {
         .collect();
     paths.sort();
     let (count, most) = (paths.len(), MOST_FRAMES.min(paths.len()));
-    // The first and the last are among them.
     let chosen = (0..most).map(|k| if most > 1 { k * (count - 1) / (most - 1) } else { 0 });
     chosen.map(|k| read_json(&paths[k].1)).collect()
-}
-
-fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, OutputError> {
-    let text = fs::read_to_string(path).map_err(OutputError::read(path))?;
-    serde_json::from_str(&text).map_err(|error| OutputError::Content {
-        path: path.to_path_buf(),
-        line: error.line(),
-        problem: error.to_string(),
-    })
 }

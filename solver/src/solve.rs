@@ -69,7 +69,11 @@ const STOPPED: &str = "it was stopped";
 /// # Errors
 /// [`SolveError`]; after [`SolveError::EndedEarly`] summary and report are there as after success, unless it was the disk that
 /// kept them from being written.
-pub fn solve(deck_path: &Path, options: &SolveOptions, watcher: &mut dyn Watcher) -> Result<Summary, SolveError> {
+pub fn solve(
+    deck_path: &Path,
+    options: &SolveOptions,
+    watcher: &mut dyn Watcher,
+) -> Result<Summary, SolveError> {
     let text = std::fs::read_to_string(deck_path)
         .map_err(|cause| DeckError::Read { path: deck_path.into(), cause })?;
     let deck = Deck::parse_named(&text, deck_path)?;
@@ -141,8 +145,10 @@ pub fn problem(deck: &Deck, model: &Model, threads: usize) -> Result<Problem, So
     let solid = Solid::new(&model.nodes, &model.bodies)?;
     let supports = deck.supports(model)?;
     let names = support_names(deck);
-    let groups =
-        names.into_iter().zip(supports.supports().to_vec()).map(|(name, support)| SupportGroup { name, support });
+    let groups = names
+        .into_iter()
+        .zip(supports.supports().to_vec())
+        .map(|(name, support)| SupportGroup { name, support });
     let pressures = deck.loads(model)?.into_iter().map(|load| Pressure {
         facets: load.facets,
         value: load.value,

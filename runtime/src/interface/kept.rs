@@ -57,7 +57,8 @@ impl ContactInterface {
         if kept.len() != slaves.len() {
             return Err(InterfaceError::WrongNumberOfPairings { found: kept.len(), expected: slaves.len() });
         }
-        let foreign = kept.iter().zip(slaves).find(|(kept, _)| kept.as_ref().is_some_and(|kept| !self.fits(kept)));
+        let foreign =
+            kept.iter().zip(slaves).find(|(kept, _)| kept.as_ref().is_some_and(|kept| !self.fits(kept)));
         if let Some((_, &node)) = foreign {
             return Err(InterfaceError::ForeignPairing { node });
         }
@@ -67,7 +68,8 @@ impl ContactInterface {
             // Whether the patch ends near is asked anew by the refresh.
             Ok(Record { support_radius, basis, fallback, facet, natural, ends_near: true })
         };
-        let masters_of = |kept: &Option<KeptPairing>| kept.as_ref().map_or(Vec::new(), |kept| kept.masters.clone());
+        let masters_of =
+            |kept: &Option<KeptPairing>| kept.as_ref().map_or(Vec::new(), |kept| kept.masters.clone());
         let lengths = kept.iter().map(|kept| kept.as_ref().map_or(0, |kept| kept.masters.len()));
         let layout = &self.pairings.layout;
         let masters = kept.iter().flat_map(masters_of).collect();
@@ -75,7 +77,8 @@ impl ContactInterface {
         let Self { master, options, positions, creases, .. } = &*self;
         let evaluator = Evaluator { surface: master, creases, positions, options };
         let frames = kept.iter().filter_map(|_| evaluator.stand_in_frame()).collect();
-        self.pairings = Pairings { layout: layout.into(), records: kept.iter().map(record).collect(), frames };
+        self.pairings =
+            Pairings { layout: layout.into(), records: kept.iter().map(record).collect(), frames };
         Ok(())
     }
 

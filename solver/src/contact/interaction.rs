@@ -161,7 +161,10 @@ impl Interaction {
         self.passes.iter().map(Pass::pairings)
     }
 
-    pub(super) fn set_pairings(&mut self, pairings: &[Vec<Option<SlavePairing>>]) -> Result<(), ContactError> {
+    pub(super) fn set_pairings(
+        &mut self,
+        pairings: &[Vec<Option<SlavePairing>>],
+    ) -> Result<(), ContactError> {
         let mut own = pairings.iter();
         self.each(|pass| own.next().map_or(Ok(()), |own| pass.set_pairings(own)))
     }

@@ -39,7 +39,15 @@ impl From<KeptPairing> for SlavePairing {
 
 impl From<&SlavePairing> for KeptPairing {
     fn from(saved: &SlavePairing) -> Self {
-        let &SlavePairing { facet, natural, support_radius, quadratic, extended_by, quadratic_regularity, .. } = saved;
+        let &SlavePairing {
+            facet,
+            natural,
+            support_radius,
+            quadratic,
+            extended_by,
+            quadratic_regularity,
+            ..
+        } = saved;
         let fallback = match (extended_by, quadratic_regularity) {
             (_, Some(quadratic_regularity)) => Fallback::Linear { quadratic_regularity },
             (0, None) => Fallback::None,

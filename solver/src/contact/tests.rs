@@ -97,7 +97,8 @@ fn the_force_on_the_slave_is_that_of_its_nodes() {
         let sum: f64 = slaves.iter().map(|slave| -forces[3 * slave.node + axis]).sum();
         assert!((set.forces()[0][axis] - sum).abs() < 1e-10, "{:?} {sum}", set.forces());
     }
-    let deepest = slaves.iter().filter_map(|slave| slave.gap).fold(0.0, |deepest: f64, gap| deepest.max(-gap));
+    let deepest =
+        slaves.iter().filter_map(|slave| slave.gap).fold(0.0, |deepest: f64, gap| deepest.max(-gap));
     assert_eq!(set.max_penetration(), deepest);
     assert!(set.forces()[0][2] > 0.0);
 }
@@ -171,7 +172,10 @@ fn what_belongs_to_other_surfaces_is_refused() {
     let wrong = ContactError::OtherPasses { found: 2, expected: 1 };
     assert_eq!(set.set_multipliers(&[vec![], vec![]]), Err(wrong.clone()));
     assert_eq!(set.set_pairings(&[vec![], vec![]]), Err(wrong));
-    assert_eq!(set.set_multipliers(&[vec![0.0; 3]]), Err(ContactError::OtherPasses { found: 3, expected: 16 }));
+    assert_eq!(
+        set.set_multipliers(&[vec![0.0; 3]]),
+        Err(ContactError::OtherPasses { found: 3, expected: 16 })
+    );
     let mut pairings = set.pairings();
     assert!(matches!(set.set_pairings(&[pairings[0][1..].to_vec()]), Err(ContactError::Interface { .. })));
     for spoil in [

@@ -33,7 +33,8 @@ impl Directory {
     pub fn prepare(&self, deck: &str, overwrite: bool) -> Result<(), OutputError> {
         let holds_results = FILES.iter().any(|name| self.path(name).exists());
         let path = self.path(names::DECK);
-        let holds_other_deck = !holds_results && path.exists() && fs::read(&path).ok().as_deref() != Some(deck.as_bytes());
+        let holds_other_deck =
+            !holds_results && path.exists() && fs::read(&path).ok().as_deref() != Some(deck.as_bytes());
         if (holds_results || holds_other_deck) && !overwrite {
             return Err(OutputError::Occupied { path: self.0.clone() });
         }

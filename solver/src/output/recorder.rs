@@ -212,7 +212,12 @@ impl<'a> Recorder<'a> {
     }
 
     /// Pictures and tables first: the increment counts when its state is there.
-    fn save(&mut self, record: &IncrementRecord, state: &State, problem: &Problem) -> Result<(), OutputError> {
+    fn save(
+        &mut self,
+        record: &IncrementRecord,
+        state: &State,
+        problem: &Problem,
+    ) -> Result<(), OutputError> {
         let fields = self.fields(problem, state)?;
         let before = std::mem::replace(&mut self.state, state.clone());
         let written = self.write_increment(record, problem, &fields);

@@ -28,6 +28,8 @@ mod pressure;
 mod problem;
 mod settings;
 mod supports;
+#[cfg(test)]
+mod tests;
 
 pub use error::{Failure, StaticsError};
 pub use observer::{Control, IncrementRecord, IterationRecord, Observer, Timing};

@@ -52,7 +52,9 @@ fn an_interrupted_run_is_whole_and_goes_on_to_the_same_end() {
     signal(&child, "-INT");
     let stopped: Run = child.wait_with_output().unwrap().into();
     assert_eq!(stopped.code, 130, "{stopped:?}");
-    assert!(stopped.stderr.contains("ending after this increment") && stopped.stderr.contains("stopped at time"));
+    assert!(
+        stopped.stderr.contains("ending after this increment") && stopped.stderr.contains("stopped at time")
+    );
     let directory = Path::new(&out);
     let summary = summary(directory);
     let increments = summary["increments"].as_u64().unwrap() as usize;
@@ -66,7 +68,8 @@ fn an_interrupted_run_is_whole_and_goes_on_to_the_same_end() {
 
     // Go on, and be killed this time.
     let mut command = Command::new(PROGRAM);
-    let mut child = command.args(["solve", &deck, "--out", &out, "--restart"]).stderr(Stdio::null()).spawn().unwrap();
+    let mut child =
+        command.args(["solve", &deck, "--out", &out, "--restart"]).stderr(Stdio::null()).spawn().unwrap();
     wait_for(&out, increments + 3, &mut child);
     signal(&child, "-KILL");
     child.wait().unwrap();
@@ -79,7 +82,8 @@ fn an_interrupted_run_is_whole_and_goes_on_to_the_same_end() {
             fs::remove_file(directory.join(name)).unwrap();
         }
     }
-    let unfinished = |name: &Path| name.file_name().is_some_and(|name| name.to_string_lossy().ends_with(".tmp"));
+    let unfinished =
+        |name: &Path| name.file_name().is_some_and(|name| name.to_string_lossy().ends_with(".tmp"));
     for name in files(directory).iter().filter(|name| unfinished(name)) {
         fs::remove_file(directory.join(name)).unwrap();
     }
@@ -125,7 +129,10 @@ fn a_full_disk_ends_the_run_with_what_there_is_whole() {
     let full = run_limited(largest as usize / 512 + 3, &format!("solve '{deck}' --out '{out}'"));
     assert_eq!(full.code, 1, "{full:?}");
     let sentence = full.stderr.lines().last().unwrap();
-    assert!(sentence.contains("report.html: cannot be written: ") && !sentence.contains("os error"), "{sentence}");
+    assert!(
+        sentence.contains("report.html: cannot be written: ") && !sentence.contains("os error"),
+        "{sentence}"
+    );
     assert_eq!(summary(Path::new(&out))["converged"], true);
     assert!(!Path::new(&out).join("report.html").exists());
 

@@ -65,8 +65,8 @@ impl ContactInterface {
         let record = |kept: &Option<KeptPairing>| {
             let kept = kept.as_ref().ok_or(NoContact::NotPaired)?;
             let &KeptPairing { facet, natural, support_radius, basis, fallback, .. } = kept;
-            // Whether the patch ends near is asked anew by the refresh.
-            Ok(Record { support_radius, basis, fallback, facet, natural, ends_near: true })
+            // Whether the patch ends near is asked anew by the refresh. Until then there may be no edges to test.
+            Ok(Record { support_radius, basis, fallback, facet, natural, ends_near: false })
         };
         let masters_of =
             |kept: &Option<KeptPairing>| kept.as_ref().map_or(Vec::new(), |kept| kept.masters.clone());

@@ -59,6 +59,9 @@ pub struct SlaveState {
     pub force: f64,
     /// Normal at the foot; zero without a gap.
     pub normal: Point,
+    /// What the contact exerts on the slave node, force · N: nearly along the normal. The smooth surface follows the slave by its
+    /// weights, so that a small part of it lies in the tangent plane.
+    pub nodal_force: Point,
     /// Tributary area, length²; 1 if the interface carries none.
     pub area: f64,
 }
@@ -175,13 +178,14 @@ impl Interaction {
         self.slaves().filter_map(|slave| slave.gap).map(|gap| -gap).fold(0.0, f64::max)
     }
 
-    /// Sum of the contact forces on the slaves of the first pass less those of the second: what the master exerts on the slave.
+    /// Sum of the contact forces on the slaves of the first pass less those of the second: what the master's surface exerts on the
+    /// slave's, exactly as it enters equilibrium.
     pub(super) fn force(&self) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for (sign, pass) in [1.0, -1.0].into_iter().zip(&self.passes) {
             for slave in pass.slaves() {
                 for axis in 0..3 {
-                    sum[axis] += sign * slave.force * slave.normal[axis];
+                    sum[axis] += sign * slave.nodal_force[axis];
                 }
             }
         }

@@ -80,13 +80,13 @@ impl ContactSet {
         Ok(active)
     }
 
-    /// The nodes that each paired slave couples, for the pattern of the stiffness.
+    /// The nodes that each slave couples that was paired at the last evaluation, for the pattern of the stiffness.
     pub fn cliques(&self) -> impl Iterator<Item = Vec<usize>> {
         self.interactions.iter().flat_map(Interaction::cliques)
     }
 
     /// Looks up where the entries of the contact tangents lie in a stiffness of this pattern, which holds the
-    /// [`cliques`](Self::cliques); to be done after every refresh.
+    /// [`cliques`](Self::cliques); to be done after every refresh and the evaluation that follows it.
     ///
     /// # Errors
     /// [`ContactError::Assembly`].

@@ -187,12 +187,20 @@ impl Pass {
     pub fn slaves(&self) -> impl Iterator<Item = SlaveState> {
         let law = self.law();
         self.contacts().iter().enumerate().map(move |(k, contact)| {
-            let ContactRef { slave: node, outcome, point, area, .. } = contact;
+            let ContactRef { slave: node, outcome, point, area, gradient, .. } = contact;
             if outcome.is_contact() {
                 let force = law.force(k, point.gap, area);
-                SlaveState { node, gap: Some(point.gap), force, normal: point.normal, area }
+                let [x, y, z] = [0, 1, 2].map(|axis| gradient.get(axis).map_or(0.0, |n| force * n));
+                SlaveState {
+                    node,
+                    gap: Some(point.gap),
+                    force,
+                    normal: point.normal,
+                    nodal_force: [x, y, z],
+                    area,
+                }
             } else {
-                SlaveState { node, gap: None, force: 0.0, normal: [0.0; 3], area }
+                SlaveState { node, gap: None, force: 0.0, normal: [0.0; 3], nodal_force: [0.0; 3], area }
             }
         })
     }

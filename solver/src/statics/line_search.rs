@@ -20,7 +20,8 @@ pub fn line_search<E>(start: f64, full: f64, mut slope: impl FnMut(f64) -> Resul
     for _ in 0..TRIES {
         s = (low - low_slope * (high - low) / (high_slope - low_slope)).max(SHORTEST);
         let found = slope(s)?;
-        if good(found) || s <= SHORTEST {
+        // Where even the shortest step is too far there is nothing to look for.
+        if good(found) || (s <= SHORTEST && found * start < 0.0) {
             break;
         }
         // Illinois: the end that stays counts half.

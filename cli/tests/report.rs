@@ -19,7 +19,13 @@ fn opened(scratch: &Scratch, page: &str) -> Option<String> {
     };
     let profile = format!("--user-data-dir={}", scratch.path("profile"));
     let output = Command::new(browser)
-        .args(["--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--no-first-run"])
+        .args([
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--enable-unsafe-swiftshader",
+            "--no-first-run",
+        ])
         .args(["--disable-background-networking", "--disable-component-update", "--disable-sync", &profile])
         // No host is found: what the page needs it holds.
         .args(["--host-resolver-rules=MAP * ~NOTFOUND", "--window-size=1240,1800"])
@@ -105,7 +111,9 @@ fn a_run_without_a_finished_increment_has_a_report() {
 fn names_in_a_deck_are_text_in_the_page() {
     let scratch = Scratch::new("report-names");
     let hostile = r#"</script><!--<script>@DATA@ @SCRIPT@ \"&amp;"#;
-    let deck = block_in(2).replace("Block & <wave>", hostile).replace("name = \"floor\"", "name = \"</script><b>, @DATA@\"");
+    let deck = block_in(2)
+        .replace("Block & <wave>", hostile)
+        .replace("name = \"floor\"", "name = \"</script><b>, @DATA@\"");
     let deck = scratch.file("hostile.toml", &deck);
     let out = scratch.path("out");
     assert_eq!(run(&["solve", &deck, "--out", &out]).code, 0);
@@ -120,7 +128,8 @@ fn names_in_a_deck_are_text_in_the_page() {
 fn a_run_without_contact_has_no_surfaces_to_show() {
     let scratch = Scratch::new("report-plain");
     let plain = BLOCK.replace("[[boundary]]\nnodes = \"block.z+\"", "[[boundary]]\nnodes = \"block.z-\"\nfix = [\"x\", \"y\", \"z\"]\n\n[[boundary]]\nnodes = \"block.z+\"");
-    let plain = plain[..plain.find("[[interface]]").unwrap()].to_owned() + "[time]\nincrement = 0.5\n[output]\nstress = false\n";
+    let plain = plain[..plain.find("[[interface]]").unwrap()].to_owned()
+        + "[time]\nincrement = 0.5\n[output]\nstress = false\n";
     let deck = scratch.file("plain.toml", &plain);
     let out = scratch.path("out");
     let solved = run(&["solve", &deck, "--out", &out]);
@@ -136,11 +145,19 @@ fn results_that_are_missing_or_damaged_are_refused_in_a_sentence() {
     let scratch = Scratch::new("report-damaged");
     let (deck, out) = (scratch.file("block.toml", &block_in(2)), scratch.path("out"));
     let page = scratch.path("page.html");
-    run(&["report", &scratch.path("absent"), "-o", &page]).assert_refused(&["absent", "there is no such file"]);
+    run(&["report", &scratch.path("absent"), "-o", &page])
+        .assert_refused(&["absent", "there is no such file"]);
     run(&["report"]).assert_refused(&["DIR"]);
     assert_eq!(run(&["solve", &deck, "--out", &out]).code, 0);
     run(&["report", &out, "-o", &scratch.path("none/page.html")]).assert_refused(&["page.html"]);
-    for name in ["summary.json", "history.csv", "iterations.csv", "skins/skin.json", "skins/00002.json", "skins/surfaces.json"] {
+    for name in [
+        "summary.json",
+        "history.csv",
+        "iterations.csv",
+        "skins/skin.json",
+        "skins/00002.json",
+        "skins/surfaces.json",
+    ] {
         let path = Path::new(&out).join(name);
         let whole = fs::read_to_string(&path).unwrap();
         for damaged in [whole.replacen(|letter: char| letter.is_ascii_digit(), "x", 3), "[".to_owned()] {

@@ -35,6 +35,14 @@ pub enum OutputError {
         /// What is wrong.
         problem: String,
     },
+    /// A file does not fit the others.
+    #[error("{}: {problem}", path.display())]
+    Inconsistent {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
     /// The directory holds results already.
     #[error("{} holds results already: go on from them with --restart, or replace them with --overwrite", path.display())]
     Occupied {

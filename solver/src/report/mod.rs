@@ -109,15 +109,15 @@ fn read_run(directory: &Path) -> Result<Run, OutputError> {
         residuals.entry(row.increment).or_default().push(iterations.value(row, "relative"));
     }
     let skins = directory.join(names::SKINS);
-    let surfaces = skins.join(SURFACES);
-    let surfaces = if surfaces.exists() { read_json(&surfaces)? } else { Vec::new() };
+    let surfaces = read_surfaces(&skins.join(SURFACES))?;
+    let skin = read_skin(&skins.join(SKIN))?;
     Ok(Run {
         label: String::new(),
         summary: read_json(&directory.join(names::SUMMARY))?,
         history,
         residuals,
-        skin: read_json(&skins.join(SKIN))?,
-        frames: read_frames(&skins)?,
+        frames: read_frames(&skins, &skin)?,
+        skin,
         surfaces,
     })
 }
@@ -125,8 +125,43 @@ fn read_run(directory: &Path) -> Result<Run, OutputError> {
 /// Name of the file of sampled surfaces, in the folder of skins.
 pub const SURFACES: &str = "surfaces.json";
 
+/// A file that does not fit the others.
+fn inconsistent(path: &Path, problem: impl Into<String>) -> OutputError {
+    OutputError::Inconsistent { path: path.to_path_buf(), problem: problem.into() }
+}
+
+fn read_skin(path: &Path) -> Result<Skin, OutputError> {
+    let skin: Skin = read_json(path)?;
+    if skin.faces.iter().flatten().any(|&corner| corner >= skin.nodes.len()) {
+        return Err(inconsistent(
+            path,
+            format!("a face has a corner that is none of the {} nodes", skin.nodes.len()),
+        ));
+    }
+    if skin.faces.len() != skin.bodies.len() {
+        let (faces, bodies) = (skin.faces.len(), skin.bodies.len());
+        return Err(inconsistent(path, format!("{faces} faces, but {bodies} numbers of their bodies")));
+    }
+    Ok(skin)
+}
+
+/// The samples of the master surfaces; none if the run was interrupted before they were made.
+fn read_surfaces(path: &Path) -> Result<Vec<SurfaceSample>, OutputError> {
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let surfaces: Vec<SurfaceSample> = read_json(path)?;
+    match surfaces.iter().find(|surface| !surface.is_sound()) {
+        Some(surface) => Err(inconsistent(
+            path,
+            format!("the sample `{}` refers to points it does not have", surface.name),
+        )),
+        None => Ok(surfaces),
+    }
+}
+
 /// The frames of a run, those of its first and last increment among them.
-fn read_frames(skins: &Path) -> Result<Vec<SkinFrame>, OutputError> {
+fn read_frames(skins: &Path, skin: &Skin) -> Result<Vec<SkinFrame>, OutputError> {
     let entries = fs::read_dir(skins).map_err(OutputError::read(skins))?;
     let number = |path: &Path| path.file_stem()?.to_str()?.parse::<usize>().ok();
     let mut paths: Vec<_> = entries
@@ -138,5 +173,22 @@ fn read_frames(skins: &Path) -> Result<Vec<SkinFrame>, OutputError> {
     paths.sort();
     let (count, most) = (paths.len(), MOST_FRAMES.min(paths.len()));
     let chosen = (0..most).map(|k| if most > 1 { k * (count - 1) / (most - 1) } else { 0 });
-    chosen.map(|k| read_json(&paths[k].1)).collect()
+    let frames = chosen.map(|k| read_frame(&paths[k].1, skin)).collect::<Result<Vec<_>, _>>()?;
+    if frames.is_empty() {
+        Err(inconsistent(skins, "there is no shape, not even that of the start"))
+    } else {
+        Ok(frames)
+    }
+}
+
+fn read_frame(path: &Path, skin: &Skin) -> Result<SkinFrame, OutputError> {
+    let frame: SkinFrame = read_json(path)?;
+    let expected = skin.nodes.len();
+    let lengths = frame.fields.values().map(Vec::len).chain([frame.positions.len()]);
+    match lengths.into_iter().find(|&found| found != expected) {
+        Some(found) => {
+            Err(inconsistent(path, format!("{found} values for the {expected} nodes of the skin")))
+        }
+        None => Ok(frame),
+    }
 }

@@ -25,6 +25,16 @@ pub struct SurfaceSample {
     pub grid: usize,
 }
 
+impl SurfaceSample {
+    /// Whether triangles and edges are between points that there are.
+    pub(super) fn is_sound(&self) -> bool {
+        let known = |&point: &usize| point < self.flat.len();
+        self.smooth.len() == self.flat.len()
+            && self.triangles.iter().flatten().all(known)
+            && self.edges.iter().flatten().all(known)
+    }
+}
+
 /// Samples of each surface at `positions`: its name, its facets and the options of its interface, whose element is replaced by the
 /// diffuse one if it is another. Surfaces that have no contact interface are left out.
 #[must_use]

@@ -83,9 +83,9 @@ pub fn solve(
     let mut statics = Statics::new(problem, settings(&deck, &model))?;
     let recorded = recorder_options(&deck, &model, text, &options.out);
     let (mut recorder, state) = if options.restart {
-        let (recorder, state) = Recorder::reopen(recorded, &model, watcher)?;
+        let state = Recorder::last_state(&recorded)?;
         statics.check_state(&state)?;
-        (recorder, state)
+        (Recorder::reopen(recorded, &model, state.clone(), watcher)?, state)
     } else {
         let start = statics.problem().start();
         (Recorder::create(recorded, &model, statics.problem(), options.overwrite, watcher)?, start)

@@ -86,23 +86,31 @@ impl<'a> Recorder<'a> {
         Ok(recorder)
     }
 
-    /// Goes on in a directory of results of the same deck, from the state that it returns.
+    /// The last state in a directory of results of the same deck. Nothing is changed.
     ///
     /// # Errors
-    /// [`OutputError::NothingToRestart`], [`OutputError::OtherDeck`], [`OutputError::Read`], [`OutputError::Content`],
-    /// [`OutputError::Write`].
-    pub fn reopen(
-        options: RecorderOptions,
-        model: &'a Model,
-        watcher: &'a mut dyn Watcher,
-    ) -> Result<(Self, State), OutputError> {
+    /// [`OutputError::NothingToRestart`], [`OutputError::OtherDeck`], [`OutputError::Read`], [`OutputError::Content`].
+    pub fn last_state(options: &RecorderOptions) -> Result<State, OutputError> {
         let directory = Directory::new(&options.directory);
         let path = directory.path(names::STATE);
         if !path.exists() {
-            return Err(OutputError::NothingToRestart { path: options.directory });
+            return Err(OutputError::NothingToRestart { path: options.directory.clone() });
         }
-        check_deck(&directory.path(names::DECK), &options)?;
-        let state: State = super::read_json(&path)?;
+        check_deck(&directory.path(names::DECK), options)?;
+        super::read_json(&path)
+    }
+
+    /// Goes on in a directory of results from its [`last_state`](Self::last_state).
+    ///
+    /// # Errors
+    /// [`OutputError::Read`], [`OutputError::Content`], [`OutputError::Write`].
+    pub fn reopen(
+        options: RecorderOptions,
+        model: &'a Model,
+        state: State,
+        watcher: &'a mut dyn Watcher,
+    ) -> Result<Self, OutputError> {
+        let directory = Directory::new(&options.directory);
         // What was written after this state is taken back.
         for table in [names::HISTORY, names::ITERATIONS] {
             let kept = history::up_to(&directory.path(table), state.increments)?;
@@ -115,7 +123,7 @@ impl<'a> Recorder<'a> {
             .chain(times)
             .filter(|&(number, _)| directory.path(&picture::name(number)).exists())
             .collect();
-        let mut recorder = Self::new(directory, options, model, state.clone(), watcher);
+        let mut recorder = Self::new(directory, options, model, state, watcher);
         recorder.series = series;
         picture::write_series(&recorder.directory, &recorder.series)?;
         let penetrations = history.rows.iter().map(|row| history.value(row, "max_penetration"));
@@ -124,7 +132,7 @@ impl<'a> Recorder<'a> {
             recorder.earlier_s = history.value(last, "wall_s");
             recorder.contact = (history.value(last, "max_penetration"), history.contact_force(last));
         }
-        Ok((recorder, state))
+        Ok(recorder)
     }
 
     fn new(

@@ -85,7 +85,7 @@ fn both_elements_are_drawn_together() {
     if let Some(dom) = opened(&scratch, &page) {
         assert_drawn(&dom, 2, true);
         assert!(dom.contains("Block &amp; &lt;wave&gt;</h1>"));
-        for word in ["diffuse", "node-to-facet", "reaction z, force", "displacement z, length"] {
+        for word in ["diffuse", "node-to-facet", "reaction x, force", "displacement x, length"] {
             assert!(dom.contains(word), "{word}");
         }
     }

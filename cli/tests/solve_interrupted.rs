@@ -9,7 +9,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use common::decks::{assert_same_results, block_in, files, summary, timeless};
+use common::decks::{assert_same_results, block_in, files, small_block_in, summary, timeless};
 use common::{Run, Scratch, run};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_diffuse-contact");
@@ -43,7 +43,7 @@ fn signal(child: &Child, name: &str) {
 #[test]
 fn an_interrupted_run_is_whole_and_goes_on_to_the_same_end() {
     let scratch = Scratch::new("solve-interrupt");
-    let deck = scratch.file("block.toml", &format!("{}\n[output]\nevery = 40", block_in(MANY)));
+    let deck = scratch.file("block.toml", &format!("{}\n[output]\nevery = 40", small_block_in(MANY)));
     let (whole, out) = (scratch.path("whole"), scratch.path("out"));
     assert_eq!(run(&["solve", &deck, "--out", &whole]).code, 0);
 
@@ -97,7 +97,7 @@ fn an_interrupted_run_is_whole_and_goes_on_to_the_same_end() {
 #[test]
 fn a_second_interrupt_ends_at_once() {
     let scratch = Scratch::new("solve-interrupt-twice");
-    let (deck, out) = (scratch.file("block.toml", &block_in(MANY)), scratch.path("out"));
+    let (deck, out) = (scratch.file("block.toml", &small_block_in(MANY)), scratch.path("out"));
     let mut child = start(&deck, &out);
     wait_for(&out, 1, &mut child);
     signal(&child, "-INT");
@@ -154,7 +154,7 @@ fn a_full_disk_ends_the_run_with_what_there_is_whole() {
 #[test]
 fn a_disk_that_fills_up_on_the_way_keeps_the_increments_before() {
     let scratch = Scratch::new("solve-filling");
-    let deck = scratch.file("block.toml", &format!("{}\n[output]\nevery = 1000", block_in(MANY)));
+    let deck = scratch.file("block.toml", &format!("{}\n[output]\nevery = 1000", small_block_in(MANY)));
     let (whole, out) = (scratch.path("whole"), scratch.path("out"));
     assert_eq!(run(&["solve", &deck, "--out", &whole]).code, 0);
     let size = |name: &str| fs::metadata(Path::new(&whole).join(name)).unwrap().len();

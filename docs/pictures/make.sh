@@ -18,12 +18,15 @@ sed 's/^contact = .*/contact = "node-to-facet"/' "$deck" >"$runs/classic.toml"
 "$program" solve "$runs/classic.toml" --out "$runs/classic"
 "$program" report "$runs/diffuse" "$runs/classic" -o "$runs/both.html"
 
-# A picture of the page from an element on: name, its id ("" for the top), height.
+# The scenes alone.
+sed 's|^<main>|&<style>.two, h1 { display: none }</style>|' "$runs/both.html" >"$runs/scenes.html"
+
+# A picture of a page: name, page, height.
 shoot() {
     chromium --headless --no-sandbox --disable-gpu --enable-unsafe-swiftshader --no-first-run \
         --disable-background-networking --disable-component-update --disable-sync --hide-scrollbars \
         --user-data-dir="$runs/profile" --window-size="1240,$3" --virtual-time-budget=30000 \
-        --screenshot="docs/pictures/$1" "file://$runs/both.html$2" 2>/dev/null
+        --force-device-scale-factor=0.8 --screenshot="docs/pictures/$1" "file://$runs/$2" 2>/dev/null
 }
-shoot report.png "" 1000
-shoot shape.png "#shape-section" 1330
+shoot report.png both.html 1080
+shoot shape.png scenes.html 1390

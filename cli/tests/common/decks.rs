@@ -52,6 +52,11 @@ pub fn block_in(increments: usize) -> String {
     BLOCK.replace("increment = 0.125", &format!("increment = {:?}", 1.0 / increments as f64))
 }
 
+/// Many increments of a smaller block, for runs that are interrupted.
+pub fn small_block_in(increments: usize) -> String {
+    block_in(increments).replace("divisions = [4, 2, 2]", "divisions = [2, 1, 1]")
+}
+
 /// A run that fails: one iteration is not enough.
 pub fn failing(amplitude: &str) -> String {
     let moved = "translate = [0.3, 0.0, -0.2]";

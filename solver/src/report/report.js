@@ -43,7 +43,12 @@ function options(id, names) {
   return select;
 }
 
-const precise = (x) => Number(x).toPrecision(4).replace(/\.?0+(e|$)/, "$1");
+// Four digits.
+function precise(x) {
+  const rounded = Number(Number(x).toPrecision(4));
+  const size = Math.abs(rounded);
+  return size !== 0 && (size < 1e-3 || size >= 1e5) ? rounded.toExponential() : String(rounded);
+}
 
 function summary() {
   element("title").textContent = runs[0].summary.title;
@@ -101,7 +106,7 @@ function force() {
 }
 
 function iterations() {
-  element("totals").textContent = runs.map((run) => `${run.label}: ${run.history.iterations.reduce((a, b) => a + b, 0)} in all`).join(" · ");
+  element("totals").textContent = runs.map((run) => `${run.label}: ${run.history.iterations.reduce((a, b) => a + b, 0)} in finished increments`).join(" · ");
   const traces = runs.map((run, k) => ({
     x: run.history.time, y: run.history.iterations, name: run.label, mode: "lines+markers",
     line: { shape: "hvh", color: colours[k % colours.length] }, marker: { size: 5 },
@@ -148,7 +153,7 @@ const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const unit = (a) => a.map((x) => x / Math.sqrt(dot(a, a)));
 // What of a scene is in view from the bottom to its top, in plotly's units, with a margin.
-const VIEW = 2.3;
+const VIEW = 1.6;
 
 // A scene that holds all points and fills the element, seen along its shortest side, y up unless that is the side.
 function scene(id, points, revision) {
@@ -258,7 +263,10 @@ const fieldNames = Object.keys(runs[0].frames[0].fields).filter((name) => runs.e
 const fieldSelect = options("field", fieldNames.map((name) => words[name] || name));
 fieldSelect.value = Math.max(0, fieldNames.indexOf(runs[0].skin.shown));
 element("increment").max = most(runs.flatMap((run) => run.history.increment), 1);
-element("increment").value = element("increment").max;
+// At first the one that took most, among those that all runs have.
+const common = Math.min(...runs.map((run) => run.history.increment.length));
+const taken = runs[0].history.iterations.slice(0, common);
+element("increment").value = 1 + Math.max(0, taken.lastIndexOf(most(taken, 0)));
 element("frame").max = runs[0].frames.length - 1;
 element("frame").value = element("frame").max;
 const surfaceList = runs.flatMap((run, r) => run.surfaces.map((_, k) => [r, k]));

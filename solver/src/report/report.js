@@ -178,7 +178,7 @@ function scene(id, points, revision) {
   // Numbers along a short side would lie on each other.
   const axis = (k) => ({
     title: { text: "xyz"[k] }, range: [bounds[k][0] - margin, bounds[k][1] + margin], autorange: false,
-    nticks: 6, showticklabels: sides[k] > 0.25, showspikes: false,
+    nticks: 6, showticklabels: sides[k] > 0.4, showspikes: false,
   });
   return {
     margin: { l: 0, r: 0, t: 0, b: 0 }, uirevision: revision, paper_bgcolor: "rgba(0,0,0,0)", showlegend: false,

@@ -10,7 +10,7 @@ use super::*;
 use crate::model::Model;
 
 /// Nodes of the two-point rule on [0, 1].
-const GAUSS: [f64; 2] = [0.211_324_865_405_187_12, 0.788_675_134_594_812_9];
+const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
 /// Volume of a trilinear hexahedron, exact.
 fn volume(corners: [[f64; 3]; 8]) -> f64 {

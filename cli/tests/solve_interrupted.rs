@@ -78,7 +78,7 @@ fn an_interrupted_run_is_whole_and_goes_on_to_the_same_end() {
     assert_eq!(end.code, 0, "{end:?}");
     // But for pictures of where it was stopped, and what a killed writer may have left half done.
     for name in [format!("results/{increments:05}.vtu"), format!("skins/{increments:05}.json")] {
-        if increments % 40 != 0 {
+        if !increments.is_multiple_of(40) {
             fs::remove_file(directory.join(name)).unwrap();
         }
     }

@@ -24,14 +24,18 @@ const FILES: &str = "\
 DIR/summary.json    how the run ended: converged, increments, cut-backs, Newton iterations, penetration, force, time
 DIR/report.html     the same to look at, offline: force over displacement, iterations, convergence, deformed shape
 DIR/results.pvd     for ParaView: displacement, stress, plastic strain, contact gap and pressure over time
-DIR/history.csv     a line per increment; iterations.csv: a line per residual
+DIR/history.csv     a line per increment: penetration, contact forces, displacements and reactions of the supports
+DIR/iterations.csv  a line per residual
 DIR/state.json      what --restart goes on from
 
-Every finished increment is on disk before the next begins. Ctrl-C ends the run after the increment on its way, a second one at once.
-Exit code 0: the end of time was reached; 1: it was not, what there is has been written; 130: stopped by Ctrl-C; 2: bad
-input, nothing was written.
+Every finished increment is on disk before the next begins. Ctrl-C ends the run after the increment on its way, a second one
+at once. With the same deck and number of threads --restart leads to the same result, bit for bit, as a run that was not
+interrupted.
 
-docs/decks.md lists the fields of a deck; examples/*.toml are decks.";
+Exit code 0: the end of time was reached; 1: it was not, or the disk is full: what there is is whole; 130: stopped by
+Ctrl-C; 2: bad input, nothing was written.
+
+docs/decks.md lists the fields of a deck, docs/solver.md says how it is solved; examples/*.toml are decks.";
 
 /// Arguments of `solve`.
 #[derive(Args, Clone, Debug)]
@@ -77,7 +81,7 @@ pub fn run(arguments: &SolveArguments) -> Result<ExitCode, CliError> {
         out: out.clone(),
         restart: arguments.restart,
         overwrite: arguments.overwrite,
-        threads: arguments.threads.unwrap_or(1),
+        threads: arguments.threads.unwrap_or_else(rayon::current_num_threads),
     };
     let mut progress = Progress { stop: Arc::clone(&stop), verbose: arguments.verbose, iterations: 0 };
     let outcome = with_threads(arguments.threads, || Ok(solve(&arguments.deck, &options, &mut progress)))?;
@@ -87,11 +91,20 @@ pub fn run(arguments: &SolveArguments) -> Result<ExitCode, CliError> {
             let stopped = !summary.converged;
             Ok(if stopped { ExitCode::from(STOPPED) } else { ExitCode::SUCCESS })
         }
-        Err(reason @ SolveError::EndedEarly { .. }) => {
+        Err(reason) if is_no_fault_of_the_input(&reason) => {
             error::report(&reason);
             Ok(ExitCode::from(ENDED_EARLY))
         }
         Err(reason) => Err(CliError::Solve(Box::new(reason))),
+    }
+}
+
+/// Whether a run ended that had begun, or could not begin for want of space.
+fn is_no_fault_of_the_input(reason: &SolveError) -> bool {
+    match reason {
+        SolveError::EndedEarly { .. } => true,
+        SolveError::Output(reason) => reason.is_full_disk(),
+        _ => false,
     }
 }
 
@@ -135,7 +148,10 @@ impl Watcher for Progress {
             let line = format!("  time {time:.6}  iteration {iteration:2}  residual {relative:.3e}");
             say(&format!("{line}  contacts {active}  step {step:.3}"));
         } else if stderr().is_terminal() {
-            let _ = write!(stderr().lock(), "\r  time {time:.6}  iteration {iteration:2}  residual {relative:.3e}\x1b[K");
+            let _ = write!(
+                stderr().lock(),
+                "\r  time {time:.6}  iteration {iteration:2}  residual {relative:.3e}\x1b[K"
+            );
         }
     }
 

@@ -17,6 +17,7 @@ const POINTS: [[f64; 3]; 8] = [
     [0.0, 1.0, 1.0],
 ];
 const GAP: [f64; 8] = [0.1, -0.25, 1.0 / 3.0, 5e-324, -0.0, 1e22, 2.0 / 3.0, 123456789.0];
+const STRESS: [[f64; 6]; 8] = [[1e-300, -2.5, 1.0 / 3.0, -0.0, 5e-324, f64::MAX]; 8];
 const NORMAL: [[f64; 3]; 5] = [[0.1, 0.2, 0.3]; 5];
 
 fn grid() -> VtuFile<'static> {
@@ -29,6 +30,7 @@ fn grid() -> VtuFile<'static> {
         .cell(ElementKind::Hexahedron8, &[0, 1, 2, 3, 4, 5, 6, 7])
         .point_scalars("gap <\"g\"> & 'more'", &GAP)
         .point_vectors("force", POINTS.to_vec())
+        .point_tensors("stress", &STRESS)
         .point_i64("tag", vec![i64::MIN, i64::MAX, 0, 1, 2, 3, 4, 5])
         .cell_vectors("normal", &NORMAL)
         .cell_scalars("pressure", vec![1.5; 5])
@@ -117,6 +119,8 @@ fn both_encodings_keep_every_bit() {
         assert_eq!(*array("Points", "Points"), reals(POINTS.as_flattened(), 3));
         assert_eq!(*array("PointData", "gap &lt;&quot;g&quot;&gt; &amp; &apos;more&apos;"), reals(&GAP, 1));
         assert_eq!(*array("PointData", "force"), reals(POINTS.as_flattened(), 3));
+        // xx, yy, zz, xy, yz, xz, as ParaView reads six components.
+        assert_eq!(*array("PointData", "stress"), reals(STRESS.as_flattened(), 6));
         assert_eq!(*array("PointData", "tag"), integers("Int64", &[i64::MIN, i64::MAX, 0, 1, 2, 3, 4, 5]));
         assert_eq!(*array("CellData", "normal"), reals(NORMAL.as_flattened(), 3));
         assert_eq!(*array("CellData", "pressure"), reals(&[1.5; 5], 1));
@@ -131,7 +135,7 @@ fn both_encodings_keep_every_bit() {
         );
         assert_eq!(*array("Cells", "offsets"), integers("Int64", &[1, 3, 6, 10, 18]));
         assert_eq!(*array("Cells", "types"), integers("UInt8", &[1, 3, 5, 9, 12]));
-        assert_eq!(arrays.len(), 11);
+        assert_eq!(arrays.len(), 12);
     }
 }
 
@@ -174,6 +178,8 @@ fn what_does_not_fit_is_refused() {
     let three = || VtuFile::new().points(vec![[0.0; 3]; 3]);
     let mismatch = error(three().point_scalars("gap", &[1.0]));
     assert_eq!(mismatch.to_string(), "\"gap\" has 1 values for 3 points");
+    let mismatch = error(three().point_tensors("stress", vec![[0.0; 6]; 4]));
+    assert_eq!(mismatch.to_string(), "\"stress\" has 4 values for 3 points");
     assert!(matches!(
         error(three().vertices(0..3).cell_i32("status", &[1; 4])),
         VtuError::LengthMismatch { attached: Attached::Cells, expected: 3, found: 4, .. }
@@ -199,6 +205,12 @@ fn what_does_not_fit_is_refused() {
     assert!(matches!(
         error(three().point_scalars("gap", &[0.0, f64::INFINITY, 0.0]).encoding(Encoding::Ascii)),
         VtuError::NonFiniteText { index: 1, .. }
+    ));
+    let mut stress = vec![[0.0; 6]; 3];
+    stress[2][5] = f64::NAN;
+    assert!(matches!(
+        error(three().point_tensors("stress", stress).encoding(Encoding::Ascii)),
+        VtuError::NonFiniteText { .. }
     ));
 }
 

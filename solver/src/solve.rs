@@ -48,7 +48,7 @@ pub enum SolveError {
     #[error(transparent)]
     Output(#[from] OutputError),
     /// The run ended before the end of time; all increments before are on disk.
-    #[error("{reason}; {} holds {increments} finished increments, up to time {time}", out.display())]
+    #[error("{reason}; finished increments: {increments}, up to time {time}, in {}", out.display())]
     EndedEarly {
         /// Why.
         reason: String,
@@ -61,70 +61,70 @@ pub enum SolveError {
     },
 }
 
+/// Why a run that was stopped has not reached the end of time.
+const STOPPED: &str = "it was stopped";
+
 /// Solves a deck and writes everything. The summary of a run that was stopped says so.
 ///
 /// # Errors
-/// [`SolveError`]; after [`SolveError::EndedEarly`] summary and report are there as after success.
-pub fn solve(deck_path: &Path, options: &SolveOptions, watcher: &mut dyn Watcher) -> Result<Summary, SolveError> {
+/// [`SolveError`]; after [`SolveError::EndedEarly`] summary and report are there as after success, unless it was the disk that
+/// kept them from being written.
+pub fn solve(
+    deck_path: &Path,
+    options: &SolveOptions,
+    watcher: &mut dyn Watcher,
+) -> Result<Summary, SolveError> {
     let text = std::fs::read_to_string(deck_path)
         .map_err(|cause| DeckError::Read { path: deck_path.into(), cause })?;
     let deck = Deck::parse_named(&text, deck_path)?;
     let base = deck_path.parent().unwrap_or(Path::new(""));
     let model = deck.model(base)?;
     let problem = problem(&deck, &model, options.threads)?;
-    let settings = settings(&deck, &model);
-    let surfaces = deck
-        .interfaces
-        .iter()
-        .flat_map(|interface| deck.sides(&model, interface).map(|sides| [sides.slave, sides.master]))
-        .flatten()
-        .collect::<Vec<_>>();
-    let areas = Fields::slave_areas(&model, &surfaces);
-    let mut statics = Statics::new(problem, settings)?;
-    let recorded = RecorderOptions { every: deck.output.every, end: deck.time.end };
+    let mut statics = Statics::new(problem, settings(&deck, &model))?;
+    let recorded = recorder_options(&deck, &model, text, &options.out);
     let (mut recorder, state) = if options.restart {
-        let (recorder, state) = Recorder::reopen(&options.out, &text, recorded, &model, areas, watcher)?;
+        let state = Recorder::last_state(&recorded)?;
         statics.check_state(&state)?;
-        (recorder, state)
+        (Recorder::reopen(recorded, &model, state.clone(), watcher)?, state)
     } else {
-        let problem = statics.problem();
-        let recorder = Recorder::create(
-            &options.out,
-            &text,
-            recorded,
-            &model,
-            areas,
-            problem,
-            options.overwrite,
-            watcher,
-        )?;
-        (recorder, problem.start())
+        let start = statics.problem().start();
+        (Recorder::create(recorded, &model, statics.problem(), options.overwrite, watcher)?, start)
     };
-    let mut summary = Summary::new(&deck, &model);
     let outcome = statics.run(state, &mut recorder);
-    let last = recorder.last_state().cloned();
     let reason = match &outcome {
-        Ok(state) if state.time < deck.time.end => "it was stopped".to_owned(),
+        Ok(state) if state.time < deck.time.end => STOPPED.to_owned(),
         Ok(_) => String::new(),
         Err(error) => error.to_string(),
     };
-    let end = match (outcome, last) {
-        (Ok(state), _) | (Err(_), Some(state)) => Some(state),
-        (Err(_), None) => None,
-    };
-    let (increments, time) = end.as_ref().map_or((0, 0.0), |state| (state.increments, state.time));
-    if let Some(state) = &end {
-        summary.take(state);
-        recorder.write_surfaces(&master_surfaces(&deck, &model, state))?;
-    }
+    let mut summary = Summary::new(&deck, &model);
+    summary.take(statics.effort());
     summary.converged = reason.is_empty();
     summary.reason.clone_from(&reason);
-    let summary = recorder.finish(summary)?;
-    write_report(&[&options.out], &options.out.join(names::REPORT))?;
-    if reason.is_empty() || reason == "it was stopped" {
-        return Ok(summary);
-    }
+    let surfaces = master_surfaces(&deck, &model, recorder.state());
+    let written = recorder.finish(summary, &surfaces).and_then(|summary| {
+        write_report(&[&options.out], &options.out.join(names::REPORT))?;
+        Ok(summary)
+    });
+    let reason = match (reason, written) {
+        (reason, Ok(summary)) if reason.is_empty() || reason == STOPPED => return Ok(summary),
+        (reason, Err(error)) if reason.is_empty() || reason == STOPPED => error.to_string(),
+        (reason, _) => reason,
+    };
+    let &State { increments, time, .. } = recorder.state();
     Err(SolveError::EndedEarly { reason, out: options.out.clone(), increments, time })
+}
+
+fn recorder_options(deck: &Deck, model: &Model, text: String, out: &Path) -> RecorderOptions {
+    let sides = deck.interfaces.iter().filter_map(|interface| deck.sides(model, interface).ok());
+    let surfaces: Vec<_> = sides.flat_map(|sides| [sides.slave, sides.master]).collect();
+    RecorderOptions {
+        directory: out.to_path_buf(),
+        deck: text,
+        every: deck.output.every,
+        stress: deck.output.stress,
+        colour: deck.output.colour,
+        areas: Fields::slave_areas(model, &surfaces),
+    }
 }
 
 /// Writes the page for directories of results.
@@ -143,12 +143,12 @@ pub fn write_report(directories: &[&Path], target: &Path) -> Result<(), OutputEr
 /// [`SolveError::Solid`], [`SolveError::Contact`], [`SolveError::Deck`].
 pub fn problem(deck: &Deck, model: &Model, threads: usize) -> Result<Problem, SolveError> {
     let solid = Solid::new(&model.nodes, &model.bodies)?;
-    let names = deck.boundaries.iter().map(|boundary| {
-        let sets: Vec<&str> = boundary.nodes.iter().map(|name| name.name.as_str()).collect();
-        sets.join("+")
-    });
     let supports = deck.supports(model)?;
-    let groups = names.zip(supports.supports().to_vec()).map(|(name, support)| SupportGroup { name, support });
+    let names = support_names(deck);
+    let groups = names
+        .into_iter()
+        .zip(supports.supports().to_vec())
+        .map(|(name, support)| SupportGroup { name, support });
     let pressures = deck.loads(model)?.into_iter().map(|load| Pressure {
         facets: load.facets,
         value: load.value,
@@ -171,6 +171,23 @@ pub fn problem(deck: &Deck, model: &Model, threads: usize) -> Result<Problem, So
         ContactSet::new(contacts),
         threads,
     ))
+}
+
+/// What the boundaries are called in results: by their node sets, and by a number where those are the same.
+fn support_names(deck: &Deck) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for boundary in &deck.boundaries {
+        let sets: Vec<&str> = boundary.nodes.iter().map(|name| name.name.as_str()).collect();
+        let sets = sets.join("+");
+        let mut name = sets.clone();
+        let mut number = 2;
+        while names.contains(&name) {
+            name = format!("{sets} ({number})");
+            number += 1;
+        }
+        names.push(name);
+    }
+    names
 }
 
 fn interaction(

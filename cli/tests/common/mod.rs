@@ -1,6 +1,8 @@
 //! Running the program and looking at what it leaves behind.
 #![allow(dead_code, reason = "each test file uses its part")]
 
+pub mod decks;
+
 use std::fs;
 use std::io::{Read, Write};
 use std::path::PathBuf;

@@ -5,8 +5,8 @@ use diffuse_contact::interface::InterfaceOptions;
 use diffuse_contact::surface::Facet;
 use diffuse_contact::{Mode, Point};
 
-use super::ContactError;
 use super::pass::Pass;
+use super::{ContactError, SlavePairing};
 use crate::system::{BlockMatrix, BlockPattern};
 
 /// When slaves are paired anew.
@@ -59,6 +59,9 @@ pub struct SlaveState {
     pub force: f64,
     /// Normal at the foot; zero without a gap.
     pub normal: Point,
+    /// What the contact exerts on the slave node, force · N: nearly along the normal. The smooth surface follows the slave by its
+    /// weights, so that a small part of it lies in the tangent plane.
+    pub nodal_force: Point,
     /// Tributary area, length²; 1 if the interface carries none.
     pub area: f64,
 }
@@ -157,19 +160,32 @@ impl Interaction {
         self.passes.iter_mut().zip(multipliers).try_for_each(|(pass, own)| pass.set_multipliers(own))
     }
 
+    pub(super) fn pairings(&self) -> impl Iterator<Item = Vec<Option<SlavePairing>>> {
+        self.passes.iter().map(Pass::pairings)
+    }
+
+    pub(super) fn set_pairings(
+        &mut self,
+        pairings: &[Vec<Option<SlavePairing>>],
+    ) -> Result<(), ContactError> {
+        let mut own = pairings.iter();
+        self.each(|pass| own.next().map_or(Ok(()), |own| pass.set_pairings(own)))
+    }
+
     /// Deepest penetration at the last evaluation, length; 0 without any.
     #[must_use]
     pub fn max_penetration(&self) -> f64 {
         self.slaves().filter_map(|slave| slave.gap).map(|gap| -gap).fold(0.0, f64::max)
     }
 
-    /// Sum of the contact forces on the slaves of the first pass less those of the second: what the master exerts on the slave.
+    /// Sum of the contact forces on the slaves of the first pass less those of the second: what the master's surface exerts on the
+    /// slave's, exactly as it enters equilibrium.
     pub(super) fn force(&self) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for (sign, pass) in [1.0, -1.0].into_iter().zip(&self.passes) {
             for slave in pass.slaves() {
                 for axis in 0..3 {
-                    sum[axis] += sign * slave.force * slave.normal[axis];
+                    sum[axis] += sign * slave.nodal_force[axis];
                 }
             }
         }

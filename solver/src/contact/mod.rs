@@ -6,10 +6,14 @@
 
 mod error;
 mod interaction;
+mod memory;
 mod pass;
+#[cfg(test)]
+mod tests;
 
 pub use error::ContactError;
 pub use interaction::{Augmentation, Interaction, InteractionOptions, RefreshRule, SlaveState};
+pub use memory::SlavePairing;
 
 use diffuse_contact::Mode;
 
@@ -76,13 +80,13 @@ impl ContactSet {
         Ok(active)
     }
 
-    /// The nodes that each paired slave couples, for the pattern of the stiffness.
+    /// The nodes that each slave couples that was paired at the last evaluation, for the pattern of the stiffness.
     pub fn cliques(&self) -> impl Iterator<Item = Vec<usize>> {
         self.interactions.iter().flat_map(Interaction::cliques)
     }
 
     /// Looks up where the entries of the contact tangents lie in a stiffness of this pattern, which holds the
-    /// [`cliques`](Self::cliques); to be done after every refresh.
+    /// [`cliques`](Self::cliques); to be done after every refresh and the evaluation that follows it.
     ///
     /// # Errors
     /// [`ContactError::Assembly`].
@@ -119,16 +123,39 @@ impl ContactSet {
     /// Takes over multipliers as [`multipliers`](Self::multipliers) gave them.
     ///
     /// # Errors
-    /// [`ContactError::Multipliers`] if they belong to other interactions.
+    /// [`ContactError::OtherPasses`] if they belong to other interactions.
     pub fn set_multipliers(&mut self, multipliers: &[Vec<f64>]) -> Result<(), ContactError> {
+        self.for_each_with(multipliers, Interaction::set_multipliers)
+    }
+
+    /// What the next refresh may keep of the pairings of each pass, slave by slave: like the multipliers a part of the history.
+    #[must_use]
+    pub fn pairings(&self) -> Vec<Vec<Option<SlavePairing>>> {
+        self.interactions.iter().flat_map(Interaction::pairings).collect()
+    }
+
+    /// Takes over pairings as [`pairings`](Self::pairings) gave them, to be followed by a [`refresh`](Self::refresh).
+    ///
+    /// # Errors
+    /// [`ContactError::OtherPasses`] or [`ContactError::Interface`] if they belong to other interactions.
+    pub fn set_pairings(&mut self, pairings: &[Vec<Option<SlavePairing>>]) -> Result<(), ContactError> {
+        self.for_each_with(pairings, Interaction::set_pairings)
+    }
+
+    /// Hands each interaction what belongs to its passes.
+    fn for_each_with<T>(
+        &mut self,
+        of_passes: &[T],
+        set: impl Fn(&mut Interaction, &[T]) -> Result<(), ContactError>,
+    ) -> Result<(), ContactError> {
         let expected = self.interactions.iter().map(Interaction::pass_count).sum();
-        if multipliers.len() != expected {
-            return Err(ContactError::Multipliers { found: multipliers.len(), expected });
+        if of_passes.len() != expected {
+            return Err(ContactError::OtherPasses { found: of_passes.len(), expected });
         }
-        let mut rest = multipliers;
+        let mut rest = of_passes;
         for interaction in &mut self.interactions {
             let (own, others) = rest.split_at(interaction.pass_count());
-            interaction.set_multipliers(own)?;
+            set(interaction, own)?;
             rest = others;
         }
         Ok(())

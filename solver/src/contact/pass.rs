@@ -7,7 +7,7 @@ use diffuse_contact::interface::{ContactInterface, ContactRef, Contacts, Interfa
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
-use super::{ContactError, InteractionOptions, SlaveState};
+use super::{ContactError, InteractionOptions, SlavePairing, SlaveState};
 use crate::system::{BlockMatrix, BlockPattern};
 
 /// A step of a pass that failed.
@@ -160,22 +160,47 @@ impl Pass {
     pub fn set_multipliers(&mut self, multipliers: &[f64]) -> Result<(), ContactError> {
         let (found, expected) = (multipliers.len(), self.multipliers.len());
         if found != expected {
-            return Err(ContactError::Multipliers { found, expected });
+            return Err(ContactError::OtherPasses { found, expected });
         }
         self.multipliers.copy_from_slice(multipliers);
         Ok(())
+    }
+
+    /// What the next refresh may keep, slave by slave; nothing where every refresh pairs anew.
+    pub fn pairings(&self) -> Vec<Option<SlavePairing>> {
+        if self.interface.options().hysteresis == 0.0 {
+            return Vec::new();
+        }
+        self.interface.kept_pairings().into_iter().map(|kept| kept.map(SlavePairing::from)).collect()
+    }
+
+    pub fn set_pairings(&mut self, pairings: &[Option<SlavePairing>]) -> Result<(), PassError> {
+        if self.interface.options().hysteresis == 0.0 {
+            return Ok(());
+        }
+        let kept: Vec<_> = pairings.iter().map(|saved| saved.as_ref().map(Into::into)).collect();
+        self.entries = None;
+        Ok(self.interface.set_kept_pairings(&kept)?)
     }
 
     /// The contact of every slave node at the last evaluation.
     pub fn slaves(&self) -> impl Iterator<Item = SlaveState> {
         let law = self.law();
         self.contacts().iter().enumerate().map(move |(k, contact)| {
-            let ContactRef { slave: node, outcome, point, area, .. } = contact;
+            let ContactRef { slave: node, outcome, point, area, gradient, .. } = contact;
             if outcome.is_contact() {
                 let force = law.force(k, point.gap, area);
-                SlaveState { node, gap: Some(point.gap), force, normal: point.normal, area }
+                let [x, y, z] = [0, 1, 2].map(|axis| gradient.get(axis).map_or(0.0, |n| force * n));
+                SlaveState {
+                    node,
+                    gap: Some(point.gap),
+                    force,
+                    normal: point.normal,
+                    nodal_force: [x, y, z],
+                    area,
+                }
             } else {
-                SlaveState { node, gap: None, force: 0.0, normal: [0.0; 3], area }
+                SlaveState { node, gap: None, force: 0.0, normal: [0.0; 3], nodal_force: [0.0; 3], area }
             }
         })
     }

@@ -10,7 +10,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum OutputError {
     /// A file could not be written.
-    #[error("cannot write {}: {source}", path.display())]
+    #[error("{}: cannot be written: {}", path.display(), plain(source))]
     Write {
         /// The file.
         path: PathBuf,
@@ -18,7 +18,7 @@ pub enum OutputError {
         source: io::Error,
     },
     /// A file could not be read.
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("{}: cannot be read: {}", path.display(), plain(source))]
     Read {
         /// The file.
         path: PathBuf,
@@ -35,6 +35,14 @@ pub enum OutputError {
         /// What is wrong.
         problem: String,
     },
+    /// A file does not fit the others.
+    #[error("{}: {problem}", path.display())]
+    Inconsistent {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
     /// The directory holds results already.
     #[error("{} holds results already: go on from them with --restart, or replace them with --overwrite", path.display())]
     Occupied {
@@ -42,7 +50,7 @@ pub enum OutputError {
         path: PathBuf,
     },
     /// There is nothing to go on from.
-    #[error("{} holds no finished increment to go on from", path.display())]
+    #[error("{} holds no results to go on from", path.display())]
     NothingToRestart {
         /// The directory.
         path: PathBuf,
@@ -58,6 +66,13 @@ pub enum OutputError {
 }
 
 impl OutputError {
+    /// Whether there was no space left, on the disk or in what the user may have of it.
+    #[must_use]
+    pub fn is_full_disk(&self) -> bool {
+        use io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
+        matches!(self, Self::Write { source, .. } if matches!(source.kind(), StorageFull | QuotaExceeded | FileTooLarge))
+    }
+
     pub(crate) fn write(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_path_buf();
         move |source| Self::Write { path, source }
@@ -66,5 +81,17 @@ impl OutputError {
     pub(crate) fn read(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_path_buf();
         move |source| Self::Read { path, source }
+    }
+}
+
+/// What the system says, without error numbers.
+fn plain(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "there is no such file".to_owned(),
+        io::ErrorKind::StorageFull => "the disk is full".to_owned(),
+        _ => {
+            let text = error.to_string();
+            text.split(" (os error").next().unwrap_or(&text).to_lowercase()
+        }
     }
 }

@@ -20,17 +20,24 @@ pub enum ContactStatus {
     Closed = 3,
 }
 
-/// Fields at all nodes; zero where they do not exist.
+/// Stresses and plastic strains at all nodes; at nodes that bodies share the mean.
 #[derive(Clone, Debug, Default)]
-pub struct Fields {
-    /// Displacement, length.
-    pub displacement: Vec<[f64; 3]>,
-    /// Cauchy stress xx, yy, zz, xy, yz, xz, force per area; at nodes that bodies share the mean.
+pub struct Stresses {
+    /// Cauchy stress xx, yy, zz, xy, yz, xz, force per area.
     pub stress: Vec<[f64; 6]>,
     /// Von Mises' stress, force per area.
     pub von_mises: Vec<f64>,
     /// Equivalent plastic strain.
     pub plastic_strain: Vec<f64>,
+}
+
+/// Fields at all nodes; zero where they do not exist.
+#[derive(Clone, Debug, Default)]
+pub struct Fields {
+    /// Displacement, length.
+    pub displacement: Vec<[f64; 3]>,
+    /// Stresses and plastic strains, if they were asked for.
+    pub stresses: Option<Stresses>,
     /// Gap of slaves, length: negative where they penetrate.
     pub contact_gap: Vec<f64>,
     /// Contact force over tributary area of slaves at the start, force per area.
@@ -39,22 +46,13 @@ pub struct Fields {
     pub contact_status: Vec<i32>,
 }
 
-impl Fields {
-    /// The fields at the end of an increment. `areas`: of the nodes of each interaction's slaves at the start, by
-    /// [`slave_areas`](Self::slave_areas).
-    ///
-    /// # Errors
-    /// Those of [`Solid::recover`](crate::solid::Solid::recover).
-    pub fn of(problem: &Problem, state: &State, areas: &[f64]) -> Result<Self, SolidError> {
+impl Stresses {
+    fn of(problem: &Problem, state: &State) -> Result<Self, SolidError> {
         let count = state.positions.len();
         let mut fields = Self {
-            displacement: displacement(problem.start_positions(), &state.positions),
             stress: vec![[0.0; 6]; count],
             von_mises: vec![0.0; count],
             plastic_strain: vec![0.0; count],
-            contact_gap: vec![0.0; count],
-            contact_pressure: vec![0.0; count],
-            contact_status: vec![ContactStatus::None as i32; count],
         };
         let recovery = problem.solid().recover(&state.positions, &state.points)?;
         let mut bodies_at = vec![0.0_f64; count];
@@ -70,6 +68,25 @@ impl Fields {
                 mean(&mut fields.plastic_strain[node], field.equivalent_plastic_strain);
             }
         }
+        Ok(fields)
+    }
+}
+
+impl Fields {
+    /// The fields at the end of an increment. `areas`: of the nodes of each interaction's slaves at the start, by
+    /// [`slave_areas`](Self::slave_areas). `stress`: whether stresses are asked for.
+    ///
+    /// # Errors
+    /// Those of [`Solid::recover`](crate::solid::Solid::recover).
+    pub fn of(problem: &Problem, state: &State, areas: &[f64], stress: bool) -> Result<Self, SolidError> {
+        let count = state.positions.len();
+        let mut fields = Self {
+            displacement: displacement(problem.start_positions(), &state.positions),
+            stresses: if stress { Some(Stresses::of(problem, state)?) } else { None },
+            contact_gap: vec![0.0; count],
+            contact_pressure: vec![0.0; count],
+            contact_status: vec![ContactStatus::None as i32; count],
+        };
         for slave in problem.contacts().interactions().iter().flat_map(|interaction| interaction.slaves()) {
             let node = slave.node;
             let status = match slave.gap {
@@ -97,7 +114,8 @@ impl Fields {
         let mut areas = vec![0.0; model.nodes.len()];
         for facets in surfaces {
             // Checked when the interface was made.
-            for (sum, area) in areas.iter_mut().zip(tributary_areas(&model.nodes, facets).unwrap_or_default()) {
+            for (sum, area) in areas.iter_mut().zip(tributary_areas(&model.nodes, facets).unwrap_or_default())
+            {
                 *sum = f64::max(*sum, area);
             }
         }

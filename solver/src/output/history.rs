@@ -12,7 +12,34 @@ const COLUMNS: &str = "increment,time,length,iterations,augmentations,active,max
 /// Columns of `iterations.csv`.
 pub(super) const ITERATION_COLUMNS: &str = "increment,iteration,time,residual,relative,active,step";
 
-/// A line of `history.csv`.
+/// A table that was read: `history.csv` or `iterations.csv`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct History {
+    /// Names of the columns.
+    pub columns: Vec<String>,
+    /// The lines.
+    pub rows: Vec<HistoryRow>,
+}
+
+impl History {
+    /// A row's value in a column; 0 if there is none of this name.
+    #[must_use]
+    pub fn value(&self, row: &HistoryRow, column: &str) -> f64 {
+        self.columns.iter().position(|name| name == column).map_or(0.0, |k| row.values[k])
+    }
+
+    /// Sum of the contact forces of all interfaces.
+    #[must_use]
+    pub fn contact_force(&self, row: &HistoryRow) -> [f64; 3] {
+        ["x", "y", "z"].map(|axis| {
+            let prefix = format!("contact_force_{axis}:");
+            let values = self.columns.iter().zip(&row.values);
+            values.filter(|(name, _)| name.starts_with(&prefix)).map(|(_, value)| value).sum()
+        })
+    }
+}
+
+/// A line of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HistoryRow {
     /// Number of the increment, from 1.
@@ -25,7 +52,7 @@ pub struct HistoryRow {
 pub(super) fn header(problem: &Problem) -> String {
     let mut line = COLUMNS.to_owned();
     let mut vector = |what: &str, name: &str| {
-        let name = name.replace([',', '"', '\n'], "_");
+        let name = name.replace(|letter: char| letter == ',' || letter == '"' || letter.is_control(), "_");
         for axis in ["x", "y", "z"] {
             let _ = write!(line, ",{what}_{axis}:{name}");
         }
@@ -76,28 +103,19 @@ pub(super) fn iteration_rows(number: usize, history: &[IterationRecord]) -> Stri
     lines
 }
 
-/// Reads `history.csv`: names of the columns, and the rows.
+/// Reads `history.csv` or `iterations.csv`. A last line without an end was being written when the run was interrupted, and is
+/// left out.
 ///
 /// # Errors
 /// [`OutputError::Read`], [`OutputError::Content`].
-pub fn read_history(path: &Path) -> Result<(Vec<String>, Vec<HistoryRow>), OutputError> {
-    read_table(path)
-}
-
-/// Reads `iterations.csv`: names of the columns, and the rows.
-///
-/// # Errors
-/// [`OutputError::Read`], [`OutputError::Content`].
-pub fn read_iterations(path: &Path) -> Result<(Vec<String>, Vec<HistoryRow>), OutputError> {
-    read_table(path)
-}
-
-fn read_table(path: &Path) -> Result<(Vec<String>, Vec<HistoryRow>), OutputError> {
+pub fn read_history(path: &Path) -> Result<History, OutputError> {
     let text = fs::read_to_string(path).map_err(OutputError::read(path))?;
-    let content = |line: usize, problem: String| OutputError::Content { path: path.to_path_buf(), line, problem };
+    let text = whole_lines(&text);
+    let content =
+        |line: usize, problem: String| OutputError::Content { path: path.to_path_buf(), line, problem };
     let mut lines = text.lines().enumerate();
     let Some((_, header)) = lines.next() else { return Err(content(1, "there are no columns".to_owned())) };
-    let names: Vec<String> = header.split(',').map(str::to_owned).collect();
+    let columns: Vec<String> = header.split(',').map(str::to_owned).collect();
     let mut rows = Vec::new();
     for (number, line) in lines {
         let number = number + 1;
@@ -105,20 +123,26 @@ fn read_table(path: &Path) -> Result<(Vec<String>, Vec<HistoryRow>), OutputError
             .split(',')
             .map(|word| word.parse().map_err(|_| content(number, format!("`{word}` is no number"))))
             .collect::<Result<Vec<f64>, _>>()?;
-        if values.len() != names.len() {
-            let problem = format!("{} columns instead of {}", values.len(), names.len());
+        if values.len() != columns.len() {
+            let problem = format!("{} columns instead of {}", values.len(), columns.len());
             return Err(content(number, problem));
         }
         rows.push(HistoryRow { increment: values[0] as usize, values });
     }
-    Ok((names, rows))
+    Ok(History { columns, rows })
+}
+
+fn whole_lines(text: &str) -> &str {
+    text.rfind('\n').map_or("", |end| &text[..=end])
 }
 
 /// The lines of a table up to an increment, its header first.
 pub(super) fn up_to(path: &Path, increments: usize) -> Result<String, OutputError> {
     let text = fs::read_to_string(path).map_err(OutputError::read(path))?;
-    let keep = |line: &&str| line.split(',').next().is_some_and(|word| word.parse().is_ok_and(|k: usize| k <= increments));
-    let mut lines = text.lines();
+    let keep = |line: &&str| {
+        line.split(',').next().is_some_and(|word| word.parse().is_ok_and(|k: usize| k <= increments))
+    };
+    let mut lines = whole_lines(&text).lines();
     let mut kept = lines.next().unwrap_or_default().to_owned();
     kept.push('\n');
     for line in lines.filter(keep) {

@@ -14,19 +14,37 @@
 //! predecessor in one step. So whatever stops the run, `state.json` is whole, and every increment it counts is there; a restart
 //! takes back what the others wrote after it. A disk that is full stops the run with the name of the file.
 
+use std::fs;
+use std::path::Path;
+
+use serde::Deserialize;
+
+mod directory;
 mod error;
 mod fields;
 mod history;
+mod picture;
 mod recorder;
 mod skin;
 mod summary;
 
 pub use error::OutputError;
-pub use fields::{ContactStatus, Fields};
-pub use history::{HistoryRow, read_history, read_iterations};
-pub use recorder::{Recorder, RecorderOptions, Watcher};
+pub use fields::{ContactStatus, Fields, Stresses};
+pub use history::{History, HistoryRow, read_history};
+pub use recorder::{Recorder, RecorderOptions, SKIN, Watcher};
 pub use skin::{Skin, SkinFrame};
 pub use summary::Summary;
+
+/// Reads a document of a directory of results.
+pub(crate) fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, OutputError> {
+    let text = fs::read_to_string(path).map_err(OutputError::read(path))?;
+    serde_json::from_str(&text).map_err(|error| OutputError::Content {
+        path: path.to_path_buf(),
+        line: error.line(),
+        // Its own mention of line and column would be the second.
+        problem: error.to_string().split(" at line ").next().unwrap_or_default().to_owned(),
+    })
+}
 
 /// Names of the files in a directory of results.
 pub mod names {

@@ -1,25 +1,31 @@
 //! Writes every increment as it converges.
 
-use std::fs::{self, OpenOptions};
-use std::io::Write;
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use diffuse_contact_mesh::{ElementKind, VtuFile, file};
-use serde::Serialize;
-
-use super::{Fields, OutputError, Skin, Summary, history, names};
+use super::directory::Directory;
+use super::{Fields, OutputError, Skin, SkinFrame, Summary, history, names, picture};
+use crate::deck::Colour;
 use crate::model::Model;
 use crate::report::{SURFACES, SurfaceSample};
-use crate::statics::{Control, Failure, IncrementRecord, IterationRecord, Observer, Problem, State};
+use crate::statics::{Control, Failure, IncrementRecord, IterationRecord, Observer, Problem, State, Timing};
 
-/// What is written.
-#[derive(Clone, Debug, PartialEq)]
+/// What is written, and where.
+#[derive(Clone, Debug)]
 pub struct RecorderOptions {
+    /// Directory of results.
+    pub directory: PathBuf,
+    /// Text of the deck.
+    pub deck: String,
     /// Pictures and skins of every so many increments, ≥ 1; the last increment has them in any case.
     pub every: usize,
-    /// End of pseudo-time.
-    pub end: f64,
+    /// Whether stresses and plastic strains are written.
+    pub stress: bool,
+    /// What colours the deformed shape in the report.
+    pub colour: Colour,
+    /// Areas of the slave nodes at the start, by [`Fields::slave_areas`].
+    pub areas: Vec<f64>,
 }
 
 /// Someone who watches a run and may stop it.
@@ -34,18 +40,23 @@ pub trait Watcher: Send {
 
 /// Writes results to a directory.
 pub struct Recorder<'a> {
-    directory: PathBuf,
+    directory: Directory,
     options: RecorderOptions,
     model: &'a Model,
     skin: Skin,
-    areas: Vec<f64>,
     /// Number and time of each increment with a picture.
     series: Vec<(usize, f64)>,
     begin: Instant,
     /// Seconds of earlier runs.
     earlier_s: f64,
     max_penetration_ever: f64,
-    last: Option<(IncrementRecord, State)>,
+    /// Deepest penetration and sum of the contact forces at the end of the last increment.
+    contact: (f64, [f64; 3]),
+    timing: Timing,
+    /// The last state that is on disk.
+    state: State,
+    /// The picture of the last increment, if it was not its turn.
+    pending: Option<Fields>,
     watcher: &'a mut dyn Watcher,
 }
 
@@ -54,104 +65,98 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// [`OutputError::Occupied`], [`OutputError::Write`].
-    #[allow(clippy::too_many_arguments)]
     pub fn create(
-        directory: &Path,
-        deck: &str,
         options: RecorderOptions,
         model: &'a Model,
-        areas: Vec<f64>,
         problem: &Problem,
         overwrite: bool,
         watcher: &'a mut dyn Watcher,
     ) -> Result<Self, OutputError> {
-        if directory.join(names::HISTORY).exists() {
-            if !overwrite {
-                return Err(OutputError::Occupied { path: directory.to_path_buf() });
-            }
-            clear(directory)?;
+        let directory = Directory::new(&options.directory);
+        directory.prepare(&options.deck, overwrite)?;
+        let mut recorder = Self::new(directory, options, model, problem.start(), watcher);
+        let Self { directory, options, state, skin, .. } = &recorder;
+        directory.write(names::DECK, |writer| writer.write_all(options.deck.as_bytes()))?;
+        directory.write(names::HISTORY, |writer| writeln!(writer, "{}", history::header(problem)))?;
+        directory.write(names::ITERATIONS, |writer| writeln!(writer, "{}", history::ITERATION_COLUMNS))?;
+        directory.write_json(&format!("{}/{SKIN}", names::SKINS), skin)?;
+        let fields = recorder.fields(problem, state)?;
+        recorder.show(&fields)?;
+        recorder.directory.write_json(names::STATE, &recorder.state)?;
+        Ok(recorder)
+    }
+
+    /// The last state in a directory of results of the same deck. Nothing is changed.
+    ///
+    /// # Errors
+    /// [`OutputError::NothingToRestart`], [`OutputError::OtherDeck`], [`OutputError::Read`], [`OutputError::Content`].
+    pub fn last_state(options: &RecorderOptions) -> Result<State, OutputError> {
+        let directory = Directory::new(&options.directory);
+        let path = directory.path(names::STATE);
+        if !path.exists() {
+            return Err(OutputError::NothingToRestart { path: options.directory.clone() });
         }
-        for folder in [directory.to_path_buf(), directory.join(names::PICTURES), directory.join(names::SKINS)] {
-            fs::create_dir_all(&folder).map_err(OutputError::write(&folder))?;
+        check_deck(&directory.path(names::DECK), options)?;
+        super::read_json(&path)
+    }
+
+    /// Goes on in a directory of results from its [`last_state`](Self::last_state).
+    ///
+    /// # Errors
+    /// [`OutputError::Read`], [`OutputError::Content`], [`OutputError::Write`].
+    pub fn reopen(
+        options: RecorderOptions,
+        model: &'a Model,
+        state: State,
+        watcher: &'a mut dyn Watcher,
+    ) -> Result<Self, OutputError> {
+        let directory = Directory::new(&options.directory);
+        // What was written after this state is taken back.
+        for table in [names::HISTORY, names::ITERATIONS] {
+            let kept = history::up_to(&directory.path(table), state.increments)?;
+            directory.write(table, |writer| writer.write_all(kept.as_bytes()))?;
         }
-        let mut recorder = Self {
-            directory: directory.to_path_buf(),
+        directory.rewind(state.increments)?;
+        let history = super::read_history(&directory.path(names::HISTORY))?;
+        let times = history.rows.iter().map(|row| (row.increment, history.value(row, "time")));
+        let series = std::iter::once((0, 0.0))
+            .chain(times)
+            .filter(|&(number, _)| directory.path(&picture::name(number)).exists())
+            .collect();
+        let mut recorder = Self::new(directory, options, model, state, watcher);
+        recorder.series = series;
+        picture::write_series(&recorder.directory, &recorder.series)?;
+        let penetrations = history.rows.iter().map(|row| history.value(row, "max_penetration"));
+        recorder.max_penetration_ever = penetrations.fold(0.0, f64::max);
+        if let Some(last) = history.rows.last() {
+            recorder.earlier_s = history.value(last, "wall_s");
+            recorder.contact = (history.value(last, "max_penetration"), history.contact_force(last));
+        }
+        Ok(recorder)
+    }
+
+    fn new(
+        directory: Directory,
+        options: RecorderOptions,
+        model: &'a Model,
+        state: State,
+        watcher: &'a mut dyn Watcher,
+    ) -> Self {
+        Self {
+            directory,
+            skin: Skin::of(model, options.shown()),
             options,
             model,
-            skin: Skin::of(model),
-            areas,
             series: Vec::new(),
             begin: Instant::now(),
             earlier_s: 0.0,
             max_penetration_ever: 0.0,
-            last: None,
+            contact: (0.0, [0.0; 3]),
+            timing: Timing::default(),
+            state,
+            pending: None,
             watcher,
-        };
-        recorder.write(names::DECK, |writer| writer.write_all(deck.as_bytes()))?;
-        recorder.write(names::HISTORY, |writer| writeln!(writer, "{}", history::header(problem)))?;
-        recorder.write(names::ITERATIONS, |writer| writeln!(writer, "{}", history::ITERATION_COLUMNS))?;
-        recorder.write(&format!("{}/skin.json", names::SKINS), |writer| json(writer, &recorder.skin))?;
-        recorder.picture(0, problem, &problem.start())?;
-        Ok(recorder)
-    }
-
-    /// Goes on in a directory of results of the same deck, from the state that it returns.
-    ///
-    /// # Errors
-    /// [`OutputError::NothingToRestart`], [`OutputError::OtherDeck`], [`OutputError::Read`], [`OutputError::Content`],
-    /// [`OutputError::Write`].
-    pub fn reopen(
-        directory: &Path,
-        deck: &str,
-        options: RecorderOptions,
-        model: &'a Model,
-        areas: Vec<f64>,
-        watcher: &'a mut dyn Watcher,
-    ) -> Result<(Self, State), OutputError> {
-        let path = directory.join(names::STATE);
-        if !path.exists() {
-            return Err(OutputError::NothingToRestart { path: directory.to_path_buf() });
         }
-        let written = directory.join(names::DECK);
-        let before = fs::read_to_string(&written).map_err(OutputError::read(&written))?;
-        if before != deck {
-            let same = before.lines().zip(deck.lines()).take_while(|(one, other)| one == other).count();
-            return Err(OutputError::OtherDeck { path: directory.to_path_buf(), line: same + 1 });
-        }
-        let text = fs::read_to_string(&path).map_err(OutputError::read(&path))?;
-        let state: State = serde_json::from_str(&text).map_err(|error| OutputError::Content {
-            path: path.clone(),
-            line: error.line(),
-            problem: error.to_string(),
-        })?;
-        // What was written after this state is taken back.
-        for table in [names::HISTORY, names::ITERATIONS] {
-            let table = directory.join(table);
-            let kept = history::up_to(&table, state.increments)?;
-            file::replace(&table, |writer| writer.write_all(kept.as_bytes())).map_err(OutputError::write(&table))?;
-        }
-        let (columns, rows) = super::read_history(&directory.join(names::HISTORY))?;
-        let column = |name: &str| columns.iter().position(|column| column == name);
-        let of = |row: &super::HistoryRow, name| column(name).map_or(0.0, |k| row.values[k]);
-        let has_picture = |number: usize| picture_path(directory, number).exists();
-        let series = std::iter::once((0, 0.0))
-            .chain(rows.iter().map(|row| (row.increment, of(row, "time"))))
-            .filter(|&(number, _)| has_picture(number))
-            .collect();
-        let recorder = Self {
-            directory: directory.to_path_buf(),
-            options,
-            model,
-            skin: Skin::of(model),
-            areas,
-            series,
-            begin: Instant::now(),
-            earlier_s: rows.last().map_or(0.0, |row| of(row, "wall_s")),
-            max_penetration_ever: rows.iter().map(|row| of(row, "max_penetration")).fold(0.0, f64::max),
-            last: None,
-            watcher,
-        };
-        Ok((recorder, state))
     }
 
     /// Seconds of this run and those before it.
@@ -160,126 +165,124 @@ impl<'a> Recorder<'a> {
         self.earlier_s + self.begin.elapsed().as_secs_f64()
     }
 
-    /// The last state that is on disk, if it was reached in this run.
+    /// The last state that is on disk.
     #[must_use]
-    pub fn last_state(&self) -> Option<&State> {
-        self.last.as_ref().map(|(_, state)| state)
+    pub fn state(&self) -> &State {
+        &self.state
     }
 
-    /// Writes the sampled master surfaces for the report.
+    /// Writes what is left to write at the end of a run: the last picture, the sampled master surfaces and how it ended.
     ///
     /// # Errors
     /// [`OutputError::Write`].
-    pub fn write_surfaces(&self, surfaces: &[SurfaceSample]) -> Result<(), OutputError> {
-        self.write(&format!("{}/{SURFACES}", names::SKINS), |writer| json(writer, &surfaces))
-    }
-
-    /// Writes how the run ended.
-    ///
-    /// # Errors
-    /// [`OutputError::Write`].
-    pub fn finish(&self, mut summary: Summary) -> Result<Summary, OutputError> {
+    pub fn finish(
+        &mut self,
+        mut summary: Summary,
+        surfaces: &[SurfaceSample],
+    ) -> Result<Summary, OutputError> {
+        if let Some(fields) = self.pending.take() {
+            self.show(&fields)?;
+        }
+        self.directory.write_json(&format!("{}/{SURFACES}", names::SKINS), &surfaces)?;
+        let run = self.begin.elapsed().as_secs_f64();
+        let share = |time: Duration| time.as_secs_f64() / run.max(f64::MIN_POSITIVE);
+        summary.time = self.state.time;
+        summary.increments = self.state.increments;
         summary.wall_s = self.wall_s();
         summary.max_penetration_ever = self.max_penetration_ever;
-        if let Some((last, _)) = &self.last {
-            summary.max_penetration = last.max_penetration;
-            for force in &last.contact_forces {
-                for axis in 0..3 {
-                    summary.contact_force[axis] += force[axis];
-                }
-            }
-            let run = self.begin.elapsed().as_secs_f64();
-            let share = |time: std::time::Duration| time.as_secs_f64() / run;
-            summary.contact_share = share(last.timing.contact);
-            summary.pairing_share = share(last.timing.pairing);
-            summary.linear_share = share(last.timing.linear);
-        }
-        self.write(names::SUMMARY, |writer| {
+        (summary.max_penetration, summary.contact_force) = self.contact;
+        summary.contact_share = share(self.timing.contact);
+        summary.pairing_share = share(self.timing.pairing);
+        summary.linear_share = share(self.timing.linear);
+        self.directory.write(names::SUMMARY, |writer| {
             serde_json::to_writer_pretty(&mut *writer, &summary)?;
             writeln!(writer)
         })?;
         Ok(summary)
     }
 
-    /// Writes a whole file.
-    fn write(
-        &self,
-        name: &str,
-        fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
-    ) -> Result<(), OutputError> {
-        let path = self.directory.join(name);
-        file::replace(&path, |writer| fill(writer)).map_err(OutputError::write(&path))
-    }
-
-    /// Appends to a table.
-    fn append(&self, name: &str, lines: &str) -> Result<(), OutputError> {
-        let path = self.directory.join(name);
-        let append = || {
-            let mut table = OpenOptions::new().append(true).open(&path)?;
-            table.write_all(lines.as_bytes())?;
-            table.sync_data()
-        };
-        append().map_err(OutputError::write(&path))
-    }
-
-    /// A picture and a skin.
-    fn picture(&mut self, number: usize, problem: &Problem, state: &State) -> Result<(), OutputError> {
-        let path = picture_path(&self.directory, number);
-        let unsound = |error: String| OutputError::Write { path: path.clone(), source: std::io::Error::other(error) };
-        let fields = Fields::of(problem, state, &self.areas).map_err(|error| unsound(error.to_string()))?;
-        let mut parts = Vec::new();
-        let mut picture = VtuFile::new().points(problem.start_positions());
-        for (k, body) in self.model.bodies.iter().enumerate() {
-            for element in &body.elements {
-                picture = picture.cell(ElementKind::Hexahedron8, element);
-                parts.push(k as i32);
-            }
-        }
-        for facet in self.model.rigid_facets() {
-            let kind = match facet.corners().len() {
-                3 => ElementKind::Triangle3,
-                _ => ElementKind::Quadrilateral4,
-            };
-            picture = picture.cell(kind, facet.corners());
-            parts.push(self.model.bodies.len() as i32);
-        }
-        picture
-            .point_vectors("displacement", &fields.displacement[..])
-            .point_tensors("stress", &fields.stress[..])
-            .point_scalars("von_mises", &fields.von_mises[..])
-            .point_scalars("plastic_strain", &fields.plastic_strain[..])
-            .point_scalars("contact_gap", &fields.contact_gap[..])
-            .point_scalars("contact_pressure", &fields.contact_pressure[..])
-            .point_i32("contact_status", &fields.contact_status[..])
-            .cell_i32("part", &parts[..])
-            .write(&path)
-            .map_err(|error| unsound(error.to_string()))?;
-        let frame = self.skin.frame(number, state.time, &state.positions, &fields);
-        self.write(&format!("{}/{number:05}.json", names::SKINS), |writer| json(writer, &frame))?;
-        self.series.retain(|&(known, _)| known < number);
-        self.series.push((number, state.time));
-        let series = self.series.clone();
-        self.write(names::SERIES, |writer| {
-            writeln!(writer, "<?xml version=\"1.0\"?>")?;
-            writeln!(writer, "<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">")?;
-            writeln!(writer, "  <Collection>")?;
-            for (number, time) in series {
-                let file = format!("{}/{number:05}.vtu", names::PICTURES);
-                writeln!(writer, "    <DataSet timestep=\"{time:?}\" part=\"0\" file=\"{file}\"/>")?;
-            }
-            writeln!(writer, "  </Collection>\n</VTKFile>")
+    fn fields(&self, problem: &Problem, state: &State) -> Result<Fields, OutputError> {
+        Fields::of(problem, state, &self.options.areas, self.options.stress).map_err(|error| {
+            let path = self.directory.path(&picture::name(state.increments));
+            OutputError::write(&path)(std::io::Error::other(error.to_string()))
         })
     }
 
-    fn save(&mut self, record: &IncrementRecord, state: &State, problem: &Problem) -> Result<(), OutputError> {
-        let last = state.time >= self.options.end;
-        if record.number.is_multiple_of(self.options.every) || last {
-            self.picture(record.number, problem, state)?;
-        }
-        self.append(names::HISTORY, &format!("{}\n", history::row(record, problem, self.wall_s())))?;
-        self.append(names::ITERATIONS, &history::iteration_rows(record.number, &record.history))?;
-        self.write(names::STATE, |writer| json(writer, state))
+    /// Writes picture and skin of the last state.
+    fn show(&mut self, fields: &Fields) -> Result<(), OutputError> {
+        let (number, time) = (self.state.increments, self.state.time);
+        picture::write(&self.directory, number, self.model, &self.model.nodes, fields)?;
+        let frame: SkinFrame = self.skin.frame(number, time, &self.state.positions, fields);
+        self.directory.write_json(&format!("{}/{number:05}.json", names::SKINS), &frame)?;
+        self.series.retain(|&(known, _)| known < number);
+        self.series.push((number, time));
+        picture::write_series(&self.directory, &self.series)
     }
+
+    /// Pictures and tables first: the increment counts when its state is there.
+    fn save(
+        &mut self,
+        record: &IncrementRecord,
+        state: &State,
+        problem: &Problem,
+    ) -> Result<(), OutputError> {
+        let fields = self.fields(problem, state)?;
+        let before = std::mem::replace(&mut self.state, state.clone());
+        let written = self.write_increment(record, problem, &fields);
+        if let Err(error) = written {
+            self.state = before;
+            return Err(error);
+        }
+        let is_shown = self.series.last().is_some_and(|&(number, _)| number == record.number);
+        self.pending = (!is_shown).then_some(fields);
+        self.max_penetration_ever = self.max_penetration_ever.max(record.max_penetration);
+        let sum = |axis: usize| record.contact_forces.iter().map(|force| force[axis]).sum();
+        self.contact = (record.max_penetration, [0, 1, 2].map(sum));
+        self.timing = record.timing;
+        Ok(())
+    }
+
+    fn write_increment(
+        &mut self,
+        record: &IncrementRecord,
+        problem: &Problem,
+        fields: &Fields,
+    ) -> Result<(), OutputError> {
+        if record.number.is_multiple_of(self.options.every) {
+            self.show(fields)?;
+        }
+        let row = history::row(record, problem, self.wall_s());
+        self.directory.append(names::HISTORY, &format!("{row}\n"))?;
+        self.directory.append(names::ITERATIONS, &history::iteration_rows(record.number, &record.history))?;
+        self.directory.write_json(names::STATE, &self.state)
+    }
+}
+
+/// Name of the file of the skin, in the folder of skins.
+pub const SKIN: &str = "skin.json";
+
+impl RecorderOptions {
+    /// The field that the report shows first: the deck's, unless it is not written.
+    fn shown(&self) -> &'static str {
+        match self.colour {
+            Colour::VonMises | Colour::PlasticStrain if !self.stress => "displacement",
+            Colour::Displacement => "displacement",
+            Colour::VonMises => "von_mises",
+            Colour::PlasticStrain => "plastic_strain",
+            Colour::Gap => "contact_gap",
+            Colour::Pressure => "contact_pressure",
+        }
+    }
+}
+
+/// Results can only be gone on from with the deck that they are from.
+fn check_deck(path: &Path, options: &RecorderOptions) -> Result<(), OutputError> {
+    let before = fs::read_to_string(path).map_err(OutputError::read(path))?;
+    if before == options.deck {
+        return Ok(());
+    }
+    let same = before.lines().zip(options.deck.lines()).take_while(|(one, other)| one == other).count();
+    Err(OutputError::OtherDeck { path: options.directory.clone(), line: same + 1 })
 }
 
 impl Observer for Recorder<'_> {
@@ -298,34 +301,6 @@ impl Observer for Recorder<'_> {
         problem: &Problem,
     ) -> Result<Control, Box<dyn std::error::Error + Send + Sync>> {
         self.save(record, state, problem)?;
-        self.max_penetration_ever = self.max_penetration_ever.max(record.max_penetration);
-        self.last = Some((record.clone(), state.clone()));
         Ok(self.watcher.increment(record))
     }
-}
-
-/// Writes a document; what cannot be written as JSON is an error like a full disk.
-fn json(writer: &mut dyn Write, document: &impl Serialize) -> std::io::Result<()> {
-    Ok(serde_json::to_writer(writer, document)?)
-}
-
-fn picture_path(directory: &Path, number: usize) -> PathBuf {
-    directory.join(names::PICTURES).join(format!("{number:05}.vtu"))
-}
-
-/// Removes the files of earlier results, and nothing else.
-fn clear(directory: &Path) -> Result<(), OutputError> {
-    let mut files: Vec<PathBuf> =
-        [names::STATE, names::SUMMARY, names::HISTORY, names::ITERATIONS, names::SERIES, names::REPORT]
-            .map(|name| directory.join(name))
-            .to_vec();
-    for folder in [names::PICTURES, names::SKINS] {
-        let entries = fs::read_dir(directory.join(folder)).into_iter().flatten().flatten();
-        let own = |path: &PathBuf| path.extension().is_some_and(|ext| ext == "vtu" || ext == "json");
-        files.extend(entries.map(|entry| entry.path()).filter(own));
-    }
-    for path in files.into_iter().filter(|path| path.exists()) {
-        fs::remove_file(&path).map_err(OutputError::write(&path))?;
-    }
-    Ok(())
 }

@@ -18,6 +18,8 @@ pub struct Skin {
     pub bodies: Vec<usize>,
     /// Names of the bodies, then "rigid".
     pub names: Vec<String>,
+    /// Name of the field that is shown first.
+    pub shown: String,
 }
 
 /// A skin at one time.
@@ -34,9 +36,9 @@ pub struct SkinFrame {
 }
 
 impl Skin {
-    /// The skin of a model.
+    /// The skin of a model, and the field that is shown first.
     #[must_use]
-    pub fn of(model: &Model) -> Self {
+    pub fn of(model: &Model, shown: &str) -> Self {
         let mut corners: Vec<Vec<usize>> = Vec::new();
         let mut bodies = Vec::new();
         for (k, body) in model.bodies.iter().enumerate() {
@@ -55,9 +57,10 @@ impl Skin {
         for (k, &node) in nodes.iter().enumerate() {
             place[node] = k;
         }
-        let faces = corners.into_iter().map(|face| face.into_iter().map(|node| place[node]).collect()).collect();
+        let faces =
+            corners.into_iter().map(|face| face.into_iter().map(|node| place[node]).collect()).collect();
         let names = model.bodies.iter().map(|body| body.name.clone()).chain(["rigid".to_owned()]).collect();
-        Self { nodes, faces, bodies, names }
+        Self { nodes, faces, bodies, names, shown: shown.to_owned() }
     }
 
     /// The skin's part of positions and fields.
@@ -65,20 +68,24 @@ impl Skin {
     pub fn frame(&self, increment: usize, time: f64, positions: &[[f64; 3]], fields: &Fields) -> SkinFrame {
         let size = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let displacement: Vec<f64> = fields.displacement.iter().map(size).collect();
-        let named: [(&str, &[f64]); 5] = [
+        let mut named: Vec<(&str, &[f64])> = vec![
             ("displacement", &displacement),
-            ("von_mises", &fields.von_mises),
-            ("plastic_strain", &fields.plastic_strain),
             ("contact_pressure", &fields.contact_pressure),
             ("contact_gap", &fields.contact_gap),
         ];
+        if let Some(stresses) = &fields.stresses {
+            named.push(("von_mises", &stresses.von_mises));
+            named.push(("plastic_strain", &stresses.plastic_strain));
+        }
         SkinFrame {
             increment,
             time,
             positions: self.nodes.iter().map(|&node| positions[node]).collect(),
             fields: named
                 .into_iter()
-                .map(|(name, values)| (name.to_owned(), self.nodes.iter().map(|&node| values[node]).collect()))
+                .map(|(name, values)| {
+                    (name.to_owned(), self.nodes.iter().map(|&node| values[node]).collect())
+                })
                 .collect(),
         }
     }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::deck::Deck;
 use crate::model::Model;
-use crate::statics::State;
+use crate::statics::Effort;
 
 /// `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -56,11 +56,9 @@ impl Summary {
         }
     }
 
-    /// Takes over the counts of the last converged state.
-    pub fn take(&mut self, state: &State) {
-        self.time = state.time;
-        self.increments = state.increments;
-        self.cutbacks = state.cutbacks;
-        self.newton_iterations = state.iterations;
+    /// Takes over what a run took.
+    pub fn take(&mut self, effort: Effort) {
+        self.cutbacks = effort.cutbacks;
+        self.newton_iterations = effort.iterations;
     }
 }

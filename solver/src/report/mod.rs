@@ -11,11 +11,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 pub use surface::{SurfaceSample, sample_surfaces};
 
-use crate::output::{OutputError, Skin, SkinFrame, Summary, names, read_history, read_iterations};
+use crate::output::{OutputError, SKIN, Skin, SkinFrame, Summary, names, read_history, read_json};
 
 /// What the page is made of.
 const PAGE: &str = include_str!("page.html");
@@ -53,13 +53,27 @@ pub fn report(directories: &[&Path]) -> Result<String, OutputError> {
     let mut runs = directories.iter().map(|directory| read_run(directory)).collect::<Result<Vec<_>, _>>()?;
     name_apart(&mut runs, directories);
     let title = runs.first().map_or_else(String::new, |run| run.summary.title.clone());
-    // Within a script element only "</" could end it early.
-    let data = serde_json::to_string(&Data { runs }).unwrap_or_default().replace("</", "<\\/");
-    Ok(PAGE
-        .replace("@TITLE@", &escaped(&title))
-        .replace("@DATA@", &data)
-        .replace("@SCRIPT@", SCRIPT)
-        .replace("@PLOTLY@", &plotly_script()))
+    // Within a script element a "<" could end it early or open a comment. In JSON it occurs within strings only.
+    let data = serde_json::to_string(&Data { runs }).unwrap_or_default().replace('<', "\\u003c");
+    Ok(fill(&[
+        ("@TITLE@", &escaped(&title)),
+        ("@PLOTLY@", &plotly_script()),
+        ("@DATA@", &data),
+        ("@SCRIPT@", SCRIPT),
+    ]))
+}
+
+/// The page with its marks, which it holds in this order, replaced. What replaces them is not searched for marks.
+fn fill(marks: &[(&str, &str)]) -> String {
+    let mut rest = PAGE;
+    let mut page = String::new();
+    for (mark, text) in marks {
+        let (before, after) = rest.split_once(mark).unwrap_or((rest, ""));
+        page.push_str(before);
+        page.push_str(text);
+        rest = after;
+    }
+    page + rest
 }
 
 /// plotly.js as a script element; without the typesetting of formulas that the library would bring along.
@@ -79,31 +93,31 @@ fn name_apart(runs: &mut [Run], directories: &[&Path]) {
     let elements: Vec<String> = runs.iter().map(|run| run.summary.element.clone()).collect();
     for ((run, element), directory) in runs.iter_mut().zip(&elements).zip(directories) {
         let repeated = elements.iter().filter(|other| *other == element).count() > 1;
-        let directory = directory.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let directory =
+            directory.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         run.label = if repeated { format!("{element} ({directory})") } else { element.clone() };
     }
 }
 
 fn read_run(directory: &Path) -> Result<Run, OutputError> {
-    let (columns, rows) = read_history(&directory.join(names::HISTORY))?;
-    let column = |k: usize| rows.iter().map(|row| row.values[k]).collect();
-    let history = columns.iter().enumerate().map(|(k, name)| (name.clone(), column(k))).collect();
-    let (columns, rows) = read_iterations(&directory.join(names::ITERATIONS))?;
-    let relative = columns.iter().position(|name| name == "relative").unwrap_or(0);
+    let increments = read_history(&directory.join(names::HISTORY))?;
+    let column = |k: usize| increments.rows.iter().map(|row| row.values[k]).collect();
+    let history = increments.columns.iter().enumerate().map(|(k, name)| (name.clone(), column(k))).collect();
+    let iterations = read_history(&directory.join(names::ITERATIONS))?;
     let mut residuals: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    for row in rows {
-        residuals.entry(row.increment).or_default().push(row.values[relative]);
+    for row in &iterations.rows {
+        residuals.entry(row.increment).or_default().push(iterations.value(row, "relative"));
     }
     let skins = directory.join(names::SKINS);
-    let surfaces = skins.join(SURFACES);
-    let surfaces = if surfaces.exists() { read_json(&surfaces)? } else { Vec::new() };
+    let surfaces = read_surfaces(&skins.join(SURFACES))?;
+    let skin = read_skin(&skins.join(SKIN))?;
     Ok(Run {
         label: String::new(),
         summary: read_json(&directory.join(names::SUMMARY))?,
         history,
         residuals,
-        skin: read_json(&skins.join("skin.json"))?,
-        frames: read_frames(&skins)?,
+        frames: read_frames(&skins, &skin)?,
+        skin,
         surfaces,
     })
 }
@@ -111,7 +125,43 @@ fn read_run(directory: &Path) -> Result<Run, OutputError> {
 /// Name of the file of sampled surfaces, in the folder of skins.
 pub const SURFACES: &str = "surfaces.json";
 
-fn read_frames(skins: &Path) -> Result<Vec<SkinFrame>, OutputError> {
+/// A file that does not fit the others.
+fn inconsistent(path: &Path, problem: impl Into<String>) -> OutputError {
+    OutputError::Inconsistent { path: path.to_path_buf(), problem: problem.into() }
+}
+
+fn read_skin(path: &Path) -> Result<Skin, OutputError> {
+    let skin: Skin = read_json(path)?;
+    if skin.faces.iter().flatten().any(|&corner| corner >= skin.nodes.len()) {
+        return Err(inconsistent(
+            path,
+            format!("a face has a corner that is none of the {} nodes", skin.nodes.len()),
+        ));
+    }
+    if skin.faces.len() != skin.bodies.len() {
+        let (faces, bodies) = (skin.faces.len(), skin.bodies.len());
+        return Err(inconsistent(path, format!("{faces} faces, but {bodies} numbers of their bodies")));
+    }
+    Ok(skin)
+}
+
+/// The samples of the master surfaces; none if the run was interrupted before they were made.
+fn read_surfaces(path: &Path) -> Result<Vec<SurfaceSample>, OutputError> {
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let surfaces: Vec<SurfaceSample> = read_json(path)?;
+    match surfaces.iter().find(|surface| !surface.is_sound()) {
+        Some(surface) => Err(inconsistent(
+            path,
+            format!("the sample `{}` refers to points it does not have", surface.name),
+        )),
+        None => Ok(surfaces),
+    }
+}
+
+/// The frames of a run, those of its first and last increment among them.
+fn read_frames(skins: &Path, skin: &Skin) -> Result<Vec<SkinFrame>, OutputError> {
     let entries = fs::read_dir(skins).map_err(OutputError::read(skins))?;
     let number = |path: &Path| path.file_stem()?.to_str()?.parse::<usize>().ok();
     let mut paths: Vec<_> = entries
@@ -122,16 +172,23 @@ fn read_frames(skins: &Path) -> Result<Vec<SkinFrame>, OutputError> {
         .collect();
     paths.sort();
     let (count, most) = (paths.len(), MOST_FRAMES.min(paths.len()));
-    // The first and the last are among them.
     let chosen = (0..most).map(|k| if most > 1 { k * (count - 1) / (most - 1) } else { 0 });
-    chosen.map(|k| read_json(&paths[k].1)).collect()
+    let frames = chosen.map(|k| read_frame(&paths[k].1, skin)).collect::<Result<Vec<_>, _>>()?;
+    if frames.is_empty() {
+        Err(inconsistent(skins, "there is no shape, not even that of the start"))
+    } else {
+        Ok(frames)
+    }
 }
 
-fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, OutputError> {
-    let text = fs::read_to_string(path).map_err(OutputError::read(path))?;
-    serde_json::from_str(&text).map_err(|error| OutputError::Content {
-        path: path.to_path_buf(),
-        line: error.line(),
-        problem: error.to_string(),
-    })
+fn read_frame(path: &Path, skin: &Skin) -> Result<SkinFrame, OutputError> {
+    let frame: SkinFrame = read_json(path)?;
+    let expected = skin.nodes.len();
+    let lengths = frame.fields.values().map(Vec::len).chain([frame.positions.len()]);
+    match lengths.into_iter().find(|&found| found != expected) {
+        Some(found) => {
+            Err(inconsistent(path, format!("{found} values for the {expected} nodes of the skin")))
+        }
+        None => Ok(frame),
+    }
 }

@@ -1,16 +1,35 @@
 "use strict";
-// Draws the page from the JSON in it. Every plot that is drawn sets data-drawn on its element.
+// Draws the page from the JSON in it. Every plot that is drawn sets data-drawn on its element, the page data-ready on its body when
+// all are, and data-error if anything fails.
+
+for (const event of ["error", "unhandledrejection"]) {
+  window.addEventListener(event, (failed) => { document.body.dataset.error = String(failed.message || failed.reason); });
+}
 
 const data = JSON.parse(document.getElementById("data").textContent);
 const runs = data.runs;
 const colours = ["#0b6bcb", "#d9730d", "#2e7d32", "#7b3fa0", "#8a6d00", "#c2185b"];
-const layout = (x, y, more) => Object.assign({
-  margin: { l: 64, r: 12, t: 8, b: 46 },
-  xaxis: { title: { text: x }, zeroline: false },
-  yaxis: { title: { text: y }, zeroline: false },
-  legend: { orientation: "h", y: 1.12 },
-  paper_bgcolor: "rgba(0,0,0,0)",
-}, more);
+// What a quantity is measured in: the deck does not know more.
+const units = {
+  displacement: "length", reaction: "force", von_mises: "force / length²", contact_pressure: "force / length²", contact_gap: "length",
+};
+const words = { von_mises: "von Mises stress", plastic_strain: "equivalent plastic strain", contact_pressure: "contact pressure", contact_gap: "contact gap" };
+const labelled = (name, axis) => `${words[name] || name}${axis ? ` ${axis}` : ""}${units[name] ? `, ${units[name]}` : ""}`;
+const least = (values, start) => values.reduce((a, b) => (b < a ? b : a), start);
+const most = (values, start) => values.reduce((a, b) => (b > a ? b : a), start);
+
+// A plane plot; without a point it says so.
+function layout(traces, x, y) {
+  const axis = { zeroline: false, automargin: true, exponentformat: "power" };
+  const empty = traces.every((trace) => trace.x.length === 0);
+  return {
+    margin: { l: 64, r: 12, t: 8, b: 46 },
+    xaxis: Object.assign({}, axis, { title: { text: x.text } }, x.more),
+    yaxis: Object.assign({}, axis, { title: { text: y.text } }, y.more),
+    legend: { orientation: "h", y: 1.12 }, showlegend: true, paper_bgcolor: "rgba(0,0,0,0)",
+    annotations: empty ? [{ text: "no finished increment", showarrow: false, xref: "paper", yref: "paper", x: 0.5, y: 0.5 }] : [],
+  };
+}
 const config = { responsive: true, displaylogo: false, displayModeBar: false };
 const element = (id) => document.getElementById(id);
 
@@ -24,7 +43,12 @@ function options(id, names) {
   return select;
 }
 
-const precise = (x) => Number(x).toPrecision(4).replace(/\.?0+(e|$)/, "$1");
+// Four digits.
+function precise(x) {
+  const rounded = Number(Number(x).toPrecision(4));
+  const size = Math.abs(rounded);
+  return size !== 0 && (size < 1e-3 || size >= 1e5) ? rounded.toExponential() : String(rounded);
+}
 
 function summary() {
   element("title").textContent = runs[0].summary.title;
@@ -65,12 +89,12 @@ function summary() {
 function supports() {
   const history = runs[0].history;
   const names = Object.keys(history).filter((key) => key.startsWith("reaction_x:")).map((key) => key.slice(11));
-  const largest = (name, what) => Math.max(...["x", "y", "z"].flatMap((axis) => history[`${what}_${axis}:${name}`].map(Math.abs)), 0);
+  const largest = (name, what) => most(["x", "y", "z"].flatMap((axis) => history[`${what}_${axis}:${name}`].map(Math.abs)), 0);
   return names.sort((a, b) => largest(b, "displacement") - largest(a, "displacement") || largest(b, "reaction") - largest(a, "reaction"));
 }
 
 function force() {
-  const name = supportNames[element("support").value];
+  const name = supportNames[element("support").value || 0];
   const axis = "xyz"[element("axis").value];
   const moved = (run) => run.history[`displacement_${axis}:${name}`] || [];
   const moves = runs.some((run) => moved(run).some((x) => x !== 0));
@@ -78,16 +102,16 @@ function force() {
     x: moves ? moved(run) : run.history.time, y: run.history[`reaction_${axis}:${name}`] || [],
     name: run.label, mode: "lines+markers", marker: { size: 5 }, line: { color: colours[k % colours.length], dash: k ? "dash" : "solid" },
   }));
-  return draw("force", traces, layout(moves ? `displacement ${axis}` : "time", `reaction ${axis}`));
+  return draw("force", traces, layout(traces, { text: moves ? labelled("displacement", axis) : "time" }, { text: labelled("reaction", axis) }));
 }
 
 function iterations() {
-  element("totals").textContent = runs.map((run) => `${run.label}: ${run.history.iterations.reduce((a, b) => a + b, 0)} in all`).join(" · ");
+  element("totals").textContent = runs.map((run) => `${run.label}: ${run.history.iterations.reduce((a, b) => a + b, 0)} in finished increments`).join(" · ");
   const traces = runs.map((run, k) => ({
     x: run.history.time, y: run.history.iterations, name: run.label, mode: "lines+markers",
     line: { shape: "hvh", color: colours[k % colours.length] }, marker: { size: 5 },
   }));
-  return draw("iterations", traces, layout("time", "iterations", { yaxis: { title: { text: "iterations" }, rangemode: "tozero" } }));
+  return draw("iterations", traces, layout(traces, { text: "time" }, { text: "iterations", more: { rangemode: "tozero" } }));
 }
 
 function convergence() {
@@ -98,8 +122,9 @@ function convergence() {
     const residuals = (run.residuals[number] || []).slice(1);
     return { x: residuals.map((_, i) => i + 1), y: residuals.map((r) => (r > 0 ? r : null)), name: run.label, mode: "lines+markers", line: { color: colours[k % colours.length] } };
   });
-  const axes = { yaxis: { title: { text: "residual over forces" }, type: "log", exponentformat: "power" }, xaxis: { title: { text: "linear solutions" }, dtick: 1 } };
-  return draw("convergence", traces, layout("", "", axes));
+  const count = most(traces.map((trace) => trace.x.length), 0);
+  const x = { text: "linear solutions", more: { dtick: Math.ceil(count / 12) || 1 } };
+  return draw("convergence", traces, layout(traces, x, { text: "residual over forces", more: { type: "log", dtick: 2 } }));
 }
 
 // Faces as triangles, and their edges as one line with gaps.
@@ -124,27 +149,41 @@ function outline(faces, points) {
   return { x, y, z };
 }
 
-// A scene that holds all points, seen along its shortest side, y up unless that is the side.
-function scene(points, revision) {
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = (a) => a.map((x) => x / Math.sqrt(dot(a, a)));
+// What of a scene is in view from the bottom to its top, in plotly's units, with a margin.
+const VIEW = 1.6;
+
+// A scene that holds all points and fills the element, seen along its shortest side, y up unless that is the side.
+function scene(id, points, revision) {
   const bounds = [0, 1, 2].map((axis) => {
-    let [low, high] = [Infinity, -Infinity];
-    for (const p of points) { low = Math.min(low, p[axis]); high = Math.max(high, p[axis]); }
-    return [low, high];
+    const values = points.map((p) => p[axis]);
+    return [least(values, Infinity), most(values, -Infinity)];
   });
-  const sides = bounds.map(([low, high]) => high - low);
-  const largest = Math.max(...sides, 1e-300);
+  const largest = most(bounds.map(([low, high]) => high - low), 1e-300);
   const margin = 0.03 * largest;
+  const sides = bounds.map(([low, high]) => (high - low + 2 * margin) / largest);
   const depth = sides.indexOf(Math.min(...sides));
   const up = depth === 1 ? 2 : 1;
   const right = 3 - depth - up;
   const along = (weights) => Object.fromEntries(["x", "y", "z"].map((name, axis) => [name, weights[axis]]));
   const direction = [0, 0, 0];
   direction[depth] = 1.15; direction[up] = 0.45; direction[right] = 0.55;
-  const axis = (k) => ({ title: { text: "xyz"[k] }, range: [bounds[k][0] - margin, bounds[k][1] + margin], autorange: false });
+  const toEye = unit(direction);
+  const aside = unit(cross([0, 1, 2].map((k) => Number(k === up)), toEye));
+  const extent = (axis) => sides.reduce((sum, side, k) => sum + side * Math.abs(axis[k]), 0);
+  const shape = (0.8 * element(id).clientWidth) / element(id).clientHeight || 1;
+  const scale = Math.min(VIEW / extent(cross(toEye, aside)), (VIEW * shape) / extent(aside));
+  // Numbers along a short side would lie on each other.
+  const axis = (k) => ({
+    title: { text: "xyz"[k] }, range: [bounds[k][0] - margin, bounds[k][1] + margin], autorange: false,
+    nticks: 6, showticklabels: sides[k] > 0.4, showspikes: false,
+  });
   return {
     margin: { l: 0, r: 0, t: 0, b: 0 }, uirevision: revision, paper_bgcolor: "rgba(0,0,0,0)", showlegend: false,
     scene: {
-      uirevision: revision, aspectmode: "manual", aspectratio: along(sides.map((side) => (1.8 * (side + 2 * margin)) / largest)),
+      uirevision: revision, aspectmode: "manual", aspectratio: along(sides.map((side) => scale * side)),
       camera: { eye: along(direction), up: along([0, 1, 2].map((k) => Number(k === up))), projection: { type: "orthographic" } },
       xaxis: axis(0), yaxis: axis(1), zaxis: axis(2),
     },
@@ -164,12 +203,12 @@ function shape() {
   const stiff = run.skin.faces.filter((_, k) => run.skin.bodies[k] === rigid);
   const values = frame.fields[field];
   const range = run.frames.map((each) => each.fields[field]);
-  const low = Math.min(0, ...range.map((each) => Math.min(...each)));
-  const high = Math.max(...range.map((each) => Math.max(...each)));
+  const low = least(range.map((each) => least(each, 0)), 0);
+  const high = most(range.map((each) => most(each, 0)), low);
   const common = { x: points.map((p) => p[0]), y: points.map((p) => p[1]), z: points.map((p) => p[2]), type: "mesh3d", hoverinfo: "text", flatshading: true, lighting: { ambient: 0.75, diffuse: 0.5, specular: 0.05 } };
   const traces = [Object.assign({}, common, triangles(solid), {
-    intensity: values, cmin: low, cmax: high > low ? high : low + 1, colorscale: "Viridis", colorbar: { title: { text: field }, thickness: 14 },
-    text: values.map((value, k) => `node ${run.skin.nodes[k]}<br>${field} ${precise(value)}`),
+    intensity: values, cmin: low, cmax: high > low ? high : low + 1, colorscale: "Viridis", colorbar: { title: { text: labelled(field), side: "right" }, thickness: 14, exponentformat: "power" },
+    text: values.map((value, k) => `node ${run.skin.nodes[k]}<br>${words[field] || field} ${precise(value)}`),
   })];
   if (stiff.length > 0) {
     traces.push(Object.assign({}, common, triangles(stiff), { color: "#b8c4ce", opacity: 0.6, hoverinfo: "skip" }));
@@ -177,7 +216,7 @@ function shape() {
   if (element("edges").checked) {
     traces.push(Object.assign({ type: "scatter3d", mode: "lines", line: { color: "#33414d", width: 1.5 }, hoverinfo: "skip" }, outline(run.skin.faces, points)));
   }
-  return draw("shape", traces, scene(frames.flatMap((each) => each.positions), `shape ${element("run").value}`));
+  return draw("shape", traces, scene("shape", frames.flatMap((each) => each.positions), `shape ${element("run").value}`));
 }
 
 function surfaces() {
@@ -202,10 +241,10 @@ function surfaces() {
     traces.push(Object.assign(lines(surface.flat), { line: { color: "#66737f", width: 2 } }));
   }
   if (element("show-smooth").checked) {
-    traces.push(mesh(surface.smooth, { intensity: distance, colorscale: "Portland", colorbar: { title: { text: "distance" }, thickness: 14 } }));
+    traces.push(mesh(surface.smooth, { intensity: distance, colorscale: "Portland", colorbar: { title: { text: "distance, length", side: "right" }, thickness: 14, exponentformat: "power" } }));
     traces.push(Object.assign(lines(surface.smooth), { line: { color: "#1c2733", width: 2 } }));
   }
-  return draw("surfaces", traces, scene(surface.flat.concat(surface.smooth), `surface ${element("surface").value}`));
+  return draw("surfaces", traces, scene("surfaces", surface.flat.concat(surface.smooth), `surface ${element("surface").value}`));
 }
 
 summary();
@@ -214,16 +253,20 @@ options("support", supportNames);
 const axisSelect = options("axis", ["x", "y", "z"]);
 if (supportNames.length > 0) {
   // The axis along which the first support moves or carries most.
-  const size = (what) => ["x", "y", "z"].map((axis) => Math.max(...runs[0].history[`${what}_${axis}:${supportNames[0]}`].map(Math.abs), 0));
+  const size = (what) => ["x", "y", "z"].map((axis) => most(runs[0].history[`${what}_${axis}:${supportNames[0]}`].map(Math.abs), 0));
   const sizes = size("displacement").some((x) => x > 0) ? size("displacement") : size("reaction");
   axisSelect.value = sizes.indexOf(Math.max(...sizes));
 }
 options("run", runs.map((run) => run.label));
-const fieldNames = Object.keys(runs[0].frames[0].fields);
-const fieldSelect = options("field", fieldNames);
-fieldSelect.value = Math.max(0, fieldNames.indexOf("von_mises"));
-element("increment").max = Math.max(...runs.flatMap((run) => run.history.increment), 1);
-element("increment").value = element("increment").max;
+// Those that all runs have.
+const fieldNames = Object.keys(runs[0].frames[0].fields).filter((name) => runs.every((run) => name in run.frames[0].fields));
+const fieldSelect = options("field", fieldNames.map((name) => words[name] || name));
+fieldSelect.value = Math.max(0, fieldNames.indexOf(runs[0].skin.shown));
+element("increment").max = most(runs.flatMap((run) => run.history.increment), 1);
+// At first the one that took most, among those that all runs have.
+const common = Math.min(...runs.map((run) => run.history.increment.length));
+const taken = runs[0].history.iterations.slice(0, common);
+element("increment").value = 1 + Math.max(0, taken.lastIndexOf(most(taken, 0)));
 element("frame").max = runs[0].frames.length - 1;
 element("frame").value = element("frame").max;
 const surfaceList = runs.flatMap((run, r) => run.surfaces.map((_, k) => [r, k]));
@@ -236,7 +279,6 @@ for (const [id, redraw, event] of [
 ]) {
   element(id).addEventListener(event, redraw);
 }
-const drawn = [iterations(), convergence(), shape()];
-if (supportNames.length > 0) drawn.push(force());
+const drawn = [iterations(), convergence(), shape(), force()];
 if (surfaceList.length > 0) drawn.push(surfaces()); else element("surface-section").remove();
 Promise.all(drawn).then(() => { document.body.dataset.ready = "true"; });

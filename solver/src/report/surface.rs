@@ -25,6 +25,16 @@ pub struct SurfaceSample {
     pub grid: usize,
 }
 
+impl SurfaceSample {
+    /// Whether triangles and edges are between points that there are.
+    pub(super) fn is_sound(&self) -> bool {
+        let known = |&point: &usize| point < self.flat.len();
+        self.smooth.len() == self.flat.len()
+            && self.triangles.iter().flatten().all(known)
+            && self.edges.iter().flatten().all(known)
+    }
+}
+
 /// Samples of each surface at `positions`: its name, its facets and the options of its interface, whose element is replaced by the
 /// diffuse one if it is another. Surfaces that have no contact interface are left out.
 #[must_use]
@@ -32,7 +42,10 @@ pub fn sample_surfaces<'a>(
     surfaces: impl IntoIterator<Item = (&'a str, &'a [Facet], InterfaceOptions)>,
     positions: &[[f64; 3]],
 ) -> Vec<SurfaceSample> {
-    surfaces.into_iter().filter_map(|(name, facets, options)| sample(name, facets, options, positions)).collect()
+    surfaces
+        .into_iter()
+        .filter_map(|(name, facets, options)| sample(name, facets, options, positions))
+        .collect()
 }
 
 fn sample(
@@ -99,11 +112,16 @@ fn add_samples(facet: &Facet, positions: &[[f64; 3]], result: &mut SurfaceSample
                 let (u, v) = (part(column), part(row));
                 result.flat.push(mix(&[1.0 - u - v, u, v]));
             }
-            let at = |row: usize, column: usize| first + row * SAMPLES - row * row.saturating_sub(1) / 2 + column;
+            let at =
+                |row: usize, column: usize| first + row * SAMPLES - row * row.saturating_sub(1) / 2 + column;
             for (row, column) in pairs(last, |row| last - row) {
                 result.triangles.push([at(row, column), at(row, column + 1), at(row + 1, column)]);
                 if column + 1 < last - row {
-                    result.triangles.push([at(row, column + 1), at(row + 1, column + 1), at(row + 1, column)]);
+                    result.triangles.push([
+                        at(row, column + 1),
+                        at(row + 1, column + 1),
+                        at(row + 1, column),
+                    ]);
                 }
             }
             for k in 0..last {

@@ -22,7 +22,7 @@ pub enum StaticsError {
     },
     /// The shortest increment did not converge.
     #[error(
-        "no convergence after time {time}: {reason}; the increment of {length:e} may not be cut below {minimum:e}"
+        "no convergence after time {time}: {reason}; the increment of {length:.3e} may not be cut below {minimum:.3e}"
     )]
     NoConvergence {
         /// The time that was reached.

@@ -32,9 +32,9 @@ impl<'a> Increment<'a> {
     }
 
     /// Iterates to equilibrium. A failure leaves the committed state what it is.
-    pub fn solve(mut self, observer: &mut dyn Observer) -> Result<(State, IncrementRecord), Failure> {
+    pub fn solve(&mut self, observer: &mut dyn Observer) -> Result<(State, IncrementRecord), Failure> {
         let newton = self.settings.newton;
-        self.problem.contacts_mut().set_multipliers(&self.committed.multipliers)?;
+        self.problem.take_history(self.committed)?;
         self.problem.refresh(RefreshRule::Increment, &self.positions)?;
         let balance = self.evaluate(Order::Tangent)?;
         self.record(balance, observer)?;
@@ -163,8 +163,16 @@ impl<'a> Increment<'a> {
         }
     }
 
-    fn finish(self, augmentations: usize) -> (State, IncrementRecord) {
-        let Self { problem, committed, end, positions, history, iterations, .. } = self;
+    /// Linear solutions so far.
+    pub fn iterations(&self) -> usize {
+        self.iterations
+    }
+
+    fn finish(&mut self, augmentations: usize) -> (State, IncrementRecord) {
+        let &mut Self { committed, end, iterations, .. } = self;
+        let positions = std::mem::take(&mut self.positions);
+        let history = std::mem::take(&mut self.history);
+        let problem = &*self.problem;
         let state = State {
             time: end,
             length: committed.length,
@@ -174,6 +182,7 @@ impl<'a> Increment<'a> {
             positions,
             points: problem.response().states.clone(),
             multipliers: problem.contacts().multipliers(),
+            pairings: problem.contacts().pairings(),
         };
         let imbalance: Vec<f64> = problem.imbalance().collect();
         let groups = 0..problem.supports().groups().len();

@@ -8,11 +8,7 @@ const SHORTEST: f64 = 0.1;
 const TRIES: usize = 5;
 
 /// Finds s in (0, 1] so that the slope, Δx·r at x + s Δx, is small against `start`, that at x; `full` is that at x + Δx.
-pub fn line_search<E>(
-    start: f64,
-    full: f64,
-    mut slope: impl FnMut(f64) -> Result<f64, E>,
-) -> Result<f64, E> {
+pub fn line_search<E>(start: f64, full: f64, mut slope: impl FnMut(f64) -> Result<f64, E>) -> Result<f64, E> {
     let good = |slope: f64| slope.abs() <= GOOD * start.abs();
     if good(full) || !start.is_finite() || !(start * full < 0.0) {
         return Ok(1.0);
@@ -24,7 +20,8 @@ pub fn line_search<E>(
     for _ in 0..TRIES {
         s = (low - low_slope * (high - low) / (high_slope - low_slope)).max(SHORTEST);
         let found = slope(s)?;
-        if good(found) || s <= SHORTEST {
+        // Where even the shortest step is too far there is nothing to look for.
+        if good(found) || (s <= SHORTEST && found * start < 0.0) {
             break;
         }
         // Illinois: the end that stays counts half.

@@ -28,6 +28,8 @@ mod pressure;
 mod problem;
 mod settings;
 mod supports;
+#[cfg(test)]
+mod tests;
 
 pub use error::{Failure, StaticsError};
 pub use observer::{Control, IncrementRecord, IterationRecord, Observer, Timing};
@@ -42,6 +44,16 @@ use increment::Increment;
 pub struct Statics {
     problem: Problem,
     settings: Settings,
+    effort: Effort,
+}
+
+/// What a run and those that it went on from took, increments that failed among them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Linear solutions.
+    pub iterations: usize,
+    /// Increments that failed.
+    pub cutbacks: usize,
 }
 
 impl Statics {
@@ -51,13 +63,20 @@ impl Statics {
     /// [`StaticsError::Setting`].
     pub fn new(problem: Problem, settings: Settings) -> Result<Self, StaticsError> {
         settings.check()?;
-        Ok(Self { problem, settings })
+        Ok(Self { problem, settings, effort: Effort::default() })
     }
 
     /// The problem.
     #[must_use]
     pub fn problem(&self) -> &Problem {
         &self.problem
+    }
+
+    /// What the last [`run`](Self::run) took, and what came before its first state; the last state of a run that failed does not
+    /// know of its last tries.
+    #[must_use]
+    pub fn effort(&self) -> Effort {
+        self.effort
     }
 
     /// Whether a state can be gone on from.
@@ -75,11 +94,15 @@ impl Statics {
     /// [`StaticsError::Solid`], [`StaticsError::Contact`], [`StaticsError::System`] for what a smaller increment does not mend.
     pub fn run(&mut self, mut state: State, observer: &mut dyn Observer) -> Result<State, StaticsError> {
         let time = self.settings.time;
+        self.effort = Effort { iterations: state.iterations, cutbacks: state.cutbacks };
         while !time.is_over(state.time) {
             let length = time.length(&state);
             let end = time.next(state.time, length);
-            let increment = Increment::new(&mut self.problem, &self.settings, &state, end);
-            match increment.solve(observer) {
+            let mut increment = Increment::new(&mut self.problem, &self.settings, &state, end);
+            let outcome = increment.solve(observer);
+            let iterations = state.iterations + increment.iterations();
+            self.effort = Effort { iterations, cutbacks: state.cutbacks };
+            match outcome {
                 Ok((mut next, record)) => {
                     next.length = time.grown(length, record.iterations, &self.settings.newton);
                     let control = observer.increment(&record, &next, &self.problem);
@@ -91,7 +114,12 @@ impl Statics {
                 }
                 Err(Failure::Fatal(error)) => return Err(error),
                 Err(failure) => {
+                    // Of the failed try only its price is kept.
+                    state.iterations = iterations;
                     state.cutbacks += 1;
+                    self.effort.cutbacks += 1;
+                    // The last increment may be shorter than was planned.
+                    let length = end - state.time;
                     observer.cut_back(end, length, &failure);
                     state.length = time.cut(length);
                     if state.length < time.minimum {

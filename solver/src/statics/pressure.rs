@@ -108,3 +108,113 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 fn skew([x, y, z]: [f64; 3]) -> [[f64; 3]; 3] {
     [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::system::BlockPattern;
+
+    /// A quadrilateral in a plane, a triangle beside it.
+    const POSITIONS: [[f64; 3]; 5] =
+        [[0.0, 0.0, 1.0], [2.0, 0.0, 1.0], [2.0, 1.5, 1.0], [0.0, 1.0, 1.0], [3.0, 0.5, 1.0]];
+
+    fn pressure(follower: bool) -> Pressure {
+        let facets = vec![Facet::Quadrilateral([0, 1, 2, 3]), Facet::Triangle([1, 4, 2])];
+        let amplitude = Amplitude::new(vec![[0.0, 0.0], [1.0, 0.5], [2.0, 3.0]]).unwrap();
+        Pressure { facets, value: 7.0, amplitude, follower }
+    }
+
+    /// Positions that bend the quadrilateral and turn both.
+    fn deformed() -> Vec<[f64; 3]> {
+        let mut positions = POSITIONS.to_vec();
+        for (k, x) in positions.iter_mut().enumerate() {
+            let t = 1.0 + k as f64;
+            *x = [x[0] + 0.2 * (3.0 * t).sin(), x[1] + 0.3 * t.cos(), x[2] + 0.25 * (2.0 * t).cos()];
+        }
+        positions
+    }
+
+    fn forces(pressure: &Pressure, time: f64, positions: &[[f64; 3]]) -> Vec<f64> {
+        let mut forces = vec![0.0; 15];
+        pressure.add_forces(time, &POSITIONS, positions, &mut forces);
+        forces
+    }
+
+    #[test]
+    fn forces_are_pressure_times_area_against_the_normal() {
+        for (follower, positions) in [(false, deformed()), (true, POSITIONS.to_vec())] {
+            let found = forces(&pressure(follower), 2.0, &positions);
+            let area = 2.0 * 1.25 + 0.5 * 1.5;
+            let sum = |axis: usize| found.iter().skip(axis).step_by(3).sum::<f64>();
+            assert!((sum(2) + 21.0 * area).abs() < 1e-12, "{}", sum(2));
+            assert!(sum(0).abs() < 1e-12 && sum(1).abs() < 1e-12);
+            // The triangle's share goes to its corners in equal parts: node 4 belongs to it alone.
+            assert!((found[14] + 21.0 * 0.75 / 3.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn forces_follow_their_amplitude() {
+        let of = |time: f64| forces(&pressure(false), time, &POSITIONS)[14];
+        assert_eq!(of(0.0), 0.0);
+        assert!((of(1.0) / of(2.0) - 0.5 / 3.0).abs() < 1e-14);
+        assert!((pressure(false).at(1.5) - 7.0 * 1.75).abs() < 1e-12);
+    }
+
+    /// The forces on a closed surface in a uniform pressure are in equilibrium, wherever its nodes are.
+    #[test]
+    fn followers_on_a_closed_surface_are_in_equilibrium() {
+        let positions = deformed();
+        let facets = vec![
+            Facet::Triangle([0, 2, 1]),
+            Facet::Triangle([0, 1, 4]),
+            Facet::Triangle([1, 2, 4]),
+            Facet::Triangle([2, 0, 4]),
+        ];
+        let closed = Pressure { facets, ..pressure(true) };
+        let found = forces(&closed, 2.0, &positions);
+        let size = found.iter().map(|f| f.abs()).fold(0.0, f64::max);
+        let mut moment = [0.0; 3];
+        for (x, f) in positions.iter().zip(found.as_chunks::<3>().0) {
+            let turned = cross(*x, *f);
+            (0..3).for_each(|axis| moment[axis] += turned[axis]);
+        }
+        for axis in 0..3 {
+            assert!(found.iter().skip(axis).step_by(3).sum::<f64>().abs() < 1e-13 * size);
+            assert!(moment[axis].abs() < 1e-12 * size, "{moment:?}");
+        }
+    }
+
+    #[test]
+    fn tangent_of_a_follower_is_minus_the_derivative_of_its_forces() {
+        let (positions, pressure) = (deformed(), pressure(true));
+        let cliques: Vec<Vec<usize>> = pressure.facets.iter().map(|facet| facet.corners().to_vec()).collect();
+        let mut matrix = BlockMatrix::new(Arc::new(BlockPattern::new(5, cliques.iter())));
+        pressure.add_tangent(2.0, &positions, &mut matrix);
+        // Forces are quadratic in the positions: central differences are exact but for rounding.
+        let step = 1e-3;
+        for column in 0..15 {
+            let at = |shift: f64| {
+                let mut moved = positions.clone();
+                moved[column / 3][column % 3] += shift;
+                forces(&pressure, 2.0, &moved)
+            };
+            let (after, before) = (at(step), at(-step));
+            for row in 0..15 {
+                let expected = -(after[row] - before[row]) / (2.0 * step);
+                let found = matrix.block(row / 3, column / 3).map_or(0.0, |block| block[row % 3][column % 3]);
+                assert!((found - expected).abs() < 1e-9, "{row} {column}: {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn dead_pressure_has_no_tangent() {
+        let pressure = pressure(false);
+        let mut matrix = BlockMatrix::new(Arc::new(BlockPattern::new(5, [vec![0, 1, 2, 3, 4]].iter())));
+        pressure.add_tangent(2.0, &deformed(), &mut matrix);
+        assert!(matrix.entries_mut().iter().all(|&entry| entry == 0.0));
+    }
+}

@@ -7,7 +7,7 @@ use diffuse_contact::Mode;
 use serde::{Deserialize, Serialize};
 
 use super::{Failure, Pressure, StaticsError, SupportGroups, Timing};
-use crate::contact::{ContactSet, RefreshRule};
+use crate::contact::{ContactError, ContactSet, RefreshRule, SlavePairing};
 use crate::material::PointState;
 use crate::solid::{Order, Solid, SolidResponse};
 use crate::system::{BlockMatrix, BlockPattern, DirectSolver, Equations, Symmetry};
@@ -31,6 +31,8 @@ pub struct State {
     pub points: Vec<PointState>,
     /// Multipliers of each pass of each interaction, force.
     pub multipliers: Vec<Vec<f64>>,
+    /// What the next pairing may keep of the last one, for each slave of each pass.
+    pub pairings: Vec<Vec<Option<SlavePairing>>>,
 }
 
 /// Solids, supports, loads and contacts, with forces and stiffness at the positions of the last evaluation.
@@ -108,6 +110,7 @@ impl Problem {
             positions: self.start.clone(),
             points: self.solid.states(),
             multipliers: self.contacts.multipliers(),
+            pairings: self.contacts.pairings(),
         }
     }
 
@@ -125,7 +128,13 @@ impl Problem {
                 return Err(StaticsError::ForeignState { what, found, expected });
             }
         }
-        Ok(self.contacts.set_multipliers(&state.multipliers)?)
+        Ok(self.take_history(state)?)
+    }
+
+    /// Goes back to the multipliers and pairings of a state: nothing of what came after it is left.
+    pub(super) fn take_history(&mut self, state: &State) -> Result<(), ContactError> {
+        self.contacts.set_multipliers(&state.multipliers)?;
+        self.contacts.set_pairings(&state.pairings)
     }
 
     /// Positions of the nodes at the start.

@@ -1,0 +1,209 @@
+//! Contact forces and stiffnesses as the solver adds them up.
+
+use std::sync::Arc;
+
+use diffuse_contact::Point;
+use diffuse_contact::interface::InterfaceOptions;
+use diffuse_contact::surface::Facet;
+
+use super::*;
+
+const PENALTY: f64 = 1e3;
+
+/// A bumpy master of 5 × 5 cells below a coarser slave of 3 × 3, which dips into it. Nodes, master facets, slave facets.
+fn bed() -> (Vec<Point>, Vec<Facet>, Vec<Facet>) {
+    let mut nodes = Vec::new();
+    let mut grid = |count: usize, turned: bool, place: &dyn Fn(f64, f64) -> Point| {
+        let first = nodes.len();
+        for j in 0..=count {
+            for i in 0..=count {
+                nodes.push(place(i as f64 / count as f64, j as f64 / count as f64));
+            }
+        }
+        let node = |i: usize, j: usize| first + j * (count + 1) + i;
+        let cells = (0..count).flat_map(|j| (0..count).map(move |i| (i, j)));
+        let corners = cells.map(|(i, j)| [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]);
+        corners
+            .map(|[a, b, c, d]| Facet::Quadrilateral(if turned { [a, d, c, b] } else { [a, b, c, d] }))
+            .collect::<Vec<_>>()
+    };
+    let height = |x: f64, y: f64| 0.1 * (1.3 * x).sin() * (0.9 * y).cos();
+    let master = grid(5, false, &|s, t| [5.0 * s, 5.0 * t, height(5.0 * s, 5.0 * t)]);
+    let slave = grid(3, true, &|s, t| [1.2 + 2.5 * s, 1.1 + 2.4 * t, -0.05 + 0.1 * (s - t)]);
+    (nodes, master, slave)
+}
+
+fn options(two_pass: bool, augmented: bool) -> InteractionOptions {
+    InteractionOptions {
+        name: "bed".to_owned(),
+        penalty: PENALTY,
+        augmentation: augmented.then_some(Augmentation { tolerance: 1e-9, max_rounds: 5 }),
+        refresh: RefreshRule::Increment,
+        tangent: diffuse_contact::assembly::Tangent::Exact,
+        two_pass,
+        interface: InterfaceOptions::default(),
+    }
+}
+
+fn contacts(options: InteractionOptions) -> (ContactSet, Vec<Point>) {
+    let (nodes, master, slave) = bed();
+    let mut set = ContactSet::new(vec![Interaction::new(options, &master, &slave, &nodes).unwrap()]);
+    set.refresh(RefreshRule::Increment, &nodes).unwrap();
+    (set, nodes)
+}
+
+/// −Σ f N, and how many contacts carry force.
+fn forces(set: &mut ContactSet, nodes: &[Point], mode: Mode) -> (Vec<f64>, usize) {
+    let mut forces = vec![0.0; 3 * nodes.len()];
+    set.evaluate(nodes, mode).unwrap();
+    let active = set.add_internal_forces(&mut forces).unwrap();
+    (forces, active)
+}
+
+fn variants() -> Vec<InteractionOptions> {
+    let mut variants = vec![options(false, false), options(true, false), options(false, true)];
+    let interface = InterfaceOptions { areas: true, ..InterfaceOptions::node_to_facet() };
+    variants.push(InteractionOptions { interface, ..options(false, false) });
+    variants
+}
+
+#[test]
+fn forces_and_moments_of_each_pair_sum_to_nothing() {
+    for options in variants() {
+        let name = format!("{options:?}");
+        let (mut set, nodes) = contacts(options);
+        let (forces, active) = forces(&mut set, &nodes, Mode::Gradient);
+        assert!(active > 3, "{active} {name}");
+        let size = forces.iter().map(|force| force.abs()).fold(0.0, f64::max);
+        assert!(size > 1.0);
+        for axis in 0..3 {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            let rows = forces.as_chunks::<3>().0;
+            let sum: f64 = rows.iter().map(|force| force[axis]).sum();
+            let turn = |(x, force): (&Point, &[f64; 3])| x[next] * force[last] - x[last] * force[next];
+            let moment: f64 = nodes.iter().zip(rows).map(turn).sum();
+            assert!(sum.abs() < 1e-11 * size && moment.abs() < 1e-11 * size, "{sum} {moment} {size} {name}");
+        }
+    }
+}
+
+#[test]
+fn the_force_on_the_slave_is_that_of_its_nodes() {
+    let (mut set, nodes) = contacts(options(false, false));
+    let (forces, active) = forces(&mut set, &nodes, Mode::Gradient);
+    let slaves: Vec<_> = set.interactions()[0].slaves().collect();
+    assert_eq!(slaves.iter().filter(|slave| slave.force > 0.0).count(), active);
+    for axis in 0..3 {
+        let sum: f64 = slaves.iter().map(|slave| -forces[3 * slave.node + axis]).sum();
+        assert!((set.forces()[0][axis] - sum).abs() < 1e-10, "{:?} {sum}", set.forces());
+    }
+    let deepest =
+        slaves.iter().filter_map(|slave| slave.gap).fold(0.0, |deepest: f64, gap| deepest.max(-gap));
+    assert_eq!(set.max_penetration(), deepest);
+    assert!(set.forces()[0][2] > 0.0);
+}
+
+#[test]
+fn the_stiffness_is_the_derivative_of_the_forces_with_the_pairing_held() {
+    for options in variants() {
+        let name = format!("{options:?}");
+        let (mut set, nodes) = contacts(options);
+        let (at_start, _) = forces(&mut set, &nodes, Mode::Hessian);
+        let pattern = Arc::new(BlockPattern::new(nodes.len(), set.cliques().collect::<Vec<_>>().iter()));
+        set.bind(&pattern).unwrap();
+        if set.multipliers().iter().any(|pass| !pass.is_empty()) {
+            // With multipliers that are not zero. Then they are held.
+            assert!(!set.augment(0));
+            forces(&mut set, &nodes, Mode::Hessian);
+        }
+        let mut matrix = BlockMatrix::new(pattern);
+        set.add_tangent(&mut matrix).unwrap();
+        assert!(at_start.iter().any(|&force| force != 0.0));
+        let size = matrix.entries_mut().iter().fold(0.0, |size: f64, entry| size.max(entry.abs()));
+        let step = 1e-6;
+        for column in 0..3 * nodes.len() {
+            let mut at = |shift: f64| {
+                let mut moved = nodes.clone();
+                moved[column / 3][column % 3] += shift;
+                forces(&mut set, &moved, Mode::Gradient).0
+            };
+            let (after, before) = (at(step), at(-step));
+            for row in 0..3 * nodes.len() {
+                let expected = (after[row] - before[row]) / (2.0 * step);
+                let found = matrix.block(row / 3, column / 3).map_or(0.0, |block| block[row % 3][column % 3]);
+                assert!((found - expected).abs() < 1e-6 * size, "{row} {column}: {found} {expected} {name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn pairings_and_multipliers_taken_out_and_put_back_change_nothing() {
+    let (mut set, mut nodes) = contacts(options(true, true));
+    forces(&mut set, &nodes, Mode::Gradient);
+    set.augment(0);
+    // Slid by less than the hysteresis, so that pairings are kept, and then by more for some.
+    let slide = |nodes: &mut [Point], by: f64| nodes[36..].iter_mut().for_each(|x| x[0] += by);
+    slide(&mut nodes, 0.15);
+    set.refresh(RefreshRule::Increment, &nodes).unwrap();
+    let (pairings, multipliers) = (set.pairings(), set.multipliers());
+    assert!(pairings.iter().flatten().flatten().count() > 10);
+    let text = serde_json::to_string(&pairings).unwrap();
+
+    let (mut other, _) = contacts(options(true, true));
+    other.set_pairings(&serde_json::from_str::<Vec<_>>(&text).unwrap()).unwrap();
+    other.set_multipliers(&multipliers).unwrap();
+    slide(&mut nodes, 0.15);
+    for set in [&mut set, &mut other] {
+        set.refresh(RefreshRule::Increment, &nodes).unwrap();
+    }
+    assert_eq!(set.pairings(), other.pairings());
+    assert_eq!(forces(&mut set, &nodes, Mode::Hessian), forces(&mut other, &nodes, Mode::Hessian));
+    // A pairing that remembers nothing would be another.
+    let (mut fresh, _) = contacts(options(true, true));
+    fresh.set_pairings(&[vec![None; 16], vec![None; 36]]).unwrap();
+    fresh.refresh(RefreshRule::Increment, &nodes).unwrap();
+    assert_ne!(set.pairings(), fresh.pairings());
+}
+
+#[test]
+fn what_belongs_to_other_surfaces_is_refused() {
+    let (mut set, _) = contacts(options(false, true));
+    let wrong = ContactError::OtherPasses { found: 2, expected: 1 };
+    assert_eq!(set.set_multipliers(&[vec![], vec![]]), Err(wrong.clone()));
+    assert_eq!(set.set_pairings(&[vec![], vec![]]), Err(wrong));
+    assert_eq!(
+        set.set_multipliers(&[vec![0.0; 3]]),
+        Err(ContactError::OtherPasses { found: 3, expected: 16 })
+    );
+    let mut pairings = set.pairings();
+    assert!(matches!(set.set_pairings(&[pairings[0][1..].to_vec()]), Err(ContactError::Interface { .. })));
+    for spoil in [
+        |pairing: &mut SlavePairing| pairing.facet = 25,
+        |pairing: &mut SlavePairing| pairing.masters[0] = 40,
+        |pairing: &mut SlavePairing| pairing.masters.truncate(4),
+        |pairing: &mut SlavePairing| pairing.support_radius = 0.0,
+    ] {
+        let before = pairings.clone();
+        spoil(pairings[0][5].as_mut().unwrap());
+        assert!(matches!(set.set_pairings(&pairings), Err(ContactError::Interface { .. })));
+        pairings = before;
+    }
+    set.set_pairings(&pairings).unwrap();
+}
+
+#[test]
+fn augmenting_ends_when_penetrations_are_small_or_rounds_are_over() {
+    let (mut set, nodes) = contacts(options(false, true));
+    let (_, active) = forces(&mut set, &nodes, Mode::Gradient);
+    let before: Vec<f64> = set.interactions()[0].slaves().map(|slave| slave.force).collect();
+    assert!(!set.augment(0));
+    assert_eq!(set.multipliers()[0], before);
+    assert_eq!(before.iter().filter(|&&force| force > 0.0).count(), active);
+    assert!(set.augment(5), "rounds are over");
+    assert_eq!(set.multipliers()[0], before);
+    let mut apart = nodes.clone();
+    apart[36..].iter_mut().for_each(|x| x[2] += 1.0);
+    forces(&mut set, &apart, Mode::Gradient);
+    assert!(set.augment(1), "nothing penetrates");
+}

@@ -1,0 +1,512 @@
+//! Whole problems, small: what the increments and iterations promise.
+
+use std::path::Path;
+
+use super::*;
+use crate::contact::RefreshRule;
+use crate::deck::Deck;
+use crate::model::Model;
+use crate::solid::Order;
+use crate::solve;
+
+/// Notes everything.
+#[derive(Default)]
+struct Notes {
+    iterations: Vec<IterationRecord>,
+    increments: Vec<IncrementRecord>,
+    states: Vec<State>,
+    cuts: Vec<(f64, f64)>,
+    stop_after: Option<usize>,
+}
+
+impl Observer for Notes {
+    fn iteration(&mut self, record: &IterationRecord) {
+        self.iterations.push(*record);
+    }
+
+    fn cut_back(&mut self, end: f64, length: f64, _: &Failure) {
+        self.cuts.push((end, length));
+    }
+
+    fn increment(
+        &mut self,
+        record: &IncrementRecord,
+        state: &State,
+        _: &Problem,
+    ) -> Result<Control, Box<dyn std::error::Error + Send + Sync>> {
+        self.increments.push(record.clone());
+        self.states.push(state.clone());
+        Ok(if self.stop_after == Some(record.number) { Control::Stop } else { Control::Continue })
+    }
+}
+
+/// A plastic block on a rigid wave: pressed into it, then pushed along.
+const PRESSED: &str = r#"
+[materials.soft]
+young = 1000.0
+poisson = 0.3
+yield_stress = 60.0
+hardening = 100.0
+
+[parts.block]
+shape = "box"
+origin = [1.0, 0.5, 0.1]
+size = [2.0, 1.0, 1.0]
+divisions = [4, 2, 2]
+material = "soft"
+
+[parts.wave]
+shape = "rigid-wave"
+size = [6.0, 2.0]
+height = 0.1
+wavelength = 4.0
+divisions = [10, 3]
+
+[[boundary]]
+nodes = "wave"
+fix = ["x", "y", "z"]
+
+[[boundary]]
+nodes = "block.z+"
+translate = [0.3, 0.0, -0.2]
+
+[[interface]]
+name = "floor"
+master = "wave"
+slave = "block.z-"
+penalty = 2000.0
+"#;
+
+fn deck(base: &str, more: &str) -> (Deck, Model) {
+    let deck = Deck::parse_named(&format!("{base}\n{more}"), Path::new("deck")).unwrap();
+    let model = deck.model(Path::new("")).unwrap();
+    (deck, model)
+}
+
+fn statics(deck: &Deck, model: &Model) -> Statics {
+    Statics::new(solve::problem(deck, model, 1).unwrap(), solve::settings(deck, model)).unwrap()
+}
+
+/// Runs to the end of time.
+fn run(base: &str, more: &str) -> (Notes, State, Statics) {
+    let (deck, model) = deck(base, more);
+    let mut statics = statics(&deck, &model);
+    let mut notes = Notes::default();
+    let start = statics.problem().start();
+    let state = statics.run(start, &mut notes).unwrap();
+    (notes, state, statics)
+}
+
+fn size(vector: [f64; 3]) -> f64 {
+    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+#[test]
+fn time_reaches_its_end_exactly() {
+    for (end, increment, count) in [("0.3", "0.1", 3), ("0.7", "0.1", 7), ("1.0", "0.3", 4)] {
+        let time = format!("[time]\nend = {end}\nincrement = {increment}\nfixed = true");
+        let (notes, state, _) = run(LOADED, &time);
+        assert_eq!((state.time, state.increments), (end.parse().unwrap(), count));
+        let times: Vec<f64> = notes.increments.iter().map(|record| record.time).collect();
+        assert!(times.is_sorted_by(|one, next| one < next), "{times:?}");
+        let lengths: f64 = notes.increments.iter().map(|record| record.length).sum();
+        assert!((lengths - state.time).abs() < 1e-12);
+    }
+}
+
+/// An increment that fails is repeated with half the length and leaves nothing behind: from then on all is as if it had never been tried.
+#[test]
+fn nothing_of_a_failed_increment_stays() {
+    for refresh in ["increment", "iteration"] {
+        let base = PRESSED.replace("penalty = 2000.0", &format!("penalty = 2000.0\nrefresh = \"{refresh}\""));
+        let newton = "[newton]\nmax_iterations = 5\ntolerance = 1e-8";
+        // The run to the end of its first increment.
+        let first_increment = |time: &str| {
+            let (deck, model) = deck(&base, &format!("{newton}\n[time]\n{time}"));
+            let mut statics = statics(&deck, &model);
+            let mut notes = Notes { stop_after: Some(1), ..Notes::default() };
+            let start = statics.problem().start();
+            let state = statics.run(start, &mut notes).unwrap();
+            (notes, state, statics.effort())
+        };
+        let (cut, after_cut, effort) = first_increment("increment = 0.5\ngrowth = 1.0\nminimum = 0.01");
+        assert!(!cut.cuts.is_empty() && after_cut.cutbacks == cut.cuts.len());
+        assert_eq!(cut.cuts[0], (0.5, 0.5));
+        let first = cut.increments[0].length;
+        assert_eq!(first, 0.5_f64.powi(1 + cut.cuts.len() as i32));
+        // The same lengths without a failure.
+        let (notes, state, _) = first_increment(&format!("increment = {first}\nfixed = true"));
+        let known = &cut.states[0];
+        assert_eq!(state.positions, known.positions);
+        assert_eq!(state.points, known.points);
+        assert_eq!(state.pairings, known.pairings);
+        assert_eq!(notes.increments[0].history, cut.increments[0].history);
+        // The price is known.
+        let in_vain = known.iterations - state.iterations;
+        assert!(in_vain >= known.cutbacks && in_vain <= 5 * known.cutbacks, "{in_vain} {}", known.cutbacks);
+        assert_eq!(effort, Effort { iterations: known.iterations, cutbacks: known.cutbacks });
+    }
+}
+
+#[test]
+fn easy_increments_let_the_next_ones_grow_to_the_largest() {
+    let time = "[time]\nincrement = 0.02\nmaximum = 0.1\ngrowth = 2.0\n[newton]\ntolerance = 1e-4";
+    let (notes, state, _) = run(PRESSED, time);
+    let lengths: Vec<f64> = notes.increments.iter().map(|record| record.length).collect();
+    assert_eq!(state.cutbacks, 0);
+    for (record, next) in notes.increments.iter().zip(&lengths[1..]) {
+        let planned = if record.iterations <= 6 { 2.0 } else { 1.0 } * record.length;
+        let last = state.time - record.time;
+        assert!((next - planned.min(0.1).min(last)).abs() < 1e-12, "{lengths:?}");
+    }
+    assert!(lengths.iter().any(|&length| (length - 0.1).abs() < 1e-12), "{lengths:?}");
+}
+
+#[test]
+fn the_smallest_increment_that_fails_ends_the_run_and_keeps_what_there_is() {
+    // The first half is easy: nothing moves. Then one iteration is not enough for any length.
+    let base = PRESSED.replace(
+        "translate = [0.3, 0.0, -0.2]",
+        "translate = [0.3, 0.0, -0.2]\namplitude = [[0.0, 0.0], [0.5, 0.0], [0.51, 1.0]]",
+    );
+    let (deck, model) = deck(
+        &base.replace("0.5, 0.1]", "0.5, 0.11]"),
+        "[newton]\nmax_iterations = 1\nline_search = false\n[time]\nincrement = 0.25\nminimum = 0.05\ngrowth = 1.0",
+    );
+    let mut statics = statics(&deck, &model);
+    let mut notes = Notes::default();
+    let start = statics.problem().start();
+    let error = statics.run(start, &mut notes).unwrap_err();
+    let StaticsError::NoConvergence { time, length, minimum, reason } = &error else { panic!("{error}") };
+    assert_eq!((*time, *length, *minimum), (0.5, 0.0625, 0.05));
+    assert!(matches!(**reason, Failure::Iterations { iterations: 1, .. }), "{reason:?}");
+    assert_eq!(notes.cuts, [(0.75, 0.25), (0.625, 0.125), (0.5625, 0.0625)]);
+    assert_eq!(notes.states.len(), 2);
+    assert_eq!(notes.states[1].time, 0.5);
+    assert_eq!(statics.effort(), Effort { iterations: 5, cutbacks: 3 });
+    assert!(error.to_string().contains("after time 0.5"), "{error}");
+}
+
+#[test]
+fn the_last_increment_is_cut_by_its_own_length() {
+    // Planned 0.4, the last one is 0.2 long: half of it is 0.1.
+    let base = PRESSED
+        .replace("[0.3, 0.0, -0.2]", "[0.3, 0.0, -0.2]\namplitude = [[0.0, 0.0], [0.8, 0.0], [1.0, 1.0]]");
+    let (deck, model) = deck(
+        &base.replace("0.5, 0.1]", "0.5, 0.11]"),
+        "[newton]\nmax_iterations = 1\n[time]\nincrement = 0.4\nminimum = 0.08\ngrowth = 1.0",
+    );
+    let mut notes = Notes::default();
+    let mut statics = statics(&deck, &model);
+    let start = statics.problem().start();
+    statics.run(start, &mut notes).unwrap_err();
+    let lengths: Vec<f64> = notes.cuts.iter().map(|cut| cut.1).collect();
+    assert_eq!(lengths.len(), 2);
+    assert!((lengths[0] - 0.2).abs() < 1e-12 && (lengths[1] - 0.1).abs() < 1e-12, "{lengths:?}");
+}
+
+#[test]
+fn an_increment_has_converged_when_the_rule_says_so() {
+    let (deck, model) = deck(PRESSED, "[newton]\ntolerance = 1e-5\n[time]\nincrement = 0.25");
+    let mut statics = statics(&deck, &model);
+    let mut notes = Notes::default();
+    let start = statics.problem().start();
+    statics.run(start, &mut notes).unwrap();
+    let absolute = statics.settings.newton.absolute;
+    let converged = |record: &IterationRecord| {
+        record.residual <= 1e-5 * record.residual / record.relative.max(f64::MIN_POSITIVE) + absolute
+    };
+    for record in &notes.increments {
+        let [before @ .., last] = &record.history[..] else { panic!("no residual") };
+        assert!(converged(last), "{last:?}");
+        // All but the first, which is of no iteration.
+        assert!(before[1..].iter().all(|record| !converged(record)), "{before:?}");
+        assert_eq!(last.iteration, record.iterations);
+    }
+    // The residual is that of the forces at the end.
+    let (last, record) = (notes.states.last().unwrap(), notes.increments.last().unwrap());
+    let committed = &notes.states[notes.states.len() - 2].points;
+    let balance = statics.problem.evaluate(last.time, &last.positions, committed, Order::Residual).unwrap();
+    assert_eq!(balance.residual, record.history.last().unwrap().residual);
+    // Reactions and contact forces are in equilibrium.
+    let sum: [f64; 3] = [0, 1, 2].map(|axis| record.reactions.iter().map(|reaction| reaction[axis]).sum());
+    assert!(size(sum) < 1e-4 * size(record.reactions[0]), "{sum:?} {:?}", record.reactions);
+    let apart: [f64; 3] = [0, 1, 2].map(|axis| record.contact_forces[0][axis] + record.reactions[1][axis]);
+    assert!(size(apart) < 1e-4 * size(record.reactions[1]), "{record:?}");
+}
+
+/// The exact tangent of solid and contact: the digits double.
+#[test]
+fn newton_converges_quadratically_in_contact() {
+    for (contact, weight) in [
+        ("diffuse", "cubic"),
+        ("diffuse", "cubic-interpolating"),
+        ("diffuse", "wendland-c2"),
+        ("node-to-facet", "cubic"),
+    ] {
+        let base = PRESSED
+            .replace("yield_stress = 60.0\nhardening = 100.0\n", "")
+            .replace("penalty = 2000.0", &format!("penalty = 2000.0\nweight = \"{weight}\""));
+        let more =
+            "[newton]\ntolerance = 1e-12\nabsolute = 0.0\nmax_iterations = 40\n[time]\nincrement = 0.25";
+        let (notes, ..) = run(&format!("contact = \"{contact}\"\n{base}"), more);
+        let mut pairs = 0;
+        for record in &notes.increments {
+            let history = &record.history[1..];
+            for k in 1..history.len() {
+                let [before, after] = [&history[k - 1], &history[k]];
+                // Where Newton's method is in its last steps and rounding is not: the set of contacts stays.
+                let is_late = before.relative < 1e-3 && before.relative > 1e-6;
+                if is_late && before.active == after.active && after.step == 1.0 {
+                    pairs += 1;
+                    let order = after.relative.max(1e-14).ln() / before.relative.ln();
+                    assert!(order > 1.6, "{contact} {weight}: {:?}", history);
+                }
+            }
+        }
+        assert!(pairs >= 2, "{contact} {weight}: {pairs}");
+    }
+}
+
+#[test]
+fn a_rotation_is_exact_and_carries_the_body_along() {
+    let base = r#"
+[materials.steel]
+young = 200000.0
+poisson = 0.3
+
+[parts.bar]
+shape = "box"
+size = [4.0, 1.0, 1.0]
+divisions = [4, 2, 2]
+material = "steel"
+
+[[boundary]]
+nodes = ["bar.x-", "bar.x+"]
+rotate = { axis = [0.0, 0.3, 1.0], point = [1.0, 2.0, 0.5], degrees = 110.0 }
+"#;
+    // Steps of 22 degrees: free nodes are predicted along tangents and have to be pulled back.
+    let (deck, model) = deck(base, "[newton]\ntolerance = 1e-10\nabsolute = 1e-6\n[time]\nincrement = 0.2");
+    let mut statics = statics(&deck, &model);
+    let mut notes = Notes::default();
+    let start = statics.problem().start();
+    statics.run(start, &mut notes).unwrap();
+    let motion = &deck.boundaries[0].motion;
+    for state in &notes.states {
+        for (node, (&x, &reference)) in state.positions.iter().zip(&model.nodes).enumerate() {
+            let expected = motion.position(state.time, reference);
+            if !statics.problem().supports().is_free(3 * node) {
+                assert_eq!(x, expected);
+            }
+            assert!((0..3).all(|axis| (x[axis] - expected[axis]).abs() < 1e-9), "{x:?} {expected:?}");
+        }
+    }
+    assert_eq!(notes.states.len(), 5);
+    let reaction = notes.increments.last().unwrap().reactions[0];
+    assert!(size(reaction) < 1e-6, "{reaction:?}");
+}
+
+/// A block with a pressure on top, on a rigid floor of quadrilaterals.
+const LOADED: &str = r#"
+[materials.soft]
+young = 1000.0
+poisson = 0.2
+
+[parts.block]
+shape = "box"
+origin = [0.5, 0.5, -1e-6]
+size = [2.0, 1.0, 1.0]
+divisions = [3, 2, 2]
+material = "soft"
+
+[parts.floor]
+shape = "rigid-plane"
+size = [3.0, 2.0]
+divisions = [6, 4]
+
+[[boundary]]
+nodes = "floor"
+fix = ["x", "y", "z"]
+
+[[boundary]]
+nodes = "block.x-"
+fix = ["x"]
+
+[[boundary]]
+nodes = "block.y-"
+fix = ["y"]
+
+[[pressure]]
+surface = "block.z+"
+value = 20.0
+
+[[interface]]
+name = "floor"
+master = "floor"
+slave = "block.z-"
+penalty = 500.0
+"#;
+
+#[test]
+fn the_augmented_lagrangian_reduces_penetration_and_keeps_the_force() {
+    let time = "[time]\nincrement = 0.5";
+    let (penalty, ..) = run(LOADED, time);
+    let augmented = LOADED.replace(
+        "penalty = 500.0",
+        "penalty = 500.0\nmethod = \"augmented-lagrangian\"\naugmentation = { tolerance = 1e-5, max = 30 }",
+    );
+    let (augmented, state, _) = run(&augmented, time);
+    for (plain, augmented) in penalty.increments.iter().zip(&augmented.increments) {
+        assert!(plain.max_penetration > 1e-3 && plain.augmentations == 0);
+        assert!(augmented.max_penetration <= 1e-5, "{}", augmented.max_penetration);
+        assert!((1..30).contains(&augmented.augmentations));
+        // Half of p A, then all of it.
+        let load = 40.0 * augmented.time;
+        for record in [plain, augmented] {
+            let force = record.contact_forces[0];
+            assert!((force[2] - load).abs() < 1e-4 * load, "{force:?} {load}");
+        }
+    }
+    let sum: f64 = state.multipliers[0].iter().sum();
+    assert!((sum - 40.0).abs() < 0.05 * 40.0, "{sum}");
+}
+
+#[test]
+fn rounds_of_augmentation_end_at_their_number() {
+    let augmented = LOADED.replace(
+        "penalty = 500.0",
+        "penalty = 500.0\nmethod = \"augmented-lagrangian\"\naugmentation = { tolerance = 1e-13, max = 2 }",
+    );
+    let (notes, ..) = run(&augmented, "[time]\nincrement = 1.0");
+    assert_eq!(notes.increments[0].augmentations, 2);
+    assert!(notes.increments[0].max_penetration > 1e-13);
+}
+
+#[test]
+fn two_passes_share_the_force_and_lose_none_of_it() {
+    let deformable = LOADED
+        .replace("shape = \"rigid-plane\"\nsize = [3.0, 2.0]\ndivisions = [6, 4]", 
+            "shape = \"box\"\nsize = [3.0, 2.0, 0.5]\ndivisions = [5, 4, 1]\nmaterial = \"soft\"\ntranslate = [0.0, 0.0, -0.5]")
+        .replace("nodes = \"floor\"\nfix", "nodes = \"floor.z-\"\nfix")
+        .replace("master = \"floor\"", "master = \"floor.z+\"");
+    let time = "[time]\nincrement = 0.5";
+    let (one, ..) = run(&deformable, time);
+    let (two, state, statics) = run(&deformable.replace("penalty =", "two_pass = true\npenalty ="), time);
+    for notes in [&one, &two] {
+        let force = notes.increments.last().unwrap().contact_forces[0];
+        assert!((force[2] - 40.0).abs() < 1e-3 && force[0].abs() < 1e-2, "{force:?}");
+    }
+    assert_eq!(state.multipliers.len(), 2);
+    let interaction = &statics.problem().contacts().interactions()[0];
+    let nodes_of_block = 4 * 3 * 3;
+    let share = |of_block: bool| -> f64 {
+        let own = interaction.slaves().filter(|slave| (slave.node < nodes_of_block) == of_block);
+        own.map(|slave| slave.force).sum()
+    };
+    let (own, others) = (share(true), share(false));
+    assert!(own > 4.0 && others > 4.0 && (own + others - 40.0).abs() < 0.1, "{own} {others}");
+    assert!(two.increments[1].active > one.increments[1].active);
+}
+
+/// Paired anew in every iteration, an increment ends with the pairing of where it ends.
+#[test]
+fn a_pairing_per_iteration_belongs_to_the_end_of_the_increment() {
+    let more = "[time]\nincrement = 0.5\n[newton]\ntolerance = 1e-9";
+    let at_end = |refresh: &str| {
+        let base = PRESSED.replace(
+            "penalty = 2000.0",
+            &format!("penalty = 2000.0\nhysteresis = 0.0\nrefresh = \"{refresh}\""),
+        );
+        let (_, state, mut statics) = run(&base, more);
+        let forces = statics.problem.contacts().forces();
+        let problem = &mut statics.problem;
+        problem.refresh(RefreshRule::Increment, &state.positions).unwrap();
+        problem.evaluate(state.time, &state.positions, &state.points, Order::Residual).unwrap();
+        (forces, problem.contacts().forces())
+    };
+    let (before, after) = at_end("iteration");
+    assert_eq!(before, after);
+    let (before, after) = at_end("increment");
+    assert_ne!(before, after, "the block slides by 0.2 in an increment");
+}
+
+#[test]
+fn a_run_goes_on_from_any_state_to_the_same_end() {
+    let augmented = "method = \"augmented-lagrangian\"\naugmentation = { tolerance = 1e-3, max = 3 }";
+    for more in [
+        "refresh = \"increment\"",
+        "refresh = \"iteration\"\nhysteresis = 0.3",
+        "frame = \"frozen\"",
+        &format!("refresh = \"iteration\"\n{augmented}"),
+    ] {
+        let base = PRESSED.replace("penalty = 2000.0", &format!("penalty = 2000.0\n{more}"));
+        let (deck, model) =
+            deck(&base, "[time]\nincrement = 0.1\nmaximum = 0.3\n[newton]\nmax_iterations = 12");
+        let mut whole = Notes::default();
+        let mut statics = self::statics(&deck, &model);
+        let start = statics.problem().start();
+        let end = statics.run(start, &mut whole).unwrap();
+        assert!(end.points.iter().any(|point| point.equivalent_plastic_strain > 0.0), "it yields");
+        for state in &whole.states {
+            // Through the text of a restart, into a problem that knows of nothing.
+            let text = serde_json::to_string(state).unwrap();
+            let read: State = serde_json::from_str(&text).unwrap();
+            assert_eq!(read, *state);
+            let mut fresh = self::statics(&deck, &model);
+            fresh.check_state(&read).unwrap();
+            assert_eq!(fresh.run(read, &mut Notes::default()).unwrap(), end, "{more}");
+            assert_eq!(fresh.effort(), statics.effort());
+        }
+    }
+}
+
+#[test]
+fn a_state_of_another_problem_is_refused() {
+    let (one, model) = deck(PRESSED, "[time]\nincrement = 0.5");
+    let mut statics = self::statics(&one, &model);
+    let mut state = statics.problem().start();
+    state.positions.pop();
+    let error = statics.check_state(&state).unwrap_err();
+    assert!(
+        matches!(error, StaticsError::ForeignState { what: "nodes", found: 88, expected: 89 }),
+        "{error}"
+    );
+    let mut state = statics.problem().start();
+    state.multipliers.clear();
+    assert!(matches!(statics.check_state(&state), Err(StaticsError::Contact(_))));
+}
+
+#[test]
+fn a_setting_out_of_range_is_named() {
+    let (deck, model) = deck(PRESSED, "[time]\nincrement = 0.5");
+    let problem = || solve::problem(&deck, &model, 1).unwrap();
+    let good = solve::settings(&deck, &model);
+    type Spoil = fn(&mut Settings);
+    let spoilt: [(Spoil, &str); 6] = [
+        (|settings| settings.time.end = f64::NAN, "time.end"),
+        (|settings| settings.time.minimum = 0.0, "time.minimum"),
+        (|settings| settings.time.cutback = 1.0, "time.cutback"),
+        (|settings| settings.time.growth = 0.5, "time.growth"),
+        (|settings| settings.newton.tolerance = -1.0, "newton.tolerance"),
+        (|settings| settings.newton.max_iterations = 0, "newton.max_iterations"),
+    ];
+    for (spoil, expected) in spoilt {
+        let mut settings = good;
+        spoil(&mut settings);
+        let Err(StaticsError::Setting { name, .. }) = Statics::new(problem(), settings) else {
+            panic!("{expected}")
+        };
+        assert_eq!(name, expected);
+    }
+}
+
+#[test]
+fn a_body_that_nothing_holds_fails_and_says_why() {
+    let loose = LOADED.replace("nodes = \"block.y-\"\nfix = [\"y\"]", "nodes = \"block.x-\"\nfix = [\"x\"]");
+    let (deck, model) = deck(&loose, "[time]\nincrement = 0.5\nminimum = 0.3");
+    let mut statics = self::statics(&deck, &model);
+    let start = statics.problem().start();
+    let error = statics.run(start, &mut Notes::default()).unwrap_err();
+    let StaticsError::NoConvergence { reason, .. } = &error else { panic!("{error}") };
+    assert!(matches!(**reason, Failure::Singular(_)), "{error}");
+}

@@ -36,7 +36,9 @@ impl<'a> Increment<'a> {
         let newton = self.settings.newton;
         self.problem.contacts_mut().set_multipliers(&self.committed.multipliers)?;
         self.problem.refresh(RefreshRule::Increment, &self.positions)?;
-        let balance = self.evaluate(Order::Tangent)?;
+        // Seen from the committed points the next step is elastic; with the tangent of the last increment yielding goes on.
+        let before = &self.committed.points_before;
+        let balance = self.problem.evaluate(self.end, &self.positions, before, Order::Tangent)?;
         self.record(balance, observer)?;
         let mut balance = self.predict()?;
         let (mut augmentations, mut in_round) = (0, 1);
@@ -173,6 +175,7 @@ impl<'a> Increment<'a> {
             cutbacks: committed.cutbacks,
             positions,
             points: problem.response().states.clone(),
+            points_before: committed.points.clone(),
             multipliers: problem.contacts().multipliers(),
         };
         let imbalance: Vec<f64> = problem.imbalance().collect();

@@ -115,15 +115,21 @@ impl<'a> Increment<'a> {
         };
         let before = slope(self.problem);
         let origin = self.positions.clone();
-        let full = self.longest(&origin, &step)?;
+        let (full, balance) = self.longest(&origin, &step)?;
         self.step = full;
+        let mut is_whole = true;
         if self.settings.newton.line_search {
             let after = slope(self.problem);
             self.step *= line_search(before, after, |s| {
+                is_whole = false;
                 self.advance(&origin, &step, s * full);
                 self.evaluate(Order::Residual)?;
                 Ok::<f64, Failure>(slope(self.problem))
             })?;
+        }
+        // Most steps are taken whole, and then everything is there already.
+        if is_whole && !self.problem.pairs_in_iterations() {
+            return Ok(balance);
         }
         self.advance(&origin, &step, self.step);
         self.settle()
@@ -136,18 +142,18 @@ impl<'a> Increment<'a> {
     }
 
     /// Takes the full step, or the part of it that leaves all elements the right way round, and evaluates there.
-    fn longest(&mut self, origin: &[[f64; 3]], step: &[f64]) -> Result<f64, Failure> {
+    fn longest(&mut self, origin: &[[f64; 3]], step: &[f64]) -> Result<(f64, Balance), Failure> {
         let mut length = 1.0;
         for _ in 0..HALVINGS {
             self.advance(origin, step, length);
-            match self.evaluate(Order::Residual) {
-                Ok(_) => return Ok(length),
+            match self.evaluate(Order::Tangent) {
+                Ok(balance) => return Ok((length, balance)),
                 Err(Failure::Inverted(_)) => length *= 0.5,
                 Err(failure) => return Err(failure),
             }
         }
         self.advance(origin, step, length);
-        self.evaluate(Order::Residual).map(|_| length)
+        self.evaluate(Order::Tangent).map(|balance| (length, balance))
     }
 
     fn linear_solution(&mut self, prescribed: &[(usize, f64)]) -> Result<Vec<f64>, Failure> {

@@ -187,6 +187,12 @@ impl Problem {
         Ok(())
     }
 
+    /// Whether there are slaves that are paired anew in every iteration.
+    pub(super) fn pairs_in_iterations(&self) -> bool {
+        let interactions = self.contacts.interactions();
+        interactions.iter().any(|interaction| interaction.options().refresh == RefreshRule::Iteration)
+    }
+
     /// Forces at `positions`, and what the stiffness is made of if `order` asks for it.
     pub(super) fn evaluate(
         &mut self,

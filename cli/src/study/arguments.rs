@@ -23,6 +23,22 @@ pub enum Study {
     Sweep(SweepArguments),
     /// Time and memory of a large interface.
     Throughput(ThroughputArguments),
+    /// The examples of the paper with both elements: penetration, Newton iterations, tangents. Takes some minutes.
+    Paper(PaperArguments),
+}
+
+/// Arguments of `study paper`.
+#[derive(Args, Clone, Debug)]
+pub struct PaperArguments {
+    /// Markdown to write, with its figures in `pictures/` beside it [default: standard output, without figures]
+    #[arg(short, long, value_name = "FILE.md")]
+    pub output: Option<PathBuf>,
+    /// Directory for the decks that are run, to be run with `solve`
+    #[arg(long, value_name = "DIR")]
+    pub decks: Option<PathBuf>,
+    /// Coarse mesh, one penalty and a few increments only: shows that everything works
+    #[arg(long)]
+    pub quick: bool,
 }
 
 /// Arguments of `study accuracy`.

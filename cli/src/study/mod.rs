@@ -1,14 +1,16 @@
 //! The `study` job: what contact surfaces achieve on meshes of known shape. Its figures stand in
-//! `docs/contact-surface.md`.
+//! `docs/contact-surface.md`, those of [`paper`] in `docs/paper.md`.
 //!
 //! * [`accuracy`]: error of gap and normal, and its order;
 //! * [`sweep`]: smoothness along a path over many facets;
-//! * [`throughput`]: time and memory.
+//! * [`throughput`]: time and memory;
+//! * [`paper`]: the examples of the paper, solved with both elements.
 
 mod accuracy;
 mod arguments;
 mod error;
 mod markdown;
+mod paper;
 mod patch;
 mod sweep;
 mod throughput;
@@ -26,5 +28,6 @@ pub fn run(arguments: &StudyArguments) -> Result<(), CliError> {
         Study::Accuracy(arguments) => accuracy::run(arguments),
         Study::Sweep(arguments) => sweep::run(arguments),
         Study::Throughput(arguments) => throughput::run(arguments),
+        Study::Paper(arguments) => paper::run(arguments),
     }
 }

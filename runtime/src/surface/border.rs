@@ -26,6 +26,8 @@ pub struct Creases {
 #[derive(Clone, Debug, Default)]
 pub struct BorderScratch {
     patch: Vec<u32>,
+    /// Facets of the patch with a lower bound of their distances.
+    near: Vec<(f64, u32)>,
     feet: Vec<(u32, Foot)>,
 }
 
@@ -70,12 +72,24 @@ impl Creases {
         point: Point,
         scratch: &mut BorderScratch,
     ) -> f64 {
-        let BorderScratch { patch, feet } = scratch;
+        let BorderScratch { patch, near, feet } = scratch;
         self.collect_patch(surface, facet, nodes, patch);
         let x = Vector3::from(point);
+        near.clear();
+        near.extend(patch.iter().map(|&facet| (surface.shape(facet as usize, positions).at_least(x), facet)));
+        near.sort_unstable_by(|(one, _), (other, _)| one.total_cmp(other));
         feet.clear();
-        feet.extend(patch.iter().map(|&facet| (facet, surface.shape(facet as usize, positions).closest(x))));
-        let least = feet.iter().map(|(_, foot)| foot.distance).fold(f64::INFINITY, f64::min);
+        let mut least = f64::INFINITY;
+        for &(bound, facet) in &*near {
+            // Feet cost most of the test, and two or three of a patch matter.
+            let shape = surface.shape(facet as usize, positions);
+            if bound > least + TIE * (least + shape.extent()) {
+                continue;
+            }
+            let foot = shape.closest(x);
+            least = least.min(foot.distance);
+            feet.push((facet, foot));
+        }
         feet.iter()
             .map(|&(facet, foot)| {
                 let shape = surface.shape(facet as usize, positions);

@@ -36,7 +36,9 @@ impl<'a> Increment<'a> {
         let newton = self.settings.newton;
         self.problem.take_history(self.committed)?;
         self.problem.refresh(RefreshRule::Increment, &self.positions)?;
-        let balance = self.evaluate(Order::Tangent)?;
+        // Seen from the committed points the next step is elastic; with the tangent of the last increment yielding goes on.
+        let before = &self.committed.points_before;
+        let balance = self.problem.evaluate(self.end, &self.positions, before, Order::Tangent)?;
         self.record(balance, observer)?;
         let mut balance = self.predict()?;
         let (mut augmentations, mut in_round) = (0, 1);
@@ -113,15 +115,21 @@ impl<'a> Increment<'a> {
         };
         let before = slope(self.problem);
         let origin = self.positions.clone();
-        let full = self.longest(&origin, &step)?;
+        let (full, balance) = self.longest(&origin, &step)?;
         self.step = full;
+        let mut is_whole = true;
         if self.settings.newton.line_search {
             let after = slope(self.problem);
             self.step *= line_search(before, after, |s| {
+                is_whole = false;
                 self.advance(&origin, &step, s * full);
                 self.evaluate(Order::Residual)?;
                 Ok::<f64, Failure>(slope(self.problem))
             })?;
+        }
+        // Most steps are taken whole, and then everything is there already.
+        if is_whole && !self.problem.pairs_in_iterations() {
+            return Ok(balance);
         }
         self.advance(&origin, &step, self.step);
         self.settle()
@@ -134,18 +142,18 @@ impl<'a> Increment<'a> {
     }
 
     /// Takes the full step, or the part of it that leaves all elements the right way round, and evaluates there.
-    fn longest(&mut self, origin: &[[f64; 3]], step: &[f64]) -> Result<f64, Failure> {
+    fn longest(&mut self, origin: &[[f64; 3]], step: &[f64]) -> Result<(f64, Balance), Failure> {
         let mut length = 1.0;
         for _ in 0..HALVINGS {
             self.advance(origin, step, length);
-            match self.evaluate(Order::Residual) {
-                Ok(_) => return Ok(length),
+            match self.evaluate(Order::Tangent) {
+                Ok(balance) => return Ok((length, balance)),
                 Err(Failure::Inverted(_)) => length *= 0.5,
                 Err(failure) => return Err(failure),
             }
         }
         self.advance(origin, step, length);
-        self.evaluate(Order::Residual).map(|_| length)
+        self.evaluate(Order::Tangent).map(|balance| (length, balance))
     }
 
     fn linear_solution(&mut self, prescribed: &[(usize, f64)]) -> Result<Vec<f64>, Failure> {
@@ -181,6 +189,7 @@ impl<'a> Increment<'a> {
             cutbacks: committed.cutbacks,
             positions,
             points: problem.response().states.clone(),
+            points_before: committed.points.clone(),
             multipliers: problem.contacts().multipliers(),
             pairings: problem.contacts().pairings(),
         };

@@ -29,6 +29,8 @@ pub struct State {
     pub positions: Vec<[f64; 3]>,
     /// Plastic state of each integration point.
     pub points: Vec<PointState>,
+    /// The same at the start of the last increment: from there the tangent at `positions` goes on with the flow.
+    pub points_before: Vec<PointState>,
     /// Multipliers of each pass of each interaction, force.
     pub multipliers: Vec<Vec<f64>>,
     /// What the next pairing may keep of the last one, for each slave of each pass.
@@ -109,6 +111,7 @@ impl Problem {
             cutbacks: 0,
             positions: self.start.clone(),
             points: self.solid.states(),
+            points_before: self.solid.states(),
             multipliers: self.contacts.multipliers(),
             pairings: self.contacts.pairings(),
         }
@@ -122,6 +125,7 @@ impl Problem {
         let counts = [
             ("nodes", state.positions.len(), self.start.len()),
             ("integration points", state.points.len(), self.solid.states().len()),
+            ("integration points before", state.points_before.len(), self.solid.states().len()),
         ];
         for (what, found, expected) in counts {
             if found != expected {
@@ -190,6 +194,12 @@ impl Problem {
         }
         self.timing.pairing += begin.elapsed();
         Ok(())
+    }
+
+    /// Whether there are slaves that are paired anew in every iteration.
+    pub(super) fn pairs_in_iterations(&self) -> bool {
+        let interactions = self.contacts.interactions();
+        interactions.iter().any(|interaction| interaction.options().refresh == RefreshRule::Iteration)
     }
 
     /// Forces at `positions`, and what the stiffness is made of if `order` asks for it.

@@ -1,0 +1,292 @@
+//! The paper's second example: a pipe pinched between plates.
+
+use std::fmt::Write as _;
+
+use super::case::{Case, Outcome, saving};
+use super::plot::{Curve, Figure, Shapes};
+use super::{Chapter, Decks};
+use crate::error::CliError;
+use crate::study::markdown::Table;
+
+const ELASTIC: &str = include_str!("../../../../examples/pipe_pinch.toml");
+const PLASTIC: &str = include_str!("../../../../examples/pipe_pinch_plastic.toml");
+
+/// Cells of a mesh: around the pipe, along the plate, along z.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mesh {
+    name: &'static str,
+    pipe: i64,
+    plate: i64,
+    along: i64,
+}
+
+const MESHES: [Mesh; 3] = [
+    Mesh { name: "coarse", pipe: 16, plate: 12, along: 2 },
+    Mesh { name: "medium", pipe: 24, plate: 18, along: 3 },
+    Mesh { name: "fine", pipe: 32, plate: 24, along: 4 },
+];
+const PENALTIES: [f64; 3] = [2e5, 2e6, 2e7];
+
+/// Elastic or elastoplastic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pipe {
+    Elastic,
+    Plastic,
+}
+
+/// Whose surface is the master.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Master {
+    Pipe,
+    Plate,
+}
+
+/// What is run.
+pub struct Scope {
+    meshes: &'static [Mesh],
+    plastic_meshes: &'static [Mesh],
+    penalties: &'static [f64],
+    /// Increments of each run, all of them if there is no limit.
+    pub limit: Option<usize>,
+}
+
+impl Scope {
+    /// All, or a part of it that shows that everything works.
+    pub fn new(is_quick: bool) -> Self {
+        if is_quick {
+            let meshes = &MESHES[..1];
+            return Self { meshes, plastic_meshes: meshes, penalties: &PENALTIES[1..2], limit: Some(4) };
+        }
+        Self { meshes: &MESHES, plastic_meshes: &MESHES[..2], penalties: &PENALTIES, limit: None }
+    }
+
+    /// Number of runs.
+    pub fn runs(&self) -> usize {
+        (self.meshes.len() + self.plastic_meshes.len()) * self.penalties.len() * 4
+            + 2 * [self.meshes.len(), self.plastic_meshes.len()].len()
+    }
+
+    /// The finest mesh.
+    pub fn finest(&self) -> Mesh {
+        self.meshes[self.meshes.len() - 1]
+    }
+
+    /// The coarsest mesh.
+    pub fn coarsest(&self) -> Mesh {
+        self.meshes[0]
+    }
+
+    /// The stiffest penalty.
+    pub fn stiffest(&self) -> f64 {
+        self.penalties[self.penalties.len() - 1]
+    }
+}
+
+/// A deck with the diffuse element.
+pub fn case(pipe: Pipe, mesh: Mesh, penalty: f64, master: Master, limit: Option<usize>) -> Case {
+    let (name, text) = match pipe {
+        Pipe::Elastic => ("pipe_pinch", ELASTIC),
+        Pipe::Plastic => ("pipe_pinch_plastic", PLASTIC),
+    };
+    let Mesh { name: cells, pipe, plate, along } = mesh;
+    let side = match master {
+        Master::Pipe => "pipe",
+        Master::Plate => "plate",
+    };
+    Case::new(name, text)
+        .with("parts.pipe.divisions", vec![pipe, 2, along])
+        .with("parts.plate.divisions", vec![plate, 2, along])
+        .with("interface.penalty", penalty)
+        .with("interface.exchange", master == Master::Plate)
+        .named(&format!("{cells}-{penalty:.0e}-{side}"))
+        .up_to(limit)
+}
+
+/// Both elements on the same deck.
+struct Pair {
+    mesh: Mesh,
+    penalty: f64,
+    master: Master,
+    diffuse: Outcome,
+    classic: Outcome,
+}
+
+/// Runs them all.
+pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
+    let elastic = pairs(decks, scope, Pipe::Elastic, scope.meshes)?;
+    let plastic = pairs(decks, scope, Pipe::Plastic, scope.plastic_meshes)?;
+    let refreshed = refreshed(decks, scope)?;
+    let shown = elastic.iter().filter(|pair| pair.master == Master::Pipe && pair.penalty == scope.stiffest());
+    let curves = shown.flat_map(|pair| {
+        [("diffuse", &pair.diffuse), ("facets", &pair.classic)].map(|(element, outcome)| Curve {
+            label: format!("{element}, {}", pair.mesh.name),
+            points: cumulated(outcome),
+        })
+    });
+    let iterations = Figure {
+        title: "Iterations of the elastic pinch, pipe as master, stiffest penalty",
+        x: "displacement of the plate, mm",
+        y: "iterations so far",
+        curves: curves.collect(),
+        is_logarithmic: false,
+    };
+    let pictures = elastic.first().zip(plastic.first()).map(|(elastic, plastic)| {
+        let at = |outcome: &Outcome, end: f64| {
+            let last = outcome.positions.len().saturating_sub(1);
+            let half = (last / 2, last);
+            [half.0, half.1].map(|k| {
+                let reached = end * outcome.increments[k].time;
+                (format!("{reached:.0} mm"), outlines(outcome, &outcome.positions[k]))
+            })
+        };
+        let mut pictures = Vec::new();
+        for (name, heading, outcome, end) in [
+            ("paper-pinch-elastic.svg", "Elastic, side z = 0", &elastic.diffuse, 80.0),
+            ("paper-pinch-plastic.svg", "Elastoplastic, side z = 0", &plastic.diffuse, 100.0),
+        ] {
+            let mut all = vec![("start".to_owned(), outlines(outcome, &outcome.start))];
+            all.extend(at(outcome, end));
+            pictures.push(Shapes { title: heading, pictures: all }.draw().map(|picture| (name, picture)));
+        }
+        pictures
+    });
+    let mut drawn = vec![("paper-iterations.svg", iterations.draw()?)];
+    for picture in pictures.into_iter().flatten() {
+        drawn.push(picture?);
+    }
+    Ok(Chapter { text: text(&elastic, &plastic, &refreshed), pictures: drawn })
+}
+
+fn pairs(decks: &Decks, scope: &Scope, pipe: Pipe, meshes: &[Mesh]) -> Result<Vec<Pair>, CliError> {
+    let mut pairs = Vec::new();
+    for &mesh in meshes {
+        for master in [Master::Pipe, Master::Plate] {
+            for &penalty in scope.penalties {
+                let case = case(pipe, mesh, penalty, master, scope.limit);
+                let diffuse = decks.run(&case)?;
+                let classic = decks.run(&case.classic())?;
+                pairs.push(Pair { mesh, penalty, master, diffuse, classic });
+            }
+        }
+    }
+    Ok(pairs)
+}
+
+/// Pairs on the finest meshes, paired anew in every iteration.
+fn refreshed(decks: &Decks, scope: &Scope) -> Result<Vec<(Pipe, Pair)>, CliError> {
+    let mut pairs = Vec::new();
+    for (pipe, meshes) in [(Pipe::Elastic, scope.meshes), (Pipe::Plastic, scope.plastic_meshes)] {
+        let (mesh, penalty, master) = (meshes[meshes.len() - 1], PENALTIES[1], Master::Pipe);
+        let case = case(pipe, mesh, penalty, master, scope.limit).with("interface.refresh", "iteration").named("anew");
+        let diffuse = decks.run(&case)?;
+        let classic = decks.run(&case.classic())?;
+        pairs.push((pipe, Pair { mesh, penalty, master, diffuse, classic }));
+    }
+    Ok(pairs)
+}
+
+/// Displacement of the plate, iterations so far.
+fn cumulated(outcome: &Outcome) -> Vec<(f64, f64)> {
+    let mut sum = 0;
+    let points = outcome.increments.iter().map(|record| {
+        sum += record.iterations;
+        (80.0 * record.time, sum as f64)
+    });
+    points.collect()
+}
+
+/// The faces of pipe and plate on the side z = 0, seen along z.
+fn outlines(outcome: &Outcome, positions: &[[f64; 3]]) -> Vec<(usize, Vec<(f64, f64)>)> {
+    let faces = ["pipe.bottom", "plate.z-"].into_iter().enumerate();
+    faces
+        .flat_map(|(colour, name)| outcome.surfaces[name].iter().map(move |face| (colour, face)))
+        .map(|(colour, face)| {
+            let corners = face.corners();
+            let ring = corners.iter().chain(corners.first());
+            (colour, ring.map(|&node| (positions[node][0], positions[node][1])).collect())
+        })
+        .collect()
+}
+
+const COLUMNS: [&str; 8] =
+    ["mesh", "master", "penalty, N/mm", "diffuse", "facets", "fewer", "time, diffuse over facets", "penetration, mm"];
+
+impl Pair {
+    fn row(&self, label: &str) -> Vec<String> {
+        let Self { mesh, penalty, master, diffuse, classic } = self;
+        let ratio = diffuse.wall.as_secs_f64() / classic.wall.as_secs_f64();
+        vec![
+            format!("{label}{}, {} × 2 × {} on {} × 2 × {}", mesh.name, mesh.pipe, mesh.along, mesh.plate, mesh.along),
+            match master {
+                Master::Pipe => "pipe".into(),
+                Master::Plate => "plate".into(),
+            },
+            format!("{penalty:.0e}"),
+            diffuse.count(),
+            classic.count(),
+            saving(diffuse, classic),
+            if diffuse.converged() && classic.converged() { format!("{ratio:.2}") } else { "–".into() },
+            format!("{:.3}, {:.3}", diffuse.penetration(), classic.penetration()),
+        ]
+    }
+}
+
+/// Iterations of all that converged with both elements, and how many fewer.
+fn total(pairs: &[Pair], master: Master) -> String {
+    let both: Vec<&Pair> = pairs
+        .iter()
+        .filter(|pair| pair.master == master && pair.diffuse.converged() && pair.classic.converged())
+        .collect();
+    let sum = |outcome: fn(&Pair) -> &Outcome| both.iter().map(|pair| outcome(pair).iterations).sum::<usize>();
+    let (diffuse, classic) = (sum(|pair| &pair.diffuse), sum(|pair| &pair.classic));
+    let fewer = 100.0 * (1.0 - diffuse as f64 / classic.max(1) as f64);
+    format!("{diffuse} against {classic} over {} decks, {fewer:.1} % fewer", both.len())
+}
+
+fn text(elastic: &[Pair], plastic: &[Pair], refreshed: &[(Pipe, Pair)]) -> String {
+    let tables = [("Elastic: 80 mm in 32 increments", elastic), ("Elastoplastic: 100 mm in 100 increments", plastic)];
+    let mut text = "## A pipe pinched between plates\n\n\
+         `examples/pipe_pinch.toml` and `examples/pipe_pinch_plastic.toml`: a quarter of a pipe and half of a plate, both deformable; \
+         the plate's upper face moves down. The paper prints no dimensions. Elastic: radius 100 mm, thickness 10. A pipe \
+         of this size cannot be pinched by 100 mm: its inner surface is at the plane of symmetry after 90. The elastoplastic one is half as \
+         large again in all directions.\n\n\
+         The curved pipe is the master, whose facets have kinks; with the plate as master both elements see a nearly plane surface.\n"
+        .to_owned();
+    for (heading, pairs) in tables {
+        let mut table = Table::new(format!("### {heading}"), COLUMNS);
+        pairs.iter().for_each(|pair| table.row(pair.row("")));
+        let (pipe, plate) = (total(pairs, Master::Pipe), total(pairs, Master::Plate));
+        let _ = write!(text, "\n{table}\nTogether, pipe as master: {pipe}. Plate as master: {plate}.\n");
+    }
+    let mut table = Table::new("### Slaves paired anew in every iteration instead of every increment", COLUMNS);
+    for (pipe, pair) in refreshed {
+        let label = if *pipe == Pipe::Elastic { "elastic, " } else { "elastoplastic, " };
+        table.row(pair.row(label));
+    }
+    let _ = write!(
+        text,
+        "\n{table}\n\
+         ![Iterations over the displacement](pictures/paper-iterations.svg)\n\n\
+         ![Deformed pipe, elastic](pictures/paper-pinch-elastic.svg)\n\n\
+         ![Deformed pipe, elastoplastic](pictures/paper-pinch-plastic.svg)\n"
+    );
+    if let Some(pair) = elastic.iter().find(|pair| pair.master == Master::Pipe) {
+        let _ = write!(text, "\n{}", shares(pair));
+    }
+    text
+}
+
+/// Where the time of a pair of runs goes.
+fn shares(pair: &Pair) -> String {
+    let title = format!("### Where the time goes, {} mesh, pipe as master, in % of the run", pair.mesh.name);
+    let mut table = Table::new(title, ["element", "solid", "contact evaluation", "pairing", "linear solver"]);
+    for (name, outcome) in [("diffuse", &pair.diffuse), ("facets", &pair.classic)] {
+        let timing = outcome.timing;
+        let parts = [timing.solid, timing.contact, timing.pairing, timing.linear];
+        let share = |part: std::time::Duration| {
+            format!("{:.1}", 100.0 * part.as_secs_f64() / outcome.wall.as_secs_f64())
+        };
+        table.row(std::iter::once(name.to_owned()).chain(parts.map(share)));
+    }
+    table.to_string()
+}

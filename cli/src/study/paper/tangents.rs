@@ -1,0 +1,108 @@
+//! What the exact tangent is worth: residuals of one increment, and iterations with less than all of it.
+
+use std::fmt::Write as _;
+
+use super::case::{Case, Outcome};
+use super::pinch::{Master, Pipe, Scope, case};
+use super::plot::{Curve, Figure};
+use super::{Chapter, Decks};
+use crate::error::CliError;
+use crate::study::markdown::Table;
+
+/// What takes part in the tangent.
+const TANGENTS: [&str; 3] = ["exact", "frame held", "ε N Nᵀ"];
+
+/// Number of runs.
+pub fn runs(scope: &Scope) -> usize {
+    decks_of(scope).len() * TANGENTS.len()
+}
+
+/// Headings and decks.
+fn decks_of(scope: &Scope) -> Vec<(String, Case)> {
+    let decks = [
+        (Pipe::Elastic, "elastic, coarse", scope.coarsest()),
+        (Pipe::Elastic, "elastic, fine", scope.finest()),
+        (Pipe::Plastic, "elastoplastic, coarse", scope.coarsest()),
+    ];
+    let soft_and_stiff = [2e5, 2e6];
+    decks
+        .into_iter()
+        .flat_map(|(pipe, name, mesh)| {
+            soft_and_stiff.map(|penalty| {
+                (format!("{name}, {penalty:.0e} N/mm"), case(pipe, mesh, penalty, Master::Pipe, scope.limit))
+            })
+        })
+        .collect()
+}
+
+/// The deck with each tangent.
+fn variants(case: &Case) -> [Case; 3] {
+    [
+        case.clone(),
+        case.clone().with("interface.frame", "frozen").named("frozen"),
+        case.clone().with("interface.tangent", "gauss-newton").named("gauss-newton"),
+    ]
+}
+
+/// Runs them all.
+pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
+    let columns = ["deck, pipe as master"].into_iter().chain(TANGENTS);
+    let mut counts = Table::new("### Iterations of the diffuse element", columns);
+    let mut histories = None;
+    for (name, case) in decks_of(scope) {
+        let [exact, frozen, rank_one] = variants(&case);
+        let outcomes = [decks.run(&exact)?, decks.run(&frozen)?, decks.run(&rank_one)?];
+        counts.row(std::iter::once(name.clone()).chain(outcomes.iter().map(Outcome::count)));
+        if histories.is_none() {
+            histories = Some((name, outcomes));
+        }
+    }
+    let Some((name, outcomes)) = histories else {
+        return Ok(Chapter { text: counts.to_string(), pictures: Vec::new() });
+    };
+    let number = hardest(&outcomes);
+    let residuals: Vec<Vec<f64>> = outcomes.iter().map(|outcome| history(outcome, number)).collect();
+    let curves = TANGENTS.iter().zip(&residuals).map(|(label, residuals)| Curve {
+        label: (*label).into(),
+        points: residuals.iter().enumerate().map(|(k, &residual)| ((k + 1) as f64, residual.max(1e-16))).collect(),
+    });
+    let title = format!("Residuals of increment {}", number + 1);
+    let figure = Figure {
+        title: &title,
+        x: "iteration",
+        y: "residual over the forces",
+        curves: curves.collect(),
+        is_logarithmic: true,
+    };
+    let heading = format!("### Residuals over the forces, increment {} ({name})", number + 1);
+    let mut table = Table::new(heading, ["iteration"].into_iter().chain(TANGENTS));
+    for k in 0..residuals.iter().map(Vec::len).max().unwrap_or(0) {
+        let cells = residuals.iter().map(|list| list.get(k).map_or(String::new(), |value| format!("{value:.1e}")));
+        table.row(std::iter::once((k + 1).to_string()).chain(cells));
+    }
+    let mut text = String::new();
+    let _ = write!(
+        text,
+        "## What the exact tangent is worth\n\n\
+         The exact tangent is ε (g M + N Nᵀ) with the frame moving along. With the frame held, as the paper has it, force and tangent \
+         still belong to each other within an increment. ε N Nᵀ leaves out the Hessian: what an element without second \
+         derivatives has.\n\n{counts}\n\
+         The increment below is the one in which the tangents differ most.\n\n{table}\n\
+         ![Residuals](pictures/paper-residuals.svg)\n"
+    );
+    Ok(Chapter { text, pictures: vec![("paper-residuals.svg", figure.draw()?)] })
+}
+
+/// The increment that takes the last tangent most iterations more than the first, from 0.
+fn hardest(outcomes: &[Outcome]) -> usize {
+    let [Some(first), Some(last)] = [outcomes.first(), outcomes.last()] else { return 0 };
+    let pairs = first.increments.iter().zip(&last.increments).enumerate();
+    let extra = pairs.map(|(k, (one, other))| (other.iterations as i64 - one.iterations as i64, std::cmp::Reverse(k)));
+    extra.max().map_or(0, |(_, std::cmp::Reverse(k))| k)
+}
+
+/// Residuals of an increment after each linear solution.
+fn history(outcome: &Outcome, number: usize) -> Vec<f64> {
+    let records = outcome.increments.get(number).map(|record| &record.history[..]).unwrap_or_default();
+    records.iter().filter(|record| record.iteration > 0).map(|record| record.relative).collect()
+}

@@ -1,9 +1,10 @@
-//! The `study` job: what contact surfaces achieve on meshes of known shape. Its figures stand in
-//! `docs/contact-surface.md`.
+//! The `study` job: what contact surfaces achieve on meshes of known shape, and the solver on problems with known answers.
+//! The figures stand in `docs/contact-surface.md` and `docs/verification.md`.
 //!
 //! * [`accuracy`]: error of gap and normal, and its order;
 //! * [`sweep`]: smoothness along a path over many facets;
-//! * [`throughput`]: time and memory.
+//! * [`throughput`]: time and memory;
+//! * [`verification`]: patch test, Hertz, torque and force of what ought to turn and slide evenly.
 
 mod accuracy;
 mod arguments;
@@ -12,6 +13,7 @@ mod markdown;
 mod patch;
 mod sweep;
 mod throughput;
+mod verification;
 
 pub use arguments::StudyArguments;
 pub use error::StudyError;
@@ -26,5 +28,6 @@ pub fn run(arguments: &StudyArguments) -> Result<(), CliError> {
         Study::Accuracy(arguments) => accuracy::run(arguments),
         Study::Sweep(arguments) => sweep::run(arguments),
         Study::Throughput(arguments) => throughput::run(arguments),
+        Study::Verification(arguments) => verification::run(arguments),
     }
 }

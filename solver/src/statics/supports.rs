@@ -64,7 +64,11 @@ impl SupportGroups {
     }
 
     /// Prescribed degrees of freedom and their coordinates at `time`; `start`: positions at the start.
-    pub fn targets<'a>(&'a self, time: f64, start: &'a [[f64; 3]]) -> impl Iterator<Item = (usize, f64)> + 'a {
+    pub fn targets<'a>(
+        &'a self,
+        time: f64,
+        start: &'a [[f64; 3]],
+    ) -> impl Iterator<Item = (usize, f64)> + 'a {
         self.group_of.iter().enumerate().filter_map(move |(freedom, group)| {
             let motion = &self.groups[(*group)? as usize].support.motion;
             Some((freedom, motion.position(time, start[freedom / 3])[freedom % 3]))
@@ -78,6 +82,22 @@ impl SupportGroups {
         for (freedom, of) in self.group_of.iter().enumerate() {
             if *of == Some(group as u32) {
                 sum[freedom % 3] += forces[freedom];
+            }
+        }
+        sum
+    }
+
+    /// Moment about a point of `forces`, three per node, over the degrees of freedom that belong to a group: Σ (x − point) × f.
+    #[must_use]
+    pub fn moment(&self, group: usize, forces: &[f64], positions: &[[f64; 3]], point: [f64; 3]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        let nodes = self.group_of.as_chunks::<3>().0.iter().zip(forces.as_chunks::<3>().0).zip(positions);
+        for ((of, force), position) in nodes {
+            let own = |axis: usize| if of[axis] == Some(group as u32) { force[axis] } else { 0.0 };
+            let arm = |axis: usize| position[axis] - point[axis];
+            for (axis, sum) in sum.iter_mut().enumerate() {
+                let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+                *sum += arm(next) * own(last) - arm(last) * own(next);
             }
         }
         sum

@@ -57,7 +57,7 @@ impl PointContact {
 /// Pressure of a slave node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodalPressure {
-    /// Distance from the line or the point of first touch, at the positions of the moment, length.
+    /// Distance from the line or the point of first touch at the start, length.
     pub distance: f64,
     /// Contact force over tributary area at the start, force per area.
     pub pressure: f64,
@@ -71,13 +71,13 @@ pub struct PressureProfile {
 }
 
 impl PressureProfile {
-    /// Pressures of the slaves, whose interfaces carry areas; `distance` of a position.
+    /// Pressures of the slaves, whose interfaces carry areas; `distance` of a position at the start.
     #[must_use]
     pub fn of(snapshot: &Snapshot<'_>, distance: impl Fn([f64; 3]) -> f64) -> Self {
         let pressed = snapshot.slaves().filter(|slave| slave.force > 0.0);
         let mut nodes: Vec<NodalPressure> = pressed
             .map(|slave| NodalPressure {
-                distance: distance(snapshot.state.positions[slave.node]),
+                distance: distance(snapshot.problem.start_positions()[slave.node]),
                 pressure: slave.force / slave.area,
             })
             .collect();

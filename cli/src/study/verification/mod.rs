@@ -11,7 +11,6 @@ mod sliding;
 mod turning;
 
 use std::fmt::Display;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use diffuse_contact_solver::deck::{Contact, Deck, DeckError};

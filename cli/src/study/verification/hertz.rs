@@ -1,7 +1,9 @@
-//! A cylinder and a ball on a rigid plane: the peak pressure against Hertz, at the force that the run found.
+//! A cylinder and a ball on a rigid plane: the peak pressure against Hertz, at the force that the run found. And on an elastic block of
+//! the same material, whose nodes are the slaves of the curved body.
 
-use diffuse_contact_solver::deck::{Contact, Deck, PartSource};
-use diffuse_contact_solver::model::shape::{RigidPlane, Shape};
+use diffuse_contact_solver::deck::{Boundary, Contact, Deck, PartSource, Reference};
+use diffuse_contact_solver::model::Motion;
+use diffuse_contact_solver::model::shape::{Block, Shape};
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::{LineContact, PointContact, PressureProfile, Trace, trace};
 
@@ -9,22 +11,22 @@ use super::plot::{Chart, Curve};
 use super::{Decks, ELEMENTS, Findings, colour, divide, outcome, percent, row};
 use crate::study::markdown::Table;
 
-/// Cells of the body and of the floor on each mesh. The second is the deck's.
+/// Cells of the body, and of an elastic floor along x and z. The second mesh is the deck's.
 struct Mesh {
     name: &'static str,
     body: &'static [usize],
-    floor: [usize; 2],
+    floor: Option<usize>,
 }
 
 const CYLINDERS: [Mesh; 3] = [
-    Mesh { name: "coarse", body: &[10, 8, 2], floor: [10, 2] },
-    Mesh { name: "deck", body: &[20, 16, 2], floor: [20, 2] },
-    Mesh { name: "fine", body: &[40, 32, 2], floor: [40, 2] },
+    Mesh { name: "coarse", body: &[10, 8, 2], floor: Some(12) },
+    Mesh { name: "deck", body: &[20, 16, 2], floor: Some(24) },
+    Mesh { name: "fine", body: &[40, 32, 2], floor: Some(48) },
 ];
 const BALLS: [Mesh; 3] = [
-    Mesh { name: "coarse", body: &[6, 5], floor: [8, 8] },
-    Mesh { name: "deck", body: &[9, 8], floor: [12, 12] },
-    Mesh { name: "fine", body: &[14, 12], floor: [20, 20] },
+    Mesh { name: "coarse", body: &[6, 5], floor: Some(7) },
+    Mesh { name: "deck", body: &[9, 8], floor: Some(10) },
+    Mesh { name: "fine", body: &[14, 12], floor: None },
 ];
 
 /// One of the two problems.
@@ -33,15 +35,17 @@ struct Problem {
     /// The body in the deck.
     body: &'static str,
     meshes: &'static [Mesh],
-    /// The floor while its nodes are the slaves: just as large as need be, length.
-    floor: [f64; 2],
+    /// Cells across and width of an elastic floor along y; as along x without.
+    across: Option<(usize, f64)>,
+    /// Sides of the elastic floor that lie on planes of symmetry, and the axes along which they stay.
+    symmetry: &'static [(&'static str, [bool; 3])],
     /// What lies between a position and the first touch, length.
     distance: fn([f64; 3]) -> f64,
-    /// Half width and peak pressure at a force on the part that is modelled.
-    exact: fn(f64) -> [f64; 2],
+    /// Half width and peak pressure at a force on the part that is modelled, and a modulus E*.
+    exact: fn(f64, f64) -> [f64; 2],
 }
 
-/// Of both decks: E* and radius.
+/// Of both decks: E* on a rigid floor, and radius.
 const MODULUS: f64 = 200_000.0 / (1.0 - 0.3 * 0.3);
 const RADIUS: f64 = 10.0;
 /// Length of the cylinder.
@@ -54,11 +58,16 @@ pub fn cylinder(decks: &Decks) -> Result<Findings, SolveError> {
             title: "Hertz, cylinder",
             body: "cylinder",
             meshes: &CYLINDERS,
-            floor: [0.8, LENGTH],
+            across: Some((2, LENGTH)),
+            symmetry: &[
+                ("floor.x-", [true, false, false]),
+                ("floor.y-", [false, true, false]),
+                ("floor.y+", [false, true, false]),
+            ],
             distance: |x| x[0].abs(),
             // Half of the cylinder is modelled.
-            exact: |force| {
-                let contact = LineContact { force: 2.0 * force / LENGTH, radius: RADIUS, modulus: MODULUS };
+            exact: |force, modulus| {
+                let contact = LineContact { force: 2.0 * force / LENGTH, radius: RADIUS, modulus };
                 [contact.half_width(), contact.peak_pressure()]
             },
         },
@@ -72,11 +81,12 @@ pub fn ball(decks: &Decks) -> Result<Findings, SolveError> {
             title: "Hertz, ball",
             body: "ball",
             meshes: &BALLS,
-            floor: [1.2, 1.2],
+            across: None,
+            symmetry: &[("floor.x-", [true, false, false]), ("floor.y-", [false, true, false])],
             distance: |x| x[0].hypot(x[1]),
             // A quarter of the ball is modelled.
-            exact: |force| {
-                let contact = PointContact { force: 4.0 * force, radius: RADIUS, modulus: MODULUS };
+            exact: |force, modulus| {
+                let contact = PointContact { force: 4.0 * force, radius: RADIUS, modulus };
                 [contact.half_width(), contact.peak_pressure()]
             },
         },
@@ -107,15 +117,24 @@ fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
     for exchange in [false, true] {
         for element in ELEMENTS {
             for mesh in problem.meshes {
-                let deck = variant(decks.with(element)?, problem, mesh, exchange);
+                let mut deck = decks.with(element)?;
+                divide(&mut deck, problem.body, mesh.body);
+                let modulus = match (exchange, mesh.floor) {
+                    (false, _) => MODULUS,
+                    (true, Some(cells)) => {
+                        soften(&mut deck, problem, cells);
+                        0.5 * MODULUS
+                    }
+                    (true, None) => continue,
+                };
                 let run = outcome(press(&deck, decks, problem))?;
                 if let (Ok(run), "deck", true) = (&run, mesh.name, exchange) {
-                    curves.extend(curve(run, problem, element));
+                    curves.extend(curve(run, problem, element, modulus));
                 }
-                let figures = run.map(|run| figures(&run, problem));
+                let figures = run.map(|run| figures(&run, problem, modulus));
                 row(
                     &mut table,
-                    [if exchange { "floor" } else { problem.body }, element.name(), mesh.name],
+                    [if exchange { "elastic floor" } else { problem.body }, element.name(), mesh.name],
                     figures,
                 );
             }
@@ -140,19 +159,36 @@ fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
     Ok(Findings { tables: vec![table], charts: vec![chart] })
 }
 
-/// The deck on another mesh; with `exchange` the floor's nodes are the slaves and the curved body carries the contact surface.
-fn variant(mut deck: Deck, problem: &Problem, mesh: &Mesh, exchange: bool) -> Deck {
-    divide(&mut deck, problem.body, mesh.body);
-    for interface in &mut deck.interfaces {
-        interface.exchange = exchange;
+/// Makes the floor an elastic block, whose nodes are the slaves: the curved body carries the contact surface.
+fn soften(deck: &mut Deck, problem: &Problem, cells: usize) {
+    let material = deck.parts.iter().find_map(|part| part.material.clone());
+    let (across, width) = problem.across.unwrap_or((cells, RADIUS));
+    let fine = 80.0;
+    for part in deck.parts.iter_mut().filter(|part| part.name == "floor") {
+        part.source = PartSource::Shape(Shape::Block(Block {
+            origin: [0.0, 0.0, -RADIUS],
+            size: [RADIUS, width, RADIUS],
+            divisions: [cells, across, cells],
+            grading: [fine, if problem.across.is_some() { 1.0 } else { fine }, 1.0 / fine],
+        }));
+        part.material.clone_from(&material);
+        part.translation = [0.0; 3];
     }
-    if exchange && let Some(floor) = deck.parts.iter_mut().find(|part| part.name == "floor") {
-        if let PartSource::Shape(Shape::RigidPlane(RigidPlane { size, divisions, .. })) = &mut floor.source {
-            (*size, *divisions) = (problem.floor, mesh.floor);
+    let named = |name: &str| vec![Reference { name: name.to_owned(), line: 0 }];
+    for node_set in deck.boundaries.iter_mut().flat_map(|boundary| &mut boundary.nodes) {
+        if node_set.name == "floor" {
+            node_set.name = "floor.z-".to_owned();
         }
-        floor.translation = [0.0; 3];
     }
-    deck
+    deck.boundaries.extend(problem.symmetry.iter().map(|&(nodes, axes)| Boundary {
+        line: 0,
+        nodes: named(nodes),
+        axes,
+        motion: Motion::fixed(),
+    }));
+    for interface in &mut deck.interfaces {
+        interface.master = std::mem::replace(&mut interface.slave, named("floor.z+"));
+    }
 }
 
 fn press(deck: &Deck, decks: &Decks, problem: &Problem) -> Result<Trace<Press>, SolveError> {
@@ -161,9 +197,9 @@ fn press(deck: &Deck, decks: &Decks, problem: &Problem) -> Result<Trace<Press>, 
     })
 }
 
-fn figures(run: &Trace<Press>, problem: &Problem) -> [String; 8] {
+fn figures(run: &Trace<Press>, problem: &Problem, modulus: f64) -> [String; 8] {
     let Some((force, profile)) = run.measures.last() else { return Default::default() };
-    let [half_width, peak] = (problem.exact)(*force);
+    let [half_width, peak] = (problem.exact)(*force, modulus);
     let ellipse = |k: usize, exact: f64| {
         profile.ellipse().map_or_else(|| "–".to_owned(), |ellipse| percent(ellipse[k] / exact - 1.0))
     };
@@ -180,9 +216,9 @@ fn figures(run: &Trace<Press>, problem: &Problem) -> [String; 8] {
 }
 
 /// Nodal pressures over those of the closed form.
-fn curve(run: &Trace<Press>, problem: &Problem, element: Contact) -> Option<Curve> {
+fn curve(run: &Trace<Press>, problem: &Problem, element: Contact, modulus: f64) -> Option<Curve> {
     let (force, profile) = run.measures.last()?;
-    let [half_width, peak] = (problem.exact)(*force);
+    let [half_width, peak] = (problem.exact)(*force, modulus);
     let points = profile.nodes.iter().map(|node| (node.distance / half_width, node.pressure / peak));
     Some(Curve {
         label: element.name().to_owned(),

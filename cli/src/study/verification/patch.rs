@@ -1,13 +1,23 @@
 //! Two blocks under a uniform pressure: what of it arrives.
 
+use diffuse_contact::Weight;
+use diffuse_contact_solver::deck::Contact;
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::{Uniformity, trace};
 
-use super::{Decks, ELEMENTS, Findings, outcome, row};
+use super::{Decks, Findings, outcome, row};
 use crate::study::markdown::Table;
 
 /// Axis and size of the deck's pressure.
 const AXIS: usize = 2;
+
+/// The element and the weight of its fit, which only the diffuse one has.
+const SURFACES: [(Contact, Weight); 4] = [
+    (Contact::NodeToFacet, Weight::Cubic),
+    (Contact::Diffuse, Weight::Cubic),
+    (Contact::Diffuse, Weight::CubicInterpolating),
+    (Contact::Diffuse, Weight::WendlandC2),
+];
 
 /// Which side is slave.
 const PASSES: [(&str, bool, bool); 3] = [
@@ -20,6 +30,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
     let heading = "Patch test: deviations from the uniform stress −p, relative to p";
     let columns = [
         "element",
+        "weight",
         "passes",
         "forces by area",
         "largest, σ_zz",
@@ -29,12 +40,16 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
         "iterations",
     ];
     let mut table = Table::new(heading, columns);
-    for element in ELEMENTS {
+    for (element, weight) in SURFACES {
         for (passes, exchange, two_pass) in PASSES {
             for areas in [true, false] {
+                if !areas && weight != Weight::Cubic {
+                    continue;
+                }
                 let mut deck = decks.with(element)?;
                 let pressure = deck.pressures.first().map_or(1.0, |pressure| pressure.value);
                 for interface in &mut deck.interfaces {
+                    interface.weight = weight;
                     interface.exchange = exchange;
                     interface.two_pass = two_pass;
                     if !areas {
@@ -60,7 +75,16 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                         run.iterations.to_string(),
                     ]
                 });
-                row(&mut table, [element.name(), passes, if areas { "yes" } else { "no" }], figures);
+                row(
+                    &mut table,
+                    [
+                        element.name(),
+                        if element == Contact::Diffuse { weight.name() } else { "–" },
+                        passes,
+                        if areas { "yes" } else { "no" },
+                    ],
+                    figures,
+                );
             }
         }
     }

@@ -12,3 +12,4 @@ pub mod solid;
 pub mod solve;
 pub mod statics;
 pub mod system;
+pub mod verification;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 
 use crate::threads;
 
@@ -25,6 +25,8 @@ pub enum Study {
     Throughput(ThroughputArguments),
     /// The examples of the paper with both elements: penetration, Newton iterations, tangents. Takes some minutes.
     Paper(PaperArguments),
+    /// Solve decks with known answers with both elements: patch test, Hertz, turning and sliding.
+    Verification(VerificationArguments),
 }
 
 /// Arguments of `study paper`.
@@ -78,4 +80,63 @@ pub struct ThroughputArguments {
     /// Print JSON instead of a table
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `study verification`.
+#[derive(Args, Clone, Debug)]
+pub struct VerificationArguments {
+    /// Problems [default: all]
+    #[arg(value_enum, value_name = "PROBLEM")]
+    pub problems: Vec<VerificationProblem>,
+    /// Directory of the decks
+    #[arg(long, value_name = "DIR", default_value = "examples")]
+    pub decks: PathBuf,
+    /// Directory to write a picture of each problem to that has one
+    #[arg(long, value_name = "DIR")]
+    pub pictures: Option<PathBuf>,
+    /// Number of threads [default: one for each processor]
+    #[arg(long, value_name = "K", value_parser = threads::parse)]
+    pub threads: Option<usize>,
+}
+
+/// A deck with a known answer.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+#[value(rename_all = "snake_case")]
+pub enum VerificationProblem {
+    /// A uniform pressure through an interface
+    PatchTest,
+    /// A cylinder on a plane
+    HertzCylinder,
+    /// A ball on a plane
+    HertzSphere,
+    /// One ring turned in another
+    CoaxialCylinders,
+    /// A block on a cylinder that turns
+    SlidingBlock,
+    /// A ring pressed on a block
+    RingBlock,
+}
+
+impl VerificationProblem {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::PatchTest,
+        Self::HertzCylinder,
+        Self::HertzSphere,
+        Self::CoaxialCylinders,
+        Self::SlidingBlock,
+        Self::RingBlock,
+    ];
+
+    /// Name of its deck.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::PatchTest => "patch_test",
+            Self::HertzCylinder => "hertz_cylinder",
+            Self::HertzSphere => "hertz_sphere",
+            Self::CoaxialCylinders => "coaxial_cylinders",
+            Self::SlidingBlock => "sliding_block",
+            Self::RingBlock => "ring_block",
+        }
+    }
 }

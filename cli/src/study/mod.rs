@@ -1,10 +1,11 @@
-//! The `study` job: what contact surfaces achieve on meshes of known shape. Its figures stand in
-//! `docs/contact-surface.md`, those of [`paper`] in `docs/paper.md`.
+//! The `study` job: what contact surfaces achieve on meshes of known shape, and the solver on the paper's examples and on
+//! problems with known answers. The figures stand in `docs/contact-surface.md`, `docs/paper.md` and `docs/verification.md`.
 //!
 //! * [`accuracy`]: error of gap and normal, and its order;
 //! * [`sweep`]: smoothness along a path over many facets;
 //! * [`throughput`]: time and memory;
 //! * [`paper`]: the examples of the paper, solved with both elements.
+//! * [`verification`]: patch test, Hertz, torque and force of what ought to turn and slide evenly.
 
 mod accuracy;
 mod arguments;
@@ -14,6 +15,7 @@ mod paper;
 mod patch;
 mod sweep;
 mod throughput;
+mod verification;
 
 pub use arguments::StudyArguments;
 pub use error::StudyError;
@@ -29,5 +31,6 @@ pub fn run(arguments: &StudyArguments) -> Result<(), CliError> {
         Study::Sweep(arguments) => sweep::run(arguments),
         Study::Throughput(arguments) => throughput::run(arguments),
         Study::Paper(arguments) => paper::run(arguments),
+        Study::Verification(arguments) => verification::run(arguments),
     }
 }

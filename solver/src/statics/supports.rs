@@ -86,4 +86,20 @@ impl SupportGroups {
         }
         sum
     }
+
+    /// Moment about a point of `forces`, three per node, over the degrees of freedom that belong to a group: Σ (x − point) × f.
+    #[must_use]
+    pub fn moment(&self, group: usize, forces: &[f64], positions: &[[f64; 3]], point: [f64; 3]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        let nodes = self.group_of.as_chunks::<3>().0.iter().zip(forces.as_chunks::<3>().0).zip(positions);
+        for ((of, force), position) in nodes {
+            let own = |axis: usize| if of[axis] == Some(group as u32) { force[axis] } else { 0.0 };
+            let arm = |axis: usize| position[axis] - point[axis];
+            for (axis, sum) in sum.iter_mut().enumerate() {
+                let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+                *sum += arm(next) * own(last) - arm(last) * own(next);
+            }
+        }
+        sum
+    }
 }

@@ -81,6 +81,21 @@ impl Shape {
         }
     }
 
+    /// Numbers of cells, in the order of its `divisions`.
+    pub fn divisions_mut(&mut self) -> &mut [usize] {
+        match self {
+            Self::Block(shape) => &mut shape.divisions,
+            Self::Pipe(shape) => &mut shape.divisions,
+            Self::Cylinder(shape) => &mut shape.divisions,
+            Self::Ball(shape) => &mut shape.divisions,
+            Self::RigidPlane(shape) => &mut shape.divisions,
+            Self::RigidWave(shape) => &mut shape.divisions,
+            Self::RigidCylinder(shape) => &mut shape.divisions,
+            Self::RigidSphere(shape) => std::slice::from_mut(&mut shape.divisions),
+            Self::RigidTorus(shape) => &mut shape.divisions,
+        }
+    }
+
     /// Whether it is a surface without a body.
     #[must_use]
     pub const fn is_rigid(&self) -> bool {

@@ -1,0 +1,229 @@
+//! A cylinder and a ball on a rigid plane: the peak pressure against Hertz, at the force that the run found. And on an elastic block of
+//! the same material, whose nodes are the slaves of the curved body.
+
+use diffuse_contact_solver::deck::{Boundary, Contact, Deck, PartSource, Reference};
+use diffuse_contact_solver::model::Motion;
+use diffuse_contact_solver::model::shape::{Block, Shape};
+use diffuse_contact_solver::solve::SolveError;
+use diffuse_contact_solver::verification::{LineContact, PointContact, PressureProfile, Trace, trace};
+
+use super::plot::{Chart, Curve};
+use super::{Decks, ELEMENTS, Findings, colour, divide, outcome, percent, row};
+use crate::study::markdown::Table;
+
+/// Cells of the body, and of an elastic floor along x and z. The second mesh is the deck's.
+struct Mesh {
+    name: &'static str,
+    body: &'static [usize],
+    floor: Option<usize>,
+}
+
+const CYLINDERS: [Mesh; 3] = [
+    Mesh { name: "coarse", body: &[10, 8, 2], floor: Some(12) },
+    Mesh { name: "deck", body: &[20, 16, 2], floor: Some(24) },
+    Mesh { name: "fine", body: &[40, 32, 2], floor: Some(48) },
+];
+const BALLS: [Mesh; 3] = [
+    Mesh { name: "coarse", body: &[6, 5], floor: Some(7) },
+    Mesh { name: "deck", body: &[9, 8], floor: Some(10) },
+    Mesh { name: "fine", body: &[14, 12], floor: None },
+];
+
+/// One of the two problems.
+struct Problem {
+    title: &'static str,
+    /// The body in the deck.
+    body: &'static str,
+    meshes: &'static [Mesh],
+    /// Cells across and width of an elastic floor along y; as along x without.
+    across: Option<(usize, f64)>,
+    /// Sides of the elastic floor that lie on planes of symmetry, and the axes along which they stay.
+    symmetry: &'static [(&'static str, [bool; 3])],
+    /// What lies between a position and the first touch, length.
+    distance: fn([f64; 3]) -> f64,
+    /// Half width and peak pressure at a force on the part that is modelled, and a modulus E*.
+    exact: fn(f64, f64) -> [f64; 2],
+}
+
+/// Of both decks: E* on a rigid floor, and radius.
+const MODULUS: f64 = 200_000.0 / (1.0 - 0.3 * 0.3);
+const RADIUS: f64 = 10.0;
+/// Length of the cylinder.
+const LENGTH: f64 = 0.5;
+
+pub fn cylinder(decks: &Decks) -> Result<Findings, SolveError> {
+    study(
+        decks,
+        &Problem {
+            title: "Hertz, cylinder",
+            body: "cylinder",
+            meshes: &CYLINDERS,
+            across: Some((2, LENGTH)),
+            symmetry: &[
+                ("floor.x-", [true, false, false]),
+                ("floor.y-", [false, true, false]),
+                ("floor.y+", [false, true, false]),
+            ],
+            distance: |x| x[0].abs(),
+            // Half of the cylinder is modelled.
+            exact: |force, modulus| {
+                let contact = LineContact { force: 2.0 * force / LENGTH, radius: RADIUS, modulus };
+                [contact.half_width(), contact.peak_pressure()]
+            },
+        },
+    )
+}
+
+pub fn ball(decks: &Decks) -> Result<Findings, SolveError> {
+    study(
+        decks,
+        &Problem {
+            title: "Hertz, ball",
+            body: "ball",
+            meshes: &BALLS,
+            across: None,
+            symmetry: &[("floor.x-", [true, false, false]), ("floor.y-", [false, true, false])],
+            distance: |x| x[0].hypot(x[1]),
+            // A quarter of the ball is modelled.
+            exact: |force, modulus| {
+                let contact = PointContact { force: 4.0 * force, radius: RADIUS, modulus };
+                [contact.half_width(), contact.peak_pressure()]
+            },
+        },
+    )
+}
+
+/// Force and pressures at the end of an increment.
+type Press = (f64, PressureProfile);
+
+fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
+    let heading =
+        format!("{}: deviation of peak pressure and half width from the closed form", problem.title);
+    let columns = [
+        "slave",
+        "element",
+        "mesh",
+        "pressed nodes",
+        "force, N",
+        "p₀, closed form, MPa",
+        "largest nodal pressure",
+        "p₀ of the fitted ellipse",
+        "a of the fitted ellipse",
+        "iterations",
+        "s",
+    ];
+    let mut table = Table::new(heading, columns);
+    let mut curves = Vec::new();
+    for exchange in [false, true] {
+        for element in ELEMENTS {
+            for mesh in problem.meshes {
+                let mut deck = decks.with(element)?;
+                divide(&mut deck, problem.body, mesh.body);
+                let modulus = match (exchange, mesh.floor) {
+                    (false, _) => MODULUS,
+                    (true, Some(cells)) => {
+                        soften(&mut deck, problem, cells);
+                        0.5 * MODULUS
+                    }
+                    (true, None) => continue,
+                };
+                let run = outcome(press(&deck, decks, problem))?;
+                if let (Ok(run), "deck", true) = (&run, mesh.name, exchange) {
+                    curves.extend(curve(run, problem, element, modulus));
+                }
+                let figures = run.map(|run| figures(&run, problem, modulus));
+                row(
+                    &mut table,
+                    [if exchange { "elastic floor" } else { problem.body }, element.name(), mesh.name],
+                    figures,
+                );
+            }
+        }
+    }
+    let pressures = (0..=200).map(|k| {
+        let x: f64 = f64::from(k) / 200.0;
+        (x, (1.0 - x * x).sqrt())
+    });
+    curves.push(Curve {
+        label: "closed form".into(),
+        colour: plotters::style::BLACK,
+        dotted: false,
+        points: pressures.collect(),
+    });
+    let chart = Chart {
+        title: format!("{}: pressure with the curved body as master, the deck's mesh", problem.title),
+        abscissa: "x / a",
+        ordinate: "p / p₀",
+        curves,
+    };
+    Ok(Findings { tables: vec![table], charts: vec![chart] })
+}
+
+/// Makes the floor an elastic block, whose nodes are the slaves: the curved body carries the contact surface.
+fn soften(deck: &mut Deck, problem: &Problem, cells: usize) {
+    let material = deck.parts.iter().find_map(|part| part.material.clone());
+    let (across, width) = problem.across.unwrap_or((cells, RADIUS));
+    let fine = 80.0;
+    for part in deck.parts.iter_mut().filter(|part| part.name == "floor") {
+        part.source = PartSource::Shape(Shape::Block(Block {
+            origin: [0.0, 0.0, -RADIUS],
+            size: [RADIUS, width, RADIUS],
+            divisions: [cells, across, cells],
+            grading: [fine, if problem.across.is_some() { 1.0 } else { fine }, 1.0 / fine],
+        }));
+        part.material.clone_from(&material);
+        part.translation = [0.0; 3];
+    }
+    let named = |name: &str| vec![Reference { name: name.to_owned(), line: 0 }];
+    for node_set in deck.boundaries.iter_mut().flat_map(|boundary| &mut boundary.nodes) {
+        if node_set.name == "floor" {
+            node_set.name = "floor.z-".to_owned();
+        }
+    }
+    deck.boundaries.extend(problem.symmetry.iter().map(|&(nodes, axes)| Boundary {
+        line: 0,
+        nodes: named(nodes),
+        axes,
+        motion: Motion::fixed(),
+    }));
+    for interface in &mut deck.interfaces {
+        interface.master = std::mem::replace(&mut interface.slave, named("floor.z+"));
+    }
+}
+
+fn press(deck: &Deck, decks: &Decks, problem: &Problem) -> Result<Trace<Press>, SolveError> {
+    trace(deck, decks.base(), decks.threads, |snapshot| {
+        Ok((snapshot.contact_force()[2].abs(), PressureProfile::of(snapshot, problem.distance)))
+    })
+}
+
+fn figures(run: &Trace<Press>, problem: &Problem, modulus: f64) -> [String; 8] {
+    let Some((force, profile)) = run.measures.last() else { return Default::default() };
+    let [half_width, peak] = (problem.exact)(*force, modulus);
+    let ellipse = |k: usize, exact: f64| {
+        profile.ellipse().map_or_else(|| "–".to_owned(), |ellipse| percent(ellipse[k] / exact - 1.0))
+    };
+    [
+        profile.nodes.len().to_string(),
+        format!("{force:.1}"),
+        format!("{peak:.0}"),
+        percent(profile.largest() / peak - 1.0),
+        ellipse(0, peak),
+        ellipse(1, half_width),
+        run.iterations.to_string(),
+        format!("{:.1}", run.wall.as_secs_f64()),
+    ]
+}
+
+/// Nodal pressures over those of the closed form.
+fn curve(run: &Trace<Press>, problem: &Problem, element: Contact, modulus: f64) -> Option<Curve> {
+    let (force, profile) = run.measures.last()?;
+    let [half_width, peak] = (problem.exact)(*force, modulus);
+    let points = profile.nodes.iter().map(|node| (node.distance / half_width, node.pressure / peak));
+    Some(Curve {
+        label: element.name().to_owned(),
+        colour: colour(element),
+        dotted: true,
+        points: points.collect(),
+    })
+}

@@ -1,0 +1,92 @@
+//! Two blocks under a uniform pressure: what of it arrives.
+
+use diffuse_contact::Weight;
+use diffuse_contact_solver::deck::Contact;
+use diffuse_contact_solver::solve::SolveError;
+use diffuse_contact_solver::verification::{Uniformity, trace};
+
+use super::{Decks, Findings, outcome, row};
+use crate::study::markdown::Table;
+
+/// Axis and size of the deck's pressure.
+const AXIS: usize = 2;
+
+/// The element and the weight of its fit, which only the diffuse one has.
+const SURFACES: [(Contact, Weight); 4] = [
+    (Contact::NodeToFacet, Weight::Cubic),
+    (Contact::Diffuse, Weight::Cubic),
+    (Contact::Diffuse, Weight::CubicInterpolating),
+    (Contact::Diffuse, Weight::WendlandC2),
+];
+
+/// Which side is slave.
+const PASSES: [(&str, bool, bool); 3] = [
+    ("one pass, coarse slave", false, false),
+    ("one pass, fine slave", true, false),
+    ("two-pass", false, true),
+];
+
+pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
+    let heading = "Patch test: deviations from the uniform stress −p, relative to p";
+    let columns = [
+        "element",
+        "weight",
+        "passes",
+        "forces by area",
+        "largest, σ_zz",
+        "rms, σ_zz",
+        "largest of other components",
+        "largest, contact pressure",
+        "iterations",
+    ];
+    let mut table = Table::new(heading, columns);
+    for (element, weight) in SURFACES {
+        for (passes, exchange, two_pass) in PASSES {
+            for areas in [true, false] {
+                if !areas && weight != Weight::Cubic {
+                    continue;
+                }
+                let mut deck = decks.with(element)?;
+                let pressure = deck.pressures.first().map_or(1.0, |pressure| pressure.value);
+                for interface in &mut deck.interfaces {
+                    interface.weight = weight;
+                    interface.exchange = exchange;
+                    interface.two_pass = two_pass;
+                    if !areas {
+                        // The mean area of a slave of the coarse side is 5 mm².
+                        interface.areas = false;
+                        interface.penalty *= 5.0;
+                    }
+                }
+                let run = outcome(trace(&deck, decks.base(), decks.threads, |snapshot| {
+                    Uniformity::of(snapshot, AXIS, pressure)
+                }))?;
+                let figures = run.map(|run| {
+                    let last = run.measures.last();
+                    let of = |of: fn(&Uniformity) -> f64| {
+                        last.map_or_else(String::new, |last| format!("{:.1e}", of(last)))
+                    };
+                    let contact = if areas && !two_pass { of(|u| u.contact) } else { "–".to_owned() };
+                    [
+                        of(|u| u.stress),
+                        of(|u| u.stress_rms),
+                        of(|u| u.other_stress),
+                        contact,
+                        run.iterations.to_string(),
+                    ]
+                });
+                row(
+                    &mut table,
+                    [
+                        element.name(),
+                        if element == Contact::Diffuse { weight.name() } else { "–" },
+                        passes,
+                        if areas { "yes" } else { "no" },
+                    ],
+                    figures,
+                );
+            }
+        }
+    }
+    Ok(Findings { tables: vec![table], charts: Vec::new() })
+}

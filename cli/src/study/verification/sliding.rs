@@ -1,0 +1,96 @@
+//! A block on a cylinder that turns under it: without friction the force is constant.
+
+use diffuse_contact_solver::deck::{Contact, Deck};
+use diffuse_contact_solver::solve::SolveError;
+use diffuse_contact_solver::verification::{Oscillation, Trace, trace};
+
+use super::plot::{Chart, Curve};
+use super::{Decks, ELEMENTS, Findings, colour, outcome, row};
+use crate::study::markdown::Table;
+
+/// When the cylinder has come up and begins to turn, the time of the turn, and its angle, degrees.
+const START: f64 = 0.2;
+const TURN: f64 = 0.8;
+const DEGREES: f64 = 20.0;
+
+/// Of an increment: time and force on the block.
+type Force = (f64, [f64; 3]);
+
+pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
+    let columns = [
+        "element",
+        "facets",
+        "mean of F_z, N",
+        "F_z, peak to peak over mean",
+        "classic over diffuse",
+        "F_x, peak to peak over mean F_z",
+        "classic over diffuse",
+        "iterations",
+        "cut-backs",
+    ];
+    let mut table = Table::new("Block on a turning cylinder: force while it turns", columns);
+    let mut charts: [Vec<Curve>; 2] = Default::default();
+    for (around, facets) in [(15, "6°"), (30, "3°"), (60, "1.5°")] {
+        let mut classic: Option<[f64; 2]> = None;
+        for element in ELEMENTS {
+            let mut deck = decks.with(element)?;
+            super::divide(&mut deck, "cylinder", &[around]);
+            let run = outcome(force(&deck, decks))?;
+            if let (Ok(run), 30) = (&run, around) {
+                for (chart, axis) in charts.iter_mut().zip([2, 0]) {
+                    let turning = run.measures.iter().filter(|(time, _)| is_turning(*time));
+                    let points = turning.map(|(time, force)| (DEGREES * (time - START) / TURN, force[axis]));
+                    chart.push(Curve {
+                        label: element.name().to_owned(),
+                        colour: colour(element),
+                        dotted: false,
+                        points: points.collect(),
+                    });
+                }
+            }
+            let figures = run.map(|run| {
+                let of = |axis: usize| {
+                    let turning = run.measures.iter().filter(|(time, _)| is_turning(*time));
+                    Oscillation::of(turning.map(|(_, force)| force[axis]))
+                };
+                let mean = of(2).map_or(f64::NAN, |force| force.mean);
+                let relative =
+                    [2, 0].map(|axis| of(axis).map_or(f64::NAN, |force| force.peak_to_peak() / mean));
+                let ratios = match (element, classic) {
+                    (Contact::NodeToFacet, _) => {
+                        classic = Some(relative);
+                        [String::new(), String::new()]
+                    }
+                    (_, Some(classic)) => [0, 1].map(|k| format!("{:.1}", classic[k] / relative[k])),
+                    (_, None) => ["–", "–"].map(str::to_owned),
+                };
+                let ([up, along], [ratio_up, ratio_along]) = (relative.map(|r| format!("{r:.2e}")), ratios);
+                let counts = [run.iterations, run.cutbacks].map(|count| count.to_string());
+                let [iterations, cutbacks] = counts;
+                [format!("{mean:.2}"), up, ratio_up, along, ratio_along, iterations, cutbacks]
+            });
+            row(&mut table, [element.name(), facets], figures);
+        }
+    }
+    let [up, along] = charts;
+    let chart = |what: &str, ordinate, curves| Chart {
+        title: format!("Block on a turning cylinder, facets of 3°: force {what}"),
+        abscissa: "angle in degrees",
+        ordinate,
+        curves,
+    };
+    let charts = vec![
+        chart("pressing, exact constant", "F_z in N", up),
+        chart("along the turn, exact constant", "F_x in N", along),
+    ];
+    Ok(Findings { tables: vec![table], charts })
+}
+
+/// Whether the run-in is over: the first increment of the turn is left out.
+fn is_turning(time: f64) -> bool {
+    time > START * (1.0 + 1e-9)
+}
+
+fn force(deck: &Deck, decks: &Decks) -> Result<Trace<Force>, SolveError> {
+    trace(deck, decks.base(), decks.threads, |snapshot| Ok((snapshot.record.time, snapshot.contact_force())))
+}

@@ -1,0 +1,89 @@
+//! One ring turned in another with an interference: without friction there is no torque.
+
+use diffuse_contact_solver::deck::{Contact, Deck};
+use diffuse_contact_solver::solve::SolveError;
+use diffuse_contact_solver::verification::{Oscillation, Trace, trace};
+
+use super::plot::{Chart, Curve};
+use super::{Decks, ELEMENTS, Findings, colour, outcome, row};
+use crate::study::markdown::Table;
+
+/// The support that turns, and its angle at the end, degrees.
+const SUPPORT: &str = "shaft.inner";
+const DEGREES: f64 = 20.0;
+/// Radius of the interface, length.
+const RADIUS: f64 = 50.0;
+
+/// Of an increment: time, torque, sum of the contact forces.
+type Torque = [f64; 3];
+
+pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
+    let columns = [
+        "element",
+        "master",
+        "largest torque, N mm",
+        "over R Σ f",
+        "classic over diffuse",
+        "Σ f at the end, N",
+        "iterations",
+        "cut-backs",
+    ];
+    let mut table = Table::new("Coaxial cylinders: torque of the turn, 0 if exact", columns);
+    let mut curves = Vec::new();
+    for (master, exchange) in [("ring", false), ("shaft", true)] {
+        let mut classic = None;
+        for element in ELEMENTS {
+            let mut deck = decks.with(element)?;
+            for interface in &mut deck.interfaces {
+                interface.exchange = exchange;
+            }
+            let run = outcome(torque(&deck, decks))?;
+            if let (Ok(run), false) = (&run, exchange) {
+                let points = run.measures.iter().map(|[time, torque, _]| (DEGREES * time, torque / 1000.0));
+                curves.push(Curve {
+                    label: element.name().to_owned(),
+                    colour: colour(element),
+                    dotted: false,
+                    points: points.collect(),
+                });
+            }
+            let figures = run.map(|run| {
+                let amplitude = Oscillation::of(run.measures.iter().map(|[_, torque, _]| *torque))
+                    .map_or(0.0, |torque| torque.amplitude());
+                let force = run.measures.last().map_or(0.0, |measure| measure[2]);
+                let ratio = match (element, classic) {
+                    (Contact::NodeToFacet, _) => {
+                        classic = Some(amplitude);
+                        String::new()
+                    }
+                    (_, Some(classic)) => format!("{:.1}", classic / amplitude),
+                    (_, None) => "–".to_owned(),
+                };
+                [
+                    format!("{amplitude:.3e}"),
+                    format!("{:.2e}", amplitude / (RADIUS * force)),
+                    ratio,
+                    format!("{force:.0}"),
+                    run.iterations.to_string(),
+                    run.cutbacks.to_string(),
+                ]
+            });
+            row(&mut table, [element.name(), master], figures);
+        }
+    }
+    let chart = Chart {
+        title: "Coaxial cylinders: torque of the turn, exact 0".to_owned(),
+        abscissa: "angle in degrees",
+        ordinate: "torque in N m",
+        curves,
+    };
+    Ok(Findings { tables: vec![table], charts: vec![chart] })
+}
+
+fn torque(deck: &Deck, decks: &Decks) -> Result<Trace<Torque>, SolveError> {
+    trace(deck, decks.base(), decks.threads, |snapshot| {
+        let torque = snapshot.moment(SUPPORT, [0.0; 3]).map_or(f64::NAN, |moment| moment[2]);
+        let force = snapshot.slaves().map(|slave| slave.force).sum();
+        Ok([snapshot.record.time, torque, force])
+    })
+}

@@ -1,0 +1,21 @@
+//! Problems with known answers: a run in memory, and what is measured on it.
+//!
+//! | measure | of | exact |
+//! | --- | --- | --- |
+//! | [`Uniformity`] | stress and contact pressure of a patch test | uniform |
+//! | [`LineContact`], [`PointContact`], [`PressureProfile`] | a cylinder or a ball on a plane | Hertz |
+//! | [`Snapshot::moment`] | two rings turned in one another without friction | none |
+//! | [`Oscillation`] | the force on what slides over a surface of revolution | constant |
+//!
+//! The decks in `examples/` are such problems. The solver's tests assert these numbers on coarse meshes, `diffuse-contact study
+//! verification` prints them.
+
+mod hertz;
+mod oscillation;
+mod patch;
+mod trace;
+
+pub use hertz::{LineContact, NodalPressure, PointContact, PressureProfile};
+pub use oscillation::Oscillation;
+pub use patch::Uniformity;
+pub use trace::{Snapshot, Trace, trace};

@@ -160,10 +160,12 @@ impl Deck {
     /// [`DeckError::Invalid`].
     pub fn parse_named(text: &str, path: impl AsRef<Path>) -> Result<Self, DeckError> {
         let source = Source { text, path: path.as_ref() };
-        let table = DeTable::parse(text).map_err(|error| {
-            let at = error.span().map_or(0, |span| span.start);
-            source.error(at, Problem::Syntax { message: error.message().into() })
-        })?;
+        let (table, errors) = DeTable::parse_recoverable(text);
+        // Of several the first: those after it may be its consequences.
+        let place = |error: &toml::de::Error| error.span().map_or(0, |span| span.start);
+        if let Some(error) = errors.iter().min_by_key(|error| place(error)) {
+            return Err(source.error(place(error), Problem::Syntax { message: error.message().into() }));
+        }
         let deck = Section::root(source, &table).expect(schema::DECK)?;
 
         let time = control::time(&deck)?;

@@ -135,15 +135,6 @@ pub struct Pressure {
 }
 
 impl Deck {
-    /// The shape of a part; `None` if there is no such part, or it comes from a file.
-    pub fn shape_mut(&mut self, part: &str) -> Option<&mut Shape> {
-        let entry = self.parts.iter_mut().find(|entry| entry.name == part)?;
-        match &mut entry.source {
-            PartSource::Shape(shape) => Some(shape),
-            PartSource::Solid { .. } | PartSource::Rigid { .. } => None,
-        }
-    }
-
     /// Reads a deck.
     ///
     /// # Errors
@@ -170,9 +161,10 @@ impl Deck {
     pub fn parse_named(text: &str, path: impl AsRef<Path>) -> Result<Self, DeckError> {
         let source = Source { text, path: path.as_ref() };
         let (table, errors) = DeTable::parse_recoverable(text);
+        // Of several the first: those after it may be its consequences.
         let place = |error: &toml::de::Error| error.span().map_or(0, |span| span.start);
-        if let Some(first) = errors.iter().min_by_key(|error| place(error)) {
-            return Err(source.error(place(first), Problem::Syntax { message: first.message().into() }));
+        if let Some(error) = errors.iter().min_by_key(|error| place(error)) {
+            return Err(source.error(place(error), Problem::Syntax { message: error.message().into() }));
         }
         let deck = Section::root(source, &table).expect(schema::DECK)?;
 

@@ -92,7 +92,8 @@ impl Shape {
     /// A lower bound of the distance from `x`: that of the box around the corners, which holds the facet.
     pub fn at_least(&self, x: Vector3<f64>) -> f64 {
         let corners = self.corners();
-        let (low, high) = corners.iter().fold((corners[0], corners[0]), |(low, high), y| (low.inf(y), high.sup(y)));
+        let (low, high) =
+            corners.iter().fold((corners[0], corners[0]), |(low, high), y| (low.inf(y), high.sup(y)));
         (low - x).sup(&(x - high)).sup(&Vector3::zeros()).norm()
     }
 

@@ -9,7 +9,8 @@ use diffuse_contact::surface::Facet;
 use diffuse_contact_solver::deck::Deck;
 use diffuse_contact_solver::solve::{SolveError, problem, settings};
 use diffuse_contact_solver::statics::{
-    Control, Failure, IncrementRecord, IterationRecord, Observer, Problem, State, Statics, StaticsError, Timing,
+    Control, Failure, IncrementRecord, IterationRecord, Observer, Problem, State, Statics, StaticsError,
+    Timing,
 };
 use toml::{Table, Value};
 
@@ -195,12 +196,6 @@ impl Outcome {
     /// Deepest penetration at the end of any increment.
     pub fn penetration(&self) -> f64 {
         self.increments.iter().map(|record| record.max_penetration).fold(0.0, f64::max)
-    }
-
-    /// Size of the contact force at the end.
-    pub fn force(&self) -> f64 {
-        let forces = self.increments.last().map(|record| &record.contact_forces[..]).unwrap_or_default();
-        forces.first().map_or(0.0, |force| force.iter().map(|x| x * x).sum::<f64>().sqrt())
     }
 
     /// Whether the end was reached.

@@ -1,7 +1,6 @@
 //! The figures.
 
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
-use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use crate::study::StudyError;
@@ -39,8 +38,9 @@ impl Figure<'_> {
         svg(SIZE, |area| {
             let all = || self.curves.iter().flat_map(|curve| &curve.points);
             let end = all().map(|(x, _)| *x).fold(0.0, f64::max);
-            let (low, high) =
-                all().map(|(_, y)| *y).fold((f64::INFINITY, 0.0_f64), |(low, high), y| (low.min(y), high.max(y)));
+            let (low, high) = all()
+                .map(|(_, y)| *y)
+                .fold((f64::INFINITY, 0.0_f64), |(low, high), y| (low.min(y), high.max(y)));
             if self.is_logarithmic {
                 let range = 10_f64.powf(low.log10().floor())..10_f64.powf(high.log10().ceil());
                 self.on(area, end, range.log_scale())
@@ -104,7 +104,8 @@ impl Shapes<'_> {
     pub fn draw(&self) -> Result<String, StudyError> {
         const WIDTH: f64 = 320.0;
         let all = || self.pictures.iter().flat_map(|(_, outlines)| outlines).flat_map(|(_, outline)| outline);
-        let (right, top) = all().fold((0.0_f64, 0.0_f64), |(right, top), (x, y)| (right.max(*x), top.max(*y)));
+        let (right, top) =
+            all().fold((0.0_f64, 0.0_f64), |(right, top), (x, y)| (right.max(*x), top.max(*y)));
         let (low, margin) = (all().map(|(_, y)| *y).fold(0.0, f64::min), 16.0);
         let height = (WIDTH - 2.0 * margin) * (top - low) / right;
         let count = self.pictures.len();
@@ -117,7 +118,8 @@ impl Shapes<'_> {
                     .margin(margin as u32)
                     .build_cartesian_2d(0.0..right, low..top)?;
                 for (colour, outline) in outlines {
-                    let path = PathElement::new(outline.clone(), COLOURS[colour % COLOURS.len()].stroke_width(1));
+                    let path =
+                        PathElement::new(outline.clone(), COLOURS[colour % COLOURS.len()].stroke_width(1));
                     chart.draw_series([path])?;
                 }
             }

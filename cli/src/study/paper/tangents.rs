@@ -64,7 +64,11 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
     let residuals: Vec<Vec<f64>> = outcomes.iter().map(|outcome| history(outcome, number)).collect();
     let curves = TANGENTS.iter().zip(&residuals).map(|(label, residuals)| Curve {
         label: (*label).into(),
-        points: residuals.iter().enumerate().map(|(k, &residual)| ((k + 1) as f64, residual.max(1e-16))).collect(),
+        points: residuals
+            .iter()
+            .enumerate()
+            .map(|(k, &residual)| ((k + 1) as f64, residual.max(1e-16)))
+            .collect(),
     });
     let title = format!("Residuals of increment {}", number + 1);
     let figure = Figure {
@@ -77,7 +81,8 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
     let heading = format!("### Residuals over the forces, increment {} ({name})", number + 1);
     let mut table = Table::new(heading, ["iteration"].into_iter().chain(TANGENTS));
     for k in 0..residuals.iter().map(Vec::len).max().unwrap_or(0) {
-        let cells = residuals.iter().map(|list| list.get(k).map_or(String::new(), |value| format!("{value:.1e}")));
+        let cells =
+            residuals.iter().map(|list| list.get(k).map_or(String::new(), |value| format!("{value:.1e}")));
         table.row(std::iter::once((k + 1).to_string()).chain(cells));
     }
     let mut text = String::new();
@@ -97,7 +102,8 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
 fn hardest(outcomes: &[Outcome]) -> usize {
     let [Some(first), Some(last)] = [outcomes.first(), outcomes.last()] else { return 0 };
     let pairs = first.increments.iter().zip(&last.increments).enumerate();
-    let extra = pairs.map(|(k, (one, other))| (other.iterations as i64 - one.iterations as i64, std::cmp::Reverse(k)));
+    let extra = pairs
+        .map(|(k, (one, other))| (other.iterations as i64 - one.iterations as i64, std::cmp::Reverse(k)));
     extra.max().map_or(0, |(_, std::cmp::Reverse(k))| k)
 }
 

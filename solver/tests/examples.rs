@@ -4,10 +4,12 @@
 
 use std::path::Path;
 
-use diffuse_contact_solver::deck::{Contact, Deck, PartSource};
-use diffuse_contact_solver::model::shape::{RigidPlane, Shape};
+use diffuse_contact_solver::deck::{Boundary, Contact, Deck, PartSource, Reference};
+use diffuse_contact_solver::model::Motion;
+use diffuse_contact_solver::model::shape::{Block, Shape};
+use diffuse_contact_solver::solid::SolidError;
 use diffuse_contact_solver::verification::{
-    LineContact, Oscillation, PointContact, PressureProfile, Trace, Uniformity, trace,
+    LineContact, Oscillation, PointContact, PressureProfile, Snapshot, Trace, Uniformity, trace,
 };
 
 const ELEMENTS: [Contact; 2] = [Contact::NodeToFacet, Contact::Diffuse];
@@ -22,12 +24,7 @@ fn divide(deck: &mut Deck, part: &str, divisions: &[usize]) {
     deck.shape_mut(part).unwrap().divisions_mut().copy_from_slice(divisions);
 }
 
-fn run<T>(
-    deck: &Deck,
-    measure: impl FnMut(
-        &diffuse_contact_solver::verification::Snapshot<'_>,
-    ) -> Result<T, diffuse_contact_solver::solid::SolidError>,
-) -> Trace<T> {
+fn run<T>(deck: &Deck, measure: impl FnMut(&Snapshot<'_>) -> Result<T, SolidError>) -> Trace<T> {
     let trace = trace(deck, Path::new(""), 1, measure).unwrap();
     println!(
         "{} increments, {} iterations, {:.1} s",
@@ -64,7 +61,7 @@ fn patch_test() {
 /// Where meshes match, facets pass it exactly.
 #[test]
 fn patch_test_with_matching_meshes() {
-    for (element, bound) in [(Contact::NodeToFacet, 1e-4), (Contact::Diffuse, 0.3)] {
+    for (element, bound) in [(Contact::NodeToFacet, 1e-6), (Contact::Diffuse, 0.18)] {
         let mut deck = deck("patch_test.toml", element);
         divide(&mut deck, "lower", &[4, 4, 2]);
         divide(&mut deck, "upper", &[4, 4, 2]);
@@ -75,61 +72,80 @@ fn patch_test_with_matching_meshes() {
 
 const MODULUS: f64 = 200_000.0 / 0.91;
 
-/// Makes the curved body the master, and the floor's nodes the slaves.
-fn press_floor(deck: &mut Deck, floor_size: [f64; 2], floor_divisions: [usize; 2]) {
-    deck.interfaces[0].exchange = true;
+/// Makes the cylinder the master of an elastic block, whose nodes are the slaves.
+fn soften_floor(deck: &mut Deck, cells: usize) {
+    let material = deck.parts[0].material.clone();
     let floor = deck.parts.iter_mut().find(|part| part.name == "floor").unwrap();
-    floor.translation = [0.0; 3];
-    let PartSource::Shape(Shape::RigidPlane(RigidPlane { size, divisions, .. })) = &mut floor.source else {
-        panic!("the floor is a plane");
-    };
-    (*size, *divisions) = (floor_size, floor_divisions);
+    floor.source = PartSource::Shape(Shape::Block(Block {
+        origin: [0.0, 0.0, -10.0],
+        size: [10.0, 0.5, 10.0],
+        divisions: [cells, 2, cells],
+        grading: [80.0, 1.0, 1.0 / 80.0],
+    }));
+    (floor.material, floor.translation) = (material, [0.0; 3]);
+    let named = |name: &str| vec![Reference { name: name.into(), line: 0 }];
+    deck.boundaries[0].nodes = named("floor.z-");
+    for (nodes, axes) in [
+        ("floor.x-", [true, false, false]),
+        ("floor.y-", [false, true, false]),
+        ("floor.y+", [false, true, false]),
+    ] {
+        deck.boundaries.push(Boundary { line: 0, nodes: named(nodes), axes, motion: Motion::fixed() });
+    }
+    let interface = &mut deck.interfaces[0];
+    interface.master = std::mem::replace(&mut interface.slave, named("floor.z+"));
 }
 
-/// Force and largest pressure at the end.
-fn peak(deck: &Deck) -> (f64, f64) {
-    let run = run(deck, |snapshot| {
-        let profile = PressureProfile::of(snapshot, |x| x[0].hypot(x[1]));
-        Ok((snapshot.contact_force()[2].abs(), profile.largest()))
+/// Force and pressures at the end.
+fn press(deck: &Deck, distance: fn([f64; 3]) -> f64) -> (f64, PressureProfile) {
+    let mut run = run(deck, |snapshot| {
+        let profile = PressureProfile::of(snapshot, distance);
+        Ok((snapshot.contact_force()[2].abs(), profile))
     });
-    *run.measures.last().unwrap()
+    run.measures.pop().unwrap()
+}
+
+/// Half of the cylinder, 0.5 long.
+fn line_contact(force: f64, modulus: f64) -> LineContact {
+    LineContact { force: 2.0 * force / 0.5, radius: 10.0, modulus }
 }
 
 #[test]
 fn hertz_cylinder() {
     for element in ELEMENTS {
-        for (curved_master, bound) in [(false, 0.02), (true, 0.03)] {
-            let mut deck = deck("hertz_cylinder.toml", element);
-            divide(&mut deck, "cylinder", &[12, 10, if curved_master { 2 } else { 1 }]);
-            if curved_master {
-                press_floor(&mut deck, [0.8, 0.5], [12, 2]);
-            }
-            let (force, largest) = peak(&deck);
-            // Half of the cylinder, 0.5 long.
-            let exact = LineContact { force: 2.0 * force / 0.5, radius: 10.0, modulus: MODULUS };
-            let error = largest / exact.peak_pressure() - 1.0;
-            println!("{element:?} {curved_master} {error}");
-            assert!(error.abs() < bound, "{element:?} {error}");
-        }
+        let mut deck = deck("hertz_cylinder.toml", element);
+        divide(&mut deck, "cylinder", &[12, 10, 1]);
+        let (force, profile) = press(&deck, |x| x[0].abs());
+        let error = profile.largest() / line_contact(force, MODULUS).peak_pressure() - 1.0;
+        assert!(error.abs() < 0.005, "{element:?} {error}");
+    }
+}
+
+/// The curved body carries the contact surface; nodal pressures scatter, their fit is Hertz'.
+#[test]
+fn hertz_cylinder_as_master() {
+    for (element, bound) in [(Contact::NodeToFacet, 0.005), (Contact::Diffuse, 0.035)] {
+        let mut deck = deck("hertz_cylinder.toml", element);
+        divide(&mut deck, "cylinder", &[10, 8, 2]);
+        soften_floor(&mut deck, 12);
+        let (force, profile) = press(&deck, |x| x[0].abs());
+        let exact = line_contact(force, 0.5 * MODULUS).peak_pressure();
+        let [peak, _] = profile.ellipse().unwrap();
+        println!("{element:?} {}", peak / exact - 1.0);
+        assert!((peak / exact - 1.0).abs() < bound, "{element:?} {peak} {exact}");
     }
 }
 
 #[test]
 fn hertz_sphere() {
     for element in ELEMENTS {
-        for (curved_master, bound) in [(false, 0.05), (true, 0.05)] {
-            let mut deck = deck("hertz_sphere.toml", element);
-            divide(&mut deck, "ball", &[5, 4]);
-            if curved_master {
-                press_floor(&mut deck, [1.2, 1.2], [8, 8]);
-            }
-            let (force, largest) = peak(&deck);
-            // A quarter of the ball.
-            let exact = PointContact { force: 4.0 * force, radius: 10.0, modulus: MODULUS };
-            let error = largest / exact.peak_pressure() - 1.0;
-            println!("{element:?} {curved_master} {error}");
-            assert!(error.abs() < bound, "{element:?} {error}");
-        }
+        let mut deck = deck("hertz_sphere.toml", element);
+        divide(&mut deck, "ball", &[6, 5]);
+        let (force, profile) = press(&deck, |x| x[0].hypot(x[1]));
+        // A quarter of the ball.
+        let exact = PointContact { force: 4.0 * force, radius: 10.0, modulus: MODULUS };
+        let error = profile.largest() / exact.peak_pressure() - 1.0;
+        assert!(error.abs() < 0.035, "{element:?} {error}");
     }
 }
 
@@ -153,7 +169,7 @@ fn coaxial_cylinders() {
         torque(&deck)
     });
     println!("{classic} {diffuse}");
-    assert!(diffuse < 2e-3, "{diffuse}");
+    assert!(diffuse < 1e-3, "{diffuse}");
     assert!(classic > 10.0 * diffuse, "{classic} {diffuse}");
 }
 
@@ -179,13 +195,13 @@ fn sliding_block() {
     println!("{classic:?} {diffuse:?}");
     for (classic, diffuse) in classic.into_iter().zip(diffuse) {
         assert!(diffuse < 1e-3, "{diffuse}");
-        assert!(classic > 20.0 * diffuse, "{classic} {diffuse}");
+        assert!(classic > 100.0 * diffuse, "{classic} {diffuse}");
     }
 }
 
 #[test]
 fn ring_block() {
-    for (element, most) in [(Contact::NodeToFacet, 200), (Contact::Diffuse, 150)] {
+    for (element, most) in [(Contact::NodeToFacet, 130), (Contact::Diffuse, 105)] {
         let mut deck = deck("ring_block.toml", element);
         divide(&mut deck, "ring", &[16, 1, 1]);
         divide(&mut deck, "block", &[10, 3, 2]);

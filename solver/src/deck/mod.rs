@@ -135,6 +135,15 @@ pub struct Pressure {
 }
 
 impl Deck {
+    /// The shape of a part; `None` if there is no such part, or it comes from a file.
+    pub fn shape_mut(&mut self, part: &str) -> Option<&mut Shape> {
+        let entry = self.parts.iter_mut().find(|entry| entry.name == part)?;
+        match &mut entry.source {
+            PartSource::Shape(shape) => Some(shape),
+            PartSource::Solid { .. } | PartSource::Rigid { .. } => None,
+        }
+    }
+
     /// Reads a deck.
     ///
     /// # Errors

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use plotters::chart::SeriesLabelPosition;
+
 use super::case::{Case, Outcome, saving};
 use super::plot::{Curve, Figure, Shapes};
 use super::{Chapter, Decks};
@@ -131,6 +133,7 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
         y: "iterations so far",
         curves: curves.collect(),
         is_logarithmic: false,
+        legend: SeriesLabelPosition::LowerRight,
     };
     let pictures = elastic.first().zip(plastic.first()).map(|(elastic, plastic)| {
         let at = |outcome: &Outcome, end: f64| {

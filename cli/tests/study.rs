@@ -116,3 +116,28 @@ fn a_large_interface_is_timed() {
     assert!(found["masters"].as_f64().unwrap() > 6.0);
     run(&["study", "throughput", "--nodes", "3"]).assert_refused(&["'3'", "64"]);
 }
+
+#[test]
+fn the_examples_of_the_paper_are_run() {
+    let scratch = Scratch::new("paper");
+    std::fs::create_dir_all(scratch.path("docs")).unwrap();
+    let Run { code, stdout, stderr } =
+        run_in(&scratch, &["study", "paper", "--quick", "-o", "docs/paper.md", "--decks", "decks"]);
+    assert_eq!((code, stdout.as_str(), stderr.as_str()), (0, "", ""));
+    let document = std::fs::read_to_string(scratch.path("docs/paper.md")).unwrap();
+    // Facets let nodes in more than a hundred times deeper than the fit.
+    let row = document.lines().find(|line| line.starts_with("| diffuse, cubic weight | 0.")).unwrap();
+    let ratio: f64 = row.split('|').nth(3).unwrap().trim().parse().unwrap();
+    assert!(ratio > 100.0, "{row}");
+    // Every picture that is shown is there.
+    for picture in document.split("](").skip(1).map(|rest| rest.split(')').next().unwrap()) {
+        let svg = std::fs::read_to_string(scratch.path(&format!("docs/{picture}"))).unwrap();
+        assert!(svg.starts_with("<svg") && !svg.contains("NaN"), "{picture}");
+    }
+    assert!(!document.contains("NaN") && !document.contains("inf"));
+    // The decks are ones that `solve` takes.
+    let deck = scratch.path("decks/pipe_pinch-coarse-2e6-pipe-facets.toml");
+    assert!(std::fs::read_to_string(&deck).unwrap().contains("node-to-facet"));
+    run_in(&scratch, &["study", "paper", "--quick", "-o", "none/paper.md"])
+        .assert_refused(&["there is no directory none"]);
+}

@@ -117,8 +117,8 @@ fn the_elastic_pinch_takes_hardly_more_than_three_iterations_an_increment() {
     let rigidity = 200_000.0 * 20.0 * 10_f64.powi(3) / 12.0;
     let ring =
         rigidity * 2.5 / (95_f64.powi(3) * (std::f64::consts::FRAC_PI_4 - std::f64::consts::FRAC_2_PI));
-    assert!(first > 0.0 && ring > 0.0);
-    eprintln!("{first} {ring} {} {} {}", diffuse.iterations(), facets.iterations(), diffuse.force());
+    // Hexahedra without rotations are stiffer, 16 around a quarter by a fifth.
+    assert!(first > ring && first < 1.25 * ring, "{first} {ring}");
     // Quadratic at the end: the last residual is below the square of the one before, but for rounding.
     for record in &diffuse.records {
         let [.., before, last] = record.history.as_slice() else { panic!("two residuals") };

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use plotters::chart::SeriesLabelPosition;
+
 use super::case::{Case, Outcome};
 use super::plot::{Curve, Figure};
 use super::{Chapter, Decks};
@@ -66,6 +68,7 @@ pub fn chapter(decks: &Decks) -> Result<Chapter, CliError> {
         y: "mm",
         curves: curves.collect(),
         is_logarithmic: true,
+        legend: SeriesLabelPosition::LowerRight,
     };
     Ok(Chapter { text: text(&courses), pictures: vec![("paper-cylinder.svg", figure.draw()?)] })
 }

@@ -17,6 +17,7 @@ use super::arguments::PaperArguments;
 use crate::error::CliError;
 use crate::output;
 use crate::progress::progress;
+use crate::threads::with_threads;
 
 use case::{Case, Outcome};
 
@@ -54,13 +55,19 @@ pub fn run(arguments: &PaperArguments) -> Result<(), CliError> {
         directory: arguments.decks.clone(),
         bar: progress("runs", cylinder::cases().len() + scope.runs() + tangents::runs(&scope)),
     };
-    let chapters =
-        [cylinder::chapter(&decks)?, pinch::chapter(&decks, &scope)?, tangents::chapter(&decks, &scope)?];
+    let chapters = with_threads(Some(1), || {
+        Ok([cylinder::chapter(&decks)?, pinch::chapter(&decks, &scope)?, tangents::chapter(&decks, &scope)?])
+    })?;
     decks.bar.finish_and_clear();
     let mut document = introduction(arguments.quick);
     for chapter in &chapters {
         document.push('\n');
         document.push_str(&chapter.text);
+    }
+    // What the tables say, which a run of a part of them does not.
+    if !arguments.quick {
+        document.push('\n');
+        document.push_str(include_str!("notes.md"));
     }
     let Some(path) = &arguments.output else {
         return output::write_stdout(|writer| writer.write_all(document.as_bytes()));

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use plotters::chart::SeriesLabelPosition;
+
 use super::case::{Case, Outcome, saving};
 use super::plot::{Curve, Figure, Shapes};
 use super::{Chapter, Decks};
@@ -131,6 +133,7 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
         y: "iterations so far",
         curves: curves.collect(),
         is_logarithmic: false,
+        legend: SeriesLabelPosition::LowerRight,
     };
     let pictures = elastic.first().zip(plastic.first()).map(|(elastic, plastic)| {
         let at = |outcome: &Outcome, end: f64| {
@@ -257,7 +260,8 @@ fn total(pairs: &[Pair], master: Master) -> String {
         |outcome: fn(&Pair) -> &Outcome| both.iter().map(|pair| outcome(pair).iterations).sum::<usize>();
     let (diffuse, classic) = (sum(|pair| &pair.diffuse), sum(|pair| &pair.classic));
     let fewer = 100.0 * (1.0 - diffuse as f64 / classic.max(1) as f64);
-    format!("{diffuse} against {classic} over {} decks, {fewer:.1} % fewer", both.len())
+    let word = if fewer < 0.0 { "more" } else { "fewer" };
+    format!("{diffuse} against {classic} over {} decks, {:.1} % {word}", both.len(), fewer.abs())
 }
 
 fn text(elastic: &[Pair], plastic: &[Pair], refreshed: &[(Pipe, Pair)]) -> String {

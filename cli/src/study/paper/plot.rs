@@ -9,8 +9,14 @@ const SIZE: (u32, u32) = (800, 480);
 const FONT: &str = "sans-serif";
 
 /// Colours that stay apart for the colour-blind.
-pub const COLOURS: [RGBColor; 4] =
-    [RGBColor(213, 94, 0), RGBColor(0, 114, 178), RGBColor(0, 158, 115), RGBColor(204, 121, 167)];
+const COLOURS: [RGBColor; 6] = [
+    RGBColor(213, 94, 0),
+    RGBColor(0, 114, 178),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(0, 0, 0),
+];
 
 /// One curve of a figure.
 pub struct Curve {
@@ -27,6 +33,8 @@ pub struct Figure<'a> {
     pub curves: Vec<Curve>,
     /// Powers of ten upward; all values are positive.
     pub is_logarithmic: bool,
+    /// Where the curves leave room.
+    pub legend: SeriesLabelPosition,
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
@@ -83,7 +91,7 @@ impl Figure<'_> {
         }
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::LowerRight)
+            .position(self.legend.clone())
             .background_style(WHITE.mix(0.85))
             .border_style(BLACK.mix(0.3))
             .label_font((FONT, 14))

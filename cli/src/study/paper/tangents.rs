@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use plotters::chart::SeriesLabelPosition;
+
 use super::case::{Case, Outcome};
 use super::pinch::{Master, Pipe, Scope, case};
 use super::plot::{Curve, Figure};
@@ -77,6 +79,7 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
         y: "residual over the forces",
         curves: curves.collect(),
         is_logarithmic: true,
+        legend: SeriesLabelPosition::UpperRight,
     };
     let heading = format!("### Residuals over the forces, increment {} ({name})", number + 1);
     let mut table = Table::new(heading, ["iteration"].into_iter().chain(TANGENTS));

@@ -100,11 +100,14 @@ impl Figure<'_> {
     }
 }
 
+/// A line through points, in the colour of its number.
+pub type Outline = (usize, Vec<(f64, f64)>);
+
 /// Outlines of faces in the plane, one picture beside the other.
 pub struct Shapes<'a> {
     pub title: &'a str,
-    /// Heading and outlines of each picture; outlines have the colour of their number.
-    pub pictures: Vec<(String, Vec<(usize, Vec<(f64, f64)>)>)>,
+    /// Heading and outlines of each picture.
+    pub pictures: Vec<(String, Vec<Outline>)>,
 }
 
 impl Shapes<'_> {

@@ -232,6 +232,7 @@ mod tests {
                 let foot = shape.closest(x);
                 assert!((shape.point(foot.natural) - foot.point).norm() < 1e-12);
                 assert!(((x - foot.point).norm() - foot.distance).abs() < 1e-12);
+                assert!(shape.at_least(x) <= foot.distance * (1.0 + 1e-14), "{shape:?} {x:?}");
                 let best = sampled(&shape, x);
                 assert!(foot.distance <= best + 1e-12, "{shape:?} {x:?}: {} > {best}", foot.distance);
                 assert!(foot.distance > best - 0.04, "a point that is not on the facet");

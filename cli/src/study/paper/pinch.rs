@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use plotters::chart::SeriesLabelPosition;
 
 use super::case::{Case, Outcome, saving};
-use super::plot::{Curve, Figure, Shapes};
+use super::plot::{Curve, Figure, Outline, Shapes};
 use super::{Chapter, Decks};
 use crate::error::CliError;
 use crate::study::markdown::Table;
@@ -204,7 +204,7 @@ fn cumulated(outcome: &Outcome) -> Vec<(f64, f64)> {
 }
 
 /// The faces of pipe and plate on the side z = 0, seen along z.
-fn outlines(outcome: &Outcome, positions: &[[f64; 3]]) -> Vec<(usize, Vec<(f64, f64)>)> {
+fn outlines(outcome: &Outcome, positions: &[[f64; 3]]) -> Vec<Outline> {
     let faces = ["pipe.bottom", "plate.z-"].into_iter().enumerate();
     faces
         .flat_map(|(colour, name)| outcome.surfaces[name].iter().map(move |face| (colour, face)))

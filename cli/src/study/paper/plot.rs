@@ -100,13 +100,13 @@ impl Figure<'_> {
     }
 }
 
-/// A number and the corners of a face.
+/// A line through points, in the colour of its number.
 pub type Outline = (usize, Vec<(f64, f64)>);
 
 /// Outlines of faces in the plane, one picture beside the other.
 pub struct Shapes<'a> {
     pub title: &'a str,
-    /// Heading and outlines of each picture; outlines have the colour of their number.
+    /// Heading and outlines of each picture.
     pub pictures: Vec<(String, Vec<Outline>)>,
 }
 

@@ -1,0 +1,1 @@
+//! Calls as C makes them.

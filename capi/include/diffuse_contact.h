@@ -441,7 +441,7 @@ enum dc_status dc_options_default(struct dc_options *options);
 // The arrays have the given lengths, `options` as many bytes as its field `size` says.
 enum dc_status dc_create(const double *positions,
                          size_t node_count,
-                         const int32_t *facets_,
+                         const int32_t *facets,
                          size_t facet_count,
                          const int32_t *slaves,
                          size_t slave_count,
@@ -644,7 +644,7 @@ enum dc_status dc_pair(const struct dc_options *options,
                        struct dc_pairing *pairing);
 
 // Gap, foot and normal of one element, and as far as `mode`, a dc_mode, asks for them N and M, in the order of dc_derivatives:
-// slave, master 1, …, master n. `slave` has 3 numbers, `masters` 3 n. The order of the nodes of a pairing does not matter, but for
+// slave, master 1, ..., master n. `slave` has 3 numbers, `masters` 3 n. The order of the nodes of a pairing does not matter, but for
 // rounding.
 //
 // DC_NO_CONTACT if the element has no result: point->outcome and dc_message() say why. The derivatives then hold anything.

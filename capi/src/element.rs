@@ -19,9 +19,9 @@ pub struct dc_element {
     pub size: usize,
     /// dc_basis; 0 is DC_QUADRATIC.
     pub basis: i32,
-    /// dc_weight: DC_CUBIC, …
+    /// dc_weight: DC_CUBIC, ...
     pub weight: i32,
-    /// dc_frame: DC_CO_MOVING, …
+    /// dc_frame: DC_CO_MOVING, ...
     pub frame: i32,
     /// 0.
     pub reserved: i32,
@@ -145,7 +145,7 @@ pub fn sizes(masters: usize, mode: Mode) -> Option<[usize; 2]> {
 }
 
 /// Gap, foot and normal of one element, and as far as `mode`, a dc_mode, asks for them N and M, in the order of dc_derivatives:
-/// slave, master 1, …, master n. `slave` has 3 numbers, `masters` 3 n. The order of the nodes of a pairing does not matter, but for
+/// slave, master 1, ..., master n. `slave` has 3 numbers, `masters` 3 n. The order of the nodes of a pairing does not matter, but for
 /// rounding.
 ///
 /// DC_NO_CONTACT if the element has no result: point->outcome and dc_message() say why. The derivatives then hold anything.

@@ -86,7 +86,7 @@ unsafe fn points<'a>(positions: *const f64, nodes: usize) -> Result<&'a [Point],
 }
 
 /// Facets from rows of four nodes.
-fn facets(rows: &[i32]) -> Result<Vec<Facet>, Failure> {
+fn facets_of(rows: &[i32]) -> Result<Vec<Facet>, Failure> {
     let (rows, _) = rows.as_chunks::<4>();
     let node = |facet: usize, node: i32| {
         usize::try_from(node).map_err(|_| {
@@ -125,7 +125,7 @@ unsafe fn facet_rows<'a>(name: &str, rows: *const i32, count: usize) -> Result<&
 pub unsafe extern "C" fn dc_create(
     positions: *const f64,
     node_count: usize,
-    facets_: *const i32,
+    facets: *const i32,
     facet_count: usize,
     slaves: *const i32,
     slave_count: usize,
@@ -142,7 +142,7 @@ pub unsafe extern "C" fn dc_create(
         let (positions, master, slaves, areas, options) = unsafe {
             (
                 points(positions, node_count)?,
-                facet_rows("facets", facets_, facet_count)?,
+                facet_rows("facets", facets, facet_count)?,
                 input("slaves", slaves, slave_count)?,
                 facet_rows("slave_facets", slave_facets, slave_facet_count)?,
                 dc_options::read(options)?,
@@ -171,10 +171,10 @@ fn create(
         })
     };
     let slaves: Vec<usize> = slaves.iter().enumerate().map(index).collect::<Result<_, _>>()?;
-    let slave_facets = facets(slave_facets)?;
+    let slave_facets = facets_of(slave_facets)?;
     let cutback = Cutback::new(options.cutback()?, slaves.len());
     let options = options.interface()?;
-    let master = MasterSurface::new(positions, facets(master)?)?;
+    let master = MasterSurface::new(positions, facets_of(master)?)?;
     let interface = ContactInterface::new(master, slaves, &slave_facets, positions, options)?;
     Ok(State {
         interface,
@@ -462,10 +462,10 @@ mod layout {
 
     #[test]
     fn rows_become_facets() {
-        let read = facets(&[0, 1, 2, -1, 4, 5, 6, 7]).unwrap();
+        let read = facets_of(&[0, 1, 2, -1, 4, 5, 6, 7]).unwrap();
         assert_eq!(read, [Facet::Triangle([0, 1, 2]), Facet::Quadrilateral([4, 5, 6, 7])]);
-        assert_eq!(facets(&[0, -1, 2, 3]).unwrap_err().status, DC_OUT_OF_RANGE);
-        assert_eq!(facets(&[0, 1, 2, -2]).unwrap_err().status, DC_OUT_OF_RANGE);
+        assert_eq!(facets_of(&[0, -1, 2, 3]).unwrap_err().status, DC_OUT_OF_RANGE);
+        assert_eq!(facets_of(&[0, 1, 2, -2]).unwrap_err().status, DC_OUT_OF_RANGE);
         assert_eq!(create(&[], &[], &[], &[], &dc_options::defaults()).unwrap_err().status, DC_BAD_SURFACE);
     }
 }

@@ -12,7 +12,7 @@ use crate::status::{Failure, dc_status};
 
 /// How an interface pairs and evaluates. Set `size`, call dc_options_default, change what is to be different:
 ///
-///     dc_options options = {sizeof options};
+///     dc_options options = {.size = sizeof options};
 ///     dc_options_default(&options);
 ///     options.areas = 1;
 ///

@@ -34,7 +34,7 @@ pub enum dc_status {
     DC_NOT_FINITE = 8,
     /// An index of a node or a slave is out of range.
     DC_OUT_OF_RANGE = 9,
-    /// The facets are no surface: a facet with equal nodes or without area, an edge with three facets, …
+    /// The facets are no surface: a facet with equal nodes or without area, an edge with three facets, ...
     DC_BAD_SURFACE = 10,
     /// A slave is listed twice, lies on the master, or has no slave facet although areas are asked for.
     DC_BAD_SLAVES = 11,

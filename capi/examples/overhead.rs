@@ -15,7 +15,9 @@ const CALLS: usize = 200;
 const MOST: usize = 20;
 
 fn main() -> Result<(), ElementError> {
-    let node = |k: usize| [(k % 5) as f64 - 2.0 + 0.03 * (k % 3) as f64, (k / 5) as f64 - 1.5 + 0.02 * (k % 4) as f64];
+    let node = |k: usize| {
+        [(k % 5) as f64 - 2.0 + 0.03 * (k % 3) as f64, (k / 5) as f64 - 1.5 + 0.02 * (k % 4) as f64]
+    };
     let masters: Vec<Point> = (0..MOST).map(|k| [node(k)[0], node(k)[1], 0.01 * (k % 7) as f64]).collect();
     let freedoms = 3 * (MOST + 1);
     let (mut gradient, mut hessian) = (vec![0.0; freedoms], vec![0.0; freedoms * (freedoms + 1) / 2]);

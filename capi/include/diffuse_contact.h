@@ -19,7 +19,7 @@
  * Threads: calls without handle may be made from any number of threads at once. A handle serves one thread at a time; a second
  * one gets DC_BUSY. Evaluation runs in parallel inside; the environment variable RAYON_NUM_THREADS says in how many threads.
  *
- * Structures that open with `size` have it set to their sizeof before any call: dc_law law = {sizeof law};
+ * Structures that open with `size` have it set to their sizeof before any call: dc_law law = {.size = sizeof law};
  *
  * Made from the sources in capi/src: do not edit.
  */
@@ -28,8 +28,6 @@
 #ifndef DIFFUSE_CONTACT_H
 #define DIFFUSE_CONTACT_H
 
-#include <stddef.h>
-#include <stdint.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -57,7 +55,7 @@ typedef enum dc_status {
     DC_NOT_FINITE = 8,
     // An index of a node or a slave is out of range.
     DC_OUT_OF_RANGE = 9,
-    // The facets are no surface: a facet with equal nodes or without area, an edge with three facets, …
+    // The facets are no surface: a facet with equal nodes or without area, an edge with three facets, ...
     DC_BAD_SURFACE = 10,
     // A slave is listed twice, lies on the master, or has no slave facet although areas are asked for.
     DC_BAD_SLAVES = 11,
@@ -200,7 +198,7 @@ typedef struct dc_pattern dc_pattern;
 
 // How an interface pairs and evaluates. Set `size`, call dc_options_default, change what is to be different:
 //
-//     dc_options options = {sizeof options};
+//     dc_options options = {.size = sizeof options};
 //     dc_options_default(&options);
 //     options.areas = 1;
 //
@@ -362,9 +360,9 @@ typedef struct dc_element {
     size_t size;
     // dc_basis; 0 is DC_QUADRATIC.
     int32_t basis;
-    // dc_weight: DC_CUBIC, …
+    // dc_weight: DC_CUBIC, ...
     int32_t weight;
-    // dc_frame: DC_CO_MOVING, …
+    // dc_frame: DC_CO_MOVING, ...
     int32_t frame;
     // 0.
     int32_t reserved;

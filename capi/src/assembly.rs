@@ -35,8 +35,7 @@ pub unsafe extern "C" fn dc_residual(
         with(interface, |state| {
             let contacts = state.contacts()?;
             // SAFETY: as the caller promises.
-            let (law, residual) =
-                unsafe { (law::read(law)?, output("residual", residual, equation_count)?) };
+            let (law, residual) = unsafe { (law::read(law)?, output("residual", residual, equation_count)?) };
             let active = add_residual(contacts, &law, &state.dofs, residual)?;
             if !active_count.is_null() {
                 // SAFETY: as the caller promises.

@@ -51,7 +51,8 @@ pub unsafe extern "C" fn dc_gap_batch(
         if element_count == 0 {
             return Ok(());
         }
-        let too_many = || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {element_count} elements"));
+        let too_many =
+            || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {element_count} elements"));
         let coordinates = element_count.checked_mul(3).ok_or_else(too_many)?;
         let optional = |pointer: *const f64, count| if pointer.is_null() { 0 } else { count };
         // SAFETY: as the caller promises.
@@ -65,7 +66,9 @@ pub unsafe extern "C" fn dc_gap_batch(
         };
         let lengths = lengths(offsets)?;
         let [freedoms, packed] = total(&lengths, mode)?;
-        for (name, size, needed) in [("gradients", gradient_size, freedoms), ("hessians", hessian_size, packed)] {
+        for (name, size, needed) in
+            [("gradients", gradient_size, freedoms), ("hessians", hessian_size, packed)]
+        {
             if size < needed {
                 let message = format!("bad-size: {name} has room for {size} numbers, needs {needed}");
                 return Err(Failure::new(DC_BAD_SIZE, message));

@@ -71,7 +71,11 @@ pub unsafe fn input<'a, T: Plain>(name: &str, pointer: *const T, count: usize) -
 ///
 /// # Safety
 /// `pointer` is NULL, or `count` entries may be written there until the call returns, which nobody else looks at.
-pub unsafe fn output<'a, T: Plain>(name: &str, pointer: *mut T, count: usize) -> Result<&'a mut [T], Failure> {
+pub unsafe fn output<'a, T: Plain>(
+    name: &str,
+    pointer: *mut T,
+    count: usize,
+) -> Result<&'a mut [T], Failure> {
     if count == 0 {
         return Ok(&mut []);
     }

@@ -1,7 +1,7 @@
 //! When an increment had better be smaller.
 
-use runtime::interface::{ContactRef, NoContact, Outcome};
 use runtime::ElementError;
+use runtime::interface::{ContactRef, NoContact, Outcome};
 
 use crate::status::{DC_BAD_OPTION, Failure};
 

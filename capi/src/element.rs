@@ -63,9 +63,7 @@ impl dc_point {
             Ok(ContactPoint { gap, foot, normal }) => {
                 Self { outcome: dc_outcome::DC_CONTACT as i32, reserved: 0, gap, foot, normal }
             }
-            Err(error) => {
-                Self { outcome: outcome::with_code(error.code()) as i32, ..Self::default() }
-            }
+            Err(error) => Self { outcome: outcome::with_code(error.code()) as i32, ..Self::default() },
         }
     }
 }
@@ -168,7 +166,10 @@ pub unsafe extern "C" fn dc_gap(
     border::call(|| {
         let mode = choice::mode(mode)?;
         let Some([freedoms, packed]) = sizes(master_count, mode) else {
-            return Err(Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {master_count} masters")));
+            return Err(Failure::new(
+                DC_BAD_SIZE,
+                format!("bad-size: there cannot be {master_count} masters"),
+            ));
         };
         // SAFETY: as the caller promises.
         let (element, slave, masters, point, gradient, hessian) = unsafe {
@@ -212,7 +213,8 @@ pub unsafe extern "C" fn dc_element_system(
     tangent_size: usize,
 ) -> dc_status {
     border::call(|| {
-        let too_many = || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {master_count} masters"));
+        let too_many =
+            || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {master_count} masters"));
         let [freedoms, packed] = sizes(master_count, Mode::Hessian).ok_or_else(too_many)?;
         let square = freedoms.checked_mul(freedoms).ok_or_else(too_many)?;
         // SAFETY: as the caller promises.

@@ -4,7 +4,7 @@ use std::mem::offset_of;
 
 use runtime::Point;
 use runtime::assembly::{DofMap, Triplets};
-use runtime::interface::{Contacts, ContactInterface, RefreshReport};
+use runtime::interface::{ContactInterface, Contacts, RefreshReport};
 use runtime::surface::{Facet, MasterSurface};
 
 use crate::border::{self, Versioned, input, single, write_sized};
@@ -205,7 +205,8 @@ pub unsafe extern "C" fn dc_counts(
 ) -> dc_status {
     border::call(|| {
         with(interface, |state| {
-            for (pointer, value) in [(node_count, state.nodes), (slave_count, state.interface.slaves().len())] {
+            for (pointer, value) in [(node_count, state.nodes), (slave_count, state.interface.slaves().len())]
+            {
                 if !pointer.is_null() {
                     // SAFETY: as the caller promises.
                     *unsafe { single("count", pointer)? } = value;
@@ -434,7 +435,8 @@ pub unsafe extern "C" fn dc_set_equations(
                 return Ok(());
             }
             if node_count != state.nodes {
-                let message = format!("bad-size: equations of {node_count} nodes, but there are {}", state.nodes);
+                let message =
+                    format!("bad-size: equations of {node_count} nodes, but there are {}", state.nodes);
                 return Err(Failure::new(DC_BAD_SIZE, message));
             }
             // SAFETY: as the caller promises.

@@ -118,7 +118,11 @@ impl dc_options {
     /// As [`read_sized`].
     pub unsafe fn read(options: *const Self) -> Result<Self, Failure> {
         // SAFETY: as the caller promises.
-        if options.is_null() { Ok(Self::defaults()) } else { unsafe { read_sized(options, Self::defaults()) } }
+        if options.is_null() {
+            Ok(Self::defaults())
+        } else {
+            unsafe { read_sized(options, Self::defaults()) }
+        }
     }
 
     /// The neighbour search.

@@ -38,7 +38,8 @@ impl<T> Registry<T> {
     /// The handle of a new object: one that has never been given out before.
     pub fn insert(&self, object: T) -> Result<usize, Failure> {
         let number = self.made.fetch_add(1, Ordering::Relaxed) + 1;
-        let too_many = || Failure::new(DC_TOO_LARGE, format!("too-many: no handle left for the {}", self.what));
+        let too_many =
+            || Failure::new(DC_TOO_LARGE, format!("too-many: no handle left for the {}", self.what));
         let handle = number.checked_mul(STRIDE).filter(|&x| x & MARK == 0).ok_or_else(too_many)?;
         let handle = MARK | handle | self.kind;
         let mut live = self.live.write().unwrap_or_else(PoisonError::into_inner);
@@ -72,8 +73,10 @@ impl<T> Registry<T> {
             Ok(object) => object,
             Err(TryLockError::WouldBlock) => return Err(self.busy()),
             Err(TryLockError::Poisoned(_)) => {
-                let message =
-                    format!("internal: an earlier call failed inside; the {} can only be destroyed", self.what);
+                let message = format!(
+                    "internal: an earlier call failed inside; the {} can only be destroyed",
+                    self.what
+                );
                 return Err(Failure::new(DC_INTERNAL, message));
             }
         };

@@ -76,7 +76,9 @@ fn status_of(code: &str, otherwise: dc_status) -> dc_status {
     match code {
         "non-finite-position" | "non-finite-input" | "invalid-gap" => DC_NOT_FINITE,
         "node-out-of-range" | "slave-out-of-range" | "unknown-node" | "unknown-equation" => DC_OUT_OF_RANGE,
-        "wrong-number-of-positions" | "too-few-positions" | "multiplier-count" | "output-length" => DC_BAD_SIZE,
+        "wrong-number-of-positions" | "too-few-positions" | "multiplier-count" | "output-length" => {
+            DC_BAD_SIZE
+        }
         "derivative-length" => DC_NOT_EVALUATED,
         "pattern-mismatch" => DC_PATTERN_MISMATCH,
         "too-many" | "too-many-nodes" | "too-large" | "out-of-memory" => DC_TOO_LARGE,
@@ -95,7 +97,8 @@ impl From<SurfaceError> for Failure {
 
 impl From<InterfaceError> for Failure {
     fn from(error: InterfaceError) -> Self {
-        let otherwise = if matches!(error, InterfaceError::Surface(_)) { DC_BAD_SURFACE } else { DC_BAD_OPTION };
+        let otherwise =
+            if matches!(error, InterfaceError::Surface(_)) { DC_BAD_SURFACE } else { DC_BAD_OPTION };
         Self::new(status_of(error.code(), otherwise), coded(error.code(), &error))
     }
 }

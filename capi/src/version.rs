@@ -32,7 +32,8 @@ pub unsafe extern "C" fn dc_set_isa(name: *const c_char) -> dc_status {
         let name = unsafe { CStr::from_ptr(name) }.to_string_lossy();
         let Some(isa) = Isa::named(&name) else {
             let known: Vec<&str> = Isa::available().map(Isa::name).collect();
-            let message = format!("invalid-option: \"{name}\" is none of {}, which there are", known.join(", "));
+            let message =
+                format!("invalid-option: \"{name}\" is none of {}, which there are", known.join(", "));
             return Err(Failure::new(DC_BAD_OPTION, message));
         };
         isa.prefer().map_err(|used| {

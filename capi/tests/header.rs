@@ -4,8 +4,19 @@ use std::path::Path;
 
 /// In the order in which the header has them.
 const SOURCES: [&str; 13] = [
-    "status", "outcome", "choice", "version", "options", "interface", "contacts", "law", "assembly", "pattern",
-    "neighbours", "element", "batch",
+    "status",
+    "outcome",
+    "choice",
+    "version",
+    "options",
+    "interface",
+    "contacts",
+    "law",
+    "assembly",
+    "pattern",
+    "neighbours",
+    "element",
+    "batch",
 ];
 
 #[test]
@@ -24,5 +35,9 @@ fn the_header_is_fresh() {
         std::fs::write(&path, &made).expect("the header");
     }
     let found = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(found == made, "{} is stale: run UPDATE_HEADER=1 cargo test -p diffuse-contact-capi --test header", path.display());
+    assert!(
+        found == made,
+        "{} is stale: run UPDATE_HEADER=1 cargo test -p diffuse-contact-capi --test header",
+        path.display()
+    );
 }

@@ -181,7 +181,10 @@ fn single_elements_and_batches_give_what_the_runtime_gives() {
                 packed,
             )
         };
-        assert_eq!((status, found.gap, found.foot, found.normal), (DC_OK, point.gap, point.foot, point.normal));
+        assert_eq!(
+            (status, found.gap, found.foot, found.normal),
+            (DC_OK, point.gap, point.foot, point.normal)
+        );
         assert_eq!((&found_gradient, &found_hessian), (&gradient, &hessian));
 
         // The same one among others that differ in place or fail; neighbours make no difference.

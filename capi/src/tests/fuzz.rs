@@ -13,13 +13,15 @@ use crate::batch::dc_gap_batch;
 use crate::contacts::{dc_contact, dc_contact_of, dc_cutback, dc_derivatives, dc_forces, dc_gaps};
 use crate::element::{dc_element, dc_element_system, dc_gap, dc_point};
 use crate::interface::{
-    dc_counts, dc_destroy, dc_evaluate, dc_freeze, dc_interface, dc_refresh, dc_report, dc_set_equations, dc_thaw,
-    dc_update,
+    dc_counts, dc_destroy, dc_evaluate, dc_freeze, dc_interface, dc_refresh, dc_report, dc_set_equations,
+    dc_thaw, dc_update,
 };
 use crate::law::dc_law;
 use crate::neighbours::{dc_pair, dc_pairing};
 use crate::options::dc_options;
-use crate::pattern::{dc_pattern, dc_pattern_create, dc_pattern_destroy, dc_pattern_fill, dc_pattern_structure};
+use crate::pattern::{
+    dc_pattern, dc_pattern_create, dc_pattern_destroy, dc_pattern_fill, dc_pattern_structure,
+};
 use crate::status::*;
 
 /// Calls from the fixed seed.
@@ -39,14 +41,19 @@ fn odd_calls_have_a_status() {
             for seed in 2.. {
                 Fuzz::new(seed).run(CALLS, &mut counts);
                 if start.elapsed() > duration {
-                    println!("{} calls from {} seeds, by status: {counts:?}", counts.iter().sum::<usize>(), seed - 1);
+                    println!(
+                        "{} calls from {} seeds, by status: {counts:?}",
+                        counts.iter().sum::<usize>(),
+                        seed - 1
+                    );
                     break;
                 }
             }
         }
     }
     // Every kind of answer occurs, but for those that need another thread, a pattern out of date, overflow or lack of memory.
-    for status in [DC_OK, DC_FROZEN, DC_NO_CONTACT, DC_BAD_POINTER, DC_BAD_SIZE, DC_BAD_HANDLE, DC_BAD_OPTION] {
+    for status in [DC_OK, DC_FROZEN, DC_NO_CONTACT, DC_BAD_POINTER, DC_BAD_SIZE, DC_BAD_HANDLE, DC_BAD_OPTION]
+    {
         assert!(counts[status as usize] > 0, "{status:?}");
     }
     for status in [DC_NOT_FINITE, DC_OUT_OF_RANGE, DC_BAD_SURFACE, DC_BAD_SLAVES, DC_NOT_EVALUATED] {
@@ -78,7 +85,10 @@ impl Numbers {
     fn check(&self, status: dc_status) {
         assert_eq!(self.values[self.len()], GUARD, "written beyond the end");
         if status == DC_OK {
-            assert!(self.values.iter().all(|value| value.is_finite()), "{status:?} with numbers that are none");
+            assert!(
+                self.values.iter().all(|value| value.is_finite()),
+                "{status:?} with numbers that are none"
+            );
         }
     }
 }
@@ -182,7 +192,11 @@ impl Fuzz {
             size: if self.random.one_in(20) { self.random.below(100) } else { size_of::<dc_law>() },
             penalty,
             multipliers: if with { multipliers.as_ptr() } else { null() },
-            multiplier_count: if with { self.size(multipliers.len()) } else { self.random.pick(&[0, 0, 0, 4]) },
+            multiplier_count: if with {
+                self.size(multipliers.len())
+            } else {
+                self.random.pick(&[0, 0, 0, 4])
+            },
             tangent: self.choice(2),
             reserved: 0,
         }
@@ -495,7 +509,8 @@ impl Fuzz {
     }
 
     fn element(&mut self) -> dc_element {
-        let mut vector = |far: bool| [0; 3].map(|_| if far { self.random.odd_number() } else { self.random.unit() - 0.5 });
+        let mut vector =
+            |far: bool| [0; 3].map(|_| if far { self.random.odd_number() } else { self.random.unit() - 0.5 });
         let (near, odd) = (vector(false), vector(true));
         let mut element = dc_element {
             size: size_of::<dc_element>(),
@@ -591,7 +606,9 @@ impl Fuzz {
         hessians.check(status);
         assert_eq!(points[4], dc_point::default(), "written beyond the end");
         for point in points {
-            assert!([point.gap].iter().chain(&point.foot).chain(&point.normal).all(|number| number.is_finite()));
+            assert!(
+                [point.gap].iter().chain(&point.foot).chain(&point.normal).all(|number| number.is_finite())
+            );
         }
         status
     }

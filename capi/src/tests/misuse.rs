@@ -8,13 +8,15 @@ use crate::batch::dc_gap_batch;
 use crate::contacts::{dc_contact, dc_contact_of, dc_cutback, dc_derivatives, dc_forces, dc_gaps};
 use crate::element::{dc_element, dc_element_system, dc_gap, dc_point};
 use crate::interface::{
-    dc_create, dc_destroy, dc_evaluate, dc_freeze, dc_interface, dc_refresh, dc_report, dc_set_equations, dc_thaw,
-    dc_update,
+    dc_create, dc_destroy, dc_evaluate, dc_freeze, dc_interface, dc_refresh, dc_report, dc_set_equations,
+    dc_thaw, dc_update,
 };
 use crate::law::dc_law;
 use crate::options::{dc_options, dc_options_default};
 use crate::outcome::{dc_outcome, dc_outcome_code};
-use crate::pattern::{dc_pattern, dc_pattern_create, dc_pattern_destroy, dc_pattern_fill, dc_pattern_structure};
+use crate::pattern::{
+    dc_pattern, dc_pattern_create, dc_pattern_destroy, dc_pattern_fill, dc_pattern_structure,
+};
 use crate::status::*;
 use crate::version::{dc_isa, dc_set_isa, dc_version};
 
@@ -144,7 +146,16 @@ fn pointers_sizes_and_handles() {
         let (mut nodes, mut gradient) = (vec![0; count + 1], vec![0.0; 3 * (count + 1)]);
         let derivatives = |nodes: &mut Vec<i32>, gradient: &mut Vec<f64>| {
             let (node_size, size) = (nodes.len(), gradient.len());
-            dc_derivatives(handle, 3, nodes.as_mut_ptr(), node_size, gradient.as_mut_ptr(), size, null_mut(), 0)
+            dc_derivatives(
+                handle,
+                3,
+                nodes.as_mut_ptr(),
+                node_size,
+                gradient.as_mut_ptr(),
+                size,
+                null_mut(),
+                0,
+            )
         };
         assert_eq!(derivatives(&mut nodes, &mut gradient), DC_NOT_EVALUATED, "value mode has no gradient");
         assert_eq!(derivatives(&mut vec![0; count], &mut gradient), DC_BAD_SIZE);
@@ -164,10 +175,12 @@ fn pointers_sizes_and_handles() {
         assert_eq!(dc_forces(handle, &wrong, null_mut(), null_mut(), null_mut(), 4), DC_BAD_OPTION);
         assert_eq!(residual, [0.0; 120]);
         let mut count = 0;
-        let status =
-            dc_triplets(handle, &LAW, 1, null_mut(), null_mut(), gaps.as_mut_ptr(), 4, &mut count);
+        let status = dc_triplets(handle, &LAW, 1, null_mut(), null_mut(), gaps.as_mut_ptr(), 4, &mut count);
         assert_eq!((status, count > 4), (DC_BAD_SIZE, true));
-        assert_eq!(dc_triplets(handle, &LAW, 2, null_mut(), null_mut(), null_mut(), 0, &mut count), DC_BAD_OPTION);
+        assert_eq!(
+            dc_triplets(handle, &LAW, 2, null_mut(), null_mut(), null_mut(), 0, &mut count),
+            DC_BAD_OPTION
+        );
         let mut equations = [-1; 120];
         equations[7] = 2;
         assert_eq!(dc_set_equations(handle, equations.as_ptr(), 40, 2), DC_OUT_OF_RANGE);
@@ -307,7 +320,8 @@ fn single_elements_are_refused_or_have_no_contact() {
     let (status, found) = gap(&sound, slave, 6, 1);
     assert_eq!((status, found.outcome), (DC_NO_CONTACT, dc_outcome::DC_SINGULAR_FIT as i32), "two rows");
     assert!(message().starts_with("singular-fit: "), "{}", message());
-    let given = dc_element { frame: 2, t1: [1.0, 0.0, 0.0], t2: [0.0, 1.0, 0.0], normal: [0.0, 0.0, 1.0], ..sound };
+    let given =
+        dc_element { frame: 2, t1: [1.0, 0.0, 0.0], t2: [0.0, 1.0, 0.0], normal: [0.0, 0.0, 1.0], ..sound };
     assert_eq!(gap(&given, slave, 9, 1).0, DC_OK);
 
     let mut points = [dc_point::default(); 2];
@@ -344,7 +358,19 @@ fn single_elements_are_refused_or_have_no_contact() {
     // SAFETY: the arrays have the lengths given.
     unsafe {
         let system = |law: &dc_law, gap, residual: *mut f64, size| {
-            dc_element_system(law, gap, 1.0, 1, gradient.as_ptr(), null(), null_mut(), residual, size, null_mut(), 0)
+            dc_element_system(
+                law,
+                gap,
+                1.0,
+                1,
+                gradient.as_ptr(),
+                null(),
+                null_mut(),
+                residual,
+                size,
+                null_mut(),
+                0,
+            )
         };
         let mut residual = [0.0; 6];
         assert_eq!(system(&LAW, -1.0, residual.as_mut_ptr(), 6), DC_OVERFLOW);

@@ -2,11 +2,11 @@
 
 use std::process::Command;
 
+use crate::support::{Installed, assert_same, c_compiler, from_hexadecimal, has, records, root, run};
 use runtime::assembly::{ContactLaw, CsrPattern, DofMap, add_residual};
 use runtime::interface::{ContactInterface, InterfaceOptions};
 use runtime::surface::{Facet, MasterSurface};
 use runtime::{Backend, Basis, Element, Frame, Generated, Mode, Weight};
-use crate::support::{Installed, assert_same, c_compiler, from_hexadecimal, has, records, root, run};
 
 const MASTERS: usize = 81;
 const SLAVES: usize = 25;
@@ -46,7 +46,11 @@ fn the_c_example_leaks_nothing() {
     let installed = Installed::new("c-valgrind");
     compile(&installed, "press", &installed.flags(&["--libs"]));
     let mut command = Command::new("valgrind");
-    command.args(["--error-exitcode=3", "--leak-check=full", "--errors-for-leak-kinds=definite,indirect,possible"]);
+    command.args([
+        "--error-exitcode=3",
+        "--leak-check=full",
+        "--errors-for-leak-kinds=definite,indirect,possible",
+    ]);
     command.arg(format!("--suppressions={}", root().join("capi/tests/valgrind.supp").display()));
     // Not every valgrind knows every vector instruction.
     command.env("DIFFUSE_CONTACT_ISA", "scalar").env("LD_LIBRARY_PATH", installed.prefix.join("lib"));
@@ -131,8 +135,9 @@ fn new_interface(positions: &[[f64; 3]]) -> ContactInterface {
 }
 
 fn one_element() -> runtime::Gap {
-    let masters: Vec<[f64; 3]> =
-        (0..9).map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0, 0.01 * f64::from(k) * f64::from(k)]).collect();
+    let masters: Vec<[f64; 3]> = (0..9)
+        .map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0, 0.01 * f64::from(k) * f64::from(k)])
+        .collect();
     let element = Element {
         slave: [0.1, 0.2, 0.25],
         masters: &masters,

@@ -2,11 +2,11 @@
 
 use std::process::Command;
 
+use crate::support::{Installed, assert_same, from_bits, groups, has, records, root, run};
 use runtime::assembly::{ContactLaw, ContactView};
 use runtime::neighbourhood::{NeighbourSearch, SearchOptions};
 use runtime::pairing::NearestNodes;
 use runtime::{Basis, Element, Frame, Generated, Mode, Point, Weight};
-use crate::support::{Installed, assert_same, from_bits, groups, has, records, root, run};
 
 const PENALTY: f64 = 3e3;
 
@@ -18,10 +18,19 @@ fn the_user_element_has_the_numbers_of_rust() {
     let installed = Installed::new("fortran");
     let mut command = Command::new("gfortran");
     // Comparisons of numbers are meant, and so are dummy arguments that Abaqus passes and nobody needs.
-    command.args(["-std=f2018", "-Wall", "-Wextra", "-Werror", "-Wno-compare-reals", "-Wno-unused-dummy-argument"]);
+    command.args([
+        "-std=f2018",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        "-Wno-compare-reals",
+        "-Wno-unused-dummy-argument",
+    ]);
     command.args(["-Wno-surprising", "-fcheck=all", "-O1", "-J"]);
     command.arg(&installed.prefix).arg("-o").arg(installed.prefix.join("drive_uel"));
-    command.arg(installed.prefix.join("share/diffuse_contact/uel.f90")).arg(root().join("fortran/drive_uel.f90"));
+    command
+        .arg(installed.prefix.join("share/diffuse_contact/uel.f90"))
+        .arg(root().join("fortran/drive_uel.f90"));
     run(command.args(installed.flags(&["--libs"])));
     // It checks tangent, cut-backs and flags itself.
     let printed = run(installed.program("drive_uel").arg("--bits"));

@@ -55,7 +55,10 @@ impl Installed {
     /// What pkg-config says.
     pub fn flags(&self, arguments: &[&str]) -> Vec<String> {
         let mut command = Command::new("pkg-config");
-        command.env("PKG_CONFIG_PATH", self.prefix.join("lib/pkgconfig")).args(arguments).arg("diffuse_contact");
+        command
+            .env("PKG_CONFIG_PATH", self.prefix.join("lib/pkgconfig"))
+            .args(arguments)
+            .arg("diffuse_contact");
         run(&mut command).split_whitespace().map(str::to_owned).collect()
     }
 
@@ -80,8 +83,7 @@ pub fn records(text: &str, read: fn(&str) -> f64) -> Vec<(String, Vec<f64>)> {
         let is_name = !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_lowercase() || byte == b'-');
         let rest: Vec<&str> = words.collect();
         let is_record = is_name && rest.iter().all(|word| looks_hexadecimal(word));
-        (is_record && !rest.is_empty())
-            .then(|| (name.to_owned(), rest.into_iter().map(read).collect()))
+        (is_record && !rest.is_empty()).then(|| (name.to_owned(), rest.into_iter().map(read).collect()))
     };
     text.lines().filter_map(record).collect()
 }

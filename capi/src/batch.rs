@@ -115,9 +115,7 @@ pub unsafe extern "C" fn dc_gap_batch(
             }
         }
         let results = SCRATCH.with_borrow_mut(|scratch| {
-            let slots = slots
-                .iter_mut()
-                .map(|(gradient, hessian)| GapSlot { gradient: &mut **gradient, hessian: &mut **hessian });
+            let slots = slots.iter_mut().map(|(gradient, hessian)| GapSlot { gradient, hessian });
             Generated.gap_batch(&elements, mode, slots, scratch)
         });
         for ((place, result), (gradient, hessian)) in places.into_iter().zip(results).zip(slots) {

@@ -127,7 +127,7 @@ pub unsafe trait Versioned: Copy {
 }
 
 fn known_size<T: Versioned>(size: usize) -> Result<usize, Failure> {
-    if (T::FIRST..=size_of::<T>()).contains(&size) && size % align_of::<T>() == 0 {
+    if (T::FIRST..=size_of::<T>()).contains(&size) && size.is_multiple_of(align_of::<T>()) {
         return Ok(size);
     }
     let message = format!(

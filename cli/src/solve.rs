@@ -135,7 +135,10 @@ impl Watcher for Progress {
             let line = format!("  time {time:.6}  iteration {iteration:2}  residual {relative:.3e}");
             say(&format!("{line}  contacts {active}  step {step:.3}"));
         } else if stderr().is_terminal() {
-            let _ = write!(stderr().lock(), "\r  time {time:.6}  iteration {iteration:2}  residual {relative:.3e}\x1b[K");
+            let _ = write!(
+                stderr().lock(),
+                "\r  time {time:.6}  iteration {iteration:2}  residual {relative:.3e}\x1b[K"
+            );
         }
     }
 

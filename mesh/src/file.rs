@@ -10,10 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 ///
 /// # Errors
 /// Those of `write`, and of making, syncing and renaming the file.
-pub fn replace(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
-) -> io::Result<()> {
+pub fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>) -> io::Result<()> {
     let name = name_beside(path)?;
     let file = OpenOptions::new().write(true).create_new(true).open(&name)?;
     let temporary = Temporary(name);

@@ -65,7 +65,11 @@ pub enum SolveError {
 ///
 /// # Errors
 /// [`SolveError`]; after [`SolveError::EndedEarly`] summary and report are there as after success.
-pub fn solve(deck_path: &Path, options: &SolveOptions, watcher: &mut dyn Watcher) -> Result<Summary, SolveError> {
+pub fn solve(
+    deck_path: &Path,
+    options: &SolveOptions,
+    watcher: &mut dyn Watcher,
+) -> Result<Summary, SolveError> {
     let text = std::fs::read_to_string(deck_path)
         .map_err(|cause| DeckError::Read { path: deck_path.into(), cause })?;
     let deck = Deck::parse_named(&text, deck_path)?;
@@ -148,7 +152,8 @@ pub fn problem(deck: &Deck, model: &Model, threads: usize) -> Result<Problem, So
         sets.join("+")
     });
     let supports = deck.supports(model)?;
-    let groups = names.zip(supports.supports().to_vec()).map(|(name, support)| SupportGroup { name, support });
+    let groups =
+        names.zip(supports.supports().to_vec()).map(|(name, support)| SupportGroup { name, support });
     let pressures = deck.loads(model)?.into_iter().map(|load| Pressure {
         facets: load.facets,
         value: load.value,

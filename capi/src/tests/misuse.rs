@@ -197,7 +197,7 @@ fn pointers_sizes_and_handles() {
         assert_eq!(dc_update(handle, positions, 40), DC_BAD_HANDLE);
         assert!(message().ends_with("never made, or destroyed"), "{}", message());
         let on_stack: *mut dc_interface = (&raw mut count).cast();
-        for garbage in [null_mut(), on_stack, handle.wrapping_byte_add(16), 1 as *mut dc_interface] {
+        for garbage in [null_mut(), on_stack, handle.wrapping_byte_add(16), std::ptr::dangling_mut()] {
             assert_eq!(dc_evaluate(garbage, 0), DC_BAD_HANDLE);
             assert_eq!(dc_freeze(garbage), DC_BAD_HANDLE);
         }

@@ -97,7 +97,8 @@ impl Fields {
         let mut areas = vec![0.0; model.nodes.len()];
         for facets in surfaces {
             // Checked when the interface was made.
-            for (sum, area) in areas.iter_mut().zip(tributary_areas(&model.nodes, facets).unwrap_or_default()) {
+            for (sum, area) in areas.iter_mut().zip(tributary_areas(&model.nodes, facets).unwrap_or_default())
+            {
                 *sum = f64::max(*sum, area);
             }
         }

@@ -94,7 +94,8 @@ pub fn read_iterations(path: &Path) -> Result<(Vec<String>, Vec<HistoryRow>), Ou
 
 fn read_table(path: &Path) -> Result<(Vec<String>, Vec<HistoryRow>), OutputError> {
     let text = fs::read_to_string(path).map_err(OutputError::read(path))?;
-    let content = |line: usize, problem: String| OutputError::Content { path: path.to_path_buf(), line, problem };
+    let content =
+        |line: usize, problem: String| OutputError::Content { path: path.to_path_buf(), line, problem };
     let mut lines = text.lines().enumerate();
     let Some((_, header)) = lines.next() else { return Err(content(1, "there are no columns".to_owned())) };
     let names: Vec<String> = header.split(',').map(str::to_owned).collect();
@@ -117,7 +118,9 @@ fn read_table(path: &Path) -> Result<(Vec<String>, Vec<HistoryRow>), OutputError
 /// The lines of a table up to an increment, its header first.
 pub(super) fn up_to(path: &Path, increments: usize) -> Result<String, OutputError> {
     let text = fs::read_to_string(path).map_err(OutputError::read(path))?;
-    let keep = |line: &&str| line.split(',').next().is_some_and(|word| word.parse().is_ok_and(|k: usize| k <= increments));
+    let keep = |line: &&str| {
+        line.split(',').next().is_some_and(|word| word.parse().is_ok_and(|k: usize| k <= increments))
+    };
     let mut lines = text.lines();
     let mut kept = lines.next().unwrap_or_default().to_owned();
     kept.push('\n');

@@ -71,7 +71,8 @@ impl<'a> Recorder<'a> {
             }
             clear(directory)?;
         }
-        for folder in [directory.to_path_buf(), directory.join(names::PICTURES), directory.join(names::SKINS)] {
+        for folder in [directory.to_path_buf(), directory.join(names::PICTURES), directory.join(names::SKINS)]
+        {
             fs::create_dir_all(&folder).map_err(OutputError::write(&folder))?;
         }
         let mut recorder = Self {
@@ -128,7 +129,8 @@ impl<'a> Recorder<'a> {
         for table in [names::HISTORY, names::ITERATIONS] {
             let table = directory.join(table);
             let kept = history::up_to(&table, state.increments)?;
-            file::replace(&table, |writer| writer.write_all(kept.as_bytes())).map_err(OutputError::write(&table))?;
+            file::replace(&table, |writer| writer.write_all(kept.as_bytes()))
+                .map_err(OutputError::write(&table))?;
         }
         let (columns, rows) = super::read_history(&directory.join(names::HISTORY))?;
         let column = |name: &str| columns.iter().position(|column| column == name);
@@ -225,7 +227,8 @@ impl<'a> Recorder<'a> {
     /// A picture and a skin.
     fn picture(&mut self, number: usize, problem: &Problem, state: &State) -> Result<(), OutputError> {
         let path = picture_path(&self.directory, number);
-        let unsound = |error: String| OutputError::Write { path: path.clone(), source: std::io::Error::other(error) };
+        let unsound =
+            |error: String| OutputError::Write { path: path.clone(), source: std::io::Error::other(error) };
         let fields = Fields::of(problem, state, &self.areas).map_err(|error| unsound(error.to_string()))?;
         let mut parts = Vec::new();
         let mut picture = VtuFile::new().points(problem.start_positions());
@@ -271,7 +274,12 @@ impl<'a> Recorder<'a> {
         })
     }
 
-    fn save(&mut self, record: &IncrementRecord, state: &State, problem: &Problem) -> Result<(), OutputError> {
+    fn save(
+        &mut self,
+        record: &IncrementRecord,
+        state: &State,
+        problem: &Problem,
+    ) -> Result<(), OutputError> {
         let last = state.time >= self.options.end;
         if record.number.is_multiple_of(self.options.every) || last {
             self.picture(record.number, problem, state)?;

@@ -55,7 +55,8 @@ impl Skin {
         for (k, &node) in nodes.iter().enumerate() {
             place[node] = k;
         }
-        let faces = corners.into_iter().map(|face| face.into_iter().map(|node| place[node]).collect()).collect();
+        let faces =
+            corners.into_iter().map(|face| face.into_iter().map(|node| place[node]).collect()).collect();
         let names = model.bodies.iter().map(|body| body.name.clone()).chain(["rigid".to_owned()]).collect();
         Self { nodes, faces, bodies, names }
     }
@@ -78,7 +79,9 @@ impl Skin {
             positions: self.nodes.iter().map(|&node| positions[node]).collect(),
             fields: named
                 .into_iter()
-                .map(|(name, values)| (name.to_owned(), self.nodes.iter().map(|&node| values[node]).collect()))
+                .map(|(name, values)| {
+                    (name.to_owned(), self.nodes.iter().map(|&node| values[node]).collect())
+                })
                 .collect(),
         }
     }

@@ -79,7 +79,8 @@ fn name_apart(runs: &mut [Run], directories: &[&Path]) {
     let elements: Vec<String> = runs.iter().map(|run| run.summary.element.clone()).collect();
     for ((run, element), directory) in runs.iter_mut().zip(&elements).zip(directories) {
         let repeated = elements.iter().filter(|other| *other == element).count() > 1;
-        let directory = directory.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let directory =
+            directory.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         run.label = if repeated { format!("{element} ({directory})") } else { element.clone() };
     }
 }

@@ -32,7 +32,10 @@ pub fn sample_surfaces<'a>(
     surfaces: impl IntoIterator<Item = (&'a str, &'a [Facet], InterfaceOptions)>,
     positions: &[[f64; 3]],
 ) -> Vec<SurfaceSample> {
-    surfaces.into_iter().filter_map(|(name, facets, options)| sample(name, facets, options, positions)).collect()
+    surfaces
+        .into_iter()
+        .filter_map(|(name, facets, options)| sample(name, facets, options, positions))
+        .collect()
 }
 
 fn sample(
@@ -99,11 +102,16 @@ fn add_samples(facet: &Facet, positions: &[[f64; 3]], result: &mut SurfaceSample
                 let (u, v) = (part(column), part(row));
                 result.flat.push(mix(&[1.0 - u - v, u, v]));
             }
-            let at = |row: usize, column: usize| first + row * SAMPLES - row * row.saturating_sub(1) / 2 + column;
+            let at =
+                |row: usize, column: usize| first + row * SAMPLES - row * row.saturating_sub(1) / 2 + column;
             for (row, column) in pairs(last, |row| last - row) {
                 result.triangles.push([at(row, column), at(row, column + 1), at(row + 1, column)]);
                 if column + 1 < last - row {
-                    result.triangles.push([at(row, column + 1), at(row + 1, column + 1), at(row + 1, column)]);
+                    result.triangles.push([
+                        at(row, column + 1),
+                        at(row + 1, column + 1),
+                        at(row + 1, column),
+                    ]);
                 }
             }
             for k in 0..last {

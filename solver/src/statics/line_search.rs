@@ -8,11 +8,7 @@ const SHORTEST: f64 = 0.1;
 const TRIES: usize = 5;
 
 /// Finds s in (0, 1] so that the slope, Δx·r at x + s Δx, is small against `start`, that at x; `full` is that at x + Δx.
-pub fn line_search<E>(
-    start: f64,
-    full: f64,
-    mut slope: impl FnMut(f64) -> Result<f64, E>,
-) -> Result<f64, E> {
+pub fn line_search<E>(start: f64, full: f64, mut slope: impl FnMut(f64) -> Result<f64, E>) -> Result<f64, E> {
     let good = |slope: f64| slope.abs() <= GOOD * start.abs();
     if good(full) || !start.is_finite() || !(start * full < 0.0) {
         return Ok(1.0);

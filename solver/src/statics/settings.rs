@@ -59,10 +59,20 @@ impl Settings {
         let within = |name, value: f64, inside: bool, range| {
             if inside { Ok(()) } else { Err(StaticsError::Setting { name, value, range }) }
         };
-        within("time.growth", time.growth, time.growth >= 1.0 && time.growth.is_finite(), "at least 1 and finite")?;
+        within(
+            "time.growth",
+            time.growth,
+            time.growth >= 1.0 && time.growth.is_finite(),
+            "at least 1 and finite",
+        )?;
         within("time.cutback", time.cutback, time.cutback > 0.0 && time.cutback < 1.0, "between 0 and 1")?;
         let absolute = newton.absolute;
-        within("newton.absolute", absolute, absolute >= 0.0 && absolute.is_finite(), "at least 0 and finite")?;
+        within(
+            "newton.absolute",
+            absolute,
+            absolute >= 0.0 && absolute.is_finite(),
+            "at least 0 and finite",
+        )?;
         within("newton.max_iterations", newton.max_iterations as f64, newton.max_iterations > 0, "at least 1")
     }
 }

@@ -64,7 +64,11 @@ impl SupportGroups {
     }
 
     /// Prescribed degrees of freedom and their coordinates at `time`; `start`: positions at the start.
-    pub fn targets<'a>(&'a self, time: f64, start: &'a [[f64; 3]]) -> impl Iterator<Item = (usize, f64)> + 'a {
+    pub fn targets<'a>(
+        &'a self,
+        time: f64,
+        start: &'a [[f64; 3]],
+    ) -> impl Iterator<Item = (usize, f64)> + 'a {
         self.group_of.iter().enumerate().filter_map(move |(freedom, group)| {
             let motion = &self.groups[(*group)? as usize].support.motion;
             Some((freedom, motion.position(time, start[freedom / 3])[freedom % 3]))

@@ -5,7 +5,7 @@
 ! 1. Increments with Newton's method. SVARS are handed over as at the start of the increment, kept when it is accepted, and forgotten
 !    when it is cut back; the whole motion is tried at once first, which is too much, so that PNEWDT has to act.
 ! 2. The tangent of each element is compared with central differences of its forces.
-! 3. LFLAGS(3) is honoured: stiffness alone, force alone, neither.
+! 3. LFLAGS(3) is honoured: stiffness alone, force alone, neither; the module's structures are those of the library.
 !
 ! Ends with stop code 1 if something is wrong. With the argument --bits it prints all numbers of the last call of each increment and
 ! element in hexadecimal.
@@ -64,6 +64,7 @@ program drive_uel
 
     call check_tangent()
     call check_flags()
+    call check_structures()
 
 contains
 
@@ -226,6 +227,23 @@ contains
         call call_uel(1, 4, u(:, 1), history(:, 1), force, tangent, state)
         if (any(force /= 0) .or. any(tangent /= 0)) call fail('LFLAGS(3) = 4 is the mass, which is zero')
         print '(a)', 'flags are honoured'
+    end subroutine
+
+    !> The structures of the module are those of the library.
+    subroutine check_structures()
+        use, intrinsic :: iso_c_binding, only: c_sizeof
+        use diffuse_contact
+        type(dc_options) :: options
+        type(dc_report) :: report
+        type(dc_law) :: law
+        type(dc_element) :: element
+        type(dc_pairing) :: pairing
+
+        if (dc_options_default(options) /= DC_OK) call fail(dc_text())
+        if (options%radius_factor /= 1.25d0 .or. options%cutback_lost /= 0.01d0) call fail('dc_options is another one')
+        if (any([c_sizeof(options), c_sizeof(report), c_sizeof(law), c_sizeof(element), c_sizeof(pairing)] /= &
+            [options%size, report%size, law%size, element%size, pairing%size])) call fail('a structure has another size')
+        print '(a)', 'structures fit'
     end subroutine
 
     subroutine print_bits()

@@ -1,6 +1,6 @@
 ! The diffuse contact element as an Abaqus user element: one element for each slave node.
 !
-!     *USER ELEMENT, TYPE=U1, NODES=26, COORDINATES=3, PROPERTIES=8, VARIABLES=37, UNSYMM=NO
+!     *USER ELEMENT, TYPE=U1, NODES=26, COORDINATES=3, PROPERTIES=8, VARIABLES=37
 !     1, 2, 3
 !
 ! Nodes: 1 the slave; 2 ... NNODE the candidates, every master node that may come to carry the surface under the slave in the whole

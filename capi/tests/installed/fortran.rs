@@ -34,7 +34,7 @@ fn the_user_element_has_the_numbers_of_rust() {
     run(command.args(installed.flags(&["--libs"])));
     // It checks tangent, cut-backs and flags itself.
     let printed = run(installed.program("drive_uel").arg("--bits"));
-    assert!(printed.contains("flags are honoured"), "{printed}");
+    assert!(printed.contains("flags are honoured") && printed.contains("structures fit"), "{printed}");
 
     let calls = groups(records(&printed, from_bits), "now");
     assert!(calls.len() >= 12, "{} calls", calls.len());

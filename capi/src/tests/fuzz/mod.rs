@@ -3,32 +3,28 @@
 //!
 //! The same cases every time; with `DC_FUZZ_SECONDS=600` others, for that long.
 
+mod arguments;
+mod single;
+
 use std::ptr::{null, null_mut};
 use std::time::{Duration, Instant};
 
 use super::random::Random;
 use super::{Mesh, message};
 use crate::assembly::{dc_residual, dc_triplets};
-use crate::batch::dc_gap_batch;
 use crate::contacts::{dc_contact, dc_contact_of, dc_cutback, dc_derivatives, dc_forces, dc_gaps};
-use crate::element::{dc_element, dc_element_system, dc_gap, dc_point};
 use crate::interface::{
     dc_counts, dc_destroy, dc_evaluate, dc_freeze, dc_interface, dc_refresh, dc_report, dc_set_equations,
     dc_thaw, dc_update,
 };
-use crate::law::dc_law;
-use crate::neighbours::{dc_pair, dc_pairing};
-use crate::options::dc_options;
 use crate::pattern::{
     dc_pattern, dc_pattern_create, dc_pattern_destroy, dc_pattern_fill, dc_pattern_structure,
 };
 use crate::status::*;
+use arguments::{Integers, Numbers};
 
 /// Calls from the fixed seed.
 const CALLS: usize = 6000;
-/// What stands behind the end of each array.
-const GUARD: f64 = -7.25e11;
-const GUARD_INTEGER: i32 = -0x5a5a_5a5a;
 
 #[test]
 fn odd_calls_have_a_status() {
@@ -58,59 +54,6 @@ fn odd_calls_have_a_status() {
     }
     for status in [DC_NOT_FINITE, DC_OUT_OF_RANGE, DC_BAD_SURFACE, DC_BAD_SLAVES, DC_NOT_EVALUATED] {
         assert!(counts[status as usize] > 0, "{status:?}");
-    }
-}
-
-/// An array for results with a guard behind its end.
-struct Numbers {
-    values: Vec<f64>,
-}
-
-impl Numbers {
-    fn new(count: usize) -> Self {
-        let mut values = vec![0.0; count];
-        values.push(GUARD);
-        Self { values }
-    }
-
-    fn len(&self) -> usize {
-        self.values.len() - 1
-    }
-
-    /// The array; NULL now and then.
-    fn pointer(&mut self, random: &mut Random) -> *mut f64 {
-        if random.one_in(15) { null_mut() } else { self.values.as_mut_ptr() }
-    }
-
-    fn check(&self, status: dc_status) {
-        assert_eq!(self.values[self.len()], GUARD, "written beyond the end");
-        if status == DC_OK {
-            assert!(
-                self.values.iter().all(|value| value.is_finite()),
-                "{status:?} with numbers that are none"
-            );
-        }
-    }
-}
-
-/// As [`Numbers`].
-struct Integers {
-    values: Vec<i32>,
-}
-
-impl Integers {
-    fn new(count: usize) -> Self {
-        let mut values = vec![0; count];
-        values.push(GUARD_INTEGER);
-        Self { values }
-    }
-
-    fn pointer(&mut self, random: &mut Random) -> *mut i32 {
-        if random.one_in(15) { null_mut() } else { self.values.as_mut_ptr() }
-    }
-
-    fn check(&self) {
-        assert_eq!(self.values.last(), Some(&GUARD_INTEGER), "written beyond the end");
     }
 }
 
@@ -144,106 +87,6 @@ impl Fuzz {
         for handle in self.patterns {
             assert!(matches!(dc_pattern_destroy(handle), DC_OK | DC_BAD_HANDLE));
         }
-    }
-
-    /// A handle, mostly a live one.
-    fn interface(&mut self) -> *mut dc_interface {
-        let last = self.interfaces.len() - 1;
-        if self.random.one_in(3) { self.random.pick(&self.interfaces) } else { self.interfaces[last] }
-    }
-
-    fn pattern(&mut self) -> *mut dc_pattern {
-        let last = self.patterns.len() - 1;
-        if self.random.one_in(3) { self.random.pick(&self.patterns) } else { self.patterns[last] }
-    }
-
-    /// Positions, mostly sound ones.
-    fn positions(&mut self) -> Vec<f64> {
-        let mut positions = self.mesh.positions.clone();
-        let scale = self.random.pick(&[0.0, 0.01, 0.3, 3.0]);
-        let height = self.random.pick(&[0.0, 0.0, -0.3, 2.0]);
-        for (k, x) in positions.iter_mut().enumerate() {
-            *x += scale * (self.random.unit() - 0.5);
-            if k >= 3 * 36 && k % 3 == 2 {
-                *x += height;
-            }
-        }
-        while self.random.one_in(5) {
-            let place = self.random.below(positions.len());
-            positions[place] = self.random.odd_number();
-        }
-        positions
-    }
-
-    /// The number of a mode, an option, …, mostly one that is.
-    fn choice(&mut self, end: usize) -> i32 {
-        if self.random.one_in(12) { self.random.odd_integer() } else { self.random.below(end) as i32 }
-    }
-
-    /// A size that is right, too small or too large for an array of `count`.
-    fn size(&mut self, count: usize) -> usize {
-        if self.random.one_in(8) { self.random.below(count + 1) } else { count }
-    }
-
-    fn law(&mut self, multipliers: &[f64]) -> dc_law {
-        let penalty = if self.random.one_in(10) { self.random.odd_number() } else { 1e3 };
-        let with = self.random.one_in(2);
-        dc_law {
-            size: if self.random.one_in(20) { self.random.below(100) } else { size_of::<dc_law>() },
-            penalty,
-            multipliers: if with { multipliers.as_ptr() } else { null() },
-            multiplier_count: if with {
-                self.size(multipliers.len())
-            } else {
-                self.random.pick(&[0, 0, 0, 4])
-            },
-            tangent: self.choice(2),
-            reserved: 0,
-        }
-    }
-
-    fn options(&mut self) -> dc_options {
-        let mut options = super::options();
-        let end = if self.random.one_in(3) { 6 } else { 0 };
-        for _ in 0..end {
-            let integers = [
-                &mut options.element,
-                &mut options.weight,
-                &mut options.frame,
-                &mut options.rule,
-                &mut options.layers,
-                &mut options.max_layers,
-                &mut options.nearest,
-                &mut options.max_nearest,
-                &mut options.candidates,
-                &mut options.max_candidates,
-                &mut options.basis,
-                &mut options.linear_fallback,
-                &mut options.areas,
-            ];
-            let place = self.random.below(integers.len());
-            let odd = self.random.odd_integer();
-            let value = if self.random.one_in(4) { odd } else { self.random.below(3) as i32 };
-            *integers.into_iter().nth(place).expect("a field") = value;
-        }
-        if self.random.one_in(4) {
-            let numbers = [
-                &mut options.smallest_regularity,
-                &mut options.radius_factor,
-                &mut options.feature_angle_degrees,
-                &mut options.hysteresis,
-                &mut options.border_tolerance,
-                &mut options.distance_limit,
-                &mut options.cutback_penetration,
-                &mut options.cutback_lost,
-            ];
-            let place = self.random.below(numbers.len());
-            *numbers.into_iter().nth(place).expect("a field") = self.random.odd_number();
-        }
-        if self.random.one_in(20) {
-            options.size = self.random.below(200);
-        }
-        options
     }
 
     fn call(&mut self, number: usize) -> dc_status {
@@ -408,11 +251,6 @@ impl Fuzz {
         other
     }
 
-    fn multipliers(&mut self) -> Vec<f64> {
-        let random = &mut self.random;
-        (0..4).map(|_| if random.one_in(20) { random.odd_number() } else { random.unit() }).collect()
-    }
-
     fn equations(&mut self) -> dc_status {
         let handle = self.interface();
         if self.random.one_in(2) {
@@ -505,180 +343,6 @@ impl Fuzz {
         // SAFETY: the array has at least the length given.
         let status = unsafe { dc_pattern_fill(pattern, handle, &law, pointer, size, null_mut()) };
         values.check(status);
-        status
-    }
-
-    fn element(&mut self) -> dc_element {
-        let mut vector =
-            |far: bool| [0; 3].map(|_| if far { self.random.odd_number() } else { self.random.unit() - 0.5 });
-        let (near, odd) = (vector(false), vector(true));
-        let mut element = dc_element {
-            size: size_of::<dc_element>(),
-            basis: self.choice(3),
-            weight: self.choice(3),
-            frame: self.choice(3),
-            reserved: 0,
-            support_radius: 1.0 + 4.0 * self.random.unit(),
-            outward: self.random.pick(&[[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], near, odd, [0.0; 3]]),
-            t1: self.random.pick(&[[1.0, 0.0, 0.0], odd]),
-            t2: self.random.pick(&[[0.0, 1.0, 0.0], near]),
-            normal: self.random.pick(&[[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]),
-        };
-        if self.random.one_in(12) {
-            element.support_radius = self.random.odd_number();
-        }
-        if self.random.one_in(20) {
-            element.size = self.random.below(200);
-        }
-        element
-    }
-
-    fn gap(&mut self) -> dc_status {
-        let element = self.element();
-        let positions = self.positions();
-        let count = self.random.pick(&[0, 1, 3, 6, 9, 16, 36]);
-        let freedoms = 3 * (count + 1);
-        let (mut gradient, mut hessian) =
-            (Numbers::new(freedoms), Numbers::new(freedoms * (freedoms + 1) / 2));
-        let (gradient_size, hessian_size) = (self.size(freedoms), self.size(hessian.len()));
-        let mode = self.choice(3);
-        let mut point = dc_point::default();
-        let random = &mut self.random;
-        // SAFETY: the arrays have at least the lengths given.
-        let status = unsafe {
-            dc_gap(
-                &element,
-                positions[108..].as_ptr(),
-                positions.as_ptr(),
-                count,
-                mode,
-                &mut point,
-                gradient.pointer(random),
-                gradient_size,
-                hessian.pointer(random),
-                hessian_size,
-            )
-        };
-        gradient.check(status);
-        hessian.check(status);
-        assert!(status != DC_OK || point.outcome == 0);
-        assert!([point.gap].iter().chain(&point.foot).chain(&point.normal).all(|number| number.is_finite()));
-        status
-    }
-
-    fn batch(&mut self) -> dc_status {
-        let element = self.element();
-        let positions = self.positions();
-        let count = self.random.below(5);
-        let mut offsets = vec![0];
-        for k in 0..count {
-            offsets.push(offsets[k] + self.random.pick(&[9, 9, 4, 0]));
-        }
-        if self.random.one_in(10) {
-            let place = self.random.below(offsets.len());
-            offsets[place] = self.random.below(36);
-        }
-        let mode = self.choice(3);
-        let (mut gradients, mut hessians) = (Numbers::new(4 * 120), Numbers::new(4 * 7260));
-        let (gradient_size, hessian_size) = (self.size(4 * 120), self.size(4 * 7260));
-        let mut points = [dc_point::default(); 5];
-        let (outwards, radii) = ([0.0, 0.0, 1.0].repeat(4), [2.0, 3.0, self.random.odd_number(), 0.0]);
-        let random = &mut self.random;
-        // SAFETY: the arrays have at least the lengths given: no offset is beyond 36.
-        let status = unsafe {
-            dc_gap_batch(
-                &element,
-                count,
-                if random.one_in(2) { null() } else { outwards.as_ptr() },
-                if random.one_in(2) { null() } else { radii.as_ptr() },
-                positions[108..].as_ptr(),
-                positions.as_ptr(),
-                offsets.as_ptr(),
-                mode,
-                points.as_mut_ptr(),
-                gradients.pointer(random),
-                gradient_size,
-                hessians.pointer(random),
-                hessian_size,
-            )
-        };
-        gradients.check(status);
-        hessians.check(status);
-        assert_eq!(points[4], dc_point::default(), "written beyond the end");
-        for point in points {
-            assert!(
-                [point.gap].iter().chain(&point.foot).chain(&point.normal).all(|number| number.is_finite())
-            );
-        }
-        status
-    }
-
-    fn pair(&mut self) -> dc_status {
-        let options = self.options();
-        let positions = self.positions();
-        let outward = self.random.pick(&[[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [f64::NAN; 3]]);
-        let (count, capacity) = (self.random.pick(&[36, 36, 9, 3, 1, 0]), self.random.pick(&[36, 36, 5]));
-        let mut masters = Integers::new(36);
-        // SAFETY: numbers, of which any bits are a value.
-        let mut pairing: dc_pairing = unsafe { std::mem::zeroed() };
-        pairing.size = if self.random.one_in(20) { self.random.below(100) } else { size_of::<dc_pairing>() };
-        // SAFETY: the arrays have at least the lengths given.
-        let status = unsafe {
-            dc_pair(
-                &options,
-                positions[108..].as_ptr(),
-                positions.as_ptr(),
-                count,
-                outward.as_ptr(),
-                masters.pointer(&mut self.random),
-                capacity,
-                &mut pairing,
-            )
-        };
-        masters.check();
-        if status == DC_OK {
-            assert!(masters.values[..pairing.master_count as usize].iter().all(|&k| (k as usize) < count));
-            assert!(pairing.support_radius.is_finite() && pairing.normal.iter().all(|x| x.is_finite()));
-        }
-        status
-    }
-
-    fn system(&mut self) -> dc_status {
-        let random = &mut self.random;
-        let count = random.pick(&[0, 1, 9]);
-        let freedoms = 3 * (count + 1);
-        let mut numbers = |count: usize| -> Vec<f64> {
-            (0..count).map(|_| if random.one_in(400) { random.odd_number() } else { random.unit() }).collect()
-        };
-        let (gradient, hessian) = (numbers(freedoms), numbers(freedoms * (freedoms + 1) / 2));
-        let gap = if self.random.one_in(10) { self.random.odd_number() } else { self.random.unit() - 0.8 };
-        let area = if self.random.one_in(10) { self.random.odd_number() } else { 1.0 };
-        let multipliers = self.multipliers();
-        let law = dc_law { multiplier_count: self.random.pick(&[0, 1]), ..self.law(&multipliers) };
-        let mut force = 0.0;
-        let (mut residual, mut tangent) = (Numbers::new(freedoms), Numbers::new(freedoms * freedoms));
-        let (residual_size, tangent_size) = (self.size(freedoms), self.size(freedoms * freedoms));
-        let random = &mut self.random;
-        let without = random.one_in(10);
-        // SAFETY: the arrays have at least the lengths given.
-        let status = unsafe {
-            dc_element_system(
-                &law,
-                gap,
-                area,
-                count,
-                gradient.as_ptr(),
-                if without { null() } else { hessian.as_ptr() },
-                &mut force,
-                residual.pointer(random),
-                residual_size,
-                tangent.pointer(random),
-                tangent_size,
-            )
-        };
-        residual.check(status);
-        tangent.check(status);
-        assert!(force.is_finite());
         status
     }
 }

@@ -62,6 +62,11 @@ use args::{Arguments, Command, DemoArguments};
 #[doc = include_str!("../../docs/contact-surface.md")]
 pub struct ContactSurfacePage;
 
+/// The page on other solvers, whose Rust program is run with the documentation tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/integrate.md")]
+pub struct IntegratePage;
+
 /// Exit code for input the program cannot use, the same as for arguments it does not know.
 const BAD_INPUT: u8 = 2;
 

@@ -1,6 +1,6 @@
 //! From the gap to force and stiffness.
 
-use super::{AssemblyError, ElementView, Elements};
+use super::{AssemblyError, ContactView, ElementView, Elements};
 
 /// Which tangent is assembled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -52,6 +52,16 @@ impl ContactLaw<'_> {
         (self.multiplier(k) - self.penalty * area * gap).max(0.0)
     }
 
+    /// Checks the penalty, and that there are no multipliers or one that is finite and not negative for each of `elements`
+    /// elements.
+    ///
+    /// # Errors
+    /// [`AssemblyError::InvalidPenalty`], [`AssemblyError::MultiplierCount`], [`AssemblyError::InvalidMultiplier`].
+    pub fn validate(&self, elements: usize) -> Result<(), AssemblyError> {
+        self.check(elements)?;
+        (0..elements).try_for_each(|k| self.check_multiplier(k))
+    }
+
     fn multiplier(&self, k: usize) -> f64 {
         self.multipliers.map_or(0.0, |multipliers| multipliers[k])
     }
@@ -76,14 +86,29 @@ impl ContactLaw<'_> {
         element: &ElementView<'_>,
         needs: Needs,
     ) -> Result<(), AssemblyError> {
-        let multiplier = self.multiplier(k);
-        if !(multiplier >= 0.0 && multiplier.is_finite()) {
-            return Err(AssemblyError::InvalidMultiplier { element: k, value: multiplier });
-        }
+        self.check_multiplier(k)?;
         let Some(contact) = &element.contact else { return Ok(()) };
         if element.masters.is_empty() {
             return Err(AssemblyError::NoMasters { element: k });
         }
+        self.check_contact(k, contact, 3 * element.node_count(), needs)
+    }
+
+    fn check_multiplier(&self, k: usize) -> Result<(), AssemblyError> {
+        let value = self.multiplier(k);
+        let is_sound = value >= 0.0 && value.is_finite();
+        if is_sound { Ok(()) } else { Err(AssemblyError::InvalidMultiplier { element: k, value }) }
+    }
+
+    /// Checks the contact quantities of an element with so many degrees of freedom.
+    pub(super) fn check_contact(
+        &self,
+        k: usize,
+        contact: &ContactView<'_>,
+        freedoms: usize,
+        needs: Needs,
+    ) -> Result<(), AssemblyError> {
+        self.check_multiplier(k)?;
         if !contact.gap.is_finite() {
             return Err(AssemblyError::InvalidGap { element: k, value: contact.gap });
         }
@@ -98,7 +123,6 @@ impl ContactLaw<'_> {
         if !(force > 0.0) {
             return Ok(());
         }
-        let freedoms = 3 * element.node_count();
         let length = |what, found, expected| {
             let wrong = AssemblyError::DerivativeLength { what, element: k, found, expected };
             if found == expected { Ok(()) } else { Err(wrong) }
@@ -113,8 +137,11 @@ impl ContactLaw<'_> {
     /// What element `k` contributes; `None` if that is nothing. The element is one that passes
     /// [`check_element`](Self::check_element).
     pub(super) fn active<'e, E: Elements + ?Sized>(&self, elements: &'e E, k: usize) -> Option<Active<'e>> {
-        let ElementView { contact, .. } = elements.element(k);
-        let contact = contact?;
+        self.active_contact(k, &elements.element(k).contact?)
+    }
+
+    /// What an element with these contact quantities contributes.
+    pub(super) fn active_contact<'e>(&self, k: usize, contact: &ContactView<'e>) -> Option<Active<'e>> {
         let force = self.force(k, contact.gap, contact.area);
         let hessian = match self.tangent {
             Tangent::Exact => Some(contact.hessian),

@@ -7,6 +7,7 @@
 //! * [`add_residual`] adds the contact forces to a vector.
 //! * [`Triplets`] lists the entries of the tangent, for solvers that sort and sum themselves.
 //! * [`CsrPattern`] is built once for a pairing and then filled at every iteration, in parallel.
+//! * [`ContactLaw::element_system`] makes residual and dense tangent of one element by itself.
 //!
 //! Every sum is formed in the order of the elements, and within an element in the order of its nodes. So the result is,
 //! bit for bit, the one of a plain loop over the elements, for any number of threads.
@@ -52,6 +53,7 @@ mod error;
 mod law;
 mod pattern;
 mod residual;
+mod single;
 mod triplets;
 
 pub use dofs::DofMap;

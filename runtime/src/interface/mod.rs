@@ -176,6 +176,15 @@ impl ContactInterface {
         evaluator.paired_element(&pairings.get(k)?, &mut ElementScratch::default())
     }
 
+    /// Support radius of the `k`-th slave's pairing, length (node to facet: the facet's extent); `None` if it is not paired.
+    ///
+    /// # Panics
+    /// If there is no such slave.
+    #[must_use]
+    pub fn support_radius(&self, k: usize) -> Option<f64> {
+        self.pairings.get(k).ok().map(|paired| paired.record.support_radius)
+    }
+
     /// Takes over the positions at which the next evaluation takes place. The pairing is left as it is.
     ///
     /// # Errors

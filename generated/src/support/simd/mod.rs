@@ -97,6 +97,11 @@ enum Kind {
     Neon,
 }
 
+/// What [`Isa::best`] returns from its first call on.
+static BEST: OnceLock<Isa> = OnceLock::new();
+/// Names the instructions to use, for instance under a tool that does not know all of them.
+const VARIABLE: &str = "DIFFUSE_CONTACT_ISA";
+
 impl Isa {
     /// One number at a time: on every machine.
     pub const SCALAR: Self = Self(Kind::Scalar);
@@ -117,16 +122,30 @@ impl Isa {
         kinds.into_iter().filter(|(_, is_there)| *is_there).map(|(kind, _)| Self(kind))
     }
 
-    /// The widest that this machine has. Where this crate is compiled without optimisation, one number at a time: nothing
-    /// is gained by vectors there, and what is inlined for them takes megabytes of stack. Kernels of a crate of one's
-    /// own may be compiled otherwise than this one: [`KernelSet::best_isa`](super::KernelSet::best_isa).
+    /// The widest that this machine has, unless [`prefer`](Self::prefer) or the environment variable
+    /// `DIFFUSE_CONTACT_ISA`, read once, names another one that it has. Where this crate is compiled without
+    /// optimisation, one number at a time: nothing is gained by vectors there, and what is inlined for them takes
+    /// megabytes of stack. Kernels of a crate of one's own may be compiled otherwise than this one:
+    /// [`KernelSet::best_isa`](super::KernelSet::best_isa).
     #[must_use]
     pub fn best() -> Self {
-        static BEST: OnceLock<Isa> = OnceLock::new();
         if cfg!(unoptimised) {
             return Self::SCALAR;
         }
-        *BEST.get_or_init(|| Self::available().next_back().unwrap_or(Self::SCALAR))
+        *BEST.get_or_init(|| {
+            let wanted = std::env::var(VARIABLE).ok().and_then(|name| Self::named(&name));
+            wanted.or_else(|| Self::available().next_back()).unwrap_or(Self::SCALAR)
+        })
+    }
+
+    /// Makes these instructions the [`best`](Self::best), for the whole process.
+    ///
+    /// # Errors
+    /// The best, if it is another one and has been asked for before: all results of one process are made with the same
+    /// instructions.
+    pub fn prefer(self) -> Result<(), Self> {
+        let best = if cfg!(unoptimised) { Self::SCALAR } else { *BEST.get_or_init(|| self) };
+        if best == self { Ok(()) } else { Err(best) }
     }
 
     /// The one of this name, if this machine has it.

@@ -1,0 +1,713 @@
+/* diffuse_contact.h: the diffuse contact element (Chamoret, Rassineux, Bergheau 2008) for C, C++ and Fortran.
+ *
+ * An interface is a master surface of facets, slave nodes, and their pairing:
+ *
+ *     dc_create                   positions, facets, slaves               once
+ *     dc_refresh                  who is paired with whom                 once an increment, or once an iteration
+ *     dc_update, dc_evaluate      the positions of the moment             each iteration
+ *     dc_residual                 adds the contact forces
+ *     dc_pattern_fill             the tangent -dR/dx, or dc_triplets
+ *     dc_cutback                  whether the increment had better be smaller
+ *     dc_destroy
+ *
+ * dc_pair, dc_gap, dc_gap_batch and dc_element_system serve single elements without an interface.
+ *
+ * Every call returns a dc_status; dc_message() is the sentence to it. The library copies what it is given and fills arrays of the
+ * caller, whose sizes it checks; arrays of one call must not overlap unless it says so. Indices count from 0. Lengths and forces are
+ * in the caller's units; g > 0 apart, g < 0 penetrating.
+ *
+ * Threads: calls without handle may be made from any number of threads at once. A handle serves one thread at a time; a second
+ * one gets DC_BUSY. Evaluation runs in parallel inside; the environment variable RAYON_NUM_THREADS says in how many threads.
+ *
+ * Structures that open with `size` have it set to their sizeof before any call: dc_law law = {.size = sizeof law};
+ *
+ * Made from the sources in capi/src: do not edit.
+ */
+
+
+#ifndef DIFFUSE_CONTACT_H
+#define DIFFUSE_CONTACT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+// What became of a call. Everything but DC_OK, DC_FROZEN and DC_NO_CONTACT is for the caller to mend; nothing has changed
+// then, unless it says so. dc_message() is the sentence to it.
+typedef enum dc_status {
+    // Done.
+    DC_OK = 0,
+    // dc_refresh of a frozen interface: the positions were taken over, the pairing was left as it is.
+    DC_FROZEN = 1,
+    // The element has no result; the outcome and the message say why. Not an error of the call.
+    DC_NO_CONTACT = 2,
+    // A pointer is NULL or not aligned.
+    DC_BAD_POINTER = 3,
+    // An array is too short, a count is not the one of the interface, or the field `size` of a structure is not that of
+    // any version of it.
+    DC_BAD_SIZE = 4,
+    // The handle is not one of a live object: never made, or destroyed.
+    DC_BAD_HANDLE = 5,
+    // Another thread is in a call with this handle.
+    DC_BUSY = 6,
+    // An option or another number is out of its range, or none of the named ones.
+    DC_BAD_OPTION = 7,
+    // A position, a gap or another input is NaN, infinite or beyond 1e75.
+    DC_NOT_FINITE = 8,
+    // An index of a node or a slave is out of range.
+    DC_OUT_OF_RANGE = 9,
+    // The facets are no surface: a facet with equal nodes or without area, an edge with three facets, ...
+    DC_BAD_SURFACE = 10,
+    // A slave is listed twice, lies on the master, or has no slave facet although areas are asked for.
+    DC_BAD_SLAVES = 11,
+    // There is no evaluation at the positions and for the pairing of the moment, or one with too few derivatives.
+    DC_NOT_EVALUATED = 12,
+    // The pattern belongs to another pairing: make a new one.
+    DC_PATTERN_MISMATCH = 13,
+    // A result is too large for a number. What was being summed holds anything.
+    DC_OVERFLOW = 14,
+    // No memory, or more of something than 32-bit indices can name.
+    DC_TOO_LARGE = 15,
+    // An error inside the library. The handle can only be destroyed. Please report it.
+    DC_INTERNAL = 16,
+} dc_status;
+
+// Whether a slave node has a contact element with a result, and why not. Only DC_CONTACT comes with numbers.
+typedef enum dc_outcome {
+    // Gap, foot and normal are valid, and the derivatives asked for. A positive gap is no touch.
+    DC_CONTACT = 0,
+    // There has been no dc_refresh.
+    DC_NOT_PAIRED = 1,
+    // Beyond distance_limit.
+    DC_TOO_FAR = 2,
+    // Too few masters on the slave's side of sharp edges.
+    DC_NO_CANDIDATE = 3,
+    // The masters within reach carry no fit: they lie on a line or on a conic.
+    DC_ILL_CONDITIONED = 4,
+    // The foot lies beyond the border of the master, or beyond a sharp edge.
+    DC_BEYOND_BORDER = 5,
+    // The masters of the pairing no longer determine the surface: refresh.
+    DC_SINGULAR_FIT = 6,
+    // The iteration for the foot did not converge.
+    DC_FOOT_DIVERGED = 7,
+    // The foot lies outside the domain of influence.
+    DC_FOOT_OUTSIDE = 8,
+    // The slave lies on a centre of curvature: the foot is not unique.
+    DC_CENTRE_OF_CURVATURE = 9,
+    // The slave lies beyond one: the foot is not the nearest point.
+    DC_BEYOND_CENTRE_OF_CURVATURE = 10,
+    // The masters lie on a line or are as thick as wide.
+    DC_NO_AVERAGE_PLANE = 11,
+    // The direction that is to be outside lies in the plane of the masters.
+    DC_AMBIGUOUS_OUTWARD = 12,
+    // Node to facet: the facet has no normal at the foot.
+    DC_DEGENERATE_FACET = 13,
+    // The results are no numbers: coordinates too large or too small.
+    DC_ELEMENT_OVERFLOW = 14,
+    // dc_gap_batch only: the input of this element is refused. dc_gap says why.
+    DC_REFUSED = 15,
+} dc_outcome;
+
+// What the neighbour search had to give up for a contact.
+typedef enum dc_fallback {
+    // Nothing.
+    DC_NO_FALLBACK = 0,
+    // More layers or nodes than asked for.
+    DC_EXTENDED = 1,
+    // The linear basis: the gap is off by up to about k R^2/2 on a curvature k.
+    DC_LINEAR_BASIS = 2,
+} dc_fallback;
+
+// How many derivatives are computed.
+typedef enum dc_mode {
+    // Gap, foot and normal.
+    DC_VALUE = 0,
+    // With the gradient N of the gap.
+    DC_GRADIENT = 1,
+    // With the Hessian M of the gap, too.
+    DC_HESSIAN = 2,
+} dc_mode;
+
+// The element of every slave node.
+typedef enum dc_element_kind {
+    // The diffuse element: a smooth surface through the master nodes around the slave.
+    DC_DIFFUSE = 0,
+    // The classic element: the distance from the closest facet.
+    DC_NODE_TO_FACET = 1,
+} dc_element_kind;
+
+// Weight function of the fit, r = distance from the slave over the support radius.
+typedef enum dc_weight {
+    // 1 - 3 r^2 + 2 r^3.
+    DC_CUBIC = 0,
+    // w/(1 - w) of the cubic weight w: the surface passes through the master nodes.
+    DC_CUBIC_INTERPOLATING = 1,
+    // (1 - r)^4 (1 + 4 r): the Hessian does not jump where a node leaves the support.
+    DC_WENDLAND_C2 = 2,
+} dc_weight;
+
+// The frame of the fit.
+typedef enum dc_frame {
+    // The average plane of the masters, moving with them: N and M are the exact derivatives of the gap.
+    DC_CO_MOVING = 0,
+    // The average plane of the masters, held while differentiating. An interface holds that of the last refresh.
+    DC_HELD = 1,
+    // Directions given by the caller, held (dc_gap only).
+    DC_GIVEN = 2,
+} dc_frame;
+
+// Which master nodes take part.
+typedef enum dc_rule {
+    // Those of the first layers of convex hulls around the slave.
+    DC_HULL_LAYERS = 0,
+    // All within the radius that the layers set.
+    DC_HULL_RADIUS = 1,
+    // The nearest.
+    DC_NEAREST = 2,
+} dc_rule;
+
+// Polynomial basis of the fit.
+typedef enum dc_basis {
+    // 1, a, b: at least 3 masters.
+    DC_LINEAR = 1,
+    // 1, a, b, a^2, a b, b^2: at least 6 masters.
+    DC_QUADRATIC = 2,
+} dc_basis;
+
+// Which tangent is assembled.
+typedef enum dc_tangent {
+    // K = e N N^T - f M, the exact derivative of the force; indefinite in general.
+    DC_EXACT = 0,
+    // K = e N N^T, positive semidefinite; needs no Hessian.
+    DC_GAUSS_NEWTON = 1,
+} dc_tangent;
+
+// Which triangle of a symmetric matrix is listed.
+typedef enum dc_triangle {
+    // Both.
+    DC_FULL = 0,
+    // Entries with row >= column.
+    DC_LOWER = 1,
+} dc_triangle;
+
+// A contact interface: a master surface, slave nodes and their pairing. One thread at a time may use it, any thread; a
+// second one gets DC_BUSY.
+typedef struct dc_interface dc_interface;
+
+// The places of the tangent's entries, for a pairing. One thread at a time may use it, any thread.
+typedef struct dc_pattern dc_pattern;
+
+// How an interface pairs and evaluates. Set `size`, call dc_options_default, change what is to be different:
+//
+//     dc_options options = {.size = sizeof options};
+//     dc_options_default(&options);
+//     options.areas = 1;
+//
+typedef struct dc_options {
+    // sizeof(dc_options).
+    size_t size;
+    // dc_element_kind; DC_DIFFUSE.
+    int32_t element;
+    // dc_weight; DC_CUBIC.
+    int32_t weight;
+    // dc_frame: DC_CO_MOVING or DC_HELD.
+    int32_t frame;
+    // dc_rule; DC_HULL_LAYERS.
+    int32_t rule;
+    // Hull layers to start with; 0 for as many as make the fit well conditioned.
+    int32_t layers;
+    // Hull layers to stop at.
+    int32_t max_layers;
+    // Nodes to start with, by DC_NEAREST.
+    int32_t nearest;
+    // Nodes to stop at, by DC_NEAREST.
+    int32_t max_nearest;
+    // Nearest nodes among which hull layers are sought.
+    int32_t candidates;
+    // Up to how many they are doubled.
+    int32_t max_candidates;
+    // dc_basis; DC_QUADRATIC.
+    int32_t basis;
+    // Whether the linear basis may stand in for the quadratic one: 0 or 1.
+    int32_t linear_fallback;
+    // Whether contacts carry tributary areas, so that the penalty is one per area: 0 or 1.
+    int32_t areas;
+    // 0.
+    int32_t reserved;
+    // The regularity of a fit has to exceed this, 0 to 1.
+    double smallest_regularity;
+    // Support radius over the distance of the farthest node, above 1.
+    double radius_factor;
+    // Facets that meet at a larger angle belong to different patches, degrees.
+    double feature_angle_degrees;
+    // A sound pairing is kept until the slave has slid by this fraction of the support radius; 0 pairs anew at every
+    // refresh.
+    double hysteresis;
+    // How far beyond the border a foot still counts, in heights of the facet.
+    double border_tolerance;
+    // Slaves farther from the master are not paired, length; 0 for no limit.
+    double distance_limit;
+    // A penetration deeper than this fraction of the support radius makes dc_cutback suggest a smaller increment.
+    double cutback_penetration;
+    // So does a contact lost by a refresh at a penetration deeper than this fraction of the support radius.
+    double cutback_lost;
+} dc_options;
+
+// What a refresh did, in numbers of slaves. paired = kept + renewed + changed + gained; with `without` it makes up all slaves.
+typedef struct dc_report {
+    // sizeof(dc_report), set by the caller.
+    size_t size;
+    // With a pairing now.
+    int32_t paired;
+    // Of these: kept by hysteresis.
+    int32_t kept;
+    // Of these: paired anew with the same masters.
+    int32_t renewed;
+    // Of these: paired with other masters than before. The pattern of the tangent may be another one.
+    int32_t changed;
+    // Of these: without a pairing before.
+    int32_t gained;
+    // Without a pairing now, but with one before.
+    int32_t lost;
+    // Without a pairing now.
+    int32_t without;
+    // Pairings with more nodes than asked for.
+    int32_t extended;
+    // Pairings with the linear basis instead of the quadratic one.
+    int32_t linear;
+    // With a gap by the old pairing at these positions, but none by the new.
+    int32_t contacts_lost;
+    // With a gap now, but none by the old pairing.
+    int32_t contacts_gained;
+    // The node whose gap the refresh changed most; -1 if none.
+    int32_t jump_node;
+    // Of the contacts lost, the node with the smallest gap; -1 if none.
+    int32_t lost_node;
+    // Of the contacts gained, the node with the smallest gap; -1 if none.
+    int32_t gained_node;
+    // The gap of jump_node by the old pairing and by the new one.
+    double jump_before;
+    double jump_after;
+    // The gap of lost_node by the old pairing.
+    double lost_gap;
+    // The gap of gained_node by the new pairing.
+    double gained_gap;
+} dc_report;
+
+// The contact of one slave. Without contact the numbers are 0, but for the area.
+typedef struct dc_contact {
+    // The slave node.
+    int32_t node;
+    // Number n of its masters; 0 if it is not paired.
+    int32_t master_count;
+    // dc_outcome.
+    int32_t outcome;
+    // dc_fallback.
+    int32_t fallback;
+    // Signed gap, length: positive apart, negative penetrating.
+    double gap;
+    // Foot on the master surface.
+    double foot[3];
+    // Unit normal of the surface there, outward.
+    double normal[3];
+    // Tributary area of the slave, length^2; 1 without areas.
+    double area;
+    // Support radius of the pairing, length; node to facet: the extent of the facet; 0 if it is not paired.
+    double support_radius;
+} dc_contact;
+
+// The law of frictionless contact. With e = penalty x area:
+//
+//     f = lambda - e g          the contact is active if f > 0
+//     R = f N                   force on the nodes
+//     K = e N N^T - f M         = -dR/dx
+//
+typedef struct dc_law {
+    // sizeof(dc_law), set by the caller.
+    size_t size;
+    // Force per length, or per length^3 where contacts carry areas; positive.
+    double penalty;
+    // lambda of each slave, at least 0: the forces of the augmented Lagrangian. NULL for the penalty method.
+    const double *multipliers;
+    // Number of multipliers: of slaves, 1 for a single element, or 0.
+    size_t multiplier_count;
+    // dc_tangent; 0 is DC_EXACT.
+    int32_t tangent;
+    // 0.
+    int32_t reserved;
+} dc_law;
+
+// What stays fixed for one slave until it is paired anew.
+typedef struct dc_pairing {
+    // sizeof(dc_pairing), set by the caller.
+    size_t size;
+    // Number n of masters.
+    int32_t master_count;
+    // dc_basis.
+    int32_t basis;
+    // dc_fallback.
+    int32_t fallback;
+    // Whether the slave lies within the masters; 0 beyond their border, where the fit extrapolates.
+    int32_t encloses_slave;
+    // Length.
+    double support_radius;
+    // Normal of the masters' average plane, outward: the direction to give next time, when they have turned.
+    double normal[3];
+} dc_pairing;
+
+// What one element is besides its nodes. A field that is 0 has the value named first.
+typedef struct dc_element {
+    // sizeof(dc_element), set by the caller.
+    size_t size;
+    // dc_basis; 0 is DC_QUADRATIC.
+    int32_t basis;
+    // dc_weight: DC_CUBIC, ...
+    int32_t weight;
+    // dc_frame: DC_CO_MOVING, ...
+    int32_t frame;
+    // 0.
+    int32_t reserved;
+    // Radius of the domain of influence around the slave, length.
+    double support_radius;
+    // A direction to the outward side of the master. DC_GIVEN: looked at only if it is not zero.
+    double outward[3];
+    // DC_GIVEN only: the directions of the frame, orthonormal, `normal` outward.
+    double t1[3];
+    double t2[3];
+    double normal[3];
+} dc_element;
+
+// Where an element touches.
+typedef struct dc_point {
+    // dc_outcome; only for DC_CONTACT are the numbers valid, else they are 0.
+    int32_t outcome;
+    // 0.
+    int32_t reserved;
+    // Signed gap, length: positive apart, negative penetrating.
+    double gap;
+    // Foot on the surface.
+    double foot[3];
+    // Unit normal there, outward.
+    double normal[3];
+} dc_point;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+// The name of a status, such as "bad-handle"; "unknown" for a number that is none. A constant text.
+const char *dc_status_name(int32_t status);
+
+// The sentence to the last status of this thread that was not DC_OK, with the numbers that led to it; it opens with a
+// stable code, such as "repeated-node: ". Never NULL; empty before the first. It holds until the thread's next call.
+const char *dc_message(void);
+
+// The stable code of an outcome, such as "foot-outside", the same in all languages; "unknown" for a number that is
+// none. A constant text.
+const char *dc_outcome_code(int32_t outcome);
+
+// The version of the library, such as "0.1.0". A constant text.
+const char *dc_version(void);
+
+// Chooses the vector instructions for the whole process: "scalar", "sse2", "avx2", "avx512" or "neon". To be called before
+// the first evaluation; without it the widest are used that the machine has, or those that the environment variable
+// DIFFUSE_CONTACT_ISA names. Results with different instructions differ by rounding.
+//
+// DC_BAD_OPTION if the machine does not have them, or others have been in use before.
+//
+// # Safety
+// `name` is NULL or a text that ends with a zero byte.
+enum dc_status dc_set_isa(const char *name);
+
+// The vector instructions in use, such as "avx2". A constant text.
+const char *dc_isa(void);
+
+// Fills the options with their defaults; options.size has to be set before.
+//
+// # Safety
+// `options` is NULL, or as many bytes as its field `size` says may be written there.
+enum dc_status dc_options_default(struct dc_options *options);
+
+// Makes an interface and writes its handle. Everything is copied.
+//
+// `positions`: x, y, z of all `node_count` nodes; indices count from 0. `facets`: the master surface, 4 nodes for each
+// facet, counter-clockwise seen from outside; the fourth is -1 for a triangle. `slaves`: the slave nodes, none of them on
+// the master. `slave_facets`: as `facets`, only looked at for areas; NULL and 0 without. `options`: NULL for the defaults.
+//
+// There is no pairing yet: call dc_refresh. On failure the handle is NULL.
+//
+// # Safety
+// The arrays have the given lengths, `options` as many bytes as its field `size` says.
+enum dc_status dc_create(const double *positions,
+                         size_t node_count,
+                         const int32_t *facets,
+                         size_t facet_count,
+                         const int32_t *slaves,
+                         size_t slave_count,
+                         const int32_t *slave_facets,
+                         size_t slave_facet_count,
+                         const struct dc_options *options,
+                         struct dc_interface **interface);
+
+// Destroys an interface. NULL is DC_OK, a handle that was destroyed before is DC_BAD_HANDLE.
+enum dc_status dc_destroy(struct dc_interface *interface);
+
+// Numbers of nodes and of slaves. Either may be NULL.
+//
+// # Safety
+// Each is NULL or may be written.
+enum dc_status dc_counts(struct dc_interface *interface, size_t *node_count, size_t *slave_count);
+
+// Takes over the positions of the next evaluation, x, y, z of all nodes. The pairing stays. Call it in every iteration.
+//
+// # Safety
+// `positions` has 3 `node_count` entries.
+enum dc_status dc_update(struct dc_interface *interface, const double *positions, size_t node_count);
+
+// Takes over the positions and pairs every slave anew, or keeps its pairing while it is sound. Call it once an increment,
+// or once an iteration. `report` may be NULL; its field `size` has to be set.
+//
+// DC_FROZEN while the interface is frozen: it did what dc_update does, and the report is empty.
+//
+// # Safety
+// `positions` has 3 `node_count` entries; `report` is NULL or has as many bytes as its field `size` says.
+enum dc_status dc_refresh(struct dc_interface *interface,
+                          const double *positions,
+                          size_t node_count,
+                          struct dc_report *report);
+
+// Holds the pairing, for instance over the iterations of an increment: dc_refresh does what dc_update does, and returns
+// DC_FROZEN.
+enum dc_status dc_freeze(struct dc_interface *interface);
+
+// Ends what dc_freeze began.
+enum dc_status dc_thaw(struct dc_interface *interface);
+
+// Evaluates all slaves at the positions of the last dc_update or dc_refresh, in parallel. `mode` is a dc_mode: DC_GRADIENT
+// for the residual, DC_HESSIAN for the exact tangent. The result does not depend on the number of threads, bit for bit.
+enum dc_status dc_evaluate(struct dc_interface *interface,
+                           int32_t mode);
+
+// Which equations the displacements of the nodes have: 3 entries for each node, numbers below `equation_count`, none twice, -1
+// for a displacement that is prescribed. `equations` NULL for 3 node + axis, as it is at the beginning.
+//
+// # Safety
+// `equations` is NULL or has 3 `node_count` entries.
+enum dc_status dc_set_equations(struct dc_interface *interface,
+                                const int32_t *equations,
+                                size_t node_count,
+                                size_t equation_count);
+
+// The contact of the `slave`-th slave, counted from 0. Where it has none, DC_NO_CONTACT, and dc_message() says why.
+//
+// # Safety
+// `contact` may be written.
+enum dc_status dc_contact_of(struct dc_interface *interface, size_t slave, struct dc_contact *contact);
+
+// Nodes and derivatives of the `slave`-th slave: `nodes`, slave first, n + 1 numbers; `gradient` N, 3(n+1) numbers, x, y, z
+// of each node in that order; `hessian` M, the lower triangle row by row, entry (i, j <= i) at i(i+1)/2 + j, 3(n+1)(3n+4)/2 numbers.
+// What is not wanted is NULL. The sizes are those of the arrays. DC_NO_CONTACT where there is none; the nodes are
+// there even so, if it is paired.
+//
+// # Safety
+// The arrays have the given lengths.
+enum dc_status dc_derivatives(struct dc_interface *interface,
+                              size_t slave,
+                              int32_t *nodes,
+                              size_t node_size,
+                              double *gradient,
+                              size_t gradient_size,
+                              double *hessian,
+                              size_t hessian_size);
+
+// Outcomes and gaps of all slaves, one entry each; the gap is 0 without contact. Either may be NULL.
+//
+// # Safety
+// The arrays have `slave_count` entries.
+enum dc_status dc_gaps(struct dc_interface *interface, int32_t *outcomes, double *gaps, size_t slave_count);
+
+// What a post-processor shows, for all slaves: `penetrations` max(0, -g), length; `forces` f = max(0, lambda - e g);
+// `pressures` f over the area, a force where the interface has no areas. 0 without contact. Each may be NULL. With
+// lambda <- f it is also the update of the augmented Lagrangian: `forces` may be the array of the multipliers.
+//
+// # Safety
+// The arrays have `slave_count` entries, `law` as in dc_residual.
+enum dc_status dc_forces(struct dc_interface *interface,
+                         const struct dc_law *law,
+                         double *penetrations,
+                         double *forces,
+                         double *pressures,
+                         size_t slave_count);
+
+// A factor for the increment, from 0.1 to 1, like PNEWDT: below 1 the increment had better be cut back by it. The smallest of
+//
+// - cutback_penetration R/(-g), for a slave that penetrates deeper than cutback_penetration x R, the support radius;
+// - 0.5, if the last refresh lost a contact with a penetration deeper than cutback_lost x R;
+// - 0.5, if the foot of a slave that penetrated lies outside its domain of influence in the last evaluation;
+// - 0.25, if the element of such a slave failed otherwise: no foot, singular fit, overflow.
+//
+// A slave penetrated if its gap was negative when it last had one. `factor` is 1 before the first evaluation.
+//
+// # Safety
+// `factor` may be written.
+enum dc_status dc_cutback(struct dc_interface *interface,
+                          double *factor);
+
+// Adds the contact forces R on the nodes to `residual`, one entry per equation. R is the force: it stands on the side of the
+// external loads; the internal force of contact is -R. `active_count`, the number of slaves that carry force, may be NULL.
+//
+// DC_OVERFLOW if a sum is not finite: the residual then holds anything, and has to be made anew.
+//
+// # Safety
+// `residual` has `equation_count` entries; `law` is a dc_law with its `size` set, its multipliers have their number.
+enum dc_status dc_residual(struct dc_interface *interface,
+                           const struct dc_law *law,
+                           double *residual,
+                           size_t equation_count,
+                           size_t *active_count);
+
+// The tangent K = -dR/dx as triplets, counted from 0, in the order of the slaves; entries of the same place are to be summed.
+// `triangle` is a dc_triangle. Writes their number to `count`. If the arrays are shorter, or NULL, that is all it does: call it with
+// `capacity` 0 first, or with room for the sum of 9 (n + 1)^2 over all slaves.
+//
+// DC_BAD_SIZE if there is not room for all, and `capacity` is not 0.
+//
+// # Safety
+// The arrays have `capacity` entries each; `law` as in dc_residual; `count` may be written.
+enum dc_status dc_triplets(struct dc_interface *interface,
+                           const struct dc_law *law,
+                           int32_t triangle,
+                           int32_t *rows,
+                           int32_t *columns,
+                           double *values,
+                           size_t capacity,
+                           size_t *count);
+
+// Makes the union pattern of the pairing: an entry wherever any slave can have one, whether it carries force or not. So it
+// stays valid until a refresh changes the pairing (dc_report: changed, gained or lost is not 0), and a solver can keep its
+// symbolic factorisation as long. Both triangles are there; columns ascend in a row. It needs an evaluation, in any mode.
+//
+// Writes the handle and the number of entries, which may be NULL. On failure the handle is NULL.
+//
+// # Safety
+// `pattern` may be written, `entry_count` is NULL or may be written.
+enum dc_status dc_pattern_create(struct dc_interface *interface,
+                                 struct dc_pattern **pattern,
+                                 size_t *entry_count);
+
+// Destroys a pattern. NULL is DC_OK. The interface may be gone already.
+enum dc_status dc_pattern_destroy(struct dc_pattern *pattern);
+
+// Copies out where the entries are, counted from 0: those of row i are `row_offsets[i]` to `row_offsets[i + 1]` - 1, in
+// `columns`. There are equation_count + 1 offsets and entry_count columns. Either may be NULL.
+//
+// # Safety
+// The arrays have the given lengths.
+enum dc_status dc_pattern_structure(struct dc_pattern *pattern,
+                                    int32_t *row_offsets,
+                                    size_t row_offset_count,
+                                    int32_t *columns,
+                                    size_t column_count);
+
+// Writes the tangent K = -dR/dx into `values`, one number for each entry of the pattern, zeros where nothing touches. In
+// parallel; the result does not depend on the number of threads. `active_count` may be NULL.
+//
+// DC_PATTERN_MISMATCH if the pairing is not the one of the pattern. DC_OVERFLOW if a sum is not finite: the values then hold
+// anything.
+//
+// # Safety
+// `values` has `entry_count` entries; `law` as in dc_residual; `active_count` is NULL or may be written.
+enum dc_status dc_pattern_fill(struct dc_pattern *pattern,
+                               struct dc_interface *interface,
+                               const struct dc_law *law,
+                               double *values,
+                               size_t entry_count,
+                               size_t *active_count);
+
+// Which of the candidates take part in the fit around a slave: the neighbour search of the options, as an interface does
+// it, but without facets, so without sharp edges and borders. `slave` has 3 numbers, `candidates` 3 each, `outward` is a
+// direction to the outward side of the master. `masters` gets the numbers of those chosen, counted from 0, ascending; it has
+// room for `capacity` of them.
+//
+// DC_NO_CONTACT if the candidates carry no fit.
+//
+// # Safety
+// The arrays have the given lengths; `options` is NULL or has as many bytes as its field `size` says, as has `pairing`.
+enum dc_status dc_pair(const struct dc_options *options,
+                       const double *slave,
+                       const double *candidates,
+                       size_t candidate_count,
+                       const double *outward,
+                       int32_t *masters,
+                       size_t capacity,
+                       struct dc_pairing *pairing);
+
+// Gap, foot and normal of one element, and as far as `mode`, a dc_mode, asks for them N and M, in the order of dc_derivatives:
+// slave, master 1, ..., master n. `slave` has 3 numbers, `masters` 3 n. The order of the nodes of a pairing does not matter, but for
+// rounding.
+//
+// DC_NO_CONTACT if the element has no result: point->outcome and dc_message() say why. The derivatives then hold anything.
+//
+// # Safety
+// The arrays have the given lengths, `element` as many bytes as its field `size` says.
+enum dc_status dc_gap(const struct dc_element *element,
+                      const double *slave,
+                      const double *masters,
+                      size_t master_count,
+                      int32_t mode,
+                      struct dc_point *point,
+                      double *gradient,
+                      size_t gradient_size,
+                      double *hessian,
+                      size_t hessian_size);
+
+// Force and stiffness of one element from its gap and derivatives, over its own 3(n+1) coordinates: R = f N into `residual`, K = -dR/dx
+// into `tangent`, 3(n+1) square, both triangles. Zeros if it carries no force. `force` f. What is not wanted is NULL. `area` is the
+// slave's tributary area, 1 where the penalty is one per node. `hessian` may be NULL for DC_GAUSS_NEWTON or without `tangent`.
+//
+// # Safety
+// `gradient` has 3(`master_count` + 1) entries, `hessian` those of its lower triangle, `residual` and `tangent` have the given
+// lengths; `law` as in dc_residual, with one multiplier or none.
+enum dc_status dc_element_system(const struct dc_law *law,
+                                 double gap,
+                                 double area,
+                                 size_t master_count,
+                                 const double *gradient,
+                                 const double *hessian,
+                                 double *force,
+                                 double *residual,
+                                 size_t residual_size,
+                                 double *tangent,
+                                 size_t tangent_size);
+
+// dc_gap for `element_count` elements that share what `element` says, but for its outward direction: `outwards` has 3 numbers for
+// each, or is NULL for element->outward. `slaves` has 3 numbers for each; the masters of element k are those from `offsets[k]` to
+// `offsets[k + 1]` - 1 of `masters`; `offsets` ascends from 0 and has element_count + 1 entries. `support_radii` has one number for
+// each, or is NULL for element->support_radius.
+//
+// One after another without gaps: `points`, one each; `gradients`, 3(n+1) numbers each; `hessians`, 3(n+1)(3n+4)/2 numbers each; their
+// sizes are those of the arrays. What the mode does not ask for may be NULL. Elements without result are told by their outcome, with
+// derivatives of 0; the status is that of the call. Results differ from those of dc_gap by rounding.
+//
+// Runs in the calling thread: several may call at once.
+//
+// # Safety
+// The arrays have the given lengths, `element` as many bytes as its field `size` says.
+enum dc_status dc_gap_batch(const struct dc_element *element,
+                            size_t element_count,
+                            const double *outwards,
+                            const double *support_radii,
+                            const double *slaves,
+                            const double *masters,
+                            const size_t *offsets,
+                            int32_t mode,
+                            struct dc_point *points,
+                            double *gradients,
+                            size_t gradient_size,
+                            double *hessians,
+                            size_t hessian_size);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* DIFFUSE_CONTACT_H */

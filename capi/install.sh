@@ -1,0 +1,50 @@
+#!/bin/sh
+# Installs header, libraries, pkg-config file and the Fortran sources:
+#
+#     capi/install.sh PREFIX [BUILT]
+#
+#     PREFIX/include/diffuse_contact.h
+#     PREFIX/lib/libdiffuse_contact.so -> .so.0.1 -> .so.0.1.0, libdiffuse_contact.a
+#     PREFIX/lib/pkgconfig/diffuse_contact.pc
+#     PREFIX/share/diffuse_contact/diffuse_contact.f90, uel.f90
+#
+# Builds the libraries with optimisation first, or takes them from the directory BUILT. With DESTDIR set, everything goes below it
+# (for packagers). Needs Rust and a C linker; gcc or gfortran to use what it installs.
+set -eu
+
+if [ $# -lt 1 ] || [ $# -gt 2 ]; then
+    sed -n '2,4s/^# \{0,1\}//p' "$0" >&2
+    exit 2
+fi
+prefix=$1
+here=$(cd "$(dirname "$0")" && pwd)
+case $prefix in
+/*) ;;
+*) prefix=$(pwd)/$prefix ;;
+esac
+
+if [ $# = 2 ]; then
+    built=$(cd "$2" && pwd)
+else
+    (cd "$here" && cargo build --release -p diffuse-contact-capi)
+    target=${CARGO_TARGET_DIR:-$here/../target}
+    built=$(cd "$here" && cd "$target" && pwd)/release
+fi
+
+version=$(sed -n '/^\[workspace.package\]/,/^\[/s/^version = "\(.*\)"/\1/p' "$here/../Cargo.toml")
+case $version in
+0.*) interface=$(echo "$version" | cut -d. -f1-2) ;;
+*) interface=${version%%.*} ;;
+esac
+
+root=${DESTDIR:-}$prefix
+mkdir -p "$root/include" "$root/lib/pkgconfig" "$root/share/diffuse_contact"
+install -m 644 "$here/include/diffuse_contact.h" "$root/include/"
+install -m 755 "$built/libdiffuse_contact.so" "$root/lib/libdiffuse_contact.so.$version"
+ln -sf "libdiffuse_contact.so.$version" "$root/lib/libdiffuse_contact.so.$interface"
+ln -sf "libdiffuse_contact.so.$interface" "$root/lib/libdiffuse_contact.so"
+install -m 644 "$built/libdiffuse_contact.a" "$root/lib/"
+sed -e "s|@PREFIX@|$prefix|" -e "s|@VERSION@|$version|" "$here/diffuse_contact.pc.in" \
+    >"$root/lib/pkgconfig/diffuse_contact.pc"
+install -m 644 "$here/../fortran/diffuse_contact.f90" "$here/../fortran/uel.f90" "$root/share/diffuse_contact/"
+echo "installed $version in $root"

@@ -1,0 +1,238 @@
+//! One element by itself: no handle, nothing remembered, any number of threads.
+
+use std::mem::offset_of;
+
+use runtime::assembly::ContactView;
+use runtime::{ContactPoint, Element, ElementError, Frame, Generated, Mode, Point};
+
+use crate::border::{self, Versioned, input, output, read_sized, single, wanted};
+use crate::choice::{self, dc_basis, dc_frame, dc_weight};
+use crate::law::{self, dc_law};
+use crate::outcome::{self, dc_outcome};
+use crate::status::{DC_BAD_SIZE, Failure, dc_status};
+
+/// What one element is besides its nodes. A field that is 0 has the value named first.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct dc_element {
+    /// sizeof(dc_element), set by the caller.
+    pub size: usize,
+    /// dc_basis; 0 is DC_QUADRATIC.
+    pub basis: i32,
+    /// dc_weight: DC_CUBIC, ...
+    pub weight: i32,
+    /// dc_frame: DC_CO_MOVING, ...
+    pub frame: i32,
+    /// 0.
+    pub reserved: i32,
+    /// Radius of the domain of influence around the slave, length.
+    pub support_radius: f64,
+    /// A direction to the outward side of the master. DC_GIVEN: looked at only if it is not zero.
+    pub outward: [f64; 3],
+    /// DC_GIVEN only: the directions of the frame, orthonormal, `normal` outward.
+    pub t1: [f64; 3],
+    pub t2: [f64; 3],
+    pub normal: [f64; 3],
+}
+
+// SAFETY: numbers, the first one is the size.
+unsafe impl Versioned for dc_element {
+    const NAME: &'static str = "dc_element";
+    const FIRST: usize = offset_of!(Self, normal) + 24;
+}
+
+/// Where an element touches.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct dc_point {
+    /// dc_outcome; only for DC_CONTACT are the numbers valid, else they are 0.
+    pub outcome: i32,
+    /// 0.
+    pub reserved: i32,
+    /// Signed gap, length: positive apart, negative penetrating.
+    pub gap: f64,
+    /// Foot on the surface.
+    pub foot: [f64; 3],
+    /// Unit normal there, outward.
+    pub normal: [f64; 3],
+}
+
+impl dc_point {
+    pub fn new(result: Result<ContactPoint, ElementError>) -> Self {
+        match result {
+            Ok(ContactPoint { gap, foot, normal }) => {
+                Self { outcome: dc_outcome::DC_CONTACT as i32, reserved: 0, gap, foot, normal }
+            }
+            Err(error) => Self { outcome: outcome::with_code(error.code()) as i32, ..Self::default() },
+        }
+    }
+}
+
+impl dc_element {
+    const DEFAULTS: Self = Self {
+        size: size_of::<Self>(),
+        basis: 0,
+        weight: dc_weight::DC_CUBIC as i32,
+        frame: dc_frame::DC_CO_MOVING as i32,
+        reserved: 0,
+        support_radius: 0.0,
+        outward: [0.0; 3],
+        t1: [0.0; 3],
+        t2: [0.0; 3],
+        normal: [0.0; 3],
+    };
+
+    /// # Safety
+    /// As [`read_sized`].
+    pub unsafe fn read(element: *const Self) -> Result<Self, Failure> {
+        // SAFETY: as the caller promises.
+        unsafe { read_sized(element, Self::DEFAULTS) }
+    }
+
+    /// As the runtime has it. The outer error is of an option, the inner one of the element.
+    pub fn with_nodes<'a>(
+        &self,
+        slave: Point,
+        masters: &'a [Point],
+    ) -> Result<Result<Element<'a>, ElementError>, Failure> {
+        let basis = if self.basis == 0 { dc_basis::DC_QUADRATIC as i32 } else { self.basis };
+        let (basis, weight) = (choice::basis(basis)?, choice::weight(self.weight)?);
+        let frame = if self.frame == dc_frame::DC_GIVEN as i32 {
+            let outward = Some(self.outward).filter(|outward| *outward != [0.0; 3]);
+            Frame::given(slave, self.t1, self.t2, self.normal, outward)
+        } else {
+            let derivative = choice::frame(self.frame)?;
+            self.average_plane(masters).map(|frame| Frame { derivative, ..frame })
+        };
+        let support_radius = self.support_radius;
+        Ok(frame.map(|frame| Element { slave, masters, frame, support_radius, basis, weight }))
+    }
+
+    fn average_plane(&self, masters: &[Point]) -> Result<Frame, ElementError> {
+        if !self.outward.iter().all(|x| x.is_finite()) {
+            return Err(ElementError::NonFiniteInput { what: "outward", index: 0 });
+        }
+        Frame::average_plane(masters, self.outward)
+    }
+}
+
+/// Room for the derivatives of an element, or an error.
+///
+/// # Safety
+/// As [`output`].
+unsafe fn derivative<'a>(
+    name: &str,
+    pointer: *mut f64,
+    size: usize,
+    needed: usize,
+) -> Result<&'a mut [f64], Failure> {
+    if size < needed {
+        let message = format!("bad-size: {name} has room for {size} numbers, needs {needed}");
+        return Err(Failure::new(DC_BAD_SIZE, message));
+    }
+    // SAFETY: as the caller promises.
+    unsafe { output(name, pointer, needed) }
+}
+
+/// Entries of N and M that a mode asks for; `None` if there are more than can be counted.
+pub fn sizes(masters: usize, mode: Mode) -> Option<[usize; 2]> {
+    let freedoms = masters.checked_add(1)?.checked_mul(3)?;
+    let packed = freedoms.checked_mul(freedoms.checked_add(1)?)? / 2;
+    let wanted = |level, size| if mode >= level { size } else { 0 };
+    Some([wanted(Mode::Gradient, freedoms), wanted(Mode::Hessian, packed)])
+}
+
+/// Gap, foot and normal of one element, and as far as `mode`, a dc_mode, asks for them N and M, in the order of dc_derivatives:
+/// slave, master 1, ..., master n. `slave` has 3 numbers, `masters` 3 n. The order of the nodes of a pairing does not matter, but for
+/// rounding.
+///
+/// DC_NO_CONTACT if the element has no result: point->outcome and dc_message() say why. The derivatives then hold anything.
+///
+/// # Safety
+/// The arrays have the given lengths, `element` as many bytes as its field `size` says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_gap(
+    element: *const dc_element,
+    slave: *const f64,
+    masters: *const f64,
+    master_count: usize,
+    mode: i32,
+    point: *mut dc_point,
+    gradient: *mut f64,
+    gradient_size: usize,
+    hessian: *mut f64,
+    hessian_size: usize,
+) -> dc_status {
+    border::call(|| {
+        let mode = choice::mode(mode)?;
+        let Some([freedoms, packed]) = sizes(master_count, mode) else {
+            return Err(Failure::new(
+                DC_BAD_SIZE,
+                format!("bad-size: there cannot be {master_count} masters"),
+            ));
+        };
+        // SAFETY: as the caller promises.
+        let (element, slave, masters, point, gradient, hessian) = unsafe {
+            (
+                dc_element::read(element)?,
+                input("slave", slave, 3)?,
+                input("masters", masters, 3 * master_count)?,
+                single("point", point)?,
+                derivative("gradient", gradient, gradient_size, freedoms)?,
+                derivative("hessian", hessian, hessian_size, packed)?,
+            )
+        };
+        let slave = [slave[0], slave[1], slave[2]];
+        let found = element
+            .with_nodes(slave, masters.as_chunks::<3>().0)?
+            .and_then(|element| Generated.gap_into(&element, mode, gradient, hessian));
+        *point = dc_point::new(found);
+        found.map(drop).map_err(Failure::from)
+    })
+}
+
+/// Force and stiffness of one element from its gap and derivatives, over its own 3(n+1) coordinates: R = f N into `residual`, K = -dR/dx
+/// into `tangent`, 3(n+1) square, both triangles. Zeros if it carries no force. `force` f. What is not wanted is NULL. `area` is the
+/// slave's tributary area, 1 where the penalty is one per node. `hessian` may be NULL for DC_GAUSS_NEWTON or without `tangent`.
+///
+/// # Safety
+/// `gradient` has 3(`master_count` + 1) entries, `hessian` those of its lower triangle, `residual` and `tangent` have the given
+/// lengths; `law` as in dc_residual, with one multiplier or none.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_element_system(
+    law: *const dc_law,
+    gap: f64,
+    area: f64,
+    master_count: usize,
+    gradient: *const f64,
+    hessian: *const f64,
+    force: *mut f64,
+    residual: *mut f64,
+    residual_size: usize,
+    tangent: *mut f64,
+    tangent_size: usize,
+) -> dc_status {
+    border::call(|| {
+        let too_many =
+            || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {master_count} masters"));
+        let [freedoms, packed] = sizes(master_count, Mode::Hessian).ok_or_else(too_many)?;
+        let square = freedoms.checked_mul(freedoms).ok_or_else(too_many)?;
+        // SAFETY: as the caller promises.
+        let (law, gradient, hessian, residual, tangent) = unsafe {
+            (
+                law::read(law)?,
+                input("gradient", gradient, freedoms)?,
+                input("hessian", hessian, if hessian.is_null() { 0 } else { packed })?,
+                wanted("residual", residual, residual_size, freedoms)?.unwrap_or_default(),
+                wanted("tangent", tangent, tangent_size, square)?.unwrap_or_default(),
+            )
+        };
+        let contact = ContactView { gap, area, gradient, hessian };
+        let found = law.element_system(&contact, residual, tangent)?;
+        if !force.is_null() {
+            // SAFETY: as the caller promises.
+            *unsafe { single("force", force)? } = found;
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,473 @@
+//! An interface: made, moved, paired and evaluated.
+
+use std::mem::offset_of;
+
+use runtime::Point;
+use runtime::assembly::{DofMap, Triplets};
+use runtime::interface::{ContactInterface, Contacts, RefreshReport};
+use runtime::surface::{Facet, MasterSurface};
+
+use crate::border::{self, Versioned, input, single, write_sized};
+use crate::choice;
+use crate::cutback::Cutback;
+use crate::options::dc_options;
+use crate::registry::Registry;
+use crate::status::{
+    DC_BAD_SIZE, DC_FROZEN, DC_NOT_EVALUATED, DC_OUT_OF_RANGE, DC_TOO_LARGE, Failure, dc_status,
+};
+
+/// A contact interface: a master surface, slave nodes and their pairing. One thread at a time may use it, any thread; a
+/// second one gets DC_BUSY.
+pub struct dc_interface;
+
+/// What stands behind a handle.
+#[derive(Debug)]
+pub struct State {
+    pub interface: ContactInterface,
+    pub dofs: DofMap,
+    pub cutback: Cutback,
+    pub triplets: Triplets,
+    nodes: usize,
+    frozen: bool,
+    evaluated: bool,
+}
+
+static INTERFACES: Registry<State> = Registry::new("interface", 1);
+
+/// Runs a call on an interface.
+pub fn with(
+    handle: *mut dc_interface,
+    work: impl FnOnce(&mut State) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    INTERFACES.with(handle.addr(), work)
+}
+
+impl State {
+    /// The results of the moment.
+    pub fn contacts(&self) -> Result<&Contacts, Failure> {
+        if self.evaluated {
+            return Ok(self.interface.contacts());
+        }
+        let message = "not-evaluated: call dc_evaluate, after each dc_update and dc_refresh";
+        Err(Failure::new(DC_NOT_EVALUATED, message))
+    }
+
+    /// The place of a slave.
+    pub fn slave(&self, slave: usize) -> Result<usize, Failure> {
+        let count = self.interface.slaves().len();
+        if slave < count {
+            return Ok(slave);
+        }
+        let message = format!("slave-out-of-range: there is no slave {slave}, but {count}, counted from 0");
+        Err(Failure::new(DC_OUT_OF_RANGE, message))
+    }
+
+    /// An array with an entry for each slave.
+    pub fn expect_slaves(&self, found: usize) -> Result<(), Failure> {
+        let expected = self.interface.slaves().len();
+        if found == expected {
+            return Ok(());
+        }
+        let message = format!("bad-size: {found} entries for {expected} slaves");
+        Err(Failure::new(DC_BAD_SIZE, message))
+    }
+}
+
+/// Counts in an array of the caller, 3 numbers for each node.
+///
+/// # Safety
+/// As [`input`].
+unsafe fn points<'a>(positions: *const f64, nodes: usize) -> Result<&'a [Point], Failure> {
+    let too_many = || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {nodes} nodes"));
+    let count = nodes.checked_mul(3).ok_or_else(too_many)?;
+    // SAFETY: as the caller promises.
+    let (points, _) = unsafe { input("positions", positions, count)? }.as_chunks::<3>();
+    Ok(points)
+}
+
+/// Facets from rows of four nodes.
+fn facets_of(rows: &[i32]) -> Result<Vec<Facet>, Failure> {
+    let (rows, _) = rows.as_chunks::<4>();
+    let node = |facet: usize, node: i32| {
+        usize::try_from(node).map_err(|_| {
+            let message = format!("node-out-of-range: facet {facet} has node {node} for a corner");
+            Failure::new(DC_OUT_OF_RANGE, message)
+        })
+    };
+    let facet = |(k, &[a, b, c, d]): (usize, &[i32; 4])| {
+        let [a, b, c] = [node(k, a)?, node(k, b)?, node(k, c)?];
+        Ok(if d == -1 { Facet::Triangle([a, b, c]) } else { Facet::Quadrilateral([a, b, c, node(k, d)?]) })
+    };
+    rows.iter().enumerate().map(facet).collect()
+}
+
+/// An array of facets.
+///
+/// # Safety
+/// As [`input`].
+unsafe fn facet_rows<'a>(name: &str, rows: *const i32, count: usize) -> Result<&'a [i32], Failure> {
+    let too_many = || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {count} {name}"));
+    // SAFETY: as the caller promises.
+    unsafe { input(name, rows, count.checked_mul(4).ok_or_else(too_many)?) }
+}
+
+/// Makes an interface and writes its handle. Everything is copied.
+///
+/// `positions`: x, y, z of all `node_count` nodes; indices count from 0. `facets`: the master surface, 4 nodes for each
+/// facet, counter-clockwise seen from outside; the fourth is -1 for a triangle. `slaves`: the slave nodes, none of them on
+/// the master. `slave_facets`: as `facets`, only looked at for areas; NULL and 0 without. `options`: NULL for the defaults.
+///
+/// There is no pairing yet: call dc_refresh. On failure the handle is NULL.
+///
+/// # Safety
+/// The arrays have the given lengths, `options` as many bytes as its field `size` says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_create(
+    positions: *const f64,
+    node_count: usize,
+    facets: *const i32,
+    facet_count: usize,
+    slaves: *const i32,
+    slave_count: usize,
+    slave_facets: *const i32,
+    slave_facet_count: usize,
+    options: *const dc_options,
+    interface: *mut *mut dc_interface,
+) -> dc_status {
+    border::call(|| {
+        // SAFETY: as the caller promises.
+        let handle = unsafe { single("interface", interface)? };
+        *handle = std::ptr::null_mut();
+        // SAFETY: as the caller promises.
+        let (positions, master, slaves, areas, options) = unsafe {
+            (
+                points(positions, node_count)?,
+                facet_rows("facets", facets, facet_count)?,
+                input("slaves", slaves, slave_count)?,
+                facet_rows("slave_facets", slave_facets, slave_facet_count)?,
+                dc_options::read(options)?,
+            )
+        };
+        let state = create(positions, master, slaves, areas, &options)?;
+        *handle = std::ptr::without_provenance_mut(INTERFACES.insert(state)?);
+        Ok(())
+    })
+}
+
+fn create(
+    positions: &[Point],
+    master: &[i32],
+    slaves: &[i32],
+    slave_facets: &[i32],
+    options: &dc_options,
+) -> Result<State, Failure> {
+    if i32::try_from(positions.len()).is_err() {
+        let message = format!("too-many: {} nodes are more than 32-bit indices can name", positions.len());
+        return Err(Failure::new(DC_TOO_LARGE, message));
+    }
+    let index = |(k, &node): (usize, &i32)| {
+        usize::try_from(node).map_err(|_| {
+            Failure::new(DC_OUT_OF_RANGE, format!("slave-out-of-range: slave {k} is node {node}"))
+        })
+    };
+    let slaves: Vec<usize> = slaves.iter().enumerate().map(index).collect::<Result<_, _>>()?;
+    let slave_facets = facets_of(slave_facets)?;
+    let cutback = Cutback::new(options.cutback()?, slaves.len());
+    let options = options.interface()?;
+    let master = MasterSurface::new(positions, facets_of(master)?)?;
+    let interface = ContactInterface::new(master, slaves, &slave_facets, positions, options)?;
+    Ok(State {
+        interface,
+        dofs: DofMap::standard(positions.len()),
+        cutback,
+        triplets: Triplets::new(),
+        nodes: positions.len(),
+        frozen: false,
+        evaluated: false,
+    })
+}
+
+/// Destroys an interface. NULL is DC_OK, a handle that was destroyed before is DC_BAD_HANDLE.
+#[unsafe(no_mangle)]
+pub extern "C" fn dc_destroy(interface: *mut dc_interface) -> dc_status {
+    border::call(|| if interface.is_null() { Ok(()) } else { INTERFACES.remove(interface.addr()) })
+}
+
+/// Numbers of nodes and of slaves. Either may be NULL.
+///
+/// # Safety
+/// Each is NULL or may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_counts(
+    interface: *mut dc_interface,
+    node_count: *mut usize,
+    slave_count: *mut usize,
+) -> dc_status {
+    border::call(|| {
+        with(interface, |state| {
+            for (pointer, value) in [(node_count, state.nodes), (slave_count, state.interface.slaves().len())]
+            {
+                if !pointer.is_null() {
+                    // SAFETY: as the caller promises.
+                    *unsafe { single("count", pointer)? } = value;
+                }
+            }
+            Ok(())
+        })
+    })
+}
+
+/// Takes over the positions of the next evaluation, x, y, z of all nodes. The pairing stays. Call it in every iteration.
+///
+/// # Safety
+/// `positions` has 3 `node_count` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_update(
+    interface: *mut dc_interface,
+    positions: *const f64,
+    node_count: usize,
+) -> dc_status {
+    border::call(|| {
+        with(interface, |state| {
+            // SAFETY: as the caller promises.
+            state.interface.update(unsafe { points(positions, node_count)? })?;
+            state.evaluated = false;
+            Ok(())
+        })
+    })
+}
+
+/// What a refresh did, in numbers of slaves. paired = kept + renewed + changed + gained; with `without` it makes up all slaves.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct dc_report {
+    /// sizeof(dc_report), set by the caller.
+    pub size: usize,
+    /// With a pairing now.
+    pub paired: i32,
+    /// Of these: kept by hysteresis.
+    pub kept: i32,
+    /// Of these: paired anew with the same masters.
+    pub renewed: i32,
+    /// Of these: paired with other masters than before. The pattern of the tangent may be another one.
+    pub changed: i32,
+    /// Of these: without a pairing before.
+    pub gained: i32,
+    /// Without a pairing now, but with one before.
+    pub lost: i32,
+    /// Without a pairing now.
+    pub without: i32,
+    /// Pairings with more nodes than asked for.
+    pub extended: i32,
+    /// Pairings with the linear basis instead of the quadratic one.
+    pub linear: i32,
+    /// With a gap by the old pairing at these positions, but none by the new.
+    pub contacts_lost: i32,
+    /// With a gap now, but none by the old pairing.
+    pub contacts_gained: i32,
+    /// The node whose gap the refresh changed most; -1 if none.
+    pub jump_node: i32,
+    /// Of the contacts lost, the node with the smallest gap; -1 if none.
+    pub lost_node: i32,
+    /// Of the contacts gained, the node with the smallest gap; -1 if none.
+    pub gained_node: i32,
+    /// The gap of jump_node by the old pairing and by the new one.
+    pub jump_before: f64,
+    pub jump_after: f64,
+    /// The gap of lost_node by the old pairing.
+    pub lost_gap: f64,
+    /// The gap of gained_node by the new pairing.
+    pub gained_gap: f64,
+}
+
+// SAFETY: numbers, the first one is the size.
+unsafe impl Versioned for dc_report {
+    const NAME: &'static str = "dc_report";
+    const FIRST: usize = offset_of!(Self, gained_gap) + 8;
+}
+
+impl dc_report {
+    fn new(report: &RefreshReport) -> Self {
+        let count = |x: usize| i32::try_from(x).unwrap_or(i32::MAX);
+        let node = |slave: Option<usize>| slave.map_or(-1, |node| node as i32);
+        let RefreshReport { largest_gap_jump: jump, smallest_gap_lost: lost, .. } = report;
+        let gained = &report.smallest_gap_gained;
+        Self {
+            size: size_of::<Self>(),
+            paired: count(report.paired),
+            kept: count(report.kept),
+            renewed: count(report.renewed),
+            changed: count(report.changed),
+            gained: count(report.gained),
+            lost: count(report.lost),
+            without: count(report.without.values().sum()),
+            extended: count(report.fallbacks.extended),
+            linear: count(report.fallbacks.linear),
+            contacts_lost: count(report.contacts_lost),
+            contacts_gained: count(report.contacts_gained),
+            jump_node: node(jump.map(|jump| jump.slave)),
+            lost_node: node(lost.map(|lost| lost.slave)),
+            gained_node: node(gained.map(|gained| gained.slave)),
+            jump_before: jump.map_or(0.0, |jump| jump.before),
+            jump_after: jump.map_or(0.0, |jump| jump.after),
+            lost_gap: lost.map_or(0.0, |lost| lost.gap),
+            gained_gap: gained.map_or(0.0, |gained| gained.gap),
+        }
+    }
+}
+
+/// Takes over the positions and pairs every slave anew, or keeps its pairing while it is sound. Call it once an increment,
+/// or once an iteration. `report` may be NULL; its field `size` has to be set.
+///
+/// DC_FROZEN while the interface is frozen: it did what dc_update does, and the report is empty.
+///
+/// # Safety
+/// `positions` has 3 `node_count` entries; `report` is NULL or has as many bytes as its field `size` says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_refresh(
+    interface: *mut dc_interface,
+    positions: *const f64,
+    node_count: usize,
+    report: *mut dc_report,
+) -> dc_status {
+    border::call(|| {
+        with(interface, |state| {
+            // SAFETY: as the caller promises.
+            let positions = unsafe { points(positions, node_count)? };
+            let mut result = dc_report::new(&RefreshReport::default());
+            // What may fail comes first.
+            if !report.is_null() {
+                // SAFETY: as the caller promises.
+                unsafe { write_sized(report, &result)? };
+            }
+            if state.frozen {
+                state.interface.update(positions)?;
+            } else {
+                result = dc_report::new(&state.refresh(positions)?);
+            }
+            state.evaluated = false;
+            if !report.is_null() {
+                // SAFETY: as the caller promises.
+                unsafe { write_sized(report, &result)? };
+            }
+            if state.frozen {
+                let message = "frozen: the positions were taken over, the pairing is held until dc_thaw";
+                return Err(Failure::new(DC_FROZEN, message));
+            }
+            Ok(())
+        })
+    })
+}
+
+impl State {
+    fn refresh(&mut self, positions: &[Point]) -> Result<RefreshReport, Failure> {
+        let slaves = 0..self.interface.slaves().len();
+        let radii: Vec<Option<f64>> = slaves.map(|k| self.interface.support_radius(k)).collect();
+        let report = self.interface.refresh_pairing(positions)?;
+        let lost = report.smallest_gap_lost.and_then(|lost| {
+            let place = self.interface.slaves().iter().position(|&node| node == lost.slave)?;
+            Some((lost.gap, radii[place]?))
+        });
+        self.cutback.refreshed(lost);
+        Ok(report)
+    }
+}
+
+/// Holds the pairing, for instance over the iterations of an increment: dc_refresh does what dc_update does, and returns
+/// DC_FROZEN.
+#[unsafe(no_mangle)]
+pub extern "C" fn dc_freeze(interface: *mut dc_interface) -> dc_status {
+    set_frozen(interface, true)
+}
+
+/// Ends what dc_freeze began.
+#[unsafe(no_mangle)]
+pub extern "C" fn dc_thaw(interface: *mut dc_interface) -> dc_status {
+    set_frozen(interface, false)
+}
+
+fn set_frozen(interface: *mut dc_interface, frozen: bool) -> dc_status {
+    border::call(|| {
+        with(interface, |state| {
+            state.frozen = frozen;
+            Ok(())
+        })
+    })
+}
+
+/// Evaluates all slaves at the positions of the last dc_update or dc_refresh, in parallel. `mode` is a dc_mode: DC_GRADIENT
+/// for the residual, DC_HESSIAN for the exact tangent. The result does not depend on the number of threads, bit for bit.
+#[unsafe(no_mangle)]
+pub extern "C" fn dc_evaluate(interface: *mut dc_interface, mode: i32) -> dc_status {
+    border::call(|| {
+        let mode = choice::mode(mode)?;
+        with(interface, |state| {
+            // Until it is done there is nothing.
+            state.evaluated = false;
+            state.interface.evaluate(mode)?;
+            state.evaluated = true;
+            let State { interface, cutback, .. } = state;
+            cutback.start();
+            for (k, contact) in interface.contacts().iter().enumerate() {
+                cutback.book(k, &contact, interface.support_radius(k));
+            }
+            Ok(())
+        })
+    })
+}
+
+/// Which equations the displacements of the nodes have: 3 entries for each node, numbers below `equation_count`, none twice, -1
+/// for a displacement that is prescribed. `equations` NULL for 3 node + axis, as it is at the beginning.
+///
+/// # Safety
+/// `equations` is NULL or has 3 `node_count` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_set_equations(
+    interface: *mut dc_interface,
+    equations: *const i32,
+    node_count: usize,
+    equation_count: usize,
+) -> dc_status {
+    border::call(|| {
+        with(interface, |state| {
+            if equations.is_null() {
+                state.dofs = DofMap::standard(state.nodes);
+                return Ok(());
+            }
+            if node_count != state.nodes {
+                let message =
+                    format!("bad-size: equations of {node_count} nodes, but there are {}", state.nodes);
+                return Err(Failure::new(DC_BAD_SIZE, message));
+            }
+            // SAFETY: as the caller promises.
+            let numbers = unsafe { input("equations", equations, 3 * node_count)? };
+            if let Some((place, number)) = numbers.iter().enumerate().find(|(_, number)| **number < -1) {
+                let message = format!(
+                    "unknown-equation: axis {} of node {} has equation {number}",
+                    place % 3,
+                    place / 3
+                );
+                return Err(Failure::new(DC_OUT_OF_RANGE, message));
+            }
+            let (rows, _) = numbers.as_chunks::<3>();
+            let rows = rows.iter().map(|row| row.map(|number| usize::try_from(number).ok()));
+            state.dofs = DofMap::new(equation_count, rows)?;
+            Ok(())
+        })
+    })
+}
+
+#[cfg(test)]
+mod layout {
+    use super::*;
+    use crate::status::DC_BAD_SURFACE;
+
+    #[test]
+    fn rows_become_facets() {
+        let read = facets_of(&[0, 1, 2, -1, 4, 5, 6, 7]).unwrap();
+        assert_eq!(read, [Facet::Triangle([0, 1, 2]), Facet::Quadrilateral([4, 5, 6, 7])]);
+        assert_eq!(facets_of(&[0, -1, 2, 3]).unwrap_err().status, DC_OUT_OF_RANGE);
+        assert_eq!(facets_of(&[0, 1, 2, -2]).unwrap_err().status, DC_OUT_OF_RANGE);
+        assert_eq!(create(&[], &[], &[], &[], &dc_options::defaults()).unwrap_err().status, DC_BAD_SURFACE);
+    }
+}

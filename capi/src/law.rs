@@ -1,0 +1,62 @@
+//! The law of contact.
+
+use std::mem::offset_of;
+
+use runtime::assembly::ContactLaw;
+
+use crate::border::{Versioned, input, read_sized};
+use crate::choice;
+use crate::status::Failure;
+
+/// The law of frictionless contact. With e = penalty x area:
+///
+///     f = lambda - e g          the contact is active if f > 0
+///     R = f N                   force on the nodes
+///     K = e N N^T - f M         = -dR/dx
+///
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct dc_law {
+    /// sizeof(dc_law), set by the caller.
+    pub size: usize,
+    /// Force per length, or per length^3 where contacts carry areas; positive.
+    pub penalty: f64,
+    /// lambda of each slave, at least 0: the forces of the augmented Lagrangian. NULL for the penalty method.
+    pub multipliers: *const f64,
+    /// Number of multipliers: of slaves, 1 for a single element, or 0.
+    pub multiplier_count: usize,
+    /// dc_tangent; 0 is DC_EXACT.
+    pub tangent: i32,
+    /// 0.
+    pub reserved: i32,
+}
+
+// SAFETY: numbers and an address; the first one is the size.
+unsafe impl Versioned for dc_law {
+    const NAME: &'static str = "dc_law";
+    const FIRST: usize = offset_of!(Self, reserved) + 4;
+}
+
+/// The law of the caller; the runtime checks its numbers.
+///
+/// # Safety
+/// `law` is NULL or has as many bytes as its field `size` says, `multipliers` has `multiplier_count` entries.
+pub unsafe fn read<'a>(law: *const dc_law) -> Result<ContactLaw<'a>, Failure> {
+    let defaults = dc_law {
+        size: 0,
+        penalty: 0.0,
+        multipliers: std::ptr::null(),
+        multiplier_count: 0,
+        tangent: 0,
+        reserved: 0,
+    };
+    // SAFETY: as the caller promises.
+    let law = unsafe { read_sized(law, defaults)? };
+    // SAFETY: as the caller promises.
+    let multipliers = unsafe { input("multipliers", law.multipliers, law.multiplier_count)? };
+    Ok(ContactLaw {
+        penalty: law.penalty,
+        multipliers: Some(multipliers).filter(|_| !law.multipliers.is_null()),
+        tangent: choice::tangent(law.tangent)?,
+    })
+}

@@ -1,0 +1,186 @@
+//! How an interface pairs and evaluates.
+
+use std::mem::offset_of;
+
+use runtime::interface::{ContactElement, InterfaceOptions};
+use runtime::neighbourhood::{NeighbourRule, SearchOptions};
+
+use crate::border::{self, Versioned, read_sized, write_sized};
+use crate::choice::{self, dc_element_kind, dc_frame, dc_rule};
+use crate::cutback::CutbackOptions;
+use crate::status::{Failure, dc_status};
+
+/// How an interface pairs and evaluates. Set `size`, call dc_options_default, change what is to be different:
+///
+///     dc_options options = {.size = sizeof options};
+///     dc_options_default(&options);
+///     options.areas = 1;
+///
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct dc_options {
+    /// sizeof(dc_options).
+    pub size: usize,
+    /// dc_element_kind; DC_DIFFUSE.
+    pub element: i32,
+    /// dc_weight; DC_CUBIC.
+    pub weight: i32,
+    /// dc_frame: DC_CO_MOVING or DC_HELD.
+    pub frame: i32,
+    /// dc_rule; DC_HULL_LAYERS.
+    pub rule: i32,
+    /// Hull layers to start with; 0 for as many as make the fit well conditioned.
+    pub layers: i32,
+    /// Hull layers to stop at.
+    pub max_layers: i32,
+    /// Nodes to start with, by DC_NEAREST.
+    pub nearest: i32,
+    /// Nodes to stop at, by DC_NEAREST.
+    pub max_nearest: i32,
+    /// Nearest nodes among which hull layers are sought.
+    pub candidates: i32,
+    /// Up to how many they are doubled.
+    pub max_candidates: i32,
+    /// dc_basis; DC_QUADRATIC.
+    pub basis: i32,
+    /// Whether the linear basis may stand in for the quadratic one: 0 or 1.
+    pub linear_fallback: i32,
+    /// Whether contacts carry tributary areas, so that the penalty is one per area: 0 or 1.
+    pub areas: i32,
+    /// 0.
+    pub reserved: i32,
+    /// The regularity of a fit has to exceed this, 0 to 1.
+    pub smallest_regularity: f64,
+    /// Support radius over the distance of the farthest node, above 1.
+    pub radius_factor: f64,
+    /// Facets that meet at a larger angle belong to different patches, degrees.
+    pub feature_angle_degrees: f64,
+    /// A sound pairing is kept until the slave has slid by this fraction of the support radius; 0 pairs anew at every
+    /// refresh.
+    pub hysteresis: f64,
+    /// How far beyond the border a foot still counts, in heights of the facet.
+    pub border_tolerance: f64,
+    /// Slaves farther from the master are not paired, length; 0 for no limit.
+    pub distance_limit: f64,
+    /// A penetration deeper than this fraction of the support radius makes dc_cutback suggest a smaller increment.
+    pub cutback_penetration: f64,
+    /// So does a contact lost by a refresh at a penetration deeper than this fraction of the support radius.
+    pub cutback_lost: f64,
+}
+
+// SAFETY: numbers, the first one is the size.
+unsafe impl Versioned for dc_options {
+    const NAME: &'static str = "dc_options";
+    const FIRST: usize = offset_of!(Self, cutback_lost) + 8;
+}
+
+impl dc_options {
+    /// The defaults of the runtime.
+    pub fn defaults() -> Self {
+        let search = SearchOptions::default();
+        let interface = InterfaceOptions::default();
+        let CutbackOptions { penetration, lost } = CutbackOptions::default();
+        let (NeighbourRule::Nearest { count, max_count }, NeighbourRule::HullLayers { max_layers, .. }) =
+            (SearchOptions::nearest().rule, NeighbourRule::hull_layers(None))
+        else {
+            unreachable!("each function returns its own rule")
+        };
+        Self {
+            size: size_of::<Self>(),
+            element: dc_element_kind::DC_DIFFUSE as i32,
+            weight: choice::weight_number(runtime::Weight::default()),
+            frame: dc_frame::DC_CO_MOVING as i32,
+            rule: dc_rule::DC_HULL_LAYERS as i32,
+            layers: 0,
+            max_layers: max_layers as i32,
+            nearest: count as i32,
+            max_nearest: max_count as i32,
+            candidates: search.candidates as i32,
+            max_candidates: search.max_candidates as i32,
+            basis: choice::basis_number(search.basis),
+            linear_fallback: i32::from(search.linear_fallback),
+            areas: i32::from(interface.areas),
+            reserved: 0,
+            smallest_regularity: search.smallest_regularity,
+            radius_factor: search.radius_factor,
+            feature_angle_degrees: interface.feature_angle_degrees,
+            hysteresis: interface.hysteresis,
+            border_tolerance: interface.border_tolerance,
+            distance_limit: interface.distance_limit.unwrap_or(0.0),
+            cutback_penetration: penetration,
+            cutback_lost: lost,
+        }
+    }
+
+    /// The caller's options, or the defaults where there are none.
+    ///
+    /// # Safety
+    /// As [`read_sized`].
+    pub unsafe fn read(options: *const Self) -> Result<Self, Failure> {
+        // SAFETY: as the caller promises.
+        if options.is_null() {
+            Ok(Self::defaults())
+        } else {
+            unsafe { read_sized(options, Self::defaults()) }
+        }
+    }
+
+    /// The neighbour search.
+    pub fn search(&self) -> Result<SearchOptions, Failure> {
+        let layers = Some(choice::count("layers", self.layers)?).filter(|&layers| layers > 0);
+        let max_layers = choice::count("max_layers", self.max_layers)?;
+        let nearest = choice::count("nearest", self.nearest)?;
+        let max_nearest = choice::count("max_nearest", self.max_nearest)?;
+        let rules = [
+            (dc_rule::DC_HULL_LAYERS as i32, NeighbourRule::HullLayers { layers, max_layers }),
+            (dc_rule::DC_HULL_RADIUS as i32, NeighbourRule::HullRadius { layers, max_layers }),
+            (dc_rule::DC_NEAREST as i32, NeighbourRule::Nearest { count: nearest, max_count: max_nearest }),
+        ];
+        Ok(SearchOptions {
+            rule: choice::choose("rule", self.rule, &rules)?,
+            basis: choice::basis(self.basis)?,
+            linear_fallback: choice::flag("linear_fallback", self.linear_fallback)?,
+            smallest_regularity: self.smallest_regularity,
+            radius_factor: self.radius_factor,
+            candidates: choice::count("candidates", self.candidates)?,
+            max_candidates: choice::count("max_candidates", self.max_candidates)?,
+        })
+    }
+
+    /// As the runtime has them; it checks the ranges.
+    pub fn interface(&self) -> Result<InterfaceOptions, Failure> {
+        let diffuse = ContactElement::Diffuse {
+            weight: choice::weight(self.weight)?,
+            frame: choice::frame(self.frame)?,
+            search: self.search()?,
+        };
+        let elements = [
+            (dc_element_kind::DC_DIFFUSE as i32, diffuse),
+            (dc_element_kind::DC_NODE_TO_FACET as i32, ContactElement::NodeToFacet),
+        ];
+        Ok(InterfaceOptions {
+            element: choice::choose("element", self.element, &elements)?,
+            feature_angle_degrees: self.feature_angle_degrees,
+            hysteresis: self.hysteresis,
+            border_tolerance: self.border_tolerance,
+            distance_limit: Some(self.distance_limit).filter(|&limit| limit != 0.0),
+            areas: choice::flag("areas", self.areas)?,
+        })
+    }
+
+    pub fn cutback(&self) -> Result<CutbackOptions, Failure> {
+        let options = CutbackOptions { penetration: self.cutback_penetration, lost: self.cutback_lost };
+        options.check()?;
+        Ok(options)
+    }
+}
+
+/// Fills the options with their defaults; options.size has to be set before.
+///
+/// # Safety
+/// `options` is NULL, or as many bytes as its field `size` says may be written there.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_options_default(options: *mut dc_options) -> dc_status {
+    // SAFETY: as the caller promises.
+    border::call(|| unsafe { write_sized(options, &dc_options::defaults()) })
+}

@@ -1,0 +1,90 @@
+//! Calls as C makes them.
+
+mod agreement;
+mod fuzz;
+mod misuse;
+mod random;
+
+use std::ffi::{CStr, c_char};
+use std::ptr::null;
+
+use crate::interface::{dc_create, dc_interface};
+use crate::options::{dc_options, dc_options_default};
+use crate::status::{DC_OK, dc_message, dc_status};
+
+/// What the library says about the last failure of this thread.
+fn message() -> String {
+    text(dc_message())
+}
+
+fn text(pointer: *const c_char) -> String {
+    // SAFETY: a text of the library.
+    unsafe { CStr::from_ptr(pointer) }.to_str().expect("ASCII").to_owned()
+}
+
+/// The default options.
+fn options() -> dc_options {
+    let mut options = dc_options { size: size_of::<dc_options>(), ..dc_options::defaults() };
+    options.hysteresis = f64::NAN;
+    // SAFETY: a whole structure.
+    assert_eq!(unsafe { dc_options_default(&mut options) }, DC_OK);
+    options
+}
+
+/// A ridge of 6 × 6 nodes below four slave nodes.
+#[derive(Clone)]
+struct Mesh {
+    positions: Vec<f64>,
+    facets: Vec<i32>,
+    slaves: Vec<i32>,
+    slave_facets: Vec<i32>,
+}
+
+impl Mesh {
+    fn new() -> Self {
+        let mut positions = Vec::new();
+        for k in 0..36 {
+            let (x, y) = (f64::from(k % 6), f64::from(k / 6));
+            positions.extend([x, y, -0.04 * (x - 2.5) * (x - 2.5)]);
+        }
+        for [x, y] in [[2.1, 2.2], [2.2, 3.1], [3.2, 3.3], [3.1, 2.1]] {
+            positions.extend([x, y, -0.05]);
+        }
+        let corners = (0..25).map(|k| k % 5 + 6 * (k / 5));
+        let facets = corners.flat_map(|k| [k, k + 1, k + 7, k + 6]).collect();
+        Self { positions, facets, slaves: vec![36, 37, 38, 39], slave_facets: vec![36, 37, 38, 39] }
+    }
+
+    fn nodes(&self) -> usize {
+        self.positions.len() / 3
+    }
+
+    /// The status of making an interface, and its handle.
+    fn make(&self, options: *const dc_options) -> (dc_status, *mut dc_interface) {
+        let mut handle = std::ptr::dangling_mut();
+        // SAFETY: the arrays have the lengths given.
+        let status = unsafe {
+            dc_create(
+                self.positions.as_ptr(),
+                self.nodes(),
+                self.facets.as_ptr(),
+                self.facets.len() / 4,
+                self.slaves.as_ptr(),
+                self.slaves.len(),
+                self.slave_facets.as_ptr(),
+                self.slave_facets.len() / 4,
+                options,
+                &mut handle,
+            )
+        };
+        assert_eq!(status == DC_OK, !handle.is_null(), "a handle comes with DC_OK alone");
+        (status, handle)
+    }
+
+    /// An interface with the default options.
+    fn interface(&self) -> *mut dc_interface {
+        let (status, handle) = self.make(null());
+        assert_eq!(status, DC_OK, "{}", message());
+        handle
+    }
+}

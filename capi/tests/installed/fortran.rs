@@ -1,0 +1,95 @@
+//! The Abaqus user element, driven as Abaqus does, against the Rust crate, bit for bit.
+
+use std::process::Command;
+
+use crate::support::{Installed, assert_same, from_bits, groups, has, records, root, run};
+use runtime::assembly::{ContactLaw, ContactView};
+use runtime::neighbourhood::{NeighbourSearch, SearchOptions};
+use runtime::pairing::NearestNodes;
+use runtime::{Basis, Element, Frame, Generated, Mode, Point, Weight};
+
+const PENALTY: f64 = 3e3;
+
+#[test]
+fn the_user_element_has_the_numbers_of_rust() {
+    if !(has("pkg-config") && has("gfortran")) {
+        return;
+    }
+    let installed = Installed::new("fortran");
+    let mut command = Command::new("gfortran");
+    // Comparisons of numbers are meant, and so are dummy arguments that Abaqus passes and nobody needs.
+    command.args([
+        "-std=f2018",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        "-Wno-compare-reals",
+        "-Wno-unused-dummy-argument",
+    ]);
+    command.args(["-Wno-surprising", "-fcheck=all", "-O1", "-J"]);
+    command.arg(&installed.prefix).arg("-o").arg(installed.prefix.join("drive_uel"));
+    command
+        .arg(installed.prefix.join("share/diffuse_contact/uel.f90"))
+        .arg(root().join("fortran/drive_uel.f90"));
+    run(command.args(installed.flags(&["--libs"])));
+    // It checks tangent, cut-backs and flags itself.
+    let printed = run(installed.program("drive_uel").arg("--bits"));
+    assert!(printed.contains("flags are honoured") && printed.contains("structures fit"), "{printed}");
+
+    let calls = groups(records(&printed, from_bits), "now");
+    assert!(calls.len() >= 12, "{} calls", calls.len());
+    let mut active = 0;
+    for call in &calls {
+        let (rhs, amatrx) =
+            user_element(call["now"].as_chunks::<3>().0, call["start"].as_chunks::<3>().0, &call["history"]);
+        assert_same("rhs", &call["rhs"], &rhs);
+        assert_same("amatrx", &call["amatrx"], &amatrx);
+        active += usize::from(rhs.iter().any(|force| *force != 0.0));
+    }
+    assert!(active > calls.len() / 2);
+}
+
+/// What the user element is to return: force and stiffness over the coordinates of all its nodes.
+fn user_element(now: &[Point], start: &[Point], history: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let freedoms = 3 * now.len();
+    let (mut rhs, mut amatrx) = (vec![0.0; freedoms], vec![0.0; freedoms * freedoms]);
+    let is_paired = history[0] == 1.0;
+    let (masters, support_radius, basis, outward): (Vec<usize>, f64, Basis, Point) = if is_paired {
+        let masters = history[12..12 + history[1] as usize].iter().map(|&master| master as usize).collect();
+        let basis = if history[3] == 1.0 { Basis::Linear } else { Basis::Quadratic };
+        (masters, history[2], basis, [history[4], history[5], history[6]])
+    } else {
+        let outward = if history[0] == 0.0 { [0.0, 0.0, 1.0] } else { [history[4], history[5], history[6]] };
+        let cloud = NearestNodes::new(start[1..].to_vec()).unwrap();
+        let mut search = NeighbourSearch::new(SearchOptions::default()).unwrap();
+        let found = search.find(&cloud, start[0], outward).unwrap();
+        assert!(found.encloses_slave);
+        let mut masters: Vec<usize> = found.nodes.iter().map(|node| node + 1).collect();
+        masters.sort_unstable();
+        (masters, found.support_radius, found.basis, found.frame.normal)
+    };
+    let positions: Vec<Point> = masters.iter().map(|&master| now[master]).collect();
+    let element = Element {
+        slave: now[0],
+        masters: &positions,
+        frame: Frame::average_plane(&positions, outward).unwrap(),
+        support_radius,
+        basis,
+        weight: Weight::Cubic,
+    };
+    let own = element.degrees_of_freedom();
+    let (mut gradient, mut hessian) = (vec![0.0; own], vec![0.0; own * (own + 1) / 2]);
+    let point = Generated.gap_into(&element, Mode::Hessian, &mut gradient, &mut hessian).unwrap();
+    let contact = ContactView { gap: point.gap, area: 1.0, gradient: &gradient, hessian: &hessian };
+    let (mut residual, mut tangent) = (vec![0.0; own], vec![0.0; own * own]);
+    ContactLaw::penalty(PENALTY).element_system(&contact, &mut residual, &mut tangent).unwrap();
+    let nodes = std::iter::once(0).chain(masters);
+    let places: Vec<usize> = nodes.flat_map(|node| [3 * node, 3 * node + 1, 3 * node + 2]).collect();
+    for (p, &row) in places.iter().enumerate() {
+        rhs[row] = residual[p];
+        for (q, &column) in places.iter().enumerate() {
+            amatrx[row * freedoms + column] = tangent[p * own + q];
+        }
+    }
+    (rhs, amatrx)
+}

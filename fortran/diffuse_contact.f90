@@ -1,0 +1,381 @@
+!> The diffuse contact element for Fortran: the C library's interface, see diffuse_contact.h for what each call does.
+!!
+!! Names and arguments are those of C. Handles are type(c_ptr). Indices of nodes and slaves count from 0, as in C. Arguments that may
+!! be NULL in C are optional. dc_text() is dc_message() as a Fortran string.
+module diffuse_contact
+    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_int, c_int32_t, c_null_ptr, c_ptr, c_size_t
+    implicit none
+    public
+
+    private :: c_char, c_double, c_f_pointer, c_int, c_int32_t, c_null_ptr, c_ptr, c_size_t, length_of
+
+    ! dc_status
+    enum, bind(c)
+        enumerator :: DC_OK = 0, DC_FROZEN, DC_NO_CONTACT, DC_BAD_POINTER, DC_BAD_SIZE, DC_BAD_HANDLE, DC_BUSY, &
+            DC_BAD_OPTION, DC_NOT_FINITE, DC_OUT_OF_RANGE, DC_BAD_SURFACE, DC_BAD_SLAVES, DC_NOT_EVALUATED, &
+            DC_PATTERN_MISMATCH, DC_OVERFLOW, DC_TOO_LARGE, DC_INTERNAL
+    end enum
+
+    ! dc_outcome
+    enum, bind(c)
+        enumerator :: DC_CONTACT = 0, DC_NOT_PAIRED, DC_TOO_FAR, DC_NO_CANDIDATE, DC_ILL_CONDITIONED, DC_BEYOND_BORDER, &
+            DC_SINGULAR_FIT, DC_FOOT_DIVERGED, DC_FOOT_OUTSIDE, DC_CENTRE_OF_CURVATURE, &
+            DC_BEYOND_CENTRE_OF_CURVATURE, DC_NO_AVERAGE_PLANE, DC_AMBIGUOUS_OUTWARD, DC_DEGENERATE_FACET, &
+            DC_ELEMENT_OVERFLOW, DC_REFUSED
+    end enum
+
+    ! dc_fallback, dc_mode, dc_element_kind, dc_weight, dc_frame, dc_rule, dc_basis, dc_tangent, dc_triangle
+    enum, bind(c)
+        enumerator :: DC_NO_FALLBACK = 0, DC_EXTENDED, DC_LINEAR_BASIS
+        enumerator :: DC_VALUE = 0, DC_GRADIENT, DC_HESSIAN
+        enumerator :: DC_DIFFUSE = 0, DC_NODE_TO_FACET
+        enumerator :: DC_CUBIC = 0, DC_CUBIC_INTERPOLATING, DC_WENDLAND_C2
+        enumerator :: DC_CO_MOVING = 0, DC_HELD, DC_GIVEN
+        enumerator :: DC_HULL_LAYERS = 0, DC_HULL_RADIUS, DC_NEAREST
+        enumerator :: DC_LINEAR = 1, DC_QUADRATIC
+        enumerator :: DC_EXACT = 0, DC_GAUSS_NEWTON
+        enumerator :: DC_FULL = 0, DC_LOWER
+    end enum
+
+    !> How an interface pairs and evaluates. The values here are zeros: call dc_options_default first.
+    type, bind(c) :: dc_options
+        integer(c_size_t) :: size = 128
+        integer(c_int32_t) :: element = 0, weight = 0, frame = 0, rule = 0, layers = 0, max_layers = 0, nearest = 0, &
+            max_nearest = 0, candidates = 0, max_candidates = 0, basis = 0, linear_fallback = 0, areas = 0, &
+            reserved = 0
+        real(c_double) :: smallest_regularity = 0, radius_factor = 0, feature_angle_degrees = 0, hysteresis = 0, &
+            border_tolerance = 0, distance_limit = 0, cutback_penetration = 0, cutback_lost = 0
+    end type
+
+    !> What a refresh did, in numbers of slaves.
+    type, bind(c) :: dc_report
+        integer(c_size_t) :: size = 96
+        integer(c_int32_t) :: paired = 0, kept = 0, renewed = 0, changed = 0, gained = 0, lost = 0, without = 0, &
+            extended = 0, linear = 0, contacts_lost = 0, contacts_gained = 0, jump_node = -1, lost_node = -1, &
+            gained_node = -1
+        real(c_double) :: jump_before = 0, jump_after = 0, lost_gap = 0, gained_gap = 0
+    end type
+
+    !> The contact of one slave.
+    type, bind(c) :: dc_contact_data
+        integer(c_int32_t) :: node = 0, master_count = 0, outcome = 0, fallback = 0
+        real(c_double) :: gap = 0, foot(3) = 0, normal(3) = 0, area = 0, support_radius = 0
+    end type
+
+    !> The law of contact. multipliers is c_loc of an array, or c_null_ptr.
+    type, bind(c) :: dc_law
+        integer(c_size_t) :: size = 40
+        real(c_double) :: penalty = 0
+        type(c_ptr) :: multipliers = c_null_ptr
+        integer(c_size_t) :: multiplier_count = 0
+        integer(c_int32_t) :: tangent = DC_EXACT, reserved = 0
+    end type
+
+    !> What stays fixed for one slave until it is paired anew.
+    type, bind(c) :: dc_pairing
+        integer(c_size_t) :: size = 56
+        integer(c_int32_t) :: master_count = 0, basis = 0, fallback = 0, encloses_slave = 0
+        real(c_double) :: support_radius = 0, normal(3) = 0
+    end type
+
+    !> What one element is besides its nodes.
+    type, bind(c) :: dc_element
+        integer(c_size_t) :: size = 128
+        integer(c_int32_t) :: basis = 0, weight = DC_CUBIC, frame = DC_CO_MOVING, reserved = 0
+        real(c_double) :: support_radius = 0, outward(3) = 0, t1(3) = 0, t2(3) = 0, normal(3) = 0
+    end type
+
+    !> Where an element touches.
+    type, bind(c) :: dc_point
+        integer(c_int32_t) :: outcome = 0, reserved = 0
+        real(c_double) :: gap = 0, foot(3) = 0, normal(3) = 0
+    end type
+
+    interface
+        function dc_status_name(status) bind(c) result(text)
+            import :: c_int32_t, c_ptr
+            integer(c_int32_t), value :: status
+            type(c_ptr) :: text
+        end function
+
+        function dc_message() bind(c) result(text)
+            import :: c_ptr
+            type(c_ptr) :: text
+        end function
+
+        function dc_outcome_code(outcome) bind(c) result(text)
+            import :: c_int32_t, c_ptr
+            integer(c_int32_t), value :: outcome
+            type(c_ptr) :: text
+        end function
+
+        function dc_version() bind(c) result(text)
+            import :: c_ptr
+            type(c_ptr) :: text
+        end function
+
+        function dc_isa() bind(c) result(text)
+            import :: c_ptr
+            type(c_ptr) :: text
+        end function
+
+        !> name ends with c_null_char.
+        function dc_set_isa(name) bind(c) result(status)
+            import :: c_char, c_int
+            character(kind=c_char), intent(in) :: name(*)
+            integer(c_int) :: status
+        end function
+
+        function dc_options_default(options) bind(c) result(status)
+            import :: c_int, dc_options
+            type(dc_options), intent(inout) :: options
+            integer(c_int) :: status
+        end function
+
+        function dc_create(positions, node_count, facets, facet_count, slaves, slave_count, slave_facets, &
+                slave_facet_count, options, interface) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t, dc_options
+            real(c_double), intent(in) :: positions(*)
+            integer(c_int32_t), intent(in) :: facets(*), slaves(*)
+            integer(c_int32_t), intent(in), optional :: slave_facets(*)
+            integer(c_size_t), value :: node_count, facet_count, slave_count, slave_facet_count
+            type(dc_options), intent(in), optional :: options
+            type(c_ptr), intent(out) :: interface
+            integer(c_int) :: status
+        end function
+
+        function dc_destroy(interface) bind(c) result(status)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: interface
+            integer(c_int) :: status
+        end function
+
+        function dc_counts(interface, node_count, slave_count) bind(c) result(status)
+            import :: c_int, c_ptr, c_size_t
+            type(c_ptr), value :: interface
+            integer(c_size_t), intent(out), optional :: node_count, slave_count
+            integer(c_int) :: status
+        end function
+
+        function dc_update(interface, positions, node_count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t
+            type(c_ptr), value :: interface
+            real(c_double), intent(in) :: positions(*)
+            integer(c_size_t), value :: node_count
+            integer(c_int) :: status
+        end function
+
+        function dc_refresh(interface, positions, node_count, report) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t, dc_report
+            type(c_ptr), value :: interface
+            real(c_double), intent(in) :: positions(*)
+            integer(c_size_t), value :: node_count
+            type(dc_report), intent(inout), optional :: report
+            integer(c_int) :: status
+        end function
+
+        function dc_freeze(interface) bind(c) result(status)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: interface
+            integer(c_int) :: status
+        end function
+
+        function dc_thaw(interface) bind(c) result(status)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: interface
+            integer(c_int) :: status
+        end function
+
+        function dc_evaluate(interface, mode) bind(c) result(status)
+            import :: c_int, c_int32_t, c_ptr
+            type(c_ptr), value :: interface
+            integer(c_int32_t), value :: mode
+            integer(c_int) :: status
+        end function
+
+        function dc_set_equations(interface, equations, node_count, equation_count) bind(c) result(status)
+            import :: c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: interface
+            integer(c_int32_t), intent(in), optional :: equations(*)
+            integer(c_size_t), value :: node_count, equation_count
+            integer(c_int) :: status
+        end function
+
+        function dc_contact_of(interface, slave, contact) bind(c) result(status)
+            import :: c_int, c_ptr, c_size_t, dc_contact_data
+            type(c_ptr), value :: interface
+            integer(c_size_t), value :: slave
+            type(dc_contact_data), intent(out) :: contact
+            integer(c_int) :: status
+        end function
+
+        function dc_derivatives(interface, slave, nodes, node_size, gradient, gradient_size, hessian, hessian_size) &
+                bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: interface
+            integer(c_size_t), value :: slave, node_size, gradient_size, hessian_size
+            integer(c_int32_t), intent(inout), optional :: nodes(*)
+            real(c_double), intent(inout), optional :: gradient(*), hessian(*)
+            integer(c_int) :: status
+        end function
+
+        function dc_gaps(interface, outcomes, gaps, slave_count) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: interface
+            integer(c_int32_t), intent(inout), optional :: outcomes(*)
+            real(c_double), intent(inout), optional :: gaps(*)
+            integer(c_size_t), value :: slave_count
+            integer(c_int) :: status
+        end function
+
+        function dc_forces(interface, law, penetrations, forces, pressures, slave_count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t, dc_law
+            type(c_ptr), value :: interface
+            type(dc_law), intent(in) :: law
+            real(c_double), intent(inout), optional :: penetrations(*), forces(*), pressures(*)
+            integer(c_size_t), value :: slave_count
+            integer(c_int) :: status
+        end function
+
+        function dc_cutback(interface, factor) bind(c) result(status)
+            import :: c_double, c_int, c_ptr
+            type(c_ptr), value :: interface
+            real(c_double), intent(out) :: factor
+            integer(c_int) :: status
+        end function
+
+        function dc_residual(interface, law, residual, equation_count, active_count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t, dc_law
+            type(c_ptr), value :: interface
+            type(dc_law), intent(in) :: law
+            real(c_double), intent(inout) :: residual(*)
+            integer(c_size_t), value :: equation_count
+            integer(c_size_t), intent(out), optional :: active_count
+            integer(c_int) :: status
+        end function
+
+        function dc_triplets(interface, law, triangle, rows, columns, values, capacity, count) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t, dc_law
+            type(c_ptr), value :: interface
+            type(dc_law), intent(in) :: law
+            integer(c_int32_t), value :: triangle
+            integer(c_int32_t), intent(inout), optional :: rows(*), columns(*)
+            real(c_double), intent(inout), optional :: values(*)
+            integer(c_size_t), value :: capacity
+            integer(c_size_t), intent(out) :: count
+            integer(c_int) :: status
+        end function
+
+        function dc_pattern_create(interface, pattern, entry_count) bind(c) result(status)
+            import :: c_int, c_ptr, c_size_t
+            type(c_ptr), value :: interface
+            type(c_ptr), intent(out) :: pattern
+            integer(c_size_t), intent(out), optional :: entry_count
+            integer(c_int) :: status
+        end function
+
+        function dc_pattern_destroy(pattern) bind(c) result(status)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: pattern
+            integer(c_int) :: status
+        end function
+
+        function dc_pattern_structure(pattern, row_offsets, row_offset_count, columns, column_count) &
+                bind(c) result(status)
+            import :: c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: pattern
+            integer(c_int32_t), intent(inout), optional :: row_offsets(*), columns(*)
+            integer(c_size_t), value :: row_offset_count, column_count
+            integer(c_int) :: status
+        end function
+
+        function dc_pattern_fill(pattern, interface, law, values, entry_count, active_count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t, dc_law
+            type(c_ptr), value :: pattern, interface
+            type(dc_law), intent(in) :: law
+            real(c_double), intent(inout) :: values(*)
+            integer(c_size_t), value :: entry_count
+            integer(c_size_t), intent(out), optional :: active_count
+            integer(c_int) :: status
+        end function
+
+        function dc_pair(options, slave, candidates, candidate_count, outward, masters, capacity, pairing) &
+                bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_size_t, dc_options, dc_pairing
+            type(dc_options), intent(in), optional :: options
+            real(c_double), intent(in) :: slave(*), candidates(*), outward(*)
+            integer(c_size_t), value :: candidate_count, capacity
+            integer(c_int32_t), intent(inout) :: masters(*)
+            type(dc_pairing), intent(inout) :: pairing
+            integer(c_int) :: status
+        end function
+
+        function dc_gap(element, slave, masters, master_count, mode, point, gradient, gradient_size, hessian, &
+                hessian_size) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_size_t, dc_element, dc_point
+            type(dc_element), intent(in) :: element
+            real(c_double), intent(in) :: slave(*), masters(*)
+            integer(c_size_t), value :: master_count, gradient_size, hessian_size
+            integer(c_int32_t), value :: mode
+            type(dc_point), intent(inout) :: point
+            real(c_double), intent(inout), optional :: gradient(*), hessian(*)
+            integer(c_int) :: status
+        end function
+
+        function dc_gap_batch(element, element_count, outwards, support_radii, slaves, masters, offsets, mode, points, &
+                gradients, gradient_size, hessians, hessian_size) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_size_t, dc_element, dc_point
+            type(dc_element), intent(in) :: element
+            integer(c_size_t), value :: element_count, gradient_size, hessian_size
+            real(c_double), intent(in), optional :: outwards(*), support_radii(*)
+            real(c_double), intent(in) :: slaves(*), masters(*)
+            integer(c_size_t), intent(in) :: offsets(*)
+            integer(c_int32_t), value :: mode
+            type(dc_point), intent(inout) :: points(*)
+            real(c_double), intent(inout), optional :: gradients(*), hessians(*)
+            integer(c_int) :: status
+        end function
+
+        function dc_element_system(law, gap, area, master_count, gradient, hessian, force, residual, residual_size, &
+                tangent, tangent_size) bind(c) result(status)
+            import :: c_double, c_int, c_size_t, dc_law
+            type(dc_law), intent(in) :: law
+            real(c_double), value :: gap, area
+            integer(c_size_t), value :: master_count, residual_size, tangent_size
+            real(c_double), intent(in) :: gradient(*)
+            real(c_double), intent(in), optional :: hessian(*)
+            real(c_double), intent(out), optional :: force
+            real(c_double), intent(inout), optional :: residual(*), tangent(*)
+            integer(c_int) :: status
+        end function
+    end interface
+
+    interface
+        !> strlen of C.
+        pure function length_of(text) bind(c, name="strlen") result(length)
+            import :: c_ptr, c_size_t
+            type(c_ptr), value, intent(in) :: text
+            integer(c_size_t) :: length
+        end function
+    end interface
+
+contains
+
+    !> The sentence to the last status that was not DC_OK, or another text of the library.
+    function dc_text(text) result(string)
+        type(c_ptr), intent(in), optional :: text
+        character(len=:), allocatable :: string
+        character(kind=c_char), pointer :: characters(:)
+        type(c_ptr) :: start
+        integer :: k, length
+
+        start = dc_message()
+        if (present(text)) start = text
+        length = int(length_of(start))
+        call c_f_pointer(start, characters, [length])
+        allocate (character(len=length) :: string)
+        do k = 1, length
+            string(k:k) = characters(k)
+        end do
+    end function
+end module diffuse_contact

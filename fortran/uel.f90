@@ -1,0 +1,261 @@
+! The diffuse contact element as an Abaqus user element: one element for each slave node.
+!
+!     *USER ELEMENT, TYPE=U1, NODES=26, COORDINATES=3, PROPERTIES=8, VARIABLES=37
+!     1, 2, 3
+!
+! Nodes: 1 the slave; 2 ... NNODE the candidates, every master node that may come to carry the surface under the slave in the whole
+! analysis: all within the way it slides and two or three rows of nodes more on each side. Nodes that take no part get zeros. A
+! slave that comes to lie outside its candidates, or on their border, has no contact.
+!
+!     PROPS(1)     penalty, force per length (per length^3 with an area), positive
+!     PROPS(2)     tributary area of the slave; 0 for a penalty per node
+!     PROPS(3)     weight of the fit: 0 cubic, 1 cubic interpolating, 2 Wendland C2
+!     PROPS(4:6)   a direction to the outward side of the master at the beginning
+!     PROPS(7)     tangent: 0 exact, 1 Gauss-Newton
+!     PROPS(8)     a penetration deeper than this fraction of the support radius asks for a cut-back; 0 for 0.25
+!
+! The pairing is history. Abaqus hands over SVARS as they were at the start of the increment, so that it is held in all iterations
+! of an increment, and is what it was after a cut-back. What is returned is the pairing for the next increment.
+!
+!     SVARS(1)     0 at the beginning, 1 paired, 2 not paired
+!     SVARS(2)     number n of masters
+!     SVARS(3)     support radius
+!     SVARS(4)     basis: 1 linear, 2 quadratic
+!     SVARS(5:7)   outward normal
+!     SVARS(8)     the candidate that was nearest when it was paired; another one being nearest, it is paired anew
+!     SVARS(9)     gap, for output; 0 without contact
+!     SVARS(10)    contact force, for output
+!     SVARS(11)    dc_outcome, for output: 0 for a result
+!     SVARS(12)    dc_fallback of the pairing
+!     SVARS(12+k)  the k-th master as a candidate counted from 1; NSVARS is at least NNODE + 11
+!
+! RHS = f N is the contact force on the nodes, AMATRX = -d RHS/dU = e N N^T - f M, f = -e g > 0; both zero where nothing touches.
+! Static and other procedures without inertia; a dynamic one (LFLAGS(1) = 11, 12, 13) ends the analysis with a message, as do wrong
+! sizes. Compile with diffuse_contact.f90 beside it and link libdiffuse_contact.
+include 'diffuse_contact.f90'
+
+subroutine uel(rhs, amatrx, svars, energy, ndofel, nrhs, nsvars, props, nprops, coords, mcrd, nnode, u, du, v, a, &
+        jtype, time, dtime, kstep, kinc, jelem, params, ndload, jdltyp, adlmag, predef, npredf, lflags, mlvarx, &
+        ddlmag, mdload, pnewdt, jprops, njprop, period)
+    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int32_t, c_size_t
+    use diffuse_contact
+    implicit none
+
+    integer, intent(in) :: ndofel, nrhs, nsvars, nprops, mcrd, nnode, jtype, kstep, kinc, jelem, ndload, npredf, &
+        mlvarx, mdload, njprop
+    integer, intent(in) :: lflags(*), jdltyp(mdload, *), jprops(*)
+    real(8), intent(in) :: props(*), coords(mcrd, nnode), u(ndofel), du(mlvarx, *), v(ndofel), a(ndofel), time(2), &
+        dtime, params(*), adlmag(mdload, *), predef(2, npredf, nnode), ddlmag(mdload, *), period
+    real(8), intent(inout) :: rhs(mlvarx, *), amatrx(ndofel, ndofel), svars(*), energy(8), pnewdt
+
+    integer, parameter :: before_masters = 12
+    real(8), parameter :: least_cutback = 0.1d0
+    real(8) :: now(3, nnode), start(3, nnode), limit, depth
+    type(dc_element) :: element
+    type(dc_pairing) :: pairing
+    type(dc_point) :: point
+    integer(c_int32_t) :: masters(nnode)
+    integer :: anchor
+    logical :: is_paired, wants_force, wants_stiffness, has_result
+
+    call check_input()
+    now = coords(1:3, :) + reshape(u, [3, nnode])
+    start = now - reshape(du(1:ndofel, 1), [3, nnode])
+
+    rhs(1:ndofel, 1:nrhs) = 0
+    amatrx = 0
+    energy = 0
+    ! 1: both. 2: stiffness. 5: force. 100: stiffness of a perturbation. 3 and 4, damping and mass, are zero.
+    wants_force = lflags(3) == 1 .or. lflags(3) == 5
+    wants_stiffness = lflags(3) == 1 .or. lflags(3) == 2 .or. lflags(3) == 100
+    if (.not. (wants_force .or. wants_stiffness)) return
+
+    call read_pairing()
+    if (.not. is_paired) call pair_at(start)
+    has_result = .false.
+    if (is_paired) call evaluate()
+    ! Only a call for an increment's force and stiffness ends in the state at the end of it.
+    if (lflags(3) == 1) call write_pairing()
+
+contains
+
+    !> Ends the analysis if the element is not defined as it has to be.
+    subroutine check_input()
+        character(len=*), parameter :: needs(*) = [character(len=72) :: &
+            'at least 4 nodes of 3 displacements each', &
+            'COORDINATES=3', &
+            'PROPERTIES=8', &
+            'VARIABLES of at least the number of nodes and 11', &
+            'a positive penalty PROPS(1), and PROPS(2) and PROPS(8) not negative', &
+            'PROPS(3) 0, 1 or 2 and PROPS(7) 0 or 1', &
+            'a procedure without inertia']
+        logical :: is_met(size(needs))
+        integer :: k
+
+        is_met = .true.
+        is_met(1) = nnode >= 4 .and. ndofel == 3*nnode .and. mlvarx >= ndofel
+        is_met(2) = mcrd >= 3
+        is_met(3) = nprops >= 8
+        is_met(4) = nsvars >= nnode + before_masters - 1
+        if (is_met(3)) then
+            is_met(5) = props(1) > 0 .and. props(2) >= 0 .and. props(8) >= 0
+            is_met(6) = any(props(3) == [0d0, 1d0, 2d0]) .and. any(props(7) == [0d0, 1d0])
+        end if
+        is_met(7) = all(lflags(1) /= [11, 12, 13])
+        do k = 1, size(needs)
+            if (.not. is_met(k)) then
+                write (7, '(a, i0, 2a)') 'diffuse contact: element ', jelem, ' needs ', trim(needs(k))
+                call xit
+            end if
+        end do
+    end subroutine
+
+    !> The pairing at the start of the increment.
+    subroutine read_pairing()
+        integer :: k
+
+        is_paired = svars(1) == 1
+        pairing%normal = props(4:6)
+        anchor = 0
+        if (svars(1) /= 0) pairing%normal = svars(5:7)
+        if (.not. is_paired) return
+        pairing%master_count = int(svars(2), c_int32_t)
+        pairing%support_radius = svars(3)
+        pairing%basis = int(svars(4), c_int32_t)
+        pairing%fallback = int(svars(12), c_int32_t)
+        anchor = int(svars(8))
+        do k = 1, pairing%master_count
+            masters(k) = int(svars(before_masters + k), c_int32_t)
+        end do
+    end subroutine
+
+    !> Pairs the slave with candidates at these positions.
+    subroutine pair_at(positions)
+        real(8), intent(in) :: positions(3, nnode)
+        type(dc_pairing) :: found
+        integer(c_int) :: status
+
+        status = dc_pair(slave=positions(:, 1), candidates=positions(:, 2:), candidate_count=int(nnode - 1, c_size_t), &
+            outward=pairing%normal, masters=masters, capacity=int(nnode, c_size_t), pairing=found)
+        call stop_unless_either(status)
+        ! Beyond the border of the masters the fit is an extrapolation.
+        is_paired = status == DC_OK .and. found%encloses_slave == 1
+        if (.not. is_paired) return
+        pairing = found
+        masters(1:pairing%master_count) = masters(1:pairing%master_count) + 1
+        anchor = nearest_candidate(positions)
+    end subroutine
+
+    !> The candidate nearest to the slave.
+    integer function nearest_candidate(positions)
+        real(8), intent(in) :: positions(3, nnode)
+        real(8) :: squares(nnode - 1)
+        integer :: node
+
+        do node = 2, nnode
+            squares(node - 1) = sum((positions(:, node) - positions(:, 1))**2)
+        end do
+        nearest_candidate = minloc(squares, 1)
+    end function
+
+    !> Gap, force and stiffness with the pairing held, and whether the increment had better be smaller.
+    subroutine evaluate()
+        real(c_double) :: gradient(3*(pairing%master_count + 1))
+        real(c_double) :: hessian(size(gradient)*(size(gradient) + 1)/2)
+        real(c_double) :: residual(size(gradient)), tangent(size(gradient), size(gradient)), force, area
+        integer(c_size_t) :: count, freedoms, packed
+        integer(c_int) :: status
+        integer :: places(3, pairing%master_count + 1), k
+        type(dc_law) :: law
+
+        count = pairing%master_count
+        freedoms = size(gradient)
+        packed = size(hessian)
+        element%basis = pairing%basis
+        element%weight = int(props(3), c_int32_t)
+        element%support_radius = pairing%support_radius
+        element%outward = pairing%normal
+        status = dc_gap(element, now(:, 1), now(:, 1 + masters(1:count)), count, int(DC_HESSIAN, c_int32_t), point, &
+            gradient, freedoms, hessian, packed)
+        call stop_unless_either(status)
+        has_result = status == DC_OK
+        limit = merge(props(8), 0.25d0, props(8) > 0)
+        if (.not. has_result) then
+            ! A contact that has no foot any more: the increment is too large.
+            if (svars(1) == 1 .and. svars(9) < 0) then
+                call suggest(merge(0.5d0, 0.25d0, point%outcome == DC_FOOT_OUTSIDE))
+            end if
+            return
+        end if
+        depth = -point%gap/pairing%support_radius
+        if (depth > limit) call suggest(max(least_cutback, limit/depth))
+
+        law%penalty = props(1)
+        law%tangent = int(props(7), c_int32_t)
+        area = merge(props(2), 1d0, props(2) > 0)
+        status = dc_element_system(law, point%gap, area, count, gradient, hessian, force, residual, freedoms, tangent, &
+            freedoms**2)
+        call stop_unless(status == DC_OK)
+        svars(10) = merge(force, svars(10), lflags(3) == 1)
+        energy(2) = -0.5d0*force*point%gap
+
+        ! Where the element's own degrees of freedom stand among those of all candidates.
+        places(:, 1) = [1, 2, 3]
+        do k = 1, pairing%master_count
+            places(:, k + 1) = 3*masters(k) + [1, 2, 3]
+        end do
+        associate (own => reshape(places, [size(gradient)]))
+            if (wants_force) rhs(own, 1) = residual
+            if (wants_stiffness) amatrx(own, own) = tangent
+        end associate
+    end subroutine
+
+    !> Asks for a smaller increment.
+    subroutine suggest(factor)
+        real(8), intent(in) :: factor
+
+        if (lflags(3) == 1) pnewdt = min(pnewdt, factor)
+    end subroutine
+
+    !> The pairing for the next increment: the same while the nearest candidate is the same.
+    subroutine write_pairing()
+        integer :: k
+
+        svars(9) = merge(point%gap, 0d0, has_result)
+        if (.not. has_result) svars(10) = 0
+        svars(11) = merge(real(point%outcome, 8), real(DC_NOT_PAIRED, 8), is_paired)
+        if (has_result) then
+            ! The masters may have turned.
+            pairing%normal = point%normal
+            if (nearest_candidate(now) /= anchor) call pair_at(now)
+        else
+            call pair_at(now)
+        end if
+        svars(1) = merge(1d0, 2d0, is_paired)
+        svars(5:7) = pairing%normal
+        if (.not. is_paired) return
+        svars(2) = pairing%master_count
+        svars(3) = pairing%support_radius
+        svars(4) = pairing%basis
+        svars(8) = anchor
+        svars(12) = pairing%fallback
+        do k = 1, pairing%master_count
+            svars(before_masters + k) = masters(k)
+        end do
+    end subroutine
+
+    subroutine stop_unless_either(status)
+        integer(c_int), intent(in) :: status
+
+        call stop_unless(status == DC_OK .or. status == DC_NO_CONTACT)
+    end subroutine
+
+    !> Ends the analysis with the library's message: positions that are no numbers, for instance.
+    subroutine stop_unless(is_met)
+        logical, intent(in) :: is_met
+
+        if (is_met) return
+        write (7, '(a, i0, 2a)') 'diffuse contact: element ', jelem, ': ', dc_text()
+        call xit
+    end subroutine
+end subroutine uel

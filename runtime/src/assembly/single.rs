@@ -1,0 +1,118 @@
+//! Force and stiffness of one element by itself, as a user element of another program needs them.
+
+use super::law::Needs;
+use super::{AssemblyError, ContactLaw, ContactView};
+
+impl ContactLaw<'_> {
+    /// Writes R = f N into `residual` and K = −∂R/∂x, both triangles row by row, into `tangent`, over the element's own
+    /// 3(n+1) coordinates; zeros if it carries no force. An empty slice is not wanted. Returns the force f.
+    ///
+    /// The entries are those that [`add_residual`](super::add_residual) and [`Triplets`](super::Triplets) make of a list of
+    /// this one element, bit for bit.
+    ///
+    /// # Errors
+    /// [`AssemblyError::OutputLength`] if a slice is neither empty nor of its size, and every reason for which the
+    /// law (with one multiplier or none) or the element is refused; both slices are then unchanged.
+    /// [`AssemblyError::Overflow`] if a value is not finite; their contents are then unspecified.
+    ///
+    /// ```
+    /// use diffuse_contact::assembly::{ContactLaw, ContactView};
+    ///
+    /// // A slave 0.25 below one master, held apart along z.
+    /// let gradient = [0.0, 0.0, 1.0, 0.0, 0.0, -1.0];
+    /// let contact = ContactView { gap: -0.25, area: 1.0, gradient: &gradient, hessian: &[0.0; 21] };
+    /// let (mut residual, mut tangent) = ([0.0; 6], [0.0; 36]);
+    /// let force = ContactLaw::penalty(8.0).element_system(&contact, &mut residual, &mut tangent)?;
+    /// assert_eq!((force, residual[2], residual[5]), (2.0, 2.0, -2.0));
+    /// assert_eq!((tangent[2 * 6 + 2], tangent[2 * 6 + 5]), (8.0, -8.0));
+    /// # Ok::<(), diffuse_contact::assembly::AssemblyError>(())
+    /// ```
+    pub fn element_system(
+        &self,
+        contact: &ContactView<'_>,
+        residual: &mut [f64],
+        tangent: &mut [f64],
+    ) -> Result<f64, AssemblyError> {
+        self.check(1)?;
+        let freedoms = contact.gradient.len();
+        let length = |what, found: usize, expected| {
+            let wrong = AssemblyError::OutputLength { what, found, expected };
+            if found == 0 || found == expected { Ok(()) } else { Err(wrong) }
+        };
+        length("residuals", residual.len(), freedoms)?;
+        length("values", tangent.len(), freedoms * freedoms)?;
+        let needs = if tangent.is_empty() { Needs::Residual } else { Needs::Tangent };
+        self.check_contact(0, contact, freedoms, needs)?;
+        residual.fill(0.0);
+        tangent.fill(0.0);
+        let Some(active) = self.active_contact(0, contact) else { return Ok(0.0) };
+        let finite = |what, equation, value: f64| {
+            if value.is_finite() { Ok(value) } else { Err(AssemblyError::Overflow { what, equation }) }
+        };
+        for (p, (entry, n)) in residual.iter_mut().zip(active.gradient).enumerate() {
+            // Added to zero, as a sum over elements is.
+            *entry = finite("residuals", p, 0.0 + active.force * n)?;
+        }
+        for (p, row) in tangent.chunks_exact_mut(freedoms.max(1)).enumerate() {
+            for (q, entry) in row.iter_mut().enumerate() {
+                *entry = finite("values", p, active.tangent(p, q))?;
+            }
+        }
+        Ok(active.force)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::assembly::{DofMap, ElementView, Tangent, Triangle, Triplets, add_residual};
+
+    /// Some numbers of an element with one master.
+    fn numbers(count: usize) -> Vec<f64> {
+        (0..count).map(|k| (k as f64 + 0.3).sin()).collect()
+    }
+
+    #[test]
+    fn one_element_has_the_bits_of_a_list_of_one() {
+        let (gradient, hessian) = (numbers(6), numbers(21));
+        let contact = ContactView { gap: -0.3, area: 0.7, gradient: &gradient, hessian: &hessian };
+        let elements = [ElementView { slave: 0, masters: &[1], contact: Some(contact) }];
+        for tangent in [Tangent::Exact, Tangent::GaussNewton] {
+            for multiplier in [0.0, 0.4] {
+                let multipliers = [multiplier];
+                let law = ContactLaw { penalty: 3.1, multipliers: Some(&multipliers), tangent };
+                let dofs = DofMap::standard(2);
+                let mut listed = vec![0.0; 6];
+                add_residual(elements.as_slice(), &law, &dofs, &mut listed).unwrap();
+                let mut triplets = Triplets::new();
+                triplets.fill(elements.as_slice(), &law, &dofs, Triangle::Full).unwrap();
+                let (mut residual, mut matrix) = (vec![9.0; 6], vec![9.0; 36]);
+                let force = law.element_system(&contact, &mut residual, &mut matrix).unwrap();
+                assert_eq!(force, law.force(0, -0.3, 0.7));
+                assert_eq!(residual, listed);
+                assert_eq!(matrix, triplets.values());
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused_and_what_is_apart_is_zero() {
+        let (gradient, hessian) = (numbers(6), numbers(21));
+        let contact = ContactView { gap: 0.1, area: 1.0, gradient: &gradient, hessian: &hessian };
+        let law = ContactLaw::penalty(2.0);
+        let mut residual = [1.0; 6];
+        assert_eq!(law.element_system(&contact, &mut residual, &mut []), Ok(0.0));
+        assert_eq!(residual, [0.0; 6]);
+        let wrong = law.element_system(&contact, &mut residual[..5], &mut []).unwrap_err();
+        assert_eq!(wrong, AssemblyError::OutputLength { what: "residuals", found: 5, expected: 6 });
+        let short = ContactView { gap: -0.1, hessian: &hessian[..20], ..contact };
+        assert_eq!(
+            law.element_system(&short, &mut [], &mut [0.0; 36]).unwrap_err().code(),
+            "derivative-length"
+        );
+        let nan = ContactView { gap: f64::NAN, ..contact };
+        assert_eq!(law.element_system(&nan, &mut [], &mut []).unwrap_err().code(), "invalid-gap");
+        let infinite = ContactView { gap: -0.1, gradient: &[f64::INFINITY; 6], ..contact };
+        assert_eq!(law.element_system(&infinite, &mut residual, &mut []).unwrap_err().code(), "overflow");
+    }
+}

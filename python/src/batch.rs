@@ -95,6 +95,9 @@ struct Inputs<'a> {
 impl<'a> Inputs<'a> {
     fn element(&self, k: usize) -> Result<Element<'a>, ElementError> {
         let Kind { basis, weight, derivative, masters: count, .. } = self.kind;
+        if count < basis.size() {
+            return Err(ElementError::TooFewNodes { found: count, needed: basis.size() });
+        }
         let masters = &self.masters[k * count..(k + 1) * count];
         let slave = self.slaves[k];
         let frame = match self.frames {

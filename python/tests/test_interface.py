@@ -186,9 +186,16 @@ def test_the_refresh_reports_jumps(scene):
     report = interface.refresh_pairing(moved)
     assert report.changed > 0 and isinstance(report.largest_gap_jump, dc.GapJump)
     assert report.largest_gap_jump.slave in range(81, 85)
-    moved[82] = [-9, 0, 0]
-    report = interface.refresh_pairing(moved)
-    assert report.lost == 1 and report.contacts_lost == 1 and report.smallest_gap_lost.slave == 82
+
+
+def test_the_refresh_reports_what_was_lost(scene):
+    interface = scene.evaluated(distance_limit=0.3)
+    lifted = scene.positions + 0.6 * (np.arange(85) == 82)[:, np.newaxis] * [0, 0, 1]
+    report = interface.refresh_pairing(lifted)
+    assert (report.lost, report.contacts_lost, report.without) == (1, 1, {"too-far": 1})
+    assert report.smallest_gap_lost.slave == 82 and report.smallest_gap_lost.gap > 0.3
+    report = interface.refresh_pairing(scene.positions)
+    assert report.contacts_gained == 1 and report.smallest_gap_gained.gap < 0
 
 
 def test_cut_back(scene):

@@ -19,6 +19,7 @@ Run with `python3 press.py [results.npz]`, or the same under `mpirun -n 4`.
 
 from __future__ import annotations
 
+import itertools
 import json
 import sys
 
@@ -80,7 +81,7 @@ class Scene:
                 for cell in np.flatnonzero(beside & (slices != rank)):
                     ranks[cell].append(rank)
             offsets = np.cumsum([0, *map(len, ranks)], dtype=np.int32)
-            return graph.create_adjacencylist(np.array(sum(ranks, []), dtype=np.int32), offsets)
+            return graph.create_adjacencylist(np.array([*itertools.chain(*ranks)], dtype=np.int32), offsets)
 
         return mesh.create_mesh(comm, cells, self.nodes[here], domain, partitioner=partitioner)
 

@@ -179,6 +179,15 @@ def test_results_of_old_positions_are_not_handed_out(scene):
         interface.residual(1.0)
 
 
+def test_an_interface_may_have_no_slaves(scene):
+    """As a rank of a distributed program that owns none."""
+    interface = dc.ContactInterface(scene.master(), [], scene.positions, slave_facets=np.empty((0, 4), dtype=int))
+    assert interface.refresh_pairing(scene.positions).paired == 0
+    assert interface.evaluate().gap.shape == (0,)
+    assert not interface.residual(1.0).any() and interface.tangent(1.0).shape == (255, 255)
+    assert interface.triplets(1.0)[0].shape == (0,) and interface.cut_back().factor == 1.0
+
+
 def test_the_refresh_reports_jumps(scene):
     interface = scene.evaluated(hysteresis=0.0)
     moved = scene.positions.copy()

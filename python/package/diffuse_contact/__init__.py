@@ -1,0 +1,50 @@
+"""The 3D diffuse contact element of Chamoret, Rassineux and Bergheau (2008).
+
+The master surface is a moving least squares fit through its nodes, so that the normal does not jump; gap, gradient N
+and Hessian M are exact. ``gap`` evaluates many elements on arrays; ``ContactInterface`` pairs slave nodes with a
+``MasterSurface`` and assembles residual and tangent. Coordinates are global, in one length unit of the caller's choice;
+the gap is positive apart and negative penetrating; derivatives are ordered slave, master 1, …, master n.
+"""
+
+from ._batch import STATUS_CODES, GapBatch, gap
+from ._errors import (
+    AssemblyError,
+    BusyError,
+    DiffuseContactError,
+    ElementError,
+    InputError,
+    InterfaceError,
+    SurfaceError,
+)
+from ._interface import ContactInterface, Options
+from ._native import __version__
+from ._results import Contact, Contacts, CutBack, GapJump, Pairing, RefreshReport, SlaveGap
+from ._surface import MasterSurface, tributary_areas
+from ._threads import set_threads, thread_count
+
+__all__ = [
+    "STATUS_CODES",
+    "AssemblyError",
+    "BusyError",
+    "Contact",
+    "ContactInterface",
+    "Contacts",
+    "CutBack",
+    "DiffuseContactError",
+    "ElementError",
+    "GapBatch",
+    "GapJump",
+    "InputError",
+    "InterfaceError",
+    "MasterSurface",
+    "Options",
+    "Pairing",
+    "RefreshReport",
+    "SlaveGap",
+    "SurfaceError",
+    "__version__",
+    "gap",
+    "set_threads",
+    "thread_count",
+    "tributary_areas",
+]

@@ -1,0 +1,346 @@
+"""A whole contact interface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import scipy.sparse
+from numpy.typing import ArrayLike
+
+from . import _native
+from ._arrays import Facets, Floats, Ints, count, facets, floats, ints, number, word
+from ._batch import Basis, FrameDerivative, Mode, Weight
+from ._errors import InputError
+from ._results import Contact, Contacts, CutBack, GapJump, Pairing, RefreshReport, SlaveGap, unpacked
+from ._surface import MasterSurface
+
+Tangent = Literal["exact", "gauss-newton"]
+
+
+@dataclass(frozen=True)
+class Options:
+    """How an interface pairs and evaluates. Keyword arguments of ``ContactInterface`` are its fields.
+
+    Attributes:
+        element: ``"diffuse"``, or ``"node-to-facet"`` for the classic element.
+        weight: ``"cubic"``, ``"cubic-interpolating"`` (the surface passes through the masters) or ``"wendland-c2"``.
+        frame_derivative: ``"co-moving"``: N and M are exact; ``"frozen"``: the frame is held, as in the paper.
+        rule: which master nodes take part: ``"hull-layers"``, ``"hull-radius"`` or ``"nearest"``.
+        layers: hull layers to start with; None for as many as make the fit well conditioned.
+        max_layers: hull layers to stop at.
+        neighbours: nearest nodes to start with.
+        max_neighbours: nearest nodes to stop at.
+        basis: ``"quadratic"`` or ``"linear"``.
+        linear_fallback: whether the linear basis may stand in where the quadratic one is not carried.
+        smallest_regularity: what the regularity of a fit has to exceed, from 0 to 1.
+        radius_factor: support radius over the in-plane distance of the farthest node, above 1.
+        candidates: nearest nodes among which hull layers are sought.
+        max_candidates: number up to which ``candidates`` is doubled.
+        feature_angle: facets that meet at a larger angle belong to different patches, degrees.
+        hysteresis: a sound pairing is kept until the slave has slid by this fraction of the support radius.
+        border_tolerance: how far beyond the border a foot still counts, in heights of the facet.
+        distance_limit: slaves farther away are not paired, length; None for no limit.
+
+    """
+
+    element: Literal["diffuse", "node-to-facet"] = "diffuse"
+    weight: Weight = "cubic"
+    frame_derivative: FrameDerivative = "co-moving"
+    rule: Literal["hull-layers", "hull-radius", "nearest"] = "hull-layers"
+    layers: int | None = None
+    max_layers: int = 6
+    neighbours: int = 12
+    max_neighbours: int = 24
+    basis: Basis = "quadratic"
+    linear_fallback: bool = True
+    smallest_regularity: float = 0.01
+    radius_factor: float = 1.25
+    candidates: int = 48
+    max_candidates: int = 192
+    feature_angle: float = 45.0
+    hysteresis: float = 0.1
+    border_tolerance: float = 0.01
+    distance_limit: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("element", "weight", "frame_derivative", "rule", "basis"):
+            word(name, getattr(self, name))
+        for name in ("max_layers", "neighbours", "max_neighbours", "candidates", "max_candidates"):
+            count(name, getattr(self, name))
+        if self.layers is not None:
+            count("layers", self.layers)
+        for name in ("smallest_regularity", "radius_factor", "feature_angle", "hysteresis", "border_tolerance"):
+            number(name, getattr(self, name))
+        if self.distance_limit is not None:
+            number("distance_limit", self.distance_limit)
+        if not isinstance(self.linear_fallback, bool):
+            raise InputError(f"linear_fallback has to be True or False, not {self.linear_fallback!r}", "wrong-type")
+
+
+@dataclass(frozen=True)
+class _Law:
+    penalty: float
+    multipliers: Floats | None
+    tangent: str
+
+
+def _law(penalty: float, multipliers: ArrayLike | None, tangent: str = "exact") -> _Law:
+    if multipliers is not None:
+        multipliers = floats("multipliers", multipliers, "s")
+    return _Law(number("penalty", penalty), multipliers, word("tangent", tangent))
+
+
+class ContactInterface:
+    """Slave nodes paired with a master surface.
+
+    In a Newton iteration: ``refresh_pairing`` once an increment or once an iteration, then at each iteration
+    ``update``, ``evaluate``, ``residual`` and ``tangent``. Every slave has an outcome; an exception is for what the
+    caller has to mend, and leaves the interface as it was.
+
+    Contact force of slave k, with ε_k = penalty × area_k and multiplier λ_k (0 if there are none)::
+
+        f_k = λ_k − ε_k g_k          active if f_k > 0
+        R_k = f_k N_k                force on the nodes
+        K_k = ε_k N_k N_kᵀ − f_k M_k = −∂R_k/∂x
+
+    so that internal forces minus R are to be balanced, and K is added to the stiffness. The numbers do not depend on
+    the number of threads, bit for bit. An interface serves one thread at a time; others get a ``BusyError``.
+
+    Args:
+        master: the master surface.
+        slaves: slave nodes, shape (s,), each once and none of them on the master.
+        positions: positions of all nodes, shape (p, 3), length.
+        slave_facets: facets of the slave surface, as for ``MasterSurface``; if given, contacts carry the slaves'
+            tributary areas at these positions and the penalty is one per area, else one per node.
+        dofs: equations of the nodes' x, y and z, shape (p, 3), −1 where there is none; if left out, 3·node + axis.
+        equations: number of equations; if left out, 3p, or the largest of ``dofs`` plus 1.
+        options: the fields of ``Options``, by keyword.
+
+    Raises:
+        InterfaceError: for slaves, positions or options that are refused, and for slave facets.
+        AssemblyError: for ``dofs`` that name an equation twice or one that does not exist.
+        InputError: for a wrong shape, type or name.
+
+    """
+
+    def __init__(
+        self,
+        master: MasterSurface,
+        slaves: ArrayLike,
+        positions: ArrayLike,
+        *,
+        slave_facets: Facets | None = None,
+        dofs: ArrayLike | None = None,
+        equations: int | None = None,
+        **options: Any,
+    ) -> None:
+        if not isinstance(master, MasterSurface):
+            raise InputError(f"master has to be a MasterSurface, not {type(master).__name__}", "wrong-type")
+        try:
+            self._options = Options(**options)
+        except TypeError as error:
+            raise InputError(str(error).replace("Options.__init__()", "ContactInterface"), "unknown-option") from None
+        positions = floats("positions", positions, "p", 3)
+        numbers = None
+        if dofs is not None:
+            dofs = ints("dofs", dofs, len(positions), 3)
+            if equations is None:
+                equations = int(dofs.max(initial=-1)) + 1
+            numbers = (count("equations", equations), dofs)
+        elif equations is not None:
+            raise InputError("equations goes with dofs", "invalid-option")
+        self._interface = _native.Interface(
+            master._surface,
+            ints("slaves", slaves, "s"),
+            positions,
+            None if slave_facets is None else facets("slave_facets", slave_facets),
+            self._options,
+            numbers,
+        )
+
+    @property
+    def options(self) -> Options:
+        """The options."""
+        return self._options
+
+    @property
+    def slaves(self) -> Ints:
+        """The slave nodes, in the order of all results, shape (s,)."""
+        return self._interface.slaves()
+
+    @property
+    def equations(self) -> int:
+        """Number of equations: rows of residual and tangent."""
+        return self._interface.equations()
+
+    def refresh_pairing(self, positions: ArrayLike) -> RefreshReport:
+        """Takes over the positions, shape (p, 3), and pairs every slave anew, or keeps its pairing while it is sound.
+
+        Raises:
+            InterfaceError: for another number of positions, or one that is not finite.
+
+        """
+        report = self._interface.refresh_pairing(floats("positions", positions, "p", 3))
+        for name, kind in (
+            ("smallest_gap_lost", SlaveGap),
+            ("smallest_gap_gained", SlaveGap),
+            ("largest_gap_jump", GapJump),
+        ):
+            if report[name] is not None:
+                report[name] = kind(*report[name])
+        return RefreshReport(**report)
+
+    def update(self, positions: ArrayLike) -> None:
+        """Takes over the positions of the next evaluation, shape (p, 3). The pairing stays.
+
+        Raises:
+            InterfaceError: for another number of positions, or one that is not finite.
+
+        """
+        self._interface.update(floats("positions", positions, "p", 3))
+
+    def evaluate(self, mode: Mode = "hessian") -> Contacts:
+        """Evaluates all contacts at the positions of the last update or refresh, in parallel, without the GIL.
+
+        Args:
+            mode: ``"value"``; ``"gradient"``, enough for the residual and the Gauss–Newton tangent; ``"hessian"``,
+                needed for the exact tangent.
+
+        Raises:
+            InterfaceError: if the results do not fit into memory.
+
+        """
+        self._interface.evaluate(word("mode", mode))
+        return self.contacts
+
+    @property
+    def contacts(self) -> Contacts:
+        """What the last evaluation gave.
+
+        Raises:
+            InterfaceError: ``"not-evaluated"`` if positions or pairing have changed since.
+
+        """
+        gap, foot, normal, area = self._interface.points()
+        return Contacts(gap, foot.reshape(-1, 3), normal.reshape(-1, 3), area, self._interface.outcomes())
+
+    def contact(self, k: int) -> Contact:
+        """The contact of the k-th slave (its place among ``slaves``), with N and M."""
+        fields = self._interface.contact(count("k", k))
+        if fields["hessian"] is not None:
+            fields["hessian"] = unpacked(fields["hessian"], len(fields["gradient"]))
+        return Contact(**fields)
+
+    def pairing(self, k: int) -> Pairing:
+        """What the k-th slave is paired with.
+
+        Raises:
+            InterfaceError: if it is not paired.
+
+        """
+        fields = self._interface.pairing(count("k", k))
+        fields["positions"] = fields["positions"].reshape(-1, 3)
+        if "frame" in fields:
+            fields["frame"] = fields["frame"].reshape(3, 3)
+        return Pairing(**fields)
+
+    def residual(self, penalty: float, *, multipliers: ArrayLike | None = None, out: Floats | None = None) -> Floats:
+        """The contact forces on the nodes, Σ f_k N_k, shape (equations,).
+
+        Args:
+            penalty: ε > 0, force per length, or per length³ if contacts carry areas.
+            multipliers: λ ≥ 0, one force per slave, for the augmented Lagrangian.
+            out: a float64 vector to add to, which is returned.
+
+        Raises:
+            InterfaceError: ``"not-evaluated"``.
+            AssemblyError: for the penalty or multipliers, in value mode, or if a sum overflows.
+
+        """
+        if out is None:
+            out = np.zeros(self.equations)
+        self._interface.add_residual(_law(penalty, multipliers), _vector("out", out))
+        return out
+
+    def tangent(
+        self, penalty: float, *, multipliers: ArrayLike | None = None, tangent: Tangent = "exact"
+    ) -> scipy.sparse.csr_matrix:
+        """K = −∂R/∂x as scipy compressed rows, shape (equations, equations), force per length.
+
+        The pattern is the union over all paired slaves, whether they carry force or not: it stays the same until the
+        next refresh. The matrix is symmetric to the last bit, and indefinite in general for ``"exact"``.
+
+        Args:
+            penalty: as for ``residual``.
+            multipliers: as for ``residual``.
+            tangent: ``"exact"``, or ``"gauss-newton"`` for Σ ε N Nᵀ alone, positive semidefinite.
+
+        """
+        values = self.tangent_values(penalty, multipliers=multipliers, tangent=tangent)
+        offsets, columns = self.pattern()
+        size = self.equations
+        return scipy.sparse.csr_matrix((values, columns, offsets), shape=(size, size))
+
+    def pattern(self) -> tuple[Ints, Ints]:
+        """Row offsets, shape (equations + 1,), and columns, ascending in each row, of the union pattern."""
+        return self._interface.pattern()
+
+    def tangent_values(
+        self,
+        penalty: float,
+        *,
+        multipliers: ArrayLike | None = None,
+        tangent: Tangent = "exact",
+        out: Floats | None = None,
+    ) -> Floats:
+        """The values of ``tangent``, one per column of ``pattern``; added to ``out`` if that is given."""
+        add = out is not None
+        if out is None:
+            out = np.empty(self._interface.entries())
+        self._interface.fill_tangent(_law(penalty, multipliers, tangent), _vector("out", out), add)
+        return out
+
+    def triplets(
+        self,
+        penalty: float,
+        *,
+        multipliers: ArrayLike | None = None,
+        tangent: Tangent = "exact",
+        triangle: Literal["full", "lower"] = "full",
+    ) -> tuple[Ints, Ints, Floats]:
+        """Rows, columns and values of the tangents of all contacts that carry force, to be summed."""
+        if triangle not in ("full", "lower"):
+            raise InputError(f"triangle has to be 'full' or 'lower', not {triangle!r}", "invalid-option")
+        return self._interface.triplets(_law(penalty, multipliers, tangent), triangle == "lower")
+
+    def normal_forces(self, penalty: float, *, multipliers: ArrayLike | None = None) -> Floats:
+        """max(0, λ − ε g) of every slave, shape (s,), force; also the next λ of the augmented Lagrangian."""
+        return self._interface.normal_forces(_law(penalty, multipliers))
+
+    def pressures(self, penalty: float, *, multipliers: ArrayLike | None = None) -> Floats:
+        """Normal forces over tributary areas, shape (s,); forces if contacts carry no areas."""
+        forces = self.normal_forces(penalty, multipliers=multipliers)
+        return forces / self.contacts.area
+
+    def cut_back(self, limit: float = 0.25) -> CutBack:
+        """A hint, after an evaluation, whether the increment went too far for the pairing.
+
+        A slave that penetrated at the evaluation before and whose element has no result now asks for a factor of 0.25;
+        one that is deeper than ``limit`` × the reach of its element (support radius, or extent of the facet), asks for
+        that depth over its own. The least counts, but 0.1 at least.
+        """
+        factor, cause = self._interface.cut_back(number("limit", limit))
+        return CutBack(factor, *cause) if cause else CutBack(factor)
+
+    def __repr__(self) -> str:
+        return f"<ContactInterface of {len(self.slaves)} slaves, {self._options.element}>"
+
+
+def _vector(what: str, out: Any) -> Floats:
+    """A vector to be written to where it is."""
+    sound = isinstance(out, np.ndarray) and out.dtype == np.float64 and out.ndim == 1
+    if not (sound and out.flags.c_contiguous and out.flags.writeable):
+        raise InputError(f"{what} has to be a writable float64 vector in C order", "wrong-array")
+    return out

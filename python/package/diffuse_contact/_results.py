@@ -1,0 +1,162 @@
+"""What an interface answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._arrays import Floats, Ints
+
+
+class GapJump(NamedTuple):
+    """The gap of one slave by the old and by the new pairing, length."""
+
+    slave: int
+    before: float
+    after: float
+
+
+class SlaveGap(NamedTuple):
+    """The gap of one slave, length."""
+
+    slave: int
+    gap: float
+
+
+@dataclass(frozen=True)
+class RefreshReport:
+    """What a refresh of the pairing did, in numbers of slaves.
+
+    Attributes:
+        paired: with a pairing now; the sum of ``kept`` (by hysteresis), ``renewed`` (anew with the same masters),
+            ``changed`` (with other masters) and ``gained`` (without a pairing before).
+        lost: without a pairing now, but with one before.
+        without: without a pairing now, by the code of the reason.
+        fallbacks: what the searches had to give up: ``"none"``, ``"extended"``, ``"linear"``.
+        contacts_lost: with a gap by the old pairing at these positions, but none by the new: their forces vanish.
+        contacts_gained: the other way round: forces may appear.
+        smallest_gap_lost: of the contacts lost, that with the smallest gap.
+        smallest_gap_gained: of the contacts gained, that with the smallest gap.
+        largest_gap_jump: where the refresh changed the gap most, if it changed any.
+
+    """
+
+    paired: int
+    kept: int
+    renewed: int
+    changed: int
+    gained: int
+    lost: int
+    without: dict[str, int]
+    fallbacks: dict[str, int]
+    contacts_lost: int
+    contacts_gained: int
+    smallest_gap_lost: SlaveGap | None
+    smallest_gap_gained: SlaveGap | None
+    largest_gap_jump: GapJump | None
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """The contacts of all s slaves, in their order. Gap, foot and normal are NaN where there is no contact.
+
+    Attributes:
+        gap: g, shape (s,), length; positive apart, negative penetrating.
+        foot: foot points, shape (s, 3).
+        normal: unit normals at the feet, towards the outward side, shape (s, 3).
+        area: tributary areas, shape (s,), length²; 1 if the interface has none.
+        outcomes: ``"contact"``, or the code of the reason why there is none.
+
+    """
+
+    gap: Floats
+    foot: Floats
+    normal: Floats
+    area: Floats
+    outcomes: list[str]
+
+    @property
+    def is_contact(self) -> NDArray[np.bool_]:
+        """Which slaves have a result, shape (s,)."""
+        return ~np.isnan(self.gap)
+
+    @property
+    def penetration(self) -> Floats:
+        """max(0, −g), shape (s,), length; 0 where there is no contact."""
+        return np.fmax(0.0, -self.gap)
+
+
+@dataclass(frozen=True)
+class Contact:
+    """The contact of one slave with its derivatives.
+
+    Attributes:
+        slave: its node.
+        masters: nodes 1 … n it is paired with; none without a pairing.
+        outcome: ``"contact"`` or the code of the reason why there is none.
+        reason: the same as a sentence; None for a contact.
+        fallback: what the neighbour search gave up: ``"none"``, ``"extended"``, ``"linear"``; None without contact.
+        area: tributary area, length²; 1 if the interface has none.
+        gap: g, length. None, as all that follows, without contact.
+        foot: foot point, shape (3,).
+        normal: unit normal at the foot, shape (3,).
+        gradient: N, shape (3(n+1),), ordered slave, master 1, …, master n; None below gradient mode.
+        hessian: M, shape (3(n+1), 3(n+1)), 1/length; None below Hessian mode.
+
+    """
+
+    slave: int
+    masters: Ints
+    outcome: str
+    reason: str | None
+    fallback: Literal["none", "extended", "linear"] | None
+    area: float
+    gap: float | None
+    foot: Floats | None
+    normal: Floats | None
+    gradient: Floats | None
+    hessian: Floats | None
+
+
+@dataclass(frozen=True)
+class Pairing:
+    """What one slave is paired with, at the positions of the moment.
+
+    Attributes:
+        positions: of the masters, or of the facet's corners (node to facet), shape (n, 3).
+        masters: their nodes; None for node to facet (see ``Contact.masters``).
+        frame: rows t1, t2 and outward normal, shape (3, 3); None for node to facet.
+        support_radius: radius of the domain of influence, length; None for node to facet.
+        basis: ``"quadratic"`` or ``"linear"``; None for node to facet.
+
+    """
+
+    positions: Floats
+    masters: Ints | None = None
+    frame: Floats | None = None
+    support_radius: float | None = None
+    basis: str | None = None
+
+
+class CutBack(NamedTuple):
+    """A hint how far to shorten an increment.
+
+    ``factor`` is from 0.1 to 1, which means not at all; ``slave`` is the node that asks for it and ``outcome`` its
+    outcome.
+    """
+
+    factor: float
+    slave: int | None = None
+    outcome: str | None = None
+
+
+def unpacked(packed: Floats, size: int) -> Floats:
+    """The symmetric matrix of a packed lower triangle, entry (i, j ≤ i) at i(i+1)/2 + j."""
+    full = np.empty((size, size))
+    rows, columns = np.tril_indices(size)
+    full[rows, columns] = packed
+    full[columns, rows] = packed
+    return full

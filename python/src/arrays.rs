@@ -1,0 +1,89 @@
+//! Slices of arrays. The Python part passes contiguous arrays of the right type, which is checked here once more.
+
+use diffuse_contact::Point;
+use diffuse_contact::surface::Facet;
+use numpy::{Element, PyArray, PyArrayMethods, PyReadonlyArray, PyReadwriteArray};
+use pyo3::prelude::*;
+
+use crate::errors;
+
+/// Read access to an array.
+pub fn readable<'py, T: Element, D: numpy::ndarray::Dimension>(
+    array: &Bound<'py, PyArray<T, D>>,
+) -> PyResult<PyReadonlyArray<'py, T, D>> {
+    array.try_readonly().map_err(|_| errors::busy(array.py(), "an array"))
+}
+
+/// Write access to an array.
+pub fn writable<'py, T: Element, D: numpy::ndarray::Dimension>(
+    array: &Bound<'py, PyArray<T, D>>,
+) -> PyResult<PyReadwriteArray<'py, T, D>> {
+    array.try_readwrite().map_err(|_| errors::busy(array.py(), "an array (or it is read-only)"))
+}
+
+/// The numbers of an array.
+pub fn slice<'a, T: Element, D: numpy::ndarray::Dimension>(
+    py: Python<'_>,
+    array: &'a PyReadonlyArray<'_, T, D>,
+) -> PyResult<&'a [T]> {
+    array.as_slice().map_err(|_| not_contiguous(py))
+}
+
+/// The numbers of an array, to be written.
+pub fn slice_mut<'a, T: Element, D: numpy::ndarray::Dimension>(
+    py: Python<'_>,
+    array: &'a mut PyReadwriteArray<'_, T, D>,
+) -> PyResult<&'a mut [T]> {
+    array.as_slice_mut().map_err(|_| not_contiguous(py))
+}
+
+fn not_contiguous(py: Python<'_>) -> PyErr {
+    errors::input(py, "wrong-array", "the array is not contiguous")
+}
+
+/// An array of shape (…, 3) as points.
+pub fn points<'a, D: numpy::ndarray::Dimension>(
+    py: Python<'_>,
+    array: &'a PyReadonlyArray<'_, f64, D>,
+) -> PyResult<&'a [Point]> {
+    match slice(py, array)?.as_chunks::<3>() {
+        (points, []) => Ok(points),
+        _ => Err(errors::input(py, "wrong-shape", "the last axis has to be 3 coordinates")),
+    }
+}
+
+/// Node indices.
+pub fn indices<D: numpy::ndarray::Dimension>(
+    py: Python<'_>,
+    what: &str,
+    array: &PyReadonlyArray<'_, i64, D>,
+) -> PyResult<Vec<usize>> {
+    let index = |&index: &i64| {
+        usize::try_from(index).map_err(|_| {
+            errors::input(py, "negative-index", &format!("{what}: the index {index} is negative"))
+        })
+    };
+    slice(py, array)?.iter().map(index).collect()
+}
+
+/// Rows of four corners, the last one −1 for a triangle.
+pub fn facets<D: numpy::ndarray::Dimension>(
+    py: Python<'_>,
+    array: &PyReadonlyArray<'_, i64, D>,
+) -> PyResult<Vec<Facet>> {
+    let (rows, rest) = slice(py, array)?.as_chunks::<4>();
+    if !rest.is_empty() {
+        return Err(errors::input(py, "wrong-shape", "facets have rows of 4 corners"));
+    }
+    let facet = |(number, row): (usize, &[i64; 4])| match row.map(usize::try_from) {
+        [Ok(a), Ok(b), Ok(c), Ok(d)] => Ok(Facet::Quadrilateral([a, b, c, d])),
+        [Ok(a), Ok(b), Ok(c), Err(_)] if row[3] == -1 => Ok(Facet::Triangle([a, b, c])),
+        _ => {
+            let message = format!(
+                "facet {number} has a negative corner, which only the fourth may be: −1 for a triangle"
+            );
+            Err(errors::input(py, "negative-index", &message))
+        }
+    };
+    rows.iter().enumerate().map(facet).collect()
+}

@@ -1,0 +1,176 @@
+//! Residual and tangent of an interface.
+
+use diffuse_contact::assembly::{AssemblyError, ContactLaw, CsrPattern, Triangle, Triplets, add_residual};
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+
+use crate::arrays::{readable, slice, slice_mut, writable};
+use crate::errors::Raise;
+use crate::interface::{Interface, exclusive, shared};
+use crate::{options, threads};
+
+/// Penalty, multipliers (one per slave) and the name of the tangent: attributes of the Python object `_Law`.
+#[derive(FromPyObject)]
+pub struct Law<'py> {
+    penalty: f64,
+    multipliers: Option<Bound<'py, PyArray1<f64>>>,
+    tangent: String,
+}
+
+impl<'py> Law<'py> {
+    fn multipliers(&self) -> PyResult<Option<PyReadonlyArray1<'py, f64>>> {
+        self.multipliers.as_ref().map(readable).transpose()
+    }
+
+    fn law<'a>(
+        &self,
+        py: Python<'_>,
+        multipliers: Option<&'a PyReadonlyArray1<'_, f64>>,
+    ) -> PyResult<ContactLaw<'a>> {
+        let multipliers = multipliers.map(|array| slice(py, array)).transpose()?;
+        options::law(py, self.penalty, multipliers, &self.tangent)
+    }
+}
+
+impl Interface {
+    /// Makes the pattern if there is none since the last refresh.
+    fn make_pattern(&mut self, py: Python<'_>) -> PyResult<()> {
+        if self.pattern.is_some() {
+            return Ok(());
+        }
+        let (contacts, dofs) = (self.contacts(py)?, &self.dofs);
+        let made = threads::run(py, || CsrPattern::union(contacts, dofs))?;
+        self.pattern = Some(made.map_err(|error| error.raise(py))?);
+        Ok(())
+    }
+}
+
+#[pymethods]
+impl Interface {
+    /// Number of equations.
+    fn equations(slf: &Bound<'_, Self>) -> PyResult<usize> {
+        Ok(shared(slf)?.dofs.equations())
+    }
+
+    /// Adds the contact forces on the nodes; returns the number of contacts that carry force.
+    fn add_residual(
+        slf: &Bound<'_, Self>,
+        law: Law<'_>,
+        residual: &Bound<'_, PyArray1<f64>>,
+    ) -> PyResult<usize> {
+        let py = slf.py();
+        let this = shared(slf)?;
+        let multipliers = law.multipliers()?;
+        let law = law.law(py, multipliers.as_ref())?;
+        let mut residual = writable(residual)?;
+        let residual = slice_mut(py, &mut residual)?;
+        let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
+        threads::run(py, || add_residual(contacts, &law, dofs, residual))?.map_err(|error| error.raise(py))
+    }
+
+    /// Row offsets and columns of the union pattern.
+    #[allow(clippy::type_complexity)]
+    fn pattern<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>)> {
+        let py = slf.py();
+        let mut this = exclusive(slf)?;
+        this.make_pattern(py)?;
+        let numbers =
+            |numbers: &[usize]| PyArray1::from_iter(py, numbers.iter().map(|&number| number as i64));
+        let Some(pattern) = &this.pattern else { return Ok((numbers(&[0]), numbers(&[]))) };
+        Ok((numbers(pattern.row_offsets()), numbers(pattern.columns())))
+    }
+
+    /// Number of entries of the union pattern.
+    fn entries(slf: &Bound<'_, Self>) -> PyResult<usize> {
+        let mut this = exclusive(slf)?;
+        this.make_pattern(slf.py())?;
+        Ok(this.pattern.as_ref().map_or(0, CsrPattern::entries))
+    }
+
+    /// Writes the values of the tangent, one per entry of the pattern, or adds them; returns the number of contacts that
+    /// carry force.
+    fn fill_tangent(
+        slf: &Bound<'_, Self>,
+        law: Law<'_>,
+        values: &Bound<'_, PyArray1<f64>>,
+        add: bool,
+    ) -> PyResult<usize> {
+        let py = slf.py();
+        let mut this = exclusive(slf)?;
+        this.make_pattern(py)?;
+        let multipliers = law.multipliers()?;
+        let law = law.law(py, multipliers.as_ref())?;
+        let mut values = writable(values)?;
+        let values = slice_mut(py, &mut values)?;
+        let contacts = this.contacts(py)?;
+        let Some(pattern) = &this.pattern else { return Ok(0) };
+        let filled = threads::run(py, || {
+            if add { pattern.add(contacts, &law, values) } else { pattern.fill(contacts, &law, values) }
+        })?;
+        filled.map_err(|error| error.raise(py))
+    }
+
+    /// Rows, columns and values of the tangents of all contacts that carry force, one after the other.
+    #[allow(clippy::type_complexity)]
+    fn triplets<'py>(
+        slf: &Bound<'py, Self>,
+        law: Law<'py>,
+        lower: bool,
+    ) -> PyResult<(Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>)> {
+        let py = slf.py();
+        let this = shared(slf)?;
+        let multipliers = law.multipliers()?;
+        let law = law.law(py, multipliers.as_ref())?;
+        let triangle = if lower { Triangle::Lower } else { Triangle::Full };
+        let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
+        let mut triplets = Triplets::new();
+        let list = &mut triplets;
+        let filled = threads::run(py, || list.fill(contacts, &law, dofs, triangle))?;
+        filled.map_err(|error| error.raise(py))?;
+        let numbers =
+            |numbers: &[usize]| PyArray1::from_iter(py, numbers.iter().map(|&number| number as i64));
+        Ok((
+            numbers(triplets.rows()),
+            numbers(triplets.columns()),
+            PyArray1::from_slice(py, triplets.values()),
+        ))
+    }
+
+    /// Normal contact force of every slave, max(0, λ − ε g); 0 where there is no contact.
+    fn normal_forces<'py>(slf: &Bound<'py, Self>, law: Law<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let py = slf.py();
+        let this = shared(slf)?;
+        let multipliers = law.multipliers()?;
+        let law = law.law(py, multipliers.as_ref())?;
+        let contacts = this.contacts(py)?;
+        let elements = contacts.len();
+        let error = match law.multipliers {
+            Some(multipliers) if multipliers.len() != elements => {
+                Some(AssemblyError::MultiplierCount { found: multipliers.len(), elements })
+            }
+            Some(multipliers) => multipliers
+                .iter()
+                .position(|value| !(*value >= 0.0 && value.is_finite()))
+                .map(|element| AssemblyError::InvalidMultiplier { element, value: multipliers[element] }),
+            None => None,
+        };
+        let value = law.penalty;
+        let penalty =
+            (!(value > 0.0 && value.is_finite())).then_some(AssemblyError::InvalidPenalty { value });
+        if let Some(error) = penalty.or(error) {
+            return Err(error.raise(py));
+        }
+        let mut forces = Vec::with_capacity(elements);
+        for (element, contact) in contacts.iter().enumerate() {
+            let (gap, area) = (contact.point.gap, contact.area);
+            let force = if contact.outcome.is_contact() { law.force(element, gap, area) } else { 0.0 };
+            if !force.is_finite() {
+                return Err(AssemblyError::ForceOverflow { element, penalty: value, area, gap }.raise(py));
+            }
+            forces.push(force);
+        }
+        Ok(PyArray1::from_vec(py, forces))
+    }
+}

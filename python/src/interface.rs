@@ -1,0 +1,281 @@
+//! `ContactInterface`: pairing, evaluation, results. Residual and tangent are in [`assembly`](crate::assembly).
+
+use diffuse_contact::assembly::{CsrPattern, DofMap};
+use diffuse_contact::interface::{ContactInterface, ContactRef, Contacts, Outcome, PairedElement};
+use diffuse_contact::neighbourhood::Fallback;
+use diffuse_contact::{Mode, Point};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{facets, indices, points, readable};
+use crate::errors::{self, Raise};
+use crate::options::{self, Options};
+use crate::surface::Surface;
+use crate::{cut_back, report, threads};
+
+/// A contact interface, and what belongs to its present pairing.
+#[pyclass(module = "diffuse_contact._native")]
+pub struct Interface {
+    pub interface: ContactInterface,
+    pub dofs: DofMap,
+    /// The union pattern, once it has been asked for since the last refresh.
+    pub pattern: Option<CsrPattern>,
+    /// Whether the contacts are those of the present pairing and positions.
+    current: bool,
+    /// Which slaves penetrated at the evaluation before the last.
+    was_active: Vec<bool>,
+}
+
+/// Write access for this thread alone.
+pub fn exclusive<'py>(object: &Bound<'py, Interface>) -> PyResult<PyRefMut<'py, Interface>> {
+    object.try_borrow_mut().map_err(|_| errors::busy(object.py(), "the interface"))
+}
+
+/// Read access while no thread writes.
+pub fn shared<'py>(object: &Bound<'py, Interface>) -> PyResult<PyRef<'py, Interface>> {
+    object.try_borrow().map_err(|_| errors::busy(object.py(), "the interface"))
+}
+
+impl Interface {
+    /// The contacts at the present positions.
+    pub fn contacts(&self, py: Python<'_>) -> PyResult<&Contacts> {
+        if self.current {
+            return Ok(self.interface.contacts());
+        }
+        let message = "there is no evaluation at the present positions and pairing: call evaluate() first";
+        Err(errors::exception(py, "InterfaceError", "not-evaluated", message))
+    }
+
+    /// The `k`-th contact.
+    fn contact_at(&self, py: Python<'_>, k: usize) -> PyResult<ContactRef<'_>> {
+        let contacts = self.contacts(py)?;
+        self.check_slave(py, k)?;
+        Ok(contacts.get(k))
+    }
+
+    fn check_slave(&self, py: Python<'_>, k: usize) -> PyResult<()> {
+        let count = self.interface.slaves().len();
+        if k < count {
+            return Ok(());
+        }
+        let message = format!("there is no slave number {k}, there are {count}");
+        Err(errors::input(py, "no-such-slave", &message))
+    }
+}
+
+#[pymethods]
+impl Interface {
+    /// `equations`: number, and those of each node's axes, −1 where there is none; `None` for 3·node + axis.
+    #[new]
+    #[pyo3(signature = (master, slaves, positions, slave_facets, options, equations))]
+    fn new(
+        py: Python<'_>,
+        master: &Surface,
+        slaves: &Bound<'_, PyArray1<i64>>,
+        positions: &Bound<'_, PyArray2<f64>>,
+        slave_facets: Option<&Bound<'_, PyArray2<i64>>>,
+        options: Options,
+        equations: Option<(usize, Bound<'_, PyArray2<i64>>)>,
+    ) -> PyResult<Self> {
+        let slaves = indices(py, "slaves", &readable(slaves)?)?;
+        let positions = readable(positions)?;
+        let positions = points(py, &positions)?;
+        let areas = slave_facets.is_some();
+        let slave_facets = match slave_facets {
+            Some(array) => facets(py, &readable(array)?)?,
+            None => Vec::new(),
+        };
+        let options = options.interface(py, areas)?;
+        let dofs = match equations {
+            Some((count, numbers)) => dof_map(py, count, &numbers, positions.len())?,
+            None => DofMap::standard(positions.len()),
+        };
+        let master = master.surface.clone();
+        let made =
+            threads::run(py, || ContactInterface::new(master, slaves, &slave_facets, positions, options))?;
+        let interface = made.map_err(|error| error.raise(py))?;
+        Ok(Self { interface, dofs, pattern: None, current: false, was_active: Vec::new() })
+    }
+
+    fn slaves<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        let this = shared(slf)?;
+        Ok(PyArray1::from_iter(slf.py(), this.interface.slaves().iter().map(|&node| node as i64)))
+    }
+
+    fn refresh_pairing<'py>(
+        slf: &Bound<'py, Self>,
+        positions: &Bound<'py, PyArray2<f64>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let py = slf.py();
+        let mut this = exclusive(slf)?;
+        let positions = readable(positions)?;
+        let positions = points(py, &positions)?;
+        let interface = &mut this.interface;
+        let report = threads::run(py, || interface.refresh_pairing(positions))?;
+        let report = report.map_err(|error| error.raise(py))?;
+        (this.pattern, this.current) = (None, false);
+        report::to_dict(py, &report)
+    }
+
+    fn update(slf: &Bound<'_, Self>, positions: &Bound<'_, PyArray2<f64>>) -> PyResult<()> {
+        let py = slf.py();
+        let mut this = exclusive(slf)?;
+        let positions = readable(positions)?;
+        let positions = points(py, &positions)?;
+        let interface = &mut this.interface;
+        threads::run(py, || interface.update(positions))?.map_err(|error| error.raise(py))?;
+        this.current = false;
+        Ok(())
+    }
+
+    fn evaluate(slf: &Bound<'_, Self>, mode: &str) -> PyResult<()> {
+        let py = slf.py();
+        let mode = options::mode(py, mode)?;
+        let mut this = exclusive(slf)?;
+        let is_active = |contact: ContactRef<'_>| contact.outcome.is_contact() && contact.point.gap < 0.0;
+        let was_active = this.interface.contacts().iter().map(is_active).collect();
+        this.current = false;
+        let interface = &mut this.interface;
+        let evaluated = threads::run(py, || interface.evaluate(mode).map(|_| ()))?;
+        evaluated.map_err(|error| error.raise(py))?;
+        (this.current, this.was_active) = (true, was_active);
+        Ok(())
+    }
+
+    /// Gap, foot, normal, area of every slave; NaN where there is no contact, except for the area.
+    #[allow(clippy::type_complexity)]
+    fn points<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(
+        Bound<'py, PyArray1<f64>>,
+        Bound<'py, PyArray1<f64>>,
+        Bound<'py, PyArray1<f64>>,
+        Bound<'py, PyArray1<f64>>,
+    )> {
+        let py = slf.py();
+        let this = shared(slf)?;
+        let contacts = this.contacts(py)?;
+        let vectors = |of: &dyn Fn(ContactRef<'_>) -> Point| {
+            let vector = |contact: ContactRef<'_>| {
+                if contact.outcome.is_contact() { of(contact) } else { [f64::NAN; 3] }
+            };
+            PyArray1::from_vec(py, contacts.iter().flat_map(vector).collect())
+        };
+        let gap = |contact: ContactRef<'_>| match contact.outcome {
+            Outcome::Contact { .. } => contact.point.gap,
+            Outcome::None(_) => f64::NAN,
+        };
+        Ok((
+            PyArray1::from_iter(py, contacts.iter().map(gap)),
+            vectors(&|contact| contact.point.foot),
+            vectors(&|contact| contact.point.normal),
+            PyArray1::from_iter(py, contacts.iter().map(|contact| contact.area)),
+        ))
+    }
+
+    /// The code of every slave's outcome.
+    fn outcomes(slf: &Bound<'_, Self>) -> PyResult<Vec<&'static str>> {
+        let this = shared(slf)?;
+        Ok(this.contacts(slf.py())?.iter().map(|contact| contact.outcome.code()).collect())
+    }
+
+    /// One contact with its derivatives.
+    fn contact<'py>(slf: &Bound<'py, Self>, k: usize) -> PyResult<Bound<'py, PyDict>> {
+        let py = slf.py();
+        let this = shared(slf)?;
+        let contact = this.contact_at(py, k)?;
+        let dict = PyDict::new(py);
+        dict.set_item("slave", contact.slave)?;
+        dict.set_item("masters", PyArray1::from_iter(py, contact.nodes.iter().map(|&node| i64::from(node))))?;
+        dict.set_item("outcome", contact.outcome.code())?;
+        let (reason, fallback) = match contact.outcome {
+            Outcome::Contact { fallback } => (None, Some(fallback_name(fallback))),
+            Outcome::None(reason) => (Some(reason.to_string()), None),
+        };
+        dict.set_item("reason", reason)?;
+        dict.set_item("fallback", fallback)?;
+        dict.set_item("area", contact.area)?;
+        let result = contact.outcome.is_contact().then_some(contact.point);
+        dict.set_item("gap", result.map(|point| point.gap))?;
+        dict.set_item("foot", result.map(|point| PyArray1::from_slice(py, &point.foot)))?;
+        dict.set_item("normal", result.map(|point| PyArray1::from_slice(py, &point.normal)))?;
+        let mode = this.interface.contacts().mode();
+        let wanted = |least: Mode| result.is_some() && mode >= least;
+        let array = |numbers, wanted: bool| wanted.then(|| PyArray1::from_slice(py, numbers));
+        dict.set_item("gradient", array(contact.gradient, wanted(Mode::Gradient)))?;
+        dict.set_item("hessian", array(contact.hessian, wanted(Mode::Hessian)))?;
+        Ok(dict)
+    }
+
+    /// What one slave is paired with.
+    fn pairing<'py>(slf: &Bound<'py, Self>, k: usize) -> PyResult<Bound<'py, PyDict>> {
+        let py = slf.py();
+        let this = shared(slf)?;
+        this.check_slave(py, k)?;
+        let reason = |reason: diffuse_contact::interface::NoContact| {
+            errors::exception(py, "InterfaceError", reason.code(), &reason.to_string())
+        };
+        let dict = PyDict::new(py);
+        match this.interface.element(k).map_err(reason)? {
+            PairedElement::Diffuse { pairing, .. } => {
+                let frame = pairing.frame.rows();
+                dict.set_item("masters", PyArray1::from_iter(py, pairing.masters.iter().map(|&k| k as i64)))?;
+                dict.set_item("positions", PyArray1::from_slice(py, pairing.positions.as_flattened()))?;
+                dict.set_item("frame", PyArray1::from_slice(py, frame.as_flattened()))?;
+                dict.set_item("support_radius", pairing.support_radius)?;
+                dict.set_item("basis", pairing.basis.name())?;
+            }
+            PairedElement::Facet { corners, .. } => {
+                dict.set_item("positions", PyArray1::from_slice(py, corners.as_flattened()))?;
+            }
+        }
+        Ok(dict)
+    }
+
+    /// Factor, slave and outcome of the cut-back hint.
+    fn cut_back(slf: &Bound<'_, Self>, limit: f64) -> PyResult<(f64, Option<(usize, &'static str)>)> {
+        let py = slf.py();
+        if !(limit > 0.0 && limit.is_finite()) {
+            let message = format!("the limit must be positive and finite, not {limit}");
+            return Err(errors::input(py, "invalid-option", &message));
+        }
+        let this = shared(slf)?;
+        this.contacts(py)?;
+        let hint = cut_back::cut_back(&this.interface, &this.was_active, limit);
+        Ok((hint.factor, hint.slave))
+    }
+}
+
+fn fallback_name(fallback: Fallback) -> &'static str {
+    match fallback {
+        Fallback::None => "none",
+        Fallback::Extended { .. } => "extended",
+        Fallback::Linear { .. } => "linear",
+        _ => "other",
+    }
+}
+
+fn dof_map(
+    py: Python<'_>,
+    count: usize,
+    numbers: &Bound<'_, PyArray2<i64>>,
+    nodes: usize,
+) -> PyResult<DofMap> {
+    let numbers = readable(numbers)?;
+    let (rows, rest) = crate::arrays::slice(py, &numbers)?.as_chunks::<3>();
+    if rows.len() != nodes || !rest.is_empty() {
+        let message = format!("dofs have {} rows of three, but there are {nodes} positions", rows.len());
+        return Err(errors::input(py, "wrong-shape", &message));
+    }
+    let equation = |number: i64| match number {
+        -1 => Ok(None),
+        number => usize::try_from(number).map(Some).map_err(|_| {
+            let message = format!("dofs: {number} is no equation, and only −1 says that there is none");
+            errors::input(py, "negative-index", &message)
+        }),
+    };
+    let row = |row: &[i64; 3]| Ok([equation(row[0])?, equation(row[1])?, equation(row[2])?]);
+    let rows: Vec<[Option<usize>; 3]> = rows.iter().map(row).collect::<PyResult<_>>()?;
+    DofMap::new(count, rows).map_err(|error| error.raise(py))
+}

@@ -1,0 +1,178 @@
+//! Prints inputs and results of the Rust library, every number as the hexadecimal digits of its bits, for
+//! `test_reference.py` to compare with: one line `name number number …` per array. Run with
+//! `cargo run --release --example reference`, so that kernels are compiled as those of the Python module are.
+#![forbid(unsafe_code)]
+
+use std::error::Error;
+
+use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap, Tangent, add_residual};
+use diffuse_contact::interface::{ContactElement, ContactInterface, InterfaceOptions};
+use diffuse_contact::neighbourhood::SearchOptions;
+use diffuse_contact::surface::{Facet, MasterSurface};
+use diffuse_contact::{
+    Basis, BatchScratch, Element, Frame, FrameDerivative, GapSlot, Generated, Mode, Point, Weight, pairing,
+};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    for weight in Weight::ALL {
+        for (derivative, name) in
+            [(FrameDerivative::CoMoving, "co-moving"), (FrameDerivative::Frozen, "frozen")]
+        {
+            batch(
+                &format!("batch/{}/quadratic/{name}/13", weight.name()),
+                weight,
+                Basis::Quadratic,
+                derivative,
+                13,
+            )?;
+            batch(&format!("batch/{}/linear/{name}/5", weight.name()), weight, Basis::Linear, derivative, 5)?;
+        }
+    }
+    interface("interface/diffuse", InterfaceOptions { areas: true, ..Default::default() })?;
+    let frozen = ContactElement::Diffuse {
+        weight: Weight::CubicInterpolating,
+        frame: FrameDerivative::Frozen,
+        search: SearchOptions::nearest(),
+    };
+    interface("interface/frozen", InterfaceOptions { element: frozen, areas: true, ..Default::default() })?;
+    let facets = InterfaceOptions { areas: true, ..InterfaceOptions::node_to_facet() };
+    interface("interface/node-to-facet", facets)
+}
+
+fn print(name: &str, numbers: impl IntoIterator<Item = f64>) {
+    let digits: Vec<String> = numbers.into_iter().map(|x| format!("{:016x}", x.to_bits())).collect();
+    println!("{name} {}", digits.join(" "));
+}
+
+/// Numbers from 0 to 1 that are the same everywhere.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// Elements in no particular order of the plane: 203 of them, so that the last vector and the last piece are not full.
+fn batch(
+    name: &str,
+    weight: Weight,
+    basis: Basis,
+    derivative: FrameDerivative,
+    count: usize,
+) -> Result<(), Box<dyn Error>> {
+    let mut random = Random(count as u64);
+    let (mut slaves, mut masters, mut radii) = (Vec::<Point>::new(), Vec::<Point>::new(), Vec::new());
+    for _ in 0..203 {
+        slaves.push([0.2 * random.next(), 0.2 * random.next(), 0.3 * random.next() - 0.1]);
+        let start = masters.len();
+        for k in 0..count {
+            let angle = 2.4 * k as f64;
+            let r = ((k as f64 + 0.5) / count as f64).sqrt() + 0.1 * random.next();
+            let [x, y] = [r * angle.cos(), r * angle.sin()];
+            masters.push([x, y, 0.1 * x - 0.1 * x * x + 0.05 * x * y + 0.02 * random.next()]);
+        }
+        let frame = Frame::average_plane(&masters[start..], [0.0, 0.0, 1.0])?;
+        radii.push(pairing::support_radius(&frame, slaves[slaves.len() - 1], &masters[start..]));
+    }
+    let elements: Vec<Element<'_>> = slaves
+        .iter()
+        .zip(masters.chunks(count))
+        .zip(&radii)
+        .map(|((&slave, masters), &support_radius)| {
+            let frame = Frame { derivative, ..Frame::average_plane(masters, [0.0, 0.0, 1.0])? };
+            Ok(Element { slave, masters, frame, support_radius, basis, weight })
+        })
+        .collect::<Result<_, diffuse_contact::ElementError>>()?;
+    let freedoms = 3 * (count + 1);
+    let packed = freedoms * (freedoms + 1) / 2;
+    let mut gradients = vec![0.0; elements.len() * freedoms];
+    let mut hessians = vec![0.0; elements.len() * packed];
+    let slots = gradients.chunks_mut(freedoms).zip(hessians.chunks_mut(packed));
+    let slots = slots.map(|(gradient, hessian)| GapSlot { gradient, hessian });
+    let results = Generated.gap_batch(&elements, Mode::Hessian, slots, &mut BatchScratch::default());
+    let results = results.into_iter().collect::<Result<Vec<_>, _>>()?;
+    print(&format!("{name}/slaves"), slaves.into_iter().flatten());
+    print(&format!("{name}/masters"), masters.iter().flatten().copied());
+    print(&format!("{name}/radii"), radii.iter().copied());
+    print(&format!("{name}/gap"), results.iter().map(|point| point.gap));
+    print(&format!("{name}/foot"), results.iter().flat_map(|point| point.foot));
+    print(&format!("{name}/normal"), results.iter().flat_map(|point| point.normal));
+    print(&format!("{name}/gradient"), gradients);
+    print(&format!("{name}/hessian"), hessians);
+    Ok(())
+}
+
+/// A grid of slaves in a trough of quadrilaterals and triangles.
+fn interface(name: &str, options: InterfaceOptions) -> Result<(), Box<dyn Error>> {
+    const CELLS: usize = 8;
+    let place = |k: usize| [(k % (CELLS + 1)) as f64, (k / (CELLS + 1)) as f64];
+    let height = |x: f64, y: f64| 0.05 * (x - 4.0) * (x - 4.0) + 0.1 * (0.8 * y).sin();
+    let mut positions: Vec<Point> =
+        (0..(CELLS + 1) * (CELLS + 1)).map(place).map(|[x, y]| [x, y, height(x, y)]).collect();
+    let mut facets = Vec::new();
+    for k in (0..CELLS * CELLS).map(|k| k % CELLS + (CELLS + 1) * (k / CELLS)) {
+        let [a, b, c, d] = [k, k + 1, k + CELLS + 2, k + CELLS + 1];
+        if k % 3 == 0 {
+            facets.extend([Facet::Triangle([a, b, c]), Facet::Triangle([a, c, d])]);
+        } else {
+            facets.push(Facet::Quadrilateral([a, b, c, d]));
+        }
+    }
+    let first = positions.len();
+    // Slaves above, some of them beyond the border.
+    positions.extend(
+        (0..49)
+            .map(|k| [1.3 * (k % 7) as f64, 1.3 * (k / 7) as f64])
+            .map(|[x, y]| [x, y, height(x, y) + 0.1 * (2.1 * x + y).cos() - 0.02]),
+    );
+    let slaves: Vec<usize> = (first..positions.len()).collect();
+    let slave_facets: Vec<Facet> = (0..36)
+        .map(|k| first + k % 6 + 7 * (k / 6))
+        .map(|k| Facet::Quadrilateral([k, k + 7, k + 8, k + 1]))
+        .collect();
+    let corners = |facet: &Facet| {
+        let corners = facet.corners();
+        (0..4).map(|k| corners.get(k).map_or(-1.0, |&node| node as f64)).collect::<Vec<_>>()
+    };
+    print(&format!("{name}/positions"), positions.iter().flatten().copied());
+    print(&format!("{name}/facets"), facets.iter().flat_map(corners));
+    print(&format!("{name}/slave_facets"), slave_facets.iter().flat_map(corners));
+    print(&format!("{name}/slaves"), slaves.iter().map(|&node| node as f64));
+
+    let master = MasterSurface::new(&positions, facets)?;
+    let mut interface = ContactInterface::new(master, slaves, &slave_facets, &positions, options)?;
+    let report = interface.refresh_pairing(&positions)?;
+    print(&format!("{name}/paired"), [report.paired as f64, report.fallbacks.extended as f64]);
+    for (k, position) in positions.iter_mut().enumerate() {
+        position[2] += 0.01 * (k as f64).sin();
+    }
+    print(&format!("{name}/moved"), positions.iter().flatten().copied());
+    interface.update(&positions)?;
+    let contacts = interface.evaluate(Mode::Hessian)?;
+    print(&format!("{name}/gap"), contacts.iter().map(|contact| contact.point.gap));
+    print(&format!("{name}/foot"), contacts.iter().flat_map(|contact| contact.point.foot));
+    print(&format!("{name}/normal"), contacts.iter().flat_map(|contact| contact.point.normal));
+    print(&format!("{name}/area"), contacts.iter().map(|contact| contact.area));
+    print(&format!("{name}/gradients"), contacts.iter().flat_map(|contact| contact.gradient.iter().copied()));
+    print(&format!("{name}/hessians"), contacts.iter().flat_map(|contact| contact.hessian.iter().copied()));
+    let codes: Vec<&str> = contacts.iter().map(|contact| contact.outcome.code()).collect();
+    println!("{name}/outcomes {}", codes.join(" "));
+
+    let multipliers: Vec<f64> = (0..contacts.len()).map(|k| 0.5 * (k % 5) as f64).collect();
+    let dofs = DofMap::standard(positions.len());
+    for (tangent, word) in [(Tangent::Exact, "exact"), (Tangent::GaussNewton, "gauss-newton")] {
+        let law = ContactLaw { penalty: 1e3, multipliers: Some(&multipliers), tangent };
+        let mut residual = vec![0.0; dofs.equations()];
+        add_residual(contacts, &law, &dofs, &mut residual)?;
+        let pattern = CsrPattern::union(contacts, &dofs)?;
+        let mut values = vec![0.0; pattern.entries()];
+        pattern.fill(contacts, &law, &mut values)?;
+        print(&format!("{name}/{word}/residual"), residual);
+        print(&format!("{name}/{word}/offsets"), pattern.row_offsets().iter().map(|&x| x as f64));
+        print(&format!("{name}/{word}/columns"), pattern.columns().iter().map(|&x| x as f64));
+        print(&format!("{name}/{word}/values"), values);
+    }
+    Ok(())
+}

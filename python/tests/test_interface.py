@@ -1,0 +1,311 @@
+import pickle
+
+import diffuse_contact as dc
+import numpy as np
+import pytest
+import scipy.sparse
+from diffuse_contact import _native
+
+
+def test_defaults_are_those_of_the_rust_library():
+    defaults = _native.default_options()
+    options = dc.Options()
+    assert {name: getattr(options, name) for name in defaults} == defaults
+    assert (options.element, options.frame_derivative, options.rule) == ("diffuse", "co-moving", "hull-layers")
+
+
+def test_the_example_of_the_documentation(scene):
+    interface = scene.interface(slave_facets=scene.slave_facets)
+    assert interface.slaves.tolist() == [81, 82, 83, 84]
+    report = interface.refresh_pairing(scene.positions)
+    assert (report.paired, report.gained, report.without) == (4, 4, {})
+    interface.update(scene.positions)
+    contacts = interface.evaluate()
+    assert contacts.is_contact.all() and contacts.outcomes == ["contact"] * 4
+    assert abs(contacts.gap[0] + 0.068) < 1e-3
+    np.testing.assert_array_equal(contacts.penetration, -contacts.gap)
+    assert contacts.area.sum() == pytest.approx(1.7**2)
+    forces = interface.residual(1e4).reshape(-1, 3)
+    assert np.abs(forces.sum(axis=0)).max() < 1e-9
+    assert np.abs(np.cross(scene.positions, forces).sum(axis=0)).max() < 1e-8
+    normal_forces = interface.normal_forces(1e4)
+    np.testing.assert_allclose(normal_forces, -1e4 * contacts.area * contacts.gap)
+    np.testing.assert_allclose(interface.pressures(1e4), -1e4 * contacts.gap)
+
+
+@pytest.mark.parametrize("element", ["diffuse", "node-to-facet"])
+def test_the_tangent_is_the_derivative_of_the_residual(scene, element):
+    interface = scene.evaluated(element=element)
+    matrix = interface.tangent(1e3)
+    assert isinstance(matrix, scipy.sparse.csr_matrix) and matrix.has_sorted_indices
+    assert abs(matrix - matrix.T).max() == 0.0
+    random = np.random.default_rng(2)
+    direction = random.normal(size=scene.positions.shape)
+    step = 1e-6
+    ends = []
+    for sign in (1, -1):
+        interface.update(scene.positions + sign * step * direction)
+        interface.evaluate("gradient")
+        ends.append(interface.residual(1e3))
+    slope = -(ends[0] - ends[1]) / (2 * step)
+    np.testing.assert_allclose(matrix @ direction.reshape(-1), slope, atol=1e-4)
+
+
+def test_pattern_triplets_and_values_agree(scene):
+    interface = scene.evaluated()
+    matrix = interface.tangent(1e3)
+    offsets, columns = interface.pattern()
+    assert offsets[-1] == len(columns) == matrix.nnz
+    rows, columns, values = interface.triplets(1e3)
+    summed = scipy.sparse.coo_matrix((values, (rows, columns)), shape=matrix.shape).tocsr()
+    assert abs(summed - matrix).max() < 1e-9
+    lower = interface.triplets(1e3, triangle="lower")
+    assert (lower[0] >= lower[1]).all() and len(lower[2]) < len(values)
+    values = interface.tangent_values(1e3)
+    twice = interface.tangent_values(1e3, out=values.copy())
+    np.testing.assert_allclose(twice, 2 * values)
+    # The union pattern does not depend on who carries force, and a matrix belongs to its caller.
+    interface.update(scene.positions + np.where(np.arange(85) > 80, 0.5, 0.0)[:, np.newaxis] * [0, 0, 1])
+    interface.evaluate()
+    matrix.eliminate_zeros()
+    apart = interface.tangent(1e3)
+    assert apart.nnz == len(values) and not apart.data.any()
+    np.testing.assert_array_equal(interface.residual(1e3), np.zeros(255))
+
+
+def test_residual_is_added_to_what_is_there(scene):
+    interface = scene.evaluated()
+    out = np.ones(255)
+    assert interface.residual(1e3, out=out) is out
+    np.testing.assert_allclose(out, 1 + interface.residual(1e3))
+    for bad in (np.ones(255, dtype=np.float32), np.ones(510)[::2], [0.0] * 255, np.ones((85, 3))):
+        with pytest.raises(dc.InputError):
+            interface.residual(1e3, out=bad)
+    with pytest.raises(dc.AssemblyError) as caught:
+        interface.residual(1e3, out=np.ones(254))
+    assert caught.value.code == "output-length"
+
+
+def test_equations_of_the_caller(scene):
+    dofs = np.full((85, 3), -1)
+    dofs[81:, 2] = [5, 1, 0, 3]
+    interface = scene.evaluated(dofs=dofs, equations=7)
+    free = scene.evaluated()
+    residual = interface.residual(1e3)
+    assert interface.equations == 7 and residual.shape == (7,)
+    np.testing.assert_array_equal(residual[[5, 1, 0, 3]], free.residual(1e3).reshape(-1, 3)[81:, 2])
+    assert interface.tangent(1e3).shape == (7, 7)
+    assert scene.interface(dofs=dofs).equations == 6
+    dofs[81, 2] = 1
+    with pytest.raises(dc.AssemblyError) as caught:
+        scene.interface(dofs=dofs)
+    assert caught.value.code == "shared-equation"
+    dofs[81, 2] = -2
+    with pytest.raises(dc.InputError) as caught:
+        scene.interface(dofs=dofs)
+    assert caught.value.code == "negative-index"
+    with pytest.raises(dc.InputError):
+        scene.interface(equations=4)
+
+
+def test_one_contact_with_its_derivatives(scene):
+    interface = scene.evaluated()
+    contact = interface.contact(2)
+    n = len(contact.masters)
+    assert (contact.slave, contact.outcome, contact.reason, contact.fallback) == (83, "contact", None, "none")
+    assert contact.gradient.shape == (3 * (n + 1),) and contact.hessian.shape == (3 * (n + 1), 3 * (n + 1))
+    np.testing.assert_array_equal(contact.hessian, contact.hessian.T)
+    np.testing.assert_allclose(contact.gradient.reshape(-1, 3).sum(axis=0), 0, atol=1e-13)
+    pairing = interface.pairing(2)
+    assert pairing.masters.tolist() == contact.masters.tolist() and pairing.basis == "quadratic"
+    again = dc.gap(
+        scene.positions[83:84],
+        pairing.positions[np.newaxis],
+        pairing.frame[2],
+        support_radius=pairing.support_radius,
+        mode="gradient",
+    )
+    np.testing.assert_allclose(again.gradient[0], contact.gradient, atol=1e-13)
+    interface.evaluate("value")
+    assert interface.contact(2).gradient is None
+    facet = scene.evaluated(element="node-to-facet")
+    assert facet.pairing(0).positions.shape == (4, 3) and facet.pairing(0).frame is None
+    with pytest.raises(dc.InputError) as caught:
+        interface.contact(4)
+    assert caught.value.code == "no-such-slave"
+
+
+def test_outcomes_of_slaves_without_contact(scene):
+    scene.positions[82] = [-3, 4, 0]
+    scene.positions[83] = [4, 4, 30]
+    interface = scene.interface(distance_limit=10.0)
+    with pytest.raises(dc.InterfaceError) as caught:
+        interface.pairing(0)
+    assert caught.value.code == "not-paired"
+    contacts = interface.evaluate()
+    assert contacts.outcomes == ["not-paired"] * 4
+    report = interface.refresh_pairing(scene.positions)
+    assert report.without == {"beyond-border": 1, "too-far": 1}
+    contacts = interface.evaluate()
+    assert contacts.outcomes == ["contact", "beyond-border", "too-far", "contact"]
+    assert np.isnan(contacts.gap).tolist() == [False, True, True, False]
+    assert contacts.penetration[1] == 0.0
+    assert interface.normal_forces(1.0)[1:3].tolist() == [0.0, 0.0]
+    contact = interface.contact(2)
+    assert contact.gap is None and "away, beyond the limit of" in contact.reason
+
+
+def test_results_of_old_positions_are_not_handed_out(scene):
+    interface = scene.interface()
+    for stale in (
+        lambda: None,
+        lambda: interface.update(scene.positions),
+        lambda: interface.refresh_pairing(scene.positions),
+    ):
+        stale()
+        for ask in (
+            lambda: interface.contacts,
+            lambda: interface.contact(0),
+            lambda: interface.residual(1.0),
+            lambda: interface.tangent(1.0),
+            lambda: interface.triplets(1.0),
+            lambda: interface.normal_forces(1.0),
+            lambda: interface.cut_back(),
+        ):
+            with pytest.raises(dc.InterfaceError) as caught:
+                ask()
+            assert caught.value.code == "not-evaluated"
+        interface.evaluate()
+        interface.residual(1.0)
+
+
+def test_an_interface_may_have_no_slaves(scene):
+    """As a rank of a distributed program that owns none."""
+    interface = dc.ContactInterface(scene.master(), [], scene.positions, slave_facets=np.empty((0, 4), dtype=int))
+    assert interface.refresh_pairing(scene.positions).paired == 0
+    assert interface.evaluate().gap.shape == (0,)
+    assert not interface.residual(1.0).any() and interface.tangent(1.0).shape == (255, 255)
+    assert interface.triplets(1.0)[0].shape == (0,) and interface.cut_back().factor == 1.0
+
+
+def test_the_refresh_reports_jumps(scene):
+    interface = scene.evaluated(hysteresis=0.0)
+    moved = scene.positions.copy()
+    moved[81:, :2] += 0.6
+    report = interface.refresh_pairing(moved)
+    assert report.changed > 0 and isinstance(report.largest_gap_jump, dc.GapJump)
+    assert report.largest_gap_jump.slave in range(81, 85)
+
+
+def test_the_refresh_reports_what_was_lost(scene):
+    interface = scene.evaluated(distance_limit=0.3)
+    lifted = scene.positions + 0.6 * (np.arange(85) == 82)[:, np.newaxis] * [0, 0, 1]
+    report = interface.refresh_pairing(lifted)
+    assert (report.lost, report.contacts_lost, report.without) == (1, 1, {"too-far": 1})
+    assert report.smallest_gap_lost.slave == 82 and report.smallest_gap_lost.gap > 0.3
+    report = interface.refresh_pairing(scene.positions)
+    assert report.contacts_gained == 1 and report.smallest_gap_gained.gap < 0
+
+
+def test_cut_back(scene):
+    interface = scene.evaluated()
+    assert interface.cut_back() == (1.0, None, None)
+    reach = interface.pairing(0).support_radius
+    moved = scene.positions.copy()
+    moved[81, 2] -= 0.5 * reach
+    interface.update(moved)
+    depth = interface.evaluate().penetration[0]
+    hint = interface.cut_back()
+    assert hint.slave == 81 and hint.outcome == "contact"
+    assert hint.factor == pytest.approx(0.25 * interface.pairing(0).support_radius / depth)
+    moved[82, 0] += 50
+    interface.update(moved)
+    contacts = interface.evaluate()
+    assert contacts.outcomes[1] not in ("contact", "beyond-border")
+    assert interface.cut_back(limit=10.0) == (0.25, 82, contacts.outcomes[1])
+    for limit in (0, -1, np.nan, np.inf, "half"):
+        with pytest.raises(dc.InputError):
+            interface.cut_back(limit)
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "code"),
+    [
+        ({"slaves": [81, 81]}, dc.InterfaceError, "repeated-slave"),
+        ({"slaves": [0, 81]}, dc.InterfaceError, "slave-on-master"),
+        ({"slaves": [81, 85]}, dc.InterfaceError, "slave-out-of-range"),
+        ({"slaves": [-1]}, dc.InputError, "negative-index"),
+        ({"slaves": [81.0]}, dc.InputError, "wrong-type"),
+        ({"slaves": [[81]]}, dc.InputError, "wrong-shape"),
+        ({"slave_facets": [[81, 82, 83]]}, dc.InterfaceError, "slave-without-area"),
+        ({"slave_facets": [[81, 82, 83, 99]]}, dc.InterfaceError, "node-out-of-range"),
+        ({"slave_facets": [[81, 82]]}, dc.InputError, "wrong-shape"),
+        ({"weight": "gauss"}, dc.InputError, "invalid-option"),
+        ({"wieght": "cubic"}, dc.InputError, "unknown-option"),
+        ({"element": 3}, dc.InputError, "wrong-type"),
+        ({"feature_angle": 200}, dc.InterfaceError, "invalid-option"),
+        ({"hysteresis": np.nan}, dc.InterfaceError, "invalid-option"),
+        ({"hysteresis": "much"}, dc.InputError, "wrong-type"),
+        ({"layers": 0}, dc.InterfaceError, "invalid-option"),
+        ({"max_layers": -1}, dc.InputError, "invalid-option"),
+        ({"max_layers": 2.5}, dc.InputError, "wrong-type"),
+        ({"linear_fallback": "no"}, dc.InputError, "wrong-type"),
+        ({"distance_limit": 0.0}, dc.InterfaceError, "invalid-option"),
+    ],
+)
+def test_bad_interfaces_are_refused(scene, change, error, code):
+    arguments = {"slaves": scene.slaves, **change}
+    with pytest.raises(error) as caught:
+        dc.ContactInterface(scene.master(), positions=scene.positions, **arguments)
+    assert caught.value.code == code
+
+
+def test_bad_positions_leave_the_interface_as_it_was(scene):
+    interface = scene.evaluated()
+    gap = interface.contacts.gap
+    bad = scene.positions.copy()
+    bad[10, 1] = np.nan
+    for positions, error, code in (
+        (bad, dc.InterfaceError, "non-finite-position"),
+        (scene.positions[:84], dc.InterfaceError, "wrong-number-of-positions"),
+        (scene.positions[:, :2], dc.InputError, "wrong-shape"),
+    ):
+        for call in (interface.update, interface.refresh_pairing):
+            with pytest.raises(error) as caught:
+                call(positions)
+            assert caught.value.code == code
+    np.testing.assert_array_equal(interface.contacts.gap, gap)
+
+
+def test_bad_laws_are_refused(scene):
+    interface = scene.evaluated()
+    for penalty in (0.0, -1.0, np.nan, np.inf):
+        for ask in (interface.residual, interface.tangent, interface.triplets, interface.normal_forces):
+            with pytest.raises(dc.AssemblyError) as caught:
+                ask(penalty)
+            assert caught.value.code == "invalid-penalty"
+    for multipliers, code in (
+        ([1.0], "multiplier-count"),
+        ([1, 1, 1, -1], "invalid-multiplier"),
+        ([1, 1, np.nan, 1], "invalid-multiplier"),
+    ):
+        for ask in (interface.residual, interface.tangent, interface.normal_forces):
+            with pytest.raises(dc.AssemblyError) as caught:
+                ask(1.0, multipliers=multipliers)
+            assert caught.value.code == code
+    with pytest.raises(dc.InputError):
+        interface.residual("stiff")
+    with pytest.raises(dc.InputError):
+        interface.tangent(1.0, tangent="secant")
+    interface.evaluate("gradient")
+    with pytest.raises(dc.AssemblyError) as caught:
+        interface.tangent(1.0)
+    assert caught.value.code == "derivative-length"
+    assert interface.tangent(1.0, tangent="gauss-newton").nnz > 0
+
+
+def test_errors_survive_pickling(scene):
+    with pytest.raises(dc.InterfaceError) as caught:
+        scene.interface().residual(1.0)
+    copy = pickle.loads(pickle.dumps(caught.value))
+    assert (type(copy), copy.code, str(copy)) == (dc.InterfaceError, "not-evaluated", str(caught.value))

@@ -1,0 +1,93 @@
+"""Numbers are those of the Rust library to the last bit."""
+
+import subprocess
+from pathlib import Path
+
+import diffuse_contact as dc
+import numpy as np
+import pytest
+
+PACKAGE = Path(__file__).resolve().parents[1]
+ELEMENTS = {
+    "interface/diffuse": {},
+    "interface/frozen": {"weight": "cubic-interpolating", "frame_derivative": "frozen", "rule": "nearest"},
+    "interface/node-to-facet": {"element": "node-to-facet"},
+}
+
+
+@pytest.fixture(scope="session")
+def reference():
+    command = ["cargo", "run", "--quiet", "--release", "--example", "reference"]
+    text = subprocess.run(command, cwd=PACKAGE, check=True, capture_output=True, text=True).stdout
+    arrays = {}
+    for line in text.splitlines():
+        name, *words = line.split(" ")
+        if name.endswith("/outcomes"):
+            arrays[name] = words
+        else:
+            arrays[name] = np.array([int(word, 16) for word in words if word], dtype=np.uint64).view(np.float64)
+    return arrays
+
+
+def same_bits(found, expected):
+    found = np.ascontiguousarray(found, dtype=np.float64).reshape(-1)
+    assert found.shape == expected.shape
+    np.testing.assert_array_equal(found.view(np.uint64), expected.view(np.uint64))
+
+
+def test_batches(reference):
+    cases = sorted({name.rsplit("/", 1)[0] for name in reference if name.startswith("batch/")})
+    assert len(cases) == 12
+    for case in cases:
+        _, weight, basis, derivative, nodes = case.split("/")
+        nodes = int(nodes)
+        slaves = reference[f"{case}/slaves"].reshape(-1, 3)
+        masters = reference[f"{case}/masters"].reshape(-1, nodes, 3)
+        options = {"basis": basis, "weight": weight, "frame_derivative": derivative}
+        packed = dc.gap(slaves, masters, [0, 0, 1], packed=True, **options)
+        for name in ("gap", "foot", "normal", "gradient", "hessian"):
+            same_bits(getattr(packed, name), reference[f"{case}/{name}"])
+        # The default support radius is the one written out, and M in full has the same entries.
+        full = dc.gap(slaves, masters, [0, 0, 1], support_radius=reference[f"{case}/radii"], **options)
+        same_bits(full.gap, reference[f"{case}/gap"])
+        rows, columns = np.tril_indices(3 * (nodes + 1))
+        same_bits(full.hessian[:, rows, columns], reference[f"{case}/hessian"])
+        same_bits(full.hessian.transpose(0, 2, 1)[:, rows, columns], reference[f"{case}/hessian"])
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.parametrize("case", ELEMENTS)
+def test_interfaces(reference, case, threads):
+    def ints(name, *shape):
+        return reference[f"{case}/{name}"].astype(np.int64).reshape(*shape)
+
+    dc.set_threads(threads)
+    positions = reference[f"{case}/positions"].reshape(-1, 3)
+    master = dc.MasterSurface(positions, ints("facets", -1, 4))
+    interface = dc.ContactInterface(
+        master, ints("slaves", -1), positions, slave_facets=ints("slave_facets", -1, 4), **ELEMENTS[case]
+    )
+    report = interface.refresh_pairing(positions)
+    assert [report.paired, report.fallbacks["extended"]] == ints("paired", -1).tolist()
+    interface.update(reference[f"{case}/moved"].reshape(-1, 3))
+    contacts = interface.evaluate()
+    assert contacts.outcomes == reference[f"{case}/outcomes"]
+    assert contacts.outcomes.count("contact") > 20
+    for name in ("gap", "foot", "normal"):
+        same_bits(np.nan_to_num(getattr(contacts, name)), reference[f"{case}/{name}"])
+    same_bits(contacts.area, reference[f"{case}/area"])
+    found = [interface.contact(k) for k in range(len(contacts.gap))]
+    gradients = [contact.gradient for contact in found if contact.gradient is not None]
+    same_bits(np.concatenate(gradients), reference[f"{case}/gradients"])
+    hessians = [
+        contact.hessian[np.tril_indices(len(contact.hessian))] for contact in found if contact.outcome == "contact"
+    ]
+    same_bits(np.concatenate(hessians), reference[f"{case}/hessians"])
+    multipliers = 0.5 * (np.arange(len(found)) % 5)
+    for tangent in ("exact", "gauss-newton"):
+        same_bits(interface.residual(1e3, multipliers=multipliers), reference[f"{case}/{tangent}/residual"])
+        matrix = interface.tangent(1e3, multipliers=multipliers, tangent=tangent)
+        assert matrix.indptr.tolist() == ints(f"{tangent}/offsets", -1).tolist()
+        assert matrix.indices.tolist() == ints(f"{tangent}/columns", -1).tolist()
+        same_bits(matrix.data, reference[f"{case}/{tangent}/values"])
+    dc.set_threads(None)

@@ -1,0 +1,100 @@
+import multiprocessing
+import threading
+
+import diffuse_contact as dc
+import numpy as np
+import pytest
+
+
+def grid(cells):
+    """Positions and facets of a plane grid."""
+    k = np.arange((cells + 1) ** 2)
+    positions = np.column_stack([k % (cells + 1), k // (cells + 1), np.zeros(len(k))]).astype(float)
+    first = np.arange(cells**2) % cells + (cells + 1) * (np.arange(cells**2) // cells)
+    return positions, np.column_stack([first, first + 1, first + cells + 2, first + cells + 1])
+
+
+def large_interface():
+    masters, facets = grid(60)
+    slaves, _ = grid(59)
+    positions = np.vstack([masters, slaves + [0.5, 0.5, -0.01]])
+    interface = dc.ContactInterface(dc.MasterSurface(positions, facets), np.arange(3721, 3721 + 3600), positions)
+    interface.refresh_pairing(positions)
+    return interface, positions
+
+
+def test_two_threads_on_one_interface_are_refused_with_a_sentence():
+    interface, positions = large_interface()
+    refusals, others, stop = [], [], threading.Event()
+
+    def work():
+        while not stop.is_set():
+            try:
+                interface.update(positions)
+                interface.evaluate("hessian")
+            except dc.BusyError as error:
+                refusals.append(error)
+                if len(refusals) > 5:
+                    stop.set()
+            except dc.InterfaceError as error:
+                # Between another thread's update and evaluation.
+                assert error.code == "not-evaluated"
+            except BaseException as error:
+                others.append(error)
+                stop.set()
+
+    workers = [threading.Thread(target=work) for _ in range(3)]
+    for worker in workers:
+        worker.start()
+    stop.wait(60)
+    stop.set()
+    for worker in workers:
+        worker.join()
+    assert not others
+    assert refusals, "the GIL is released during an evaluation, so another thread has to get in its way"
+    assert refusals[0].code == "busy" and "in use by another thread" in str(refusals[0])
+    interface.update(positions)
+    assert interface.evaluate().is_contact.all()
+
+
+def test_threads_with_an_interface_each_agree():
+    results = [None] * 4
+
+    def work(k):
+        interface, _ = large_interface()
+        results[k] = interface.evaluate().gap
+
+    workers = [threading.Thread(target=work, args=(k,)) for k in range(4)]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    for gap in results[1:]:
+        np.testing.assert_array_equal(gap, results[0])
+
+
+def test_the_number_of_threads_can_be_set():
+    dc.set_threads(2)
+    assert dc.thread_count() == 2
+    for bad in (0, -1, 5000, 1.5, True):
+        with pytest.raises(dc.InputError):
+            dc.set_threads(bad)
+    dc.set_threads(None)
+    assert dc.thread_count() >= 1
+
+
+def _gap_in_child(queue):
+    interface, _ = large_interface()
+    queue.put(float(interface.evaluate("value").gap[0]))
+
+
+def test_a_forked_process_gets_threads_of_its_own():
+    interface, _ = large_interface()
+    expected = float(interface.evaluate("value").gap[0])
+    context = multiprocessing.get_context("fork")
+    queue = context.Queue()
+    child = context.Process(target=_gap_in_child, args=(queue,))
+    child.start()
+    assert queue.get(timeout=60) == expected
+    child.join(60)
+    assert child.exitcode == 0

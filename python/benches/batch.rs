@@ -1,96 +1,109 @@
-//! Nanoseconds per element of the Rust library on the elements of `overhead.py`, as `nodes mode nanoseconds` per line.
-//! One thread; the best of many rounds; results are written to memory that is reused.
+//! The other side of `overhead.py`: for each line `elements nodes mode` of the input it evaluates the elements once with the Rust
+//! library and answers with nanoseconds per element. One thread; results are written to memory that is reused.
 #![forbid(unsafe_code)]
 
+use std::collections::HashMap;
 use std::error::Error;
 use std::hint::black_box;
+use std::io::{self, BufRead, Write};
 use std::time::Instant;
 
 use diffuse_contact::{
-    Basis, BatchScratch, Element, ElementError, Frame, GapSlot, Generated, Mode, Point, Weight,
+    Basis, BatchScratch, ContactPoint, Element, ElementError, Frame, GapSlot, Generated, Mode, Point, Weight,
 };
 
-/// Elements of a batch.
-const ELEMENTS: usize = 10_000;
 /// Elements made and handed to the library at once.
 const PIECE: usize = 64;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let rounds = std::env::args().nth(1).map_or(Ok(60), |rounds| rounds.parse())?;
-    for nodes in [9, 12, 16] {
-        let (slaves, masters) = scene(nodes);
-        for (mode, name) in [(Mode::Value, "value"), (Mode::Gradient, "gradient"), (Mode::Hessian, "hessian")]
-        {
-            let freedoms = 3 * (nodes + 1);
-            let packed = freedoms * (freedoms + 1) / 2;
-            let mut gradients = vec![0.0; if mode >= Mode::Gradient { ELEMENTS * freedoms } else { 0 }];
-            let mut hessians = vec![0.0; if mode >= Mode::Hessian { ELEMENTS * packed } else { 0 }];
-            let (mut gaps, mut feet, mut normals) =
-                (vec![0.0; ELEMENTS], vec![[0.0; 3]; ELEMENTS], vec![[0.0; 3]; ELEMENTS]);
-            let mut scratch = BatchScratch::default();
-            let mut best = f64::INFINITY;
-            for _ in 0..rounds {
-                let start = Instant::now();
-                for piece in (0..ELEMENTS).step_by(PIECE) {
-                    let range = piece..(piece + PIECE).min(ELEMENTS);
-                    let elements = range
-                        .clone()
-                        .map(|k| {
-                            let masters = &masters[k * nodes..(k + 1) * nodes];
-                            let frame = Frame::average_plane(masters, [0.0, 0.0, 1.0])?;
-                            let (basis, weight) = (Basis::Quadratic, Weight::Cubic);
-                            Ok(Element {
-                                slave: slaves[k],
-                                masters,
-                                frame,
-                                support_radius: 1.6,
-                                basis,
-                                weight,
-                            })
-                        })
-                        .collect::<Result<Vec<_>, ElementError>>()?;
-                    let mut n = if mode >= Mode::Gradient {
-                        gradients[range.start * freedoms..range.end * freedoms].chunks_mut(freedoms)
-                    } else {
-                        [].chunks_mut(1)
-                    };
-                    let mut m = if mode >= Mode::Hessian {
-                        hessians[range.start * packed..range.end * packed].chunks_mut(packed)
-                    } else {
-                        [].chunks_mut(1)
-                    };
-                    let slots = elements.iter().map(|_| GapSlot {
-                        gradient: n.next().unwrap_or_default(),
-                        hessian: m.next().unwrap_or_default(),
-                    });
-                    let points = Generated.gap_batch(&elements, mode, slots, &mut scratch);
-                    for (k, point) in range.zip(points) {
-                        let point = point?;
-                        (gaps[k], feet[k], normals[k]) = (point.gap, point.foot, point.normal);
-                    }
-                }
-                black_box((&gaps, &feet, &normals, &gradients, &hessians));
-                best = best.min(start.elapsed().as_secs_f64());
-            }
-            println!("{nodes} {name} {:.2}", 1e9 * best / ELEMENTS as f64);
-        }
+    let mut batches = HashMap::new();
+    for line in io::stdin().lock().lines() {
+        let line = line?;
+        let words: Vec<&str> = line.split(' ').collect();
+        let [elements, nodes, mode] = words[..] else {
+            return Err("a line has elements, nodes and mode".into());
+        };
+        let (elements, nodes) = (elements.parse()?, nodes.parse()?);
+        let mode = match mode {
+            "value" => Mode::Value,
+            "gradient" => Mode::Gradient,
+            "hessian" => Mode::Hessian,
+            _ => return Err(format!("no mode {mode}").into()),
+        };
+        let batch = batches.entry(line.clone()).or_insert_with(|| Batch::new(elements, nodes, mode));
+        let start = Instant::now();
+        batch.evaluate()?;
+        println!("{:.2}", start.elapsed().as_secs_f64() * 1e9 / f64::from(elements));
+        io::stdout().flush()?;
     }
     Ok(())
 }
 
-/// The same numbers as in `overhead.py`, up to rounding.
-fn scene(nodes: usize) -> (Vec<Point>, Vec<Point>) {
-    let mut slaves = Vec::with_capacity(ELEMENTS);
-    let mut masters = Vec::with_capacity(ELEMENTS * nodes);
-    for element in 0..ELEMENTS {
-        let shift = element as f64 / ELEMENTS as f64;
-        slaves.push([0.2 * shift, 0.1, 0.05 - 0.1 * shift]);
-        for k in 0..nodes {
-            let angle = 2.4 * k as f64 + shift;
-            let r = ((k as f64 + 0.5) / nodes as f64).sqrt();
-            let [x, y] = [r * angle.cos(), r * angle.sin()];
-            masters.push([x, y, 0.1 * x - 0.1 * x * x + 0.05 * x * y]);
+/// Elements and their results.
+struct Batch {
+    nodes: usize,
+    mode: Mode,
+    slaves: Vec<Point>,
+    masters: Vec<Point>,
+    points: Vec<ContactPoint>,
+    gradients: Vec<f64>,
+    hessians: Vec<f64>,
+    scratch: BatchScratch,
+}
+
+impl Batch {
+    /// The same numbers as in `overhead.py`, up to rounding.
+    fn new(elements: u32, nodes: usize, mode: Mode) -> Self {
+        let count = elements as usize;
+        let mut slaves = Vec::with_capacity(count);
+        let mut masters = Vec::with_capacity(count * nodes);
+        for element in 0..count {
+            let shift = element as f64 / count as f64;
+            slaves.push([0.2 * shift, 0.1, 0.05 - 0.1 * shift]);
+            for k in 0..nodes {
+                let angle = 2.4 * k as f64 + shift;
+                let r = ((k as f64 + 0.5) / nodes as f64).sqrt();
+                let [x, y] = [r * angle.cos(), r * angle.sin()];
+                masters.push([x, y, 0.1 * x - 0.1 * x * x + 0.05 * x * y]);
+            }
+        }
+        let freedoms = 3 * (nodes + 1);
+        let gradient = if mode >= Mode::Gradient { freedoms } else { 0 };
+        let hessian = if mode >= Mode::Hessian { freedoms * (freedoms + 1) / 2 } else { 0 };
+        Self {
+            nodes,
+            mode,
+            slaves,
+            masters,
+            points: vec![ContactPoint::default(); count],
+            gradients: vec![0.0; count * gradient],
+            hessians: vec![0.0; count * hessian],
+            scratch: BatchScratch::default(),
         }
     }
-    (slaves, masters)
+
+    fn evaluate(&mut self) -> Result<(), ElementError> {
+        let Self { nodes, mode, slaves, masters, points, gradients, hessians, scratch } = self;
+        let (gradient, hessian) = (gradients.len() / slaves.len(), hessians.len() / slaves.len());
+        let (mut n, mut m) = (gradients.chunks_mut(gradient.max(1)), hessians.chunks_mut(hessian.max(1)));
+        let pieces = slaves.chunks(PIECE).zip(masters.chunks(PIECE * *nodes)).zip(points.chunks_mut(PIECE));
+        for ((slaves, masters), points) in pieces {
+            let elements = slaves.iter().zip(masters.chunks(*nodes)).map(|(&slave, masters)| {
+                let frame = Frame::average_plane(masters, [0.0, 0.0, 1.0])?;
+                let (basis, weight) = (Basis::Quadratic, Weight::Cubic);
+                Ok(Element { slave, masters, frame, support_radius: 1.6, basis, weight })
+            });
+            let elements = elements.collect::<Result<Vec<_>, ElementError>>()?;
+            let slots = elements.iter().map(|_| GapSlot {
+                gradient: n.next().unwrap_or_default(),
+                hessian: m.next().unwrap_or_default(),
+            });
+            let results = Generated.gap_batch(&elements, *mode, slots, scratch);
+            for (point, result) in points.iter_mut().zip(results) {
+                *point = result?;
+            }
+        }
+        black_box((&*points, &*gradients, &*hessians));
+        Ok(())
+    }
 }

@@ -10,7 +10,6 @@ belongs to a slave that sits there, the slaves are moved to their feet until the
 import sys
 
 import matplotlib
-
 import matplotlib.pyplot as plt
 import numpy as np
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection

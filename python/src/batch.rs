@@ -181,23 +181,30 @@ fn evaluate(
     let in_full = kind.mode == Mode::Hessian && !kind.packed;
     let Scratch { batch, packed } = scratch;
     packed.resize(if in_full { count * kind.packed_size() } else { 0 }, 0.0);
-    let made: Vec<_> = (first..first + count).map(|k| inputs.element(k)).collect();
-    let elements: Vec<_> = made.iter().filter_map(|made| made.as_ref().ok().copied()).collect();
     let mut gradients = gradient.chunks_exact_mut(kind.gradient_size().max(1));
     let target = if in_full { packed.as_mut_slice() } else { &mut *hessian };
     let mut hessians = target.chunks_exact_mut(kind.packed_size());
-    let slots = made.iter().map(|made| {
+    let (mut elements, mut slots) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    let mut unsound = Vec::new();
+    for k in 0..count {
         let (gradient, hessian) = (gradients.next().unwrap_or_default(), hessians.next().unwrap_or_default());
-        made.is_ok().then_some(GapSlot { gradient, hessian })
-    });
-    let slots: Vec<_> = slots.collect();
-    let points = Generated.gap_batch(&elements, kind.mode, slots.into_iter().flatten(), batch);
-    let mut points = points.into_iter();
+        match inputs.element(first + k) {
+            Ok(element) => {
+                elements.push(element);
+                slots.push(GapSlot { gradient, hessian });
+            }
+            Err(error) => unsound.push((k, error)),
+        }
+    }
+    let points = Generated.gap_batch(&elements, kind.mode, slots, batch);
+    let (mut points, mut unsound) = (points.into_iter(), unsound.into_iter().peekable());
     let mut failed = None;
-    for (k, made) in made.into_iter().enumerate() {
+    for k in 0..count {
         // Sound elements have their point, in their order.
-        let result =
-            made.and_then(|_| points.next().unwrap_or(Err(ElementError::Overflow { what: "result" })));
+        let result = match unsound.next_if(|(unsound, _)| *unsound == k) {
+            Some((_, error)) => Err(error),
+            None => points.next().unwrap_or(Err(ElementError::Overflow { what: "result" })),
+        };
         match result {
             Ok(ContactPoint { gap: g, foot: x, normal: n }) => {
                 (gap[k], foot[k], normal[k], status[k]) = (g, x, n, 0);
@@ -308,12 +315,21 @@ pub fn gap_batch(
     };
     check(py, &elements, &results)?;
     let pieces = results.pieces(kind);
-    let failed = threads::run(py, || {
-        let results = pieces
-            .into_par_iter()
-            .map_init(Scratch::default, |scratch, piece| evaluate(&elements, piece, scratch));
-        results.flatten_iter().min_by_key(|(index, _)| *index)
-    })?;
+    let failed = if threads::thread_count(py)? == 1 {
+        // Handing a batch over to another thread and waiting for it takes as long as several elements.
+        py.detach(|| {
+            let mut scratch = Scratch::default();
+            let failed = pieces.into_iter().filter_map(|piece| evaluate(&elements, piece, &mut scratch));
+            failed.min_by_key(|(index, _)| *index)
+        })
+    } else {
+        threads::run(py, || {
+            let failed = pieces
+                .into_par_iter()
+                .map_init(Scratch::default, |scratch, piece| evaluate(&elements, piece, scratch));
+            failed.flatten_iter().min_by_key(|(index, _)| *index)
+        })?
+    };
     Ok(failed.map(|(index, error)| (index, error.stable_code(), error.to_string())))
 }
 

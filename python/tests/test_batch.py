@@ -1,6 +1,7 @@
-import diffuse_contact as dc
 import numpy as np
 import pytest
+
+import diffuse_contact as dc
 
 UP = [0, 0, 1]
 

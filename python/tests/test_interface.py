@@ -1,9 +1,10 @@
 import pickle
 
-import diffuse_contact as dc
 import numpy as np
 import pytest
 import scipy.sparse
+
+import diffuse_contact as dc
 from diffuse_contact import _native
 
 

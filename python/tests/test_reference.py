@@ -3,9 +3,10 @@
 import subprocess
 from pathlib import Path
 
-import diffuse_contact as dc
 import numpy as np
 import pytest
+
+import diffuse_contact as dc
 
 PACKAGE = Path(__file__).resolve().parents[1]
 ELEMENTS = {

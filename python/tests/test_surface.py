@@ -1,6 +1,7 @@
-import diffuse_contact as dc
 import numpy as np
 import pytest
+
+import diffuse_contact as dc
 
 SQUARES = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]], dtype=float)
 

@@ -1,9 +1,10 @@
 import multiprocessing
 import threading
 
-import diffuse_contact as dc
 import numpy as np
 import pytest
+
+import diffuse_contact as dc
 
 
 def grid(cells):

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes report.png and shape.png beside it: the report of a plate on a cylinder with both elements, as a browser shows it.
+# Makes report.png and shape.png beside it (they are not kept): the report of a plate on a cylinder with both elements, as a browser shows it.
 # Needs Rust and Chromium. Usage: docs/pictures/make.sh [PROGRAM], from anywhere; PROGRAM is built if it is not given.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."

@@ -147,6 +147,25 @@ fn the_gap_jump_of_a_refresh_is_the_largest_there_was() {
 }
 
 #[test]
+fn pairings_are_taken_over_however_many_masters_hulls_hold() {
+    let search = SearchOptions::default().with_rule(NeighbourRule::hull_layers(Some(4)));
+    let element =
+        ContactElement::Diffuse { weight: Weight::Cubic, frame: FrameDerivative::CoMoving, search };
+    let options = InterfaceOptions { element, ..Default::default() };
+    let slaves = over_floor(40);
+    let mut scene = floor().paired(&slaves, options);
+    let before = gaps(&mut scene);
+    let kept = scene.interface.kept_pairings();
+    let contacts = scene.interface.evaluate(Mode::Value).unwrap();
+    assert!(contacts.iter().any(|contact| contact.nodes.len() > 24));
+
+    let mut other = floor().scene(&slaves, options);
+    other.interface.set_kept_pairings(&kept).unwrap();
+    assert_eq!(gaps(&mut other), before);
+    assert_eq!(other.refresh().kept, 40);
+}
+
+#[test]
 fn without_hysteresis_a_refresh_in_place_renews_everything() {
     let mut scene =
         floor().paired(&over_floor(80), InterfaceOptions { hysteresis: 0.0, ..Default::default() });

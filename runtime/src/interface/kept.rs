@@ -6,7 +6,6 @@ use super::pairings::{Pairings, Record};
 use super::{ContactElement, ContactInterface, InterfaceError, NoContact};
 use crate::Basis;
 use crate::neighbourhood::Fallback;
-use crate::pairing::MAX_NEIGHBOURS;
 
 /// The pairing of one slave, as far as a refresh looks at it to decide whether to keep it
 /// ([`InterfaceOptions::hysteresis`](super::InterfaceOptions::hysteresis)).
@@ -97,7 +96,8 @@ impl ContactInterface {
                 }
                 ContactElement::Diffuse { .. } => {
                     let known = |node: &u32| self.master.nodes().binary_search(node).is_ok();
-                    (basis.size()..=MAX_NEIGHBOURS).contains(&masters.len())
+                    // Hulls may hold more than a search of the nearest nodes returns.
+                    masters.len() >= basis.size()
                         && masters.is_sorted_by(|one, next| one < next)
                         && masters.iter().all(known)
                 }

@@ -149,8 +149,7 @@ fn the_gap_jump_of_a_refresh_is_the_largest_there_was() {
 #[test]
 fn pairings_are_taken_over_however_many_masters_hulls_hold() {
     let search = SearchOptions::default().with_rule(NeighbourRule::hull_layers(Some(4)));
-    let element =
-        ContactElement::Diffuse { weight: Weight::Cubic, frame: FrameDerivative::CoMoving, search };
+    let element = ContactElement::Diffuse { weight: Weight::Cubic, frame: FrameDerivative::CoMoving, search };
     let options = InterfaceOptions { element, ..Default::default() };
     let slaves = over_floor(40);
     let mut scene = floor().paired(&slaves, options);

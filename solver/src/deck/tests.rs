@@ -484,10 +484,10 @@ fn the_example_decks_build() {
         // Hexahedra, master facets and slave facets.
         ("coaxial_cylinders", (36 * 4 + 40 * 4, 80, 72)),
         ("hertz_cylinder", (20 * 20 + 40 * 16, 40, 40)),
-        ("hertz_sphere", (12 * 12 * 12 + 3 * 144 * 10, 64, 3 * 144)),
+        ("hertz_sphere", (9 * 9 * 9 + 3 * 81 * 8, 64, 3 * 81)),
         ("patch_test", (50 + 24, 25, 12)),
-        ("pipe_pinch", (64 + 48, 24, 32)),
-        ("pipe_pinch_plastic", (64 + 48, 24, 32)),
+        ("pipe_pinch", (64 + 48, 32, 24)),
+        ("pipe_pinch_plastic", (64 + 48, 32, 24)),
         ("plate_cylinder", (100, 32, 100)),
         ("ring_block", (128 + 360, 60, 64)),
         ("sliding_block", (108, 150, 36)),

@@ -143,8 +143,10 @@ fn a_finished_run_is_restarted_to_what_it_is() {
     let (one, other) = (scratch.path("one"), scratch.path("other"));
     assert_eq!(run(&["solve", &deck, "--out", &one]).code, 0);
     assert_eq!(run(&["solve", &deck, "--out", &other]).code, 0);
+    let before = contents(Path::new(&other));
     let again = run(&["solve", &deck, "--out", &other, "--restart"]);
     assert_eq!(again.code, 0, "{again:?}");
+    assert_eq!(contents(Path::new(&other)), before, "there is nothing left to do");
     assert_same_results(Path::new(&one), Path::new(&other));
 }
 

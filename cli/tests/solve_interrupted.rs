@@ -49,6 +49,9 @@ fn an_interrupted_run_is_whole_and_goes_on_to_the_same_end() {
 
     let mut child = start(&deck, &out);
     wait_for(&out, 3, &mut child);
+    for how in ["--restart", "--overwrite"] {
+        run(&["solve", &deck, "--out", &out, how]).assert_refused(&[&out, "another run is writing there"]);
+    }
     signal(&child, "-INT");
     let stopped: Run = child.wait_with_output().unwrap().into();
     assert_eq!(stopped.code, 130, "{stopped:?}");

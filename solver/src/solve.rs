@@ -7,7 +7,9 @@ use thiserror::Error;
 use crate::contact::{self, ContactError, ContactSet, Interaction, InteractionOptions, RefreshRule};
 use crate::deck::{Contact, Deck, DeckError, Interface, Refresh, Tangent};
 use crate::model::Model;
-use crate::output::{Fields, OutputError, Recorder, RecorderOptions, Summary, Watcher, names};
+use crate::output::{
+    Claim, Fields, OutputError, Recorder, RecorderOptions, Summary, Watcher, names, read_json,
+};
 use crate::report::{self, sample_surfaces};
 use crate::solid::Solid;
 use crate::statics::{
@@ -82,9 +84,16 @@ pub fn solve(
     let problem = problem(&deck, &model, options.threads)?;
     let mut statics = Statics::new(problem, settings(&deck, &model))?;
     let recorded = recorder_options(&deck, &model, text, &options.out);
+    if !options.restart {
+        std::fs::create_dir_all(&options.out).map_err(OutputError::write(&options.out))?;
+    }
+    let _claim = Claim::of(&options.out)?;
     let (mut recorder, state) = if options.restart {
         let state = Recorder::last_state(&recorded)?;
         statics.check_state(&state)?;
+        if let Some(summary) = finished(&state, &deck, &options.out)? {
+            return Ok(summary);
+        }
         (Recorder::reopen(recorded, &model, state.clone(), watcher)?, state)
     } else {
         let start = statics.problem().start();
@@ -112,6 +121,16 @@ pub fn solve(
     };
     let &State { increments, time, .. } = recorder.state();
     Err(SolveError::EndedEarly { reason, out: options.out.clone(), increments, time })
+}
+
+/// How the run ended whose last state is at the end of time; `None` if there is something left to do or to write.
+fn finished(state: &State, deck: &Deck, out: &Path) -> Result<Option<Summary>, OutputError> {
+    let path = out.join(names::SUMMARY);
+    if state.time < deck.time.end || !path.exists() || !out.join(names::REPORT).exists() {
+        return Ok(None);
+    }
+    let summary: Summary = read_json(&path)?;
+    Ok(summary.converged.then_some(summary))
 }
 
 fn recorder_options(deck: &Deck, model: &Model, text: String, out: &Path) -> RecorderOptions {

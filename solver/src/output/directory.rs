@@ -1,6 +1,6 @@
 //! A directory of results: files that are whole, tables that grow by whole lines.
 
-use std::fs::{self, OpenOptions};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -16,6 +16,25 @@ const FILES: [&str; 6] =
 /// Where results are written.
 #[derive(Clone, Debug)]
 pub struct Directory(PathBuf);
+
+/// The right to write to a directory, as long as it lives. It is the system's lock of the directory, which ends with the
+/// process however that ends; where directories cannot be locked, such as on Windows, nothing is kept away.
+#[derive(Debug)]
+pub struct Claim(#[allow(dead_code)] Option<File>);
+
+impl Claim {
+    /// Claims a directory that exists; one that does not is left to whoever needs it.
+    ///
+    /// # Errors
+    /// [`OutputError::Busy`] if somebody else has it.
+    pub fn of(path: &Path) -> Result<Self, OutputError> {
+        let Ok(directory) = File::open(path) else { return Ok(Self(None)) };
+        match directory.try_lock() {
+            Err(TryLockError::WouldBlock) => Err(OutputError::Busy { path: path.to_path_buf() }),
+            Ok(()) | Err(TryLockError::Error(_)) => Ok(Self(Some(directory))),
+        }
+    }
+}
 
 impl Directory {
     /// Results are there or will be.

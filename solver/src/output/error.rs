@@ -49,6 +49,12 @@ pub enum OutputError {
         /// The directory.
         path: PathBuf,
     },
+    /// Another run writes to the directory.
+    #[error("{}: another run is writing there; wait for its end, or name another directory", path.display())]
+    Busy {
+        /// The directory.
+        path: PathBuf,
+    },
     /// There is nothing to go on from.
     #[error("{} holds no results to go on from", path.display())]
     NothingToRestart {

@@ -28,6 +28,7 @@ mod recorder;
 mod skin;
 mod summary;
 
+pub use directory::Claim;
 pub use error::OutputError;
 pub use fields::{ContactStatus, Fields, Stresses};
 pub use history::{History, HistoryRow, read_history};

@@ -81,6 +81,9 @@ pub enum Failure {
     /// An element was turned inside out, however short the step.
     #[error("{0}")]
     Inverted(SolidError),
+    /// Contact could not be evaluated where an iteration led to, such as beyond all bounds.
+    #[error("{0}")]
+    Contact(ContactError),
     /// The stiffness is singular.
     #[error("{0}")]
     Singular(SystemError),
@@ -99,7 +102,9 @@ impl Failure {
     /// An element that a shorter step may leave the right way round, or something else.
     pub(super) fn of_solid(error: SolidError) -> Self {
         match error {
-            SolidError::Inverted { .. } | SolidError::Unresolved { .. } => Self::Inverted(error),
+            SolidError::Inverted { .. } | SolidError::Unresolved { .. } | SolidError::NotFinite { .. } => {
+                Self::Inverted(error)
+            }
             _ => Self::Fatal(error.into()),
         }
     }

@@ -16,8 +16,8 @@
 //! **Line search**: if the slope Δx·r after a full step is not below 0.8 of that before, or grows beyond it, s is sought by
 //! regula falsi between 0.1 and 1. A step that turns an element inside out is halved first.
 //!
-//! **Cut-back**: an increment that does not converge within its iterations, diverges, or turns an element inside out in spite of
-//! halved steps, starts again with a fraction of its length; nothing of the failed try is kept. Below the smallest length the run ends with
+//! **Cut-back**: an increment that does not converge within its iterations, diverges, turns an element inside out in spite of
+//! halved steps, or goes where contact cannot be evaluated, starts again with a fraction of its length; nothing of the failed try is kept. Below the smallest length the run ends with
 //! [`StaticsError::NoConvergence`]: all increments before it are valid.
 
 mod error;

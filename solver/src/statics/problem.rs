@@ -188,7 +188,7 @@ impl Problem {
     /// Pairs anew; the stiffness then needs a new pattern.
     pub(super) fn refresh(&mut self, rule: RefreshRule, positions: &[[f64; 3]]) -> Result<(), Failure> {
         let begin = Instant::now();
-        let any = self.contacts.refresh(rule, positions)?;
+        let any = self.contacts.refresh(rule, positions).map_err(Failure::Contact)?;
         if any {
             self.stiffness = None;
         }
@@ -230,9 +230,9 @@ impl Problem {
             Order::Residual => Mode::Gradient,
             Order::Tangent => Mode::Hessian,
         };
-        self.contacts.evaluate(positions, mode)?;
+        self.contacts.evaluate(positions, mode).map_err(Failure::Contact)?;
         self.contact.fill(0.0);
-        self.active = self.contacts.add_internal_forces(&mut self.contact)?;
+        self.active = self.contacts.add_internal_forces(&mut self.contact).map_err(Failure::Contact)?;
         self.timing.contact += solid.elapsed();
         Ok(self.balance())
     }

@@ -188,6 +188,21 @@ fn the_smallest_increment_that_fails_ends_the_run_and_keeps_what_there_is() {
 }
 
 #[test]
+fn contact_that_cannot_be_evaluated_is_a_failed_increment() {
+    let base = PRESSED
+        .replace("fix = [\"x\", \"y\", \"z\"]", "translate = [0.0, 0.0, -1e80]")
+        .replace("translate = [0.3, 0.0, -0.2]", "fix = [\"x\", \"y\", \"z\"]");
+    let (deck, model) = deck(&base, "[time]\nincrement = 0.5");
+    let mut statics = statics(&deck, &model);
+    let mut notes = Notes::default();
+    let start = statics.problem().start();
+    let error = statics.run(start, &mut notes).unwrap_err();
+    let StaticsError::NoConvergence { reason, .. } = error else { panic!("{error}") };
+    assert!(matches!(*reason, Failure::Contact(_)), "{reason}");
+    assert!(notes.cuts.len() > 3 && notes.increments.is_empty());
+}
+
+#[test]
 fn the_last_increment_is_cut_by_its_own_length() {
     // Planned 0.4, the last one is 0.2 long: half of it is 0.1.
     let base = PRESSED

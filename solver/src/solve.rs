@@ -259,6 +259,7 @@ pub fn settings(deck: &Deck, model: &Model) -> Settings {
             max_iterations: deck.newton.max_iterations,
             few_iterations: 6,
             line_search: deck.newton.line_search,
+            extrapolation: deck.newton.extrapolation,
         },
     }
 }

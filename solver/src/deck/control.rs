@@ -3,6 +3,7 @@
 use super::error::DeckError;
 use super::reader::Section;
 use super::schema;
+use crate::statics::Extrapolation;
 
 /// How time goes on from 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +35,8 @@ pub struct Newton {
     pub max_iterations: usize,
     /// Whether a step that makes the residual grow is shortened.
     pub line_search: bool,
+    /// Where an increment looks for its end first.
+    pub extrapolation: Extrapolation,
 }
 
 /// What is written.
@@ -118,7 +121,13 @@ pub(super) fn time(deck: &Section) -> Result<Time, DeckError> {
 }
 
 pub(super) fn newton(deck: &Section) -> Result<Newton, DeckError> {
-    let mut newton = Newton { tolerance: 1e-6, absolute: 1e-8, max_iterations: 20, line_search: true };
+    let mut newton = Newton {
+        tolerance: 1e-6,
+        absolute: 1e-8,
+        max_iterations: 20,
+        line_search: true,
+        extrapolation: Extrapolation::None,
+    };
     let Some(field) = deck.get("newton") else { return Ok(newton) };
     let section = field.section()?.expect(schema::NEWTON)?;
     if let Some(field) = section.get("tolerance") {
@@ -132,6 +141,9 @@ pub(super) fn newton(deck: &Section) -> Result<Newton, DeckError> {
     }
     if let Some(field) = section.get("line_search") {
         newton.line_search = field.flag()?;
+    }
+    if let Some(field) = section.get("extrapolation") {
+        newton.extrapolation = field.word(&Extrapolation::ALL.map(|rule| (rule.name(), rule)))?;
     }
     Ok(newton)
 }

@@ -9,6 +9,7 @@ use diffuse_contact::pairing::MAX_NEIGHBOURS;
 use diffuse_contact::{FrameDerivative, Weight};
 
 use super::*;
+use crate::statics::Extrapolation;
 
 /// A deck that is right: a block on a rigid floor.
 const DECK: &str = r#"
@@ -98,7 +99,13 @@ fn a_deck_is_read_with_its_defaults() {
     );
     assert_eq!(
         deck.newton,
-        Newton { tolerance: 1e-6, absolute: 1e-8, max_iterations: 20, line_search: true }
+        Newton {
+            tolerance: 1e-6,
+            absolute: 1e-8,
+            max_iterations: 20,
+            line_search: true,
+            extrapolation: Extrapolation::None
+        }
     );
     assert_eq!(deck.output, Output { every: 1, stress: true, colour: Colour::VonMises });
     let interface = &deck.interfaces[0];
@@ -153,6 +160,7 @@ fn every_field_is_taken() {
         absolute = 0
         max_iterations = 11
         line_search = false
+        extrapolation = "linear"
         [output]
         every = 3
         stress = false
@@ -191,7 +199,13 @@ fn every_field_is_taken() {
     );
     assert_eq!(
         deck.newton,
-        Newton { tolerance: 1e-8, absolute: 0.0, max_iterations: 11, line_search: false }
+        Newton {
+            tolerance: 1e-8,
+            absolute: 0.0,
+            max_iterations: 11,
+            line_search: false,
+            extrapolation: Extrapolation::Linear
+        }
     );
     assert_eq!(deck.output, Output { every: 3, stress: false, colour: Colour::Gap });
     assert_eq!(deck.pressures[0].amplitude.at(2.5), 2.5);

@@ -2,8 +2,8 @@
 
 use super::line_search::line_search;
 use super::observer::{IncrementRecord, IterationRecord, Observer};
-use super::problem::{Balance, Problem, State};
-use super::{Failure, Settings};
+use super::problem::{Balance, Past, Problem, State};
+use super::{Extrapolation, Failure, Settings};
 use crate::contact::RefreshRule;
 use crate::solid::Order;
 
@@ -36,11 +36,16 @@ impl<'a> Increment<'a> {
         let newton = self.settings.newton;
         self.problem.take_history(self.committed)?;
         self.problem.refresh(RefreshRule::Increment, &self.positions)?;
-        // Seen from the committed points the next step is elastic; with the tangent of the last increment yielding goes on.
-        let before = &self.committed.points_before;
-        let balance = self.problem.evaluate(self.end, &self.positions, before, Order::Tangent)?;
-        self.record(balance, observer)?;
-        let mut balance = self.predict()?;
+        let mut balance = match self.extrapolate()? {
+            Some(balance) => balance,
+            None => {
+                // Seen from the committed points the next step is elastic; with the tangent of the last increment yielding goes on.
+                let before = &self.committed.points_before;
+                let balance = self.problem.evaluate(self.end, &self.positions, before, Order::Tangent)?;
+                self.record(balance, observer)?;
+                self.predict()?
+            }
+        };
         let (mut augmentations, mut in_round) = (0, 1);
         loop {
             self.record(balance, observer)?;
@@ -86,25 +91,53 @@ impl<'a> Increment<'a> {
         Ok(())
     }
 
+    /// Goes on along the line through the last two states, if there are two and no element is inside out there.
+    fn extrapolate(&mut self) -> Result<Option<Balance>, Failure> {
+        let committed = self.committed;
+        let Some(past) = &committed.past else { return Ok(None) };
+        let factor = (self.end - committed.time) / (committed.time - past.time);
+        for (position, earlier) in self.positions.iter_mut().zip(&past.positions) {
+            for axis in 0..3 {
+                position[axis] += factor * (position[axis] - earlier[axis]);
+            }
+        }
+        self.place_prescribed();
+        self.step = 1.0;
+        match self.settle() {
+            Ok(balance) => Ok(Some(balance)),
+            Err(Failure::Inverted(_)) => {
+                self.positions.copy_from_slice(&self.committed.positions);
+                Ok(None)
+            }
+            Err(failure) => Err(failure),
+        }
+    }
+
     /// The linear step that takes the prescribed nodes to where they belong.
     fn predict(&mut self) -> Result<Balance, Failure> {
-        let targets: Vec<(usize, f64)> = {
-            let start = self.problem.start_positions();
-            self.problem.supports().targets(self.end, start).collect()
-        };
-        let prescribed: Vec<(usize, f64)> = targets
-            .iter()
-            .map(|&(freedom, target)| (freedom, target - self.positions[freedom / 3][freedom % 3]))
+        let prescribed: Vec<(usize, f64)> = self
+            .targets()
+            .into_iter()
+            .map(|(freedom, target)| (freedom, target - self.positions[freedom / 3][freedom % 3]))
             .collect();
         let step = self.linear_solution(&prescribed)?;
         let origin = self.positions.clone();
         self.advance(&origin, &step, 1.0);
-        // Exactly, not to rounding.
-        for (freedom, target) in targets {
-            self.positions[freedom / 3][freedom % 3] = target;
-        }
+        self.place_prescribed();
         self.step = 1.0;
         self.settle()
+    }
+
+    /// Where the prescribed degrees of freedom belong.
+    fn targets(&self) -> Vec<(usize, f64)> {
+        self.problem.supports().targets(self.end, self.problem.start_positions()).collect()
+    }
+
+    /// Takes the prescribed degrees of freedom to where they belong exactly, not to rounding.
+    fn place_prescribed(&mut self) {
+        for (freedom, target) in self.targets() {
+            self.positions[freedom / 3][freedom % 3] = target;
+        }
     }
 
     /// A Newton step, as far along as the line search says.
@@ -180,6 +213,8 @@ impl<'a> Increment<'a> {
         let &mut Self { committed, end, iterations, .. } = self;
         let positions = std::mem::take(&mut self.positions);
         let history = std::mem::take(&mut self.history);
+        let past = (self.settings.newton.extrapolation == Extrapolation::Linear)
+            .then(|| Past { time: committed.time, positions: committed.positions.clone() });
         let problem = &*self.problem;
         let state = State {
             time: end,
@@ -188,6 +223,7 @@ impl<'a> Increment<'a> {
             iterations: committed.iterations + iterations,
             cutbacks: committed.cutbacks,
             positions,
+            past,
             points: problem.response().states.clone(),
             points_before: committed.points.clone(),
             multipliers: problem.contacts().multipliers(),

@@ -4,7 +4,8 @@
 //! the end of time, one converged increment after the other, and tells an [`Observer`] about each; it knows nothing of files.
 //!
 //! **An increment** starts from a committed state. Slaves are paired at its positions, and one linear step from there, with the
-//! prescribed nodes moving to where they belong at the new time, predicts the new positions; from then on it is Newton's method:
+//! prescribed nodes moving to where they belong at the new time, predicts the new positions; with [`Extrapolation::Linear`] they are
+//! extrapolated instead. From then on it is Newton's method:
 //!
 //! ```text
 //! r = f_ext(t, x) + Σ f_k N_k − f_int(x)      K Δx = r      x ← x + s Δx
@@ -17,8 +18,8 @@
 //! regula falsi between 0.1 and 1. A step that turns an element inside out is halved first.
 //!
 //! **Cut-back**: an increment that does not converge within its iterations, diverges, turns an element inside out in spite of
-//! halved steps, or goes where contact cannot be evaluated, starts again with a fraction of its length; nothing of the failed try is kept. Below the smallest length the run ends with
-//! [`StaticsError::NoConvergence`]: all increments before it are valid.
+//! halved steps, or goes where contact cannot be evaluated, starts again with a fraction of its length; nothing of the failed
+//! try is kept. Below the smallest length the run ends with [`StaticsError::NoConvergence`]: all increments before it are valid.
 
 mod error;
 mod increment;
@@ -34,8 +35,8 @@ mod tests;
 pub use error::{Failure, StaticsError};
 pub use observer::{Control, IncrementRecord, IterationRecord, Observer, Timing};
 pub use pressure::Pressure;
-pub use problem::{Problem, State};
-pub use settings::{NewtonSettings, Settings, TimeSettings};
+pub use problem::{Past, Problem, State};
+pub use settings::{Extrapolation, NewtonSettings, Settings, TimeSettings};
 pub use supports::{SupportGroup, SupportGroups};
 
 use increment::Increment;
@@ -117,6 +118,8 @@ impl Statics {
                     // Of the failed try only its price is kept.
                     state.iterations = iterations;
                     state.cutbacks += 1;
+                    // The path may have turned.
+                    state.past = None;
                     self.effort.cutbacks += 1;
                     // The last increment may be shorter than was planned.
                     let length = end - state.time;

@@ -27,6 +27,8 @@ pub struct State {
     pub cutbacks: usize,
     /// Positions of all nodes, length.
     pub positions: Vec<[f64; 3]>,
+    /// Where they were at the start of the last increment, if the next one extrapolates from there.
+    pub past: Option<Past>,
     /// Plastic state of each integration point.
     pub points: Vec<PointState>,
     /// The same at the start of the last increment: from there the tangent at `positions` goes on with the flow.
@@ -35,6 +37,15 @@ pub struct State {
     pub multipliers: Vec<Vec<f64>>,
     /// What the next pairing may keep of the last one, for each slave of each pass.
     pub pairings: Vec<Vec<Option<SlavePairing>>>,
+}
+
+/// Positions in equilibrium at an earlier time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Past {
+    /// Pseudo-time.
+    pub time: f64,
+    /// Positions of all nodes, length.
+    pub positions: Vec<[f64; 3]>,
 }
 
 /// Solids, supports, loads and contacts, with forces and stiffness at the positions of the last evaluation.
@@ -110,6 +121,7 @@ impl Problem {
             iterations: 0,
             cutbacks: 0,
             positions: self.start.clone(),
+            past: None,
             points: self.solid.states(),
             points_before: self.solid.states(),
             multipliers: self.contacts.multipliers(),
@@ -127,7 +139,8 @@ impl Problem {
             ("integration points", state.points.len(), self.solid.states().len()),
             ("integration points before", state.points_before.len(), self.solid.states().len()),
         ];
-        for (what, found, expected) in counts {
+        let past = state.past.iter().map(|past| ("nodes before", past.positions.len(), self.start.len()));
+        for (what, found, expected) in counts.into_iter().chain(past) {
             if found != expected {
                 return Err(StaticsError::ForeignState { what, found, expected });
             }

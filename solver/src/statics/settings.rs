@@ -28,6 +28,31 @@ pub struct TimeSettings {
     pub cutback: f64,
 }
 
+/// Where an increment begins to look for its end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Extrapolation {
+    /// At the end of a linear step from where it begins.
+    #[default]
+    None,
+    /// On the straight line through the last two states: a linear solution fewer. The first increment, one after a failure and one whose
+    /// extrapolation turns an element inside out take the linear step.
+    Linear,
+}
+
+impl Extrapolation {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::None, Self::Linear];
+
+    /// Name in decks.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Linear => "linear",
+        }
+    }
+}
+
 /// Newton's method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonSettings {
@@ -41,6 +66,8 @@ pub struct NewtonSettings {
     pub few_iterations: usize,
     /// Whether steps are shortened that increase the slope.
     pub line_search: bool,
+    /// The first guess.
+    pub extrapolation: Extrapolation,
 }
 
 impl Settings {

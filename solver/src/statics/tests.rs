@@ -448,15 +448,17 @@ fn a_pairing_per_iteration_belongs_to_the_end_of_the_increment() {
 #[test]
 fn a_run_goes_on_from_any_state_to_the_same_end() {
     let augmented = "method = \"augmented-lagrangian\"\naugmentation = { tolerance = 1e-3, max = 3 }";
-    for more in [
-        "refresh = \"increment\"",
-        "refresh = \"iteration\"\nhysteresis = 0.3",
-        "frame = \"frozen\"",
-        &format!("refresh = \"iteration\"\n{augmented}"),
+    for (more, newton) in [
+        ("refresh = \"increment\"", ""),
+        ("refresh = \"increment\"", "extrapolation = \"linear\""),
+        ("refresh = \"iteration\"\nhysteresis = 0.3", ""),
+        ("frame = \"frozen\"", ""),
+        (&format!("refresh = \"iteration\"\n{augmented}"), ""),
     ] {
         let base = PRESSED.replace("penalty = 2000.0", &format!("penalty = 2000.0\n{more}"));
-        let (deck, model) =
-            deck(&base, "[time]\nincrement = 0.1\nmaximum = 0.3\n[newton]\nmax_iterations = 12");
+        let newton =
+            format!("[time]\nincrement = 0.1\nmaximum = 0.3\n[newton]\nmax_iterations = 12\n{newton}");
+        let (deck, model) = deck(&base, &newton);
         let mut whole = Notes::default();
         let mut statics = self::statics(&deck, &model);
         let start = statics.problem().start();
@@ -472,6 +474,41 @@ fn a_run_goes_on_from_any_state_to_the_same_end() {
             assert_eq!(fresh.run(read, &mut Notes::default()).unwrap(), end, "{more}");
             assert_eq!(fresh.effort(), statics.effort());
         }
+    }
+}
+
+#[test]
+fn extrapolation_saves_linear_solutions_and_changes_nothing_else() {
+    let run = |rule: &str| {
+        let more =
+            format!("[time]\nincrement = 0.05\n[newton]\ntolerance = 1e-10\nextrapolation = \"{rule}\"");
+        run(PRESSED, &more)
+    };
+    let (none, by_step, _) = run("none");
+    let (linear, extrapolated, _) = run("linear");
+    assert!(by_step.past.is_none() && extrapolated.past.is_some());
+    // There is nothing to go on from in the first increment.
+    assert_eq!(linear.increments[0].iterations, none.increments[0].iterations);
+    assert!(extrapolated.iterations + 10 < by_step.iterations);
+    for (one, other) in extrapolated.positions.iter().zip(&by_step.positions) {
+        for (a, b) in one.iter().zip(other) {
+            assert!((a - b).abs() < 1e-8, "{a} {b}");
+        }
+    }
+}
+
+/// The direction turns in a corner there: the next increment begins with the linear step.
+#[test]
+fn after_a_failure_nothing_is_extrapolated() {
+    let more =
+        "[time]\nincrement = 0.5\nmaximum = 0.5\n[newton]\nmax_iterations = 5\nextrapolation = \"linear\"";
+    let (notes, state, _) = run(PRESSED, more);
+    assert!(!notes.cuts.is_empty() && state.cutbacks == notes.cuts.len());
+    for &(end, _) in &notes.cuts {
+        let again = notes.increments.iter().find(|record| record.time > end - 0.5).unwrap();
+        assert!(again.time < end);
+        // The residual at its beginning is the first of its records.
+        assert_eq!(again.history.len(), again.iterations + 1);
     }
 }
 

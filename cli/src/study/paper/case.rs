@@ -65,19 +65,20 @@ impl Case {
         self
     }
 
-    /// With another value of a field, such as `interface.penalty`; of a list of tables the first is meant.
+    /// With another value of a field, such as `interface.penalty`; of a list of tables the first is meant, and one that is missing
+    /// is added.
     pub fn with(mut self, field: &str, value: impl Into<Value>) -> Self {
         let mut parts: Vec<&str> = field.split('.').collect();
         let last = parts.pop().unwrap_or_default();
         let mut table = &mut self.table;
         for part in parts {
-            table = match table.get_mut(part) {
-                Some(Value::Table(inner)) => inner,
-                Some(Value::Array(list)) => match list.first_mut() {
+            table = match table.entry(part).or_insert_with(|| Table::new().into()) {
+                Value::Table(inner) => inner,
+                Value::Array(list) => match list.first_mut() {
                     Some(Value::Table(inner)) => inner,
                     _ => panic!("`{part}` holds no table"),
                 },
-                _ => panic!("there is no `{part}` in the deck"),
+                _ => panic!("`{part}` is no table"),
             };
         }
         table.insert(last.into(), value.into());

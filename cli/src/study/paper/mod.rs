@@ -3,12 +3,14 @@
 //!
 //! * [`cylinder`]: penetration into a cylinder that is described by facets;
 //! * [`pinch`]: Newton iterations of the pinch of a pipe;
+//! * [`sliding`]: iterations where nodes slide over kinks, and with extrapolation;
 //! * [`tangents`]: what the exact tangent is worth.
 
 mod case;
 mod cylinder;
 mod pinch;
 mod plot;
+mod sliding;
 mod tangents;
 
 use std::path::PathBuf;
@@ -53,10 +55,18 @@ pub fn run(arguments: &PaperArguments) -> Result<(), CliError> {
     let scope = pinch::Scope::new(arguments.quick);
     let decks = Decks {
         directory: arguments.decks.clone(),
-        bar: progress("runs", cylinder::cases().len() + scope.runs() + tangents::runs(&scope)),
+        bar: progress(
+            "runs",
+            cylinder::cases().len() + scope.runs() + sliding::runs(&scope) + tangents::runs(&scope),
+        ),
     };
     let chapters = with_threads(Some(1), || {
-        Ok([cylinder::chapter(&decks)?, pinch::chapter(&decks, &scope)?, tangents::chapter(&decks, &scope)?])
+        Ok([
+            cylinder::chapter(&decks)?,
+            pinch::chapter(&decks, &scope)?,
+            sliding::chapter(&decks, &scope)?,
+            tangents::chapter(&decks, &scope)?,
+        ])
     })?;
     decks.bar.finish_and_clear();
     let mut document = introduction(arguments.quick);

@@ -3,6 +3,7 @@
 //!
 //! * [`cylinder`]: penetration into a cylinder that is described by facets;
 //! * [`pinch`]: Newton iterations of the pinch of a pipe;
+//! * [`steps`]: the same in longer increments;
 //! * [`sliding`]: iterations where nodes slide over kinks, and with extrapolation;
 //! * [`tangents`]: what the exact tangent is worth.
 
@@ -11,6 +12,7 @@ mod cylinder;
 mod pinch;
 mod plot;
 mod sliding;
+mod steps;
 mod tangents;
 
 use std::path::PathBuf;

@@ -6,7 +6,7 @@ use plotters::chart::SeriesLabelPosition;
 
 use super::case::{Case, Outcome, saving};
 use super::plot::{Curve, Figure, Outline, Shapes};
-use super::{Chapter, Decks};
+use super::{Chapter, Decks, steps};
 use crate::error::CliError;
 use crate::study::markdown::Table;
 
@@ -67,7 +67,19 @@ impl Scope {
 
     /// Number of runs.
     pub fn runs(&self) -> usize {
-        (self.meshes.len() + self.plastic_meshes.len()) * self.penalties.len() * 4 + 2 * REFRESHED.len()
+        (self.meshes.len() + self.plastic_meshes.len()) * self.penalties.len() * 4
+            + 2 * REFRESHED.len()
+            + steps::runs(self)
+    }
+
+    /// Meshes of the elastic pipe, the coarsest first.
+    pub fn meshes(&self) -> &'static [Mesh] {
+        self.meshes
+    }
+
+    /// Penalties, force per length, the softest first.
+    pub fn penalties(&self) -> &'static [f64] {
+        self.penalties
     }
 
     /// The finest mesh.
@@ -120,6 +132,7 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
     let elastic = pairs(decks, scope, Pipe::Elastic, scope.meshes)?;
     let plastic = pairs(decks, scope, Pipe::Plastic, scope.plastic_meshes)?;
     let refreshed = refreshed(decks, scope)?;
+    let longer = steps::table(decks, scope)?;
     let shown = elastic.iter().filter(|pair| pair.master == Master::Pipe && pair.penalty == scope.stiffest());
     let curves = shown.flat_map(|pair| {
         [("diffuse", &pair.diffuse), ("facets", &pair.classic)].map(|(element, outcome)| Curve {
@@ -159,7 +172,7 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
     for picture in pictures.into_iter().flatten() {
         drawn.push(picture?);
     }
-    Ok(Chapter { text: text(&elastic, &plastic, &refreshed), pictures: drawn })
+    Ok(Chapter { text: text(&elastic, &plastic, &refreshed, &longer), pictures: drawn })
 }
 
 fn pairs(decks: &Decks, scope: &Scope, pipe: Pipe, meshes: &[Mesh]) -> Result<Vec<Pair>, CliError> {
@@ -264,7 +277,7 @@ fn total(pairs: &[Pair], master: Master) -> String {
     format!("{diffuse} against {classic} over {} decks, {:.1} % {word}", both.len(), fewer.abs())
 }
 
-fn text(elastic: &[Pair], plastic: &[Pair], refreshed: &[(Pipe, Pair)]) -> String {
+fn text(elastic: &[Pair], plastic: &[Pair], refreshed: &[(Pipe, Pair)], longer: &Table) -> String {
     let tables =
         [("Elastic: 80 mm in 32 increments", elastic), ("Elastoplastic: 100 mm in 100 increments", plastic)];
     let mut text = "## A pipe pinched between plates\n\n\
@@ -288,7 +301,7 @@ fn text(elastic: &[Pair], plastic: &[Pair], refreshed: &[(Pipe, Pair)]) -> Strin
     }
     let _ = write!(
         text,
-        "\n{table}\n\
+        "\n{table}\n{longer}\n\
          ![Iterations over the displacement](pictures/paper-iterations.svg)\n\n\
          ![Deformed pipe, elastic](pictures/paper-pinch-elastic.svg)\n\n\
          ![Deformed pipe, elastoplastic](pictures/paper-pinch-plastic.svg)\n"

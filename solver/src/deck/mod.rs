@@ -93,6 +93,8 @@ pub enum PartSource {
     Solid {
         /// The file, relative to the deck.
         file: PathBuf,
+        /// Instance in an Abaqus file, if there are several.
+        instance: Option<String>,
         /// Element set; `None` for all hexahedra.
         elements: Option<String>,
     },
@@ -100,6 +102,8 @@ pub enum PartSource {
     Rigid {
         /// The file, relative to the deck.
         file: PathBuf,
+        /// Instance in an Abaqus file, if there are several.
+        instance: Option<String>,
         /// Surface or element set.
         surface: String,
     },

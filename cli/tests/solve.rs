@@ -223,7 +223,8 @@ fn what_cannot_be_used_is_refused_in_a_sentence() {
     assert!(BLOCK.contains(shape));
     refused(&BLOCK.replace(shape, "file = \"absent.inp\""), &["absent.inp"]);
     refused("title = ", &["deck.toml"]);
-    refused("", &["deck.toml"]);
+    refused("", &["deck.toml", "nothing in the deck"]);
+    refused("# later\n\n", &["deck.toml", "nothing in the deck"]);
     let deck = scratch.file("block.toml", BLOCK);
     run(&["solve", &deck, "--out", &out, "--restart"]).assert_refused(&[&out, "no results"]);
     run(&["solve", &deck, "--threads", "0"]).assert_refused(&["--threads"]);

@@ -179,6 +179,9 @@ impl Deck {
         if let Some(error) = errors.iter().min_by_key(|error| place(error)) {
             return Err(source.error(place(error), Problem::Syntax { message: error.message().into() }));
         }
+        if table.get_ref().is_empty() {
+            return Err(source.error(0, Problem::Empty));
+        }
         let deck = Section::root(source, &table).expect(schema::DECK)?;
 
         let time = control::time(&deck)?;

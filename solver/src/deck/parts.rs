@@ -124,7 +124,7 @@ fn shaped(part: &str, section: &Section, shape: &Field) -> Result<PartSource, De
         let problem = Problem::Shape { part: part.into(), error: error.clone() };
         let field = match error {
             ShapeError::OutOfRange { field, .. } => field,
-            ShapeError::TooManyNodes { .. } => "divisions",
+            ShapeError::TooManyNodes { .. } | ShapeError::NoMemory { .. } => "divisions",
         };
         match section.get(field) {
             Some(field) => field.error(problem),

@@ -142,9 +142,8 @@ fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
                     (true, None) => continue,
                 };
                 let run = outcome(press(&deck, decks, problem))?;
-                if let (Ok(run), true, true) =
-                    (&run, exchange, std::ptr::eq(*mesh, &raw const problem.meshes[problem.charted]))
-                {
+                let is_charted = exchange && mesh.body == problem.meshes[problem.charted].body;
+                if let (Ok(run), true) = (&run, is_charted) {
                     curves.extend(curve(run, problem, element, modulus));
                 }
                 let figures = run.map(|run| figures(&run, problem, modulus));

@@ -349,7 +349,9 @@ impl Deck<'_> {
                     .names
                     .publish(elements_in.iter().map(|set| place(&set.unread)).collect(), &owner),
             ),
-            in_surfaces: named(surfaces.publish(facets.iter().map(|(_, tag)| place(tag)).collect(), &owner)),
+            in_surfaces: named(
+                surfaces.publish(facets.iter().map(|surface| place(&surface.unread)).collect(), &owner),
+            ),
             elements: self.unread,
         };
         let sorted = |sets: Vec<Content>| {
@@ -358,7 +360,7 @@ impl Deck<'_> {
         let mut public_node_sets = node_sets.names.publish(sorted(nodes_in), &owner);
         surfaces.merge_node_surfaces(&mut public_node_sets, node_surfaces, &owner)?;
         let element_sets = element_sets.names.publish(sorted(elements_in), &owner);
-        let surfaces = surfaces.publish(facets.into_iter().map(|(facets, _)| facets).collect(), &owner);
+        let surfaces = surfaces.publish(facets.into_iter().map(|surface| surface.facets).collect(), &owner);
         let (mut nodes, node_tags) = builder.into_nodes();
         placement.apply(&mut nodes, &node_tags)?;
         Ok(Mesh { nodes, node_tags, elements, node_sets: public_node_sets, element_sets, surfaces, unread })

@@ -16,6 +16,14 @@ pub(super) struct Surfaces {
     nodes: Vec<NodeEntry>,
 }
 
+/// What is in a surface of faces.
+#[derive(Clone, Default)]
+pub(super) struct Faces {
+    pub facets: Vec<Facet>,
+    /// The first element in it of a type that is not supported.
+    pub unread: Option<u64>,
+}
+
 struct FaceEntry {
     at: usize,
     surface: usize,
@@ -92,27 +100,27 @@ impl Surfaces {
         Ok(())
     }
 
-    /// The facets of every surface of faces, each face once, and the first element in it of a type that is not supported.
+    /// What is in every surface of faces, each face once.
     pub fn resolve_facets(
         &self,
         element_sets: &Sets,
         elements_in: &[Content],
         find: impl Fn(u64) -> Found,
         elements: &[Element],
-    ) -> Result<Vec<(Vec<Facet>, Option<u64>)>, Fault> {
-        let mut surfaces = vec![(Vec::new(), None); self.of_faces.count()];
+    ) -> Result<Vec<Faces>, Fault> {
+        let mut surfaces = vec![Faces::default(); self.of_faces.count()];
         let mut seen = HashSet::new();
         for &FaceEntry { at, surface, member, face } in &self.faces {
             let (indices, unread) = element_sets
                 .members(member, elements_in, &find)
                 .map_err(|tag| missing(&self.of_faces, surface, "element", tag, at))?;
-            surfaces[surface].1 = surfaces[surface].1.or(unread);
+            surfaces[surface].unread = surfaces[surface].unread.or(unread);
             for index in indices {
                 let facet = face
                     .facet(&elements[index])
                     .ok_or_else(|| Fault::new(at, wrong_face(face, &elements[index])))?;
                 if seen.insert((surface, index, face)) {
-                    surfaces[surface].0.push(facet);
+                    surfaces[surface].facets.push(facet);
                 }
             }
         }

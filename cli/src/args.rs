@@ -48,7 +48,7 @@ pub enum Command {
     Check(CheckArguments),
     /// Measure accuracy, smoothness and speed of contact surfaces on meshes of known shape.
     Study(StudyArguments),
-    /// Measure the generated kernels against the element written by hand and over dual numbers.
+    /// Measure the generated kernels against the element written by hand and over dual numbers (with the feature `bench`).
     Bench(BenchArguments),
 }
 

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use diffuse_contact::ElementError;
 use diffuse_contact::ad::FormulaError;
+#[cfg(feature = "bench")]
 use diffuse_contact_benches::MeasureError;
 use diffuse_contact_codegen::model::WeightError;
 use diffuse_contact_codegen::{Basis, Mode, Output};
@@ -168,8 +169,13 @@ pub enum CliError {
         mode: Mode,
     },
     /// Nothing can be measured, or a contender computes something else.
+    #[cfg(feature = "bench")]
     #[error(transparent)]
     Measure(#[from] MeasureError),
+    /// The program was built without what `bench` measures.
+    #[cfg(not(feature = "bench"))]
+    #[error("this program was built without it: cargo run --profile bench --features bench -- bench")]
+    NoBench,
     /// There is nothing to compare on.
     #[error(transparent)]
     NoElement(#[from] NoElement),

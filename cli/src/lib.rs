@@ -29,6 +29,10 @@
 
 mod args;
 mod backend;
+#[cfg(feature = "bench")]
+mod bench;
+#[cfg(not(feature = "bench"))]
+#[path = "no_bench.rs"]
 mod bench;
 pub mod check;
 mod contact_mesh;

@@ -77,6 +77,7 @@ pub fn run(arguments: &SolveArguments) -> Result<ExitCode, CliError> {
     let out = arguments.out.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.results")));
     let stop = Arc::new(AtomicBool::new(false));
     stop_on_interrupt(&stop);
+    outlive_limits_of_files();
     let options = SolveOptions {
         out: out.clone(),
         restart: arguments.restart,
@@ -110,6 +111,7 @@ fn is_no_fault_of_the_input(reason: &SolveError) -> bool {
 
 /// Writes the page for directories of results.
 pub fn report(arguments: &ReportArguments) -> Result<(), CliError> {
+    outlive_limits_of_files();
     let directories: Vec<&Path> = arguments.directories.iter().map(PathBuf::as_path).collect();
     write_report(&directories, &arguments.output).map_err(|reason| CliError::Solve(Box::new(reason.into())))
 }
@@ -125,6 +127,16 @@ fn stop_on_interrupt(stop: &Arc<AtomicBool>) {
     };
     // Without a handler an interrupt ends the program at once, and what is on disk is whole all the same.
     let _ = ctrlc::set_handler(handler);
+}
+
+/// A file that grows beyond what the user may write (`ulimit -f`) is an error of writing, as a full disk is, and not the program's end.
+fn outlive_limits_of_files() {
+    #[cfg(unix)]
+    {
+        // That the signal came is known from the error.
+        let came = Arc::new(AtomicBool::new(false));
+        let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, came);
+    }
 }
 
 /// Lines on standard error, which may be closed.

@@ -223,7 +223,8 @@ fn what_cannot_be_used_is_refused_in_a_sentence() {
     assert!(BLOCK.contains(shape));
     refused(&BLOCK.replace(shape, "file = \"absent.inp\""), &["absent.inp"]);
     refused("title = ", &["deck.toml"]);
-    refused("", &["deck.toml"]);
+    refused("", &["deck.toml", "nothing in the deck"]);
+    refused("# later\n\n", &["deck.toml", "nothing in the deck"]);
     let deck = scratch.file("block.toml", BLOCK);
     run(&["solve", &deck, "--out", &out, "--restart"]).assert_refused(&[&out, "no results"]);
     run(&["solve", &deck, "--threads", "0"]).assert_refused(&["--threads"]);
@@ -245,14 +246,109 @@ fn damaged_results_are_not_gone_on_from() {
         run(&["solve", &deck, "--out", &out, "--restart"]).assert_refused(&["state.json", "line"]);
     }
     // A state of another model: sound, but not of this one.
-    for (list, what) in [("positions", "nodes"), ("points", "integration points"), ("multipliers", "passes")]
-    {
+    let restart_with = |change: &dyn Fn(&mut serde_json::Value)| {
         let mut other: serde_json::Value = serde_json::from_str(&whole).unwrap();
-        other[list].as_array_mut().unwrap().pop();
+        change(&mut other);
         fs::write(&state, other.to_string()).unwrap();
-        run(&["solve", &deck, "--out", &out, "--restart"]).assert_refused(&[what]);
+        run(&["solve", &deck, "--out", &out, "--restart"])
+    };
+    for (list, what) in [("positions", "nodes"), ("multipliers", "passes")] {
+        let cut = restart_with(&|other| drop(other["state"][list].as_array_mut().unwrap().pop()));
+        cut.assert_refused(&[what]);
     }
+    restart_with(&|other| other["state"]["points"]["count"] = 127.into())
+        .assert_refused(&["integration points"]);
+    restart_with(&|other| other["state"]["points"]["count"] = u64::MAX.into())
+        .assert_refused(&["state.json", "points"]);
+    let nowhere = serde_json::json!({"nodes": [1000], "gap": [0.0], "pressure": [0.0], "status": [3]});
+    restart_with(&|other| other["pending"] = nowhere.clone()).assert_refused(&["state.json", "nodes"]);
+    restart_with(&|other| other["model"] = "0".into()).assert_refused(&["another mesh"]);
     assert!(Path::new(&out).join("summary.json").exists(), "nothing else was touched");
+}
+
+/// Two cubes one above the other, `width` wide along x.
+fn tower(width: f64) -> String {
+    let layer = |k: usize| {
+        let corners = [[0.0, 0.0], [width, 0.0], [width, 1.0], [0.0, 1.0]].into_iter().enumerate();
+        corners.map(move |(i, [x, y])| format!("{}, {x}, {y}, {k}.0\n", 4 * k + i + 1)).collect::<String>()
+    };
+    let nodes: String = (0..3).map(layer).collect();
+    let elements = "1, 1, 2, 3, 4, 5, 6, 7, 8\n2, 5, 6, 7, 8, 9, 10, 11, 12\n";
+    let sets = "*NSET, NSET=bottom\n1, 2, 3, 4\n*NSET, NSET=top\n9, 10, 11, 12\n";
+    format!("*NODE\n{nodes}*ELEMENT, TYPE=C3D8\n{elements}{sets}")
+}
+
+const TOWER: &str = r#"
+[materials.soft]
+young = 1000.0
+poisson = 0.3
+
+[parts.tower]
+file = "tower.inp"
+material = "soft"
+
+[[boundary]]
+nodes = "tower.bottom"
+fix = ["x", "y", "z"]
+
+[[boundary]]
+nodes = "tower.top"
+translate = [0.0, 0.0, -0.2]
+
+[time]
+increment = 0.5
+"#;
+
+#[test]
+fn a_restart_needs_the_mesh_it_began_with() {
+    let scratch = Scratch::new("solve-mesh");
+    let (deck, out) = (scratch.file("tower.toml", TOWER), scratch.path("out"));
+    scratch.file("tower.inp", &tower(1.0));
+    let restart = || run(&["solve", &deck, "--out", &out, "--restart"]);
+    assert_eq!(run(&["solve", &deck, "--out", &out]).code, 0);
+    assert_eq!(restart().code, 0);
+    // As many nodes and elements, hardly elsewhere.
+    scratch.file("tower.inp", &tower(1.0 + 1e-12));
+    restart().assert_refused(&[&out, "another mesh"]);
+    scratch.file("tower.inp", &tower(1.0).replace("top\n9, 10", "top\n10, 9"));
+    assert_eq!(restart().code, 0, "the same set");
+    scratch.file("tower.inp", &tower(1.0).replace("top\n9, 10, 11, 12", "top\n9, 10, 11"));
+    let before = contents(Path::new(&out));
+    restart().assert_refused(&[&out, "another mesh"]);
+    assert_eq!(contents(Path::new(&out)), before, "nothing changed");
+    // Nothing of an elastic body is written point by point.
+    let state = fs::read_to_string(Path::new(&out).join("state.json")).unwrap();
+    assert!(state.contains(r#""points":{"count":16,"yielded":[],"states":[]}"#), "{state}");
+}
+
+/// Where pictures are not of every increment, those of a run that was stopped, or killed, and went on are those of one that was not.
+#[test]
+fn a_restart_goes_on_with_the_series_of_pictures() {
+    let scratch = Scratch::new("solve-series");
+    // Half the time of the deck is a deck of its own, whose results are those of a run that ended there.
+    let wish = "[output]\nevery = 3";
+    let deck = scratch.file("block.toml", &format!("{BLOCK}\n{wish}"));
+    let (whole, out) = (scratch.path("whole"), scratch.path("out"));
+    assert_eq!(run(&["solve", &deck, "--out", &whole]).code, 0);
+    let half =
+        format!("{BLOCK}end = 0.5\n{wish}").replace("-0.2]", "-0.2]\namplitude = [[0.0, 0.0], [1.0, 1.0]]");
+    let half = scratch.file("half.toml", &half);
+    assert_eq!(run(&["solve", &half, "--out", &out]).code, 0);
+    let directory = Path::new(&out);
+    let picture = directory.join("results/00004.vtu");
+    assert!(picture.exists(), "that of the end");
+    fs::copy(&deck, directory.join("deck.toml")).unwrap();
+    assert_eq!(run(&["solve", &deck, "--out", &out, "--restart"]).code, 0);
+    assert_same_results(Path::new(&whole), directory);
+
+    // Killed after the last increment and before anything was made of it.
+    for name in
+        ["results/00008.vtu", "skins/00008.json", "skins/surfaces.json", "summary.json", "report.html"]
+    {
+        fs::remove_file(directory.join(name)).unwrap();
+    }
+    assert_eq!(run(&["solve", &deck, "--out", &out, "--restart"]).code, 0);
+    assert_same_results(Path::new(&whole), directory);
 }
 
 #[test]

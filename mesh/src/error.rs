@@ -40,8 +40,26 @@ pub enum MeshError {
     Empty {
         /// The file.
         path: PathBuf,
-        /// `"nodes"` or `"elements"`.
+        /// `"nodes"`, `"elements"` or `"elements of types that are supported"`.
         what: &'static str,
+    },
+    /// An instance was asked of a file of a format that has none.
+    #[error("{path}: a Gmsh file has no instances, and so none that is named {name:?}")]
+    NoInstances {
+        /// The file.
+        path: PathBuf,
+        /// The instance asked for.
+        name: String,
+    },
+    /// The set holds an element that was not read, because its type is not supported.
+    #[error("the set {name:?} holds element {tag} of type {kind}, which is not supported; {SUPPORTED}")]
+    UnreadElement {
+        /// The name of the set.
+        name: String,
+        /// The element's tag.
+        tag: u64,
+        /// Its type as the file names it.
+        kind: String,
     },
     /// No set has this name.
     #[error("no set is named {name:?}{}; {}", did_you_mean(nearest.as_deref()), list_of(available))]
@@ -70,6 +88,9 @@ pub enum MeshError {
         holds: String,
     },
 }
+
+const SUPPORTED: &str = "supported are points, 2-node lines, 3-node triangles, 4-node quadrilaterals, 4-node tetrahedra and \
+                         8-node hexahedra";
 
 /// A place in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,10 +138,7 @@ pub enum Problem {
         version: String,
     },
     /// An element type that is not read here.
-    #[error(
-        "element type {name} is not supported; supported are points, 2-node lines, 3-node triangles, \
-         4-node quadrilaterals, 4-node tetrahedra and 8-node hexahedra"
-    )]
+    #[error("element type {name} is not supported; {SUPPORTED}")]
     UnsupportedElement {
         /// The type as the file or the format's manual names it.
         name: String,
@@ -132,6 +150,20 @@ pub enum Problem {
         feature: String,
         /// What to do instead.
         advice: &'static str,
+    },
+    /// A file has several instances, and none was asked for.
+    #[error("the file has several instances, and one has to be named; {}", list("there are", available))]
+    SeveralInstances {
+        /// Their names.
+        available: Vec<String>,
+    },
+    /// A file does not have the instance that was asked for.
+    #[error("no instance is named {name:?}; {}", list("there are", available))]
+    UnknownInstance {
+        /// The name asked for.
+        name: String,
+        /// The names there are.
+        available: Vec<String>,
     },
     /// Two nodes share a tag.
     #[error("node {tag} is defined twice")]
@@ -260,10 +292,14 @@ fn did_you_mean(nearest: Option<&str>) -> String {
 }
 
 fn list_of(names: &[String]) -> String {
+    if names.is_empty() { "the mesh has no named sets".into() } else { list("the mesh has", names) }
+}
+
+fn list(begin: &str, names: &[String]) -> String {
     if names.is_empty() {
-        return "the mesh has no named sets".into();
+        return format!("{begin} none");
     }
-    format!("the mesh has {}", names.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", "))
+    format!("{begin} {}", names.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", "))
 }
 
 #[cfg(test)]

@@ -7,9 +7,9 @@
 //!   index without checking.
 //! * **Bad input is an error, never a panic** and never a huge allocation: counts in a file's header are not
 //!   trusted. A [`MeshError`] names the file, the line (or the byte, in a binary file) and what was found.
-//! * **Nothing is guessed.** What the readers do not support (second-order elements, several Abaqus instances,
-//!   partitioned meshes) is refused by name. What cannot matter here (materials, steps, post-processing
-//!   sections) is skipped.
+//! * **Nothing is guessed.** What the readers do not support (second-order elements, coordinate systems, partitioned meshes) is
+//!   refused by name; in an Abaqus file, which may hold much that nobody asks for, elements that are not supported are refused when
+//!   a set with one of them is asked for. What cannot matter here (materials, steps, post-processing sections) is skipped.
 //! * **Orientation is kept.** A [`Facet`] lists its nodes so that the right-hand rule gives its normal: as Gmsh
 //!   or Abaqus orders them, reversed for `SNEG` and for negative physical tags, outward for faces of solids.
 //! * **A written file is whole.** [`VtuFile::write`] fills a temporary file and renames it.
@@ -44,5 +44,5 @@ pub mod vtu;
 
 pub use element::{Cell, Element, ElementKind, Facet};
 pub use error::{MeshError, Place, Problem};
-pub use mesh::Mesh;
+pub use mesh::{Mesh, UnreadElement};
 pub use vtu::{VtuError, VtuFile};

@@ -30,6 +30,24 @@ pub struct Mesh {
     pub(crate) node_sets: BTreeMap<String, Vec<usize>>,
     pub(crate) element_sets: BTreeMap<String, Vec<usize>>,
     pub(crate) surfaces: BTreeMap<String, Vec<Facet>>,
+    pub(crate) unread: Unread,
+}
+
+/// An element of a type that is not supported: it is not in the mesh.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnreadElement {
+    /// Its number in the file.
+    pub tag: u64,
+    /// Its type as the file names it, in upper case.
+    pub kind: String,
+}
+
+/// Elements of types that are not supported, and the first of them in each set and surface that holds any.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Unread {
+    pub elements: Vec<UnreadElement>,
+    pub in_sets: BTreeMap<String, usize>,
+    pub in_surfaces: BTreeMap<String, usize>,
 }
 
 impl Mesh {
@@ -50,6 +68,18 @@ impl Mesh {
         }
     }
 
+    /// Reads one instance of an Abaqus file: its part where the assembly has it, and the sets and surfaces of part and assembly as
+    /// far as they are its own. The other functions need this only if there are several instances.
+    pub fn read_instance(path: impl AsRef<Path>, instance: &str) -> Result<Self, MeshError> {
+        let path = path.as_ref();
+        let bytes =
+            std::fs::read(path).map_err(|cause| MeshError::Read { path: path.to_path_buf(), cause })?;
+        if bytes.trim_ascii_start().starts_with(b"$") {
+            return Err(MeshError::NoInstances { path: path.to_path_buf(), name: instance.into() });
+        }
+        Self::abaqus(&bytes, path, Some(instance))
+    }
+
     /// Reads the content of a Gmsh file, MSH 4.1, ASCII or binary. `path` is only used in messages.
     pub fn from_gmsh(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, MeshError> {
         gmsh::read(bytes, path.as_ref())?.unless_empty(path.as_ref())
@@ -57,13 +87,18 @@ impl Mesh {
 
     /// Reads the content of an Abaqus input file. `path` is only used in messages.
     pub fn from_abaqus(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, MeshError> {
-        let path = path.as_ref();
-        abaqus::read(bytes).map_err(|fault| fault.in_text(path, bytes))?.unless_empty(path)
+        Self::abaqus(bytes, path.as_ref(), None)
+    }
+
+    fn abaqus(bytes: &[u8], path: &Path, instance: Option<&str>) -> Result<Self, MeshError> {
+        let mesh = abaqus::read(bytes, instance).map_err(|fault| fault.in_text(path, bytes))?;
+        mesh.unless_empty(path)
     }
 
     fn unless_empty(self, path: &Path) -> Result<Self, MeshError> {
         let what = match (self.nodes.is_empty(), self.elements.is_empty()) {
             (true, _) => "nodes",
+            (false, true) if !self.unread.elements.is_empty() => "elements of types that are supported",
             (false, true) => "elements",
             (false, false) => return Ok(self),
         };
@@ -83,6 +118,11 @@ impl Mesh {
     /// All elements, of all kinds.
     pub fn elements(&self) -> &[Element] {
         &self.elements
+    }
+
+    /// Elements of types that are not supported; whoever asks for a set that holds one gets an error.
+    pub fn unread_elements(&self) -> &[UnreadElement] {
+        &self.unread.elements
     }
 
     /// The elements of one kind.
@@ -122,9 +162,11 @@ impl Mesh {
     /// Of an element set these are its triangles and quadrilaterals; elements of other kinds do not count.
     /// The result is never empty: a set without facets is an error.
     pub fn facets(&self, name: &str) -> Result<Vec<Facet>, MeshError> {
+        self.refuse_unread(&self.unread.in_surfaces, name)?;
         if let Some(surface) = find(&self.surfaces, name).filter(|surface| !surface.is_empty()) {
             return Ok(surface.clone());
         }
+        self.refuse_unread(&self.unread.in_sets, name)?;
         let elements = find(&self.element_sets, name);
         let facets: Vec<Facet> =
             elements.into_iter().flatten().filter_map(|&index| self.elements[index].facet()).collect();
@@ -141,8 +183,10 @@ impl Mesh {
         if let Some(nodes) = find(&self.node_sets, name) {
             Ok(nodes.clone())
         } else if let Some(surface) = find(&self.surfaces, name) {
+            self.refuse_unread(&self.unread.in_surfaces, name)?;
             Ok(unite(surface.iter().flat_map(Facet::nodes).copied().collect()))
         } else if let Some(elements) = find(&self.element_sets, name) {
+            self.refuse_unread(&self.unread.in_sets, name)?;
             Ok(unite(elements.iter().flat_map(|&index| self.elements[index].nodes()).copied().collect()))
         } else {
             Err(self.unknown_set(name))
@@ -151,6 +195,7 @@ impl Mesh {
 
     /// The elements of the element set of this name, as sorted indices.
     pub fn elements_of(&self, name: &str) -> Result<&[usize], MeshError> {
+        self.refuse_unread(&self.unread.in_sets, name)?;
         match find(&self.element_sets, name) {
             Some(elements) => Ok(elements),
             None => {
@@ -158,6 +203,12 @@ impl Mesh {
                 Err(MeshError::NoElements { name: name.into(), holds })
             }
         }
+    }
+
+    fn refuse_unread(&self, sets: &BTreeMap<String, usize>, name: &str) -> Result<(), MeshError> {
+        let Some(&index) = find(sets, name) else { return Ok(()) };
+        let UnreadElement { tag, kind } = self.unread.elements[index].clone();
+        Err(MeshError::UnreadElement { name: name.into(), tag, kind })
     }
 
     /// What there is by this name, in words.

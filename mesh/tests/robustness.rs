@@ -14,18 +14,29 @@ const DECK: &[u8] = b"\
 *Element, type=S4, elset=e
 1, 1, 2,
 3, 4
+*Element, type=C3D6, elset=w
+2, 1, 2,
+3, 4
 *Nset, nset=n, generate
 1, 3, 2
 *End Part
 *Assembly, name=A
 *Instance, name=I, part=P
+1., , 2.
+0., 0., 0., 1., 1., 1., 30.
 *End Instance
+*Node
+5, 1.
+*Element, type=MASS
+1, 5
 *Elset, elset=e, instance=I
 I.e, 1
 *Surface, name=s
 e, SNEG
 *Surface, name=d, type=NODE
 n, 1.
+*Nset, nset=r
+5, I.1
 *End Assembly
 ";
 

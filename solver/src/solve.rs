@@ -89,12 +89,13 @@ pub fn solve(
     }
     let _claim = Claim::of(&options.out)?;
     let (mut recorder, state) = if options.restart {
-        let state = Recorder::last_state(&recorded)?;
+        let saved = Recorder::last_state(&recorded, &model)?;
+        let state = saved.state.clone();
         statics.check_state(&state)?;
         if let Some(summary) = finished(&state, &deck, &options.out)? {
             return Ok(summary);
         }
-        (Recorder::reopen(recorded, &model, state.clone(), watcher)?, state)
+        (Recorder::reopen(recorded, &model, saved, watcher)?, state)
     } else {
         let start = statics.problem().start();
         (Recorder::create(recorded, &model, statics.problem(), options.overwrite, watcher)?, start)
@@ -110,7 +111,7 @@ pub fn solve(
     summary.converged = reason.is_empty();
     summary.reason.clone_from(&reason);
     let surfaces = master_surfaces(&deck, &model, recorder.state());
-    let written = recorder.finish(summary, &surfaces).and_then(|summary| {
+    let written = recorder.finish(summary, &surfaces, statics.problem()).and_then(|summary| {
         write_report(&[&options.out], &options.out.join(names::REPORT))?;
         Ok(summary)
     });

@@ -91,6 +91,9 @@ pub struct VerificationArguments {
     /// Directory of the decks
     #[arg(long, value_name = "DIR", default_value = "examples")]
     pub decks: PathBuf,
+    /// The finer meshes of the Hertz problems, which take minutes, in place of the others
+    #[arg(long, conflicts_with = "pictures")]
+    pub fine: bool,
     /// Directory to write a picture of each problem to that has one
     #[arg(long, value_name = "DIR")]
     pub pictures: Option<PathBuf>,
@@ -127,6 +130,11 @@ impl VerificationProblem {
         Self::SlidingBlock,
         Self::RingBlock,
     ];
+
+    /// Whether it is also solved on meshes that take minutes.
+    pub const fn has_fine_meshes(self) -> bool {
+        matches!(self, Self::HertzCylinder | Self::HertzSphere)
+    }
 
     /// Name of its deck.
     pub const fn name(self) -> &'static str {

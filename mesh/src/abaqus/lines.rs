@@ -97,9 +97,27 @@ impl<'a> Lines<'a> {
         })
     }
 
-    /// The next data line, of exactly `count` fields and at most `extra` more, which are dropped. While fields
-    /// are missing and the line ends with a comma, the next line continues it.
-    pub fn record(&mut self, count: usize, extra: usize, form: &str) -> Result<Option<Data>, Fault> {
+    /// Passes over the data lines below the present keyword.
+    pub fn skip_data(&mut self) {
+        while self.next_if(|line| !line.starts_with('*')).is_some() {}
+    }
+
+    /// The next data line with those that continue it: while a line ends with a comma, the next one does.
+    pub fn open_record(&mut self) -> Option<Data> {
+        let mut record = self.data()?;
+        while record.fields.last().is_some_and(String::is_empty) {
+            record.fields.pop();
+            match self.data() {
+                Some(more) => record.fields.extend(more.fields),
+                None => break,
+            }
+        }
+        Some(record)
+    }
+
+    /// The next data line, of exactly `count` fields. While fields are missing and the line ends with a comma, the next line
+    /// continues it.
+    pub fn record(&mut self, count: usize, form: &str) -> Result<Option<Data>, Fault> {
         let Some(mut record) = self.data() else { return Ok(None) };
         while record.fields.last().is_some_and(String::is_empty) {
             record.fields.pop();
@@ -112,10 +130,9 @@ impl<'a> Lines<'a> {
                 None => break,
             }
         }
-        if record.fields.len() < count || record.fields.len() > count + extra {
+        if record.fields.len() != count {
             return Err(Fault::unexpected(record.at, form, record.fields.join(", ")));
         }
-        record.fields.truncate(count);
         Ok(Some(record))
     }
 
@@ -186,7 +203,7 @@ mod tests {
     #[test]
     fn records_gather_continued_lines() {
         let mut lines = Lines::new(b"1, 2,\n3, 4,\n5,\n6, 7, 8\n9, 10\n11,");
-        let mut record = || lines.record(4, 0, "four numbers");
+        let mut record = || lines.record(4, "four numbers");
         assert_eq!(record().unwrap().unwrap().fields, ["1", "2", "3", "4"]);
         assert_eq!(record().unwrap().unwrap().fields, ["5", "6", "7", "8"]);
         assert!(record().is_err());

@@ -1,23 +1,28 @@
 //! Reads the mesh of an Abaqus input file: nodes, elements, sets and surfaces.
 //!
-//! The file is flat, or has one part with one instance that is not moved. Keywords that create or move nodes
-//! and are not supported are refused; all others (materials, steps, ...) are skipped. The format is described
-//! in the Abaqus manuals, "Input syntax rules" and the keyword reference.
+//! The file is flat, or has parts and an assembly of instances, of which one is read. Keywords that create or move nodes
+//! and are not supported are refused; all others (materials, steps, ...) are skipped. Elements of a type that is not supported
+//! are left out, and sets that hold one remember it. The format is described in the Abaqus manuals, "Input syntax rules" and the
+//! keyword reference.
 
+mod assembly;
 mod lines;
 mod sets;
 mod surfaces;
 
+use std::collections::{BTreeMap, HashMap};
+
 use crate::builder::Builder;
 use crate::element::ElementKind;
 use crate::error::{Fault, Problem};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Unread, UnreadElement};
+use assembly::{Bystanders, Choice, Placement};
 use lines::{Data, Keyword, Lines};
-use sets::{Level, Member, Sets};
+use sets::{Content, Found, Level, Member, Sets};
 use surfaces::Surfaces;
 
-/// Reads a mesh from the content of an input file.
-pub(crate) fn read(bytes: &[u8]) -> Result<Mesh, Fault> {
+/// Reads a mesh from the content of an input file. `instance`: which one, if there are several.
+pub(crate) fn read(bytes: &[u8], instance: Option<&str>) -> Result<Mesh, Fault> {
     let mut deck = Deck {
         lines: Lines::new(bytes),
         builder: Builder::default(),
@@ -25,8 +30,12 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Mesh, Fault> {
         element_sets: Sets::new("element"),
         surfaces: Surfaces::default(),
         scope: Scope::Model,
-        part: None,
-        instance: None,
+        is_read: true,
+        choice: Choice::of(bytes, instance)?,
+        placement: Placement::default(),
+        bystanders: Bystanders::default(),
+        unread: Vec::new(),
+        unread_index: HashMap::new(),
     };
     while let Some(keyword) = deck.lines.keyword()? {
         deck.read_block(&keyword)?;
@@ -50,65 +59,58 @@ struct Deck<'a> {
     element_sets: Sets,
     surfaces: Surfaces,
     scope: Scope,
-    part: Option<String>,
-    instance: Option<String>,
+    /// Whether the block is of the chosen instance or around it.
+    is_read: bool,
+    choice: Choice,
+    placement: Placement,
+    bystanders: Bystanders,
+    /// Elements of types that are not supported.
+    unread: Vec<UnreadElement>,
+    /// Their places, by tag.
+    unread_index: HashMap<u64, usize>,
 }
 
 impl Deck<'_> {
     /// Reads a keyword's data lines, if they are of the mesh.
     fn read_block(&mut self, keyword: &Keyword) -> Result<(), Fault> {
         match keyword.name.as_str() {
+            "PART" => self.enter(Scope::Part, self.choice.is_part(keyword.required("NAME")?)),
+            "INSTANCE" => self.begin_instance(keyword),
+            "ASSEMBLY" | "END INSTANCE" => self.enter(Scope::Assembly, true),
+            "END PART" | "END ASSEMBLY" => self.enter(Scope::Model, true),
+            _ if !self.is_read => {
+                self.lines.skip_data();
+                Ok(())
+            }
             "NODE" => self.read_nodes(keyword),
             "ELEMENT" => self.read_elements(keyword),
             "NSET" => self.read_set(keyword, SetKind::Node),
             "ELSET" => self.read_set(keyword, SetKind::Element),
             "SURFACE" => self.read_surface(keyword),
-            "PART" => self.begin_part(keyword),
-            "INSTANCE" => self.begin_instance(keyword),
-            "ASSEMBLY" => self.enter(Scope::Assembly),
-            "END INSTANCE" => self.enter(Scope::Assembly),
-            "END PART" | "END ASSEMBLY" => self.enter(Scope::Model),
             "INCLUDE" => Err(refused(keyword, "insert the included file at this place")),
             "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "ELGEN" | "ELCOPY" => {
                 Err(refused(keyword, "write all nodes and elements out"))
             }
             "SYSTEM" => Err(refused(keyword, "write the nodes in global coordinates")),
             _ => {
-                while self.lines.data().is_some() {}
+                self.lines.skip_data();
                 Ok(())
             }
         }
     }
 
-    fn enter(&mut self, scope: Scope) -> Result<(), Fault> {
-        self.scope = scope;
+    fn enter(&mut self, scope: Scope, is_read: bool) -> Result<(), Fault> {
+        (self.scope, self.is_read) = (scope, is_read);
         Ok(())
     }
 
-    fn begin_part(&mut self, keyword: &Keyword) -> Result<(), Fault> {
-        if self.part.is_some() {
-            return Err(refused(keyword, "a second part cannot be read; merge the parts into one"));
-        }
-        self.part = Some(keyword.required("NAME")?.to_string());
-        self.enter(Scope::Part)
-    }
-
     fn begin_instance(&mut self, keyword: &Keyword) -> Result<(), Fault> {
-        if self.instance.is_some() {
-            return Err(refused(keyword, "a second instance cannot be read; merge the instances into one"));
+        let is_read = self.choice.is_instance(keyword.required("NAME")?);
+        let placement = Placement::read(&mut self.lines)?;
+        if is_read {
+            self.placement = placement;
         }
-        self.instance = Some(keyword.required("NAME")?.to_string());
-        while let Some(Data { at, fields }) = self.lines.data() {
-            for field in fields.iter().filter(|field| !field.is_empty()) {
-                if parse_real(field, at, "a translation or rotation of the instance")? != 0.0 {
-                    return Err(refused(
-                        keyword,
-                        "an instance that is translated or rotated cannot be read; write the nodes where they are",
-                    ));
-                }
-            }
-        }
-        self.enter(Scope::Instance)
+        self.enter(Scope::Instance, is_read)
     }
 
     fn level(&self) -> Level {
@@ -118,30 +120,47 @@ impl Deck<'_> {
         }
     }
 
-    /// Refuses what would add to the mesh from elsewhere: other files, the assembly beside its instance.
-    fn refuse_foreign_data(&self, keyword: &Keyword) -> Result<(), Fault> {
+    /// Refuses what would add to the mesh from another file.
+    fn refuse_input(&self, keyword: &Keyword) -> Result<(), Fault> {
         if keyword.has("INPUT") {
             return Err(refused(keyword, "INPUT= cannot be followed; insert the file at this place"));
-        }
-        if self.scope == Scope::Assembly {
-            return Err(refused(keyword, "the assembly may not define a mesh beside its instance"));
         }
         Ok(())
     }
 
+    /// Nodes or elements of the assembly itself. The set that they may name has nothing of the instance in it.
+    fn pass_by(&mut self, keyword: &Keyword, kind: SetKind) -> Result<(), Fault> {
+        let level = self.level();
+        if let Some(name) = keyword.value(kind.parameter()) {
+            self.sets_mut(kind).names.define(level, name);
+        }
+        while let Some(Data { at, fields }) = self.lines.open_record() {
+            self.bystanders.insert(kind, parse_tag(&fields[0], at, "a number of a node or an element")?);
+        }
+        Ok(())
+    }
+
+    /// Nodes, one a line. Coordinates that are left out are 0.
     fn read_nodes(&mut self, keyword: &Keyword) -> Result<(), Fault> {
-        self.refuse_foreign_data(keyword)?;
+        self.refuse_input(keyword)?;
+        if self.scope == Scope::Assembly {
+            return self.pass_by(keyword, SetKind::Node);
+        }
         if keyword.value("SYSTEM").is_some_and(|system| !system.eq_ignore_ascii_case("R")) {
             return Err(refused(keyword, "write the nodes in rectangular coordinates"));
         }
         let set = keyword.value("NSET").map(|name| self.node_sets.names.define(self.level(), name));
-        const FORM: &str = "a node: number, x, y, z";
-        // Three direction cosines may follow the coordinates.
-        while let Some(Data { at, fields }) = self.lines.record(4, 3, FORM)? {
+        while let Some(Data { at, fields }) = self.lines.data() {
+            // Three direction cosines may follow the coordinates.
+            if fields.len() > 7 && fields[7..].iter().any(|field| !field.is_empty()) {
+                return Err(Fault::unexpected(at, "a node: number, x, y, z", fields.join(", ")));
+            }
             let tag = parse_tag(&fields[0], at, "a node number")?;
             let mut coordinates = [0.0; 3];
             for (coordinate, field) in coordinates.iter_mut().zip(&fields[1..]) {
-                *coordinate = parse_real(field, at, "a coordinate")?;
+                if !field.is_empty() {
+                    *coordinate = parse_real(field, at, "a coordinate")?;
+                }
             }
             self.builder.add_node((tag, at), (coordinates, at))?;
             if let Some(set) = set {
@@ -152,24 +171,42 @@ impl Deck<'_> {
     }
 
     fn read_elements(&mut self, keyword: &Keyword) -> Result<(), Fault> {
-        self.refuse_foreign_data(keyword)?;
+        self.refuse_input(keyword)?;
+        if self.scope == Scope::Assembly {
+            return self.pass_by(keyword, SetKind::Element);
+        }
         let name = keyword.required("TYPE")?.to_uppercase();
-        let kind = element_kind(&name)
-            .ok_or_else(|| Fault::new(keyword.at, Problem::UnsupportedElement { name: name.clone() }))?;
         let set = keyword.value("ELSET").map(|name| self.element_sets.names.define(self.level(), name));
-        let form = format!("an element {name}: number and {} nodes", kind.node_count());
-        while let Some(Data { at, fields }) = self.lines.record(1 + kind.node_count(), 0, &form)? {
+        let kind = element_kind(&name);
+        let form = match kind {
+            Some(kind) => format!("an element {name}: number and {} nodes", kind.node_count()),
+            None => String::new(),
+        };
+        loop {
+            let record = match kind {
+                Some(kind) => self.lines.record(1 + kind.node_count(), &form)?,
+                None => self.lines.open_record(),
+            };
+            let Some(Data { at, fields }) = record else { return Ok(()) };
             let tag = parse_tag(&fields[0], at, "an element number")?;
-            let mut nodes = [0; 8];
-            for (node, field) in nodes.iter_mut().zip(&fields[1..]) {
-                *node = parse_tag(self.local(field), at, "a node number")?;
+            let is_known = self.unread_index.contains_key(&tag);
+            if is_known || (kind.is_none() && self.builder.element_index(tag).is_some()) {
+                return Err(Fault::new(at, Problem::DuplicateElement { tag }));
             }
-            self.builder.add_element(kind, tag, nodes, at)?;
+            if let Some(kind) = kind {
+                let mut nodes = [0; 8];
+                for (node, field) in nodes.iter_mut().zip(&fields[1..]) {
+                    *node = parse_tag(self.local(field), at, "a node number")?;
+                }
+                self.builder.add_element(kind, tag, nodes, at)?;
+            } else {
+                self.unread_index.insert(tag, self.unread.len());
+                self.unread.push(UnreadElement { tag, kind: name.clone() });
+            }
             if let Some(set) = set {
                 self.element_sets.add(set, Member::tag(tag), at);
             }
         }
-        Ok(())
     }
 
     fn read_set(&mut self, keyword: &Keyword, kind: SetKind) -> Result<(), Fault> {
@@ -178,19 +215,30 @@ impl Deck<'_> {
         if kind == SetKind::Node && keyword.has("ELSET") {
             return Err(refused(keyword, "ELSET= cannot be followed; list the nodes"));
         }
-        if let Some(other) = keyword.value("INSTANCE").filter(|name| !self.is_instance(name)) {
-            return Err(Fault::unexpected(keyword.at, "INSTANCE= with the name of an instance above", other));
-        }
         let level = self.level();
         let set = self.sets_mut(kind).names.define(level, name);
+        let of_instance = match keyword.value("INSTANCE") {
+            None => false,
+            Some(instance) if self.choice.is_instance(instance) => true,
+            Some(instance) if self.choice.is_other(instance) => {
+                self.lines.skip_data();
+                return Ok(());
+            }
+            Some(other) => {
+                return Err(Fault::unexpected(keyword.at, "INSTANCE= with the name of an instance", other));
+            }
+        };
         while let Some(Data { at, fields }) = self.lines.data() {
             if keyword.has("GENERATE") {
                 let member = parse_range(&fields, at)?;
-                self.sets_mut(kind).add(set, member, at);
+                if !matches!(member, Member::Tags { first, .. } if self.is_bystander(kind, of_instance, first))
+                {
+                    self.sets_mut(kind).add(set, member, at);
+                }
                 continue;
             }
             for field in fields.iter().filter(|field| !field.is_empty()) {
-                let member = self.member(field, kind, keyword.has("INSTANCE"), name, at)?;
+                let Some(member) = self.member(field, kind, of_instance, name, at)? else { continue };
                 self.sets_mut(kind).add(set, member, at);
             }
         }
@@ -215,7 +263,7 @@ impl Deck<'_> {
         let level = self.level();
         let surface = self.surfaces.define(kind, level, name);
         while let Some(Data { at, fields }) = self.lines.data() {
-            let member = self.member(&fields[0], kind, false, name, at)?;
+            let Some(member) = self.member(&fields[0], kind, false, name, at)? else { continue };
             match kind {
                 SetKind::Node => self.surfaces.add_nodes(surface, member, at),
                 SetKind::Element => {
@@ -234,19 +282,20 @@ impl Deck<'_> {
         }
     }
 
-    fn is_instance(&self, name: &str) -> bool {
-        self.instance.as_deref().is_some_and(|instance| instance.eq_ignore_ascii_case(name))
+    /// Whether a tag without an instance's name is of the assembly itself.
+    fn is_bystander(&self, kind: SetKind, of_instance: bool, tag: u64) -> bool {
+        self.scope == Scope::Assembly && !of_instance && self.bystanders.of(kind).contains(&tag)
     }
 
     /// A label without the instance's name before it: `Part-1-1.Top` is `Top`.
     fn local<'f>(&self, label: &'f str) -> &'f str {
         match label.split_once('.') {
-            Some((instance, rest)) if self.is_instance(instance) => rest,
+            Some((instance, rest)) if self.choice.is_instance(instance) => rest,
             _ => label,
         }
     }
 
-    /// What a field of a set or surface refers to: a tag, or a set defined above.
+    /// What a field of a set or surface refers to: a tag, or a set defined above; `None` if it is nothing of the chosen instance.
     fn member(
         &self,
         field: &str,
@@ -254,47 +303,73 @@ impl Deck<'_> {
         of_instance: bool,
         referrer: &str,
         at: usize,
-    ) -> Result<Member, Fault> {
+    ) -> Result<Option<Member>, Fault> {
+        if field.split_once('.').is_some_and(|(instance, _)| self.choice.is_other(instance)) {
+            return Ok(None);
+        }
         let label = self.local(field);
+        let of_instance = of_instance || label.len() < field.len();
         if let Ok(tag) = label.parse() {
-            return Ok(Member::tag(tag));
+            return Ok((!self.is_bystander(kind, of_instance, tag)).then(|| Member::tag(tag)));
         }
         let sets = match kind {
             SetKind::Node => &self.node_sets,
             SetKind::Element => &self.element_sets,
         };
-        let of_part = of_instance || label.len() < field.len();
-        let levels = match (self.level(), of_part) {
+        let levels = match (self.level(), of_instance) {
             (Level::Part, _) | (Level::Model, true) => [Level::Part, Level::Model],
             (Level::Model, false) => [Level::Model, Level::Part],
         };
-        levels.into_iter().find_map(|level| sets.names.find(level, label)).map(Member::Set).ok_or_else(|| {
+        let found = levels.into_iter().find_map(|level| sets.names.find(level, label)).map(Member::Set);
+        found.map(Some).ok_or_else(|| {
             let member = format!("{} set {field:?} (sets must be defined before they are used)", sets.of);
             Fault::new(at, Problem::MissingMember { set: referrer.into(), member })
         })
     }
 
     fn into_mesh(self) -> Result<Mesh, Fault> {
-        let Deck { builder, node_sets, element_sets, surfaces, part, instance, .. } = self;
+        let Deck { builder, node_sets, element_sets, surfaces, choice, placement, .. } = self;
         let elements = builder.resolved_elements()?;
-        let node_index = |tag| builder.node_index(tag);
-        let element_index = |tag| builder.element_index(tag);
-        let nodes_in = node_sets.resolve(node_index)?;
-        let elements_in = element_sets.resolve(element_index)?;
-        let node_surfaces = surfaces.resolve_nodes(&node_sets, &nodes_in, node_index)?;
-        let facets = surfaces.resolve_facets(&element_sets, &elements_in, element_index, &elements)?;
+        let node = |tag| builder.node_index(tag).map_or(Found::Missing, Found::Index);
+        let element = |tag| match builder.element_index(tag) {
+            Some(index) => Found::Index(index),
+            None if self.unread_index.contains_key(&tag) => Found::Unread,
+            None => Found::Missing,
+        };
+        let nodes_in = node_sets.resolve(node)?;
+        let elements_in = element_sets.resolve(element)?;
+        let node_surfaces = surfaces.resolve_nodes(&node_sets, &nodes_in, node)?;
+        let facets = surfaces.resolve_facets(&element_sets, &elements_in, element, &elements)?;
 
-        let owner = instance.or(part).unwrap_or_default();
-        let sorted = |sets: Vec<std::collections::BTreeSet<usize>>| {
-            sets.into_iter().map(|set| set.into_iter().collect()).collect()
+        let owner = choice.owner();
+        let place = |tag: &Option<u64>| tag.map(|tag| self.unread_index[&tag]);
+        let unread = Unread {
+            in_sets: named(
+                element_sets
+                    .names
+                    .publish(elements_in.iter().map(|set| place(&set.unread)).collect(), &owner),
+            ),
+            in_surfaces: named(
+                surfaces.publish(facets.iter().map(|surface| place(&surface.unread)).collect(), &owner),
+            ),
+            elements: self.unread,
+        };
+        let sorted = |sets: Vec<Content>| {
+            sets.into_iter().map(|set| set.indices.into_iter().collect::<Vec<usize>>()).collect()
         };
         let mut public_node_sets = node_sets.names.publish(sorted(nodes_in), &owner);
         surfaces.merge_node_surfaces(&mut public_node_sets, node_surfaces, &owner)?;
         let element_sets = element_sets.names.publish(sorted(elements_in), &owner);
-        let surfaces = surfaces.publish_facets(facets, &owner);
-        let (nodes, node_tags) = builder.into_nodes();
-        Ok(Mesh { nodes, node_tags, elements, node_sets: public_node_sets, element_sets, surfaces })
+        let surfaces = surfaces.publish(facets.into_iter().map(|surface| surface.facets).collect(), &owner);
+        let (mut nodes, node_tags) = builder.into_nodes();
+        placement.apply(&mut nodes, &node_tags)?;
+        Ok(Mesh { nodes, node_tags, elements, node_sets: public_node_sets, element_sets, surfaces, unread })
     }
+}
+
+/// The names that something stands under.
+fn named<T>(all: BTreeMap<String, Option<T>>) -> BTreeMap<String, T> {
+    all.into_iter().filter_map(|(name, one)| Some((name, one?))).collect()
 }
 
 /// Sets of nodes or sets of elements.

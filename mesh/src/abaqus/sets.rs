@@ -76,6 +76,32 @@ pub(super) struct Sets {
     entries: Vec<Entry>,
 }
 
+/// What a tag stands for.
+#[derive(Clone, Copy)]
+pub(super) enum Found {
+    /// A node or an element that was read.
+    Index(usize),
+    /// An element of a type that is not supported.
+    Unread,
+    /// Nothing.
+    Missing,
+}
+
+/// What is in a set.
+#[derive(Clone, Default)]
+pub(super) struct Content {
+    pub indices: BTreeSet<usize>,
+    /// The first element in it of a type that is not supported.
+    pub unread: Option<u64>,
+}
+
+impl Content {
+    pub fn take(&mut self, (indices, unread): (Vec<usize>, Option<u64>)) {
+        self.indices.extend(indices);
+        self.unread = self.unread.or(unread);
+    }
+}
+
 struct Entry {
     at: usize,
     set: usize,
@@ -91,40 +117,44 @@ impl Sets {
         self.entries.push(Entry { at, set, member });
     }
 
-    /// The indices in every set. `index_of` turns a tag into an index.
-    pub fn resolve(&self, index_of: impl Fn(u64) -> Option<usize>) -> Result<Vec<BTreeSet<usize>>, Fault> {
-        let mut sets = vec![BTreeSet::new(); self.names.count()];
+    /// What is in every set. `find` says what a tag stands for.
+    pub fn resolve(&self, find: impl Fn(u64) -> Found) -> Result<Vec<Content>, Fault> {
+        let mut sets = vec![Content::default(); self.names.count()];
         for &Entry { at, set, member } in &self.entries {
-            let members = self.members(member, &sets, &index_of).map_err(|tag| {
+            let members = self.members(member, &sets, &find).map_err(|tag| {
                 let set = self.names.spelling(set).to_string();
                 Fault::new(at, Problem::MissingMember { set, member: format!("{} {tag}", self.of) })
             })?;
-            sets[set].extend(members);
+            sets[set].take(members);
         }
         Ok(sets)
     }
 
-    /// The indices that a member stands for, or the first tag that does not exist.
+    /// The indices that a member stands for and the first element in it that was not read, or the first tag that does not exist.
     pub fn members(
         &self,
         member: Member,
-        sets: &[BTreeSet<usize>],
-        index_of: impl Fn(u64) -> Option<usize>,
-    ) -> Result<Vec<usize>, u64> {
+        sets: &[Content],
+        find: impl Fn(u64) -> Found,
+    ) -> Result<(Vec<usize>, Option<u64>), u64> {
         match member {
-            Member::Set(number) => Ok(sets[number].iter().copied().collect()),
+            Member::Set(number) => Ok((sets[number].indices.iter().copied().collect(), sets[number].unread)),
             Member::Tags { first, last, step } => {
                 // Ends at the first missing tag, so a huge range costs no more than the mesh is large.
-                let mut indices = Vec::new();
+                let (mut indices, mut unread) = (Vec::new(), None);
                 let mut tag = first;
                 while tag <= last {
-                    indices.push(index_of(tag).ok_or(tag)?);
+                    match find(tag) {
+                        Found::Index(index) => indices.push(index),
+                        Found::Unread => unread = unread.or(Some(tag)),
+                        Found::Missing => return Err(tag),
+                    }
                     match tag.checked_add(step) {
                         Some(next) => tag = next,
                         None => break,
                     }
                 }
-                Ok(indices)
+                Ok((indices, unread))
             }
         }
     }

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use super::SetKind;
-use super::sets::{Level, Member, Names, Sets};
+use super::sets::{Content, Found, Level, Member, Names, Sets};
 use crate::element::{Element, ElementKind, Facet};
 use crate::error::{Fault, Problem};
 
@@ -14,6 +14,14 @@ pub(super) struct Surfaces {
     faces: Vec<FaceEntry>,
     of_nodes: Names,
     nodes: Vec<NodeEntry>,
+}
+
+/// What is in a surface of faces.
+#[derive(Clone, Default)]
+pub(super) struct Faces {
+    pub facets: Vec<Facet>,
+    /// The first element in it of a type that is not supported.
+    pub unread: Option<u64>,
 }
 
 struct FaceEntry {
@@ -92,26 +100,27 @@ impl Surfaces {
         Ok(())
     }
 
-    /// The facets of every surface of faces, each face once.
+    /// What is in every surface of faces, each face once.
     pub fn resolve_facets(
         &self,
         element_sets: &Sets,
-        elements_in: &[BTreeSet<usize>],
-        element_index: impl Fn(u64) -> Option<usize>,
+        elements_in: &[Content],
+        find: impl Fn(u64) -> Found,
         elements: &[Element],
-    ) -> Result<Vec<Vec<Facet>>, Fault> {
-        let mut surfaces = vec![Vec::new(); self.of_faces.count()];
+    ) -> Result<Vec<Faces>, Fault> {
+        let mut surfaces = vec![Faces::default(); self.of_faces.count()];
         let mut seen = HashSet::new();
         for &FaceEntry { at, surface, member, face } in &self.faces {
-            let members = element_sets
-                .members(member, elements_in, &element_index)
+            let (indices, unread) = element_sets
+                .members(member, elements_in, &find)
                 .map_err(|tag| missing(&self.of_faces, surface, "element", tag, at))?;
-            for index in members {
+            surfaces[surface].unread = surfaces[surface].unread.or(unread);
+            for index in indices {
                 let facet = face
                     .facet(&elements[index])
                     .ok_or_else(|| Fault::new(at, wrong_face(face, &elements[index])))?;
                 if seen.insert((surface, index, face)) {
-                    surfaces[surface].push(facet);
+                    surfaces[surface].facets.push(facet);
                 }
             }
         }
@@ -122,13 +131,13 @@ impl Surfaces {
     pub fn resolve_nodes(
         &self,
         node_sets: &Sets,
-        nodes_in: &[BTreeSet<usize>],
-        node_index: impl Fn(u64) -> Option<usize>,
+        nodes_in: &[Content],
+        find: impl Fn(u64) -> Found,
     ) -> Result<Vec<(usize, BTreeSet<usize>)>, Fault> {
         let mut surfaces = vec![(0, BTreeSet::new()); self.of_nodes.count()];
         for &NodeEntry { at, surface, member } in &self.nodes {
-            let members = node_sets
-                .members(member, nodes_in, &node_index)
+            let (members, _) = node_sets
+                .members(member, nodes_in, &find)
                 .map_err(|tag| missing(&self.of_nodes, surface, "node", tag, at))?;
             surfaces[surface].0 = at;
             surfaces[surface].1.extend(members);
@@ -161,8 +170,9 @@ impl Surfaces {
         Ok(())
     }
 
-    pub fn publish_facets(&self, facets: Vec<Vec<Facet>>, owner: &str) -> BTreeMap<String, Vec<Facet>> {
-        self.of_faces.publish(facets, owner)
+    /// What belongs to every surface of faces, by name.
+    pub fn publish<T>(&self, of_faces: Vec<T>, owner: &str) -> BTreeMap<String, T> {
+        self.of_faces.publish(of_faces, owner)
     }
 }
 

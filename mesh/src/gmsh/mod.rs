@@ -11,7 +11,7 @@ use std::path::Path;
 use crate::builder::Builder;
 use crate::element::{Element, ElementKind, Facet};
 use crate::error::{Fault, MeshError, Problem};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Unread};
 use source::{Encoding, Source};
 
 /// Reads a mesh from the content of an MSH file.
@@ -188,7 +188,15 @@ impl File {
         let elements = self.builder.resolved_elements()?;
         let (element_sets, surfaces) = self.sets(&elements);
         let (nodes, node_tags) = self.builder.into_nodes();
-        Ok(Mesh { nodes, node_tags, elements, node_sets: BTreeMap::new(), element_sets, surfaces })
+        Ok(Mesh {
+            nodes,
+            node_tags,
+            elements,
+            node_sets: BTreeMap::new(),
+            element_sets,
+            surfaces,
+            unread: Unread::default(),
+        })
     }
 
     /// The physical groups as element sets, and those that reverse some facet also as surfaces.

@@ -5,10 +5,11 @@
     python3 make_fixtures.py
 
 `block_ascii.msh` and `block_binary.msh` are one mesh: a block of 2 x 1 x 1 with 2 x 1 x 1 hexahedra, parametric
-nodes and physical groups of every dimension, one of them reversed, one without a name. The other files are what
-the reader has to refuse.
+nodes and physical groups of every dimension, one of them reversed, one without a name. `block_gmsh.inp` is the same as
+Abaqus input. The other files are what the reader has to refuse. (`cae.inp` is written by hand.)
 """
 
+import os
 from pathlib import Path
 
 import gmsh
@@ -19,7 +20,8 @@ DIRECTORY = Path(__file__).resolve().parent
 def write(name, **options):
     for option, value in options.items():
         gmsh.option.setNumber(f"Mesh.{option}", value)
-    gmsh.write(str(DIRECTORY / name))
+    # Abaqus input has the name it was written under in its heading.
+    gmsh.write(name)
 
 
 def square():
@@ -61,12 +63,14 @@ def block():
 
 
 def main():
+    os.chdir(DIRECTORY)
     gmsh.initialize(readConfigFiles=False)
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.option.setNumber("General.NumThreads", 1)
     block()
     write("block_ascii.msh", MshFileVersion=4.1, Binary=0, SaveParametric=1)
     write("block_binary.msh", MshFileVersion=4.1, Binary=1, SaveParametric=1)
+    write("block_gmsh.inp", SaveGroupsOfElements=1, SaveGroupsOfNodes=0, SaveParametric=0)
     square()
     write("version_2.msh", MshFileVersion=2.2, Binary=0, SaveParametric=0)
     gmsh.model.mesh.setOrder(2)

@@ -109,6 +109,14 @@ impl Interaction {
         self.passes.iter().flat_map(Pass::slaves)
     }
 
+    /// Force on each of `count` nodes at the last evaluation, as slave and as master, in all passes: what enters equilibrium.
+    #[must_use]
+    pub fn nodal_forces(&self, count: usize) -> Vec<Point> {
+        let mut forces = vec![[0.0; 3]; count];
+        self.passes.iter().for_each(|pass| pass.add_nodal_forces(&mut forces));
+        forces
+    }
+
     pub(super) fn refresh(&mut self, positions: &[Point]) -> Result<(), ContactError> {
         self.each(|pass| pass.refresh(positions))
     }

@@ -183,6 +183,22 @@ impl Pass {
         Ok(self.interface.set_kept_pairings(&kept)?)
     }
 
+    /// Adds what each contact exerts on its slave and its masters, f N, at the last evaluation.
+    pub fn add_nodal_forces(&self, forces: &mut [Point]) {
+        let law = self.law();
+        for (k, contact) in
+            self.contacts().iter().enumerate().filter(|(_, contact)| contact.outcome.is_contact())
+        {
+            let force = law.force(k, contact.point.gap, contact.area);
+            let nodes = std::iter::once(contact.slave).chain(contact.nodes.iter().map(|&node| node as usize));
+            for (node, gradient) in nodes.zip(contact.gradient.chunks_exact(3)) {
+                for (sum, n) in forces[node].iter_mut().zip(gradient) {
+                    *sum += force * n;
+                }
+            }
+        }
+    }
+
     /// The contact of every slave node at the last evaluation.
     pub fn slaves(&self) -> impl Iterator<Item = SlaveState> {
         let law = self.law();

@@ -93,6 +93,8 @@ pub enum PartSource {
     Solid {
         /// The file, relative to the deck.
         file: PathBuf,
+        /// Instance in an Abaqus file, if there are several.
+        instance: Option<String>,
         /// Element set; `None` for all hexahedra.
         elements: Option<String>,
     },
@@ -100,6 +102,8 @@ pub enum PartSource {
     Rigid {
         /// The file, relative to the deck.
         file: PathBuf,
+        /// Instance in an Abaqus file, if there are several.
+        instance: Option<String>,
         /// Surface or element set.
         surface: String,
     },
@@ -174,6 +178,9 @@ impl Deck {
         let place = |error: &toml::de::Error| error.span().map_or(0, |span| span.start);
         if let Some(error) = errors.iter().min_by_key(|error| place(error)) {
             return Err(source.error(place(error), Problem::Syntax { message: error.message().into() }));
+        }
+        if table.get_ref().is_empty() {
+            return Err(source.error(0, Problem::Empty));
         }
         let deck = Section::root(source, &table).expect(schema::DECK)?;
 

@@ -98,14 +98,15 @@ fn from_file(section: &Section, file: &Field) -> Result<PartSource, DeckError> {
     let known: Vec<&str> = schema::PART.iter().chain(schema::FILE).copied().collect();
     let section = section.clone().expect(&known)?;
     let file = PathBuf::from(file.text()?);
+    let instance = section.get("instance").map(|field| field.text()).transpose()?;
     match section.get("surface") {
         Some(surface) => {
             section.refuse(&["elements"], "beside surface, which makes a rigid part")?;
-            Ok(PartSource::Rigid { file, surface: surface.text()? })
+            Ok(PartSource::Rigid { file, instance, surface: surface.text()? })
         }
         None => {
             let elements = section.get("elements").map(|field| field.text()).transpose()?;
-            Ok(PartSource::Solid { file, elements })
+            Ok(PartSource::Solid { file, instance, elements })
         }
     }
 }
@@ -123,7 +124,7 @@ fn shaped(part: &str, section: &Section, shape: &Field) -> Result<PartSource, De
         let problem = Problem::Shape { part: part.into(), error: error.clone() };
         let field = match error {
             ShapeError::OutOfRange { field, .. } => field,
-            ShapeError::TooManyNodes { .. } => "divisions",
+            ShapeError::TooManyNodes { .. } | ShapeError::NoMemory { .. } => "divisions",
         };
         match section.get(field) {
             Some(field) => field.error(problem),

@@ -194,11 +194,11 @@ impl PartEntry {
             PartSource::Shape(shape) => {
                 shape.part().map_err(|error| Box::new(Problem::Shape { part: name(), error }))?
             }
-            PartSource::Solid { file, elements } => {
-                read_solid_part(&base.join(file), elements.as_deref()).map_err(failed)?
+            PartSource::Solid { file, instance, elements } => {
+                read_solid_part(&base.join(file), instance.as_deref(), elements.as_deref()).map_err(failed)?
             }
-            PartSource::Rigid { file, surface } => {
-                read_rigid_part(&base.join(file), surface).map_err(failed)?
+            PartSource::Rigid { file, instance, surface } => {
+                read_rigid_part(&base.join(file), instance.as_deref(), surface).map_err(failed)?
             }
         };
         self.rotations.iter().for_each(|rotation| part.rotate(rotation));

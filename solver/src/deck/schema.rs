@@ -18,7 +18,7 @@ pub const MATERIAL: &[&str] = &["young", "poisson", "yield_stress", "hardening"]
 /// Fields of any part.
 pub const PART: &[&str] = &["shape", "file", "material", "translate", "rotate"];
 /// Fields of a part from a mesh file.
-pub const FILE: &[&str] = &["elements", "surface"];
+pub const FILE: &[&str] = &["elements", "surface", "instance"];
 /// The shapes and their fields.
 pub const SHAPES: &[(&str, &[&str])] = &[
     ("box", &["origin", "size", "divisions", "grading"]),

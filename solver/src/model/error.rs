@@ -23,6 +23,16 @@ pub enum ShapeError {
         /// How many there may be.
         limit: usize,
     },
+    /// The shape is more than the machine has memory for.
+    #[error(
+        "these divisions make {count} nodes; a run with them needs about {gigabytes:.0} GB of memory besides its factors"
+    )]
+    NoMemory {
+        /// How many nodes there would be.
+        count: f64,
+        /// About what they take.
+        gigabytes: f64,
+    },
 }
 
 /// Parts that make no model.

@@ -9,12 +9,25 @@ use diffuse_contact_mesh::{self as mesh, ElementKind, Mesh};
 use super::{ModelError, Part, skin};
 
 /// A deformable part: the hexahedra of an element set, or of the whole file, and of the file's sets and surfaces what lies on
-/// them. A surface of shell elements counts if it lies on the part's skin, and is turned outward.
+/// them. A surface of shell elements counts if it lies on the part's skin, and is turned outward. `instance`: which one of an
+/// Abaqus file, if there are several.
 ///
 /// # Errors
 /// [`ModelError`]: the file cannot be read, there is no such set, it has solids of another kind or no hexahedra.
-pub fn read_solid_part(path: &Path, elements: Option<&str>) -> Result<Part, ModelError> {
-    let mesh = Mesh::read(path)?;
+pub fn read_solid_part(
+    path: &Path,
+    instance: Option<&str>,
+    elements: Option<&str>,
+) -> Result<Part, ModelError> {
+    let mesh = read(path, instance)?;
+    let solids = ["C3D", "AC3D", "DC3D", "CIN3D", "COH3D", "CSS", "SC"];
+    let is_solid = |kind: &str| solids.iter().any(|begin| kind.starts_with(begin));
+    if elements.is_none()
+        && let Some(solid) = mesh.unread_elements().iter().find(|element| is_solid(&element.kind))
+    {
+        let mesh::UnreadElement { tag, kind } = solid.clone();
+        return Err(mesh::MeshError::UnreadElement { name: WHOLE.into(), tag, kind }.into());
+    }
     let all: Vec<usize>;
     let chosen = match elements {
         Some(set) => mesh.elements_of(set)?,
@@ -28,7 +41,7 @@ pub fn read_solid_part(path: &Path, elements: Option<&str>) -> Result<Part, Mode
         match (element.kind(), <[usize; 8]>::try_from(element.nodes())) {
             (ElementKind::Hexahedron8, Ok(nodes)) => hexahedra.push(nodes),
             (kind, _) if kind.dimension() == 3 => {
-                let set = elements.unwrap_or("the whole file").into();
+                let set = elements.unwrap_or(WHOLE).into();
                 return Err(ModelError::UnsupportedSolid { set, kind: kind.name(), tag: element.tag() });
             }
             _ => {}
@@ -48,18 +61,28 @@ pub fn read_solid_part(path: &Path, elements: Option<&str>) -> Result<Part, Mode
 }
 
 /// A rigid part: the triangles and quadrilaterals of a surface or an element set, oriented as in the file, and of the file's
-/// sets and surfaces what lies on them.
+/// sets and surfaces what lies on them. `instance`: which one of an Abaqus file, if there are several.
 ///
 /// # Errors
 /// [`ModelError`]: the file cannot be read, or there is no such set, or it has no facets.
-pub fn read_rigid_part(path: &Path, surface: &str) -> Result<Part, ModelError> {
-    let mesh = Mesh::read(path)?;
+pub fn read_rigid_part(path: &Path, instance: Option<&str>, surface: &str) -> Result<Part, ModelError> {
+    let mesh = read(path, instance)?;
     let chosen = mesh.facets(surface)?;
     let part = Subset::new(&mesh, chosen.iter().flat_map(mesh::Facet::nodes).copied());
     let facets: Vec<Facet> = chosen.iter().filter_map(|facet| part.facet(facet)).collect();
     let own: BTreeMap<Vec<usize>, Facet> = facets.iter().map(|&facet| (sorted(&facet), facet)).collect();
     let surfaces = part.surfaces(&mesh, |facet| own.get(&sorted(&facet)).copied());
     Ok(Part { facets, surfaces, ..part.into_part(&mesh) })
+}
+
+/// What stands in messages for the set that is everything.
+const WHOLE: &str = "the whole file";
+
+fn read(path: &Path, instance: Option<&str>) -> Result<Mesh, ModelError> {
+    Ok(match instance {
+        Some(instance) => Mesh::read_instance(path, instance)?,
+        None => Mesh::read(path)?,
+    })
 }
 
 /// The nodes of a mesh that a part uses.

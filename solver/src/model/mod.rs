@@ -9,6 +9,7 @@
 
 mod error;
 mod file;
+mod fingerprint;
 mod motion;
 mod part;
 pub mod shape;

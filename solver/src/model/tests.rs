@@ -130,7 +130,7 @@ fn written(name: &str) -> PathBuf {
 #[test]
 fn a_solid_part_of_a_file_has_its_nodes_and_sets_only() {
     let path = written("solid.inp");
-    let part = read_solid_part(&path, Some("LEFT")).unwrap();
+    let part = read_solid_part(&path, None, Some("LEFT")).unwrap();
     assert_eq!((part.nodes.len(), part.elements.len()), (8, 1));
     assert_eq!(part.node_sets["CORNERS"], [0]);
     // The shell looks down, the skin up.
@@ -141,7 +141,7 @@ fn a_solid_part_of_a_file_has_its_nodes_and_sets_only() {
 
     let mut model = Model::default();
     model.add("left", part, Some(STEEL)).unwrap();
-    model.add("right", read_solid_part(&path, Some("right")).unwrap(), Some(STEEL)).unwrap();
+    model.add("right", read_solid_part(&path, None, Some("right")).unwrap(), Some(STEEL)).unwrap();
     assert_eq!(model.nodes.len(), 16);
     let end: Vec<[f64; 3]> =
         model.surfaces["right.END"][0].corners().iter().map(|&n| model.nodes[n]).collect();
@@ -150,7 +150,7 @@ fn a_solid_part_of_a_file_has_its_nodes_and_sets_only() {
 
 #[test]
 fn a_rigid_part_of_a_file_keeps_its_orientation() {
-    let part = read_rigid_part(&written("rigid.inp"), "PUNCH").unwrap();
+    let part = read_rigid_part(&written("rigid.inp"), None, "PUNCH").unwrap();
     assert_eq!(part.facets, [Facet::Quadrilateral([0, 3, 2, 1])]);
     assert_eq!(part.node_sets["CORNERS"], [0]);
     let mut model = Model::default();
@@ -161,11 +161,29 @@ fn a_rigid_part_of_a_file_keeps_its_orientation() {
 #[test]
 fn files_without_what_is_asked_for_are_refused() {
     let path = written("refused.inp");
-    let error = read_solid_part(&path, Some("TET")).unwrap_err();
+    let error = read_solid_part(&path, None, Some("TET")).unwrap_err();
     assert!(matches!(error, ModelError::UnsupportedSolid { kind: "tetrahedron", tag: 5, .. }), "{error}");
-    assert!(matches!(read_solid_part(&path, None), Err(ModelError::UnsupportedSolid { .. })));
-    assert!(matches!(read_solid_part(&path, Some("LID")), Err(ModelError::NoHexahedra { .. })));
-    assert!(matches!(read_solid_part(&path, Some("LEVT")), Err(ModelError::Mesh(_))));
-    assert!(matches!(read_rigid_part(&path, "LEFT"), Err(ModelError::Mesh(_))));
-    assert!(matches!(read_rigid_part(Path::new("/nowhere.inp"), "LEFT"), Err(ModelError::Mesh(_))));
+    assert!(matches!(read_solid_part(&path, None, None), Err(ModelError::UnsupportedSolid { .. })));
+    assert!(matches!(read_solid_part(&path, None, Some("LID")), Err(ModelError::NoHexahedra { .. })));
+    assert!(matches!(read_solid_part(&path, None, Some("LEVT")), Err(ModelError::Mesh(_))));
+    assert!(matches!(read_rigid_part(&path, None, "LEFT"), Err(ModelError::Mesh(_))));
+    assert!(matches!(read_rigid_part(Path::new("/nowhere.inp"), None, "LEFT"), Err(ModelError::Mesh(_))));
+}
+
+/// What a program wrote: two bodies as instances, a reference point, a mass, a connector and a wedge.
+#[test]
+fn instances_of_a_file_become_parts() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../mesh/tests/data/cae.inp");
+    let block = read_solid_part(&path, Some("block-1"), Some("Set-1")).unwrap();
+    assert_eq!((block.nodes.len(), block.elements.len()), (12, 2));
+    assert_eq!(block.surfaces["top"].len(), 2);
+    assert_eq!(block.node_sets["bottom"], [0, 1, 2, 3, 4, 5]);
+    // The wedge is in these.
+    assert!(!block.node_sets.contains_key("All") && !block.surfaces.contains_key("side"));
+    let error = read_solid_part(&path, Some("block-1"), None).unwrap_err().to_string();
+    assert!(error.contains("\"the whole file\" holds element 3 of type C3D6"), "{error}");
+    let punch = read_rigid_part(&path, Some("punch-1"), "face").unwrap();
+    assert_eq!((punch.nodes.len(), punch.facets.len()), (4, 1));
+    assert!(punch.nodes.iter().all(|node| (node[2] - 2.0).abs() < 1e-12));
+    assert!(matches!(read_rigid_part(&path, None, "face"), Err(ModelError::Mesh(_))));
 }

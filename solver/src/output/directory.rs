@@ -67,10 +67,11 @@ impl Directory {
         Ok(())
     }
 
-    /// Takes back what was written after increment `last`, and how the run ended.
-    pub fn rewind(&self, last: usize) -> Result<(), OutputError> {
+    /// Takes back what was written after increment `last`, and how the run ended: its last picture too, if it was not the turn of
+    /// this increment, that is, if `every` does not divide its number.
+    pub fn rewind(&self, last: usize, every: usize) -> Result<(), OutputError> {
         self.remove([names::SUMMARY, names::REPORT].map(|name| self.path(name)))?;
-        self.remove(self.numbered(|number| number > last))
+        self.remove(self.numbered(|number| number > last || !number.is_multiple_of(every)))
     }
 
     /// Pictures and skins whose number is asked for.

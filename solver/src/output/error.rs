@@ -69,6 +69,15 @@ pub enum OutputError {
         /// First line that differs, from 1.
         line: usize,
     },
+    /// The results are those of the same deck, but a file that it names has changed.
+    #[error(
+        "{} holds results of another mesh: nodes, elements or sets in a file that the deck names are not what they were",
+        path.display()
+    )]
+    OtherModel {
+        /// The directory.
+        path: PathBuf,
+    },
 }
 
 impl OutputError {

@@ -1,7 +1,9 @@
 //! Fields at the nodes.
 
 use diffuse_contact::surface::tributary_areas;
+use serde::{Deserialize, Serialize};
 
+use crate::contact::Interaction;
 use crate::model::Model;
 use crate::solid::SolidError;
 use crate::statics::{Problem, State};
@@ -40,7 +42,8 @@ pub struct Fields {
     pub stresses: Option<Stresses>,
     /// Gap of slaves, length: negative where they penetrate.
     pub contact_gap: Vec<f64>,
-    /// Contact force over tributary area of slaves at the start, force per area.
+    /// At the nodes of slave surfaces (of both surfaces, with two passes): the normal part of the contact force on the node, as it
+    /// enters equilibrium, over its tributary area at the start; force per area.
     pub contact_pressure: Vec<f64>,
     /// A [`ContactStatus`].
     pub contact_status: Vec<i32>,
@@ -73,21 +76,40 @@ impl Stresses {
 }
 
 impl Fields {
-    /// The fields at the end of an increment. `areas`: of the nodes of each interaction's slaves at the start, by
-    /// [`slave_areas`](Self::slave_areas). `stress`: whether stresses are asked for.
-    ///
-    /// # Errors
-    /// Those of [`Solid::recover`](crate::solid::Solid::recover).
-    pub fn of(problem: &Problem, state: &State, areas: &[f64], stress: bool) -> Result<Self, SolidError> {
+    /// The fields at the end of an increment, without stresses. `areas`: of the nodes of each interaction's slaves at the start, by
+    /// [`slave_areas`](Self::slave_areas).
+    #[must_use]
+    pub fn of(problem: &Problem, state: &State, areas: &[f64]) -> Self {
+        let mut fields = Self::without_contact(problem.start_positions(), state);
+        for interaction in problem.contacts().interactions() {
+            fields.add_contact(interaction, areas);
+        }
+        fields
+    }
+
+    fn without_contact(start: &[[f64; 3]], state: &State) -> Self {
         let count = state.positions.len();
-        let mut fields = Self {
-            displacement: displacement(problem.start_positions(), &state.positions),
-            stresses: if stress { Some(Stresses::of(problem, state)?) } else { None },
+        Self {
+            displacement: displacement(start, &state.positions),
+            stresses: None,
             contact_gap: vec![0.0; count],
             contact_pressure: vec![0.0; count],
             contact_status: vec![ContactStatus::None as i32; count],
-        };
-        for slave in problem.contacts().interactions().iter().flat_map(|interaction| interaction.slaves()) {
+        }
+    }
+
+    /// Adds stresses and plastic strains.
+    ///
+    /// # Errors
+    /// Those of [`Solid::recover`](crate::solid::Solid::recover).
+    pub fn recover(&mut self, problem: &Problem, state: &State) -> Result<(), SolidError> {
+        self.stresses = Some(Stresses::of(problem, state)?);
+        Ok(())
+    }
+
+    fn add_contact(&mut self, interaction: &Interaction, areas: &[f64]) {
+        let forces = interaction.nodal_forces(areas.len());
+        for slave in interaction.slaves() {
             let node = slave.node;
             let status = match slave.gap {
                 None => ContactStatus::Unpaired,
@@ -96,16 +118,15 @@ impl Fields {
             };
             // A node may be the slave of several: the closest contact is shown, and all forces.
             let gap = slave.gap.unwrap_or(0.0);
-            let first = fields.contact_status[node] <= ContactStatus::Unpaired as i32;
-            if first || (slave.gap.is_some() && gap < fields.contact_gap[node]) {
-                fields.contact_gap[node] = gap;
+            let first = self.contact_status[node] <= ContactStatus::Unpaired as i32;
+            if first || (slave.gap.is_some() && gap < self.contact_gap[node]) {
+                self.contact_gap[node] = gap;
             }
-            fields.contact_status[node] = fields.contact_status[node].max(status as i32);
+            self.contact_status[node] = self.contact_status[node].max(status as i32);
             if areas[node] > 0.0 {
-                fields.contact_pressure[node] += slave.force / areas[node];
+                self.contact_pressure[node] += pressing(forces[node], slave.normal) / areas[node];
             }
         }
-        Ok(fields)
     }
 
     /// Tributary areas of all nodes of the named surfaces, zero elsewhere.
@@ -121,6 +142,54 @@ impl Fields {
         }
         areas
     }
+}
+
+/// The contact fields at the slaves: what cannot be found again from a [`State`], because it takes the pairing of the increment that
+/// led there.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SlaveFields {
+    nodes: Vec<usize>,
+    gap: Vec<f64>,
+    pressure: Vec<f64>,
+    status: Vec<i32>,
+}
+
+impl SlaveFields {
+    pub(super) fn of(fields: &Fields) -> Self {
+        let is_slave = |&node: &usize| fields.contact_status[node] != ContactStatus::None as i32;
+        let nodes: Vec<usize> = (0..fields.contact_status.len()).filter(is_slave).collect();
+        let at = |values: &[f64]| nodes.iter().map(|&node| values[node]).collect();
+        Self {
+            gap: at(&fields.contact_gap),
+            pressure: at(&fields.contact_pressure),
+            status: nodes.iter().map(|&node| fields.contact_status[node]).collect(),
+            nodes,
+        }
+    }
+
+    /// Whether they are those of a model with so many nodes.
+    pub(super) fn fits(&self, count: usize) -> bool {
+        let lengths = [self.gap.len(), self.pressure.len(), self.status.len()];
+        lengths == [self.nodes.len(); 3] && self.nodes.iter().all(|&node| node < count)
+    }
+
+    /// The fields that they came from. They [fit](Self::fits).
+    pub(super) fn at(&self, start: &[[f64; 3]], state: &State) -> Fields {
+        let mut fields = Fields::without_contact(start, state);
+        for (k, &node) in self.nodes.iter().enumerate() {
+            fields.contact_gap[node] = self.gap[k];
+            fields.contact_pressure[node] = self.pressure[k];
+            fields.contact_status[node] = self.status[k];
+        }
+        fields
+    }
+}
+
+/// The part of a node's contact force along its normal. A slave that faces no master has no normal; what it receives as a master
+/// of the other pass is pressure then.
+fn pressing(force: [f64; 3], normal: [f64; 3]) -> f64 {
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    if normal == [0.0; 3] { dot(force, force).sqrt() } else { dot(force, normal) }
 }
 
 fn displacement(start: &[[f64; 3]], positions: &[[f64; 3]]) -> Vec<[f64; 3]> {

@@ -30,9 +30,9 @@ mod summary;
 
 pub use directory::Claim;
 pub use error::OutputError;
-pub use fields::{ContactStatus, Fields, Stresses};
+pub use fields::{ContactStatus, Fields, SlaveFields, Stresses};
 pub use history::{History, HistoryRow, read_history};
-pub use recorder::{Recorder, RecorderOptions, SKIN, Watcher};
+pub use recorder::{Recorder, RecorderOptions, SKIN, Saved, Watcher};
 pub use skin::{Skin, SkinFrame};
 pub use summary::Summary;
 

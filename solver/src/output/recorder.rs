@@ -4,8 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use serde::{Deserialize, Serialize};
+
 use super::directory::Directory;
-use super::{Fields, OutputError, Skin, SkinFrame, Summary, history, names, picture};
+use super::{Fields, OutputError, Skin, SkinFrame, SlaveFields, Summary, history, names, picture};
 use crate::deck::Colour;
 use crate::model::Model;
 use crate::report::{SURFACES, SurfaceSample};
@@ -38,11 +40,31 @@ pub trait Watcher: Send {
     fn increment(&mut self, record: &IncrementRecord) -> Control;
 }
 
+/// `state.json`: what a restart goes on from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Saved {
+    /// [`Model::fingerprint`] of the model.
+    model: String,
+    /// The last state.
+    pub state: State,
+    /// What the picture of the last increment needs besides, if it was not its turn.
+    pending: Option<SlaveFields>,
+}
+
+/// The same while it is written.
+#[derive(Serialize)]
+struct Saving<'a> {
+    model: &'a str,
+    state: &'a State,
+    pending: Option<&'a SlaveFields>,
+}
+
 /// Writes results to a directory.
 pub struct Recorder<'a> {
     directory: Directory,
     options: RecorderOptions,
     model: &'a Model,
+    fingerprint: String,
     skin: Skin,
     /// Number and time of each increment with a picture.
     series: Vec<(usize, f64)>,
@@ -55,8 +77,8 @@ pub struct Recorder<'a> {
     timing: Timing,
     /// The last state that is on disk.
     state: State,
-    /// The picture of the last increment, if it was not its turn.
-    pending: Option<Fields>,
+    /// For the picture of the last increment, if it was not its turn.
+    pending: Option<SlaveFields>,
     watcher: &'a mut dyn Watcher,
 }
 
@@ -80,24 +102,33 @@ impl<'a> Recorder<'a> {
         directory.write(names::HISTORY, |writer| writeln!(writer, "{}", history::header(problem)))?;
         directory.write(names::ITERATIONS, |writer| writeln!(writer, "{}", history::ITERATION_COLUMNS))?;
         directory.write_json(&format!("{}/{SKIN}", names::SKINS), skin)?;
-        let fields = recorder.fields(problem, state)?;
-        recorder.show(&fields)?;
-        recorder.directory.write_json(names::STATE, &recorder.state)?;
+        let fields = Fields::of(problem, state, &options.areas);
+        recorder.show(fields, problem)?;
+        recorder.write_state()?;
         Ok(recorder)
     }
 
-    /// The last state in a directory of results of the same deck. Nothing is changed.
+    /// The last state in a directory of results of the same deck and the same model. Nothing is changed.
     ///
     /// # Errors
-    /// [`OutputError::NothingToRestart`], [`OutputError::OtherDeck`], [`OutputError::Read`], [`OutputError::Content`].
-    pub fn last_state(options: &RecorderOptions) -> Result<State, OutputError> {
+    /// [`OutputError::NothingToRestart`], [`OutputError::OtherDeck`], [`OutputError::OtherModel`], [`OutputError::Read`],
+    /// [`OutputError::Content`], [`OutputError::Inconsistent`].
+    pub fn last_state(options: &RecorderOptions, model: &Model) -> Result<Saved, OutputError> {
         let directory = Directory::new(&options.directory);
         let path = directory.path(names::STATE);
         if !path.exists() {
             return Err(OutputError::NothingToRestart { path: options.directory.clone() });
         }
         check_deck(&directory.path(names::DECK), options)?;
-        super::read_json(&path)
+        let saved: Saved = super::read_json(&path)?;
+        if saved.model != model.fingerprint() {
+            return Err(OutputError::OtherModel { path: options.directory.clone() });
+        }
+        if saved.pending.as_ref().is_some_and(|slaves| !slaves.fits(model.nodes.len())) {
+            let problem = "contact at nodes that there are not".to_owned();
+            return Err(OutputError::Inconsistent { path, problem });
+        }
+        Ok(saved)
     }
 
     /// Goes on in a directory of results from its [`last_state`](Self::last_state).
@@ -107,16 +138,17 @@ impl<'a> Recorder<'a> {
     pub fn reopen(
         options: RecorderOptions,
         model: &'a Model,
-        state: State,
+        saved: Saved,
         watcher: &'a mut dyn Watcher,
     ) -> Result<Self, OutputError> {
+        let Saved { state, pending, .. } = saved;
         let directory = Directory::new(&options.directory);
         // What was written after this state is taken back.
         for table in [names::HISTORY, names::ITERATIONS] {
             let kept = history::up_to(&directory.path(table), state.increments)?;
             directory.write(table, |writer| writer.write_all(kept.as_bytes()))?;
         }
-        directory.rewind(state.increments)?;
+        directory.rewind(state.increments, options.every)?;
         let history = super::read_history(&directory.path(names::HISTORY))?;
         let times = history.rows.iter().map(|row| (row.increment, history.value(row, "time")));
         let series = std::iter::once((0, 0.0))
@@ -124,7 +156,7 @@ impl<'a> Recorder<'a> {
             .filter(|&(number, _)| directory.path(&picture::name(number)).exists())
             .collect();
         let mut recorder = Self::new(directory, options, model, state, watcher);
-        recorder.series = series;
+        (recorder.series, recorder.pending) = (series, pending);
         picture::write_series(&recorder.directory, &recorder.series)?;
         let penetrations = history.rows.iter().map(|row| history.value(row, "max_penetration"));
         recorder.max_penetration_ever = penetrations.fold(0.0, f64::max);
@@ -146,6 +178,7 @@ impl<'a> Recorder<'a> {
             directory,
             skin: Skin::of(model, options.shown()),
             options,
+            fingerprint: model.fingerprint(),
             model,
             series: Vec::new(),
             begin: Instant::now(),
@@ -171,7 +204,8 @@ impl<'a> Recorder<'a> {
         &self.state
     }
 
-    /// Writes what is left to write at the end of a run: the last picture, the sampled master surfaces and how it ended.
+    /// Writes what is left to write at the end of a run: the last picture, the sampled master surfaces and how it ended. Of
+    /// `problem` only what does not change is asked for: its last evaluation may be of an increment that failed.
     ///
     /// # Errors
     /// [`OutputError::Write`].
@@ -179,9 +213,10 @@ impl<'a> Recorder<'a> {
         &mut self,
         mut summary: Summary,
         surfaces: &[SurfaceSample],
+        problem: &Problem,
     ) -> Result<Summary, OutputError> {
-        if let Some(fields) = self.pending.take() {
-            self.show(&fields)?;
+        if let Some(slaves) = self.pending.take() {
+            self.show(slaves.at(problem.start_positions(), &self.state), problem)?;
         }
         self.directory.write_json(&format!("{}/{SURFACES}", names::SKINS), &surfaces)?;
         let run = self.begin.elapsed().as_secs_f64();
@@ -201,18 +236,17 @@ impl<'a> Recorder<'a> {
         Ok(summary)
     }
 
-    fn fields(&self, problem: &Problem, state: &State) -> Result<Fields, OutputError> {
-        Fields::of(problem, state, &self.options.areas, self.options.stress).map_err(|error| {
-            let path = self.directory.path(&picture::name(state.increments));
-            OutputError::write(&path)(std::io::Error::other(error.to_string()))
-        })
-    }
-
-    /// Writes picture and skin of the last state.
-    fn show(&mut self, fields: &Fields) -> Result<(), OutputError> {
+    /// Writes picture and skin of the last state, with its stresses if they are asked for.
+    fn show(&mut self, mut fields: Fields, problem: &Problem) -> Result<(), OutputError> {
         let (number, time) = (self.state.increments, self.state.time);
-        picture::write(&self.directory, number, self.model, &self.model.nodes, fields)?;
-        let frame: SkinFrame = self.skin.frame(number, time, &self.state.positions, fields);
+        if self.options.stress {
+            fields.recover(problem, &self.state).map_err(|error| {
+                let path = self.directory.path(&picture::name(number));
+                OutputError::write(&path)(std::io::Error::other(error.to_string()))
+            })?;
+        }
+        picture::write(&self.directory, number, self.model, &self.model.nodes, &fields)?;
+        let frame: SkinFrame = self.skin.frame(number, time, &self.state.positions, &fields);
         self.directory.write_json(&format!("{}/{number:05}.json", names::SKINS), &frame)?;
         self.series.retain(|&(known, _)| known < number);
         self.series.push((number, time));
@@ -226,15 +260,19 @@ impl<'a> Recorder<'a> {
         state: &State,
         problem: &Problem,
     ) -> Result<(), OutputError> {
-        let fields = self.fields(problem, state)?;
-        let before = std::mem::replace(&mut self.state, state.clone());
-        let written = self.write_increment(record, problem, &fields);
+        let fields = Fields::of(problem, state, &self.options.areas);
+        let is_shown = record.number.is_multiple_of(self.options.every);
+        let pending = (!is_shown).then(|| SlaveFields::of(&fields));
+        let before = (
+            std::mem::replace(&mut self.state, state.clone()),
+            std::mem::replace(&mut self.pending, pending),
+        );
+        let written = self.write_increment(record, problem, is_shown.then_some(fields));
         if let Err(error) = written {
-            self.state = before;
+            (self.state, self.pending) = before;
+            self.series.retain(|&(known, _)| known <= self.state.increments);
             return Err(error);
         }
-        let is_shown = self.series.last().is_some_and(|&(number, _)| number == record.number);
-        self.pending = (!is_shown).then_some(fields);
         self.max_penetration_ever = self.max_penetration_ever.max(record.max_penetration);
         let sum = |axis: usize| record.contact_forces.iter().map(|force| force[axis]).sum();
         self.contact = (record.max_penetration, [0, 1, 2].map(sum));
@@ -246,15 +284,21 @@ impl<'a> Recorder<'a> {
         &mut self,
         record: &IncrementRecord,
         problem: &Problem,
-        fields: &Fields,
+        shown: Option<Fields>,
     ) -> Result<(), OutputError> {
-        if record.number.is_multiple_of(self.options.every) {
-            self.show(fields)?;
+        if let Some(fields) = shown {
+            self.show(fields, problem)?;
         }
         let row = history::row(record, problem, self.wall_s());
         self.directory.append(names::HISTORY, &format!("{row}\n"))?;
         self.directory.append(names::ITERATIONS, &history::iteration_rows(record.number, &record.history))?;
-        self.directory.write_json(names::STATE, &self.state)
+        self.write_state()
+    }
+
+    fn write_state(&self) -> Result<(), OutputError> {
+        let Self { fingerprint, state, pending, .. } = self;
+        self.directory
+            .write_json(names::STATE, &Saving { model: fingerprint, state, pending: pending.as_ref() })
     }
 }
 

@@ -3,8 +3,9 @@
 //! The page holds its data as JSON, the script that draws it (`report.js`) and plotly.js. It shows force over displacement,
 //! iterations per increment, the convergence of each increment, the deformed shape in three dimensions, and the smooth master
 //! surface over its facets. With several directories of results, such as those of both elements on one mesh, they are drawn
-//! together.
+//! together. Shapes and surfaces take up to about 8 MB of it; what is left out for that is said in the page.
 
+mod shown;
 mod surface;
 
 use std::collections::BTreeMap;
@@ -15,14 +16,14 @@ use serde::Serialize;
 
 pub use surface::{SurfaceSample, sample_surfaces};
 
+use shown::{Frame, Surface};
+
 use crate::output::{OutputError, SKIN, Skin, SkinFrame, Summary, names, read_history, read_json};
 
 /// What the page is made of.
 const PAGE: &str = include_str!("page.html");
 /// What draws it.
 const SCRIPT: &str = include_str!("report.js");
-/// Most frames of a run that a page holds; of more, evenly spaced ones are taken.
-const MOST_FRAMES: usize = 41;
 
 /// Everything about one run.
 #[derive(Clone, Debug, Serialize)]
@@ -35,8 +36,10 @@ struct Run {
     /// Per increment the relative residuals.
     residuals: BTreeMap<usize, Vec<f64>>,
     skin: Skin,
-    frames: Vec<SkinFrame>,
-    surfaces: Vec<SurfaceSample>,
+    frames: Vec<Frame>,
+    surfaces: Vec<Surface>,
+    /// What is not shown.
+    notes: Vec<String>,
 }
 
 /// Data of the page.
@@ -50,7 +53,10 @@ struct Data {
 /// # Errors
 /// [`OutputError::Read`], [`OutputError::Content`].
 pub fn report(directories: &[&Path]) -> Result<String, OutputError> {
-    let mut runs = directories.iter().map(|directory| read_run(directory)).collect::<Result<Vec<_>, _>>()?;
+    let mut runs = directories
+        .iter()
+        .map(|directory| read_run(directory, directories.len()))
+        .collect::<Result<Vec<_>, _>>()?;
     name_apart(&mut runs, directories);
     let title = runs.first().map_or_else(String::new, |run| run.summary.title.clone());
     // Within a script element a "<" could end it early or open a comment. In JSON it occurs within strings only.
@@ -99,7 +105,8 @@ fn name_apart(runs: &mut [Run], directories: &[&Path]) {
     }
 }
 
-fn read_run(directory: &Path) -> Result<Run, OutputError> {
+/// One of `runs` runs in a page.
+fn read_run(directory: &Path, runs: usize) -> Result<Run, OutputError> {
     let increments = read_history(&directory.join(names::HISTORY))?;
     let column = |k: usize| increments.rows.iter().map(|row| row.values[k]).collect();
     let history = increments.columns.iter().enumerate().map(|(k, name)| (name.clone(), column(k))).collect();
@@ -109,16 +116,18 @@ fn read_run(directory: &Path) -> Result<Run, OutputError> {
         residuals.entry(row.increment).or_default().push(iterations.value(row, "relative"));
     }
     let skins = directory.join(names::SKINS);
-    let surfaces = read_surfaces(&skins.join(SURFACES))?;
-    let skin = read_skin(&skins.join(SKIN))?;
+    let mut notes = Vec::new();
+    let surfaces = shown::surfaces(&read_surfaces(&skins.join(SURFACES))?, runs, &mut notes);
+    let (skin, frames) = read_frames(&skins, read_skin(&skins.join(SKIN))?, runs, &mut notes)?;
     Ok(Run {
         label: String::new(),
         summary: read_json(&directory.join(names::SUMMARY))?,
         history,
         residuals,
-        frames: read_frames(&skins, &skin)?,
+        frames,
         skin,
         surfaces,
+        notes,
     })
 }
 
@@ -160,8 +169,13 @@ fn read_surfaces(path: &Path) -> Result<Vec<SurfaceSample>, OutputError> {
     }
 }
 
-/// The frames of a run, those of its first and last increment among them.
-fn read_frames(skins: &Path, skin: &Skin) -> Result<Vec<SkinFrame>, OutputError> {
+/// The skin and the frames of it that are shown.
+fn read_frames(
+    skins: &Path,
+    skin: Skin,
+    runs: usize,
+    notes: &mut Vec<String>,
+) -> Result<(Skin, Vec<Frame>), OutputError> {
     let entries = fs::read_dir(skins).map_err(OutputError::read(skins))?;
     let number = |path: &Path| path.file_stem()?.to_str()?.parse::<usize>().ok();
     let mut paths: Vec<_> = entries
@@ -171,19 +185,15 @@ fn read_frames(skins: &Path, skin: &Skin) -> Result<Vec<SkinFrame>, OutputError>
         .filter_map(|path| Some((number(&path)?, path)))
         .collect();
     paths.sort();
-    let (count, most) = (paths.len(), MOST_FRAMES.min(paths.len()));
-    let chosen = (0..most).map(|k| if most > 1 { k * (count - 1) / (most - 1) } else { 0 });
-    let frames = chosen.map(|k| read_frame(&paths[k].1, skin)).collect::<Result<Vec<_>, _>>()?;
-    if frames.is_empty() {
-        Err(inconsistent(skins, "there is no shape, not even that of the start"))
-    } else {
-        Ok(frames)
+    if paths.is_empty() {
+        return Err(inconsistent(skins, "there is no shape, not even that of the start"));
     }
+    let nodes = skin.nodes.len();
+    shown::frames(skin, paths.len(), runs, |k| read_frame(&paths[k].1, nodes), notes)
 }
 
-fn read_frame(path: &Path, skin: &Skin) -> Result<SkinFrame, OutputError> {
+fn read_frame(path: &Path, expected: usize) -> Result<SkinFrame, OutputError> {
     let frame: SkinFrame = read_json(path)?;
-    let expected = skin.nodes.len();
     let lengths = frame.fields.values().map(Vec::len).chain([frame.positions.len()]);
     match lengths.into_iter().find(|&found| found != expected) {
         Some(found) => {

@@ -191,7 +191,7 @@ function scene(id, points, revision) {
 }
 
 function shape() {
-  const run = runs[element("run").value];
+  const run = shapes[element("run").value];
   const frames = run.frames;
   element("frame").max = frames.length - 1;
   const frame = frames[Math.min(element("frame").value, frames.length - 1)];
@@ -222,7 +222,10 @@ function shape() {
 function surfaces() {
   const [run, index] = surfaceList[element("surface").value];
   const surface = runs[run].surfaces[index];
-  const distance = surface.flat.map((p, k) => Math.hypot(...p.map((x, axis) => x - surface.smooth[k][axis])));
+  // Rounding alone is no distance.
+  const far = most(surface.distance, 0);
+  const top = far > 1e-9 * most(surface.flat.flat().map(Math.abs), 0) ? far : 1;
+  const distance = surface.distance.map((d) => (top === far ? d : 0));
   const mesh = (points, more) => Object.assign({
     type: "mesh3d", x: points.map((p) => p[0]), y: points.map((p) => p[1]), z: points.map((p) => p[2]),
     i: surface.triangles.map((t) => t[0]), j: surface.triangles.map((t) => t[1]), k: surface.triangles.map((t) => t[2]),
@@ -241,7 +244,7 @@ function surfaces() {
     traces.push(Object.assign(lines(surface.flat), { line: { color: "#66737f", width: 2 } }));
   }
   if (element("show-smooth").checked) {
-    traces.push(mesh(surface.smooth, { intensity: distance, colorscale: "Portland", colorbar: { title: { text: "distance, length", side: "right" }, thickness: 14, exponentformat: "power" } }));
+    traces.push(mesh(surface.smooth, { intensity: distance, cmin: 0, cmax: top, colorscale: "Portland", colorbar: { title: { text: "distance, length", side: "right" }, thickness: 14, exponentformat: "power" } }));
     traces.push(Object.assign(lines(surface.smooth), { line: { color: "#1c2733", width: 2 } }));
   }
   return draw("surfaces", traces, scene("surfaces", surface.flat.concat(surface.smooth), `surface ${element("surface").value}`));
@@ -257,18 +260,23 @@ if (supportNames.length > 0) {
   const sizes = size("displacement").some((x) => x > 0) ? size("displacement") : size("reaction");
   axisSelect.value = sizes.indexOf(Math.max(...sizes));
 }
-options("run", runs.map((run) => run.label));
-// Those that all runs have.
-const fieldNames = Object.keys(runs[0].frames[0].fields).filter((name) => runs.every((run) => name in run.frames[0].fields));
+// Some are too large for a page.
+const shapes = runs.filter((run) => run.frames.length > 0);
+options("run", shapes.map((run) => run.label));
+// Those that all of them have.
+const fieldNames = shapes.length === 0 ? [] : Object.keys(shapes[0].frames[0].fields).filter((name) => shapes.every((run) => name in run.frames[0].fields));
 const fieldSelect = options("field", fieldNames.map((name) => words[name] || name));
-fieldSelect.value = Math.max(0, fieldNames.indexOf(runs[0].skin.shown));
+if (shapes.length > 0) {
+  fieldSelect.value = Math.max(0, fieldNames.indexOf(shapes[0].skin.shown));
+  element("frame").max = most(shapes.map((run) => run.frames.length - 1), 0);
+  element("frame").value = element("frame").max;
+}
+element("notes").textContent = runs.flatMap((run) => run.notes.map((note) => (runs.length > 1 ? `${run.label}: ${note}` : note))).join(" ");
 element("increment").max = most(runs.flatMap((run) => run.history.increment), 1);
 // At first the one that took most, among those that all runs have.
 const common = Math.min(...runs.map((run) => run.history.increment.length));
 const taken = runs[0].history.iterations.slice(0, common);
 element("increment").value = 1 + Math.max(0, taken.lastIndexOf(most(taken, 0)));
-element("frame").max = runs[0].frames.length - 1;
-element("frame").value = element("frame").max;
 const surfaceList = runs.flatMap((run, r) => run.surfaces.map((_, k) => [r, k]));
 options("surface", surfaceList.map(([r, k]) => (runs.length > 1 ? `${runs[r].surfaces[k].name} (${runs[r].label})` : runs[r].surfaces[k].name)));
 
@@ -279,6 +287,7 @@ for (const [id, redraw, event] of [
 ]) {
   element(id).addEventListener(event, redraw);
 }
-const drawn = [iterations(), convergence(), shape(), force()];
+const drawn = [iterations(), convergence(), force()];
+if (shapes.length > 0) drawn.push(shape()); else element("shape-section").remove();
 if (surfaceList.length > 0) drawn.push(surfaces()); else element("surface-section").remove();
 Promise.all(drawn).then(() => { document.body.dataset.ready = "true"; });

@@ -5,15 +5,19 @@ use diffuse_contact::interface::{ContactElement, ContactInterface, InterfaceOpti
 use diffuse_contact::surface::{Facet, MasterSurface};
 use serde::{Deserialize, Serialize};
 
-/// Samples along each edge of a facet.
+/// Most samples along each edge of a facet.
 const SAMPLES: usize = 7;
+/// Most points of all surfaces of a run.
+const MOST_POINTS: usize = 12_000;
 
-/// A master surface: its facets and what the diffuse element sees in their place.
+/// A master surface: its facets and what the diffuse element sees in their place. One that has too many nodes has no points.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceSample {
     /// Name of the interface.
     pub name: String,
-    /// Points on the facets, [`grid`](Self::grid)² or for triangles half of that for each facet.
+    /// How many facets it has.
+    pub facets: usize,
+    /// Points on the facets: [`grid`](Self::grid)² or for triangles half of that for each facet, or their nodes if that would be too many.
     pub flat: Vec<[f64; 3]>,
     /// The foot of each point on the smooth surface; the point itself where there is none.
     pub smooth: Vec<[f64; 3]>,
@@ -21,7 +25,7 @@ pub struct SurfaceSample {
     pub triangles: Vec<[usize; 3]>,
     /// Edges of the facets, as pairs of points of `flat`.
     pub edges: Vec<[usize; 2]>,
-    /// Samples along an edge.
+    /// Samples along an edge; the more facets, the fewer.
     pub grid: usize,
 }
 
@@ -42,10 +46,43 @@ pub fn sample_surfaces<'a>(
     surfaces: impl IntoIterator<Item = (&'a str, &'a [Facet], InterfaceOptions)>,
     positions: &[[f64; 3]],
 ) -> Vec<SurfaceSample> {
+    let surfaces: Vec<_> = surfaces.into_iter().collect();
+    let most = MOST_POINTS / surfaces.len().max(1);
     surfaces
         .into_iter()
-        .filter_map(|(name, facets, options)| sample(name, facets, options, positions))
+        .filter_map(|(name, facets, options)| sample(name, facets, options, positions, most))
         .collect()
+}
+
+/// Points on facets with `grid` samples along an edge.
+fn point_count(facets: &[Facet], grid: usize) -> usize {
+    let points = |facet: &Facet| if facet.corners().len() == 4 { grid * grid } else { grid * (grid + 1) / 2 };
+    facets.iter().map(points).sum()
+}
+
+/// At most `most` points on facets, with triangles and edges between them.
+fn flat_points(name: &str, facets: &[Facet], positions: &[[f64; 3]], most: usize) -> SurfaceSample {
+    let mut result =
+        SurfaceSample { name: name.to_owned(), facets: facets.len(), grid: 2, ..SurfaceSample::default() };
+    if let Some(grid) = (3..=SAMPLES).rev().find(|&grid| point_count(facets, grid) <= most) {
+        result.grid = grid;
+        facets.iter().for_each(|facet| add_samples(facet, positions, &mut result));
+        return result;
+    }
+    let mut nodes: Vec<usize> = facets.iter().flat_map(|facet| facet.corners()).copied().collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    if nodes.len() > most {
+        return result;
+    }
+    for facet in facets {
+        let corners: Vec<usize> =
+            facet.corners().iter().map(|node| nodes.partition_point(|other| other < node)).collect();
+        result.triangles.extend((2..corners.len()).map(|k| [corners[0], corners[k - 1], corners[k]]));
+        result.edges.extend((0..corners.len()).map(|k| [corners[k], corners[(k + 1) % corners.len()]]));
+    }
+    result.flat = nodes.iter().map(|&node| positions[node]).collect();
+    result
 }
 
 fn sample(
@@ -53,10 +90,11 @@ fn sample(
     facets: &[Facet],
     options: InterfaceOptions,
     positions: &[[f64; 3]],
+    most: usize,
 ) -> Option<SurfaceSample> {
-    let mut result = SurfaceSample { name: name.to_owned(), grid: SAMPLES, ..SurfaceSample::default() };
-    for facet in facets {
-        add_samples(facet, positions, &mut result);
+    let mut result = flat_points(name, facets, positions, most);
+    if result.flat.is_empty() {
+        return Some(result);
     }
     let element = match options.element {
         ContactElement::NodeToFacet => ContactElement::default(),
@@ -77,9 +115,10 @@ fn sample(
     Some(result)
 }
 
-/// Points, triangles and edges of a facet.
+/// Points, triangles and edges of a facet with the result's samples along an edge.
 fn add_samples(facet: &Facet, positions: &[[f64; 3]], result: &mut SurfaceSample) {
-    let last = SAMPLES - 1;
+    let samples = result.grid;
+    let last = samples - 1;
     let first = result.flat.len();
     let corners: Vec<[f64; 3]> = facet.corners().iter().map(|&node| positions[node]).collect();
     let part = |k: usize| k as f64 / last as f64;
@@ -88,11 +127,11 @@ fn add_samples(facet: &Facet, positions: &[[f64; 3]], result: &mut SurfaceSample
     };
     match facet {
         Facet::Quadrilateral(_) => {
-            for (row, column) in pairs(SAMPLES, |_| SAMPLES) {
+            for (row, column) in pairs(samples, |_| samples) {
                 let (u, v) = (part(column), part(row));
                 result.flat.push(mix(&[(1.0 - u) * (1.0 - v), u * (1.0 - v), u * v, (1.0 - u) * v]));
             }
-            let at = |row: usize, column: usize| first + row * SAMPLES + column;
+            let at = |row: usize, column: usize| first + row * samples + column;
             for (row, column) in pairs(last, |_| last) {
                 let [a, b, c, d] =
                     [at(row, column), at(row, column + 1), at(row + 1, column + 1), at(row + 1, column)];
@@ -108,12 +147,12 @@ fn add_samples(facet: &Facet, positions: &[[f64; 3]], result: &mut SurfaceSample
             }
         }
         Facet::Triangle(_) => {
-            for (row, column) in pairs(SAMPLES, |row| SAMPLES - row) {
+            for (row, column) in pairs(samples, |row| samples - row) {
                 let (u, v) = (part(column), part(row));
                 result.flat.push(mix(&[1.0 - u - v, u, v]));
             }
             let at =
-                |row: usize, column: usize| first + row * SAMPLES - row * row.saturating_sub(1) / 2 + column;
+                |row: usize, column: usize| first + row * samples - row * row.saturating_sub(1) / 2 + column;
             for (row, column) in pairs(last, |row| last - row) {
                 result.triangles.push([at(row, column), at(row, column + 1), at(row + 1, column)]);
                 if column + 1 < last - row {
@@ -148,7 +187,7 @@ mod tests {
     fn samples_lie_on_the_facet_and_triangles_cover_it() {
         let positions = [[0.0; 3], [2.0, 0.0, 0.0], [2.0, 3.0, 0.0], [0.0, 3.0, 0.0]];
         for (facet, area) in [(Facet::Quadrilateral([0, 1, 2, 3]), 6.0), (Facet::Triangle([0, 1, 2]), 3.0)] {
-            let mut found = SurfaceSample::default();
+            let mut found = SurfaceSample { grid: SAMPLES, ..SurfaceSample::default() };
             add_samples(&facet, &positions, &mut found);
             let covered: f64 = found
                 .triangles
@@ -160,6 +199,40 @@ mod tests {
                 .inspect(|&area| assert!(area > 0.0))
                 .sum();
             assert!((covered - area).abs() < 1e-12, "{covered} of {area}");
+        }
+    }
+    #[test]
+    fn surfaces_of_any_size_have_few_points() {
+        for (cells, grid, points) in
+            [(4, 7, 784), (20, 5, 10_000), (34, 3, 10_404), (60, 2, 3_721), (200, 2, 0)]
+        {
+            let node = |i: usize, j: usize| j * (cells + 1) + i;
+            let positions: Vec<[f64; 3]> =
+                (0..=cells).flat_map(|j| (0..=cells).map(move |i| [i as f64, j as f64, 0.0])).collect();
+            let facets: Vec<Facet> = pairs(cells, |_| cells)
+                .map(|(j, i)| [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)])
+                .map(Facet::Quadrilateral)
+                .collect();
+            let [found] =
+                &sample_surfaces([("plane", &facets[..], InterfaceOptions::default())], &positions)[..]
+            else {
+                panic!("one surface")
+            };
+            assert_eq!((found.grid, found.flat.len(), found.facets), (grid, points, cells * cells));
+            assert!(found.is_sound());
+            if points > 0 {
+                let covered: f64 = found
+                    .triangles
+                    .iter()
+                    .map(|triangle| {
+                        let [a, b, c] = triangle.map(|k| found.flat[k]);
+                        0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+                    })
+                    .sum();
+                assert!((covered / (cells * cells) as f64 - 1.0).abs() < 1e-12, "{covered}");
+                // A plane is fitted exactly.
+                assert!(found.smooth.iter().all(|point| point[2].abs() < 1e-9));
+            }
         }
     }
 }

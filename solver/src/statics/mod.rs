@@ -28,6 +28,7 @@ mod observer;
 mod pressure;
 mod problem;
 mod settings;
+mod sparse;
 mod supports;
 #[cfg(test)]
 mod tests;

@@ -30,8 +30,10 @@ pub struct State {
     /// Where they were at the start of the last increment, if the next one extrapolates from there.
     pub past: Option<Past>,
     /// Plastic state of each integration point.
+    #[serde(with = "super::sparse")]
     pub points: Vec<PointState>,
     /// The same at the start of the last increment: from there the tangent at `positions` goes on with the flow.
+    #[serde(with = "super::sparse")]
     pub points_before: Vec<PointState>,
     /// Multipliers of each pass of each interaction, force.
     pub multipliers: Vec<Vec<f64>>,

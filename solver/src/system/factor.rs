@@ -60,8 +60,11 @@ impl SymmetricFactor {
         };
         let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, parameters)?;
         let size = symbolic.nrows();
+        let mut values = Vec::new();
+        values.try_reserve_exact(symbolic.len_val()).map_err(|_| FaerError::OutOfMemory)?;
+        values.resize(symbolic.len_val(), 0.0);
         Ok(Self {
-            values: vec![0.0; symbolic.len_val()],
+            values,
             subdiagonal: vec![0.0; size],
             forward: vec![0; size],
             inverse: vec![0; size],

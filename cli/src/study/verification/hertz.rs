@@ -11,23 +11,33 @@ use super::plot::{Chart, Curve};
 use super::{Decks, ELEMENTS, Findings, colour, divide, outcome, percent, row};
 use crate::study::markdown::Table;
 
-/// Cells of the body, and of an elastic floor along x and z. The second mesh is the deck's.
+/// Cells of the body, and of an elastic floor along x and z; `None`: there is no run with one.
 struct Mesh {
-    name: &'static str,
     body: &'static [usize],
     floor: Option<usize>,
+    /// Whether it is one of those that take minutes.
+    fine: bool,
 }
 
+/// Two layers of cells along the cylinder, for it to be a master; its deck has one.
 const CYLINDERS: [Mesh; 3] = [
-    Mesh { name: "coarse", body: &[10, 8, 2], floor: Some(12) },
-    Mesh { name: "deck", body: &[20, 16, 2], floor: Some(24) },
-    Mesh { name: "fine", body: &[40, 32, 2], floor: Some(48) },
+    Mesh { body: &[10, 8, 2], floor: Some(12), fine: false },
+    Mesh { body: &[20, 16, 2], floor: Some(24), fine: false },
+    Mesh { body: &[40, 32, 2], floor: Some(48), fine: true },
 ];
+/// The second one is the deck's.
 const BALLS: [Mesh; 3] = [
-    Mesh { name: "coarse", body: &[6, 5], floor: Some(7) },
-    Mesh { name: "deck", body: &[9, 8], floor: Some(10) },
-    Mesh { name: "fine", body: &[14, 12], floor: None },
+    Mesh { body: &[6, 5], floor: Some(7), fine: false },
+    Mesh { body: &[9, 8], floor: Some(10), fine: false },
+    Mesh { body: &[14, 12], floor: None, fine: true },
 ];
+
+impl Mesh {
+    /// Its cells as in a deck.
+    fn name(&self) -> String {
+        self.body.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ")
+    }
+}
 
 /// One of the two problems.
 struct Problem {
@@ -35,6 +45,8 @@ struct Problem {
     /// The body in the deck.
     body: &'static str,
     meshes: &'static [Mesh],
+    /// The place among them of the one that the chart shows, with an elastic floor.
+    charted: usize,
     /// Cells across and width of an elastic floor along y; as along x without.
     across: Option<(usize, f64)>,
     /// Sides of the elastic floor that lie on planes of symmetry, and the axes along which they stay.
@@ -58,6 +70,7 @@ pub fn cylinder(decks: &Decks) -> Result<Findings, SolveError> {
             title: "Hertz, cylinder",
             body: "cylinder",
             meshes: &CYLINDERS,
+            charted: 1,
             across: Some((2, LENGTH)),
             symmetry: &[
                 ("floor.x-", [true, false, false]),
@@ -81,6 +94,7 @@ pub fn ball(decks: &Decks) -> Result<Findings, SolveError> {
             title: "Hertz, ball",
             body: "ball",
             meshes: &BALLS,
+            charted: 1,
             across: None,
             symmetry: &[("floor.x-", [true, false, false]), ("floor.y-", [false, true, false])],
             distance: |x| x[0].hypot(x[1]),
@@ -99,10 +113,11 @@ type Press = (f64, PressureProfile);
 fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
     let heading =
         format!("{}: deviation of peak pressure and half width from the closed form", problem.title);
+    let meshes: Vec<&Mesh> = problem.meshes.iter().filter(|mesh| mesh.fine == decks.fine).collect();
     let columns = [
         "slave",
         "element",
-        "mesh",
+        "cells",
         "pressed nodes",
         "force, N",
         "p₀, closed form, MPa",
@@ -110,13 +125,12 @@ fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
         "p₀ of the fitted ellipse",
         "a of the fitted ellipse",
         "iterations",
-        "s",
     ];
     let mut table = Table::new(heading, columns);
     let mut curves = Vec::new();
     for exchange in [false, true] {
         for element in ELEMENTS {
-            for mesh in problem.meshes {
+            for mesh in &meshes {
                 let mut deck = decks.with(element)?;
                 divide(&mut deck, problem.body, mesh.body);
                 let modulus = match (exchange, mesh.floor) {
@@ -128,17 +142,21 @@ fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
                     (true, None) => continue,
                 };
                 let run = outcome(press(&deck, decks, problem))?;
-                if let (Ok(run), "deck", true) = (&run, mesh.name, exchange) {
+                let is_charted = exchange && mesh.body == problem.meshes[problem.charted].body;
+                if let (Ok(run), true) = (&run, is_charted) {
                     curves.extend(curve(run, problem, element, modulus));
                 }
                 let figures = run.map(|run| figures(&run, problem, modulus));
                 row(
                     &mut table,
-                    [if exchange { "elastic floor" } else { problem.body }, element.name(), mesh.name],
+                    [if exchange { "elastic floor" } else { problem.body }, element.name(), &mesh.name()],
                     figures,
                 );
             }
         }
+    }
+    if curves.is_empty() {
+        return Ok(Findings { tables: vec![table], charts: Vec::new() });
     }
     let pressures = (0..=200).map(|k| {
         let x: f64 = f64::from(k) / 200.0;
@@ -151,7 +169,11 @@ fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
         points: pressures.collect(),
     });
     let chart = Chart {
-        title: format!("{}: pressure with the curved body as master, the deck's mesh", problem.title),
+        title: format!(
+            "{}: pressure with the curved body as master, {} cells",
+            problem.title,
+            problem.meshes[problem.charted].name()
+        ),
         abscissa: "x / a",
         ordinate: "p / p₀",
         curves,
@@ -197,7 +219,7 @@ fn press(deck: &Deck, decks: &Decks, problem: &Problem) -> Result<Trace<Press>, 
     })
 }
 
-fn figures(run: &Trace<Press>, problem: &Problem, modulus: f64) -> [String; 8] {
+fn figures(run: &Trace<Press>, problem: &Problem, modulus: f64) -> [String; 7] {
     let Some((force, profile)) = run.measures.last() else { return Default::default() };
     let [half_width, peak] = (problem.exact)(*force, modulus);
     let ellipse = |k: usize, exact: f64| {
@@ -211,7 +233,6 @@ fn figures(run: &Trace<Press>, problem: &Problem, modulus: f64) -> [String; 8] {
         ellipse(0, peak),
         ellipse(1, half_width),
         run.iterations.to_string(),
-        format!("{:.1}", run.wall.as_secs_f64()),
     ]
 }
 

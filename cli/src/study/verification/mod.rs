@@ -38,21 +38,28 @@ struct Findings {
 
 /// Solves the problems and prints their tables.
 pub fn run(arguments: &VerificationArguments) -> Result<(), CliError> {
-    let problems = match &arguments.problems[..] {
-        [] => &VerificationProblem::ALL[..],
-        some => some,
+    let problems: Vec<VerificationProblem> = match &arguments.problems[..] {
+        [] if arguments.fine => {
+            VerificationProblem::ALL.into_iter().filter(|problem| problem.has_fine_meshes()).collect()
+        }
+        [] => VerificationProblem::ALL.to_vec(),
+        some => some.to_vec(),
     };
+    if let Some(problem) = problems.iter().find(|problem| arguments.fine && !problem.has_fine_meshes()) {
+        return Err(CliError::MeaninglessOption { option: "--fine", beside: problem.name() });
+    }
     let picture = |problem: VerificationProblem| {
         arguments.pictures.as_ref().map(|directory| directory.join(format!("{}.svg", problem.name())))
     };
-    for path in problems.iter().filter_map(|&problem| picture(problem)) {
+    for path in problems.iter().filter_map(|&problem| picture(problem)).filter(|_| !arguments.fine) {
         output::check_target(&path)?;
     }
     with_threads(arguments.threads, || {
-        for &problem in problems {
+        for &problem in &problems {
             let decks = Decks {
                 path: arguments.decks.join(format!("{}.toml", problem.name())),
                 threads: arguments.threads.unwrap_or(1),
+                fine: arguments.fine,
             };
             let findings = match problem {
                 VerificationProblem::PatchTest => patch::study(&decks),
@@ -77,6 +84,8 @@ pub fn run(arguments: &VerificationArguments) -> Result<(), CliError> {
 struct Decks {
     path: PathBuf,
     threads: usize,
+    /// Whether the meshes that take minutes are asked for, in place of the others.
+    fine: bool,
 }
 
 impl Decks {

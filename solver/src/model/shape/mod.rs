@@ -191,14 +191,24 @@ fn turn(field: &'static str, [start, end]: [f64; 2]) -> Result<bool, ShapeError>
     Ok(end - start == 360.0)
 }
 
+/// About what a node of a deformable part takes in a run, besides factors: its elements' stiffness and states, and its rows of K.
+const BYTES_PER_NODE: usize = 8_000;
+
 /// Checks that numbers of cells are positive and that there are not too many nodes.
 fn divisions(counts: &[usize], nodes: f64) -> Result<(), ShapeError> {
     for &count in counts {
         in_range(count >= 1, "divisions", "at least 1", count as f64)?;
     }
-    match nodes <= MAX_NODES as f64 {
-        true => Ok(()),
-        false => Err(ShapeError::TooManyNodes { count: nodes, limit: MAX_NODES }),
+    if !(nodes <= MAX_NODES as f64) {
+        return Err(ShapeError::TooManyNodes { count: nodes, limit: MAX_NODES });
+    }
+    // Asked for and given back: systems that refuse it at once would otherwise end the program in the middle of its work.
+    match Vec::<u8>::new().try_reserve_exact(nodes as usize * BYTES_PER_NODE) {
+        Ok(()) => Ok(()),
+        Err(_) => {
+            let gigabytes = nodes * BYTES_PER_NODE as f64 / 1e9;
+            Err(ShapeError::NoMemory { count: nodes, gigabytes })
+        }
     }
 }
 

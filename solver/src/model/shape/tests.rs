@@ -339,6 +339,7 @@ fn refused(shape: Shape) -> (&'static str, f64) {
                     assert_eq!(limit, MAX_NODES);
                     ("nodes", count)
                 }
+                ShapeError::NoMemory { .. } => panic!("{error}"),
             }
         }
         other => panic!("{shape:?} was accepted: {other:?}"),

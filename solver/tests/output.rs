@@ -1,0 +1,53 @@
+//! What is written means what it says.
+
+use std::path::Path;
+
+use diffuse_contact_solver::deck::{Contact, Deck};
+use diffuse_contact_solver::output::Fields;
+use diffuse_contact_solver::verification::trace;
+
+/// The contact pressures of the patch test at the nodes of the lower and of the upper surface, and the areas of those nodes.
+fn pressures(contact: Contact, two_pass: bool) -> [Vec<(f64, f64)>; 2] {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/patch_test.toml");
+    let mut deck = Deck { contact, ..Deck::read(path).unwrap() };
+    deck.interfaces[0].two_pass = two_pass;
+    let model = deck.model(Path::new("")).unwrap();
+    let sides = deck.sides(&model, &deck.interfaces[0]).unwrap();
+    let areas = Fields::slave_areas(&model, &[sides.slave, sides.master]);
+    let measure = |snapshot: &diffuse_contact_solver::verification::Snapshot<'_>| {
+        let fields = Fields::of(snapshot.problem, snapshot.state, &areas);
+        let at = |set: &str| {
+            let nodes = &model.node_sets[set];
+            nodes.iter().map(|&node| (fields.contact_pressure[node], areas[node])).collect::<Vec<_>>()
+        };
+        Ok(["lower.z+", "upper.z-"].map(at))
+    };
+    trace(&deck, Path::new(""), 1, measure).unwrap().measures.pop().unwrap()
+}
+
+fn force(side: &[(f64, f64)]) -> f64 {
+    side.iter().map(|(pressure, area)| pressure * area).sum()
+}
+
+/// 100 MPa on 100 mm²: each of the two surfaces carries all of it, not only what its nodes have as slaves.
+#[test]
+fn two_passes_give_the_pressure_and_not_half_of_it() {
+    for (contact, scatter) in [(Contact::NodeToFacet, 0.02), (Contact::Diffuse, 0.2)] {
+        for side in pressures(contact, true) {
+            assert!((force(&side) / 1e4 - 1.0).abs() < 1e-5, "{contact:?}: {}", force(&side));
+            let largest = side.iter().map(|(p, _)| (p / 100.0 - 1.0).abs()).fold(0.0, f64::max);
+            println!("{contact:?} {largest}");
+            assert!(largest < scatter, "{contact:?}: {largest}");
+        }
+    }
+}
+
+/// One pass: the slaves carry all of it, the masters are no slaves. Normals of the bent surface are not all along the load.
+#[test]
+fn one_pass_gives_the_pressure_at_the_slaves() {
+    for contact in [Contact::NodeToFacet, Contact::Diffuse] {
+        let [master, slave] = pressures(contact, false);
+        assert!((force(&slave) / 1e4 - 1.0).abs() < 1e-4, "{contact:?}: {}", force(&slave));
+        assert_eq!(force(&master), 0.0);
+    }
+}

@@ -130,6 +130,15 @@ pub fn frame(value: i32) -> Result<FrameDerivative, Failure> {
     choose("frame", value, &choices)
 }
 
+/// What the frame of a single element does that is not given.
+pub fn element_frame(value: i32) -> Result<FrameDerivative, Failure> {
+    if value == dc_frame::DC_CO_MOVING as i32 || value == dc_frame::DC_HELD as i32 {
+        return frame(value);
+    }
+    let message = format!("invalid-option: frame is {value}, which is none of 0, 1, 2");
+    Err(Failure::new(DC_BAD_OPTION, message))
+}
+
 pub fn basis(value: i32) -> Result<Basis, Failure> {
     let choices =
         [(dc_basis::DC_LINEAR as i32, Basis::Linear), (dc_basis::DC_QUADRATIC as i32, Basis::Quadratic)];

@@ -199,7 +199,7 @@ pub unsafe extern "C" fn dc_gap(
         let kind = element.kind()?;
         let slave = [slave[0], slave[1], slave[2]];
         // SAFETY: as the caller promises; nothing overlaps.
-        let (gradient, hessian) = unsafe { (gradient.zeroed(), hessian.zeroed()) };
+        let (gradient, hessian) = unsafe { (gradient.unspecified(), hessian.unspecified()) };
         let found = element
             .with_nodes(&kind, slave, masters.as_chunks::<3>().0)
             .and_then(|element| Generated.gap_into(&element, mode, gradient, hessian));
@@ -256,7 +256,7 @@ pub unsafe extern "C" fn dc_element_system(
             (law::read(law)?, input("gradient", gradient, freedoms)?, input("hessian", hessian, packed)?)
         };
         // SAFETY: as the caller promises; nothing overlaps.
-        let (residual, tangent) = unsafe { (residual.zeroed(), tangent.zeroed()) };
+        let (residual, tangent) = unsafe { (residual.unspecified(), tangent.unspecified()) };
         let contact = ContactView { gap, area, gradient, hessian };
         let found = law.element_system(&contact, residual, tangent)?;
         // SAFETY: as the caller promises.

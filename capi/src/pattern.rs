@@ -155,7 +155,7 @@ pub unsafe extern "C" fn dc_pattern_fill(
                 // SAFETY: as the caller promises; nothing overlaps.
                 let law = unsafe { law::read(law)? };
                 // SAFETY: as the caller promises; nothing overlaps.
-                let values = unsafe { values.zeroed() };
+                let values = unsafe { values.unspecified() };
                 let active = threads::run(|| pattern.places.fill(contacts, &law, values))??;
                 // SAFETY: as the caller promises.
                 unsafe { active_count.write([active]) };

@@ -44,6 +44,7 @@ unsafe impl Plain for crate::contacts::dc_contact {}
 // SAFETY: a handle is a number, which nobody follows.
 unsafe impl<T> Plain for *mut T {}
 
+#[inline]
 fn check<T>(name: &str, pointer: *const T, count: usize) -> Result<(), Failure> {
     if pointer.is_null() {
         return Err(Failure::new(DC_BAD_POINTER, format!("bad-pointer: {name} is NULL")));
@@ -76,6 +77,7 @@ impl Span {
 }
 
 /// An array that is read.
+#[inline]
 pub fn read<T>(name: &'static str, pointer: *const T, count: usize) -> Span {
     let start = pointer.addr();
     let bytes = if pointer.is_null() { 0 } else { count.saturating_mul(size_of::<T>()) };
@@ -83,11 +85,13 @@ pub fn read<T>(name: &'static str, pointer: *const T, count: usize) -> Span {
 }
 
 /// An array that is read and added to.
+#[inline]
 pub fn written<T>(name: &'static str, pointer: *const T, count: usize) -> Span {
     Span { is_written: true, ..read(name, pointer, count) }
 }
 
 /// Refuses arrays of which one is written and another lies in the same place.
+#[inline]
 pub fn disjoint<const N: usize>(spans: [Span; N]) -> Result<(), Failure> {
     for (k, one) in spans.iter().enumerate() {
         for other in &spans[..k] {
@@ -111,6 +115,7 @@ fn overlapping(one: &str, other: &str) -> Failure {
 ///
 /// # Safety
 /// `pointer` is NULL, or `count` entries may be read there until the call returns, which nobody writes.
+#[inline]
 pub unsafe fn input<'a, T: Plain>(name: &str, pointer: *const T, count: usize) -> Result<&'a [T], Failure> {
     if count == 0 {
         return Ok(&[]);
@@ -143,6 +148,7 @@ pub struct Target<T> {
 }
 
 /// A place for `count` entries; NULL if there are none.
+#[inline]
 pub fn target<T: Plain>(name: &'static str, pointer: *mut T, count: usize) -> Result<Target<T>, Failure> {
     if count > 0 {
         check(name, pointer, count)?;
@@ -151,6 +157,7 @@ pub fn target<T: Plain>(name: &'static str, pointer: *mut T, count: usize) -> Re
 }
 
 /// A place for `needed` entries, of which the caller says that it has room for `room`.
+#[inline]
 pub fn roomy<T: Plain>(
     name: &'static str,
     pointer: *mut T,
@@ -165,6 +172,7 @@ pub fn roomy<T: Plain>(
 }
 
 /// As [`roomy`]; NULL, and then without entries, where the caller does not want it.
+#[inline]
 pub fn wanted<T: Plain>(
     name: &'static str,
     pointer: *mut T,
@@ -175,6 +183,7 @@ pub fn wanted<T: Plain>(
 }
 
 impl<T: Plain> Target<T> {
+    #[inline]
     pub fn span(&self) -> Span {
         written(self.name, self.pointer, self.count)
     }
@@ -202,6 +211,7 @@ impl<T: Plain> Target<T> {
     /// # Safety
     /// As [`zeroed`](Self::zeroed).
     #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+    #[inline]
     pub unsafe fn unspecified<'a>(self) -> &'a mut [T] {
         // There may have been no value before, and a slice has to have some. Any bits are one. For the compiler the instructions below,
         // of which there are none, write some at the pointer: it may not look into them, and must take them to.
@@ -219,6 +229,7 @@ impl<T: Plain> Target<T> {
 
     /// # Safety
     /// As [`zeroed`](Self::zeroed), and the entries hold values.
+    #[inline]
     unsafe fn slice<'a>(self) -> &'a mut [T] {
         if self.count == 0 {
             return &mut [];
@@ -231,6 +242,7 @@ impl<T: Plain> Target<T> {
     ///
     /// # Safety
     /// As [`zeroed`](Self::zeroed).
+    #[inline]
     pub unsafe fn write(self, values: impl IntoIterator<Item = T>) {
         for (k, value) in values.into_iter().take(self.count).enumerate() {
             // SAFETY: of the caller; within the entries.
@@ -323,6 +335,7 @@ pub fn reserve<T>(what: &str, count: usize) -> Result<Vec<T>, Failure> {
 }
 
 /// A field that is to be 0 until a later version gives it a meaning.
+#[inline]
 pub fn reserved(structure: &str, value: i32) -> Result<(), Failure> {
     if value == 0 {
         return Ok(());

@@ -5,10 +5,11 @@
 ! 1. Increments with Newton's method. SVARS are handed over as at the start of the increment, kept when it is accepted, and forgotten
 !    when it is cut back; the whole motion is tried at once first, which is too much, so that PNEWDT has to act.
 ! 2. The tangent of each element is compared with central differences of its forces.
-! 3. LFLAGS(3) is honoured: stiffness alone, force alone, neither; the module's structures are those of the library.
+! 3. LFLAGS(3) is honoured, in general and in perturbation steps; the module's structures are those of the library.
+! 4. Every property, a slave that loses its surface, and one with too few candidates for the quadratic basis.
 !
 ! Ends with stop code 1 if something is wrong. With the argument --bits it prints all numbers of the last call of each increment and
-! element in hexadecimal.
+! element in hexadecimal. With --refuse and the number of a wrong input it makes one call, which is to end in XIT, stop code 2.
 program drive_uel
     use, intrinsic :: iso_fortran_env, only: int64
     implicit none
@@ -23,6 +24,8 @@ program drive_uel
         history(variables, elements), svars(variables, elements), energy(8), pnewdt, total, dt, worst
     real(8) :: stiffness(unknowns, unknowns), residual(unknowns)
     integer :: increment, attempts, iteration, cutbacks, iterations, e
+    ! What a call says that is the same in all but the wrong ones.
+    integer :: told_mcrd = 3, told_properties = properties, told_variables = -1, procedure_type = 1
     logical :: prints_bits
     character(len=16) :: argument
 
@@ -30,6 +33,7 @@ program drive_uel
     prints_bits = argument == '--bits'
     open (7, file='/dev/stderr')
     call make_mesh()
+    if (argument == '--refuse') call make_wrong_call()
 
     history = 0
     accepted = 0
@@ -64,6 +68,9 @@ program drive_uel
 
     call check_tangent()
     call check_flags()
+    call check_properties()
+    call check_lost_surface()
+    call check_few_candidates()
     call check_structures()
 
 contains
@@ -109,27 +116,39 @@ contains
         end do
     end subroutine
 
-    !> One call as Abaqus makes it.
+    !> One call of an increment.
     subroutine call_uel(e, kind, displacements, variables_in, force, tangent, variables_out)
         integer, intent(in) :: e, kind
         real(8), intent(in) :: displacements(freedoms), variables_in(variables)
         real(8), intent(out) :: force(freedoms), tangent(freedoms, freedoms), variables_out(variables)
-        real(8) :: none(freedoms), predefined(2, 1, nodes), no_loads(1, 1), forces(freedoms, 1), increments(freedoms, 1)
-        integer :: flags(5), no_types(1, 1)
+        real(8) :: forces(freedoms, 1)
+
+        variables_out = variables_in
+        call call_any(e, kind, 0, coords(:, :, e), displacements, reshape(displacements - accepted(:, e), [freedoms, 1]), &
+            props, variables_out, forces, tangent)
+        force = forces(:, 1)
+    end subroutine
+
+    !> One call as Abaqus makes it. kind is LFLAGS(3), step LFLAGS(4); there are as many right-hand sides as increments.
+    subroutine call_any(e, kind, step, points, displacements, increments, told, state, forces, tangent)
+        integer, intent(in) :: e, kind, step
+        real(8), intent(in) :: points(:, :), displacements(:), increments(:, :), told(:)
+        real(8), intent(inout) :: state(:)
+        real(8), intent(out) :: forces(:, :), tangent(:, :)
+        real(8) :: none(size(displacements)), predefined(2, 1, size(points, 2)), no_loads(1, 1)
+        integer :: flags(5), no_types(1, 1), own_variables
 
         none = 0
         predefined = 0
         no_loads = 0
         no_types = 0
-        flags = [1, 1, kind, 0, 0]
-        variables_out = variables_in
-        increments(:, 1) = displacements - accepted(:, e)
+        flags = [procedure_type, 1, kind, step, 0]
         forces = huge(1d0)
         tangent = huge(1d0)
-        call uel(forces, tangent, variables_out, energy, freedoms, 1, variables, props, properties, coords(:, :, e), 3, &
-            nodes, displacements, increments, none, none, 1, [total, total], dt, 1, increment, e, [0d0], 0, no_types, &
-            no_loads, predefined, 1, flags, freedoms, no_loads, 1, pnewdt, [0], 0, 1d0)
-        force = forces(:, 1)
+        own_variables = merge(size(state), told_variables, told_variables < 0)
+        call uel(forces, tangent, state, energy, size(displacements), size(increments, 2), own_variables, told, told_properties, &
+            points, told_mcrd, size(points, 2), displacements, increments, none, none, 1, [total, total], dt, 1, increment, e, &
+            [0d0], 0, no_types, no_loads, predefined, 1, flags, size(displacements), no_loads, 1, pnewdt, [0], 0, 1d0)
     end subroutine
 
     !> Newton's method from the accepted state. is_converged: number of iterations, 0 if it is to be cut back.
@@ -217,6 +236,7 @@ contains
     !> What each kind of call fills.
     subroutine check_flags()
         real(8) :: force(freedoms), tangent(freedoms, freedoms), both(freedoms), whole(freedoms, freedoms), state(variables)
+        integer :: k
 
         call call_uel(1, 1, u(:, 1), history(:, 1), both, whole, state)
         call call_uel(1, 2, u(:, 1), history(:, 1), force, tangent, state)
@@ -224,9 +244,234 @@ contains
         if (any(state /= history(:, 1))) call fail('LFLAGS(3) = 2 leaves the history as it is')
         call call_uel(1, 5, u(:, 1), history(:, 1), force, tangent, state)
         if (any(force /= both) .or. any(tangent /= 0)) call fail('LFLAGS(3) = 5 is the force alone')
-        call call_uel(1, 4, u(:, 1), history(:, 1), force, tangent, state)
-        if (any(force /= 0) .or. any(tangent /= 0)) call fail('LFLAGS(3) = 4 is the mass, which is zero')
+        do k = 3, 4
+            call call_uel(1, k, u(:, 1), history(:, 1), force, tangent, state)
+            if (any(force /= 0) .or. any(tangent /= 0)) call fail('LFLAGS(3) = 3 and 4 are damping and mass, which are zero')
+            if (any(state /= history(:, 1))) call fail('LFLAGS(3) = 3 and 4 leave the history as it is')
+        end do
+        call check_perturbations(both, whole)
         print '(a)', 'flags are honoured'
+    end subroutine
+
+    !> Perturbations about the accepted state, two at a time: -K DU, and nothing else changes.
+    subroutine check_perturbations(residual_there, whole)
+        real(8), intent(in) :: residual_there(freedoms), whole(freedoms, freedoms)
+        real(8) :: changes(freedoms, 2), forces(freedoms, 2), expected(freedoms, 2), tangent(freedoms, freedoms), &
+            state(variables), limit
+        integer, parameter :: kinds(4) = [100, 1, 5, 2]
+        integer :: j, k
+
+        do k = 1, freedoms
+            changes(k, :) = 1d-3*[sin(1.7d0*k), cos(2.3d0*k)]
+        end do
+        expected = -matmul(whole, changes)
+        limit = 1d-13*maxval(abs(whole))*1d-3*freedoms
+        do j = 1, size(kinds)
+            state = history(:, 1)
+            pnewdt = 5
+            call call_any(1, kinds(j), 1, coords(:, :, 1), u(:, 1), changes, props, state, forces, tangent)
+            if (any(state /= history(:, 1)) .or. pnewdt /= 5) call fail('a perturbation leaves the base state as it is')
+            if (kinds(j) == 2) then
+                if (any(forces /= 0)) call fail('LFLAGS(3) = 2 of a perturbation is the stiffness alone')
+            else
+                if (.not. maxval(abs(forces - expected)) < limit) call fail('the force of a perturbation is -K DU')
+            end if
+            if (kinds(j) == 1 .or. kinds(j) == 2) then
+                if (any(tangent /= whole)) call fail('the stiffness of a perturbation is that of the base state')
+            else
+                if (any(tangent /= 0)) call fail('LFLAGS(3) = 100 and 5 are the force alone')
+            end if
+        end do
+        ! The change of the energy, to second order; the first order is the force itself.
+        call call_any(1, 100, 1, coords(:, :, 1), u(:, 1), changes, props, state, forces, tangent)
+        if (abs(energy(2) + dot_product(residual_there + 0.5d0*expected(:, 1), changes(:, 1))) > 1d-12*maxval(abs(whole))) &
+            call fail('the energy of a perturbation')
+        ! Two right-hand sides in a general step: the second one is the increment of the load.
+        state = history(:, 1)
+        call call_any(1, 1, 0, coords(:, :, 1), u(:, 1), changes*0, props, state, forces, tangent)
+        if (any(forces(:, 2) /= 0) .or. all(forces(:, 1) == 0)) call fail('contact is no load')
+    end subroutine
+
+    !> Forces and tangent with other properties, in the accepted state.
+    subroutine check_properties()
+        real(8) :: told(properties), forces(freedoms, 1), tangent(freedoms, freedoms), other(freedoms, 1), &
+            unused(freedoms, freedoms), state(variables), none(freedoms, 1), gaps(0:2)
+        integer :: weight
+
+        none = 0
+        state = history(:, 1)
+        call call_any(1, 1, 0, coords(:, :, 1), u(:, 1), none, props, state, forces, tangent)
+        ! PROPS(2), an area: twice the penalty, to the last bit.
+        told = props
+        told(2) = 2
+        state = history(:, 1)
+        call call_any(1, 1, 0, coords(:, :, 1), u(:, 1), none, told, state, other, unused)
+        if (any(other /= 2*forces) .or. any(unused /= 2*tangent)) call fail('PROPS(2) is the area')
+        ! PROPS(7): e N N^T alone, f N = R.
+        told = props
+        told(7) = 1
+        state = history(:, 1)
+        call call_any(1, 1, 0, coords(:, :, 1), u(:, 1), none, told, state, other, unused)
+        if (any(other /= forces)) call fail('PROPS(7) is no matter of the force')
+        other = forces/state(10)
+        if (.not. maxval(abs(unused - props(1)*matmul(other, transpose(other)))) < 1d-12*props(1)) &
+            call fail('PROPS(7) = 1 is Gauss-Newton')
+        if (maxval(abs(unused - tangent)) < 1d-6*props(1)) call fail('PROPS(7) = 0 is the exact tangent')
+        ! PROPS(3), the weights: three surfaces, each with its own tangent.
+        do weight = 0, 2
+            told = props
+            told(3) = weight
+            state = history(:, 1)
+            call call_any(1, 1, 0, coords(:, :, 1), u(:, 1), none, told, state, forces, tangent)
+            gaps(weight) = state(9)
+            call check_slope(coords(:, :, 1), u(:, 1), history(:, 1), told, tangent)
+        end do
+        if (any(abs(gaps - cshift(gaps, 1)) < 1d-6)) call fail('PROPS(3) chooses the weight')
+        print '(a)', 'properties are honoured'
+    end subroutine
+
+    !> A tangent against the slope of the forces in one direction.
+    subroutine check_slope(points, displacements, variables_in, told, tangent)
+        real(8), intent(in) :: points(:, :), displacements(:), variables_in(:), told(:), tangent(:, :)
+        real(8), parameter :: step = 1d-5
+        real(8) :: direction(size(displacements)), forces(size(displacements), 1, 2), unused(size(tangent, 1), size(tangent, 2)), &
+            state(size(variables_in)), none(size(displacements), 1), slope(size(displacements))
+        integer :: k
+
+        none = 0
+        direction = [(sin(1.3d0*k), k=1, size(direction))]
+        do k = 1, 2
+            state = variables_in
+            call call_any(1, 5, 0, points, displacements + merge(step, -step, k == 1)*direction, none, told, state, &
+                forces(:, :, k), unused)
+        end do
+        slope = -(forces(:, 1, 1) - forces(:, 1, 2))/(2*step)
+        if (all(slope == 0)) call fail('there is no force')
+        if (.not. maxval(abs(matmul(tangent, direction) - slope)) < 1d-7*maxval(abs(tangent))) &
+            call fail('the tangent is not the slope of the force')
+    end subroutine
+
+    !> A slave that has penetrated and has lost its surface asks for a smaller increment; one that had not, does not.
+    subroutine check_lost_surface()
+        real(8) :: moved(freedoms), forces(freedoms, 1), tangent(freedoms, freedoms), state(variables), none(freedoms, 1), &
+            told(properties)
+        integer :: k
+
+        none = 0
+        do k = 1, 2
+            state = history(:, 1)
+            if (k == 2) state(9) = 0.1d0
+            moved = u(:, 1)
+            moved(1) = moved(1) + 40
+            pnewdt = 5
+            call call_any(1, 1, 0, coords(:, :, 1), moved, none, props, state, forces, tangent)
+            if (any(forces /= 0) .or. any(tangent /= 0)) call fail('without a result there is no force')
+            if (state(1) /= 2 .or. state(9) /= 0 .or. state(10) /= 0 .or. state(11) == 0) call fail('the slave is not paired')
+            if (k == 1 .and. all(pnewdt /= [0.25d0, 0.5d0])) call fail('a lost surface asks for a cut-back')
+            if (k == 2 .and. pnewdt /= 5) call fail('a slave that has not penetrated asks for nothing')
+        end do
+        ! Back again.
+        call call_any(1, 1, 0, coords(:, :, 1), u(:, 1), none, props, state, forces, tangent)
+        if (state(1) /= 1 .or. all(forces == 0)) call fail('it is paired again')
+        ! Never paired, so that SVARS hold PROPS(4:6), of any length.
+        told = props
+        told(6) = 5
+        state = 0
+        do k = 1, 2
+            call call_any(1, 1, 0, coords(:, :, 1), moved, none, told, state, forces, tangent)
+            if (state(1) /= 2 .or. any(forces /= 0)) call fail('a slave far away is not paired')
+        end do
+        print '(a)', 'a lost surface asks for a cut-back'
+    end subroutine
+
+    !> Five candidates carry the linear basis alone.
+    subroutine check_few_candidates()
+        integer, parameter :: few = 6, own = 3*few
+        real(8) :: points(3, few), forces(own, 1), tangent(own, own), state(few + 11), still(own), none(own, 1), before(few + 11)
+
+        points = reshape([0.1d0, 0.2d0, -0.1d0, -1d0, -1d0, 0d0, 1d0, -1d0, 0.05d0, 1d0, 1d0, 0d0, -1d0, 1d0, 0.05d0, &
+            0d0, 0d0, 0.02d0], [3, few])
+        still = 0
+        none = 0
+        state = 0
+        call call_any(9, 1, 0, points, still, none, props, state, forces, tangent)
+        if (state(1) /= 1 .or. state(4) /= 1 .or. state(12) /= 2) call fail('five candidates carry the linear basis')
+        before = state
+        call call_any(9, 1, 0, points, still, none, props, state, forces, tangent)
+        if (any(state /= before)) call fail('a pairing that is sound is kept')
+        call check_slope(points, still, before, props, tangent)
+        print '(a)', 'few candidates carry the linear basis'
+    end subroutine
+
+    !> One call with a mistake in it.
+    subroutine make_wrong_call()
+        use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+        real(8) :: told(properties), forces(freedoms, 1), tangent(freedoms, freedoms), state(variables), none(freedoms, 1), &
+            still(freedoms), nan
+        integer :: mistake, kind, count
+
+        call get_command_argument(2, argument)
+        read (argument, *) mistake
+        nan = ieee_value(nan, ieee_quiet_nan)
+        told = props
+        none = 0
+        still = 0
+        state = 0
+        accepted = 0
+        total = 0
+        dt = 1
+        increment = 1
+        pnewdt = 1
+        kind = 1
+        count = nodes
+        if (mistake > 8) then
+            ! The history of a sound call.
+            call call_any(1, 1, 0, coords(:, :, 1), still, none, told, state, forces, tangent)
+            if (state(1) /= 1 .or. state(2) < 6) call fail('the slave is not paired')
+        end if
+        select case (mistake)
+        case (1)
+            count = 3
+        case (2)
+            told_mcrd = 2
+        case (3)
+            told_properties = 7
+        case (4)
+            told_variables = variables - 1
+        case (5)
+            told(1) = 0
+        case (6)
+            told(3) = 3
+        case (7)
+            procedure_type = 11
+        case (8)
+            kind = 6
+        case (9)
+            state(1) = 3
+        case (10)
+            state(2) = 1d9
+        case (11)
+            state(2) = nan
+        case (12)
+            state(13) = 0
+        case (13)
+            state(14) = state(13)
+        case (14)
+            state(12 + int(state(2))) = nodes
+        case (15)
+            state(3) = nan
+        case (16)
+            state(4) = 3
+        case (17)
+            state(8) = 0.5d0
+        case (18)
+            state(5:7) = nan
+        case (19)
+            still(1) = nan
+        end select
+        call call_any(1, kind, 0, coords(:, 1:count, 1), still(1:3*count), none(1:3*count, :), told, state, &
+            forces(1:3*count, :), tangent(1:3*count, 1:3*count))
+        call fail('the mistake was accepted')
     end subroutine
 
     !> The structures of the module are those of the library.
@@ -240,7 +485,7 @@ contains
         type(dc_pairing) :: pairing
 
         if (dc_options_default(options) /= DC_OK) call fail(dc_text())
-        if (options%radius_factor /= 1.25d0 .or. options%cutback_lost /= 0.01d0) call fail('dc_options is another one')
+        if (options%radius_factor /= 1.25d0 .or. options%cutback_penetration /= 0.25d0) call fail('dc_options is another one')
         if (any([c_sizeof(options), c_sizeof(report), c_sizeof(law), c_sizeof(element), c_sizeof(pairing)] /= &
             [options%size, report%size, law%size, element%size, pairing%size])) call fail('a structure has another size')
         print '(a)', 'structures fit'

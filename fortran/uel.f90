@@ -29,9 +29,20 @@
 !     SVARS(12)    dc_fallback of the pairing
 !     SVARS(12+k)  the k-th master as a candidate counted from 1; NSVARS is at least NNODE + 11
 !
-! RHS = f N is the contact force on the nodes, AMATRX = -d RHS/dU = e N N^T - f M, f = -e g > 0; both zero where nothing touches.
-! Static and other procedures without inertia; a dynamic one (LFLAGS(1) = 11, 12, 13) ends the analysis with a message, as do wrong
-! sizes. Compile with diffuse_contact.f90 beside it and link libdiffuse_contact.
+! RHS = f N is the contact force on the nodes, AMATRX = K = -d RHS/dU = e N N^T - f M, f = -e g > 0; both zero where nothing touches.
+!
+!     LFLAGS(3)    general step (LFLAGS(4) = 0)        linear perturbation step (LFLAGS(4) = 1)
+!     1            RHS, AMATRX, SVARS, PNEWDT          RHS = -K DU, AMATRX, about the base state U
+!     2            AMATRX                              AMATRX
+!     3, 4         zeros: no damping, no mass          zeros
+!     5            RHS                                 RHS = -K DU
+!     100          -                                   RHS(:, k) = -K DU(:, k) for each of NRHS columns, no AMATRX
+!
+! A perturbation is linear about contacts as they are in the base state: those that touch go on to, the others do not come to. It leaves
+! SVARS, the base state, as they are. A second column of RHS (Riks) is zero: contact is no load.
+!
+! Static and other procedures without inertia; a dynamic one (LFLAGS(1) = 11, 12, 13) ends the analysis with a message, as do any other
+! LFLAGS(3), wrong sizes and SVARS that are not this element's. Compile with diffuse_contact.f90 beside it and link libdiffuse_contact.
 include 'diffuse_contact.f90'
 
 subroutine uel(rhs, amatrx, svars, energy, ndofel, nrhs, nsvars, props, nprops, coords, mcrd, nnode, u, du, v, a, &
@@ -56,26 +67,30 @@ subroutine uel(rhs, amatrx, svars, energy, ndofel, nrhs, nsvars, props, nprops, 
     type(dc_point) :: point
     integer(c_int32_t) :: masters(nnode)
     integer :: anchor
-    logical :: is_paired, wants_force, wants_stiffness, has_result
+    logical :: is_paired, is_perturbation, ends_increment, wants_force, wants_stiffness, has_result
 
     call check_input()
-    now = coords(1:3, :) + reshape(u, [3, nnode])
-    start = now - reshape(du(1:ndofel, 1), [3, nnode])
+    is_perturbation = lflags(4) /= 0 .or. lflags(3) == 100
+    ! Only a call for an increment's force and stiffness ends in the state at the end of it.
+    ends_increment = lflags(3) == 1 .and. .not. is_perturbation
+    wants_force = any(lflags(3) == [1, 5, 100])
+    wants_stiffness = any(lflags(3) == [1, 2])
 
     rhs(1:ndofel, 1:nrhs) = 0
     amatrx = 0
-    energy = 0
-    ! 1: both. 2: stiffness. 5: force. 100: stiffness of a perturbation. 3 and 4, damping and mass, are zero.
-    wants_force = lflags(3) == 1 .or. lflags(3) == 5
-    wants_stiffness = lflags(3) == 1 .or. lflags(3) == 2 .or. lflags(3) == 100
+    if (ends_increment .or. is_perturbation) energy = 0
     if (.not. (wants_force .or. wants_stiffness)) return
+
+    now = coords(1:3, :) + reshape(u, [3, nnode])
+    start = now
+    ! In a perturbation step U is the base state, and DU is not in it.
+    if (.not. is_perturbation) start = now - reshape(du(1:ndofel, 1), [3, nnode])
 
     call read_pairing()
     if (.not. is_paired) call pair_at(start)
     has_result = .false.
     if (is_paired) call evaluate()
-    ! Only a call for an increment's force and stiffness ends in the state at the end of it.
-    if (lflags(3) == 1) call write_pairing()
+    if (ends_increment) call write_pairing()
 
 contains
 
@@ -88,7 +103,9 @@ contains
             'VARIABLES of at least the number of nodes and 11', &
             'a positive penalty PROPS(1), and PROPS(2) and PROPS(8) not negative', &
             'PROPS(3) 0, 1 or 2 and PROPS(7) 0 or 1', &
-            'a procedure without inertia']
+            'a procedure without inertia', &
+            'LFLAGS(3) of 1, 2, 3, 4, 5 or 100', &
+            'SVARS that it has written itself, or zeros']
         logical :: is_met(size(needs))
         integer :: k
 
@@ -102,6 +119,8 @@ contains
             is_met(6) = any(props(3) == [0d0, 1d0, 2d0]) .and. any(props(7) == [0d0, 1d0])
         end if
         is_met(7) = all(lflags(1) /= [11, 12, 13])
+        is_met(8) = any(lflags(3) == [1, 2, 3, 4, 5, 100])
+        if (is_met(1) .and. is_met(4)) is_met(9) = is_own_history()
         do k = 1, size(needs)
             if (.not. is_met(k)) then
                 write (7, '(a, i0, 2a)') 'diffuse contact: element ', jelem, ' needs ', trim(needs(k))
@@ -109,6 +128,36 @@ contains
             end if
         end do
     end subroutine
+
+    !> Whether SVARS can be what write_pairing wrote: they become indices and lengths.
+    logical function is_own_history()
+        integer :: k, n
+
+        is_own_history = any(svars(1) == [0d0, 1d0, 2d0])
+        if (.not. is_own_history .or. svars(1) == 0) return
+        is_own_history = all(abs(svars(5:7)) <= huge(1d0)) .and. any(abs(svars(5:7)) > 0)
+        if (.not. is_own_history .or. svars(1) == 2) return
+        is_own_history = is_whole(svars(2), 3, nnode - 1) .and. is_whole(svars(4), DC_LINEAR, DC_QUADRATIC) .and. &
+            is_whole(svars(8), 1, nnode - 1) .and. is_whole(svars(12), DC_NO_FALLBACK, DC_LINEAR_BASIS) .and. &
+            svars(3) > 0 .and. svars(3) <= huge(1d0)
+        if (.not. is_own_history) return
+        n = int(svars(2))
+        is_own_history = svars(4) == DC_LINEAR .or. n >= 6
+        ! They ascend.
+        do k = 1, n
+            is_own_history = is_own_history .and. is_whole(svars(before_masters + k), 1, nnode - 1)
+            if (k > 1) is_own_history = is_own_history .and. svars(before_masters + k) > svars(before_masters + k - 1)
+        end do
+    end function
+
+    !> Whether a number is a whole one within these bounds; NaN is not.
+    pure logical function is_whole(value, least, most)
+        real(8), intent(in) :: value
+        integer, intent(in) :: least, most
+
+        is_whole = value >= least .and. value <= most
+        if (is_whole) is_whole = value == nint(value)
+    end function
 
     !> The pairing at the start of the increment.
     subroutine read_pairing()
@@ -196,8 +245,10 @@ contains
         status = dc_element_system(law, point%gap, area, count, gradient, hessian, force, residual, freedoms, tangent, &
             freedoms**2)
         call stop_unless(status == DC_OK)
-        svars(10) = merge(force, svars(10), lflags(3) == 1)
-        energy(2) = -0.5d0*force*point%gap
+        if (ends_increment) then
+            svars(10) = force
+            energy(2) = -0.5d0*force*point%gap
+        end if
 
         ! Where the element's own degrees of freedom stand among those of all candidates.
         places(:, 1) = [1, 2, 3]
@@ -205,8 +256,18 @@ contains
             places(:, k + 1) = 3*masters(k) + [1, 2, 3]
         end do
         associate (own => reshape(places, [size(gradient)]))
-            if (wants_force) rhs(own, 1) = residual
             if (wants_stiffness) amatrx(own, own) = tangent
+            if (.not. is_perturbation) then
+                if (wants_force) rhs(own, 1) = residual
+            else
+                if (wants_force) then
+                    do k = 1, nrhs
+                        rhs(own, k) = -matmul(tangent, du(own, k))
+                    end do
+                end if
+                ! By how much the energy changes.
+                energy(2) = -dot_product(residual, du(own, 1)) + 0.5d0*dot_product(du(own, 1), matmul(tangent, du(own, 1)))
+            end if
         end associate
     end subroutine
 
@@ -214,7 +275,7 @@ contains
     subroutine suggest(factor)
         real(8), intent(in) :: factor
 
-        if (lflags(3) == 1) pnewdt = min(pnewdt, factor)
+        if (ends_increment) pnewdt = min(pnewdt, factor)
     end subroutine
 
     !> The pairing for the next increment: the same while the nearest candidate is the same.

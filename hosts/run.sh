@@ -1,18 +1,21 @@
 #!/usr/bin/env bash
-# Runs the hosts' tests: hosts/run.sh scikit-fem | dolfinx. Makes a virtual environment for each under the target directory
-# and installs the Python module into it. dolfinx needs Debian's packages: see dolfinx/README.md.
+# Runs the tests of the hosts: hosts/run.sh [scikit-fem] [dolfinx], without arguments all of them. Makes a virtual environment for each
+# under the target directory and installs the Python module into it. dolfinx needs Debian's packages: see dolfinx/README.md.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 environments=${CARGO_TARGET_DIR:-target}/hosts
+[[ $# -gt 0 ]] || set -- scikit-fem dolfinx
 for host in "$@"; do
     case $host in
         scikit-fem) python=${PYTHON:-python3} options=() packages=("scikit-fem>=10") ;;
         dolfinx) python=/usr/bin/python3 options=(--system-site-packages) packages=() ;;
         *) printf 'hosts/run.sh: there is no host "%s", only scikit-fem and dolfinx\n' "$host" >&2 && exit 2 ;;
     esac
-    if [[ $host == dolfinx ]] && ! { /usr/bin/python3 -c 'import dolfinx, petsc4py' && command -v mpirun; } >/dev/null 2>&1; then
-        printf 'hosts/run.sh: dolfinx needs python3-dolfinx, python3-petsc4py and openmpi-bin of Debian\n' >&2 && exit 2
+    if [[ $host == dolfinx ]] &&
+        ! { "$python" -c 'import dolfinx, petsc4py, mpi4py, ensurepip' && command -v mpirun; } >/dev/null 2>&1; then
+        printf 'hosts/run.sh: dolfinx needs %s of Debian\n' \
+            "python3-dolfinx, python3-petsc4py, python3-mpi4py, openmpi-bin and python3-venv" >&2 && exit 2
     fi
     environment=$environments/$host
     "$python" -m venv "${options[@]}" "$environment"

@@ -13,11 +13,15 @@
  * dc_pair, dc_gap, dc_gap_batch and dc_element_system serve single elements without an interface.
  *
  * Every call returns a dc_status; dc_message() is the sentence to it. The library copies what it is given and fills arrays of the
- * caller, whose sizes it checks; arrays of one call must not overlap unless it says so. Indices count from 0. Lengths and forces are
- * in the caller's units; g > 0 apart, g < 0 penetrating.
+ * caller, whose sizes it checks; an array that is filled must not overlap another one of the call, unless it says so (DC_BAD_POINTER).
+ * Indices count from 0. Lengths and forces are in the caller's units; g > 0 apart, g < 0 penetrating.
  *
  * Threads: calls without handle may be made from any number of threads at once. A handle serves one thread at a time; a second
- * one gets DC_BUSY. Evaluation runs in parallel inside; the environment variable RAYON_NUM_THREADS says in how many threads.
+ * one gets DC_BUSY. Evaluation runs in parallel inside; the environment variable RAYON_NUM_THREADS says in how many threads. A process
+ * may fork while no thread of it is in a call: the child has copies of all handles and evaluates in threads of its own.
+ *
+ * Memory: a lack of it for results of an evaluation, equations, patterns, triplets or batches is DC_TOO_LARGE. A lack of it for tables of
+ * the library's own, which dc_create and dc_refresh build, ends the process.
  *
  * Structures that open with `size` have it set to their sizeof before any call: dc_law law = {.size = sizeof law};
  *
@@ -31,8 +35,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// What became of a call. Everything but DC_OK, DC_FROZEN and DC_NO_CONTACT is for the caller to mend; nothing has changed
-// then, unless it says so. dc_message() is the sentence to it.
+// What became of a call. Everything but DC_OK, DC_FROZEN and DC_NO_CONTACT is for the caller to mend; unless the call says otherwise,
+// nothing has changed then, neither behind the handle nor in the caller's arrays. dc_message() is the sentence to it.
 typedef enum dc_status {
     // Done.
     DC_OK = 0,
@@ -40,7 +44,7 @@ typedef enum dc_status {
     DC_FROZEN = 1,
     // The element has no result; the outcome and the message say why. Not an error of the call.
     DC_NO_CONTACT = 2,
-    // A pointer is NULL or not aligned.
+    // A pointer is NULL or not aligned, or two arrays overlap of which one is written.
     DC_BAD_POINTER = 3,
     // An array is too short, a count is not the one of the interface, or the field `size` of a structure is not that of
     // any version of it.
@@ -61,7 +65,7 @@ typedef enum dc_status {
     DC_BAD_SLAVES = 11,
     // There is no evaluation at the positions and for the pairing of the moment, or one with too few derivatives.
     DC_NOT_EVALUATED = 12,
-    // The pattern belongs to another pairing: make a new one.
+    // The pattern belongs to another pairing or to other equations: make a new one.
     DC_PATTERN_MISMATCH = 13,
     // A result is too large for a number. What was being summed holds anything.
     DC_OVERFLOW = 14,
@@ -248,8 +252,6 @@ typedef struct dc_options {
     double distance_limit;
     // A penetration deeper than this fraction of the support radius makes dc_cutback suggest a smaller increment.
     double cutback_penetration;
-    // So does a contact lost by a refresh at a penetration deeper than this fraction of the support radius.
-    double cutback_lost;
 } dc_options;
 
 // What a refresh did, in numbers of slaves. paired = kept + renewed + changed + gained; with `without` it makes up all slaves.
@@ -484,11 +486,14 @@ enum dc_status dc_thaw(struct dc_interface *interface);
 
 // Evaluates all slaves at the positions of the last dc_update or dc_refresh, in parallel. `mode` is a dc_mode: DC_GRADIENT
 // for the residual, DC_HESSIAN for the exact tangent. The result does not depend on the number of threads, bit for bit.
+//
+// DC_TOO_LARGE if there is no memory for the results: there are none then, and the pairing stays.
 enum dc_status dc_evaluate(struct dc_interface *interface,
                            int32_t mode);
 
 // Which equations the displacements of the nodes have: 3 entries for each node, numbers below `equation_count`, none twice, -1
-// for a displacement that is prescribed. `equations` NULL for 3 node + axis, as it is at the beginning.
+// for a displacement that is prescribed. `equations` NULL for 3 node + axis, as it is at the beginning. Patterns made before belong to
+// the equations of before.
 //
 // # Safety
 // `equations` is NULL or has 3 `node_count` entries.
@@ -506,7 +511,7 @@ enum dc_status dc_contact_of(struct dc_interface *interface, size_t slave, struc
 // Nodes and derivatives of the `slave`-th slave: `nodes`, slave first, n + 1 numbers; `gradient` N, 3(n+1) numbers, x, y, z
 // of each node in that order; `hessian` M, the lower triangle row by row, entry (i, j <= i) at i(i+1)/2 + j, 3(n+1)(3n+4)/2 numbers.
 // What is not wanted is NULL. The sizes are those of the arrays. DC_NO_CONTACT where there is none; the nodes are
-// there even so, if it is paired.
+// there even so, if it is paired. DC_NOT_EVALUATED for derivatives that the mode of dc_evaluate did not ask for.
 //
 // # Safety
 // The arrays have the given lengths.
@@ -541,11 +546,11 @@ enum dc_status dc_forces(struct dc_interface *interface,
 // A factor for the increment, from 0.1 to 1, like PNEWDT: below 1 the increment had better be cut back by it. The smallest of
 //
 // - cutback_penetration R/(-g), for a slave that penetrates deeper than cutback_penetration x R, the support radius;
-// - 0.5, if the last refresh lost a contact with a penetration deeper than cutback_lost x R;
-// - 0.5, if the foot of a slave that penetrated lies outside its domain of influence in the last evaluation;
-// - 0.25, if the element of such a slave failed otherwise: no foot, singular fit, overflow.
+// - 0.5, for a slave that penetrated and whose foot lies outside its domain of influence in the last evaluation;
+// - 0.25, for one whose element failed otherwise: no foot, singular fit, overflow.
 //
-// A slave penetrated if its gap was negative when it last had one. `factor` is 1 before the first evaluation.
+// A slave penetrated if its gap was negative when it last had one; that it is not paired, too far or beyond the border ends it. Contacts
+// that a refresh loses are in dc_report (contacts_lost, lost_gap).
 //
 // # Safety
 // `factor` may be written.
@@ -555,7 +560,8 @@ enum dc_status dc_cutback(struct dc_interface *interface,
 // Adds the contact forces R on the nodes to `residual`, one entry per equation. R is the force: it stands on the side of the
 // external loads; the internal force of contact is -R. `active_count`, the number of slaves that carry force, may be NULL.
 //
-// DC_OVERFLOW if a sum is not finite: the residual then holds anything, and has to be made anew.
+// DC_OVERFLOW if a sum is not finite: the residual then holds anything, and has to be made anew. With any other failure it is as it
+// was.
 //
 // # Safety
 // `residual` has `equation_count` entries; `law` is a dc_law with its `size` set, its multipliers have their number.
@@ -569,7 +575,7 @@ enum dc_status dc_residual(struct dc_interface *interface,
 // `triangle` is a dc_triangle. Writes their number to `count`. If the arrays are shorter, or NULL, that is all it does: call it with
 // `capacity` 0 first, or with room for the sum of 9 (n + 1)^2 over all slaves.
 //
-// DC_BAD_SIZE if there is not room for all, and `capacity` is not 0.
+// DC_BAD_SIZE if there is not room for all, and `capacity` is not 0; `count` is there even so.
 //
 // # Safety
 // The arrays have `capacity` entries each; `law` as in dc_residual; `count` may be written.
@@ -583,8 +589,8 @@ enum dc_status dc_triplets(struct dc_interface *interface,
                            size_t *count);
 
 // Makes the union pattern of the pairing: an entry wherever any slave can have one, whether it carries force or not. So it
-// stays valid until a refresh changes the pairing (dc_report: changed, gained or lost is not 0), and a solver can keep its
-// symbolic factorisation as long. Both triangles are there; columns ascend in a row. It needs an evaluation, in any mode.
+// stays valid until a refresh changes the pairing (dc_report: changed, gained or lost is not 0) or dc_set_equations the equations, and
+// a solver can keep its symbolic factorisation as long. Both triangles are there; columns ascend in a row. It needs an evaluation, in any mode.
 //
 // Writes the handle and the number of entries, which may be NULL. On failure the handle is NULL.
 //
@@ -611,8 +617,8 @@ enum dc_status dc_pattern_structure(struct dc_pattern *pattern,
 // Writes the tangent K = -dR/dx into `values`, one number for each entry of the pattern, zeros where nothing touches. In
 // parallel; the result does not depend on the number of threads. `active_count` may be NULL.
 //
-// DC_PATTERN_MISMATCH if the pairing is not the one of the pattern. DC_OVERFLOW if a sum is not finite: the values then hold
-// anything.
+// DC_PATTERN_MISMATCH if the pairing or the equations are not those of the pattern. DC_OVERFLOW if a sum is not finite. After
+// a failure the values hold anything.
 //
 // # Safety
 // `values` has `entry_count` entries; `law` as in dc_residual; `active_count` is NULL or may be written.
@@ -628,7 +634,7 @@ enum dc_status dc_pattern_fill(struct dc_pattern *pattern,
 // direction to the outward side of the master. `masters` gets the numbers of those chosen, counted from 0, ascending; it has
 // room for `capacity` of them.
 //
-// DC_NO_CONTACT if the candidates carry no fit.
+// DC_NO_CONTACT if the candidates carry no fit; nothing is written then.
 //
 // # Safety
 // The arrays have the given lengths; `options` is NULL or has as many bytes as its field `size` says, as has `pairing`.
@@ -645,7 +651,9 @@ enum dc_status dc_pair(const struct dc_options *options,
 // slave, master 1, ..., master n. `slave` has 3 numbers, `masters` 3 n. The order of the nodes of a pairing does not matter, but for
 // rounding.
 //
-// DC_NO_CONTACT if the element has no result: point->outcome and dc_message() say why. The derivatives then hold anything.
+// DC_NO_CONTACT if the element has no result: point->outcome and dc_message() say why. The derivatives then hold anything, as they do
+// if the runtime refuses numbers of the element: DC_NOT_FINITE, DC_BAD_OPTION for a support radius or a frame, DC_BAD_SIZE for too few
+// masters; the outcome is DC_REFUSED then.
 //
 // # Safety
 // The arrays have the given lengths, `element` as many bytes as its field `size` says.
@@ -663,6 +671,8 @@ enum dc_status dc_gap(const struct dc_element *element,
 // Force and stiffness of one element from its gap and derivatives, over its own 3(n+1) coordinates: R = f N into `residual`, K = -dR/dx
 // into `tangent`, 3(n+1) square, both triangles. Zeros if it carries no force. `force` f. What is not wanted is NULL. `area` is the
 // slave's tributary area, 1 where the penalty is one per node. `hessian` may be NULL for DC_GAUSS_NEWTON or without `tangent`.
+//
+// After a failure `residual` and `tangent` hold anything.
 //
 // # Safety
 // `gradient` has 3(`master_count` + 1) entries, `hessian` those of its lower triangle, `residual` and `tangent` have the given

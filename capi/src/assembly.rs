@@ -2,11 +2,12 @@
 
 use runtime::assembly::add_residual;
 
-use crate::border::{self, output, single, wanted};
+use crate::border::{self, disjoint, sums, target, wanted};
 use crate::choice;
 use crate::interface::{dc_interface, with};
 use crate::law::{self, dc_law};
 use crate::status::{DC_TOO_LARGE, Failure, dc_status};
+use crate::threads;
 
 /// A number of C.
 pub fn index(what: &'static str, value: usize) -> Result<i32, Failure> {
@@ -19,7 +20,8 @@ pub fn index(what: &'static str, value: usize) -> Result<i32, Failure> {
 /// Adds the contact forces R on the nodes to `residual`, one entry per equation. R is the force: it stands on the side of the
 /// external loads; the internal force of contact is -R. `active_count`, the number of slaves that carry force, may be NULL.
 ///
-/// DC_OVERFLOW if a sum is not finite: the residual then holds anything, and has to be made anew.
+/// DC_OVERFLOW if a sum is not finite: the residual then holds anything, and has to be made anew. With any other failure it is as it
+/// was.
 ///
 /// # Safety
 /// `residual` has `equation_count` entries; `law` is a dc_law with its `size` set, its multipliers have their number.
@@ -34,13 +36,16 @@ pub unsafe extern "C" fn dc_residual(
     border::call(|| {
         with(interface, |state| {
             let contacts = state.contacts()?;
+            let active_count = wanted("active_count", active_count, 1, 1)?;
+            let whole = border::written("residual", residual, equation_count);
             // SAFETY: as the caller promises.
-            let (law, residual) = unsafe { (law::read(law)?, output("residual", residual, equation_count)?) };
-            let active = add_residual(contacts, &law, &state.dofs, residual)?;
-            if !active_count.is_null() {
-                // SAFETY: as the caller promises.
-                *unsafe { single("active_count", active_count)? } = active;
-            }
+            let multipliers = unsafe { law::span(law)? };
+            disjoint([multipliers, whole, active_count.span()])?;
+            // SAFETY: as the caller promises; nothing overlaps.
+            let (law, residual) = unsafe { (law::read(law)?, sums("residual", residual, equation_count)?) };
+            let active = threads::run(|| add_residual(contacts, &law, &state.dofs, residual))??;
+            // SAFETY: as the caller promises.
+            unsafe { active_count.write([active]) };
             Ok(())
         })
     })
@@ -50,7 +55,7 @@ pub unsafe extern "C" fn dc_residual(
 /// `triangle` is a dc_triangle. Writes their number to `count`. If the arrays are shorter, or NULL, that is all it does: call it with
 /// `capacity` 0 first, or with room for the sum of 9 (n + 1)^2 over all slaves.
 ///
-/// DC_BAD_SIZE if there is not room for all, and `capacity` is not 0.
+/// DC_BAD_SIZE if there is not room for all, and `capacity` is not 0; `count` is there even so.
 ///
 /// # Safety
 /// The arrays have `capacity` entries each; `law` as in dc_residual; `count` may be written.
@@ -69,30 +74,35 @@ pub unsafe extern "C" fn dc_triplets(
         with(interface, |state| {
             let triangle = choice::triangle(triangle)?;
             state.contacts()?;
+            let count = target("count", count, 1)?;
             // SAFETY: as the caller promises.
-            let (law, count) = unsafe { (law::read(law)?, single("count", count)?) };
+            let law = unsafe { law::read(law)? };
             let triplets = &mut state.triplets;
-            triplets.fill(state.interface.contacts(), &law, &state.dofs, triangle)?;
+            let (contacts, dofs) = (state.interface.contacts(), &*state.dofs);
+            let filling = &mut *triplets;
+            threads::run(|| filling.fill(contacts, &law, dofs, triangle))??;
             index("equations", state.dofs.equations())?;
             let length = triplets.len();
-            *count = length;
+            let arrays = [
+                border::written("rows", rows, capacity),
+                border::written("columns", columns, capacity),
+                border::written("values", values, capacity),
+                count.span(),
+            ];
+            disjoint(arrays)?;
+            // SAFETY: as the caller promises.
+            unsafe { count.write([length]) };
             if capacity == 0 {
                 return Ok(());
             }
-            // SAFETY: as the caller promises.
-            let (rows, columns, values) = unsafe {
-                (
-                    wanted("rows", rows, capacity, length)?,
-                    wanted("columns", columns, capacity, length)?,
-                    wanted("values", values, capacity, length)?,
-                )
-            };
-            for (target, source) in [(rows, triplets.rows()), (columns, triplets.columns())] {
-                let entries = target.into_iter().flatten().zip(source);
-                entries.for_each(|(target, &source)| *target = source as i32);
-            }
-            if let Some(values) = values {
-                values.copy_from_slice(triplets.values());
+            let rows = wanted("rows", rows, capacity, length)?;
+            let columns = wanted("columns", columns, capacity, length)?;
+            let values = wanted("values", values, capacity, length)?;
+            // SAFETY: as the caller promises; the law's multipliers are not looked at any more.
+            unsafe {
+                rows.write(triplets.rows().iter().map(|&row| row as i32));
+                columns.write(triplets.columns().iter().map(|&column| column as i32));
+                values.write(triplets.values().iter().copied());
             }
             Ok(())
         })

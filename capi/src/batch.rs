@@ -4,11 +4,11 @@ use std::cell::RefCell;
 
 use runtime::{BatchScratch, GapSlot, Generated, Mode};
 
-use crate::border::{self, input, output};
+use crate::border::{self, disjoint, input, reserve, roomy, target};
 use crate::choice;
 use crate::element::{dc_element, dc_point, sizes};
 use crate::outcome::dc_outcome;
-use crate::status::{DC_BAD_POINTER, DC_BAD_SIZE, DC_OUT_OF_RANGE, Failure, dc_status};
+use crate::status::{DC_BAD_SIZE, DC_OUT_OF_RANGE, Failure, dc_status};
 
 thread_local! {
     /// Memory that goes from one batch to the next.
@@ -48,66 +48,65 @@ pub unsafe extern "C" fn dc_gap_batch(
         let mode = choice::mode(mode)?;
         // SAFETY: as the caller promises.
         let element = unsafe { dc_element::read(element)? };
+        let kind = element.kind()?;
         if element_count == 0 {
             return Ok(());
         }
         let too_many =
             || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {element_count} elements"));
         let coordinates = element_count.checked_mul(3).ok_or_else(too_many)?;
+        let ends = element_count.checked_add(1).ok_or_else(too_many)?;
         let optional = |pointer: *const f64, count| if pointer.is_null() { 0 } else { count };
-        // SAFETY: as the caller promises.
-        let (offsets, slaves, outwards, radii) = unsafe {
+        let (outward_size, radius_count) =
+            (optional(outwards, coordinates), optional(support_radii, element_count));
+        // SAFETY: as the caller promises; nothing is written before it is known to lie elsewhere.
+        let places = unsafe { input("offsets", offsets, ends)? };
+        let [freedoms, packed] = total(places, mode)?;
+        let nodes = places[element_count].checked_mul(3).ok_or_else(too_many)?;
+        let points = target("points", points, element_count)?;
+        let gradients = roomy("gradients", gradients, gradient_size, freedoms)?;
+        let hessians = roomy("hessians", hessians, hessian_size, packed)?;
+        disjoint([
+            border::read("offsets", offsets, ends),
+            border::read("slaves", slaves, coordinates),
+            border::read("masters", masters, nodes),
+            border::read("outwards", outwards, outward_size),
+            border::read("support_radii", support_radii, radius_count),
+            points.span(),
+            gradients.span(),
+            hessians.span(),
+        ])?;
+        // SAFETY: as the caller promises; nothing overlaps.
+        let (slaves, masters, outwards, radii) = unsafe {
             (
-                input("offsets", offsets, element_count.checked_add(1).ok_or_else(too_many)?)?,
                 input("slaves", slaves, coordinates)?.as_chunks::<3>().0,
-                input("outwards", outwards, optional(outwards, coordinates))?.as_chunks::<3>().0,
-                input("support_radii", support_radii, optional(support_radii, element_count))?,
-            )
-        };
-        let lengths = lengths(offsets)?;
-        let [freedoms, packed] = total(&lengths, mode)?;
-        for (name, size, needed) in
-            [("gradients", gradient_size, freedoms), ("hessians", hessian_size, packed)]
-        {
-            if size < needed {
-                let message = format!("bad-size: {name} has room for {size} numbers, needs {needed}");
-                return Err(Failure::new(DC_BAD_SIZE, message));
-            }
-        }
-        let nodes = offsets[element_count].checked_mul(3).ok_or_else(too_many)?;
-        if points.is_null() {
-            return Err(Failure::new(DC_BAD_POINTER, "bad-pointer: points is NULL"));
-        }
-        // SAFETY: as the caller promises.
-        let (masters, points, gradients, hessians) = unsafe {
-            (
                 input("masters", masters, nodes)?.as_chunks::<3>().0,
-                output("points", points, element_count)?,
-                output("gradients", gradients, freedoms)?,
-                output("hessians", hessians, packed)?,
+                input("outwards", outwards, outward_size)?.as_chunks::<3>().0,
+                input("support_radii", support_radii, radius_count)?,
             )
         };
-        // Of elements that are refused nothing is written.
-        gradients.fill(0.0);
-        hessians.fill(0.0);
-        let mut places = Vec::with_capacity(element_count);
-        let mut elements = Vec::with_capacity(element_count);
-        let mut slots = Vec::with_capacity(element_count);
-        let (mut gradients, mut hessians) = (gradients, hessians);
+        let mut sound = reserve("elements", element_count)?;
+        let mut elements = reserve("elements", element_count)?;
+        let mut slots = reserve("elements", element_count)?;
+        // SAFETY: as the caller promises; nothing overlaps. From here on nothing is refused.
+        let (points, mut gradients, mut hessians) =
+            unsafe { (points.zeroed(), gradients.zeroed(), hessians.zeroed()) };
         for k in 0..element_count {
             let own = dc_element {
                 outward: outwards.get(k).copied().unwrap_or(element.outward),
                 support_radius: radii.get(k).copied().unwrap_or(element.support_radius),
                 ..element
             };
-            let [freedoms, packed] = sizes(lengths[k], mode).ok_or_else(too_many)?;
+            let masters = &masters[places[k]..places[k + 1]];
+            // They have been counted by `total`.
+            let [freedoms, packed] = sizes(masters.len(), mode).unwrap_or_default();
             let (gradient, rest) = gradients.split_at_mut(freedoms);
             gradients = rest;
             let (hessian, rest) = hessians.split_at_mut(packed);
             hessians = rest;
-            match own.with_nodes(slaves[k], &masters[offsets[k]..offsets[k + 1]])? {
+            match own.with_nodes(&kind, slaves[k], masters) {
                 Ok(element) => {
-                    places.push(k);
+                    sound.push(k);
                     elements.push(element);
                     slots.push((gradient, hessian));
                 }
@@ -118,7 +117,7 @@ pub unsafe extern "C" fn dc_gap_batch(
             let slots = slots.iter_mut().map(|(gradient, hessian)| GapSlot { gradient, hessian });
             Generated.gap_batch(&elements, mode, slots, scratch)
         });
-        for ((place, result), (gradient, hessian)) in places.into_iter().zip(results).zip(slots) {
+        for ((place, result), (gradient, hessian)) in sound.into_iter().zip(results).zip(slots) {
             points[place] = dc_point::new(result);
             if points[place].outcome != dc_outcome::DC_CONTACT as i32 {
                 gradient.fill(0.0);
@@ -129,25 +128,26 @@ pub unsafe extern "C" fn dc_gap_batch(
     })
 }
 
-/// Numbers of masters.
-fn lengths(offsets: &[usize]) -> Result<Vec<usize>, Failure> {
+/// Numbers that the derivatives of all elements have. Offsets ascend from 0.
+fn total(offsets: &[usize], mode: Mode) -> Result<[usize; 2], Failure> {
     let wrong = |k: usize| {
-        let message = format!("offset-out-of-range: offset {k} is {}; they ascend from 0", offsets[k]);
+        let before = if k == 0 { 0 } else { offsets[k - 1] };
+        let message =
+            format!("offset-out-of-range: offset {k} is {} after {before}; they ascend from 0", offsets[k]);
         Failure::new(DC_OUT_OF_RANGE, message)
     };
     if offsets[0] != 0 {
         return Err(wrong(0));
     }
-    let length = |(k, pair): (usize, &[usize])| pair[1].checked_sub(pair[0]).ok_or_else(|| wrong(k + 1));
-    offsets.windows(2).enumerate().map(length).collect()
-}
-
-/// Numbers that all elements have.
-fn total(lengths: &[usize], mode: Mode) -> Result<[usize; 2], Failure> {
-    let sum = |[freedoms, packed]: [usize; 2], &length: &usize| {
-        let [more, more_packed] = sizes(length, mode)?;
-        Some([freedoms.checked_add(more)?, packed.checked_add(more_packed)?])
-    };
-    let too_many = || Failure::new(DC_BAD_SIZE, "bad-size: there cannot be so many masters");
-    lengths.iter().try_fold([0; 2], sum).ok_or_else(too_many)
+    let mut sum = [0_usize; 2];
+    for k in 1..offsets.len() {
+        let length = offsets[k].checked_sub(offsets[k - 1]).ok_or_else(|| wrong(k))?;
+        let more = sizes(length, mode);
+        let added = more.and_then(|[n, m]| Some([sum[0].checked_add(n)?, sum[1].checked_add(m)?]));
+        sum = added.ok_or_else(|| {
+            let message = format!("bad-size: element {} cannot have {length} masters", k - 1);
+            Failure::new(DC_BAD_SIZE, message)
+        })?;
+    }
+    Ok(sum)
 }

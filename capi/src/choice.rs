@@ -86,6 +86,7 @@ pub enum dc_triangle {
 }
 
 /// The entry of `choices` that has this number.
+#[inline]
 pub fn choose<T: Copy>(name: &str, value: i32, choices: &[(i32, T)]) -> Result<T, Failure> {
     let found = choices.iter().find(|(number, _)| *number == value);
     found.map(|(_, choice)| *choice).ok_or_else(|| {
@@ -95,6 +96,7 @@ pub fn choose<T: Copy>(name: &str, value: i32, choices: &[(i32, T)]) -> Result<T
     })
 }
 
+#[inline]
 pub fn mode(value: i32) -> Result<Mode, Failure> {
     let choices = [
         (dc_mode::DC_VALUE as i32, Mode::Value),
@@ -104,6 +106,7 @@ pub fn mode(value: i32) -> Result<Mode, Failure> {
     choose("mode", value, &choices)
 }
 
+#[inline]
 pub fn weight(value: i32) -> Result<Weight, Failure> {
     let choices = [
         (dc_weight::DC_CUBIC as i32, Weight::Cubic),
@@ -122,6 +125,7 @@ pub fn weight_number(weight: Weight) -> i32 {
 }
 
 /// What the frame of an interface does.
+#[inline]
 pub fn frame(value: i32) -> Result<FrameDerivative, Failure> {
     let choices = [
         (dc_frame::DC_CO_MOVING as i32, FrameDerivative::CoMoving),
@@ -130,6 +134,17 @@ pub fn frame(value: i32) -> Result<FrameDerivative, Failure> {
     choose("frame", value, &choices)
 }
 
+/// What the frame of a single element does that is not given.
+#[inline]
+pub fn element_frame(value: i32) -> Result<FrameDerivative, Failure> {
+    if value == dc_frame::DC_CO_MOVING as i32 || value == dc_frame::DC_HELD as i32 {
+        return frame(value);
+    }
+    let message = format!("invalid-option: frame is {value}, which is none of 0, 1, 2");
+    Err(Failure::new(DC_BAD_OPTION, message))
+}
+
+#[inline]
 pub fn basis(value: i32) -> Result<Basis, Failure> {
     let choices =
         [(dc_basis::DC_LINEAR as i32, Basis::Linear), (dc_basis::DC_QUADRATIC as i32, Basis::Quadratic)];

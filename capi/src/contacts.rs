@@ -1,9 +1,10 @@
 //! Results of the last evaluation.
 
+use runtime::Mode;
 use runtime::interface::{ContactRef, Outcome};
 use runtime::neighbourhood::Fallback;
 
-use crate::border::{self, single, wanted};
+use crate::border::{self, disjoint, reserve, target, wanted};
 use crate::interface::{dc_interface, with};
 use crate::law::{self, dc_law};
 use crate::outcome;
@@ -67,9 +68,9 @@ pub unsafe extern "C" fn dc_contact_of(
         with(interface, |state| {
             let k = state.slave(slave)?;
             let found = state.contacts()?.get(k);
+            let contact = target("contact", contact, 1)?;
             // SAFETY: as the caller promises.
-            *unsafe { single("contact", contact)? } =
-                dc_contact::new(&found, state.interface.support_radius(k));
+            unsafe { contact.write([dc_contact::new(&found, state.interface.support_radius(k))]) };
             match found.outcome {
                 Outcome::Contact { .. } => Ok(()),
                 Outcome::None(reason) => {
@@ -83,7 +84,7 @@ pub unsafe extern "C" fn dc_contact_of(
 /// Nodes and derivatives of the `slave`-th slave: `nodes`, slave first, n + 1 numbers; `gradient` N, 3(n+1) numbers, x, y, z
 /// of each node in that order; `hessian` M, the lower triangle row by row, entry (i, j <= i) at i(i+1)/2 + j, 3(n+1)(3n+4)/2 numbers.
 /// What is not wanted is NULL. The sizes are those of the arrays. DC_NO_CONTACT where there is none; the nodes are
-/// there even so, if it is paired.
+/// there even so, if it is paired. DC_NOT_EVALUATED for derivatives that the mode of dc_evaluate did not ask for.
 ///
 /// # Safety
 /// The arrays have the given lengths.
@@ -101,35 +102,55 @@ pub unsafe extern "C" fn dc_derivatives(
     border::call(|| {
         with(interface, |state| {
             let k = state.slave(slave)?;
-            let found = state.contacts()?.get(k);
+            let contacts = state.contacts()?;
+            let found = contacts.get(k);
             let count = if found.nodes.is_empty() { 0 } else { found.nodes.len() + 1 };
             let freedoms = 3 * count;
-            // SAFETY: as the caller promises.
-            let (nodes, gradient, hessian) = unsafe {
-                (
-                    wanted("nodes", nodes, node_size, count)?,
-                    wanted("gradient", gradient, gradient_size, freedoms)?,
-                    wanted("hessian", hessian, hessian_size, freedoms * (freedoms + 1) / 2)?,
-                )
-            };
-            if let Some([first, others @ ..]) = nodes {
-                *first = found.slave as i32;
-                others.iter_mut().zip(found.nodes).for_each(|(target, &node)| *target = node as i32);
-            }
-            if let Outcome::None(reason) = found.outcome {
-                return Err(Failure::new(DC_NO_CONTACT, format!("{}: {reason}", reason.code())));
-            }
-            for (target, source) in [(gradient, found.gradient), (hessian, found.hessian)] {
-                let Some(target) = target else { continue };
-                if target.len() != source.len() {
-                    let message = "not-evaluated: evaluate with a mode that has these derivatives";
-                    return Err(Failure::new(DC_NOT_EVALUATED, message));
+            let nodes = wanted("nodes", nodes, node_size, count)?;
+            let gradient = wanted("gradient", gradient, gradient_size, freedoms)?;
+            let hessian = wanted("hessian", hessian, hessian_size, freedoms * (freedoms + 1) / 2)?;
+            disjoint([nodes.span(), gradient.span(), hessian.span()])?;
+            let result = match found.outcome {
+                Outcome::Contact { .. } => {
+                    let wanted = [
+                        ("gradient", gradient.len(), found.gradient),
+                        ("hessian", hessian.len(), found.hessian),
+                    ];
+                    for (name, wanted, there) in wanted {
+                        if wanted > there.len() {
+                            let mode = mode_name(contacts.mode());
+                            let message = format!(
+                                "not-evaluated: there is no {name}, the last evaluation was with {mode}"
+                            );
+                            return Err(Failure::new(DC_NOT_EVALUATED, message));
+                        }
+                    }
+                    Ok(())
                 }
-                target.copy_from_slice(source);
+                Outcome::None(reason) => {
+                    Err(Failure::new(DC_NO_CONTACT, format!("{}: {reason}", reason.code())))
+                }
+            };
+            let own = std::iter::once(found.slave as i32).chain(found.nodes.iter().map(|&node| node as i32));
+            // SAFETY: as the caller promises.
+            unsafe {
+                nodes.write(own);
+                if result.is_ok() {
+                    gradient.write(found.gradient.iter().copied());
+                    hessian.write(found.hessian.iter().copied());
+                }
             }
-            Ok(())
+            result
         })
     })
+}
+
+const fn mode_name(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Value => "DC_VALUE",
+        Mode::Gradient => "DC_GRADIENT",
+        _ => "DC_HESSIAN",
+    }
 }
 
 /// Outcomes and gaps of all slaves, one entry each; the gap is 0 without contact. Either may be NULL.
@@ -147,18 +168,13 @@ pub unsafe extern "C" fn dc_gaps(
         with(interface, |state| {
             state.expect_slaves(slave_count)?;
             let contacts = state.contacts()?;
+            let outcomes = wanted("outcomes", outcomes, slave_count, slave_count)?;
+            let gaps = wanted("gaps", gaps, slave_count, slave_count)?;
+            disjoint([outcomes.span(), gaps.span()])?;
             // SAFETY: as the caller promises.
-            let (outcomes, gaps) = unsafe {
-                (
-                    wanted("outcomes", outcomes, slave_count, slave_count)?,
-                    wanted("gaps", gaps, slave_count, slave_count)?,
-                )
-            };
-            for (target, contact) in outcomes.into_iter().flatten().zip(contacts.iter()) {
-                *target = outcome::of(&contact.outcome) as i32;
-            }
-            for (target, contact) in gaps.into_iter().flatten().zip(contacts.iter()) {
-                *target = contact.point.gap;
+            unsafe {
+                outcomes.write(contacts.iter().map(|contact| outcome::of(&contact.outcome) as i32));
+                gaps.write(contacts.iter().map(|contact| contact.point.gap));
             }
             Ok(())
         })
@@ -184,10 +200,21 @@ pub unsafe extern "C" fn dc_forces(
         with(interface, |state| {
             state.expect_slaves(slave_count)?;
             let contacts = state.contacts()?;
+            let arrays = [("penetrations", penetrations), ("forces", forces), ("pressures", pressures)];
+            let [penetrations, forces, pressures] =
+                arrays.map(|(name, pointer)| wanted(name, pointer, slave_count, slave_count));
+            let (penetrations, forces, pressures) = (penetrations?, forces?, pressures?);
             // SAFETY: as the caller promises.
+            let multipliers = unsafe { law::span(law)? };
+            disjoint([penetrations.span(), forces.span(), pressures.span()])?;
+            disjoint([multipliers, penetrations.span(), pressures.span()])?;
+            if !multipliers.is_same(&forces.span()) {
+                disjoint([multipliers, forces.span()])?;
+            }
+            let mut values = reserve("forces", slave_count)?;
+            // SAFETY: as the caller promises. The multipliers are not looked at once the forces are written.
             let law = unsafe { law::read(law)? };
             law.validate(slave_count)?;
-            let mut values = Vec::with_capacity(slave_count);
             for (k, contact) in contacts.iter().enumerate() {
                 if !contact.outcome.is_contact() {
                     values.push([0.0; 3]);
@@ -195,18 +222,20 @@ pub unsafe extern "C" fn dc_forces(
                 }
                 let force = law.force(k, contact.point.gap, contact.area);
                 let pressure = if contact.area > 0.0 { force / contact.area } else { 0.0 };
-                if !(force.is_finite() && pressure.is_finite()) {
-                    let message = format!("overflow: the contact force of slave {k} is {force}");
-                    return Err(Failure::new(DC_OVERFLOW, message));
+                for (what, value) in [("force", force), ("pressure", pressure)] {
+                    if !value.is_finite() {
+                        let (gap, area) = (contact.point.gap, contact.area);
+                        let message = format!(
+                            "overflow: the contact {what} of slave {k} is {value}, gap {gap:e}, area {area:e}"
+                        );
+                        return Err(Failure::new(DC_OVERFLOW, message));
+                    }
                 }
                 values.push([(-contact.point.gap).max(0.0), force, pressure]);
             }
-            for (which, pointer) in [penetrations, forces, pressures].into_iter().enumerate() {
+            for (which, target) in [penetrations, forces, pressures].into_iter().enumerate() {
                 // SAFETY: as the caller promises.
-                let target = unsafe { wanted("forces", pointer, slave_count, slave_count)? };
-                for (target, values) in target.into_iter().flatten().zip(&values) {
-                    *target = values[which];
-                }
+                unsafe { target.write(values.iter().map(|values| values[which])) };
             }
             Ok(())
         })
@@ -216,11 +245,11 @@ pub unsafe extern "C" fn dc_forces(
 /// A factor for the increment, from 0.1 to 1, like PNEWDT: below 1 the increment had better be cut back by it. The smallest of
 ///
 /// - cutback_penetration R/(-g), for a slave that penetrates deeper than cutback_penetration x R, the support radius;
-/// - 0.5, if the last refresh lost a contact with a penetration deeper than cutback_lost x R;
-/// - 0.5, if the foot of a slave that penetrated lies outside its domain of influence in the last evaluation;
-/// - 0.25, if the element of such a slave failed otherwise: no foot, singular fit, overflow.
+/// - 0.5, for a slave that penetrated and whose foot lies outside its domain of influence in the last evaluation;
+/// - 0.25, for one whose element failed otherwise: no foot, singular fit, overflow.
 ///
-/// A slave penetrated if its gap was negative when it last had one. `factor` is 1 before the first evaluation.
+/// A slave penetrated if its gap was negative when it last had one; that it is not paired, too far or beyond the border ends it. Contacts
+/// that a refresh loses are in dc_report (contacts_lost, lost_gap).
 ///
 /// # Safety
 /// `factor` may be written.
@@ -228,8 +257,10 @@ pub unsafe extern "C" fn dc_forces(
 pub unsafe extern "C" fn dc_cutback(interface: *mut dc_interface, factor: *mut f64) -> dc_status {
     border::call(|| {
         with(interface, |state| {
+            state.contacts()?;
+            let factor = target("factor", factor, 1)?;
             // SAFETY: as the caller promises.
-            *unsafe { single("factor", factor)? } = state.cutback.factor();
+            unsafe { factor.write([state.hint.factor(&state.interface)]) };
             Ok(())
         })
     })

@@ -3,9 +3,11 @@
 use std::mem::offset_of;
 
 use runtime::assembly::ContactView;
-use runtime::{ContactPoint, Element, ElementError, Frame, Generated, Mode, Point};
+use runtime::{
+    Basis, ContactPoint, Element, ElementError, Frame, FrameDerivative, Generated, Mode, Point, Weight,
+};
 
-use crate::border::{self, Versioned, input, output, read_sized, single, wanted};
+use crate::border::{self, Versioned, disjoint, input, read_sized, reserved, roomy, target, wanted};
 use crate::choice::{self, dc_basis, dc_frame, dc_weight};
 use crate::law::{self, dc_law};
 use crate::outcome::{self, dc_outcome};
@@ -57,6 +59,15 @@ pub struct dc_point {
     pub normal: [f64; 3],
 }
 
+/// What an element chooses by number.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind {
+    basis: Basis,
+    weight: Weight,
+    /// `None` for a frame that is given.
+    frame: Option<FrameDerivative>,
+}
+
 impl dc_point {
     pub fn new(result: Result<ContactPoint, ElementError>) -> Self {
         match result {
@@ -86,26 +97,38 @@ impl dc_element {
     /// As [`read_sized`].
     pub unsafe fn read(element: *const Self) -> Result<Self, Failure> {
         // SAFETY: as the caller promises.
-        unsafe { read_sized(element, Self::DEFAULTS) }
+        let element = unsafe { read_sized(element, Self::DEFAULTS)? };
+        reserved("dc_element", element.reserved)?;
+        Ok(element)
     }
 
-    /// As the runtime has it. The outer error is of an option, the inner one of the element.
+    /// What is chosen by number.
+    pub fn kind(&self) -> Result<Kind, Failure> {
+        let basis = if self.basis == 0 { dc_basis::DC_QUADRATIC as i32 } else { self.basis };
+        let is_given = self.frame == dc_frame::DC_GIVEN as i32;
+        Ok(Kind {
+            basis: choice::basis(basis)?,
+            weight: choice::weight(self.weight)?,
+            frame: if is_given { None } else { Some(choice::element_frame(self.frame)?) },
+        })
+    }
+
+    /// As the runtime has it.
     pub fn with_nodes<'a>(
         &self,
+        kind: &Kind,
         slave: Point,
         masters: &'a [Point],
-    ) -> Result<Result<Element<'a>, ElementError>, Failure> {
-        let basis = if self.basis == 0 { dc_basis::DC_QUADRATIC as i32 } else { self.basis };
-        let (basis, weight) = (choice::basis(basis)?, choice::weight(self.weight)?);
-        let frame = if self.frame == dc_frame::DC_GIVEN as i32 {
-            let outward = Some(self.outward).filter(|outward| *outward != [0.0; 3]);
-            Frame::given(slave, self.t1, self.t2, self.normal, outward)
-        } else {
-            let derivative = choice::frame(self.frame)?;
-            self.average_plane(masters).map(|frame| Frame { derivative, ..frame })
+    ) -> Result<Element<'a>, ElementError> {
+        let &Kind { basis, weight, frame } = kind;
+        let frame = match frame {
+            None => {
+                let outward = Some(self.outward).filter(|outward| *outward != [0.0; 3]);
+                Frame::given(slave, self.t1, self.t2, self.normal, outward)?
+            }
+            Some(derivative) => Frame { derivative, ..self.average_plane(masters)? },
         };
-        let support_radius = self.support_radius;
-        Ok(frame.map(|frame| Element { slave, masters, frame, support_radius, basis, weight }))
+        Ok(Element { slave, masters, frame, support_radius: self.support_radius, basis, weight })
     }
 
     fn average_plane(&self, masters: &[Point]) -> Result<Frame, ElementError> {
@@ -114,24 +137,6 @@ impl dc_element {
         }
         Frame::average_plane(masters, self.outward)
     }
-}
-
-/// Room for the derivatives of an element, or an error.
-///
-/// # Safety
-/// As [`output`].
-unsafe fn derivative<'a>(
-    name: &str,
-    pointer: *mut f64,
-    size: usize,
-    needed: usize,
-) -> Result<&'a mut [f64], Failure> {
-    if size < needed {
-        let message = format!("bad-size: {name} has room for {size} numbers, needs {needed}");
-        return Err(Failure::new(DC_BAD_SIZE, message));
-    }
-    // SAFETY: as the caller promises.
-    unsafe { output(name, pointer, needed) }
 }
 
 /// Entries of N and M that a mode asks for; `None` if there are more than can be counted.
@@ -146,7 +151,9 @@ pub fn sizes(masters: usize, mode: Mode) -> Option<[usize; 2]> {
 /// slave, master 1, ..., master n. `slave` has 3 numbers, `masters` 3 n. The order of the nodes of a pairing does not matter, but for
 /// rounding.
 ///
-/// DC_NO_CONTACT if the element has no result: point->outcome and dc_message() say why. The derivatives then hold anything.
+/// DC_NO_CONTACT if the element has no result: point->outcome and dc_message() say why. The derivatives then hold anything, as they do
+/// if the runtime refuses numbers of the element: DC_NOT_FINITE, DC_BAD_OPTION for a support radius or a frame, DC_BAD_SIZE for too few
+/// masters; the outcome is DC_REFUSED then.
 ///
 /// # Safety
 /// The arrays have the given lengths, `element` as many bytes as its field `size` says.
@@ -171,22 +178,33 @@ pub unsafe extern "C" fn dc_gap(
                 format!("bad-size: there cannot be {master_count} masters"),
             ));
         };
+        let point = target("point", point, 1)?;
+        let gradient = roomy("gradient", gradient, gradient_size, freedoms)?;
+        let hessian = roomy("hessian", hessian, hessian_size, packed)?;
+        disjoint([
+            border::read("slave", slave, 3),
+            border::read("masters", masters, 3 * master_count),
+            point.span(),
+            gradient.span(),
+            hessian.span(),
+        ])?;
         // SAFETY: as the caller promises.
-        let (element, slave, masters, point, gradient, hessian) = unsafe {
+        let (element, slave, masters) = unsafe {
             (
                 dc_element::read(element)?,
                 input("slave", slave, 3)?,
                 input("masters", masters, 3 * master_count)?,
-                single("point", point)?,
-                derivative("gradient", gradient, gradient_size, freedoms)?,
-                derivative("hessian", hessian, hessian_size, packed)?,
             )
         };
+        let kind = element.kind()?;
         let slave = [slave[0], slave[1], slave[2]];
+        // SAFETY: as the caller promises; nothing overlaps.
+        let (gradient, hessian) = unsafe { (gradient.unspecified(), hessian.unspecified()) };
         let found = element
-            .with_nodes(slave, masters.as_chunks::<3>().0)?
+            .with_nodes(&kind, slave, masters.as_chunks::<3>().0)
             .and_then(|element| Generated.gap_into(&element, mode, gradient, hessian));
-        *point = dc_point::new(found);
+        // SAFETY: as the caller promises.
+        unsafe { point.write([dc_point::new(found)]) };
         found.map(drop).map_err(Failure::from)
     })
 }
@@ -194,6 +212,8 @@ pub unsafe extern "C" fn dc_gap(
 /// Force and stiffness of one element from its gap and derivatives, over its own 3(n+1) coordinates: R = f N into `residual`, K = -dR/dx
 /// into `tangent`, 3(n+1) square, both triangles. Zeros if it carries no force. `force` f. What is not wanted is NULL. `area` is the
 /// slave's tributary area, 1 where the penalty is one per node. `hessian` may be NULL for DC_GAUSS_NEWTON or without `tangent`.
+///
+/// After a failure `residual` and `tangent` hold anything.
 ///
 /// # Safety
 /// `gradient` has 3(`master_count` + 1) entries, `hessian` those of its lower triangle, `residual` and `tangent` have the given
@@ -217,22 +237,30 @@ pub unsafe extern "C" fn dc_element_system(
             || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {master_count} masters"));
         let [freedoms, packed] = sizes(master_count, Mode::Hessian).ok_or_else(too_many)?;
         let square = freedoms.checked_mul(freedoms).ok_or_else(too_many)?;
+        let force = wanted("force", force, 1, 1)?;
+        let residual = wanted("residual", residual, residual_size, freedoms)?;
+        let tangent = wanted("tangent", tangent, tangent_size, square)?;
+        let packed = if hessian.is_null() { 0 } else { packed };
         // SAFETY: as the caller promises.
-        let (law, gradient, hessian, residual, tangent) = unsafe {
-            (
-                law::read(law)?,
-                input("gradient", gradient, freedoms)?,
-                input("hessian", hessian, if hessian.is_null() { 0 } else { packed })?,
-                wanted("residual", residual, residual_size, freedoms)?.unwrap_or_default(),
-                wanted("tangent", tangent, tangent_size, square)?.unwrap_or_default(),
-            )
+        let multipliers = unsafe { law::span(law)? };
+        disjoint([
+            multipliers,
+            border::read("gradient", gradient, freedoms),
+            border::read("hessian", hessian, packed),
+            force.span(),
+            residual.span(),
+            tangent.span(),
+        ])?;
+        // SAFETY: as the caller promises; nothing overlaps.
+        let (law, gradient, hessian) = unsafe {
+            (law::read(law)?, input("gradient", gradient, freedoms)?, input("hessian", hessian, packed)?)
         };
+        // SAFETY: as the caller promises; nothing overlaps.
+        let (residual, tangent) = unsafe { (residual.unspecified(), tangent.unspecified()) };
         let contact = ContactView { gap, area, gradient, hessian };
         let found = law.element_system(&contact, residual, tangent)?;
-        if !force.is_null() {
-            // SAFETY: as the caller promises.
-            *unsafe { single("force", force)? } = found;
-        }
+        // SAFETY: as the caller promises.
+        unsafe { force.write([found]) };
         Ok(())
     })
 }

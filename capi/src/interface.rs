@@ -1,20 +1,22 @@
 //! An interface: made, moved, paired and evaluated.
 
 use std::mem::offset_of;
+use std::sync::Arc;
 
 use runtime::Point;
 use runtime::assembly::{DofMap, Triplets};
 use runtime::interface::{ContactInterface, Contacts, RefreshReport};
 use runtime::surface::{Facet, MasterSurface};
 
-use crate::border::{self, Versioned, input, single, write_sized};
+use crate::border::{self, Versioned, disjoint, input, reserve, sized_target, target, wanted};
 use crate::choice;
-use crate::cutback::Cutback;
+use crate::cutback::Hint;
 use crate::options::dc_options;
 use crate::registry::Registry;
 use crate::status::{
     DC_BAD_SIZE, DC_FROZEN, DC_NOT_EVALUATED, DC_OUT_OF_RANGE, DC_TOO_LARGE, Failure, dc_status,
 };
+use crate::threads;
 
 /// A contact interface: a master surface, slave nodes and their pairing. One thread at a time may use it, any thread; a
 /// second one gets DC_BUSY.
@@ -24,8 +26,9 @@ pub struct dc_interface;
 #[derive(Debug)]
 pub struct State {
     pub interface: ContactInterface,
-    pub dofs: DofMap,
-    pub cutback: Cutback,
+    /// Shared with the patterns made with them.
+    pub dofs: Arc<DofMap>,
+    pub hint: Hint,
     pub triplets: Triplets,
     nodes: usize,
     frozen: bool,
@@ -94,11 +97,15 @@ fn facets_of(rows: &[i32]) -> Result<Vec<Facet>, Failure> {
             Failure::new(DC_OUT_OF_RANGE, message)
         })
     };
-    let facet = |(k, &[a, b, c, d]): (usize, &[i32; 4])| {
+    let facet = |(k, &[a, b, c, d]): (usize, &[i32; 4])| -> Result<Facet, Failure> {
         let [a, b, c] = [node(k, a)?, node(k, b)?, node(k, c)?];
         Ok(if d == -1 { Facet::Triangle([a, b, c]) } else { Facet::Quadrilateral([a, b, c, node(k, d)?]) })
     };
-    rows.iter().enumerate().map(facet).collect()
+    let mut facets = reserve("facets", rows.len())?;
+    for row in rows.iter().enumerate() {
+        facets.push(facet(row)?);
+    }
+    Ok(facets)
 }
 
 /// An array of facets.
@@ -136,8 +143,7 @@ pub unsafe extern "C" fn dc_create(
 ) -> dc_status {
     border::call(|| {
         // SAFETY: as the caller promises.
-        let handle = unsafe { single("interface", interface)? };
-        *handle = std::ptr::null_mut();
+        unsafe { target("interface", interface, 1)?.write([std::ptr::null_mut()]) };
         // SAFETY: as the caller promises.
         let (positions, master, slaves, areas, options) = unsafe {
             (
@@ -148,8 +154,10 @@ pub unsafe extern "C" fn dc_create(
                 dc_options::read(options)?,
             )
         };
-        let state = create(positions, master, slaves, areas, &options)?;
-        *handle = std::ptr::without_provenance_mut(INTERFACES.insert(state)?);
+        let state = threads::run(|| create(positions, master, slaves, areas, &options))??;
+        let made = INTERFACES.insert(state)?;
+        // SAFETY: as the caller promises.
+        unsafe { target("interface", interface, 1)?.write([std::ptr::without_provenance_mut(made)]) };
         Ok(())
     })
 }
@@ -170,16 +178,19 @@ fn create(
             Failure::new(DC_OUT_OF_RANGE, format!("slave-out-of-range: slave {k} is node {node}"))
         })
     };
-    let slaves: Vec<usize> = slaves.iter().enumerate().map(index).collect::<Result<_, _>>()?;
+    let mut nodes = reserve("slaves", slaves.len())?;
+    for slave in slaves.iter().enumerate() {
+        nodes.push(index(slave)?);
+    }
     let slave_facets = facets_of(slave_facets)?;
-    let cutback = Cutback::new(options.cutback()?, slaves.len());
+    let hint = Hint::new(options.cutback_penetration, nodes.len())?;
     let options = options.interface()?;
     let master = MasterSurface::new(positions, facets_of(master)?)?;
-    let interface = ContactInterface::new(master, slaves, &slave_facets, positions, options)?;
+    let interface = ContactInterface::new(master, nodes, &slave_facets, positions, options)?;
     Ok(State {
         interface,
-        dofs: DofMap::standard(positions.len()),
-        cutback,
+        dofs: Arc::new(DofMap::standard(positions.len())),
+        hint,
         triplets: Triplets::new(),
         nodes: positions.len(),
         frozen: false,
@@ -205,12 +216,13 @@ pub unsafe extern "C" fn dc_counts(
 ) -> dc_status {
     border::call(|| {
         with(interface, |state| {
-            for (pointer, value) in [(node_count, state.nodes), (slave_count, state.interface.slaves().len())]
-            {
-                if !pointer.is_null() {
-                    // SAFETY: as the caller promises.
-                    *unsafe { single("count", pointer)? } = value;
-                }
+            let nodes = wanted("node_count", node_count, 1, 1)?;
+            let slaves = wanted("slave_count", slave_count, 1, 1)?;
+            disjoint([nodes.span(), slaves.span()])?;
+            // SAFETY: as the caller promises.
+            unsafe {
+                nodes.write([state.nodes]);
+                slaves.write([state.interface.slaves().len()]);
             }
             Ok(())
         })
@@ -334,21 +346,23 @@ pub unsafe extern "C" fn dc_refresh(
         with(interface, |state| {
             // SAFETY: as the caller promises.
             let positions = unsafe { points(positions, node_count)? };
-            let mut result = dc_report::new(&RefreshReport::default());
-            // What may fail comes first.
-            if !report.is_null() {
-                // SAFETY: as the caller promises.
-                unsafe { write_sized(report, &result)? };
+            // SAFETY: as the caller promises.
+            let report = if report.is_null() { None } else { Some(unsafe { sized_target(report)? }) };
+            if let Some(report) = &report {
+                let given = border::read("positions", positions.as_ptr(), positions.len());
+                disjoint([given, report.span()])?;
             }
-            if state.frozen {
-                state.interface.update(positions)?;
+            let interface = &mut state.interface;
+            let result = if state.frozen {
+                interface.update(positions)?;
+                RefreshReport::default()
             } else {
-                result = dc_report::new(&state.refresh(positions)?);
-            }
+                threads::run(|| interface.refresh_pairing(positions))??
+            };
             state.evaluated = false;
-            if !report.is_null() {
+            if let Some(report) = report {
                 // SAFETY: as the caller promises.
-                unsafe { write_sized(report, &result)? };
+                unsafe { report.write(&dc_report::new(&result)) };
             }
             if state.frozen {
                 let message = "frozen: the positions were taken over, the pairing is held until dc_thaw";
@@ -357,20 +371,6 @@ pub unsafe extern "C" fn dc_refresh(
             Ok(())
         })
     })
-}
-
-impl State {
-    fn refresh(&mut self, positions: &[Point]) -> Result<RefreshReport, Failure> {
-        let slaves = 0..self.interface.slaves().len();
-        let radii: Vec<Option<f64>> = slaves.map(|k| self.interface.support_radius(k)).collect();
-        let report = self.interface.refresh_pairing(positions)?;
-        let lost = report.smallest_gap_lost.and_then(|lost| {
-            let place = self.interface.slaves().iter().position(|&node| node == lost.slave)?;
-            Some((lost.gap, radii[place]?))
-        });
-        self.cutback.refreshed(lost);
-        Ok(report)
-    }
 }
 
 /// Holds the pairing, for instance over the iterations of an increment: dc_refresh does what dc_update does, and returns
@@ -397,6 +397,8 @@ fn set_frozen(interface: *mut dc_interface, frozen: bool) -> dc_status {
 
 /// Evaluates all slaves at the positions of the last dc_update or dc_refresh, in parallel. `mode` is a dc_mode: DC_GRADIENT
 /// for the residual, DC_HESSIAN for the exact tangent. The result does not depend on the number of threads, bit for bit.
+///
+/// DC_TOO_LARGE if there is no memory for the results: there are none then, and the pairing stays.
 #[unsafe(no_mangle)]
 pub extern "C" fn dc_evaluate(interface: *mut dc_interface, mode: i32) -> dc_status {
     border::call(|| {
@@ -404,20 +406,18 @@ pub extern "C" fn dc_evaluate(interface: *mut dc_interface, mode: i32) -> dc_sta
         with(interface, |state| {
             // Until it is done there is nothing.
             state.evaluated = false;
-            state.interface.evaluate(mode)?;
+            let State { interface, hint, .. } = state;
+            threads::run(|| interface.evaluate(mode).map(drop))??;
+            hint.book(interface);
             state.evaluated = true;
-            let State { interface, cutback, .. } = state;
-            cutback.start();
-            for (k, contact) in interface.contacts().iter().enumerate() {
-                cutback.book(k, &contact, interface.support_radius(k));
-            }
             Ok(())
         })
     })
 }
 
 /// Which equations the displacements of the nodes have: 3 entries for each node, numbers below `equation_count`, none twice, -1
-/// for a displacement that is prescribed. `equations` NULL for 3 node + axis, as it is at the beginning.
+/// for a displacement that is prescribed. `equations` NULL for 3 node + axis, as it is at the beginning. Patterns made before belong to
+/// the equations of before.
 ///
 /// # Safety
 /// `equations` is NULL or has 3 `node_count` entries.
@@ -431,7 +431,7 @@ pub unsafe extern "C" fn dc_set_equations(
     border::call(|| {
         with(interface, |state| {
             if equations.is_null() {
-                state.dofs = DofMap::standard(state.nodes);
+                state.dofs = Arc::new(DofMap::standard(state.nodes));
                 return Ok(());
             }
             if node_count != state.nodes {
@@ -451,7 +451,7 @@ pub unsafe extern "C" fn dc_set_equations(
             }
             let (rows, _) = numbers.as_chunks::<3>();
             let rows = rows.iter().map(|row| row.map(|number| usize::try_from(number).ok()));
-            state.dofs = DofMap::new(equation_count, rows)?;
+            state.dofs = Arc::new(DofMap::new(equation_count, rows)?);
             Ok(())
         })
     })

@@ -4,7 +4,7 @@ use std::mem::offset_of;
 
 use runtime::assembly::ContactLaw;
 
-use crate::border::{Versioned, input, read_sized};
+use crate::border::{self, Span, Versioned, input, read_sized, reserved};
 use crate::choice;
 use crate::status::Failure;
 
@@ -37,11 +37,11 @@ unsafe impl Versioned for dc_law {
     const FIRST: usize = offset_of!(Self, reserved) + 4;
 }
 
-/// The law of the caller; the runtime checks its numbers.
+/// The structure itself.
 ///
 /// # Safety
-/// `law` is NULL or has as many bytes as its field `size` says, `multipliers` has `multiplier_count` entries.
-pub unsafe fn read<'a>(law: *const dc_law) -> Result<ContactLaw<'a>, Failure> {
+/// As [`read`].
+unsafe fn structure(law: *const dc_law) -> Result<dc_law, Failure> {
     let defaults = dc_law {
         size: 0,
         penalty: 0.0,
@@ -52,6 +52,27 @@ pub unsafe fn read<'a>(law: *const dc_law) -> Result<ContactLaw<'a>, Failure> {
     };
     // SAFETY: as the caller promises.
     let law = unsafe { read_sized(law, defaults)? };
+    reserved("dc_law", law.reserved)?;
+    Ok(law)
+}
+
+/// Where the multipliers lie.
+///
+/// # Safety
+/// As [`read`].
+pub unsafe fn span(law: *const dc_law) -> Result<Span, Failure> {
+    // SAFETY: as the caller promises.
+    let law = unsafe { structure(law)? };
+    Ok(border::read("multipliers", law.multipliers, law.multiplier_count))
+}
+
+/// The law of the caller; the runtime checks its numbers.
+///
+/// # Safety
+/// `law` is NULL or has as many bytes as its field `size` says, `multipliers` has `multiplier_count` entries.
+pub unsafe fn read<'a>(law: *const dc_law) -> Result<ContactLaw<'a>, Failure> {
+    // SAFETY: as the caller promises.
+    let law = unsafe { structure(law)? };
     // SAFETY: as the caller promises.
     let multipliers = unsafe { input("multipliers", law.multipliers, law.multiplier_count)? };
     Ok(ContactLaw {

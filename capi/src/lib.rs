@@ -10,9 +10,10 @@
 //! | `status`, `message`, `outcome` | what a call says |
 //! | `registry` | which handles are live |
 //! | `version` | version, vector instructions |
+//! | `threads` | where evaluations run, also after a fork |
 //! | `options`, `law` | structures the caller fills |
 //! | `interface` | create and destroy, update, refresh, freeze, evaluate |
-//! | `contacts` | results of an evaluation, the cut-back hint |
+//! | `contacts`, `cutback` | results of an evaluation, the cut-back hint |
 //! | `assembly`, `pattern` | residual, triplets, compressed rows |
 //! | `element`, `batch`, `neighbours` | without interface: gap, force and stiffness, pairing |
 // The names are those of the C interface.
@@ -34,6 +35,7 @@ mod outcome;
 mod pattern;
 mod registry;
 mod status;
+mod threads;
 mod version;
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use runtime::Point;
 use runtime::neighbourhood::{NeighbourSearch, NeighbourhoodError};
 use runtime::pairing::NearestNodes;
 
-use crate::border::{self, Versioned, input, output, single, write_sized};
+use crate::border::{self, Versioned, disjoint, input, reserve, sized_target, target};
 use crate::choice;
 use crate::options::dc_options;
 use crate::outcome;
@@ -43,7 +43,7 @@ unsafe impl Versioned for dc_pairing {
 /// direction to the outward side of the master. `masters` gets the numbers of those chosen, counted from 0, ascending; it has
 /// room for `capacity` of them.
 ///
-/// DC_NO_CONTACT if the candidates carry no fit.
+/// DC_NO_CONTACT if the candidates carry no fit; nothing is written then.
 ///
 /// # Safety
 /// The arrays have the given lengths; `options` is NULL or has as many bytes as its field `size` says, as has `pairing`.
@@ -71,9 +71,21 @@ pub unsafe extern "C" fn dc_pair(
                 input("outward", outward, 3)?,
             )
         };
+        // SAFETY: as the caller promises.
+        let pairing = unsafe { sized_target(pairing)? };
+        let chosen = border::written("masters", masters, capacity);
+        let given = [border::read("slave", slave.as_ptr(), 3), border::read("outward", outward.as_ptr(), 3)];
+        disjoint([
+            given[0],
+            given[1],
+            border::read("candidates", candidates.as_ptr(), candidates.len()),
+            chosen,
+            pairing.span(),
+        ])?;
         let mut search = NeighbourSearch::new(options.search()?)?;
-        let candidates: Vec<Point> = candidates.as_chunks::<3>().0.to_vec();
-        let cloud = NearestNodes::new(candidates).map_err(|error| NeighbourhoodError::of_nodes(&error))?;
+        let mut points: Vec<Point> = reserve("candidates", candidate_count)?;
+        points.extend_from_slice(candidates.as_chunks::<3>().0);
+        let cloud = NearestNodes::new(points).map_err(|error| NeighbourhoodError::of_nodes(&error))?;
         let (slave, outward) = ([slave[0], slave[1], slave[2]], [outward[0], outward[1], outward[2]]);
         let found = search.find(&cloud, slave, outward)?;
         let mut nodes = found.nodes;
@@ -91,14 +103,12 @@ pub unsafe extern "C" fn dc_pair(
             support_radius: found.support_radius,
             normal: found.frame.normal,
         };
+        let masters = target("masters", masters, nodes.len())?;
         // SAFETY: as the caller promises.
-        let masters = unsafe {
-            single("pairing", pairing)?;
-            output("masters", masters, nodes.len())?
-        };
-        // SAFETY: as the caller promises.
-        unsafe { write_sized(pairing, &result)? };
-        masters.iter_mut().zip(nodes).for_each(|(target, node)| *target = node as i32);
+        unsafe {
+            pairing.write(&result);
+            masters.write(nodes.into_iter().map(|node| node as i32));
+        }
         Ok(())
     })
 }

@@ -5,9 +5,9 @@ use std::mem::offset_of;
 use runtime::interface::{ContactElement, InterfaceOptions};
 use runtime::neighbourhood::{NeighbourRule, SearchOptions};
 
-use crate::border::{self, Versioned, read_sized, write_sized};
+use crate::border::{self, Versioned, read_sized, reserved, sized_target};
 use crate::choice::{self, dc_element_kind, dc_frame, dc_rule};
-use crate::cutback::CutbackOptions;
+use crate::cutback::DEFAULT_LIMIT;
 use crate::status::{Failure, dc_status};
 
 /// How an interface pairs and evaluates. Set `size`, call dc_options_default, change what is to be different:
@@ -64,14 +64,12 @@ pub struct dc_options {
     pub distance_limit: f64,
     /// A penetration deeper than this fraction of the support radius makes dc_cutback suggest a smaller increment.
     pub cutback_penetration: f64,
-    /// So does a contact lost by a refresh at a penetration deeper than this fraction of the support radius.
-    pub cutback_lost: f64,
 }
 
 // SAFETY: numbers, the first one is the size.
 unsafe impl Versioned for dc_options {
     const NAME: &'static str = "dc_options";
-    const FIRST: usize = offset_of!(Self, cutback_lost) + 8;
+    const FIRST: usize = offset_of!(Self, cutback_penetration) + 8;
 }
 
 impl dc_options {
@@ -79,7 +77,6 @@ impl dc_options {
     pub fn defaults() -> Self {
         let search = SearchOptions::default();
         let interface = InterfaceOptions::default();
-        let CutbackOptions { penetration, lost } = CutbackOptions::default();
         let (NeighbourRule::Nearest { count, max_count }, NeighbourRule::HullLayers { max_layers, .. }) =
             (SearchOptions::nearest().rule, NeighbourRule::hull_layers(None))
         else {
@@ -107,8 +104,7 @@ impl dc_options {
             hysteresis: interface.hysteresis,
             border_tolerance: interface.border_tolerance,
             distance_limit: interface.distance_limit.unwrap_or(0.0),
-            cutback_penetration: penetration,
-            cutback_lost: lost,
+            cutback_penetration: DEFAULT_LIMIT,
         }
     }
 
@@ -117,12 +113,13 @@ impl dc_options {
     /// # Safety
     /// As [`read_sized`].
     pub unsafe fn read(options: *const Self) -> Result<Self, Failure> {
-        // SAFETY: as the caller promises.
         if options.is_null() {
-            Ok(Self::defaults())
-        } else {
-            unsafe { read_sized(options, Self::defaults()) }
+            return Ok(Self::defaults());
         }
+        // SAFETY: as the caller promises.
+        let options = unsafe { read_sized(options, Self::defaults())? };
+        reserved("dc_options", options.reserved)?;
+        Ok(options)
     }
 
     /// The neighbour search.
@@ -167,12 +164,6 @@ impl dc_options {
             areas: choice::flag("areas", self.areas)?,
         })
     }
-
-    pub fn cutback(&self) -> Result<CutbackOptions, Failure> {
-        let options = CutbackOptions { penetration: self.cutback_penetration, lost: self.cutback_lost };
-        options.check()?;
-        Ok(options)
-    }
 }
 
 /// Fills the options with their defaults; options.size has to be set before.
@@ -181,6 +172,9 @@ impl dc_options {
 /// `options` is NULL, or as many bytes as its field `size` says may be written there.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dc_options_default(options: *mut dc_options) -> dc_status {
-    // SAFETY: as the caller promises.
-    border::call(|| unsafe { write_sized(options, &dc_options::defaults()) })
+    border::call(|| {
+        // SAFETY: as the caller promises.
+        unsafe { sized_target(options)?.write(&dc_options::defaults()) };
+        Ok(())
+    })
 }

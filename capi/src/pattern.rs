@@ -1,22 +1,56 @@
 //! The tangent in compressed sparse rows.
 
-use runtime::assembly::CsrPattern;
+use std::sync::Arc;
+
+use runtime::assembly::{CsrPattern, DofMap};
 
 use crate::assembly::index;
-use crate::border::{self, output, single, wanted};
+use crate::border::{self, disjoint, roomy, target, wanted};
 use crate::interface::{dc_interface, with};
 use crate::law::{self, dc_law};
 use crate::registry::Registry;
-use crate::status::dc_status;
+use crate::status::{DC_BAD_SIZE, DC_PATTERN_MISMATCH, Failure, dc_status};
+use crate::threads;
 
 /// The places of the tangent's entries, for a pairing. One thread at a time may use it, any thread.
 pub struct dc_pattern;
 
-static PATTERNS: Registry<CsrPattern> = Registry::new("pattern", 2);
+/// What stands behind a handle.
+#[derive(Debug)]
+struct Pattern {
+    places: CsrPattern,
+    /// The equations it is of.
+    dofs: Arc<DofMap>,
+}
+
+static PATTERNS: Registry<Pattern> = Registry::new("pattern", 2);
+
+impl Pattern {
+    /// Refuses equations that are not those of the pattern: the entries would land elsewhere.
+    fn check_equations(&self, dofs: &Arc<DofMap>) -> Result<(), Failure> {
+        if Arc::ptr_eq(&self.dofs, dofs) {
+            return Ok(());
+        }
+        let [own, others] = [self.dofs.equations(), dofs.equations()];
+        let differs =
+            |&node: &usize| (0..3).any(|axis| self.dofs.equation(node, axis) != dofs.equation(node, axis));
+        let message = if own != others {
+            format!("pattern-mismatch: the pattern is of {own} equations, the interface has {others}")
+        } else if self.dofs.nodes() != dofs.nodes() {
+            let [own, others] = [self.dofs.nodes(), dofs.nodes()];
+            format!("pattern-mismatch: the pattern is of {own} nodes, the interface has {others}")
+        } else if let Some(node) = (0..dofs.nodes()).find(differs) {
+            format!("pattern-mismatch: node {node} has had other equations when the pattern was made")
+        } else {
+            return Ok(());
+        };
+        Err(Failure::new(DC_PATTERN_MISMATCH, message))
+    }
+}
 
 /// Makes the union pattern of the pairing: an entry wherever any slave can have one, whether it carries force or not. So it
-/// stays valid until a refresh changes the pairing (dc_report: changed, gained or lost is not 0), and a solver can keep its
-/// symbolic factorisation as long. Both triangles are there; columns ascend in a row. It needs an evaluation, in any mode.
+/// stays valid until a refresh changes the pairing (dc_report: changed, gained or lost is not 0) or dc_set_equations the equations, and
+/// a solver can keep its symbolic factorisation as long. Both triangles are there; columns ascend in a row. It needs an evaluation, in any mode.
 ///
 /// Writes the handle and the number of entries, which may be NULL. On failure the handle is NULL.
 ///
@@ -29,18 +63,22 @@ pub unsafe extern "C" fn dc_pattern_create(
     entry_count: *mut usize,
 ) -> dc_status {
     border::call(|| {
+        let entry_count = wanted("entry_count", entry_count, 1, 1)?;
+        let handle = target("pattern", pattern, 1)?;
+        disjoint([handle.span(), entry_count.span()])?;
         // SAFETY: as the caller promises.
-        let handle = unsafe { single("pattern", pattern)? };
-        *handle = std::ptr::null_mut();
+        unsafe { handle.write([std::ptr::null_mut()]) };
         with(interface, |state| {
-            let made = CsrPattern::union(state.contacts()?, &state.dofs)?;
-            index("equations", made.equations())?;
-            let entries = index("entries", made.entries())? as usize;
-            if !entry_count.is_null() {
-                // SAFETY: as the caller promises.
-                *unsafe { single("entry_count", entry_count)? } = entries;
+            let contacts = state.contacts()?;
+            let places = threads::run(|| CsrPattern::union(contacts, &state.dofs))??;
+            index("equations", places.equations())?;
+            let entries = index("entries", places.entries())? as usize;
+            let made = PATTERNS.insert(Pattern { places, dofs: Arc::clone(&state.dofs) })?;
+            // SAFETY: as the caller promises.
+            unsafe {
+                target("pattern", pattern, 1)?.write([std::ptr::without_provenance_mut(made)]);
+                entry_count.write([entries]);
             }
-            *handle = std::ptr::without_provenance_mut(PATTERNS.insert(made)?);
             Ok(())
         })
     })
@@ -67,17 +105,14 @@ pub unsafe extern "C" fn dc_pattern_structure(
 ) -> dc_status {
     border::call(|| {
         PATTERNS.with(pattern.addr(), |pattern| {
-            let (offsets, entries) = (pattern.row_offsets(), pattern.columns());
+            let (offsets, entries) = (pattern.places.row_offsets(), pattern.places.columns());
+            let row_offsets = wanted("row_offsets", row_offsets, row_offset_count, offsets.len())?;
+            let columns = wanted("columns", columns, column_count, entries.len())?;
+            disjoint([row_offsets.span(), columns.span()])?;
             // SAFETY: as the caller promises.
-            let (row_offsets, columns) = unsafe {
-                (
-                    wanted("row_offsets", row_offsets, row_offset_count, offsets.len())?,
-                    wanted("columns", columns, column_count, entries.len())?,
-                )
-            };
-            for (target, source) in [(row_offsets, offsets), (columns, entries)] {
-                let numbers = target.into_iter().flatten().zip(source);
-                numbers.for_each(|(target, &source)| *target = source as i32);
+            unsafe {
+                row_offsets.write(offsets.iter().map(|&offset| offset as i32));
+                columns.write(entries.iter().map(|&column| column as i32));
             }
             Ok(())
         })
@@ -87,8 +122,8 @@ pub unsafe extern "C" fn dc_pattern_structure(
 /// Writes the tangent K = -dR/dx into `values`, one number for each entry of the pattern, zeros where nothing touches. In
 /// parallel; the result does not depend on the number of threads. `active_count` may be NULL.
 ///
-/// DC_PATTERN_MISMATCH if the pairing is not the one of the pattern. DC_OVERFLOW if a sum is not finite: the values then hold
-/// anything.
+/// DC_PATTERN_MISMATCH if the pairing or the equations are not those of the pattern. DC_OVERFLOW if a sum is not finite. After
+/// a failure the values hold anything.
 ///
 /// # Safety
 /// `values` has `entry_count` entries; `law` as in dc_residual; `active_count` is NULL or may be written.
@@ -105,13 +140,25 @@ pub unsafe extern "C" fn dc_pattern_fill(
         with(interface, |state| {
             let contacts = state.contacts()?;
             PATTERNS.with(pattern.addr(), |pattern| {
-                // SAFETY: as the caller promises.
-                let (law, values) = unsafe { (law::read(law)?, output("values", values, entry_count)?) };
-                let active = pattern.fill(contacts, &law, values)?;
-                if !active_count.is_null() {
-                    // SAFETY: as the caller promises.
-                    *unsafe { single("active_count", active_count)? } = active;
+                pattern.check_equations(&state.dofs)?;
+                let active_count = wanted("active_count", active_count, 1, 1)?;
+                let entries = pattern.places.entries();
+                if entry_count != entries {
+                    let message =
+                        format!("bad-size: values has {entry_count} entries, the pattern {entries}");
+                    return Err(Failure::new(DC_BAD_SIZE, message));
                 }
+                let values = roomy("values", values, entry_count, entries)?;
+                // SAFETY: as the caller promises.
+                let multipliers = unsafe { law::span(law)? };
+                disjoint([multipliers, values.span(), active_count.span()])?;
+                // SAFETY: as the caller promises; nothing overlaps.
+                let law = unsafe { law::read(law)? };
+                // SAFETY: as the caller promises; nothing overlaps.
+                let values = unsafe { values.unspecified() };
+                let active = threads::run(|| pattern.places.fill(contacts, &law, values))??;
+                // SAFETY: as the caller promises.
+                unsafe { active_count.write([active]) };
                 Ok(())
             })
         })

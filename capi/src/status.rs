@@ -8,8 +8,8 @@ use runtime::surface::SurfaceError;
 
 use crate::message;
 
-/// What became of a call. Everything but DC_OK, DC_FROZEN and DC_NO_CONTACT is for the caller to mend; nothing has changed
-/// then, unless it says so. dc_message() is the sentence to it.
+/// What became of a call. Everything but DC_OK, DC_FROZEN and DC_NO_CONTACT is for the caller to mend; unless the call says otherwise,
+/// nothing has changed then, neither behind the handle nor in the caller's arrays. dc_message() is the sentence to it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum dc_status {
@@ -19,7 +19,7 @@ pub enum dc_status {
     DC_FROZEN = 1,
     /// The element has no result; the outcome and the message say why. Not an error of the call.
     DC_NO_CONTACT = 2,
-    /// A pointer is NULL or not aligned.
+    /// A pointer is NULL or not aligned, or two arrays overlap of which one is written.
     DC_BAD_POINTER = 3,
     /// An array is too short, a count is not the one of the interface, or the field `size` of a structure is not that of
     /// any version of it.
@@ -40,7 +40,7 @@ pub enum dc_status {
     DC_BAD_SLAVES = 11,
     /// There is no evaluation at the positions and for the pairing of the moment, or one with too few derivatives.
     DC_NOT_EVALUATED = 12,
-    /// The pattern belongs to another pairing: make a new one.
+    /// The pattern belongs to another pairing or to other equations: make a new one.
     DC_PATTERN_MISMATCH = 13,
     /// A result is too large for a number. What was being summed holds anything.
     DC_OVERFLOW = 14,

@@ -13,14 +13,20 @@ HERE = Path(__file__).resolve().parent
 # One core may have to serve all ranks, and a container's only user may be root.
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMP_NUM_THREADS": "1"}
 
+# A run takes some 20 s.
+SECONDS = 600
+
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     @functools.cache
     def results(ranks):
         path = tmp_path_factory.mktemp("dolfinx") / "results.npz"
-        command = ["mpirun", "--oversubscribe", "-n", str(ranks), sys.executable, HERE / "press.py", path]
-        done = subprocess.run(command, env={**os.environ, **ENVIRONMENT}, capture_output=True, text=True)
+        # With -m mpi4py a rank that raises ends the others, which would wait for it.
+        program = [sys.executable, "-m", "mpi4py", HERE / "press.py", path]
+        command = ["mpirun", "--oversubscribe", "-n", str(ranks), *program]
+        environment = {**os.environ, **ENVIRONMENT}
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=SECONDS)
         assert done.returncode == 0, done.stderr
         with np.load(path) as arrays:
             return json.loads(done.stdout.splitlines()[-1]), dict(arrays)
@@ -66,3 +72,10 @@ def test_ranks_make_no_difference(run, ranks):
         found["forces"] / expected["forces"].max(), expected["forces"] / expected["forces"].max(), rtol=0, atol=1e-10
     )
     np.testing.assert_allclose(many["force"], one["force"], rtol=0, atol=1e-10 * one["force"][2])
+
+
+def test_a_rank_that_raises_ends_the_others():
+    program = "from mpi4py import MPI; assert MPI.COMM_WORLD.rank != 1, 'on purpose'; MPI.COMM_WORLD.barrier()"
+    command = ["mpirun", "--oversubscribe", "-n", "2", sys.executable, "-m", "mpi4py", "-c", program]
+    done = subprocess.run(command, env={**os.environ, **ENVIRONMENT}, capture_output=True, text=True, timeout=60)
+    assert done.returncode != 0 and "on purpose" in done.stderr

@@ -346,20 +346,35 @@ fn points_mut<'a>(
 /// Checks that all arrays have the sizes that follow from the number of slaves.
 fn check(py: Python<'_>, inputs: &Inputs<'_>, outputs: &Outputs<'_>) -> PyResult<()> {
     let (count, kind) = (inputs.slaves.len(), inputs.kind);
-    let shared = |found: usize, size: usize| found == size || found == count * size;
-    let sound = inputs.masters.len() == count * kind.masters
-        && (shared(inputs.outward.len(), 1) || (inputs.frames.is_some() && inputs.outward.is_empty()))
-        && inputs.frames.is_none_or(|frames| shared(frames.len(), 3))
-        && inputs.radii.is_none_or(|radii| shared(radii.len(), 1))
-        && outputs.gap.len() == count
-        && outputs.foot.len() == count
-        && outputs.normal.len() == count
-        && outputs.status.len() == count
-        && outputs.gradient.len() == count * kind.gradient_size()
-        && outputs.hessian.len() == count * kind.hessian_size();
-    if sound {
-        Ok(())
-    } else {
-        Err(errors::input(py, "wrong-shape", "the arrays do not have sizes that go together"))
+    let one_or_each =
+        |found: usize, size: usize| if found == size { size } else { count.saturating_mul(size) };
+    let outward = inputs.outward.len();
+    let without = inputs.frames.is_some() && outward == 0;
+    let sizes = [
+        ("masters", inputs.masters.len(), count.saturating_mul(kind.masters)),
+        ("outward", outward, if without { 0 } else { one_or_each(outward, 1) }),
+        (
+            "frames",
+            inputs.frames.map_or(0, <[_]>::len),
+            inputs.frames.map_or(0, |frames| one_or_each(frames.len(), 3)),
+        ),
+        (
+            "support_radius",
+            inputs.radii.map_or(0, <[_]>::len),
+            inputs.radii.map_or(0, |radii| one_or_each(radii.len(), 1)),
+        ),
+        ("gap", outputs.gap.len(), count),
+        ("foot", outputs.foot.len(), count),
+        ("normal", outputs.normal.len(), count),
+        ("status", outputs.status.len(), count),
+        ("gradient", outputs.gradient.len(), count.saturating_mul(kind.gradient_size())),
+        ("hessian", outputs.hessian.len(), count.saturating_mul(kind.hessian_size())),
+    ];
+    for (name, found, expected) in sizes {
+        if found != expected {
+            let message = format!("{name} has {found} entries, but {count} slaves need {expected}");
+            return Err(errors::input(py, "wrong-shape", &message));
+        }
     }
+    Ok(())
 }

@@ -1,7 +1,9 @@
 //! `ContactInterface`: pairing, evaluation, results. Residual and tangent are in [`assembly`](crate::assembly).
 
 use diffuse_contact::assembly::{CsrPattern, DofMap};
-use diffuse_contact::interface::{ContactInterface, ContactRef, Contacts, Outcome, PairedElement};
+use diffuse_contact::interface::{
+    ContactInterface, ContactRef, Contacts, Cutback, Outcome, PairedElement, RefreshReport,
+};
 use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact::{Mode, Point};
 use numpy::{PyArray1, PyArray2};
@@ -12,7 +14,7 @@ use crate::arrays::{facets, indices, points, readable};
 use crate::errors::{self, Raise};
 use crate::options::{self, Options};
 use crate::surface::Surface;
-use crate::{cut_back, report, threads};
+use crate::{report, threads};
 
 /// A contact interface, and what belongs to its present pairing.
 #[pyclass(module = "diffuse_contact._native")]
@@ -23,8 +25,10 @@ pub struct Interface {
     pub pattern: Option<CsrPattern>,
     /// Whether the contacts are those of the present pairing and positions.
     current: bool,
-    /// Which slaves penetrated at the evaluation before the last.
-    was_active: Vec<bool>,
+    /// Which slaves penetrated.
+    cutback: Cutback,
+    /// Whether a refresh leaves the pairing as it is.
+    frozen: bool,
 }
 
 /// Write access for this thread alone.
@@ -95,7 +99,8 @@ impl Interface {
         let made =
             threads::run(py, || ContactInterface::new(master, slaves, &slave_facets, positions, options))?;
         let interface = made.map_err(|error| error.raise(py))?;
-        Ok(Self { interface, dofs, pattern: None, current: false, was_active: Vec::new() })
+        let cutback = Cutback::new(interface.slaves().len());
+        Ok(Self { interface, dofs, pattern: None, current: false, cutback, frozen: false })
     }
 
     fn slaves<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<i64>>> {
@@ -111,11 +116,34 @@ impl Interface {
         let mut this = exclusive(slf)?;
         let positions = readable(positions)?;
         let positions = points(py, &positions)?;
-        let interface = &mut this.interface;
-        let report = threads::run(py, || interface.refresh_pairing(positions))?;
+        let (frozen, interface) = (this.frozen, &mut this.interface);
+        let report = threads::run(py, || {
+            if frozen {
+                interface.update(positions).map(|()| RefreshReport::default())
+            } else {
+                interface.refresh_pairing(positions)
+            }
+        })?;
         let report = report.map_err(|error| error.raise(py))?;
-        (this.pattern, this.current) = (None, false);
-        report::to_dict(py, &report)
+        this.current = false;
+        if !frozen {
+            this.pattern = None;
+        }
+        let dict = report::to_dict(py, &report)?;
+        dict.set_item("frozen", frozen)?;
+        Ok(dict)
+    }
+
+    /// Whether refreshes leave the pairing as it is.
+    #[getter]
+    fn frozen(slf: &Bound<'_, Self>) -> PyResult<bool> {
+        Ok(shared(slf)?.frozen)
+    }
+
+    /// Holds the pairing, or ends that.
+    fn set_frozen(slf: &Bound<'_, Self>, frozen: bool) -> PyResult<()> {
+        exclusive(slf)?.frozen = frozen;
+        Ok(())
     }
 
     fn update(slf: &Bound<'_, Self>, positions: &Bound<'_, PyArray2<f64>>) -> PyResult<()> {
@@ -133,13 +161,13 @@ impl Interface {
         let py = slf.py();
         let mode = options::mode(py, mode)?;
         let mut this = exclusive(slf)?;
-        let is_active = |contact: ContactRef<'_>| contact.outcome.is_contact() && contact.point.gap < 0.0;
-        let was_active = this.interface.contacts().iter().map(is_active).collect();
         this.current = false;
         let interface = &mut this.interface;
         let evaluated = threads::run(py, || interface.evaluate(mode).map(|_| ()))?;
         evaluated.map_err(|error| error.raise(py))?;
-        (this.current, this.was_active) = (true, was_active);
+        let this = &mut *this;
+        this.cutback.book(this.interface.contacts());
+        this.current = true;
         Ok(())
     }
 
@@ -242,8 +270,8 @@ impl Interface {
         }
         let this = shared(slf)?;
         this.contacts(py)?;
-        let hint = cut_back::cut_back(&this.interface, &this.was_active, limit);
-        Ok((hint.factor, hint.slave))
+        let hint = this.cutback.hint(&this.interface, limit);
+        Ok((hint.factor, hint.cause.map(|(slave, outcome)| (slave, outcome.code()))))
     }
 }
 

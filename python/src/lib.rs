@@ -12,7 +12,6 @@
 mod arrays;
 mod assembly;
 mod batch;
-mod cut_back;
 mod errors;
 mod interface;
 mod options;

@@ -8,7 +8,7 @@ use std::process;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use pyo3::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 use crate::errors;
 
@@ -26,8 +26,13 @@ fn threads() -> MutexGuard<'static, Threads> {
     THREADS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The pool of this process.
+/// The pool of this process. An exception is Python's work, which may hand the GIL to a thread that waits for the lock: it is made
+/// when the lock is free again.
 fn pool(py: Python<'_>) -> PyResult<Arc<ThreadPool>> {
+    made_pool().map_err(|error| errors::input(py, "no-threads", &format!("there are no threads: {error}")))
+}
+
+fn made_pool() -> Result<Arc<ThreadPool>, ThreadPoolBuildError> {
     let mut threads = threads();
     match &threads.pool {
         Some((process, pool)) if *process == process::id() => return Ok(Arc::clone(pool)),
@@ -35,8 +40,7 @@ fn pool(py: Python<'_>) -> PyResult<Arc<ThreadPool>> {
         Some(_) => std::mem::forget(threads.pool.take()),
         None => {}
     }
-    let made = ThreadPoolBuilder::new().num_threads(threads.count).build();
-    let pool = Arc::new(made.map_err(|error| errors::input(py, "no-threads", &error.to_string()))?);
+    let pool = Arc::new(ThreadPoolBuilder::new().num_threads(threads.count).build()?);
     threads.pool = Some((process::id(), Arc::clone(&pool)));
     Ok(pool)
 }
@@ -53,9 +57,12 @@ pub fn set_threads(py: Python<'_>, count: Option<usize>) -> PyResult<()> {
     if count.is_some_and(|count| !(1..=1024).contains(&count)) {
         return Err(errors::input(py, "invalid-option", "the number of threads must be from 1 to 1024"));
     }
-    let mut threads = threads();
-    threads.count = count.unwrap_or(0);
-    match threads.pool.take() {
+    let before = {
+        let mut threads = threads();
+        threads.count = count.unwrap_or(0);
+        threads.pool.take()
+    };
+    match before {
         // Work that still runs in it ends first; the last to hold the pool drops it.
         Some((process, pool)) if process == process::id() => drop(pool),
         other => std::mem::forget(other),

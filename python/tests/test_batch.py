@@ -73,8 +73,9 @@ def test_results_can_be_written_to_the_same_memory(elements):
             dc.gap(*elements, UP, packed=True, out=bad)
         assert caught.value.code == "wrong-shape"
     overlapping = dc.GapBatch(out.gap, out.foot, out.foot, out.gradient, out.hessian, out.status)
-    with pytest.raises(dc.BusyError):
+    with pytest.raises(dc.InputError) as caught:
         dc.gap(*elements, UP, packed=True, out=overlapping)
+    assert caught.value.code == "overlap"
 
 
 def test_no_elements_are_no_error():

@@ -208,6 +208,31 @@ def test_the_refresh_reports_what_was_lost(scene):
     assert report.contacts_gained == 1 and report.smallest_gap_gained.gap < 0
 
 
+def test_a_frozen_interface_keeps_its_pairing_and_moves(scene):
+    interface = scene.evaluated(hysteresis=0.0)
+    pattern, masters, gap = interface.pattern(), interface.contact(0).masters, interface.contacts.gap
+    moved = scene.positions.copy()
+    moved[81:, :2] += 0.6
+    assert not interface.frozen
+    interface.freeze()
+    report = interface.refresh_pairing(moved)
+    assert interface.frozen and report.frozen and report.paired == report.changed == 0
+    with pytest.raises(dc.InterfaceError) as caught:
+        interface.residual(1.0)
+    assert caught.value.code == "not-evaluated", "the positions were taken over"
+    assert (interface.evaluate().gap != gap).all()
+    np.testing.assert_array_equal(interface.contact(0).masters, masters)
+    np.testing.assert_array_equal(interface.pattern()[1], pattern[1])
+    bad = moved.copy()
+    bad[3] = np.nan
+    with pytest.raises(dc.InterfaceError):
+        interface.refresh_pairing(bad)
+    interface.contact(0)
+    interface.thaw()
+    report = interface.refresh_pairing(moved)
+    assert not interface.frozen and not report.frozen and report.paired == 4 and report.changed > 0
+
+
 def test_cut_back(scene):
     interface = scene.evaluated()
     assert interface.cut_back() == (1.0, None, None)
@@ -219,11 +244,19 @@ def test_cut_back(scene):
     hint = interface.cut_back()
     assert hint.slave == 81 and hint.outcome == "contact"
     assert hint.factor == pytest.approx(0.25 * interface.pairing(0).support_radius / depth)
-    moved[82, 0] += 50
+    # Far through the ridge its element has no result.
+    moved[82, 2] -= 40
     interface.update(moved)
     contacts = interface.evaluate()
-    assert contacts.outcomes[1] not in ("contact", "beyond-border")
-    assert interface.cut_back(limit=10.0) == (0.25, 82, contacts.outcomes[1])
+    assert contacts.outcomes[1] == "foot-outside"
+    assert interface.cut_back(limit=10.0) == (0.5, 82, "foot-outside")
+    # It does not matter how often it is evaluated.
+    interface.evaluate()
+    interface.evaluate("value")
+    assert interface.cut_back(limit=10.0) == (0.5, 82, "foot-outside")
+    interface.update(scene.positions)
+    interface.evaluate()
+    assert interface.cut_back() == (1.0, None, None)
     for limit in (0, -1, np.nan, np.inf, "half"):
         with pytest.raises(dc.InputError):
             interface.cut_back(limit)
@@ -251,6 +284,7 @@ def test_cut_back(scene):
         ({"max_layers": -1}, dc.InputError, "invalid-option"),
         ({"max_layers": 2.5}, dc.InputError, "wrong-type"),
         ({"linear_fallback": "no"}, dc.InputError, "wrong-type"),
+        ({"linear_fallback": 1}, dc.InputError, "wrong-type"),
         ({"distance_limit": 0.0}, dc.InterfaceError, "invalid-option"),
     ],
 )

@@ -22,6 +22,15 @@ def test_facets_of_three_and_four_corners():
     np.testing.assert_array_equal(triangles.node_normals(SQUARES)[:, :2], 0)
 
 
+def test_the_caller_s_array_stays_the_caller_s():
+    corners = np.array([[0, 1, 4, 3], [1, 2, 5, 4]], dtype=np.int64)
+    surface = dc.MasterSurface(SQUARES, corners)
+    corners[:] = 0
+    assert surface.facets.tolist() == [[0, 1, 4, 3], [1, 2, 5, 4]]
+    surface.facets[:] = 0
+    assert surface.facets.tolist() == [[0, 1, 4, 3], [1, 2, 5, 4]]
+
+
 def test_areas():
     areas = dc.tributary_areas(SQUARES, [[0, 1, 4, 3], [1, 2, 5, 4]])
     np.testing.assert_allclose(areas, [0.25, 0.5, 0.25, 0.25, 0.5, 0.25])

@@ -20,7 +20,7 @@ use crate::pattern::{
 use crate::status::*;
 use crate::version::{dc_isa, dc_set_isa, dc_version};
 
-const LAW: dc_law = dc_law {
+pub const LAW: dc_law = dc_law {
     size: size_of::<dc_law>(),
     penalty: 1e3,
     multipliers: null(),
@@ -46,7 +46,7 @@ fn refused_options(change: impl FnOnce(&mut dc_options), status: dc_status, says
 }
 
 /// An interface that has been refreshed.
-fn refreshed(mesh: &Mesh) -> *mut dc_interface {
+pub fn refreshed(mesh: &Mesh) -> *mut dc_interface {
     let handle = mesh.interface();
     // SAFETY: as many positions as nodes.
     let status = unsafe { dc_refresh(handle, mesh.positions.as_ptr(), mesh.nodes(), null_mut()) };
@@ -80,12 +80,13 @@ fn options_out_of_range() {
     refused_options(|options| options.feature_angle_degrees = 200.0, DC_BAD_OPTION, "from 0 to 180");
     refused_options(|options| options.hysteresis = f64::NAN, DC_BAD_OPTION, "hysteresis");
     refused_options(|options| options.radius_factor = 1.0, DC_BAD_OPTION, "radius_factor");
-    refused_options(|options| options.cutback_lost = 0.0, DC_BAD_OPTION, "cutback_lost");
+    refused_options(|options| options.cutback_penetration = 0.0, DC_BAD_OPTION, "cutback_penetration");
+    refused_options(|options| options.reserved = 1, DC_BAD_OPTION, "dc_options.reserved is 1");
     refused_options(
         |options| options.areas = 1,
         DC_OK,
         // The message of the failure before.
-        "cutback_lost",
+        "dc_options.reserved",
     );
     let mut mesh = Mesh::new();
     mesh.slave_facets.clear();
@@ -98,8 +99,8 @@ fn options_out_of_range() {
 #[test]
 fn structures_of_no_version_are_refused() {
     // Up to the penultimate field.
-    let known = std::mem::offset_of!(dc_options, cutback_lost);
-    let unknown = dc_options { size: known, cutback_lost: -1.0, ..options() };
+    let known = std::mem::offset_of!(dc_options, cutback_penetration);
+    let unknown = dc_options { size: known, cutback_penetration: -1.0, ..options() };
     assert_eq!(Mesh::new().make(&unknown).0, DC_BAD_SIZE, "no such version has been released");
     let mut short = dc_report_of_size(size_of::<dc_report>() - 8);
     let mesh = Mesh::new();
@@ -110,7 +111,7 @@ fn structures_of_no_version_are_refused() {
     assert_eq!(dc_destroy(handle), DC_OK);
 }
 
-fn dc_report_of_size(size: usize) -> dc_report {
+pub fn dc_report_of_size(size: usize) -> dc_report {
     // SAFETY: numbers, of which any bits are a value.
     dc_report { size, ..unsafe { std::mem::zeroed() } }
 }
@@ -128,12 +129,12 @@ fn pointers_sizes_and_handles() {
         assert_eq!(dc_update(handle, positions, 39), DC_BAD_SIZE);
         assert_eq!(dc_update(handle, positions, usize::MAX), DC_BAD_SIZE);
         assert_eq!(dc_update(handle, positions, usize::MAX / 24 + 1), DC_BAD_SIZE);
-        assert_eq!(dc_cutback(handle, null_mut()), DC_BAD_POINTER);
         assert_eq!(dc_create(null(), 0, null(), 0, null(), 0, null(), 0, null(), null_mut()), DC_BAD_POINTER);
         let (mut outcomes, mut gaps) = ([-1; 4], [0.0; 4]);
         assert_eq!(dc_gaps(handle, outcomes.as_mut_ptr(), gaps.as_mut_ptr(), 4), DC_NOT_EVALUATED);
         assert_eq!(dc_evaluate(handle, 3), DC_BAD_OPTION);
         assert_eq!(dc_evaluate(handle, 0), DC_OK);
+        assert_eq!(dc_cutback(handle, null_mut()), DC_BAD_POINTER);
         assert_eq!(dc_gaps(handle, outcomes.as_mut_ptr(), gaps.as_mut_ptr(), 3), DC_BAD_SIZE);
         assert_eq!(dc_gaps(handle, outcomes.as_mut_ptr(), gaps.as_mut_ptr(), 4), DC_OK);
         assert_eq!(outcomes, [0; 4]);
@@ -158,8 +159,9 @@ fn pointers_sizes_and_handles() {
             )
         };
         assert_eq!(derivatives(&mut nodes, &mut gradient), DC_NOT_EVALUATED, "value mode has no gradient");
+        assert_eq!(message(), "not-evaluated: there is no gradient, the last evaluation was with DC_VALUE");
         assert_eq!(derivatives(&mut vec![0; count], &mut gradient), DC_BAD_SIZE);
-        assert_eq!(nodes[0], 39);
+        assert_eq!(nodes[0], 0, "a refusal writes nothing");
         let mut residual = [0.0; 120];
         assert_eq!(dc_residual(handle, &LAW, residual.as_mut_ptr(), 120, null_mut()), DC_NOT_EVALUATED);
         assert_eq!(dc_evaluate(handle, 2), DC_OK);
@@ -167,6 +169,8 @@ fn pointers_sizes_and_handles() {
         assert_eq!(dc_residual(handle, &LAW, residual.as_mut_ptr(), 119, null_mut()), DC_BAD_SIZE);
         assert_eq!(dc_residual(handle, null(), residual.as_mut_ptr(), 120, null_mut()), DC_BAD_POINTER);
         let wrong = dc_law { penalty: -1.0, ..LAW };
+        assert_eq!(dc_residual(handle, &wrong, residual.as_mut_ptr(), 120, null_mut()), DC_BAD_OPTION);
+        let wrong = dc_law { reserved: 1, ..LAW };
         assert_eq!(dc_residual(handle, &wrong, residual.as_mut_ptr(), 120, null_mut()), DC_BAD_OPTION);
         let wrong = dc_law { multipliers: gaps.as_ptr(), multiplier_count: 3, ..LAW };
         assert_eq!(dc_residual(handle, &wrong, residual.as_mut_ptr(), 120, null_mut()), DC_BAD_SIZE);
@@ -197,7 +201,7 @@ fn pointers_sizes_and_handles() {
         assert_eq!(dc_update(handle, positions, 40), DC_BAD_HANDLE);
         assert!(message().ends_with("never made, or destroyed"), "{}", message());
         let on_stack: *mut dc_interface = (&raw mut count).cast();
-        for garbage in [null_mut(), on_stack, handle.wrapping_byte_add(16), std::ptr::dangling_mut()] {
+        for garbage in [null_mut(), on_stack, handle.wrapping_byte_add(3), std::ptr::dangling_mut()] {
             assert_eq!(dc_evaluate(garbage, 0), DC_BAD_HANDLE);
             assert_eq!(dc_freeze(garbage), DC_BAD_HANDLE);
         }
@@ -313,6 +317,9 @@ fn single_elements_are_refused_or_have_no_contact() {
     assert_eq!(gap(&dc_element { size: 0, ..sound }, slave, 9, 1).0, DC_BAD_SIZE);
     assert_eq!(gap(&dc_element { support_radius: 0.0, ..sound }, slave, 9, 1).0, DC_BAD_OPTION);
     assert_eq!(gap(&dc_element { basis: 9, ..sound }, slave, 9, 1).0, DC_BAD_OPTION);
+    assert_eq!(gap(&dc_element { reserved: 1, ..sound }, slave, 9, 1).0, DC_BAD_OPTION);
+    assert_eq!(gap(&dc_element { frame: 3, ..sound }, slave, 9, 1).0, DC_BAD_OPTION);
+    assert_eq!(message(), "invalid-option: frame is 3, which is none of 0, 1, 2");
     assert_eq!(gap(&dc_element { frame: 2, ..sound }, slave, 9, 1).0, DC_BAD_OPTION, "no frame given");
     let (status, found) = gap(&dc_element { outward: [1.0, 0.0, 0.0], ..sound }, slave, 9, 1);
     assert_eq!((status, found.outcome), (DC_NO_CONTACT, dc_outcome::DC_AMBIGUOUS_OUTWARD as i32));

@@ -1,7 +1,9 @@
 //! Calls as C makes them.
 
 mod agreement;
+mod cutback;
 mod fuzz;
+mod memory;
 mod misuse;
 mod random;
 

@@ -13,10 +13,45 @@ const SLAVES: usize = 25;
 
 /// Compiles the example with the flags of pkg-config, statically or not.
 fn compile(installed: &Installed, name: &str, libraries: &[String]) {
+    compile_source(installed, name, "capi/examples/press.c", libraries);
+}
+
+fn compile_source(installed: &Installed, name: &str, source: &str, libraries: &[String]) {
     let mut command = Command::new(c_compiler());
     command.args(["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1", "-o"]);
-    command.arg(installed.prefix.join(name)).arg(root().join("capi/examples/press.c"));
+    command.arg(installed.prefix.join(name)).arg(root().join(source));
     run(command.args(installed.flags(&["--cflags"])).args(libraries).arg("-lm"));
+}
+
+#[test]
+fn the_measurement_of_overhead_runs() {
+    if !has("pkg-config") {
+        return;
+    }
+    let installed = Installed::new("c-overhead");
+    compile_source(&installed, "overhead", "capi/examples/overhead.c", &installed.flags(&["--libs"]));
+    let printed = run(installed.program("overhead").args(["2", "3"]));
+    let rows: Vec<Vec<f64>> = printed
+        .lines()
+        .skip(2)
+        .map(|line| line.split_whitespace().map(|word| word.parse().expect("a number")).collect())
+        .collect();
+    assert_eq!(rows.iter().map(|row| row[0]).collect::<Vec<_>>(), [8.0, 12.0, 16.0, 20.0], "{printed}");
+    assert!(rows.iter().all(|row| row.len() == 4 && row[1..].iter().all(|time| *time > 0.0)), "{printed}");
+}
+
+#[test]
+fn a_forked_process_evaluates_in_threads_of_its_own() {
+    if !has("pkg-config") {
+        return;
+    }
+    let installed = Installed::new("c-fork");
+    compile_source(&installed, "forking", "capi/tests/programs/fork.c", &installed.flags(&["--libs"]));
+    // Two at least, or there is nobody to wait for.
+    let mut command = Command::new("timeout");
+    command.arg("60").arg(installed.prefix.join("forking"));
+    command.env("LD_LIBRARY_PATH", installed.prefix.join("lib")).env("RAYON_NUM_THREADS", "3");
+    assert_eq!(run(&mut command).trim(), "the child agrees on 484 gaps");
 }
 
 #[test]

@@ -34,7 +34,16 @@ fn the_user_element_has_the_numbers_of_rust() {
     run(command.args(installed.flags(&["--libs"])));
     // It checks tangent, cut-backs and flags itself.
     let printed = run(installed.program("drive_uel").arg("--bits"));
-    assert!(printed.contains("flags are honoured") && printed.contains("structures fit"), "{printed}");
+    for said in [
+        "flags are honoured",
+        "properties are honoured",
+        "a lost surface asks for a cut-back",
+        "few candidates carry the linear basis",
+        "structures fit",
+    ] {
+        assert!(printed.contains(said), "{said}: {printed}");
+    }
+    refuse_mistakes(&installed);
 
     let calls = groups(records(&printed, from_bits), "now");
     assert!(calls.len() >= 12, "{} calls", calls.len());
@@ -47,6 +56,36 @@ fn the_user_element_has_the_numbers_of_rust() {
         active += usize::from(rhs.iter().any(|force| *force != 0.0));
     }
     assert!(active > calls.len() / 2);
+}
+
+/// Each wrong input ends the analysis, with a sentence in the message file.
+fn refuse_mistakes(installed: &Installed) {
+    let says = [
+        "at least 4 nodes of 3 displacements each",
+        "COORDINATES=3",
+        "PROPERTIES=8",
+        "VARIABLES of at least the number of nodes and 11",
+        "a positive penalty PROPS(1)",
+        "PROPS(3) 0, 1 or 2",
+        "a procedure without inertia",
+        "LFLAGS(3) of 1, 2, 3, 4, 5 or 100",
+    ];
+    let history = "SVARS that it has written itself, or zeros";
+    for mistake in 1..=19 {
+        let output = installed.program("drive_uel").args(["--refuse", &mistake.to_string()]).output();
+        let output = output.expect("the driver");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "mistake {mistake}: {said}");
+        let expected = match mistake {
+            1..=8 => says[mistake - 1],
+            9..=18 => history,
+            _ => "non-finite",
+        };
+        assert!(
+            said.contains("diffuse contact: element 1") && said.contains(expected),
+            "mistake {mistake}: {said}"
+        );
+    }
 }
 
 /// What the user element is to return: force and stiffness over the coordinates of all its nodes.

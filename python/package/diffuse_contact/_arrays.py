@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
+import reprlib
+import sys
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._errors import InputError
+from ._errors import BusyError, InputError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -18,8 +21,48 @@ Facets = ArrayLike | Sequence[Sequence[int]]
 def _array(what: str, values: Any) -> NDArray[Any]:
     try:
         return np.asarray(values)
-    except ValueError as error:
-        raise InputError(f"{what}: the rows have different lengths ({error})", "wrong-shape") from None
+    except (ValueError, TypeError, OverflowError) as error:
+        raise InputError(f"{what}: the rows make no array ({error})", "wrong-shape") from None
+
+
+def dimensions(what: str, values: Any) -> int:
+    """Number of axes."""
+    return _array(what, values).ndim
+
+
+def _sound(array: NDArray[Any], dtype: Any) -> NDArray[Any]:
+    """In C order, native byte order and aligned; a copy only if it is not."""
+    array = np.asarray(array, dtype=dtype, order="C")
+    return array if array.flags.aligned else array.copy()
+
+
+def new(what: str, shape: int | tuple[int, ...]) -> Floats:
+    """An array whose contents are still to be set."""
+    try:
+        return np.empty(shape)
+    except (MemoryError, ValueError, OverflowError):
+        raise InputError(f"{what}: there is no room for an array of shape {shape}", "too-large") from None
+
+
+def is_writable(array: Any, dtype: Any) -> bool:
+    """Whether an array can be written to where it is."""
+    return (
+        isinstance(array, np.ndarray)
+        and array.dtype == dtype
+        and array.flags.c_contiguous
+        and array.flags.aligned
+        and array.flags.writeable
+    )
+
+
+def refuse_overlap(error: BusyError, read: dict[str, Any], written: dict[str, Any]) -> NoReturn:
+    """Tells an array that a call has twice, of which one is written, from one that another thread has."""
+    arrays = [(name, array, False) for name, array in read.items() if array is not None]
+    arrays += [(name, array, True) for name, array in written.items()]
+    for (one, a, _), (other, b, is_written) in itertools.combinations(arrays, 2):
+        if is_written and np.may_share_memory(a, b):
+            raise InputError(f"{one} and {other} share memory, and one of them is written", "overlap") from None
+    raise error
 
 
 def _check_shape(what: str, found: tuple[int, ...], shape: tuple[int | str, ...]) -> None:
@@ -37,7 +80,7 @@ def floats(what: str, values: Any, *shape: int | str) -> Floats:
     if array.dtype.kind not in "fiu":
         raise InputError(f"{what}: real numbers are needed, not {array.dtype}", "wrong-type")
     _check_shape(what, array.shape, shape)
-    return np.asarray(array, dtype=np.float64, order="C")
+    return _sound(array, np.float64)
 
 
 def ints(what: str, values: Any, *shape: int | str) -> Ints:
@@ -50,18 +93,20 @@ def ints(what: str, values: Any, *shape: int | str) -> Ints:
     _check_shape(what, array.shape, shape)
     if array.dtype == np.uint64 and array.size and int(array.max()) > np.iinfo(np.int64).max:
         raise InputError(f"{what}: {int(array.max())} is more than an index can be", "wrong-type")
-    return np.asarray(array, dtype=np.int64, order="C")
+    return _sound(array, np.int64)
 
 
 def facets(what: str, values: Facets) -> Ints:
     """Facets as rows of four, the last one −1 for triangles."""
+    rows: Any = values
     if not isinstance(values, np.ndarray):
-        rows = list(values)  # type: ignore[arg-type]
-        if len({len(row) for row in rows if hasattr(row, "__len__")}) > 1:
-            values = [_padded(what, row) for row in rows]
-        else:
-            values = rows
-    array = ints(what, values) if np.ndim(values) == 0 else _array(what, values)
+        try:
+            rows = list(rows)
+            if len({len(row) for row in rows if hasattr(row, "__len__")}) > 1:
+                rows = [_padded(what, row) for row in rows]
+        except TypeError as error:
+            raise InputError(f"{what}: rows of three or four nodes are needed ({error})", "wrong-shape") from None
+    array = _array(what, rows)
     if array.size == 0:
         return np.empty((0, 4), dtype=np.int64)
     if array.ndim != 2 or array.shape[1] not in (3, 4):
@@ -82,21 +127,53 @@ def _padded(what: str, row: Sequence[int]) -> list[int]:
 def count(what: str, value: Any, least: int = 0) -> int:
     """A whole number."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer):
-        raise InputError(f"{what} has to be an integer, not {value!r}", "wrong-type")
-    if value < least:
-        raise InputError(f"{what} has to be at least {least}, not {value}", "invalid-option")
-    return int(value)
+        raise InputError(f"{what} has to be an integer, not {shown(value)}", "wrong-type")
+    whole = int(value)
+    if whole < least:
+        raise InputError(f"{what} has to be at least {least}, not {shown(whole)}", "invalid-option")
+    if whole > sys.maxsize:
+        raise InputError(f"{what} cannot be {shown(whole)}", "invalid-option")
+    return whole
+
+
+def shown(value: Any) -> str:
+    """A value as a sentence may show it: numbers may have any number of digits, and objects no text at all."""
+    if isinstance(value, int) and abs(value) > sys.maxsize:
+        return f"an integer of {value.bit_length()} bits"
+    try:
+        return reprlib.repr(value)
+    except Exception:
+        return f"an object of type {type(value).__name__}"
 
 
 def number(what: str, value: Any) -> float:
     """A real number."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
-        raise InputError(f"{what} has to be a number, not {value!r}", "wrong-type")
-    return float(value)
+        raise InputError(f"{what} has to be a number, not {shown(value)}", "wrong-type")
+    try:
+        return float(value)
+    except OverflowError:
+        raise InputError(f"{what} cannot be {shown(value)}", "invalid-option") from None
 
 
 def word(what: str, value: Any) -> str:
     """A name; which one is for the compiled part to judge."""
     if not isinstance(value, str):
-        raise InputError(f"{what} has to be a word, not {value!r}", "wrong-type")
+        raise InputError(f"{what} has to be a word, not {shown(value)}", "wrong-type")
+    if not value.isascii():
+        raise InputError(f"{what} cannot be {value!a}", "invalid-option")
     return value
+
+
+def choice(what: str, value: Any, *words: str) -> str:
+    """One of these words."""
+    if word(what, value) not in words:
+        raise InputError(f"{what} has to be one of {', '.join(map(repr, words))}, not {shown(value)}", "invalid-option")
+    return str(value)
+
+
+def flag(what: str, value: Any) -> bool:
+    """True or False."""
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(f"{what} has to be True or False, not {shown(value)}", "wrong-type")
+    return bool(value)

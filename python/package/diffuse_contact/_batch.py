@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import Floats, floats, word
-from ._errors import ElementError, InputError
+from ._arrays import Floats, choice, dimensions, flag, floats, is_writable, new, refuse_overlap, word
+from ._arrays import count as number_of
+from ._errors import BusyError, ElementError, InputError
 
 Mode = Literal["value", "gradient", "hessian"]
 Weight = Literal["cubic", "cubic-interpolating", "wendland-c2"]
@@ -59,14 +60,13 @@ class GapBatch:
     @staticmethod
     def empty(count: int, masters: int, mode: Mode = "hessian", *, packed: bool = False) -> GapBatch:
         """Arrays for the results of ``count`` elements with ``masters`` masters each, to be handed to ``gap``."""
-        shapes = _shapes(count, masters, mode, packed)
-        arrays = {name: np.empty(shape) for name, shape in shapes.items()}
+        count, masters = number_of("count", count), number_of("masters", masters)
+        shapes = _shapes(count, masters, choice("mode", mode, *_MODES), flag("packed", packed))
+        arrays = {name: new(name, shape) for name, shape in shapes.items()}
         return GapBatch(**arrays, status=np.zeros(count, dtype=np.uint8))
 
 
 def _shapes(count: int, masters: int, mode: str, packed: bool) -> dict[str, tuple[int, ...]]:
-    if mode not in _MODES:
-        raise InputError(f"mode has to be one of {', '.join(map(repr, _MODES))}, not {mode!r}", "invalid-option")
     freedoms = 3 * (masters + 1)
     hessian = (freedoms * (freedoms + 1) // 2,) if packed else (freedoms, freedoms)
     return {
@@ -79,22 +79,23 @@ def _shapes(count: int, masters: int, mode: str, packed: bool) -> dict[str, tupl
 
 
 def _check_out(out: GapBatch, shapes: dict[str, tuple[int, ...]], count: int) -> None:
+    if not isinstance(out, GapBatch):
+        raise InputError(f"out has to be a GapBatch, not {type(out).__name__}", "wrong-type")
     for name, shape in {**shapes, "status": (count,)}.items():
         array = getattr(out, name)
         dtype = np.uint8 if name == "status" else np.float64
-        sound = isinstance(array, np.ndarray) and array.dtype == dtype and array.shape == shape
-        if not (sound and array.flags.c_contiguous and array.flags.writeable):
+        if not (is_writable(array, dtype) and array.shape == shape):
             raise InputError(
-                f"out.{name} has to be a writable {np.dtype(dtype)} array of shape {shape} in C order", "wrong-shape"
+                f"out.{name} has to be a writable, aligned {np.dtype(dtype)} array of shape {shape} in C order",
+                "wrong-shape",
             )
 
 
 def _one_or_each(what: str, values: ArrayLike, count: int, *shape: int) -> Floats:
     """One value for all elements, or one for each, with a leading axis of length 1 or ``count``."""
-    array = np.asarray(values)
-    if array.ndim == len(shape):
-        return floats(what, array, *shape)[np.newaxis]
-    return floats(what, array, count, *shape)
+    if dimensions(what, values) == len(shape):
+        return floats(what, values, *shape)[np.newaxis]
+    return floats(what, values, count, *shape)
 
 
 def gap(
@@ -140,9 +141,9 @@ def gap(
             anything.
 
     Raises:
-        InputError: for a wrong shape, type or name.
+        InputError: for a wrong shape, type or name, and for ``out`` that shares memory with another array.
         ElementError: if an element has no result and ``on_error`` is ``"raise"``; its ``index`` says which one.
-        BusyError: if another thread writes to ``out``.
+        BusyError: if another thread's call has an array of this one, and one of the two writes to it.
 
     Example:
         >>> import numpy as np
@@ -154,15 +155,14 @@ def gap(
         ([0.25, -0.125], (2, 30))
 
     """
-    if on_error not in ("raise", "status"):
-        raise InputError(f"on_error has to be 'raise' or 'status', not {on_error!r}", "invalid-option")
+    choice("on_error", on_error, "raise", "status")
     slaves = floats("slaves", slaves, "k", 3)
     count = len(slaves)
     masters = floats("masters", masters, count, "n", 3)
     nodes = masters.shape[1]
     if frames is not None:
         frames = _one_or_each("frames", frames, count, 3, 3)
-        if frame_derivative == "co-moving":
+        if frame_derivative is not None and word("frame_derivative", frame_derivative) == "co-moving":
             raise InputError(
                 'frame_derivative cannot be "co-moving" with given frames, which do not move with the masters',
                 "co-moving-given-frame",
@@ -176,14 +176,13 @@ def gap(
         basis = "quadratic" if nodes >= 6 else "linear"
     if frame_derivative is None:
         frame_derivative = "co-moving" if frames is None else "frozen"
-    mode, packed = word("mode", mode), bool(packed)
+    choice("mode", mode, *_MODES)
+    packed = flag("packed", packed)
     shapes = _shapes(count, nodes, mode, packed)
     if out is None:
         out = GapBatch.empty(count, nodes, mode, packed=packed)
     else:
         _check_out(out, shapes, count)
-    if count == 0:
-        return out
     inputs = SimpleNamespace(
         slaves=slaves,
         masters=masters,
@@ -202,7 +201,12 @@ def gap(
         hessian=out.hessian.reshape(-1),
         status=out.status,
     )
-    failed = _native.gap_batch(inputs, outputs, mode, packed)
+    try:
+        failed = _native.gap_batch(inputs, outputs, mode, packed)
+    except BusyError as error:
+        read: dict[str, Floats | None] = {"slaves": slaves, "masters": masters, "outward": outward}
+        read |= {"frames": frames, "support_radius": support_radius}
+        refuse_overlap(error, read, {f"out.{name}": getattr(out, name) for name in (*shapes, "status")})
     if failed is not None and on_error == "raise":
         index, code, message = failed
         raise ElementError(f"element {index}: {message}", code, index)

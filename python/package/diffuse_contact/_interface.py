@@ -10,9 +10,24 @@ import scipy.sparse
 from numpy.typing import ArrayLike
 
 from . import _native
-from ._arrays import Facets, Floats, Ints, count, facets, floats, ints, number, word
+from ._arrays import (
+    Facets,
+    Floats,
+    Ints,
+    choice,
+    count,
+    facets,
+    flag,
+    floats,
+    ints,
+    is_writable,
+    new,
+    number,
+    refuse_overlap,
+    word,
+)
 from ._batch import Basis, FrameDerivative, Mode, Weight
-from ._errors import InputError
+from ._errors import BusyError, InputError
 from ._results import Contact, Contacts, CutBack, GapJump, Pairing, RefreshReport, SlaveGap, unpacked
 from ._surface import MasterSurface
 
@@ -75,8 +90,7 @@ class Options:
             number(name, getattr(self, name))
         if self.distance_limit is not None:
             number("distance_limit", self.distance_limit)
-        if not isinstance(self.linear_fallback, bool):
-            raise InputError(f"linear_fallback has to be True or False, not {self.linear_fallback!r}", "wrong-type")
+        object.__setattr__(self, "linear_fallback", flag("linear_fallback", self.linear_fallback))
 
 
 @dataclass(frozen=True)
@@ -97,7 +111,8 @@ class ContactInterface:
 
     In a Newton iteration: ``refresh_pairing`` once an increment or once an iteration, then at each iteration
     ``update``, ``evaluate``, ``residual`` and ``tangent``. Every slave has an outcome; an exception is for what the
-    caller has to mend, and leaves the interface as it was.
+    caller has to mend, and leaves the interface as it was. (An evaluation that finds no memory leaves it without
+    results.) Arrays given as ``out`` are as they were, but if a sum overflows: they then hold anything.
 
     Contact force of slave k, with ε_k = penalty × area_k and multiplier λ_k (0 if there are none)::
 
@@ -178,6 +193,8 @@ class ContactInterface:
     def refresh_pairing(self, positions: ArrayLike) -> RefreshReport:
         """Takes over the positions, shape (p, 3), and pairs every slave anew, or keeps its pairing while it is sound.
 
+        While the interface is frozen it is an ``update``, and the report says so.
+
         Raises:
             InterfaceError: for another number of positions, or one that is not finite.
 
@@ -191,6 +208,19 @@ class ContactInterface:
             if report[name] is not None:
                 report[name] = kind(*report[name])
         return RefreshReport(**report)
+
+    def freeze(self) -> None:
+        """Holds the pairing, for instance over the iterations of an increment, until ``thaw``."""
+        self._interface.set_frozen(True)
+
+    def thaw(self) -> None:
+        """Ends what ``freeze`` began."""
+        self._interface.set_frozen(False)
+
+    @property
+    def frozen(self) -> bool:
+        """Whether the pairing is held."""
+        return self._interface.frozen
 
     def update(self, positions: ArrayLike) -> None:
         """Takes over the positions of the next evaluation, shape (p, 3). The pairing stays.
@@ -260,8 +290,13 @@ class ContactInterface:
 
         """
         if out is None:
-            out = np.zeros(self.equations)
-        self._interface.add_residual(_law(penalty, multipliers), _vector("out", out))
+            out = new("residual", self.equations)
+            out.fill(0.0)
+        law = _law(penalty, multipliers)
+        try:
+            self._interface.add_residual(law, _vector("out", out))
+        except BusyError as error:
+            refuse_overlap(error, {"multipliers": law.multipliers}, {"out": out})
         return out
 
     def tangent(
@@ -298,8 +333,12 @@ class ContactInterface:
         """The values of ``tangent``, one per column of ``pattern``; added to ``out`` if that is given."""
         add = out is not None
         if out is None:
-            out = np.empty(self._interface.entries())
-        self._interface.fill_tangent(_law(penalty, multipliers, tangent), _vector("out", out), add)
+            out = new("tangent", self._interface.entries())
+        law = _law(penalty, multipliers, tangent)
+        try:
+            self._interface.fill_tangent(law, _vector("out", out), add)
+        except BusyError as error:
+            refuse_overlap(error, {"multipliers": law.multipliers}, {"out": out})
         return out
 
     def triplets(
@@ -311,9 +350,8 @@ class ContactInterface:
         triangle: Literal["full", "lower"] = "full",
     ) -> tuple[Ints, Ints, Floats]:
         """Rows, columns and values of the tangents of all contacts that carry force, to be summed."""
-        if triangle not in ("full", "lower"):
-            raise InputError(f"triangle has to be 'full' or 'lower', not {triangle!r}", "invalid-option")
-        return self._interface.triplets(_law(penalty, multipliers, tangent), triangle == "lower")
+        lower = choice("triangle", triangle, "full", "lower") == "lower"
+        return self._interface.triplets(_law(penalty, multipliers, tangent), lower)
 
     def normal_forces(self, penalty: float, *, multipliers: ArrayLike | None = None) -> Floats:
         """max(0, λ − ε g) of every slave, shape (s,), force; also the next λ of the augmented Lagrangian."""
@@ -327,9 +365,17 @@ class ContactInterface:
     def cut_back(self, limit: float = 0.25) -> CutBack:
         """A hint, after an evaluation, whether the increment went too far for the pairing.
 
-        A slave that penetrated at the evaluation before and whose element has no result now asks for a factor of 0.25;
-        one that is deeper than ``limit`` × the reach of its element (support radius, or extent of the facet), asks for
-        that depth over its own. The least counts, but 0.1 at least.
+        The rule of ``dc_cutback`` in C, the least of
+
+        * ``limit`` R/(−g) for a slave deeper than ``limit`` × R, the support radius (the extent of a facet);
+        * 0.5 for a slave that penetrated and whose foot lies outside its domain of influence now;
+        * 0.25 for one whose element has no result for another reason;
+
+        but 0.1 at least. A slave penetrated if its gap was negative when it last had one.
+
+        Raises:
+            InterfaceError: ``"not-evaluated"``.
+
         """
         factor, cause = self._interface.cut_back(number("limit", limit))
         return CutBack(factor, *cause) if cause else CutBack(factor)
@@ -340,7 +386,6 @@ class ContactInterface:
 
 def _vector(what: str, out: Any) -> Floats:
     """A vector to be written to where it is."""
-    sound = isinstance(out, np.ndarray) and out.dtype == np.float64 and out.ndim == 1
-    if not (sound and out.flags.c_contiguous and out.flags.writeable):
-        raise InputError(f"{what} has to be a writable float64 vector in C order", "wrong-array")
+    if not (is_writable(out, np.float64) and out.ndim == 1):
+        raise InputError(f"{what} has to be a writable, aligned float64 vector in C order", "wrong-array")
     return out

@@ -1,10 +1,22 @@
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 _Floats = NDArray[np.float64]
 _Ints = NDArray[np.int64]
+
+__all__ = [
+    "STATUS_CODES",
+    "Interface",
+    "Surface",
+    "__version__",
+    "default_options",
+    "gap_batch",
+    "set_threads",
+    "thread_count",
+    "tributary_areas",
+]
 
 __version__: str
 STATUS_CODES: list[str]
@@ -15,6 +27,7 @@ def thread_count() -> int: ...
 def tributary_areas(positions: _Floats, corners: _Ints) -> _Floats: ...
 def gap_batch(inputs: Any, outputs: Any, mode: str, packed: bool) -> tuple[int, str, str] | None: ...
 
+@final
 class Surface:
     def __new__(cls, positions: _Floats, corners: _Ints) -> Surface: ...
     @property
@@ -23,6 +36,7 @@ class Surface:
     def border_edges(self) -> _Ints: ...
     def node_normals(self, positions: _Floats) -> _Floats: ...
 
+@final
 class Interface:
     def __new__(
         cls,
@@ -35,6 +49,9 @@ class Interface:
     ) -> Interface: ...
     def slaves(self) -> _Ints: ...
     def refresh_pairing(self, positions: _Floats) -> dict[str, Any]: ...
+    @property
+    def frozen(self) -> bool: ...
+    def set_frozen(self, frozen: bool) -> None: ...
     def update(self, positions: _Floats) -> None: ...
     def evaluate(self, mode: str) -> None: ...
     def points(self) -> tuple[_Floats, _Floats, _Floats, _Floats]: ...

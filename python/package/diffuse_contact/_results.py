@@ -41,6 +41,7 @@ class RefreshReport:
         smallest_gap_lost: of the contacts lost, that with the smallest gap.
         smallest_gap_gained: of the contacts gained, that with the smallest gap.
         largest_gap_jump: where the refresh changed the gap most, if it changed any.
+        frozen: whether the pairing was held (``ContactInterface.freeze``): the rest then is zero.
 
     """
 
@@ -57,6 +58,7 @@ class RefreshReport:
     smallest_gap_lost: SlaveGap | None
     smallest_gap_gained: SlaveGap | None
     largest_gap_jump: GapJump | None
+    frozen: bool = False
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,8 @@ class MasterSurface:
     """
 
     def __init__(self, positions: ArrayLike, corners: Facets) -> None:
-        self._facets = facets("facets", corners)
+        # The caller's array is the caller's.
+        self._facets = facets("facets", corners).copy()
         self._surface = _native.Surface(floats("positions", positions, "p", 3), self._facets)
 
     @property

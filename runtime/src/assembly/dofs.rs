@@ -78,27 +78,26 @@ impl DofMap {
     ///
     /// # Errors
     /// [`AssemblyError::UnknownEquation`] if a number is not below `equations`,
-    /// [`AssemblyError::SharedEquation`] if a number occurs twice.
+    /// [`AssemblyError::SharedEquation`] if a number occurs twice, [`AssemblyError::TooLarge`].
     pub fn new(
         equations: usize,
         numbers: impl IntoIterator<Item = [Option<usize>; 3]>,
     ) -> Result<Self, AssemblyError> {
-        let numbers: Vec<[usize; 3]> = numbers
-            .into_iter()
-            .enumerate()
-            .map(|(node, numbers)| {
-                for (axis, equation) in numbers.into_iter().enumerate() {
-                    match equation {
-                        Some(equation) if equation >= equations => {
-                            return Err(AssemblyError::UnknownEquation { node, axis, equation, equations });
-                        }
-                        _ => {}
-                    }
+        let given = numbers.into_iter();
+        let mut numbers: Vec<[usize; 3]> = super::reserve("nodes", given.size_hint().0)?;
+        for (node, own) in given.enumerate() {
+            for (axis, equation) in own.into_iter().enumerate() {
+                if let Some(equation) = equation
+                    && equation >= equations
+                {
+                    return Err(AssemblyError::UnknownEquation { node, axis, equation, equations });
                 }
-                Ok(numbers.map(|equation| equation.unwrap_or(NONE)))
-            })
-            .collect::<Result<_, _>>()?;
-        let mut sorted: Vec<usize> = numbers.iter().flatten().copied().filter(|&e| e != NONE).collect();
+            }
+            numbers.push(own.map(|equation| equation.unwrap_or(NONE)));
+        }
+        let free = || numbers.iter().flatten().copied().filter(|&equation| equation != NONE);
+        let mut sorted: Vec<usize> = super::reserve("equations", free().count())?;
+        sorted.extend(free());
         sorted.sort_unstable();
         if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
             return Err(AssemblyError::SharedEquation { equation: pair[0] });

@@ -57,6 +57,7 @@
 //! ```
 
 mod contacts;
+mod cutback;
 mod element;
 mod error;
 mod evaluate;
@@ -69,6 +70,7 @@ mod report;
 mod scratch;
 
 pub use contacts::{ContactRef, Contacts};
+pub use cutback::{Cutback, CutbackHint};
 pub use element::PairedElement;
 pub use error::InterfaceError;
 pub use kept::KeptPairing;

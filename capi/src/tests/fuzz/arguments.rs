@@ -30,9 +30,9 @@ impl Numbers {
         self.values.len() - 1
     }
 
-    /// The array; NULL now and then.
+    /// The array; NULL or misaligned now and then.
     pub(super) fn pointer(&mut self, random: &mut Random) -> *mut f64 {
-        if random.one_in(15) { null_mut() } else { self.values.as_mut_ptr() }
+        odd_pointer(self.values.as_mut_ptr(), random)
     }
 
     pub(super) fn check(&self, status: dc_status) {
@@ -44,6 +44,20 @@ impl Numbers {
             );
         }
     }
+}
+
+/// A pointer, mostly as it is.
+fn odd_pointer<T>(pointer: *mut T, random: &mut Random) -> *mut T {
+    match random.below(45) {
+        0..3 => null_mut(),
+        3 => pointer.wrapping_byte_add(1),
+        _ => pointer,
+    }
+}
+
+/// The second of two arrays, in the place of the first now and then.
+pub(super) fn overlapping(first: *mut f64, second: *mut f64, random: &mut Random) -> *mut f64 {
+    if random.one_in(30) { first.wrapping_add(random.below(3)) } else { second }
 }
 
 /// As [`Numbers`].
@@ -59,7 +73,7 @@ impl Integers {
     }
 
     pub(super) fn pointer(&mut self, random: &mut Random) -> *mut i32 {
-        if random.one_in(15) { null_mut() } else { self.values.as_mut_ptr() }
+        odd_pointer(self.values.as_mut_ptr(), random)
     }
 
     pub(super) fn check(&self) {
@@ -120,7 +134,7 @@ impl Fuzz {
                 self.random.pick(&[0, 0, 0, 4])
             },
             tangent: self.choice(2),
-            reserved: 0,
+            reserved: i32::from(self.random.one_in(40)),
         }
     }
 
@@ -157,7 +171,6 @@ impl Fuzz {
                 &mut options.border_tolerance,
                 &mut options.distance_limit,
                 &mut options.cutback_penetration,
-                &mut options.cutback_lost,
             ];
             let place = self.random.below(numbers.len());
             *numbers.into_iter().nth(place).expect("a field") = self.random.odd_number();

@@ -21,7 +21,7 @@ use crate::pattern::{
     dc_pattern, dc_pattern_create, dc_pattern_destroy, dc_pattern_fill, dc_pattern_structure,
 };
 use crate::status::*;
-use arguments::{Integers, Numbers};
+use arguments::{Integers, Numbers, overlapping};
 
 /// Calls from the fixed seed.
 const CALLS: usize = 6000;
@@ -203,16 +203,19 @@ impl Fuzz {
         let (mut nodes, mut gradient) = (Integers::new(room / 3), Numbers::new(room));
         let mut hessian = Numbers::new(self.random.pick(&[2000, 7260, 7260, 100]));
         let (gradient_size, hessian_size) = (gradient.len(), hessian.len());
-        // SAFETY: the arrays have the lengths given.
+        let gradient_at = gradient.pointer(&mut self.random);
+        let hessian_at = hessian.pointer(&mut self.random);
+        let hessian_at = overlapping(gradient_at, hessian_at, &mut self.random);
+        // SAFETY: the arrays have the lengths given, or overlap, which is refused.
         let status = unsafe {
             dc_derivatives(
                 handle,
                 slave,
                 nodes.pointer(&mut self.random),
                 room / 3,
-                gradient.pointer(&mut self.random),
+                gradient_at,
                 gradient_size,
-                hessian.pointer(&mut self.random),
+                hessian_at,
                 hessian_size,
             )
         };

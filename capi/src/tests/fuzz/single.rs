@@ -3,7 +3,7 @@
 use std::ptr::null;
 
 use super::Fuzz;
-use super::arguments::{Integers, Numbers};
+use super::arguments::{Integers, Numbers, overlapping};
 use crate::batch::dc_gap_batch;
 use crate::element::{dc_element, dc_element_system, dc_gap, dc_point};
 use crate::law::dc_law;
@@ -47,7 +47,9 @@ impl Fuzz {
         let mode = self.choice(3);
         let mut point = dc_point::default();
         let random = &mut self.random;
-        // SAFETY: the arrays have at least the lengths given.
+        let gradient_at = gradient.pointer(random);
+        let hessian_at = overlapping(gradient_at, hessian.pointer(random), random);
+        // SAFETY: the arrays have at least the lengths given, or overlap, which is refused.
         let status = unsafe {
             dc_gap(
                 &element,
@@ -56,9 +58,9 @@ impl Fuzz {
                 count,
                 mode,
                 &mut point,
-                gradient.pointer(random),
+                gradient_at,
                 gradient_size,
-                hessian.pointer(random),
+                hessian_at,
                 hessian_size,
             )
         };

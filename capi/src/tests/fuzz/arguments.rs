@@ -57,7 +57,8 @@ fn odd_pointer<T>(pointer: *mut T, random: &mut Random) -> *mut T {
 
 /// The second of two arrays, in the place of the first now and then.
 pub(super) fn overlapping(first: *mut f64, second: *mut f64, random: &mut Random) -> *mut f64 {
-    if random.one_in(30) { first.wrapping_add(random.below(3)) } else { second }
+    // Beside NULL there is nothing to overlap with, and nothing to write to.
+    if random.one_in(30) && !first.is_null() { first.wrapping_add(random.below(3)) } else { second }
 }
 
 /// As [`Numbers`].

@@ -49,7 +49,7 @@ def build(native):
         target = target / "native"
         environment["CARGO_TARGET_DIR"] = str(target)
     profile = ["cargo", "build", "--profile", "bench"]
-    subprocess.run([*profile, "-p", "diffuse-contact-cli", "--features", "bench"], cwd=ROOT, env=environment, check=True)
+    subprocess.run([*profile, "-p", "diffuse-contact-cli"], cwd=ROOT, env=environment, check=True)
     examples = ["-p", "diffuse-contact-benches", "--example", "surface_elements"]
     if not native:
         subprocess.run([*profile, *examples], cwd=ROOT, env=environment, check=True)

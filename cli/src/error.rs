@@ -174,7 +174,7 @@ pub enum CliError {
     Measure(#[from] MeasureError),
     /// The program was built without what `bench` measures.
     #[cfg(not(feature = "bench"))]
-    #[error("this program was built without it: cargo run --profile bench --features bench -- bench")]
+    #[error("this program was built without it: cargo run --profile bench -- bench")]
     NoBench,
     /// There is nothing to compare on.
     #[error(transparent)]

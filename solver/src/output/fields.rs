@@ -12,12 +12,14 @@ use crate::statics::{Problem, State};
 pub enum ContactStatus {
     /// No slave.
     None = 0,
-    /// A slave that faces no master.
+    /// A slave that faces no master: too far away, or beyond a border.
     Unpaired = 1,
     /// A slave without force.
     Open = 2,
     /// A slave that carries force.
     Closed = 3,
+    /// A slave that faces masters but has no contact element: they carry no fit, or the fit has no foot.
+    Failed = 4,
 }
 
 /// Stresses and plastic strains at all nodes; at nodes that bodies share the mean.
@@ -87,18 +89,20 @@ impl Fields {
             contact_pressure: vec![0.0; count],
             contact_status: vec![ContactStatus::None as i32; count],
         };
+        let mut has_gap = vec![false; count];
         for slave in problem.contacts().interactions().iter().flat_map(|interaction| interaction.slaves()) {
             let node = slave.node;
             let status = match slave.gap {
+                None if slave.has_failed => ContactStatus::Failed,
                 None => ContactStatus::Unpaired,
                 Some(_) if slave.force > 0.0 => ContactStatus::Closed,
                 Some(_) => ContactStatus::Open,
             };
             // A node may be the slave of several: the closest contact is shown, and all forces.
-            let gap = slave.gap.unwrap_or(0.0);
-            let first = fields.contact_status[node] <= ContactStatus::Unpaired as i32;
-            if first || (slave.gap.is_some() && gap < fields.contact_gap[node]) {
-                fields.contact_gap[node] = gap;
+            if let Some(gap) = slave.gap {
+                let is_closest = !has_gap[node] || gap < fields.contact_gap[node];
+                fields.contact_gap[node] = if is_closest { gap } else { fields.contact_gap[node] };
+                has_gap[node] = true;
             }
             fields.contact_status[node] = fields.contact_status[node].max(status as i32);
             if areas[node] > 0.0 {

@@ -167,9 +167,10 @@ impl Watcher for Progress {
         }
     }
 
-    fn cut_back(&mut self, end: f64, length: f64, reason: &Failure) {
+    fn cut_back(&mut self, end: f64, length: f64, reason: &Failure) -> Control {
         self.clear();
         say(&format!("cut back: no equilibrium at time {end:.6} (increment {length:.3e}): {reason}"));
+        self.control()
     }
 
     fn increment(&mut self, record: &IncrementRecord) -> Control {
@@ -179,11 +180,21 @@ impl Watcher for Progress {
             "increment {:4}  time {:.6}  {:2} iterations  residual {residual:.1e}  contacts {}  penetration {:.3e}",
             record.number, record.time, record.iterations, record.active, record.max_penetration
         ));
-        if self.stop.load(Ordering::SeqCst) { Control::Stop } else { Control::Continue }
+        if record.is_short {
+            say("  warning: the rounds of augmentation are over, the tolerance is not met");
+        }
+        if record.lost > 0 {
+            say(&format!("  warning: {} contacts that carried force lost their element", record.lost));
+        }
+        self.control()
     }
 }
 
 impl Progress {
+    fn control(&self) -> Control {
+        if self.stop.load(Ordering::SeqCst) { Control::Stop } else { Control::Continue }
+    }
+
     /// Removes the line of the last iteration from a terminal.
     fn clear(&mut self) {
         if self.iterations > 0 && !self.verbose && stderr().is_terminal() {
@@ -205,4 +216,13 @@ fn tell(summary: &Summary, out: &Path) {
         summary.wall_s,
         out.join(names::REPORT).display()
     ));
+    let (short, lost) = (summary.augmentations_short, summary.contacts_lost);
+    if short > 0 {
+        say(&format!("warning: in {short} increments the augmentation ended before its tolerance was met"));
+    }
+    if lost > 0 {
+        say(&format!(
+            "warning: {lost} contacts that carried force lost their element; contact_status is 4 there"
+        ));
+    }
 }

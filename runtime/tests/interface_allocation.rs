@@ -63,6 +63,10 @@ fn evaluate_twice(mut scene: Scene) {
             assert_eq!(contacts.len(), 2000);
         });
         assert!(again <= 4, "{again} allocations for 2000 elements with {mode:?}");
+        let chosen = allocations(|| {
+            scene.interface.evaluate_where(mode, |_, gap, _| gap < 0.0).unwrap();
+        });
+        assert!(chosen <= 5, "{chosen} allocations for 2000 elements, half of them derived, with {mode:?}");
         let streamed = allocations(|| scene.interface.for_each(mode, |_| {}).unwrap());
         assert!(streamed <= 12, "{streamed} allocations for 2000 streamed elements with {mode:?}");
     }

@@ -82,7 +82,7 @@ pub fn solve(
     let base = deck_path.parent().unwrap_or(Path::new(""));
     let model = deck.model(base)?;
     let problem = problem(&deck, &model, options.threads)?;
-    let mut statics = Statics::new(problem, settings(&deck, &model))?;
+    let mut statics = Statics::new(problem, settings(&deck))?;
     let recorded = recorder_options(&deck, &model, text, &options.out);
     if !options.restart {
         std::fs::create_dir_all(&options.out).map_err(OutputError::write(&options.out))?;
@@ -98,6 +98,7 @@ pub fn solve(
         (Recorder::reopen(recorded, &model, saved, watcher)?, state)
     } else {
         let start = statics.problem().start();
+        statics.look_at_contacts(&start)?;
         (Recorder::create(recorded, &model, statics.problem(), options.overwrite, watcher)?, start)
     };
     let outcome = statics.run(state, &mut recorder);
@@ -238,13 +239,10 @@ fn interaction(
     Ok(Interaction::new(options, &sides.master, &sides.slave, &model.nodes)?)
 }
 
-/// How a deck's problem is solved. A residual below 10⁻¹² of Young's modulus times the square of the model's mean edge is zero, whatever
-/// the deck says: it is rounding.
+/// How a deck's problem is solved.
 #[must_use]
-pub fn settings(deck: &Deck, model: &Model) -> Settings {
+pub fn settings(deck: &Deck) -> Settings {
     let time = &deck.time;
-    let young = model.bodies.iter().map(|body| body.material.young).fold(0.0, f64::max);
-    let rounding = 1e-12 * young * mean_edge(model).powi(2);
     Settings {
         time: TimeSettings {
             end: time.end,
@@ -256,24 +254,13 @@ pub fn settings(deck: &Deck, model: &Model) -> Settings {
         },
         newton: NewtonSettings {
             tolerance: deck.newton.tolerance,
-            absolute: deck.newton.absolute.max(rounding),
+            absolute: deck.newton.absolute,
             max_iterations: deck.newton.max_iterations,
-            few_iterations: 6,
+            few_iterations: deck.newton.few_iterations,
             line_search: deck.newton.line_search,
             extrapolation: deck.newton.extrapolation,
         },
     }
-}
-
-/// Of the first edge of all hexahedra.
-fn mean_edge(model: &Model) -> f64 {
-    let (mut sum, mut count) = (0.0, 0.0_f64);
-    for element in model.bodies.iter().flat_map(|body| &body.elements) {
-        let [a, b] = [model.nodes[element[0]], model.nodes[element[1]]];
-        sum += (0..3).map(|axis| (b[axis] - a[axis]).powi(2)).sum::<f64>().sqrt();
-        count += 1.0;
-    }
-    sum / count.max(1.0)
 }
 
 fn master_surfaces(deck: &Deck, model: &Model, state: &State) -> Vec<report::SurfaceSample> {

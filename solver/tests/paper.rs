@@ -49,7 +49,7 @@ fn classic(deck: &str) -> String {
 fn run(deck: &str, limit: usize) -> Course {
     let deck = Deck::parse(deck).unwrap();
     let model = deck.model(Path::new("")).unwrap();
-    let mut statics = Statics::new(problem(&deck, &model, 1).unwrap(), settings(&deck, &model)).unwrap();
+    let mut statics = Statics::new(problem(&deck, &model, 1).unwrap(), settings(&deck)).unwrap();
     let start = statics.problem().start();
     let mut course = Course { limit, records: Vec::new(), positions: Vec::new(), loaded: Vec::new() };
     let end = statics.run(start, &mut course).unwrap();

@@ -30,9 +30,11 @@ pub struct ContactRef<'a> {
     pub point: ContactPoint,
     /// Tributary area of the slave node, length²; 1 if the interface has none.
     pub area: f64,
-    /// N, 3(n+1) entries ordered slave, master 1, …, master n; empty in value mode.
+    /// N, 3(n+1) entries ordered slave, master 1, …, master n; empty in value mode, and where
+    /// [`evaluate_where`](super::ContactInterface::evaluate_where) was not to derive.
     pub gradient: &'a [f64],
-    /// M, packed lower triangle row by row: entry (i, j ≤ i) at i(i+1)/2 + j; empty below Hessian mode.
+    /// M, packed lower triangle row by row: entry (i, j ≤ i) at i(i+1)/2 + j; empty below Hessian mode, and where the gradient
+    /// is.
     pub hessian: &'a [f64],
 }
 
@@ -54,7 +56,7 @@ impl Contacts {
         self.len() == 0
     }
 
-    /// How many derivatives there are.
+    /// How many derivatives there are, where there are any.
     #[must_use]
     pub const fn mode(&self) -> Mode {
         self.slots.mode
@@ -142,6 +144,11 @@ impl Layout {
         &self.areas
     }
 
+    /// Tributary area, length²; 1 if there are none.
+    pub fn area(&self, k: usize) -> f64 {
+        self.areas.get(k).copied().unwrap_or(1.0)
+    }
+
     pub fn slave(&self, k: usize) -> usize {
         self.slaves[k]
     }
@@ -169,6 +176,8 @@ pub struct Results {
     first: usize,
     outcomes: Vec<Outcome>,
     points: Vec<ContactPoint>,
+    /// Whether the derivatives that the mode asks for were evaluated.
+    derived: Vec<bool>,
     gradients: Vec<f64>,
     hessians: Vec<f64>,
 }
@@ -180,6 +189,7 @@ impl Default for Results {
             first: 0,
             outcomes: Vec::new(),
             points: Vec::new(),
+            derived: Vec::new(),
             gradients: Vec::new(),
             hessians: Vec::new(),
         }
@@ -200,6 +210,7 @@ impl Results {
         let hessians = layout.hessians[end] - layout.hessians[start];
         resize(&mut self.outcomes, end - start, Outcome::None(super::NoContact::NotPaired))?;
         resize(&mut self.points, end - start, ContactPoint::default())?;
+        resize(&mut self.derived, end - start, false)?;
         resize(&mut self.gradients, if mode >= Mode::Gradient { gradients } else { 0 }, 0.0)?;
         resize(&mut self.hessians, if mode >= Mode::Hessian { hessians } else { 0 }, 0.0)?;
         Ok(Slots {
@@ -207,6 +218,7 @@ impl Results {
             range: start..end,
             outcomes: &mut self.outcomes,
             points: &mut self.points,
+            derived: &mut self.derived,
             gradients: &mut self.gradients,
             hessians: &mut self.hessians,
         })
@@ -215,7 +227,7 @@ impl Results {
     pub fn get<'a>(&'a self, layout: &'a Layout, k: usize) -> ContactRef<'a> {
         let outcome = self.outcomes[k - self.first];
         let of = |numbers: &'a [f64], wanted: bool, position: &dyn Fn(usize) -> usize| {
-            let wanted = wanted && outcome.is_contact();
+            let wanted = wanted && outcome.is_contact() && self.derived[k - self.first];
             let base = position(self.first);
             if wanted { &numbers[position(k) - base..position(k + 1) - base] } else { &[] }
         };
@@ -224,7 +236,7 @@ impl Results {
             nodes: layout.masters(k),
             outcome,
             point: self.points[k - self.first],
-            area: layout.areas.get(k).copied().unwrap_or(1.0),
+            area: layout.area(k),
             gradient: of(&self.gradients, self.mode >= Mode::Gradient, &|k| layout.gradient(k)),
             hessian: of(&self.hessians, self.mode >= Mode::Hessian, &|k| layout.hessians[k]),
         }
@@ -246,6 +258,7 @@ pub struct Slots<'a> {
     range: Range<usize>,
     outcomes: &'a mut [Outcome],
     points: &'a mut [ContactPoint],
+    derived: &'a mut [bool],
     gradients: &'a mut [f64],
     hessians: &'a mut [f64],
 }
@@ -256,6 +269,8 @@ pub struct Slot<'a> {
     pub index: usize,
     pub outcome: &'a mut Outcome,
     pub point: &'a mut ContactPoint,
+    /// Whether gradient and Hessian are filled as the mode asks.
+    pub derived: &'a mut bool,
     pub gradient: &'a mut [f64],
     pub hessian: &'a mut [f64],
 }
@@ -275,19 +290,21 @@ impl<'a> Slots<'a> {
             if self.mode >= Mode::Hessian { layout.hessians[middle] - layout.hessians[start] } else { 0 };
         let outcomes = self.outcomes.split_at_mut(count);
         let points = self.points.split_at_mut(count);
+        let derived = self.derived.split_at_mut(count);
         let gradients = self.gradients.split_at_mut(gradients);
         let hessians = self.hessians.split_at_mut(hessians);
-        let slots = |range, outcomes, points, gradients, hessians| Slots {
+        let slots = |range, outcomes, points, derived, gradients, hessians| Slots {
             mode: self.mode,
             range,
             outcomes,
             points,
+            derived,
             gradients,
             hessians,
         };
         (
-            slots(start..middle, outcomes.0, points.0, gradients.0, hessians.0),
-            slots(middle..end, outcomes.1, points.1, gradients.1, hessians.1),
+            slots(start..middle, outcomes.0, points.0, derived.0, gradients.0, hessians.0),
+            slots(middle..end, outcomes.1, points.1, derived.1, gradients.1, hessians.1),
         )
     }
 
@@ -296,9 +313,9 @@ impl<'a> Slots<'a> {
         let mut rest = self;
         while rest.len() > 0 {
             let (one, others) = rest.split(layout, 1);
-            if let ([outcome], [point]) = (one.outcomes, one.points) {
+            if let ([outcome], [point], [derived]) = (one.outcomes, one.points, one.derived) {
                 let Slots { gradients: gradient, hessians: hessian, .. } = one;
-                fill(Slot { index: one.range.start, outcome, point, gradient, hessian });
+                fill(Slot { index: one.range.start, outcome, point, derived, gradient, hessian });
             }
             rest = others;
         }

@@ -28,6 +28,21 @@ pub struct Evaluator<'a> {
     pub options: &'a InterfaceOptions,
 }
 
+/// What is asked of an evaluation.
+#[derive(Clone, Copy)]
+pub struct Request<'a> {
+    pub mode: Mode,
+    /// Whether the slave with this index carries force at this gap: others get no derivatives. `None`: all get them.
+    pub is_loaded: Option<&'a (dyn Fn(usize, f64) -> bool + Sync)>,
+}
+
+impl Request<'_> {
+    /// All derivatives of all slaves.
+    pub const fn all(mode: Mode) -> Self {
+        Self { mode, is_loaded: None }
+    }
+}
+
 /// Memory of lists that are empty between evaluations.
 #[derive(Debug, Default)]
 struct Lists {
@@ -57,28 +72,43 @@ pub struct ElementScratch {
 impl Evaluator<'_> {
     /// Fills the slots of consecutive slaves. Which thread fills a slot, and after which others, makes no
     /// difference to what it gets.
-    pub fn fill(&self, pairings: &Pairings, mode: Mode, slots: Slots<'_>, pool: &Pool<ElementScratch>) {
+    pub fn fill(
+        &self,
+        pairings: &Pairings,
+        request: Request<'_>,
+        slots: Slots<'_>,
+        pool: &Pool<ElementScratch>,
+    ) {
         let layout: &Layout = &pairings.layout;
         if slots.len() > CHUNK {
             let half = slots.len().div_ceil(2 * CHUNK) * CHUNK;
             let (first, second) = slots.split(layout, half);
             rayon::join(
-                || self.fill(pairings, mode, first, pool),
-                || self.fill(pairings, mode, second, pool),
+                || self.fill(pairings, request, first, pool),
+                || self.fill(pairings, request, second, pool),
             );
             return;
         }
         pool.with(ElementScratch::default, |scratch| match self.options.element {
             ContactElement::Diffuse { weight, .. } => {
-                self.fill_side_by_side(pairings, mode, slots, weight, scratch);
+                self.fill_side_by_side(pairings, request, slots, weight, scratch);
             }
             ContactElement::NodeToFacet => slots.for_each(layout, |slot| {
-                let Slot { index, outcome, point, gradient, hessian } = slot;
-                let result = pairings.get(index).and_then(|paired| {
-                    let point = self.element(&paired, mode, gradient, hessian, scratch)?;
-                    Ok((point, paired.record.fallback))
+                let Slot { index, outcome, point, derived, gradient, hessian } = slot;
+                let mut at = |mode, gradient: &mut [f64], hessian: &mut [f64]| {
+                    let result = pairings.get(index).and_then(|paired| {
+                        let point = self.element(&paired, mode, gradient, hessian, scratch)?;
+                        Ok((point, paired.record.fallback))
+                    });
+                    write(result, outcome, point);
+                    outcome.is_contact().then_some(point.gap)
+                };
+                *derived = request.is_loaded.is_none_or(|is_loaded| {
+                    at(Mode::Value, &mut [], &mut []).is_some_and(|gap| is_loaded(index, gap))
                 });
-                write(result, outcome, point);
+                if *derived {
+                    at(request.mode, gradient, hessian);
+                }
             }),
         });
     }
@@ -87,24 +117,52 @@ impl Evaluator<'_> {
     fn fill_side_by_side(
         &self,
         pairings: &Pairings,
-        mode: Mode,
+        request: Request<'_>,
         slots: Slots<'_>,
         weight: Weight,
         scratch: &mut ElementScratch,
     ) {
-        let ElementScratch { border, batch, lists, .. } = scratch;
-        let mut all = recycled(std::mem::take(&mut lists.slots));
+        let mut all = recycled(std::mem::take(&mut scratch.lists.slots));
         slots.for_each(&pairings.layout, |slot| all.push(slot));
         let mut slots = all;
+        if request.is_loaded.is_some() {
+            self.side_by_side(pairings, Mode::Value, &mut slots, weight, scratch, |_| true);
+        }
+        self.side_by_side(pairings, request.mode, &mut slots, weight, scratch, |slot| {
+            *slot.derived = request
+                .is_loaded
+                .is_none_or(|is_loaded| slot.outcome.is_contact() && is_loaded(slot.index, slot.point.gap));
+            *slot.derived
+        });
+        scratch.lists.slots = recycled(slots);
+    }
+
+    /// Evaluates the slots that `choose` chooses. Their gradients and Hessians are used up by a mode that fills them.
+    fn side_by_side<'s>(
+        &'s self,
+        pairings: &'s Pairings,
+        mode: Mode,
+        slots: &mut [Slot<'s>],
+        weight: Weight,
+        scratch: &mut ElementScratch,
+        choose: impl Fn(&mut Slot<'s>) -> bool,
+    ) {
+        let ElementScratch { border, batch, lists, .. } = scratch;
         let mut waiting = recycled(std::mem::take(&mut lists.waiting));
         let mut places = recycled(std::mem::take(&mut lists.places));
         for (place, slot) in slots.iter_mut().enumerate() {
+            if !choose(slot) {
+                continue;
+            }
             let paired = pairings.get(slot.index);
             let with_frame = paired.and_then(|paired| Ok((paired, self.current_frame(&paired)?)));
             match with_frame {
                 Ok((paired, frame)) => {
-                    let gradient = std::mem::take(&mut slot.gradient);
-                    let hessian = std::mem::take(&mut slot.hessian);
+                    let wanted = |numbers: &mut &'s mut [f64], from: Mode| {
+                        if mode >= from { std::mem::take(numbers) } else { &mut [] }
+                    };
+                    let gradient = wanted(&mut slot.gradient, Mode::Gradient);
+                    let hessian = wanted(&mut slot.hessian, Mode::Hessian);
                     waiting.push(Waiting {
                         weight,
                         frame: frame_rule(frame.derivative),
@@ -124,7 +182,7 @@ impl Evaluator<'_> {
             let slot = &mut slots[*place];
             write(point.map(|point| (point, paired.record.fallback)), slot.outcome, slot.point);
         });
-        *lists = Lists { slots: recycled(slots), waiting: recycled(waiting), places: recycled(places) };
+        (lists.waiting, lists.places) = (recycled(waiting), recycled(places));
     }
 
     /// What a kernel reads of a paired slave.

@@ -79,11 +79,13 @@ pub use outcome::{NoContact, Outcome};
 pub use report::{FallbackCounts, GapJump, RefreshReport, SlaveGap};
 
 use contacts::Results;
-use evaluate::{CHUNK, ElementScratch, Evaluator};
+use evaluate::{CHUNK, ElementScratch, Evaluator, Request};
 use pairings::Pairings;
 use refresh::{Refresh, RefreshScratch};
 use scratch::Pool;
 pub(crate) use scratch::recycled;
+
+use std::sync::Arc;
 
 use crate::neighbourhood::SearchOptions;
 use crate::pairing::NearestNodes;
@@ -256,10 +258,35 @@ impl ContactInterface {
     /// # Errors
     /// [`InterfaceError::OutOfMemory`]: a Hessian over 16 masters takes 10.6 kB, see [`for_each`](Self::for_each).
     pub fn evaluate(&mut self, mode: Mode) -> Result<&Contacts, InterfaceError> {
+        self.evaluate_as(Request::all(mode))
+    }
+
+    /// As [`evaluate`](Self::evaluate), but with derivatives only where `is_loaded` says so of the index of a slave, its gap and its
+    /// tributary area; the gradient and the Hessian of others are empty. With the forces of a
+    /// [`ContactLaw`](crate::assembly::ContactLaw), `|k, gap, area| law.force(k, gap, area) > 0.0`, residual and tangent by this
+    /// law are those of all contacts, bit for bit: nothing else is read for them.
+    ///
+    /// All gaps are evaluated first, in [`Mode::Value`], so where most contacts carry force this takes longer. What is
+    /// derived is as [`evaluate`](Self::evaluate) gives it, bit for bit; gaps that are not derived differ by
+    /// rounding, which decides where a force is zero to rounding, or a foot on the limit of the border.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate).
+    pub fn evaluate_where(
+        &mut self,
+        mode: Mode,
+        is_loaded: impl Fn(usize, f64, f64) -> bool + Sync,
+    ) -> Result<&Contacts, InterfaceError> {
+        let layout = Arc::clone(&self.pairings.layout);
+        let is_loaded = |k: usize, gap: f64| is_loaded(k, gap, layout.area(k));
+        self.evaluate_as(Request { mode, is_loaded: Some(&is_loaded) })
+    }
+
+    fn evaluate_as(&mut self, request: Request<'_>) -> Result<&Contacts, InterfaceError> {
         let Self { master, options, positions, creases, pairings, contacts, elements, .. } = self;
         let evaluator = Evaluator { surface: master, creases, positions, options };
-        let slots = contacts.start(&pairings.layout, mode)?;
-        evaluator.fill(pairings, mode, slots, elements);
+        let slots = contacts.start(&pairings.layout, request.mode)?;
+        evaluator.fill(pairings, request, slots, elements);
         Ok(contacts)
     }
 
@@ -286,7 +313,7 @@ impl ContactInterface {
         for start in pairings.all().step_by(batch) {
             let range = start..pairings.all().end.min(start + batch);
             let slots = results.start(&pairings.layout, range.clone(), mode)?;
-            evaluator.fill(pairings, mode, slots, &self.elements);
+            evaluator.fill(pairings, Request::all(mode), slots, &self.elements);
             range.for_each(|k| f(results.get(&pairings.layout, k)));
         }
         Ok(())

@@ -6,7 +6,7 @@ use diffuse_contact::surface::Facet;
 use diffuse_contact::{Mode, Point};
 
 use super::pass::Pass;
-use super::{ContactError, SlavePairing};
+use super::{ContactError, LostContact, SlavePairing};
 use crate::system::{BlockMatrix, BlockPattern};
 
 /// When slaves are paired anew.
@@ -19,10 +19,11 @@ pub enum RefreshRule {
     Iteration,
 }
 
-/// Rounds of Uzawa's iteration: when an increment has converged, λ ← max(0, λ − ε g), and it is solved again.
+/// Rounds of Uzawa's iteration: when an increment has converged, λ ← max(0, λ − ε g), and it is solved again, until every contact
+/// that carries force is closed and no other one penetrates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Augmentation {
-    /// Penetration that ends the rounds, length.
+    /// |g| of contacts that carry force, and −g of others, that ends the rounds, length.
     pub tolerance: f64,
     /// Most rounds in an increment.
     pub max_rounds: usize,
@@ -64,6 +65,21 @@ pub struct SlaveState {
     pub nodal_force: Point,
     /// Tributary area, length²; 1 if the interface carries none.
     pub area: f64,
+    /// Whether it should have a contact element but has none: no masters carry a fit, or the fit no foot.
+    pub has_failed: bool,
+    /// Whether slave and masters are prescribed along all axes, so that no force moves anything.
+    pub is_held: bool,
+}
+
+/// How far an interaction is from what its augmentation asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Augmented {
+    /// Every gap is within the tolerance, or there is no augmentation.
+    Met,
+    /// Some gaps are not, but the rounds are over.
+    Short,
+    /// Another round is due.
+    Due,
 }
 
 /// Two surfaces that do not penetrate each other.
@@ -117,6 +133,12 @@ impl Interaction {
         forces
     }
 
+    /// How many derivatives the last evaluation was for.
+    #[cfg(test)]
+    pub(super) fn mode(&self) -> Mode {
+        self.passes[0].mode()
+    }
+
     pub(super) fn refresh(&mut self, positions: &[Point]) -> Result<(), ContactError> {
         self.each(|pass| pass.refresh(positions))
     }
@@ -143,11 +165,49 @@ impl Interaction {
         self.each(|pass| pass.add_tangent(matrix))
     }
 
-    /// Whether no further round is needed or allowed.
-    pub(super) fn is_augmented(&self, round: usize) -> bool {
-        self.options.augmentation.is_none_or(|augmentation| {
-            round >= augmentation.max_rounds || self.max_penetration() <= augmentation.tolerance
-        })
+    /// What is there to do after so many rounds.
+    pub(super) fn augmented(&self, round: usize) -> Augmented {
+        match self.options.augmentation {
+            Some(augmentation) if self.gap_error() > augmentation.tolerance => {
+                if round < augmentation.max_rounds { Augmented::Due } else { Augmented::Short }
+            }
+            _ => Augmented::Met,
+        }
+    }
+
+    /// How far the contacts are from f ≥ 0, g ≥ 0, f g = 0, length: the largest |g| of those that carry force and −g of the
+    /// others. Those that can move nothing are left out.
+    #[must_use]
+    pub fn gap_error(&self) -> f64 {
+        let moved = self.slaves().filter(|slave| !slave.is_held);
+        let error =
+            |slave: SlaveState| slave.gap.map_or(0.0, |gap| if slave.force > 0.0 { gap.abs() } else { -gap });
+        moved.map(error).fold(0.0, f64::max)
+    }
+
+    pub(super) fn hold(&mut self, held: &[bool]) {
+        self.passes.iter_mut().for_each(|pass| pass.hold(held));
+    }
+
+    pub(super) fn loaded(&self) -> impl Iterator<Item = Vec<u32>> {
+        self.passes.iter().map(Pass::loaded)
+    }
+
+    pub(super) fn begin(&mut self, loaded: &[Vec<u32>]) -> Result<(), ContactError> {
+        self.passes.iter_mut().zip(loaded).try_for_each(|(pass, own)| pass.begin(own))
+    }
+
+    pub(super) fn note(&mut self) {
+        self.passes.iter_mut().for_each(Pass::note);
+    }
+
+    pub(super) fn excuse(&mut self) {
+        self.passes.iter_mut().for_each(Pass::excuse);
+    }
+
+    /// The slaves that carried force since the beginning of the increment, or at it, and have no element.
+    pub fn lost(&self) -> impl Iterator<Item = LostContact> {
+        self.passes.iter().flat_map(Pass::lost)
     }
 
     pub(super) fn augment(&mut self, round: usize) {
@@ -180,10 +240,12 @@ impl Interaction {
         self.each(|pass| own.next().map_or(Ok(()), |own| pass.set_pairings(own)))
     }
 
-    /// Deepest penetration at the last evaluation, length; 0 without any.
+    /// Deepest penetration at the last evaluation, length, whether it carries force or not; 0 without any. Where slave and masters
+    /// are all prescribed it is the deck's, and left out.
     #[must_use]
     pub fn max_penetration(&self) -> f64 {
-        self.slaves().filter_map(|slave| slave.gap).map(|gap| -gap).fold(0.0, f64::max)
+        let moved = self.slaves().filter(|slave| !slave.is_held);
+        moved.filter_map(|slave| slave.gap).map(|gap| -gap).fold(0.0, f64::max)
     }
 
     /// Sum of the contact forces on the slaves of the first pass less those of the second: what the master's surface exerts on the

@@ -7,13 +7,15 @@
 
 mod error;
 mod interaction;
+mod losses;
 mod memory;
 mod pass;
 #[cfg(test)]
 mod tests;
 
 pub use error::ContactError;
-pub use interaction::{Augmentation, Interaction, InteractionOptions, RefreshRule, SlaveState};
+pub use interaction::{Augmentation, Augmented, Interaction, InteractionOptions, RefreshRule, SlaveState};
+pub use losses::LostContact;
 pub use memory::SlavePairing;
 
 use diffuse_contact::Mode;
@@ -60,7 +62,13 @@ impl ContactSet {
         Ok(any)
     }
 
-    /// Evaluates all contacts at these positions, with their derivatives as far as `mode` asks.
+    /// Tells which nodes have all axes prescribed, one entry per node of the problem.
+    pub fn hold(&mut self, held: &[bool]) {
+        self.interactions.iter_mut().for_each(|interaction| interaction.hold(held));
+    }
+
+    /// Evaluates all contacts at these positions, those that carry force with their derivatives as far as `mode` asks and their
+    /// tangent needs.
     ///
     /// # Errors
     /// [`ContactError::Interface`].
@@ -103,16 +111,50 @@ impl ContactSet {
         self.interactions.iter_mut().try_for_each(|interaction| interaction.add_tangent(matrix))
     }
 
-    /// Updates the multipliers of the augmented Lagrangian interactions. Returns whether all penetrations had already been
-    /// within their tolerances, and if so leaves the multipliers as they are.
-    pub fn augment(&mut self, round: usize) -> bool {
-        let done = self.interactions.iter().all(|interaction| interaction.is_augmented(round));
-        if !done {
+    /// Updates the multipliers of the augmented Lagrangian interactions if another round is [`Due`](Augmented::Due) for one of them.
+    /// Otherwise, with all gaps within their tolerances or all rounds over, the multipliers stay.
+    pub fn augment(&mut self, round: usize) -> Augmented {
+        let of_each = self.interactions.iter().map(|interaction| interaction.augmented(round));
+        let augmented = of_each.max().unwrap_or(Augmented::Met);
+        if augmented == Augmented::Due {
             for interaction in &mut self.interactions {
                 interaction.augment(round);
             }
         }
-        done
+        augmented
+    }
+
+    /// The slaves of each pass that carry force, by their places in it: like the multipliers a part of the history.
+    #[must_use]
+    pub fn loaded(&self) -> Vec<Vec<u32>> {
+        self.interactions.iter().flat_map(Interaction::loaded).collect()
+    }
+
+    /// Begins an increment from where [`loaded`](Self::loaded) gave this: [`lost`](Self::lost) are then those of the increment.
+    ///
+    /// # Errors
+    /// [`ContactError::OtherPasses`] if they belong to other interactions.
+    pub fn begin(&mut self, loaded: &[Vec<u32>]) -> Result<(), ContactError> {
+        self.for_each_with(loaded, Interaction::begin)
+    }
+
+    /// Notes which contacts carry force at the last evaluation.
+    pub fn note(&mut self) {
+        self.interactions.iter_mut().for_each(Interaction::note);
+    }
+
+    /// Excuses the slaves without an element at the last evaluation, one at the beginning of the increment.
+    pub fn excuse(&mut self) {
+        self.interactions.iter_mut().for_each(Interaction::excuse);
+    }
+
+    /// The contacts that carried force in the increment or right before it, and have no element at the last evaluation although their
+    /// slaves are neither too far away nor beyond a border; with the interaction's name.
+    pub fn lost(&self) -> impl Iterator<Item = (&str, LostContact)> {
+        self.interactions.iter().flat_map(|interaction| {
+            let name = interaction.options().name.as_str();
+            interaction.lost().map(move |lost| (name, lost))
+        })
     }
 
     /// The multipliers of all interactions, for a restart.
@@ -143,13 +185,19 @@ impl ContactSet {
         self.for_each_with(pairings, Interaction::set_pairings)
     }
 
+    /// Passes of all interactions.
+    #[must_use]
+    pub fn pass_count(&self) -> usize {
+        self.interactions.iter().map(Interaction::pass_count).sum()
+    }
+
     /// Hands each interaction what belongs to its passes.
     fn for_each_with<T>(
         &mut self,
         of_passes: &[T],
         set: impl Fn(&mut Interaction, &[T]) -> Result<(), ContactError>,
     ) -> Result<(), ContactError> {
-        let expected = self.interactions.iter().map(Interaction::pass_count).sum();
+        let expected = self.pass_count();
         if of_passes.len() != expected {
             return Err(ContactError::OtherPasses { found: of_passes.len(), expected });
         }
@@ -168,7 +216,7 @@ impl ContactSet {
         self.interactions.iter().map(Interaction::force).collect()
     }
 
-    /// Deepest penetration of any active contact at the last evaluation, length; 0 without any.
+    /// Deepest penetration of any slave at the last evaluation, as [`Interaction::max_penetration`], length; 0 without any.
     #[must_use]
     pub fn max_penetration(&self) -> f64 {
         self.interactions.iter().map(Interaction::max_penetration).fold(0.0, f64::max)

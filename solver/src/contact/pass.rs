@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 
 use diffuse_contact::assembly::{AssemblyError, ContactLaw, CsrPattern, DofMap, Tangent, add_residual};
-use diffuse_contact::interface::{ContactInterface, ContactRef, Contacts, InterfaceError};
+use diffuse_contact::interface::{ContactInterface, ContactRef, Contacts, InterfaceError, Outcome};
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
-use super::{ContactError, InteractionOptions, SlavePairing, SlaveState};
+use super::losses::{Losses, is_failure};
+use super::{ContactError, InteractionOptions, LostContact, SlavePairing, SlaveState};
 use crate::system::{BlockMatrix, BlockPattern};
 
 /// A step of a pass that failed.
@@ -49,6 +50,9 @@ pub struct Pass {
     dofs: DofMap,
     /// λ, one per slave; none without augmentation.
     multipliers: Vec<f64>,
+    /// Whether all axes of each node are prescribed.
+    held: Vec<bool>,
+    losses: Losses,
     /// The entries of the tangent for the pairing of the moment, and where they lie in the stiffness.
     entries: Option<(CsrPattern, Vec<usize>)>,
     values: Vec<f64>,
@@ -71,7 +75,27 @@ impl Pass {
             .map_err(|source| ContactError::Interface { interface: options.name.clone(), source })?;
         let dofs = DofMap::standard(positions.len());
         let tangent = options.tangent;
-        Ok(Self { interface, penalty, tangent, dofs, multipliers, entries: None, values: Vec::new() })
+        Ok(Self {
+            interface,
+            penalty,
+            tangent,
+            dofs,
+            multipliers,
+            held: vec![false; positions.len()],
+            losses: Losses::default(),
+            entries: None,
+            values: Vec::new(),
+        })
+    }
+
+    /// Takes over which nodes have all axes prescribed.
+    pub fn hold(&mut self, held: &[bool]) {
+        self.held.copy_from_slice(held);
+    }
+
+    /// Whether nothing moves whatever force a contact exerts.
+    fn is_held(&self, contact: &ContactRef<'_>) -> bool {
+        self.held[contact.slave] && contact.nodes.iter().all(|&node| self.held[node as usize])
     }
 
     fn contacts(&self) -> &Contacts {
@@ -90,9 +114,19 @@ impl Pass {
     }
 
     pub fn evaluate(&mut self, positions: &[Point], mode: Mode) -> Result<(), PassError> {
-        self.interface.update(positions)?;
-        self.interface.evaluate(mode)?;
+        // ε N Nᵀ needs no Hessians.
+        let mode = if self.tangent == Tangent::GaussNewton { mode.min(Mode::Gradient) } else { mode };
+        let Self { interface, penalty, tangent, multipliers, .. } = self;
+        let multipliers = (!multipliers.is_empty()).then_some(&multipliers[..]);
+        let law = ContactLaw { penalty: *penalty, multipliers, tangent: *tangent };
+        interface.update(positions)?;
+        interface.evaluate_where(mode, |k, gap, area| law.force(k, gap, area) > 0.0)?;
         Ok(())
+    }
+
+    #[cfg(test)]
+    pub fn mode(&self) -> Mode {
+        self.contacts().mode()
     }
 
     /// Subtracts the contact forces; the number of contacts that carry one.
@@ -143,14 +177,55 @@ impl Pass {
         Ok(())
     }
 
-    /// λ ← max(0, λ − ε g)
+    /// λ ← max(0, λ − ε g), but where nothing can move: there no multiplier closes the gap.
     pub fn augment(&mut self) {
         let law = self.law();
         let forces = |k| {
             let contact = self.contacts().get(k);
-            if contact.outcome.is_contact() { law.force(k, contact.point.gap, contact.area) } else { 0.0 }
+            let is_moved = contact.outcome.is_contact() && !self.is_held(&contact);
+            if is_moved { law.force(k, contact.point.gap, contact.area) } else { 0.0 }
         };
         self.multipliers = (0..self.multipliers.len()).map(forces).collect();
+    }
+
+    /// Begins to watch for losses; `loaded` as [`loaded`](Self::loaded) gave it.
+    pub fn begin(&mut self, loaded: &[u32]) -> Result<(), ContactError> {
+        let slaves = self.interface.slaves().len();
+        if let Some(&last) = loaded.iter().max().filter(|&&last| last as usize >= slaves) {
+            return Err(ContactError::OtherPasses { found: last as usize + 1, expected: slaves });
+        }
+        self.losses.begin(slaves, loaded);
+        Ok(())
+    }
+
+    /// The places of the slaves that carry force, ascending.
+    pub fn loaded(&self) -> Vec<u32> {
+        let places = self.slaves().enumerate().filter(|(_, slave)| slave.force > 0.0);
+        places.map(|(k, _)| k as u32).collect()
+    }
+
+    /// Notes who carries force.
+    pub fn note(&mut self) {
+        for k in self.loaded() {
+            self.losses.note(k as usize);
+        }
+    }
+
+    /// From here on who has no element need not get one.
+    pub fn excuse(&mut self) {
+        for (k, contact) in self.interface.contacts().iter().enumerate() {
+            if let Outcome::None(reason) = contact.outcome {
+                self.losses.excuse(k, reason);
+            }
+        }
+    }
+
+    /// The slaves that carried force and have no element.
+    pub fn lost(&self) -> impl Iterator<Item = LostContact> {
+        self.contacts().iter().enumerate().filter_map(|(k, contact)| match contact.outcome {
+            Outcome::None(reason) => self.losses.judge(k, contact.slave, reason),
+            Outcome::Contact { .. } => None,
+        })
     }
 
     pub fn multipliers(&self) -> &[f64] {
@@ -204,19 +279,24 @@ impl Pass {
         let law = self.law();
         self.contacts().iter().enumerate().map(move |(k, contact)| {
             let ContactRef { slave: node, outcome, point, area, gradient, .. } = contact;
-            if outcome.is_contact() {
-                let force = law.force(k, point.gap, area);
-                let [x, y, z] = [0, 1, 2].map(|axis| gradient.get(axis).map_or(0.0, |n| force * n));
-                SlaveState {
-                    node,
-                    gap: Some(point.gap),
-                    force,
-                    normal: point.normal,
-                    nodal_force: [x, y, z],
-                    area,
+            match outcome {
+                Outcome::Contact { .. } => {
+                    let force = law.force(k, point.gap, area);
+                    let nodal_force = [0, 1, 2].map(|axis| gradient.get(axis).map_or(0.0, |n| force * n));
+                    let (gap, is_held) = (Some(point.gap), self.is_held(&contact));
+                    let normal = point.normal;
+                    SlaveState { node, gap, force, normal, nodal_force, area, has_failed: false, is_held }
                 }
-            } else {
-                SlaveState { node, gap: None, force: 0.0, normal: [0.0; 3], nodal_force: [0.0; 3], area }
+                Outcome::None(reason) => SlaveState {
+                    node,
+                    gap: None,
+                    force: 0.0,
+                    normal: [0.0; 3],
+                    nodal_force: [0.0; 3],
+                    area,
+                    has_failed: is_failure(reason),
+                    is_held: false,
+                },
             }
         })
     }

@@ -113,7 +113,7 @@ fn the_stiffness_is_the_derivative_of_the_forces_with_the_pairing_held() {
         set.bind(&pattern).unwrap();
         if set.multipliers().iter().any(|pass| !pass.is_empty()) {
             // With multipliers that are not zero. Then they are held.
-            assert!(!set.augment(0));
+            assert_eq!(set.augment(0), Augmented::Due);
             forces(&mut set, &nodes, Mode::Hessian);
         }
         let mut matrix = BlockMatrix::new(pattern);
@@ -197,13 +197,122 @@ fn augmenting_ends_when_penetrations_are_small_or_rounds_are_over() {
     let (mut set, nodes) = contacts(options(false, true));
     let (_, active) = forces(&mut set, &nodes, Mode::Gradient);
     let before: Vec<f64> = set.interactions()[0].slaves().map(|slave| slave.force).collect();
-    assert!(!set.augment(0));
+    assert_eq!(set.augment(0), Augmented::Due);
     assert_eq!(set.multipliers()[0], before);
     assert_eq!(before.iter().filter(|&&force| force > 0.0).count(), active);
-    assert!(set.augment(5), "rounds are over");
+    assert_eq!(set.augment(5), Augmented::Short, "rounds are over");
     assert_eq!(set.multipliers()[0], before);
     let mut apart = nodes.clone();
     apart[36..].iter_mut().for_each(|x| x[2] += 1.0);
     forces(&mut set, &apart, Mode::Gradient);
-    assert!(set.augment(1), "nothing penetrates");
+    assert!(set.interactions()[0].slaves().all(|slave| slave.force == 0.0));
+    assert_eq!(set.augment(1), Augmented::Met, "nothing penetrates");
+}
+
+/// Force across an open gap is as wrong as a penetration.
+#[test]
+fn augmenting_goes_on_while_a_contact_pulled_open_carries_force() {
+    let (mut set, mut nodes) = contacts(options(false, true));
+    forces(&mut set, &nodes, Mode::Gradient);
+    set.augment(0);
+    let lambda: f64 = set.multipliers()[0].iter().fold(0.0, |most, &force| most.max(force));
+    // To half of the gap at which the largest multiplier's force is gone.
+    let gaps: Vec<_> = set.interactions()[0].slaves().map(|slave| (slave.node, slave.gap)).collect();
+    for (node, gap) in gaps {
+        nodes[node][2] += 0.5 * lambda / PENALTY + (-gap.unwrap_or(0.0)).max(0.0);
+    }
+    forces(&mut set, &nodes, Mode::Gradient);
+    let interaction = &set.interactions()[0];
+    assert_eq!(interaction.max_penetration(), 0.0);
+    let open: Vec<_> = interaction.slaves().filter(|slave| slave.force > 0.0).collect();
+    assert!(!open.is_empty() && open.iter().all(|slave| slave.gap.unwrap() > 1e-3));
+    let worst = open.iter().filter_map(|slave| slave.gap).fold(0.0, f64::max);
+    assert_eq!(interaction.gap_error(), worst);
+    let mut rounds = 0;
+    while set.augment(rounds) == Augmented::Due {
+        rounds += 1;
+        forces(&mut set, &nodes, Mode::Gradient);
+    }
+    assert!(rounds > 0 && rounds < 5, "{rounds}");
+    assert!(set.interactions()[0].slaves().all(|slave| slave.force == 0.0));
+}
+
+/// Between nodes that are all prescribed a penetration is the deck's: no multiplier can take it away.
+#[test]
+fn contacts_that_move_nothing_are_not_augmented() {
+    let (mut set, nodes) = contacts(options(false, true));
+    forces(&mut set, &nodes, Mode::Gradient);
+    let deepest = set.max_penetration();
+    let mut held = vec![true; nodes.len()];
+    set.hold(&held);
+    assert!(set.interactions()[0].slaves().any(|slave| slave.force > 0.0 && slave.is_held));
+    assert_eq!((set.max_penetration(), set.augment(0)), (0.0, Augmented::Met));
+    // One master that can give way is enough for the slaves around it.
+    held[14] = false;
+    set.hold(&held);
+    assert!(set.max_penetration() > 0.0 && set.max_penetration() <= deepest);
+    assert_eq!(set.augment(0), Augmented::Due);
+    let slaves: Vec<_> = set.interactions()[0].slaves().collect();
+    for (slave, &multiplier) in slaves.iter().zip(&set.multipliers()[0]) {
+        assert_eq!(multiplier > 0.0, slave.force > 0.0 && !slave.is_held);
+    }
+    assert!(slaves.iter().any(|slave| slave.is_held));
+}
+
+#[test]
+fn a_contact_that_vanishes_under_load_is_lost_and_one_that_opens_is_not() {
+    let (mut set, nodes) = contacts(options(false, false));
+    forces(&mut set, &nodes, Mode::Gradient);
+    let loaded = set.loaded();
+    assert!(loaded[0].len() > 3);
+    let lost = |set: &ContactSet| set.lost().map(|(_, lost)| lost).collect::<Vec<_>>();
+    let moved = |by: Point| {
+        let mut moved = nodes.clone();
+        moved[36..].iter_mut().for_each(|x| (0..3).for_each(|axis| x[axis] += by[axis]));
+        moved
+    };
+    // Far along the master its slaves leave the support of their fits.
+    let slid = moved([2.2, 2.2, 0.0]);
+    set.begin(&[Vec::new()]).unwrap();
+    forces(&mut set, &slid, Mode::Gradient);
+    assert!(lost(&set).is_empty(), "nobody carried force");
+    set.begin(&loaded).unwrap();
+    let found = lost(&set);
+    assert!(!found.is_empty());
+    let nodes_loaded: Vec<usize> = loaded[0].iter().map(|&k| 36 + k as usize).collect();
+    assert!(found.iter().all(|lost| nodes_loaded.contains(&lost.node) && !lost.from_start), "{found:?}");
+    let failed: Vec<usize> =
+        set.interactions()[0].slaves().filter(|slave| slave.has_failed).map(|slave| slave.node).collect();
+    assert!(found.iter().all(|lost| failed.contains(&lost.node)));
+    set.excuse();
+    assert!(lost(&set).iter().all(|lost| lost.from_start));
+    // Who carried force on the way counts, too.
+    set.begin(&[Vec::new()]).unwrap();
+    forces(&mut set, &nodes, Mode::Gradient);
+    set.note();
+    forces(&mut set, &slid, Mode::Gradient);
+    assert_eq!(lost(&set).len(), found.len());
+    // Opened, and beyond the border.
+    forces(&mut set, &moved([0.0, 0.0, 0.3]), Mode::Gradient);
+    assert!(lost(&set).is_empty());
+    set.refresh(RefreshRule::Increment, &moved([9.0, 0.0, 0.0])).unwrap();
+    forces(&mut set, &moved([9.0, 0.0, 0.0]), Mode::Gradient);
+    assert!(lost(&set).is_empty() && set.interactions()[0].slaves().all(|slave| slave.gap.is_none()));
+    assert_eq!(set.begin(&[vec![16]]), Err(ContactError::OtherPasses { found: 17, expected: 16 }));
+}
+
+/// The tangent ε N Nᵀ needs no second derivatives.
+#[test]
+fn only_the_exact_tangent_evaluates_hessians() {
+    use diffuse_contact::assembly::Tangent;
+    for (tangent, mode) in [(Tangent::Exact, Mode::Hessian), (Tangent::GaussNewton, Mode::Gradient)] {
+        let (mut set, nodes) = contacts(InteractionOptions { tangent, ..options(false, false) });
+        forces(&mut set, &nodes, Mode::Hessian);
+        assert_eq!(set.interactions()[0].mode(), mode);
+        let pattern = Arc::new(BlockPattern::new(nodes.len(), set.cliques().collect::<Vec<_>>().iter()));
+        set.bind(&pattern).unwrap();
+        let mut matrix = BlockMatrix::new(pattern);
+        set.add_tangent(&mut matrix).unwrap();
+        assert!(matrix.entries_mut().iter().any(|&entry| entry != 0.0));
+    }
 }

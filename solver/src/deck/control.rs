@@ -33,7 +33,9 @@ pub struct Newton {
     pub absolute: f64,
     /// Iterations after which an increment has failed.
     pub max_iterations: usize,
-    /// Whether a step that makes the residual grow is shortened.
+    /// Iterations up to which an increment lets the next one grow.
+    pub few_iterations: usize,
+    /// Whether a step that goes too far, so that the slope Δx·r changes its sign and stays large, is shortened.
     pub line_search: bool,
     /// Where an increment looks for its end first.
     pub extrapolation: Extrapolation,
@@ -125,6 +127,7 @@ pub(super) fn newton(deck: &Section) -> Result<Newton, DeckError> {
         tolerance: 1e-6,
         absolute: 1e-8,
         max_iterations: 20,
+        few_iterations: 6,
         line_search: true,
         extrapolation: Extrapolation::None,
     };
@@ -138,6 +141,9 @@ pub(super) fn newton(deck: &Section) -> Result<Newton, DeckError> {
     }
     if let Some(field) = section.get("max_iterations") {
         newton.max_iterations = field.positive_count()?;
+    }
+    if let Some(field) = section.get("few_iterations") {
+        newton.few_iterations = field.positive_count()?;
     }
     if let Some(field) = section.get("line_search") {
         newton.line_search = field.flag()?;

@@ -167,8 +167,9 @@ impl<'a> Field<'a> {
         match value.and_then(|value| u32::try_from(value).ok()) {
             Some(count) => Ok(count as usize),
             None => {
+                // There is nothing to count of which a deck could have none, or more than 32 bits can count.
                 let value = value.map_or(f64::INFINITY, |value| value as f64);
-                Err(self.out_of_range("a whole number from 0 to 4294967295", value))
+                Err(self.out_of_range(if value < 0.0 { "at least 1" } else { "at most 4294967295" }, value))
             }
         }
     }

@@ -71,6 +71,7 @@ pub const NEIGHBOURS: &[&str] = &["rule", "count"];
 /// Fields of the time.
 pub const TIME: &[&str] = &["end", "increment", "minimum", "maximum", "growth", "cutback", "fixed"];
 /// Fields of the Newton iteration.
-pub const NEWTON: &[&str] = &["tolerance", "absolute", "max_iterations", "line_search", "extrapolation"];
+pub const NEWTON: &[&str] =
+    &["tolerance", "absolute", "max_iterations", "few_iterations", "line_search", "extrapolation"];
 /// Fields of the output.
 pub const OUTPUT: &[&str] = &["every", "stress", "colour"];

@@ -103,6 +103,7 @@ fn a_deck_is_read_with_its_defaults() {
             tolerance: 1e-6,
             absolute: 1e-8,
             max_iterations: 20,
+            few_iterations: 6,
             line_search: true,
             extrapolation: Extrapolation::None
         }
@@ -203,6 +204,7 @@ fn every_field_is_taken() {
             tolerance: 1e-8,
             absolute: 0.0,
             max_iterations: 11,
+            few_iterations: 6,
             line_search: false,
             extrapolation: Extrapolation::Linear
         }
@@ -316,7 +318,7 @@ fn wrong_types_and_ranges_say_what_was_found() {
     refused(
         "divisions = [2, 2, 2]",
         "divisions = [2, -2, 2]",
-        "parts.block.divisions[2] must be a whole number from 0 to 4294967295, not -2",
+        "parts.block.divisions[2] must be at least 1, not -2",
     );
     refused(
         "divisions = [2, 2, 2]",

@@ -14,12 +14,14 @@ use crate::statics::{Problem, State};
 pub enum ContactStatus {
     /// No slave.
     None = 0,
-    /// A slave that faces no master.
+    /// A slave that faces no master: too far away, or beyond a border.
     Unpaired = 1,
     /// A slave without force.
     Open = 2,
     /// A slave that carries force.
     Closed = 3,
+    /// A slave that faces masters but has no contact element: they carry no fit, or the fit has no foot.
+    Failed = 4,
 }
 
 /// Stresses and plastic strains at all nodes; at nodes that bodies share the mean.
@@ -81,8 +83,9 @@ impl Fields {
     #[must_use]
     pub fn of(problem: &Problem, state: &State, areas: &[f64]) -> Self {
         let mut fields = Self::without_contact(problem.start_positions(), state);
+        let mut has_gap = vec![false; areas.len()];
         for interaction in problem.contacts().interactions() {
-            fields.add_contact(interaction, areas);
+            fields.add_contact(interaction, areas, &mut has_gap);
         }
         fields
     }
@@ -107,20 +110,22 @@ impl Fields {
         Ok(())
     }
 
-    fn add_contact(&mut self, interaction: &Interaction, areas: &[f64]) {
+    fn add_contact(&mut self, interaction: &Interaction, areas: &[f64], has_gap: &mut [bool]) {
         let forces = interaction.nodal_forces(areas.len());
         for slave in interaction.slaves() {
             let node = slave.node;
             let status = match slave.gap {
+                None if slave.has_failed => ContactStatus::Failed,
                 None => ContactStatus::Unpaired,
                 Some(_) if slave.force > 0.0 => ContactStatus::Closed,
                 Some(_) => ContactStatus::Open,
             };
             // A node may be the slave of several: the closest contact is shown, and all forces.
-            let gap = slave.gap.unwrap_or(0.0);
-            let first = self.contact_status[node] <= ContactStatus::Unpaired as i32;
-            if first || (slave.gap.is_some() && gap < self.contact_gap[node]) {
-                self.contact_gap[node] = gap;
+            if let Some(gap) = slave.gap {
+                if !has_gap[node] || gap < self.contact_gap[node] {
+                    self.contact_gap[node] = gap;
+                }
+                has_gap[node] = true;
             }
             self.contact_status[node] = self.contact_status[node].max(status as i32);
             if areas[node] > 0.0 {

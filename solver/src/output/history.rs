@@ -8,7 +8,8 @@ use super::OutputError;
 use crate::statics::{IncrementRecord, IterationRecord, Problem};
 
 /// Columns of `history.csv` before those of interactions and supports.
-const COLUMNS: &str = "increment,time,length,iterations,augmentations,active,max_penetration,wall_s";
+const COLUMNS: &str =
+    "increment,time,length,iterations,augmentations,short,active,lost,max_penetration,wall_s";
 /// Columns of `iterations.csv`.
 pub(super) const ITERATION_COLUMNS: &str = "increment,iteration,time,residual,relative,active,step";
 
@@ -70,13 +71,15 @@ pub(super) fn header(problem: &Problem) -> String {
 /// The line of an increment.
 pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> String {
     let mut line = format!(
-        "{},{:?},{:?},{},{},{},{:?},{:?}",
+        "{},{:?},{:?},{},{},{},{},{},{:?},{:?}",
         record.number,
         record.time,
         record.length,
         record.iterations,
         record.augmentations,
+        u8::from(record.is_short),
         record.active,
+        record.lost,
         record.max_penetration,
         wall_s
     );
@@ -97,7 +100,7 @@ pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> S
 pub(super) fn iteration_rows(number: usize, history: &[IterationRecord]) -> String {
     let mut lines = String::new();
     for record in history {
-        let IterationRecord { time, iteration, residual, relative, active, step } = record;
+        let IterationRecord { time, iteration, residual, relative, active, step, .. } = record;
         let _ = writeln!(lines, "{number},{iteration},{time:?},{residual:?},{relative:?},{active},{step:?}");
     }
     lines

@@ -35,7 +35,7 @@ pub trait Watcher: Send {
     /// A residual.
     fn iteration(&mut self, record: &IterationRecord);
     /// A failed increment.
-    fn cut_back(&mut self, end: f64, length: f64, reason: &Failure);
+    fn cut_back(&mut self, end: f64, length: f64, reason: &Failure) -> Control;
     /// A converged increment, which is on disk.
     fn increment(&mut self, record: &IncrementRecord) -> Control;
 }
@@ -72,6 +72,8 @@ pub struct Recorder<'a> {
     /// Seconds of earlier runs.
     earlier_s: f64,
     max_penetration_ever: f64,
+    /// Increments whose augmentation fell short, and contacts lost.
+    shortcomings: [usize; 2],
     /// Deepest penetration and sum of the contact forces at the end of the last increment.
     contact: (f64, [f64; 3]),
     timing: Timing,
@@ -160,6 +162,8 @@ impl<'a> Recorder<'a> {
         picture::write_series(&recorder.directory, &recorder.series)?;
         let penetrations = history.rows.iter().map(|row| history.value(row, "max_penetration"));
         recorder.max_penetration_ever = penetrations.fold(0.0, f64::max);
+        let sum = |column| history.rows.iter().map(|row| history.value(row, column) as usize).sum();
+        recorder.shortcomings = [sum("short"), sum("lost")];
         if let Some(last) = history.rows.last() {
             recorder.earlier_s = history.value(last, "wall_s");
             recorder.contact = (history.value(last, "max_penetration"), history.contact_force(last));
@@ -184,6 +188,7 @@ impl<'a> Recorder<'a> {
             begin: Instant::now(),
             earlier_s: 0.0,
             max_penetration_ever: 0.0,
+            shortcomings: [0; 2],
             contact: (0.0, [0.0; 3]),
             timing: Timing::default(),
             state,
@@ -225,6 +230,7 @@ impl<'a> Recorder<'a> {
         summary.increments = self.state.increments;
         summary.wall_s = self.wall_s();
         summary.max_penetration_ever = self.max_penetration_ever;
+        [summary.augmentations_short, summary.contacts_lost] = self.shortcomings;
         (summary.max_penetration, summary.contact_force) = self.contact;
         summary.contact_share = share(self.timing.contact);
         summary.pairing_share = share(self.timing.pairing);
@@ -274,6 +280,8 @@ impl<'a> Recorder<'a> {
             return Err(error);
         }
         self.max_penetration_ever = self.max_penetration_ever.max(record.max_penetration);
+        self.shortcomings[0] += usize::from(record.is_short);
+        self.shortcomings[1] += record.lost;
         let sum = |axis: usize| record.contact_forces.iter().map(|force| force[axis]).sum();
         self.contact = (record.max_penetration, [0, 1, 2].map(sum));
         self.timing = record.timing;
@@ -334,8 +342,8 @@ impl Observer for Recorder<'_> {
         self.watcher.iteration(record);
     }
 
-    fn cut_back(&mut self, end: f64, length: f64, reason: &Failure) {
-        self.watcher.cut_back(end, length, reason);
+    fn cut_back(&mut self, end: f64, length: f64, reason: &Failure) -> Control {
+        self.watcher.cut_back(end, length, reason)
     }
 
     fn increment(

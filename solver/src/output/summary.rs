@@ -23,6 +23,12 @@ pub struct Summary {
     pub cutbacks: usize,
     /// Linear solutions, those of failed increments among them.
     pub newton_iterations: usize,
+    /// Increments whose rounds of augmentation were over before the gaps were within the tolerance.
+    #[serde(default)]
+    pub augmentations_short: usize,
+    /// Contacts that carried force and ended an increment without an element, over all increments.
+    #[serde(default)]
+    pub contacts_lost: usize,
     /// Deepest penetration at the end, length.
     pub max_penetration: f64,
     /// Deepest penetration at the end of any increment, length.

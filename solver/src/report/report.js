@@ -59,6 +59,19 @@ function summary() {
     line.textContent = `${run.label} ended early: ${run.summary.reason}`;
     element("state").append(line);
   }
+  for (const run of runs) {
+    const { augmentations_short: short, contacts_lost: lost } = run.summary;
+    const warnings = [
+      short > 0 && `rounds of augmentation were over before the tolerance was met in ${short} of ${run.summary.increments} increments`,
+      lost > 0 && `${lost} contacts that carried force lost their element (contact_status 4)`,
+    ];
+    for (const warning of warnings.filter(Boolean)) {
+      const line = document.createElement("div");
+      line.className = "bad";
+      line.textContent = `${run.label}: ${warning}`;
+      element("state").append(line);
+    }
+  }
   const rows = [
     ["", (run) => run.label],
     ["converged", (run) => (run.summary.converged ? "yes" : "no")],

@@ -1,5 +1,6 @@
 //! Why a run or an increment ended early.
 
+use diffuse_contact::interface::NoContact;
 use thiserror::Error;
 
 use crate::contact::ContactError;
@@ -78,12 +79,27 @@ pub enum Failure {
         /// Number of the iteration.
         iteration: usize,
     },
-    /// An element was turned inside out, however short the step.
+    /// An element was turned inside out, or has stresses that are not found or no numbers, however short the step.
     #[error("{0}")]
     Inverted(SolidError),
     /// Contact could not be evaluated where an iteration led to, such as beyond all bounds.
     #[error("{0}")]
     Contact(ContactError),
+    /// There is equilibrium, but without contacts that carried force in the increment or right before it: their elements have no
+    /// result.
+    #[error(
+        "interface `{interface}`, slave node {node} carried force and lost its contact: {reason}; {count} did so"
+    )]
+    Lost {
+        /// Interface of the first one.
+        interface: String,
+        /// Slave node of the first one.
+        node: usize,
+        /// Why it has no result.
+        reason: NoContact,
+        /// How many there are.
+        count: usize,
+    },
     /// The stiffness is singular.
     #[error("{0}")]
     Singular(SystemError),
@@ -99,7 +115,7 @@ impl From<ContactError> for Failure {
 }
 
 impl Failure {
-    /// An element that a shorter step may leave the right way round, or something else.
+    /// An element that a shorter step may leave sound, or something else.
     pub(super) fn of_solid(error: SolidError) -> Self {
         match error {
             SolidError::Inverted { .. } | SolidError::Unresolved { .. } | SolidError::NotFinite { .. } => {

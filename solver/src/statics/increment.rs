@@ -4,10 +4,10 @@ use super::line_search::line_search;
 use super::observer::{IncrementRecord, IterationRecord, Observer};
 use super::problem::{Balance, Past, Problem, State};
 use super::{Extrapolation, Failure, Settings};
-use crate::contact::RefreshRule;
+use crate::contact::{Augmented, RefreshRule};
 use crate::solid::Order;
 
-/// The residual that counts as divergence, relative to the largest of the increment's first two.
+/// The residual that counts as divergence, relative to the largest of the first two of the increment, or of the round.
 const DIVERGED: f64 = 1e6;
 /// How often a step that turns an element inside out is halved.
 const HALVINGS: usize = 5;
@@ -18,17 +18,50 @@ pub struct Increment<'a> {
     settings: &'a Settings,
     committed: &'a State,
     end: f64,
+    /// Whether it may end without contacts that carried force: a shorter one would not be tried.
+    is_shortest: bool,
     positions: Vec<[f64; 3]>,
     history: Vec<IterationRecord>,
     iterations: usize,
     step: f64,
+    rounds: Rounds,
+}
+
+/// How the augmentation goes.
+#[derive(Clone, Copy, Debug, Default)]
+struct Rounds {
+    /// Rounds begun after the first equilibrium.
+    count: usize,
+    /// Linear solutions in the round on its way.
+    iterations: usize,
+    /// Those of the longest one.
+    longest: usize,
+    /// Where the residuals of the round on its way begin in the history.
+    begin: usize,
+    is_short: bool,
 }
 
 impl<'a> Increment<'a> {
-    /// From a committed state to time `end`.
-    pub fn new(problem: &'a mut Problem, settings: &'a Settings, committed: &'a State, end: f64) -> Self {
-        let positions = committed.positions.clone();
-        Self { problem, settings, committed, end, positions, history: Vec::new(), iterations: 0, step: 0.0 }
+    /// From a committed state to time `end`; `is_shortest`: a failure would end the run.
+    pub fn new(
+        problem: &'a mut Problem,
+        settings: &'a Settings,
+        committed: &'a State,
+        end: f64,
+        is_shortest: bool,
+    ) -> Self {
+        Self {
+            problem,
+            settings,
+            committed,
+            end,
+            is_shortest,
+            positions: committed.positions.clone(),
+            history: Vec::new(),
+            iterations: 0,
+            step: 0.0,
+            rounds: Rounds::default(),
+        }
     }
 
     /// Iterates to equilibrium. A failure leaves the committed state what it is.
@@ -42,49 +75,88 @@ impl<'a> Increment<'a> {
                 // Seen from the committed points the next step is elastic; with the tangent of the last increment yielding goes on.
                 let before = &self.committed.points_before;
                 let balance = self.problem.evaluate(self.end, &self.positions, before, Order::Tangent)?;
+                // Who has no element already here is not kept by a shorter increment.
+                self.problem.contacts_mut().excuse();
                 self.record(balance, observer)?;
                 self.predict()?
             }
         };
-        let (mut augmentations, mut in_round) = (0, 1);
+        self.rounds.iterations = 1;
         loop {
             self.record(balance, observer)?;
-            if balance.residual <= newton.tolerance * balance.scale + newton.absolute {
-                if self.problem.contacts_mut().augment(augmentations) {
+            if balance.excess <= self.allowed(balance) {
+                self.check_losses()?;
+                if self.augment(observer)? {
                     break;
                 }
-                augmentations += 1;
-                in_round = 0;
-                self.evaluate(Order::Tangent)?;
-            } else if in_round >= newton.max_iterations {
+            } else if self.rounds.iterations >= newton.max_iterations {
                 let residual = balance.residual / balance.scale;
                 return Err(Failure::Iterations { residual, iterations: self.iterations });
             }
             balance = self.iterate()?;
-            in_round += 1;
+            self.rounds.iterations += 1;
         }
-        Ok(self.finish(augmentations))
+        Ok(self.finish())
+    }
+
+    /// The excess that is small enough.
+    fn allowed(&self, balance: Balance) -> f64 {
+        let newton = self.settings.newton;
+        newton.tolerance * balance.scale + newton.absolute
+    }
+
+    /// Equilibrium without a contact that carried force on the way is another one: a shorter increment may keep the contact, unless
+    /// it went with the pairing or there is none.
+    fn check_losses(&self) -> Result<(), Failure> {
+        if self.is_shortest {
+            return Ok(());
+        }
+        let mut lost = self.problem.contacts().lost().filter(|(_, lost)| !lost.from_start);
+        let Some((interface, first)) = lost.next() else { return Ok(()) };
+        let (interface, node, reason) = (interface.to_owned(), first.node, first.reason);
+        Err(Failure::Lost { interface, node, reason, count: 1 + lost.count() })
+    }
+
+    /// In equilibrium: begins another round of augmentation, or tells that there is none to come.
+    fn augment(&mut self, observer: &mut dyn Observer) -> Result<bool, Failure> {
+        self.rounds.longest = self.rounds.longest.max(self.rounds.iterations);
+        let augmented = self.problem.contacts_mut().augment(self.rounds.count);
+        if augmented != Augmented::Due {
+            self.rounds.is_short = augmented == Augmented::Short;
+            return Ok(true);
+        }
+        self.rounds.count += 1;
+        (self.rounds.iterations, self.rounds.begin) = (0, self.history.len());
+        // What the new multipliers put out of balance is what the round starts from.
+        self.step = 0.0;
+        let balance = self.evaluate(Order::Tangent)?;
+        self.record(balance, observer)?;
+        Ok(false)
     }
 
     fn evaluate(&mut self, order: Order) -> Result<Balance, Failure> {
         self.problem.evaluate(self.end, &self.positions, &self.committed.points, order)
     }
 
-    /// Notes a residual; one that is no number or too large is a failure.
+    /// Notes a residual and who carries force; one that is no number or too large is a failure.
     fn record(&mut self, balance: Balance, observer: &mut dyn Observer) -> Result<(), Failure> {
-        let Balance { residual, scale } = balance;
+        let Balance { residual, scale, excess } = balance;
+        self.problem.contacts_mut().note();
         let relative = if residual == 0.0 { 0.0 } else { residual / scale };
         let record = IterationRecord {
             time: self.end,
             iteration: self.iterations,
             residual,
             relative,
+            excess,
+            allowed: self.allowed(balance),
             active: self.problem.active(),
             step: self.step,
         };
         observer.iteration(&record);
         self.history.push(record);
-        let first = self.history.iter().take(2).map(|record| record.residual).fold(0.0, f64::max);
+        let round = &self.history[self.rounds.begin..];
+        let first = round.iter().take(2).map(|record| record.residual).fold(record.allowed, f64::max);
         if !residual.is_finite() || !scale.is_finite() || residual > DIVERGED * first {
             return Err(Failure::Diverged { residual: relative, iteration: self.iterations });
         }
@@ -113,7 +185,8 @@ impl<'a> Increment<'a> {
         }
     }
 
-    /// The linear step that takes the prescribed nodes to where they belong.
+    /// The linear step that takes the prescribed nodes to where they belong: the whole of it, since they do not belong half-way. If it
+    /// turns an element inside out a shorter increment has to do.
     fn predict(&mut self) -> Result<Balance, Failure> {
         let prescribed: Vec<(usize, f64)> = self
             .targets()
@@ -209,8 +282,8 @@ impl<'a> Increment<'a> {
         self.iterations
     }
 
-    fn finish(&mut self, augmentations: usize) -> (State, IncrementRecord) {
-        let &mut Self { committed, end, iterations, .. } = self;
+    fn finish(&mut self) -> (State, IncrementRecord) {
+        let &mut Self { committed, end, iterations, rounds, .. } = self;
         let positions = std::mem::take(&mut self.positions);
         let history = std::mem::take(&mut self.history);
         let past = (self.settings.newton.extrapolation == Extrapolation::Linear)
@@ -228,6 +301,7 @@ impl<'a> Increment<'a> {
             points_before: committed.points.clone(),
             multipliers: problem.contacts().multipliers(),
             pairings: problem.contacts().pairings(),
+            loaded: problem.contacts().loaded(),
         };
         let imbalance: Vec<f64> = problem.imbalance().collect();
         let groups = 0..problem.supports().groups().len();
@@ -236,9 +310,12 @@ impl<'a> Increment<'a> {
             time: end,
             length: end - committed.time,
             iterations,
+            longest_round: rounds.longest,
             history,
-            augmentations,
+            augmentations: rounds.count,
+            is_short: rounds.is_short,
             active: problem.active(),
+            lost: problem.contacts().lost().count(),
             max_penetration: problem.contacts().max_penetration(),
             contact_forces: problem.contacts().forces(),
             reactions: groups.map(|group| problem.supports().sum(group, &imbalance)).collect(),

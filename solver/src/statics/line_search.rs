@@ -7,7 +7,9 @@ const SHORTEST: f64 = 0.1;
 /// Most evaluations besides that of the full step.
 const TRIES: usize = 5;
 
-/// Finds s in (0, 1] so that the slope, Δx·r at x + s Δx, is small against `start`, that at x; `full` is that at x + Δx.
+/// Finds s in (0, 1] so that the slope, Δx·r at x + s Δx, is small against `start`, that at x; `full` is that at x + Δx. A root is
+/// sought only if the slope has changed its sign. Of all steps tried, the full one among them, that with the smallest slope is
+/// taken.
 pub fn line_search<E>(start: f64, full: f64, mut slope: impl FnMut(f64) -> Result<f64, E>) -> Result<f64, E> {
     let good = |slope: f64| slope.abs() <= GOOD * start.abs();
     if good(full) || !start.is_finite() || !(start * full < 0.0) {
@@ -16,10 +18,13 @@ pub fn line_search<E>(start: f64, full: f64, mut slope: impl FnMut(f64) -> Resul
     // A root lies between.
     let (mut low, mut low_slope) = (0.0, start);
     let (mut high, mut high_slope) = (1.0, full);
-    let mut s = 1.0;
+    let mut best = (1.0, full.abs());
     for _ in 0..TRIES {
-        s = (low - low_slope * (high - low) / (high_slope - low_slope)).max(SHORTEST);
+        let s = (low - low_slope * (high - low) / (high_slope - low_slope)).max(SHORTEST);
         let found = slope(s)?;
+        if found.abs() < best.1 {
+            best = (s, found.abs());
+        }
         // Where even the shortest step is too far there is nothing to look for.
         if good(found) || (s <= SHORTEST && found * start < 0.0) {
             break;
@@ -33,7 +38,7 @@ pub fn line_search<E>(start: f64, full: f64, mut slope: impl FnMut(f64) -> Resul
             low_slope *= 0.5;
         }
     }
-    Ok(s)
+    Ok(best.0)
 }
 
 #[cfg(test)]
@@ -64,5 +69,21 @@ mod tests {
         assert!((1.0 - 50.0 * s * s * s).abs() <= GOOD && count <= TRIES);
         // The root is nearer than the shortest step.
         assert_eq!(search(|s| 1.0 - 1e4 * s).0, SHORTEST);
+    }
+
+    #[test]
+    fn the_best_step_tried_is_taken() {
+        // Worse at the shortest step than at the full one.
+        assert_eq!(search(|s| if s == 0.0 { 1.0 } else { -30.0 + 28.0 * s }), (1.0, 2));
+        // Jumps: no step is good enough, and the last one tried is not the best.
+        let mut tried = Vec::new();
+        let slopes = [-1.5, 1.2, -1.1, 1.9, -1.3];
+        let found = line_search(1.0, -2.0, |s| {
+            tried.push(s);
+            Ok::<_, ()>(slopes[tried.len() - 1])
+        });
+        assert_eq!((tried.len(), found), (TRIES, Ok(tried[2])));
+        // What is no number is never the best.
+        assert_eq!(line_search(1.0, -2.0, |_| Ok::<_, ()>(f64::NAN)), Ok(1.0));
     }
 }

@@ -11,15 +11,18 @@
 //! r = f_ext(t, x) + Σ f_k N_k − f_int(x)      K Δx = r      x ← x + s Δx
 //! ```
 //!
-//! **Convergence**: ‖r‖ ≤ tolerance · F + absolute, over the free degrees of freedom, where F is the largest of the norms of
+//! **Convergence**: ‖max(0, |r| − ε |K| |x|)‖ ≤ tolerance · F + absolute, over the free degrees of freedom. ε |K| |x| is what rounding of
+//! the positions makes of each component of r, ε the machine's, so that no stiff part excuses a soft one; F is the largest of the norms of
 //! external forces, reactions and contact forces of the moment. The same rule holds for every element.
 //!
-//! **Line search**: if the slope Δx·r after a full step is not below 0.8 of that before, or grows beyond it, s is sought by
-//! regula falsi between 0.1 and 1. A step that turns an element inside out is halved first.
+//! **Line search**: if the slope Δx·r changes its sign over a full step and is not below 0.8 of what it was, s is sought by
+//! regula falsi between 0.1 and 1; of the steps tried the one with the smallest slope is taken. A slope that keeps its sign says
+//! that no shorter step is better. A Newton step that turns an element inside out is halved first, the linear prediction is not.
 //!
 //! **Cut-back**: an increment that does not converge within its iterations, diverges, turns an element inside out in spite of
-//! halved steps, or goes where contact cannot be evaluated, starts again with a fraction of its length; nothing of the failed
-//! try is kept. Below the smallest length the run ends with [`StaticsError::NoConvergence`]: all increments before it are valid.
+//! halved steps, goes where contact cannot be evaluated, or ends without contacts that carried force since their elements have no
+//! result, starts again with a fraction of its length; nothing of the failed try is kept. Lost contacts are accepted where there
+//! is no shorter increment, and counted. Below the smallest length the run ends with [`StaticsError::NoConvergence`]: all increments before it are valid.
 
 mod error;
 mod increment;
@@ -74,6 +77,14 @@ impl Statics {
         &self.problem
     }
 
+    /// Pairs and evaluates the contacts at a state, so that [`problem`](Self::problem) shows them.
+    ///
+    /// # Errors
+    /// [`StaticsError::Contact`].
+    pub fn look_at_contacts(&mut self, state: &State) -> Result<(), StaticsError> {
+        self.problem.look_at_contacts(state)
+    }
+
     /// What the last [`run`](Self::run) took, and what came before its first state; the last state of a run that failed does not
     /// know of its last tries.
     #[must_use]
@@ -100,13 +111,14 @@ impl Statics {
         while !time.is_over(state.time) {
             let length = time.length(&state);
             let end = time.next(state.time, length);
-            let mut increment = Increment::new(&mut self.problem, &self.settings, &state, end);
+            let is_shortest = time.cut(end - state.time) < time.minimum;
+            let mut increment = Increment::new(&mut self.problem, &self.settings, &state, end, is_shortest);
             let outcome = increment.solve(observer);
             let iterations = state.iterations + increment.iterations();
             self.effort = Effort { iterations, cutbacks: state.cutbacks };
             match outcome {
                 Ok((mut next, record)) => {
-                    next.length = time.grown(length, record.iterations, &self.settings.newton);
+                    next.length = time.grown(length, record.longest_round, &self.settings.newton);
                     let control = observer.increment(&record, &next, &self.problem);
                     state = next;
                     match control.map_err(StaticsError::Observer)? {
@@ -124,7 +136,7 @@ impl Statics {
                     self.effort.cutbacks += 1;
                     // The last increment may be shorter than was planned.
                     let length = end - state.time;
-                    observer.cut_back(end, length, &failure);
+                    let control = observer.cut_back(end, length, &failure);
                     state.length = time.cut(length);
                     if state.length < time.minimum {
                         return Err(StaticsError::NoConvergence {
@@ -133,6 +145,9 @@ impl Statics {
                             minimum: time.minimum,
                             reason: Box::new(failure),
                         });
+                    }
+                    if control == Control::Stop {
+                        break;
                     }
                 }
             }

@@ -7,7 +7,7 @@ use super::{Failure, Problem, State};
 /// Whether to go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Control {
-    /// With the next increment.
+    /// With the next increment, or with the failed one again.
     Continue,
     /// No further: the run ends with what there is.
     Stop,
@@ -20,9 +20,11 @@ pub trait Observer {
         let _ = record;
     }
 
-    /// An increment to time `end`, `length` long, failed and is tried again with a shorter one.
-    fn cut_back(&mut self, end: f64, length: f64, reason: &Failure) {
+    /// An increment to time `end`, `length` long, failed and is tried again with a shorter one, unless this stops the run or there
+    /// is no shorter one.
+    fn cut_back(&mut self, end: f64, length: f64, reason: &Failure) -> Control {
         let _ = (end, length, reason);
+        Control::Continue
     }
 
     /// An increment has converged; `problem` holds forces and contacts at its end.
@@ -42,15 +44,20 @@ pub trait Observer {
 pub struct IterationRecord {
     /// The time at the end of the increment.
     pub time: f64,
-    /// Linear solutions so far in this increment: 0 for the residual before the first.
+    /// Linear solutions so far in this increment: 0 for the residual before the first. A round of augmentation begins with a residual
+    /// of the same number, by the new multipliers.
     pub iteration: usize,
     /// Norm of the residual, force.
     pub residual: f64,
     /// The same divided by the norm of the forces.
     pub relative: f64,
+    /// Norm of that part of the residual which rounding of the positions does not explain, force.
+    pub excess: f64,
+    /// What this had to come down to, force.
+    pub allowed: f64,
     /// Contacts that carry force.
     pub active: usize,
-    /// Factor on the last step.
+    /// Factor on the last step; 0 for the first residual of an increment or of a round, unless it is that of an extrapolation.
     pub step: f64,
 }
 
@@ -65,12 +72,18 @@ pub struct IncrementRecord {
     pub length: f64,
     /// Linear solutions.
     pub iterations: usize,
+    /// The most of them in one round of augmentation; all of them without.
+    pub longest_round: usize,
     /// Residuals, from the one before the first solution to the converged one.
     pub history: Vec<IterationRecord>,
     /// Rounds of augmentation.
     pub augmentations: usize,
+    /// Whether these were over before the gaps were within the tolerance.
+    pub is_short: bool,
     /// Contacts that carry force.
     pub active: usize,
+    /// Contacts that carried force in it or right before it, and ended without an element.
+    pub lost: usize,
     /// Deepest penetration, length.
     pub max_penetration: f64,
     /// Force on the slaves of each interaction.

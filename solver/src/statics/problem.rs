@@ -39,6 +39,8 @@ pub struct State {
     pub multipliers: Vec<Vec<f64>>,
     /// What the next pairing may keep of the last one, for each slave of each pass.
     pub pairings: Vec<Vec<Option<SlavePairing>>>,
+    /// Slaves that carry force, by their places in each pass.
+    pub loaded: Vec<Vec<u32>>,
 }
 
 /// Positions in equilibrium at an earlier time.
@@ -65,6 +67,8 @@ pub struct Problem {
     /// −Σ f_k N_k
     contact: Vec<f64>,
     active: usize,
+    /// ε |K| |x|, what rounding of the positions makes of the residual, by the last stiffness of the increment; empty before it.
+    rounding: Vec<f64>,
     equations: Equations,
     solver: DirectSolver,
     /// `None`: the pairing has changed, a new pattern is due.
@@ -79,6 +83,9 @@ pub(super) struct Balance {
     pub residual: f64,
     /// The largest of the norms of external forces, reactions and contact forces.
     pub scale: f64,
+    /// ‖max(0, |r| − ε |K| |x|)‖ over the free degrees of freedom: what rounding of the positions does not explain. Before the
+    /// increment's first linear solution it is all of the residual.
+    pub excess: f64,
 }
 
 impl Problem {
@@ -90,11 +97,14 @@ impl Problem {
         solid: Solid,
         supports: SupportGroups,
         pressures: Vec<Pressure>,
-        contacts: ContactSet,
+        mut contacts: ContactSet,
         threads: usize,
     ) -> Self {
         let freedoms = 3 * start.len();
-        let equations = Equations::new(&supports.prescribed());
+        let prescribed = supports.prescribed();
+        let held: Vec<bool> = prescribed.iter().map(|axes| axes.iter().all(|&axis| axis)).collect();
+        contacts.hold(&held);
+        let equations = Equations::new(&prescribed);
         Self {
             start,
             solid,
@@ -106,6 +116,7 @@ impl Problem {
             external: vec![0.0; freedoms],
             contact: vec![0.0; freedoms],
             active: 0,
+            rounding: Vec::new(),
             equations,
             solver: DirectSolver::new(threads),
             stiffness: None,
@@ -128,6 +139,7 @@ impl Problem {
             points_before: self.solid.states(),
             multipliers: self.contacts.multipliers(),
             pairings: self.contacts.pairings(),
+            loaded: vec![Vec::new(); self.contacts.pass_count()],
         }
     }
 
@@ -152,8 +164,22 @@ impl Problem {
 
     /// Goes back to the multipliers and pairings of a state: nothing of what came after it is left.
     pub(super) fn take_history(&mut self, state: &State) -> Result<(), ContactError> {
+        self.rounding.clear();
         self.contacts.set_multipliers(&state.multipliers)?;
-        self.contacts.set_pairings(&state.pairings)
+        self.contacts.set_pairings(&state.pairings)?;
+        self.contacts.begin(&state.loaded)
+    }
+
+    /// Pairs and evaluates the contacts at a state, to be looked at; [`Statics::run`](super::Statics::run) pairs on its own.
+    ///
+    /// # Errors
+    /// [`StaticsError::Contact`].
+    pub fn look_at_contacts(&mut self, state: &State) -> Result<(), StaticsError> {
+        self.take_history(state)?;
+        self.contacts.refresh(RefreshRule::Increment, &state.positions)?;
+        self.stiffness = None;
+        self.contacts.evaluate(&state.positions, Mode::Gradient)?;
+        Ok(())
     }
 
     /// Positions of the nodes at the start.
@@ -254,14 +280,23 @@ impl Problem {
 
     fn balance(&self) -> Balance {
         let norm = |sum: f64| sum.sqrt();
-        let (mut residual, mut reaction) = (0.0, 0.0);
+        let (mut residual, mut excess, mut reaction) = (0.0, 0.0, 0.0);
         for (freedom, force) in self.imbalance().enumerate() {
             let square = force * force;
-            if self.supports.is_free(freedom) { residual += square } else { reaction += square }
+            if self.supports.is_free(freedom) {
+                residual += square;
+                let rounding = self.rounding.get(freedom).copied().unwrap_or(0.0);
+                // A force that is no number is in excess.
+                if !(force.abs() <= rounding) {
+                    excess += (force.abs() - rounding).powi(2);
+                }
+            } else {
+                reaction += square;
+            }
         }
         let squares = |forces: &[f64]| forces.iter().map(|force| force * force).sum::<f64>();
         let scale = squares(&self.external).max(squares(&self.contact)).max(reaction);
-        Balance { residual: norm(residual), scale: norm(scale) }
+        Balance { residual: norm(residual), scale: norm(scale), excess: norm(excess) }
     }
 
     /// Solves K Δx = r for the free degrees of freedom while the prescribed ones move by `prescribed`, with the stiffness at the last
@@ -291,6 +326,7 @@ impl Problem {
         self.contacts.add_tangent(&mut matrix)?;
         let contact = Instant::now();
         self.timing.contact += contact - solid;
+        self.take_rounding(&matrix, positions);
         let mut step = vec![[0.0; 3]; self.start.len()];
         for &(freedom, change) in prescribed {
             step[freedom / 3][freedom % 3] = change;
@@ -313,6 +349,16 @@ impl Problem {
             *sum += part;
         }
         Ok(step.into_flattened())
+    }
+
+    /// ε |K| |x| by this stiffness.
+    fn take_rounding(&mut self, matrix: &BlockMatrix, positions: &[[f64; 3]]) {
+        let mut moduli = vec![[0.0; 3]; positions.len()];
+        matrix.multiply_moduli(positions, &mut moduli);
+        // Where it overflows it excuses nothing.
+        let rounding = |&modulus: &f64| if modulus.is_finite() { f64::EPSILON * modulus } else { 0.0 };
+        self.rounding.clear();
+        self.rounding.extend(moduli.as_flattened().iter().map(rounding));
     }
 
     fn has_followers(&self) -> bool {

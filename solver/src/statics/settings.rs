@@ -62,9 +62,9 @@ pub struct NewtonSettings {
     pub absolute: f64,
     /// Most linear solutions in an increment, and in each round of an augmented Lagrangian.
     pub max_iterations: usize,
-    /// An increment that takes at most so many lets the next one grow.
+    /// An increment that takes at most so many, in each round of an augmented Lagrangian, lets the next one grow.
     pub few_iterations: usize,
-    /// Whether steps are shortened that increase the slope.
+    /// Whether steps are shortened that go too far.
     pub line_search: bool,
     /// The first guess.
     pub extrapolation: Extrapolation,

@@ -12,7 +12,7 @@ pub struct SupportGroup {
 }
 
 impl SupportGroup {
-    /// Displacement of its first node at `time` along the axes that it prescribes, 0 along others.
+    /// Displacement of its first node, the one with the lowest number, at `time` along the axes that it prescribes, 0 along others.
     #[must_use]
     pub fn displacement(&self, time: f64, start: &[[f64; 3]]) -> [f64; 3] {
         let Some(&node) = self.support.nodes.first() else { return [0.0; 3] };

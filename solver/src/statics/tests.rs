@@ -16,6 +16,9 @@ struct Notes {
     increments: Vec<IncrementRecord>,
     states: Vec<State>,
     cuts: Vec<(f64, f64)>,
+    /// Why there were cuts.
+    reasons: Vec<String>,
+    stop_at_cut: bool,
     stop_after: Option<usize>,
 }
 
@@ -24,8 +27,10 @@ impl Observer for Notes {
         self.iterations.push(*record);
     }
 
-    fn cut_back(&mut self, end: f64, length: f64, _: &Failure) {
+    fn cut_back(&mut self, end: f64, length: f64, reason: &Failure) -> Control {
         self.cuts.push((end, length));
+        self.reasons.push(format!("{reason:?}"));
+        if self.stop_at_cut { Control::Stop } else { Control::Continue }
     }
 
     fn increment(
@@ -84,7 +89,7 @@ fn deck(base: &str, more: &str) -> (Deck, Model) {
 }
 
 fn statics(deck: &Deck, model: &Model) -> Statics {
-    Statics::new(solve::problem(deck, model, 1).unwrap(), solve::settings(deck, model)).unwrap()
+    Statics::new(solve::problem(deck, model, 1).unwrap(), solve::settings(deck)).unwrap()
 }
 
 /// Runs to the end of time.
@@ -229,7 +234,11 @@ fn an_increment_has_converged_when_the_rule_says_so() {
     statics.run(start, &mut notes).unwrap();
     let absolute = statics.settings.newton.absolute;
     let converged = |record: &IterationRecord| {
-        record.residual <= 1e-5 * record.residual / record.relative.max(f64::MIN_POSITIVE) + absolute
+        let scale = record.residual / record.relative.max(f64::MIN_POSITIVE);
+        assert!((record.allowed - (1e-5 * scale + absolute)).abs() < 1e-12 * record.allowed);
+        // Rounding is far below here.
+        assert!(record.excess <= record.residual && record.excess > 0.999 * record.residual - 1e-9);
+        record.excess <= record.allowed
     };
     for record in &notes.increments {
         let [before @ .., last] = &record.history[..] else { panic!("no residual") };
@@ -374,7 +383,7 @@ fn the_augmented_lagrangian_reduces_penetration_and_keeps_the_force() {
     for (plain, augmented) in penalty.increments.iter().zip(&augmented.increments) {
         assert!(plain.max_penetration > 1e-3 && plain.augmentations == 0);
         assert!(augmented.max_penetration <= 1e-5, "{}", augmented.max_penetration);
-        assert!((1..30).contains(&augmented.augmentations));
+        assert!((1..30).contains(&augmented.augmentations) && !augmented.is_short);
         // Half of p A, then all of it.
         let load = 40.0 * augmented.time;
         for record in [plain, augmented] {
@@ -386,6 +395,45 @@ fn the_augmented_lagrangian_reduces_penetration_and_keeps_the_force() {
     assert!((sum - 40.0).abs() < 0.05 * 40.0, "{sum}");
 }
 
+const AUGMENTED: &str =
+    "penalty = 500.0\nmethod = \"augmented-lagrangian\"\naugmentation = { tolerance = 1e-5, max = 60 }";
+
+/// Multipliers of a larger load hold contacts together that have opened: they have to come down.
+#[test]
+fn the_augmented_lagrangian_closes_gaps_after_unloading() {
+    let unloaded = LOADED
+        .replace("penalty = 500.0", AUGMENTED)
+        .replace("value = 20.0", "value = 20.0\namplitude = [[0.0, 0.0], [0.5, 1.0], [1.0, 0.05]]");
+    let (notes, _, statics) = run(&unloaded, "[time]\nincrement = 0.5");
+    let last = notes.increments.last().unwrap();
+    assert!(!last.is_short && last.augmentations > 0);
+    assert!((last.contact_forces[0][2] - 2.0).abs() < 1e-3, "{:?}", last.contact_forces);
+    let interaction = &statics.problem().contacts().interactions()[0];
+    let loaded: Vec<_> = interaction.slaves().filter(|slave| slave.force > 0.0).collect();
+    assert!(loaded.len() > 4 && loaded.iter().all(|slave| slave.gap.unwrap().abs() <= 1e-5), "{loaded:?}");
+}
+
+/// A round is measured by what its multipliers put out of balance, and is easy or hard by its own iterations.
+#[test]
+fn rounds_of_augmentation_are_judged_one_by_one() {
+    let held = LOADED
+        .replace("penalty = 500.0", &AUGMENTED.replace("60", "4"))
+        .replace("value = 20.0", "value = 20.0\namplitude = [[0.0, 0.0], [0.5, 1.0], [1.0, 1.0]]");
+    let more = "[time]\nincrement = 0.25\nmaximum = 0.4\ngrowth = 1.5\n[newton]\ntolerance = 1e-12";
+    let (notes, state, _) = run(&held, more);
+    assert_eq!(state.cutbacks, 0);
+    for record in &notes.increments {
+        assert_eq!(record.history.len(), record.iterations + 1 + record.augmentations);
+        assert!(record.longest_round <= 6 && record.augmentations > 0, "{record:?}");
+    }
+    assert!(notes.increments[0].iterations > 6);
+    assert!(notes.increments[1].length > notes.increments[0].length);
+    // Nothing has changed when the last one begins: its first residuals say nothing about the rounds, also not after a step.
+    let last = notes.increments.last().unwrap();
+    let first = last.history[..2].iter().map(|record| record.residual).fold(0.0, f64::max);
+    assert!(last.history.iter().any(|record| record.step > 0.0 && record.residual > 1e6 * first));
+}
+
 #[test]
 fn rounds_of_augmentation_end_at_their_number() {
     let augmented = LOADED.replace(
@@ -394,6 +442,7 @@ fn rounds_of_augmentation_end_at_their_number() {
     );
     let (notes, ..) = run(&augmented, "[time]\nincrement = 1.0");
     assert_eq!(notes.increments[0].augmentations, 2);
+    assert!(notes.increments[0].is_short);
     assert!(notes.increments[0].max_penetration > 1e-13);
 }
 
@@ -512,6 +561,88 @@ fn after_a_failure_nothing_is_extrapolated() {
     }
 }
 
+/// Pressed at first, then slid: at once it is too far for the fits.
+fn slid(minimum: &str) -> (String, String) {
+    let base = PRESSED.replace(
+        "translate = [0.3, 0.0, -0.2]",
+        "translate = [0.0, 0.0, -0.2]\namplitude = [[0.0, 0.0], [0.4, 1.0]]",
+    );
+    let base = base.replace(
+        "nodes = \"wave\"\nfix = [\"x\", \"y\", \"z\"]",
+        "nodes = \"wave\"\ntranslate = [-2.4, 0.0, 0.0]\namplitude = [[0.0, 0.0], [0.4, 0.0], [1.0, 1.0]]",
+    );
+    (base, format!("[time]\nincrement = 0.2\nmaximum = 0.6\ngrowth = 3.0\n{minimum}"))
+}
+
+#[test]
+fn an_increment_that_loses_contacts_under_load_is_cut() {
+    let (base, time) = slid("");
+    let (notes, ..) = run(&base, &time);
+    assert!(notes.reasons.iter().any(|reason| reason.starts_with("Lost")), "{:?}", notes.reasons);
+    assert!(notes.increments.iter().all(|record| record.lost == 0 && record.active > 0));
+}
+
+/// Where no shorter increment is allowed the run goes on without them, and says how many there were.
+#[test]
+fn contacts_lost_in_the_shortest_increment_are_counted() {
+    let (base, time) = slid("minimum = 0.2\ncutback = 0.3");
+    let (deck, model) = deck(&base, &time);
+    let mut statics = statics(&deck, &model);
+    let mut notes = Notes { stop_after: Some(2), ..Notes::default() };
+    let start = statics.problem().start();
+    statics.run(start, &mut notes).unwrap();
+    assert!(notes.reasons.iter().all(|reason| !reason.starts_with("Lost")), "{:?}", notes.reasons);
+    let lost: Vec<usize> = notes.increments.iter().map(|record| record.lost).collect();
+    assert!(lost[0] == 0 && lost[1] > 0, "{lost:?} {:?}", notes.reasons);
+}
+
+#[test]
+fn a_run_is_stopped_at_a_cut() {
+    let (deck, model) = deck(PRESSED, "[newton]\nmax_iterations = 5\n[time]\nincrement = 0.5");
+    let mut statics = statics(&deck, &model);
+    let start = statics.problem().start();
+    let mut notes = Notes { stop_at_cut: true, ..Notes::default() };
+    let state = statics.run(start.clone(), &mut notes).unwrap();
+    assert!(notes.cuts.len() == 1 && state.time < 1.0);
+    // It goes on as if it had not been stopped.
+    let mut whole = Notes::default();
+    let end = statics.run(start, &mut whole).unwrap();
+    assert_eq!(statics.run(state, &mut Notes::default()).unwrap(), end);
+}
+
+/// Forces of a stiff body are rounded by more than all there is in a soft one: it is solved all the same.
+#[test]
+fn a_stiff_part_does_not_excuse_a_soft_one() {
+    let with_tool = format!(
+        "{LOADED}\n{}",
+        r#"
+[materials.hard]
+young = 1e13
+poisson = 0.3
+
+[parts.tool]
+shape = "box"
+origin = [10.0, 0.0, 0.0]
+size = [1.0, 1.0, 1.0]
+divisions = [2, 2, 2]
+material = "hard"
+
+[[boundary]]
+nodes = "tool.z-"
+rotate = { axis = [1.0, 0.2, 0.3], point = [10.0, 0.0, 0.0], degrees = 40.0 }
+"#
+    );
+    let (notes, ..) =
+        run(&with_tool, "[time]\nincrement = 0.5\n[newton]\ntolerance = 1e-14\nabsolute = 1e-6");
+    for record in &notes.increments {
+        let (force, load) = (record.contact_forces[0][2], 40.0 * record.time);
+        assert!((force - load).abs() < 1e-5, "{force} {load}");
+        let last = record.history.last().unwrap();
+        // Without the tool's rounding nothing would be left.
+        assert!(last.residual > 1e-3 && last.excess < 2e-6, "{last:?}");
+    }
+}
+
 #[test]
 fn a_state_of_another_problem_is_refused() {
     let (one, model) = deck(PRESSED, "[time]\nincrement = 0.5");
@@ -532,7 +663,7 @@ fn a_state_of_another_problem_is_refused() {
 fn a_setting_out_of_range_is_named() {
     let (deck, model) = deck(PRESSED, "[time]\nincrement = 0.5");
     let problem = || solve::problem(&deck, &model, 1).unwrap();
-    let good = solve::settings(&deck, &model);
+    let good = solve::settings(&deck);
     type Spoil = fn(&mut Settings);
     let spoilt: [(Spoil, &str); 6] = [
         (|settings| settings.time.end = f64::NAN, "time.end"),

@@ -134,4 +134,24 @@ impl BlockMatrix {
             *result = sum;
         }
     }
+
+    /// y = |K| |x|, the moduli entry by entry.
+    ///
+    /// # Panics
+    /// If a length is wrong.
+    pub fn multiply_moduli(&self, x: &[[f64; 3]], y: &mut [[f64; 3]]) {
+        assert_eq!(x.len(), self.pattern.nodes(), "entries of x");
+        assert_eq!(y.len(), self.pattern.nodes(), "entries of y");
+        for (node, result) in y.iter_mut().enumerate() {
+            let blocks = &self.blocks[self.pattern.start(node)..];
+            let mut sum = [0.0; 3];
+            for (block, &column) in blocks.iter().zip(self.pattern.row(node)) {
+                let x = x[column as usize].map(f64::abs);
+                for i in 0..3 {
+                    sum[i] += block[i][0].abs() * x[0] + block[i][1].abs() * x[1] + block[i][2].abs() * x[2];
+                }
+            }
+            *result = sum;
+        }
+    }
 }

@@ -64,6 +64,8 @@ pub struct DirectSolver {
     norm: f64,
     /// The factors that are those of `values`.
     current: Option<Method>,
+    /// Whether a matrix of this structure has answered a load without order by its symmetric factors.
+    is_probed: bool,
     rhs: Vec<f64>,
     solution: Vec<f64>,
     residual: Vec<f64>,
@@ -105,6 +107,7 @@ impl DirectSolver {
         if !self.structure.as_ref().is_some_and(|structure| structure.is_of(matrix.pattern(), equations)) {
             self.symmetric = None;
             self.general = None;
+            self.is_probed = false;
             self.structure = Some(Structure::new(matrix.pattern(), equations)?);
         }
         let Some(structure) = &self.structure else { return Ok(()) };
@@ -176,7 +179,8 @@ impl DirectSolver {
     fn factorise_symmetric(&mut self) -> Result<bool, SystemError> {
         let par = self.parallelism();
         let Some(structure) = &self.structure else { return Ok(false) };
-        let too_large = SystemError::TooLarge { equations: structure.equations.len() };
+        let equations = structure.equations.len();
+        let too_large = SystemError::TooLarge { equations };
         let factor = match &mut self.symmetric {
             Some(factor) => factor,
             none => none.insert(SymmetricFactor::new(structure.symbolic()).map_err(|_| too_large)?),
@@ -184,6 +188,17 @@ impl DirectSolver {
         factor.factorise(structure.matrix(&self.values), par).map_err(|_| too_large)?;
         if factor.smallest_pivot(&structure.diagonal(&self.values)) < SMALL_PIVOT {
             return Ok(false);
+        }
+        // Rounding may leave a pivot larger than that where there should be none.
+        if !self.is_probed {
+            let probe = probe(equations);
+            self.candidate.clone_from(&probe);
+            let Some(factor) = &mut self.symmetric else { return Ok(false) };
+            factor.solve(&mut self.candidate, par).map_err(|_| too_large)?;
+            if !(self.growth(&self.candidate, &probe) < SINGULAR) {
+                return Ok(false);
+            }
+            self.is_probed = true;
         }
         self.current = Some(Method::Symmetric);
         Ok(true)
@@ -205,8 +220,7 @@ impl DirectSolver {
             Err(LuError::SymbolicSingular { .. }) => return Err(self.singular(residual, f64::INFINITY)),
             Err(LuError::Generic(_)) => return Err(too_large),
         }
-        // A load without order finds the modes of rigid bodies, which loads in equilibrium leave alone.
-        let probe: Vec<f64> = (0..equations).map(irregular).collect();
+        let probe = probe(equations);
         self.candidate.clone_from(&probe);
         factor.solve(&mut self.candidate, par).map_err(|_| too_large)?;
         let condition = self.growth(&self.candidate, &probe);
@@ -367,6 +381,11 @@ impl Structure {
             }
         }
     }
+}
+
+/// A load without order: it finds the modes of rigid bodies, which loads in equilibrium leave alone.
+fn probe(equations: usize) -> Vec<f64> {
+    (0..equations).map(irregular).collect()
 }
 
 /// A number in [−1, 1) without visible order, always the same for the same index.

@@ -77,7 +77,7 @@ pub fn trace<T>(
     let model = deck.model(base)?;
     let problem = problem(deck, &model, threads)?;
     let start = problem.start();
-    let mut statics = Statics::new(problem, settings(deck, &model))?;
+    let mut statics = Statics::new(problem, settings(deck))?;
     let mut tracer = Tracer { measure, measures: Vec::new(), cutbacks: 0 };
     let state = statics.run(start, &mut tracer)?;
     let Tracer { measures, cutbacks, .. } = tracer;
@@ -91,8 +91,9 @@ struct Tracer<T, F> {
 }
 
 impl<T, F: FnMut(&Snapshot<'_>) -> Result<T, SolidError>> Observer for Tracer<T, F> {
-    fn cut_back(&mut self, _: f64, _: f64, _: &Failure) {
+    fn cut_back(&mut self, _: f64, _: f64, _: &Failure) -> Control {
         self.cutbacks += 1;
+        Control::Continue
     }
 
     fn increment(

@@ -111,7 +111,7 @@ impl Case {
     pub fn run(&self) -> Result<Outcome, SolveError> {
         let deck = Deck::parse_named(&self.text(), format!("{}.toml", self.name))?;
         let model = deck.model(Path::new(""))?;
-        let mut statics = Statics::new(problem(&deck, &model, 1)?, settings(&deck, &model))?;
+        let mut statics = Statics::new(problem(&deck, &model, 1)?, settings(&deck))?;
         let start = statics.problem().start();
         let mut watch = Watch::new(self.limit);
         let begin = Instant::now();
@@ -157,12 +157,13 @@ impl Watch {
 
 impl Observer for Watch {
     fn iteration(&mut self, record: &IterationRecord) {
-        // The first residual of an increment is there before any solution.
-        self.iterations += usize::from(record.iteration > 0);
+        // The first residual of an increment, or of a round of augmentation, is there before any solution.
+        self.iterations += usize::from(record.iteration > 0 && record.step > 0.0);
     }
 
-    fn cut_back(&mut self, _: f64, _: f64, _: &Failure) {
+    fn cut_back(&mut self, _: f64, _: f64, _: &Failure) -> Control {
         self.cutbacks += 1;
+        Control::Continue
     }
 
     fn increment(

@@ -1,0 +1,121 @@
+//! Derivatives only where there is force: what is read of them is what all contacts would give.
+
+mod common;
+
+use common::{Mesh, Scene, Uniform};
+use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap, Triangle, Triplets, add_residual};
+use diffuse_contact::interface::{ContactElement, Contacts, InterfaceOptions};
+use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
+
+/// Slaves about a wavy master, some beyond its border and some far above; enough for several chunks.
+fn scene(options: InterfaceOptions) -> Scene {
+    let height = |x: f64, y: f64| (0.4 * x).sin() * (0.3 * y).cos();
+    let mesh = Mesh::grid([30, 30], [false; 2], |s, t| {
+        let [x, y] = [10.0 * s, 10.0 * t];
+        [x, y, height(x, y)]
+    });
+    let mut random = Uniform(11);
+    let mut place = |_| {
+        let [x, y] = [10.4 * random.next() - 0.2, 10.4 * random.next() - 0.2];
+        let lift = if random.next() < 0.1 { 30.0 } else { 0.05 * random.signed() };
+        [x, y, height(x, y) + lift]
+    };
+    let slaves: Vec<Point> = (0..700).map(&mut place).collect();
+    mesh.paired(&slaves, options)
+}
+
+fn variants() -> [InterfaceOptions; 4] {
+    let base = InterfaceOptions { distance_limit: Some(5.0), ..InterfaceOptions::default() };
+    let with = |weight, frame| {
+        let ContactElement::Diffuse { search, .. } = base.element else { panic!("the default element") };
+        InterfaceOptions { element: ContactElement::Diffuse { weight, frame, search }, ..base }
+    };
+    [
+        with(Weight::Cubic, FrameDerivative::CoMoving),
+        with(Weight::CubicInterpolating, FrameDerivative::CoMoving),
+        with(Weight::WendlandC2, FrameDerivative::Frozen),
+        InterfaceOptions { distance_limit: Some(5.0), ..InterfaceOptions::node_to_facet() },
+    ]
+}
+
+/// Residual, matrix by pattern and matrix by triplets.
+fn system(contacts: &Contacts, law: &ContactLaw<'_>, nodes: usize) -> (Vec<f64>, Vec<f64>, Triplets) {
+    let dofs = DofMap::standard(nodes);
+    let mut residual = vec![0.0; dofs.equations()];
+    add_residual(contacts, law, &dofs, &mut residual).unwrap();
+    let pattern = CsrPattern::union(contacts, &dofs).unwrap();
+    let mut values = vec![0.0; pattern.entries()];
+    pattern.fill(contacts, law, &mut values).unwrap();
+    let mut triplets = Triplets::new();
+    triplets.fill(contacts, law, &dofs, Triangle::Full).unwrap();
+    (residual, values, triplets)
+}
+
+#[test]
+fn contacts_with_force_have_the_bits_of_a_full_evaluation_and_others_no_derivatives() {
+    for options in variants() {
+        let mut scene = scene(options);
+        let multipliers: Vec<f64> = (0..700).map(|k| f64::from(k % 5) * 0.01).collect();
+        let law = ContactLaw { multipliers: Some(&multipliers), ..ContactLaw::penalty(1.5) };
+        for mode in [Mode::Hessian, Mode::Gradient] {
+            let all = scene.interface.evaluate(mode).unwrap().clone();
+            let is_loaded = |k, gap, area| law.force(k, gap, area) > 0.0;
+            let some = scene.interface.evaluate_where(mode, is_loaded).unwrap();
+            assert_eq!((some.len(), some.mode()), (700, mode));
+            let mut counts = [0; 3];
+            for (k, (one, other)) in some.iter().zip(all.iter()).enumerate() {
+                assert_eq!((one.slave, one.nodes), (other.slave, other.nodes));
+                assert_eq!(one.outcome.code(), other.outcome.code());
+                if !other.outcome.is_contact() {
+                    counts[0] += 1;
+                    assert!(one.gradient.is_empty() && one.hessian.is_empty());
+                } else if law.force(k, other.point.gap, other.area) > 0.0 {
+                    counts[1] += 1;
+                    assert_eq!((one.point, one.gradient), (other.point, other.gradient));
+                    assert_eq!(one.hessian, other.hessian);
+                    assert_eq!(one.gradient.len(), 3 * (one.nodes.len() + 1));
+                } else {
+                    counts[2] += 1;
+                    assert!(one.gradient.is_empty() && one.hessian.is_empty());
+                    assert!((one.point.gap - other.point.gap).abs() < 1e-13, "{one:?} {other:?}");
+                }
+            }
+            assert!(counts.iter().all(|&count| count > 50), "{counts:?}");
+            if mode == Mode::Hessian {
+                let nodes = scene.positions.len();
+                let reference = system(&all, &law, nodes);
+                assert_eq!(system(scene.interface.contacts(), &law, nodes), reference);
+            }
+        }
+    }
+}
+
+/// What an earlier evaluation left in the buffers is not shown.
+#[test]
+fn derivatives_of_before_are_not_seen() {
+    for options in variants() {
+        let mut scene = scene(options);
+        scene.interface.evaluate(Mode::Hessian).unwrap();
+        let contacts = scene.interface.evaluate_where(Mode::Hessian, |_, _, _| false).unwrap();
+        assert!(contacts.iter().any(|contact| contact.outcome.is_contact()));
+        assert!(contacts.iter().all(|contact| contact.gradient.is_empty() && contact.hessian.is_empty()));
+        let again = scene.interface.evaluate(Mode::Hessian).unwrap();
+        assert!(again.iter().all(|contact| contact.outcome.is_contact() != contact.hessian.is_empty()));
+    }
+}
+
+#[test]
+fn the_number_of_threads_makes_no_difference() {
+    let law = ContactLaw::penalty(2.0);
+    let evaluated = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut scene = scene(InterfaceOptions::default());
+        let is_loaded = |k, gap, area| law.force(k, gap, area) > 0.0;
+        pool.install(|| scene.interface.evaluate_where(Mode::Hessian, is_loaded).unwrap().clone())
+    };
+    let (one, many) = (evaluated(1), evaluated(3));
+    for (one, other) in one.iter().zip(many.iter()) {
+        assert_eq!((one.outcome, one.point), (other.outcome, other.point));
+        assert_eq!((one.gradient, one.hessian), (other.gradient, other.hessian));
+    }
+}

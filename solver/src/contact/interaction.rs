@@ -7,7 +7,7 @@ use diffuse_contact::{Mode, Point};
 
 use super::pass::Pass;
 use super::{ContactError, LostContact, SlavePairing};
-use crate::system::{BlockMatrix, BlockPattern};
+use crate::system::BlockMatrix;
 
 /// When slaves are paired anew.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -155,10 +155,6 @@ impl Interaction {
 
     pub(super) fn cliques(&self) -> impl Iterator<Item = Vec<usize>> {
         self.passes.iter().flat_map(Pass::cliques)
-    }
-
-    pub(super) fn bind(&mut self, pattern: &BlockPattern) -> Result<(), ContactError> {
-        self.each(|pass| pass.bind(pattern))
     }
 
     pub(super) fn add_tangent(&mut self, matrix: &mut BlockMatrix) -> Result<(), ContactError> {

@@ -20,7 +20,7 @@ pub use memory::SlavePairing;
 
 use diffuse_contact::Mode;
 
-use crate::system::{BlockMatrix, BlockPattern};
+use crate::system::BlockMatrix;
 
 /// All interactions of a problem.
 #[derive(Debug, Default)]
@@ -94,16 +94,7 @@ impl ContactSet {
         self.interactions.iter().flat_map(Interaction::cliques)
     }
 
-    /// Looks up where the entries of the contact tangents lie in a stiffness of this pattern, which holds the
-    /// [`cliques`](Self::cliques); to be done after every refresh and the evaluation that follows it.
-    ///
-    /// # Errors
-    /// [`ContactError::Assembly`].
-    pub fn bind(&mut self, pattern: &BlockPattern) -> Result<(), ContactError> {
-        self.interactions.iter_mut().try_for_each(|interaction| interaction.bind(pattern))
-    }
-
-    /// Adds the contact tangents, to be used after [`bind`](Self::bind).
+    /// Adds the contact tangents to a stiffness whose pattern holds the [`cliques`](Self::cliques).
     ///
     /// # Errors
     /// [`ContactError::Assembly`].

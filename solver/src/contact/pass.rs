@@ -2,14 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use diffuse_contact::assembly::{AssemblyError, ContactLaw, CsrPattern, DofMap, Tangent, add_residual};
+use diffuse_contact::assembly::{AssemblyError, ContactLaw, ContactView, DofMap, Tangent, add_residual};
 use diffuse_contact::interface::{ContactInterface, ContactRef, Contacts, InterfaceError, Outcome};
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
 use super::losses::{Losses, is_failure};
 use super::{ContactError, InteractionOptions, LostContact, SlavePairing, SlaveState};
-use crate::system::{BlockMatrix, BlockPattern};
+use crate::system::BlockMatrix;
 
 /// A step of a pass that failed.
 #[derive(Debug)]
@@ -53,8 +53,7 @@ pub struct Pass {
     /// Whether all axes of each node are prescribed.
     held: Vec<bool>,
     losses: Losses,
-    /// The entries of the tangent for the pairing of the moment, and where they lie in the stiffness.
-    entries: Option<(CsrPattern, Vec<usize>)>,
+    /// Forces of all nodes, or the tangent of one contact.
     values: Vec<f64>,
 }
 
@@ -83,7 +82,6 @@ impl Pass {
             multipliers,
             held: vec![false; positions.len()],
             losses: Losses::default(),
-            entries: None,
             values: Vec::new(),
         })
     }
@@ -109,7 +107,6 @@ impl Pass {
 
     pub fn refresh(&mut self, positions: &[Point]) -> Result<(), PassError> {
         self.interface.refresh_pairing(positions)?;
-        self.entries = None;
         Ok(())
     }
 
@@ -150,30 +147,39 @@ impl Pass {
         })
     }
 
-    /// Looks up the places of the tangent's entries.
-    pub fn bind(&mut self, pattern: &BlockPattern) -> Result<(), PassError> {
-        let own = CsrPattern::union(self.contacts(), &self.dofs)?;
-        let mut places = Vec::with_capacity(own.entries());
-        for (row, ends) in own.row_offsets().windows(2).enumerate() {
-            for &column in &own.columns()[ends[0]..ends[1]] {
-                let block = pattern.block(row / 3, column / 3).expect("the pattern holds the cliques");
-                places.push(9 * block + 3 * (row % 3) + column % 3);
-            }
-        }
-        self.entries = Some((own, places));
-        Ok(())
-    }
-
+    /// Adds the tangents of the contacts that carry force, in the order of the slaves.
     pub fn add_tangent(&mut self, matrix: &mut BlockMatrix) -> Result<(), PassError> {
-        let Some((pattern, places)) = &self.entries else { return Ok(()) };
-        let mut values = std::mem::take(&mut self.values);
-        values.resize(pattern.entries(), 0.0);
-        pattern.fill(self.contacts(), &self.law(), &mut values)?;
-        let entries = matrix.entries_mut();
-        for (&place, value) in places.iter().zip(&values) {
-            entries[place] += value;
+        let mut dense = std::mem::take(&mut self.values);
+        let (mut nodes, mut packed) = (Vec::new(), Vec::new());
+        for (k, contact) in self.contacts().iter().enumerate() {
+            let ContactRef { slave, point, area, gradient, hessian, .. } = contact;
+            // One law for one contact: with its own multiplier.
+            let multipliers = self.multipliers.get(k..=k);
+            let law = ContactLaw { penalty: self.penalty, multipliers, tangent: self.tangent };
+            if !(contact.outcome.is_contact() && law.force(0, point.gap, area) > 0.0) {
+                continue;
+            }
+            nodes.clear();
+            nodes.push(slave);
+            nodes.extend(contact.nodes.iter().map(|&node| node as usize));
+            let size = gradient.len();
+            dense.clear();
+            dense.resize(size * size, 0.0);
+            let view = ContactView { gap: point.gap, area, gradient, hessian };
+            law.element_system(&view, &mut [], &mut dense).map_err(|error| match error {
+                // The equation is that of the element.
+                AssemblyError::Overflow { what, equation: own } => {
+                    AssemblyError::Overflow { what, equation: 3 * nodes[own / 3] + own % 3 }
+                }
+                other => other,
+            })?;
+            packed.clear();
+            for (row, entries) in dense.chunks_exact(size).enumerate() {
+                packed.extend_from_slice(&entries[..=row]);
+            }
+            matrix.add_symmetric(&nodes, &packed, 1.0);
         }
-        self.values = values;
+        self.values = dense;
         Ok(())
     }
 
@@ -254,7 +260,6 @@ impl Pass {
             return Ok(());
         }
         let kept: Vec<_> = pairings.iter().map(|saved| saved.as_ref().map(Into::into)).collect();
-        self.entries = None;
         Ok(self.interface.set_kept_pairings(&kept)?)
     }
 

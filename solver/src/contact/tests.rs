@@ -110,7 +110,6 @@ fn the_stiffness_is_the_derivative_of_the_forces_with_the_pairing_held() {
         let (mut set, nodes) = contacts(options);
         let (at_start, _) = forces(&mut set, &nodes, Mode::Hessian);
         let pattern = Arc::new(BlockPattern::new(nodes.len(), set.cliques().collect::<Vec<_>>().iter()));
-        set.bind(&pattern).unwrap();
         if set.multipliers().iter().any(|pass| !pass.is_empty()) {
             // With multipliers that are not zero. Then they are held.
             assert_eq!(set.augment(0), Augmented::Due);
@@ -310,7 +309,6 @@ fn only_the_exact_tangent_evaluates_hessians() {
         forces(&mut set, &nodes, Mode::Hessian);
         assert_eq!(set.interactions()[0].mode(), mode);
         let pattern = Arc::new(BlockPattern::new(nodes.len(), set.cliques().collect::<Vec<_>>().iter()));
-        set.bind(&pattern).unwrap();
         let mut matrix = BlockMatrix::new(pattern);
         set.add_tangent(&mut matrix).unwrap();
         assert!(matrix.entries_mut().iter().any(|&entry| entry != 0.0));

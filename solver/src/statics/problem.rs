@@ -310,7 +310,7 @@ impl Problem {
         let begin = Instant::now();
         let mut matrix = match self.stiffness.take() {
             Some(matrix) => matrix,
-            None => BlockMatrix::new(self.new_pattern()?),
+            None => BlockMatrix::new(self.new_pattern()),
         };
         let linear = Instant::now();
         self.timing.linear += linear - begin;
@@ -366,13 +366,11 @@ impl Problem {
     }
 
     /// The pattern for the pairing of the moment.
-    fn new_pattern(&mut self) -> Result<Arc<BlockPattern>, Failure> {
+    fn new_pattern(&self) -> Arc<BlockPattern> {
         let mut cliques: Vec<Vec<usize>> = self.solid.elements().map(|nodes| nodes.to_vec()).collect();
         let followers = self.pressures.iter().filter(|pressure| pressure.follower);
         cliques.extend(followers.flat_map(|pressure| &pressure.facets).map(|facet| facet.corners().to_vec()));
         cliques.extend(self.contacts.cliques());
-        let pattern = Arc::new(BlockPattern::new(self.start.len(), cliques.iter()));
-        self.contacts.bind(&pattern)?;
-        Ok(pattern)
+        Arc::new(BlockPattern::new(self.start.len(), cliques.iter()))
     }
 }

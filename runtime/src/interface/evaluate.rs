@@ -43,6 +43,15 @@ impl Request<'_> {
     }
 }
 
+/// Whether feet may lie beyond the border.
+#[derive(Clone, Copy)]
+enum Border {
+    /// They are tested, which takes as long as the gap.
+    Tested,
+    /// They have been, at the same positions.
+    Met,
+}
+
 /// Memory of lists that are empty between evaluations.
 #[derive(Debug, Default)]
 struct Lists {
@@ -125,10 +134,12 @@ impl Evaluator<'_> {
         let mut all = recycled(std::mem::take(&mut scratch.lists.slots));
         slots.for_each(&pairings.layout, |slot| all.push(slot));
         let mut slots = all;
+        let mut border = Border::Tested;
         if request.is_loaded.is_some() {
-            self.side_by_side(pairings, Mode::Value, &mut slots, weight, scratch, |_| true);
+            self.side_by_side(pairings, Mode::Value, border, &mut slots, weight, scratch, |_| true);
+            border = Border::Met;
         }
-        self.side_by_side(pairings, request.mode, &mut slots, weight, scratch, |slot| {
+        self.side_by_side(pairings, request.mode, border, &mut slots, weight, scratch, |slot| {
             *slot.derived = request
                 .is_loaded
                 .is_none_or(|is_loaded| slot.outcome.is_contact() && is_loaded(slot.index, slot.point.gap));
@@ -142,6 +153,7 @@ impl Evaluator<'_> {
         &'s self,
         pairings: &'s Pairings,
         mode: Mode,
+        tests: Border,
         slots: &mut [Slot<'s>],
         weight: Weight,
         scratch: &mut ElementScratch,
@@ -178,7 +190,10 @@ impl Evaluator<'_> {
         }
         evaluate(&Generated, mode, &mut waiting, batch, |index, values| {
             let (place, paired) = &places[index];
-            let point = self.within_border(paired, contact_point(values), border);
+            let point = match tests {
+                Border::Tested => self.within_border(paired, contact_point(values), border),
+                Border::Met => contact_point(values).map_err(NoContact::from),
+            };
             let slot = &mut slots[*place];
             write(point.map(|point| (point, paired.record.fallback)), slot.outcome, slot.point);
         });

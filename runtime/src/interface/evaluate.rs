@@ -73,6 +73,8 @@ pub struct ElementScratch {
     masters: Vec<Point>,
     /// Nodes of a facet, ascending.
     corners: Vec<u32>,
+    /// Facets around it.
+    patch: Vec<u32>,
     border: BorderScratch,
     batch: BatchScratch,
     lists: Lists,
@@ -257,11 +259,11 @@ impl Evaluator<'_> {
                 let beyond = if element.contains(found.natural, 0.0) {
                     0.0
                 } else {
-                    let ElementScratch { corners, border, .. } = scratch;
+                    let ElementScratch { corners, patch, border, .. } = scratch;
                     corners.clear();
                     corners.extend_from_slice(paired.masters);
                     corners.sort_unstable();
-                    let patch = (paired.record.facet, corners.as_slice());
+                    self.creases.patch(self.surface, paired.record.facet, corners, patch);
                     self.creases.beyond(self.surface, self.positions, patch, found.point.foot, border)
                 };
                 (found.point, beyond)
@@ -278,15 +280,15 @@ impl Evaluator<'_> {
         point: Result<ContactPoint, ElementError>,
         border: &mut BorderScratch,
     ) -> Result<ContactPoint, NoContact> {
-        if paired.record.ends_near {
+        if !paired.patch.is_empty() {
             // A slave that has slid far beyond the border has no fit any more: the border is the reason.
             let foot = match &point {
                 Ok(point) => point.foot,
                 Err(error @ ElementError::BeyondCentreOfCurvature { .. }) => return Err((*error).into()),
                 Err(_) => self.positions[paired.slave],
             };
-            let patch = (paired.record.facet, paired.masters);
-            self.check_border(self.creases.beyond(self.surface, self.positions, patch, foot, border))?;
+            let beyond = self.creases.beyond(self.surface, self.positions, paired.patch, foot, border);
+            self.check_border(beyond)?;
         }
         point.map_err(NoContact::from)
     }

@@ -2,7 +2,7 @@
 
 use super::contacts::Layout;
 use super::evaluate::Evaluator;
-use super::pairings::{Pairings, Record};
+use super::pairings::{Lists, Pairings, Record};
 use super::{ContactElement, ContactInterface, InterfaceError, NoContact};
 use crate::Basis;
 use crate::neighbourhood::Fallback;
@@ -64,8 +64,7 @@ impl ContactInterface {
         let record = |kept: &Option<KeptPairing>| {
             let kept = kept.as_ref().ok_or(NoContact::NotPaired)?;
             let &KeptPairing { facet, natural, support_radius, basis, fallback, .. } = kept;
-            // Whether the patch ends near is asked anew by the refresh. Until then there may be no edges to test.
-            Ok(Record { support_radius, basis, fallback, facet, natural, ends_near: false })
+            Ok(Record { support_radius, basis, fallback, facet, natural })
         };
         let masters_of =
             |kept: &Option<KeptPairing>| kept.as_ref().map_or(Vec::new(), |kept| kept.masters.clone());
@@ -76,8 +75,10 @@ impl ContactInterface {
         let Self { master, options, positions, creases, .. } = &*self;
         let evaluator = Evaluator { surface: master, creases, positions, options };
         let frames = kept.iter().filter_map(|_| evaluator.stand_in_frame()).collect();
-        self.pairings =
-            Pairings { layout: layout.into(), records: kept.iter().map(record).collect(), frames };
+        let records = kept.iter().map(record).collect();
+        // The refresh asks anew where patches end. Until then there may be no edges to test.
+        let patches = Lists::default();
+        self.pairings = Pairings { layout: layout.into(), records, frames, patches };
         Ok(())
     }
 

@@ -18,8 +18,6 @@ pub struct Record {
     pub facet: u32,
     /// Natural coordinates of the point of `facet` closest to the slave.
     pub natural: [f64; 2],
-    /// Whether the patch of the masters ends somewhere, so that a foot may lie beyond it.
-    pub ends_near: bool,
 }
 
 /// Pairing data of all slaves.
@@ -30,6 +28,31 @@ pub struct Pairings {
     pub records: Vec<Result<Record, NoContact>>,
     /// One frame per slave if frames are held, else none.
     pub frames: Vec<Frame>,
+    /// The patch of each slave's masters, where it ends somewhere, so that a foot may lie beyond it. A node-to-facet element has
+    /// none: it needs one only once the foot is off its facet.
+    pub patches: Lists,
+}
+
+/// Lists one after another.
+#[derive(Clone, Debug, Default)]
+pub struct Lists {
+    numbers: Vec<u32>,
+    ends: Vec<usize>,
+}
+
+impl Lists {
+    /// Appends a list.
+    pub fn push(&mut self, list: &[u32]) {
+        self.numbers.extend_from_slice(list);
+        self.ends.push(self.numbers.len());
+    }
+
+    /// The `k`-th list; empty if there is none.
+    pub fn get(&self, k: usize) -> &[u32] {
+        let Some(&end) = self.ends.get(k) else { return &[] };
+        let start = k.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.numbers[start..end]
+    }
 }
 
 /// One paired slave.
@@ -40,6 +63,8 @@ pub struct Paired<'a> {
     pub record: &'a Record,
     /// If frames are held.
     pub frame: Option<&'a Frame>,
+    /// The facets of the masters' patch if that ends somewhere.
+    pub patch: &'a [u32],
 }
 
 impl Pairings {
@@ -48,7 +73,7 @@ impl Pairings {
         let records = vec![Err(NoContact::NotPaired); slaves.len()];
         let lengths = std::iter::repeat_n(0, slaves.len());
         let layout = Arc::new(Layout::new(slaves, areas, lengths, Vec::new()));
-        Self { layout, records, frames: Vec::new() }
+        Self { layout, records, frames: Vec::new(), patches: Lists::default() }
     }
 
     /// The `k`-th slave.
@@ -59,6 +84,7 @@ impl Pairings {
             masters: self.layout.masters(k),
             record,
             frame: self.frames.get(k),
+            patch: self.patches.get(k),
         })
     }
 

@@ -7,13 +7,13 @@ use rayon::prelude::*;
 
 use super::contacts::Layout;
 use super::evaluate::{ElementScratch, Evaluator};
-use super::pairings::{Paired, Pairings, Record};
+use super::pairings::{Lists, Paired, Pairings, Record};
 use super::report::RefreshReport;
 use super::scratch::Pool;
 use super::{ContactElement, InterfaceError, NoContact};
 use crate::neighbourhood::{Fallback, NeighbourSearch, SearchOptions, regularity};
 use crate::pairing::NearestNodes;
-use crate::surface::{BorderScratch, Closest, Creases, MasterSurface, SurfaceIndex, Walk};
+use crate::surface::{Closest, Creases, MasterSurface, SurfaceIndex, Walk};
 use crate::{Basis, Frame, Point};
 
 /// Slaves that one thread pairs in a row.
@@ -41,7 +41,7 @@ pub struct RefreshScratch {
     walk: Walk,
     ties: Vec<Closest>,
     masters: Vec<u32>,
-    border: BorderScratch,
+    patch: Vec<u32>,
     element: ElementScratch,
 }
 
@@ -52,7 +52,7 @@ impl RefreshScratch {
             walk: Walk::default(),
             ties: Vec::new(),
             masters: Vec::new(),
-            border: BorderScratch::default(),
+            patch: Vec::new(),
             element: ElementScratch::default(),
         })
     }
@@ -66,6 +66,7 @@ struct Chunk {
     /// Where the masters of each slave end.
     ends: Vec<usize>,
     frames: Vec<Frame>,
+    patches: Lists,
     report: RefreshReport,
 }
 
@@ -103,16 +104,18 @@ impl Refresh<'_> {
         let mut masters = Vec::with_capacity(chunks.iter().map(|chunk| chunk.masters.len()).sum());
         let mut records = Vec::with_capacity(order.len());
         let mut frames = Vec::new();
+        let mut patches = Lists::default();
         chunks.iter().for_each(|chunk| report.append(&chunk.report));
         for &place in &places {
             let (chunk, own) = (&chunks[place / CHUNK], place % CHUNK);
             records.push(chunk.records[own]);
             masters.extend_from_slice(chunk.masters_of(own));
             frames.extend(chunk.frames.get(own));
+            patches.push(chunk.patches.get(own));
         }
         let lengths = places.iter().map(|place| chunks[place / CHUNK].masters_of(place % CHUNK).len());
         let layout = Layout::new(old.slaves().to_vec(), old.areas().to_vec(), lengths, masters);
-        (Pairings { layout: layout.into(), records, frames }, report)
+        (Pairings { layout: layout.into(), records, frames, patches }, report)
     }
 
     /// Pairs the `k`-th slave, or keeps its pairing, and books it.
@@ -134,9 +137,9 @@ impl Refresh<'_> {
             }
             (_, Ok(closest), _) => self.pair(node, &closest, scratch),
         };
-        let RefreshScratch { masters, element, .. } = scratch;
+        let RefreshScratch { masters, patch, element, .. } = scratch;
         let paired = record.as_ref().map_err(|reason| *reason).and_then(|record| {
-            let paired = Paired { slave: node, masters, record, frame: None };
+            let paired = Paired { slave: node, masters, record, frame: None, patch };
             Ok((paired, self.evaluator.held_frame(&paired, element)?))
         });
         let report = &mut chunk.report;
@@ -151,8 +154,11 @@ impl Refresh<'_> {
                     Some(_) => report.changed += 1,
                 }
                 // A kept pairing has a gap. It had another, or none, only if its frame is held and so renewed, or if
-                // its patch ended somewhere before.
-                let is_as_before = |old: &Paired<'_>| kept && frame.is_none() && !old.record.ends_near;
+                // its patch ended somewhere before, as that of a facet may.
+                let was_whole = |old: &Paired<'_>| {
+                    old.patch.is_empty() && self.evaluator.options.element != ContactElement::NodeToFacet
+                };
+                let is_as_before = |old: &Paired<'_>| kept && frame.is_none() && was_whole(old);
                 if !old.as_ref().is_some_and(is_as_before) {
                     let paired = Paired { frame: frame.as_ref(), ..paired };
                     let before = old.as_ref().and_then(|old| self.old_gap(old, element));
@@ -161,6 +167,7 @@ impl Refresh<'_> {
                 chunk.masters.extend_from_slice(masters);
                 chunk.records.push(record);
                 chunk.frames.extend(frame);
+                chunk.patches.push(patch);
             }
             Err(reason) => {
                 report.lost += usize::from(old.is_some());
@@ -168,6 +175,7 @@ impl Refresh<'_> {
                 report.count_without(reason);
                 chunk.records.push(Err(reason));
                 chunk.frames.extend(self.evaluator.stand_in_frame());
+                chunk.patches.push(&[]);
             }
         }
         chunk.ends.push(chunk.masters.len());
@@ -213,26 +221,23 @@ impl Refresh<'_> {
         if !((closest.point - before).norm() <= options.hysteresis * old.record.support_radius) {
             return None;
         }
-        let RefreshScratch { walk, element, border, .. } = scratch;
+        let RefreshScratch { walk, element, patch, .. } = scratch;
         let slave = positions[old.slave];
         walk.start(self.index, closest.facet, slave);
         let mut masters = old.masters.iter();
         if !masters.all(|&node| walk.reaches(self.index, creases, place_of(surface, node))) {
             return None;
         }
-        let ends_near = match options.element {
-            ContactElement::Diffuse { .. } => {
-                creases.end_near(surface, old.record.facet, old.masters, border)
-            }
-            ContactElement::NodeToFacet => true,
-        };
-        let record = Record { ends_near, ..*old.record };
-        let kept = Paired { record: &record, ..*old };
+        patch.clear();
+        if options.element != ContactElement::NodeToFacet {
+            creases.patch_with_end(surface, old.record.facet, old.masters, patch);
+        }
+        let kept = Paired { patch, ..*old };
         // A frame that is held is renewed with the pairing.
         let frame = self.evaluator.held_frame(&kept, element).ok()?;
         let renewed = Paired { frame: frame.as_ref(), ..kept };
         let is_sound = self.is_regular(&renewed, element) && self.evaluator.gap(&renewed, element).is_ok();
-        is_sound.then_some(record)
+        is_sound.then_some(*old.record)
     }
 
     /// Whether the masters of a diffuse element still carry the fit, and will until the next refresh: also without
@@ -261,8 +266,9 @@ impl Refresh<'_> {
         scratch: &mut RefreshScratch,
     ) -> Result<Record, NoContact> {
         let Evaluator { surface, creases, positions, options } = self.evaluator;
-        let RefreshScratch { search, walk, masters, border, .. } = scratch;
+        let RefreshScratch { search, walk, masters, patch, .. } = scratch;
         masters.clear();
+        patch.clear();
         let Closest { facet, natural, .. } = *closest;
         let shape = self.index.shape(facet);
         if options.element == ContactElement::NodeToFacet {
@@ -273,7 +279,6 @@ impl Refresh<'_> {
                 fallback: Fallback::None,
                 facet,
                 natural,
-                ends_near: true,
             });
         }
         let slave: Point = positions[node];
@@ -286,13 +291,13 @@ impl Refresh<'_> {
             .map_err(|reason| NoContact::NoCandidate { reason })?;
         masters.extend(found.nodes.iter().map(|&place| surface.nodes()[place]));
         masters.sort_unstable();
+        creases.patch_with_end(surface, facet, masters, patch);
         Ok(Record {
             support_radius: found.support_radius,
             basis: found.basis,
             fallback: found.fallback,
             facet,
             natural,
-            ends_near: creases.end_near(surface, facet, masters, border),
         })
     }
 }

@@ -25,7 +25,6 @@ pub struct Creases {
 /// Memory of the border test, kept from one slave to the next.
 #[derive(Clone, Debug, Default)]
 pub struct BorderScratch {
-    patch: Vec<u32>,
     /// Facets of the patch with a lower bound of their distances.
     near: Vec<(f64, u32)>,
     feet: Vec<(u32, Foot)>,
@@ -50,30 +49,25 @@ impl Creases {
         self.ends[facet] >> edge & 1 == 1
     }
 
-    /// Whether the patch around `nodes` (ascending) that `facet` belongs to ends anywhere.
-    pub fn end_near(
-        &self,
-        surface: &MasterSurface,
-        facet: u32,
-        nodes: &[u32],
-        scratch: &mut BorderScratch,
-    ) -> bool {
-        self.collect_patch(surface, facet, nodes, &mut scratch.patch);
-        scratch.patch.iter().any(|&facet| self.ends[facet as usize] != 0)
+    /// The facets of the patch around `nodes` (ascending) that `facet` belongs to, if it ends anywhere; else none.
+    pub fn patch_with_end(&self, surface: &MasterSurface, facet: u32, nodes: &[u32], patch: &mut Vec<u32>) {
+        self.patch(surface, facet, nodes, patch);
+        if patch.iter().all(|&facet| self.ends[facet as usize] == 0) {
+            patch.clear();
+        }
     }
 
-    /// How far `point` lies beyond the end of the patch around `nodes` that `facet` belongs to: in the plane of the
-    /// closest facet, over its height over the edge; 0 if it does not lie beyond.
+    /// How far `point` lies beyond the end of a patch: in the plane of the closest facet, over its height over the edge; 0 if
+    /// it does not lie beyond.
     pub fn beyond(
         &self,
         surface: &MasterSurface,
         positions: &[Point],
-        (facet, nodes): (u32, &[u32]),
+        patch: &[u32],
         point: Point,
         scratch: &mut BorderScratch,
     ) -> f64 {
-        let BorderScratch { patch, near, feet } = scratch;
-        self.collect_patch(surface, facet, nodes, patch);
+        let BorderScratch { near, feet } = scratch;
         let x = Vector3::from(point);
         near.clear();
         near.extend(patch.iter().map(|&facet| (surface.shape(facet as usize, positions).at_least(x), facet)));
@@ -119,7 +113,7 @@ impl Creases {
     }
 
     /// The facets with a corner among `nodes` that are reached from `facet` over one another.
-    fn collect_patch(&self, surface: &MasterSurface, facet: u32, nodes: &[u32], patch: &mut Vec<u32>) {
+    pub fn patch(&self, surface: &MasterSurface, facet: u32, nodes: &[u32], patch: &mut Vec<u32>) {
         patch.clear();
         patch.push(facet);
         let mut next = 0;

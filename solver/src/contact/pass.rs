@@ -150,7 +150,7 @@ impl Pass {
     /// Adds the tangents of the contacts that carry force, in the order of the slaves.
     pub fn add_tangent(&mut self, matrix: &mut BlockMatrix) -> Result<(), PassError> {
         let mut dense = std::mem::take(&mut self.values);
-        let (mut nodes, mut packed) = (Vec::new(), Vec::new());
+        let mut nodes = Vec::new();
         for (k, contact) in self.contacts().iter().enumerate() {
             let ContactRef { slave, point, area, gradient, hessian, .. } = contact;
             // One law for one contact: with its own multiplier.
@@ -173,11 +173,7 @@ impl Pass {
                 }
                 other => other,
             })?;
-            packed.clear();
-            for (row, entries) in dense.chunks_exact(size).enumerate() {
-                packed.extend_from_slice(&entries[..=row]);
-            }
-            matrix.add_symmetric(&nodes, &packed, 1.0);
+            matrix.add_dense(&nodes, &dense);
         }
         self.values = dense;
         Ok(())

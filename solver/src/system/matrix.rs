@@ -53,6 +53,21 @@ impl BlockMatrix {
         &self.blocks
     }
 
+    /// Adds a matrix over the coordinates of `nodes`, node by node, whose rows follow one another in `dense`. A node may occur more than once.
+    ///
+    /// # Panics
+    /// If the length is not (3n)², or a pair of the nodes is not in the pattern.
+    pub fn add_dense(&mut self, nodes: &[usize], dense: &[f64]) {
+        let size = 3 * nodes.len();
+        assert_eq!(dense.len(), size * size, "entries over {} nodes", nodes.len());
+        for (rows, &row) in dense.chunks_exact((3 * size).max(1)).zip(nodes) {
+            for (b, &column) in nodes.iter().enumerate() {
+                let block = std::array::from_fn(|i| std::array::from_fn(|j| rows[i * size + 3 * b + j]));
+                self.add_block(row, column, &block);
+            }
+        }
+    }
+
     /// Adds `scale` times the symmetric matrix over the coordinates of `nodes`, node by node, whose lower triangle is `packed`
     /// row by row: entry (i, j ≤ i) at i(i+1)/2 + j. A node may occur more than once.
     ///

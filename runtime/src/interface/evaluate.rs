@@ -138,10 +138,10 @@ impl Evaluator<'_> {
         let mut slots = all;
         let mut border = Border::Tested;
         if request.is_loaded.is_some() {
-            self.side_by_side(pairings, Mode::Value, border, &mut slots, weight, scratch, |_| true);
+            self.side_by_side(pairings, (Mode::Value, border), &mut slots, weight, scratch, |_| true);
             border = Border::Met;
         }
-        self.side_by_side(pairings, request.mode, border, &mut slots, weight, scratch, |slot| {
+        self.side_by_side(pairings, (request.mode, border), &mut slots, weight, scratch, |slot| {
             *slot.derived = request
                 .is_loaded
                 .is_none_or(|is_loaded| slot.outcome.is_contact() && is_loaded(slot.index, slot.point.gap));
@@ -154,8 +154,7 @@ impl Evaluator<'_> {
     fn side_by_side<'s>(
         &'s self,
         pairings: &'s Pairings,
-        mode: Mode,
-        tests: Border,
+        (mode, tests): (Mode, Border),
         slots: &mut [Slot<'s>],
         weight: Weight,
         scratch: &mut ElementScratch,

@@ -7,6 +7,7 @@ use diffuse_contact::interface::InterfaceOptions;
 use diffuse_contact::surface::Facet;
 
 use super::*;
+use crate::system::BlockPattern;
 
 const PENALTY: f64 = 1e3;
 

@@ -1,0 +1,161 @@
+//! What contact promises over increments: augmentation, two passes, pairing, losses.
+
+use super::*;
+
+#[test]
+fn the_augmented_lagrangian_reduces_penetration_and_keeps_the_force() {
+    let time = "[time]\nincrement = 0.5";
+    let (penalty, ..) = run(LOADED, time);
+    let augmented = LOADED.replace(
+        "penalty = 500.0",
+        "penalty = 500.0\nmethod = \"augmented-lagrangian\"\naugmentation = { tolerance = 1e-5, max = 30 }",
+    );
+    let (augmented, state, _) = run(&augmented, time);
+    for (plain, augmented) in penalty.increments.iter().zip(&augmented.increments) {
+        assert!(plain.max_penetration > 1e-3 && plain.augmentations == 0);
+        assert!(augmented.max_penetration <= 1e-5, "{}", augmented.max_penetration);
+        assert!((1..30).contains(&augmented.augmentations) && !augmented.is_short);
+        // Half of p A, then all of it.
+        let load = 40.0 * augmented.time;
+        for record in [plain, augmented] {
+            let force = record.contact_forces[0];
+            assert!((force[2] - load).abs() < 1e-4 * load, "{force:?} {load}");
+        }
+    }
+    let sum: f64 = state.multipliers[0].iter().sum();
+    assert!((sum - 40.0).abs() < 0.05 * 40.0, "{sum}");
+}
+
+const AUGMENTED: &str =
+    "penalty = 500.0\nmethod = \"augmented-lagrangian\"\naugmentation = { tolerance = 1e-5, max = 60 }";
+
+/// Multipliers of a larger load hold contacts together that have opened: they have to come down.
+#[test]
+fn the_augmented_lagrangian_closes_gaps_after_unloading() {
+    let unloaded = LOADED
+        .replace("penalty = 500.0", AUGMENTED)
+        .replace("value = 20.0", "value = 20.0\namplitude = [[0.0, 0.0], [0.5, 1.0], [1.0, 0.05]]");
+    let (notes, _, statics) = run(&unloaded, "[time]\nincrement = 0.5");
+    let last = notes.increments.last().unwrap();
+    assert!(!last.is_short && last.augmentations > 0);
+    assert!((last.contact_forces[0][2] - 2.0).abs() < 1e-3, "{:?}", last.contact_forces);
+    let interaction = &statics.problem().contacts().interactions()[0];
+    let loaded: Vec<_> = interaction.slaves().filter(|slave| slave.force > 0.0).collect();
+    assert!(loaded.len() > 4 && loaded.iter().all(|slave| slave.gap.unwrap().abs() <= 1e-5), "{loaded:?}");
+}
+
+/// A round is measured by what its multipliers put out of balance, and is easy or hard by its own iterations.
+#[test]
+fn rounds_of_augmentation_are_judged_one_by_one() {
+    let held = LOADED
+        .replace("penalty = 500.0", &AUGMENTED.replace("60", "4"))
+        .replace("value = 20.0", "value = 20.0\namplitude = [[0.0, 0.0], [0.5, 1.0], [1.0, 1.0]]");
+    let more = "[time]\nincrement = 0.25\nmaximum = 0.4\ngrowth = 1.5\n[newton]\ntolerance = 1e-12";
+    let (notes, state, _) = run(&held, more);
+    assert_eq!(state.cutbacks, 0);
+    for record in &notes.increments {
+        assert_eq!(record.history.len(), record.iterations + 1 + record.augmentations);
+        assert!(record.longest_round <= 6 && record.augmentations > 0, "{record:?}");
+    }
+    assert!(notes.increments[0].iterations > 6);
+    assert!(notes.increments[1].length > notes.increments[0].length);
+    // Nothing has changed when the last one begins: its first residuals say nothing about the rounds, also not after a step.
+    let last = notes.increments.last().unwrap();
+    let first = last.history[..2].iter().map(|record| record.residual).fold(0.0, f64::max);
+    assert!(last.history.iter().any(|record| record.step > 0.0 && record.residual > 1e6 * first));
+}
+
+#[test]
+fn rounds_of_augmentation_end_at_their_number() {
+    let augmented = LOADED.replace(
+        "penalty = 500.0",
+        "penalty = 500.0\nmethod = \"augmented-lagrangian\"\naugmentation = { tolerance = 1e-13, max = 2 }",
+    );
+    let (notes, ..) = run(&augmented, "[time]\nincrement = 1.0");
+    assert_eq!(notes.increments[0].augmentations, 2);
+    assert!(notes.increments[0].is_short);
+    assert!(notes.increments[0].max_penetration > 1e-13);
+}
+
+#[test]
+fn two_passes_share_the_force_and_lose_none_of_it() {
+    let deformable = LOADED
+        .replace("shape = \"rigid-plane\"\nsize = [3.0, 2.0]\ndivisions = [6, 4]", 
+            "shape = \"box\"\nsize = [3.0, 2.0, 0.5]\ndivisions = [5, 4, 1]\nmaterial = \"soft\"\ntranslate = [0.0, 0.0, -0.5]")
+        .replace("nodes = \"floor\"\nfix", "nodes = \"floor.z-\"\nfix")
+        .replace("master = \"floor\"", "master = \"floor.z+\"");
+    let time = "[time]\nincrement = 0.5";
+    let (one, ..) = run(&deformable, time);
+    let (two, state, statics) = run(&deformable.replace("penalty =", "two_pass = true\npenalty ="), time);
+    for notes in [&one, &two] {
+        let force = notes.increments.last().unwrap().contact_forces[0];
+        assert!((force[2] - 40.0).abs() < 1e-3 && force[0].abs() < 1e-2, "{force:?}");
+    }
+    assert_eq!(state.multipliers.len(), 2);
+    let interaction = &statics.problem().contacts().interactions()[0];
+    let nodes_of_block = 4 * 3 * 3;
+    let share = |of_block: bool| -> f64 {
+        let own = interaction.slaves().filter(|slave| (slave.node < nodes_of_block) == of_block);
+        own.map(|slave| slave.force).sum()
+    };
+    let (own, others) = (share(true), share(false));
+    assert!(own > 4.0 && others > 4.0 && (own + others - 40.0).abs() < 0.1, "{own} {others}");
+    assert!(two.increments[1].active > one.increments[1].active);
+}
+
+/// Paired anew in every iteration, an increment ends with the pairing of where it ends.
+#[test]
+fn a_pairing_per_iteration_belongs_to_the_end_of_the_increment() {
+    let more = "[time]\nincrement = 0.5\n[newton]\ntolerance = 1e-9";
+    let at_end = |refresh: &str| {
+        let base = PRESSED.replace(
+            "penalty = 2000.0",
+            &format!("penalty = 2000.0\nhysteresis = 0.0\nrefresh = \"{refresh}\""),
+        );
+        let (_, state, mut statics) = run(&base, more);
+        let forces = statics.problem.contacts().forces();
+        let problem = &mut statics.problem;
+        problem.refresh(RefreshRule::Increment, &state.positions).unwrap();
+        problem.evaluate(state.time, &state.positions, &state.points, Order::Residual).unwrap();
+        (forces, problem.contacts().forces())
+    };
+    let (before, after) = at_end("iteration");
+    assert_eq!(before, after);
+    let (before, after) = at_end("increment");
+    assert_ne!(before, after, "the block slides by 0.2 in an increment");
+}
+
+/// Pressed at first, then slid: at once it is too far for the fits.
+fn slid(minimum: &str) -> (String, String) {
+    let base = PRESSED.replace(
+        "translate = [0.3, 0.0, -0.2]",
+        "translate = [0.0, 0.0, -0.2]\namplitude = [[0.0, 0.0], [0.4, 1.0]]",
+    );
+    let base = base.replace(
+        "nodes = \"wave\"\nfix = [\"x\", \"y\", \"z\"]",
+        "nodes = \"wave\"\ntranslate = [-2.4, 0.0, 0.0]\namplitude = [[0.0, 0.0], [0.4, 0.0], [1.0, 1.0]]",
+    );
+    (base, format!("[time]\nincrement = 0.2\nmaximum = 0.6\ngrowth = 3.0\n{minimum}"))
+}
+
+#[test]
+fn an_increment_that_loses_contacts_under_load_is_cut() {
+    let (base, time) = slid("");
+    let (notes, ..) = run(&base, &time);
+    assert!(notes.reasons.iter().any(|reason| reason.starts_with("Lost")), "{:?}", notes.reasons);
+    assert!(notes.increments.iter().all(|record| record.lost == 0 && record.active > 0));
+}
+
+/// Where no shorter increment is allowed the run goes on without them, and says how many there were.
+#[test]
+fn contacts_lost_in_the_shortest_increment_are_counted() {
+    let (base, time) = slid("minimum = 0.2\ncutback = 0.3");
+    let (deck, model) = deck(&base, &time);
+    let mut statics = statics(&deck, &model);
+    let mut notes = Notes { stop_after: Some(2), ..Notes::default() };
+    let start = statics.problem().start();
+    statics.run(start, &mut notes).unwrap();
+    assert!(notes.reasons.iter().all(|reason| !reason.starts_with("Lost")), "{:?}", notes.reasons);
+    let lost: Vec<usize> = notes.increments.iter().map(|record| record.lost).collect();
+    assert!(lost[0] == 0 && lost[1] > 0, "{lost:?} {:?}", notes.reasons);
+}

@@ -9,8 +9,7 @@ use diffuse_contact::surface::Facet;
 use diffuse_contact_solver::deck::Deck;
 use diffuse_contact_solver::solve::{SolveError, problem, settings};
 use diffuse_contact_solver::statics::{
-    Control, Failure, IncrementRecord, IterationRecord, Observer, Problem, State, Statics, StaticsError,
-    Timing,
+    Control, Effort, IncrementRecord, Observer, Problem, State, Statics, StaticsError, Timing,
 };
 use toml::{Table, Value};
 
@@ -121,7 +120,8 @@ impl Case {
             Err(reason) => return Err(reason.into()),
         };
         let wall = begin.elapsed();
-        let Watch { increments, positions, forces, iterations, cutbacks, .. } = watch;
+        let Effort { iterations, cutbacks } = statics.effort();
+        let Watch { increments, positions, forces, .. } = watch;
         let timing = increments.last().map(|record| record.timing).unwrap_or_default();
         Ok(Outcome {
             increments,
@@ -145,8 +145,6 @@ struct Watch {
     increments: Vec<IncrementRecord>,
     positions: Vec<Vec<[f64; 3]>>,
     forces: Vec<BTreeMap<usize, f64>>,
-    iterations: usize,
-    cutbacks: usize,
 }
 
 impl Watch {
@@ -156,16 +154,6 @@ impl Watch {
 }
 
 impl Observer for Watch {
-    fn iteration(&mut self, record: &IterationRecord) {
-        // The first residual of an increment, or of a round of augmentation, is there before any solution.
-        self.iterations += usize::from(record.iteration > 0 && record.step > 0.0);
-    }
-
-    fn cut_back(&mut self, _: f64, _: f64, _: &Failure) -> Control {
-        self.cutbacks += 1;
-        Control::Continue
-    }
-
     fn increment(
         &mut self,
         record: &IncrementRecord,

@@ -262,6 +262,7 @@ pub unsafe trait Versioned: Copy {
     const FIRST: usize;
 }
 
+#[cold]
 fn known_size<T: Versioned>(size: usize) -> Result<usize, Failure> {
     if (T::FIRST..=size_of::<T>()).contains(&size) && size.is_multiple_of(align_of::<T>()) {
         return Ok(size);
@@ -279,11 +280,20 @@ fn known_size<T: Versioned>(size: usize) -> Result<usize, Failure> {
 ///
 /// # Safety
 /// `pointer` is NULL, or as many bytes as its first field says may be read there.
-pub unsafe fn read_sized<T: Versioned>(pointer: *const T, defaults: T) -> Result<T, Failure> {
+#[inline]
+pub unsafe fn read_sized<T: Versioned>(
+    pointer: *const T,
+    defaults: impl FnOnce() -> T,
+) -> Result<T, Failure> {
     check(T::NAME, pointer, 1)?;
     // SAFETY: of the caller; the first field is the size.
-    let size = known_size::<T>(unsafe { pointer.cast::<usize>().read() })?;
-    let mut value = defaults;
+    let size = unsafe { pointer.cast::<usize>().read() };
+    if size == size_of::<T>() {
+        // SAFETY: all of it is there, aligned (above), and any bits are a `T`.
+        return Ok(unsafe { pointer.read() });
+    }
+    let size = known_size::<T>(size)?;
+    let mut value = defaults();
     let target = std::ptr::from_mut(&mut value).cast::<u8>();
     // SAFETY: `size` bytes are there on both sides (above), and any bits are a `T`.
     unsafe { std::ptr::copy_nonoverlapping(pointer.cast::<u8>(), target, size) };

@@ -95,14 +95,16 @@ impl dc_element {
 
     /// # Safety
     /// As [`read_sized`].
+    #[inline]
     pub unsafe fn read(element: *const Self) -> Result<Self, Failure> {
         // SAFETY: as the caller promises.
-        let element = unsafe { read_sized(element, Self::DEFAULTS)? };
+        let element = unsafe { read_sized(element, || Self::DEFAULTS)? };
         reserved("dc_element", element.reserved)?;
         Ok(element)
     }
 
     /// What is chosen by number.
+    #[inline]
     pub fn kind(&self) -> Result<Kind, Failure> {
         let basis = if self.basis == 0 { dc_basis::DC_QUADRATIC as i32 } else { self.basis };
         let is_given = self.frame == dc_frame::DC_GIVEN as i32;
@@ -114,6 +116,7 @@ impl dc_element {
     }
 
     /// As the runtime has it.
+    #[inline]
     pub fn with_nodes<'a>(
         &self,
         kind: &Kind,

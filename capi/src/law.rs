@@ -51,7 +51,7 @@ unsafe fn structure(law: *const dc_law) -> Result<dc_law, Failure> {
         reserved: 0,
     };
     // SAFETY: as the caller promises.
-    let law = unsafe { read_sized(law, defaults)? };
+    let law = unsafe { read_sized(law, || defaults)? };
     reserved("dc_law", law.reserved)?;
     Ok(law)
 }

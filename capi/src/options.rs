@@ -117,7 +117,7 @@ impl dc_options {
             return Ok(Self::defaults());
         }
         // SAFETY: as the caller promises.
-        let options = unsafe { read_sized(options, Self::defaults())? };
+        let options = unsafe { read_sized(options, Self::defaults)? };
         reserved("dc_options", options.reserved)?;
         Ok(options)
     }

@@ -103,9 +103,9 @@ pub(crate) fn nearest_in_plane(
     support_radius: f64,
 ) -> usize {
     let square = |master: Point| {
-        let offset: Point = std::array::from_fn(|k| master[k] - slave[k]);
-        let [a, b] =
-            [frame.t1, frame.t2].map(|t| (0..3).map(|k| t[k] * offset[k]).sum::<f64>() / support_radius);
+        let offset = [master[0] - slave[0], master[1] - slave[1], master[2] - slave[2]];
+        let along = |t: Point| (t[0] * offset[0] + t[1] * offset[1] + t[2] * offset[2]) / support_radius;
+        let (a, b) = (along(frame.t1), along(frame.t2));
         a * a + b * b
     };
     let squares = masters.map(square).enumerate();

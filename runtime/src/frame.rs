@@ -75,7 +75,7 @@ impl Frame {
         let rows = self.rows();
         for (i, x) in rows.iter().enumerate() {
             for (j, y) in rows[..=i].iter().enumerate() {
-                let product: f64 = x.iter().zip(y).map(|(x, y)| x * y).sum();
+                let product = x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
                 let error = (product - f64::from(u8::from(i == j))).abs();
                 // Written so that a NaN comes through.
                 deviation = if error <= deviation { deviation } else { error };
@@ -158,16 +158,32 @@ impl Frame {
         let (FrameDerivative::CoMoving, Some(first)) = (self.derivative, masters.first()) else {
             return Ok(());
         };
+        // Loops instead of maps over arrays, which are not always inlined: they took as long as all of the kernel.
+        let [t1, t2, normal] = self.rows();
         let local = |x: &Point| {
-            self.rows().map(|row| (0..3).map(|axis| row[axis] * (x[axis] - first[axis])).sum::<f64>())
+            let offset = [x[0] - first[0], x[1] - first[1], x[2] - first[2]];
+            let along = |row: Point| row[0] * offset[0] + row[1] * offset[1] + row[2] * offset[2];
+            [along(t1), along(t2), along(normal)]
         };
-        let scale = masters.iter().flat_map(local).fold(0.0, |scale: f64, x| scale.max(x.abs()));
-        let count = masters.len() as f64;
-        let mean: [f64; 3] =
-            std::array::from_fn(|axis| masters.iter().map(|x| local(x)[axis] / scale).sum::<f64>() / count);
+        let mut scale = 0.0_f64;
+        for x in masters {
+            let [a, b, z] = local(x);
+            scale = scale.max(a.abs()).max(b.abs()).max(z.abs());
+        }
+        let mut mean = [0.0; 3];
+        for x in masters {
+            let x = local(x);
+            for axis in 0..3 {
+                mean[axis] += x[axis] / scale;
+            }
+        }
+        for sum in &mut mean {
+            *sum /= masters.len() as f64;
+        }
         let (mut moment, mut covariance) = (0.0, [0.0; 2]);
         for x in masters {
-            let [a, b, z] = std::array::from_fn(|axis| local(x)[axis] / scale - mean[axis]);
+            let x = local(x);
+            let [a, b, z] = [x[0] / scale - mean[0], x[1] / scale - mean[1], x[2] / scale - mean[2]];
             moment += a * a + b * b;
             covariance = [covariance[0] + a * z, covariance[1] + b * z];
         }

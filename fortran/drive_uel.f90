@@ -407,7 +407,7 @@ contains
     subroutine make_wrong_call()
         use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
         real(8) :: told(properties), forces(freedoms, 1), tangent(freedoms, freedoms), state(variables), none(freedoms, 1), &
-            still(freedoms), nan
+            still(freedoms), points(3, nodes), nan
         integer :: mistake, kind, count
 
         call get_command_argument(2, argument)
@@ -424,6 +424,7 @@ contains
         pnewdt = 1
         kind = 1
         count = nodes
+        points = coords(:, :, 1)
         if (mistake > 8) then
             ! The history of a sound call.
             call call_any(1, 1, 0, coords(:, :, 1), still, none, told, state, forces, tangent)
@@ -468,8 +469,17 @@ contains
             state(5:7) = nan
         case (19)
             still(1) = nan
+        case (20)
+            told(4:6) = 0
+        case (21)
+            told(4) = nan
+        case (22)
+            ! In the plane of all candidates.
+            state = 0
+            points(3, 2:) = 0
+            told(4:6) = [1, 1, 0]
         end select
-        call call_any(1, kind, 0, coords(:, 1:count, 1), still(1:3*count), none(1:3*count, :), told, state, &
+        call call_any(1, kind, 0, points(:, 1:count), still(1:3*count), none(1:3*count, :), told, state, &
             forces(1:3*count, :), tangent(1:3*count, 1:3*count))
         call fail('the mistake was accepted')
     end subroutine

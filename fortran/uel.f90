@@ -103,6 +103,7 @@ contains
             'VARIABLES of at least the number of nodes and 11', &
             'a positive penalty PROPS(1), and PROPS(2) and PROPS(8) not negative', &
             'PROPS(3) 0, 1 or 2 and PROPS(7) 0 or 1', &
+            'a direction PROPS(4:6), finite and not zero', &
             'a procedure without inertia', &
             'LFLAGS(3) of 1, 2, 3, 4, 5 or 100', &
             'SVARS that it has written itself, or zeros']
@@ -117,10 +118,11 @@ contains
         if (is_met(3)) then
             is_met(5) = props(1) > 0 .and. props(2) >= 0 .and. props(8) >= 0
             is_met(6) = any(props(3) == [0d0, 1d0, 2d0]) .and. any(props(7) == [0d0, 1d0])
+            is_met(7) = all(abs(props(4:6)) <= huge(1d0)) .and. any(abs(props(4:6)) > 0)
         end if
-        is_met(7) = all(lflags(1) /= [11, 12, 13])
-        is_met(8) = any(lflags(3) == [1, 2, 3, 4, 5, 100])
-        if (is_met(1) .and. is_met(4)) is_met(9) = is_own_history()
+        is_met(8) = all(lflags(1) /= [11, 12, 13])
+        is_met(9) = any(lflags(3) == [1, 2, 3, 4, 5, 100])
+        if (is_met(1) .and. is_met(4)) is_met(10) = is_own_history()
         do k = 1, size(needs)
             if (.not. is_met(k)) then
                 write (7, '(a, i0, 2a)') 'diffuse contact: element ', jelem, ' needs ', trim(needs(k))
@@ -187,6 +189,8 @@ contains
         status = dc_pair(slave=positions(:, 1), candidates=positions(:, 2:), candidate_count=int(nnode - 1, c_size_t), &
             outward=pairing%normal, masters=masters, capacity=int(nnode, c_size_t), pairing=found)
         call stop_unless_either(status)
+        ! A direction in the plane of the masters has no outward side: without a history it is PROPS(4:6), and a mistake.
+        if (status == DC_NO_CONTACT .and. svars(1) == 0) call stop_unless(index(dc_text(), 'ambiguous-outward') == 0)
         ! Beyond the border of the masters the fit is an extrapolation.
         is_paired = status == DC_OK .and. found%encloses_slave == 1
         if (.not. is_paired) return

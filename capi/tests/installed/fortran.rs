@@ -71,7 +71,7 @@ fn refuse_mistakes(installed: &Installed) {
         "LFLAGS(3) of 1, 2, 3, 4, 5 or 100",
     ];
     let history = "SVARS that it has written itself, or zeros";
-    for mistake in 1..=19 {
+    for mistake in 1..=22 {
         let output = installed.program("drive_uel").args(["--refuse", &mistake.to_string()]).output();
         let output = output.expect("the driver");
         let said = String::from_utf8_lossy(&output.stderr);
@@ -79,7 +79,9 @@ fn refuse_mistakes(installed: &Installed) {
         let expected = match mistake {
             1..=8 => says[mistake - 1],
             9..=18 => history,
-            _ => "non-finite",
+            19 => "non-finite",
+            20 | 21 => "a direction PROPS(4:6), finite and not zero",
+            _ => "ambiguous-outward",
         };
         assert!(
             said.contains("diffuse contact: element 1") && said.contains(expected),

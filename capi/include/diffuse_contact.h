@@ -653,7 +653,7 @@ enum dc_status dc_pair(const struct dc_options *options,
 //
 // DC_NO_CONTACT if the element has no result: point->outcome and dc_message() say why. The derivatives then hold anything, as they do
 // if the runtime refuses numbers of the element: DC_NOT_FINITE, DC_BAD_OPTION for a support radius or a frame, DC_BAD_SIZE for too few
-// masters; the outcome is DC_REFUSED then.
+// masters; the outcome is DC_REFUSED then. (Masters that have no average plane, as two never have, are DC_NO_CONTACT.)
 //
 // # Safety
 // The arrays have the given lengths, `element` as many bytes as its field `size` says.

@@ -49,7 +49,6 @@ pub enum Master {
 /// What is run.
 pub struct Scope {
     meshes: &'static [Mesh],
-    plastic_meshes: &'static [Mesh],
     penalties: &'static [f64],
     /// Increments of each run, all of them if there is no limit.
     pub limit: Option<usize>,
@@ -60,16 +59,14 @@ impl Scope {
     pub fn new(is_quick: bool) -> Self {
         if is_quick {
             let meshes = &MESHES[..1];
-            return Self { meshes, plastic_meshes: meshes, penalties: &PENALTIES[1..2], limit: Some(4) };
+            return Self { meshes, penalties: &PENALTIES[1..2], limit: Some(4) };
         }
-        Self { meshes: &MESHES, plastic_meshes: &MESHES[..2], penalties: &PENALTIES, limit: None }
+        Self { meshes: &MESHES, penalties: &PENALTIES, limit: None }
     }
 
     /// Number of runs.
     pub fn runs(&self) -> usize {
-        (self.meshes.len() + self.plastic_meshes.len()) * self.penalties.len() * 4
-            + 2 * REFRESHED.len()
-            + steps::runs(self)
+        2 * self.meshes.len() * self.penalties.len() * 4 + 2 * REFRESHED.len() + steps::runs(self)
     }
 
     /// Meshes of the elastic pipe, the coarsest first.
@@ -130,7 +127,7 @@ struct Pair {
 /// Runs them all.
 pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
     let elastic = pairs(decks, scope, Pipe::Elastic, scope.meshes)?;
-    let plastic = pairs(decks, scope, Pipe::Plastic, scope.plastic_meshes)?;
+    let plastic = pairs(decks, scope, Pipe::Plastic, scope.meshes)?;
     let refreshed = refreshed(decks, scope)?;
     let longer = steps::table(decks, scope)?;
     let shown = elastic.iter().filter(|pair| pair.master == Master::Pipe && pair.penalty == scope.stiffest());
@@ -194,8 +191,7 @@ fn pairs(decks: &Decks, scope: &Scope, pipe: Pipe, meshes: &[Mesh]) -> Result<Ve
 fn refreshed(decks: &Decks, scope: &Scope) -> Result<Vec<(Pipe, Pair)>, CliError> {
     let mut pairs = Vec::new();
     for pipe in REFRESHED {
-        let meshes = if pipe == Pipe::Elastic { scope.meshes } else { scope.plastic_meshes };
-        let (mesh, penalty, master) = (meshes[meshes.len() - 1], PENALTIES[1], Master::Pipe);
+        let (mesh, penalty, master) = (scope.finest(), PENALTIES[1], Master::Pipe);
         let case = case(pipe, mesh, penalty, master, scope.limit)
             .with("interface.refresh", "iteration")
             .named("anew");

@@ -44,8 +44,9 @@ impl BlockMatrix {
     }
 
     /// All entries: block by block, in each row axis by row axis.
-    pub fn entries_mut(&mut self) -> &mut [f64] {
-        self.blocks.as_flattened_mut().as_flattened_mut()
+    #[cfg(test)]
+    pub(crate) fn entries(&self) -> &[f64] {
+        self.blocks.as_flattened().as_flattened()
     }
 
     /// All blocks, row by row.

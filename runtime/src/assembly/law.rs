@@ -184,6 +184,36 @@ impl Active<'_> {
             None => rank_one,
         }
     }
+
+    /// Entries (p, 0) … (p, p) of the tangent, and whether all are finite. The same numbers as [`tangent`](Self::tangent).
+    pub fn tangent_row(&self, p: usize, row: &mut [f64]) -> bool {
+        let (stiffness, force, own) = (self.stiffness, self.force, self.gradient[p]);
+        let entries = row.iter_mut().zip(&self.gradient[..=p]);
+        let mut is_finite = true;
+        match self.hessian {
+            Some(hessian) => {
+                for ((entry, other), second) in entries.zip(&hessian[p * (p + 1) / 2..][..=p]) {
+                    *entry = stiffness * (own * other) - force * second;
+                    is_finite &= entry.is_finite();
+                }
+            }
+            None => {
+                for (entry, other) in entries {
+                    *entry = stiffness * (own * other);
+                    is_finite &= entry.is_finite();
+                }
+            }
+        }
+        is_finite
+    }
+
+    /// The error of a tangent that is not finite: its first equation that is not.
+    pub fn overflow(&self) -> AssemblyError {
+        let freedoms = self.gradient.len();
+        let is_sound = |p: usize| (0..freedoms).all(|q| self.tangent(p, q).is_finite());
+        let equation = (0..freedoms).find(|&p| !is_sound(p)).unwrap_or(0);
+        AssemblyError::Overflow { what: "values", equation }
+    }
 }
 
 /// Checks the law and all elements, also that their nodes are among the first `nodes`.

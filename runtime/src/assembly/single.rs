@@ -53,12 +53,48 @@ impl ContactLaw<'_> {
             // Added to zero, as a sum over elements is.
             *entry = finite("residuals", p, 0.0 + active.force * n)?;
         }
-        for (p, row) in tangent.chunks_exact_mut(freedoms.max(1)).enumerate() {
-            for (q, entry) in row.iter_mut().enumerate() {
-                *entry = finite("values", p, active.tangent(p, q))?;
+        if tangent.is_empty() {
+            return Ok(active.force);
+        }
+        let mut is_finite = true;
+        for p in 0..freedoms {
+            is_finite &= active.tangent_row(p, &mut tangent[p * freedoms..][..=p]);
+            for q in 0..p {
+                tangent[q * freedoms + p] = tangent[p * freedoms + q];
             }
         }
-        Ok(active.force)
+        if is_finite { Ok(active.force) } else { Err(active.overflow()) }
+    }
+
+    /// Writes K = −∂R/∂x of an element over its own 3(n+1) coordinates into `packed`, the lower triangle row by row as M has it; zeros
+    /// if it carries no force. Returns the force f. The entries are those of [`element_system`](Self::element_system), bit for bit.
+    ///
+    /// # Errors
+    /// As [`element_system`](Self::element_system).
+    pub fn element_tangent(
+        &self,
+        contact: &ContactView<'_>,
+        packed: &mut [f64],
+    ) -> Result<f64, AssemblyError> {
+        self.check(1)?;
+        let freedoms = contact.gradient.len();
+        let (found, expected) = (packed.len(), freedoms * (freedoms + 1) / 2);
+        if found != expected {
+            return Err(AssemblyError::OutputLength { what: "values", found, expected });
+        }
+        self.check_contact(0, contact, freedoms, Needs::Tangent)?;
+        let Some(active) = self.active_contact(0, contact) else {
+            packed.fill(0.0);
+            return Ok(0.0);
+        };
+        let mut rest = packed;
+        let mut is_finite = true;
+        for p in 0..freedoms {
+            let (row, others) = rest.split_at_mut(p + 1);
+            is_finite &= active.tangent_row(p, row);
+            rest = others;
+        }
+        if is_finite { Ok(active.force) } else { Err(active.overflow()) }
     }
 }
 
@@ -91,6 +127,10 @@ mod tests {
                 assert_eq!(force, law.force(0, -0.3, 0.7));
                 assert_eq!(residual, listed);
                 assert_eq!(matrix, triplets.values());
+                let mut packed = vec![9.0; 21];
+                assert_eq!(law.element_tangent(&contact, &mut packed), Ok(force));
+                let lower = (0..6).flat_map(|p| matrix[6 * p..][..=p].iter().copied());
+                assert_eq!(packed, lower.collect::<Vec<f64>>());
             }
         }
     }
@@ -103,6 +143,11 @@ mod tests {
         let mut residual = [1.0; 6];
         assert_eq!(law.element_system(&contact, &mut residual, &mut []), Ok(0.0));
         assert_eq!(residual, [0.0; 6]);
+        let mut packed = [1.0; 21];
+        assert_eq!(law.element_tangent(&contact, &mut packed), Ok(0.0));
+        assert_eq!(packed, [0.0; 21]);
+        let wrong = law.element_tangent(&contact, &mut packed[..20]).unwrap_err();
+        assert_eq!(wrong, AssemblyError::OutputLength { what: "values", found: 20, expected: 21 });
         let wrong = law.element_system(&contact, &mut residual[..5], &mut []).unwrap_err();
         assert_eq!(wrong, AssemblyError::OutputLength { what: "residuals", found: 5, expected: 6 });
         let short = ContactView { gap: -0.1, hessian: &hessian[..20], ..contact };
@@ -114,5 +159,12 @@ mod tests {
         assert_eq!(law.element_system(&nan, &mut [], &mut []).unwrap_err().code(), "invalid-gap");
         let infinite = ContactView { gap: -0.1, gradient: &[f64::INFINITY; 6], ..contact };
         assert_eq!(law.element_system(&infinite, &mut residual, &mut []).unwrap_err().code(), "overflow");
+        // The first equation with such an entry, although the lower triangle has it in a later row.
+        let mut large = hessian.clone();
+        large[4 * 5 / 2 + 2] = f64::INFINITY;
+        let contact = ContactView { gap: -0.1, hessian: &large, ..contact };
+        let overflow = AssemblyError::Overflow { what: "values", equation: 2 };
+        assert_eq!(law.element_system(&contact, &mut [], &mut [0.0; 36]), Err(overflow.clone()));
+        assert_eq!(law.element_tangent(&contact, &mut packed), Err(overflow));
     }
 }

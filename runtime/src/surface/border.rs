@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::index::Closest;
-use super::shape::Foot;
+use super::shape::{Foot, Near};
 use super::topology::NONE;
 use super::{MasterSurface, SurfaceIndex};
 use crate::Point;
@@ -14,6 +14,11 @@ use crate::Point;
 const ANGLE_TOLERANCE: f64 = 1e-4;
 /// Facets as close as the closest to this fraction of their extent share the closest point.
 const TIE: f64 = 1e-9;
+
+/// Whether `distance` from a facet of this extent is more than `least`, and no tie.
+fn is_farther(distance: f64, least: f64, extent: f64) -> bool {
+    distance > least + TIE * (least + extent)
+}
 
 /// Which edges end a smooth patch: borders, and edges sharper than the feature angle at the positions of a refresh.
 #[derive(Clone, Debug, Default)]
@@ -25,8 +30,8 @@ pub struct Creases {
 /// Memory of the border test, kept from one slave to the next.
 #[derive(Clone, Debug, Default)]
 pub struct BorderScratch {
-    /// Facets of the patch with a lower bound of their distances.
-    near: Vec<(f64, u32)>,
+    /// Facets of the patch with their boxes.
+    near: Vec<(Near, u32)>,
     feet: Vec<(u32, Foot)>,
 }
 
@@ -70,24 +75,23 @@ impl Creases {
         let BorderScratch { near, feet } = scratch;
         let x = Vector3::from(point);
         near.clear();
-        near.extend(patch.iter().map(|&facet| (surface.shape(facet as usize, positions).at_least(x), facet)));
-        near.sort_unstable_by(|(one, _), (other, _)| one.total_cmp(other));
+        near.extend(patch.iter().map(|&facet| (surface.shape(facet as usize, positions).near(x), facet)));
+        near.sort_unstable_by(|(one, _), (other, _)| one.at_least.total_cmp(&other.at_least));
         feet.clear();
         let mut least = f64::INFINITY;
-        for &(bound, facet) in &*near {
+        for &(Near { at_least, extent }, facet) in &*near {
             // Feet cost most of the test, and two or three of a patch matter.
-            let shape = surface.shape(facet as usize, positions);
-            if bound > least + TIE * (least + shape.extent()) {
+            if is_farther(at_least, least, extent) {
                 continue;
             }
-            let foot = shape.closest(x);
+            let foot = surface.shape(facet as usize, positions).closest(x);
             least = least.min(foot.distance);
             feet.push((facet, foot));
         }
         feet.iter()
             .map(|&(facet, foot)| {
                 let shape = surface.shape(facet as usize, positions);
-                if foot.distance > least + TIE * (least + shape.extent()) {
+                if is_farther(foot.distance, least, shape.extent()) {
                     return 0.0;
                 }
                 let offset = x - foot.point;

@@ -33,6 +33,15 @@ pub struct Foot {
     pub edges: u8,
 }
 
+/// A point and the box around a facet.
+#[derive(Clone, Copy, Debug)]
+pub struct Near {
+    /// Distance from the box: a lower bound of that from the facet.
+    pub at_least: f64,
+    /// Longest side of the box: an upper bound of the facet's extent.
+    pub extent: f64,
+}
+
 impl Shape {
     pub fn corners(&self) -> &[Vector3<f64>] {
         match self {
@@ -77,7 +86,13 @@ impl Shape {
     /// Largest coordinate difference from the first corner.
     pub fn extent(&self) -> f64 {
         let corners = self.corners();
-        corners.iter().map(|x| (x - corners[0]).amax()).fold(0.0, f64::max)
+        let mut extent = 0.0_f64;
+        for corner in &corners[1..] {
+            for axis in 0..3 {
+                extent = extent.max((corner[axis] - corners[0][axis]).abs());
+            }
+        }
+        extent
     }
 
     /// Offsets from the first corner times a factor.
@@ -89,12 +104,21 @@ impl Shape {
         }
     }
 
-    /// A lower bound of the distance from `x`: that of the box around the corners, which holds the facet.
-    pub fn at_least(&self, x: Vector3<f64>) -> f64 {
+    /// How far `x` is from the box around the corners, which holds the facet.
+    pub fn near(&self, x: Vector3<f64>) -> Near {
         let corners = self.corners();
-        let (low, high) =
-            corners.iter().fold((corners[0], corners[0]), |(low, high), y| (low.inf(y), high.sup(y)));
-        (low - x).sup(&(x - high)).sup(&Vector3::zeros()).norm()
+        let (mut square, mut extent) = (0.0, 0.0_f64);
+        for axis in 0..3 {
+            let (mut low, mut high) = (corners[0][axis], corners[0][axis]);
+            for corner in &corners[1..] {
+                low = low.min(corner[axis]);
+                high = high.max(corner[axis]);
+            }
+            let outside = (low - x[axis]).max(x[axis] - high).max(0.0);
+            square += outside * outside;
+            extent = extent.max(high - low);
+        }
+        Near { at_least: square.sqrt(), extent }
     }
 
     /// The closest point. Exact for triangles and plane convex quadrilaterals; on a warped or folded one the best of
@@ -232,7 +256,9 @@ mod tests {
                 let foot = shape.closest(x);
                 assert!((shape.point(foot.natural) - foot.point).norm() < 1e-12);
                 assert!(((x - foot.point).norm() - foot.distance).abs() < 1e-12);
-                assert!(shape.at_least(x) <= foot.distance * (1.0 + 1e-14), "{shape:?} {x:?}");
+                let near = shape.near(x);
+                assert!(near.at_least <= foot.distance * (1.0 + 1e-14), "{shape:?} {x:?}");
+                assert!(near.extent >= shape.extent(), "{shape:?}");
                 let best = sampled(&shape, x);
                 assert!(foot.distance <= best + 1e-12, "{shape:?} {x:?}: {} > {best}", foot.distance);
                 assert!(foot.distance > best - 0.04, "a point that is not on the facet");

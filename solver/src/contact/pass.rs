@@ -149,7 +149,7 @@ impl Pass {
 
     /// Adds the tangents of the contacts that carry force, in the order of the slaves.
     pub fn add_tangent(&mut self, matrix: &mut BlockMatrix) -> Result<(), PassError> {
-        let mut dense = std::mem::take(&mut self.values);
+        let mut packed = std::mem::take(&mut self.values);
         let mut nodes = Vec::new();
         for (k, contact) in self.contacts().iter().enumerate() {
             let ContactRef { slave, point, area, gradient, hessian, .. } = contact;
@@ -163,19 +163,18 @@ impl Pass {
             nodes.push(slave);
             nodes.extend(contact.nodes.iter().map(|&node| node as usize));
             let size = gradient.len();
-            dense.clear();
-            dense.resize(size * size, 0.0);
+            packed.resize(size * (size + 1) / 2, 0.0);
             let view = ContactView { gap: point.gap, area, gradient, hessian };
-            law.element_system(&view, &mut [], &mut dense).map_err(|error| match error {
+            law.element_tangent(&view, &mut packed).map_err(|error| match error {
                 // The equation is that of the element.
                 AssemblyError::Overflow { what, equation: own } => {
                     AssemblyError::Overflow { what, equation: 3 * nodes[own / 3] + own % 3 }
                 }
                 other => other,
             })?;
-            matrix.add_dense(&nodes, &dense);
+            matrix.add_symmetric(&nodes, &packed, 1.0);
         }
-        self.values = dense;
+        self.values = packed;
         Ok(())
     }
 

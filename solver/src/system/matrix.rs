@@ -54,21 +54,6 @@ impl BlockMatrix {
         &self.blocks
     }
 
-    /// Adds a matrix over the coordinates of `nodes`, node by node, whose rows follow one another in `dense`. A node may occur more than once.
-    ///
-    /// # Panics
-    /// If the length is not (3n)², or a pair of the nodes is not in the pattern.
-    pub fn add_dense(&mut self, nodes: &[usize], dense: &[f64]) {
-        let size = 3 * nodes.len();
-        assert_eq!(dense.len(), size * size, "entries over {} nodes", nodes.len());
-        for (rows, &row) in dense.chunks_exact((3 * size).max(1)).zip(nodes) {
-            for (b, &column) in nodes.iter().enumerate() {
-                let block = std::array::from_fn(|i| std::array::from_fn(|j| rows[i * size + 3 * b + j]));
-                self.add_block(row, column, &block);
-            }
-        }
-    }
-
     /// Adds `scale` times the symmetric matrix over the coordinates of `nodes`, node by node, whose lower triangle is `packed`
     /// row by row: entry (i, j ≤ i) at i(i+1)/2 + j. A node may occur more than once.
     ///
@@ -82,19 +67,29 @@ impl BlockMatrix {
             "entries of the lower triangle over {} nodes",
             nodes.len()
         );
+        let mut rest = packed;
         for (a, &row) in nodes.iter().enumerate() {
-            for (b, &column) in nodes[..a].iter().enumerate() {
-                let lower = std::array::from_fn(|i| {
-                    let at = (3 * a + i) * (3 * a + i + 1) / 2 + 3 * b;
-                    [scale * packed[at], scale * packed[at + 1], scale * packed[at + 2]]
-                });
-                let upper = std::array::from_fn(|i| std::array::from_fn(|j| lower[j][i]));
+            // The three rows of this node.
+            let (x, others) = rest.split_at(3 * a + 1);
+            let (y, others) = others.split_at(3 * a + 2);
+            let (z, others) = others.split_at(3 * a + 3);
+            rest = others;
+            let columns = x.as_chunks::<3>().0.iter().zip(y.as_chunks::<3>().0).zip(z.as_chunks::<3>().0);
+            for (((x, y), z), &column) in columns.zip(&nodes[..a]) {
+                let (mut lower, mut upper) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
+                for (i, entries) in [x, y, z].into_iter().enumerate() {
+                    for j in 0..3 {
+                        lower[i][j] = scale * entries[j];
+                        upper[j][i] = lower[i][j];
+                    }
+                }
                 self.add_block(row, column, &lower);
                 self.add_block(column, row, &upper);
             }
-            let entry = |i: usize, j: usize| scale * packed[(3 * a + i) * (3 * a + i + 1) / 2 + 3 * a + j];
-            let diagonal = std::array::from_fn(|i| std::array::from_fn(|j| entry(i.max(j), i.min(j))));
-            self.add_block(row, row, &diagonal);
+            let at = 3 * a;
+            let (xx, yx, yy) = (scale * x[at], scale * y[at], scale * y[at + 1]);
+            let (zx, zy, zz) = (scale * z[at], scale * z[at + 1], scale * z[at + 2]);
+            self.add_block(row, row, &[[xx, yx, zx], [yx, yy, zy], [zx, zy, zz]]);
         }
     }
 
@@ -120,13 +115,15 @@ impl BlockMatrix {
     ///
     /// # Panics
     /// If the pair is not in the pattern.
+    #[inline]
     pub fn add_block(&mut self, row: usize, column: usize, block: &[[f64; 3]; 3]) {
         let index = self.pattern.block(row, column);
         let index =
             index.unwrap_or_else(|| panic!("the nodes {row} and {column} are no pair of the pattern"));
-        for (sums, entries) in self.blocks[index].iter_mut().zip(block) {
-            for (sum, entry) in sums.iter_mut().zip(entries) {
-                *sum += entry;
+        let sums = &mut self.blocks[index];
+        for i in 0..3 {
+            for j in 0..3 {
+                sums[i][j] += block[i][j];
             }
         }
     }

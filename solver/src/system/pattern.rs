@@ -86,6 +86,7 @@ impl BlockPattern {
     }
 
     /// Index of the block of a pair.
+    #[inline]
     #[must_use]
     pub fn block(&self, row: usize, column: usize) -> Option<usize> {
         let place = self.row(row).binary_search(&u32::try_from(column).ok()?).ok()?;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::contact::{self, ContactError, ContactSet, Interaction, InteractionOptions, RefreshRule};
+use crate::contact::{self, ContactError, ContactSet, Interaction, InteractionOptions, RefreshRule, TangentRule};
 use crate::deck::{Contact, Deck, DeckError, Interface, Refresh, Tangent};
 use crate::model::Model;
 use crate::output::{
@@ -230,8 +230,9 @@ fn interaction(
             Refresh::Iteration => RefreshRule::Iteration,
         },
         tangent: match interface.tangent {
-            Tangent::Exact => diffuse_contact::assembly::Tangent::Exact,
-            Tangent::GaussNewton => diffuse_contact::assembly::Tangent::GaussNewton,
+            Tangent::Adaptive => TangentRule::Adaptive,
+            Tangent::Exact => TangentRule::Exact,
+            Tangent::GaussNewton => TangentRule::GaussNewton,
         },
         two_pass: interface.two_pass,
         interface: interface.options(contact),

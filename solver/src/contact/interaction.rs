@@ -19,6 +19,36 @@ pub enum RefreshRule {
     Iteration,
 }
 
+/// Which tangent of contact a linear solution has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TangentRule {
+    /// The exact one, but ε N Nᵀ alone where the residual is more than [`FAR`](Self::FAR) of the forces: there contact forces are those of a
+    /// trial state, as large as ε times whatever penetrates. With them −f M makes the stiffness indefinite, the more so the stiffer the
+    /// penalty, and steps go nowhere; near equilibrium it is what makes them converge quadratically.
+    #[default]
+    Adaptive,
+    /// Always ε N Nᵀ − f M (Chamoret et al. 2008, eq. 43).
+    Exact,
+    /// Always ε N Nᵀ.
+    GaussNewton,
+}
+
+impl TangentRule {
+    /// Residual relative to the largest of external, contact and support forces up to which contact forces count as those of
+    /// equilibrium.
+    pub const FAR: f64 = 0.3;
+
+    /// The tangent at a state with this relative residual.
+    #[must_use]
+    pub fn at(self, residual: f64) -> Tangent {
+        match self {
+            Self::Adaptive if residual <= Self::FAR => Tangent::Exact,
+            Self::Exact => Tangent::Exact,
+            Self::Adaptive | Self::GaussNewton => Tangent::GaussNewton,
+        }
+    }
+}
+
 /// Rounds of Uzawa's iteration: when an increment has converged, λ ← max(0, λ − ε g), and it is solved again, until every contact
 /// that carries force is closed and no other one penetrates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,8 +71,8 @@ pub struct InteractionOptions {
     pub augmentation: Option<Augmentation>,
     /// When slaves are paired anew.
     pub refresh: RefreshRule,
-    /// The exact tangent, or ε N Nᵀ alone.
-    pub tangent: Tangent,
+    /// The exact tangent, ε N Nᵀ alone, or the one that is due.
+    pub tangent: TangentRule,
     /// Whether the surfaces are also paired the other way round.
     pub two_pass: bool,
     /// Element and pairing.
@@ -157,8 +187,8 @@ impl Interaction {
         self.passes.iter().flat_map(Pass::cliques)
     }
 
-    pub(super) fn add_tangent(&mut self, matrix: &mut BlockMatrix) -> Result<(), ContactError> {
-        self.each(|pass| pass.add_tangent(matrix))
+    pub(super) fn add_tangent(&mut self, matrix: &mut BlockMatrix, residual: f64) -> Result<(), ContactError> {
+        self.each(|pass| pass.add_tangent(matrix, residual))
     }
 
     /// What is there to do after so many rounds.

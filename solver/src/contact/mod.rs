@@ -14,7 +14,9 @@ mod pass;
 mod tests;
 
 pub use error::ContactError;
-pub use interaction::{Augmentation, Augmented, Interaction, InteractionOptions, RefreshRule, SlaveState};
+pub use interaction::{
+    Augmentation, Augmented, Interaction, InteractionOptions, RefreshRule, SlaveState, TangentRule,
+};
 pub use losses::LostContact;
 pub use memory::SlavePairing;
 
@@ -94,12 +96,13 @@ impl ContactSet {
         self.interactions.iter().flat_map(Interaction::cliques)
     }
 
-    /// Adds the contact tangents to a stiffness whose pattern holds the [`cliques`](Self::cliques).
+    /// Adds the contact tangents to a stiffness whose pattern holds the [`cliques`](Self::cliques), as they are due where the residual
+    /// over the forces is `residual`.
     ///
     /// # Errors
     /// [`ContactError::Assembly`].
-    pub fn add_tangent(&mut self, matrix: &mut BlockMatrix) -> Result<(), ContactError> {
-        self.interactions.iter_mut().try_for_each(|interaction| interaction.add_tangent(matrix))
+    pub fn add_tangent(&mut self, matrix: &mut BlockMatrix, residual: f64) -> Result<(), ContactError> {
+        self.interactions.iter_mut().try_for_each(|interaction| interaction.add_tangent(matrix, residual))
     }
 
     /// Updates the multipliers of the augmented Lagrangian interactions if another round is [`Due`](Augmented::Due) for one of them.

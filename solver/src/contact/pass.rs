@@ -8,7 +8,7 @@ use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
 use super::losses::{Losses, is_failure};
-use super::{ContactError, InteractionOptions, LostContact, SlavePairing, SlaveState};
+use super::{ContactError, InteractionOptions, LostContact, SlavePairing, SlaveState, TangentRule};
 use crate::system::BlockMatrix;
 
 /// A step of a pass that failed.
@@ -41,12 +41,18 @@ impl From<AssemblyError> for PassError {
     }
 }
 
+/// The law of all slaves' forces; no multipliers without augmentation.
+fn force_law(penalty: f64, multipliers: &[f64]) -> ContactLaw<'_> {
+    let multipliers = (!multipliers.is_empty()).then_some(multipliers);
+    ContactLaw { penalty, multipliers, tangent: Tangent::Exact }
+}
+
 /// Slave nodes against one master surface.
 #[derive(Debug)]
 pub struct Pass {
     interface: ContactInterface,
     penalty: f64,
-    tangent: Tangent,
+    tangent: TangentRule,
     dofs: DofMap,
     /// λ, one per slave; none without augmentation.
     multipliers: Vec<f64>,
@@ -100,9 +106,9 @@ impl Pass {
         self.interface.contacts()
     }
 
+    /// For forces: which tangent it has makes no difference.
     fn law(&self) -> ContactLaw<'_> {
-        let multipliers = (!self.multipliers.is_empty()).then_some(&self.multipliers[..]);
-        ContactLaw { penalty: self.penalty, multipliers, tangent: self.tangent }
+        force_law(self.penalty, &self.multipliers)
     }
 
     pub fn refresh(&mut self, positions: &[Point]) -> Result<(), PassError> {
@@ -112,10 +118,9 @@ impl Pass {
 
     pub fn evaluate(&mut self, positions: &[Point], mode: Mode) -> Result<(), PassError> {
         // ε N Nᵀ needs no Hessians.
-        let mode = if self.tangent == Tangent::GaussNewton { mode.min(Mode::Gradient) } else { mode };
-        let Self { interface, penalty, tangent, multipliers, .. } = self;
-        let multipliers = (!multipliers.is_empty()).then_some(&multipliers[..]);
-        let law = ContactLaw { penalty: *penalty, multipliers, tangent: *tangent };
+        let mode = if self.tangent == TangentRule::GaussNewton { mode.min(Mode::Gradient) } else { mode };
+        let Self { interface, penalty, multipliers, .. } = self;
+        let law = force_law(*penalty, multipliers);
         interface.update(positions)?;
         interface.evaluate_where(mode, |k, gap, area| law.force(k, gap, area) > 0.0)?;
         Ok(())
@@ -147,15 +152,16 @@ impl Pass {
         })
     }
 
-    /// Adds the tangents of the contacts that carry force, in the order of the slaves.
-    pub fn add_tangent(&mut self, matrix: &mut BlockMatrix) -> Result<(), PassError> {
+    /// Adds the tangents of the contacts that carry force, in the order of the slaves, at a state with this relative residual.
+    pub fn add_tangent(&mut self, matrix: &mut BlockMatrix, residual: f64) -> Result<(), PassError> {
+        let tangent = self.tangent.at(residual);
         let mut packed = std::mem::take(&mut self.values);
         let mut nodes = Vec::new();
         for (k, contact) in self.contacts().iter().enumerate() {
             let ContactRef { slave, point, area, gradient, hessian, .. } = contact;
             // One law for one contact: with its own multiplier.
             let multipliers = self.multipliers.get(k..=k);
-            let law = ContactLaw { penalty: self.penalty, multipliers, tangent: self.tangent };
+            let law = ContactLaw { penalty: self.penalty, multipliers, tangent };
             if !(contact.outcome.is_contact() && law.force(0, point.gap, area) > 0.0) {
                 continue;
             }

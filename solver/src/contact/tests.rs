@@ -40,7 +40,7 @@ fn options(two_pass: bool, augmented: bool) -> InteractionOptions {
         penalty: PENALTY,
         augmentation: augmented.then_some(Augmentation { tolerance: 1e-9, max_rounds: 5 }),
         refresh: RefreshRule::Increment,
-        tangent: diffuse_contact::assembly::Tangent::Exact,
+        tangent: TangentRule::Exact,
         two_pass,
         interface: InterfaceOptions::default(),
     }
@@ -117,7 +117,7 @@ fn the_stiffness_is_the_derivative_of_the_forces_with_the_pairing_held() {
             forces(&mut set, &nodes, Mode::Hessian);
         }
         let mut matrix = BlockMatrix::new(pattern);
-        set.add_tangent(&mut matrix).unwrap();
+        set.add_tangent(&mut matrix, 0.0).unwrap();
         assert!(at_start.iter().any(|&force| force != 0.0));
         let size = matrix.entries().iter().fold(0.0, |size: f64, entry| size.max(entry.abs()));
         let step = 1e-6;
@@ -301,17 +301,26 @@ fn a_contact_that_vanishes_under_load_is_lost_and_one_that_opens_is_not() {
     assert_eq!(set.begin(&[vec![16]]), Err(ContactError::OtherPasses { found: 17, expected: 16 }));
 }
 
-/// The tangent ε N Nᵀ needs no second derivatives.
+/// The tangent at a state with this relative residual, and the mode it was evaluated in.
+fn tangent_at(tangent: TangentRule, residual: f64) -> (Vec<f64>, Mode) {
+    let (mut set, nodes) = contacts(InteractionOptions { tangent, ..options(false, false) });
+    forces(&mut set, &nodes, Mode::Hessian);
+    let mode = set.interactions()[0].mode();
+    let pattern = Arc::new(BlockPattern::new(nodes.len(), set.cliques().collect::<Vec<_>>().iter()));
+    let mut matrix = BlockMatrix::new(pattern);
+    set.add_tangent(&mut matrix, residual).unwrap();
+    (matrix.entries().to_vec(), mode)
+}
+
 #[test]
-fn only_the_exact_tangent_evaluates_hessians() {
-    use diffuse_contact::assembly::Tangent;
-    for (tangent, mode) in [(Tangent::Exact, Mode::Hessian), (Tangent::GaussNewton, Mode::Gradient)] {
-        let (mut set, nodes) = contacts(InteractionOptions { tangent, ..options(false, false) });
-        forces(&mut set, &nodes, Mode::Hessian);
-        assert_eq!(set.interactions()[0].mode(), mode);
-        let pattern = Arc::new(BlockPattern::new(nodes.len(), set.cliques().collect::<Vec<_>>().iter()));
-        let mut matrix = BlockMatrix::new(pattern);
-        set.add_tangent(&mut matrix).unwrap();
-        assert!(matrix.entries().iter().any(|&entry| entry != 0.0));
-    }
+fn far_from_equilibrium_the_adaptive_tangent_has_no_second_derivatives() {
+    let (exact, mode) = tangent_at(TangentRule::Exact, 1.0);
+    let (without, mode_without) = tangent_at(TangentRule::GaussNewton, 0.0);
+    assert_eq!((mode, mode_without), (Mode::Hessian, Mode::Gradient));
+    assert!(exact.iter().any(|&entry| entry != 0.0) && exact != without);
+    let adaptive = |residual| tangent_at(TangentRule::Adaptive, residual).0;
+    assert_eq!(adaptive(TangentRule::FAR), exact);
+    assert_eq!(adaptive(1.001 * TangentRule::FAR), without);
+    assert_eq!(adaptive(f64::INFINITY), without);
+    assert_eq!(adaptive(f64::NAN), without);
 }

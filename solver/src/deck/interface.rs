@@ -48,6 +48,8 @@ pub enum Refresh {
 /// The stiffness of contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tangent {
+    /// The exact one, but ε N Nᵀ while the residual is large.
+    Adaptive,
     /// ε (g M + N Nᵀ) (Chamoret et al. 2008, eq. 43).
     Exact,
     /// ε N Nᵀ.
@@ -139,7 +141,11 @@ pub(super) fn interface(section: Section) -> Result<Interface, DeckError> {
     let weights = Weight::ALL.map(|weight| (weight.name(), weight));
     let frames = [("co-moving", FrameDerivative::CoMoving), ("frozen", FrameDerivative::Frozen)];
     let refreshes = [("increment", Refresh::Increment), ("iteration", Refresh::Iteration)];
-    let tangents = [("exact", Tangent::Exact), ("gauss-newton", Tangent::GaussNewton)];
+    let tangents = [
+        ("adaptive", Tangent::Adaptive),
+        ("exact", Tangent::Exact),
+        ("gauss-newton", Tangent::GaussNewton),
+    ];
     let fraction = |field, default| match section.get(field) {
         Some(field) => field.number_in("at least 0", |value| value >= 0.0),
         None => Ok(default),
@@ -163,7 +169,7 @@ pub(super) fn interface(section: Section) -> Result<Interface, DeckError> {
             .get("neighbours")
             .map_or(Ok(NeighbourRule::default()), |field| neighbours(&field))?,
         refresh: section.get("refresh").map_or(Ok(Refresh::Increment), |field| field.word(&refreshes))?,
-        tangent: section.get("tangent").map_or(Ok(Tangent::Exact), |field| field.word(&tangents))?,
+        tangent: section.get("tangent").map_or(Ok(Tangent::Adaptive), |field| field.word(&tangents))?,
         feature_angle: section.get("feature_angle").map_or(Ok(defaults.feature_angle_degrees), angle)?,
         hysteresis: fraction("hysteresis", defaults.hysteresis)?,
         border_tolerance: fraction("border_tolerance", defaults.border_tolerance)?,

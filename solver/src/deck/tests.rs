@@ -114,7 +114,7 @@ fn a_deck_is_read_with_its_defaults() {
     assert_eq!(interface.options(Contact::NodeToFacet).element, ContactElement::NodeToFacet);
     assert_eq!(
         (interface.augmentation, interface.refresh, interface.tangent),
-        (None, Refresh::Increment, Tangent::Exact)
+        (None, Refresh::Increment, Tangent::Adaptive)
     );
 
     let model = deck.model(".").unwrap();

@@ -142,7 +142,7 @@ impl<'a> Increment<'a> {
     fn record(&mut self, balance: Balance, observer: &mut dyn Observer) -> Result<(), Failure> {
         let Balance { residual, scale, excess } = balance;
         self.problem.contacts_mut().note();
-        let relative = if residual == 0.0 { 0.0 } else { residual / scale };
+        let relative = balance.relative();
         let record = IterationRecord {
             time: self.end,
             iteration: self.iterations,

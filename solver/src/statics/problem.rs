@@ -67,6 +67,8 @@ pub struct Problem {
     /// −Σ f_k N_k
     contact: Vec<f64>,
     active: usize,
+    /// Residual over the forces at the last evaluation.
+    relative: f64,
     /// ε |K| |x|, what rounding of the positions makes of the residual, by the last stiffness of the increment; empty before it.
     rounding: Vec<f64>,
     equations: Equations,
@@ -86,6 +88,13 @@ pub(super) struct Balance {
     /// ‖max(0, |r| − ε |K| |x|)‖ over the free degrees of freedom: what rounding of the positions does not explain. Before the
     /// increment's first linear solution it is all of the residual.
     pub excess: f64,
+}
+
+impl Balance {
+    /// The residual over the forces; 0 without any.
+    pub fn relative(&self) -> f64 {
+        if self.residual == 0.0 { 0.0 } else { self.residual / self.scale }
+    }
 }
 
 impl Problem {
@@ -116,6 +125,7 @@ impl Problem {
             external: vec![0.0; freedoms],
             contact: vec![0.0; freedoms],
             active: 0,
+            relative: 0.0,
             rounding: Vec::new(),
             equations,
             solver: DirectSolver::new(threads),
@@ -275,7 +285,9 @@ impl Problem {
         self.contact.fill(0.0);
         self.active = self.contacts.add_internal_forces(&mut self.contact).map_err(Failure::Contact)?;
         self.timing.contact += solid.elapsed();
-        Ok(self.balance())
+        let balance = self.balance();
+        self.relative = balance.relative();
+        Ok(balance)
     }
 
     fn balance(&self) -> Balance {
@@ -323,7 +335,7 @@ impl Problem {
         }
         let solid = Instant::now();
         self.timing.solid += solid - linear;
-        self.contacts.add_tangent(&mut matrix)?;
+        self.contacts.add_tangent(&mut matrix, self.relative)?;
         let contact = Instant::now();
         self.timing.contact += contact - solid;
         self.take_rounding(&matrix, positions);

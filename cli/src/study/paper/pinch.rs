@@ -27,7 +27,8 @@ const MESHES: [Mesh; 3] = [
     Mesh { name: "medium", pipe: 24, plate: 18, along: 3 },
     Mesh { name: "fine", pipe: 32, plate: 24, along: 4 },
 ];
-const PENALTIES: [f64; 3] = [2e5, 2e6, 2e7];
+/// Force per length.
+pub const PENALTIES: [f64; 3] = [2e5, 2e6, 2e7];
 
 /// What is also run with slaves paired anew in every iteration.
 const REFRESHED: [Pipe; 2] = [Pipe::Elastic, Pipe::Plastic];

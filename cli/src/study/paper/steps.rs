@@ -11,15 +11,19 @@ const FACTORS: [u32; 3] = [1, 2, 4];
 /// The deck's increment, in time and in mm.
 const INCREMENT: (f64, f64) = (0.03125, 2.5);
 
+/// Values of `interface.tangent`, of both elements.
+const TANGENTS: [&str; 2] = ["adaptive", "exact"];
+
 /// Number of runs.
 pub fn runs(scope: &Scope) -> usize {
-    4 * FACTORS.len() * scope.meshes().len() * scope.penalties().len()
+    4 * TANGENTS.len() * FACTORS.len() * scope.meshes().len() * scope.penalties().len()
 }
 
 /// Sums over all meshes and penalties.
 pub fn table(decks: &Decks, scope: &Scope) -> Result<Table, CliError> {
     let columns = [
         "increment, mm",
+        "tangent",
         "master",
         "decks",
         "diffuse",
@@ -30,14 +34,16 @@ pub fn table(decks: &Decks, scope: &Scope) -> Result<Table, CliError> {
         "cut back",
     ];
     let mut table = Table::new("### Longer increments, elastic, all meshes and penalties together", columns);
-    for factor in FACTORS {
-        for (master, name) in [(Master::Pipe, "pipe"), (Master::Plate, "plate")] {
+    let masters = [(Master::Pipe, "pipe"), (Master::Plate, "plate")];
+    for (factor, tangent) in FACTORS.into_iter().flat_map(|factor| TANGENTS.map(|tangent| (factor, tangent))) {
+        for (master, name) in masters {
             let mut pairs = Vec::new();
             for &mesh in scope.meshes() {
                 for &penalty in scope.penalties() {
                     let case = case(Pipe::Elastic, mesh, penalty, master, scope.limit)
                         .with("time.increment", f64::from(factor) * INCREMENT.0)
-                        .named(&format!("by-{factor}"));
+                        .with("interface.tangent", tangent)
+                        .named(&format!("{tangent}-by-{factor}"));
                     pairs.push([decks.run(&case)?, decks.run(&case.classic())?]);
                 }
             }
@@ -52,6 +58,7 @@ pub fn table(decks: &Decks, scope: &Scope) -> Result<Table, CliError> {
             let [cut, classic_cut] = [0, 1].map(|k| sum(k, |outcome| outcome.cutbacks));
             table.row([
                 format!("{}", f64::from(factor) * INCREMENT.1),
+                tangent.into(),
                 name.into(),
                 pairs.len().to_string(),
                 diffuse.to_string(),

@@ -84,6 +84,11 @@ slave = "block.z-"
 penalty = 2000.0
 "#;
 
+/// The same with the exact tangent in every iteration: large increments fail.
+fn pressed_hard() -> String {
+    PRESSED.replace("penalty = 2000.0", "penalty = 2000.0\ntangent = \"exact\"")
+}
+
 fn deck(base: &str, more: &str) -> (Deck, Model) {
     let deck = Deck::parse_named(&format!("{base}\n{more}"), Path::new("deck")).unwrap();
     let model = deck.model(Path::new("")).unwrap();
@@ -125,7 +130,8 @@ fn time_reaches_its_end_exactly() {
 #[test]
 fn nothing_of_a_failed_increment_stays() {
     for refresh in ["increment", "iteration"] {
-        let base = PRESSED.replace("penalty = 2000.0", &format!("penalty = 2000.0\nrefresh = \"{refresh}\""));
+        let base =
+            pressed_hard().replace("penalty = 2000.0", &format!("penalty = 2000.0\nrefresh = \"{refresh}\""));
         let newton = "[newton]\nmax_iterations = 5\ntolerance = 1e-8";
         // The run to the end of its first increment.
         let first_increment = |time: &str| {
@@ -430,7 +436,7 @@ fn extrapolation_saves_linear_solutions_and_changes_nothing_else() {
 fn after_a_failure_nothing_is_extrapolated() {
     let more =
         "[time]\nincrement = 0.5\nmaximum = 0.5\n[newton]\nmax_iterations = 5\nextrapolation = \"linear\"";
-    let (notes, state, _) = run(PRESSED, more);
+    let (notes, state, _) = run(&pressed_hard(), more);
     assert!(!notes.cuts.is_empty() && state.cutbacks == notes.cuts.len());
     for &(end, _) in &notes.cuts {
         let again = notes.increments.iter().find(|record| record.time > end - 0.5).unwrap();
@@ -442,7 +448,7 @@ fn after_a_failure_nothing_is_extrapolated() {
 
 #[test]
 fn a_run_is_stopped_at_a_cut() {
-    let (deck, model) = deck(PRESSED, "[newton]\nmax_iterations = 5\n[time]\nincrement = 0.5");
+    let (deck, model) = deck(&pressed_hard(), "[newton]\nmax_iterations = 5\n[time]\nincrement = 0.5");
     let mut statics = statics(&deck, &model);
     let start = statics.problem().start();
     let mut notes = Notes { stop_at_cut: true, ..Notes::default() };

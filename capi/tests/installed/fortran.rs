@@ -16,22 +16,7 @@ fn the_user_element_has_the_numbers_of_rust() {
         return;
     }
     let installed = Installed::new("fortran");
-    let mut command = Command::new("gfortran");
-    // Comparisons of numbers are meant, and so are dummy arguments that Abaqus passes and nobody needs.
-    command.args([
-        "-std=f2018",
-        "-Wall",
-        "-Wextra",
-        "-Werror",
-        "-Wno-compare-reals",
-        "-Wno-unused-dummy-argument",
-    ]);
-    command.args(["-Wno-surprising", "-fcheck=all", "-O1", "-J"]);
-    command.arg(&installed.prefix).arg("-o").arg(installed.prefix.join("drive_uel"));
-    command
-        .arg(installed.prefix.join("share/diffuse_contact/uel.f90"))
-        .arg(root().join("fortran/drive_uel.f90"));
-    run(command.args(installed.flags(&["--libs"])));
+    build(&installed, "drive_uel");
     // It checks tangent, cut-backs and flags itself.
     let printed = run(installed.program("drive_uel").arg("--bits"));
     for said in [
@@ -45,17 +30,43 @@ fn the_user_element_has_the_numbers_of_rust() {
     }
     refuse_mistakes(&installed);
 
-    let calls = groups(records(&printed, from_bits), "now");
-    assert!(calls.len() >= 12, "{} calls", calls.len());
-    let mut active = 0;
-    for call in &calls {
-        let (rhs, amatrx) =
-            user_element(call["now"].as_chunks::<3>().0, call["start"].as_chunks::<3>().0, &call["history"]);
-        assert_same("rhs", &call["rhs"], &rhs);
-        assert_same("amatrx", &call["amatrx"], &amatrx);
-        active += usize::from(rhs.iter().any(|force| *force != 0.0));
+    // PROPS(9), the regularity that a fit has to exceed.
+    let regular = run(installed.program("drive_uel").args(["--bits", "0.35"]));
+    let regular_search = SearchOptions { smallest_regularity: 0.35, ..SearchOptions::default() };
+    assert_ne!(regular, printed);
+    for (printed, search) in [(printed, SearchOptions::default()), (regular, regular_search)] {
+        let calls = groups(records(&printed, from_bits), "now");
+        assert!(calls.len() >= 12, "{} calls", calls.len());
+        let mut active = 0;
+        for call in &calls {
+            let [now, start] = ["now", "start"].map(|name| call[name].as_chunks::<3>().0);
+            let (rhs, amatrx) = user_element(now, start, &call["history"], search);
+            assert_same("rhs", &call["rhs"], &rhs);
+            assert_same("amatrx", &call["amatrx"], &amatrx);
+            active += usize::from(rhs.iter().any(|force| *force != 0.0));
+        }
+        assert!(active > calls.len() / 2);
     }
-    assert!(active > calls.len() / 2);
+}
+
+/// Compiles a driver of this name with the user element.
+fn build(installed: &Installed, driver: &str) {
+    let mut command = Command::new("gfortran");
+    // Comparisons of numbers are meant, and so are dummy arguments that Abaqus passes and nobody needs.
+    command.args([
+        "-std=f2018",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        "-Wno-compare-reals",
+        "-Wno-unused-dummy-argument",
+    ]);
+    command.args(["-Wno-surprising", "-fcheck=all", "-O1", "-J"]);
+    command.arg(&installed.prefix).arg("-o").arg(installed.prefix.join(driver));
+    command
+        .arg(installed.prefix.join("share/diffuse_contact/uel.f90"))
+        .arg(root().join("fortran").join(driver).with_extension("f90"));
+    run(command.args(installed.flags(&["--libs"])));
 }
 
 /// Each wrong input ends the analysis, with a sentence in the message file.
@@ -71,7 +82,7 @@ fn refuse_mistakes(installed: &Installed) {
         "LFLAGS(3) of 1, 2, 3, 4, 5 or 100",
     ];
     let history = "SVARS that it has written itself, or zeros";
-    for mistake in 1..=22 {
+    for mistake in 1..=24 {
         let output = installed.program("drive_uel").args(["--refuse", &mistake.to_string()]).output();
         let output = output.expect("the driver");
         let said = String::from_utf8_lossy(&output.stderr);
@@ -81,7 +92,8 @@ fn refuse_mistakes(installed: &Installed) {
             9..=18 => history,
             19 => "non-finite",
             20 | 21 => "a direction PROPS(4:6), finite and not zero",
-            _ => "ambiguous-outward",
+            22 => "ambiguous-outward",
+            _ => "PROPS(9), where there is one, of at least 0 and below 1",
         };
         assert!(
             said.contains("diffuse contact: element 1") && said.contains(expected),
@@ -91,7 +103,12 @@ fn refuse_mistakes(installed: &Installed) {
 }
 
 /// What the user element is to return: force and stiffness over the coordinates of all its nodes.
-fn user_element(now: &[Point], start: &[Point], history: &[f64]) -> (Vec<f64>, Vec<f64>) {
+fn user_element(
+    now: &[Point],
+    start: &[Point],
+    history: &[f64],
+    search: SearchOptions,
+) -> (Vec<f64>, Vec<f64>) {
     let freedoms = 3 * now.len();
     let (mut rhs, mut amatrx) = (vec![0.0; freedoms], vec![0.0; freedoms * freedoms]);
     let is_paired = history[0] == 1.0;
@@ -102,7 +119,7 @@ fn user_element(now: &[Point], start: &[Point], history: &[f64]) -> (Vec<f64>, V
     } else {
         let outward = if history[0] == 0.0 { [0.0, 0.0, 1.0] } else { [history[4], history[5], history[6]] };
         let cloud = NearestNodes::new(start[1..].to_vec()).unwrap();
-        let mut search = NeighbourSearch::new(SearchOptions::default()).unwrap();
+        let mut search = NeighbourSearch::new(search).unwrap();
         let found = search.find(&cloud, start[0], outward).unwrap();
         assert!(found.encloses_slave);
         let mut masters: Vec<usize> = found.nodes.iter().map(|node| node + 1).collect();

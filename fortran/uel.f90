@@ -3,6 +3,8 @@
 !     *USER ELEMENT, TYPE=U1, NODES=26, COORDINATES=3, PROPERTIES=8, VARIABLES=37
 !     1, 2, 3
 !
+! examples/block_on_cylinder.inp is a whole input file.
+!
 ! Nodes: 1 the slave; 2 ... NNODE the candidates, every master node that may come to carry the surface under the slave in the whole
 ! analysis: all within the way it slides and two or three rows of nodes more on each side. Nodes that take no part get zeros. A
 ! slave that comes to lie outside its candidates, or on their border, has no contact.

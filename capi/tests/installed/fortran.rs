@@ -69,6 +69,74 @@ fn build(installed: &Installed, driver: &str) {
     run(command.args(installed.flags(&["--libs"])));
 }
 
+/// The input file is read, checked and run by a driver; with a mistake in it, it is not.
+#[test]
+fn the_example_input_is_consistent_and_runs() {
+    if !(has("pkg-config") && has("gfortran")) {
+        return;
+    }
+    let installed = Installed::new("fortran-input");
+    build(&installed, "drive_input");
+    let example = installed.prefix.join("share/diffuse_contact/examples/block_on_cylinder.inp");
+    let printed = run(installed.program("drive_input").arg(&example));
+    assert!(printed.contains("90 nodes, 8 bricks, 9 user elements of 36 nodes"), "{printed}");
+    assert!(printed.contains("0 cut-backs, 3 pairings renewed"), "{printed}");
+    // Each line of a slave ends with gap, force and number of masters.
+    let number = |line: &str, name: &str| -> f64 {
+        let (_, from) = line.split_once(name).unwrap_or_else(|| panic!("{name}: {line}"));
+        let word = from.trim_start().split([' ', ',', ':']).next().expect("a number");
+        word.parse().unwrap_or_else(|error| panic!("{line}: {error}"))
+    };
+    let slaves: Vec<&str> = printed.lines().filter(|line| line.starts_with("slave")).collect();
+    assert_eq!(slaves.len(), 9);
+    let areas = |label: f64| match label as i32 {
+        105 => 0.81,
+        102 | 104 | 106 | 108 => 0.405,
+        _ => 0.2025,
+    };
+    let mut sum = 0.0;
+    for line in slaves {
+        let (label, gap, force) = (number(line, "slave"), number(line, "gap"), number(line, "force"));
+        let expected = -2e4 * areas(label) * gap;
+        assert!((force / expected - 1.0).abs() < 1e-11, "{line}");
+        sum += force;
+    }
+    // Normals lean by 4.3 degrees at most.
+    let held = printed.lines().find_map(|line| line.strip_prefix("force on the block")).expect("a force");
+    let vertical: f64 = held.split_whitespace().nth(2).expect("z").parse().expect("a number");
+    assert!(vertical < sum && vertical > 0.997 * sum, "{vertical} {sum}");
+    refuse_mistakes_of_input(&installed, &std::fs::read_to_string(&example).expect("the example"));
+}
+
+fn refuse_mistakes_of_input(installed: &Installed, sound: &str) {
+    let wrong = installed.prefix.join("wrong.inp");
+    for (one, other, code, says) in [
+        ("VARIABLES=47", "VARIABLES=46", 1, "VARIABLES of at least the number of nodes and 11"),
+        ("NODES=36", "NODES=35", 1, "not NODES nodes: user element 1001"),
+        ("COORDINATES=3", "COORDINATES=2", 1, "COORDINATES=3"),
+        ("PROPERTIES=9", "PROPERTIES=8", 1, "not PROPERTIES values: *UEL PROPERTY 1"),
+        ("ELSET=MIDDLE\n20000.", "ELSET=CENTRE\n20000.", 1, "no *UEL PROPERTY: user element 1005"),
+        ("\n1, 2, 3\n", "\n1, 2\n", 1, "three degrees of freedom"),
+        ("\n1001, 101, ", "\n1001, 1, ", 1, "the first node belongs to no brick: user element 1001"),
+        ("\n1009, 109, ", "\n1009, 101, ", 1, "those of another one: user element 1009"),
+        ("\n1005, 105, 11, ", "\n1005, 105, 12, ", 1, "a node is named twice: user element 1005"),
+        ("\n1005, 105, 11, ", "\n1005, 105, 104, ", 1, "a candidate belongs to the block: user element 1005"),
+        ("\n1005, 105, 11, ", "\n1005, 105, 99, ", 1, "there is no node 99"),
+        ("\n1005, 105, 11, ", "\n1005, 105, 1, 11, ", 1, "more than 16 entries"),
+        ("*USER ELEMENT, TYPE=U1", "*USER ELEMENT, TYPE=U2", 1, "the user element is not U1"),
+        // What the user element itself finds.
+        ("20000., 0.81", "0., 0.81", 2, "diffuse contact: element 1005 needs a positive penalty PROPS(1)"),
+        ("0.81, 0., 0., 0., 1.,", "0.81, 0., 1., 0., 0.,", 2, "ambiguous-outward"),
+    ] {
+        assert_eq!(sound.matches(one).count(), 1, "{one:?}");
+        std::fs::write(&wrong, sound.replace(one, other)).expect("a file");
+        let output = installed.program("drive_input").arg(&wrong).output().expect("the driver");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{one} → {other}: {said}");
+        assert!(said.contains(says), "{one} → {other}: {said}");
+    }
+}
+
 /// Each wrong input ends the analysis, with a sentence in the message file.
 fn refuse_mistakes(installed: &Installed) {
     let says = [

@@ -237,7 +237,7 @@ typedef struct dc_options {
     int32_t areas;
     // 0.
     int32_t reserved;
-    // The regularity of a fit has to exceed this, at least 0 and below 1. Default: 0.02.
+    // The regularity of a fit has to exceed this, at least 0 and below 1. Default: 0.01.
     double smallest_regularity;
     // Support radius over the distance of the farthest node, above 1. Default: 1.25.
     double radius_factor;

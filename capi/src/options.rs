@@ -49,7 +49,7 @@ pub struct dc_options {
     pub areas: i32,
     /// 0.
     pub reserved: i32,
-    /// The regularity of a fit has to exceed this, at least 0 and below 1. Default: 0.02.
+    /// The regularity of a fit has to exceed this, at least 0 and below 1. Default: 0.01.
     pub smallest_regularity: f64,
     /// Support radius over the distance of the farthest node, above 1. Default: 1.25.
     pub radius_factor: f64,

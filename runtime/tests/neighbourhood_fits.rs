@@ -33,7 +33,7 @@ fn a_regular_set_does_not_enlarge_errors_in_the_heights() {
         }
     }
     println!("{one} of 2000 with one layer, errors enlarged at most {worst:.1} times");
-    assert!(worst < 6.0, "{worst}");
+    assert!(worst < 8.0, "{worst}");
     assert!((200..1000).contains(&one), "{one}");
 }
 

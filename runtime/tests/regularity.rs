@@ -169,7 +169,7 @@ impl Found {
 }
 
 #[test]
-fn the_default_enlarges_errors_little_and_gives_up_no_quadratic_fit() {
+fn the_default_bounds_errors_and_gives_up_no_quadratic_fit() {
     type Make = fn(&mut Uniform) -> Irregular;
     let kinds: [(&str, Make); 5] = [
         ("quadrilaterals, moved by 8 %", |random| {
@@ -200,12 +200,12 @@ fn the_default_enlarges_errors_little_and_gives_up_no_quadratic_fit() {
             assert_eq!(found.without, 0, "{name}");
             found
         };
-        let [less, default, _, more] = [0.01, SMALLEST_REGULARITY, 0.05, 0.1].map(&mut of);
+        let [default, more, _, much_more] = [SMALLEST_REGULARITY, 0.02, 0.05, 0.1].map(&mut of);
         assert_eq!(default.linear, [0, 0], "{name}");
         let worst = |found: &Found| *found.enlarged.last().expect("contacts");
-        assert!(worst(&default) < 5.0, "{name}: {}", worst(&default));
-        // Why it is not less, and why not more.
-        assert!(cfg!(debug_assertions) || worst(&less) > 1.3 * worst(&default), "{name}: {}", worst(&less));
-        assert!(more.linear[1] > 0, "{name}");
+        assert!(worst(&default) < 7.0, "{name}: {}", worst(&default));
+        // What a larger bound gains, and what it loses.
+        assert!(cfg!(debug_assertions) || worst(&default) > 1.3 * worst(&more), "{name}: {}", worst(&more));
+        assert!(much_more.linear[1] > 0, "{name}");
     }
 }

@@ -70,7 +70,7 @@ class Options:
     max_neighbours: int = 24
     basis: Basis = "quadratic"
     linear_fallback: bool = True
-    smallest_regularity: float = 0.02
+    smallest_regularity: float = 0.01
     radius_factor: float = 1.25
     candidates: int = 48
     max_candidates: int = 192

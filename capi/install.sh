@@ -6,7 +6,7 @@
 #     PREFIX/include/diffuse_contact.h
 #     PREFIX/lib/libdiffuse_contact.so -> .so.0.1 -> .so.0.1.0, libdiffuse_contact.a
 #     PREFIX/lib/pkgconfig/diffuse_contact.pc
-#     PREFIX/share/diffuse_contact/diffuse_contact.f90, uel.f90
+#     PREFIX/share/diffuse_contact/diffuse_contact.f90, uel.f90, examples/block_on_cylinder.inp
 #
 # Builds the libraries with optimisation first, or takes them from the directory BUILT. With DESTDIR set, everything goes below it
 # (for packagers). Needs Rust and a C linker; gcc or gfortran to use what it installs.
@@ -38,7 +38,7 @@ case $version in
 esac
 
 root=${DESTDIR:-}$prefix
-mkdir -p "$root/include" "$root/lib/pkgconfig" "$root/share/diffuse_contact"
+mkdir -p "$root/include" "$root/lib/pkgconfig" "$root/share/diffuse_contact/examples"
 install -m 644 "$here/include/diffuse_contact.h" "$root/include/"
 install -m 755 "$built/libdiffuse_contact.so" "$root/lib/libdiffuse_contact.so.$version"
 ln -sf "libdiffuse_contact.so.$version" "$root/lib/libdiffuse_contact.so.$interface"
@@ -47,4 +47,5 @@ install -m 644 "$built/libdiffuse_contact.a" "$root/lib/"
 sed -e "s|@PREFIX@|$prefix|" -e "s|@VERSION@|$version|" "$here/diffuse_contact.pc.in" \
     >"$root/lib/pkgconfig/diffuse_contact.pc"
 install -m 644 "$here/../fortran/diffuse_contact.f90" "$here/../fortran/uel.f90" "$root/share/diffuse_contact/"
+install -m 644 "$here/../fortran/examples/block_on_cylinder.inp" "$root/share/diffuse_contact/examples/"
 echo "installed $version in $root"

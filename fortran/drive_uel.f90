@@ -9,15 +9,18 @@
 ! 4. Every property, a slave that loses its surface, and one with too few candidates for the quadratic basis.
 !
 ! Ends with stop code 1 if something is wrong. With the argument --bits it prints all numbers of the last call of each increment and
-! element in hexadecimal. With --refuse and the number of a wrong input it makes one call, which is to end in XIT, stop code 2.
+! element in hexadecimal; with --bits and a number, which is PROPS(9), it does 1 and 2 alone. With --refuse and the number of a wrong
+! input it makes one call, which is to end in XIT, stop code 2.
 program drive_uel
     use, intrinsic :: iso_fortran_env, only: int64
     implicit none
 
     integer, parameter :: side = 7, candidates = side*side, nodes = candidates + 1, freedoms = 3*nodes, elements = 4
-    integer, parameter :: variables = nodes + 11, unknowns = 3*elements, properties = 8
+    integer, parameter :: variables = nodes + 11, unknowns = 3*elements, properties = 9
     real(8), parameter :: spring = 50, travel = 0.9d0, tilt = 0.12d0, tolerance = 1d-10
-    real(8), parameter :: props(properties) = [3d3, 0d0, 0d0, 0d0, 0d0, 1d0, 0d0, 0.1d0]
+    ! The last one would be refused. It is not to be looked at: there are PROPERTIES=8, unless said otherwise.
+    integer, parameter :: needed = 8
+    real(8) :: props(properties) = [3d3, 0d0, 0d0, 0d0, 0d0, 1d0, 0d0, 0.1d0, -1d0]
 
     real(8) :: coords(3, nodes, elements), u(freedoms, elements), &
         accepted(freedoms, elements), rhs(freedoms, elements), amatrx(freedoms, freedoms, elements), &
@@ -25,7 +28,7 @@ program drive_uel
     real(8) :: stiffness(unknowns, unknowns), residual(unknowns)
     integer :: increment, attempts, iteration, cutbacks, iterations, e
     ! What a call says that is the same in all but the wrong ones.
-    integer :: told_mcrd = 3, told_properties = properties, told_variables = -1, procedure_type = 1
+    integer :: told_mcrd = 3, told_properties = needed, told_variables = -1, procedure_type = 1
     logical :: prints_bits
     character(len=16) :: argument
 
@@ -33,6 +36,11 @@ program drive_uel
     prints_bits = argument == '--bits'
     open (7, file='/dev/stderr')
     call make_mesh()
+    if (command_argument_count() == 2 .and. prints_bits) then
+        call get_command_argument(2, argument)
+        read (argument, *) props(9)
+        told_properties = 9
+    end if
     if (argument == '--refuse') call make_wrong_call()
 
     history = 0
@@ -67,6 +75,7 @@ program drive_uel
     if (.not. all(svars(10, :) > 0)) call fail('a slave is not in contact')
 
     call check_tangent()
+    if (told_properties == 9) stop
     call check_flags()
     call check_properties()
     call check_lost_surface()
@@ -327,7 +336,43 @@ contains
             call check_slope(coords(:, :, 1), u(:, 1), history(:, 1), told, tangent)
         end do
         if (any(abs(gaps - cshift(gaps, 1)) < 1d-6)) call fail('PROPS(3) chooses the weight')
+        call check_regularity()
         print '(a)', 'properties are honoured'
+    end subroutine
+
+    !> PROPS(9): 0 is the library's default. On an irregular mesh some single layers carry a fit that is regular enough for the default;
+    !> more is asked of it, and a second layer is taken.
+    subroutine check_regularity()
+        real(8), parameter :: values(3) = [-1d0, 0d0, 0.1d0]
+        real(8) :: told(properties), forces(freedoms, 1), tangent(freedoms, freedoms, 3), state(variables, 3), none(freedoms, 1), &
+            points(3, nodes)
+        integer :: before, k, place, more
+
+        before = told_properties
+        none = 0
+        told = props
+        points = coords(:, :, 1)
+        do k = 2, nodes
+            points(1:2, k) = points(1:2, k) + 0.3d0*[sin(37d0*k), cos(53d0*k)]
+        end do
+        more = 0
+        do place = 0, 24
+            points(:, 1) = [2.5d0 + 0.25d0*mod(place, 5), 2.5d0 + 0.05d0*place, -0.3d0]
+            ! Without history, so that it is paired.
+            state = 0
+            do k = 1, 3
+                told_properties = merge(needed, 9, k == 1)
+                told(9) = values(k)
+                call call_any(1, 1, 0, points, none(:, 1), none, told, state(:, k), forces, tangent(:, :, k))
+            end do
+            if (any(state(:, 2) /= state(:, 1)) .or. any(tangent(:, :, 2) /= tangent(:, :, 1))) &
+                call fail('PROPS(9) = 0 is the default of the library')
+            if (state(2, 3) <= state(2, 1)) cycle
+            more = more + 1
+            call check_slope(points, none(:, 1), state(:, 3), told, tangent(:, :, 3))
+        end do
+        if (more == 0) call fail('PROPS(9) takes more masters')
+        told_properties = before
     end subroutine
 
     !> A tangent against the slope of the forces in one direction.
@@ -478,6 +523,12 @@ contains
             state = 0
             points(3, 2:) = 0
             told(4:6) = [1, 1, 0]
+        case (23)
+            told_properties = 9
+            told(9) = 1
+        case (24)
+            told_properties = 9
+            told(9) = nan
         end select
         call call_any(1, kind, 0, points(:, 1:count), still(1:3*count), none(1:3*count, :), told, state, &
             forces(1:3*count, :), tangent(1:3*count, 1:3*count))

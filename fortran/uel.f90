@@ -3,6 +3,8 @@
 !     *USER ELEMENT, TYPE=U1, NODES=26, COORDINATES=3, PROPERTIES=8, VARIABLES=37
 !     1, 2, 3
 !
+! examples/block_on_cylinder.inp is a whole input file.
+!
 ! Nodes: 1 the slave; 2 ... NNODE the candidates, every master node that may come to carry the surface under the slave in the whole
 ! analysis: all within the way it slides and two or three rows of nodes more on each side. Nodes that take no part get zeros. A
 ! slave that comes to lie outside its candidates, or on their border, has no contact.
@@ -13,6 +15,8 @@
 !     PROPS(4:6)   a direction to the outward side of the master at the beginning
 !     PROPS(7)     tangent: 0 exact, 1 Gauss-Newton
 !     PROPS(8)     a penetration deeper than this fraction of the support radius asks for a cut-back; 0 for 0.25
+!     PROPS(9)     with PROPERTIES=9: the regularity that the fit of a pairing has to exceed, below 1 (smallest_regularity); 0 for the
+!                  library's default. More lets errors in the heights of the masters through less and takes more masters
 !
 ! The pairing is history. Abaqus hands over SVARS as they were at the start of the increment, so that it is held in all iterations
 ! of an increment, and is what it was after a cut-back. What is returned is the pairing for the next increment.
@@ -63,6 +67,7 @@ subroutine uel(rhs, amatrx, svars, energy, ndofel, nrhs, nsvars, props, nprops, 
     real(8), parameter :: least_cutback = 0.1d0
     real(8) :: now(3, nnode), start(3, nnode), limit, depth
     type(dc_element) :: element
+    type(dc_options) :: options
     type(dc_pairing) :: pairing
     type(dc_point) :: point
     integer(c_int32_t) :: masters(nnode)
@@ -99,11 +104,12 @@ contains
         character(len=*), parameter :: needs(*) = [character(len=72) :: &
             'at least 4 nodes of 3 displacements each', &
             'COORDINATES=3', &
-            'PROPERTIES=8', &
+            'PROPERTIES=8, or more', &
             'VARIABLES of at least the number of nodes and 11', &
             'a positive penalty PROPS(1), and PROPS(2) and PROPS(8) not negative', &
             'PROPS(3) 0, 1 or 2 and PROPS(7) 0 or 1', &
             'a direction PROPS(4:6), finite and not zero', &
+            'PROPS(9), where there is one, of at least 0 and below 1', &
             'a procedure without inertia', &
             'LFLAGS(3) of 1, 2, 3, 4, 5 or 100', &
             'SVARS that it has written itself, or zeros']
@@ -120,9 +126,10 @@ contains
             is_met(6) = any(props(3) == [0d0, 1d0, 2d0]) .and. any(props(7) == [0d0, 1d0])
             is_met(7) = all(abs(props(4:6)) <= huge(1d0)) .and. any(abs(props(4:6)) > 0)
         end if
-        is_met(8) = all(lflags(1) /= [11, 12, 13])
-        is_met(9) = any(lflags(3) == [1, 2, 3, 4, 5, 100])
-        if (is_met(1) .and. is_met(4)) is_met(10) = is_own_history()
+        if (nprops >= 9) is_met(8) = props(9) >= 0 .and. props(9) < 1
+        is_met(9) = all(lflags(1) /= [11, 12, 13])
+        is_met(10) = any(lflags(3) == [1, 2, 3, 4, 5, 100])
+        if (is_met(1) .and. is_met(4)) is_met(11) = is_own_history()
         do k = 1, size(needs)
             if (.not. is_met(k)) then
                 write (7, '(a, i0, 2a)') 'diffuse contact: element ', jelem, ' needs ', trim(needs(k))
@@ -186,7 +193,12 @@ contains
         type(dc_pairing) :: found
         integer(c_int) :: status
 
-        status = dc_pair(slave=positions(:, 1), candidates=positions(:, 2:), candidate_count=int(nnode - 1, c_size_t), &
+        status = dc_options_default(options)
+        call stop_unless(status == DC_OK)
+        if (nprops >= 9) then
+            if (props(9) > 0) options%smallest_regularity = props(9)
+        end if
+        status = dc_pair(options, slave=positions(:, 1), candidates=positions(:, 2:), candidate_count=int(nnode - 1, c_size_t), &
             outward=pairing%normal, masters=masters, capacity=int(nnode, c_size_t), pairing=found)
         call stop_unless_either(status)
         ! A direction in the plane of the masters has no outward side: without a history it is PROPS(4:6), and a mistake.

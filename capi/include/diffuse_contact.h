@@ -209,48 +209,49 @@ typedef struct dc_pattern dc_pattern;
 typedef struct dc_options {
     // sizeof(dc_options).
     size_t size;
-    // dc_element_kind; DC_DIFFUSE.
+    // dc_element_kind. Default: DC_DIFFUSE.
     int32_t element;
-    // dc_weight; DC_CUBIC.
+    // dc_weight. Default: DC_CUBIC.
     int32_t weight;
-    // dc_frame: DC_CO_MOVING or DC_HELD.
+    // dc_frame: DC_CO_MOVING or DC_HELD. Default: DC_CO_MOVING.
     int32_t frame;
-    // dc_rule; DC_HULL_LAYERS.
+    // dc_rule. Default: DC_HULL_LAYERS.
     int32_t rule;
-    // Hull layers to start with; 0 for as many as make the fit well conditioned.
+    // Hull layers to start with; 0 for as many as make the fit well conditioned. Default: 0.
     int32_t layers;
-    // Hull layers to stop at.
+    // Hull layers to stop at. Default: 6.
     int32_t max_layers;
-    // Nodes to start with, by DC_NEAREST.
+    // Nodes to start with, by DC_NEAREST. Default: 12.
     int32_t nearest;
-    // Nodes to stop at, by DC_NEAREST.
+    // Nodes to stop at, by DC_NEAREST. Default: 24.
     int32_t max_nearest;
-    // Nearest nodes among which hull layers are sought.
+    // Nearest nodes among which hull layers are sought. Default: 48.
     int32_t candidates;
-    // Up to how many they are doubled.
+    // Up to how many they are doubled. Default: 192.
     int32_t max_candidates;
-    // dc_basis; DC_QUADRATIC.
+    // dc_basis. Default: DC_QUADRATIC.
     int32_t basis;
-    // Whether the linear basis may stand in for the quadratic one: 0 or 1.
+    // Whether the linear basis may stand in for the quadratic one: 0 or 1. Default: 1.
     int32_t linear_fallback;
-    // Whether contacts carry tributary areas, so that the penalty is one per area: 0 or 1.
+    // Whether contacts carry tributary areas, so that the penalty is one per area: 0 or 1. Default: 0.
     int32_t areas;
     // 0.
     int32_t reserved;
-    // The regularity of a fit has to exceed this, 0 to 1.
+    // The regularity of a fit has to exceed this, at least 0 and below 1. Default: 0.01.
     double smallest_regularity;
-    // Support radius over the distance of the farthest node, above 1.
+    // Support radius over the distance of the farthest node, above 1. Default: 1.25.
     double radius_factor;
-    // Facets that meet at a larger angle belong to different patches, degrees.
+    // Facets that meet at a larger angle belong to different patches, degrees. Default: 45.
     double feature_angle_degrees;
     // A sound pairing is kept until the slave has slid by this fraction of the support radius; 0 pairs anew at every
-    // refresh.
+    // refresh. Default: 0.1.
     double hysteresis;
-    // How far beyond the border a foot still counts, in heights of the facet.
+    // How far beyond the border a foot still counts, in heights of the facet. Default: 0.01.
     double border_tolerance;
-    // Slaves farther from the master are not paired, length; 0 for no limit.
+    // Slaves farther from the master are not paired, length; 0 for no limit. Default: 0.
     double distance_limit;
     // A penetration deeper than this fraction of the support radius makes dc_cutback suggest a smaller increment.
+    // Default: 0.25.
     double cutback_penetration;
 } dc_options;
 
@@ -492,8 +493,8 @@ enum dc_status dc_evaluate(struct dc_interface *interface,
                            int32_t mode);
 
 // Which equations the displacements of the nodes have: 3 entries for each node, numbers below `equation_count`, none twice, -1
-// for a displacement that is prescribed. `equations` NULL for 3 node + axis, as it is at the beginning. Patterns made before belong to
-// the equations of before.
+// for a displacement that is prescribed. NULL with both counts 0 for 3 node + axis, as it is at the beginning; NULL with any other count
+// is an array that is missing, DC_BAD_POINTER. Patterns made before belong to the equations of before.
 //
 // # Safety
 // `equations` is NULL or has 3 `node_count` entries.

@@ -14,7 +14,8 @@ use crate::cutback::Hint;
 use crate::options::dc_options;
 use crate::registry::Registry;
 use crate::status::{
-    DC_BAD_SIZE, DC_FROZEN, DC_NOT_EVALUATED, DC_OUT_OF_RANGE, DC_TOO_LARGE, Failure, dc_status,
+    DC_BAD_POINTER, DC_BAD_SIZE, DC_FROZEN, DC_NOT_EVALUATED, DC_OUT_OF_RANGE, DC_TOO_LARGE, Failure,
+    dc_status,
 };
 use crate::threads;
 
@@ -416,8 +417,8 @@ pub extern "C" fn dc_evaluate(interface: *mut dc_interface, mode: i32) -> dc_sta
 }
 
 /// Which equations the displacements of the nodes have: 3 entries for each node, numbers below `equation_count`, none twice, -1
-/// for a displacement that is prescribed. `equations` NULL for 3 node + axis, as it is at the beginning. Patterns made before belong to
-/// the equations of before.
+/// for a displacement that is prescribed. NULL with both counts 0 for 3 node + axis, as it is at the beginning; NULL with any other count
+/// is an array that is missing, DC_BAD_POINTER. Patterns made before belong to the equations of before.
 ///
 /// # Safety
 /// `equations` is NULL or has 3 `node_count` entries.
@@ -431,6 +432,13 @@ pub unsafe extern "C" fn dc_set_equations(
     border::call(|| {
         with(interface, |state| {
             if equations.is_null() {
+                if (node_count, equation_count) != (0, 0) {
+                    let message = format!(
+                        "bad-pointer: equations is NULL, which goes with no counts, not with {node_count} nodes and \
+                         {equation_count} equations"
+                    );
+                    return Err(Failure::new(DC_BAD_POINTER, message));
+                }
                 state.dofs = Arc::new(DofMap::standard(state.nodes));
                 return Ok(());
             }

@@ -21,48 +21,49 @@ use crate::status::{Failure, dc_status};
 pub struct dc_options {
     /// sizeof(dc_options).
     pub size: usize,
-    /// dc_element_kind; DC_DIFFUSE.
+    /// dc_element_kind. Default: DC_DIFFUSE.
     pub element: i32,
-    /// dc_weight; DC_CUBIC.
+    /// dc_weight. Default: DC_CUBIC.
     pub weight: i32,
-    /// dc_frame: DC_CO_MOVING or DC_HELD.
+    /// dc_frame: DC_CO_MOVING or DC_HELD. Default: DC_CO_MOVING.
     pub frame: i32,
-    /// dc_rule; DC_HULL_LAYERS.
+    /// dc_rule. Default: DC_HULL_LAYERS.
     pub rule: i32,
-    /// Hull layers to start with; 0 for as many as make the fit well conditioned.
+    /// Hull layers to start with; 0 for as many as make the fit well conditioned. Default: 0.
     pub layers: i32,
-    /// Hull layers to stop at.
+    /// Hull layers to stop at. Default: 6.
     pub max_layers: i32,
-    /// Nodes to start with, by DC_NEAREST.
+    /// Nodes to start with, by DC_NEAREST. Default: 12.
     pub nearest: i32,
-    /// Nodes to stop at, by DC_NEAREST.
+    /// Nodes to stop at, by DC_NEAREST. Default: 24.
     pub max_nearest: i32,
-    /// Nearest nodes among which hull layers are sought.
+    /// Nearest nodes among which hull layers are sought. Default: 48.
     pub candidates: i32,
-    /// Up to how many they are doubled.
+    /// Up to how many they are doubled. Default: 192.
     pub max_candidates: i32,
-    /// dc_basis; DC_QUADRATIC.
+    /// dc_basis. Default: DC_QUADRATIC.
     pub basis: i32,
-    /// Whether the linear basis may stand in for the quadratic one: 0 or 1.
+    /// Whether the linear basis may stand in for the quadratic one: 0 or 1. Default: 1.
     pub linear_fallback: i32,
-    /// Whether contacts carry tributary areas, so that the penalty is one per area: 0 or 1.
+    /// Whether contacts carry tributary areas, so that the penalty is one per area: 0 or 1. Default: 0.
     pub areas: i32,
     /// 0.
     pub reserved: i32,
-    /// The regularity of a fit has to exceed this, 0 to 1.
+    /// The regularity of a fit has to exceed this, at least 0 and below 1. Default: 0.01.
     pub smallest_regularity: f64,
-    /// Support radius over the distance of the farthest node, above 1.
+    /// Support radius over the distance of the farthest node, above 1. Default: 1.25.
     pub radius_factor: f64,
-    /// Facets that meet at a larger angle belong to different patches, degrees.
+    /// Facets that meet at a larger angle belong to different patches, degrees. Default: 45.
     pub feature_angle_degrees: f64,
     /// A sound pairing is kept until the slave has slid by this fraction of the support radius; 0 pairs anew at every
-    /// refresh.
+    /// refresh. Default: 0.1.
     pub hysteresis: f64,
-    /// How far beyond the border a foot still counts, in heights of the facet.
+    /// How far beyond the border a foot still counts, in heights of the facet. Default: 0.01.
     pub border_tolerance: f64,
-    /// Slaves farther from the master are not paired, length; 0 for no limit.
+    /// Slaves farther from the master are not paired, length; 0 for no limit. Default: 0.
     pub distance_limit: f64,
     /// A penetration deeper than this fraction of the support radius makes dc_cutback suggest a smaller increment.
+    /// Default: 0.25.
     pub cutback_penetration: f64,
 }
 

@@ -1,3 +1,5 @@
+import copy
+import dataclasses
 import pickle
 
 import numpy as np
@@ -342,5 +344,34 @@ def test_bad_laws_are_refused(scene):
 def test_errors_survive_pickling(scene):
     with pytest.raises(dc.InterfaceError) as caught:
         scene.interface().residual(1.0)
-    copy = pickle.loads(pickle.dumps(caught.value))
-    assert (type(copy), copy.code, str(copy)) == (dc.InterfaceError, "not-evaluated", str(caught.value))
+    loaded = pickle.loads(pickle.dumps(caught.value))
+    assert (type(loaded), loaded.code, str(loaded)) == (dc.InterfaceError, "not-evaluated", str(caught.value))
+
+
+def fields(value):
+    return [getattr(value, field.name) for field in dataclasses.fields(value)]
+
+
+def test_what_an_interface_answers_survives_pickling(scene):
+    interface = scene.interface(weight="wendland-c2", distance_limit=2.0)
+    report = interface.refresh_pairing(scene.positions)
+    interface.evaluate()
+    for value in (interface.options, report, interface.cut_back()):
+        assert pickle.loads(pickle.dumps(value)) == value
+        assert copy.deepcopy(value) == value
+    for value in (interface.pairing(1), interface.contact(1), interface.contacts):
+        loaded = pickle.loads(pickle.dumps(value))
+        assert type(loaded) is type(value)
+        for found, expected in zip(fields(loaded), fields(value), strict=True):
+            np.testing.assert_array_equal(found, expected)
+    options = pickle.loads(pickle.dumps(interface.options))
+    again = dc.ContactInterface(scene.master(), scene.slaves, scene.positions, **dataclasses.asdict(options))
+    assert again.options == interface.options
+
+
+@pytest.mark.parametrize("clone", [pickle.dumps, copy.copy, copy.deepcopy])
+def test_interfaces_and_surfaces_are_not_pickled(scene, clone):
+    with pytest.raises(TypeError, match=r"a ContactInterface cannot be pickled or copied: .* make one in each process"):
+        clone(scene.evaluated())
+    with pytest.raises(TypeError, match=r"a MasterSurface cannot be pickled or copied: .* make one in each process"):
+        clone(scene.master())

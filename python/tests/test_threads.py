@@ -1,3 +1,4 @@
+import dataclasses
 import multiprocessing
 import threading
 
@@ -87,6 +88,38 @@ def test_the_number_of_threads_can_be_set():
 def _gap_in_child(queue):
     interface, _ = large_interface()
     queue.put(float(interface.evaluate("value").gap[0]))
+
+
+_worker = {}
+
+
+def _make_in_worker(positions, facets, slaves, options):
+    interface = dc.ContactInterface(dc.MasterSurface(positions, facets), slaves, positions, **options)
+    interface.refresh_pairing(positions)
+    _worker["interface"] = interface
+
+
+def _gaps_in_worker(positions):
+    _worker["interface"].update(positions)
+    return _worker["interface"].evaluate("value")
+
+
+def test_a_pool_makes_its_interfaces_from_arrays():
+    masters, facets = grid(8)
+    slaves, _ = grid(3)
+    positions = np.vstack([masters, slaves + [2.3, 2.4, -0.01]])
+    numbers = np.arange(len(masters), len(positions))
+    interface = dc.ContactInterface(dc.MasterSurface(positions, facets), numbers, positions, weight="wendland-c2")
+    interface.refresh_pairing(positions)
+    moved = positions + 0.001 * np.sin(np.arange(positions.size)).reshape(positions.shape)
+    interface.update(moved)
+    made_of = (positions, facets, numbers, dataclasses.asdict(interface.options))
+    context = multiprocessing.get_context("spawn")
+    with context.Pool(1, initializer=_make_in_worker, initargs=made_of) as pool:
+        contacts = pool.apply_async(_gaps_in_worker, (moved,)).get(timeout=120)
+        with pytest.raises(TypeError, match="cannot be pickled"):
+            pool.apply_async(_gaps_in_worker, (interface,)).get(timeout=120)
+    np.testing.assert_array_equal(contacts.gap, interface.evaluate("value").gap)
 
 
 def test_a_forked_process_gets_threads_of_its_own():

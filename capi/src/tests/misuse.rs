@@ -194,6 +194,12 @@ fn pointers_sizes_and_handles() {
         equations[8] = -2;
         assert_eq!(dc_set_equations(handle, equations.as_ptr(), 40, 3), DC_OUT_OF_RANGE);
         assert_eq!(dc_set_equations(handle, equations.as_ptr(), 39, 3), DC_BAD_SIZE);
+        // An array that could not be had is no wish for the standard numbering.
+        for (nodes, count) in [(40, 120), (40, 0), (0, 120), (39, 3)] {
+            assert_eq!(dc_set_equations(handle, null(), nodes, count), DC_BAD_POINTER);
+            assert!(message().starts_with("bad-pointer: equations is NULL"), "{}", message());
+        }
+        assert_eq!(dc_set_equations(handle, null(), 0, 0), DC_OK);
 
         assert_eq!(dc_destroy(handle), DC_OK);
         assert_eq!(dc_destroy(handle), DC_BAD_HANDLE);

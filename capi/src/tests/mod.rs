@@ -2,6 +2,7 @@
 
 mod agreement;
 mod cutback;
+mod defaults;
 mod fuzz;
 mod memory;
 mod misuse;

@@ -16,22 +16,7 @@ fn the_user_element_has_the_numbers_of_rust() {
         return;
     }
     let installed = Installed::new("fortran");
-    let mut command = Command::new("gfortran");
-    // Comparisons of numbers are meant, and so are dummy arguments that Abaqus passes and nobody needs.
-    command.args([
-        "-std=f2018",
-        "-Wall",
-        "-Wextra",
-        "-Werror",
-        "-Wno-compare-reals",
-        "-Wno-unused-dummy-argument",
-    ]);
-    command.args(["-Wno-surprising", "-fcheck=all", "-O1", "-J"]);
-    command.arg(&installed.prefix).arg("-o").arg(installed.prefix.join("drive_uel"));
-    command
-        .arg(installed.prefix.join("share/diffuse_contact/uel.f90"))
-        .arg(root().join("fortran/drive_uel.f90"));
-    run(command.args(installed.flags(&["--libs"])));
+    build(&installed, "drive_uel");
     // It checks tangent, cut-backs and flags itself.
     let printed = run(installed.program("drive_uel").arg("--bits"));
     for said in [
@@ -45,17 +30,111 @@ fn the_user_element_has_the_numbers_of_rust() {
     }
     refuse_mistakes(&installed);
 
-    let calls = groups(records(&printed, from_bits), "now");
-    assert!(calls.len() >= 12, "{} calls", calls.len());
-    let mut active = 0;
-    for call in &calls {
-        let (rhs, amatrx) =
-            user_element(call["now"].as_chunks::<3>().0, call["start"].as_chunks::<3>().0, &call["history"]);
-        assert_same("rhs", &call["rhs"], &rhs);
-        assert_same("amatrx", &call["amatrx"], &amatrx);
-        active += usize::from(rhs.iter().any(|force| *force != 0.0));
+    // PROPS(9), the regularity that a fit has to exceed.
+    let regular = run(installed.program("drive_uel").args(["--bits", "0.35"]));
+    let regular_search = SearchOptions { smallest_regularity: 0.35, ..SearchOptions::default() };
+    assert_ne!(regular, printed);
+    for (printed, search) in [(printed, SearchOptions::default()), (regular, regular_search)] {
+        let calls = groups(records(&printed, from_bits), "now");
+        assert!(calls.len() >= 12, "{} calls", calls.len());
+        let mut active = 0;
+        for call in &calls {
+            let [now, start] = ["now", "start"].map(|name| call[name].as_chunks::<3>().0);
+            let (rhs, amatrx) = user_element(now, start, &call["history"], search);
+            assert_same("rhs", &call["rhs"], &rhs);
+            assert_same("amatrx", &call["amatrx"], &amatrx);
+            active += usize::from(rhs.iter().any(|force| *force != 0.0));
+        }
+        assert!(active > calls.len() / 2);
     }
-    assert!(active > calls.len() / 2);
+}
+
+/// Compiles a driver of this name with the user element.
+fn build(installed: &Installed, driver: &str) {
+    let mut command = Command::new("gfortran");
+    // Comparisons of numbers are meant, and so are dummy arguments that Abaqus passes and nobody needs.
+    command.args([
+        "-std=f2018",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        "-Wno-compare-reals",
+        "-Wno-unused-dummy-argument",
+    ]);
+    command.args(["-Wno-surprising", "-fcheck=all", "-O1", "-J"]);
+    command.arg(&installed.prefix).arg("-o").arg(installed.prefix.join(driver));
+    command
+        .arg(installed.prefix.join("share/diffuse_contact/uel.f90"))
+        .arg(root().join("fortran").join(driver).with_extension("f90"));
+    run(command.args(installed.flags(&["--libs"])));
+}
+
+/// The input file is read, checked and run by a driver; with a mistake in it, it is not.
+#[test]
+fn the_example_input_is_consistent_and_runs() {
+    if !(has("pkg-config") && has("gfortran")) {
+        return;
+    }
+    let installed = Installed::new("fortran-input");
+    build(&installed, "drive_input");
+    let example = installed.prefix.join("share/diffuse_contact/examples/block_on_cylinder.inp");
+    let printed = run(installed.program("drive_input").arg(&example));
+    assert!(printed.contains("90 nodes, 8 bricks, 9 user elements of 36 nodes"), "{printed}");
+    assert!(printed.contains("0 cut-backs, 3 pairings renewed"), "{printed}");
+    // Each line of a slave ends with gap, force and number of masters.
+    let number = |line: &str, name: &str| -> f64 {
+        let (_, from) = line.split_once(name).unwrap_or_else(|| panic!("{name}: {line}"));
+        let word = from.trim_start().split([' ', ',', ':']).next().expect("a number");
+        word.parse().unwrap_or_else(|error| panic!("{line}: {error}"))
+    };
+    let slaves: Vec<&str> = printed.lines().filter(|line| line.starts_with("slave")).collect();
+    assert_eq!(slaves.len(), 9);
+    let areas = |label: f64| match label as i32 {
+        105 => 0.81,
+        102 | 104 | 106 | 108 => 0.405,
+        _ => 0.2025,
+    };
+    let mut sum = 0.0;
+    for line in slaves {
+        let (label, gap, force) = (number(line, "slave"), number(line, "gap"), number(line, "force"));
+        let expected = -2e4 * areas(label) * gap;
+        assert!((force / expected - 1.0).abs() < 1e-11, "{line}");
+        sum += force;
+    }
+    // Normals lean by 4.3 degrees at most.
+    let held = printed.lines().find_map(|line| line.strip_prefix("force on the block")).expect("a force");
+    let vertical: f64 = held.split_whitespace().nth(2).expect("z").parse().expect("a number");
+    assert!(vertical < sum && vertical > 0.997 * sum, "{vertical} {sum}");
+    refuse_mistakes_of_input(&installed, &std::fs::read_to_string(&example).expect("the example"));
+}
+
+fn refuse_mistakes_of_input(installed: &Installed, sound: &str) {
+    let wrong = installed.prefix.join("wrong.inp");
+    for (one, other, code, says) in [
+        ("VARIABLES=47", "VARIABLES=46", 1, "VARIABLES of at least the number of nodes and 11"),
+        ("NODES=36", "NODES=35", 1, "not NODES nodes: user element 1001"),
+        ("COORDINATES=3", "COORDINATES=2", 1, "COORDINATES=3"),
+        ("PROPERTIES=9", "PROPERTIES=8", 1, "not PROPERTIES values: *UEL PROPERTY 1"),
+        ("ELSET=MIDDLE\n20000.", "ELSET=CENTRE\n20000.", 1, "no *UEL PROPERTY: user element 1005"),
+        ("\n1, 2, 3\n", "\n1, 2\n", 1, "three degrees of freedom"),
+        ("\n1001, 101, ", "\n1001, 1, ", 1, "the first node belongs to no brick: user element 1001"),
+        ("\n1009, 109, ", "\n1009, 101, ", 1, "those of another one: user element 1009"),
+        ("\n1005, 105, 11, ", "\n1005, 105, 12, ", 1, "a node is named twice: user element 1005"),
+        ("\n1005, 105, 11, ", "\n1005, 105, 104, ", 1, "a candidate belongs to the block: user element 1005"),
+        ("\n1005, 105, 11, ", "\n1005, 105, 99, ", 1, "there is no node 99"),
+        ("\n1005, 105, 11, ", "\n1005, 105, 1, 11, ", 1, "more than 16 entries"),
+        ("*USER ELEMENT, TYPE=U1", "*USER ELEMENT, TYPE=U2", 1, "the user element is not U1"),
+        // What the user element itself finds.
+        ("20000., 0.81", "0., 0.81", 2, "diffuse contact: element 1005 needs a positive penalty PROPS(1)"),
+        ("0.81, 0., 0., 0., 1.,", "0.81, 0., 1., 0., 0.,", 2, "ambiguous-outward"),
+    ] {
+        assert_eq!(sound.matches(one).count(), 1, "{one:?}");
+        std::fs::write(&wrong, sound.replace(one, other)).expect("a file");
+        let output = installed.program("drive_input").arg(&wrong).output().expect("the driver");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{one} → {other}: {said}");
+        assert!(said.contains(says), "{one} → {other}: {said}");
+    }
 }
 
 /// Each wrong input ends the analysis, with a sentence in the message file.
@@ -71,7 +150,7 @@ fn refuse_mistakes(installed: &Installed) {
         "LFLAGS(3) of 1, 2, 3, 4, 5 or 100",
     ];
     let history = "SVARS that it has written itself, or zeros";
-    for mistake in 1..=22 {
+    for mistake in 1..=24 {
         let output = installed.program("drive_uel").args(["--refuse", &mistake.to_string()]).output();
         let output = output.expect("the driver");
         let said = String::from_utf8_lossy(&output.stderr);
@@ -81,7 +160,8 @@ fn refuse_mistakes(installed: &Installed) {
             9..=18 => history,
             19 => "non-finite",
             20 | 21 => "a direction PROPS(4:6), finite and not zero",
-            _ => "ambiguous-outward",
+            22 => "ambiguous-outward",
+            _ => "PROPS(9), where there is one, of at least 0 and below 1",
         };
         assert!(
             said.contains("diffuse contact: element 1") && said.contains(expected),
@@ -91,7 +171,12 @@ fn refuse_mistakes(installed: &Installed) {
 }
 
 /// What the user element is to return: force and stiffness over the coordinates of all its nodes.
-fn user_element(now: &[Point], start: &[Point], history: &[f64]) -> (Vec<f64>, Vec<f64>) {
+fn user_element(
+    now: &[Point],
+    start: &[Point],
+    history: &[f64],
+    search: SearchOptions,
+) -> (Vec<f64>, Vec<f64>) {
     let freedoms = 3 * now.len();
     let (mut rhs, mut amatrx) = (vec![0.0; freedoms], vec![0.0; freedoms * freedoms]);
     let is_paired = history[0] == 1.0;
@@ -102,7 +187,7 @@ fn user_element(now: &[Point], start: &[Point], history: &[f64]) -> (Vec<f64>, V
     } else {
         let outward = if history[0] == 0.0 { [0.0, 0.0, 1.0] } else { [history[4], history[5], history[6]] };
         let cloud = NearestNodes::new(start[1..].to_vec()).unwrap();
-        let mut search = NeighbourSearch::new(SearchOptions::default()).unwrap();
+        let mut search = NeighbourSearch::new(search).unwrap();
         let found = search.find(&cloud, start[0], outward).unwrap();
         assert!(found.encloses_slave);
         let mut masters: Vec<usize> = found.nodes.iter().map(|node| node + 1).collect();

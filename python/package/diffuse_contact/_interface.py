@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NoReturn
 
 import numpy as np
 import scipy.sparse
@@ -121,7 +121,8 @@ class ContactInterface:
         K_k = ε_k N_k N_kᵀ − f_k M_k = −∂R_k/∂x
 
     so that internal forces minus R are to be balanced, and K is added to the stiffness. The numbers do not depend on
-    the number of threads, bit for bit. An interface serves one thread at a time; others get a ``BusyError``.
+    the number of threads, bit for bit. An interface serves one thread at a time; others get a ``BusyError``. It cannot
+    be pickled or copied (``TypeError``): make one in each process.
 
     Args:
         master: the master surface.
@@ -379,6 +380,13 @@ class ContactInterface:
         """
         factor, cause = self._interface.cut_back(number("limit", limit))
         return CutBack(factor, *cause) if cause else CutBack(factor)
+
+    def __reduce__(self) -> NoReturn:
+        # A copy would go on with a pairing of its own: whoever hands an interface to another process had better know.
+        raise TypeError(
+            "a ContactInterface cannot be pickled or copied: its pairing has a history of its own. Send the arrays it "
+            "was made of and its options, and make one in each process"
+        )
 
     def __repr__(self) -> str:
         return f"<ContactInterface of {len(self.slaves)} slaves, {self._options.element}>"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NoReturn
+
 from numpy.typing import ArrayLike
 
 from . import _native
@@ -15,6 +17,8 @@ class MasterSurface:
         positions: positions of all nodes, shape (p, 3), length.
         corners: facets, node indices counter-clockwise seen from outside; an array of shape (m, 3) or (m, 4), in which
             −1 for the fourth corner makes a triangle, or a list of lists of three and four.
+
+    It cannot be pickled or copied (``TypeError``), since it does not keep the positions it was checked at.
 
     Raises:
         SurfaceError: if that is no oriented surface: a corner out of range, a node twice in a facet, a facet without
@@ -46,6 +50,12 @@ class MasterSurface:
     def node_normals(self, positions: ArrayLike) -> Floats:
         """Outward normals of ``nodes``: sums of the area vectors of the facets at each, not normalised, length²."""
         return self._surface.node_normals(floats("positions", positions, "p", 3)).reshape(-1, 3)
+
+    def __reduce__(self) -> NoReturn:
+        # It was checked at positions that it does not keep.
+        raise TypeError(
+            "a MasterSurface cannot be pickled or copied: send positions and facets, and make one in each process"
+        )
 
     def __repr__(self) -> str:
         return f"<MasterSurface of {self._surface.facet_count} facets, {len(self.nodes)} nodes>"

@@ -258,7 +258,7 @@ impl Fuzz {
         let handle = self.interface();
         if self.random.one_in(2) {
             // SAFETY: nothing is read.
-            return unsafe { dc_set_equations(handle, null(), 0, 0) };
+            return unsafe { dc_set_equations(handle, null(), self.random.pick(&[0, 0, 40]), 0) };
         }
         let mut numbers: Vec<i32> = (0..120).map(|k| if k % 7 == 0 { -1 } else { k }).collect();
         if self.random.one_in(3) {

@@ -158,3 +158,41 @@ fn what_no_kernel_can_be_made_for_is_refused() {
     run(&["emit", "--nodes", "9", "--output", "foot", "--mode", "value"])
         .assert_refused(&["'foot'", "coefficients, surface, gap"]);
 }
+
+/// The table "Operation counts" of the README.
+#[test]
+fn the_readme_has_the_counts_of_today() {
+    let readme = include_str!("../../README.md");
+    let row = |label: &str| -> Vec<usize> {
+        let line = readme.lines().find_map(|line| line.strip_prefix(&format!("| {label} |")));
+        let cells = line.unwrap_or_else(|| panic!("README.md has no row \"{label}\"")).split('|');
+        cells
+            .filter(|cell| !cell.is_empty())
+            .map(|cell| cell.trim().replace(',', "").parse().unwrap())
+            .collect()
+    };
+    for (label, weight, output, mode, frame) in [
+        ("gap: g, foot, ν, N, M", "cubic", "gap", "hessian", "frozen"),
+        ("the same, frame moving with the average plane", "cubic", "gap", "hessian", "co-moving"),
+        ("the same, interpolating weight, frame held", "cubic-interpolating", "gap", "hessian", "frozen"),
+        (
+            "the same, interpolating weight, frame moving",
+            "cubic-interpolating",
+            "gap",
+            "hessian",
+            "co-moving",
+        ),
+        ("gap and gradient only", "cubic", "gap", "gradient", "frozen"),
+        ("surface: f, f_l, f_lm, ∇f, T_l, H_f", "cubic", "surface", "hessian", "frozen"),
+        ("coefficients: α, ∂α/∂x, ∂²α/∂x² (six Hessians)", "cubic", "coefficients", "hessian", "frozen"),
+    ] {
+        let all = printed(&["emit", "--counts", "--weight", weight]);
+        let wanted = ["quadratic", output, mode, frame];
+        let found = all.lines().find_map(|line| {
+            let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+            (cells.len() == 9 && cells[..4] == wanted)
+                .then(|| cells[4..].iter().map(|cell| cell.parse().unwrap()).collect())
+        });
+        assert_eq!(found, Some(row(label)), "{label}");
+    }
+}

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::contact::{self, ContactError, ContactSet, Interaction, InteractionOptions, RefreshRule, TangentRule};
+use crate::contact::{
+    self, ContactError, ContactSet, Interaction, InteractionOptions, RefreshRule, TangentRule,
+};
 use crate::deck::{Contact, Deck, DeckError, Interface, Refresh, Tangent};
 use crate::model::Model;
 use crate::output::{

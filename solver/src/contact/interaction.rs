@@ -187,7 +187,11 @@ impl Interaction {
         self.passes.iter().flat_map(Pass::cliques)
     }
 
-    pub(super) fn add_tangent(&mut self, matrix: &mut BlockMatrix, residual: f64) -> Result<(), ContactError> {
+    pub(super) fn add_tangent(
+        &mut self,
+        matrix: &mut BlockMatrix,
+        residual: f64,
+    ) -> Result<(), ContactError> {
         self.each(|pass| pass.add_tangent(matrix, residual))
     }
 

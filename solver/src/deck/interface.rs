@@ -91,7 +91,7 @@ pub struct Interface {
     /// What the diffuse element's frame does while differentiating.
     pub frame: FrameDerivative,
     /// Which master nodes carry the smooth surface around a slave.
-    pub neighbours: NeighbourRule,
+    pub neighbours: SearchOptions,
     /// When slaves are paired.
     pub refresh: Refresh,
     /// The stiffness of contact.
@@ -112,11 +112,9 @@ impl Interface {
     pub fn options(&self, contact: Contact) -> InterfaceOptions {
         let element = match contact {
             Contact::NodeToFacet => ContactElement::NodeToFacet,
-            Contact::Diffuse | Contact::None => ContactElement::Diffuse {
-                weight: self.weight,
-                frame: self.frame,
-                search: SearchOptions::default().with_rule(self.neighbours),
-            },
+            Contact::Diffuse | Contact::None => {
+                ContactElement::Diffuse { weight: self.weight, frame: self.frame, search: self.neighbours }
+            }
         };
         InterfaceOptions {
             element,
@@ -141,11 +139,8 @@ pub(super) fn interface(section: Section) -> Result<Interface, DeckError> {
     let weights = Weight::ALL.map(|weight| (weight.name(), weight));
     let frames = [("co-moving", FrameDerivative::CoMoving), ("frozen", FrameDerivative::Frozen)];
     let refreshes = [("increment", Refresh::Increment), ("iteration", Refresh::Iteration)];
-    let tangents = [
-        ("adaptive", Tangent::Adaptive),
-        ("exact", Tangent::Exact),
-        ("gauss-newton", Tangent::GaussNewton),
-    ];
+    let tangents =
+        [("adaptive", Tangent::Adaptive), ("exact", Tangent::Exact), ("gauss-newton", Tangent::GaussNewton)];
     let fraction = |field, default| match section.get(field) {
         Some(field) => field.number_in("at least 0", |value| value >= 0.0),
         None => Ok(default),
@@ -167,7 +162,7 @@ pub(super) fn interface(section: Section) -> Result<Interface, DeckError> {
         frame: section.get("frame").map_or(Ok(FrameDerivative::CoMoving), |field| field.word(&frames))?,
         neighbours: section
             .get("neighbours")
-            .map_or(Ok(NeighbourRule::default()), |field| neighbours(&field))?,
+            .map_or(Ok(SearchOptions::default()), |field| neighbours(&field))?,
         refresh: section.get("refresh").map_or(Ok(Refresh::Increment), |field| field.word(&refreshes))?,
         tangent: section.get("tangent").map_or(Ok(Tangent::Adaptive), |field| field.word(&tangents))?,
         feature_angle: section.get("feature_angle").map_or(Ok(defaults.feature_angle_degrees), angle)?,
@@ -190,7 +185,7 @@ fn augmentation(section: &Section) -> Result<Option<Augmentation>, DeckError> {
     }))
 }
 
-fn neighbours(field: &Field) -> Result<NeighbourRule, DeckError> {
+fn neighbours(field: &Field) -> Result<SearchOptions, DeckError> {
     let section = field.section()?.expect(schema::NEIGHBOURS)?;
     let count =
         section.get("count").map(|field| field.positive_count().map(|count| (field, count))).transpose()?;
@@ -200,13 +195,18 @@ fn neighbours(field: &Field) -> Result<NeighbourRule, DeckError> {
         ("hull-radius", NeighbourRule::hull_radius(layers)),
         ("nearest", NeighbourRule::nearest(layers.unwrap_or(DEFAULT_NEIGHBOURS))),
     ];
-    let rule = section.need("rule")?.word(&words)?;
-    match (rule, count) {
-        (_, Some((field, count))) if count > MAX_NEIGHBOURS => {
-            Err(field.out_of_range("from 1 to 24", count as f64))
-        }
-        _ => Ok(rule),
+    let rule =
+        section.get("rule").map_or(Ok(NeighbourRule::hull_layers(layers)), |field| field.word(&words))?;
+    if let Some((field, count)) = count
+        && count > MAX_NEIGHBOURS
+    {
+        return Err(field.out_of_range("from 1 to 24", count as f64));
     }
+    let defaults = SearchOptions::default();
+    let fraction =
+        |field: Field| field.number_in("at least 0 and below 1", |value| (0.0..1.0).contains(&value));
+    let smallest_regularity = section.get("regularity").map_or(Ok(defaults.smallest_regularity), fraction)?;
+    Ok(SearchOptions { rule, smallest_regularity, ..defaults })
 }
 
 /// Refuses two interfaces of one name.

@@ -67,7 +67,7 @@ pub const INTERFACE: &[&str] = &[
 /// Fields of an augmentation.
 pub const AUGMENTATION: &[&str] = &["max", "tolerance"];
 /// Fields of the neighbour search.
-pub const NEIGHBOURS: &[&str] = &["rule", "count"];
+pub const NEIGHBOURS: &[&str] = &["rule", "count", "regularity"];
 /// Fields of the time.
 pub const TIME: &[&str] = &["end", "increment", "minimum", "maximum", "growth", "cutback", "fixed"];
 /// Fields of the Newton iteration.

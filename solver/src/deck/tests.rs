@@ -139,7 +139,7 @@ fn every_field_is_taken() {
         exchange = true
         weight = "wendland-c2"
         frame = "frozen"
-        neighbours = { rule = "nearest", count = 14 }
+        neighbours = { rule = "nearest", count = 14, regularity = 0.1 }
         refresh = "iteration"
         tangent = "gauss-newton"
         feature_angle = 30
@@ -176,7 +176,7 @@ fn every_field_is_taken() {
     assert_eq!(interface.augmentation, Some(Augmentation { max: 7, tolerance: 1e-3 }));
     let ContactElement::Diffuse { weight, frame, search } = options.element else { panic!("not diffuse") };
     assert_eq!((weight, frame), (Weight::WendlandC2, FrameDerivative::Frozen));
-    assert_eq!(search.rule, NeighbourRule::nearest(14));
+    assert_eq!((search.rule, search.smallest_regularity), (NeighbourRule::nearest(14), 0.1));
     assert_eq!(
         (options.feature_angle_degrees, options.hysteresis, options.border_tolerance, options.distance_limit),
         (30.0, 0.0, 0.5, Some(2.0))
@@ -355,6 +355,11 @@ fn wrong_types_and_ranges_say_what_was_found() {
         "penalty = 1e5",
         "penalty = 1e5\nneighbours = { rule = \"nearest\", count = 25 }",
         "interface[1].neighbours.count must be from 1 to 24, not 25",
+    );
+    refused(
+        "penalty = 1e5",
+        "penalty = 1e5\nneighbours = { regularity = 1.0 }",
+        "interface[1].neighbours.regularity must be at least 0 and below 1, not 1",
     );
     assert_eq!(MAX_NEIGHBOURS, 24);
 }

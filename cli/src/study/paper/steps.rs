@@ -35,7 +35,8 @@ pub fn table(decks: &Decks, scope: &Scope) -> Result<Table, CliError> {
     ];
     let mut table = Table::new("### Longer increments, elastic, all meshes and penalties together", columns);
     let masters = [(Master::Pipe, "pipe"), (Master::Plate, "plate")];
-    for (factor, tangent) in FACTORS.into_iter().flat_map(|factor| TANGENTS.map(|tangent| (factor, tangent))) {
+    for (factor, tangent) in FACTORS.into_iter().flat_map(|factor| TANGENTS.map(|tangent| (factor, tangent)))
+    {
         for (master, name) in masters {
             let mut pairs = Vec::new();
             for &mesh in scope.meshes() {

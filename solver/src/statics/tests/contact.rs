@@ -26,6 +26,28 @@ fn the_augmented_lagrangian_reduces_penetration_and_keeps_the_force() {
     assert!((sum - 40.0).abs() < 0.05 * 40.0, "{sum}");
 }
 
+/// Far from equilibrium −f M of a stiff penalty leads nowhere: the same increments fail with it in every iteration.
+#[test]
+fn the_adaptive_tangent_gets_through_where_the_exact_one_does_not() {
+    let base = PRESSED.replace("2000.0", "2e4");
+    let more = "[time]\nincrement = 0.5\nfixed = true";
+    let (notes, state, _) = run(&base, more);
+    assert_eq!((state.cutbacks, state.increments), (0, 2));
+    for record in &notes.increments {
+        assert!(record.iterations <= 8, "{record:?}");
+        // With all of the tangent at the end: quadratic.
+        let [.., before, last] = &record.history[..] else { panic!("{record:?}") };
+        assert!(last.relative < 1e-2 * before.relative, "{record:?}");
+    }
+    let hard = pressed_hard().replace("2000.0", "2e4");
+    let (deck, model) = deck(&hard, "[time]\nincrement = 0.5");
+    let mut statics = statics(&deck, &model);
+    let mut notes = Notes { stop_at_cut: true, ..Notes::default() };
+    let start = statics.problem().start();
+    statics.run(start, &mut notes).unwrap();
+    assert_eq!(notes.cuts.len(), 1);
+}
+
 const AUGMENTED: &str =
     "penalty = 500.0\nmethod = \"augmented-lagrangian\"\naugmentation = { tolerance = 1e-5, max = 60 }";
 

@@ -143,3 +143,17 @@ fn overlap_at_the_start_is_told() {
     let beside = beginnings("1.3, 0.05]");
     assert_eq!((beside[0].slaves, beside[0].paired), (12, 8), "{beside:?}");
 }
+
+/// A run that was killed while it wrote leaves files behind that belong to nobody.
+#[test]
+fn a_restart_removes_what_a_killed_run_left() {
+    let scratch = Scratch::new("leftovers");
+    run(&scratch, PRESSED, false, Some(1));
+    let out = scratch.0.join("out");
+    let of_the_run = [".state.json.123-4.tmp", "results/.00002.vtu.123-5.tmp", "skins/.00002.json.123-6.tmp"];
+    let others = [".notes.txt.123-4.tmp", "results/.mine.tmp", ".state.json.swp"];
+    of_the_run.iter().chain(&others).for_each(|name| fs::write(out.join(name), "half").unwrap());
+    run(&scratch, PRESSED, true, None);
+    assert!(of_the_run.iter().all(|name| !out.join(name).exists()));
+    assert!(others.iter().all(|name| out.join(name).exists()), "they are the user's");
+}

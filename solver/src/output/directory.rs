@@ -92,12 +92,11 @@ impl Directory {
 
     /// Temporary files of results that were being written when their run was killed.
     fn leftovers(&self) -> Vec<PathBuf> {
-        let is_own = |target: &str| FILES.contains(&target) || target == names::DECK;
-        let extends = |extension: &'static str| move |target: &str| target.ends_with(extension);
-        let folders: [(PathBuf, &dyn Fn(&str) -> bool); 3] = [
-            (self.0.clone(), &is_own),
-            (self.path(names::PICTURES), &extends(".vtu")),
-            (self.path(names::SKINS), &extends(".json")),
+        let is_own: fn(&str) -> bool = |target| FILES.contains(&target) || target == names::DECK;
+        let folders = [
+            (self.0.clone(), is_own),
+            (self.path(names::PICTURES), |target| target.ends_with(".vtu")),
+            (self.path(names::SKINS), |target| target.ends_with(".json")),
         ];
         let mut found = Vec::new();
         for (folder, belongs) in folders {

@@ -118,14 +118,15 @@ impl TimeSettings {
         length.min(self.maximum)
     }
 
-    /// The end of an increment that is planned to be so long: at most the next of `stops`, which ascend, and the end of time. These are
-    /// met exactly, and what is as close to one of them as rounding is it.
+    /// The end of an increment that is planned to be so long: at most the next of `stops`, which ascend, and the end of time, which are
+    /// met exactly. Where it ends as close to a stop as rounding, that is met already, and nothing changes.
     pub(super) fn next(&self, time: f64, length: f64, stops: &[f64]) -> f64 {
         let end = time + length;
-        if let Some(stop) = self.stop_after(time, stops).filter(|&stop| self.has_reached(end, stop)) {
-            return stop;
+        match self.stop_after(time, stops) {
+            Some(stop) if !self.has_reached(stop, end) => stop,
+            _ if self.is_over(end) => self.end,
+            _ => end,
         }
-        if self.is_over(end) { self.end } else { end }
     }
 
     /// The first stop after `time` and before the end of time.

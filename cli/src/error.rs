@@ -11,6 +11,7 @@ use diffuse_contact_benches::MeasureError;
 use diffuse_contact_codegen::model::WeightError;
 use diffuse_contact_codegen::{Basis, Mode, Output};
 use diffuse_contact_mesh::MeshError;
+use diffuse_contact_solver::deck::DeckError;
 use diffuse_contact_solver::solve::SolveError;
 
 use crate::check::NoElement;
@@ -134,6 +135,11 @@ pub enum CliError {
         /// What the system says.
         reason: rayon::ThreadPoolBuildError,
     },
+    /// A deck that a study solves is not there.
+    #[error(
+        "{0}; it is one of the repository's: run it at the root of the repository, or name the directory with --decks"
+    )]
+    NoStudyDeck(Box<SolveError>),
     /// A study cannot be made.
     #[error(transparent)]
     Study(#[from] StudyError),
@@ -185,6 +191,16 @@ impl CliError {
     /// Whether the reader of standard output has gone away.
     pub fn is_closed_pipe(&self) -> bool {
         matches!(self, Self::Stdout(reason) if reason.kind() == ErrorKind::BrokenPipe)
+    }
+
+    /// The error of a study: if it lacks a deck of the repository it says where there is one.
+    pub fn of_study(self) -> Self {
+        match self {
+            Self::Solve(reason) if matches!(&*reason, SolveError::Deck(DeckError::Read { .. })) => {
+                Self::NoStudyDeck(reason)
+            }
+            other => other,
+        }
     }
 }
 

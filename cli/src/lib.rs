@@ -60,6 +60,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use args::{Arguments, Command, DemoArguments};
+use error::CliError;
 
 /// The page on contact surfaces, whose example is run with the documentation tests.
 #[cfg(doctest)]
@@ -92,7 +93,7 @@ pub fn main() -> ExitCode {
         Some(Command::Report(arguments)) => solve::report(&arguments).map(done),
         Some(Command::Emit(arguments)) => emit::run(&arguments).map(done),
         Some(Command::Check(arguments)) => check::run(&arguments),
-        Some(Command::Study(arguments)) => study::run(&arguments).map(done),
+        Some(Command::Study(arguments)) => study::run(&arguments).map(done).map_err(CliError::of_study),
         Some(Command::Bench(arguments)) => bench::run(&arguments).map(done),
     };
     match outcome {

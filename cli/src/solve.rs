@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
+use diffuse_contact_solver::contact::Beginning;
 use diffuse_contact_solver::output::{Summary, Watcher, names};
 use diffuse_contact_solver::solve::{SolveError, SolveOptions, solve, write_report};
 use diffuse_contact_solver::statics::{Control, Failure, IncrementRecord, IterationRecord};
@@ -153,6 +154,20 @@ struct Progress {
 }
 
 impl Watcher for Progress {
+    fn start(&mut self, interfaces: &[Beginning]) {
+        for Beginning { interface, slaves, paired, overlap, deep } in interfaces {
+            say(&format!(
+                "interface `{interface}`: {paired} of {slaves} slaves paired, deepest overlap {overlap:.3e}"
+            ));
+            if *deep > 0 {
+                say(&format!(
+                    "  warning: {deep} slaves start deeper below the master than a tenth of their facets' size: do the parts \
+                     overlap, or does the master face the wrong way?"
+                ));
+            }
+        }
+    }
+
     fn iteration(&mut self, record: &IterationRecord) {
         self.iterations += 1;
         let IterationRecord { time, iteration, relative, active, step, .. } = record;
@@ -175,19 +190,32 @@ impl Watcher for Progress {
 
     fn increment(&mut self, record: &IncrementRecord) -> Control {
         self.clear();
-        let residual = record.history.last().map_or(0.0, |last| last.relative);
+        let residual = record.history.last().map_or_else(String::new, decision);
         say(&format!(
-            "increment {:4}  time {:.6}  {:2} iterations  residual {residual:.1e}  contacts {}  penetration {:.3e}",
+            "increment {:4}  time {:.6}  {:2} iterations  {residual}  contacts {}  penetration {:.3e}",
             record.number, record.time, record.iterations, record.active, record.max_penetration
         ));
         if record.is_short {
-            say("  warning: the rounds of augmentation are over, the tolerance is not met");
+            say(&format!(
+                "  warning: the rounds of augmentation are over, the tolerance is not met; {SHORT_OF_ROUNDS}"
+            ));
         }
         if record.lost > 0 {
             say(&format!("  warning: {} contacts that carried force lost their element", record.lost));
         }
         self.control()
     }
+}
+
+/// What mends an augmentation that ends before its tolerance is met.
+const SHORT_OF_ROUNDS: &str = "a stiffer penalty or more rounds (augmentation.max) help";
+
+/// What decided that an increment is in equilibrium: the residual, force, beside what it may be by both tolerances, or the rounding of
+/// the positions that makes it larger.
+fn decision(last: &IterationRecord) -> String {
+    let IterationRecord { residual, allowed, .. } = last;
+    let why = if residual > allowed { "rounding of positions; " } else { "" };
+    format!("residual {residual:.1e} ({why}allowed {allowed:.1e})")
 }
 
 impl Progress {
@@ -218,11 +246,16 @@ fn tell(summary: &Summary, out: &Path) {
     ));
     let (short, lost) = (summary.augmentations_short, summary.contacts_lost);
     if short > 0 {
-        say(&format!("warning: in {short} increments the augmentation ended before its tolerance was met"));
+        say(&format!(
+            "warning: in {short} increments the augmentation ended before its tolerance was met; {SHORT_OF_ROUNDS}"
+        ));
     }
     if lost > 0 {
         say(&format!(
             "warning: {lost} contacts that carried force lost their element; contact_status is 4 there"
         ));
+    }
+    for interface in &summary.interfaces_without_force {
+        say(&format!("warning: the interface `{interface}` never carried force at the end of an increment"));
     }
 }

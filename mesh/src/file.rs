@@ -33,6 +33,16 @@ impl Drop for Temporary {
     }
 }
 
+/// The name of the file that a temporary one of [`replace`] was to become, if `name` is that of such a one. It is left behind where a
+/// process was killed.
+#[must_use]
+pub fn target_of_temporary(name: &str) -> Option<&str> {
+    let (target, writer) = name.strip_prefix('.')?.strip_suffix(".tmp")?.rsplit_once('.')?;
+    let (process, count) = writer.split_once('-')?;
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    (!target.is_empty() && is_number(process) && is_number(count)).then_some(target)
+}
+
 /// A name in the same directory which no other writer uses, in this process or another.
 fn name_beside(path: &Path) -> io::Result<PathBuf> {
     static COUNTER: AtomicU64 = AtomicU64::new(0);
@@ -44,4 +54,21 @@ fn name_beside(path: &Path) -> io::Result<PathBuf> {
     let count = COUNTER.fetch_add(1, Ordering::Relaxed);
     temporary.push(format!(".{}-{count}.tmp", std::process::id()));
     Ok(path.with_file_name(temporary))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn temporary_files_tell_what_they_were_to_become() {
+        let temporary = name_beside(Path::new("out/state.json")).unwrap();
+        assert_eq!(temporary.parent(), Some(Path::new("out")));
+        assert_eq!(target_of_temporary(temporary.file_name().unwrap().to_str().unwrap()), Some("state.json"));
+        for other in
+            ["state.json", ".state.json.12.tmp", ".state.json.12-a.tmp", "state.json.1-2.tmp", "..1-2.tmp"]
+        {
+            assert_eq!(target_of_temporary(other), None, "{other}");
+        }
+    }
 }

@@ -83,8 +83,7 @@ pub fn solve(
     let deck = Deck::parse_named(&text, deck_path)?;
     let base = deck_path.parent().unwrap_or(Path::new(""));
     let model = deck.model(base)?;
-    let problem = problem(&deck, &model, options.threads)?;
-    let mut statics = Statics::new(problem, settings(&deck))?;
+    let mut statics = statics(&deck, &model, options.threads)?;
     let recorded = recorder_options(&deck, &model, text, &options.out);
     if !options.restart {
         std::fs::create_dir_all(&options.out).map_err(OutputError::write(&options.out))?;
@@ -158,6 +157,16 @@ pub fn write_report(directories: &[&Path], target: &Path) -> Result<(), OutputEr
     let page = report::report(directories)?;
     diffuse_contact_mesh::file::replace(target, |writer| std::io::Write::write_all(writer, page.as_bytes()))
         .map_err(OutputError::write(target))
+}
+
+/// A deck's problem and how it is led through time: increments end at the points of all amplitudes. `threads`: those of the linear
+/// solver.
+///
+/// # Errors
+/// [`SolveError::Solid`], [`SolveError::Contact`], [`SolveError::Deck`], [`SolveError::Statics`].
+pub fn statics(deck: &Deck, model: &Model, threads: usize) -> Result<Statics, SolveError> {
+    let problem = problem(deck, model, threads)?;
+    Ok(Statics::new(problem, settings(deck))?.stopping_at(deck.amplitude_times()))
 }
 
 /// What a deck's problem is made of.

@@ -234,14 +234,16 @@ fn bad_input_is_named() {
         position[0] = -position[0];
     }
     assert!(
-        matches!(evaluate(&flipped, &states), SolidError::Inverted { element: 0, point: 0, jacobian } if (jacobian + 1.0).abs() < 1e-12)
+        matches!(evaluate(&flipped, &states), SolidError::Inverted { element: 0, point: 0, jacobian, .. } if (jacobian + 1.0).abs() < 1e-12)
     );
     // Only the second element is bad.
     let mut second = nodes.clone();
     for position in second.iter_mut().filter(|position| position[0] == 1.0) {
         position[0] = 0.2;
     }
-    assert!(matches!(evaluate(&second, &states), SolidError::Inverted { element: 1, .. }));
+    let error = evaluate(&second, &states);
+    assert!(matches!(error, SolidError::Inverted { element: 1, .. }));
+    assert!(error.to_string().starts_with("element 2 of the part \"body\" is turned inside out"), "{error}");
     let flat: Vec<_> = nodes.iter().map(|x| [x[0], x[1], 0.0]).collect();
     assert!(matches!(evaluate(&flat, &states), SolidError::Inverted { jacobian: 0.0, .. }));
     let huge: Vec<_> = nodes.iter().map(|x| x.map(|x| 1e150 * x)).collect();
@@ -270,11 +272,11 @@ fn bad_input_is_named() {
 
     assert!(matches!(
         Solid::new(&flipped, &[body(elements.clone(), RUBBER)]).unwrap_err(),
-        SolidError::BadElement { element: 0, point: 0, jacobian } if jacobian < 0.0
+        SolidError::BadElement { element: 0, point: 0, jacobian, .. } if jacobian < 0.0
     ));
     assert!(matches!(
         Solid::new(&nodes[..11], &[body(elements.clone(), RUBBER)]).unwrap_err(),
-        SolidError::NodeOutOfRange { element: 1, node: 11, count: 11 }
+        SolidError::NodeOutOfRange { element: 1, node: 11, count: 11, .. }
     ));
     assert!(matches!(
         Solid::new(&nodes, &[body(elements, Material { poisson: 0.5, ..RUBBER })]).unwrap_err(),

@@ -5,6 +5,7 @@
 //! host of the contact surface like any other: refresh the pairing, update the positions, evaluate, and add residual and
 //! tangent. Forces of a pair sum up to nothing.
 
+mod beginning;
 mod error;
 mod interaction;
 mod losses;
@@ -13,6 +14,7 @@ mod pass;
 #[cfg(test)]
 mod tests;
 
+pub use beginning::Beginning;
 pub use error::ContactError;
 pub use interaction::{
     Augmentation, Augmented, Interaction, InteractionOptions, RefreshRule, SlaveState, TangentRule,

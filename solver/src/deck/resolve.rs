@@ -66,6 +66,12 @@ impl Deck {
         Ok(model)
     }
 
+    /// The times of the points of all amplitudes, in no order.
+    pub fn amplitude_times(&self) -> impl Iterator<Item = f64> {
+        let motions = self.boundaries.iter().flat_map(|boundary| boundary.motion.times());
+        motions.chain(self.pressures.iter().flat_map(|pressure| pressure.amplitude.times()))
+    }
+
     /// The prescribed degrees of freedom of the deck's model.
     ///
     /// # Errors

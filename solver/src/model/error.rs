@@ -101,14 +101,18 @@ pub enum ModelError {
     },
     /// A hexahedron is turned inside out or flat at one of its corners.
     #[error(
-        "hexahedron {element} of the part {part:?} is not convex: the triple product of the directions of the edges at its \
-         corner {corner} is {jacobian:e}"
+        "hexahedron {} of the part {part:?} is not convex: the triple product of the directions of the edges at its \
+         corner {} is {jacobian:e}",
+        number_of(*element, *label),
+        corner + 1
     )]
     InvertedElement {
         /// The part.
         part: String,
         /// The hexahedron, from 0 in the order of the part.
         element: usize,
+        /// Its number in the mesh file, if the part is from one.
+        label: Option<u64>,
         /// The corner, from 0 in the order of its nodes.
         corner: usize,
         /// Triple product of the directions of the edges there; 1 at the corner of a cube.
@@ -135,6 +139,11 @@ pub enum ModelError {
         /// The element set asked for; `None` for the whole file.
         set: Option<String>,
     },
+}
+
+/// A hexahedron as messages give it: by its number in the mesh file, or counted from 1.
+fn number_of(element: usize, label: Option<u64>) -> String {
+    label.map_or_else(|| (element + 1).to_string(), |label| format!("{label} (in the mesh file)"))
 }
 
 fn in_set(set: &Option<String>) -> String {

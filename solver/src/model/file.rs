@@ -36,10 +36,13 @@ pub fn read_solid_part(
             &all
         }
     };
-    let mut hexahedra = Vec::new();
+    let (mut hexahedra, mut labels) = (Vec::new(), Vec::new());
     for element in chosen.iter().map(|&index| &mesh.elements()[index]) {
         match (element.kind(), <[usize; 8]>::try_from(element.nodes())) {
-            (ElementKind::Hexahedron8, Ok(nodes)) => hexahedra.push(nodes),
+            (ElementKind::Hexahedron8, Ok(nodes)) => {
+                hexahedra.push(nodes);
+                labels.push(element.tag());
+            }
             (kind, _) if kind.dimension() == 3 => {
                 let set = elements.unwrap_or(WHOLE).into();
                 return Err(ModelError::UnsupportedSolid { set, kind: kind.name(), tag: element.tag() });
@@ -57,7 +60,7 @@ pub fn read_solid_part(
     let outward: BTreeMap<Vec<usize>, Facet> =
         skin(&elements).into_iter().map(|facet| (sorted(&facet), facet)).collect();
     let surfaces = part.surfaces(&mesh, |facet| outward.get(&sorted(&facet)).copied());
-    Ok(Part { elements, surfaces, ..part.into_part(&mesh) })
+    Ok(Part { elements, labels, surfaces, ..part.into_part(&mesh) })
 }
 
 /// A rigid part: the triangles and quadrilaterals of a surface or an element set, oriented as in the file, and of the file's

@@ -47,6 +47,8 @@ pub struct Body {
     pub name: String,
     /// Nodes of each hexahedron: a quadrilateral, then the opposite one, on the side of the first one's normal.
     pub elements: Vec<[usize; 8]>,
+    /// The numbers that the mesh file gives them; none if there is no file.
+    pub labels: Vec<u64>,
     /// What it is made of.
     pub material: Material,
 }
@@ -89,7 +91,7 @@ impl Model {
         }
         if let Some(material) = material {
             let elements = part.elements.iter().map(|element| element.map(|n| n + first)).collect();
-            self.bodies.push(Body { name: name.into(), elements, material });
+            self.bodies.push(Body { name: name.into(), elements, labels: part.labels, material });
         }
         self.nodes.extend(part.nodes);
         Ok(())

@@ -75,6 +75,11 @@ impl Amplitude {
         &self.points
     }
 
+    /// The times of the points, ascending.
+    pub fn times(&self) -> impl Iterator<Item = f64> {
+        self.points.iter().map(|point| point[0])
+    }
+
     /// The factor at a time.
     #[must_use]
     pub fn at(&self, time: f64) -> f64 {
@@ -114,6 +119,12 @@ impl Motion {
         };
         let factor = self.amplitude.at(time);
         std::array::from_fn(|k| turned[k] + factor * self.translation[k])
+    }
+
+    /// The times of the points of its amplitudes, in no order.
+    pub fn times(&self) -> impl Iterator<Item = f64> {
+        let turning = self.rotation.iter().flat_map(|(_, amplitude)| amplitude.times());
+        self.amplitude.times().chain(turning)
     }
 
     /// Whether both move every node alike along an axis.

@@ -22,6 +22,8 @@ pub struct Part {
     /// Nodes of each hexahedron: a quadrilateral, then the opposite one, on the side of the first one's normal. A part
     /// without is rigid.
     pub elements: Vec<[usize; 8]>,
+    /// The numbers that the mesh file gives them; none if there is no file.
+    pub labels: Vec<u64>,
     /// All facets of a rigid part, oriented outward; empty for others, whose skin follows from the elements.
     pub facets: Vec<Facet>,
     /// Nodes by name, ascending.
@@ -82,7 +84,14 @@ impl Part {
             for corner in 0..8 {
                 let jacobian = corner_jacobian(nodes.map(|n| self.nodes[n]), corner);
                 if !(jacobian > SMALLEST_JACOBIAN) {
-                    return Err(ModelError::InvertedElement { part: part(), element, corner, jacobian });
+                    let label = self.labels.get(element).copied();
+                    return Err(ModelError::InvertedElement {
+                        part: part(),
+                        element,
+                        label,
+                        corner,
+                        jacobian,
+                    });
                 }
             }
         }

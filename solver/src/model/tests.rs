@@ -187,3 +187,50 @@ fn instances_of_a_file_become_parts() {
     assert!(punch.nodes.iter().all(|node| (node[2] - 2.0).abs() < 1e-12));
     assert!(matches!(read_rigid_part(&path, None, "face"), Err(ModelError::Mesh(_))));
 }
+
+/// Whoever has the file open finds the element by its number there; of a shape they count from 1, body by body.
+#[test]
+fn elements_are_called_by_their_part_and_their_number_in_the_file() {
+    use crate::solid::{Order, Solid, SolidResponse};
+    let path = std::env::temp_dir().join(format!("diffuse-contact-labels-{}.inp", std::process::id()));
+    let corners = "1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n9,0,0,2\n10,1,0,2\n11,1,1,2\n12,0,1,2\n";
+    let elements = "*ELEMENT, TYPE=C3D8R\n4711,1,2,3,4,5,6,7,8\n4712,5,6,7,8,9,10,11,12\n";
+    std::fs::write(&path, format!("*NODE\n{corners}{elements}")).unwrap();
+    let part = read_solid_part(&path, None, None);
+    std::fs::remove_file(&path).unwrap();
+    let part = part.unwrap();
+    assert_eq!(part.labels, [4711, 4712]);
+
+    let mut flat = part.clone();
+    flat.nodes[8..].iter_mut().for_each(|node| node[2] = 1.0);
+    let error = Model::default().add("flat", flat, Some(STEEL)).unwrap_err().to_string();
+    assert!(error.starts_with("hexahedron 4712 (in the mesh file) of the part \"flat\""), "{error}");
+    let mut bent = block();
+    bent.elements[3].rotate_left(4);
+    let error = Model::default().add("bent", bent, Some(STEEL)).unwrap_err().to_string();
+    assert!(error.starts_with("hexahedron 4 of the part \"bent\""), "{error}");
+
+    let mut model = Model::default();
+    model.add("made", block(), Some(STEEL)).unwrap();
+    let shift = model.nodes.len();
+    model.add("read", part, Some(STEEL)).unwrap();
+    let solid = Solid::new(&model.nodes, &model.bodies).unwrap();
+    let error = |moved: &[usize]| {
+        let mut positions = model.nodes.clone();
+        // Through the opposite face.
+        moved.iter().for_each(|&node| positions[node][2] -= 5.0);
+        let mut out = SolidResponse::default();
+        solid.evaluate(&positions, &solid.states(), Order::Residual, &mut out).unwrap_err().to_string()
+    };
+    let top = [8, 9, 10, 11].map(|node| node + shift);
+    assert!(
+        error(&top).starts_with("element 4712 of the mesh file (part \"read\") is turned"),
+        "{}",
+        error(&top)
+    );
+    let last = *model.bodies[0].elements.last().unwrap();
+    let count = model.bodies[0].elements.len();
+    let found = error(&last[4..]);
+    assert!(found.contains("of the part \"made\" is turned inside out"), "{found}");
+    assert!((1..=count).any(|k| found.starts_with(&format!("element {k} of"))), "{found}");
+}

@@ -60,6 +60,7 @@ impl Directory {
         if holds_results {
             self.remove(FILES.iter().map(|name| self.path(name)))?;
             self.remove(self.numbered(|_| true))?;
+            self.remove(self.leftovers())?;
         }
         for folder in [self.0.clone(), self.path(names::PICTURES), self.path(names::SKINS)] {
             fs::create_dir_all(&folder).map_err(OutputError::write(&folder))?;
@@ -68,9 +69,10 @@ impl Directory {
     }
 
     /// Takes back what was written after increment `last`, and how the run ended: its last picture too, if it was not the turn of
-    /// this increment, that is, if `every` does not divide its number.
+    /// this increment, that is, if `every` does not divide its number; and what a run that was killed left of the file it was writing.
     pub fn rewind(&self, last: usize, every: usize) -> Result<(), OutputError> {
         self.remove([names::SUMMARY, names::REPORT].map(|name| self.path(name)))?;
+        self.remove(self.leftovers())?;
         self.remove(self.numbered(|number| number > last || !number.is_multiple_of(every)))
     }
 
@@ -84,6 +86,26 @@ impl Directory {
                 path.extension().is_some_and(|found| found == extension) && number(path).is_some_and(&which)
             };
             found.extend(entries.map(|entry| entry.path()).filter(own));
+        }
+        found
+    }
+
+    /// Temporary files of results that were being written when their run was killed.
+    fn leftovers(&self) -> Vec<PathBuf> {
+        let is_own: fn(&str) -> bool = |target| FILES.contains(&target) || target == names::DECK;
+        let folders = [
+            (self.0.clone(), is_own),
+            (self.path(names::PICTURES), |target| target.ends_with(".vtu")),
+            (self.path(names::SKINS), |target| target.ends_with(".json")),
+        ];
+        let mut found = Vec::new();
+        for (folder, belongs) in folders {
+            let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+            let is_leftover = |path: &PathBuf| {
+                let name = path.file_name().and_then(|name| name.to_str());
+                name.and_then(file::target_of_temporary).is_some_and(belongs)
+            };
+            found.extend(entries.map(|entry| entry.path()).filter(is_leftover));
         }
         found
     }

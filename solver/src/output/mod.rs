@@ -27,6 +27,8 @@ mod picture;
 mod recorder;
 mod skin;
 mod summary;
+#[cfg(test)]
+mod tests;
 
 pub use directory::Claim;
 pub use error::OutputError;

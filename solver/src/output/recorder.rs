@@ -1,5 +1,6 @@
 //! Writes every increment as it converges.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -8,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::directory::Directory;
 use super::{Fields, OutputError, Skin, SkinFrame, SlaveFields, Summary, history, names, picture};
+use crate::contact::Beginning;
 use crate::deck::Colour;
 use crate::model::Model;
 use crate::report::{SURFACES, SurfaceSample};
@@ -32,6 +34,10 @@ pub struct RecorderOptions {
 
 /// Someone who watches a run and may stop it.
 pub trait Watcher: Send {
+    /// How the slaves of each interface lie at the start; not told again of a run that goes on.
+    fn start(&mut self, interfaces: &[Beginning]) {
+        let _ = interfaces;
+    }
     /// A residual.
     fn iteration(&mut self, record: &IterationRecord);
     /// A failed increment.
@@ -49,6 +55,9 @@ pub struct Saved {
     pub state: State,
     /// What the picture of the last increment needs besides, if it was not its turn.
     pending: Option<SlaveFields>,
+    /// Names of the interfaces that carried force at the end of some increment.
+    #[serde(default)]
+    carried: BTreeSet<String>,
 }
 
 /// The same while it is written.
@@ -57,6 +66,7 @@ struct Saving<'a> {
     model: &'a str,
     state: &'a State,
     pending: Option<&'a SlaveFields>,
+    carried: &'a BTreeSet<String>,
 }
 
 /// Writes results to a directory.
@@ -81,6 +91,8 @@ pub struct Recorder<'a> {
     state: State,
     /// For the picture of the last increment, if it was not its turn.
     pending: Option<SlaveFields>,
+    /// Names of the interfaces that carried force at the end of some increment.
+    carried: BTreeSet<String>,
     watcher: &'a mut dyn Watcher,
 }
 
@@ -107,6 +119,10 @@ impl<'a> Recorder<'a> {
         let fields = Fields::of(problem, state, &options.areas);
         recorder.show(fields, problem)?;
         recorder.write_state()?;
+        let interactions = problem.contacts().interactions().iter();
+        let beginnings: Vec<Beginning> =
+            interactions.map(|interaction| Beginning::of(interaction, &recorder.options.areas)).collect();
+        recorder.watcher.start(&beginnings);
         Ok(recorder)
     }
 
@@ -143,7 +159,7 @@ impl<'a> Recorder<'a> {
         saved: Saved,
         watcher: &'a mut dyn Watcher,
     ) -> Result<Self, OutputError> {
-        let Saved { state, pending, .. } = saved;
+        let Saved { state, pending, carried, .. } = saved;
         let directory = Directory::new(&options.directory);
         // What was written after this state is taken back.
         for table in [names::HISTORY, names::ITERATIONS] {
@@ -158,7 +174,7 @@ impl<'a> Recorder<'a> {
             .filter(|&(number, _)| directory.path(&picture::name(number)).exists())
             .collect();
         let mut recorder = Self::new(directory, options, model, state, watcher);
-        (recorder.series, recorder.pending) = (series, pending);
+        (recorder.series, recorder.pending, recorder.carried) = (series, pending, carried);
         picture::write_series(&recorder.directory, &recorder.series)?;
         let penetrations = history.rows.iter().map(|row| history.value(row, "max_penetration"));
         recorder.max_penetration_ever = penetrations.fold(0.0, f64::max);
@@ -193,6 +209,7 @@ impl<'a> Recorder<'a> {
             timing: Timing::default(),
             state,
             pending: None,
+            carried: BTreeSet::new(),
             watcher,
         }
     }
@@ -232,6 +249,11 @@ impl<'a> Recorder<'a> {
         summary.max_penetration_ever = self.max_penetration_ever;
         [summary.augmentations_short, summary.contacts_lost] = self.shortcomings;
         (summary.max_penetration, summary.contact_force) = self.contact;
+        let is_begun = summary.increments > 0;
+        let interfaces =
+            problem.contacts().interactions().iter().map(|interaction| &interaction.options().name);
+        summary.interfaces_without_force =
+            interfaces.filter(|&name| is_begun && !self.carried.contains(name)).cloned().collect();
         summary.contact_share = share(self.timing.contact);
         summary.pairing_share = share(self.timing.pairing);
         summary.linear_share = share(self.timing.linear);
@@ -269,13 +291,16 @@ impl<'a> Recorder<'a> {
         let fields = Fields::of(problem, state, &self.options.areas);
         let is_shown = record.number.is_multiple_of(self.options.every);
         let pending = (!is_shown).then(|| SlaveFields::of(&fields));
+        let mut carried = self.carried.clone();
+        carried.extend(carrying(problem));
         let before = (
             std::mem::replace(&mut self.state, state.clone()),
             std::mem::replace(&mut self.pending, pending),
+            std::mem::replace(&mut self.carried, carried),
         );
         let written = self.write_increment(record, problem, is_shown.then_some(fields));
         if let Err(error) = written {
-            (self.state, self.pending) = before;
+            (self.state, self.pending, self.carried) = before;
             self.series.retain(|&(known, _)| known <= self.state.increments);
             return Err(error);
         }
@@ -304,10 +329,17 @@ impl<'a> Recorder<'a> {
     }
 
     fn write_state(&self) -> Result<(), OutputError> {
-        let Self { fingerprint, state, pending, .. } = self;
-        self.directory
-            .write_json(names::STATE, &Saving { model: fingerprint, state, pending: pending.as_ref() })
+        let Self { fingerprint, state, pending, carried, .. } = self;
+        let saving = Saving { model: fingerprint, state, pending: pending.as_ref(), carried };
+        self.directory.write_json(names::STATE, &saving)
     }
+}
+
+/// Names of the interfaces with a contact that carries force at the last evaluation.
+fn carrying(problem: &Problem) -> impl Iterator<Item = String> {
+    let interactions = problem.contacts().interactions().iter();
+    let loaded = interactions.filter(|interaction| interaction.slaves().any(|slave| slave.force > 0.0));
+    loaded.map(|interaction| interaction.options().name.clone())
 }
 
 /// Name of the file of the skin, in the folder of skins.

@@ -29,6 +29,9 @@ pub struct Summary {
     /// Contacts that carried force and ended an increment without an element, over all increments.
     #[serde(default)]
     pub contacts_lost: usize,
+    /// Interfaces that carried no force at the end of any increment.
+    #[serde(default)]
+    pub interfaces_without_force: Vec<String>,
     /// Deepest penetration at the end, length.
     pub max_penetration: f64,
     /// Deepest penetration at the end of any increment, length.

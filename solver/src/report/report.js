@@ -60,10 +60,11 @@ function summary() {
     element("state").append(line);
   }
   for (const run of runs) {
-    const { augmentations_short: short, contacts_lost: lost } = run.summary;
+    const { augmentations_short: short, contacts_lost: lost, interfaces_without_force: idle } = run.summary;
     const warnings = [
       short > 0 && `rounds of augmentation were over before the tolerance was met in ${short} of ${run.summary.increments} increments`,
       lost > 0 && `${lost} contacts that carried force lost their element (contact_status 4)`,
+      idle.length > 0 && `interfaces that never carried force: ${idle.join(", ")}`,
     ];
     for (const warning of warnings.filter(Boolean)) {
       const line = document.createElement("div");

@@ -54,7 +54,12 @@ struct Pairs {
 impl Element {
     pub fn new(positions: &[[f64; 3]], nodes: [usize; 8], index: usize) -> Result<Self, SolidError> {
         if let Some(&node) = nodes.iter().find(|&&node| node >= positions.len()) {
-            return Err(SolidError::NodeOutOfRange { element: index, node, count: positions.len() });
+            return Err(SolidError::NodeOutOfRange {
+                element: index,
+                name: None,
+                node,
+                count: positions.len(),
+            });
         }
         let corners = relative(positions, &nodes);
         let mut gradients = [[Vector3::zeros(); 8]; POINTS];
@@ -63,14 +68,14 @@ impl Element {
             let natural = shape::gradients(point).map(Vector3::from);
             let tangents = gradient(&corners, &natural);
             let jacobian = tangents.determinant();
-            let bad = SolidError::BadElement { element: index, point, jacobian };
+            let bad = || SolidError::BadElement { element: index, name: None, point, jacobian };
             if !(jacobian > 0.0 && jacobian < f64::INFINITY) {
-                return Err(bad);
+                return Err(bad());
             }
-            let inverse = tangents.try_inverse().ok_or(bad)?;
+            let inverse = tangents.try_inverse().ok_or_else(bad)?;
             gradients[point] = natural.map(|by_natural| inverse.tr_mul(&by_natural));
             if !gradients[point].iter().all(|gradient| gradient.norm_squared().is_finite()) {
-                return Err(bad);
+                return Err(bad());
             }
             weights[point] = jacobian;
         }
@@ -181,14 +186,14 @@ impl Element {
     ) -> Result<Point, SolidError> {
         let deformation_gradient = gradient(corners, &self.gradients[point]);
         let jacobian = deformation_gradient.determinant();
-        let inverted = SolidError::Inverted { element, point, jacobian };
+        let inverted = || SolidError::Inverted { element, name: None, point, jacobian };
         if !(jacobian > 0.0 && jacobian < f64::INFINITY) {
-            return Err(inverted);
+            return Err(inverted());
         }
-        let inverse = deformation_gradient.try_inverse().ok_or(inverted)?;
+        let inverse = deformation_gradient.try_inverse().ok_or_else(inverted)?;
         let answer = law
             .isochoric(&deformation_gradient, committed)
-            .map_err(|source| SolidError::Unresolved { element, point, source })?;
+            .map_err(|source| SolidError::Unresolved { element, name: None, point, source })?;
         let mut gradients = [Vector3::zeros(); 8];
         for a in 0..8 {
             gradients[a] = inverse.tr_mul(&self.gradients[point][a]);

@@ -2,8 +2,20 @@
 
 use crate::material::{MaterialError, Unresolved};
 
-/// Everything that can be wrong with elements and positions. Elements count through all bodies.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+/// What an element is called where it comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ElementName {
+    /// The part.
+    pub part: String,
+    /// Its place in the part, from 1.
+    pub number: usize,
+    /// Its number in the mesh file, if the part is from one.
+    pub label: Option<u64>,
+}
+
+/// Everything that can be wrong with elements and positions. Indices of elements count from 0 through all bodies, and those of points from
+/// 0; messages count from 1, elements within their part, or give an element's number in the mesh file.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SolidError {
     /// There is no such material.
@@ -15,10 +27,12 @@ pub enum SolidError {
         source: MaterialError,
     },
     /// An element names a node that does not exist.
-    #[error("element {element} has node {node}, but there are {count} nodes")]
+    #[error("{} has node {node}, but there are {count} nodes", called(*element, name))]
     NodeOutOfRange {
         /// Index of the element.
         element: usize,
+        /// What it is called; `None` before that is known.
+        name: Option<Box<ElementName>>,
         /// The node.
         node: usize,
         /// Number of nodes.
@@ -26,11 +40,13 @@ pub enum SolidError {
     },
     /// The element has no volume around a point, or its nodes are in the wrong order.
     #[error(
-        "element {element} has the Jacobian {jacobian:e} at integration point {point}: it must be positive"
+        "{} has the Jacobian {jacobian:e} at integration point {}: it must be positive", called(*element, name), point + 1
     )]
     BadElement {
         /// Index of the element.
         element: usize,
+        /// What it is called; `None` before that is known.
+        name: Option<Box<ElementName>>,
         /// Index of the point, 0 to 7.
         point: usize,
         /// Volume per volume of the reference cube, length³.
@@ -55,25 +71,60 @@ pub enum SolidError {
         expected: usize,
     },
     /// Material is turned inside out. A smaller step may avoid it.
-    #[error("element {element} is turned inside out: det F = {jacobian:e} at integration point {point}")]
+    #[error("{} is turned inside out: det F = {jacobian:e} at integration point {}", called(*element, name), point + 1)]
     Inverted {
         /// Index of the element.
         element: usize,
+        /// What it is called; `None` before that is known.
+        name: Option<Box<ElementName>>,
         /// Index of the point, 0 to 7.
         point: usize,
         /// det F.
         jacobian: f64,
     },
     /// Material is deformed beyond what floating point resolves. A smaller step may avoid it.
-    #[error("element {element} at integration point {point}: {source}")]
+    #[error("{} at integration point {}: {source}", called(*element, name), point + 1)]
     Unresolved {
         /// Index of the element.
         element: usize,
+        /// What it is called; `None` before that is known.
+        name: Option<Box<ElementName>>,
         /// Index of the point, 0 to 7.
         point: usize,
         /// The stretches.
         source: Unresolved,
     },
+}
+
+/// An element in a message.
+fn called(element: usize, name: &Option<Box<ElementName>>) -> String {
+    match name.as_deref() {
+        None => format!("element {}", element + 1),
+        Some(ElementName { part, number, label: None }) => format!("element {number} of the part {part:?}"),
+        Some(ElementName { part, label: Some(label), .. }) => {
+            format!("element {label} of the mesh file (part {part:?})")
+        }
+    }
+}
+
+impl SolidError {
+    /// The same with the name of the element, if it is about one; `of` gives that of an index.
+    pub(super) fn named(mut self, of: impl FnOnce(usize) -> ElementName) -> Self {
+        if let Some((element, name)) = self.element_mut() {
+            *name = Some(Box::new(of(element)));
+        }
+        self
+    }
+
+    fn element_mut(&mut self) -> Option<(usize, &mut Option<Box<ElementName>>)> {
+        match self {
+            Self::NodeOutOfRange { element, name, .. }
+            | Self::BadElement { element, name, .. }
+            | Self::Inverted { element, name, .. }
+            | Self::Unresolved { element, name, .. } => Some((*element, name)),
+            Self::Material { .. } | Self::NotFinite { .. } | Self::WrongCount { .. } => None,
+        }
+    }
 }
 
 pub(super) fn check_finite(positions: &[[f64; 3]]) -> Result<(), SolidError> {

@@ -17,7 +17,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-pub use self::error::SolidError;
+pub use self::error::{ElementName, SolidError};
 pub use self::recovery::{NodalFields, PointFields, Recovery};
 
 use self::element::{Element, Scratch};
@@ -55,6 +55,18 @@ pub struct Solid {
 struct BodyElements {
     law: Hencky,
     elements: Range<usize>,
+    /// The part's name.
+    name: String,
+    /// Numbers of the elements in the mesh file; none if there is no file.
+    labels: Vec<u64>,
+}
+
+impl BodyElements {
+    /// Of the element with this index.
+    fn name_of(&self, element: usize) -> ElementName {
+        let own = element - self.elements.start;
+        ElementName { part: self.name.clone(), number: own + 1, label: self.labels.get(own).copied() }
+    }
 }
 
 /// What [`Solid::evaluate`] found, element by element in the order of [`Solid::elements`]. Made once and used again.
@@ -82,10 +94,13 @@ impl Solid {
             let law =
                 Hencky::new(&body.material).map_err(|source| SolidError::Material { body: index, source })?;
             let start = elements.len();
+            let (name, labels) = (body.name.clone(), body.labels.clone());
+            let part = BodyElements { law, elements: start..start + body.elements.len(), name, labels };
             for corners in &body.elements {
-                elements.push(Element::new(nodes, *corners, elements.len())?);
+                let element = Element::new(nodes, *corners, elements.len());
+                elements.push(element.map_err(|error| error.named(|element| part.name_of(element)))?);
             }
-            parts.push(BodyElements { law, elements: start..elements.len() });
+            parts.push(part);
         }
         Ok(Self { nodes: nodes.len(), elements, bodies: parts })
     }
@@ -166,7 +181,7 @@ impl Solid {
                 .map(|((first, forces, states), tangents)| run(first, forces, states, Some(tangents)))
                 .reduce(|| None, Option::or),
         };
-        failure.map_or(Ok(()), Err)
+        failure.map_or(Ok(()), |error| Err(self.named(error)))
     }
 
     /// The elements from `first` on, one after the other.
@@ -209,7 +224,8 @@ impl Solid {
         let mut total = 0.0;
         for (index, element) in self.elements.iter().enumerate() {
             let states = &committed[POINTS * index..POINTS * (index + 1)];
-            total += element.stored_energy(index, self.law(index), positions, states)?;
+            let energy = element.stored_energy(index, self.law(index), positions, states);
+            total += energy.map_err(|error| self.named(error))?;
         }
         Ok(total)
     }
@@ -221,7 +237,16 @@ impl Solid {
     }
 
     fn law(&self, element: usize) -> &Hencky {
+        &self.body_of(element).law
+    }
+
+    fn body_of(&self, element: usize) -> &BodyElements {
         let body = self.bodies.partition_point(|body| body.elements.end <= element);
-        &self.bodies[body].law
+        &self.bodies[body]
+    }
+
+    /// An error with the name of its element.
+    fn named(&self, error: SolidError) -> SolidError {
+        error.named(|element| self.body_of(element).name_of(element))
     }
 }

@@ -51,7 +51,8 @@ impl Solid {
             let ratio = element.for_each_point(index, law, positions, states, |point, deformed| {
                 deviators[point] = deformed.answer.kirchhoff() / deformed.jacobian;
                 plastic[point] = deformed.answer.state.equivalent_plastic_strain;
-            })?;
+            });
+            let ratio = ratio.map_err(|error| self.named(error))?;
             let pressure = law.volumetric(ratio).pressure;
             for (s, p) in deviators.iter().zip(plastic) {
                 let stress = [

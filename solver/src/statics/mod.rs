@@ -11,6 +11,8 @@
 //! r = f_ext(t, x) + Σ f_k N_k − f_int(x)      K Δx = r      x ← x + s Δx
 //! ```
 //!
+//! It ends at the times that [`Statics::stopping_at`] was told, if it would go beyond one.
+//!
 //! **Convergence**: ‖max(0, |r| − ε |K| |x|)‖ ≤ tolerance · F + absolute, over the free degrees of freedom. ε |K| |x| is what rounding of
 //! the positions makes of each component of r, ε the machine's, so that no stiff part excuses a soft one; F is the largest of the norms of
 //! external forces, reactions and contact forces of the moment. The same rule holds for every element.
@@ -49,6 +51,8 @@ use increment::Increment;
 pub struct Statics {
     problem: Problem,
     settings: Settings,
+    /// Times that no increment goes beyond without ending there, ascending.
+    stops: Vec<f64>,
     effort: Effort,
 }
 
@@ -68,7 +72,16 @@ impl Statics {
     /// [`StaticsError::Setting`].
     pub fn new(problem: Problem, settings: Settings) -> Result<Self, StaticsError> {
         settings.check()?;
-        Ok(Self { problem, settings, effort: Effort::default() })
+        Ok(Self { problem, settings, stops: Vec::new(), effort: Effort::default() })
+    }
+
+    /// Lets increments end at these times, in any order, too: those of the points of amplitudes, so that no load between them is stepped
+    /// over. An increment that would go beyond one ends there, and the next has the length again that this one was to have.
+    #[must_use]
+    pub fn stopping_at(mut self, times: impl IntoIterator<Item = f64>) -> Self {
+        self.stops.extend(times.into_iter().filter(|time| time.is_finite()));
+        self.stops.sort_by(f64::total_cmp);
+        self
     }
 
     /// The problem.
@@ -110,7 +123,7 @@ impl Statics {
         self.effort = Effort { iterations: state.iterations, cutbacks: state.cutbacks };
         while !time.is_over(state.time) {
             let length = time.length(&state);
-            let end = time.next(state.time, length);
+            let end = time.next(state.time, length, &self.stops);
             let is_shortest = time.cut(end - state.time) < time.minimum;
             let mut increment = Increment::new(&mut self.problem, &self.settings, &state, end, is_shortest);
             let outcome = increment.solve(observer);
@@ -118,7 +131,12 @@ impl Statics {
             self.effort = Effort { iterations, cutbacks: state.cutbacks };
             match outcome {
                 Ok((mut next, record)) => {
-                    next.length = time.grown(length, record.longest_round, &self.settings.newton);
+                    let from_to = [state.time, end];
+                    next.length = time.after(from_to, length, record.longest_round, &self.settings.newton);
+                    if time.is_shortened(from_to, length) {
+                        // A line through a short piece says little of a long one, and the path may turn here.
+                        next.past = None;
+                    }
                     let control = observer.increment(&record, &next, &self.problem);
                     state = next;
                     match control.map_err(StaticsError::Observer)? {

@@ -118,12 +118,47 @@ impl TimeSettings {
         length.min(self.maximum)
     }
 
-    /// The end of an increment: at most the end of time, which is met exactly.
-    pub(super) fn next(&self, time: f64, length: f64) -> f64 {
-        if self.is_over(time + length) { self.end } else { time + length }
+    /// The end of an increment that is planned to be so long: at most the next of `stops`, which ascend, and the end of time, which are
+    /// met exactly. Where it ends as close to a stop as rounding, that is met already, and nothing changes.
+    pub(super) fn next(&self, time: f64, length: f64, stops: &[f64]) -> f64 {
+        let end = time + length;
+        match self.stop_after(time, stops) {
+            Some(stop) if !self.has_reached(stop, end) => stop,
+            _ if self.is_over(end) => self.end,
+            _ => end,
+        }
     }
 
-    pub(super) fn grown(&self, length: f64, iterations: usize, newton: &NewtonSettings) -> f64 {
+    /// The first stop after `time` and before the end of time.
+    fn stop_after(&self, time: f64, stops: &[f64]) -> Option<f64> {
+        let first = stops.partition_point(|&stop| self.has_reached(time, stop));
+        stops.get(first).copied().filter(|&stop| !self.is_over(stop))
+    }
+
+    /// Whether `time` is at `mark` or later, to rounding.
+    fn has_reached(&self, time: f64, mark: f64) -> bool {
+        time >= mark - self.end * Self::ROUNDING
+    }
+
+    /// Length to plan with after an increment from `time` to `end` that was planned to be `length` long. One that was shortened to meet
+    /// `end` is no reason to stay short, and none to grow beyond what its own length stands for.
+    pub(super) fn after(
+        &self,
+        [time, end]: [f64; 2],
+        length: f64,
+        iterations: usize,
+        newton: &NewtonSettings,
+    ) -> f64 {
+        let own = if self.is_shortened([time, end], length) { end - time } else { length };
+        self.grown(own, iterations, newton).max(length)
+    }
+
+    /// Whether an increment from `time` to `end` met a stop before the `length` that was planned.
+    pub(super) fn is_shortened(&self, [time, end]: [f64; 2], length: f64) -> bool {
+        !self.is_over(end) && !self.has_reached(end, time + length)
+    }
+
+    fn grown(&self, length: f64, iterations: usize, newton: &NewtonSettings) -> f64 {
         let factor = if iterations <= newton.few_iterations { self.growth } else { 1.0 };
         (length * factor).min(self.maximum)
     }

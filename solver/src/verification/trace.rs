@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use crate::contact::SlaveState;
 use crate::deck::Deck;
 use crate::solid::SolidError;
-use crate::solve::{SolveError, problem, settings};
-use crate::statics::{Control, Failure, IncrementRecord, Observer, Problem, State, Statics};
+use crate::solve::{SolveError, statics};
+use crate::statics::{Control, Failure, IncrementRecord, Observer, Problem, State};
 
 /// The end of an increment.
 #[derive(Clone, Copy)]
@@ -75,9 +75,8 @@ pub fn trace<T>(
 ) -> Result<Trace<T>, SolveError> {
     let begin = Instant::now();
     let model = deck.model(base)?;
-    let problem = problem(deck, &model, threads)?;
-    let start = problem.start();
-    let mut statics = Statics::new(problem, settings(deck))?;
+    let mut statics = statics(deck, &model, threads)?;
+    let start = statics.problem().start();
     let mut tracer = Tracer { measure, measures: Vec::new(), cutbacks: 0 };
     let state = statics.run(start, &mut tracer)?;
     let Tracer { measures, cutbacks, .. } = tracer;

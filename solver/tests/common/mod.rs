@@ -35,7 +35,7 @@ pub fn grid(divisions: [usize; 3], map: impl Fn([f64; 3]) -> [f64; 3]) -> (Vec<[
 }
 
 pub fn body(elements: Vec<[usize; 8]>, material: Material) -> Body {
-    Body { name: "body".into(), elements, material }
+    Body { name: "body".into(), elements, labels: Vec::new(), material }
 }
 
 /// A statics problem under Newton's iterations.

@@ -71,7 +71,7 @@ fn the_augmented_lagrangian_closes_gaps_after_unloading() {
 fn rounds_of_augmentation_are_judged_one_by_one() {
     let held = LOADED
         .replace("penalty = 500.0", &AUGMENTED.replace("60", "4"))
-        .replace("value = 20.0", "value = 20.0\namplitude = [[0.0, 0.0], [0.5, 1.0], [1.0, 1.0]]");
+        .replace("value = 20.0", "value = 20.0\namplitude = [[0.0, 0.0], [0.625, 1.0], [1.0, 1.0]]");
     let more = "[time]\nincrement = 0.25\nmaximum = 0.4\ngrowth = 1.5\n[newton]\ntolerance = 1e-12";
     let (notes, state, _) = run(&held, more);
     assert_eq!(state.cutbacks, 0);
@@ -174,10 +174,10 @@ fn contacts_lost_in_the_shortest_increment_are_counted() {
     let (base, time) = slid("minimum = 0.2\ncutback = 0.3");
     let (deck, model) = deck(&base, &time);
     let mut statics = statics(&deck, &model);
-    let mut notes = Notes { stop_after: Some(2), ..Notes::default() };
+    let mut notes = Notes { stop_after: Some(3), ..Notes::default() };
     let start = statics.problem().start();
     statics.run(start, &mut notes).unwrap();
     assert!(notes.reasons.iter().all(|reason| !reason.starts_with("Lost")), "{:?}", notes.reasons);
     let lost: Vec<usize> = notes.increments.iter().map(|record| record.lost).collect();
-    assert!(lost[0] == 0 && lost[1] > 0, "{lost:?} {:?}", notes.reasons);
+    assert!(lost[..2] == [0, 0] && lost[2] > 0, "{lost:?} {:?}", notes.reasons);
 }

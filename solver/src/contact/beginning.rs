@@ -1,0 +1,38 @@
+//! How the slaves of an interaction lie before the first increment.
+
+use super::Interaction;
+
+/// A slave that starts deeper below its master than this part of its facets' size is more than a mesh that does not quite fit.
+const DEEP: f64 = 0.1;
+
+/// The slaves of an interaction at the last evaluation, which is that of the start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Beginning {
+    /// Name of the interface in the deck.
+    pub interface: String,
+    /// Slaves, of both passes if there are two.
+    pub slaves: usize,
+    /// Those that have a contact element.
+    pub paired: usize,
+    /// The deepest penetration, length, as [`Interaction::max_penetration`].
+    pub overlap: f64,
+    /// Slaves that are deeper below the master than a tenth of their facets' size; those that nothing moves are the deck's and left out.
+    pub deep: usize,
+}
+
+impl Beginning {
+    /// `areas`: tributary areas of all nodes of slave surfaces, length²; their roots are the facets' sizes.
+    #[must_use]
+    pub fn of(interaction: &Interaction, areas: &[f64]) -> Self {
+        let is_deep = |node: usize, gap: f64| gap < -DEEP * areas.get(node).map_or(0.0, |area| area.sqrt());
+        let moved = interaction.slaves().filter(|slave| !slave.is_held);
+        let deep = moved.filter(|slave| slave.gap.is_some_and(|gap| is_deep(slave.node, gap)));
+        Self {
+            interface: interaction.options().name.clone(),
+            slaves: interaction.slaves().count(),
+            paired: interaction.slaves().filter(|slave| slave.gap.is_some()).count(),
+            overlap: interaction.max_penetration(),
+            deep: deep.count(),
+        }
+    }
+}

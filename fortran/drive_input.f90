@@ -8,7 +8,7 @@
 !
 ! The solid here is linear: bricks with 2 x 2 x 2 points, small strains. Abaqus' C3D8 under NLGEOM is neither. Contact is the same.
 !
-! Ends with stop code 1 if the file is wrong, a check fails or nothing converges. With the argument --check after the file it only reads.
+! Ends with stop code 1 if the file is wrong, a check fails or nothing converges, with 2 if uel.f90 ends the analysis. With the argument --check after the file it only reads.
 program drive_input
     implicit none
 
@@ -105,6 +105,7 @@ contains
             call take(keyword, entries, values, count)
         end do
         close (unit)
+        if (continues) call fail('the file ends within an element')
     end subroutine
 
     !> A keyword line.
@@ -119,6 +120,8 @@ contains
             told_properties = whole(parameter_of(keyword, 'PROPERTIES'))
             told_variables = whole(parameter_of(keyword, 'VARIABLES'))
         case ('*ELEMENT')
+            if (all(parameter_of(keyword, 'TYPE') /= [character(len=4) :: 'C3D8', 'U1'])) &
+                call fail('elements are C3D8 or U1: line ', line_number)
             if (parameter_of(keyword, 'TYPE') == 'U1' .and. told_nodes == 0) &
                 call fail('*USER ELEMENT comes after its elements: line ', line_number)
         case ('*UEL PROPERTY')
@@ -178,10 +181,14 @@ contains
         case ('*STATIC')
             control(1:count) = values(1:count)
         case ('*BOUNDARY')
+            if (count < 2) call fail('a condition has a set and a degree of freedom: line ', line_number)
             call count_up(condition_count)
             conditions(condition_count)%nodes = nodes_of(entries(1))
             conditions(condition_count)%first = nint(values(2))
-            conditions(condition_count)%last = nint(values(3))
+            conditions(condition_count)%last = conditions(condition_count)%first
+            if (count > 2) conditions(condition_count)%last = nint(values(3))
+            if (conditions(condition_count)%first < 1 .or. conditions(condition_count)%last > 3) &
+                call fail('degrees of freedom are 1 to 3: line ', line_number)
             if (count > 3) conditions(condition_count)%value = values(4)
         end select
     end subroutine

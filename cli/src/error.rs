@@ -137,7 +137,7 @@ pub enum CliError {
     },
     /// A deck that a study solves is not there.
     #[error(
-        "{0}; it is one of the repository's: run it at the root of the repository, or name the directory with --decks"
+        "{0}; it is one of the repository's: run the study at the root of the repository, or name the directory with --decks"
     )]
     NoStudyDeck(Box<SolveError>),
     /// A study cannot be made.

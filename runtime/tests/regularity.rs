@@ -1,4 +1,5 @@
-//! What the least regularity of a fit costs and gains, on irregular meshes whose heights are off: why the default is what it is.
+//! What the least regularity of a fit costs and gains, on irregular meshes whose heights are off. The default is what it is because of
+//! `hertz_cylinder_as_master` in the solver's tests.
 //!
 //! `cargo test --release -p diffuse-contact --test regularity -- --nocapture` prints the table of docs/contact-surface.md.
 
@@ -184,6 +185,7 @@ fn the_default_bounds_errors_and_gives_up_no_quadratic_fit() {
         "| mesh | bound | enlarged by: 99 %, all | rms error | masters | linear: inside, border, % | jump: rms, largest |"
     );
     println!("| --- | ---: | ---: | ---: | ---: | ---: | ---: |");
+    let mut largest = [0.0_f64; 2];
     for (name, make) in kinds {
         let mut of = |bound: f64| {
             let mut found = Found::default();
@@ -205,7 +207,8 @@ fn the_default_bounds_errors_and_gives_up_no_quadratic_fit() {
         let worst = |found: &Found| *found.enlarged.last().expect("contacts");
         assert!(worst(&default) < 7.0, "{name}: {}", worst(&default));
         // What a larger bound gains, and what it loses.
-        assert!(cfg!(debug_assertions) || worst(&default) > 1.3 * worst(&more), "{name}: {}", worst(&more));
+        largest = [largest[0].max(worst(&default)), largest[1].max(worst(&more))];
         assert!(much_more.linear[1] > 0, "{name}");
     }
+    assert!(largest[0] > 1.2 * largest[1], "{largest:?}");
 }

@@ -2,12 +2,13 @@
 //!
 //! The input is any list of [`Elements`]; a [`ContactLaw`] says which of them carry force and how much; a [`DofMap`]
 //! says which equation a displacement has. The products of gap, gradient and Hessian that make up residual and tangent
-//! are formed entry by entry where they are added; no element matrix is stored.
+//! are formed entry by entry where the sums below add them; no element matrix is stored.
 //!
 //! * [`add_residual`] adds the contact forces to a vector.
 //! * [`Triplets`] lists the entries of the tangent, for solvers that sort and sum themselves.
 //! * [`CsrPattern`] is built once for a pairing and then filled at every iteration, in parallel.
-//! * [`ContactLaw::element_system`] makes residual and dense tangent of one element by itself.
+//! * [`ContactLaw::element_system`] makes residual and dense tangent of one element by itself,
+//!   [`ContactLaw::element_tangent`] the tangent's lower triangle.
 //!
 //! Every sum is formed in the order of the elements, and within an element in the order of its nodes. So the result is,
 //! bit for bit, the one of a plain loop over the elements, for any number of threads.

@@ -85,7 +85,7 @@ pub struct SearchOptions {
     pub basis: Basis,
     /// Whether the linear basis may stand in where no admitted set carries the quadratic one.
     pub linear_fallback: bool,
-    /// The [regularity](super::Neighbourhood::regularity) of the nodes has to exceed this; from 0 to 1.
+    /// The [regularity](super::Neighbourhood::regularity) of the nodes has to exceed this; at least 0 and below 1.
     pub smallest_regularity: f64,
     /// Support radius over the in-plane distance of the farthest node; above 1.
     pub radius_factor: f64,

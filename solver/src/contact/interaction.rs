@@ -40,9 +40,9 @@ impl TangentRule {
 
     /// The tangent at a state with this relative residual.
     #[must_use]
-    pub fn at(self, residual: f64) -> Tangent {
+    pub fn at(self, relative: f64) -> Tangent {
         match self {
-            Self::Adaptive if residual <= Self::FAR => Tangent::Exact,
+            Self::Adaptive if relative <= Self::FAR => Tangent::Exact,
             Self::Exact => Tangent::Exact,
             Self::Adaptive | Self::GaussNewton => Tangent::GaussNewton,
         }
@@ -71,7 +71,7 @@ pub struct InteractionOptions {
     pub augmentation: Option<Augmentation>,
     /// When slaves are paired anew.
     pub refresh: RefreshRule,
-    /// The exact tangent, ε N Nᵀ alone, or the one that is due.
+    /// The exact tangent, ε N Nᵀ alone, or the one or the other by the residual.
     pub tangent: TangentRule,
     /// Whether the surfaces are also paired the other way round.
     pub two_pass: bool,
@@ -190,9 +190,9 @@ impl Interaction {
     pub(super) fn add_tangent(
         &mut self,
         matrix: &mut BlockMatrix,
-        residual: f64,
+        relative: f64,
     ) -> Result<(), ContactError> {
-        self.each(|pass| pass.add_tangent(matrix, residual))
+        self.each(|pass| pass.add_tangent(matrix, relative))
     }
 
     /// What is there to do after so many rounds.

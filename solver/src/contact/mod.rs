@@ -98,13 +98,13 @@ impl ContactSet {
         self.interactions.iter().flat_map(Interaction::cliques)
     }
 
-    /// Adds the contact tangents to a stiffness whose pattern holds the [`cliques`](Self::cliques), as they are due where the residual
-    /// over the forces is `residual`.
+    /// Adds the contact tangents to a stiffness whose pattern holds the [`cliques`](Self::cliques),
+    /// at a state with this relative residual.
     ///
     /// # Errors
     /// [`ContactError::Assembly`].
-    pub fn add_tangent(&mut self, matrix: &mut BlockMatrix, residual: f64) -> Result<(), ContactError> {
-        self.interactions.iter_mut().try_for_each(|interaction| interaction.add_tangent(matrix, residual))
+    pub fn add_tangent(&mut self, matrix: &mut BlockMatrix, relative: f64) -> Result<(), ContactError> {
+        self.interactions.iter_mut().try_for_each(|interaction| interaction.add_tangent(matrix, relative))
     }
 
     /// Updates the multipliers of the augmented Lagrangian interactions if another round is [`Due`](Augmented::Due) for one of them.

@@ -153,8 +153,8 @@ impl Pass {
     }
 
     /// Adds the tangents of the contacts that carry force, in the order of the slaves, at a state with this relative residual.
-    pub fn add_tangent(&mut self, matrix: &mut BlockMatrix, residual: f64) -> Result<(), PassError> {
-        let tangent = self.tangent.at(residual);
+    pub fn add_tangent(&mut self, matrix: &mut BlockMatrix, relative: f64) -> Result<(), PassError> {
+        let tangent = self.tangent.at(relative);
         let mut packed = std::mem::take(&mut self.values);
         let mut nodes = Vec::new();
         for (k, contact) in self.contacts().iter().enumerate() {

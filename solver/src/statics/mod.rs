@@ -134,7 +134,7 @@ impl Statics {
                     let from_to = [state.time, end];
                     next.length = time.after(from_to, length, record.longest_round, &self.settings.newton);
                     if time.is_shortened(from_to, length) {
-                        // A line through a short piece says little of a long one, and the path may turn here.
+                        // A line through a short piece says little of a long one.
                         next.past = None;
                     }
                     let control = observer.increment(&record, &next, &self.problem);

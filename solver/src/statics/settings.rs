@@ -118,8 +118,8 @@ impl TimeSettings {
         length.min(self.maximum)
     }
 
-    /// The end of an increment that is planned to be so long: at most the next of `stops`, which ascend, and the end of time, which are
-    /// met exactly. Where it ends as close to a stop as rounding, that is met already, and nothing changes.
+    /// The end of an increment planned to be `length` long: the next of `stops` (ascending) or the end of time if it would go beyond,
+    /// exactly. If it ends within rounding of a stop it stays as planned: that stop counts as met.
     pub(super) fn next(&self, time: f64, length: f64, stops: &[f64]) -> f64 {
         let end = time + length;
         match self.stop_after(time, stops) {

@@ -98,7 +98,7 @@ fn introduction(is_quick: bool) -> String {
         "# The examples of the paper\n\n\
          Written by `diffuse-contact study paper -o docs/paper.md{option}`; do not edit.\n\n\
          The diffuse element and the classic one, nodes against facets, in the same code: same meshes, penalties, tolerances, line \
-         search, predictor and, except where that is the question, the same tangent of both, `tangent = \"adaptive\"`. Decks are those of `examples/` with the changes \
+         search, predictor and, except where that is the question, the same tangent of both, `tangent = \"adaptive\"`, but for `ring_block`, whose deck has the exact one. Decks are those of `examples/` with the changes \
          named in the tables; `--decks DIR` writes every one of them, and `diffuse-contact solve DIR/NAME.toml` runs it. \
          *Iterations* are linear solutions, the predictor's and those of failed increments included. An increment \
          has converged at a residual of 10⁻⁶ of the forces. Runs are on one thread.\n"

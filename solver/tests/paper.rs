@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use diffuse_contact_solver::deck::Deck;
-use diffuse_contact_solver::solve::{problem, settings};
-use diffuse_contact_solver::statics::{Control, IncrementRecord, Observer, Problem, State, Statics};
+use diffuse_contact_solver::solve;
+use diffuse_contact_solver::statics::{Control, IncrementRecord, Observer, Problem, State};
 
 const CYLINDER: &str = include_str!("../../examples/plate_cylinder.toml");
 const PINCH: &str = include_str!("../../examples/pipe_pinch.toml");
@@ -49,7 +49,7 @@ fn classic(deck: &str) -> String {
 fn run(deck: &str, limit: usize) -> Course {
     let deck = Deck::parse(deck).unwrap();
     let model = deck.model(Path::new("")).unwrap();
-    let mut statics = Statics::new(problem(&deck, &model, 1).unwrap(), settings(&deck)).unwrap();
+    let mut statics = solve::statics(&deck, &model, 1).unwrap();
     let start = statics.problem().start();
     let mut course = Course { limit, records: Vec::new(), positions: Vec::new(), loaded: Vec::new() };
     let end = statics.run(start, &mut course).unwrap();

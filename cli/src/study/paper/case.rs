@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 
 use diffuse_contact::surface::Facet;
 use diffuse_contact_solver::deck::Deck;
-use diffuse_contact_solver::solve::{SolveError, problem, settings};
+use diffuse_contact_solver::solve::{SolveError, statics};
 use diffuse_contact_solver::statics::{
-    Control, Effort, IncrementRecord, Observer, Problem, State, Statics, StaticsError, Timing,
+    Control, Effort, IncrementRecord, Observer, Problem, State, StaticsError, Timing,
 };
 use toml::{Table, Value};
 
@@ -110,7 +110,7 @@ impl Case {
     pub fn run(&self) -> Result<Outcome, SolveError> {
         let deck = Deck::parse_named(&self.text(), format!("{}.toml", self.name))?;
         let model = deck.model(Path::new(""))?;
-        let mut statics = Statics::new(problem(&deck, &model, 1)?, settings(&deck))?;
+        let mut statics = statics(&deck, &model, 1)?;
         let start = statics.problem().start();
         let mut watch = Watch::new(self.limit);
         let begin = Instant::now();

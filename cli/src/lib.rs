@@ -13,14 +13,7 @@
 //! use diffuse_contact_cli::interpreted::Interpreted;
 //!
 //! let masters = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
-//! let element = Element {
-//!     slave: [0.4, 0.6, 0.25],
-//!     masters: &masters,
-//!     frame: Frame::average_plane(&masters, [0.0, 0.0, 1.0])?,
-//!     support_radius: 2.0,
-//!     basis: Basis::Linear,
-//!     weight: Weight::Cubic,
-//! };
+//! let element = Element::new([0.4, 0.6, 0.25], &masters, Frame::average_plane(&masters, [0.0, 0.0, 1.0])?, 2.0).with_basis(Basis::Linear);
 //! let contact = Interpreted::default().gap(&element, Mode::Hessian)?;
 //! assert!((contact.gap - 0.25).abs() < 1e-14);
 //! # Ok::<(), diffuse_contact::ElementError>(())

@@ -12,7 +12,7 @@ pub enum ElementError {
         /// Number of coefficients of the basis.
         needed: usize,
     },
-    /// More master nodes than a k-d tree can name.
+    /// More master nodes than 32-bit indices can name.
     #[error("{found} master nodes are more than a search tree can name")]
     TooManyNodes {
         /// Number of master nodes given.

@@ -1,6 +1,6 @@
 //! The local frame: given by the caller, or the average plane of the master nodes.
 
-use nalgebra::Vector3;
+use crate::vector::Vector3;
 
 use crate::eigen::symmetric_eigen;
 use crate::{ElementError, Point};
@@ -111,12 +111,12 @@ impl Frame {
         let Some(first) = masters.clone().next() else { return Err(no_plane(0.0, 0.0)) };
         // Mean of differences from the first node: far from the origin the plain mean loses digits.
         let first = Vector3::from(first);
-        let scale = masters.clone().map(|x| (Vector3::from(x) - first).amax()).fold(0.0, f64::max);
+        let scale = masters.clone().map(|x| (Vector3::from(x) - first).largest()).fold(0.0, f64::max);
         if !(scale > 0.0 && scale.is_finite()) {
             return Err(no_plane(0.0, 0.0));
         }
         let offsets = || masters.clone().map(|x| (Vector3::from(x) - first) / scale);
-        let mean = offsets().sum::<Vector3<f64>>() / masters.len() as f64;
+        let mean = offsets().sum::<Vector3>() / masters.len() as f64;
         let mut scatter = [[0.0; 3]; 3];
         for x in offsets() {
             let x = x - mean;
@@ -200,12 +200,12 @@ impl Frame {
 }
 
 /// `normal` or its opposite, whichever points to the side of `outward`.
-fn oriented(normal: Vector3<f64>, outward: Point) -> Result<Vector3<f64>, ElementError> {
+fn oriented(normal: Vector3, outward: Point) -> Result<Vector3, ElementError> {
     let outward = Vector3::from(outward);
     if outward == Vector3::zeros() {
         return Err(ElementError::AmbiguousOutward { cosine: 0.0 });
     }
-    let cosine = normal.dot(&(outward / outward.amax())) / (outward / outward.amax()).norm();
+    let cosine = normal.dot(&(outward / outward.largest())) / (outward / outward.largest()).norm();
     if !(cosine.abs() > OUTWARD_TOLERANCE) {
         return Err(ElementError::AmbiguousOutward { cosine });
     }
@@ -213,8 +213,8 @@ fn oriented(normal: Vector3<f64>, outward: Point) -> Result<Vector3<f64>, Elemen
 }
 
 /// Two unit vectors that complete `normal` to a right-handed frame, from the global axis least aligned with it.
-fn tangents(normal: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    let axis = Vector3::ith(normal.iamin(), 1.0);
-    let t1 = (axis - normal * normal.dot(&axis)).normalize();
+fn tangents(normal: &Vector3) -> (Vector3, Vector3) {
+    let axis = Vector3::axis(normal.smallest_axis());
+    let t1 = (axis - *normal * normal.dot(&axis)).normalize();
     (t1, normal.cross(&t1))
 }

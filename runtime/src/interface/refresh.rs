@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use nalgebra::Vector3;
+use crate::vector::Vector3;
 use rayon::prelude::*;
 
 use super::contacts::Layout;

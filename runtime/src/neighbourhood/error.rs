@@ -22,7 +22,7 @@ pub enum NeighbourhoodError {
         /// Which one, counted from 0.
         index: usize,
     },
-    /// More nodes than a k-d tree can name.
+    /// More nodes than 32-bit indices can name.
     #[error("{found} master nodes are more than a search tree can name")]
     TooManyNodes {
         /// Number of nodes given.

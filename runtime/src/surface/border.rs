@@ -1,6 +1,6 @@
 //! Where a patch ends: at borders of the surface and at edges sharper than the feature angle.
 
-use nalgebra::Vector3;
+use crate::vector::Vector3;
 use rayon::prelude::*;
 
 use super::index::Closest;

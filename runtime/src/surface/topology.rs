@@ -1,6 +1,6 @@
 //! Which facets meet where, and whether they make up an oriented surface.
 
-use nalgebra::Vector3;
+use crate::vector::Vector3;
 use rayon::prelude::*;
 
 use super::{Facet, Shape, SurfaceError, SurfaceIndex};
@@ -144,7 +144,7 @@ impl MasterSurface {
         let area = |facet: &u32| self.shape(*facet as usize, positions).area_vector();
         let normal = |ends: &[u32]| {
             let facets = &self.facets_of_nodes[ends[0] as usize..ends[1] as usize];
-            facets.iter().map(area).sum::<nalgebra::Vector3<f64>>().into()
+            facets.iter().map(area).sum::<Vector3>().into()
         };
         Ok(self.offsets.par_windows(2).map(normal).collect())
     }
@@ -246,7 +246,7 @@ fn check_facet(positions: &[Point], index: usize, facet: &Facet) -> Result<(), S
 
 /// The sine of the angle at each corner, seen along the unit normal: positive if the corner points outwards; 0 at
 /// a corner that coincides with the next.
-fn corner_sines(corners: &[Vector3<f64>; 4], normal: Vector3<f64>) -> [f64; 4] {
+fn corner_sines(corners: &[Vector3; 4], normal: Vector3) -> [f64; 4] {
     [0, 1, 2, 3].map(|k| {
         let (next, before) = (corners[(k + 1) % 4] - corners[k], corners[(k + 3) % 4] - corners[k]);
         let lengths = next.norm() * before.norm();

@@ -8,7 +8,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use nalgebra::Vector3;
+use crate::vector::Vector3;
 
 use super::{Creases, SurfaceIndex};
 use crate::Point;
@@ -31,8 +31,8 @@ pub struct Walk {
     /// Facets to go to, by the square of their nearest corner's distance (the bits of a number that is not
     /// negative are ordered like it).
     next: BinaryHeap<Reverse<(u64, u32)>>,
-    from: Vector3<f64>,
-    up: Vector3<f64>,
+    from: Vector3,
+    up: Vector3,
 }
 
 impl Walk {

@@ -1,8 +1,6 @@
 //! The `bench` job.
 
-mod common;
-
-use common::run;
+use crate::runs::run;
 use diffuse_contact_kernels::support::Isa;
 use serde_json::Value;
 

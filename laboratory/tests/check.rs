@@ -1,13 +1,11 @@
 //! Runs the program's `check` on small ranges, and the library behind it.
 
-mod common;
-
-use common::{Run, run};
-use diffuse_contact_cli::check::blocks::BLOCKS;
-use diffuse_contact_cli::check::facets::FACET_BLOCKS;
-use diffuse_contact_cli::check::{Plan, TOLERANCE, compare};
-use diffuse_contact_cli::weight::Weight;
+use crate::runs::{Run, run};
 use diffuse_contact_codegen::{Basis, FrameRule};
+use diffuse_contact_laboratory::check::blocks::BLOCKS;
+use diffuse_contact_laboratory::check::facets::FACET_BLOCKS;
+use diffuse_contact_laboratory::check::{Plan, TOLERANCE, compare};
+use diffuse_contact_laboratory::weight::Weight;
 use serde_json::Value;
 
 #[test]

@@ -1,8 +1,6 @@
 //! Runs the program's `emit`.
 
-mod common;
-
-use common::{Run, Scratch, run};
+use crate::runs::{Run, Scratch, run};
 
 const GAP: [&str; 7] = ["emit", "--nodes", "9", "--output", "gap", "--mode", "hessian"];
 

@@ -1,8 +1,6 @@
 //! Runs the studies and looks at what they find.
 
-mod common;
-
-use common::{Run, Scratch, run, run_in};
+use crate::runs::{Run, Scratch, run, run_in};
 use serde_json::Value;
 
 fn json(arguments: &[&str]) -> Value {

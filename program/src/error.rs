@@ -80,7 +80,6 @@ impl CliError {
         Self::Job(Box::new(reason))
     }
 
-
     /// Whether the reader of standard output has gone away.
     #[must_use]
     pub fn is_closed_pipe(&self) -> bool {

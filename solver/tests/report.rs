@@ -1,13 +1,11 @@
 //! `report.html`, opened in a browser.
 
-mod common;
-
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use common::decks::{BLOCK, block_in, failing};
-use common::{Scratch, run};
+use crate::decks::{BLOCK, block_in, failing};
+use crate::runs::{Scratch, run};
 
 /// The page after its script has run, or nothing where there is no browser.
 fn opened(scratch: &Scratch, page: &str) -> Option<String> {

@@ -1,12 +1,10 @@
 //! `solve`: what it leaves on disk, and how it ends.
 
-mod common;
-
 use std::fs;
 use std::path::Path;
 
-use common::decks::{BLOCK, assert_same_results, block_in, contents, failing, files, summary, timeless};
-use common::{Scratch, run, run_in};
+use crate::decks::{BLOCK, assert_same_results, block_in, contents, failing, files, summary, timeless};
+use crate::runs::{Scratch, run, run_in};
 
 #[test]
 fn a_deck_becomes_results() {

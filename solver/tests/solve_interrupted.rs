@@ -1,16 +1,14 @@
 //! `solve` under interrupts and on a full disk.
 #![cfg(unix)]
 
-mod common;
-
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use common::decks::{assert_same_results, block_in, files, small_block_in, summary, timeless};
-use common::{Run, Scratch, run};
+use crate::decks::{assert_same_results, block_in, files, small_block_in, summary, timeless};
+use crate::runs::{Run, Scratch, run};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_diffuse-contact");
 /// Increments of a run that is interrupted: enough that the interrupt comes before the end.

@@ -28,10 +28,6 @@ impl DemoArguments {
 
 impl Default for DemoArguments {
     fn default() -> Self {
-        Self {
-            mesh: None,
-            sets: SetArguments::default(),
-            output: Self::OUTPUT.into(),
-        }
+        Self { mesh: None, sets: SetArguments::default(), output: Self::OUTPUT.into() }
     }
 }

@@ -37,7 +37,10 @@ impl fmt::Display for Report<'_> {
         row(f, "facets", &format!("up to {:.2e} below and {above:.2e} above the smooth surface", -below))?;
         writeln!(f)?;
         writeln!(f, "To look at it, open the file in ParaView and apply the filter Threshold on `part`:")?;
-        writeln!(f, "  0  slave nodes       colour by gap, or by outcome (0 is contact); Representation: Points")?;
+        writeln!(
+            f,
+            "  0  slave nodes       colour by gap, or by outcome (0 is contact); Representation: Points"
+        )?;
         writeln!(f, "  1  master facets     Representation: Surface With Edges")?;
         writeln!(f, "  2  smooth surface    colour by facet_height, the height of the facets over it")
     }

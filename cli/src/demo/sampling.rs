@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use diffuse_contact::interface::{Contacts, ContactInterface, InterfaceOptions, Outcome};
+use diffuse_contact::interface::{ContactInterface, Contacts, InterfaceOptions, Outcome};
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
@@ -85,7 +85,9 @@ pub fn sample(
         subdivisions,
     };
     let mut index = Vec::with_capacity(flat.len());
-    for ((mixture, &point), (first, second)) in lattice.points.iter().zip(&flat).zip(first.into_iter().zip(second)) {
+    for ((mixture, &point), (first, second)) in
+        lattice.points.iter().zip(&flat).zip(first.into_iter().zip(second))
+    {
         // At a border the second projection may end beyond it.
         let sample = first.map(|first| sample_at(point, second.unwrap_or(first)));
         if let Some(node) = mixture.node() {
@@ -129,25 +131,6 @@ fn facet_of(corners: &[usize]) -> Option<Facet> {
 
 fn subdivisions(facets: usize) -> usize {
     (COARSEST..=FINEST).rev().find(|side| facets * side * side <= MOST_PIECES).unwrap_or(COARSEST)
-}
-
-/// Moves a point of a facet to the smooth surface.
-fn project(
-    backend: &dyn Backend,
-    surfaces: &Surfaces,
-    rule: &PairingRule,
-    facet_point: Point,
-) -> Result<Sample, ElementError> {
-    let pairing = pair(backend, &surfaces.master, &surfaces.normals, facet_point, rule)?;
-    let mut sample = Sample { position: facet_point, normal: pairing.frame.normal, facet_height: 0.0 };
-    for _ in 0..PROJECTIONS {
-        let gap = backend.gap(&pairing.element(sample.position), Mode::Value)?;
-        sample.position = gap.foot;
-        sample.normal = gap.normal;
-    }
-    let offset = [0, 1, 2].map(|k| facet_point[k] - sample.position[k]);
-    sample.facet_height = offset.iter().zip(sample.normal).map(|(d, n)| d * n).sum();
-    Ok(sample)
 }
 
 /// A point of a facet: a mixture of its corners in whole parts of subdivisions². Where facets meet, both describe a

@@ -49,10 +49,20 @@ fn parse(file: &str, text: &[u8]) -> Result<Document, CliError> {
         };
         let found = input.masters().len();
         if found < Basis::Linear.size() {
-            return Err(ContentError::TooFewMasters { file: file.to_owned(), place: place("masters"), found }.into());
+            return Err(ContentError::TooFewMasters {
+                file: file.to_owned(),
+                place: place("masters"),
+                found,
+            }
+            .into());
         }
         if let Some((field, beside)) = meaningless(input) {
-            return Err(ContentError::MeaninglessField { file: file.to_owned(), place: place(field), beside }.into());
+            return Err(ContentError::MeaninglessField {
+                file: file.to_owned(),
+                place: place(field),
+                beside,
+            }
+            .into());
         }
     }
     Ok(document)

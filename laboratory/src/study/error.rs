@@ -31,7 +31,8 @@ pub enum StudyError {
     Plot {
         /// What the plotting library says.
         reason: String,
-    },    /// A deck that a study solves is not there.
+    },
+    /// A deck that a study solves is not there.
     #[error(
         "{0}; it is one of the repository's: run the study at the root of the repository, or name the directory with --decks"
     )]

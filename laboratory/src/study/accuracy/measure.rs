@@ -6,9 +6,9 @@ use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
 use serde::Serialize;
 
 use super::shapes::Shape;
-use diffuse_contact_cli::contact_options::diffuse;
 use crate::study::StudyError;
 use crate::study::patch::Patch;
+use diffuse_contact_cli::contact_options::diffuse;
 
 /// Places across the cell in each direction: multiples of 1/20 from a node on, half of the cell among them.
 pub const PLACES: usize = 20;

@@ -6,10 +6,10 @@ use diffuse_contact::surface::MasterSurface;
 use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
 
 use super::scene;
-use diffuse_contact_cli::contact_options::{RULES, diffuse, rule_name};
 use crate::study::StudyError;
 use crate::study::accuracy::angle;
 use crate::study::patch::Patch;
+use diffuse_contact_cli::contact_options::{RULES, diffuse, rule_name};
 
 /// Part of the loop that is run through before anything is measured, so that a pairing that is kept is the one a slave
 /// has that comes along the path.

@@ -1,5 +1,4 @@
 //! Small decks, and results of theirs.
-#![allow(dead_code, reason = "each test file uses its part")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,5 @@
-//! Running the program and looking at what it leaves behind.
-#![allow(dead_code, reason = "each test file uses its part")]
-
-pub mod decks;
+//! Running a program, [`crate::PROGRAM`], and looking at what it leaves behind. The tests of every program include this file.
+#![allow(dead_code, reason = "the tests of each program use a part")]
 
 use std::fs;
 use std::io::{Read, Write};
@@ -38,7 +36,7 @@ impl From<Output> for Run {
 }
 
 fn program() -> Command {
-    Command::new(env!("CARGO_BIN_EXE_diffuse-contact"))
+    Command::new(crate::PROGRAM)
 }
 
 pub fn run(arguments: &[&str]) -> Run {

@@ -45,7 +45,11 @@ fn the_main_job_finds_the_cylinder() {
     let bytes = std::fs::read(scratch.path("diffuse-contact.vtu")).unwrap();
     assert!(bytes.starts_with(b"<?xml"));
     assert!(bytes.ends_with(b"</VTKFile>\n"));
-    assert_eq!(scratch.names(), ["diffuse-contact.vtu"]);
+    let picture = std::fs::read_to_string(scratch.path("diffuse-contact.svg")).unwrap();
+    assert!(picture.starts_with("<svg ") && picture.ends_with("</svg>\n"));
+    // 36 pieces of each facet, and the slave facets.
+    assert!(picture.matches("<path color=").count() > 8000 && !picture.contains("NaN"));
+    assert_eq!(scratch.names(), ["diffuse-contact.svg", "diffuse-contact.vtu"]);
 }
 
 #[test]

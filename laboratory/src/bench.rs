@@ -13,7 +13,7 @@ use crate::output;
 const FIGURES: &str = r#"All contenders evaluate the same elements (quadratic basis, cubic weight) and are first compared with the generated
 kernels: a difference above 1e-10 ends the program with exit code 2. Then they run in turn; times are medians over the
 rounds. Times of optimised programs only mean anything; with link-time optimisation:
-  cargo run --profile bench -- bench
+  cargo run --profile bench -p diffuse-contact-laboratory -- bench
 
 kernel   generated-single     the kernels of this library, one element at a time
          generated-batch      the same, many elements at a time

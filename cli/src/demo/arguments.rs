@@ -20,14 +20,28 @@ pub struct DemoArguments {
     /// VTU file to write
     #[arg(short, long, value_name = "OUT.vtu", default_value = DemoArguments::OUTPUT)]
     pub output: PathBuf,
+    /// Picture to write, for any browser [default: OUT.svg]
+    #[arg(long, value_name = "OUT.svg")]
+    pub picture: Option<PathBuf>,
 }
 
 impl DemoArguments {
     const OUTPUT: &str = "diffuse-contact.vtu";
+
+    /// The picture to write: the one named, or else one beside the output. A device has none beside it.
+    pub fn picture(&self) -> Option<PathBuf> {
+        let is_device = self.output.metadata().is_ok_and(|found| !found.is_file());
+        let beside = || self.output.with_extension(if self.is_svg() { "picture.svg" } else { "svg" });
+        self.picture.clone().or_else(|| (!is_device).then(beside))
+    }
+
+    fn is_svg(&self) -> bool {
+        self.output.extension().is_some_and(|extension| extension == "svg")
+    }
 }
 
 impl Default for DemoArguments {
     fn default() -> Self {
-        Self { mesh: None, sets: SetArguments::default(), output: Self::OUTPUT.into() }
+        Self { mesh: None, sets: SetArguments::default(), output: Self::OUTPUT.into(), picture: None }
     }
 }

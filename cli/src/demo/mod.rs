@@ -1,10 +1,11 @@
 //! The `demo` job: the contact of two surfaces of a mesh, from the file to a table and a picture.
 //!
 //! It takes the route that a solver takes: one contact interface of the whole surface, as the job `surface` does, whose modules
-//! read the mesh and evaluate every slave node. Then [`sampling`] lays the smooth surface over the facets, [`scene`] writes all of
-//! it for ParaView, [`report`] says it in words.
+//! read the mesh and evaluate every slave node. Then [`sampling`] lays the smooth surface over the facets, [`picture`] draws it,
+//! [`scene`] writes all of it for ParaView, [`report`] says it in words.
 
 mod arguments;
+mod picture;
 mod report;
 mod sampling;
 mod scene;
@@ -24,9 +25,12 @@ use crate::surface::slaves::Surfaces;
 
 /// Runs the demonstration.
 pub fn run(arguments: &DemoArguments) -> Result<(), CliError> {
-    output::check_target(&arguments.output)?;
-    if let Some(mesh) = &arguments.mesh {
-        output::check_distinct(mesh, &arguments.output)?;
+    let picture = arguments.picture();
+    for target in std::iter::once(&arguments.output).chain(&picture) {
+        output::check_target(target)?;
+        if let Some(mesh) = &arguments.mesh {
+            output::check_distinct(mesh, target)?;
+        }
     }
     let sets = &arguments.sets;
     let options = InterfaceOptions::default();
@@ -37,6 +41,9 @@ pub fn run(arguments: &DemoArguments) -> Result<(), CliError> {
     let smooth = sampling::sample(&surfaces, sets, options)?;
     let start = Instant::now();
     scene::write(&arguments.output, &surfaces, &nodes, &smooth)?;
+    if let Some(path) = &picture {
+        picture::write(path, &surfaces, &nodes, &smooth)?;
+    }
     let contact = Report {
         surfaces: &surfaces,
         sets,
@@ -46,6 +53,6 @@ pub fn run(arguments: &DemoArguments) -> Result<(), CliError> {
         write: start.elapsed(),
         file: &arguments.output,
     };
-    let report = report::Report { contact: &contact, smooth: &smooth };
+    let report = report::Report { contact: &contact, smooth: &smooth, picture: picture.as_deref() };
     output::write_stdout(|writer| write!(writer, "{report}"))
 }

@@ -1,6 +1,7 @@
 //! The table the demonstration ends with.
 
 use std::fmt;
+use std::path::Path;
 
 use super::sampling::SmoothSurface;
 use crate::surface::report;
@@ -12,6 +13,8 @@ pub struct Report<'a> {
     pub contact: &'a report::Report<'a>,
     /// The sampled surface.
     pub smooth: &'a SmoothSurface,
+    /// The picture, if one was written.
+    pub picture: Option<&'a Path>,
 }
 
 impl fmt::Display for Report<'_> {
@@ -35,6 +38,9 @@ impl fmt::Display for Report<'_> {
         let heights = smooth.samples.iter().map(|sample| sample.facet_height);
         let (below, above) = heights.fold((0.0_f64, 0.0_f64), |(low, high), h| (low.min(h), high.max(h)));
         row(f, "facets", &format!("up to {:.2e} below and {above:.2e} above the smooth surface", -below))?;
+        if let Some(picture) = self.picture {
+            row(f, "picture", &format!("{}, for any browser", picture.display()))?;
+        }
         writeln!(f)?;
         writeln!(f, "To look at it, open the file in ParaView and apply the filter Threshold on `part`:")?;
         writeln!(

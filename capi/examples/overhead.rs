@@ -31,14 +31,12 @@ fn main() -> Result<(), ElementError> {
                 for _ in 0..CALLS {
                     let slave = black_box([0.1, 0.2, 0.25]);
                     let (t1, t2, normal) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
-                    let element = Element {
+                    let element = Element::new(
                         slave,
-                        masters: &masters[..count],
-                        frame: Frame::given(slave, t1, t2, normal, None)?,
-                        support_radius: black_box(4.0),
-                        basis: Basis::Quadratic,
-                        weight: Weight::Cubic,
-                    };
+                        &masters[..count],
+                        Frame::given(slave, t1, t2, normal, None)?,
+                        black_box(4.0),
+                    );
                     black_box(Generated.gap_into(&element, mode, &mut gradient, &mut hessian)?);
                 }
                 best = best.min(start.elapsed().as_nanos() as f64 / CALLS as f64);

@@ -68,13 +68,19 @@ impl Interpreted {
         &self.weight
     }
 
+    /// The weight at r, of an interpolating weight ω/(1 − ω) that of ω.
+    #[must_use]
+    pub fn fitting_weight(&self, r: f64) -> f64 {
+        self.weight.fitting_value(r)
+    }
+
     /// The figures that decide whether an element has a gap, and a surface at `point`, and how many digits they are
     /// good for. An element without a gap has figures too.
     ///
     /// # Errors
     /// What [`Element::validate`] finds.
     pub fn conditioning(&self, element: &Element<'_>, point: [f64; 2]) -> Result<Conditioning, ElementError> {
-        element.validate()?;
+        element.validate_with(|r| self.fitting_weight(r))?;
         let inputs = inputs(element, point);
         let mut surface = self.evaluation(Output::Surface, element, Mode::Value, &inputs)?;
         // Without derivatives nothing is known of the plane.
@@ -113,7 +119,7 @@ impl Interpreted {
 
 impl Backend for Interpreted {
     fn coefficients(&self, element: &Element<'_>, mode: Mode) -> Result<Coefficients, ElementError> {
-        element.validate()?;
+        element.validate_with(|r| self.fitting_weight(r))?;
         let inputs = inputs(element, [0.0; 2]);
         let mut evaluation = self.evaluation(Output::Coefficients, element, mode, &inputs)?;
         let coefficients = evaluation.padded("coefficients");
@@ -133,7 +139,7 @@ impl Backend for Interpreted {
     }
 
     fn surface(&self, element: &Element<'_>, point: [f64; 2], mode: Mode) -> Result<Surface, ElementError> {
-        element.validate()?;
+        element.validate_with(|r| self.fitting_weight(r))?;
         if !point.iter().all(|x| x.is_finite()) {
             return Err(ElementError::NonFiniteInput { what: "point", index: 0 });
         }
@@ -160,7 +166,7 @@ impl Backend for Interpreted {
     }
 
     fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
-        element.validate()?;
+        element.validate_with(|r| self.fitting_weight(r))?;
         let inputs = inputs(element, [0.0; 2]);
         let mut evaluation = self.evaluation(Output::Gap, element, mode, &inputs)?;
         let values = GapValues {
@@ -283,6 +289,7 @@ fn inputs(element: &Element<'_>, point: [f64; 2]) -> NodeInputs {
         }
     }
     inputs.set_element("support_radius", element.support_radius);
+    inputs.set_element("plane_reach", element.frame.reach);
     inputs.set_element("anchor", element.nearest_in_plane() as f64);
     inputs.set_element("point_1", point[0]);
     inputs.set_element("point_2", point[1]);
@@ -290,6 +297,9 @@ fn inputs(element: &Element<'_>, point: [f64; 2]) -> NodeInputs {
         let coordinates = element.masters.iter().map(|master| master[k]).collect();
         inputs.set_node(&format!("master_{axis}"), coordinates);
     }
+    let radius = |k| element.domains.radius(k, element.support_radius);
+    let ratios = (0..element.masters.len()).map(|k| element.support_radius / radius(k)).collect();
+    inputs.set_node("domain_ratio", ratios);
     inputs
 }
 
@@ -347,14 +357,9 @@ mod tests {
 
     fn element(masters: &[[f64; 3]], basis: Basis) -> Element<'_> {
         let frame = Frame::given([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], None).unwrap();
-        Element {
-            slave: [0.1, 0.2, 0.5],
-            masters,
-            frame,
-            support_radius: 2.0,
-            basis,
-            weight: diffuse_contact::Weight::Cubic,
-        }
+        Element::new([0.1, 0.2, 0.5], masters, frame, 2.0)
+            .with_basis(basis)
+            .with_weight(diffuse_contact::Weight::Cubic)
     }
 
     fn grid() -> Vec<[f64; 3]> {
@@ -380,11 +385,9 @@ mod tests {
         // Rough, so that the frame's turn matters.
         let rough = |(k, x): (usize, &[f64; 3])| [x[0], x[1], 0.1 * (k * k % 5) as f64];
         let masters: Vec<[f64; 3]> = grid().iter().enumerate().map(rough).collect();
-        let moving = Element {
-            frame: Frame::average_plane(&masters, [0.0, 0.0, 1.0]).unwrap(),
-            ..element(&masters, Basis::Linear)
-        };
-        let held = Element { frame: moving.frame.frozen(), ..moving };
+        let moving = element(&masters, Basis::Linear)
+            .with_frame(Frame::average_plane(&masters, [0.0, 0.0, 1.0]).unwrap());
+        let held = moving.with_frame(moving.frame.frozen());
         for mode in [Mode::Value, Mode::Gradient, Mode::Hessian] {
             let coefficients = |element| backend.coefficients(element, mode).unwrap();
             assert_eq!(coefficients(&moving), coefficients(&held));
@@ -405,7 +408,7 @@ mod tests {
         let masters: Vec<[f64; 3]> = (0..8).map(signs).collect();
         let held = element(&masters, Basis::Linear);
         let frame = Frame { derivative: FrameDerivative::CoMoving, ..held.frame };
-        let moving = Element { frame, ..held };
+        let moving = held.with_frame(frame);
         assert!(Interpreted::default().gap(&held, Mode::Gradient).is_ok());
         for backend in [&Interpreted::default() as &dyn Backend, &Generated] {
             for mode in [Mode::Value, Mode::Gradient, Mode::Hessian] {

@@ -11,18 +11,12 @@
 //! backends with each other. Exit codes are those of `diffuse_contact_program`; 1 is left to `check`, when the kernels do not pass.
 //!
 //! ```
-//! use diffuse_contact::{Backend, Basis, Element, Frame, Mode, Weight};
+//! use diffuse_contact::{Backend, Basis, Element, Frame, Mode};
 //! use diffuse_contact_laboratory::interpreted::Interpreted;
 //!
 //! let masters = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
-//! let element = Element {
-//!     slave: [0.4, 0.6, 0.25],
-//!     masters: &masters,
-//!     frame: Frame::average_plane(&masters, [0.0, 0.0, 1.0])?,
-//!     support_radius: 2.0,
-//!     basis: Basis::Linear,
-//!     weight: Weight::Cubic,
-//! };
+//! let frame = Frame::average_plane(&masters, [0.0, 0.0, 1.0])?;
+//! let element = Element::new([0.4, 0.6, 0.25], &masters, frame, 2.0).with_basis(Basis::Linear);
 //! let contact = Interpreted::default().gap(&element, Mode::Hessian)?;
 //! assert!((contact.gap - 0.25).abs() < 1e-14);
 //! # Ok::<(), diffuse_contact::ElementError>(())

@@ -65,9 +65,7 @@ impl Generated {
     /// let frame = Frame::average_plane(&masters, [0.0, 0.0, 1.0])?;
     /// let (basis, weight) = (Basis::Quadratic, Weight::Cubic);
     /// let heights = [0.25, 0.5, -0.125];
-    /// let elements = heights.map(|z| Element {
-    ///     slave: [0.1, 0.2, z], masters: &masters, frame, support_radius: 2.0, basis, weight,
-    /// });
+    /// let elements = heights.map(|z| Element::new([0.1, 0.2, z], &masters, frame, 2.0).with_basis(basis).with_weight(weight));
     /// // N of all elements, 3(n+1) entries each.
     /// let mut gradients = vec![0.0; 3 * 30];
     /// let slots = gradients.chunks_mut(30).map(|gradient| GapSlot { gradient, ..GapSlot::default() });

@@ -46,6 +46,28 @@ pub enum ElementError {
         /// The radius given.
         value: f64,
     },
+    /// The radius of a node's domain of influence is not a positive finite number.
+    #[error("the domain of master {index} must have a positive and finite radius, not {value}")]
+    InvalidDomain {
+        /// Index of the master node.
+        index: usize,
+        /// The radius given.
+        value: f64,
+    },
+    /// There is not one domain of influence for each master node.
+    #[error("{found} radii of domains for {expected} master nodes")]
+    WrongNumberOfDomains {
+        /// Radii given.
+        found: usize,
+        /// Master nodes.
+        expected: usize,
+    },
+    /// The reach of the average plane's weights is not above 0 and at most 1.
+    #[error("the reach of the average plane must be above 0 and at most 1, not {value}")]
+    InvalidReach {
+        /// The reach given.
+        value: f64,
+    },
     /// The frame's vectors are not orthonormal.
     #[error("the frame is not orthonormal: its Gram matrix differs from the identity by {deviation:e}")]
     InvalidFrame {
@@ -165,6 +187,9 @@ impl ElementError {
             Self::AnisotropicBasis { .. } => "anisotropic-basis",
             Self::NonFiniteInput { .. } => "non-finite-input",
             Self::InvalidSupportRadius { .. } => "invalid-support-radius",
+            Self::InvalidDomain { .. } => "invalid-domain",
+            Self::WrongNumberOfDomains { .. } => "wrong-number-of-domains",
+            Self::InvalidReach { .. } => "invalid-reach",
             Self::InvalidFrame { .. } => "invalid-frame",
             Self::AmbiguousOutward { .. } => "ambiguous-outward",
             Self::NoAveragePlane { .. } | Self::UnstableAveragePlane { .. } => "no-average-plane",

@@ -21,7 +21,7 @@ mod vector;
 
 pub use backend::Backend;
 pub use batch::{BatchScratch, GapSlot};
-pub use diffuse_contact_kernels::support::{Basis, CustomBasis, Mode};
+pub use diffuse_contact_kernels::support::{Basis, CustomBasis, Domains, Mode};
 pub use element::{Element, Weight};
 pub use error::ElementError;
 pub use facet::{FacetElement, FacetPoint};

@@ -168,14 +168,9 @@ impl Pairing {
     /// The element of this pairing with the slave at `slave`.
     #[must_use]
     pub fn element(&self, slave: Point) -> Element<'_> {
-        Element {
-            slave,
-            masters: &self.positions,
-            frame: self.frame,
-            support_radius: self.support_radius,
-            basis: self.basis,
-            weight: self.weight,
-        }
+        Element::new(slave, &self.positions, self.frame, self.support_radius)
+            .with_basis(self.basis)
+            .with_weight(self.weight)
     }
 
     /// Whether `point` lies beyond the border of the masters, where the fit extrapolates and there is no contact.

@@ -23,7 +23,7 @@
 
 use std::f64::consts::TAU;
 
-use diffuse_contact::{CustomBasis, Element, ElementError, Frame, FrameDerivative, Point, Weight};
+use diffuse_contact::{CustomBasis, Domains, Element, ElementError, Frame, Point, Weight};
 use diffuse_contact_codegen::{Basis, FrameRule};
 
 use crate::interpreted::{Conditioning, Interpreted};
@@ -76,6 +76,8 @@ impl FirstNode {
 #[derive(Clone, Debug)]
 pub struct RandomElement {
     masters: Vec<Point>,
+    /// R_k of each, or none: R for all.
+    radii: Vec<f64>,
     support_radius: f64,
     basis: Basis,
     /// Weight that backends are asked for.
@@ -121,7 +123,8 @@ pub fn is_well_conditioned(figures: &Conditioning) -> bool {
 }
 
 impl RandomElement {
-    /// Well-conditioned element number `index` for a seed; `interpreted` has the weight it is to be used with.
+    /// Well-conditioned element number `index` for a seed; `interpreted` has the weight it is to be used with. The nodes of every
+    /// other element have domains of their own, and weights in its average plane.
     ///
     /// # Errors
     /// [`NoElement`] if none is found.
@@ -135,7 +138,10 @@ impl RandomElement {
         let mut random = Random::new(&[seed, basis.size() as u64, nodes as u64, index as u64]);
         for _ in 0..ATTEMPTS {
             let first = FirstNode::of(index, nodes > basis.size());
-            let Ok(mut candidate) = Self::candidate(basis, nodes, first, &mut random) else { continue };
+            let domains = (index % 2 == 1).then_some(|r| interpreted.fitting_weight(r));
+            let Ok(mut candidate) = Self::candidate((basis, nodes), first, domains, &mut random) else {
+                continue;
+            };
             let figures = |frame, point| {
                 let figures = interpreted.conditioning(&candidate.element(frame), point).ok();
                 figures.filter(is_well_conditioned)
@@ -156,27 +162,25 @@ impl RandomElement {
             FrameRule::Frozen => self.frozen,
             FrameRule::CoMoving => self.co_moving,
         };
-        Element {
-            slave,
-            masters: &self.masters,
-            frame,
-            support_radius: self.support_radius,
-            basis: match self.basis {
+        let domains = if self.radii.is_empty() { Domains::Shared } else { Domains::Each(&self.radii) };
+        Element::new(slave, &self.masters, frame, self.support_radius)
+            .with_domains(domains)
+            .with_basis(match self.basis {
                 Basis::Quadratic => diffuse_contact::Basis::Quadratic,
                 Basis::Linear => diffuse_contact::Basis::Linear,
                 Basis::Custom(_) => {
                     let (name, monomials) = (self.basis.name(), self.basis.monomials());
                     diffuse_contact::Basis::Custom(CustomBasis { name, monomials })
                 }
-            },
-            weight: self.weight,
-        }
+            })
+            .with_weight(self.weight)
     }
 
+    /// `domains`: the fitting weight where nodes have domains of their own.
     fn candidate(
-        basis: Basis,
-        nodes: usize,
+        (basis, nodes): (Basis, usize),
         first: FirstNode,
+        domains: Option<impl Fn(f64) -> f64 + Copy>,
         random: &mut Random,
     ) -> Result<Self, ElementError> {
         let radius = 10_f64.powf(random.between(-3.0, 3.0));
@@ -205,14 +209,21 @@ impl RandomElement {
             })
             .collect();
         let point = random.in_disc(POINT_DISC).map(|x| radius * x);
-        let frozen = Place {
-            slave,
-            frame: Frame { origin: slave, t1, t2, normal, derivative: FrameDerivative::Frozen },
+        let frozen = Place { slave, frame: Frame::given(slave, t1, t2, normal, None)? };
+        let radii: Vec<f64> = match domains {
+            Some(_) => masters.iter().map(|_| radius * random.between(0.9, 1.3)).collect(),
+            None => Vec::new(),
         };
-        let plane = Frame::average_plane(&masters, normal)?;
+        let plane = |slave| match domains {
+            Some(weight) => Frame::moving_plane(slave, &masters, &radii, weight, 1.0, normal),
+            None => Frame::average_plane(&masters, normal),
+        };
         let co_moving = match first {
-            FirstNode::UnderSlave => Place { slave: straight_over(masters[0], slave, &plane), frame: plane },
-            FirstNode::Anywhere | FirstNode::Outside => Place { slave, frame: plane },
+            FirstNode::UnderSlave => {
+                let slave = straight_over(masters[0], slave, &plane(slave)?);
+                Place { slave, frame: plane(slave)? }
+            }
+            FirstNode::Anywhere | FirstNode::Outside => Place { slave, frame: plane(slave)? },
         };
         let unknown = Conditioning {
             pivot_ratio: 0.0,
@@ -222,6 +233,7 @@ impl RandomElement {
         };
         Ok(Self {
             masters,
+            radii,
             support_radius: radius,
             basis,
             weight: Weight::default(),

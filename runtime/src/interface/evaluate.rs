@@ -207,13 +207,15 @@ impl Evaluator<'_> {
         let support_radius = paired.record.support_radius;
         let anchor = match weight {
             Weight::CubicInterpolating => {
-                nearest_in_plane(slave, self.masters(paired), frame, support_radius)
+                nearest_in_plane(slave, self.masters(paired), frame, |_| support_radius)
             }
             Weight::Cubic | Weight::WendlandC2 => 0,
         };
         ElementInputs {
             slave,
             masters: Masters::Indexed { positions: self.positions, nodes: paired.masters },
+            domains: crate::Domains::Shared,
+            plane_reach: frame.reach,
             t1: frame.t1,
             t2: frame.t2,
             normal: frame.normal,
@@ -247,7 +249,8 @@ impl Evaluator<'_> {
             ContactElement::Diffuse { weight, .. } => {
                 let (frame, masters) = self.frame(paired, scratch)?;
                 let (support_radius, basis) = (paired.record.support_radius, paired.record.basis);
-                let element = Element { slave, masters, frame, support_radius, basis, weight };
+                let element =
+                    Element::new(slave, masters, frame, support_radius).with_basis(basis).with_weight(weight);
                 let point = Generated.gap_into(&element, mode, gradient, hessian);
                 return self.within_border(paired, point, &mut scratch.border);
             }
@@ -304,7 +307,7 @@ impl Evaluator<'_> {
             return Ok(*frame);
         }
         let facet = self.surface.shape(paired.record.facet as usize, self.positions);
-        Ok(Frame::average_plane_of(self.masters(paired), facet.normal().into())?)
+        Ok(Frame::average_plane_of(self.masters(paired).map(|x| (x, 1.0)), 0.0, facet.normal().into())?)
     }
 
     /// The frame of a diffuse element: the one that is held, or the average plane of the masters, outward where the
@@ -333,6 +336,7 @@ impl Evaluator<'_> {
             t2,
             normal,
             derivative: FrameDerivative::Frozen,
+            reach: 0.0,
         })
     }
 

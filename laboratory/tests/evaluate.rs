@@ -52,16 +52,3 @@ fn both_backends_agree_on_either_frame() {
     gaps.dedup_by(|a, b| (*a - *b).abs() < 1e-12);
     assert_eq!(gaps.len(), weights.len(), "every weight has a surface of its own: {gaps:?}");
 }
-
-/// Σ x × ∂g/∂x over slave and masters: the moment of the contact forces for one unit of force.
-fn moment(element: &Value, n: &[f64]) -> [f64; 3] {
-    let masters = element["masters"].as_array().unwrap();
-    let points = std::iter::once(&element["slave"]).chain(masters).map(numbers);
-    points.zip(n.chunks(3)).fold([0.0; 3], |sum, (x, f)| {
-        [
-            sum[0] + x[1] * f[2] - x[2] * f[1],
-            sum[1] + x[2] * f[0] - x[0] * f[2],
-            sum[2] + x[0] * f[1] - x[1] * f[0],
-        ]
-    })
-}

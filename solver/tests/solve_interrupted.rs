@@ -7,10 +7,10 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use crate::PROGRAM;
 use crate::decks::{assert_same_results, block_in, files, small_block_in, summary, timeless};
 use crate::runs::{Run, Scratch, run};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_diffuse-contact");
 /// Increments of a run that is interrupted: enough that the interrupt comes before the end.
 const MANY: usize = 150;
 

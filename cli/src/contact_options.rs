@@ -7,7 +7,7 @@ use diffuse_contact::pairing::DEFAULT_NEIGHBOURS;
 use diffuse_contact::{FrameDerivative, Weight};
 use serde::Serialize;
 
-use crate::args::named;
+use crate::arguments::named;
 use crate::error::CliError;
 
 /// What can be said about the element.

@@ -1,8 +1,6 @@
 //! Runs the program's `evaluate` on good and on bad input.
 
-mod common;
-
-use common::{Run, Scratch, run, run_with_input};
+use crate::runs::{Run, Scratch, run, run_with_input};
 use serde_json::{Value, json};
 
 /// Nine nodes of a plane grid with spacing 1, and a slave over them.
@@ -81,46 +79,6 @@ fn residual_and_tangent_follow_from_gap_n_and_m() {
     for axis in 0..3 {
         assert_close(n.iter().skip(axis).step_by(3).sum(), 0.0);
     }
-}
-
-#[test]
-fn both_backends_agree_on_either_frame() {
-    let frames = ["frozen", "co-moving"];
-    let weights = ["cubic", "cubic-interpolating", "wendland-c2"];
-    let mut gaps = Vec::new();
-    for (derivative, weight) in frames.into_iter().flat_map(|frame| weights.map(|weight| (frame, weight))) {
-        let mut element = bent([1.3, 0.8, 0.4]);
-        element["frame_derivative"] = json!(derivative);
-        element["weight"] = json!(weight);
-        let text = json!({"elements": [element]}).to_string();
-        let answers = ["generated", "ad"].map(|backend| {
-            let run = run_with_input(&["evaluate", "-", "--backend", backend], &text);
-            let answer: Value = serde_json::from_str(&run.stdout).unwrap();
-            assert_eq!(answer["elements"][0]["frame_derivative"], derivative);
-            gaps.push(answer["elements"][0]["gap"].as_f64().unwrap());
-            (numbers(&answer["elements"][0]["n"]), rows(&answer["elements"][0]["m"]))
-        });
-        let [(n, m), (n_ad, m_ad)] = &answers;
-        for (a, b) in n.iter().zip(n_ad).chain(m.iter().flatten().zip(m_ad.iter().flatten())) {
-            assert!((a - b).abs() < 1e-11, "{derivative} {weight}: {a} and {b}");
-        }
-    }
-    gaps.sort_by(f64::total_cmp);
-    gaps.dedup_by(|a, b| (*a - *b).abs() < 1e-12);
-    assert_eq!(gaps.len(), weights.len(), "every weight has a surface of its own: {gaps:?}");
-}
-
-/// Σ x × ∂g/∂x over slave and masters: the moment of the contact forces for one unit of force.
-fn moment(element: &Value, n: &[f64]) -> [f64; 3] {
-    let masters = element["masters"].as_array().unwrap();
-    let points = std::iter::once(&element["slave"]).chain(masters).map(numbers);
-    points.zip(n.chunks(3)).fold([0.0; 3], |sum, (x, f)| {
-        [
-            sum[0] + x[1] * f[2] - x[2] * f[1],
-            sum[1] + x[2] * f[0] - x[0] * f[2],
-            sum[2] + x[0] * f[1] - x[1] * f[0],
-        ]
-    })
 }
 
 #[test]

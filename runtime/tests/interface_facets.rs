@@ -1,8 +1,6 @@
 //! Interfaces of node-to-facet elements.
 
-mod common;
-
-use common::{Mesh, Uniform, distance};
+use crate::common::{Mesh, Uniform, distance};
 use diffuse_contact::interface::{InterfaceOptions, Outcome};
 use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact::surface::Facet;

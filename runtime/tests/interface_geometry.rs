@@ -1,11 +1,9 @@
 //! Interfaces over surfaces whose gap is known: plane, cylinder, sphere, torus, graded meshes; derivatives,
 //! rigid motion, borders.
 
-mod common;
-
 use std::f64::consts::{PI, TAU};
 
-use common::{Mesh, Uniform, distance};
+use crate::common::{Mesh, Uniform, distance};
 use diffuse_contact::interface::{ContactElement, InterfaceOptions, NoContact, Outcome};
 use diffuse_contact::neighbourhood::{Fallback, SearchOptions};
 use diffuse_contact::surface::Facet;

@@ -1,8 +1,6 @@
 //! Who is paired with whom: sharp edges, thin plates, refresh reports, hysteresis, tributary areas.
 
-mod common;
-
-use common::{Mesh, Scene, Uniform, distance};
+use crate::common::{Mesh, Scene, Uniform, distance};
 use diffuse_contact::interface::{
     ContactElement, ContactInterface, GapJump, InterfaceOptions, NoContact, Outcome, SlaveGap,
 };

@@ -1,9 +1,7 @@
 //! Whatever comes in: an error for the caller, a named outcome, or finite numbers, the same for any number of
 //! threads.
 
-mod common;
-
-use common::{Mesh, Scene, Uniform};
+use crate::common::{Mesh, Scene, Uniform};
 use diffuse_contact::ad::Ad;
 use diffuse_contact::interface::{
     ContactElement, ContactInterface, ContactRef, InterfaceError, InterfaceOptions, NoContact, Outcome,

@@ -3,11 +3,9 @@
 //!
 //! `cargo test --release -p diffuse-contact --test regularity -- --nocapture` prints the table of docs/contact-surface.md.
 
-mod common;
-
 use std::collections::HashMap;
 
-use common::{Mesh, Uniform};
+use crate::common::{Mesh, Uniform};
 use diffuse_contact::interface::{ContactElement, InterfaceOptions, Outcome};
 use diffuse_contact::neighbourhood::{Fallback, SMALLEST_REGULARITY, SearchOptions};
 use diffuse_contact::surface::Facet;

@@ -3,6 +3,7 @@
 //! [`schema`] says what a file may contain, [`result`] what comes back. As in `evaluate`, a file that does not follow
 //! the schema is refused as a whole; a search that follows it but finds no neighbourhood gets an error entry.
 
+mod arguments;
 mod result;
 mod schema;
 
@@ -10,11 +11,13 @@ use std::io::{self, Write};
 
 use diffuse_contact::Basis;
 
-use crate::args::NeighboursArguments;
+use crate::content::ContentError;
 use crate::error::CliError;
 use crate::json::{self, Object};
 use crate::outcome::Failures;
 use crate::output;
+
+pub use arguments::NeighboursArguments;
 
 use result::search;
 use schema::{Document, Rule, SearchInput};
@@ -46,10 +49,20 @@ fn parse(file: &str, text: &[u8]) -> Result<Document, CliError> {
         };
         let found = input.masters().len();
         if found < Basis::Linear.size() {
-            return Err(CliError::TooFewMasters { file: file.to_owned(), place: place("masters"), found });
+            return Err(ContentError::TooFewMasters {
+                file: file.to_owned(),
+                place: place("masters"),
+                found,
+            }
+            .into());
         }
         if let Some((field, beside)) = meaningless(input) {
-            return Err(CliError::MeaninglessField { file: file.to_owned(), place: place(field), beside });
+            return Err(ContentError::MeaninglessField {
+                file: file.to_owned(),
+                place: place(field),
+                beside,
+            }
+            .into());
         }
     }
     Ok(document)

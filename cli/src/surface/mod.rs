@@ -4,11 +4,11 @@
 //! evaluates every slave node, [`scene`] writes the slave surface for ParaView, [`report`] sums up.
 
 mod arguments;
-mod legend;
-mod nodes;
-mod report;
+pub mod legend;
+pub mod nodes;
+pub mod report;
 mod scene;
-mod slaves;
+pub mod slaves;
 
 pub use arguments::SurfaceArguments;
 

@@ -9,7 +9,7 @@ use diffuse_contact::surface::MasterSurface;
 use diffuse_contact::{ContactPoint, Mode};
 
 use super::slaves::Surfaces;
-use crate::args::SetArguments;
+use crate::contact_mesh::SetArguments;
 use crate::error::CliError;
 use crate::progress::progress;
 

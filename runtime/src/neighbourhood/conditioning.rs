@@ -82,10 +82,13 @@ pub fn regularity(offsets: impl Iterator<Item = Point2> + Clone, support_radius:
             *entry /= x * y;
         }
     }
-    let (linear, _) = extreme_eigenvalues(linear_block(&moments));
-    let (quadratic, _) = extreme_eigenvalues(moments);
-    let with_nodes = |needed: f64, eigenvalue: f64| if count < needed { 0.0 } else { eigenvalue.max(0.0) };
-    Regularity { linear: with_nodes(3.0, linear), quadratic: with_nodes(6.0, quadratic) }
+    let with_nodes = |needed: f64, (smallest, largest): (f64, f64)| {
+        if count < needed || smallest <= EIGENVALUE_ROUNDING * largest { 0.0 } else { smallest }
+    };
+    Regularity {
+        linear: with_nodes(3.0, extreme_eigenvalues(linear_block(&moments))),
+        quadratic: with_nodes(6.0, extreme_eigenvalues(moments)),
+    }
 }
 
 /// The moment matrix itself: offsets divided by the support radius, quadratic basis; that of the linear one is its

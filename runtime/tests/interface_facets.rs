@@ -60,7 +60,7 @@ fn a_slave_that_slides_off_its_facet_goes_on_over_its_extension() {
     scene.move_slaves(&[[2.6, 1.5, 0.2]]);
     scene.update();
     let height = |sign: f64| (0.2 + sign * slope * (2.0 - 2.6)) / slope.hypot(1.0);
-    let gap = |scene: &mut common::Scene| {
+    let gap = |scene: &mut crate::common::Scene| {
         let contact = scene.interface.evaluate(Mode::Value).unwrap().get(0);
         assert!(contact.outcome.is_contact(), "{:?}", contact.outcome);
         contact.point.gap
@@ -123,7 +123,7 @@ fn past_the_border_of_a_neighbour_there_is_no_contact_whatever_the_hysteresis() 
         for (x, expected) in [(1.05, "contact"), (1.15, "beyond-border")] {
             scene.move_slaves(&[[x, 0.5, -0.05]]);
             scene.update();
-            let code = |scene: &mut common::Scene| {
+            let code = |scene: &mut crate::common::Scene| {
                 scene.interface.evaluate(Mode::Value).unwrap().get(0).outcome.code()
             };
             assert_eq!(code(&mut scene), expected, "{x} before a refresh, hysteresis {hysteresis}");

@@ -30,7 +30,7 @@ use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 use crate::vector::Vector3;
-use crate::{Backend, Basis, Element, ElementError, Frame, Mode, Point, Weight};
+use crate::{Backend, Basis, Domains, Element, ElementError, Frame, Mode, Point, Weight};
 
 /// The support radius is this factor times the largest in-plane distance of a master node from the slave.
 ///
@@ -158,6 +158,8 @@ pub struct Pairing {
     pub frame: Frame,
     /// Radius of the domain of influence.
     pub support_radius: f64,
+    /// Radii of the masters' own domains; none: all have the support radius.
+    pub radii: Vec<f64>,
     /// Polynomial basis of the fit.
     pub basis: Basis,
     /// Weight function of the fit.
@@ -168,7 +170,9 @@ impl Pairing {
     /// The element of this pairing with the slave at `slave`.
     #[must_use]
     pub fn element(&self, slave: Point) -> Element<'_> {
+        let domains = if self.radii.is_empty() { Domains::Shared } else { Domains::Each(&self.radii) };
         Element::new(slave, &self.positions, self.frame, self.support_radius)
+            .with_domains(domains)
             .with_basis(self.basis)
             .with_weight(self.weight)
     }
@@ -247,6 +251,7 @@ fn pair_with<B: Backend + ?Sized>(
         positions,
         frame,
         support_radius,
+        radii: Vec::new(),
         basis: rule.basis,
         weight: rule.weight,
     };

@@ -116,10 +116,13 @@ impl MasterSurface {
     /// The facets at a node, ascending; none if it is not a node of the surface.
     pub fn facets_at(&self, node: usize) -> impl Iterator<Item = usize> {
         let place = u32::try_from(node).ok().and_then(|node| self.nodes.binary_search(&node).ok());
-        let facets = place.map_or(&[][..], |place| {
-            &self.facets_of_nodes[self.offsets[place] as usize..self.offsets[place + 1] as usize]
-        });
+        let facets = place.map_or(&[][..], |place| self.facets_of_place(place));
         facets.iter().map(|&facet| facet as usize)
+    }
+
+    /// The facets at the node with this place in [`nodes`](Self::nodes), ascending.
+    pub(crate) fn facets_of_place(&self, place: usize) -> &[u32] {
+        &self.facets_of_nodes[self.offsets[place] as usize..self.offsets[place + 1] as usize]
     }
 
     /// The edges that belong to one facet only, as that facet runs through them.

@@ -2,7 +2,7 @@
 //! element.
 
 use diffuse_contact::ad::Ad;
-use diffuse_contact::{Backend, Basis, Element, ElementError, Frame, Mode, Point, SymmetricMatrix, Weight};
+use diffuse_contact::{Backend, Basis, Element, ElementError, Frame, Mode, Point, SymmetricMatrix};
 
 /// Deterministic numbers in (−1, 1).
 struct Random(u64);

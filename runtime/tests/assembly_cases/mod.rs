@@ -3,7 +3,7 @@
 
 use diffuse_contact::assembly::{ContactLaw, ContactView, DofMap, ElementView, Elements, Tangent};
 use diffuse_contact::pairing::{NearestNodes, Pairing, PairingRule, node_normals, pair};
-use diffuse_contact::{Backend, Element, Frame, Generated, Mode, Point};
+use diffuse_contact::{Backend, Frame, Generated, Mode, Point};
 
 /// Deterministic numbers.
 struct Random(u64);

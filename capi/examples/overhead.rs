@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use diffuse_contact_kernels::support::Isa;
-use runtime::{Basis, Element, ElementError, Frame, Generated, Mode, Point, Weight};
+use runtime::{Element, ElementError, Frame, Generated, Mode, Point};
 
 const RUNS: usize = 200;
 const CALLS: usize = 200;

@@ -81,6 +81,19 @@ fn residual_and_tangent_follow_from_gap_n_and_m() {
     }
 }
 
+/// Σ x × ∂g/∂x over slave and masters: the moment of the contact forces for one unit of force.
+fn moment(element: &Value, n: &[f64]) -> [f64; 3] {
+    let masters = element["masters"].as_array().unwrap();
+    let points = std::iter::once(&element["slave"]).chain(masters).map(numbers);
+    points.zip(n.chunks(3)).fold([0.0; 3], |sum, (x, f)| {
+        [
+            sum[0] + x[1] * f[2] - x[2] * f[1],
+            sum[1] + x[2] * f[0] - x[0] * f[2],
+            sum[2] + x[0] * f[1] - x[1] * f[0],
+        ]
+    })
+}
+
 #[test]
 fn the_average_plane_moves_unless_it_is_frozen() {
     let element = bent([1.3, 0.8, 0.4]);
@@ -254,7 +267,7 @@ fn a_reader_that_goes_away_is_no_error() {
     let elements: Vec<Value> = (0..200).map(|_| plane([1.1, 0.9, 0.25])).collect();
     let scratch = Scratch::new("pipe");
     let input = scratch.file("in.json", &json!({"elements": elements}).to_string());
-    let stderr = common::run_and_close_stdout(&["evaluate", &input]);
+    let stderr = crate::runs::run_and_close_stdout(&["evaluate", &input]);
     assert_eq!(stderr, "");
 }
 

@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use crate::common::{Mesh, Uniform};
+use crate::common::{Mesh, Scene, Uniform};
 use diffuse_contact::interface::{ContactElement, InterfaceOptions, Outcome};
 use diffuse_contact::neighbourhood::{Fallback, SMALLEST_REGULARITY, SearchOptions};
 use diffuse_contact::surface::Facet;
@@ -132,7 +132,7 @@ impl Found {
             let slaves: Vec<Point> = at.iter().map(on_surface).collect();
             scene.move_slaves(&slaves);
             scene.update();
-            let gaps = |scene: &mut crate::common::Scene| -> Vec<(bool, f64, Vec<u32>)> {
+            let gaps = |scene: &mut Scene| -> Vec<(bool, f64, Vec<u32>)> {
                 let contacts = scene.interface.evaluate(Mode::Value).unwrap().iter();
                 contacts.map(|one| (one.outcome.is_contact(), one.point.gap, one.nodes.to_vec())).collect()
             };

@@ -4,7 +4,7 @@ use clap::Args;
 use diffuse_contact_codegen::Basis;
 use diffuse_contact_program::arguments::named;
 
-use super::NodeCounts;
+use super::nodes::NodeCounts;
 use crate::weight::FORMULAS;
 
 /// Arguments of `check`.

@@ -1,7 +1,6 @@
 //! Running the backends on the same elements.
 
 use std::num::NonZero;
-use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
@@ -10,58 +9,13 @@ use diffuse_contact::ad::{Ad, FormulaError};
 use diffuse_contact::{Backend, ElementError, Generated, Mode};
 use diffuse_contact_codegen::Basis;
 
-use super::ELEMENTS;
 use super::blocks::{Blocks, Subject};
 use super::elements::{NoElement, RandomElement};
 use super::facets::compare_facets;
-use super::report::{Against, Report};
+use super::plan::{Against, ELEMENTS, MODES, Plan};
+use super::report::Report;
 use crate::interpreted::Interpreted;
 use crate::weight::Weight;
-
-/// The modes, fewest derivatives first, and their names.
-pub(super) const MODES: [(Mode, &str); 3] =
-    [(Mode::Value, "value"), (Mode::Gradient, "gradient"), (Mode::Hessian, "hessian")];
-
-/// What is compared.
-#[derive(Clone, Debug)]
-pub struct Plan {
-    /// Bases and numbers of master nodes.
-    pub ranges: Vec<(Basis, RangeInclusive<usize>)>,
-    /// The weight. Of a formula no kernels are compiled into this program: the interpreter stands in for them.
-    pub weight: Weight,
-    /// Seed of the random elements.
-    pub seed: u64,
-}
-
-impl Default for Plan {
-    /// The node counts of pairings in either basis, the generated kernels, seed 1.
-    fn default() -> Self {
-        let ranges = Basis::ALL.map(|basis| (basis, Self::default_nodes(basis))).to_vec();
-        Self { ranges, weight: Weight::default(), seed: 1 }
-    }
-}
-
-impl Plan {
-    /// The node counts that pairings have with a basis.
-    #[must_use]
-    pub const fn default_nodes(basis: Basis) -> RangeInclusive<usize> {
-        basis.size()..=24
-    }
-
-    /// Replaces the node counts of a basis.
-    #[must_use]
-    pub fn nodes(mut self, basis: Basis, range: RangeInclusive<usize>) -> Self {
-        self.ranges.retain(|(other, _)| *other != basis);
-        self.ranges.push((basis, range));
-        self
-    }
-
-    /// Number of elements.
-    #[must_use]
-    pub fn elements(&self) -> usize {
-        self.ranges.iter().map(|(_, range)| range.clone().count() * ELEMENTS).sum()
-    }
-}
 
 /// Why nothing can be compared.
 #[derive(Debug, thiserror::Error)]

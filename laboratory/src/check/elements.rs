@@ -309,6 +309,8 @@ impl Random {
 
 #[cfg(test)]
 mod tests {
+    use diffuse_contact::FrameDerivative;
+
     use super::*;
 
     #[test]

@@ -10,11 +10,9 @@ use diffuse_contact::{ElementError, FacetElement, FacetPoint, Gap, Generated, Mo
 use diffuse_contact_codegen::FacetShape;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
-use super::TOLERANCE;
 use super::blocks::Part;
-use super::compare::MODES;
 use super::elements::Random;
-use super::report::Against;
+use super::plan::{Against, MODES, TOLERANCE};
 use crate::interpreted_facets::InterpretedFacets;
 
 /// Facets of each shape.

@@ -21,6 +21,7 @@ mod compare;
 pub mod elements;
 pub mod facets;
 mod nodes;
+mod plan;
 pub mod report;
 
 use std::process::ExitCode;
@@ -34,16 +35,11 @@ use crate::progress::progress;
 use crate::weight::{Weight, WeightArgument, weight};
 
 pub use arguments::CheckArguments;
-pub use compare::{CompareError, Plan, compare};
+pub use compare::{CompareError, compare};
 pub use elements::NoElement;
 pub use nodes::NodeCounts;
+pub use plan::{Against, ELEMENTS, Plan, TOLERANCE};
 pub use report::Report;
-
-/// Largest difference that passes.
-pub const TOLERANCE: f64 = 1e-11;
-
-/// Elements per node count and basis.
-pub const ELEMENTS: usize = 3;
 
 /// Exit code if a kernel does not pass.
 const FAILED: u8 = 1;

@@ -6,10 +6,9 @@ use diffuse_contact_codegen::Basis;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 use super::blocks::{BLOCKS, Block};
-use super::compare::Plan;
 use super::elements::{LARGEST_FOOT_DISTANCE, RandomElement, SMALLEST_DETERMINANT, SMALLEST_PIVOT};
 use super::facets::{FACETS, FacetRow};
-use super::{ELEMENTS, TOLERANCE};
+use super::plan::{Against, ELEMENTS, Plan, TOLERANCE};
 use crate::emit::frame_name;
 
 /// Width of the left column of the head.
@@ -18,40 +17,6 @@ const LABEL: usize = 13;
 const SUBJECT: usize = 16;
 /// Failures listed before the rest is only counted.
 const MOST_FAILURES: usize = 10;
-
-/// What a result is compared with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Against {
-    /// Automatic differentiation of the independent model.
-    Ad,
-    /// The interpreter of the same graph, in the same mode.
-    Interpreter,
-    /// The same backend in Hessian mode.
-    HessianMode,
-}
-
-impl Against {
-    /// All comparisons, in the order of the report.
-    pub const ALL: [Self; 3] = [Self::Ad, Self::Interpreter, Self::HessianMode];
-
-    /// Column title.
-    const fn title(self) -> &'static str {
-        match self {
-            Self::Ad => "against AD",
-            Self::Interpreter => "against interpreter",
-            Self::HessianMode => "between modes",
-        }
-    }
-
-    /// Name in JSON.
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Ad => "ad",
-            Self::Interpreter => "interpreter",
-            Self::HessianMode => "hessian-mode",
-        }
-    }
-}
 
 /// A difference and where it was found.
 #[derive(Clone, Copy, Debug, PartialEq)]

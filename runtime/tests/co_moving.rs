@@ -5,7 +5,7 @@
 use diffuse_contact::ad::Ad;
 use diffuse_contact::{
     Backend, Basis, Element, ElementError, Frame, FrameDerivative, Gap, Generated, Mode, Point,
-    SymmetricMatrix, Weight,
+    SymmetricMatrix,
 };
 
 /// Deterministic numbers in (−1, 1).

@@ -7,6 +7,7 @@ mod assembly_cases;
 #[cfg(feature = "ad")]
 mod co_moving;
 mod common;
+mod domains;
 mod interface_facets;
 mod interface_geometry;
 mod interface_pairing;

@@ -37,7 +37,7 @@ pub fn run(arguments: &DemoArguments) -> Result<(), CliError> {
     let start = Instant::now();
     let surfaces = Surfaces::new(ContactMesh::read(arguments.mesh.as_deref(), sets)?, sets);
     let read = start.elapsed();
-    let nodes = nodes::evaluate(&surfaces, sets, options)?;
+    let nodes = nodes::evaluate(&surfaces, sets, options, &[])?;
     let smooth = sampling::sample(&surfaces, sets, options)?;
     let start = Instant::now();
     scene::write(&arguments.output, &surfaces, &nodes, &smooth)?;

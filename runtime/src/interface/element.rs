@@ -45,7 +45,7 @@ impl Evaluator<'_> {
                         .collect(),
                     positions: points.positions,
                     frame: points.frame,
-                    support_radius: paired.record.support_radius,
+                    support_radius: points.unit,
                     radii: points.radii,
                     basis: paired.record.basis,
                     weight,

@@ -5,7 +5,7 @@ use std::ops::Range;
 use diffuse_contact_kernels::support::{ElementInputs, Masters};
 
 use super::contacts::{Layout, Slot, Slots};
-use super::fold::{Source, spread};
+use super::fold::{Source, fold, spread};
 use super::nodal::Nodal;
 use super::pairings::{Paired, Pairings, Record};
 use super::scratch::{Pool, recycled};
@@ -93,6 +93,8 @@ struct WithinReach {
 #[derive(Clone, Debug)]
 struct Gathered {
     frame: Frame,
+    /// The largest radius: what lengths are divided by. It has to follow from the points, or lists would change bits.
+    unit: f64,
     /// Its points.
     range: Range<usize>,
 }
@@ -114,7 +116,7 @@ impl WithinReach {
         weight: Weight,
     ) -> ElementInputs<'s> {
         let slave = evaluator.positions[paired.slave];
-        let Gathered { frame, range } = element;
+        let Gathered { frame, range, unit } = element;
         let (points, radii) = (&self.points[range.clone()], &self.radii[range.clone()]);
         let anchor = match weight {
             Weight::CubicInterpolating => {
@@ -130,7 +132,7 @@ impl WithinReach {
             t1: frame.t1,
             t2: frame.t2,
             normal: frame.normal,
-            support_radius: paired.record.support_radius,
+            support_radius: *unit,
             point: [0.0; 2],
             anchor,
         }
@@ -144,6 +146,8 @@ pub struct PointsWithinReach {
     /// Their nodes, by place among the slave's.
     pub listed: Vec<u32>,
     pub frame: Frame,
+    /// What lengths are divided by.
+    pub unit: f64,
 }
 
 /// What the elements of one piece of work have in common.
@@ -167,7 +171,10 @@ pub struct ElementScratch {
     batch: BatchScratch,
     lists: Lists,
     within_reach: WithinReach,
-    copy: Vec<f64>,
+    /// Which slots are evaluated.
+    chosen: Vec<bool>,
+    /// Derivatives by points some of which are images.
+    by_points: Vec<f64>,
 }
 
 impl Evaluator<'_> {
@@ -262,11 +269,26 @@ impl Evaluator<'_> {
         choose: impl Fn(&mut Slot<'_>) -> bool,
     ) {
         let Run { pairings, weight, within_reach } = run;
-        let ElementScratch { border, batch, lists, copy, .. } = scratch;
+        let ElementScratch { border, batch, lists, chosen, by_points, .. } = scratch;
         let mut waiting = recycled(std::mem::take(&mut lists.waiting));
         let mut places = recycled(std::mem::take(&mut lists.places));
+        chosen.clear();
+        chosen.extend(slots.iter_mut().map(&choose));
+        // Derivatives by images have a place of their own before they go back to the nodes.
+        let with_images =
+            |slot: &Slot<'_>| pairings.get(slot.index).is_ok_and(|paired| !paired.images.is_empty());
+        let room = |place: usize| {
+            let points =
+                within_reach.map_or(0, |all| all.elements[place].as_ref().map_or(0, |own| own.range.len()));
+            derivatives(mode, points)
+        };
+        let of_images = slots.iter().enumerate().filter(|(place, slot)| chosen[*place] && with_images(slot));
+        let needed =
+            of_images.map(|(place, _)| room(place)).map(|(gradient, hessian)| gradient + hessian).sum();
+        by_points.resize(by_points.len().max(needed), 0.0);
+        let mut free = &mut by_points[..];
         for (place, slot) in slots.iter_mut().enumerate() {
-            if !choose(slot) {
+            if !chosen[place] {
                 continue;
             }
             let paired = pairings.get(slot.index);
@@ -282,8 +304,15 @@ impl Evaluator<'_> {
             });
             match with_inputs {
                 Ok((paired, derivative, inputs)) => {
-                    let gradient = wanted(&mut slot.gradient, mode >= Mode::Gradient);
-                    let hessian = wanted(&mut slot.hessian, mode >= Mode::Hessian);
+                    let (gradient, hessian) = if paired.images.is_empty() {
+                        let gradient = wanted(&mut slot.gradient, mode >= Mode::Gradient);
+                        (gradient, wanted(&mut slot.hessian, mode >= Mode::Hessian))
+                    } else {
+                        let (gradient, hessian) = room(place);
+                        let (own, rest) = std::mem::take(&mut free).split_at_mut(gradient + hessian);
+                        free = rest;
+                        own.split_at_mut(gradient)
+                    };
                     waiting.push(Waiting {
                         weight,
                         frame: frame_rule(derivative),
@@ -294,7 +323,16 @@ impl Evaluator<'_> {
                     });
                     places.push((place, paired));
                 }
-                Err(reason) => write(Err(reason), slot.outcome, slot.point),
+                Err(reason) => {
+                    // A slave beyond the border may have too few nodes within reach: the border is the reason.
+                    let reason = match (reason, paired) {
+                        (NoContact::Element { error }, Ok(paired)) => {
+                            self.within_border(&paired, Err(error), border).err().unwrap_or(reason)
+                        }
+                        _ => reason,
+                    };
+                    write(Err(reason), slot.outcome, slot.point);
+                }
             }
         }
         let mut results = recycled(std::mem::take(&mut lists.results));
@@ -309,7 +347,12 @@ impl Evaluator<'_> {
                 && let (Ok(own), Ok(_)) = (&all.elements[*place], &point)
             {
                 let sources = &all.sources[own.range.clone()];
-                spread(element.gradient, element.hessian, sources, &nodal.symmetry, copy);
+                if paired.images.is_empty() {
+                    spread(element.gradient, element.hessian, sources);
+                } else {
+                    let Slot { gradient, hessian, .. } = &mut slots[*place];
+                    fold((element.gradient, element.hessian), (gradient, hessian), sources, &nodal.symmetry);
+                }
             }
             results[index] = point.map(|point| (point, paired.record.fallback));
         });
@@ -375,7 +418,8 @@ impl Evaluator<'_> {
         if found < needed {
             return Err(ElementError::TooFewNodes { found, needed }.into());
         }
-        Ok(Gathered { frame, range: start..kept })
+        let unit = radii[start..].iter().copied().fold(0.0, f64::max);
+        Ok(Gathered { frame, range: start..kept, unit })
     }
 
     /// A copy of the points of a paired slave's element.
@@ -387,9 +431,10 @@ impl Evaluator<'_> {
     ) -> Result<PointsWithinReach, NoContact> {
         let all = &mut scratch.within_reach;
         all.clear();
-        let Gathered { frame, .. } = self.gather_within_reach(paired, weight, all)?;
+        let Gathered { frame, unit, .. } = self.gather_within_reach(paired, weight, all)?;
         let listed = all.sources.iter().map(|source| source.listed).collect();
-        Ok(PointsWithinReach { positions: all.points.clone(), radii: all.radii.clone(), listed, frame })
+        let (positions, radii) = (all.points.clone(), all.radii.clone());
+        Ok(PointsWithinReach { positions, radii, listed, frame, unit })
     }
 
     /// A point, or its image with this number.
@@ -431,10 +476,26 @@ impl Evaluator<'_> {
 
     /// The gap alone.
     pub fn gap(&self, paired: &Paired<'_>, scratch: &mut ElementScratch) -> Result<f64, NoContact> {
+        if let (Some(_), ContactElement::Diffuse { weight, .. }) = (self.nodal, self.options.element) {
+            let ElementScratch { border, within_reach: all, .. } = scratch;
+            all.clear();
+            let found = match self.gather_within_reach(paired, weight, all) {
+                Err(NoContact::Element { error }) => {
+                    return self.within_border(paired, Err(error), border).map(|point| point.gap);
+                }
+                found => found?,
+            };
+            let element = Element::new(self.positions[paired.slave], &all.points, found.frame, found.unit)
+                .with_domains(Domains::Each(&all.radii))
+                .with_basis(paired.record.basis)
+                .with_weight(weight);
+            let point = Generated.gap_into(&element, Mode::Value, &mut [], &mut []);
+            return self.within_border(paired, point, border).map(|point| point.gap);
+        }
         self.element(paired, Mode::Value, &mut [], &mut [], scratch).map(|point| point.gap)
     }
 
-    /// One element, N into `gradient` and M into `hessian` as far as the mode asks for them.
+    /// One element without nodal domains, N into `gradient` and M into `hessian` as far as the mode asks for them.
     pub fn element(
         &self,
         paired: &Paired<'_>,
@@ -445,23 +506,6 @@ impl Evaluator<'_> {
     ) -> Result<ContactPoint, NoContact> {
         let slave = self.positions[paired.slave];
         let (point, beyond) = match self.options.element {
-            ContactElement::Diffuse { weight, .. } if let Some(nodal) = self.nodal => {
-                let ElementScratch { border, within_reach: all, copy, .. } = scratch;
-                all.clear();
-                let found = self.gather_within_reach(paired, weight, all)?;
-                let (radius, basis) = (paired.record.support_radius, paired.record.basis);
-                let element = Element::new(slave, &all.points, found.frame, radius)
-                    .with_domains(Domains::Each(&all.radii))
-                    .with_basis(basis)
-                    .with_weight(weight);
-                let point = self.within_border(
-                    paired,
-                    Generated.gap_into(&element, mode, gradient, hessian),
-                    border,
-                )?;
-                spread(gradient, hessian, &all.sources, &nodal.symmetry, copy);
-                return Ok(point);
-            }
             ContactElement::Diffuse { weight, .. } => {
                 let (frame, masters) = self.frame(paired, scratch)?;
                 let (support_radius, basis) = (paired.record.support_radius, paired.record.basis);
@@ -571,6 +615,16 @@ impl Evaluator<'_> {
 
     const fn holds_frames(&self) -> bool {
         matches!(self.options.element, ContactElement::Diffuse { frame: FrameDerivative::Frozen, .. })
+    }
+}
+
+/// Entries of N and of the packed M of an element with so many points.
+const fn derivatives(mode: Mode, points: usize) -> (usize, usize) {
+    let freedoms = 3 * (points + 1);
+    match mode {
+        Mode::Value => (0, 0),
+        Mode::Gradient => (freedoms, 0),
+        Mode::Hessian => (freedoms, freedoms * (freedoms + 1) / 2),
     }
 }
 

@@ -19,20 +19,26 @@ const fn packed(i: usize, j: usize) -> usize {
     i * (i + 1) / 2 + j
 }
 
-/// Spreads N and M, which lie at the beginning of their slices, over all listed nodes. Either may be empty. `copy`: memory.
-pub fn spread(
-    gradient: &mut [f64],
-    hessian: &mut [f64],
+/// Spreads N and M of an element without images, which lie at the beginning of their slices, over all listed nodes. Either may be
+/// empty.
+pub fn spread(gradient: &mut [f64], hessian: &mut [f64], sources: &[Source]) {
+    spread_gradient(gradient, sources);
+    spread_hessian(hessian, sources);
+}
+
+/// N and M by the listed nodes, from those by the points of an element. Either may be empty.
+pub fn fold(
+    (by_points, hessian_by_points): (&[f64], &[f64]),
+    (gradient, hessian): (&mut [f64], &mut [f64]),
     sources: &[Source],
     symmetry: &Symmetry,
-    copy: &mut Vec<f64>,
 ) {
-    if sources.iter().all(|source| source.image.is_none()) {
-        spread_gradient(gradient, sources);
-        spread_hessian(hessian, sources);
-    } else {
-        fold_gradient(gradient, sources, symmetry, copy);
-        fold_hessian(hessian, sources, symmetry, copy);
+    let image_of = |source: &Source| source.image.map(|number| symmetry.image(number));
+    if !gradient.is_empty() {
+        fold_gradient(by_points, gradient, sources, image_of);
+    }
+    if !hessian.is_empty() {
+        fold_hessian(hessian_by_points, hessian, sources, image_of);
     }
 }
 
@@ -78,33 +84,31 @@ fn spread_hessian(hessian: &mut [f64], sources: &[Source]) {
     hessian[packed(3, 0)..end].fill(0.0);
 }
 
-fn fold_gradient(gradient: &mut [f64], sources: &[Source], symmetry: &Symmetry, copy: &mut Vec<f64>) {
-    if gradient.is_empty() {
-        return;
-    }
-    copy.clear();
-    copy.extend_from_slice(&gradient[..3 * (sources.len() + 1)]);
+fn fold_gradient<'a>(
+    by_points: &[f64],
+    gradient: &mut [f64],
+    sources: &[Source],
+    image_of: impl Fn(&Source) -> Option<&'a Image>,
+) {
+    gradient[..3].copy_from_slice(&by_points[..3]);
     gradient[3..].fill(0.0);
-    for (source, own) in sources.iter().zip(copy[3..].as_chunks::<3>().0) {
+    for (source, own) in sources.iter().zip(by_points[3..].as_chunks::<3>().0) {
         let place = 3 * (source.listed as usize + 1);
-        for (axis, value) in
-            back(source.image.map(|number| symmetry.image(number)), *own).into_iter().enumerate()
-        {
+        for (axis, value) in back(image_of(source), *own).into_iter().enumerate() {
             gradient[place + axis] += value;
         }
     }
 }
 
-fn fold_hessian(hessian: &mut [f64], sources: &[Source], symmetry: &Symmetry, copy: &mut Vec<f64>) {
-    let image_of = |source: &Source| source.image.map(|number| symmetry.image(number));
-    if hessian.is_empty() {
-        return;
-    }
-    let rows = 3 * (sources.len() + 1);
-    copy.clear();
-    copy.extend_from_slice(&hessian[..packed(rows, 0)]);
+fn fold_hessian<'a>(
+    by_points: &[f64],
+    hessian: &mut [f64],
+    sources: &[Source],
+    image_of: impl Fn(&Source) -> Option<&'a Image>,
+) {
+    hessian[..packed(3, 0)].copy_from_slice(&by_points[..packed(3, 0)]);
     hessian[packed(3, 0)..].fill(0.0);
-    let entry = |i: usize, j: usize| if i >= j { copy[packed(i, j)] } else { copy[packed(j, i)] };
+    let entry = |i: usize, j: usize| if i >= j { by_points[packed(i, j)] } else { by_points[packed(j, i)] };
     for (own, source) in sources.iter().enumerate() {
         let (row, target) = (3 * (own + 1), 3 * (source.listed as usize + 1));
         let block = |column: usize| [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(row + i, column + j)));
@@ -170,7 +174,7 @@ mod tests {
         let sources = listed.map(|listed| Source { listed, image: None });
         let (mut gradient, mut hessian) = derivatives(4, 7);
         let (n, m) = (gradient.clone(), hessian.clone());
-        spread(&mut gradient, &mut hessian, &sources, &Symmetry::default(), &mut Vec::new());
+        spread(&mut gradient, &mut hessian, &sources);
         // Where the rows of the element are found in the list.
         let row = |own: usize| if own < 3 { own } else { 3 * (listed[own / 3 - 1] as usize + 1) + own % 3 };
         let mut expected = vec![0.0; packed(24, 0)];
@@ -190,9 +194,9 @@ mod tests {
         let symmetry = Symmetry::new(&[plane], 9.0, [[0.0; 3], [1.0; 3]]).unwrap();
         let sources = [(0, None), (0, Some(0)), (2, Some(0)), (2, None)]
             .map(|(listed, image)| Source { listed, image });
-        let (mut gradient, mut hessian) = derivatives(4, 3);
-        let (n, m) = (gradient.clone(), hessian.clone());
-        spread(&mut gradient, &mut hessian, &sources, &symmetry, &mut Vec::new());
+        let (n, m) = derivatives(4, 4);
+        let (mut gradient, mut hessian) = (vec![9.0; 12], vec![9.0; packed(12, 0)]);
+        fold((&n, &m), (&mut gradient, &mut hessian), &sources, &symmetry);
         // J of the element's coordinates by the listed ones: N = Jᵀ N', M = Jᵀ M' J.
         let mut jacobian = [[0.0; 12]; 15];
         for axis in 0..3 {

@@ -291,10 +291,13 @@ impl ContactInterface {
         Ok(self.slaves().iter().try_for_each(|&node| check_position(positions, node))?)
     }
 
-    /// Takes over the positions and pairs every slave anew, or keeps its pairing while it is sound
-    /// ([`InterfaceOptions::hysteresis`]).
+    /// Takes over the positions and pairs every slave anew, or keeps what there is while it is sound: with nodal domains the lists of
+    /// nodes while nobody has moved by more than half their skin, else pairings by their [`InterfaceOptions::hysteresis`].
     ///
-    /// A slave is paired with the masters that the neighbour search finds among the nodes on its side of sharp
+    /// With nodal domains every node of the slave's sheet is listed that may come within reach, and a refresh changes no gap; only if
+    /// the master has been stretched by more than a tenth somewhere are the radii renewed, and the gaps' jump reported.
+    ///
+    /// By the other rules a slave is paired with the masters that the neighbour search finds among the nodes on its side of sharp
     /// edges: those reached from the closest facet over facets that meet in no edge sharper than the feature
     /// angle, that do not turn away from it by 89° or more, and that are no farther from the slave than the
     /// node itself. If they do not carry the quadratic basis the search takes more, then the linear basis; else
@@ -303,12 +306,45 @@ impl ContactInterface {
     /// # Errors
     /// As [`update`](Self::update). Pairing and positions of before then stay.
     pub fn refresh_pairing(&mut self, positions: &[Point]) -> Result<RefreshReport, InterfaceError> {
-        // Everything that may fail comes first; nothing of `self` changes before.
         self.check_positions(positions)?;
         if let Some(report) = self.kept_lists(positions) {
             self.positions.copy_from_slice(positions);
             return Ok(report);
         }
+        self.pair(positions, true)
+    }
+
+    /// As [`refresh_pairing`](Self::refresh_pairing), but with nodal domains lists are made anew wherever everybody is: what they are then
+    /// follows from these positions alone. A run that has to go on from a saved state as if it had never stopped calls it at the
+    /// beginning of its increments.
+    ///
+    /// # Errors
+    /// As [`update`](Self::update). Pairing and positions of before then stay.
+    pub fn renew_pairing(&mut self, positions: &[Point]) -> Result<RefreshReport, InterfaceError> {
+        self.check_positions(positions)?;
+        self.pair(positions, true)
+    }
+
+    /// As [`update`](Self::update), but with nodal domains the lists follow: if something has moved by more than half their skin they
+    /// are made anew, which changes no gap. Returns whether they were: a pattern made for the old ones is no longer theirs. To be
+    /// called in every iteration; radii are renewed by [`refresh_pairing`](Self::refresh_pairing) only.
+    ///
+    /// # Errors
+    /// As [`update`](Self::update).
+    pub fn follow(&mut self, positions: &[Point]) -> Result<bool, InterfaceError> {
+        self.check_positions(positions)?;
+        let is_current = self.listed.is_none() || self.kept_lists(positions).is_some();
+        if is_current {
+            self.positions.copy_from_slice(positions);
+            return Ok(false);
+        }
+        self.pair(positions, false)?;
+        Ok(true)
+    }
+
+    /// Pairs every slave at positions that have been checked. `renews`: whether radii follow a surface that has been stretched.
+    fn pair(&mut self, positions: &[Point], renews: bool) -> Result<RefreshReport, InterfaceError> {
+        // Everything that may fail comes first; nothing of `self` changes before.
         let search = match self.options.element {
             ContactElement::Diffuse { search, .. } if self.nodal.is_none() => search,
             _ => SearchOptions::default(),
@@ -328,7 +364,7 @@ impl ContactInterface {
             }
         };
         let stretch = self.nodal.as_ref().map_or(0.0, |nodal| nodal.domains.stretch(&index));
-        let renewed_domains = (stretch > MOST_STRETCH).then_some(stretch);
+        let renewed_domains = (renews && stretch > MOST_STRETCH).then_some(stretch);
         if renewed_domains.is_some() {
             self.nodal.iter_mut().for_each(|nodal| nodal.renew(&index));
         }
@@ -362,8 +398,8 @@ impl ContactInterface {
     /// master and slave together.
     fn kept_lists(&self, positions: &[Point]) -> Option<RefreshReport> {
         let listed = self.listed.as_ref()?;
+        // Frames that are held are those of the last refresh.
         if !self.pairings.frames.is_empty() {
-            // Frames that are held are those of the last refresh.
             return None;
         }
         let square = |node: usize| {

@@ -278,9 +278,10 @@ fn gather(
     let from = Point::from(centre.point);
     walk.start(index, centre.facet, from);
     walk.nodes_within(index, creases, reach, found);
-    let axis = Vector3::axis(centre.normal.smallest_axis());
-    let t1 = (axis - centre.normal * centre.normal.dot(&axis)).normalize();
-    let t2 = centre.normal.cross(&t1);
+    let normal = symmetry.within_planes(from, centre.normal).normalize();
+    let axis = Vector3::axis(normal.smallest_axis());
+    let t1 = (axis - normal * normal.dot(&axis)).normalize();
+    let t2 = normal.cross(&t1);
     nodes.clear();
     let mut push = |place: u32, x: Point| {
         let offset = Vector3::from(x) - centre.point;

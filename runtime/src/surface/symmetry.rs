@@ -173,6 +173,15 @@ impl Symmetry {
         }
     }
 
+    /// The direction without what points out of the planes that hold `point`: that of the surface with its images there.
+    pub fn within_planes(&self, point: Point, direction: Vector3) -> Vector3 {
+        let holding = self.planes.iter().filter(|plane| plane.distance(point).abs() <= self.tolerance);
+        holding.fold(direction, |direction, plane| {
+            let normal = Vector3::from(plane.normal);
+            direction - normal * normal.dot(&direction)
+        })
+    }
+
     /// Whether both ends of an edge lie in one of the planes: the surface does not end there.
     pub fn holds_edge(&self, ends: [Point; 2]) -> bool {
         self.planes.iter().any(|plane| ends.iter().all(|&x| plane.distance(x).abs() <= self.tolerance))

@@ -1,6 +1,7 @@
 //! Errors of gap and normal over one cell.
 
 use diffuse_contact::interface::{ContactElement, ContactInterface, InterfaceOptions, Outcome};
+use diffuse_contact::neighbourhood::NeighbourRule;
 use diffuse_contact::surface::MasterSurface;
 use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
 use serde::Serialize;
@@ -18,7 +19,7 @@ pub const SIZES: [f64; 5] = [22.5, 15.0, 10.0, 7.5, 5.0];
 /// The elements under study with their names.
 pub fn elements() -> Vec<(&'static str, ContactElement)> {
     let smooth = Weight::ALL
-        .map(|weight| (weight.name(), diffuse(weight, FrameDerivative::CoMoving, Default::default())));
+        .map(|weight| (weight.name(), diffuse(weight, FrameDerivative::CoMoving, NeighbourRule::Domains)));
     std::iter::once(("facets", ContactElement::NodeToFacet)).chain(smooth).collect()
 }
 

@@ -89,7 +89,7 @@ pub fn solve(
         std::fs::create_dir_all(&options.out).map_err(OutputError::write(&options.out))?;
     }
     let _claim = Claim::of(&options.out)?;
-    let (mut recorder, state) = if options.restart {
+    let (mut recorder, state) = if options.restart && !Recorder::is_begun(&recorded) {
         let saved = Recorder::last_state(&recorded, &model)?;
         let state = saved.state.clone();
         statics.check_state(&state)?;
@@ -120,6 +120,7 @@ pub fn solve(
     let reason = match (reason, written) {
         (reason, Ok(summary)) if reason.is_empty() || reason == STOPPED => return Ok(summary),
         (reason, Err(error)) if reason.is_empty() || reason == STOPPED => error.to_string(),
+        (reason, Err(error)) if error.to_string() != reason => format!("{reason}; and then {error}"),
         (reason, _) => reason,
     };
     let &State { increments, time, .. } = recorder.state();

@@ -49,6 +49,24 @@ pub enum OutputError {
         /// The directory.
         path: PathBuf,
     },
+    /// The directory holds files of a run, but no state.
+    #[error(
+        "{} holds files of a run, but no state to go on from: replace them with --overwrite, or name another directory",
+        path.display()
+    )]
+    Remains {
+        /// The directory.
+        path: PathBuf,
+    },
+    /// A folder whose files would have to be removed is a link.
+    #[error(
+        "{} is a link, and files that it leads to are not removed: remove the link or the files, or name another directory",
+        path.display()
+    )]
+    Linked {
+        /// The folder.
+        path: PathBuf,
+    },
     /// Another run writes to the directory.
     #[error("{}: another run is writing there; wait for its end, or name another directory", path.display())]
     Busy {
@@ -56,7 +74,7 @@ pub enum OutputError {
         path: PathBuf,
     },
     /// There is nothing to go on from.
-    #[error("{} holds no results to go on from", path.display())]
+    #[error("{} holds no results to go on from: begin without --restart", path.display())]
     NothingToRestart {
         /// The directory.
         path: PathBuf,

@@ -49,6 +49,12 @@ pub(crate) fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, Ou
     })
 }
 
+/// Whether `path` is a file of the results in `directory`, or would be one, the report apart: others must not replace it.
+#[must_use]
+pub fn is_result(directory: &Path, path: &Path) -> bool {
+    directory::Directory::new(directory).owns(path)
+}
+
 /// Names of the files in a directory of results.
 pub mod names {
     /// The deck as it was read.

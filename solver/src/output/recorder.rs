@@ -100,7 +100,7 @@ impl<'a> Recorder<'a> {
     /// Makes the directory, which must not hold results unless `overwrite`, and writes the start.
     ///
     /// # Errors
-    /// [`OutputError::Occupied`], [`OutputError::Write`].
+    /// [`OutputError::Occupied`], [`OutputError::Remains`], [`OutputError::Linked`], [`OutputError::Write`].
     pub fn create(
         options: RecorderOptions,
         model: &'a Model,
@@ -124,6 +124,12 @@ impl<'a> Recorder<'a> {
             interactions.map(|interaction| Beginning::of(interaction, &recorder.options.areas)).collect();
         recorder.watcher.start(&beginnings);
         Ok(recorder)
+    }
+
+    /// Whether a run of this deck began in the directory and ended before its first state: it begins anew.
+    #[must_use]
+    pub fn is_begun(options: &RecorderOptions) -> bool {
+        Directory::new(&options.directory).is_begun(&options.deck)
     }
 
     /// The last state in a directory of results of the same deck and the same model. Nothing is changed.
@@ -161,6 +167,7 @@ impl<'a> Recorder<'a> {
     ) -> Result<Self, OutputError> {
         let Saved { state, pending, carried, .. } = saved;
         let directory = Directory::new(&options.directory);
+        directory.clean()?;
         // What was written after this state is taken back.
         for table in [names::HISTORY, names::ITERATIONS] {
             let kept = history::up_to(&directory.path(table), state.increments)?;

@@ -52,6 +52,23 @@ pub enum Command {
     Bench(BenchArguments),
 }
 
+impl Command {
+    /// Whether the work is shared among as many threads as the machine has.
+    pub fn shares_threads(&self) -> bool {
+        match self {
+            Self::Demo(_) | Self::Study(_) => true,
+            Self::Surface(arguments) => arguments.threads.is_none(),
+            Self::Solve(arguments) => arguments.threads.is_none(),
+            Self::Evaluate(_)
+            | Self::Neighbours(_)
+            | Self::Report(_)
+            | Self::Emit(_)
+            | Self::Check(_)
+            | Self::Bench(_) => false,
+        }
+    }
+}
+
 /// Arguments of `demo`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = status::table())]

@@ -128,7 +128,7 @@ pub enum CliError {
         beside: &'static str,
     },
     /// So many threads cannot be started.
-    #[error("--threads {threads}: {reason}")]
+    #[error("--threads {threads}: {}", plain_text(&reason.to_string()))]
     Threads {
         /// What was asked for.
         threads: usize,
@@ -211,11 +211,13 @@ fn plain(reason: &io::Error) -> String {
         ErrorKind::PermissionDenied => "permission denied".into(),
         ErrorKind::IsADirectory => "it is a directory".into(),
         ErrorKind::NotADirectory => "part of its path is not a directory".into(),
-        _ => {
-            let text = reason.to_string();
-            text.split(" (os error").next().unwrap_or(&text).to_lowercase()
-        }
+        _ => plain_text(&reason.to_string()),
     }
+}
+
+/// The same of a text that holds what the system says.
+pub fn plain_text(text: &str) -> String {
+    text.split(" (os error").next().unwrap_or(text).to_lowercase()
 }
 
 /// Prints `error: …` on standard error; if that is closed there is nobody to tell.

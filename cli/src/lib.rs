@@ -56,6 +56,8 @@ pub mod weight;
 mod words;
 
 use std::process::ExitCode;
+#[cfg(unix)]
+use std::sync::{Arc, atomic::AtomicBool};
 
 use clap::Parser;
 
@@ -82,6 +84,10 @@ pub fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(answer) => return args::answer(&answer),
     };
+    outlive_limits_of_files();
+    if arguments.command.as_ref().is_none_or(Command::shares_threads) {
+        threads::start();
+    }
     let done = |()| ExitCode::SUCCESS;
     let outcome = match arguments.command {
         None => demo::run(&DemoArguments::default()).map(done),
@@ -104,5 +110,15 @@ pub fn main() -> ExitCode {
             error::report(&error);
             ExitCode::from(BAD_INPUT)
         }
+    }
+}
+
+/// A file that grows beyond what the user may write (`ulimit -f`) is an error of writing, as a full disk is, and not the program's end.
+fn outlive_limits_of_files() {
+    #[cfg(unix)]
+    {
+        // That the signal came is known from the error.
+        let came = Arc::new(AtomicBool::new(false));
+        let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, came);
     }
 }

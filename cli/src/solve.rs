@@ -8,11 +8,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use diffuse_contact_solver::contact::Beginning;
-use diffuse_contact_solver::output::{Summary, Watcher, names};
-use diffuse_contact_solver::solve::{SolveError, SolveOptions, solve, write_report};
+use diffuse_contact_solver::output::{Summary, Watcher, is_result, names};
+use diffuse_contact_solver::report::report as page;
+use diffuse_contact_solver::solve::{SolveError, SolveOptions, solve};
 use diffuse_contact_solver::statics::{Control, Failure, IncrementRecord, IterationRecord};
 
 use crate::error::{self, CliError};
+use crate::output;
 use crate::threads::{self, with_threads};
 
 /// Exit code of a run that ended before the end of time.
@@ -78,7 +80,6 @@ pub fn run(arguments: &SolveArguments) -> Result<ExitCode, CliError> {
     let out = arguments.out.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.results")));
     let stop = Arc::new(AtomicBool::new(false));
     stop_on_interrupt(&stop);
-    outlive_limits_of_files();
     let options = SolveOptions {
         out: out.clone(),
         restart: arguments.restart,
@@ -112,9 +113,15 @@ fn is_no_fault_of_the_input(reason: &SolveError) -> bool {
 
 /// Writes the page for directories of results.
 pub fn report(arguments: &ReportArguments) -> Result<(), CliError> {
-    outlive_limits_of_files();
+    for directory in &arguments.directories {
+        if is_result(directory, &arguments.output) {
+            return Err(CliError::OutputIsInput { path: arguments.output.clone() });
+        }
+    }
+    output::check_target(&arguments.output)?;
     let directories: Vec<&Path> = arguments.directories.iter().map(PathBuf::as_path).collect();
-    write_report(&directories, &arguments.output).map_err(|reason| CliError::Solve(Box::new(reason.into())))
+    let page = page(&directories).map_err(|reason| CliError::Solve(Box::new(reason.into())))?;
+    output::write_file(&arguments.output, |writer| writer.write_all(page.as_bytes()))
 }
 
 /// The first interrupt asks the run to end, the second ends the program.
@@ -128,16 +135,6 @@ fn stop_on_interrupt(stop: &Arc<AtomicBool>) {
     };
     // Without a handler an interrupt ends the program at once, and what is on disk is whole all the same.
     let _ = ctrlc::set_handler(handler);
-}
-
-/// A file that grows beyond what the user may write (`ulimit -f`) is an error of writing, as a full disk is, and not the program's end.
-fn outlive_limits_of_files() {
-    #[cfg(unix)]
-    {
-        // That the signal came is known from the error.
-        let came = Arc::new(AtomicBool::new(false));
-        let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, came);
-    }
 }
 
 /// Lines on standard error, which may be closed.

@@ -183,3 +183,77 @@ fn a_disk_that_fills_up_on_the_way_keeps_the_increments_before() {
     let states = [&whole, &out].map(|directory| fs::read(Path::new(directory).join("state.json")).unwrap());
     assert!(states[0] == states[1]);
 }
+
+/// Every job that writes outlives the limit, and leaves nothing half written.
+#[test]
+fn a_limit_on_files_is_an_error_of_any_job_that_writes() {
+    let scratch = Scratch::new("limited-jobs");
+    let masters: Vec<[f64; 3]> = (0..81).map(|k| [f64::from(k % 9), f64::from(k / 9), 0.0]).collect();
+    let search = serde_json::json!({"slave": [3.3, 3.4, 0.5], "masters": masters, "outward": [0, 0, 1]});
+    let input = scratch.file("in.json", &serde_json::json!({"elements": [search]}).to_string());
+    let searches = scratch.file("searches.json", &serde_json::json!(vec![search; 99]).to_string());
+    let (json, vtu) = (scratch.path("out.json"), scratch.path("out.vtu"));
+    let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/../meshes/plate_on_cylinder.msh");
+    for arguments in [
+        format!("evaluate '{input}' -o '{json}'"),
+        format!("neighbours '{searches}' -o '{json}'"),
+        format!("surface '{mesh}' --slave slave --master master -o '{vtu}'"),
+        format!("demo -o '{vtu}'"),
+        format!("emit --nodes 6 --output gap --mode hessian -o '{json}'"),
+    ] {
+        let full = run_limited(8, &arguments);
+        assert_eq!(full.code, 2, "{arguments}: {full:?}");
+        assert!(full.stderr.contains("cannot be written: "), "{arguments}: {full:?}");
+        assert_eq!(scratch.names(), ["in.json", "searches.json"], "{arguments}");
+    }
+}
+
+/// A pipe would wait for somebody to write into it.
+#[test]
+fn a_restart_in_what_is_no_directory_is_refused_at_once() {
+    let scratch = Scratch::new("restart-pipe");
+    let (deck, pipe) = (scratch.file("block.toml", &block_in(2)), scratch.path("pipe"));
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let mut child = Command::new(PROGRAM)
+        .args(["solve", &deck, "--out", &pipe, "--restart"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let begin = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if begin.elapsed() > Duration::from_secs(60) {
+            child.kill().unwrap();
+            panic!("it waits");
+        }
+        sleep(Duration::from_millis(5));
+    }
+    let refused: Run = child.wait_with_output().unwrap().into();
+    refused.assert_refused(&[&pipe, "no results to go on from"]);
+}
+
+/// Where no thread can be started the calling one does the work.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_threads_one_does_the_work() {
+    let scratch = Scratch::new("threadless");
+    let deck = scratch.file("block.toml", &block_in(2));
+    let (whole, out) = (scratch.path("whole"), scratch.path("out"));
+    assert_eq!(run(&["solve", &deck, "--out", &whole, "--threads", "1"]).code, 0);
+    // Stacks that no address space has room for do what a limit on processes does to users other than root.
+    let limited = |arguments: &[&str]| -> Run {
+        let mut command = Command::new(PROGRAM);
+        command.args(arguments).env("RUST_MIN_STACK", (1_usize << 60).to_string()).output().unwrap().into()
+    };
+    let solved = limited(&["solve", &deck, "--out", &out]);
+    assert_eq!(solved.code, 0, "{solved:?}");
+    assert!(solved.stderr.contains("note: no threads can be started"), "{solved:?}");
+    assert_same_results(Path::new(&whole), Path::new(&out));
+    let solved = limited(&["solve", &deck, "--out", &out, "--overwrite", "--threads", "1"]);
+    assert_eq!(solved.code, 0, "{solved:?}");
+    let refused = limited(&["solve", &deck, "--out", &out, "--overwrite", "--threads", "2"]);
+    refused.assert_refused(&["--threads 2"]);
+    assert!(!refused.stderr.contains("os error"), "{refused:?}");
+    let shown = limited(&["demo", "-o", &scratch.path("demo.vtu")]);
+    assert_eq!(shown.code, 0, "{shown:?}");
+}

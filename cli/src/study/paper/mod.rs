@@ -35,7 +35,7 @@ struct Chapter {
 /// Runs decks, and writes them if that is asked for.
 struct Decks {
     directory: Option<PathBuf>,
-    bar: indicatif::ProgressBar,
+    bar: crate::progress::Progress,
 }
 
 impl Decks {

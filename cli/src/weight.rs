@@ -1,5 +1,7 @@
 //! The weight asked for on the command line or in a file.
 
+use std::io::Write;
+
 use diffuse_contact_codegen::{self as codegen, WeightError};
 
 use crate::error::CliError;
@@ -79,7 +81,11 @@ impl Weight {
 
 /// The weight of `--weight` and `--interpolating`; the cubic weight of the paper if there is none.
 pub fn weight(text: Option<&str>, interpolating: bool) -> Result<Weight, CliError> {
-    Ok(text.map_or_else(|| Ok(Weight::default()), |text| Weight::new(text, interpolating))?)
+    let weight = text.map_or_else(|| Ok(Weight::default()), |text| Weight::new(text, interpolating))?;
+    if let Some(note) = weight.for_generator().note() {
+        let _ = writeln!(std::io::stderr(), "note: {note}");
+    }
+    Ok(weight)
 }
 
 #[cfg(test)]

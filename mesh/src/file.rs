@@ -25,6 +25,23 @@ pub fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<&File>) -> io::Res
     std::fs::rename(&temporary.0, path)
 }
 
+/// What the system says, in words and without its numbers.
+#[must_use]
+pub fn reason(error: &io::Error) -> String {
+    use io::ErrorKind::{IsADirectory, NotADirectory, NotFound, PermissionDenied, StorageFull};
+    match error.kind() {
+        NotFound => "there is no such file".into(),
+        PermissionDenied => "permission denied".into(),
+        IsADirectory => "it is a directory".into(),
+        NotADirectory => "part of its path is not a directory".into(),
+        StorageFull => "the disk is full".into(),
+        _ => {
+            let text = error.to_string();
+            text.split(" (os error").next().unwrap_or(&text).to_lowercase()
+        }
+    }
+}
+
 /// A file that is removed when this goes out of scope, unless it has been renamed.
 struct Temporary(PathBuf);
 

@@ -224,7 +224,21 @@ fn check_facet(positions: &[Point], index: usize, facet: &Facet) -> Result<(), S
         }
         check_position(positions, node)?;
     }
-    let shape = shape_of(facet, positions);
+    let outline = check_outline(index, corners, &shape_of(facet, positions));
+    if let (Err(_), &Facet::Quadrilateral([a, b, c, d])) = (&outline, facet) {
+        // Of four corners in convex position there are two orders besides, in either of which the outline crosses itself.
+        let is_sound = |order: &[usize; 4]| {
+            check_outline(index, order, &shape_of(&Facet::Quadrilateral(*order), positions)).is_ok()
+        };
+        if let Some(order) = [[a, b, d, c], [a, c, b, d]].into_iter().find(is_sound) {
+            return Err(SurfaceError::NotCyclic { facet: index, order });
+        }
+    }
+    outline
+}
+
+/// Whether a facet with these corners has an area and is convex.
+fn check_outline(index: usize, corners: &[usize], shape: &Shape) -> Result<(), SurfaceError> {
     let extent = shape.extent();
     // Below the smallest extent the factor may be infinite.
     let unit = shape.scaled(1.0 / extent.max(SMALLEST));
@@ -406,7 +420,7 @@ mod tests {
         assert!(
             matches!(
                 refused(&positions, vec![Facet::Quadrilateral([0, 1, 3, 4])]),
-                SurfaceError::NoArea { facet: 0, .. }
+                SurfaceError::NotCyclic { facet: 0, .. }
             ),
             "an outline that crosses itself"
         );

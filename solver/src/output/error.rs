@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use diffuse_contact_mesh::file::reason;
 use thiserror::Error;
 
 /// Why results could not be written or read.
@@ -10,7 +11,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum OutputError {
     /// A file could not be written.
-    #[error("{}: cannot be written: {}", path.display(), plain(source))]
+    #[error("{}: cannot be written: {}", path.display(), reason(source))]
     Write {
         /// The file.
         path: PathBuf,
@@ -18,7 +19,7 @@ pub enum OutputError {
         source: io::Error,
     },
     /// A file could not be read.
-    #[error("{}: cannot be read: {}", path.display(), plain(source))]
+    #[error("{}: cannot be read: {}", path.display(), reason(source))]
     Read {
         /// The file.
         path: PathBuf,
@@ -114,17 +115,5 @@ impl OutputError {
     pub(crate) fn read(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_path_buf();
         move |source| Self::Read { path, source }
-    }
-}
-
-/// What the system says, without error numbers.
-fn plain(error: &io::Error) -> String {
-    match error.kind() {
-        io::ErrorKind::NotFound => "there is no such file".to_owned(),
-        io::ErrorKind::StorageFull => "the disk is full".to_owned(),
-        _ => {
-            let text = error.to_string();
-            text.split(" (os error").next().unwrap_or(&text).to_lowercase()
-        }
     }
 }

@@ -25,6 +25,7 @@ mod fields;
 mod history;
 mod picture;
 mod recorder;
+mod seal;
 mod skin;
 mod summary;
 #[cfg(test)]
@@ -40,8 +41,12 @@ pub use summary::Summary;
 
 /// Reads a document of a directory of results.
 pub(crate) fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, OutputError> {
-    let text = fs::read_to_string(path).map_err(OutputError::read(path))?;
-    serde_json::from_str(&text).map_err(|error| OutputError::Content {
+    parse_json(path, &fs::read_to_string(path).map_err(OutputError::read(path))?)
+}
+
+/// Reads the text of one.
+fn parse_json<T: for<'a> Deserialize<'a>>(path: &Path, text: &str) -> Result<T, OutputError> {
+    serde_json::from_str(text).map_err(|error| OutputError::Content {
         path: path.to_path_buf(),
         line: error.line(),
         // Its own mention of line and column would be the second.

@@ -11,6 +11,8 @@ use diffuse_contact_benches::MeasureError;
 use diffuse_contact_codegen::model::WeightError;
 use diffuse_contact_codegen::{Basis, Mode, Output};
 use diffuse_contact_mesh::MeshError;
+use diffuse_contact_mesh::file::reason as reason_of;
+use diffuse_contact_mesh::names::{escaped, shown};
 use diffuse_contact_solver::deck::DeckError;
 use diffuse_contact_solver::solve::SolveError;
 
@@ -27,7 +29,7 @@ pub enum CliError {
         path: PathBuf,
     },
     /// An input file cannot be read.
-    #[error("{}: cannot be read: {}", path.display(), plain(reason))]
+    #[error("{}: cannot be read: {}", path.display(), reason_of(reason))]
     Read {
         /// The file.
         path: PathBuf,
@@ -67,7 +69,7 @@ pub enum CliError {
         beside: &'static str,
     },
     /// An output file cannot be written.
-    #[error("{}: cannot be written: {}", path.display(), plain(reason))]
+    #[error("{}: cannot be written: {}", path.display(), reason_of(reason))]
     Write {
         /// The file.
         path: PathBuf,
@@ -86,7 +88,7 @@ pub enum CliError {
     #[error(transparent)]
     Solve(Box<SolveError>),
     /// Standard output cannot be written.
-    #[error("standard output cannot be written: {}", plain(.0))]
+    #[error("standard output cannot be written: {}", reason_of(.0))]
     Stdout(io::Error),
     /// The mesh file cannot be read or is not a mesh this program knows.
     #[error(transparent)]
@@ -134,6 +136,14 @@ pub enum CliError {
         threads: usize,
         /// What the system says.
         reason: rayon::ThreadPoolBuildError,
+    },
+    /// The environment asks for vector instructions that there are not.
+    #[error("DIFFUSE_CONTACT_ISA: this machine has no instructions {:?}; it has {}", shown(name), available.join(", "))]
+    NoInstructions {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        available: Vec<&'static str>,
     },
     /// A deck that a study solves is not there.
     #[error(
@@ -204,23 +214,18 @@ impl CliError {
     }
 }
 
-/// What the system says, without error numbers.
-fn plain(reason: &io::Error) -> String {
-    match reason.kind() {
-        ErrorKind::NotFound => "there is no such file".into(),
-        ErrorKind::PermissionDenied => "permission denied".into(),
-        ErrorKind::IsADirectory => "it is a directory".into(),
-        ErrorKind::NotADirectory => "part of its path is not a directory".into(),
-        _ => plain_text(&reason.to_string()),
-    }
-}
-
-/// The same of a text that holds what the system says.
+/// A text that holds what the system says, without error numbers.
 pub fn plain_text(text: &str) -> String {
     text.split(" (os error").next().unwrap_or(text).to_lowercase()
 }
 
 /// Prints `error: …` on standard error; if that is closed there is nobody to tell.
 pub fn report(error: &dyn Display) {
-    let _ = writeln!(io::stderr(), "error: {error}");
+    say(&format!("error: {error}"));
+}
+
+/// Prints lines on standard error, where a name from a file must not speak to the terminal.
+pub fn say(lines: &str) {
+    let lines: Vec<String> = lines.split('\n').map(escaped).collect();
+    let _ = writeln!(io::stderr(), "{}", lines.join("\n"));
 }

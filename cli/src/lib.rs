@@ -60,6 +60,7 @@ use std::process::ExitCode;
 use std::sync::{Arc, atomic::AtomicBool};
 
 use clap::Parser;
+use diffuse_contact_kernels::support::Isa;
 
 use args::{Arguments, Command, DemoArguments};
 use error::CliError;
@@ -85,6 +86,10 @@ pub fn main() -> ExitCode {
         Err(answer) => return args::answer(&answer),
     };
     outlive_limits_of_files();
+    if let Err(error) = check_instructions() {
+        error::report(&error);
+        return ExitCode::from(BAD_INPUT);
+    }
     if arguments.command.as_ref().is_none_or(Command::shares_threads) {
         threads::start();
     }
@@ -110,6 +115,18 @@ pub fn main() -> ExitCode {
             error::report(&error);
             ExitCode::from(BAD_INPUT)
         }
+    }
+}
+
+/// The library passes over names that it does not know; whoever starts a program wants to be told.
+fn check_instructions() -> Result<(), CliError> {
+    let Some(name) = std::env::var_os("DIFFUSE_CONTACT_ISA").filter(|name| !name.is_empty()) else {
+        return Ok(());
+    };
+    let name = name.to_string_lossy().into_owned();
+    match Isa::named(&name) {
+        Some(_) => Ok(()),
+        None => Err(CliError::NoInstructions { name, available: Isa::available().map(Isa::name).collect() }),
     }
 }
 

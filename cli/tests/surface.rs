@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Run, Scratch, run, run_in};
+use common::{Run, Scratch, run, run_in, run_with_input};
 use serde_json::Value;
 
 /// A shipped mesh.
@@ -178,4 +178,18 @@ fn bad_input_is_one_sentence_and_no_file() {
     run_in(&scratch, &["surface", &mesh]).assert_refused(&["--output"]);
     run_in(&scratch, &["surface", &mesh, "-o", &mesh]).assert_refused(&["input file"]);
     assert_eq!(scratch.names(), before);
+}
+
+#[test]
+fn a_mesh_comes_from_standard_input_too() {
+    let scratch = Scratch::new("surface-stdin");
+    let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/../meshes/plate_on_cylinder.msh");
+    let (named, piped) = (scratch.path("named.vtu"), scratch.path("piped.vtu"));
+    assert_eq!(run(&["surface", mesh, "-o", &named]).code, 0);
+    let text = std::fs::read_to_string(mesh).unwrap();
+    let found = run_with_input(&["surface", "-", "-o", &piped], &text);
+    assert!(found.code == 0 && found.stdout.contains("standard input"), "{found:?}");
+    assert_eq!(std::fs::read(named).unwrap(), std::fs::read(piped).unwrap());
+    run_with_input(&["surface", "-", "-o", &scratch.path("no.vtu")], "neither")
+        .assert_refused(&["standard input"]);
 }

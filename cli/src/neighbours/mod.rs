@@ -39,7 +39,7 @@ pub fn run(arguments: &NeighboursArguments) -> Result<(), CliError> {
 
 /// Reads the document; masters that no basis can fit and fields without meaning are bad input.
 fn parse(file: &str, text: &[u8]) -> Result<Document, CliError> {
-    let document: Document = json::parse(file, text)?;
+    let document = schema::parse(file, text)?;
     for (index, Object(input)) in document.searches.iter().enumerate() {
         let place = |field: &str| document.layout.place(index) + field;
         let found = input.masters().len();

@@ -16,11 +16,10 @@ use std::fmt;
 use diffuse_contact::{Basis, Point};
 use serde::Serialize;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{
-    Deserialize, DeserializeSeed, Deserializer, Error, IgnoredAny, IntoDeserializer, MapAccess, SeqAccess, Visitor,
-};
+use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
-use crate::json::{BasisName, Coordinates, Object};
+use crate::error::CliError;
+use crate::json::{self, BasisName, Coordinates, Object};
 
 /// The whole file.
 #[derive(Debug)]
@@ -52,9 +51,6 @@ impl Layout {
         }
     }
 }
-
-/// The field of a file for `evaluate`.
-const ELEMENTS: &str = "elements";
 
 /// One search.
 #[derive(Debug, serde::Deserialize)]
@@ -153,17 +149,9 @@ impl<'de> Visitor<'de> for DocumentVisitor {
         f.write_str("an object with slave, masters and outward, a list of such objects, or {\"elements\": [...]} as for evaluate")
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Document, A::Error> {
-        let first: Option<String> = map.next_key()?;
-        if first.as_deref() != Some(ELEMENTS) {
-            let search = SearchInput::deserialize(MapAccessDeserializer::new(Replayed { first, map }))?;
-            return Ok(Document { searches: vec![Object(search)], layout: Layout::One });
-        }
-        let searches = map.next_value()?;
-        match map.next_key::<String>()? {
-            None => Ok(Document { searches, layout: Layout::Elements }),
-            Some(other) => Err(A::Error::unknown_field(&other, &[ELEMENTS])),
-        }
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Document, A::Error> {
+        let search = SearchInput::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Document { searches: vec![Object(search)], layout: Layout::One })
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Document, A::Error> {
@@ -172,23 +160,19 @@ impl<'de> Visitor<'de> for DocumentVisitor {
     }
 }
 
-/// A map whose first key has been looked at.
-struct Replayed<A> {
-    first: Option<String>,
-    map: A,
+/// What `evaluate` reads.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Elements {
+    elements: Vec<Object<SearchInput>>,
 }
 
-impl<'de, A: MapAccess<'de>> MapAccess<'de> for Replayed<A> {
-    type Error = A::Error;
-
-    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, A::Error> {
-        match self.first.take() {
-            Some(key) => seed.deserialize(key.into_deserializer()).map(Some),
-            None => self.map.next_key_seed(seed),
-        }
+/// Reads a document, or says in one sentence where it departs from the schema.
+pub fn parse(file: &str, text: &[u8]) -> Result<Document, CliError> {
+    let first_key = text.trim_ascii_start().strip_prefix(b"{").map(<[u8]>::trim_ascii_start);
+    if first_key.is_some_and(|key| key.starts_with(b"\"elements\"")) {
+        let Object(Elements { elements }) = json::parse(file, text)?;
+        return Ok(Document { searches: elements, layout: Layout::Elements });
     }
-
-    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, A::Error> {
-        self.map.next_value_seed(seed)
-    }
+    json::parse(file, text)
 }

@@ -9,7 +9,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use common::decks::{assert_same_results, block_in, files, small_block_in, summary, timeless};
+use common::decks::{assert_same_results, block_in, failing, files, small_block_in, summary, timeless};
 use common::{Run, Scratch, run};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_diffuse-contact");
@@ -256,4 +256,23 @@ fn without_threads_one_does_the_work() {
     assert!(!refused.stderr.contains("os error"), "{refused:?}");
     let shown = limited(&["demo", "-o", &scratch.path("demo.vtu")]);
     assert_eq!(shown.code, 0, "{shown:?}");
+}
+
+/// A run that fails and then finds no room for its report says both.
+#[test]
+fn the_second_reason_is_said_too() {
+    let scratch = Scratch::new("solve-twice");
+    let deck = scratch.file("fails.toml", &failing("[[0.0, 0.0], [0.5, 0.0], [1.0, 1.0]]"));
+    let (whole, out) = (scratch.path("whole"), scratch.path("out"));
+    assert_eq!(run(&["solve", &deck, "--out", &whole]).code, 1);
+    let others = files(Path::new(&whole)).into_iter().filter(|name| name != Path::new("report.html"));
+    let largest = others.map(|name| fs::metadata(Path::new(&whole).join(name)).unwrap().len()).max().unwrap();
+    let failed = run_limited(largest as usize / 512 + 3, &format!("solve '{deck}' --out '{out}'"));
+    assert_eq!(failed.code, 1, "{failed:?}");
+    let sentence = failed.stderr.lines().last().unwrap();
+    assert!(sentence.contains("no convergence after time 0.5"), "{sentence}");
+    assert!(
+        sentence.contains("; and then ") && sentence.contains("report.html: cannot be written"),
+        "{sentence}"
+    );
 }

@@ -28,11 +28,18 @@ pub struct Log {
     last: Mutex<Instant>,
 }
 
-/// A bar on a terminal, a line from time to time in a log.
+/// A bar on a terminal, a line from time to time in a log: for what takes minutes.
+pub fn logged(what: &'static str, length: usize) -> Progress {
+    if stderr().is_terminal() {
+        return progress(what, length);
+    }
+    Progress::Log(Log { what, length, done: AtomicUsize::new(0), last: Mutex::new(Instant::now()) })
+}
+
+/// A bar on a terminal, nothing in a log.
 pub fn progress(what: &'static str, length: usize) -> Progress {
     if !stderr().is_terminal() {
-        let last = Mutex::new(Instant::now());
-        return Progress::Log(Log { what, length, done: AtomicUsize::new(0), last });
+        return Progress::Bar(ProgressBar::hidden());
     }
     let style = ProgressStyle::with_template("{msg:>24} {wide_bar} {pos}/{len}");
     let bar = ProgressBar::new(length as u64)

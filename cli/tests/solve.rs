@@ -444,21 +444,22 @@ fn damaged_tables_and_skins_are_found_before_a_restart() {
     let deck = scratch.file("failing.toml", &failing("[[0.0, 0.0], [0.5, 0.0], [1.0, 1.0]]"));
     assert_eq!(run(&["solve", &deck, "--out", &out]).code, 1);
     let restart = || run(&["solve", &deck, "--out", &out, "--restart"]);
-    let last_number = |text: &str, by: &str| {
+    fn last_number(text: &str, by: &str) -> String {
         let end = text.trim_end().rfind(',').unwrap() + 1;
         format!("{}{by}\n", &text[..end])
-    };
-    let damages: [(&str, &dyn Fn(&str) -> String, &str); 8] = [
-        ("history.csv", &|text| last_number(text, "nan"), "`nan` is no finite number"),
-        ("history.csv", &|text| last_number(text, "inf"), "`inf` is no finite number"),
-        ("history.csv", &|text| last_number(text, "1.0,2.0"), "columns"),
-        ("history.csv", &|text| text.replacen("\n2,", "\nx,", 1), "increments of state.json"),
-        ("iterations.csv", &|text| last_number(text, "?"), "`?` is no finite number"),
-        ("iterations.csv", &|text| text.replacen("\n4,", "\n3,", 9), "increments of state.json"),
-        ("skins/00002.json", &|text| text.replacen("[[", "[[[", 1), "line 1"),
+    }
+    type Damage = fn(&str) -> String;
+    let damages: [(&str, Damage, &str); 8] = [
+        ("history.csv", |text| last_number(text, "nan"), "`nan` is no finite number"),
+        ("history.csv", |text| last_number(text, "inf"), "`inf` is no finite number"),
+        ("history.csv", |text| last_number(text, "1.0,2.0"), "columns"),
+        ("history.csv", |text| text.replacen("\n2,", "\nx,", 1), "increments of state.json"),
+        ("iterations.csv", |text| last_number(text, "?"), "`?` is no finite number"),
+        ("iterations.csv", |text| text.replacen("\n4,", "\n3,", 9), "increments of state.json"),
+        ("skins/00002.json", |text| text.replacen("[[", "[[[", 1), "line 1"),
         (
             "skins/skin.json",
-            &|text| text.replacen("\"faces\":[[0", "\"faces\":[[1", 1),
+            |text| text.replacen("\"faces\":[[0", "\"faces\":[[1", 1),
             "skin of the deck's model",
         ),
     ];

@@ -22,6 +22,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         .weight("wendland", "(1 - r)^4 * (1 + 4*r)")?
         .weight("matern", "exp(-r) * (1 + r) * (1 - r^2)^2 / sqrt(1 + 3*r^2)")?
         .weight("spline", "if r < 0.5 { 2/3 - 4*r^2 + 4*r^3 } else { 4/3*(1 - r)^3 }")?
+        // A third of the code to compile; weights with kernels of their own are those above.
+        .share_kernels()
         .compile()?;
     Ok(())
 }

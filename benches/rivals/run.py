@@ -49,12 +49,12 @@ def build(native):
         target = target / "native"
         environment["CARGO_TARGET_DIR"] = str(target)
     profile = ["cargo", "build", "--profile", "bench"]
-    subprocess.run([*profile, "-p", "diffuse-contact-cli"], cwd=ROOT, env=environment, check=True)
+    subprocess.run([*profile, "-p", "diffuse-contact-laboratory"], cwd=ROOT, env=environment, check=True)
     examples = ["-p", "diffuse-contact-benches", "--example", "surface_elements"]
     if not native:
         subprocess.run([*profile, *examples], cwd=ROOT, env=environment, check=True)
     release = target / "release"
-    return release / "diffuse-contact", release / "examples" / "surface_elements"
+    return release / "diffuse-contact-laboratory", release / "examples" / "surface_elements"
 
 
 def bench(program, nodes, kernels=()):

@@ -106,7 +106,7 @@ impl Elements {
     #[must_use]
     pub fn frozen(&self, index: usize) -> Element<'_> {
         let element = self.co_moving(index);
-        Element { frame: element.frame.frozen(), ..element }
+        element.with_frame(element.frame.frozen())
     }
 
     /// Element `index` with its frame, the average plane, moving with the masters.
@@ -115,14 +115,12 @@ impl Elements {
     /// If there is no such element.
     #[must_use]
     pub fn co_moving(&self, index: usize) -> Element<'_> {
-        Element {
-            slave: self.slaves[index],
-            masters: &self.masters[index * self.nodes..][..self.nodes],
-            frame: self.frames[index],
-            support_radius: self.radii[index],
-            basis: Basis::Quadratic,
-            weight: Weight::Cubic,
-        }
+        Element::new(
+            self.slaves[index],
+            &self.masters[index * self.nodes..][..self.nodes],
+            self.frames[index],
+            self.radii[index],
+        )
     }
 
     /// Draws a patch and keeps it if it has a gap with either frame.
@@ -149,10 +147,11 @@ impl Elements {
         };
         let support_radius = RADIUS_FACTOR * masters.iter().map(square).fold(0.0, f64::max).sqrt();
         let (basis, weight) = (Basis::Quadratic, Weight::Cubic);
-        let element = Element { slave, masters: &masters, frame, support_radius, basis, weight };
+        let element =
+            Element::new(slave, &masters, frame, support_radius).with_basis(basis).with_weight(weight);
         // By the backend that uses no vectors, so that the elements are the same on every machine.
         Ad.gap(&element, Mode::Value)?;
-        Ad.gap(&Element { frame: frame.frozen(), ..element }, Mode::Value)?;
+        Ad.gap(&element.with_frame(frame.frozen()), Mode::Value)?;
         self.slaves.push(slave);
         self.masters.extend_from_slice(&masters);
         self.frames.push(frame);

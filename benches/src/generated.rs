@@ -220,6 +220,8 @@ pub(crate) fn inputs<'a>(element: &Element<'a>, point: [f64; 2]) -> ElementInput
     ElementInputs {
         slave: element.slave,
         masters: Masters::Positions(element.masters),
+        domains: element.domains,
+        plane_reach: element.frame.reach,
         t1: element.frame.t1,
         t2: element.frame.t2,
         normal: element.frame.normal,

@@ -3,7 +3,7 @@
 //! Every way to evaluate the element is a [`Contender`]: the kernels, the element written by hand, automatic
 //! differentiation. [`measure()`] compares their results, runs them in interleaved rounds and takes medians; a
 //! [`Report`] holds what was found. `diffuse-contact bench` prints it. Figures count with link-time optimisation only:
-//! `cargo run --profile bench -- bench`.
+//! `cargo run --profile bench -p diffuse-contact-laboratory -- bench`.
 //!
 //! | file | what it holds |
 //! | --- | --- |

@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use diffuse_contact_kernels::support::Isa;
-use runtime::{Basis, Element, ElementError, Frame, Generated, Mode, Point, Weight};
+use runtime::{Element, ElementError, Frame, Generated, Mode, Point};
 
 const RUNS: usize = 200;
 const CALLS: usize = 200;
@@ -31,14 +31,12 @@ fn main() -> Result<(), ElementError> {
                 for _ in 0..CALLS {
                     let slave = black_box([0.1, 0.2, 0.25]);
                     let (t1, t2, normal) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
-                    let element = Element {
+                    let element = Element::new(
                         slave,
-                        masters: &masters[..count],
-                        frame: Frame::given(slave, t1, t2, normal, None)?,
-                        support_radius: black_box(4.0),
-                        basis: Basis::Quadratic,
-                        weight: Weight::Cubic,
-                    };
+                        &masters[..count],
+                        Frame::given(slave, t1, t2, normal, None)?,
+                        black_box(4.0),
+                    );
                     black_box(Generated.gap_into(&element, mode, &mut gradient, &mut hessian)?);
                 }
                 best = best.min(start.elapsed().as_nanos() as f64 / CALLS as f64);

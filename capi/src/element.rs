@@ -131,7 +131,7 @@ impl dc_element {
             }
             Some(derivative) => Frame { derivative, ..self.average_plane(masters)? },
         };
-        Ok(Element { slave, masters, frame, support_radius: self.support_radius, basis, weight })
+        Ok(Element::new(slave, masters, frame, self.support_radius).with_basis(basis).with_weight(weight))
     }
 
     fn average_plane(&self, masters: &[Point]) -> Result<Frame, ElementError> {

@@ -2,16 +2,70 @@
 
 use std::path::Path;
 
+use clap::Args;
 use diffuse_contact_mesh::{Facet, Mesh, MeshError};
 
-use crate::args::SetArguments;
 use crate::error::CliError;
-use crate::json;
+use crate::input;
 
 /// The mesh that comes with the program.
 const SHIPPED: &[u8] = include_bytes!("../../meshes/plate_on_cylinder.msh");
 /// Its name in messages and in the report.
 const SHIPPED_NAME: &str = "plate_on_cylinder.msh (comes with the program)";
+
+/// The two sets of a mesh that touch each other.
+#[derive(Args, Clone, Debug)]
+pub struct SetArguments {
+    /// Facet set that carries the smooth surface
+    #[arg(long, value_name = "SET", default_value = SetArguments::MASTER)]
+    pub master: String,
+    /// Set whose nodes touch it
+    #[arg(long, value_name = "SET", default_value = SetArguments::SLAVE)]
+    pub slave: String,
+}
+
+impl SetArguments {
+    const MASTER: &str = "master";
+    const SLAVE: &str = "slave";
+}
+
+impl Default for SetArguments {
+    fn default() -> Self {
+        Self { master: Self::MASTER.into(), slave: Self::SLAVE.into() }
+    }
+}
+
+/// Why a mesh has no two surfaces that can touch.
+#[derive(Debug, thiserror::Error)]
+pub enum ContactMeshError {
+    /// The mesh file cannot be read or is not a mesh this program knows.
+    #[error(transparent)]
+    Mesh(Box<MeshError>),
+    /// The mesh lacks a set that was asked for.
+    #[error("{mesh}: {reason}")]
+    Set {
+        /// The file, or the name of the shipped mesh.
+        mesh: String,
+        /// What the mesh says.
+        reason: Box<MeshError>,
+    },
+    /// A set of the mesh cannot serve in a contact interface.
+    #[error("{mesh}: set \"{set}\": {reason}")]
+    Interface {
+        /// The file, or the name of the shipped mesh.
+        mesh: String,
+        /// The set.
+        set: String,
+        /// Why not, with facets and nodes named as in the file.
+        reason: String,
+    },
+}
+
+impl From<ContactMeshError> for CliError {
+    fn from(error: ContactMeshError) -> Self {
+        Self::job(error)
+    }
+}
 
 /// A mesh with master facets and slave nodes, all in the mesh's numbering of the nodes.
 pub struct ContactMesh {
@@ -30,15 +84,15 @@ impl ContactMesh {
     pub fn read(path: Option<&Path>, sets: &SetArguments) -> Result<Self, CliError> {
         let (name, mesh) = match path {
             Some(path) => {
-                let (name, bytes) = json::read(path)?;
+                let (name, bytes) = input::read(path)?;
                 let mesh = Mesh::from_bytes(&bytes, &name);
                 (name, mesh)
             }
             None => (SHIPPED_NAME.to_owned(), Mesh::from_gmsh(SHIPPED, "plate_on_cylinder.msh")),
         };
         // The reader's own messages begin with the file, those about sets do not.
-        let mesh = mesh.map_err(|reason| CliError::Mesh(reason.into()))?;
-        let no_set = |reason: MeshError| CliError::Set { mesh: name.clone(), reason: reason.into() };
+        let mesh = mesh.map_err(|reason| ContactMeshError::Mesh(reason.into()))?;
+        let no_set = |reason: MeshError| ContactMeshError::Set { mesh: name.clone(), reason: reason.into() };
         let facets = mesh.facets(&sets.master).map_err(no_set)?;
         let slaves = mesh.nodes_of(&sets.slave).map_err(no_set)?;
         Ok(Self { name, mesh, facets, slaves })

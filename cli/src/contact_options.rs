@@ -4,10 +4,11 @@ use clap::{Args, ValueEnum};
 use diffuse_contact::interface::{ContactElement, InterfaceOptions};
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
 use diffuse_contact::pairing::DEFAULT_NEIGHBOURS;
+use diffuse_contact::surface::SymmetryPlane;
 use diffuse_contact::{FrameDerivative, Weight};
 use serde::Serialize;
 
-use crate::args::named;
+use crate::arguments::named;
 use crate::error::CliError;
 
 /// What can be said about the element.
@@ -22,12 +23,26 @@ pub struct ElementArguments {
     /// What the local frame of the smooth surface does while differentiating [default: co-moving]
     #[arg(long, value_parser = named([FrameDerivative::CoMoving, FrameDerivative::Frozen], frame_name))]
     pub frame_derivative: Option<FrameDerivative>,
-    /// Which master nodes carry the smooth surface around a slave [default: hull-layers]
+    /// Which master nodes carry the smooth surface around a slave [default: domains]
     #[arg(long, value_parser = named(RULES, rule_name))]
     pub rule: Option<NeighbourRule>,
+    /// Planes across global axes, through the origin, in which the master goes on as its mirror image: x,y
+    #[arg(long, value_name = "AXES", value_delimiter = ',', value_enum)]
+    pub symmetry: Vec<Axis>,
     /// Angle between two facets, in degrees, up to which they belong to one smooth patch
     #[arg(long, value_name = "DEG", default_value_t = 45.0, value_parser = angle)]
     pub feature_angle: f64,
+}
+
+/// A global axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Axis {
+    /// The first.
+    X,
+    /// The second.
+    Y,
+    /// The third.
+    Z,
 }
 
 /// The elements by name.
@@ -40,13 +55,20 @@ pub enum ElementName {
 }
 
 /// The rules of the neighbour search with their defaults.
-pub const RULES: [NeighbourRule; 3] = [
+pub const RULES: [NeighbourRule; 4] = [
+    NeighbourRule::Domains,
     NeighbourRule::hull_layers(None),
     NeighbourRule::hull_radius(None),
     NeighbourRule::nearest(DEFAULT_NEIGHBOURS),
 ];
 
 impl ElementArguments {
+    /// The symmetry planes.
+    #[must_use]
+    pub fn planes(&self) -> Vec<SymmetryPlane> {
+        self.symmetry.iter().map(|&axis| SymmetryPlane::across(axis as usize, [0.0; 3])).collect()
+    }
+
     /// The options of the interface.
     ///
     /// # Errors
@@ -56,7 +78,7 @@ impl ElementArguments {
             ElementName::Diffuse => diffuse(
                 self.weight.unwrap_or_default(),
                 self.frame_derivative.unwrap_or(FrameDerivative::CoMoving),
-                self.rule.unwrap_or_default(),
+                self.rule.unwrap_or(NeighbourRule::Domains),
             ),
             ElementName::NodeToFacet => {
                 let given = [
@@ -131,6 +153,7 @@ pub const fn frame_name(frame: FrameDerivative) -> &'static str {
 /// Name of a rule, the same as in the JSON of `neighbours`.
 pub const fn rule_name(rule: NeighbourRule) -> &'static str {
     match rule {
+        NeighbourRule::Domains => "domains",
         NeighbourRule::HullLayers { .. } => "hull-layers",
         NeighbourRule::HullRadius { .. } => "hull-radius",
         NeighbourRule::Nearest { .. } => "nearest",

@@ -2,10 +2,7 @@
 //! field.
 
 use std::fmt;
-use std::fs;
-use std::io::{self, Read};
 use std::marker::PhantomData;
-use std::path::Path;
 
 use diffuse_contact::{Basis, Frame, Point};
 use diffuse_contact_mesh::names::{nearest, shown};
@@ -19,18 +16,6 @@ use crate::error::CliError;
 const NO_NUMBERS: [&str; 6] = ["NaN", "nan", "Infinity", "infinity", "Inf", "inf"];
 /// What the parser says of a number beyond the range of f64: the text is JSON, but the number is lost.
 const OUT_OF_RANGE: &str = "number out of range";
-
-/// The text of a file, or of standard input for `-`, and its name for messages.
-pub fn read(path: &Path) -> Result<(String, Vec<u8>), CliError> {
-    let failed = |reason| CliError::Read { path: path.into(), reason };
-    if path == Path::new("-") {
-        let mut text = Vec::new();
-        io::stdin().read_to_end(&mut text).map_err(failed)?;
-        return Ok(("standard input".to_owned(), text));
-    }
-    let text = fs::read(path).map_err(failed)?;
-    Ok((path.display().to_string(), text))
-}
 
 /// Three numbers.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]

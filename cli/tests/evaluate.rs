@@ -1,8 +1,6 @@
 //! Runs the program's `evaluate` on good and on bad input.
 
-mod common;
-
-use common::{Run, Scratch, run, run_with_input};
+use crate::runs::{Run, Scratch, run, run_with_input};
 use serde_json::{Value, json};
 
 /// Nine nodes of a plane grid with spacing 1, and a slave over them.
@@ -81,33 +79,6 @@ fn residual_and_tangent_follow_from_gap_n_and_m() {
     for axis in 0..3 {
         assert_close(n.iter().skip(axis).step_by(3).sum(), 0.0);
     }
-}
-
-#[test]
-fn both_backends_agree_on_either_frame() {
-    let frames = ["frozen", "co-moving"];
-    let weights = ["cubic", "cubic-interpolating", "wendland-c2"];
-    let mut gaps = Vec::new();
-    for (derivative, weight) in frames.into_iter().flat_map(|frame| weights.map(|weight| (frame, weight))) {
-        let mut element = bent([1.3, 0.8, 0.4]);
-        element["frame_derivative"] = json!(derivative);
-        element["weight"] = json!(weight);
-        let text = json!({"elements": [element]}).to_string();
-        let answers = ["generated", "ad"].map(|backend| {
-            let run = run_with_input(&["evaluate", "-", "--backend", backend], &text);
-            let answer: Value = serde_json::from_str(&run.stdout).unwrap();
-            assert_eq!(answer["elements"][0]["frame_derivative"], derivative);
-            gaps.push(answer["elements"][0]["gap"].as_f64().unwrap());
-            (numbers(&answer["elements"][0]["n"]), rows(&answer["elements"][0]["m"]))
-        });
-        let [(n, m), (n_ad, m_ad)] = &answers;
-        for (a, b) in n.iter().zip(n_ad).chain(m.iter().flatten().zip(m_ad.iter().flatten())) {
-            assert!((a - b).abs() < 1e-11, "{derivative} {weight}: {a} and {b}");
-        }
-    }
-    gaps.sort_by(f64::total_cmp);
-    gaps.dedup_by(|a, b| (*a - *b).abs() < 1e-12);
-    assert_eq!(gaps.len(), weights.len(), "every weight has a surface of its own: {gaps:?}");
 }
 
 /// Σ x × ∂g/∂x over slave and masters: the moment of the contact forces for one unit of force.
@@ -296,7 +267,7 @@ fn a_reader_that_goes_away_is_no_error() {
     let elements: Vec<Value> = (0..200).map(|_| plane([1.1, 0.9, 0.25])).collect();
     let scratch = Scratch::new("pipe");
     let input = scratch.file("in.json", &json!({"elements": elements}).to_string());
-    let stderr = common::run_and_close_stdout(&["evaluate", &input]);
+    let stderr = crate::runs::run_and_close_stdout(&["evaluate", &input]);
     assert_eq!(stderr, "");
 }
 
@@ -341,8 +312,7 @@ fn an_element_without_memory_leaves_the_others_unharmed() {
     let mut large = plane([1.1, 0.9, 0.25]);
     large["masters"] = (0..1000).map(|k| json!([f64::from(k % 33), f64::from(k / 33), 0.0])).collect();
     let input = scratch.file("in.json", &json!({"elements": [large, plane([1.1, 0.9, 0.25])]}).to_string());
-    let script =
-        format!("ulimit -v 200000; exec '{}' evaluate '{input}'", env!("CARGO_BIN_EXE_diffuse-contact"));
+    let script = format!("ulimit -v 200000; exec '{}' evaluate '{input}'", crate::PROGRAM);
     let Run { code, stdout, stderr } =
         std::process::Command::new("sh").args(["-c", &script]).output().unwrap().into();
     assert_eq!(code, 0, "{stderr}");

@@ -1,8 +1,6 @@
 //! Runs the program's `neighbours` on good and on bad input.
 
-mod common;
-
-use common::{Run, Scratch, run, run_with_input};
+use crate::runs::{Run, Scratch, run, run_with_input};
 use diffuse_contact::neighbourhood::{NeighbourRule, NeighbourSearch, SearchOptions};
 use diffuse_contact::pairing::NearestNodes;
 use serde_json::{Value, json};

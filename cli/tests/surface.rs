@@ -1,8 +1,6 @@
 //! Runs `surface` on the shipped meshes, on others, and on what is no interface.
 
-mod common;
-
-use common::{Run, Scratch, run, run_in, run_with_input};
+use crate::runs::{Run, Scratch, run, run_in, run_with_input};
 use serde_json::Value;
 
 /// A shipped mesh.

@@ -205,9 +205,19 @@ impl<'a> Lowering<'a> {
         input
     }
 
+    /// x² + y², without the root of a norm that is nested.
     fn square_of_hypot(&mut self, x: ExprId, y: ExprId) -> ExprId {
-        let (x, y) = (self.lower(x), self.lower(y));
-        self.target.dot(&[x, y], &[x, y])
+        match self.source.op(x) {
+            Op::Hypot(u, v) => {
+                let (square, y) = (self.square_of_hypot(u, v), self.lower(y));
+                let last = self.target.mul(y, y);
+                self.target.add(square, last)
+            }
+            _ => {
+                let (x, y) = (self.lower(x), self.lower(y));
+                self.target.dot(&[x, y], &[x, y])
+            }
+        }
     }
 
     /// Repeated squaring; powers of a norm use its square, which is there before the root is drawn.

@@ -91,7 +91,7 @@ impl Batch {
             let elements = slaves.iter().zip(masters.chunks(*nodes)).map(|(&slave, masters)| {
                 let frame = Frame::average_plane(masters, [0.0, 0.0, 1.0])?;
                 let (basis, weight) = (Basis::Quadratic, Weight::Cubic);
-                Ok(Element { slave, masters, frame, support_radius: 1.6, basis, weight })
+                Ok(Element::new(slave, masters, frame, 1.6).with_basis(basis).with_weight(weight))
             });
             let elements = elements.collect::<Result<Vec<_>, ElementError>>()?;
             let slots = elements.iter().map(|_| GapSlot {

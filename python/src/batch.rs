@@ -112,7 +112,7 @@ impl<'a> Inputs<'a> {
             Some(radii) => of(radii, k),
             None => pairing::support_radius(&frame, slave, masters),
         };
-        Ok(Element { slave, masters, frame, support_radius, basis, weight })
+        Ok(Element::new(slave, masters, frame, support_radius).with_basis(basis).with_weight(weight))
     }
 }
 

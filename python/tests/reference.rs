@@ -82,7 +82,7 @@ fn batch(
         .zip(&radii)
         .map(|((&slave, masters), &support_radius)| {
             let frame = Frame { derivative, ..Frame::average_plane(masters, [0.0, 0.0, 1.0])? };
-            Ok(Element { slave, masters, frame, support_radius, basis, weight })
+            Ok(Element::new(slave, masters, frame, support_radius).with_basis(basis).with_weight(weight))
         })
         .collect::<Result<_, diffuse_contact::ElementError>>()?;
     let freedoms = 3 * (count + 1);

@@ -65,9 +65,7 @@ impl Generated {
     /// let frame = Frame::average_plane(&masters, [0.0, 0.0, 1.0])?;
     /// let (basis, weight) = (Basis::Quadratic, Weight::Cubic);
     /// let heights = [0.25, 0.5, -0.125];
-    /// let elements = heights.map(|z| Element {
-    ///     slave: [0.1, 0.2, z], masters: &masters, frame, support_radius: 2.0, basis, weight,
-    /// });
+    /// let elements = heights.map(|z| Element::new([0.1, 0.2, z], &masters, frame, 2.0).with_basis(basis).with_weight(weight));
     /// // N of all elements, 3(n+1) entries each.
     /// let mut gradients = vec![0.0; 3 * 30];
     /// let slots = gradients.chunks_mut(30).map(|gradient| GapSlot { gradient, ..GapSlot::default() });
@@ -179,7 +177,9 @@ fn gap_batch<'a>(
         });
     }
     assert!(slots.next().is_none(), "a slot for each element");
-    evaluate(sets, mode, &mut waiting, scratch, |index, values| results[index] = contact_point(values));
+    evaluate(sets, mode, &mut waiting, scratch, |index, element| {
+        results[index] = contact_point(&element.values)
+    });
     scratch.waiting = recycled(waiting);
     results
 }
@@ -202,13 +202,13 @@ pub(crate) struct Waiting<'a, 's> {
     pub is_sound: bool,
 }
 
-/// Evaluates the elements, which need no further check, and hands over the values of each with its place among them.
+/// Evaluates the elements, which need no further check, and hands over each with its place among them.
 pub(crate) fn evaluate<'a>(
     sets: &impl KernelSets,
     mode: Mode,
     waiting: &mut [Waiting<'a, 'a>],
     scratch: &mut BatchScratch,
-    mut result: impl FnMut(usize, &GapValues<f64>),
+    mut result: impl FnMut(usize, &mut BatchElement<'a>),
 ) {
     let BatchScratch { workspace, order, elements: memory, .. } = scratch;
     order.clear();
@@ -229,8 +229,8 @@ pub(crate) fn evaluate<'a>(
                 BatchElement { inputs: waiting[index].inputs, values: GapValues::NONE, gradient, hessian }
             }));
             sets.run(weight, (basis, frame, mode), &mut elements, workspace);
-            for (element, &(_, index)) in elements.iter().zip(group) {
-                result(index, &element.values);
+            for (element, &(_, index)) in elements.iter_mut().zip(group) {
+                result(index, element);
             }
         }
     }

@@ -1,6 +1,10 @@
 //! One contact element: a slave node, its master nodes, and the data held fixed between updates.
 
-use crate::{Basis, ElementError, Frame, FrameDerivative, Point};
+use diffuse_contact_kernels::support::KernelSet;
+
+use crate::generated::with_kernels;
+use crate::vector::Vector3;
+use crate::{Basis, Domains, ElementError, Frame, FrameDerivative, Point};
 
 /// Weight function of the fit, a function of r = (in-plane distance from the slave) / (support radius).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -29,10 +33,28 @@ impl Weight {
             Self::WendlandC2 => "wendland-c2",
         }
     }
+
+    /// The weight at r; of an interpolating weight ω/(1 − ω) that of ω. 0 where r ≥ 1.
+    #[must_use]
+    pub fn fitting(self, r: f64) -> f64 {
+        with_kernels!(self, K => K::fitting_weight(r))
+    }
 }
 
 /// What one evaluation needs: current positions, and the pairing data that stays fixed while differentiating.
+///
+/// ```
+/// use diffuse_contact::{Basis, Element, Frame, Weight};
+///
+/// let masters: Vec<[f64; 3]> = (0..9).map(|k| [f64::from(k % 3), f64::from(k / 3), 0.0]).collect();
+/// let frame = Frame::average_plane(&masters, [0.0, 0.0, 1.0])?;
+/// // The paper's element: quadratic basis, cubic weight, one support radius.
+/// let element = Element::new([1.1, 0.9, 0.25], &masters, frame, 2.0);
+/// let other = element.with_weight(Weight::WendlandC2).with_basis(Basis::Linear);
+/// # Ok::<(), diffuse_contact::ElementError>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct Element<'a> {
     /// Slave node x^c.
     pub slave: Point,
@@ -40,35 +62,88 @@ pub struct Element<'a> {
     pub masters: &'a [Point],
     /// Local frame (t1, t2, n̂); n̂ points to the outward side of the master surface.
     pub frame: Frame,
-    /// Radius R of the domain of influence around the slave, measured in the plane (t1, t2).
+    /// Radius R of the domain of influence around the slave, measured in the plane (t1, t2). With [`Domains::Each`] it is no
+    /// more than the length that offsets are divided by.
     pub support_radius: f64,
+    /// Radii of the nodes' own domains of influence.
+    pub domains: Domains<'a>,
     /// Polynomial basis of the fit.
     pub basis: Basis,
     /// Weight function of the fit.
     pub weight: Weight,
 }
 
-impl Element<'_> {
+impl<'a> Element<'a> {
+    /// The paper's element: one domain of influence with the radius `support_radius` around the slave, quadratic basis, cubic
+    /// weight.
+    #[must_use]
+    pub const fn new(slave: Point, masters: &'a [Point], frame: Frame, support_radius: f64) -> Self {
+        Self {
+            slave,
+            masters,
+            frame,
+            support_radius,
+            domains: Domains::Shared,
+            basis: Basis::Quadratic,
+            weight: Weight::Cubic,
+        }
+    }
+
+    /// With this basis.
+    #[must_use]
+    pub const fn with_basis(self, basis: Basis) -> Self {
+        Self { basis, ..self }
+    }
+
+    /// With this weight.
+    #[must_use]
+    pub const fn with_weight(self, weight: Weight) -> Self {
+        Self { weight, ..self }
+    }
+
+    /// With this frame.
+    #[must_use]
+    pub const fn with_frame(self, frame: Frame) -> Self {
+        Self { frame, ..self }
+    }
+
+    /// With these domains of influence.
+    #[must_use]
+    pub const fn with_domains(self, domains: Domains<'a>) -> Self {
+        Self { domains, ..self }
+    }
+
     /// Number of global coordinates the gap depends on, 3(n+1).
     #[must_use]
     pub const fn degrees_of_freedom(&self) -> usize {
         3 * (self.masters.len() + 1)
     }
 
-    /// Index of the master node nearest to the slave in the plane (t1, t2), the first of several; 0 if there are none.
+    /// Index of the master node nearest to the slave in the plane (t1, t2), its distance over the radius of its domain; the
+    /// first of several; 0 if there are none.
     #[must_use]
     pub fn nearest_in_plane(&self) -> usize {
-        nearest_in_plane(self.slave, self.masters.iter().copied(), &self.frame, self.support_radius)
+        let radius = |k: usize| self.domains.radius(k, self.support_radius);
+        nearest_in_plane(self.slave, self.masters.iter().copied(), &self.frame, radius)
     }
 
-    /// Checks what no kernel can repair: enough master nodes, finite input, positive support radius, orthonormal
+    /// Checks what no kernel can repair: enough master nodes, finite input, positive radii, orthonormal
     /// frame.
     ///
     /// # Errors
     /// [`ElementError::NoKernels`] for a custom basis that can have none, [`ElementError::TooFewNodes`],
-    /// [`ElementError::NonFiniteInput`], [`ElementError::InvalidSupportRadius`],
-    /// [`ElementError::InvalidFrame`], [`ElementError::NotAveragePlane`], [`ElementError::AnisotropicBasis`].
+    /// [`ElementError::NonFiniteInput`], [`ElementError::InvalidSupportRadius`], [`ElementError::InvalidDomain`],
+    /// [`ElementError::WrongNumberOfDomains`], [`ElementError::InvalidReach`], [`ElementError::InvalidFrame`], [`ElementError::NotAveragePlane`],
+    /// [`ElementError::AnisotropicBasis`].
     pub fn validate(&self) -> Result<(), ElementError> {
+        self.validate_with(|r| self.weight.fitting(r))
+    }
+
+    /// As [`validate`](Self::validate), for a backend with a weight of its own, ω(r).
+    ///
+    /// # Errors
+    /// As [`validate`](Self::validate).
+    pub fn validate_with(&self, fitting_weight: impl Fn(f64) -> f64) -> Result<(), ElementError> {
         if !self.basis.is_sound() {
             return Err(ElementError::NoKernels { basis: self.basis.name() });
         }
@@ -84,30 +159,52 @@ impl Element<'_> {
                 return Err(ElementError::NonFiniteInput { what: "master", index });
             }
         }
-        if !(self.support_radius.is_finite() && self.support_radius > 0.0) {
+        let is_radius = |x: f64| x.is_finite() && x > 0.0;
+        if !is_radius(self.support_radius) {
             return Err(ElementError::InvalidSupportRadius { value: self.support_radius });
+        }
+        if let Domains::Each(radii) = self.domains {
+            let (found, expected) = (radii.len(), self.masters.len());
+            if found != expected {
+                return Err(ElementError::WrongNumberOfDomains { found, expected });
+            }
+            if let Some(index) = radii.iter().position(|&radius| !is_radius(radius)) {
+                return Err(ElementError::InvalidDomain { index, value: radii[index] });
+            }
         }
         if self.frame.derivative == FrameDerivative::CoMoving && !self.basis.is_isotropic() {
             return Err(ElementError::AnisotropicBasis { basis: self.basis.name() });
         }
         self.frame.check()?;
-        self.frame.check_average_plane(self.masters)
+        let reach = self.frame.reach;
+        if !(0.0..=1.0).contains(&reach) {
+            return Err(ElementError::InvalidReach { value: reach });
+        }
+        self.frame.check_average_plane(self.masters.iter().enumerate().map(|(k, &x)| {
+            let weight = if reach == 0.0 {
+                1.0
+            } else {
+                let distance = (Vector3::from(x) - Vector3::from(self.slave)).norm();
+                fitting_weight(reach * distance / self.domains.radius(k, self.support_radius))
+            };
+            (x, weight)
+        }))
     }
 }
 
-/// As [`Element::nearest_in_plane`].
+/// As [`Element::nearest_in_plane`]; `radius`: of the k-th master's domain.
 pub(crate) fn nearest_in_plane(
     slave: Point,
     masters: impl Iterator<Item = Point>,
     frame: &Frame,
-    support_radius: f64,
+    radius: impl Fn(usize) -> f64,
 ) -> usize {
-    let square = |master: Point| {
+    let square = |(k, master): (usize, Point)| {
         let offset = [master[0] - slave[0], master[1] - slave[1], master[2] - slave[2]];
-        let along = |t: Point| (t[0] * offset[0] + t[1] * offset[1] + t[2] * offset[2]) / support_radius;
+        let along = |t: Point| (t[0] * offset[0] + t[1] * offset[1] + t[2] * offset[2]) / radius(k);
         let (a, b) = (along(frame.t1), along(frame.t2));
-        a * a + b * b
+        (k, a * a + b * b)
     };
-    let squares = masters.map(square).enumerate();
+    let squares = masters.enumerate().map(square);
     squares.min_by(|x, y| x.1.total_cmp(&y.1)).map_or(0, |(index, _)| index)
 }

@@ -12,7 +12,7 @@ pub enum ElementError {
         /// Number of coefficients of the basis.
         needed: usize,
     },
-    /// More master nodes than a k-d tree can name.
+    /// More master nodes than 32-bit indices can name.
     #[error("{found} master nodes are more than a search tree can name")]
     TooManyNodes {
         /// Number of master nodes given.
@@ -44,6 +44,28 @@ pub enum ElementError {
     #[error("the support radius must be positive and finite, not {value}")]
     InvalidSupportRadius {
         /// The radius given.
+        value: f64,
+    },
+    /// The radius of a node's domain of influence is not a positive finite number.
+    #[error("the domain of master {index} must have a positive and finite radius, not {value}")]
+    InvalidDomain {
+        /// Index of the master node.
+        index: usize,
+        /// The radius given.
+        value: f64,
+    },
+    /// There is not one domain of influence for each master node.
+    #[error("{found} radii of domains for {expected} master nodes")]
+    WrongNumberOfDomains {
+        /// Radii given.
+        found: usize,
+        /// Master nodes.
+        expected: usize,
+    },
+    /// The reach of the average plane's weights is not above 0 and at most 1.
+    #[error("the reach of the average plane must be above 0 and at most 1, not {value}")]
+    InvalidReach {
+        /// The reach given.
         value: f64,
     },
     /// The frame's vectors are not orthonormal.
@@ -165,6 +187,9 @@ impl ElementError {
             Self::AnisotropicBasis { .. } => "anisotropic-basis",
             Self::NonFiniteInput { .. } => "non-finite-input",
             Self::InvalidSupportRadius { .. } => "invalid-support-radius",
+            Self::InvalidDomain { .. } => "invalid-domain",
+            Self::WrongNumberOfDomains { .. } => "wrong-number-of-domains",
+            Self::InvalidReach { .. } => "invalid-reach",
             Self::InvalidFrame { .. } => "invalid-frame",
             Self::AmbiguousOutward { .. } => "ambiguous-outward",
             Self::NoAveragePlane { .. } | Self::UnstableAveragePlane { .. } => "no-average-plane",

@@ -1,6 +1,6 @@
 //! The local frame: given by the caller, or the average plane of the master nodes.
 
-use nalgebra::Vector3;
+use crate::vector::Vector3;
 
 use crate::eigen::symmetric_eigen;
 use crate::{ElementError, Point};
@@ -31,6 +31,9 @@ pub struct Frame {
     /// What the frame does while the gap is differentiated; coefficients and surfaces are always differentiated
     /// with the frame held.
     pub derivative: FrameDerivative,
+    /// Where it moves, how nodes are weighted in the average plane: by ω(reach · |x^k − x^c| / R_k), ω the fitting weight, R_k the
+    /// radius of the node's domain. 0 weights all alike, as in the paper.
+    pub reach: f64,
 }
 
 /// Largest |Q Qᵀ − I| accepted of a given frame.
@@ -57,7 +60,7 @@ impl Frame {
         normal: Point,
         outward: Option<Point>,
     ) -> Result<Self, ElementError> {
-        let frame = Self { origin, t1, t2, normal, derivative: FrameDerivative::Frozen };
+        let frame = Self { origin, t1, t2, normal, derivative: FrameDerivative::Frozen, reach: 0.0 };
         frame.check()?;
         let normal = match outward {
             Some(outward) => oriented(Vector3::from(normal), outward)?.into(),
@@ -99,30 +102,68 @@ impl Frame {
                 return Err(ElementError::NonFiniteInput { what: "master", index });
             }
         }
-        Self::average_plane_of(masters.iter().copied(), outward)
+        Self::average_plane_of(masters.iter().map(|&x| (x, 1.0)), 0.0, outward)
     }
 
-    /// As [`average_plane`](Self::average_plane), of points that are known to be finite.
+    /// Moving average plane of the master nodes: n̂ minimises Σ ω_k (n·(x_k − x̄))² with ω_k = ω(reach · |x_k − x^c| / R_k) and x̄ the
+    /// mean so weighted (`docs/equations.md`, \[T14\]), oriented by `outward`. A node joins with weight zero, so the plane is a
+    /// continuous function of all positions. The frame moves with the nodes while differentiating;
+    /// [`frozen`](Self::frozen) holds it.
+    ///
+    /// `radii`: R_k of each master. `fitting_weight`: ω, see [`Weight::fitting`](crate::Weight::fitting). `reach`: 1, less where the
+    /// slave is far from the nodes.
+    ///
+    /// # Errors
+    /// As [`average_plane`](Self::average_plane), also for nodes out of reach; [`ElementError::WrongNumberOfDomains`],
+    /// [`ElementError::InvalidReach`].
+    pub fn moving_plane(
+        slave: Point,
+        masters: &[Point],
+        radii: &[f64],
+        fitting_weight: impl Fn(f64) -> f64,
+        reach: f64,
+        outward: Point,
+    ) -> Result<Self, ElementError> {
+        if radii.len() != masters.len() {
+            return Err(ElementError::WrongNumberOfDomains { found: radii.len(), expected: masters.len() });
+        }
+        if !(reach > 0.0 && reach <= 1.0) {
+            return Err(ElementError::InvalidReach { value: reach });
+        }
+        if let Some(index) = masters.iter().position(|x| !x.iter().all(|x| x.is_finite())) {
+            return Err(ElementError::NonFiniteInput { what: "master", index });
+        }
+        let slave = Vector3::from(slave);
+        let weighted = masters
+            .iter()
+            .zip(radii)
+            .map(|(&x, radius)| (x, fitting_weight(reach * (Vector3::from(x) - slave).norm() / radius)));
+        Self::average_plane_of(weighted.filter(|&(_, weight)| weight > 0.0), reach, outward)
+    }
+
+    /// The average plane of points, each with its weight; all are known to be finite, and weights to be positive.
     pub(crate) fn average_plane_of(
-        masters: impl ExactSizeIterator<Item = Point> + Clone,
+        masters: impl Iterator<Item = (Point, f64)> + Clone,
+        reach: f64,
         outward: Point,
     ) -> Result<Self, ElementError> {
         let no_plane = |smallest, middle| ElementError::NoAveragePlane { smallest, middle };
-        let Some(first) = masters.clone().next() else { return Err(no_plane(0.0, 0.0)) };
+        let Some((first, _)) = masters.clone().next() else { return Err(no_plane(0.0, 0.0)) };
         // Mean of differences from the first node: far from the origin the plain mean loses digits.
         let first = Vector3::from(first);
-        let scale = masters.clone().map(|x| (Vector3::from(x) - first).amax()).fold(0.0, f64::max);
+        let scale = masters.clone().map(|(x, _)| (Vector3::from(x) - first).largest()).fold(0.0, f64::max);
         if !(scale > 0.0 && scale.is_finite()) {
             return Err(no_plane(0.0, 0.0));
         }
-        let offsets = || masters.clone().map(|x| (Vector3::from(x) - first) / scale);
-        let mean = offsets().sum::<Vector3<f64>>() / masters.len() as f64;
+        let offsets = || masters.clone().map(|(x, weight)| ((Vector3::from(x) - first) / scale, weight));
+        let total: f64 = masters.clone().map(|(_, weight)| weight).sum();
+        let mean = offsets().map(|(x, weight)| x * weight).sum::<Vector3>() / total;
         let mut scatter = [[0.0; 3]; 3];
-        for x in offsets() {
+        for (x, weight) in offsets() {
             let x = x - mean;
             for i in 0..3 {
                 for j in i..3 {
-                    scatter[i][j] += x[i] * x[j];
+                    scatter[i][j] += weight * x[i] * x[j];
                 }
             }
         }
@@ -139,6 +180,7 @@ impl Frame {
             t2: t2.into(),
             normal: normal.into(),
             derivative: FrameDerivative::CoMoving,
+            reach,
         })
     }
 
@@ -148,44 +190,50 @@ impl Frame {
         Self { derivative: FrameDerivative::Frozen, ..self }
     }
 
-    /// Checks that a co-moving frame is the average plane of the nodes it moves with; a frame that is held may be
-    /// any.
+    /// Checks that a co-moving frame is the average plane of the nodes it moves with, given with their weights; a frame that is
+    /// held may be any.
     ///
     /// # Errors
     /// [`ElementError::NotAveragePlane`] if the nodes' covariance of height and in-plane position is more than 1e-6 of
     /// their in-plane moment.
-    pub fn check_average_plane(&self, masters: &[Point]) -> Result<(), ElementError> {
-        let (FrameDerivative::CoMoving, Some(first)) = (self.derivative, masters.first()) else {
+    pub(crate) fn check_average_plane(
+        &self,
+        masters: impl Iterator<Item = (Point, f64)> + Clone,
+    ) -> Result<(), ElementError> {
+        let (FrameDerivative::CoMoving, Some((first, _))) = (self.derivative, masters.clone().next()) else {
             return Ok(());
         };
         // Loops instead of maps over arrays, which are not always inlined: they took as long as all of the kernel.
         let [t1, t2, normal] = self.rows();
-        let local = |x: &Point| {
+        let local = |x: Point| {
             let offset = [x[0] - first[0], x[1] - first[1], x[2] - first[2]];
             let along = |row: Point| row[0] * offset[0] + row[1] * offset[1] + row[2] * offset[2];
             [along(t1), along(t2), along(normal)]
         };
         let mut scale = 0.0_f64;
-        for x in masters {
-            let [a, b, z] = local(x);
-            scale = scale.max(a.abs()).max(b.abs()).max(z.abs());
+        for (x, weight) in masters.clone() {
+            if weight > 0.0 {
+                let [a, b, z] = local(x);
+                scale = scale.max(a.abs()).max(b.abs()).max(z.abs());
+            }
         }
-        let mut mean = [0.0; 3];
-        for x in masters {
+        let (mut mean, mut total) = ([0.0; 3], 0.0);
+        for (x, weight) in masters.clone() {
             let x = local(x);
+            total += weight;
             for axis in 0..3 {
-                mean[axis] += x[axis] / scale;
+                mean[axis] += weight * (x[axis] / scale);
             }
         }
         for sum in &mut mean {
-            *sum /= masters.len() as f64;
+            *sum /= total;
         }
         let (mut moment, mut covariance) = (0.0, [0.0; 2]);
-        for x in masters {
+        for (x, weight) in masters {
             let x = local(x);
             let [a, b, z] = [x[0] / scale - mean[0], x[1] / scale - mean[1], x[2] / scale - mean[2]];
-            moment += a * a + b * b;
-            covariance = [covariance[0] + a * z, covariance[1] + b * z];
+            moment += weight * (a * a + b * b);
+            covariance = [covariance[0] + weight * (a * z), covariance[1] + weight * (b * z)];
         }
         let angle = covariance[0].hypot(covariance[1]) / moment;
         // A patch without extent is for the fit to refuse.
@@ -200,12 +248,12 @@ impl Frame {
 }
 
 /// `normal` or its opposite, whichever points to the side of `outward`.
-fn oriented(normal: Vector3<f64>, outward: Point) -> Result<Vector3<f64>, ElementError> {
+fn oriented(normal: Vector3, outward: Point) -> Result<Vector3, ElementError> {
     let outward = Vector3::from(outward);
     if outward == Vector3::zeros() {
         return Err(ElementError::AmbiguousOutward { cosine: 0.0 });
     }
-    let cosine = normal.dot(&(outward / outward.amax())) / (outward / outward.amax()).norm();
+    let cosine = normal.dot(&(outward / outward.largest())) / (outward / outward.largest()).norm();
     if !(cosine.abs() > OUTWARD_TOLERANCE) {
         return Err(ElementError::AmbiguousOutward { cosine });
     }
@@ -213,8 +261,8 @@ fn oriented(normal: Vector3<f64>, outward: Point) -> Result<Vector3<f64>, Elemen
 }
 
 /// Two unit vectors that complete `normal` to a right-handed frame, from the global axis least aligned with it.
-fn tangents(normal: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    let axis = Vector3::ith(normal.iamin(), 1.0);
-    let t1 = (axis - normal * normal.dot(&axis)).normalize();
+fn tangents(normal: &Vector3) -> (Vector3, Vector3) {
+    let axis = Vector3::axis(normal.smallest_axis());
+    let t1 = (axis - *normal * normal.dot(&axis)).normalize();
     (t1, normal.cross(&t1))
 }

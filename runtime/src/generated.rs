@@ -19,14 +19,7 @@ use crate::{
 /// // A flat 3 × 3 patch of master nodes in the plane z = 0 and a slave 0.25 above it.
 /// let masters: Vec<[f64; 3]> =
 ///     (0..9).map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0, 0.0]).collect();
-/// let element = Element {
-///     slave: [0.1, 0.2, 0.25],
-///     masters: &masters,
-///     frame: Frame::average_plane(&masters, [0.0, 0.0, 1.0])?,
-///     support_radius: 2.0,
-///     basis: Basis::Quadratic,
-///     weight: Weight::Cubic,
-/// };
+/// let element = Element::new([0.1, 0.2, 0.25], &masters, Frame::average_plane(&masters, [0.0, 0.0, 1.0])?, 2.0);
 /// let contact = Generated.gap(&element, Mode::Hessian)?;
 /// assert!((contact.gap - 0.25).abs() < 1e-14);
 /// assert_eq!(contact.gradient.len(), 3 * (9 + 1));
@@ -186,7 +179,7 @@ pub(crate) fn validate<K: KernelSet>(element: &Element<'_>) -> Result<(), Elemen
     if !K::BASES.contains(&element.basis) {
         return Err(ElementError::NoKernels { basis: element.basis.name() });
     }
-    element.validate()
+    element.validate_with(K::fitting_weight)
 }
 
 /// Runs the gap kernel that the element's frame asks for.
@@ -215,6 +208,8 @@ pub(crate) fn inputs<'a, K: KernelSet>(element: &Element<'a>, point: [f64; 2]) -
     ElementInputs {
         slave: element.slave,
         masters: Masters::Positions(element.masters),
+        domains: element.domains,
+        plane_reach: element.frame.reach,
         t1: element.frame.t1,
         t2: element.frame.t2,
         normal: element.frame.normal,

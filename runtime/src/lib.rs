@@ -1,6 +1,7 @@
 //! The 3D diffuse contact element of Chamoret, Rassineux and Bergheau (2008).
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "ad")]
 pub mod ad;
 pub mod assembly;
 pub mod backend;
@@ -16,10 +17,11 @@ pub mod neighbourhood;
 pub mod output;
 pub mod pairing;
 pub mod surface;
+mod vector;
 
 pub use backend::Backend;
 pub use batch::{BatchScratch, GapSlot};
-pub use diffuse_contact_kernels::support::{Basis, CustomBasis, Mode};
+pub use diffuse_contact_kernels::support::{Basis, CustomBasis, Domains, Mode};
 pub use element::{Element, Weight};
 pub use error::ElementError;
 pub use facet::{FacetElement, FacetPoint};

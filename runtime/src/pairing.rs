@@ -9,7 +9,7 @@
 //!
 //! ```
 //! use diffuse_contact::pairing::{NearestNodes, PairingRule, node_normals, pair};
-//! use diffuse_contact::{Backend, Mode, ad::Ad};
+//! use diffuse_contact::{Backend, Generated, Mode};
 //!
 //! // A flat 5 × 5 grid of nodes, its facets seen from above, and a slave 0.25 over it.
 //! let masters: Vec<[f64; 3]> = (0..25).map(|k| [f64::from(k % 5), f64::from(k / 5), 0.0]).collect();
@@ -19,19 +19,18 @@
 //! let nodes = NearestNodes::new(masters)?;
 //!
 //! let slave = [2.1, 1.8, 0.25];
-//! let pairing = pair(&Ad, &nodes, &normals, slave, &PairingRule::default())?;
+//! let pairing = pair(&Generated, &nodes, &normals, slave, &PairingRule::default())?;
 //! assert_eq!(pairing.masters[0], 12);
-//! let gap = Ad.gap(&pairing.element(slave), Mode::Value)?;
+//! let gap = Generated.gap(&pairing.element(slave), Mode::Value)?;
 //! assert!((gap.gap - 0.25).abs() < 1e-14);
 //! # Ok::<(), diffuse_contact::ElementError>(())
 //! ```
 
-use std::num::NonZero;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
 
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
-use nalgebra::Vector3;
-
-use crate::{Backend, Basis, Element, ElementError, Frame, Mode, Point, Weight};
+use crate::vector::Vector3;
+use crate::{Backend, Basis, Domains, Element, ElementError, Frame, Mode, Point, Weight};
 
 /// The support radius is this factor times the largest in-plane distance of a master node from the slave.
 ///
@@ -50,15 +49,15 @@ const ON_NODE: f64 = 0.02;
 /// Two distances closer than this, relatively, are compared again in one and the same arithmetic.
 const DISTANCE_ROUNDING: f64 = 1e-12;
 
-/// The master nodes in a k-d tree, for searching the nearest ones.
+/// The master nodes in a tree, for searching the nearest ones.
 #[derive(Debug)]
 pub struct NearestNodes {
     points: Vec<Point>,
-    tree: ImmutableKdTree<f64, 3>,
+    tree: RTree<GeomWithData<Point, u32>>,
 }
 
 impl NearestNodes {
-    /// Sorts the master nodes into a k-d tree. Nodes are named by their index in `points`.
+    /// Sorts the master nodes into a tree. Nodes are named by their index in `points`.
     ///
     /// # Errors
     /// [`ElementError::NonFiniteInput`] if a coordinate is NaN or infinite; [`ElementError::TooManyNodes`] if the tree
@@ -69,9 +68,10 @@ impl NearestNodes {
                 return Err(ElementError::NonFiniteInput { what: "master", index });
             }
         }
-        // Building an immutable tree fails only if the number of nodes overflows its index.
-        let tree = ImmutableKdTree::new_from_slice(&points)
-            .map_err(|_| ElementError::TooManyNodes { found: points.len() })?;
+        let count =
+            u32::try_from(points.len()).map_err(|_| ElementError::TooManyNodes { found: points.len() })?;
+        let named = points.iter().zip(0..count).map(|(&point, index)| GeomWithData::new(point, index));
+        let tree = RTree::bulk_load(named.collect());
         Ok(Self { points, tree })
     }
 
@@ -105,19 +105,20 @@ impl NearestNodes {
 
     /// A set that contains the `m` nearest nodes and every node as near as the last of them, in any order.
     fn candidates(&self, slave: Point, m: usize) -> Vec<usize> {
-        let Some(quantity) = NonZero::new(m) else { return Vec::new() };
         if m >= self.points.len() || !slave.iter().all(|x| x.is_finite()) {
             return (0..self.points.len()).collect();
         }
-        let nearest = self.tree.query(&slave).nearest_n::<SquaredEuclidean<f64>>(quantity).execute();
-        let farthest = nearest.iter().map(|node| node.distance).fold(0.0, f64::max);
-        let within = self
-            .tree
-            .query(&slave)
-            .within::<SquaredEuclidean<f64>>(farthest * (1.0 + DISTANCE_ROUNDING))
-            .unsorted()
-            .execute();
-        within.into_iter().map(|node| node.item as usize).collect()
+        let mut found = Vec::with_capacity(m);
+        let mut farthest = f64::NEG_INFINITY;
+        for (node, square) in self.tree.nearest_neighbor_iter_with_distance_2(slave) {
+            if found.len() < m {
+                farthest = square * (1.0 + DISTANCE_ROUNDING);
+            } else if square > farthest {
+                break;
+            }
+            found.push(node.data as usize);
+        }
+        found
     }
 }
 
@@ -157,6 +158,8 @@ pub struct Pairing {
     pub frame: Frame,
     /// Radius of the domain of influence.
     pub support_radius: f64,
+    /// Radii of the masters' own domains; none: all have the support radius.
+    pub radii: Vec<f64>,
     /// Polynomial basis of the fit.
     pub basis: Basis,
     /// Weight function of the fit.
@@ -167,14 +170,11 @@ impl Pairing {
     /// The element of this pairing with the slave at `slave`.
     #[must_use]
     pub fn element(&self, slave: Point) -> Element<'_> {
-        Element {
-            slave,
-            masters: &self.positions,
-            frame: self.frame,
-            support_radius: self.support_radius,
-            basis: self.basis,
-            weight: self.weight,
-        }
+        let domains = if self.radii.is_empty() { Domains::Shared } else { Domains::Each(&self.radii) };
+        Element::new(slave, &self.positions, self.frame, self.support_radius)
+            .with_domains(domains)
+            .with_basis(self.basis)
+            .with_weight(self.weight)
     }
 
     /// Whether `point` lies beyond the border of the masters, where the fit extrapolates and there is no contact.
@@ -251,6 +251,7 @@ fn pair_with<B: Backend + ?Sized>(
         positions,
         frame,
         support_radius,
+        radii: Vec::new(),
         basis: rule.basis,
         weight: rule.weight,
     };
@@ -285,7 +286,7 @@ pub fn node_normals<F: AsRef<[usize]>>(points: &[Point], facets: &[F]) -> Vec<Po
         let facet = facet.as_ref();
         let Some(&first) = facet.first() else { continue };
         let corner = |k: usize| Vector3::from(points[k]) - Vector3::from(points[first]);
-        let area: Vector3<f64> = facet.windows(2).map(|edge| corner(edge[0]).cross(&corner(edge[1]))).sum();
+        let area: Vector3 = facet.windows(2).map(|edge| corner(edge[0]).cross(&corner(edge[1]))).sum();
         for &node in facet {
             normals[node] += area * 0.5;
         }
@@ -297,7 +298,7 @@ pub fn node_normals<F: AsRef<[usize]>>(points: &[Point], facets: &[F]) -> Vec<Po
 /// that a few large facets do not outweigh the others.
 #[must_use]
 pub fn outward(normals: &[Point], masters: &[usize]) -> Point {
-    masters.iter().filter_map(|&k| Vector3::from(normals[k]).try_normalize(0.0)).sum::<Vector3<f64>>().into()
+    masters.iter().filter_map(|&k| Vector3::from(normals[k]).try_normalize()).sum::<Vector3>().into()
 }
 
 /// Components of `point − from` along t1 and t2.
@@ -314,7 +315,7 @@ fn squared_distance(a: Point, b: Point) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ad::Ad;
+    use crate::Generated;
 
     /// n × n nodes of a unit grid in the plane z = 0.
     fn grid(n: usize) -> Vec<Point> {
@@ -399,10 +400,10 @@ mod tests {
         // Around the middle of a cell the nearest six nodes are a 2 × 3 block: they lie on two lines, a conic.
         let rule = PairingRule { neighbours: 6, ..PairingRule::default() };
         for slave in [[2.5, 2.5, 0.5], [2.5, 2.45, 0.5]] {
-            let pairing = pair(&Ad, &nodes, &normals, slave, &rule).unwrap();
+            let pairing = pair(&Generated, &nodes, &normals, slave, &rule).unwrap();
             assert!(pairing.masters.len() > 6, "{slave:?}: {:?}", pairing.masters);
             assert_eq!(pairing.masters, nodes.masters(slave, pairing.masters.len()));
-            let gap = Ad.gap(&pairing.element(slave), Mode::Value).unwrap();
+            let gap = Generated.gap(&pairing.element(slave), Mode::Value).unwrap();
             assert!((gap.gap - 0.5).abs() < 1e-13);
         }
     }
@@ -414,13 +415,13 @@ mod tests {
         let facets: Vec<[usize; 4]> = (0..19).map(|k| [2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1]).collect();
         let normals = node_normals(&strip, &facets);
         let nodes = NearestNodes::new(strip).unwrap();
-        let error = pair(&Ad, &nodes, &normals, [9.3, 0.4, 0.1], &PairingRule::default()).unwrap_err();
+        let error = pair(&Generated, &nodes, &normals, [9.3, 0.4, 0.1], &PairingRule::default()).unwrap_err();
         assert_eq!(error.code(), "singular-fit");
         let rule = PairingRule { basis: Basis::Linear, ..PairingRule::default() };
-        assert!(pair(&Ad, &nodes, &normals, [9.3, 0.4, 0.1], &rule).is_ok());
+        assert!(pair(&Generated, &nodes, &normals, [9.3, 0.4, 0.1], &rule).is_ok());
 
         let nodes = NearestNodes::new(grid(2)).unwrap();
-        let error = pair(&Ad, &nodes, &[[0.0; 3]; 4], [0.0; 3], &PairingRule::default()).unwrap_err();
+        let error = pair(&Generated, &nodes, &[[0.0; 3]; 4], [0.0; 3], &PairingRule::default()).unwrap_err();
         assert_eq!(error, ElementError::TooFewNodes { found: 4, needed: 6 });
     }
 
@@ -429,7 +430,7 @@ mod tests {
         let nodes = NearestNodes::new(grid(5)).unwrap();
         let normals = node_normals(nodes.points(), &grid_facets(5));
         let beyond = |slave: Point| {
-            let pairing = pair(&Ad, &nodes, &normals, slave, &PairingRule::default()).unwrap();
+            let pairing = pair(&Generated, &nodes, &normals, slave, &PairingRule::default()).unwrap();
             pairing.is_beyond_border(slave)
         };
         for inside in [[2.0, 2.0, 0.1], [0.0, 0.0, 0.1], [0.0, 1.5, 0.1], [3.9, 0.1, 0.1], [4.0, 4.0, 1.0]] {

@@ -2,7 +2,7 @@
 //! element.
 
 use diffuse_contact::ad::Ad;
-use diffuse_contact::{Backend, Basis, Element, ElementError, Frame, Mode, Point, SymmetricMatrix, Weight};
+use diffuse_contact::{Backend, Basis, Element, ElementError, Frame, Mode, Point, SymmetricMatrix};
 
 /// Deterministic numbers in (−1, 1).
 struct Random(u64);
@@ -93,14 +93,7 @@ impl Case {
     }
 
     fn element(&self) -> Element<'_> {
-        Element {
-            slave: self.nodes[0],
-            masters: &self.nodes[1..],
-            frame: self.frame,
-            support_radius: self.radius,
-            basis: self.basis,
-            weight: Weight::Cubic,
-        }
+        Element::new(self.nodes[0], &self.nodes[1..], self.frame, self.radius).with_basis(self.basis)
     }
 
     fn freedoms(&self) -> usize {

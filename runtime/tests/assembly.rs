@@ -1,8 +1,6 @@
 //! Assembly against a plain loop into dense arrays, on random lists of elements and on real ones.
 
-mod assembly_cases;
-
-use assembly_cases::{Case, Dense, cylinder};
+use crate::assembly_cases::{Case, Dense, cylinder};
 use diffuse_contact::assembly::{
     AssemblyError, ContactLaw, ContactView, CsrPattern, DofMap, ElementView, Elements, Tangent, Triangle,
     Triplets, add_residual,

@@ -5,7 +5,7 @@
 use diffuse_contact::ad::Ad;
 use diffuse_contact::{
     Backend, Basis, Element, ElementError, Frame, FrameDerivative, Gap, Generated, Mode, Point,
-    SymmetricMatrix, Weight,
+    SymmetricMatrix,
 };
 
 /// Deterministic numbers in (−1, 1).
@@ -82,14 +82,7 @@ impl Case {
     }
 
     fn element(&self) -> Element<'_> {
-        Element {
-            slave: self.nodes[0],
-            masters: &self.nodes[1..],
-            frame: self.frame,
-            support_radius: self.radius,
-            basis: self.basis,
-            weight: Weight::Cubic,
-        }
+        Element::new(self.nodes[0], &self.nodes[1..], self.frame, self.radius).with_basis(self.basis)
     }
 
     fn frozen(&self) -> Self {
@@ -422,14 +415,13 @@ fn an_unstable_plane_is_an_error() {
     assert!(matches!(error, ElementError::NoAveragePlane { .. }), "{error:?}");
     let [t1, t2, normal] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let frame = Frame::given([0.0; 3], t1, t2, normal, None).unwrap();
-    let element = Element {
-        slave: [0.05, 0.1, 0.2],
-        masters: &masters,
-        frame: Frame { derivative: FrameDerivative::CoMoving, ..frame },
-        support_radius: 1.5,
-        basis: Basis::Linear,
-        weight: Weight::Cubic,
-    };
+    let element = Element::new(
+        [0.05, 0.1, 0.2],
+        &masters,
+        Frame { derivative: FrameDerivative::CoMoving, ..frame },
+        1.5,
+    )
+    .with_basis(Basis::Linear);
     for backend in [&Ad as &dyn Backend, &Generated] {
         // Whether there is a result does not depend on how many derivatives are asked for.
         for mode in [Mode::Value, Mode::Gradient, Mode::Hessian] {
@@ -438,7 +430,7 @@ fn an_unstable_plane_is_an_error() {
                 matches!(outcome, Err(ElementError::UnstableAveragePlane { .. })),
                 "{mode:?}: {outcome:?}"
             );
-            let held = Element { frame, ..element };
+            let held = element.with_frame(frame);
             assert!(backend.gap(&held, mode).is_ok());
         }
     }

@@ -1,8 +1,6 @@
 //! Interfaces of node-to-facet elements.
 
-mod common;
-
-use common::{Mesh, Uniform, distance};
+use crate::common::{Mesh, Scene, Uniform, distance};
 use diffuse_contact::interface::{InterfaceOptions, Outcome};
 use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact::surface::Facet;
@@ -62,7 +60,7 @@ fn a_slave_that_slides_off_its_facet_goes_on_over_its_extension() {
     scene.move_slaves(&[[2.6, 1.5, 0.2]]);
     scene.update();
     let height = |sign: f64| (0.2 + sign * slope * (2.0 - 2.6)) / slope.hypot(1.0);
-    let gap = |scene: &mut common::Scene| {
+    let gap = |scene: &mut Scene| {
         let contact = scene.interface.evaluate(Mode::Value).unwrap().get(0);
         assert!(contact.outcome.is_contact(), "{:?}", contact.outcome);
         contact.point.gap
@@ -125,9 +123,8 @@ fn past_the_border_of_a_neighbour_there_is_no_contact_whatever_the_hysteresis() 
         for (x, expected) in [(1.05, "contact"), (1.15, "beyond-border")] {
             scene.move_slaves(&[[x, 0.5, -0.05]]);
             scene.update();
-            let code = |scene: &mut common::Scene| {
-                scene.interface.evaluate(Mode::Value).unwrap().get(0).outcome.code()
-            };
+            let code =
+                |scene: &mut Scene| scene.interface.evaluate(Mode::Value).unwrap().get(0).outcome.code();
             assert_eq!(code(&mut scene), expected, "{x} before a refresh, hysteresis {hysteresis}");
             scene.refresh();
             assert_eq!(code(&mut scene), expected, "{x} after a refresh, hysteresis {hysteresis}");

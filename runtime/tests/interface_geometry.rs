@@ -1,11 +1,9 @@
 //! Interfaces over surfaces whose gap is known: plane, cylinder, sphere, torus, graded meshes; derivatives,
 //! rigid motion, borders.
 
-mod common;
-
 use std::f64::consts::{PI, TAU};
 
-use common::{Mesh, Uniform, distance};
+use crate::common::{Mesh, Uniform, distance, hull_layers};
 use diffuse_contact::interface::{ContactElement, InterfaceOptions, NoContact, Outcome};
 use diffuse_contact::neighbourhood::{Fallback, SearchOptions};
 use diffuse_contact::surface::Facet;
@@ -34,7 +32,8 @@ fn over_a_plane_the_gap_is_the_height() {
         let contacts = scene.interface.evaluate(Mode::Gradient).unwrap();
         assert_eq!(contacts.len(), 300);
         for (contact, slave) in contacts.iter().zip(&slaves) {
-            assert_eq!(contact.outcome, Outcome::Contact { fallback: Fallback::None });
+            // Slaves that are farther than half a domain's radius are contacts of a wider plane.
+            assert!(contact.outcome.is_contact(), "{:?}", contact.outcome);
             assert!((contact.point.gap - slave[2]).abs() < 1e-13);
             assert!(distance(contact.point.foot, [slave[0], slave[1], 0.0]) < 1e-12);
             assert!(distance(contact.point.normal, [0.0, 0.0, 1.0]) < 1e-13);
@@ -145,7 +144,8 @@ fn derivatives_are_those_of_the_gap() {
         scene.update();
         scene.interface.evaluate(mode).unwrap().clone()
     };
-    let h = 1e-5;
+    // The error of the differences goes with the square of the step.
+    let h = 3e-6;
     let [before, after] = [-h, h].map(|step| evaluated(step, Mode::Gradient));
     let contacts = evaluated(0.0, Mode::Hessian);
     for (k, contact) in contacts.iter().enumerate() {
@@ -296,7 +296,7 @@ fn beyond_a_centre_of_curvature_there_is_no_nearest_foot() {
         [x, y, 1.0 - (1.0 - x * x - y * y).sqrt()]
     });
     for mesh in [groove, bowl] {
-        let mut scene = mesh.paired(&[[0.0, 0.0, 0.3]], InterfaceOptions::default());
+        let mut scene = mesh.paired(&[[0.0, 0.0, 0.3]], hull_layers());
         for (height, contact) in [(0.3, true), (0.8, true), (1.3, false), (2.0, false)] {
             scene.move_slaves(&[[1e-3, 0.0, height]]);
             scene.update();

@@ -1,8 +1,6 @@
 //! Who is paired with whom: sharp edges, thin plates, refresh reports, hysteresis, tributary areas.
 
-mod common;
-
-use common::{Mesh, Scene, Uniform, distance};
+use crate::common::{Mesh, Scene, Uniform, distance, hull_layers};
 use diffuse_contact::interface::{
     ContactElement, ContactInterface, GapJump, InterfaceOptions, NoContact, Outcome, SlaveGap,
 };
@@ -45,7 +43,7 @@ fn around_sharp_edges_masters_lie_on_one_face() {
         })
         .collect();
     let places: Vec<Point> = slaves.iter().map(|(x, ..)| *x).collect();
-    let mut scene = cube.paired(&places, InterfaceOptions::default());
+    let mut scene = cube.paired(&places, hull_layers());
     let contacts = scene.interface.evaluate(Mode::Value).unwrap();
     for (contact, &(x, axis, gap)) in contacts.iter().zip(&slaves) {
         assert!(contact.outcome.is_contact(), "{x:?} {:?}", contact.outcome);
@@ -54,7 +52,7 @@ fn around_sharp_edges_masters_lie_on_one_face() {
         assert!((contact.point.gap - gap).abs() < 1e-12, "{x:?} {}", contact.point.gap);
     }
     // Without a feature angle the fit rounds the edge.
-    let blunt = InterfaceOptions { feature_angle_degrees: 180.0, ..InterfaceOptions::default() };
+    let blunt = InterfaceOptions { feature_angle_degrees: 180.0, ..hull_layers() };
     let mut scene = cube.paired(&[[0.9, 0.9, 1.01]], blunt);
     assert!((gaps(&mut scene)[0].unwrap() - 0.01).abs() < 1e-12, "{:?}", gaps(&mut scene));
     let nodes = scene.interface.evaluate(Mode::Value).unwrap().get(0).nodes.to_vec();
@@ -67,7 +65,7 @@ fn around_sharp_edges_masters_lie_on_one_face() {
 #[test]
 fn a_slave_over_a_sharp_edge_has_no_contact_until_it_comes_over_a_face() {
     let cube = Mesh::cube(8);
-    let mut scene = cube.paired(&[[1.05, 0.1, 1.06], [0.9, 0.1, 1.05]], InterfaceOptions::default());
+    let mut scene = cube.paired(&[[1.05, 0.1, 1.06], [0.9, 0.1, 1.05]], hull_layers());
     let outcome = |scene: &mut Scene, k| scene.interface.evaluate(Mode::Value).unwrap().get(k).outcome;
     assert_eq!(outcome(&mut scene, 0).code(), "beyond-border");
     assert!(outcome(&mut scene, 1).is_contact());
@@ -90,7 +88,7 @@ fn both_sides_of_a_thin_plate_are_told_apart() {
             [0.98 * random.signed(), 0.98 * random.signed(), side * (0.01 + 0.05 * random.next() - 0.004)]
         })
         .collect();
-    let mut scene = plate.paired(&slaves, InterfaceOptions::default());
+    let mut scene = plate.paired(&slaves, hull_layers());
     for (contact, x) in scene.interface.evaluate(Mode::Value).unwrap().iter().zip(&slaves) {
         assert!(contact.outcome.is_contact(), "{x:?} {:?}", contact.outcome);
         assert!((contact.point.gap - (x[2].abs() - 0.01)).abs() < 1e-12, "{x:?} {}", contact.point.gap);
@@ -100,7 +98,7 @@ fn both_sides_of_a_thin_plate_are_told_apart() {
 
 #[test]
 fn a_report_counts_every_slave() {
-    let options = InterfaceOptions { distance_limit: Some(2.0), ..InterfaceOptions::default() };
+    let options = InterfaceOptions { distance_limit: Some(2.0), ..hull_layers() };
     let slaves = [over_floor(50), vec![[9.0, 9.0, 5.0], [-7.0, 9.0, 0.0], [30.0, 5.0, 0.1]]].concat();
     let mut scene = floor().scene(&slaves, options);
     let before = scene.interface.evaluate(Mode::Value).unwrap();
@@ -126,7 +124,7 @@ fn a_report_counts_every_slave() {
 
 #[test]
 fn the_gap_jump_of_a_refresh_is_the_largest_there_was() {
-    for options in [InterfaceOptions::default(), InterfaceOptions { hysteresis: 0.0, ..Default::default() }] {
+    for options in [hull_layers(), InterfaceOptions { hysteresis: 0.0, ..hull_layers() }] {
         let slaves = over_floor(200);
         let mut scene = floor().paired(&slaves, options);
         let slid: Vec<Point> = slaves.iter().map(|[x, y, z]| [x + 0.6, y + 0.45, *z]).collect();
@@ -150,7 +148,7 @@ fn the_gap_jump_of_a_refresh_is_the_largest_there_was() {
 fn pairings_are_taken_over_however_many_masters_hulls_hold() {
     let search = SearchOptions::default().with_rule(NeighbourRule::hull_layers(Some(4)));
     let element = ContactElement::Diffuse { weight: Weight::Cubic, frame: FrameDerivative::CoMoving, search };
-    let options = InterfaceOptions { element, ..Default::default() };
+    let options = InterfaceOptions { element, ..hull_layers() };
     let slaves = over_floor(40);
     let mut scene = floor().paired(&slaves, options);
     let before = gaps(&mut scene);
@@ -166,8 +164,7 @@ fn pairings_are_taken_over_however_many_masters_hulls_hold() {
 
 #[test]
 fn without_hysteresis_a_refresh_in_place_renews_everything() {
-    let mut scene =
-        floor().paired(&over_floor(80), InterfaceOptions { hysteresis: 0.0, ..Default::default() });
+    let mut scene = floor().paired(&over_floor(80), InterfaceOptions { hysteresis: 0.0, ..hull_layers() });
     let before = gaps(&mut scene);
     let report = scene.refresh();
     assert_eq!((report.kept, report.renewed, report.changed), (0, 80, 0));
@@ -177,8 +174,7 @@ fn without_hysteresis_a_refresh_in_place_renews_everything() {
 
 #[test]
 fn a_pairing_is_kept_until_the_slave_has_slid_far_enough() {
-    let mut scene =
-        floor().paired(&[[9.2, 9.3, 0.4]], InterfaceOptions { hysteresis: 0.2, ..Default::default() });
+    let mut scene = floor().paired(&[[9.2, 9.3, 0.4]], InterfaceOptions { hysteresis: 0.2, ..hull_layers() });
     let nodes = |scene: &mut Scene| scene.interface.evaluate(Mode::Value).unwrap().get(0).nodes.to_vec();
     let first = nodes(&mut scene);
     // Support radii of a hull search on unit squares are between 1.5 and 3.5.
@@ -206,7 +202,7 @@ fn a_pairing_is_kept_until_the_slave_has_slid_far_enough() {
 #[test]
 fn a_pairing_is_not_kept_across_a_sharp_edge() {
     let cube = Mesh::cube(8);
-    let options = InterfaceOptions { hysteresis: 0.9, ..InterfaceOptions::default() };
+    let options = InterfaceOptions { hysteresis: 0.9, ..hull_layers() };
     let mut scene = cube.paired(&[[0.95, 0.1, 1.01]], options);
     scene.move_slaves(&[[1.01, 0.1, 0.95]]);
     let report = scene.refresh();
@@ -218,7 +214,7 @@ fn a_pairing_is_not_kept_across_a_sharp_edge() {
 fn a_held_frame_is_that_of_the_last_refresh() {
     let search = SearchOptions::default();
     let element = ContactElement::Diffuse { weight: Weight::Cubic, frame: FrameDerivative::Frozen, search };
-    let options = InterfaceOptions { element, ..InterfaceOptions::default() };
+    let options = InterfaceOptions { element, ..hull_layers() };
     let mut scene = floor().paired(&over_floor(1), options);
     let before = gaps(&mut scene)[0].unwrap();
     // Turned by 20° about x, the held frame is not the average plane any more, and the gap not quite the same.
@@ -252,7 +248,7 @@ fn areas_are_those_of_the_slave_facets() {
         .collect();
     let slaves: Vec<usize> = (first..positions.len()).collect();
     let interface = |areas: bool, facets: &[Facet], slaves: &[usize]| {
-        let options = InterfaceOptions { areas, ..InterfaceOptions::default() };
+        let options = InterfaceOptions { areas, ..hull_layers() };
         ContactInterface::new(floor().surface(), slaves.to_vec(), facets, &positions, options)
     };
     let mut with = interface(true, &facets, &slaves).unwrap();
@@ -271,7 +267,7 @@ fn areas_are_those_of_the_slave_facets() {
 #[test]
 fn a_slave_moves_on_with_masters_that_move() {
     // The floor is drawn to the side under the slave, which changes partners from refresh to refresh.
-    let mut scene = floor().paired(&[[10.0, 10.0, 0.4]], InterfaceOptions::default());
+    let mut scene = floor().paired(&[[10.0, 10.0, 0.4]], hull_layers());
     let (mut changed, mut last) = (0, gaps(&mut scene)[0].unwrap());
     for _ in 0..40 {
         for x in &mut scene.positions[..scene.first] {
@@ -295,7 +291,7 @@ fn a_kept_pairing_learns_that_its_patch_has_come_to_end() {
     let search = SearchOptions::default().with_rule(NeighbourRule::hull_radius(Some(3)));
     let frame = FrameDerivative::CoMoving;
     let element = ContactElement::Diffuse { weight: Weight::Cubic, frame, search };
-    let options = InterfaceOptions { element, hysteresis: 0.3, ..Default::default() };
+    let options = InterfaceOptions { element, hysteresis: 0.3, ..hull_layers() };
     let mut scene = Mesh::plane(20.0, 20.0, 1.0).paired(&[[9.6, 9.6, -0.1]], options);
     let nodes = scene.interface.evaluate(Mode::Value).unwrap().get(0).nodes.to_vec();
     let fold = nodes.iter().map(|&node| scene.positions[node as usize][0]).fold(0.0, f64::max);
@@ -319,7 +315,7 @@ fn a_kept_pairing_learns_that_its_patch_has_come_to_end() {
 fn a_contact_that_a_refresh_loses_or_gains_is_reported() {
     let mut scene = Mesh::cube(8).scene(
         &[[0.9, 0.1, 0.97], [0.2, 0.3, 0.95]],
-        InterfaceOptions { distance_limit: Some(0.5), ..Default::default() },
+        InterfaceOptions { distance_limit: Some(0.5), ..hull_layers() },
     );
     let report = scene.refresh();
     assert_eq!((report.contacts_gained, report.contacts_lost), (2, 0));
@@ -342,7 +338,7 @@ fn a_contact_that_a_refresh_loses_or_gains_is_reported() {
 #[test]
 fn a_contact_that_a_new_crease_takes_away_is_reported() {
     // The plate is folded by 60° at x = 6 below a slave that has slid on past it, seen as penetrating by the old pairing.
-    let mut scene = Mesh::plane(12.0, 12.0, 1.0).paired(&[[5.6, 5.6, -0.3]], InterfaceOptions::default());
+    let mut scene = Mesh::plane(12.0, 12.0, 1.0).paired(&[[5.6, 5.6, -0.3]], hull_layers());
     let (s, c) = 60f64.to_radians().sin_cos();
     for x in &mut scene.positions[..scene.first] {
         let past = (x[0] - 6.0).max(0.0);
@@ -361,7 +357,7 @@ fn a_contact_that_a_new_crease_takes_away_is_reported() {
 
 #[test]
 fn a_refresh_that_fails_leaves_everything_as_it_was() {
-    let mut scene = floor().paired(&over_floor(40), InterfaceOptions::default());
+    let mut scene = floor().paired(&over_floor(40), hull_layers());
     let before = gaps(&mut scene);
     let nodes = |scene: &mut Scene| {
         let contacts = scene.interface.evaluate(Mode::Value).unwrap();

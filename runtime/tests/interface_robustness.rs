@@ -1,9 +1,7 @@
 //! Whatever comes in: an error for the caller, a named outcome, or finite numbers, the same for any number of
 //! threads.
 
-mod common;
-
-use common::{Mesh, Scene, Uniform};
+use crate::common::{Mesh, Scene, Uniform};
 use diffuse_contact::ad::Ad;
 use diffuse_contact::interface::{
     ContactElement, ContactInterface, ContactRef, InterfaceError, InterfaceOptions, NoContact, Outcome,
@@ -12,8 +10,8 @@ use diffuse_contact::interface::{
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
 use diffuse_contact::surface::{Facet, MasterSurface, SurfaceError};
 use diffuse_contact::{
-    Backend, ContactPoint, Element, ElementError, FacetElement, Frame, FrameDerivative, Generated, Mode,
-    Point, Weight,
+    Backend, ContactPoint, Element, ElementError, FacetElement, Frame, FrameDerivative, Gap, Generated, Mode,
+    Point, SymmetricMatrix, Weight,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -76,7 +74,10 @@ fn results_do_not_depend_on_the_number_of_threads() {
     let interpolating = with(Weight::CubicInterpolating, FrameDerivative::CoMoving, SearchOptions::default());
     for options in [InterfaceOptions::default(), held, interpolating, InterfaceOptions::node_to_facet()] {
         let one = everything(1, options);
-        assert!(one.1.kept > 100 && one.1.changed > 40 && one.1.largest_gap_jump.is_some(), "{:?}", one.1);
+        // With nodal domains no list is kept by itself, and no refresh changes a gap.
+        let is_nodal = options == InterfaceOptions::default();
+        assert!(one.1.changed > 40 && one.1.largest_gap_jump.is_some() != is_nodal, "{:?}", one.1);
+        assert!(if is_nodal { one.1.rebuilt } else { one.1.kept > 100 }, "{:?}", one.1);
         assert!(one.0.paired > 1000 && one.2.iter().any(|(outcome, ..)| outcome.contains("BeyondBorder")));
         for threads in [2, 5] {
             assert!(everything(threads, options) == one, "{threads} threads");
@@ -102,7 +103,7 @@ fn streaming_gives_the_same_as_holding_everything() {
 fn an_interface_without_slaves_has_nothing_to_say() {
     for options in [InterfaceOptions::default(), InterfaceOptions::node_to_facet()] {
         let mut scene = scene(0, options);
-        assert_eq!(scene.refresh(), RefreshReport::default());
+        assert_eq!(scene.refresh(), RefreshReport { rebuilt: true, ..RefreshReport::default() });
         assert!(scene.interface.evaluate(Mode::Hessian).unwrap().is_empty());
         scene.interface.for_each(Mode::Hessian, |_| panic!("no slave")).unwrap();
     }
@@ -255,7 +256,8 @@ fn confirmed_by_ad(element: &PairedElement, contact: &ContactRef<'_>) {
             }
             let error = foot_error(&element, &contact.point);
             assert!(error < 1e-9, "{error:e} {contact:?}");
-            (Ad.gap(&element, mode), size)
+            let expected = Ad.gap(&element, mode).map(|gap| of_listed(gap, &pairing.masters, contact.nodes));
+            (expected, size)
         }
         PairedElement::Facet { slave, corners } => {
             let facet = FacetElement { slave: *slave, corners };
@@ -281,6 +283,32 @@ fn confirmed_by_ad(element: &PairedElement, contact: &ContactRef<'_>) {
     let n = difference(contact.gradient, &expected.gradient);
     let m = difference(contact.hessian, expected.hessian.packed());
     assert!(gap < 1e-9 && n < 1e-9 && m < 1e-9, "{gap:e} {n:e} {m:e} {element:?}");
+}
+
+/// The derivatives by an element's masters as those by all that are listed: zero by the others.
+fn of_listed(mut gap: Gap, masters: &[usize], listed: &[u32]) -> Gap {
+    let place = |own: usize| match own.checked_sub(1) {
+        None => 0,
+        Some(own) => {
+            1 + listed.iter().position(|&node| node as usize == masters[own]).expect("a listed master")
+        }
+    };
+    let row = |own: usize| 3 * place(own / 3) + own % 3;
+    let freedoms = 3 * (listed.len() + 1);
+    let mut gradient = vec![0.0; freedoms];
+    for (own, &n) in gap.gradient.iter().enumerate() {
+        gradient[row(own)] = n;
+    }
+    let has_hessian = !gap.hessian.packed().is_empty();
+    let mut hessian = SymmetricMatrix::zeros(if has_hessian { freedoms } else { 0 });
+    for i in (0..gap.gradient.len()).filter(|_| has_hessian) {
+        for j in 0..=i {
+            let (high, low) = (row(i).max(row(j)), row(i).min(row(j)));
+            hessian.packed_mut()[high * (high + 1) / 2 + low] = gap.hessian.get(i, j);
+        }
+    }
+    (gap.gradient, gap.hessian) = (gradient, hessian);
+    gap
 }
 
 /// Where the kernel has no result automatic differentiation of the same element has none either.

@@ -1,8 +1,6 @@
 //! Derivatives only where there is force: what is read of them is what all contacts would give.
 
-mod common;
-
-use common::{Mesh, Scene, Uniform};
+use crate::common::{Mesh, Scene, Uniform};
 use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap, Triangle, Triplets, add_residual};
 use diffuse_contact::interface::{ContactElement, Contacts, InterfaceOptions};
 use diffuse_contact::{FrameDerivative, Mode, Point, Weight};

@@ -1,10 +1,9 @@
 //! Whether a neighbourhood carries the fit: regularity and pivots, the fallbacks of every degenerate layout, and
 //! what is refused.
 
-mod neighbourhood_cases;
-
 use std::collections::BTreeSet;
 
+use crate::neighbourhood_cases::{PLACES, UP, Uniform, find, hull, lattice, lattices};
 use diffuse_contact::neighbourhood::{
     Fallback, NeighbourRule, NeighbourSearch, NeighbourhoodError, Outward, SMALLEST_REGULARITY,
     SearchOptions, hull_layers,
@@ -12,7 +11,6 @@ use diffuse_contact::neighbourhood::{
 use diffuse_contact::pairing::NearestNodes;
 use diffuse_contact::{Backend, Basis, ElementError, Generated, Mode, Point, Weight};
 use nalgebra::Vector3;
-use neighbourhood_cases::{PLACES, UP, Uniform, find, hull, lattice, lattices};
 
 #[test]
 fn a_regular_set_does_not_enlarge_errors_in_the_heights() {

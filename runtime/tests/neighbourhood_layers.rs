@@ -1,11 +1,10 @@
 //! Which nodes a neighbourhood consists of: against a Delaunay triangulation, on regular grids in any position and
 //! order, around nodes that coincide, on thin and curved surfaces.
 
-mod neighbourhood_cases;
-
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
+use crate::neighbourhood_cases::{PLACES, UP, Uniform, find, flat_cloud, hull, lattice, lattices};
 use diffuse_contact::neighbourhood::{
     NeighbourRule, NeighbourSearch, NeighbourhoodError, Outward, SMALLEST_REGULARITY, SearchOptions,
     TOLERANCE, hull_layers,
@@ -13,7 +12,6 @@ use diffuse_contact::neighbourhood::{
 use diffuse_contact::pairing::{NearestNodes, node_normals};
 use diffuse_contact::{Basis, Point};
 use nalgebra::Vector3;
-use neighbourhood_cases::{PLACES, UP, Uniform, find, flat_cloud, hull, lattice, lattices};
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 
 /// Neighbours of `slave` in the Delaunay triangulation of it and all points, seen from above.

@@ -3,11 +3,9 @@
 //!
 //! `cargo test --release -p diffuse-contact --test regularity -- --nocapture` prints the table of docs/contact-surface.md.
 
-mod common;
-
 use std::collections::HashMap;
 
-use common::{Mesh, Uniform};
+use crate::common::{Mesh, Scene, Uniform};
 use diffuse_contact::interface::{ContactElement, InterfaceOptions, Outcome};
 use diffuse_contact::neighbourhood::{Fallback, SMALLEST_REGULARITY, SearchOptions};
 use diffuse_contact::surface::Facet;
@@ -134,7 +132,7 @@ impl Found {
             let slaves: Vec<Point> = at.iter().map(on_surface).collect();
             scene.move_slaves(&slaves);
             scene.update();
-            let gaps = |scene: &mut common::Scene| -> Vec<(bool, f64, Vec<u32>)> {
+            let gaps = |scene: &mut Scene| -> Vec<(bool, f64, Vec<u32>)> {
                 let contacts = scene.interface.evaluate(Mode::Value).unwrap().iter();
                 contacts.map(|one| (one.outcome.is_contact(), one.point.gap, one.nodes.to_vec())).collect()
             };

@@ -263,6 +263,7 @@ fn interaction(
         },
         two_pass: interface.two_pass,
         interface: interface.options(contact),
+        symmetry: interface.symmetry.clone(),
     };
     Ok(Interaction::new(options, &sides.master, &sides.slave, &model.nodes)?)
 }

@@ -1,8 +1,6 @@
 //! One hexahedron: forces, tangent, stresses.
 
-mod common;
-
-use common::{body, grid, numbers};
+use crate::common::{body, grid, numbers};
 use diffuse_contact_solver::material::{Material, Plasticity, PointState};
 use diffuse_contact_solver::solid::{Order, Solid, SolidError, SolidResponse};
 

@@ -1,8 +1,6 @@
 //! Bodies of hexahedra against closed forms.
 
-mod common;
-
-use common::{Problem, grid, numbers};
+use crate::common::{Problem, grid, numbers};
 use diffuse_contact_solver::material::{Material, Plasticity};
 
 const STEEL: Material = Material { young: 2e5, poisson: 0.3, plasticity: None };

@@ -1,10 +1,8 @@
 //! Linear systems against dense algebra, and matrices that have no solution.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::numbers;
+use crate::common::numbers;
 use diffuse_contact_solver::system::{
     BlockMatrix, BlockPattern, DirectSolver, Equations, Method, SolveReport, Symmetry, SystemError,
 };

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use diffuse_contact::{Basis, Element, Frame, Point, Weight};
+use diffuse_contact::{Basis, Domains, Element, Frame, Point, Weight};
 use diffuse_contact_kernels::support::{ElementInputs, Masters};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -20,6 +20,8 @@ pub struct Case {
     pub frame: Frame,
     /// R.
     pub support_radius: f64,
+    /// R_k of each master node; none: R for all.
+    pub radii: Vec<f64>,
     /// Basis of the fit.
     pub basis: Basis,
     /// Weight of the fit.
@@ -28,7 +30,8 @@ pub struct Case {
 
 impl Case {
     /// A well-conditioned element of about unit size in general position: `n` masters spread over the unit disc
-    /// and off every conic, on a bumpy surface with curvatures up to 0.4, the slave within 0.4 of it.
+    /// and off every conic, on a bumpy surface with curvatures up to 0.4, the slave within 0.4 of it. With an odd seed the nodes
+    /// have domains of their own, 0.9 to 1.3 R wide.
     #[must_use]
     pub fn random(n: usize, basis: Basis, seed: u64) -> Self {
         let mut random = Random::new(seed);
@@ -38,7 +41,12 @@ impl Case {
         for [a, b] in spread(n, &mut random) {
             nodes.push([a, b, surface.height(a, b) + 0.05 * random.signed()]);
         }
-        Self::from_local(&nodes, 1.3, basis, &mut random)
+        let case = Self::from_local(&nodes, 1.3, basis, &mut random);
+        if seed % 2 == 0 {
+            return case;
+        }
+        let radii = (0..n).map(|_| 1.3 * (1.1 + 0.2 * random.signed())).collect();
+        Self { radii, ..case }
     }
 
     /// `n` masters on a quadric and the slave at `distance` from it, straight above the surface point at
@@ -63,7 +71,8 @@ impl Case {
             add(local, centre)
         });
         let slave = positions.next().expect("a slave");
-        Self { slave, masters: positions.collect(), frame, support_radius, basis, weight: Weight::Cubic }
+        let (masters, radii) = (positions.collect(), Vec::new());
+        Self { slave, masters, frame, support_radius, radii, basis, weight: Weight::Cubic }
     }
 
     /// The element in the frame (x, y, z), from coordinates taken as they are, slave first.
@@ -76,6 +85,7 @@ impl Case {
             masters: nodes[1..].to_vec(),
             frame,
             support_radius,
+            radii: Vec::new(),
             basis,
             weight: Weight::Cubic,
         }
@@ -84,14 +94,14 @@ impl Case {
     /// What the backends take.
     #[must_use]
     pub fn element(&self) -> Element<'_> {
-        Element {
-            slave: self.slave,
-            masters: &self.masters,
-            frame: self.frame,
-            support_radius: self.support_radius,
-            basis: self.basis,
-            weight: self.weight,
-        }
+        Element::new(self.slave, &self.masters, self.frame, self.support_radius)
+            .with_domains(self.domains())
+            .with_basis(self.basis)
+            .with_weight(self.weight)
+    }
+
+    fn domains(&self) -> Domains<'_> {
+        if self.radii.is_empty() { Domains::Shared } else { Domains::Each(&self.radii) }
     }
 
     /// What the kernels read; surfaces are evaluated below the slave.
@@ -100,6 +110,8 @@ impl Case {
         ElementInputs {
             slave: self.slave,
             masters: Masters::Positions(&self.masters),
+            domains: self.domains(),
+            plane_reach: self.frame.reach,
             t1: self.frame.t1,
             t2: self.frame.t2,
             normal: self.frame.normal,
@@ -109,20 +121,27 @@ impl Case {
         }
     }
 
-    /// The element with another weight.
+    /// The element with another weight, which also weights the nodes in a moving plane.
     #[must_use]
     pub fn with_weight(self, weight: Weight) -> Self {
-        Self { weight, ..self }
+        let case = Self { weight, ..self };
+        if case.frame.reach > 0.0 { case.co_moving() } else { case }
     }
 
-    /// The element in the average plane of its masters, moving with it, on the same side.
+    /// The element in the average plane of its masters, moving with it, on the same side; nodes with domains of their own are
+    /// weighted.
     ///
     /// # Panics
     /// If there is no such plane.
     #[must_use]
     pub fn co_moving(self) -> Self {
-        let frame = Frame::average_plane(&self.masters, self.frame.normal).expect("an average plane");
-        Self { frame, ..self }
+        let frame = if self.radii.is_empty() {
+            Frame::average_plane(&self.masters, self.frame.normal)
+        } else {
+            let weight = |r| self.weight.fitting(r);
+            Frame::moving_plane(self.slave, &self.masters, &self.radii, weight, 1.0, self.frame.normal)
+        };
+        Self { frame: frame.expect("an average plane"), ..self }
     }
 
     /// Every position replaced by `f` of it.
@@ -136,7 +155,8 @@ impl Case {
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         let support_radius = factor * self.support_radius;
-        Self { support_radius, ..self.mapped(|x| scale(factor, x)) }
+        let radii = self.radii.iter().map(|radius| factor * radius).collect();
+        Self { support_radius, radii, ..self.mapped(|x| scale(factor, x)) }
     }
 
     /// With R doing the measuring: the same coordinates, a support radius of 1.

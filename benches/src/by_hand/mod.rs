@@ -391,14 +391,9 @@ mod tests {
         ];
         let frame =
             diffuse_contact::Frame::given([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], None);
-        let element = Element {
-            slave: [0.0, 0.0, 0.2],
-            masters: &masters,
-            frame: frame.unwrap(),
-            support_radius: 1.6,
-            basis: diffuse_contact::Basis::Quadratic,
-            weight: diffuse_contact::Weight::Cubic,
-        };
+        let element = Element::new([0.0, 0.0, 0.2], &masters, frame.unwrap(), 1.6)
+            .with_basis(diffuse_contact::Basis::Quadratic)
+            .with_weight(diffuse_contact::Weight::Cubic);
         let (mut n, mut m, mut expected_n, mut expected_m) = ([0.0; 24], [0.0; 300], [0.0; 24], [0.0; 300]);
         ByHand::<7, 24>::default().gap(&element, &mut n, &mut m).unwrap();
         Generated.gap_into(&element, Mode::Hessian, &mut expected_n, &mut expected_m).unwrap();
@@ -412,13 +407,7 @@ mod tests {
         let elements = Elements::new(6, 1).unwrap();
         let frame =
             diffuse_contact::Frame::given([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], None);
-        let element = Element {
-            slave: [0.1, 0.0, 0.2],
-            masters: &masters,
-            frame: frame.unwrap(),
-            support_radius: 1.6,
-            ..elements.frozen(0)
-        };
+        let element = Element::new([0.1, 0.0, 0.2], &masters, frame.unwrap(), 1.6);
         assert!(ByHand::<6, 21>::default().gap(&element, &mut [0.0; 21], &mut [0.0; 231]).is_none());
     }
 }

@@ -154,14 +154,14 @@ fn single_elements_and_batches_give_what_the_runtime_gives() {
             t2: [0.0; 3],
             normal: [0.0; 3],
         };
-        let expected = Element {
+        let expected = Element::new(
             slave,
-            masters: &own,
-            frame: Frame { derivative, ..Frame::average_plane(&own, pairing.normal).unwrap() },
-            support_radius: pairing.support_radius,
-            basis: runtime::Basis::Quadratic,
-            weight: Weight::CubicInterpolating,
-        };
+            &own,
+            Frame { derivative, ..Frame::average_plane(&own, pairing.normal).unwrap() },
+            pairing.support_radius,
+        )
+        .with_basis(runtime::Basis::Quadratic)
+        .with_weight(Weight::CubicInterpolating);
         let (mut gradient, mut hessian) = (vec![0.0; freedoms], vec![0.0; packed]);
         let point = Generated.gap_into(&expected, Mode::Hessian, &mut gradient, &mut hessian).unwrap();
         let (mut found, mut found_gradient, mut found_hessian) =

@@ -214,13 +214,11 @@ fn one_element() -> runtime::Gap {
     let masters: Vec<[f64; 3]> = (0..9)
         .map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0, 0.01 * f64::from(k) * f64::from(k)])
         .collect();
-    let element = Element {
-        slave: [0.1, 0.2, 0.25],
-        masters: &masters,
-        frame: Frame::average_plane(&masters, [0.0, 0.0, 1.0]).unwrap(),
-        support_radius: 2.0,
-        basis: Basis::Quadratic,
-        weight: Weight::Cubic,
-    };
+    let element = Element::new(
+        [0.1, 0.2, 0.25],
+        &masters,
+        Frame::average_plane(&masters, [0.0, 0.0, 1.0]).unwrap(),
+        2.0,
+    );
     Generated.gap(&element, Mode::Hessian).unwrap()
 }

@@ -195,14 +195,9 @@ fn user_element(
         (masters, found.support_radius, found.basis, found.frame.normal)
     };
     let positions: Vec<Point> = masters.iter().map(|&master| now[master]).collect();
-    let element = Element {
-        slave: now[0],
-        masters: &positions,
-        frame: Frame::average_plane(&positions, outward).unwrap(),
-        support_radius,
-        basis,
-        weight: Weight::Cubic,
-    };
+    let element =
+        Element::new(now[0], &positions, Frame::average_plane(&positions, outward).unwrap(), support_radius)
+            .with_basis(basis);
     let own = element.degrees_of_freedom();
     let (mut gradient, mut hessian) = (vec![0.0; own], vec![0.0; own * (own + 1) / 2]);
     let point = Generated.gap_into(&element, Mode::Hessian, &mut gradient, &mut hessian).unwrap();

@@ -1,4 +1,9 @@
-//! The library as its users have it: installed, found by pkg-config, linked from C and Fortran.
+//! The library as its users have it: built with optimisation, installed, found by pkg-config, linked from C and Fortran.
+//!
+//! ```text
+//! cargo build --release -p diffuse-contact-capi
+//! DIFFUSE_CONTACT_BUILT=$PWD/target/release cargo test --release -p diffuse-contact-capi --test installed
+//! ```
 
 mod c_program;
 mod documented;

@@ -7,6 +7,8 @@ use std::process::Command;
 
 /// With this variable set a missing tool fails a test; without it the test says so and passes.
 const REQUIRE: &str = "DIFFUSE_CONTACT_REQUIRE_TOOLS";
+/// The variable that names the directory of the built library.
+const BUILT: &str = "DIFFUSE_CONTACT_BUILT";
 
 /// Whether a program is there.
 pub fn has(tool: &str) -> bool {
@@ -37,16 +39,11 @@ pub struct Installed {
 }
 
 impl Installed {
-    /// Builds the library with the profile of the tests, and installs it in a directory of this name.
+    /// Installs the built library in a directory of this name.
     pub fn new(name: &str) -> Self {
-        let test = std::env::current_exe().expect("the test");
-        let built = test.parent().and_then(Path::parent).expect("target/profile/deps");
-        let target = built.parent().expect("target");
-        let profile = built.file_name().and_then(|name| name.to_str()).expect("a profile");
-        let profile = if profile == "debug" { "dev" } else { profile };
-        let mut build = Command::new(env!("CARGO"));
-        build.args(["build", "-p", "diffuse-contact-capi", "--profile", profile, "--target-dir"]).arg(target);
-        run(build.current_dir(root()));
+        let built = std::env::var_os(BUILT).unwrap_or_else(|| {
+            panic!("{BUILT} does not name the directory of the built library; see main.rs for how to run these tests")
+        });
         let prefix = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
         run(Command::new(root().join("capi/install.sh")).arg(&prefix).arg(built));
         Self { prefix }

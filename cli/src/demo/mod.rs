@@ -1,47 +1,58 @@
 //! The `demo` job: the contact of two surfaces of a mesh, from the file to a table and a picture.
 //!
-//! The order of the work is the order of the modules: [`surfaces`] reads the mesh, [`nodes`] pairs and evaluates
-//! every slave node, [`cross_check`] compares a sample with automatic differentiation, [`sampling`] lays the smooth
-//! surface over the facets, [`scene`] writes all of it for ParaView, [`report`] says it in words.
+//! It takes the route that a solver takes: one contact interface of the whole surface, as the job `surface` does, whose modules
+//! read the mesh and evaluate every slave node. Then [`sampling`] lays the smooth surface over the facets, [`picture`] draws it,
+//! [`scene`] writes all of it for ParaView, [`report`] says it in words.
 
-mod cross_check;
-mod nodes;
+mod arguments;
+mod picture;
 mod report;
 mod sampling;
 mod scene;
-pub mod status;
-mod surfaces;
 
-use diffuse_contact::pairing::{MAX_NEIGHBOURS, PairingRule};
+pub use arguments::DemoArguments;
 
-use crate::args::DemoArguments;
-use crate::backend::{BackendKind, backend};
+use std::time::Instant;
+
+use diffuse_contact::interface::InterfaceOptions;
+
+use crate::contact_mesh::ContactMesh;
 use crate::error::CliError;
 use crate::output;
+use crate::surface::nodes;
+use crate::surface::report::Report;
+use crate::surface::slaves::Surfaces;
 
 /// Runs the demonstration.
 pub fn run(arguments: &DemoArguments) -> Result<(), CliError> {
-    output::check_target(&arguments.output)?;
-    if let Some(mesh) = &arguments.mesh {
-        output::check_distinct(mesh, &arguments.output)?;
+    let picture = arguments.picture();
+    for target in std::iter::once(&arguments.output).chain(&picture) {
+        output::check_target(target)?;
+        if let Some(mesh) = &arguments.mesh {
+            output::check_distinct(mesh, target)?;
+        }
     }
-    let surfaces = surfaces::read(arguments)?;
-    let generated = backend(BackendKind::Generated);
-    let rule = PairingRule {
-        neighbours: arguments.neighbours,
-        max_neighbours: MAX_NEIGHBOURS,
-        ..PairingRule::default()
-    };
-    let nodes = nodes::evaluate(generated, &surfaces, &rule);
-    let check = cross_check::compare(generated, backend(BackendKind::Ad), &nodes);
-    let smooth = sampling::sample(generated, &surfaces, &rule);
+    let sets = &arguments.sets;
+    let options = InterfaceOptions::default();
+    let start = Instant::now();
+    let surfaces = Surfaces::new(ContactMesh::read(arguments.mesh.as_deref(), sets)?, sets);
+    let read = start.elapsed();
+    let nodes = nodes::evaluate(&surfaces, sets, options, &[])?;
+    let smooth = sampling::sample(&surfaces, sets, options)?;
+    let start = Instant::now();
     scene::write(&arguments.output, &surfaces, &nodes, &smooth)?;
-    let report = report::Report {
+    if let Some(path) = &picture {
+        picture::write(path, &surfaces, &nodes, &smooth)?;
+    }
+    let contact = Report {
         surfaces: &surfaces,
+        sets,
         nodes: &nodes,
-        check: &check,
-        smooth: &smooth,
+        element: options.element.into(),
+        read,
+        write: start.elapsed(),
         file: &arguments.output,
     };
+    let report = report::Report { contact: &contact, smooth: &smooth, picture: picture.as_deref() };
     output::write_stdout(|writer| write!(writer, "{report}"))
 }

@@ -3,13 +3,13 @@
 
 use std::collections::BTreeMap;
 
-use diffuse_contact::pairing::{PairingRule, pair};
-use diffuse_contact::{Backend, ElementError, Mode, Point};
-use diffuse_contact_mesh::Facet;
+use diffuse_contact::interface::{ContactInterface, Contacts, InterfaceOptions, Outcome};
+use diffuse_contact::surface::{Facet, MasterSurface};
+use diffuse_contact::{Mode, Point};
 
-use super::status;
-use super::surfaces::Surfaces;
-use crate::progress::progress;
+use crate::contact_mesh::SetArguments;
+use crate::error::CliError;
+use crate::surface::slaves::Surfaces;
 
 /// Pieces along each side of a facet, …
 const FINEST: usize = 6;
@@ -17,10 +17,6 @@ const FINEST: usize = 6;
 const COARSEST: usize = 2;
 /// … the pieces would outnumber this.
 const MOST_PIECES: usize = 100_000;
-/// Projections of each point. The smooth surface is where a point is its own foot; the first projection starts from
-/// the facet, the second from so close that a third would not show.
-const PROJECTIONS: usize = 2;
-
 /// A point of the smooth surface.
 #[derive(Clone, Copy)]
 pub struct Sample {
@@ -38,9 +34,12 @@ pub struct SmoothSurface {
     pub samples: Vec<Sample>,
     /// Pieces between them.
     pub pieces: Vec<Facet>,
-    /// Signed height of each master node over the smooth surface, or the code of [`status`] that says why there is
-    /// none.
-    pub node_heights: Vec<Result<f64, i32>>,
+    /// Nodes of the master surface, ascending.
+    pub nodes: Vec<usize>,
+    /// Their normals on the facets, not normalised.
+    pub node_normals: Vec<Point>,
+    /// Signed height of each over the smooth surface, or what became of it.
+    pub node_heights: Vec<Result<f64, Outcome>>,
     /// Points left out because they have no foot, with the pieces at them.
     pub left_out: usize,
     /// Pieces along each side of a facet.
@@ -48,61 +47,90 @@ pub struct SmoothSurface {
 }
 
 /// Samples the smooth surface over all master facets.
-pub fn sample(backend: &dyn Backend, surfaces: &Surfaces, rule: &PairingRule) -> SmoothSurface {
-    let subdivisions = subdivisions(surfaces.facets.len());
-    let lattice = Lattice::new(&surfaces.facets, subdivisions);
-    let bar = progress("smooth surface", lattice.points.len());
-    let mut samples = Vec::with_capacity(lattice.points.len());
-    let mut node_heights = vec![Ok(0.0); surfaces.master.points().len()];
-    let mut index = Vec::with_capacity(lattice.points.len());
-    for mixture in &lattice.points {
-        let facet_point = mixture.position(surfaces.master.points());
-        let sample = project(backend, surfaces, rule, facet_point);
-        if let Some(node) = mixture.node() {
-            node_heights[node] = match &sample {
-                Ok(sample) => Ok(sample.facet_height),
-                Err(error) => Err(status::of(error)),
-            };
-        }
-        index.push(sample.is_ok().then_some(samples.len()));
-        samples.extend(sample);
-        bar.inc(1);
+pub fn sample(
+    surfaces: &Surfaces,
+    sets: &SetArguments,
+    options: InterfaceOptions,
+) -> Result<SmoothSurface, CliError> {
+    let nodes = surfaces.mesh.nodes();
+    let refused = |error| surfaces.interface_error(sets, error);
+    let master = MasterSurface::new(nodes, surfaces.master.clone())
+        .map_err(|error| surfaces.master_error(&sets.master, error))?;
+    let master_nodes: Vec<usize> = master.nodes().iter().map(|&node| node as usize).collect();
+    let node_normals =
+        master.node_normals(nodes).map_err(|error| surfaces.master_error(&sets.master, error))?;
+    let subdivisions = subdivisions(surfaces.master.len());
+    let lattice = Lattice::new(&surfaces.master, subdivisions);
+    let flat: Vec<Point> = lattice.points.iter().map(|mixture| mixture.position(nodes)).collect();
+    let mut positions: Vec<Point> = nodes.iter().chain(&flat).copied().collect();
+    let slaves = (nodes.len()..positions.len()).collect();
+    let options = InterfaceOptions { areas: false, ..options };
+    let mut interface = ContactInterface::new(master, slaves, &[], &positions, options).map_err(refused)?;
+    interface.refresh_pairing(&positions).map_err(refused)?;
+    // The smooth surface is where a point is its own foot: the first projection starts from the facet, the second from so close that
+    // a third would not show.
+    let first = projections(interface.evaluate(Mode::Value).map_err(refused)?);
+    for (position, found) in positions[nodes.len()..].iter_mut().zip(&first) {
+        *position = found.map_or(*position, |(foot, _)| foot);
     }
-    bar.finish_and_clear();
-    let pieces = lattice.pieces.iter().filter_map(|piece| {
-        let corners: Option<Vec<usize>> = piece.nodes().iter().map(|&point| index[point]).collect();
-        Facet::from_nodes(&corners?)
-    });
-    SmoothSurface {
-        pieces: pieces.collect(),
-        left_out: index.iter().filter(|sample| sample.is_none()).count(),
-        samples,
-        node_heights,
+    interface.update(&positions).map_err(refused)?;
+    let second = projections(interface.evaluate(Mode::Value).map_err(refused)?);
+    let mut found = SmoothSurface {
+        samples: Vec::with_capacity(flat.len()),
+        pieces: Vec::new(),
+        node_heights: vec![Ok(0.0); master_nodes.len()],
+        nodes: master_nodes,
+        node_normals,
+        left_out: 0,
         subdivisions,
+    };
+    let mut index = Vec::with_capacity(flat.len());
+    for ((mixture, &point), (first, second)) in
+        lattice.points.iter().zip(&flat).zip(first.into_iter().zip(second))
+    {
+        // At a border the second projection may end beyond it.
+        let sample = first.map(|first| sample_at(point, second.unwrap_or(first)));
+        if let Some(node) = mixture.node() {
+            let place = found.nodes.partition_point(|&other| other < node);
+            found.node_heights[place] = sample.map(|sample| sample.facet_height);
+        }
+        index.push(sample.is_ok().then_some(found.samples.len()));
+        found.left_out += usize::from(sample.is_err());
+        found.samples.extend(sample);
+    }
+    let pieces = lattice.pieces.iter().filter_map(|piece| {
+        let corners: Option<Vec<usize>> = piece.corners().iter().map(|&point| index[point]).collect();
+        facet_of(&corners?)
+    });
+    found.pieces = pieces.collect();
+    Ok(found)
+}
+
+/// Foot and normal of each slave, or what became of it.
+fn projections(contacts: &Contacts) -> Vec<Result<(Point, Point), Outcome>> {
+    let found = contacts.iter().map(|contact| match contact.outcome {
+        Outcome::Contact { .. } => Ok((contact.point.foot, contact.point.normal)),
+        none @ Outcome::None(_) => Err(none),
+    });
+    found.collect()
+}
+
+fn sample_at(facet_point: Point, (position, normal): (Point, Point)) -> Sample {
+    let facet_height = (0..3).map(|k| (facet_point[k] - position[k]) * normal[k]).sum();
+    Sample { position, normal, facet_height }
+}
+
+/// A facet with three or four corners.
+fn facet_of(corners: &[usize]) -> Option<Facet> {
+    match *corners {
+        [a, b, c] => Some(Facet::Triangle([a, b, c])),
+        [a, b, c, d] => Some(Facet::Quadrilateral([a, b, c, d])),
+        _ => None,
     }
 }
 
 fn subdivisions(facets: usize) -> usize {
     (COARSEST..=FINEST).rev().find(|side| facets * side * side <= MOST_PIECES).unwrap_or(COARSEST)
-}
-
-/// Moves a point of a facet to the smooth surface.
-fn project(
-    backend: &dyn Backend,
-    surfaces: &Surfaces,
-    rule: &PairingRule,
-    facet_point: Point,
-) -> Result<Sample, ElementError> {
-    let pairing = pair(backend, &surfaces.master, &surfaces.normals, facet_point, rule)?;
-    let mut sample = Sample { position: facet_point, normal: pairing.frame.normal, facet_height: 0.0 };
-    for _ in 0..PROJECTIONS {
-        let gap = backend.gap(&pairing.element(sample.position), Mode::Value)?;
-        sample.position = gap.foot;
-        sample.normal = gap.normal;
-    }
-    let offset = [0, 1, 2].map(|k| facet_point[k] - sample.position[k]);
-    sample.facet_height = offset.iter().zip(sample.normal).map(|(d, n)| d * n).sum();
-    Ok(sample)
 }
 
 /// A point of a facet: a mixture of its corners in whole parts of subdivisions². Where facets meet, both describe a
@@ -221,9 +249,9 @@ mod tests {
         for (facet, area) in [(Facet::Quadrilateral([0, 1, 2, 3]), 2.0), (Facet::Triangle([0, 1, 2]), 1.0)] {
             let lattice = Lattice::new(&[facet], 5);
             let points: Vec<Point> = lattice.points.iter().map(|mixture| mixture.position(&nodes)).collect();
-            let sum: f64 = lattice.pieces.iter().map(|piece| signed_area(piece.nodes(), &points)).sum();
+            let sum: f64 = lattice.pieces.iter().map(|piece| signed_area(piece.corners(), &points)).sum();
             assert!((sum - area).abs() < 1e-14, "{facet:?}: {sum}");
-            assert!(lattice.pieces.iter().all(|piece| signed_area(piece.nodes(), &points) > 0.0));
+            assert!(lattice.pieces.iter().all(|piece| signed_area(piece.corners(), &points) > 0.0));
         }
     }
 

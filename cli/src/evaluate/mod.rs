@@ -4,32 +4,47 @@
 //! refused as a whole; an element that follows it but has no result gets an error entry and the others are still
 //! evaluated.
 
+mod arguments;
 mod result;
 mod schema;
 
 use std::io::{self, Write};
+use std::process::ExitCode;
 
-use diffuse_contact::{Backend, Basis};
+use diffuse_contact::{Backend, Basis, Generated};
 
-use crate::args::EvaluateArguments;
-use crate::backend::backend;
+use crate::content::ContentError;
+use crate::elsewhere;
 use crate::error::CliError;
-use crate::json::{self, Object};
+use crate::input;
+use crate::json::Object;
 use crate::outcome::Failures;
 use crate::output;
+
+pub use arguments::{BackendKind, EvaluateArguments};
 
 use result::evaluate;
 use schema::{Document, ElementInput};
 
+/// Evaluates the elements of the input file, or has the laboratory do it by automatic differentiation.
+pub(crate) fn run(arguments: &EvaluateArguments) -> Result<ExitCode, CliError> {
+    match arguments.backend {
+        BackendKind::Generated => run_with(arguments, &Generated),
+        BackendKind::Ad => elsewhere::run(elsewhere::LABORATORY),
+    }
+}
+
 /// Evaluates the elements of the input file.
-pub fn run(arguments: &EvaluateArguments) -> Result<(), CliError> {
+///
+/// # Errors
+/// Files that cannot be read or written, and a document that does not follow the schema.
+pub fn run_with(arguments: &EvaluateArguments, backend: &dyn Backend) -> Result<ExitCode, CliError> {
     if let Some(path) = &arguments.output {
         output::check_target(path)?;
         output::check_distinct(&arguments.input, path)?;
     }
-    let (file, text) = json::read(&arguments.input)?;
+    let (file, text) = input::read(&arguments.input)?;
     let document = parse(&file, &text)?;
-    let backend = backend(arguments.backend);
     let mut failures = Failures::default();
     let write = |writer: &mut dyn Write| write_results(writer, &document.elements, backend, &mut failures);
     match &arguments.output {
@@ -37,7 +52,7 @@ pub fn run(arguments: &EvaluateArguments) -> Result<(), CliError> {
         None => output::write_stdout(write)?,
     }
     failures.report(document.elements.len(), "elements");
-    Ok(())
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Reads the document; an element that no basis can fit is bad input, not a result.
@@ -47,7 +62,7 @@ fn parse(file: &str, text: &[u8]) -> Result<Document, CliError> {
         let found = input.masters().len();
         if found < Basis::Linear.size() {
             let place = format!("elements[{element}].masters");
-            return Err(CliError::TooFewMasters { file: file.to_owned(), place, found });
+            return Err(ContentError::TooFewMasters { file: file.to_owned(), place, found }.into());
         }
     }
     Ok(document)

@@ -128,7 +128,8 @@ fn evaluated(input: &ElementInput, backend: &dyn Backend) -> Result<Evaluated, R
     let slave = input.slave.0;
     let support_radius =
         input.support_radius.unwrap_or_else(|| pairing::support_radius(&frame, slave, &masters));
-    let element = Element { slave, masters: &masters, frame, support_radius, basis, weight: input.weight() };
+    let element =
+        Element::new(slave, &masters, frame, support_radius).with_basis(basis).with_weight(input.weight());
     element.validate()?;
     let gap = backend.gap(&element, Mode::Hessian)?;
     Ok(answer(gap, &element, input.penalty)?)

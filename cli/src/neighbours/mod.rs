@@ -3,6 +3,7 @@
 //! [`schema`] says what a file may contain, [`result`] what comes back. As in `evaluate`, a file that does not follow
 //! the schema is refused as a whole; a search that follows it but finds no neighbourhood gets an error entry.
 
+mod arguments;
 mod result;
 mod schema;
 
@@ -10,11 +11,14 @@ use std::io::{self, Write};
 
 use diffuse_contact::Basis;
 
-use crate::args::NeighboursArguments;
+use crate::content::ContentError;
 use crate::error::CliError;
-use crate::json::{self, Object};
+use crate::input;
+use crate::json::Object;
 use crate::outcome::Failures;
 use crate::output;
+
+pub use arguments::NeighboursArguments;
 
 use result::search;
 use schema::{Document, Layout, Rule, SearchInput};
@@ -25,7 +29,7 @@ pub fn run(arguments: &NeighboursArguments) -> Result<(), CliError> {
         output::check_target(path)?;
         output::check_distinct(&arguments.input, path)?;
     }
-    let (file, text) = json::read(&arguments.input)?;
+    let (file, text) = input::read(&arguments.input)?;
     let document = parse(&file, &text)?;
     let mut failures = Failures::default();
     let write = |writer: &mut dyn Write| write_results(writer, &document, &mut failures);
@@ -44,12 +48,22 @@ fn parse(file: &str, text: &[u8]) -> Result<Document, CliError> {
         let place = |field: &str| document.layout.place(index) + field;
         let found = input.masters().len();
         if found < Basis::Linear.size() {
-            return Err(CliError::TooFewMasters { file: file.to_owned(), place: place("masters"), found });
+            return Err(ContentError::TooFewMasters {
+                file: file.to_owned(),
+                place: place("masters"),
+                found,
+            }
+            .into());
         }
         let of_element = input.field_of_element().filter(|_| document.layout != Layout::Elements);
         let of_element = of_element.map(|field| (field, "for a search: it is a field of `evaluate`"));
         if let Some((field, beside)) = of_element.or_else(|| meaningless(input)) {
-            return Err(CliError::MeaninglessField { file: file.to_owned(), place: place(field), beside });
+            return Err(ContentError::MeaninglessField {
+                file: file.to_owned(),
+                place: place(field),
+                beside,
+            }
+            .into());
         }
     }
     Ok(document)

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::legend;
-use crate::args::SetArguments;
+use crate::contact_mesh::SetArguments;
 use crate::contact_options::ElementArguments;
 use crate::threads;
 

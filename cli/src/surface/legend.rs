@@ -1,16 +1,26 @@
 //! What became of a slave node, as a number for ParaView and as words for people.
-//!
-//! The numbers of `demo` mean the same here; those that only a whole interface knows follow them.
 
 use diffuse_contact::interface::Outcome;
-
-use crate::demo::status;
 
 /// A reason this list does not know.
 const OTHER: i32 = 99;
 
 /// Number, name, meaning.
-const CODES: [(i32, &str, &str); 5] = [
+const CODES: [(i32, &str, &str); 19] = [
+    (0, "contact", "gap, normal and foot are valid"),
+    (1, "too-few-nodes", "fewer master nodes than the fit needs"),
+    (2, "non-finite-input", "a coordinate is not a finite number"),
+    (3, "invalid-support-radius", "all master nodes lie straight above or below the slave"),
+    (4, "invalid-frame", "the local frame is not orthonormal"),
+    (5, "ambiguous-outward", "the facets around do not tell which side is outside"),
+    (6, "no-average-plane", "the master nodes lie on a line or are as thick as wide"),
+    (7, "singular-fit", "the master nodes do not determine a quadratic surface"),
+    (8, "foot-diverged", "no foot point was found on the smooth surface"),
+    (9, "foot-outside", "the foot point lies outside the domain of influence"),
+    (10, "centre-of-curvature", "the foot point is not unique"),
+    (11, "overflow", "the numbers overflow"),
+    (12, "beyond-border", "the slave does not face the master surface"),
+    (13, "beyond-centre-of-curvature", "the slave is so far away that the foot is not the closest point"),
     (14, "not-paired", "there has been no search for master nodes"),
     (15, "too-far", "the closest facet is farther away than the distance limit"),
     (16, "no-candidate", "no master nodes on its side of sharp edges carry a smooth surface"),
@@ -18,30 +28,28 @@ const CODES: [(i32, &str, &str); 5] = [
     (OTHER, "other", "a reason this table does not know"),
 ];
 
-/// All numbers with names and meanings.
-fn all() -> impl Iterator<Item = (i32, &'static str, &'static str)> {
-    let contact = (status::OK, "contact", "gap, normal and foot are valid");
-    let shared = status::all().filter(|(number, ..)| *number != status::OK);
-    std::iter::once(contact).chain(shared).chain(CODES)
-}
-
 /// The number of an outcome.
 pub fn number(outcome: Outcome) -> i32 {
     let code = outcome.code();
-    all().find(|(_, name, _)| *name == code).map_or(OTHER, |(number, ..)| number)
+    CODES.iter().find(|(_, name, _)| *name == code).map_or(OTHER, |(number, ..)| *number)
 }
 
 /// Number and meaning of a code.
 pub fn describe(code: &str) -> (i32, &'static str) {
-    all()
+    CODES
+        .iter()
         .find(|(_, name, _)| *name == code)
-        .map_or((OTHER, "see the library"), |(number, _, meaning)| (number, meaning))
+        .map_or((OTHER, "see the library"), |(number, _, meaning)| (*number, meaning))
+}
+
+/// All numbers with their names and meanings, for the help.
+pub fn table() -> String {
+    let rows = CODES.iter().map(|(number, name, meaning)| format!("  {number:>2}  {name:<27}{meaning}"));
+    rows.collect::<Vec<String>>().join("\n")
 }
 
 /// The arrays of the file, for the help.
 pub fn help() -> String {
-    let rows = all().map(|(number, name, meaning)| format!("  {number:>2}  {name:<27}{meaning}"));
-    let rows: Vec<String> = rows.collect();
     format!(
         "Arrays of the nodes:
   gap      signed distance from the master surface, negative in penetration; NaN where there is no contact
@@ -51,7 +59,7 @@ pub fn help() -> String {
   basis    polynomial degree of the smooth surface: 2, 1 where the master nodes carry no more, 0 where there is none
   area     tributary area of the node, if the slave set has facets
   outcome  what became of the node:\n{}",
-        rows.join("\n")
+        table()
     )
 }
 
@@ -65,7 +73,7 @@ mod tests {
 
     #[test]
     fn every_number_has_one_meaning() {
-        let numbers: Vec<i32> = all().map(|(number, ..)| number).collect();
+        let numbers: Vec<i32> = CODES.map(|(number, ..)| number).to_vec();
         assert!(numbers.is_sorted_by(|a, b| a < b), "{numbers:?}");
     }
 

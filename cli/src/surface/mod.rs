@@ -4,11 +4,11 @@
 //! evaluates every slave node, [`scene`] writes the slave surface for ParaView, [`report`] sums up.
 
 mod arguments;
-mod legend;
-mod nodes;
-mod report;
+pub mod legend;
+pub mod nodes;
+pub mod report;
 mod scene;
-mod slaves;
+pub mod slaves;
 
 pub use arguments::SurfaceArguments;
 
@@ -28,10 +28,11 @@ pub fn run(arguments: &SurfaceArguments) -> Result<(), CliError> {
     output::check_distinct(&arguments.mesh, &arguments.output)?;
     let options = arguments.element.options()?;
     let sets = &arguments.sets;
+    let planes = arguments.element.planes();
     let start = Instant::now();
     let surfaces = Surfaces::new(ContactMesh::read(Some(&arguments.mesh), sets)?, sets);
     let read = start.elapsed();
-    let nodes = with_threads(arguments.threads, || nodes::evaluate(&surfaces, sets, options))?;
+    let nodes = with_threads(arguments.threads, || nodes::evaluate(&surfaces, sets, options, &planes))?;
     let start = Instant::now();
     scene::write(&arguments.output, &surfaces, &nodes, options.element)?;
     let report = Report {

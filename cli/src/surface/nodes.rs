@@ -5,11 +5,11 @@ use std::time::{Duration, Instant};
 
 use diffuse_contact::interface::{ContactInterface, InterfaceOptions, Outcome};
 use diffuse_contact::neighbourhood::Fallback;
-use diffuse_contact::surface::MasterSurface;
+use diffuse_contact::surface::{MasterSurface, SymmetryPlane};
 use diffuse_contact::{ContactPoint, Mode};
 
 use super::slaves::Surfaces;
-use crate::args::SetArguments;
+use crate::contact_mesh::SetArguments;
 use crate::error::CliError;
 use crate::progress::progress;
 
@@ -22,7 +22,7 @@ pub struct SlaveNode {
     pub outcome: Outcome,
     /// Gap, foot and normal; zero without contact.
     pub point: ContactPoint,
-    /// Number of master nodes it is paired with.
+    /// Number of master nodes that its gap depends on.
     pub masters: usize,
     /// Tributary area; 1 if the slave set has no facets.
     pub area: f64,
@@ -62,8 +62,8 @@ pub struct Counts {
     pub masters: Option<[usize; 2]>,
     /// Slaves without contact, by code.
     pub without: BTreeMap<&'static str, usize>,
-    /// What the searches of the slaves with contact gave up: nothing, more nodes, the quadratic basis.
-    pub fallbacks: [(&'static str, usize); 3],
+    /// What the searches of the slaves with contact gave up: nothing, more nodes, the quadratic basis; or how far they looked for a plane.
+    pub fallbacks: [(&'static str, usize); 4],
 }
 
 /// Pairs and evaluates every slave node.
@@ -71,6 +71,7 @@ pub fn evaluate(
     surfaces: &Surfaces,
     sets: &SetArguments,
     options: InterfaceOptions,
+    planes: &[SymmetryPlane],
 ) -> Result<SlaveNodes, CliError> {
     let positions = surfaces.mesh.nodes();
     let refused = |error| surfaces.interface_error(sets, error);
@@ -81,6 +82,7 @@ pub fn evaluate(
     let options = InterfaceOptions { areas: surfaces.has_areas, ..options };
     let (slaves, facets) = (surfaces.slaves.clone(), &surfaces.slave_facets);
     let mut interface = ContactInterface::new(master, slaves, facets, positions, options).map_err(refused)?;
+    interface.set_symmetry(planes).map_err(refused)?;
     let connect = start.elapsed();
 
     let start = Instant::now();
@@ -94,7 +96,7 @@ pub fn evaluate(
         nodes.push(SlaveNode {
             outcome: contact.outcome,
             point: contact.point,
-            masters: contact.nodes.len(),
+            masters: contact.gradient.as_chunks::<3>().0.iter().skip(1).filter(|n| **n != [0.0; 3]).count(),
             area: contact.area,
         });
         bar.inc(1);
@@ -108,7 +110,7 @@ impl SlaveNodes {
     /// Counts outcomes and gaps.
     pub fn counts(&self) -> Counts {
         let mut without = BTreeMap::new();
-        let mut fallbacks = [("none", 0), ("extended", 0), ("linear", 0)];
+        let mut fallbacks = [("none", 0), ("extended", 0), ("linear", 0), ("far", 0)];
         for node in &self.nodes {
             match node.outcome {
                 Outcome::Contact { fallback } => fallbacks[place(fallback)].1 += 1,
@@ -132,6 +134,7 @@ impl SlaveNodes {
 
 const fn place(fallback: Fallback) -> usize {
     match fallback {
+        Fallback::Far { .. } => 3,
         Fallback::Linear { .. } => 2,
         Fallback::Extended { .. } => 1,
         _ => 0,

@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::legend;
 use super::nodes::{Counts, SlaveNodes};
 use super::slaves::Surfaces;
-use crate::args::SetArguments;
+use crate::contact_mesh::SetArguments;
 use crate::contact_options::ElementDescription;
 use crate::words::{counted, duration, row};
 

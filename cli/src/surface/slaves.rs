@@ -4,8 +4,7 @@ use diffuse_contact::interface::InterfaceError;
 use diffuse_contact::surface::{Facet, SurfaceError};
 use diffuse_contact_mesh::{self as mesh, Mesh};
 
-use crate::args::SetArguments;
-use crate::contact_mesh::ContactMesh;
+use crate::contact_mesh::{ContactMesh, ContactMeshError, SetArguments};
 use crate::error::CliError;
 
 /// The two surfaces, in the mesh's numbering of the nodes.
@@ -64,7 +63,7 @@ impl Surfaces {
     }
 
     fn error(&self, set: &str, reason: String) -> CliError {
-        CliError::Interface { mesh: self.name.clone(), set: set.to_owned(), reason }
+        ContactMeshError::Interface { mesh: self.name.clone(), set: set.to_owned(), reason }.into()
     }
 
     /// The library's statement, with facets and nodes named as in the file.

@@ -6,9 +6,12 @@ use quote::{format_ident, quote};
 use super::count::{KernelCounts, OpCounts};
 use super::expression::Writer;
 use super::names::Names;
-use crate::graph::{ExprId, NODE_INDEX, Op, RootFigure, RootId, Scope};
+use crate::graph::{ExprId, NODE_COUNT, NODE_INDEX, Op, RootFigure, RootId, Scope};
 use crate::lower::lower;
-use crate::model::{CHECKSUM, FrameRule, Kernel, KernelSpec, MOST_COEFFICIENTS, Mode, Output, WEIGHT_NUMBER};
+use crate::model::{
+    CHECKSUM, DOMAIN_RATIO, FrameRule, Kernel, KernelSpec, MOST_COEFFICIENTS, Mode, Output, PLANE_REACH,
+    WEIGHT_NUMBER,
+};
 use crate::schedule::{FormRows, NodeTarget, Program, Statement};
 
 /// A kernel's source.
@@ -58,6 +61,8 @@ pub(super) fn kept_name(spec: &KernelSpec) -> Ident {
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
+/// Inputs of node scope, in the order of `support::NODE_VALUES`.
+const NODE_INPUTS: [&str; 4] = ["master_x", "master_y", "master_z", DOMAIN_RATIO];
 
 /// Writes the function of a program.
 pub(super) struct FunctionWriter<'a, S = KernelSpec> {
@@ -194,8 +199,6 @@ impl FunctionWriter<'_> {
         let forms = self.forms();
         let (many_gradients, many_hessians) =
             (self.program.kernel.gradients.len() > 1, self.program.kernel.hessians.len() > 1);
-        let node_count =
-            (spec.frame == FrameRule::CoMoving).then(|| quote!(let node_count = E::splat(count as f64);));
         let freedoms = (many_gradients || many_hessians).then(|| quote!(let freedoms = 3 * (count + 1);));
         let packed = many_hessians.then(|| quote!(let packed = packed_row(freedoms);));
         let tokens = quote! {
@@ -211,7 +214,6 @@ impl FunctionWriter<'_> {
             ) -> #returned<E> {
                 #nodes
                 let count = inputs.count;
-                #node_count
                 #freedoms
                 #packed
                 #forms
@@ -236,12 +238,14 @@ impl FunctionWriter<'_> {
         if self.program.kernel.spec.output == Output::Surface {
             arrays.push(quote!(let [point_1, point_2] = inputs.point;));
         }
-        if self.program.kernel.spec.weight.is_interpolating() {
-            arrays.push(quote!(let anchor = inputs.anchor;));
+        for name in ["anchor", WEIGHT_NUMBER, PLANE_REACH] {
+            if self.program.kernel.graph.has_input(name) {
+                let name = format_ident!("{name}");
+                arrays.push(quote!(let #name = inputs.#name;));
+            }
         }
-        if self.program.kernel.spec.weight.is_several() {
-            let name = format_ident!("{WEIGHT_NUMBER}");
-            arrays.push(quote!(let #name = inputs.weight_number;));
+        if self.program.kernel.graph.has_input(NODE_COUNT) {
+            arrays.push(quote!(let node_count = E::splat(count as f64);));
         }
         self.statements += arrays.len() + 1;
         quote! {
@@ -264,7 +268,6 @@ impl FunctionWriter<'_> {
         let sums: Vec<Ident> = nodes.sums.iter().map(|&sum| self.writer.ident(sum)).collect();
         let loads: Vec<Ident> = nodes.loads.iter().map(|&x| self.writer.ident(x)).collect();
         let load_places: Vec<Ident> = nodes.loads.iter().map(|&x| self.writer.place(x)).collect();
-        let master = AXES.map(|axis| format_ident!("master_{axis}"));
         self.writer.begin_nodes();
         let body = self.statements(&nodes.statements);
         let accumulations: Vec<TokenStream> = nodes
@@ -284,15 +287,17 @@ impl FunctionWriter<'_> {
         self.statements +=
             2 * sums.len() + loads.len() + nodes.outputs.len() + stores.len() + spread.len() + 5;
 
-        // A loop that reads stored values only has no use for the positions.
-        let reads = |is_read: fn(&str) -> bool| {
+        // A loop that reads stored values only has no use for a node's inputs.
+        let reads = |name: &str| {
             nodes.statements.iter().any(|s| match s {
-                Statement::Let(x) => self.reads_inputs(*x, is_read),
+                Statement::Let(x) => self.reads_input(*x, name),
                 Statement::Solve(_) => false,
             })
         };
-        let reads_index = reads(|name| name == NODE_INDEX);
-        let reads_positions = reads(|name| name != NODE_INDEX);
+        let reads_index = reads(NODE_INDEX);
+        let reads_any = NODE_INPUTS.into_iter().any(reads);
+        let node_inputs =
+            NODE_INPUTS.map(|name| if reads(name) { format_ident!("{name}") } else { format_ident!("_") });
         // Loops by index: iterators are not always inlined, see `support::simd`.
         let unused = stores.is_empty() && loads.is_empty();
         let node = (!unused).then(|| {
@@ -304,7 +309,7 @@ impl FunctionWriter<'_> {
         });
         let presence =
             (!sums.is_empty()).then(|| quote!(let presence = S::presence(S::NODES * vector, count);));
-        let positions = reads_positions.then(|| quote!(let [#(#master),*] = inputs.masters[vector];));
+        let positions = reads_any.then(|| quote!(let [#(#node_inputs),*] = inputs.masters[vector];));
         let node_index = reads_index.then(|| {
             let name = format_ident!("{NODE_INDEX}");
             quote!(let #name = S::node_index(S::NODES * vector, count);)
@@ -334,12 +339,12 @@ impl FunctionWriter<'_> {
         }
     }
 
-    /// Whether a statement of a node loop reads an input of node scope with such a name.
-    fn reads_inputs(&self, expr: ExprId, is_read: fn(&str) -> bool) -> bool {
+    /// Whether a statement of a node loop reads the input of node scope with this name.
+    fn reads_input(&self, expr: ExprId, name: &str) -> bool {
         let graph = &self.program.kernel.graph;
         graph.operands(expr).into_iter().any(|x| match graph.op(x) {
-            Op::Symbol(symbol) => graph.scope(x) == Scope::Node && is_read(&graph.symbol_data(symbol).name),
-            _ => !self.program.layout.bound.contains(&x) && self.reads_inputs(x, is_read),
+            Op::Symbol(symbol) => graph.scope(x) == Scope::Node && graph.symbol_data(symbol).name == name,
+            _ => !self.program.layout.bound.contains(&x) && self.reads_input(x, name),
         })
     }
 

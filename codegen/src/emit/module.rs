@@ -5,6 +5,7 @@ use quote::{format_ident, quote};
 
 use super::facet::facet_module;
 use super::function::{EmittedKernel, emit_kernel, function_name, kept_name, values_name};
+use crate::formula::Formula;
 use crate::model::{Basis, FrameRule, KernelSpec, Mode, Output, Weight};
 
 /// First lines of every emitted file.
@@ -145,6 +146,7 @@ fn weight_module(
         format!(" The kernels of this module as a [`KernelSet`]; weight {description}."),
     );
     let (text, interpolating) = (weight.text(), weight.is_interpolating());
+    let value = formula(weight.formula());
     quote! {
         #[doc = #module_doc]
         #[allow(clippy::all, clippy::pedantic)]
@@ -162,9 +164,50 @@ fn weight_module(
                 const INTERPOLATING: bool = #interpolating;
                 const OPTIMISED: bool = #optimised;
                 const BASES: &'static [Basis] = &[#(#all_bases),*];
+                #[allow(unused_parens)]
+                fn fitting_weight(r: f64) -> f64 {
+                    if r < 1.0 { #value } else { 0.0 }
+                }
+
                 #(#scalar)*
                 #gap
             }
+        }
+    }
+}
+
+/// A formula in `r` as an expression of Rust.
+fn formula(of: &Formula) -> TokenStream {
+    let binary = |x: &Formula, operator: TokenStream, y: &Formula| {
+        let (x, y) = (formula(x), formula(y));
+        quote!((#x #operator #y))
+    };
+    match of {
+        Formula::Number(value) => quote!(#value),
+        Formula::Radius => quote!(r),
+        Formula::Neg(x) => {
+            let x = formula(x);
+            quote!((-#x))
+        }
+        Formula::Add(x, y) => binary(x, quote!(+), y),
+        Formula::Sub(x, y) => binary(x, quote!(-), y),
+        Formula::Mul(x, y) => binary(x, quote!(*), y),
+        Formula::Div(x, y) => binary(x, quote!(/), y),
+        Formula::Power(x, exponent) => {
+            let x = formula(x);
+            quote!(f64::powi(#x, #exponent))
+        }
+        Formula::Exp(x) => {
+            let x = formula(x);
+            quote!(f64::exp(#x))
+        }
+        Formula::Sqrt(x) => {
+            let x = formula(x);
+            quote!(f64::sqrt(#x))
+        }
+        Formula::If { x, y, then, otherwise } => {
+            let [x, y, then, otherwise] = [x, y, then, otherwise].map(|x| formula(x));
+            quote!(if #x < #y { #then } else { #otherwise })
         }
     }
 }

@@ -118,23 +118,41 @@ impl Graph {
         }
     }
 
-    /// x^k -> k x^(k-1) x'; for a norm r = hypot(x, y) and k >= 2: r^k -> k r^(k-2) (x x' + y y'), which is
+    /// The components x, y, … of a norm √(x² + y² + …), made by one [`hypot`](Self::hypot) or by nested ones; none if it is
+    /// no norm.
+    fn norm_components(&self, norm: ExprId) -> Vec<ExprId> {
+        let Op::Hypot(x, y) = self.op(norm) else { return Vec::new() };
+        [x, y]
+            .into_iter()
+            .flat_map(|x| match self.norm_components(x) {
+                components if components.is_empty() => vec![x],
+                components => components,
+            })
+            .collect()
+    }
+
+    /// Σ x x' over the components of a norm.
+    fn differentiate_half_square(&mut self, components: &[ExprId], symbol: SymbolId) -> ExprId {
+        let derivatives: Vec<ExprId> = components.iter().map(|&x| self.derivative(x, symbol)).collect();
+        self.dot(components, &derivatives)
+    }
+
+    /// x^k -> k x^(k-1) x'; for a norm r of (x, y, …) and k >= 2: r^k -> k r^(k-2) (x x' + y y' + …), which is
     /// free of the norm's singular direction at the origin.
     fn differentiate_power(&mut self, base: ExprId, exponent: i32, symbol: SymbolId) -> ExprId {
         let k = self.constant(f64::from(exponent));
-        let (lowered, inner) = match self.op(base) {
-            Op::Hypot(x, y) if exponent >= 2 => {
-                let (dx, dy) = (self.derivative(x, symbol), self.derivative(y, symbol));
-                (self.power(base, exponent - 2), self.dot(&[x, y], &[dx, dy]))
-            }
-            _ => (self.power(base, exponent - 1), self.derivative(base, symbol)),
+        let components = self.norm_components(base);
+        let (lowered, inner) = if !components.is_empty() && exponent >= 2 {
+            (self.power(base, exponent - 2), self.differentiate_half_square(&components, symbol))
+        } else {
+            (self.power(base, exponent - 1), self.derivative(base, symbol))
         };
         let outer = self.mul(k, lowered);
         self.mul(outer, inner)
     }
 
-    /// P(x) -> P'(x) x'; for a norm r = hypot(x, y) with P'(0) = 0: P(r) -> (P'(r) / r) (x x' + y y'), where P' / r is a
-    /// polynomial.
+    /// P(x) -> P'(x) x'; for a norm r of (x, y, …) with P'(0) = 0: P(r) -> (P'(r) / r) (x x' + y y' + …), where P' / r is
+    /// a polynomial.
     fn differentiate_polynomial(
         &mut self,
         base: ExprId,
@@ -142,10 +160,10 @@ impl Graph {
         symbol: SymbolId,
     ) -> ExprId {
         let derivative = self.polynomial_data(polynomial).derivative();
-        let (outer, inner) = match (self.op(base), derivative.over_x()) {
-            (Op::Hypot(x, y), Some(over_r)) => {
-                let (dx, dy) = (self.derivative(x, symbol), self.derivative(y, symbol));
-                (self.polynomial(base, over_r), self.dot(&[x, y], &[dx, dy]))
+        let components = self.norm_components(base);
+        let (outer, inner) = match derivative.over_x() {
+            Some(over_r) if !components.is_empty() => {
+                (self.polynomial(base, over_r), self.differentiate_half_square(&components, symbol))
             }
             _ => (self.polynomial(base, derivative), self.derivative(base, symbol)),
         };

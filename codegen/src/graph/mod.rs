@@ -336,13 +336,22 @@ impl Graph {
         self.intern(Op::Symbol(symbol))
     }
 
+    /// The input symbol with this name, a new one where there is none.
+    pub(crate) fn input_once(&mut self, name: &str, scope: Scope) -> ExprId {
+        match self.symbols.iter().position(|s| s.name == name) {
+            Some(k) => self.intern(Op::Symbol(SymbolId(k as u32))),
+            None => self.input(name, scope),
+        }
+    }
+
+    /// Whether there is an input symbol with this name.
+    pub(crate) fn has_input(&self, name: &str) -> bool {
+        self.symbols.iter().any(|s| s.name == name && s.definition.is_none())
+    }
+
     /// The number of nodes, an input.
     pub fn node_count(&mut self) -> ExprId {
-        let known = self.symbols.iter().position(|s| s.name == NODE_COUNT);
-        match known {
-            Some(k) => self.intern(Op::Symbol(SymbolId(k as u32))),
-            None => self.input(NODE_COUNT, Scope::Element),
-        }
+        self.input_once(NODE_COUNT, Scope::Element)
     }
 
     /// A new symbol bound to `definition`: equal in value, but a variable of its own for differentiation.

@@ -15,9 +15,10 @@ pub(super) struct AveragePlane {
 }
 
 impl AveragePlane {
-    /// The plane n(θ)·x = c through the nodes minimises Σ ½ (z(θ) − c)² over its turn θ and its height c: [T9] with the
-    /// plane's height as an unknown, so that all is a sum over nodes. The frame in use is that plane, θ = 0.
-    pub fn declare(g: &mut Graph, offset: [ExprId; 3]) -> Self {
+    /// The plane n(θ)·x = c through the nodes minimises Σ ½ ω (z(θ) − c)² over its turn θ and its height c: [T9] and [T14]
+    /// with the plane's height as an unknown, so that all is a sum over nodes. The weight ω of a node is a function of its
+    /// offset, but not of the turn. The frame in use is that plane, θ = 0.
+    pub fn declare(g: &mut Graph, offset: [ExprId; 3], weight: ExprId) -> Self {
         let theta = [g.variable("theta_1"), g.variable("theta_2")];
         let turned = turned_back(g, theta, offset);
         let position = ["a_turned", "b_turned", "z_turned"].map(|name| g.input(name, Scope::Node));
@@ -27,12 +28,14 @@ impl AveragePlane {
         let distance = g.sub(turned[2], c);
         let square = g.mul(distance, distance);
         let half = g.constant(0.5);
-        let energy = g.mul(half, square);
+        let half_weight = g.mul(half, weight);
+        let energy = g.mul(half_weight, square);
         let unknowns = vec![theta[0], theta[1], c];
         let symbols: Vec<SymbolId> = unknowns.iter().map(|&x| g.symbol_of(x)).collect();
 
-        let (sum, count) = (g.sum(offset[2]), g.node_count());
-        let mean = g.div(sum, count);
+        let weighted = g.mul(weight, offset[2]);
+        let (sum, total) = (g.sum(weighted), g.sum(weight));
+        let mean = g.div(sum, total);
         let mean = g.bind("mean_height", mean);
         let zero = g.zero();
         let mut values = vec![(symbols[0], zero), (symbols[1], zero), (symbols[2], mean)];

@@ -2,13 +2,13 @@
 //!
 //! "(n)" is equation n of Chamoret, Rassineux, Bergheau (2008). Everything is made dimensionless with the support
 //! radius R, so that the moment matrix has entries of order one in any length unit; outputs carry their units
-//! again. All derivatives in here are asked from the derivative engine.
+//! again. "[Tn]" are formulas of `docs/equations.md`. All derivatives in here are asked from the derivative engine.
 
 use super::anchor::Anchor;
 use super::average_plane::AveragePlane;
 use super::basis::Basis;
 use super::kernel::FrameRule;
-use super::weight::{NodeWeight, Weight};
+use super::weight::{DOMAIN_RATIO, NodeWeight, PLANE_REACH, Weight};
 use crate::graph::{ExprId, Graph, RootFigure, RootId, Scope, SymbolId, SymmetricSystem, SystemId};
 use crate::structure::{Block, CoordinateMap, Follower, Functional, NodeProblem};
 
@@ -80,6 +80,8 @@ impl Diffuse {
         let frame = ["t1", "t2", "normal"]
             .map(|row| AXES.map(|axis| g.input(&format!("{row}_{axis}"), Scope::Element)));
         let support_radius = g.input("support_radius", Scope::Element);
+        // R/R_k: a node's domain of influence has a radius of its own [T14].
+        let ratio = g.input(DOMAIN_RATIO, Scope::Node);
 
         let one = g.one();
         let reciprocal = g.div(one, support_radius);
@@ -107,7 +109,15 @@ impl Diffuse {
         let (position, plane) = match frame_rule {
             FrameRule::Frozen => (offset, None),
             FrameRule::CoMoving => {
-                let plane = AveragePlane::declare(g, offset);
+                // ω_k = ω(ρ), ρ = |x^k − x^c|/R_k; a reach of 0 makes all of them equal.
+                let reach = g.input(PLANE_REACH, Scope::Element);
+                let scale = g.mul(ratio, reach);
+                let scaled = offset.map(|x| g.mul(x, scale));
+                let in_plane = g.hypot(scaled[0], scaled[1]);
+                let distance = g.hypot(in_plane, scaled[2]);
+                let omega = weight.fitting(g, distance);
+                g.name(omega, "plane_weight");
+                let plane = AveragePlane::declare(g, offset, omega);
                 (plane.position, Some(plane))
             }
         };
@@ -116,8 +126,9 @@ impl Diffuse {
             Some(plane) => coordinates.with_moving(g, &plane.moving, &plane.values),
         };
 
-        // (14) w = w(r), r = √(a² + b²)
-        let r = g.hypot(position[0], position[1]);
+        // (14) w = w(r), r = √(a² + b²) R/R_k
+        let [a, b] = [position[0], position[1]].map(|x| g.mul(x, ratio));
+        let r = g.hypot(a, b);
         g.name(r, "r");
         let (weight, anchor) = match weight.evaluate(g, r) {
             NodeWeight::Fitting(weight) => (weight, None),

@@ -149,7 +149,10 @@ impl Kernel {
                 formula: "(a, b, z)_i = Q (x^i - x^c) / R, Q = (t1, t2, n)",
                 source: "local offsets over the support radius",
             },
-            Equation { formula: "w = w(r), r = sqrt(a^2 + b^2)", source: "Chamoret et al. 2008, eq. 14" },
+            Equation {
+                formula: "w = w(r), r = sqrt(a^2 + b^2) R / R_k",
+                source: "Chamoret et al. 2008, eq. 14; R_k: docs/equations.md, T14",
+            },
             Equation {
                 formula: "A alpha = beta, A = sum w p p^T, beta = sum w z p",
                 source: "Chamoret et al. 2008, eq. 13",
@@ -226,8 +229,8 @@ impl Kernel {
                 ratio,
             );
             self.equations.push(Equation {
-                formula: "n minimises sum (n (x^i - x_mean))^2",
-                source: "average plane, moving with the nodes",
+                formula: "n minimises sum omega (n (x^i - x_mean))^2, omega = w(reach |x^i - x^c| / R_k)",
+                source: "average plane, moving with the nodes; docs/equations.md, T14",
             });
         }
         self.add_scalar(

@@ -18,6 +18,10 @@ pub struct Weight {
 
 /// Name of the input of element scope that says which of several weights it is.
 pub(crate) const WEIGHT_NUMBER: &str = "weight_number";
+/// Name of the input of node scope R/R_k: the support radius over the radius of the node's domain of influence.
+pub(crate) const DOMAIN_RATIO: &str = "domain_ratio";
+/// Name of the input of element scope that scales the distances which weight nodes in the average plane: 0 weights all alike.
+pub(crate) const PLANE_REACH: &str = "plane_reach";
 
 /// A weight at a node.
 #[derive(Clone, Copy, Debug)]
@@ -248,6 +252,17 @@ impl Weight {
         Some(WeightNote::OpenRim { formula, value, slope: rounded(slope) })
     }
 
+    /// ω at r, 0 where r ≥ 1; of several weights that of the first.
+    #[must_use]
+    pub fn fitting_value(&self, r: f64) -> f64 {
+        if r < 1.0 { self.formula.evaluate(r) } else { 0.0 }
+    }
+
+    /// The formula of ω.
+    pub(crate) const fn formula(&self) -> &Formula {
+        &self.formula
+    }
+
     fn check(&self) -> Result<(), WeightError> {
         let formula = || self.text.clone();
         let expansion = self.formula.taylor(TAYLOR_COEFFICIENTS);
@@ -282,22 +297,26 @@ impl Weight {
         Ok(())
     }
 
-    /// The weight at the norm `r`, an expression made by [`Graph::hypot`]; 0 where r ≥ 1.
-    pub(super) fn evaluate(&self, g: &mut Graph, r: ExprId) -> NodeWeight {
+    /// ω at the norm `r`, an expression made by [`Graph::hypot`]; 0 where r ≥ 1.
+    pub(super) fn fitting(&self, g: &mut Graph, r: ExprId) -> ExprId {
         let mut inside = around_origin(g, &self.formula, r);
-        // One input, however many weights it chooses from.
-        let number_of_weight = self.is_several().then(|| g.input(WEIGHT_NUMBER, Scope::Element));
-        for ((number, formula), input) in self.others.iter().enumerate().zip(number_of_weight.iter().cycle())
-        {
+        for (number, formula) in self.others.iter().enumerate() {
+            let input = g.input_once(WEIGHT_NUMBER, Scope::Element);
             let bound = g.constant(number as f64 + 0.5);
             let other = around_origin(g, formula, r);
-            inside = g.select_less(*input, bound, inside, other);
+            inside = g.select_less(input, bound, inside, other);
         }
         let (zero, one) = (g.zero(), g.one());
-        let omega = g.select_less(r, one, inside, zero);
+        g.select_less(r, one, inside, zero)
+    }
+
+    /// The weight at the norm `r`, an expression made by [`Graph::hypot`]; 0 where r ≥ 1.
+    pub(super) fn evaluate(&self, g: &mut Graph, r: ExprId) -> NodeWeight {
+        let omega = self.fitting(g, r);
         if !self.interpolating {
             return NodeWeight::Fitting(omega);
         }
+        let one = g.one();
         g.name(omega, "omega");
         let inside = complement_around_origin(g, &self.formula, r);
         let complement = g.select_less(r, one, inside, one);

@@ -40,16 +40,10 @@ fn compare() -> Result<[Row; 4], Box<dyn std::error::Error>> {
             [x, y, 0.1 * (1.7 * x).sin() * (1.3 * y).cos()]
         })
         .collect();
-    let element = Element {
-        slave: [0.15, 0.1, 0.2],
-        masters: &masters,
-        frame: Frame::average_plane(&masters, [0.0, 0.0, 1.0])?,
-        support_radius: 2.0,
-        basis: Basis::Quadratic,
-        weight: Weight::Cubic, // what `Generated` uses; a backend with a weight of its own ignores it
-    };
+    let element =
+        Element::new([0.15, 0.1, 0.2], &masters, Frame::average_plane(&masters, [0.0, 0.0, 1.0])?, 2.0);
     // A basis without a² and b² depends on the directions of the frame, which is therefore held.
-    let bilinear = Element { basis: BILINEAR, frame: element.frame.frozen(), ..element };
+    let bilinear = element.with_frame(element.frame.frozen()).with_basis(BILINEAR);
 
     // 3. Backends with the kernels, and the independent witness for each.
     let quartic = GeneratedWith::<quartic::Quartic>::new();

@@ -4,7 +4,10 @@ use std::cell::Cell;
 use std::marker::PhantomData;
 
 use super::simd::{Block, Vector};
-use super::{Batch, ElementInputs, GapValues, Inputs, Isa, Lane, Mode, Shape, Single, WithLanes, packed_row};
+use super::{
+    Batch, ElementInputs, GapValues, Inputs, Isa, Lane, Mode, NODE_VALUES, Shape, Single, WithLanes,
+    packed_row,
+};
 
 /// A generated kernel for the gap.
 pub trait GapKernel {
@@ -73,12 +76,12 @@ pub fn scalar<V>(
     kernel: impl FnOnce(&Inputs<'_, f64>, &mut [f64]) -> V,
 ) -> V {
     let count = inputs.masters.len();
-    let needed = Block::count::<f64>(3 * count + kept * (count + 1));
+    let needed = Block::count::<f64>(NODE_VALUES * count + kept * (count + 1));
     let mut blocks = memory(needed);
-    let (masters, scratch) = Block::vectors::<f64>(&mut blocks).split_at_mut(3 * count);
-    let (masters, _) = masters.as_chunks_mut::<3>();
+    let (masters, scratch) = Block::vectors::<f64>(&mut blocks).split_at_mut(NODE_VALUES * count);
+    let (masters, _) = masters.as_chunks_mut::<NODE_VALUES>();
     for (k, master) in masters.iter_mut().enumerate() {
-        *master = inputs.masters.get(k);
+        *master = inputs.node(k);
     }
     let values = kernel(&Inputs::gather(|_| inputs, weight_number, masters), scratch);
     BLOCKS.set(blocks);
@@ -124,14 +127,14 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
         let Self { inputs, weight_number, gradient, hessian, .. } = self;
         let count = inputs.masters.len();
         let vectors = count.div_ceil(T::WIDTH);
-        let mut blocks = memory(Block::count::<T>(3 * vectors + K::KEPT * (vectors + 1)));
-        let (masters, scratch) = Block::vectors::<T>(&mut blocks).split_at_mut(3 * vectors);
-        let (masters, _) = masters.as_chunks_mut::<3>();
+        let mut blocks = memory(Block::count::<T>(NODE_VALUES * vectors + K::KEPT * (vectors + 1)));
+        let (masters, scratch) = Block::vectors::<T>(&mut blocks).split_at_mut(NODE_VALUES * vectors);
+        let (masters, _) = masters.as_chunks_mut::<NODE_VALUES>();
         for (k, master) in masters.iter_mut().enumerate() {
             // The last node also fills the rest of the last vector.
-            let node = |lane: usize| inputs.masters.get((k * T::WIDTH + lane).min(count - 1));
-            for (axis, vector) in master.iter_mut().enumerate() {
-                *vector = T::from_fn(|lane| node(lane)[axis]);
+            let node = |lane: usize| inputs.node((k * T::WIDTH + lane).min(count - 1));
+            for (value, vector) in master.iter_mut().enumerate() {
+                *vector = T::from_fn(|lane| node(lane)[value]);
             }
         }
         let inputs = Inputs::gather(|_| inputs, weight_number, masters);
@@ -195,10 +198,10 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
     fn run<T: Vector>(self) {
         let count = self.elements[0].inputs.masters.len();
         let (gradients, hessians) = sizes(K::MODE, count);
-        let needed = 3 * count + K::KEPT * (count + 1) + gradients + hessians;
+        let needed = NODE_VALUES * count + K::KEPT * (count + 1) + gradients + hessians;
         let vectors = Block::vectors::<T>(self.workspace.blocks(Block::count::<T>(needed)));
-        let (masters, vectors) = vectors.split_at_mut(3 * count);
-        let (masters, _) = masters.as_chunks_mut::<3>();
+        let (masters, vectors) = vectors.split_at_mut(NODE_VALUES * count);
+        let (masters, _) = masters.as_chunks_mut::<NODE_VALUES>();
         let (scratch, vectors) = vectors.split_at_mut(K::KEPT * (count + 1));
         let (gradient, vectors) = vectors.split_at_mut(gradients);
         let hessian = &mut vectors[..hessians];
@@ -206,8 +209,8 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
             // The last element also fills the lanes beyond.
             let last = elements.len() - 1;
             for (k, master) in masters.iter_mut().enumerate() {
-                for (axis, vector) in master.iter_mut().enumerate() {
-                    *vector = T::from_fn(|lane| elements[lane.min(last)].inputs.masters.get(k)[axis]);
+                for (value, vector) in master.iter_mut().enumerate() {
+                    *vector = T::from_fn(|lane| elements[lane.min(last)].inputs.node(k)[value]);
                 }
             }
             let inputs = Inputs::gather(|lane| &elements[lane.min(last)].inputs, self.weight_number, masters);

@@ -48,6 +48,31 @@ impl Masters<'_> {
     }
 }
 
+/// Radii R_k of the master nodes' domains of influence.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Domains<'a> {
+    /// One around the slave, the support radius, for all nodes (Chamoret et al. 2008, eq. 14).
+    #[default]
+    Shared,
+    /// One for each master node, length (`docs/equations.md`, T14).
+    Each(&'a [f64]),
+}
+
+impl Domains<'_> {
+    /// R_k of the k-th master node.
+    ///
+    /// # Panics
+    /// If there is none.
+    #[must_use]
+    #[inline(always)]
+    pub fn radius(&self, k: usize, support_radius: f64) -> f64 {
+        match self {
+            Self::Shared => support_radius,
+            Self::Each(radii) => radii[k],
+        }
+    }
+}
+
 /// One element. Positions are in global axes.
 #[derive(Clone, Copy, Debug)]
 pub struct ElementInputs<'a> {
@@ -55,13 +80,18 @@ pub struct ElementInputs<'a> {
     pub slave: [f64; 3],
     /// Master nodes.
     pub masters: Masters<'a>,
+    /// Radii of their domains of influence.
+    pub domains: Domains<'a>,
+    /// Where the frame moves: a node's weight in the average plane is the fitting weight at this multiple of |x^k − x^c|/R_k; 0
+    /// weights all nodes alike. Other frames ignore it.
+    pub plane_reach: f64,
     /// First in-plane direction of the local frame.
     pub t1: [f64; 3],
     /// Second in-plane direction.
     pub t2: [f64; 3],
     /// Unit normal n̂ of the plane, outward.
     pub normal: [f64; 3],
-    /// Support radius R.
+    /// Support radius R: the length that offsets are divided by.
     pub support_radius: f64,
     /// In-plane offset from the slave at which the surface kernels evaluate, length; others ignore it.
     pub point: [f64; 2],
@@ -71,14 +101,34 @@ pub struct ElementInputs<'a> {
     pub anchor: usize,
 }
 
+impl ElementInputs<'_> {
+    /// The k-th master node, counted from 0: x, y, z, and R/R_k.
+    ///
+    /// # Panics
+    /// If there is none.
+    #[must_use]
+    #[inline(always)]
+    pub fn node(&self, k: usize) -> [f64; NODE_VALUES] {
+        let [x, y, z] = self.masters.get(k);
+        let ratio = match self.domains {
+            Domains::Shared => 1.0,
+            Domains::Each(radii) => self.support_radius / radii[k],
+        };
+        [x, y, z, ratio]
+    }
+}
+
+/// Numbers that a kernel reads of each master node.
+pub const NODE_VALUES: usize = 4;
+
 /// What a kernel reads, as vectors: element values `E` and node values `T` of a [`Shape`](super::Shape). Fields as in
 /// [`ElementInputs`].
 #[derive(Clone, Copy, Debug)]
 pub struct Inputs<'a, E, T = E> {
     /// Slave node.
     pub slave: [E; 3],
-    /// Master nodes; the last vector may hold more than there are.
-    pub masters: &'a [[T; 3]],
+    /// Master nodes, as [`ElementInputs::node`] gives them; the last vector may hold more than there are.
+    pub masters: &'a [[T; NODE_VALUES]],
     /// Number of master nodes.
     pub count: usize,
     /// First in-plane direction.
@@ -89,6 +139,8 @@ pub struct Inputs<'a, E, T = E> {
     pub normal: [E; 3],
     /// Support radius.
     pub support_radius: E,
+    /// Reach of the average plane's weights.
+    pub plane_reach: E,
     /// Where the surface kernels evaluate.
     pub point: [E; 2],
     /// Index of the nearest master node, a whole number.
@@ -104,7 +156,7 @@ impl<'a, E: Lane, T: Lane> Inputs<'a, E, T> {
     pub fn gather<'e>(
         at: impl Fn(usize) -> &'e ElementInputs<'e>,
         weight_number: usize,
-        masters: &'a [[T; 3]],
+        masters: &'a [[T; NODE_VALUES]],
     ) -> Self {
         // Spelt out: arrays' `map` is not always inlined.
         macro_rules! vector {
@@ -124,6 +176,7 @@ impl<'a, E: Lane, T: Lane> Inputs<'a, E, T> {
             t2: vector!(t2),
             normal: vector!(normal),
             support_radius: E::from_fn(|lane| at(lane).support_radius),
+            plane_reach: E::from_fn(|lane| at(lane).plane_reach),
             point: [E::from_fn(|lane| at(lane).point[0]), E::from_fn(|lane| at(lane).point[1])],
             anchor: E::from_fn(|lane| at(lane).anchor as f64),
             weight_number: E::splat(weight_number as f64),

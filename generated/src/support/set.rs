@@ -33,6 +33,10 @@ pub trait KernelSet {
         if Self::OPTIMISED { Isa::best() } else { Isa::SCALAR }
     }
 
+    /// The weight at r, distance over the radius of the domain; of an interpolating weight ω/(1 − ω) that of ω. 0 where r ≥ 1.
+    #[must_use]
+    fn fitting_weight(r: f64) -> f64;
+
     /// α with ∂α/∂x and ∂²α/∂x∂x of each coefficient, number by number.
     fn coefficients(
         basis: Basis,

@@ -186,14 +186,7 @@ mod tests {
             let masters: Vec<_> = (0..n).map(|i| std::array::from_fn(|k| 0.1 * (3 * i + k) as f64)).collect();
             let frame =
                 Frame::given([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], None).unwrap();
-            let element = Element {
-                slave: [0.7, -0.3, 0.2],
-                masters: &masters,
-                frame,
-                support_radius: 2.0,
-                basis: Basis::Linear,
-                weight: Weight::Cubic,
-            };
+            let element = Element::new([0.7, -0.3, 0.2], &masters, frame, 2.0).with_basis(Basis::Linear);
             let mut derivatives = differentiate(&Sample, &element, Mode::Hessian).unwrap();
             derivatives.scale(1, 2.0, 0).unwrap();
             let coordinates = coordinates_of(&element);

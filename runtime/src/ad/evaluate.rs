@@ -57,7 +57,11 @@ pub(super) fn gap<W: RadialWeight>(model: Model<'_, W>, mode: Mode) -> Result<Ga
     let radius = element.support_radius;
     let polynomial = model.fit(&coordinates_of(element))?;
     let moves = element.frame.derivative == FrameDerivative::CoMoving;
-    let plane = if moves { Some(AveragePlane::find(element)?) } else { None };
+    let plane = if moves {
+        Some(AveragePlane::find(element, &model.plane_weights(&coordinates_of(element)))?)
+    } else {
+        None
+    };
     let plane = plane.filter(|_| mode > Mode::Value);
     let foot = Foot::find(&polynomial)?;
     let (foot_point, normal) = global_foot(element, &polynomial, foot.position());
@@ -115,7 +119,10 @@ impl<W: RadialWeight> Quantity for GapQuantity<'_, W> {
     fn evaluate<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<Vec<D>, ElementError> {
         let polynomial = match &self.plane {
             None => self.model.fit(coordinates)?,
-            Some(plane) => self.model.fit_in(coordinates, &plane.propagate(&coordinates[1..]))?,
+            Some(plane) => {
+                let weights = self.model.plane_weights(coordinates);
+                self.model.fit_in(coordinates, &plane.propagate(&coordinates[1..], &weights))?
+            }
         };
         let u = self.foot.propagate(&polynomial);
         Ok(vec![polynomial.gap(u)])

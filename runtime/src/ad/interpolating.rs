@@ -9,21 +9,20 @@ use super::model::{Matrix, Scalar, solve_cholesky};
 use super::{RadialWeight, WeightFunction};
 use crate::{Basis, ElementError};
 
-/// The coefficients about the slave of a fit to `offsets` (a, b, z) from the slave.
+/// The coefficients about the slave of a fit to `offsets` (a, b, z) from the slave; `squares`: r² of each node.
 pub(super) fn fit<D: Scalar, W: RadialWeight>(
     weight: &WeightFunction<'_, W>,
     basis: Basis,
     offsets: &[[D; 3]],
+    squares: &[D],
 ) -> Result<Polynomial<D>, ElementError> {
-    let square = |[a, b, _]: [D; 3]| a * a + b * b;
-    let nearest =
-        (0..offsets.len()).min_by(|&i, &j| square(offsets[i]).re().total_cmp(&square(offsets[j]).re()));
+    let nearest = (0..offsets.len()).min_by(|&i, &j| squares[i].re().total_cmp(&squares[j].re()));
     let Some(anchor) = nearest else {
         return Err(ElementError::TooFewNodes { found: 0, needed: basis.size() });
     };
     let [a_k, b_k, z_k] = offsets[anchor];
     super::finite("offset", [a_k.re(), b_k.re(), z_k.re()])?;
-    let s_k = square(offsets[anchor]);
+    let s_k = squares[anchor];
     if s_k.re() >= 1.0 {
         return Err(ElementError::SingularFit { pivot_ratio: 0.0, tolerance: 0.0 });
     }
@@ -36,10 +35,10 @@ pub(super) fn fit<D: Scalar, W: RadialWeight>(
     let mut s_pp: Matrix<D> = [zeros; Basis::MOST_COEFFICIENTS];
     let monomials = &basis.monomials()[1..];
     let others = monomials.len();
-    for (_, &offset) in offsets.iter().enumerate().filter(|&(i, _)| i != anchor) {
+    for (i, &offset) in offsets.iter().enumerate().filter(|&(i, _)| i != anchor) {
         let [a, b, z] = offset;
         super::finite("offset", [a.re(), b.re(), z.re()])?;
-        let s = square(offset);
+        let s = squares[i];
         if s.re() >= 1.0 {
             continue;
         }

@@ -57,14 +57,7 @@ pub use weight::{Interpolating, RadialWeight, WeightError};
 ///
 /// // Nine master nodes on the plane z = 0, a slave a quarter above it.
 /// let masters: Vec<[f64; 3]> = (0..9).map(|i| [f64::from(i % 3), f64::from(i / 3), 0.0]).collect();
-/// let element = Element {
-///     slave: [1.1, 0.9, 0.25],
-///     masters: &masters,
-///     frame: Frame::average_plane(&masters, [0.0, 0.0, 1.0])?,
-///     support_radius: 2.0,
-///     basis: Basis::Quadratic,
-///     weight: Weight::Cubic,
-/// };
+/// let element = Element::new([1.1, 0.9, 0.25], &masters, Frame::average_plane(&masters, [0.0, 0.0, 1.0])?, 2.0);
 /// let gap = Ad.gap(&element, Mode::Hessian)?;
 /// assert!((gap.gap - 0.25).abs() < 1e-14);
 /// assert!((gap.gradient[2] - 1.0).abs() < 1e-13); // ∂g/∂z of the slave
@@ -126,7 +119,7 @@ impl Ad {
 impl<W: RadialWeight> AdWith<W> {
     /// The model of a checked element with the caller's weight.
     fn model<'a>(&'a self, element: &'a Element<'a>) -> Result<Model<'a, W>, ElementError> {
-        element.validate()?;
+        element.validate_with(|r| if r < 1.0 { self.weight.evaluate(r) } else { 0.0 })?;
         Ok(Model { element, weight: WeightFunction::new(&self.weight, &self.series) })
     }
 }

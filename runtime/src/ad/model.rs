@@ -65,18 +65,44 @@ impl<W: RadialWeight> Model<'_, W> {
         self.fit_to(offsets)
     }
 
+    /// R_k of the k-th master's domain of influence.
+    fn domain(&self, k: usize) -> f64 {
+        self.element.domains.radius(k, self.element.support_radius)
+    }
+
+    /// The nodes' weights in the average plane; `coordinates` holds slave and masters.
+    pub(super) fn plane_weights<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Vec<D> {
+        let (slave, masters) = (coordinates[0], &coordinates[1..]);
+        let reach = self.element.frame.reach;
+        let weight = |(k, master): (usize, &[D; 3])| {
+            let [x, y, z] =
+                std::array::from_fn(|axis| (master[axis] - slave[axis]) * (reach / self.domain(k)));
+            let square = x * x + y * y + z * z;
+            if square.re() < 1.0 { self.weight.at_square(square) } else { D::zero() }
+        };
+        masters.iter().enumerate().map(weight).collect()
+    }
+
+    /// r² of the k-th node with this offset, r its in-plane distance over the radius of its domain.
+    fn square<D: Scalar>(&self, k: usize, [a, b, _]: [D; 3]) -> D {
+        let ratio = self.element.support_radius / self.domain(k);
+        (a * a + b * b) * (ratio * ratio)
+    }
+
     /// The fit A α = β with A = Σ w p pᵀ, β = Σ w z p (Chamoret et al. 2008, eq. 13), lengths over R.
     fn fit_to<D: Scalar>(&self, offsets: Vec<[D; 3]>) -> Result<Polynomial<D>, ElementError> {
         let basis = self.element.basis;
         let size = basis.size();
         if self.weight.is_interpolating() {
-            return super::interpolating::fit(&self.weight, basis, &offsets);
+            let squares = (0..offsets.len()).map(|k| self.square(k, offsets[k])).collect::<Vec<_>>();
+            return super::interpolating::fit(&self.weight, basis, &offsets, &squares);
         }
         let mut moment_matrix = [[D::zero(); Basis::MOST_COEFFICIENTS]; Basis::MOST_COEFFICIENTS];
         let mut moment_vector = [D::zero(); Basis::MOST_COEFFICIENTS];
-        for [a, b, z] in offsets {
+        for (k, offset) in offsets.into_iter().enumerate() {
+            let [a, b, z] = offset;
             super::finite("offset", [a.re(), b.re(), z.re()])?;
-            let square = a * a + b * b;
+            let square = self.square(k, offset);
             // Outside the support the weight and all its derivatives vanish. The powers of a far node's offset
             // may overflow: it is left out, not multiplied by zero.
             if square.re() >= 1.0 {
@@ -189,14 +215,13 @@ mod tests {
     ) -> [Result<(), ElementError>; 3] {
         let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let masters: Vec<_> = masters.iter().map(|[a, b]| [*a, *b, 0.0]).collect();
-        let element = Element {
-            slave: [slave[0], slave[1], 0.1],
-            masters: &masters,
-            frame: Frame::given([0.0; 3], axes[0], axes[1], axes[2], None).unwrap(),
-            support_radius: 3.0,
-            basis,
-            weight: Weight::Cubic,
-        };
+        let element = Element::new(
+            [slave[0], slave[1], 0.1],
+            &masters,
+            Frame::given([0.0; 3], axes[0], axes[1], axes[2], None).unwrap(),
+            3.0,
+        )
+        .with_basis(basis);
         [
             Ad.gap(&element, mode).map(|_| ()),
             Ad.coefficients(&element, mode).map(|_| ()),

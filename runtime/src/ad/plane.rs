@@ -1,7 +1,7 @@
 //! The average plane of the masters on dual numbers, for a frame that moves with them.
 //!
-//! n̂ minimises Σ (n·(x_i − x̄))² over unit vectors: C n̂ = λ n̂ with the smallest eigenvalue of the scatter matrix
-//! C = Σ (x_i − x̄)(x_i − x̄)ᵀ. On reals n̂ is known: it is the given frame's normal. Its derivatives come from
+//! n̂ minimises Σ ω_i (n·(x_i − x̄))² over unit vectors: C n̂ = λ n̂ with the smallest eigenvalue of the scatter matrix
+//! C = Σ ω_i (x_i − x̄)(x_i − x̄)ᵀ, x̄ the mean with the same weights. On reals n̂ is known: it is the given frame's normal. Its derivatives come from
 //! Newton steps on C n = λ n over dual numbers taken at the given normal, as those of the foot do: no derivative
 //! of the plane is written down.
 
@@ -41,7 +41,9 @@ impl AveragePlane {
     /// [`ElementError::UnstableAveragePlane`] if the plane is not unique to working precision, or if the given
     /// one is not the thinnest; [`ElementError::NotAveragePlane`] if the given normal is not stationary: the
     /// deviation is the angle in radians by which it misses.
-    pub(super) fn find(element: &Element<'_>) -> Result<Self, ElementError> {
+    ///
+    /// `weights`: of the masters.
+    pub(super) fn find(element: &Element<'_>, weights: &[f64]) -> Result<Self, ElementError> {
         let masters = element.masters;
         // Mean of differences from the first node: far from the origin the plain mean loses digits.
         let mean_offset = |k: usize| masters.iter().map(|x| x[k] - masters[0][k]).sum::<f64>();
@@ -54,7 +56,7 @@ impl AveragePlane {
             return unstable(0.0);
         }
         let plane = Self { axes: element.frame.rows(), centre, size, inverse_jacobian: [[0.0; 2]; 2] };
-        let scatter = plane.scatter(masters);
+        let scatter = plane.scatter(masters, weights);
 
         // Jacobian of the residual at no turn: C_kl − δ_kl λ, positive definite at the thinnest plane.
         let [c_11, c_12, c_22, _, _, c_33] = scatter;
@@ -83,8 +85,8 @@ impl AveragePlane {
 
     /// How the given frame turns with the plane of dual masters: the axes of the moved frame in those of the
     /// given one. In the plane it turns as little as it can, which is of no consequence to the gap.
-    pub(super) fn propagate<D: Scalar>(&self, masters: &[[D; 3]]) -> Turn<D> {
-        let scatter = self.scatter(masters);
+    pub(super) fn propagate<D: Scalar>(&self, masters: &[[D; 3]], weights: &[D]) -> Turn<D> {
+        let scatter = self.scatter(masters, weights);
         let mut slopes = [D::zero(); 2];
         // The rounding error of the given normal; without it the real part stays that normal.
         let rest = residual(&scatter, slopes).map(|r| r.re());
@@ -102,21 +104,23 @@ impl AveragePlane {
 
     /// C in the axes of the given frame, lengths over the size of the patch. The mean is subtracted from the
     /// moments: about the centre it is nearly zero.
-    fn scatter<D: Scalar>(&self, masters: &[[D; 3]]) -> Scatter<D> {
+    fn scatter<D: Scalar>(&self, masters: &[[D; 3]], weights: &[D]) -> Scatter<D> {
         let mut moments = [D::zero(); 6];
         let mut sum = [D::zero(); 3];
-        for master in masters {
+        let mut total_weight = D::zero();
+        for (master, &weight) in masters.iter().zip(weights) {
+            total_weight += weight;
             let [x, y, z] = std::array::from_fn(|k| (master[k] - self.centre[k]) / self.size);
             let offset = self.axes.map(|axis| x * axis[0] + y * axis[1] + z * axis[2]);
             for (total, part) in sum.iter_mut().zip(offset) {
-                *total += part;
+                *total += weight * part;
             }
             for (moment, product) in moments.iter_mut().zip(products(offset)) {
-                *moment += product;
+                *moment += weight * product;
             }
         }
         let of_sum = products(sum);
-        std::array::from_fn(|k| moments[k] - of_sum[k] / masters.len() as f64)
+        std::array::from_fn(|k| moments[k] - of_sum[k] / total_weight)
     }
 
     fn step<D: Scalar>(&self, [r_1, r_2]: [D; 2]) -> [D; 2] {
@@ -160,19 +164,12 @@ mod tests {
         [[1.0, 0.1, 0.2], [-0.3, 0.9, -0.1], [-1.1, -0.2, 0.05], [0.2, -1.3, 0.3], [0.4, 0.3, -0.2]];
 
     fn element(masters: &[Point], frame: Frame) -> Element<'_> {
-        Element {
-            slave: [0.0; 3],
-            masters,
-            frame,
-            support_radius: 2.0,
-            basis: Basis::Linear,
-            weight: Weight::Cubic,
-        }
+        Element::new([0.0; 3], masters, frame, 2.0).with_basis(Basis::Linear)
     }
 
     fn plane(masters: &[Point]) -> (AveragePlane, Frame) {
         let frame = Frame::average_plane(masters, [0.1, 0.2, 1.0]).unwrap();
-        (AveragePlane::find(&element(masters, frame)).unwrap(), frame)
+        (AveragePlane::find(&element(masters, frame), &vec![1.0; masters.len()]).unwrap(), frame)
     }
 
     /// Each order of a dual number is settled by one more step: what is left after the last one is rounding,
@@ -186,8 +183,9 @@ mod tests {
             .enumerate()
             .map(|(i, x)| std::array::from_fn(|k| t * (1.3 * (3 * i + k) as f64).sin() + x[k]))
             .collect();
-        let [t1, t2, n] = plane.propagate(&moved);
-        let scatter = plane.scatter(&moved);
+        let weights = [Dual3::from_re(1.0); 5];
+        let [t1, t2, n] = plane.propagate(&moved, &weights);
+        let scatter = plane.scatter(&moved, &weights);
         let [r_1, r_2] = residual(&scatter, [n[0] / n[2], n[1] / n[2]]);
         for r in [r_1, r_2] {
             assert!(r.v1.abs() < 1e-14 && r.v2.abs() < 1e-13 && r.v3.abs() < 1e-12, "{r:?}");
@@ -216,7 +214,7 @@ mod tests {
                 std::array::from_fn(|k| a * t1[k] + z * n[k] + b * t2[k])
             })
             .collect();
-        let [t1, t2, n] = plane.propagate(&turned);
+        let [t1, t2, n] = plane.propagate(&turned, &[HyperDual::from_re(1.0); 5]);
         let expected = [[c, c * 0.0, -s], [c * 0.0, c * 0.0 + 1.0, c * 0.0], [s, c * 0.0, c]];
         for (found, expected) in [t1, t2, n].as_flattened().iter().zip(expected.as_flattened()) {
             assert_eq!(found.re, expected.re);
@@ -227,7 +225,9 @@ mod tests {
 
     #[test]
     fn what_is_not_the_average_plane_is_refused() {
-        let find = |masters: &[Point], frame| AveragePlane::find(&element(masters, frame)).map(|_| ());
+        let find = |masters: &[Point], frame| {
+            AveragePlane::find(&element(masters, frame), &vec![1.0; masters.len()]).map(|_| ())
+        };
         let (_, frame) = plane(&MASTERS);
         let mut moved = MASTERS;
         moved[2][2] += 1e-4;

@@ -20,14 +20,7 @@
 //! // Nodes 0 to 8 are a flat master surface, node 9 penetrates it by 0.01.
 //! let masters: Vec<[f64; 3]> =
 //!     (0..9).map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0, 0.0]).collect();
-//! let element = Element {
-//!     slave: [0.1, 0.2, -0.01],
-//!     masters: &masters,
-//!     frame: Frame::average_plane(&masters, [0.0, 0.0, 1.0])?,
-//!     support_radius: 2.0,
-//!     basis: Basis::Quadratic,
-//!     weight: Weight::Cubic,
-//! };
+//! let element = Element::new([0.1, 0.2, -0.01], &masters, Frame::average_plane(&masters, [0.0, 0.0, 1.0])?, 2.0);
 //! let gap = Generated.gap(&element, Mode::Hessian)?;
 //! let nodes: Vec<u32> = (0..9).collect();
 //! let elements = [ElementView::new(9, &nodes, &gap)];

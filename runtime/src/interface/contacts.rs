@@ -154,7 +154,12 @@ impl Layout {
     }
 
     pub fn masters(&self, k: usize) -> &[u32] {
-        &self.masters[self.offsets[k]..self.offsets[k + 1]]
+        &self.masters[self.masters_range(k)]
+    }
+
+    /// Where the masters of the `k`-th slave lie among those of all.
+    pub fn masters_range(&self, k: usize) -> Range<usize> {
+        self.offsets[k]..self.offsets[k + 1]
     }
 
     /// Where the gradient of the `k`-th slave begins: 3(n+1) numbers for each slave before.

@@ -35,6 +35,23 @@ impl Evaluator<'_> {
     ) -> Result<PairedElement, NoContact> {
         let slave = self.positions[paired.slave];
         Ok(match self.options.element {
+            ContactElement::Diffuse { weight, .. } if self.nodal.is_some() => {
+                let points = self.points_within_reach(paired, weight, scratch)?;
+                let pairing = Pairing {
+                    masters: points
+                        .listed
+                        .iter()
+                        .map(|&place| paired.masters[place as usize] as usize)
+                        .collect(),
+                    positions: points.positions,
+                    frame: points.frame,
+                    support_radius: points.unit,
+                    radii: points.radii,
+                    basis: paired.record.basis,
+                    weight,
+                };
+                PairedElement::Diffuse { slave, pairing }
+            }
             ContactElement::Diffuse { weight, .. } => {
                 let (frame, positions) = self.frame(paired, scratch)?;
                 let pairing = Pairing {
@@ -42,6 +59,7 @@ impl Evaluator<'_> {
                     positions: positions.to_vec(),
                     frame,
                     support_radius: paired.record.support_radius,
+                    radii: Vec::new(),
                     basis: paired.record.basis,
                     weight,
                 };

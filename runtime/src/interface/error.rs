@@ -29,6 +29,9 @@ pub enum InterfaceError {
         /// What it was.
         value: f64,
     },
+    /// Symmetry planes need masters that are found by their domains of influence, or facets.
+    #[error("symmetry planes need the neighbour rule \"domains\": other rules have no mirror images")]
+    NoSymmetry,
     /// More positions or slaves than 32-bit indices can name.
     #[error("{count} {what} are more than 32-bit indices can name")]
     TooMany {
@@ -104,6 +107,7 @@ impl InterfaceError {
             Self::InvalidSearch(error) => error.code(),
             Self::MasterNodes(error) => error.code(),
             Self::InvalidOption { .. } => "invalid-option",
+            Self::NoSymmetry => "no-symmetry",
             Self::TooMany { .. } => "too-many",
             Self::SlaveOutOfRange { .. } => "slave-out-of-range",
             Self::RepeatedSlave { .. } => "repeated-slave",

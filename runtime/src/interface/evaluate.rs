@@ -1,9 +1,13 @@
 //! One element at the positions of the moment, and all of them in parallel.
 
+use std::ops::Range;
+
 use diffuse_contact_kernels::support::{ElementInputs, Masters};
 
 use super::contacts::{Layout, Slot, Slots};
-use super::pairings::{Paired, Pairings};
+use super::fold::{Source, fold, spread};
+use super::nodal::Nodal;
+use super::pairings::{Paired, Pairings, Record};
 use super::scratch::{Pool, recycled};
 use super::{ContactElement, InterfaceOptions, NoContact, Outcome};
 use crate::batch::{BatchScratch, GapSlot, Waiting, contact_point, evaluate};
@@ -12,7 +16,8 @@ use crate::generated::frame_rule;
 use crate::neighbourhood::Fallback;
 use crate::surface::{BorderScratch, Creases, MasterSurface};
 use crate::{
-    ContactPoint, Element, ElementError, FacetElement, Frame, FrameDerivative, Generated, Mode, Point, Weight,
+    ContactPoint, Domains, Element, ElementError, FacetElement, Frame, FrameDerivative, Generated, Mode,
+    Point, Weight,
 };
 
 /// Slaves that one thread evaluates in a row: enough for full vectors although numbers of masters differ.
@@ -26,6 +31,8 @@ pub struct Evaluator<'a> {
     /// Of all nodes.
     pub positions: &'a [Point],
     pub options: &'a InterfaceOptions,
+    /// The domains of the surface's nodes, if the options ask for them.
+    pub nodal: Option<&'a Nodal>,
 }
 
 /// What is asked of an evaluation.
@@ -58,6 +65,7 @@ struct Lists {
     slots: Vec<Slot<'static>>,
     waiting: Vec<Waiting<'static, 'static>>,
     places: Vec<(usize, Paired<'static>)>,
+    results: Vec<Result<(ContactPoint, Fallback), NoContact>>,
 }
 
 /// A copy has no memory yet.
@@ -65,6 +73,90 @@ impl Clone for Lists {
     fn clone(&self) -> Self {
         Self::default()
     }
+}
+
+/// The points within reach of slaves that are evaluated together.
+#[derive(Clone, Debug, Default)]
+struct WithinReach {
+    /// Positions, of an image its own.
+    points: Vec<Point>,
+    /// Radii of their domains.
+    radii: Vec<f64>,
+    sources: Vec<Source>,
+    /// Of the points of one slave in its average plane.
+    weights: Vec<f64>,
+    /// Of each slave.
+    elements: Vec<Result<Gathered, NoContact>>,
+}
+
+/// The element of one slave.
+#[derive(Clone, Debug)]
+struct Gathered {
+    frame: Frame,
+    /// The largest radius: what lengths are divided by. It has to follow from the points, or lists would change bits.
+    unit: f64,
+    /// Its points.
+    range: Range<usize>,
+}
+
+impl WithinReach {
+    fn clear(&mut self) {
+        self.points.clear();
+        self.radii.clear();
+        self.sources.clear();
+        self.elements.clear();
+    }
+
+    /// What a kernel reads.
+    fn inputs<'s>(
+        &'s self,
+        evaluator: &Evaluator<'_>,
+        paired: &Paired<'_>,
+        element: &Gathered,
+        weight: Weight,
+    ) -> ElementInputs<'s> {
+        let slave = evaluator.positions[paired.slave];
+        let Gathered { frame, range, unit } = element;
+        let (points, radii) = (&self.points[range.clone()], &self.radii[range.clone()]);
+        let anchor = match weight {
+            Weight::CubicInterpolating => {
+                nearest_in_plane(slave, points.iter().copied(), frame, |k| radii[k])
+            }
+            Weight::Cubic | Weight::WendlandC2 => 0,
+        };
+        ElementInputs {
+            slave,
+            masters: Masters::Positions(points),
+            domains: Domains::Each(radii),
+            plane_reach: frame.reach,
+            t1: frame.t1,
+            t2: frame.t2,
+            normal: frame.normal,
+            support_radius: *unit,
+            point: [0.0; 2],
+            anchor,
+        }
+    }
+}
+
+/// The points of one element.
+pub struct PointsWithinReach {
+    pub positions: Vec<Point>,
+    pub radii: Vec<f64>,
+    /// Their nodes, by place among the slave's.
+    pub listed: Vec<u32>,
+    pub frame: Frame,
+    /// What lengths are divided by.
+    pub unit: f64,
+}
+
+/// What the elements of one piece of work have in common.
+#[derive(Clone, Copy)]
+struct Run<'s> {
+    pairings: &'s Pairings,
+    weight: Weight,
+    /// With nodal domains.
+    within_reach: Option<&'s WithinReach>,
 }
 
 /// Memory kept from one element to the next.
@@ -78,6 +170,11 @@ pub struct ElementScratch {
     border: BorderScratch,
     batch: BatchScratch,
     lists: Lists,
+    within_reach: WithinReach,
+    /// Which slots are evaluated.
+    chosen: Vec<bool>,
+    /// Derivatives by points some of which are images.
+    by_points: Vec<f64>,
 }
 
 impl Evaluator<'_> {
@@ -136,69 +233,216 @@ impl Evaluator<'_> {
         let mut all = recycled(std::mem::take(&mut scratch.lists.slots));
         slots.for_each(&pairings.layout, |slot| all.push(slot));
         let mut slots = all;
+        let mut within_reach = std::mem::take(&mut scratch.within_reach);
+        if self.nodal.is_some() {
+            within_reach.clear();
+            for slot in &slots {
+                let found = pairings
+                    .get(slot.index)
+                    .and_then(|paired| self.gather_within_reach(&paired, weight, &mut within_reach));
+                within_reach.elements.push(found);
+            }
+        }
+        let run = Run { pairings, weight, within_reach: self.nodal.map(|_| &within_reach) };
         let mut border = Border::Tested;
         if request.is_loaded.is_some() {
-            self.side_by_side(pairings, (Mode::Value, border), &mut slots, weight, scratch, |_| true);
+            self.side_by_side(run, (Mode::Value, border), &mut slots, scratch, |_| true);
             border = Border::Met;
         }
-        self.side_by_side(pairings, (request.mode, border), &mut slots, weight, scratch, |slot| {
+        self.side_by_side(run, (request.mode, border), &mut slots, scratch, |slot| {
             *slot.derived = request
                 .is_loaded
                 .is_none_or(|is_loaded| slot.outcome.is_contact() && is_loaded(slot.index, slot.point.gap));
             *slot.derived
         });
         scratch.lists.slots = recycled(slots);
+        scratch.within_reach = within_reach;
     }
 
     /// Evaluates the slots that `choose` chooses. Their gradients and Hessians are used up by a mode that fills them.
     fn side_by_side<'s>(
         &'s self,
-        pairings: &'s Pairings,
+        run: Run<'s>,
         (mode, tests): (Mode, Border),
-        slots: &mut [Slot<'s>],
-        weight: Weight,
+        slots: &mut [Slot<'_>],
         scratch: &mut ElementScratch,
-        choose: impl Fn(&mut Slot<'s>) -> bool,
+        choose: impl Fn(&mut Slot<'_>) -> bool,
     ) {
-        let ElementScratch { border, batch, lists, .. } = scratch;
+        let Run { pairings, weight, within_reach } = run;
+        let ElementScratch { border, batch, lists, chosen, by_points, .. } = scratch;
         let mut waiting = recycled(std::mem::take(&mut lists.waiting));
         let mut places = recycled(std::mem::take(&mut lists.places));
+        chosen.clear();
+        chosen.extend(slots.iter_mut().map(&choose));
+        // Derivatives by images have a place of their own before they go back to the nodes.
+        let with_images =
+            |slot: &Slot<'_>| pairings.get(slot.index).is_ok_and(|paired| !paired.images.is_empty());
+        let room = |place: usize| {
+            let points =
+                within_reach.map_or(0, |all| all.elements[place].as_ref().map_or(0, |own| own.range.len()));
+            derivatives(mode, points)
+        };
+        let of_images = slots.iter().enumerate().filter(|(place, slot)| chosen[*place] && with_images(slot));
+        let needed =
+            of_images.map(|(place, _)| room(place)).map(|(gradient, hessian)| gradient + hessian).sum();
+        by_points.resize(by_points.len().max(needed), 0.0);
+        let mut free = &mut by_points[..];
         for (place, slot) in slots.iter_mut().enumerate() {
-            if !choose(slot) {
+            if !chosen[place] {
                 continue;
             }
             let paired = pairings.get(slot.index);
-            let with_frame = paired.and_then(|paired| Ok((paired, self.current_frame(&paired)?)));
-            match with_frame {
-                Ok((paired, frame)) => {
-                    let wanted = |numbers: &mut &'s mut [f64], from: Mode| {
-                        if mode >= from { std::mem::take(numbers) } else { &mut [] }
+            let with_inputs = paired.and_then(|paired| match within_reach {
+                Some(all) => {
+                    let element = all.elements[place].as_ref().map_err(|reason| *reason)?;
+                    Ok((paired, element.frame.derivative, all.inputs(self, &paired, element, weight)))
+                }
+                None => {
+                    let frame = self.current_frame(&paired)?;
+                    Ok((paired, frame.derivative, self.inputs(&paired, &frame, weight)))
+                }
+            });
+            match with_inputs {
+                Ok((paired, derivative, inputs)) => {
+                    let (gradient, hessian) = if paired.images.is_empty() {
+                        let gradient = wanted(&mut slot.gradient, mode >= Mode::Gradient);
+                        (gradient, wanted(&mut slot.hessian, mode >= Mode::Hessian))
+                    } else {
+                        let (gradient, hessian) = room(place);
+                        let (own, rest) = std::mem::take(&mut free).split_at_mut(gradient + hessian);
+                        free = rest;
+                        own.split_at_mut(gradient)
                     };
-                    let gradient = wanted(&mut slot.gradient, Mode::Gradient);
-                    let hessian = wanted(&mut slot.hessian, Mode::Hessian);
                     waiting.push(Waiting {
                         weight,
-                        frame: frame_rule(frame.derivative),
+                        frame: frame_rule(derivative),
                         basis: paired.record.basis,
-                        inputs: self.inputs(&paired, &frame, weight),
+                        inputs,
                         slot: GapSlot { gradient, hessian },
                         is_sound: true,
                     });
                     places.push((place, paired));
                 }
-                Err(reason) => write(Err(reason), slot.outcome, slot.point),
+                Err(reason) => {
+                    // A slave beyond the border may have too few nodes within reach: the border is the reason.
+                    let reason = match (reason, paired) {
+                        (NoContact::Element { error }, Ok(paired)) => {
+                            self.within_border(&paired, Err(error), border).err().unwrap_or(reason)
+                        }
+                        _ => reason,
+                    };
+                    write(Err(reason), slot.outcome, slot.point);
+                }
             }
         }
-        evaluate(&Generated, mode, &mut waiting, batch, |index, values| {
+        let mut results = recycled(std::mem::take(&mut lists.results));
+        results.resize(places.len(), Err(NoContact::NotPaired));
+        evaluate(&Generated, mode, &mut waiting, batch, |index, element| {
             let (place, paired) = &places[index];
             let point = match tests {
-                Border::Tested => self.within_border(paired, contact_point(values), border),
-                Border::Met => contact_point(values).map_err(NoContact::from),
+                Border::Tested => self.within_border(paired, contact_point(&element.values), border),
+                Border::Met => contact_point(&element.values).map_err(NoContact::from),
             };
-            let slot = &mut slots[*place];
-            write(point.map(|point| (point, paired.record.fallback)), slot.outcome, slot.point);
+            if let (Some(nodal), Some(all)) = (self.nodal, within_reach)
+                && let (Ok(own), Ok(_)) = (&all.elements[*place], &point)
+            {
+                let sources = &all.sources[own.range.clone()];
+                if paired.images.is_empty() {
+                    spread(element.gradient, element.hessian, sources);
+                } else {
+                    let Slot { gradient, hessian, .. } = &mut slots[*place];
+                    fold((element.gradient, element.hessian), (gradient, hessian), sources, &nodal.symmetry);
+                }
+            }
+            results[index] = point.map(|point| (point, paired.record.fallback));
         });
-        (lists.waiting, lists.places) = (recycled(waiting), recycled(places));
+        for ((place, _), result) in places.iter().zip(&results) {
+            let slot = &mut slots[*place];
+            write(*result, slot.outcome, slot.point);
+        }
+        (lists.waiting, lists.places, lists.results) = (recycled(waiting), recycled(places), results);
+    }
+
+    /// The points of a paired slave's element: those of its nodes, and of their images, that are within reach at these positions, in
+    /// their order. Which others are listed makes no difference.
+    fn gather_within_reach(
+        &self,
+        paired: &Paired<'_>,
+        weight: Weight,
+        all: &mut WithinReach,
+    ) -> Result<Gathered, NoContact> {
+        let WithinReach { points, radii, sources, weights, .. } = all;
+        let start = points.len();
+        let slave = self.positions[paired.slave];
+        let mut images = paired.images.as_chunks::<2>().0.iter().peekable();
+        for (listed, (&node, &radius)) in paired.masters.iter().zip(paired.radii).enumerate() {
+            let x = self.positions[node as usize];
+            points.push(x);
+            sources.push(Source { listed: listed as u32, image: None });
+            while let Some([_, number]) = images.next_if(|image| image[0] == listed as u32) {
+                let image = Some(*number);
+                points.push(self.image_of(image, x));
+                sources.push(Source { listed: listed as u32, image });
+            }
+            radii.resize(points.len(), radius);
+        }
+        let Record { reach, basis, facet, .. } = *paired.record;
+        weights.clear();
+        let own = || points[start..].iter().zip(&radii[start..]);
+        let frame = match paired.frame {
+            Some(frame) => {
+                weights.resize(points.len() - start, 0.0);
+                *frame
+            }
+            None => {
+                weights.extend(own().map(|(&x, radius)| weight.fitting(reach * distance(x, slave) / radius)));
+                let weighted = points[start..].iter().copied().zip(weights.iter().copied());
+                let outward = self.surface.shape(facet as usize, self.positions).normal();
+                Frame::average_plane_of(weighted.filter(|&(_, weight)| weight > 0.0), reach, outward.into())?
+            }
+        };
+        let mut kept = start;
+        for k in start..points.len() {
+            let offset = [0, 1, 2].map(|axis| points[k][axis] - slave[axis]);
+            let along = |t: Point| t[0] * offset[0] + t[1] * offset[1] + t[2] * offset[2];
+            let in_plane = along(frame.t1).hypot(along(frame.t2));
+            if in_plane < radii[k] || weights[k - start] > 0.0 {
+                (points[kept], radii[kept], sources[kept]) = (points[k], radii[k], sources[k]);
+                kept += 1;
+            }
+        }
+        points.truncate(kept);
+        radii.truncate(kept);
+        sources.truncate(kept);
+        let (found, needed) = (kept - start, basis.size());
+        if found < needed {
+            return Err(ElementError::TooFewNodes { found, needed }.into());
+        }
+        let unit = radii[start..].iter().copied().fold(0.0, f64::max);
+        Ok(Gathered { frame, range: start..kept, unit })
+    }
+
+    /// A copy of the points of a paired slave's element.
+    pub fn points_within_reach(
+        &self,
+        paired: &Paired<'_>,
+        weight: Weight,
+        scratch: &mut ElementScratch,
+    ) -> Result<PointsWithinReach, NoContact> {
+        let all = &mut scratch.within_reach;
+        all.clear();
+        let Gathered { frame, unit, .. } = self.gather_within_reach(paired, weight, all)?;
+        let listed = all.sources.iter().map(|source| source.listed).collect();
+        let (positions, radii) = (all.points.clone(), all.radii.clone());
+        Ok(PointsWithinReach { positions, radii, listed, frame, unit })
+    }
+
+    /// A point, or its image with this number.
+    fn image_of(&self, number: Option<u32>, x: Point) -> Point {
+        match (self.nodal, number) {
+            (Some(nodal), Some(number)) => nodal.symmetry.image(number).of(x),
+            _ => x,
+        }
     }
 
     /// What a kernel reads of a paired slave.
@@ -207,13 +451,15 @@ impl Evaluator<'_> {
         let support_radius = paired.record.support_radius;
         let anchor = match weight {
             Weight::CubicInterpolating => {
-                nearest_in_plane(slave, self.masters(paired), frame, support_radius)
+                nearest_in_plane(slave, self.masters(paired), frame, |_| support_radius)
             }
             Weight::Cubic | Weight::WendlandC2 => 0,
         };
         ElementInputs {
             slave,
             masters: Masters::Indexed { positions: self.positions, nodes: paired.masters },
+            domains: Domains::Shared,
+            plane_reach: frame.reach,
             t1: frame.t1,
             t2: frame.t2,
             normal: frame.normal,
@@ -230,10 +476,26 @@ impl Evaluator<'_> {
 
     /// The gap alone.
     pub fn gap(&self, paired: &Paired<'_>, scratch: &mut ElementScratch) -> Result<f64, NoContact> {
+        if let (Some(_), ContactElement::Diffuse { weight, .. }) = (self.nodal, self.options.element) {
+            let ElementScratch { border, within_reach: all, .. } = scratch;
+            all.clear();
+            let found = match self.gather_within_reach(paired, weight, all) {
+                Err(NoContact::Element { error }) => {
+                    return self.within_border(paired, Err(error), border).map(|point| point.gap);
+                }
+                found => found?,
+            };
+            let element = Element::new(self.positions[paired.slave], &all.points, found.frame, found.unit)
+                .with_domains(Domains::Each(&all.radii))
+                .with_basis(paired.record.basis)
+                .with_weight(weight);
+            let point = Generated.gap_into(&element, Mode::Value, &mut [], &mut []);
+            return self.within_border(paired, point, border).map(|point| point.gap);
+        }
         self.element(paired, Mode::Value, &mut [], &mut [], scratch).map(|point| point.gap)
     }
 
-    /// One element, N into `gradient` and M into `hessian` as far as the mode asks for them.
+    /// One element without nodal domains, N into `gradient` and M into `hessian` as far as the mode asks for them.
     pub fn element(
         &self,
         paired: &Paired<'_>,
@@ -247,7 +509,8 @@ impl Evaluator<'_> {
             ContactElement::Diffuse { weight, .. } => {
                 let (frame, masters) = self.frame(paired, scratch)?;
                 let (support_radius, basis) = (paired.record.support_radius, paired.record.basis);
-                let element = Element { slave, masters, frame, support_radius, basis, weight };
+                let element =
+                    Element::new(slave, masters, frame, support_radius).with_basis(basis).with_weight(weight);
                 let point = Generated.gap_into(&element, mode, gradient, hessian);
                 return self.within_border(paired, point, &mut scratch.border);
             }
@@ -304,7 +567,7 @@ impl Evaluator<'_> {
             return Ok(*frame);
         }
         let facet = self.surface.shape(paired.record.facet as usize, self.positions);
-        Ok(Frame::average_plane_of(self.masters(paired), facet.normal().into())?)
+        Ok(Frame::average_plane_of(self.masters(paired).map(|x| (x, 1.0)), 0.0, facet.normal().into())?)
     }
 
     /// The frame of a diffuse element: the one that is held, or the average plane of the masters, outward where the
@@ -333,6 +596,7 @@ impl Evaluator<'_> {
             t2,
             normal,
             derivative: FrameDerivative::Frozen,
+            reach: 0.0,
         })
     }
 
@@ -352,6 +616,26 @@ impl Evaluator<'_> {
     const fn holds_frames(&self) -> bool {
         matches!(self.options.element, ContactElement::Diffuse { frame: FrameDerivative::Frozen, .. })
     }
+}
+
+/// Entries of N and of the packed M of an element with so many points.
+const fn derivatives(mode: Mode, points: usize) -> (usize, usize) {
+    let freedoms = 3 * (points + 1);
+    match mode {
+        Mode::Value => (0, 0),
+        Mode::Gradient => (freedoms, 0),
+        Mode::Hessian => (freedoms, freedoms * (freedoms + 1) / 2),
+    }
+}
+
+/// The numbers, taken out, if they are wanted.
+fn wanted<'s>(numbers: &mut &'s mut [f64], are_wanted: bool) -> &'s mut [f64] {
+    if are_wanted { std::mem::take(numbers) } else { &mut [] }
+}
+
+fn distance(x: Point, y: Point) -> f64 {
+    let [a, b, c] = [0, 1, 2].map(|axis| x[axis] - y[axis]);
+    (a * a + b * b + c * c).sqrt()
 }
 
 fn write(

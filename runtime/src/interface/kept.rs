@@ -26,13 +26,14 @@ pub struct KeptPairing {
 }
 
 impl ContactInterface {
-    /// The pairing of every slave, `None` without one. With it and the same positions another interface of the same
+    /// The pairing of every slave, `None` without one and with nodal domains, which need none. With it and the same positions another interface of the same
     /// master, slaves and options pairs as this one would, bit for bit: see
     /// [`set_kept_pairings`](Self::set_kept_pairings).
     #[must_use]
     pub fn kept_pairings(&self) -> Vec<Option<KeptPairing>> {
         let kept = |k| {
-            let paired = self.pairings.get(k).ok()?;
+            // With nodal domains nothing is kept: lists follow from positions.
+            let paired = self.pairings.get(k).ok().filter(|_| self.nodal.is_none())?;
             let &Record { support_radius, basis, fallback, facet, natural, .. } = paired.record;
             Some(KeptPairing {
                 masters: paired.masters.to_vec(),
@@ -64,7 +65,7 @@ impl ContactInterface {
         let record = |kept: &Option<KeptPairing>| {
             let kept = kept.as_ref().ok_or(NoContact::NotPaired)?;
             let &KeptPairing { facet, natural, support_radius, basis, fallback, .. } = kept;
-            Ok(Record { support_radius, basis, fallback, facet, natural })
+            Ok(Record { support_radius, reach: 0.0, basis, fallback, facet, natural })
         };
         let masters_of =
             |kept: &Option<KeptPairing>| kept.as_ref().map_or(Vec::new(), |kept| kept.masters.clone());
@@ -73,12 +74,15 @@ impl ContactInterface {
         let masters = kept.iter().flat_map(masters_of).collect();
         let layout = Layout::new(layout.slaves().to_vec(), layout.areas().to_vec(), lengths, masters);
         let Self { master, options, positions, creases, .. } = &*self;
-        let evaluator = Evaluator { surface: master, creases, positions, options };
+        let evaluator = Evaluator { surface: master, creases, positions, options, nodal: None };
         let frames = kept.iter().filter_map(|_| evaluator.stand_in_frame()).collect();
         let records = kept.iter().map(record).collect();
+        self.listed = None;
         // The refresh asks anew where patches end. Until then there may be no edges to test.
         let patches = Lists::default();
-        self.pairings = Pairings { layout: layout.into(), records, frames, patches };
+        let images = Lists::default();
+        self.pairings =
+            Pairings { layout: layout.into(), records, frames, patches, radii: Vec::new(), images };
         Ok(())
     }
 

@@ -61,7 +61,9 @@ mod cutback;
 mod element;
 mod error;
 mod evaluate;
+mod fold;
 mod kept;
+mod nodal;
 mod options;
 mod outcome;
 mod pairings;
@@ -80,20 +82,29 @@ pub use report::{FallbackCounts, GapJump, RefreshReport, SlaveGap};
 
 use contacts::Results;
 use evaluate::{CHUNK, ElementScratch, Evaluator, Request};
+use nodal::{MOST_STRETCH, Nodal, symmetry_of};
 use pairings::Pairings;
-use refresh::{Refresh, RefreshScratch};
+use refresh::{Refresh, RefreshScratch, SKIN};
 use scratch::Pool;
 pub(crate) use scratch::recycled;
 
 use std::sync::Arc;
 
-use crate::neighbourhood::SearchOptions;
+use crate::neighbourhood::{NeighbourRule, SearchOptions};
 use crate::pairing::NearestNodes;
-use crate::surface::{Creases, Facet, MasterSurface, check_position, tributary_areas};
+use crate::surface::{Creases, Facet, MasterSurface, SymmetryPlane, check_position, tributary_areas};
 use crate::{Mode, Point};
 
 /// Chunks of slaves that [`ContactInterface::for_each`] holds for each thread.
 const CHUNKS_PER_THREAD: usize = 4;
+
+/// What the lists of nodal domains were made from.
+#[derive(Debug)]
+struct Listed {
+    /// Of all nodes.
+    positions: Vec<Point>,
+    report: RefreshReport,
+}
 
 /// A master surface, slave nodes, and their pairing.
 #[derive(Debug)]
@@ -103,7 +114,11 @@ pub struct ContactInterface {
     /// Of all nodes, by the last update or refresh.
     positions: Vec<Point>,
     creases: Creases,
+    planes: Vec<SymmetryPlane>,
+    nodal: Option<Nodal>,
     pairings: Pairings,
+    /// With nodal domains: what the lists were made from.
+    listed: Option<Listed>,
     contacts: Contacts,
     elements: Pool<ElementScratch>,
     refreshes: Pool<RefreshScratch>,
@@ -138,6 +153,9 @@ impl ContactInterface {
         let mut interface = Self {
             contacts: Contacts::new(pairings.layout.clone()),
             creases: Creases::default(),
+            planes: Vec::new(),
+            nodal: None,
+            listed: None,
             positions: positions.to_vec(),
             master,
             options,
@@ -146,7 +164,71 @@ impl ContactInterface {
             refreshes: Pool::default(),
         };
         interface.update(positions)?;
+        interface.find_domains()?;
         Ok(interface)
+    }
+
+    /// Makes these planes of symmetry: the master surface goes on beyond them as its mirror image, so that nodes near a plane have
+    /// neighbours on both sides. To be called before the first [`refresh_pairing`](Self::refresh_pairing). Where the master ends in
+    /// a plane, that is no border.
+    ///
+    /// Domains of influence are found anew, at the positions of the last update.
+    ///
+    /// # Errors
+    /// [`InterfaceError::Surface`] for planes that cannot be planes of symmetry; [`InterfaceError::NoSymmetry`] if masters are
+    /// found by a rule without domains of influence.
+    pub fn set_symmetry(&mut self, planes: &[SymmetryPlane]) -> Result<(), InterfaceError> {
+        if let ContactElement::Diffuse { search, .. } = self.options.element
+            && search.rule != NeighbourRule::Domains
+            && !planes.is_empty()
+        {
+            return Err(InterfaceError::NoSymmetry);
+        }
+        self.planes = planes.to_vec();
+        self.listed = None;
+        self.find_domains()
+    }
+
+    /// The planes of symmetry.
+    #[must_use]
+    pub fn symmetry(&self) -> &[SymmetryPlane] {
+        &self.planes
+    }
+
+    /// Positions of the master surface's nodes, in the order of [`MasterSurface::nodes`], from which the radii of their domains were
+    /// found: the first ones, or those of the last renewal ([`RefreshReport::renewed_domains`]). `None` without domains.
+    #[must_use]
+    pub fn domain_positions(&self) -> Option<&[Point]> {
+        self.nodal.as_ref().map(Nodal::positions)
+    }
+
+    /// Finds the domains from these positions of the surface's nodes, in the order of [`MasterSurface::nodes`], as
+    /// [`domain_positions`](Self::domain_positions) gave them: radii are then the same, bit for bit.
+    ///
+    /// # Errors
+    /// [`InterfaceError::WrongNumberOfPositions`], [`InterfaceError::Surface`].
+    pub fn set_domain_positions(&mut self, positions: &[Point]) -> Result<(), InterfaceError> {
+        let nodes = self.master.nodes();
+        let (found, expected) = (positions.len(), nodes.len());
+        if found != expected {
+            return Err(InterfaceError::WrongNumberOfPositions { found, expected });
+        }
+        let mut all = vec![[0.0; 3]; self.master.positions_needed()];
+        for (&node, &x) in nodes.iter().zip(positions) {
+            all[node as usize] = x;
+        }
+        let index = self.master.at(&all)?;
+        if let Some(nodal) = &mut self.nodal {
+            nodal.renew(&index);
+        }
+        self.listed = None;
+        Ok(())
+    }
+
+    fn find_domains(&mut self) -> Result<(), InterfaceError> {
+        let index = self.master.at(&self.positions)?;
+        self.nodal = Nodal::new(&index, &self.options, &self.planes)?;
+        Ok(())
     }
 
     /// The master surface.
@@ -175,8 +257,7 @@ impl ContactInterface {
     /// # Panics
     /// If there is no such slave.
     pub fn element(&self, k: usize) -> Result<PairedElement, NoContact> {
-        let Self { master, options, positions, creases, pairings, .. } = self;
-        let evaluator = Evaluator { surface: master, creases, positions, options };
+        let (pairings, evaluator) = (&self.pairings, self.evaluator());
         evaluator.paired_element(&pairings.get(k)?, &mut ElementScratch::default())
     }
 
@@ -210,10 +291,13 @@ impl ContactInterface {
         Ok(self.slaves().iter().try_for_each(|&node| check_position(positions, node))?)
     }
 
-    /// Takes over the positions and pairs every slave anew, or keeps its pairing while it is sound
-    /// ([`InterfaceOptions::hysteresis`]).
+    /// Takes over the positions and pairs every slave anew, or keeps what there is while it is sound: with nodal domains the lists of
+    /// nodes while nobody has moved by more than half their skin, else pairings by their [`InterfaceOptions::hysteresis`].
     ///
-    /// A slave is paired with the masters that the neighbour search finds among the nodes on its side of sharp
+    /// With nodal domains every node of the slave's sheet is listed that may come within reach, and a refresh changes no gap; only if
+    /// the master has been stretched by more than a tenth somewhere are the radii renewed, and the gaps' jump reported.
+    ///
+    /// By the other rules a slave is paired with the masters that the neighbour search finds among the nodes on its side of sharp
     /// edges: those reached from the closest facet over facets that meet in no edge sharper than the feature
     /// angle, that do not turn away from it by 89° or more, and that are no farther from the slave than the
     /// node itself. If they do not carry the quadratic basis the search takes more, then the linear basis; else
@@ -222,34 +306,125 @@ impl ContactInterface {
     /// # Errors
     /// As [`update`](Self::update). Pairing and positions of before then stay.
     pub fn refresh_pairing(&mut self, positions: &[Point]) -> Result<RefreshReport, InterfaceError> {
-        // Everything that may fail comes first; nothing of `self` changes before.
         self.check_positions(positions)?;
+        if let Some(report) = self.kept_lists(positions) {
+            self.positions.copy_from_slice(positions);
+            return Ok(report);
+        }
+        self.pair(positions, true)
+    }
+
+    /// As [`refresh_pairing`](Self::refresh_pairing), but with nodal domains lists are made anew wherever everybody is: what they are then
+    /// follows from these positions alone. A run that has to go on from a saved state as if it had never stopped calls it at the
+    /// beginning of its increments.
+    ///
+    /// # Errors
+    /// As [`update`](Self::update). Pairing and positions of before then stay.
+    pub fn renew_pairing(&mut self, positions: &[Point]) -> Result<RefreshReport, InterfaceError> {
+        self.check_positions(positions)?;
+        self.pair(positions, true)
+    }
+
+    /// As [`update`](Self::update), but with nodal domains the lists follow: if something has moved by more than half their skin they
+    /// are made anew, which changes no gap. Returns whether they were: a pattern made for the old ones is no longer theirs. To be
+    /// called in every iteration; radii are renewed by [`refresh_pairing`](Self::refresh_pairing) only.
+    ///
+    /// # Errors
+    /// As [`update`](Self::update).
+    pub fn follow(&mut self, positions: &[Point]) -> Result<bool, InterfaceError> {
+        self.check_positions(positions)?;
+        let is_current = self.listed.is_none() || self.kept_lists(positions).is_some();
+        if is_current {
+            self.positions.copy_from_slice(positions);
+            return Ok(false);
+        }
+        self.pair(positions, false)?;
+        Ok(true)
+    }
+
+    /// Pairs every slave at positions that have been checked. `renews`: whether radii follow a surface that has been stretched.
+    fn pair(&mut self, positions: &[Point], renews: bool) -> Result<RefreshReport, InterfaceError> {
+        // Everything that may fail comes first; nothing of `self` changes before.
         let search = match self.options.element {
-            ContactElement::Diffuse { search, .. } => search,
-            ContactElement::NodeToFacet => SearchOptions::default(),
+            ContactElement::Diffuse { search, .. } if self.nodal.is_none() => search,
+            _ => SearchOptions::default(),
         };
         let blank = RefreshScratch::new(search)?;
         let index = self.master.at(positions)?;
         let cloud = match self.options.element {
-            ContactElement::Diffuse { .. } => index.positions().to_vec(),
-            ContactElement::NodeToFacet => Vec::new(),
+            ContactElement::Diffuse { .. } if self.nodal.is_none() => index.positions().to_vec(),
+            _ => Vec::new(),
         };
         let cloud = NearestNodes::new(cloud).map_err(InterfaceError::MasterNodes)?;
-        let creases = Creases::new(&index, self.options.feature_angle_degrees.to_radians());
-        let evaluator =
-            Evaluator { surface: &self.master, creases: &creases, positions, options: &self.options };
+        let creases = match &self.nodal {
+            Some(nodal) => nodal.creases.clone(),
+            None => {
+                let symmetry = symmetry_of(&index, &self.planes)?;
+                Creases::new(&index, self.options.feature_angle_degrees.to_radians(), &symmetry)
+            }
+        };
+        let stretch = self.nodal.as_ref().map_or(0.0, |nodal| nodal.domains.stretch(&index));
+        let renewed_domains = (renews && stretch > MOST_STRETCH).then_some(stretch);
+        if renewed_domains.is_some() {
+            self.nodal.iter_mut().for_each(|nodal| nodal.renew(&index));
+        }
+        let evaluator = Evaluator {
+            surface: &self.master,
+            creases: &creases,
+            positions,
+            options: &self.options,
+            nodal: self.nodal.as_ref(),
+        };
         let refresh = Refresh {
             index: &index,
             cloud: &cloud,
             evaluator,
             old: &self.pairings,
             old_creases: &self.creases,
+            compares: self.nodal.is_none() || renewed_domains.is_some(),
         };
         let (pairings, report) = refresh.run(&self.refreshes, &blank);
+        let report = RefreshReport { rebuilt: true, renewed_domains, ..report };
         self.pairings = pairings;
         self.creases = creases;
         self.positions.copy_from_slice(positions);
+        if self.nodal.is_some() {
+            self.listed = Some(Listed { positions: positions.to_vec(), report: report.clone() });
+        }
         Ok(report)
+    }
+
+    /// The report of a refresh that leaves the lists of nodal domains as they are, as nobody has moved by more than half the skin,
+    /// master and slave together.
+    fn kept_lists(&self, positions: &[Point]) -> Option<RefreshReport> {
+        let listed = self.listed.as_ref()?;
+        // Frames that are held are those of the last refresh.
+        if !self.pairings.frames.is_empty() {
+            return None;
+        }
+        let square = |node: usize| {
+            let [a, b, c] = [0, 1, 2].map(|axis| positions[node][axis] - listed.positions[node][axis]);
+            a * a + b * b + c * c
+        };
+        let masters =
+            self.master.nodes().iter().map(|&node| square(node as usize)).fold(0.0, f64::max).sqrt();
+        // A slave without a list may get one.
+        let smallest = self.nodal.as_ref()?.domains.smallest();
+        let stays = |k: usize| {
+            let radius = self.pairings.get(k).map_or(smallest, |paired| paired.record.support_radius);
+            masters + square(self.pairings.layout.slave(k)).sqrt() <= 0.5 * SKIN * radius
+        };
+        self.pairings.all().all(stays).then(|| {
+            let paired = listed.report.paired;
+            let without = listed.report.without.clone();
+            let fallbacks = listed.report.fallbacks;
+            RefreshReport { paired, kept: paired, without, fallbacks, ..RefreshReport::default() }
+        })
+    }
+
+    fn evaluator(&self) -> Evaluator<'_> {
+        let Self { master, options, positions, creases, nodal, .. } = self;
+        Evaluator { surface: master, creases, positions, options, nodal: nodal.as_ref() }
     }
 
     /// The contact of every slave at the positions of the last [`update`](Self::update) or
@@ -283,8 +458,8 @@ impl ContactInterface {
     }
 
     fn evaluate_as(&mut self, request: Request<'_>) -> Result<&Contacts, InterfaceError> {
-        let Self { master, options, positions, creases, pairings, contacts, elements, .. } = self;
-        let evaluator = Evaluator { surface: master, creases, positions, options };
+        let Self { master, options, positions, creases, nodal, pairings, contacts, elements, .. } = self;
+        let evaluator = Evaluator { surface: master, creases, positions, options, nodal: nodal.as_ref() };
         let slots = contacts.start(&pairings.layout, request.mode)?;
         evaluator.fill(pairings, request, slots, elements);
         Ok(contacts)
@@ -306,8 +481,7 @@ impl ContactInterface {
     where
         F: FnMut(ContactRef<'_>),
     {
-        let Self { master, options, positions, creases, pairings, .. } = self;
-        let evaluator = Evaluator { surface: master, creases, positions, options };
+        let (pairings, evaluator) = (&self.pairings, self.evaluator());
         let mut results = Results::default();
         let batch = CHUNKS_PER_THREAD * CHUNK * rayon::current_num_threads();
         for start in pairings.all().step_by(batch) {

@@ -23,13 +23,12 @@ pub enum ContactElement {
 }
 
 impl Default for ContactElement {
-    /// The diffuse element with the cubic weight, a co-moving frame and as many hull layers as make the fit well
-    /// conditioned.
+    /// The diffuse element with the cubic weight, a co-moving frame and nodal domains of influence.
     fn default() -> Self {
         Self::Diffuse {
             weight: Weight::default(),
             frame: FrameDerivative::CoMoving,
-            search: SearchOptions::default(),
+            search: SearchOptions::domains(),
         }
     }
 }

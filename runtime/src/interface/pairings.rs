@@ -10,8 +10,10 @@ use crate::{Basis, Frame};
 /// What stays fixed for one paired slave until the next refresh, besides its masters.
 #[derive(Clone, Copy, Debug)]
 pub struct Record {
-    /// Support radius R; of a node-to-facet element the facet's extent.
+    /// Support radius R; with nodal domains the largest at the facet's corners; of a node-to-facet element the facet's extent.
     pub support_radius: f64,
+    /// Reach of the weights in the moving plane: 0 where all nodes count alike.
+    pub reach: f64,
     pub basis: Basis,
     pub fallback: Fallback,
     /// The facet closest to the slave: the one whose side is outside.
@@ -31,6 +33,10 @@ pub struct Pairings {
     /// The patch of each slave's masters, where it ends somewhere, so that a foot may lie beyond it. A node-to-facet element has
     /// none: it needs one only once the foot is off its facet.
     pub patches: Lists,
+    /// With nodal domains the radius of each master's, as masters are; else none.
+    pub radii: Vec<f64>,
+    /// Images of each slave's masters: place of the master among them and number of the image, alternating, ascending.
+    pub images: Lists,
 }
 
 /// Lists one after another.
@@ -65,6 +71,10 @@ pub struct Paired<'a> {
     pub frame: Option<&'a Frame>,
     /// The facets of the masters' patch if that ends somewhere.
     pub patch: &'a [u32],
+    /// Of the masters' domains; none without nodal domains.
+    pub radii: &'a [f64],
+    /// Place and number of image, alternating.
+    pub images: &'a [u32],
 }
 
 impl Pairings {
@@ -73,7 +83,8 @@ impl Pairings {
         let records = vec![Err(NoContact::NotPaired); slaves.len()];
         let lengths = std::iter::repeat_n(0, slaves.len());
         let layout = Arc::new(Layout::new(slaves, areas, lengths, Vec::new()));
-        Self { layout, records, frames: Vec::new(), patches: Lists::default() }
+        let (patches, images) = (Lists::default(), Lists::default());
+        Self { layout, records, frames: Vec::new(), patches, radii: Vec::new(), images }
     }
 
     /// The `k`-th slave.
@@ -85,6 +96,8 @@ impl Pairings {
             record,
             frame: self.frames.get(k),
             patch: self.patches.get(k),
+            radii: self.radii.get(self.layout.masters_range(k)).unwrap_or(&[]),
+            images: self.images.get(k),
         })
     }
 

@@ -1,19 +1,21 @@
 //! Pairing every slave with its masters.
 
 use std::cell::RefCell;
+use std::ops::Range;
 
-use nalgebra::Vector3;
+use crate::vector::Vector3;
 use rayon::prelude::*;
 
 use super::contacts::Layout;
 use super::evaluate::{ElementScratch, Evaluator};
+use super::nodal::Nodal;
 use super::pairings::{Lists, Paired, Pairings, Record};
 use super::report::RefreshReport;
 use super::scratch::Pool;
 use super::{ContactElement, InterfaceError, NoContact};
-use crate::neighbourhood::{Fallback, NeighbourSearch, SearchOptions, regularity};
+use crate::neighbourhood::{Fallback, NeighbourSearch, NeighbourhoodError, SearchOptions, regularity};
 use crate::pairing::NearestNodes;
-use crate::surface::{Closest, Creases, MasterSurface, SurfaceIndex, Walk};
+use crate::surface::{Carried, Closest, Creases, MasterSurface, SurfaceIndex, Walk};
 use crate::{Basis, Frame, Point};
 
 /// Slaves that one thread pairs in a row.
@@ -32,6 +34,8 @@ pub struct Refresh<'a> {
     pub old: &'a Pairings,
     /// What the old pairing has been evaluated with.
     pub old_creases: &'a Creases,
+    /// Whether gaps before and after are compared. With nodal domains a list makes no difference to a gap.
+    pub compares: bool,
 }
 
 /// Memory of one thread, kept from one refresh to the next.
@@ -41,6 +45,9 @@ pub struct RefreshScratch {
     walk: Walk,
     ties: Vec<Closest>,
     masters: Vec<u32>,
+    radii: Vec<f64>,
+    images: Vec<u32>,
+    found: Vec<(u32, f64)>,
     patch: Vec<u32>,
     element: ElementScratch,
 }
@@ -52,6 +59,9 @@ impl RefreshScratch {
             walk: Walk::default(),
             ties: Vec::new(),
             masters: Vec::new(),
+            radii: Vec::new(),
+            images: Vec::new(),
+            found: Vec::new(),
             patch: Vec::new(),
             element: ElementScratch::default(),
         })
@@ -67,14 +77,20 @@ struct Chunk {
     ends: Vec<usize>,
     frames: Vec<Frame>,
     patches: Lists,
+    radii: Vec<f64>,
+    images: Lists,
     report: RefreshReport,
 }
 
 impl Chunk {
-    /// The masters of the `own`-th slave of the chunk.
-    fn masters_of(&self, own: usize) -> &[u32] {
+    /// Where the masters of the `own`-th slave of the chunk are.
+    fn range_of(&self, own: usize) -> Range<usize> {
         let start = own.checked_sub(1).map_or(0, |before| self.ends[before]);
-        &self.masters[start..self.ends[own]]
+        start..self.ends[own]
+    }
+
+    fn masters_of(&self, own: usize) -> &[u32] {
+        &self.masters[self.range_of(own)]
     }
 }
 
@@ -104,7 +120,7 @@ impl Refresh<'_> {
         let mut masters = Vec::with_capacity(chunks.iter().map(|chunk| chunk.masters.len()).sum());
         let mut records = Vec::with_capacity(order.len());
         let mut frames = Vec::new();
-        let mut patches = Lists::default();
+        let (mut patches, mut images, mut radii) = (Lists::default(), Lists::default(), Vec::new());
         chunks.iter().for_each(|chunk| report.append(&chunk.report));
         for &place in &places {
             let (chunk, own) = (&chunks[place / CHUNK], place % CHUNK);
@@ -112,10 +128,12 @@ impl Refresh<'_> {
             masters.extend_from_slice(chunk.masters_of(own));
             frames.extend(chunk.frames.get(own));
             patches.push(chunk.patches.get(own));
+            images.push(chunk.images.get(own));
+            radii.extend_from_slice(chunk.radii.get(chunk.range_of(own)).unwrap_or(&[]));
         }
         let lengths = places.iter().map(|place| chunks[place / CHUNK].masters_of(place % CHUNK).len());
         let layout = Layout::new(old.slaves().to_vec(), old.areas().to_vec(), lengths, masters);
-        (Pairings { layout: layout.into(), records, frames, patches }, report)
+        (Pairings { layout: layout.into(), records, frames, patches, radii, images }, report)
     }
 
     /// Pairs the `k`-th slave, or keeps its pairing, and books it.
@@ -137,9 +155,9 @@ impl Refresh<'_> {
             }
             (_, Ok(closest), _) => self.pair(node, &closest, scratch),
         };
-        let RefreshScratch { masters, patch, element, .. } = scratch;
+        let RefreshScratch { masters, radii, images, patch, element, .. } = scratch;
         let paired = record.as_ref().map_err(|reason| *reason).and_then(|record| {
-            let paired = Paired { slave: node, masters, record, frame: None, patch };
+            let paired = Paired { slave: node, masters, record, frame: None, patch, radii, images };
             Ok((paired, self.evaluator.held_frame(&paired, element)?))
         });
         let report = &mut chunk.report;
@@ -159,7 +177,7 @@ impl Refresh<'_> {
                     old.patch.is_empty() && self.evaluator.options.element != ContactElement::NodeToFacet
                 };
                 let is_as_before = |old: &Paired<'_>| kept && frame.is_none() && was_whole(old);
-                if !old.as_ref().is_some_and(is_as_before) {
+                if self.compares && !old.as_ref().is_some_and(is_as_before) {
                     let paired = Paired { frame: frame.as_ref(), ..paired };
                     let before = old.as_ref().and_then(|old| self.old_gap(old, element));
                     report.compare(node, before, self.evaluator.gap(&paired, element).ok());
@@ -168,14 +186,19 @@ impl Refresh<'_> {
                 chunk.records.push(record);
                 chunk.frames.extend(frame);
                 chunk.patches.push(patch);
+                chunk.radii.extend_from_slice(radii);
+                chunk.images.push(images);
             }
             Err(reason) => {
                 report.lost += usize::from(old.is_some());
-                report.compare(node, old.and_then(|old| self.old_gap(&old, element)), None);
+                if self.compares {
+                    report.compare(node, old.and_then(|old| self.old_gap(&old, element)), None);
+                }
                 report.count_without(reason);
                 chunk.records.push(Err(reason));
                 chunk.frames.extend(self.evaluator.stand_in_frame());
                 chunk.patches.push(&[]);
+                chunk.images.push(&[]);
             }
         }
         chunk.ends.push(chunk.masters.len());
@@ -209,8 +232,8 @@ impl Refresh<'_> {
     /// the slave has not slid farther than the hysteresis allows, and the fit still is regular and gives a gap, with
     /// the patch ending where it ends now.
     fn sound(&self, old: &Paired<'_>, closest: &Closest, scratch: &mut RefreshScratch) -> Option<Record> {
-        let Evaluator { surface, creases, positions, options } = self.evaluator;
-        if options.hysteresis == 0.0 {
+        let Evaluator { surface, creases, positions, options, .. } = self.evaluator;
+        if options.hysteresis == 0.0 || self.evaluator.nodal.is_some() {
             return None;
         }
         let shape = self.index.shape(old.record.facet);
@@ -265,16 +288,22 @@ impl Refresh<'_> {
         closest: &Closest,
         scratch: &mut RefreshScratch,
     ) -> Result<Record, NoContact> {
-        let Evaluator { surface, creases, positions, options } = self.evaluator;
-        let RefreshScratch { search, walk, masters, patch, .. } = scratch;
+        let Evaluator { surface, creases, positions, options, .. } = self.evaluator;
+        let RefreshScratch { search, walk, masters, radii, images, patch, .. } = scratch;
         masters.clear();
+        radii.clear();
+        images.clear();
         patch.clear();
+        if let Some(nodal) = self.evaluator.nodal {
+            return self.list(nodal, closest, scratch);
+        }
         let Closest { facet, natural, .. } = *closest;
         let shape = self.index.shape(facet);
         if options.element == ContactElement::NodeToFacet {
             masters.extend(surface.facet(facet as usize).corners().iter().map(|&node| node as u32));
             return Ok(Record {
                 support_radius: shape.extent(),
+                reach: 0.0,
                 basis: Basis::Linear,
                 fallback: Fallback::None,
                 facet,
@@ -294,11 +323,80 @@ impl Refresh<'_> {
         creases.patch_with_end(surface, facet, masters, patch);
         Ok(Record {
             support_radius: found.support_radius,
+            reach: 0.0,
             basis: found.basis,
             fallback: found.fallback,
             facet,
             natural,
         })
+    }
+}
+
+/// A listed node may be outside its domain by this fraction of the radius: lists hold while nobody has moved by half of it.
+pub const SKIN: f64 = 0.1;
+/// Nodes are listed as far from the slave's closest point as their radius, lengthened by heights of the surface up to this fraction
+/// of it, …
+const HEIGHT: f64 = 0.75;
+/// … and by this fraction of the slave's distance, by which its projection on the average plane may be shifted.
+const SHIFT: f64 = 0.25;
+/// A slave farther from the surface than this fraction of the radius is far: its average plane takes wider domains.
+const FAR: f64 = 0.5;
+
+impl Refresh<'_> {
+    /// Lists the nodes of the slave's sheet that may come within reach, with their images.
+    fn list(
+        &self,
+        nodal: &Nodal,
+        closest: &Closest,
+        scratch: &mut RefreshScratch,
+    ) -> Result<Record, NoContact> {
+        let Evaluator { surface, creases, options, .. } = self.evaluator;
+        let RefreshScratch { walk, masters, radii, images, found, patch, .. } = scratch;
+        let Closest { facet, natural, distance, .. } = *closest;
+        let around = nodal.domains.around(self.index, facet);
+        let (wanted, falls_back) = match options.element {
+            ContactElement::Diffuse { search, .. } => (search.basis, search.linear_fallback),
+            ContactElement::NodeToFacet => (Basis::Linear, false),
+        };
+        let carried = nodal.domains.carried(facet);
+        let (basis, fallback) = match (wanted, carried) {
+            (Basis::Quadratic, Carried::Linear) if falls_back => {
+                (Basis::Linear, Fallback::Linear { quadratic_regularity: 0.0 })
+            }
+            (Basis::Quadratic, Carried::Quadratic) | (Basis::Linear, Carried::Linear) => {
+                (wanted, Fallback::None)
+            }
+            _ => {
+                let reason = NeighbourhoodError::NoCandidate { found: 0, needed: wanted.size() };
+                return Err(NoContact::NoCandidate { reason });
+            }
+        };
+        let (reach, fallback) = if distance > FAR * around {
+            let relative = distance / around;
+            (1.0 / relative.hypot(1.0), Fallback::Far { distance: relative })
+        } else {
+            (1.0, fallback)
+        };
+        let margin = SHIFT * distance.min(FAR * around) + SKIN * around;
+        let reach_of = |radius: f64| radius * HEIGHT.hypot(1.0) + margin;
+        let from = closest.point.into();
+        walk.start(self.index, facet, from);
+        walk.nodes_within(self.index, creases, reach_of(nodal.domains.largest()), found);
+        for &(place, square) in &*found {
+            let radius = nodal.domains.radius(place as usize);
+            let limit = reach_of(radius);
+            if !(radius > 0.0 && square < limit * limit) {
+                continue;
+            }
+            let listed = masters.len() as u32;
+            masters.push(surface.nodes()[place as usize]);
+            radii.push(radius);
+            nodal.symmetry.images_near(self.index.positions()[place as usize], from, limit, |number, _| {
+                images.extend([listed, number]);
+            });
+        }
+        creases.patch_with_end(surface, facet, masters, patch);
+        Ok(Record { support_radius: around, reach, basis, fallback, facet, natural })
     }
 }
 

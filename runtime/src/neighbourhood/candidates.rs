@@ -1,13 +1,13 @@
 //! The nearest master nodes and their offsets from the slave in their average plane.
 
-use nalgebra::Vector3;
+use crate::vector::Vector3;
 
 use super::hull::Point2;
 use super::{NeighbourhoodError, Outward, TOLERANCE};
 use crate::pairing::NearestNodes;
 use crate::{Frame, Point};
 
-/// Nodes asked of the k-d tree beyond those wanted, so that ties at the last place are seen.
+/// Nodes asked of the tree beyond those wanted, so that ties at the last place are seen.
 const TIE_MARGIN: usize = 8;
 /// Nodes looked at for each candidate wanted, when most are not admitted or all are equally far.
 const SCAN_FACTOR: usize = 16;

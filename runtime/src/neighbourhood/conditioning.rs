@@ -1,11 +1,13 @@
 //! How well a set of nodes carries the fit, from the moment matrix A of Chamoret et al. (2008), eq. 13, with the
 //! cubic weight (14).
 
-use nalgebra::{Matrix3, Matrix6, Vector6};
-
 use super::TOLERANCE;
 use super::hull::Point2;
 use crate::Basis;
+use crate::eigen::extreme_eigenvalues;
+
+/// A moment matrix. Only the upper triangle is filled.
+type Matrix6 = [[f64; 6]; 6];
 
 /// Eigenvalues below this fraction of the largest are rounding.
 const EIGENVALUE_ROUNDING: f64 = 1e-15;
@@ -66,40 +68,41 @@ pub fn regularity(offsets: impl Iterator<Item = Point2> + Clone, support_radius:
     if !(l_22 > TOLERANCE * l_11) {
         return Regularity::default();
     }
-    let mut moments = Matrix6::zeros();
+    let mut moments = Matrix6::default();
     for (w, a, b) in weighted {
         let (long, short) = if swap { (b, a) } else { (a, b) };
         let x = long / l_11;
         let y = (short - l_21 * x) / l_22;
-        let p = Vector6::new(1.0, x, y, x * x, x * y * std::f64::consts::SQRT_2, y * y);
-        moments.syger(w / total, &p, &p, 1.0);
+        add_square(&mut moments, w / total, [1.0, x, y, x * x, x * y * std::f64::consts::SQRT_2, y * y]);
     }
-    let quadratic_scale = (moments.m44 + moments.m55 + moments.m66) / 3.0;
-    let scales =
-        Vector6::new(1.0, 1.0, 1.0, quadratic_scale, quadratic_scale, quadratic_scale).map(f64::sqrt);
-    let moments = moments.component_div(&(scales * scales.transpose()));
-    let smallest = |values: &[f64], size: f64| {
-        if count < size { 0.0 } else { values.iter().fold(f64::INFINITY, |low, &x| low.min(x)).max(0.0) }
+    let scale = ((moments[3][3] + moments[4][4] + moments[5][5]) / 3.0).sqrt();
+    let scales = [1.0, 1.0, 1.0, scale, scale, scale];
+    for (row, x) in moments.iter_mut().zip(scales) {
+        for (entry, y) in row.iter_mut().zip(scales) {
+            *entry /= x * y;
+        }
+    }
+    let with_nodes = |needed: f64, (smallest, largest): (f64, f64)| {
+        if count < needed || smallest <= EIGENVALUE_ROUNDING * largest { 0.0 } else { smallest }
     };
     Regularity {
-        linear: smallest(linear_block(&moments).symmetric_eigenvalues().as_slice(), 3.0),
-        quadratic: smallest(moments.symmetric_eigenvalues().as_slice(), 6.0),
+        linear: with_nodes(3.0, extreme_eigenvalues(linear_block(&moments))),
+        quadratic: with_nodes(6.0, extreme_eigenvalues(moments)),
     }
 }
 
 /// The moment matrix itself: offsets divided by the support radius, quadratic basis; that of the linear one is its
 /// leading 3×3 block.
 #[derive(Clone, Copy, Debug)]
-pub struct Moments(Matrix6<f64>);
+pub struct Moments(Matrix6);
 
 impl Moments {
     /// Of nodes at these in-plane offsets from the slave.
     pub fn new(offsets: impl Iterator<Item = Point2>, support_radius: f64) -> Self {
-        let mut moments = Matrix6::zeros();
+        let mut moments = Matrix6::default();
         for offset in offsets {
             let [a, b] = offset.map(|x| x / support_radius);
-            let p = Vector6::new(1.0, a, b, a * a, a * b, b * b);
-            moments.syger(weight(a.hypot(b)), &p, &p, 1.0);
+            add_square(&mut moments, weight(a.hypot(b)), [1.0, a, b, a * a, a * b, b * b]);
         }
         Self(moments)
     }
@@ -107,20 +110,20 @@ impl Moments {
     /// Smallest pivot of the Cholesky factorisation over the diagonal entry it came from; 0 if the factorisation
     /// breaks down.
     pub fn pivot_ratio(&self, basis: Basis) -> f64 {
-        let mut lower = Matrix6::<f64>::zeros();
+        let mut lower = Matrix6::default();
         let mut smallest = f64::INFINITY;
         for i in 0..basis.size() {
             for j in 0..i {
-                let rest = self.0[(i, j)] - (0..j).map(|k| lower[(i, k)] * lower[(j, k)]).sum::<f64>();
-                lower[(i, j)] = rest / lower[(j, j)];
+                let rest = self.0[j][i] - (0..j).map(|k| lower[i][k] * lower[j][k]).sum::<f64>();
+                lower[i][j] = rest / lower[j][j];
             }
-            let pivot = self.0[(i, i)] - (0..i).map(|k| lower[(i, k)] * lower[(i, k)]).sum::<f64>();
-            let ratio = pivot / self.0[(i, i)];
+            let pivot = self.0[i][i] - (0..i).map(|k| lower[i][k] * lower[i][k]).sum::<f64>();
+            let ratio = pivot / self.0[i][i];
             if !(ratio > 0.0) {
                 return 0.0;
             }
             smallest = smallest.min(ratio);
-            lower[(i, i)] = pivot.sqrt();
+            lower[i][i] = pivot.sqrt();
         }
         smallest
     }
@@ -128,8 +131,8 @@ impl Moments {
     /// Largest over smallest eigenvalue; infinite if the matrix is singular to rounding.
     pub fn condition(&self, basis: Basis) -> f64 {
         let (smallest, largest) = match basis {
-            Basis::Linear => extremes(linear_block(&self.0).symmetric_eigenvalues().as_slice()),
-            Basis::Quadratic => extremes(self.0.symmetric_eigenvalues().as_slice()),
+            Basis::Linear => extreme_eigenvalues(linear_block(&self.0)),
+            Basis::Quadratic => extreme_eigenvalues(self.0),
             Basis::Custom(_) => return f64::INFINITY,
         };
         if smallest > EIGENVALUE_ROUNDING * largest { largest / smallest } else { f64::INFINITY }
@@ -141,12 +144,17 @@ fn weight(r: f64) -> f64 {
     if r < 1.0 { 1.0 - r * r * (3.0 - 2.0 * r) } else { 0.0 }
 }
 
-fn linear_block(moments: &Matrix6<f64>) -> Matrix3<f64> {
-    moments.fixed_view::<3, 3>(0, 0).into_owned()
+/// Adds w p pᵀ to the upper triangle.
+fn add_square(moments: &mut Matrix6, w: f64, p: [f64; 6]) {
+    for i in 0..6 {
+        for j in i..6 {
+            moments[i][j] += w * p[i] * p[j];
+        }
+    }
 }
 
-fn extremes(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, 0.0), |(low, high), &x| (low.min(x), high.max(x)))
+fn linear_block(moments: &Matrix6) -> [[f64; 3]; 3] {
+    std::array::from_fn(|i| std::array::from_fn(|j| moments[i][j]))
 }
 
 #[cfg(test)]

@@ -14,6 +14,11 @@ pub enum NeighbourhoodError {
         /// Number of nodes the smallest admitted fit needs.
         needed: usize,
     },
+    /// Domains of influence belong to a surface, not to a cloud of nodes.
+    #[error(
+        "domains of influence belong to the nodes of a surface: a search in a cloud of nodes needs another rule"
+    )]
+    NeedsSurface,
     /// A coordinate is NaN or infinite.
     #[error("{what} {index} has a coordinate that is not a finite number")]
     NonFiniteInput {
@@ -22,7 +27,7 @@ pub enum NeighbourhoodError {
         /// Which one, counted from 0.
         index: usize,
     },
-    /// More nodes than a k-d tree can name.
+    /// More nodes than 32-bit indices can name.
     #[error("{found} master nodes are more than a search tree can name")]
     TooManyNodes {
         /// Number of nodes given.
@@ -95,6 +100,7 @@ impl NeighbourhoodError {
     pub const fn code(&self) -> &'static str {
         match self {
             Self::NoCandidate { .. } => "no-candidate",
+            Self::NeedsSurface => "needs-surface",
             Self::NonFiniteInput { .. } => "non-finite-input",
             Self::TooManyNodes { .. } => "too-many-nodes",
             Self::NoAveragePlane { .. } => "no-average-plane",

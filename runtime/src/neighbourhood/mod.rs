@@ -97,8 +97,14 @@ pub enum Fallback {
     },
     /// The linear instead of the quadratic basis.
     Linear {
-        /// Regularity of the quadratic fit, the best of all sets tried; 0 if there were never six nodes.
+        /// Regularity of the quadratic fit, the best of all sets tried; 0 if there were never six nodes, or if domains of
+        /// influence do not carry it.
         quadratic_regularity: f64,
+    },
+    /// The slave is so far from the surface that nodes of wider domains make up its average plane.
+    Far {
+        /// Distance from the closest facet over the radius of the domains there.
+        distance: f64,
     },
 }
 
@@ -172,6 +178,7 @@ impl Neighbourhood {
             positions,
             frame: self.frame,
             support_radius: self.support_radius,
+            radii: Vec::new(),
             basis: self.basis,
             weight,
         }

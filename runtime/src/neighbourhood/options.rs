@@ -24,6 +24,10 @@ pub const SMALLEST_REGULARITY: f64 = 0.01;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum NeighbourRule {
+    /// All nodes of the slave's sheet within whose domain of influence it lies. Domains belong to the nodes of a surface
+    /// (`docs/equations.md`, \[T14\]): nothing else is chosen, so the gap does not jump. Only whole interfaces have
+    /// it; a [`NeighbourSearch`](super::NeighbourSearch) in a cloud of nodes has none.
+    Domains,
     /// The nodes of the first hull layers.
     HullLayers {
         /// How many to start with; `None` for as many as make the fit well conditioned, at least one.
@@ -115,6 +119,12 @@ impl SearchOptions {
     #[must_use]
     pub fn nearest() -> Self {
         Self { rule: NeighbourRule::nearest(DEFAULT_NEIGHBOURS), ..Self::default() }
+    }
+
+    /// Nodal domains of influence, for interfaces.
+    #[must_use]
+    pub fn domains() -> Self {
+        Self { rule: NeighbourRule::Domains, ..Self::default() }
     }
 
     /// The options with another rule.

@@ -59,6 +59,9 @@ impl NeighbourSearch {
     /// [`NeighbourhoodError::InvalidOption`].
     pub fn new(options: SearchOptions) -> Result<Self, NeighbourhoodError> {
         options.check()?;
+        if options.rule == NeighbourRule::Domains {
+            return Err(NeighbourhoodError::NeedsSurface);
+        }
         Ok(Self::unchecked(options))
     }
 
@@ -105,6 +108,7 @@ impl NeighbourSearch {
         let query = Query { nodes, slave, outward: outward.into(), admits };
         query.outward.check(nodes.points().len())?;
         match self.options.rule {
+            NeighbourRule::Domains => Err(NeighbourhoodError::NeedsSurface),
             NeighbourRule::Nearest { count, max_count } => self.nearest(&query, count, max_count),
             NeighbourRule::HullLayers { layers, max_layers }
             | NeighbourRule::HullRadius { layers, max_layers } => {

@@ -1,12 +1,12 @@
 //! Where a patch ends: at borders of the surface and at edges sharper than the feature angle.
 
-use nalgebra::Vector3;
+use crate::vector::Vector3;
 use rayon::prelude::*;
 
 use super::index::Closest;
 use super::shape::{Foot, Near};
 use super::topology::NONE;
-use super::{MasterSurface, SurfaceIndex};
+use super::{MasterSurface, SurfaceIndex, Symmetry};
 use crate::Point;
 
 /// An edge counts as sharp if its angle exceeds the feature angle by this, in radians: prisms have edges of
@@ -36,15 +36,21 @@ pub struct BorderScratch {
 }
 
 impl Creases {
-    /// Of the surface as it is now; `feature_angle` in radians.
-    pub fn new(index: &SurfaceIndex<'_>, feature_angle: f64) -> Self {
+    /// Of the surface as it is now; `feature_angle` in radians. An edge in a symmetry plane is no border: the surface goes on as its
+    /// image.
+    pub fn new(index: &SurfaceIndex<'_>, feature_angle: f64, symmetry: &Symmetry) -> Self {
         let smallest = (feature_angle + ANGLE_TOLERANCE).min(std::f64::consts::PI).cos();
         let (surface, normals) = (index.surface(), index.normals());
         let of_facet = |facet: usize| {
-            let sharp =
-                |other: u32| other == NONE || !(normals[facet].dot(&normals[other as usize]) >= smallest);
+            let ends = |edge: usize, other: u32| {
+                if other == NONE {
+                    let shape = index.shape(facet as u32);
+                    return !symmetry.holds_edge(shape.edge(edge).map(Point::from));
+                }
+                !(normals[facet].dot(&normals[other as usize]) >= smallest)
+            };
             let edges = surface.across(facet).iter().enumerate();
-            edges.map(|(edge, &other)| u8::from(sharp(other)) << edge).sum()
+            edges.map(|(edge, &other)| u8::from(ends(edge, other)) << edge).sum()
         };
         Self { ends: (0..surface.facet_count()).into_par_iter().map(of_facet).collect() }
     }
@@ -124,7 +130,7 @@ impl Creases {
         while let Some(&facet) = patch.get(next) {
             next += 1;
             for (edge, &other) in surface.across(facet as usize).iter().enumerate() {
-                if self.ends_at(facet as usize, edge) || patch.contains(&other) {
+                if other == NONE || self.ends_at(facet as usize, edge) || patch.contains(&other) {
                     continue;
                 }
                 let mut corners = surface.corners_of(other as usize).iter();

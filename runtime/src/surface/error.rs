@@ -100,6 +100,19 @@ pub enum SurfaceError {
         /// The highest index of a corner, plus 1.
         needed: usize,
     },
+    /// A symmetry plane's normal is no unit vector, or the planes have more images than can be told apart.
+    #[error(
+        "symmetry plane {plane} has a normal of length {length}, and the planes have {images} images: normals have to be unit vectors, \
+         planes parallel or at 180 degrees over a whole number"
+    )]
+    InvalidSymmetry {
+        /// The plane, counted from 0.
+        plane: usize,
+        /// Length of its normal.
+        length: f64,
+        /// Images found before the search was given up; 0 if it was not begun.
+        images: usize,
+    },
 }
 
 impl SurfaceError {
@@ -118,6 +131,7 @@ impl SurfaceError {
             Self::BranchingEdge { .. } => "branching-edge",
             Self::InconsistentOrientation { .. } => "inconsistent-orientation",
             Self::TooFewPositions { .. } => "too-few-positions",
+            Self::InvalidSymmetry { .. } => "invalid-symmetry",
         }
     }
 }

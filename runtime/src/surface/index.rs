@@ -1,6 +1,6 @@
 //! The surface at the positions of the moment: normals, and the closest facet by an R*-tree.
 
-use nalgebra::Vector3;
+use crate::vector::Vector3;
 use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -24,7 +24,7 @@ pub struct SurfaceIndex<'a> {
     /// Of the surface's nodes, in their order.
     positions: Vec<Point>,
     /// Unit normals of the facets, outward; zero where there is none.
-    normals: Vec<Vector3<f64>>,
+    normals: Vec<Vector3>,
     tree: RTree<Boxed>,
     /// The largest extent of a facet.
     extent: f64,
@@ -52,7 +52,7 @@ pub struct ClosestPoint {
 pub(crate) struct Closest {
     pub facet: u32,
     pub natural: [f64; 2],
-    pub point: Vector3<f64>,
+    pub point: Vector3,
     pub distance: f64,
     /// Bit k for the edge from corner k to the next.
     pub edges: u8,
@@ -70,8 +70,10 @@ impl<'a> SurfaceIndex<'a> {
             .map(|facet| {
                 let corners = shape(facet);
                 let first = corners.corners()[0];
-                let (lower, upper) =
-                    corners.corners().iter().fold((first, first), |(low, high), x| (low.inf(x), high.sup(x)));
+                let (lower, upper) = corners
+                    .corners()
+                    .iter()
+                    .fold((first, first), |(low, high), x| (low.lower(x), high.upper(x)));
                 let bounds = AABB::from_corners(lower.into(), upper.into());
                 GeomWithData::new(Rectangle::from_aabb(bounds), facet as u32)
             })
@@ -155,7 +157,7 @@ impl<'a> SurfaceIndex<'a> {
     }
 
     /// Unit normals of all facets.
-    pub(crate) fn normals(&self) -> &[Vector3<f64>] {
+    pub(crate) fn normals(&self) -> &[Vector3] {
         &self.normals
     }
 }

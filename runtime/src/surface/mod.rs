@@ -29,20 +29,25 @@
 
 mod area;
 mod border;
+mod domains;
 mod error;
 mod index;
 mod shape;
+mod symmetry;
 mod topology;
 mod walk;
 
 pub use area::tributary_areas;
 pub use error::SurfaceError;
 pub use index::{ClosestPoint, SurfaceIndex};
+pub use symmetry::SymmetryPlane;
 pub use topology::MasterSurface;
 
 pub(crate) use border::{BorderScratch, Creases};
+pub(crate) use domains::{Carried, NodalDomains};
 pub(crate) use index::Closest;
 pub(crate) use shape::Shape;
+pub(crate) use symmetry::{Image, Symmetry};
 pub(crate) use topology::check_position;
 pub(crate) use walk::Walk;
 

@@ -1,6 +1,6 @@
 //! One facet in space: its point at natural coordinates, its normal, and its point closest to another.
 
-use nalgebra::Vector3;
+use crate::vector::Vector3;
 
 use crate::{FacetElement, Generated, Point};
 
@@ -15,9 +15,9 @@ const QUADRILATERAL: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1
 #[derive(Clone, Copy, Debug)]
 pub enum Shape {
     /// Plane.
-    Triangle([Vector3<f64>; 3]),
+    Triangle([Vector3; 3]),
     /// Bilinear.
-    Quadrilateral([Vector3<f64>; 4]),
+    Quadrilateral([Vector3; 4]),
 }
 
 /// The point of a facet closest to another point.
@@ -26,7 +26,7 @@ pub struct Foot {
     /// Natural coordinates.
     pub natural: [f64; 2],
     /// In space.
-    pub point: Vector3<f64>,
+    pub point: Vector3,
     /// From the other point.
     pub distance: f64,
     /// Bit k is set if the foot lies on the edge from corner k to the next; on a corner two bits are.
@@ -43,7 +43,7 @@ pub struct Near {
 }
 
 impl Shape {
-    pub fn corners(&self) -> &[Vector3<f64>] {
+    pub fn corners(&self) -> &[Vector3] {
         match self {
             Self::Triangle(corners) => corners,
             Self::Quadrilateral(corners) => corners,
@@ -51,13 +51,13 @@ impl Shape {
     }
 
     /// The ends of the edge from corner `edge` to the next.
-    pub fn edge(&self, edge: usize) -> [Vector3<f64>; 2] {
+    pub fn edge(&self, edge: usize) -> [Vector3; 2] {
         let corners = self.corners();
         [corners[edge], corners[(edge + 1) % corners.len()]]
     }
 
     /// The point at natural coordinates, which may lie outside their range.
-    pub fn point(&self, [xi, eta]: [f64; 2]) -> Vector3<f64> {
+    pub fn point(&self, [xi, eta]: [f64; 2]) -> Vector3 {
         match self {
             Self::Triangle([a, b, c]) => a + (b - a) * xi + (c - a) * eta,
             Self::Quadrilateral([a, b, c, d]) => {
@@ -69,7 +69,7 @@ impl Shape {
     }
 
     /// Area vector: outward, of the length of the area (of a quadrilateral: of its projection on its middle plane).
-    pub fn area_vector(&self) -> Vector3<f64> {
+    pub fn area_vector(&self) -> Vector3 {
         match self {
             Self::Triangle([a, b, c]) => (b - a).cross(&(c - a)) * 0.5,
             Self::Quadrilateral([a, b, c, d]) => (c - a).cross(&(d - b)) * 0.5,
@@ -77,10 +77,10 @@ impl Shape {
     }
 
     /// Unit normal in the middle, outward; zero if there is none.
-    pub fn normal(&self) -> Vector3<f64> {
+    pub fn normal(&self) -> Vector3 {
         let scale = 1.0 / self.extent();
         let area = self.scaled(scale).area_vector();
-        area.try_normalize(0.0).filter(|n| n.iter().all(|x| x.is_finite())).unwrap_or_else(Vector3::zeros)
+        area.try_normalize().filter(Vector3::is_finite).unwrap_or_default()
     }
 
     /// Largest coordinate difference from the first corner.
@@ -105,7 +105,7 @@ impl Shape {
     }
 
     /// How far `x` is from the box around the corners, which holds the facet.
-    pub fn near(&self, x: Vector3<f64>) -> Near {
+    pub fn near(&self, x: Vector3) -> Near {
         let corners = self.corners();
         let (mut square, mut extent) = (0.0, 0.0_f64);
         for axis in 0..3 {
@@ -123,7 +123,7 @@ impl Shape {
 
     /// The closest point. Exact for triangles and plane convex quadrilaterals; on a warped or folded one the best of
     /// its edges and of the foot of the facet element.
-    pub fn closest(&self, x: Vector3<f64>) -> Foot {
+    pub fn closest(&self, x: Vector3) -> Foot {
         match self {
             Self::Triangle(corners) => inside_triangle(corners, x).unwrap_or_else(|| on_edges(self, x)),
             Self::Quadrilateral(corners) => {
@@ -136,7 +136,7 @@ impl Shape {
 
     /// How far `offset` reaches outward across an edge in the plane of the facet, over the facet's height over
     /// that edge; 0 if the facet has no area.
-    pub fn reach_across(&self, edge: usize, offset: Vector3<f64>) -> f64 {
+    pub fn reach_across(&self, edge: usize, offset: Vector3) -> f64 {
         // In extents of the facet: the cubes of lengths below must neither overflow nor underflow.
         let scale = 1.0 / self.extent();
         let shape = self.scaled(scale);
@@ -154,7 +154,7 @@ impl Shape {
 }
 
 /// The foot straight below, if it lies within the triangle.
-fn inside_triangle(corners: &[Vector3<f64>; 3], x: Vector3<f64>) -> Option<Foot> {
+fn inside_triangle(corners: &[Vector3; 3], x: Vector3) -> Option<Foot> {
     let [a, b, c] = corners;
     let (along, across, offset) = (b - a, c - a, x - a);
     let area = along.cross(&across);
@@ -174,7 +174,7 @@ fn inside_triangle(corners: &[Vector3<f64>; 3], x: Vector3<f64>) -> Option<Foot>
 }
 
 /// The foot of the facet element, if it has one and it lies within the quadrilateral.
-fn inside_quadrilateral(shape: &Shape, corners: &[Vector3<f64>; 4], x: Vector3<f64>) -> Option<Foot> {
+fn inside_quadrilateral(shape: &Shape, corners: &[Vector3; 4], x: Vector3) -> Option<Foot> {
     let corners = corners.map(Point::from);
     let element = FacetElement { slave: x.into(), corners: &corners };
     // No foot, or a facet folded over: the edges are left.
@@ -189,7 +189,7 @@ fn inside_quadrilateral(shape: &Shape, corners: &[Vector3<f64>; 4], x: Vector3<f
 }
 
 /// The closest point of the edges.
-fn on_edges(shape: &Shape, x: Vector3<f64>) -> Foot {
+fn on_edges(shape: &Shape, x: Vector3) -> Foot {
     let naturals: &[[f64; 2]] = match shape {
         Shape::Triangle(_) => &TRIANGLE,
         Shape::Quadrilateral(_) => &QUADRILATERAL,
@@ -224,7 +224,7 @@ mod tests {
     use super::*;
 
     /// Smallest distance over a fine grid of the facet's points.
-    fn sampled(shape: &Shape, x: Vector3<f64>) -> f64 {
+    fn sampled(shape: &Shape, x: Vector3) -> f64 {
         let n = 100;
         let range = |k: usize| f64::from(k as u32) / f64::from(n as u32);
         (0..=n)
@@ -245,7 +245,7 @@ mod tests {
     #[test]
     fn no_sampled_point_is_closer_than_the_closest() {
         let mut state = 7;
-        let mut point = |size: f64| Vector3::from_fn(|_, _| size * uniform(&mut state));
+        let mut point = |size: f64| Vector3::from([(); 3].map(|()| size * uniform(&mut state)));
         for round in 0..150 {
             let triangle = Shape::Triangle([(); 3].map(|()| point(2.0)));
             let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];

@@ -1,6 +1,6 @@
 //! Which facets meet where, and whether they make up an oriented surface.
 
-use nalgebra::Vector3;
+use crate::vector::Vector3;
 use rayon::prelude::*;
 
 use super::{Facet, Shape, SurfaceError, SurfaceIndex};
@@ -116,10 +116,13 @@ impl MasterSurface {
     /// The facets at a node, ascending; none if it is not a node of the surface.
     pub fn facets_at(&self, node: usize) -> impl Iterator<Item = usize> {
         let place = u32::try_from(node).ok().and_then(|node| self.nodes.binary_search(&node).ok());
-        let facets = place.map_or(&[][..], |place| {
-            &self.facets_of_nodes[self.offsets[place] as usize..self.offsets[place + 1] as usize]
-        });
+        let facets = place.map_or(&[][..], |place| self.facets_of_place(place));
         facets.iter().map(|&facet| facet as usize)
+    }
+
+    /// The facets at the node with this place in [`nodes`](Self::nodes), ascending.
+    pub(crate) fn facets_of_place(&self, place: usize) -> &[u32] {
+        &self.facets_of_nodes[self.offsets[place] as usize..self.offsets[place + 1] as usize]
     }
 
     /// The edges that belong to one facet only, as that facet runs through them.
@@ -144,7 +147,7 @@ impl MasterSurface {
         let area = |facet: &u32| self.shape(*facet as usize, positions).area_vector();
         let normal = |ends: &[u32]| {
             let facets = &self.facets_of_nodes[ends[0] as usize..ends[1] as usize];
-            facets.iter().map(area).sum::<nalgebra::Vector3<f64>>().into()
+            facets.iter().map(area).sum::<Vector3>().into()
         };
         Ok(self.offsets.par_windows(2).map(normal).collect())
     }
@@ -260,7 +263,7 @@ fn check_outline(index: usize, corners: &[usize], shape: &Shape) -> Result<(), S
 
 /// The sine of the angle at each corner, seen along the unit normal: positive if the corner points outwards; 0 at
 /// a corner that coincides with the next.
-fn corner_sines(corners: &[Vector3<f64>; 4], normal: Vector3<f64>) -> [f64; 4] {
+fn corner_sines(corners: &[Vector3; 4], normal: Vector3) -> [f64; 4] {
     [0, 1, 2, 3].map(|k| {
         let (next, before) = (corners[(k + 1) % 4] - corners[k], corners[(k + 3) % 4] - corners[k]);
         let lengths = next.norm() * before.norm();
@@ -453,11 +456,19 @@ mod tests {
                 assert!(MasterSurface::new(&scaled(third), facet()).is_ok(), "{third:?}");
             }
         }
-        // A bow-tie with one wing larger than the other, so that area is left.
+        let dart = refused(&with_third([0.25, 0.25, 0.0]), facet());
+        assert!(dart.to_string().contains("split it into triangles"), "{dart}");
+    }
+
+    /// A bow-tie with one wing larger than the other, so that area is left.
+    #[test]
+    fn corners_out_of_order_are_told_an_order() {
         let bow = [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [1.0, 1.0, 0.0], [2.0, 1.0, 0.0]];
         let error = refused(&bow, vec![Facet::Quadrilateral([0, 1, 2, 3])]);
-        assert!(matches!(error, SurfaceError::NotConvex { facet: 0, sine, .. } if sine < -0.4), "{error}");
-        assert!(error.to_string().contains("split it into triangles"));
+        assert_eq!(error, SurfaceError::NotCyclic { facet: 0, order: [0, 1, 3, 2] });
+        assert!(error.to_string().contains("[0, 1, 3, 2] or the reverse"), "{error}");
+        let SurfaceError::NotCyclic { order, .. } = error else { unreachable!() };
+        assert!(MasterSurface::new(&bow, vec![Facet::Quadrilateral(order)]).is_ok());
     }
 
     #[test]

@@ -8,8 +8,9 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use nalgebra::Vector3;
+use crate::vector::Vector3;
 
+use super::topology::NONE;
 use super::{Creases, SurfaceIndex};
 use crate::Point;
 
@@ -31,8 +32,10 @@ pub struct Walk {
     /// Facets to go to, by the square of their nearest corner's distance (the bits of a number that is not
     /// negative are ordered like it).
     next: BinaryHeap<Reverse<(u64, u32)>>,
-    from: Vector3<f64>,
-    up: Vector3<f64>,
+    /// Facets stepped on for the nodes within a reach.
+    stepped: Vec<u32>,
+    from: Vector3,
+    up: Vector3,
 }
 
 impl Walk {
@@ -70,6 +73,43 @@ impl Walk {
         generation == self.generation && level <= distance
     }
 
+    /// The nodes of the patch nearer to the slave than `reach`, ascending, with the squares of their distances. To be asked once
+    /// after a start.
+    pub fn nodes_within(
+        &mut self,
+        index: &SurfaceIndex<'_>,
+        creases: &Creases,
+        reach: f64,
+        found: &mut Vec<(u32, f64)>,
+    ) {
+        let limit = (reach * reach).to_bits();
+        let mut first = Vec::new();
+        std::mem::swap(&mut first, &mut self.stepped);
+        first.clear();
+        while let Some(&Reverse((nearest, facet))) = self.next.peek()
+            && nearest <= limit
+        {
+            self.next.pop();
+            self.level = self.level.max(nearest);
+            first.push(facet);
+            self.step_on(index, creases, facet as usize);
+        }
+        found.clear();
+        for &facet in &first {
+            for &place in index.surface().corners_of(facet as usize) {
+                let square = self.square_distance(index, place);
+                // Of the level of its first facet, so that a node is handed over by one facet only, once.
+                let (_, level) = self.reached[place as usize];
+                if square.to_bits() < limit && level <= square.to_bits() {
+                    found.push((place, square));
+                }
+            }
+        }
+        found.sort_unstable_by_key(|&(place, _)| place);
+        found.dedup_by_key(|&mut (place, _)| place);
+        self.stepped = first;
+    }
+
     /// Marks the corners of a facet, and sees its neighbours across edges that are not sharp.
     fn step_on(&mut self, index: &SurfaceIndex<'_>, creases: &Creases, facet: usize) {
         let surface = index.surface();
@@ -82,7 +122,7 @@ impl Walk {
         }
         for (edge, &other) in surface.across(facet).iter().enumerate() {
             let seen = |other: u32| self.seen[other as usize] == self.generation;
-            if creases.ends_at(facet, edge) || seen(other) {
+            if other == NONE || creases.ends_at(facet, edge) || seen(other) {
                 continue;
             }
             self.seen[other as usize] = self.generation;
@@ -103,7 +143,7 @@ impl Walk {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::{Facet, MasterSurface};
+    use crate::surface::{Facet, MasterSurface, Symmetry};
 
     /// Facets of a grid of `columns` × `rows` nodes, row by row, seen from the side to which columns × rows points.
     fn grid(columns: usize, rows: usize, first: usize) -> Vec<Facet> {
@@ -117,7 +157,7 @@ mod tests {
     fn reached(positions: &[Point], facets: Vec<Facet>, slave: Point, feature_angle: f64) -> Vec<usize> {
         let surface = MasterSurface::new(positions, facets).unwrap();
         let index = surface.at(positions).unwrap();
-        let creases = Creases::new(&index, feature_angle.to_radians());
+        let creases = Creases::new(&index, feature_angle.to_radians(), &Symmetry::default());
         let facet = index.closest_among_ties(slave, &mut Vec::new()).unwrap().facet;
         let mut walk = Walk::default();
         let square = |k: usize| (Vector3::from(positions[k]) - Vector3::from(slave)).norm_squared();

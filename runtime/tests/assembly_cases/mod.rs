@@ -3,7 +3,7 @@
 
 use diffuse_contact::assembly::{ContactLaw, ContactView, DofMap, ElementView, Elements, Tangent};
 use diffuse_contact::pairing::{NearestNodes, Pairing, PairingRule, node_normals, pair};
-use diffuse_contact::{Backend, Element, Frame, Generated, Mode, Point};
+use diffuse_contact::{Backend, Frame, Generated, Mode, Point};
 
 /// Deterministic numbers.
 struct Random(u64);
@@ -225,12 +225,10 @@ impl Patch {
         let elements = self.pairings.iter().enumerate().map(|(k, pairing)| {
             let slave = self.masters + k;
             let masters: Vec<Point> = pairing.masters.iter().map(|&node| positions[node]).collect();
-            let element = Element {
-                slave: positions[slave],
-                masters: &masters,
-                frame: Frame::average_plane(&masters, self.outward[k]).unwrap(),
-                ..pairing.element(positions[slave])
-            };
+            let mut element = pairing
+                .element(positions[slave])
+                .with_frame(Frame::average_plane(&masters, self.outward[k]).unwrap());
+            element.masters = &masters;
             let gap = backend.gap(&element, mode).unwrap();
             OwnedElement {
                 slave,

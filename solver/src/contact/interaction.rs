@@ -2,7 +2,7 @@
 
 use diffuse_contact::assembly::Tangent;
 use diffuse_contact::interface::InterfaceOptions;
-use diffuse_contact::surface::Facet;
+use diffuse_contact::surface::{Facet, SymmetryPlane};
 use diffuse_contact::{Mode, Point};
 
 use super::pass::Pass;
@@ -77,6 +77,8 @@ pub struct InteractionOptions {
     pub two_pass: bool,
     /// Element and pairing.
     pub interface: InterfaceOptions,
+    /// Planes in which the master goes on as its mirror image.
+    pub symmetry: Vec<SymmetryPlane>,
 }
 
 /// Contact of one slave node at the last evaluation.
@@ -268,6 +270,19 @@ impl Interaction {
     ) -> Result<(), ContactError> {
         let mut own = pairings.iter();
         self.each(|pass| own.next().map_or(Ok(()), |own| pass.set_pairings(own)))
+    }
+
+    pub(super) fn take_listed_anew(&mut self) -> bool {
+        self.passes.iter_mut().fold(false, |any, pass| pass.take_listed_anew() | any)
+    }
+
+    pub(super) fn domain_positions(&self) -> impl Iterator<Item = Vec<Point>> {
+        self.passes.iter().map(Pass::domain_positions)
+    }
+
+    pub(super) fn set_domain_positions(&mut self, positions: &[Vec<Point>]) -> Result<(), ContactError> {
+        let mut own = positions.iter();
+        self.each(|pass| own.next().map_or(Ok(()), |own| pass.set_domain_positions(own)))
     }
 
     /// Deepest penetration at the last evaluation, length, whether it carries force or not; 0 without any. Where slave and masters

@@ -181,6 +181,25 @@ impl ContactSet {
         self.for_each_with(pairings, Interaction::set_pairings)
     }
 
+    /// Whether lists of masters were made anew since this was asked last: the stiffness then needs another pattern.
+    pub fn take_listed_anew(&mut self) -> bool {
+        self.interactions.iter_mut().fold(false, |any, interaction| interaction.take_listed_anew() | any)
+    }
+
+    /// Of each pass the positions of the master's nodes that the radii of their domains were found from; empty: the first ones.
+    #[must_use]
+    pub fn domain_positions(&self) -> Vec<Vec<[f64; 3]>> {
+        self.interactions.iter().flat_map(Interaction::domain_positions).collect()
+    }
+
+    /// Takes over what [`domain_positions`](Self::domain_positions) gave, to be followed by a [`refresh`](Self::refresh).
+    ///
+    /// # Errors
+    /// [`ContactError::OtherPasses`] or [`ContactError::Interface`] if they belong to other interactions.
+    pub fn set_domain_positions(&mut self, positions: &[Vec<[f64; 3]>]) -> Result<(), ContactError> {
+        self.for_each_with(positions, Interaction::set_domain_positions)
+    }
+
     /// Passes of all interactions.
     #[must_use]
     pub fn pass_count(&self) -> usize {

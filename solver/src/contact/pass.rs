@@ -58,6 +58,10 @@ pub struct Pass {
     multipliers: Vec<f64>,
     /// Whether all axes of each node are prescribed.
     held: Vec<bool>,
+    /// Positions of the master's nodes at the start, if they have domains.
+    first_domains: Vec<Point>,
+    /// Whether lists were made anew since somebody asked.
+    is_listed_anew: bool,
     losses: Losses,
     /// Forces of all nodes, or the tangent of one contact.
     values: Vec<f64>,
@@ -76,8 +80,13 @@ impl Pass {
         let slaves: BTreeSet<usize> = slave.iter().flat_map(|facet| facet.corners()).copied().collect();
         let slaves: Vec<usize> = slaves.into_iter().collect();
         let multipliers = if options.augmentation.is_some() { vec![0.0; slaves.len()] } else { Vec::new() };
-        let interface = ContactInterface::new(surface, slaves, slave, positions, options.interface)
-            .map_err(|source| ContactError::Interface { interface: options.name.clone(), source })?;
+        let named = |source| ContactError::Interface { interface: options.name.clone(), source };
+        let mut interface =
+            ContactInterface::new(surface, slaves, slave, positions, options.interface).map_err(named)?;
+        if !options.symmetry.is_empty() {
+            interface.set_symmetry(&options.symmetry).map_err(named)?;
+        }
+        let first_domains = interface.domain_positions().unwrap_or(&[]).to_vec();
         let dofs = DofMap::standard(positions.len());
         let tangent = options.tangent;
         Ok(Self {
@@ -87,6 +96,8 @@ impl Pass {
             dofs,
             multipliers,
             held: vec![false; positions.len()],
+            first_domains,
+            is_listed_anew: false,
             losses: Losses::default(),
             values: Vec::new(),
         })
@@ -112,16 +123,36 @@ impl Pass {
     }
 
     pub fn refresh(&mut self, positions: &[Point]) -> Result<(), PassError> {
-        self.interface.refresh_pairing(positions)?;
+        self.interface.renew_pairing(positions)?;
+        Ok(())
+    }
+
+    /// Whether lists were made anew since this was asked last: the stiffness then needs another pattern.
+    pub fn take_listed_anew(&mut self) -> bool {
+        std::mem::take(&mut self.is_listed_anew)
+    }
+
+    /// Positions of the master's nodes that the radii of their domains were found from, unless they are the first ones.
+    pub fn domain_positions(&self) -> Vec<Point> {
+        let now = self.interface.domain_positions().unwrap_or(&[]);
+        if now == self.first_domains { Vec::new() } else { now.to_vec() }
+    }
+
+    /// Goes back to the radii of [`domain_positions`](Self::domain_positions).
+    pub fn set_domain_positions(&mut self, positions: &[Point]) -> Result<(), PassError> {
+        let wanted = if positions.is_empty() { &self.first_domains } else { positions };
+        if self.interface.domain_positions().is_some_and(|now| now != wanted) {
+            self.interface.set_domain_positions(wanted)?;
+        }
         Ok(())
     }
 
     pub fn evaluate(&mut self, positions: &[Point], mode: Mode) -> Result<(), PassError> {
         // ε N Nᵀ needs no Hessians.
         let mode = if self.tangent == TangentRule::GaussNewton { mode.min(Mode::Gradient) } else { mode };
-        let Self { interface, penalty, multipliers, .. } = self;
+        let Self { interface, penalty, multipliers, is_listed_anew, .. } = self;
         let law = force_law(*penalty, multipliers);
-        interface.update(positions)?;
+        *is_listed_anew |= interface.follow(positions)?;
         interface.evaluate_where(mode, |k, gap, area| law.force(k, gap, area) > 0.0)?;
         Ok(())
     }

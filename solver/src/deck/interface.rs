@@ -3,6 +3,7 @@
 use diffuse_contact::interface::{ContactElement, InterfaceOptions};
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
 use diffuse_contact::pairing::{DEFAULT_NEIGHBOURS, MAX_NEIGHBOURS};
+use diffuse_contact::surface::SymmetryPlane;
 use diffuse_contact::{FrameDerivative, Weight};
 
 use super::conditions::references;
@@ -92,6 +93,8 @@ pub struct Interface {
     pub frame: FrameDerivative,
     /// Which master nodes carry the smooth surface around a slave.
     pub neighbours: SearchOptions,
+    /// Planes in which the master goes on as its mirror image.
+    pub symmetry: Vec<SymmetryPlane>,
     /// When slaves are paired.
     pub refresh: Refresh,
     /// The stiffness of contact.
@@ -162,7 +165,8 @@ pub(super) fn interface(section: Section) -> Result<Interface, DeckError> {
         frame: section.get("frame").map_or(Ok(FrameDerivative::CoMoving), |field| field.word(&frames))?,
         neighbours: section
             .get("neighbours")
-            .map_or(Ok(SearchOptions::default()), |field| neighbours(&field))?,
+            .map_or(Ok(SearchOptions::domains()), |field| neighbours(&field))?,
+        symmetry: section.get("symmetry").map_or(Ok(Vec::new()), |field| symmetry(&field))?,
         refresh: section.get("refresh").map_or(Ok(Refresh::Increment), |field| field.word(&refreshes))?,
         tangent: section.get("tangent").map_or(Ok(Tangent::Adaptive), |field| field.word(&tangents))?,
         feature_angle: section.get("feature_angle").map_or(Ok(defaults.feature_angle_degrees), angle)?,
@@ -191,12 +195,15 @@ fn neighbours(field: &Field) -> Result<SearchOptions, DeckError> {
         section.get("count").map(|field| field.positive_count().map(|count| (field, count))).transpose()?;
     let layers = count.as_ref().map(|&(_, count)| count);
     let words = [
+        ("domains", NeighbourRule::Domains),
         ("hull-layers", NeighbourRule::hull_layers(layers)),
         ("hull-radius", NeighbourRule::hull_radius(layers)),
         ("nearest", NeighbourRule::nearest(layers.unwrap_or(DEFAULT_NEIGHBOURS))),
     ];
-    let rule =
-        section.get("rule").map_or(Ok(NeighbourRule::hull_layers(layers)), |field| field.word(&words))?;
+    let rule = section.get("rule").map_or(Ok(NeighbourRule::Domains), |field| field.word(&words))?;
+    if rule == NeighbourRule::Domains {
+        section.refuse(&["count", "regularity"], "with rule = \"domains\"")?;
+    }
     if let Some((field, count)) = count
         && count > MAX_NEIGHBOURS
     {
@@ -207,6 +214,24 @@ fn neighbours(field: &Field) -> Result<SearchOptions, DeckError> {
         |field: Field| field.number_in("at least 0 and below 1", |value| (0.0..1.0).contains(&value));
     let smallest_regularity = section.get("regularity").map_or(Ok(defaults.smallest_regularity), fraction)?;
     Ok(SearchOptions { rule, smallest_regularity, ..defaults })
+}
+
+/// The names of global axes, for planes across them through the origin, or planes by a point and a normal towards the model.
+fn symmetry(field: &Field) -> Result<Vec<SymmetryPlane>, DeckError> {
+    let axes = [("x", 0), ("y", 1), ("z", 2)];
+    let plane = |item: Field| match item.section() {
+        Ok(section) => {
+            let section = section.expect(schema::SYMMETRY)?;
+            let normal = section.need("normal")?.vector()?;
+            let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if !(length > 0.0) {
+                return Err(section.need("normal")?.out_of_range("a direction", length));
+            }
+            Ok(SymmetryPlane { point: section.need("point")?.vector()?, normal: normal.map(|x| x / length) })
+        }
+        Err(_) => Ok(SymmetryPlane::across(item.word(&axes)?, [0.0; 3])),
+    };
+    field.list("a list of axes or planes")?.into_iter().map(plane).collect()
 }
 
 /// Refuses two interfaces of one name.

@@ -57,6 +57,7 @@ pub const INTERFACE: &[&str] = &[
     "weight",
     "frame",
     "neighbours",
+    "symmetry",
     "refresh",
     "tangent",
     "feature_angle",
@@ -68,6 +69,8 @@ pub const INTERFACE: &[&str] = &[
 pub const AUGMENTATION: &[&str] = &["max", "tolerance"];
 /// Fields of the neighbour search.
 pub const NEIGHBOURS: &[&str] = &["rule", "count", "regularity"];
+/// Fields of a symmetry plane.
+pub const SYMMETRY: &[&str] = &["point", "normal"];
 /// Fields of the time.
 pub const TIME: &[&str] = &["end", "increment", "minimum", "maximum", "growth", "cutback", "fixed"];
 /// Fields of the Newton iteration.

@@ -39,6 +39,9 @@ pub struct State {
     pub multipliers: Vec<Vec<f64>>,
     /// What the next pairing may keep of the last one, for each slave of each pass.
     pub pairings: Vec<Vec<Option<SlavePairing>>>,
+    /// Of each pass the positions of the master's nodes that the radii of their domains were found from; empty: the first ones.
+    #[serde(default)]
+    pub domains: Vec<Vec<[f64; 3]>>,
     /// Slaves that carry force, by their places in each pass.
     pub loaded: Vec<Vec<u32>>,
 }
@@ -149,6 +152,7 @@ impl Problem {
             points_before: self.solid.states(),
             multipliers: self.contacts.multipliers(),
             pairings: self.contacts.pairings(),
+            domains: self.contacts.domain_positions(),
             loaded: vec![Vec::new(); self.contacts.pass_count()],
         }
     }
@@ -176,6 +180,7 @@ impl Problem {
     pub(super) fn take_history(&mut self, state: &State) -> Result<(), ContactError> {
         self.rounding.clear();
         self.contacts.set_multipliers(&state.multipliers)?;
+        self.contacts.set_domain_positions(&state.domains)?;
         self.contacts.set_pairings(&state.pairings)?;
         self.contacts.begin(&state.loaded)
     }
@@ -282,6 +287,9 @@ impl Problem {
             Order::Tangent => Mode::Hessian,
         };
         self.contacts.evaluate(positions, mode).map_err(Failure::Contact)?;
+        if self.contacts.take_listed_anew() {
+            self.stiffness = None;
+        }
         self.contact.fill(0.0);
         self.active = self.contacts.add_internal_forces(&mut self.contact).map_err(Failure::Contact)?;
         self.timing.contact += solid.elapsed();

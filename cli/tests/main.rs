@@ -1,0 +1,13 @@
+//! Runs the program.
+
+/// The program that is run.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_diffuse-contact");
+
+mod demo;
+mod elsewhere;
+mod evaluate;
+mod neighbours;
+#[path = "../../program/tests/runs.rs"]
+mod runs;
+mod surface;
+mod surroundings;

@@ -1,0 +1,192 @@
+//! Running the backends on the same elements.
+
+use std::num::NonZero;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
+
+use diffuse_contact::ad::{Ad, FormulaError};
+use diffuse_contact::{Backend, ElementError, Generated, Mode};
+use diffuse_contact_codegen::Basis;
+
+use super::blocks::{Blocks, Subject};
+use super::elements::{NoElement, RandomElement};
+use super::facets::compare_facets;
+use super::plan::{Against, ELEMENTS, MODES, Plan};
+use super::report::Report;
+use crate::interpreted::Interpreted;
+use crate::weight::Weight;
+
+/// Why nothing can be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum CompareError {
+    /// Automatic differentiation does not take the weight.
+    #[error("automatic differentiation cannot use \"{formula}\": {reason}")]
+    Ad {
+        /// The formula.
+        formula: String,
+        /// What the backend says.
+        reason: FormulaError,
+    },
+    /// There are no elements to compare on.
+    #[error(transparent)]
+    NoElement(#[from] NoElement),
+}
+
+/// Compares the backends, on all cores; calls `step` after each element.
+///
+/// The tested backend, in each mode, is compared with automatic differentiation, with the interpreter in the same
+/// mode, and in its lower modes with itself in Hessian mode.
+///
+/// # Errors
+/// [`CompareError`]. A backend that has no result where it should is in the report, not an error.
+pub fn compare(plan: &Plan, mut step: impl FnMut()) -> Result<Report, CompareError> {
+    let interpreted = Interpreted::new(plan.weight.for_generator());
+    let ad: Box<dyn Backend> = match &plan.weight {
+        Weight::BuiltIn(_) => Box::new(Ad),
+        Weight::Formula(weight) => {
+            let text = weight.text();
+            let ad: Result<Box<dyn Backend>, FormulaError> = match weight.is_interpolating() {
+                true => Ad::with_interpolating_formula(text).map(|ad| Box::new(ad) as _),
+                false => Ad::with_weight_formula(text).map(|ad| Box::new(ad) as _),
+            };
+            ad.map_err(|reason| CompareError::Ad { formula: text.to_owned(), reason })?
+        }
+    };
+    let backends = Backends {
+        ad: &*ad,
+        interpreted: &interpreted,
+        generated: plan.weight.as_built_in().map(|_| &Generated as &dyn Backend),
+    };
+    let jobs: Vec<Job> = plan.jobs().collect();
+    let next = AtomicUsize::new(0);
+    let mut parts: Vec<_> = jobs.iter().map(|_| None).collect();
+    thread::scope(|scope| {
+        let (sender, receiver) = mpsc::channel();
+        for _ in 0..thread::available_parallelism().map_or(1, NonZero::get).min(jobs.len()) {
+            let (sender, jobs, next, backends) = (sender.clone(), &jobs, &next, &backends);
+            scope.spawn(move || {
+                while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let part = job.run(plan, backends);
+                    if part.is_err() {
+                        next.store(jobs.len(), Ordering::Relaxed);
+                    }
+                    if sender.send((job.place, part)).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        for (place, part) in receiver {
+            parts[place] = Some(part);
+            step();
+        }
+    });
+    // In the order of the plan, whichever was ready first.
+    let mut report = Report::new(plan);
+    for part in parts.into_iter().flatten() {
+        report.merge(part?);
+    }
+    // Facets have no weight: they are compared once, beside the default one.
+    if plan.weight == Weight::default() {
+        report.add_facets(compare_facets(plan.seed));
+    }
+    Ok(report)
+}
+
+/// The comparisons of one element.
+struct Job {
+    /// Counted from 0.
+    place: usize,
+    basis: Basis,
+    nodes: usize,
+    index: usize,
+}
+
+impl Plan {
+    fn jobs(&self) -> impl Iterator<Item = Job> + '_ {
+        let counts = self.ranges.iter().flat_map(|(basis, range)| range.clone().map(|nodes| (*basis, nodes)));
+        let elements = counts.flat_map(|at| (0..ELEMENTS).map(move |index| (at, index)));
+        elements.enumerate().map(|(place, ((basis, nodes), index))| Job { place, basis, nodes, index })
+    }
+}
+
+impl Job {
+    fn run(&self, plan: &Plan, backends: &Backends<'_>) -> Result<Report, NoElement> {
+        let &Self { basis, nodes, index, .. } = self;
+        let mut random = RandomElement::new(basis, nodes, plan.seed, index, backends.interpreted)?;
+        random.weight = plan.weight.as_built_in().unwrap_or_default();
+        let mut report = Report::new(plan);
+        report.add_element(&random);
+        for subject in Subject::ALL {
+            Results { random: &random, subject, at: (basis, nodes), report: &mut report }.compare(backends);
+        }
+        Ok(report)
+    }
+}
+
+struct Backends<'a> {
+    ad: &'a dyn Backend,
+    interpreted: &'a Interpreted,
+    /// The kernels, if there are any with this weight.
+    generated: Option<&'a dyn Backend>,
+}
+
+/// One subject of one element.
+struct Results<'a> {
+    random: &'a RandomElement,
+    subject: Subject,
+    at: (Basis, usize),
+    report: &'a mut Report,
+}
+
+impl Results<'_> {
+    fn compare(&mut self, backends: &Backends<'_>) {
+        // Its derivatives are those of one function in every mode.
+        let ad = self.evaluate("AD", backends.ad, Mode::Hessian, "hessian");
+        let interpreted =
+            MODES.map(|(mode, name)| self.evaluate("interpreter", backends.interpreted, mode, name));
+        let generated = backends
+            .generated
+            .map(|backend| MODES.map(|(mode, name)| self.evaluate("generated", backend, mode, name)));
+        let tested = generated.as_ref().unwrap_or(&interpreted);
+        for (mode, tested_in_mode) in tested.iter().enumerate() {
+            self.add(Against::Ad, tested_in_mode.as_ref(), ad.as_ref());
+            if generated.is_some() {
+                self.add(Against::Interpreter, tested_in_mode.as_ref(), interpreted[mode].as_ref());
+            }
+            if mode + 1 < MODES.len() {
+                self.add(Against::HessianMode, tested_in_mode.as_ref(), tested[MODES.len() - 1].as_ref());
+            }
+        }
+    }
+
+    /// A result, or nothing and a line in the report.
+    fn evaluate(&mut self, who: &str, backend: &dyn Backend, mode: Mode, name: &str) -> Option<Blocks> {
+        let result = Blocks::evaluate(backend, self.random, self.subject, mode);
+        result.map_err(|reason| self.report.add_failure(who, self.subject, name, self.at, &reason)).ok()
+    }
+
+    fn add(&mut self, against: Against, found: Option<&Blocks>, expected: Option<&Blocks>) {
+        if let (Some(found), Some(expected)) = (found, expected) {
+            for (block, difference) in found.differences(expected) {
+                self.report.add(block, against, difference, self.at);
+            }
+        }
+    }
+}
+
+impl Report {
+    fn add_failure(
+        &mut self,
+        who: &str,
+        subject: Subject,
+        mode: &str,
+        at: (Basis, usize),
+        reason: &ElementError,
+    ) {
+        let (basis, nodes) = (at.0.name(), at.1);
+        self.failures.push(format!("{who} {} {mode}, {basis} n = {nodes}: {reason}", subject.name()));
+    }
+}

@@ -1,0 +1,347 @@
+//! Random elements on which results of different backends can be compared to nearly full precision.
+//!
+//! A fit can be as ill-conditioned as it likes: as its master nodes approach a conic (or, for the linear basis, a
+//! line) every backend loses digits, each in its own way, and a comparison says nothing about the formulas. So the
+//! elements are random and then selected. One is made like this, all numbers uniform unless said otherwise:
+//!
+//! * support radius R = 10^s, s in [−3, 3): the length unit must not matter;
+//! * frame: a uniformly distributed rotation; slave: anywhere in a cube of half width 5 R about the origin;
+//! * master nodes: uniform in the disc of radius 0.8 R about the slave, in the plane of the frame, as the default
+//!   support radius has it: nodes of hardly any weight would cost digits like a conic. Of three elements the first
+//!   has a node straight under the slave (r = 0, where derivatives of r do not exist), and the second, if there
+//!   are nodes to spare, a node at 1.2 R, outside the support;
+//! * heights over the slave: a quadratic polynomial of the position over R, its coefficients in [−0.3, 0.3) R, plus
+//!   a wave of height 0.05 R, so that the surface is smooth and none that the basis reproduces;
+//! * the point where the surface kernels are evaluated: uniform in the disc of radius 0.5 R.
+//!
+//! Its master nodes and support radius serve a second time, in the average plane of the nodes as a co-moving frame;
+//! a slave straight over a node is moved there along the plane, so that it is straight over the node again.
+//!
+//! It is kept if its [`Conditioning`] in either frame is within the bounds of [`is_well_conditioned`]; if not, the
+//! next is made.
+//! The same seed, node count and basis give the same elements on every machine.
+
+use std::f64::consts::TAU;
+
+use diffuse_contact::{CustomBasis, Domains, Element, ElementError, Frame, Point, Weight};
+use diffuse_contact_codegen::{Basis, FrameRule};
+
+use crate::interpreted::{Conditioning, Interpreted};
+
+/// Smallest relative pivot of the moment matrix, about the slave and about the surface point, and of the equations
+/// for the turn of the average plane.
+pub const SMALLEST_PIVOT: f64 = 1e-2;
+/// Smallest determinant of the foot equations' Jacobian, 1 on a flat surface.
+pub const SMALLEST_DETERMINANT: f64 = 0.2;
+/// Largest in-plane distance of the foot from the slave over R.
+pub const LARGEST_FOOT_DISTANCE: f64 = 0.8;
+
+/// Elements tried before giving up.
+const ATTEMPTS: usize = 5_000;
+/// Radius of the disc of the master nodes over R.
+const DISC: f64 = 0.8;
+/// Distance of a node outside the support from the slave over R.
+const OUTSIDE: f64 = 1.2;
+/// Radius of the disc of the surface points over R.
+const POINT_DISC: f64 = 0.5;
+/// Half width of the cube of the slaves over R.
+const CUBE: f64 = 5.0;
+/// Largest coefficient of the heights over R.
+const COEFFICIENT: f64 = 0.3;
+/// Height and wave number of the wave.
+const WAVE: (f64, f64) = (0.05, 3.0);
+
+/// Where the first master node is put.
+#[derive(Clone, Copy)]
+enum FirstNode {
+    /// Where the others are.
+    Anywhere,
+    /// Straight under the slave.
+    UnderSlave,
+    /// Outside the support.
+    Outside,
+}
+
+impl FirstNode {
+    fn of(index: usize, spare_nodes: bool) -> Self {
+        match index % 3 {
+            0 => Self::UnderSlave,
+            1 if spare_nodes => Self::Outside,
+            _ => Self::Anywhere,
+        }
+    }
+}
+
+/// An element that owns its nodes.
+#[derive(Clone, Debug)]
+pub struct RandomElement {
+    masters: Vec<Point>,
+    /// R_k of each, or none: R for all.
+    radii: Vec<f64>,
+    support_radius: f64,
+    basis: Basis,
+    /// Weight that backends are asked for.
+    pub(super) weight: Weight,
+    frozen: Place,
+    co_moving: Place,
+    /// In-plane offset for the surface kernels, length.
+    pub point: [f64; 2],
+    /// What it was selected by, in the frozen and in the co-moving frame.
+    pub conditioning: [Conditioning; 2],
+}
+
+/// What belongs to one frame.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    slave: Point,
+    frame: Frame,
+}
+
+/// No random element was well conditioned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "no comparison for {nodes} master nodes, {} basis: none of {attempts} random elements is well conditioned",
+    .basis.name()
+)]
+pub struct NoElement {
+    /// Number of master nodes.
+    pub nodes: usize,
+    /// Basis of the fit.
+    pub basis: Basis,
+    /// Elements tried.
+    pub attempts: usize,
+}
+
+/// Whether results are comparable: relative pivots of at least [`SMALLEST_PIVOT`], a Jacobian determinant of at
+/// least [`SMALLEST_DETERMINANT`], and a foot within [`LARGEST_FOOT_DISTANCE`].
+#[must_use]
+pub fn is_well_conditioned(figures: &Conditioning) -> bool {
+    figures.pivot_ratio >= SMALLEST_PIVOT
+        && figures.plane_pivot_ratio >= SMALLEST_PIVOT
+        && figures.jacobian_determinant >= SMALLEST_DETERMINANT
+        && figures.foot_distance <= LARGEST_FOOT_DISTANCE
+}
+
+impl RandomElement {
+    /// Well-conditioned element number `index` for a seed; `interpreted` has the weight it is to be used with. The nodes of every
+    /// other element have domains of their own, and weights in its average plane.
+    ///
+    /// # Errors
+    /// [`NoElement`] if none is found.
+    pub fn new(
+        basis: Basis,
+        nodes: usize,
+        seed: u64,
+        index: usize,
+        interpreted: &Interpreted,
+    ) -> Result<Self, NoElement> {
+        let mut random = Random::new(&[seed, basis.size() as u64, nodes as u64, index as u64]);
+        for _ in 0..ATTEMPTS {
+            let first = FirstNode::of(index, nodes > basis.size());
+            let domains = (index % 2 == 1).then_some(|r| interpreted.fitting_weight(r));
+            let Ok(mut candidate) = Self::candidate((basis, nodes), first, domains, &mut random) else {
+                continue;
+            };
+            let figures = |frame, point| {
+                let figures = interpreted.conditioning(&candidate.element(frame), point).ok();
+                figures.filter(is_well_conditioned)
+            };
+            let Some(frozen) = figures(FrameRule::Frozen, candidate.point) else { continue };
+            // The surface is compared in the frozen frame only.
+            let Some(co_moving) = figures(FrameRule::CoMoving, [0.0; 2]) else { continue };
+            candidate.conditioning = [frozen, co_moving];
+            return Ok(candidate);
+        }
+        Err(NoElement { nodes, basis, attempts: ATTEMPTS })
+    }
+
+    /// The element as the backends take it, in a frame that is held or in the average plane.
+    #[must_use]
+    pub fn element(&self, frame: FrameRule) -> Element<'_> {
+        let Place { slave, frame } = match frame {
+            FrameRule::Frozen => self.frozen,
+            FrameRule::CoMoving => self.co_moving,
+        };
+        let domains = if self.radii.is_empty() { Domains::Shared } else { Domains::Each(&self.radii) };
+        Element::new(slave, &self.masters, frame, self.support_radius)
+            .with_domains(domains)
+            .with_basis(match self.basis {
+                Basis::Quadratic => diffuse_contact::Basis::Quadratic,
+                Basis::Linear => diffuse_contact::Basis::Linear,
+                Basis::Custom(_) => {
+                    let (name, monomials) = (self.basis.name(), self.basis.monomials());
+                    diffuse_contact::Basis::Custom(CustomBasis { name, monomials })
+                }
+            })
+            .with_weight(self.weight)
+    }
+
+    /// `domains`: the fitting weight where nodes have domains of their own.
+    fn candidate(
+        (basis, nodes): (Basis, usize),
+        first: FirstNode,
+        domains: Option<impl Fn(f64) -> f64 + Copy>,
+        random: &mut Random,
+    ) -> Result<Self, ElementError> {
+        let radius = 10_f64.powf(random.between(-3.0, 3.0));
+        let [t1, t2, normal] = random.rotation();
+        let slave: Point = std::array::from_fn(|_| radius * random.between(-CUBE, CUBE));
+        let coefficients: [f64; 6] = std::array::from_fn(|_| random.between(-COEFFICIENT, COEFFICIENT));
+        let (direction, phase) = (random.between(0.0, TAU), random.between(0.0, TAU));
+        let height = |a: f64, b: f64| {
+            let [c0, c1, c2, c3, c4, c5] = coefficients;
+            let along = direction.cos() * a + direction.sin() * b;
+            let wave = WAVE.0 * (WAVE.1 * along + phase).sin();
+            c0 + c1 * a + c2 * b + c3 * a * a + c4 * a * b + c5 * b * b + wave
+        };
+        let masters: Vec<Point> = (0..nodes)
+            .map(|node| {
+                let [a, b] = match first {
+                    FirstNode::UnderSlave if node == 0 => [0.0; 2],
+                    FirstNode::Outside if node == 0 => {
+                        let direction = random.between(0.0, TAU);
+                        [OUTSIDE * direction.cos(), OUTSIDE * direction.sin()]
+                    }
+                    _ => random.in_disc(DISC),
+                };
+                let z = height(a, b);
+                std::array::from_fn(|k| slave[k] + radius * (a * t1[k] + b * t2[k] + z * normal[k]))
+            })
+            .collect();
+        let point = random.in_disc(POINT_DISC).map(|x| radius * x);
+        let frozen = Place { slave, frame: Frame::given(slave, t1, t2, normal, None)? };
+        let radii: Vec<f64> = match domains {
+            Some(_) => masters.iter().map(|_| radius * random.between(0.9, 1.3)).collect(),
+            None => Vec::new(),
+        };
+        let plane = |slave| match domains {
+            Some(weight) => Frame::moving_plane(slave, &masters, &radii, weight, 1.0, normal),
+            None => Frame::average_plane(&masters, normal),
+        };
+        let co_moving = match first {
+            FirstNode::UnderSlave => {
+                let slave = straight_over(masters[0], slave, &plane(slave)?);
+                Place { slave, frame: plane(slave)? }
+            }
+            FirstNode::Anywhere | FirstNode::Outside => Place { slave, frame: plane(slave)? },
+        };
+        let unknown = Conditioning {
+            pivot_ratio: 0.0,
+            plane_pivot_ratio: 0.0,
+            jacobian_determinant: 0.0,
+            foot_distance: f64::INFINITY,
+        };
+        Ok(Self {
+            masters,
+            radii,
+            support_radius: radius,
+            basis,
+            weight: Weight::default(),
+            frozen,
+            co_moving,
+            point,
+            conditioning: [unknown; 2],
+        })
+    }
+}
+
+/// `slave` moved along the plane to where it is straight over a node.
+fn straight_over(node: Point, slave: Point, plane: &Frame) -> Point {
+    let height: f64 = (0..3).map(|k| (slave[k] - node[k]) * plane.normal[k]).sum();
+    std::array::from_fn(|k| node[k] + height * plane.normal[k])
+}
+
+/// A deterministic source of numbers (SplitMix64).
+pub(super) struct Random(u64);
+
+impl Random {
+    /// A source of its own for every sequence of keys.
+    pub(super) fn new(keys: &[u64]) -> Self {
+        let mut random = Self(0);
+        for key in keys {
+            random.0 ^= key;
+            random.0 = random.next();
+        }
+        random
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let x = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        x ^ (x >> 31)
+    }
+
+    /// Uniform in [low, high).
+    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
+        // 53 bits, exactly representable.
+        let unit = (self.next() >> 11) as f64 / (1_u64 << 53) as f64;
+        low + (high - low) * unit
+    }
+
+    /// Uniform in a disc about the origin.
+    fn in_disc(&mut self, radius: f64) -> [f64; 2] {
+        loop {
+            let [a, b] = [self.between(-1.0, 1.0), self.between(-1.0, 1.0)];
+            if a * a + b * b < 1.0 {
+                return [radius * a, radius * b];
+            }
+        }
+    }
+
+    /// Rows of a uniformly distributed rotation: that of a quaternion uniform on the unit sphere.
+    pub(super) fn rotation(&mut self) -> [Point; 3] {
+        let (w, x, y, z) = loop {
+            let q: [f64; 4] = std::array::from_fn(|_| self.between(-1.0, 1.0));
+            let norm = q.iter().map(|c| c * c).sum::<f64>().sqrt();
+            if (0.1..1.0).contains(&norm) {
+                let [w, x, y, z] = q.map(|c| c / norm);
+                break (w, x, y, z);
+            }
+        };
+        [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use diffuse_contact::FrameDerivative;
+
+    use super::*;
+
+    #[test]
+    fn elements_are_reproducible_and_different() {
+        let interpreted = Interpreted::default();
+        let element =
+            |seed, index| RandomElement::new(Basis::Linear, 5, seed, index, &interpreted).unwrap().masters;
+        assert_eq!(element(1, 0), element(1, 0));
+        assert_ne!(element(1, 0), element(1, 1));
+        assert_ne!(element(1, 0), element(2, 0));
+    }
+
+    #[test]
+    fn elements_keep_what_they_promise() {
+        let interpreted = Interpreted::default();
+        for (basis, nodes) in [(Basis::Linear, 3), (Basis::Quadratic, 6), (Basis::Quadratic, 10)] {
+            let random = RandomElement::new(basis, nodes, 7, 0, &interpreted).unwrap();
+            assert!(random.conditioning.iter().all(is_well_conditioned));
+            for (frame, derivative) in [
+                (FrameRule::Frozen, FrameDerivative::Frozen),
+                (FrameRule::CoMoving, FrameDerivative::CoMoving),
+            ] {
+                let element = random.element(frame);
+                element.validate().unwrap();
+                assert_eq!(element.masters.len(), nodes);
+                assert_eq!(element.frame.derivative, derivative);
+                let offset = |k: usize| element.masters[0][k] - element.slave[k];
+                let in_plane =
+                    |t: Point| (0..3).map(|k| offset(k) * t[k]).sum::<f64>() / element.support_radius;
+                assert!(in_plane(element.frame.t1).hypot(in_plane(element.frame.t2)) < 1e-14);
+            }
+        }
+    }
+}

@@ -1,0 +1,370 @@
+//! What a comparison found, as a table or as JSON.
+
+use std::fmt;
+
+use diffuse_contact_codegen::Basis;
+use serde::ser::{Serialize, SerializeStruct, Serializer};
+
+use super::blocks::{BLOCKS, Block};
+use super::elements::{LARGEST_FOOT_DISTANCE, RandomElement, SMALLEST_DETERMINANT, SMALLEST_PIVOT};
+use super::facets::{FACETS, FacetRow};
+use super::plan::{Against, ELEMENTS, Plan, TOLERANCE};
+use crate::emit::frame_name;
+
+/// Width of the left column of the head.
+const LABEL: usize = 13;
+/// Width of the first column of the table.
+const SUBJECT: usize = 16;
+/// Failures listed before the rest is only counted.
+const MOST_FAILURES: usize = 10;
+
+/// A difference and where it was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Worst {
+    /// As [`blocks`](super::blocks) measures it.
+    pub difference: f64,
+    /// Basis of the element.
+    pub basis: Basis,
+    /// Its number of master nodes.
+    pub nodes: usize,
+}
+
+impl Worst {
+    fn passes(&self) -> bool {
+        self.difference <= TOLERANCE
+    }
+}
+
+/// The worst differences of one block; nothing where nothing was compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// The block.
+    pub block: Block,
+    /// In the order of [`Against::ALL`].
+    pub worst: [Option<Worst>; Against::ALL.len()],
+}
+
+impl Row {
+    fn passes(&self) -> bool {
+        self.worst.iter().flatten().all(Worst::passes)
+    }
+}
+
+/// All that was found.
+#[derive(Clone, Debug)]
+pub struct Report {
+    plan: Plan,
+    rows: Vec<Row>,
+    facets: Vec<FacetRow>,
+    elements: usize,
+    /// The smallest relative pivot of a fit.
+    smallest_pivot: f64,
+    /// The smallest relative pivot of an average plane.
+    smallest_plane_pivot: f64,
+    /// Backends without a result.
+    pub(super) failures: Vec<String>,
+}
+
+impl Report {
+    /// An empty report.
+    pub(super) fn new(plan: &Plan) -> Self {
+        let row = |block| Row { block, worst: [None; Against::ALL.len()] };
+        Self {
+            plan: plan.clone(),
+            rows: BLOCKS.map(row).to_vec(),
+            facets: Vec::new(),
+            elements: 0,
+            smallest_pivot: f64::INFINITY,
+            smallest_plane_pivot: f64::INFINITY,
+            failures: Vec::new(),
+        }
+    }
+
+    pub(super) fn add_element(&mut self, random: &RandomElement) {
+        self.elements += 1;
+        for figures in &random.conditioning {
+            self.smallest_pivot = self.smallest_pivot.min(figures.pivot_ratio);
+            self.smallest_plane_pivot = self.smallest_plane_pivot.min(figures.plane_pivot_ratio);
+        }
+    }
+
+    pub(super) fn add(&mut self, block: Block, against: Against, difference: f64, at: (Basis, usize)) {
+        let row = self.rows.iter_mut().find(|row| row.block == block).expect("every block has a row");
+        let worst = &mut row.worst[against as usize];
+        // A NaN stays.
+        if worst.is_none_or(|worst| !worst.difference.is_nan() && !(difference <= worst.difference)) {
+            *worst = Some(Worst { difference, basis: at.0, nodes: at.1 });
+        }
+    }
+
+    /// Adds what was found on other elements. Of equal differences the earlier one stays.
+    pub(super) fn merge(&mut self, other: Self) {
+        self.elements += other.elements;
+        self.smallest_pivot = self.smallest_pivot.min(other.smallest_pivot);
+        self.smallest_plane_pivot = self.smallest_plane_pivot.min(other.smallest_plane_pivot);
+        for row in other.rows {
+            for (against, worst) in Against::ALL.into_iter().zip(row.worst) {
+                if let Some(Worst { difference, basis, nodes }) = worst {
+                    self.add(row.block, against, difference, (basis, nodes));
+                }
+            }
+        }
+        self.failures.extend(other.failures);
+    }
+
+    pub(super) fn add_facets(&mut self, (rows, failures): (Vec<FacetRow>, Vec<String>)) {
+        self.facets = rows;
+        self.failures.extend(failures);
+    }
+
+    /// The worst differences on facets, one row per shape and block; none for a weight of one's own.
+    #[must_use]
+    pub fn facets(&self) -> &[FacetRow] {
+        &self.facets
+    }
+
+    /// The worst differences, one row per block.
+    #[must_use]
+    pub fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// Whether something was compared, every backend had results, and all differences are within [`TOLERANCE`].
+    #[must_use]
+    pub fn passes(&self) -> bool {
+        let rows = self.rows.iter().all(Row::passes) && self.facets.iter().all(FacetRow::passes);
+        self.elements > 0 && self.failures.is_empty() && rows
+    }
+
+    fn ranges(&self) -> String {
+        let counts = |(basis, range): &(Basis, std::ops::RangeInclusive<usize>)| {
+            let (first, last) = (range.start(), range.end());
+            let counts = if first == last { first.to_string() } else { format!("{first} to {last}") };
+            format!("{} basis n = {counts}", basis.name())
+        };
+        self.plan.ranges.iter().map(counts).collect::<Vec<_>>().join(", ")
+    }
+
+    fn head(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut line = |label: &str, text: &str| writeln!(f, "{label:<LABEL$}{text}");
+        if self.plan.weight.as_built_in().is_some() {
+            line("tested", "the generated kernels, in the modes value, gradient and Hessian")?;
+        } else {
+            line(
+                "tested",
+                "the interpreter of the kernels' graph, in the modes value, gradient and Hessian:",
+            )?;
+            line("", "no kernels of this weight are compiled into the program; `emit --weight` prints them")?;
+        }
+        line("weight", &self.plan.weight.description())?;
+        line("kernels", &format!("{}; coefficients, surface, gap", self.ranges()))?;
+        line(
+            "elements",
+            &format!(
+                "{ELEMENTS} random ones per node count and basis, {} in all; seed {}",
+                self.elements, self.plan.seed
+            ),
+        )?;
+        line("", "(any unit, place and direction; some with a node straight under the slave, or beyond R)")?;
+        if !self.facets.is_empty() {
+            line(
+                "facets",
+                &format!("{FACETS} random triangles and {FACETS} quadrilaterals, flat and warped"),
+            )?;
+        }
+        line("frame", "held in any direction; for the gap also the average plane of the nodes, co-moving")?;
+        line(
+            "conditioning",
+            &format!(
+                "relative pivot of the fits at least {SMALLEST_PIVOT:e} (smallest here {:.1e}) and of the",
+                self.smallest_pivot
+            ),
+        )?;
+        line(
+            "",
+            &format!(
+                "average planes too ({:.1e}), foot Jacobian at least {SMALLEST_DETERMINANT}, foot within {LARGEST_FOOT_DISTANCE} R",
+                self.smallest_plane_pivot
+            ),
+        )?;
+        line(
+            "difference",
+            "largest over the largest entry of the block; values that may vanish over at least",
+        )?;
+        line("", "their natural scale if that is larger: R for lengths, 1 for slopes, 1/R for curvatures")
+    }
+
+    fn table(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let shown: Vec<Against> = Against::ALL.into_iter().filter(|&against| self.has(against)).collect();
+        let line = |f: &mut fmt::Formatter<'_>, output: &str, block: &str, cells: &[String]| {
+            let cells = cells.iter().map(|cell| format!("{cell:<26}")).collect::<String>();
+            let line = format!("{output:<SUBJECT$}{block:<10}{cells}");
+            writeln!(f, "{}", line.trim_end())
+        };
+        let titles: Vec<String> = shown.iter().map(|against| against.title().to_owned()).collect();
+        line(f, "output", "block", &titles)?;
+        for row in &self.rows {
+            let cells: Vec<String> = shown.iter().map(|&against| cell(row.worst[against as usize])).collect();
+            line(f, &row.block.subject.name(), row.block.name, &cells)?;
+        }
+        for row in &self.facets {
+            let cells: Vec<String> = shown.iter().map(|&a| facet_cell(row.worst[a as usize])).collect();
+            line(f, row.shape.name(), row.name, &cells)?;
+        }
+        Ok(())
+    }
+
+    fn has(&self, against: Against) -> bool {
+        self.rows.iter().any(|row| row.worst[against as usize].is_some())
+    }
+
+    fn verdict(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for failure in self.failures.iter().take(MOST_FAILURES) {
+            writeln!(f, "no result: {failure}")?;
+        }
+        if self.failures.len() > MOST_FAILURES {
+            writeln!(f, "no result: {} more", self.failures.len() - MOST_FAILURES)?;
+        }
+        if self.passes() {
+            return writeln!(f, "all within {TOLERANCE:e}");
+        }
+        let elements = self.rows.iter().filter(|row| !row.passes());
+        let facets = self.facets.iter().filter(|row| !row.passes());
+        let blocks: Vec<String> = elements
+            .map(|row| format!("{} {}", row.block.subject.name(), row.block.name))
+            .chain(facets.map(|row| format!("{} {}", row.shape.name(), row.name)))
+            .collect();
+        if blocks.is_empty() {
+            writeln!(f, "failed: not every element has a result")
+        } else {
+            writeln!(f, "failed: beyond {TOLERANCE:e} are {}", blocks.join("; "))
+        }
+    }
+}
+
+/// A difference and its place, with a mark if it is too large.
+fn cell(worst: Option<Worst>) -> String {
+    let Some(worst) = worst else { return String::new() };
+    if worst.difference == 0.0 {
+        return "0".to_owned();
+    }
+    let mark = if worst.passes() { "" } else { " !" };
+    format!("{:.1e} {} {}{mark}", worst.difference, worst.basis.name(), worst.nodes)
+}
+
+/// A difference on facets, with a mark if it is too large.
+fn facet_cell(worst: Option<f64>) -> String {
+    match worst {
+        None => String::new(),
+        Some(0.0) => "0".to_owned(),
+        Some(difference) => format!("{difference:.1e}{}", if difference <= TOLERANCE { "" } else { " !" }),
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.head(f)?;
+        writeln!(f)?;
+        self.table(f)?;
+        writeln!(f)?;
+        self.verdict(f)
+    }
+}
+
+impl Serialize for Report {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut report = serializer.serialize_struct("Report", 11)?;
+        let tested = if self.plan.weight.as_built_in().is_some() { "generated" } else { "interpreter" };
+        report.serialize_field("tested", tested)?;
+        report.serialize_field("weight", &self.plan.weight.description())?;
+        report.serialize_field("seed", &self.plan.seed)?;
+        report.serialize_field("elements", &self.elements)?;
+        report.serialize_field("smallest_pivot", &self.smallest_pivot)?;
+        report.serialize_field("smallest_plane_pivot", &self.smallest_plane_pivot)?;
+        report.serialize_field("tolerance", &TOLERANCE)?;
+        report.serialize_field("passes", &self.passes())?;
+        report.serialize_field("blocks", &self.rows)?;
+        report.serialize_field("facets", &self.facets)?;
+        report.serialize_field("failures", &self.failures)?;
+        report.end()
+    }
+}
+
+impl Serialize for Row {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut row = serializer.serialize_struct("Row", 5)?;
+        row.serialize_field("output", self.block.subject.output.name())?;
+        row.serialize_field("frame_derivative", frame_name(self.block.subject.frame))?;
+        row.serialize_field("block", self.block.name)?;
+        row.serialize_field("passes", &self.passes())?;
+        let worst: std::collections::BTreeMap<&str, &Worst> = Against::ALL
+            .iter()
+            .filter_map(|&against| Some((against.name(), self.worst[against as usize].as_ref()?)))
+            .collect();
+        row.serialize_field("against", &worst)?;
+        row.end()
+    }
+}
+
+impl Serialize for Worst {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut worst = serializer.serialize_struct("Worst", 3)?;
+        worst.serialize_field("difference", &self.difference)?;
+        worst.serialize_field("basis", self.basis.name())?;
+        worst.serialize_field("nodes", &self.nodes)?;
+        worst.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use diffuse_contact_codegen::FacetShape;
+
+    use super::*;
+
+    fn with(difference: f64) -> Report {
+        let mut report = Report::new(&Plan::default());
+        report.elements = 1;
+        report.add(BLOCKS[14], Against::Ad, 1e-15, (Basis::Linear, 5));
+        report.add(BLOCKS[14], Against::Ad, difference, (Basis::Quadratic, 9));
+        report
+    }
+
+    #[test]
+    fn the_worst_difference_decides() {
+        let report = with(1e-14);
+        assert!(report.passes());
+        assert!(report.to_string().contains("gap             M         1.0e-14 quadratic 9\n"), "{report}");
+        assert!(report.to_string().ends_with("all within 1e-11\n"), "{report}");
+        for difference in [2e-11, f64::INFINITY, f64::NAN] {
+            let mut report = with(difference);
+            report.add(BLOCKS[14], Against::Ad, 1e-15, (Basis::Linear, 7));
+            assert!(!report.passes());
+            assert!(report.to_string().ends_with("failed: beyond 1e-11 are gap M\n"), "{report}");
+        }
+    }
+
+    #[test]
+    fn facets_decide_too() {
+        let mut report = with(1e-14);
+        let row = |difference| FacetRow {
+            shape: FacetShape::Triangle,
+            name: "M",
+            worst: [Some(difference), None, None],
+        };
+        report.add_facets((vec![row(1e-15)], Vec::new()));
+        assert!(report.passes());
+        assert!(report.to_string().contains("triangle        M         1.0e-15\n"), "{report}");
+        report.add_facets((vec![row(1e-9)], Vec::new()));
+        assert!(report.to_string().ends_with("failed: beyond 1e-11 are triangle M\n"), "{report}");
+    }
+
+    #[test]
+    fn nothing_compared_is_no_pass() {
+        assert!(!Report::new(&Plan::default()).passes());
+        let mut report = with(1e-14);
+        report.failures.push("AD gap hessian, linear n = 3: singular".to_owned());
+        assert!(!report.passes());
+        assert!(report.to_string().contains("no result: AD gap hessian"), "{report}");
+    }
+}

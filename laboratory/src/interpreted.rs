@@ -1,0 +1,438 @@
+//! The backend that evaluates the formulas' expression graph as it stands: the second witness of every kernel.
+//!
+//! [`Interpreted`] shares the derivation with the generated kernels, and nothing after it: the graph is neither
+//! lowered nor scheduled nor printed, and its systems, roots and sums are evaluated by the interpreter's own
+//! methods. Against it a kernel shows errors of emission; it shows errors of derivation against
+//! [`Ad`](diffuse_contact::ad::Ad). It takes any number of master nodes and any weight, and its speed is no aim.
+
+use std::sync::OnceLock;
+
+use diffuse_contact::{
+    Backend, Coefficients, Element, ElementError, FrameDerivative, Gap, Mode, Surface, SymmetricMatrix,
+};
+use diffuse_contact_codegen::graph::ExprId;
+use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
+use diffuse_contact_codegen::structure::{Gradient, Hessian};
+use diffuse_contact_codegen::{self as codegen, FrameRule, Kernel, KernelSpec, Output, Weight};
+use diffuse_contact_kernels::support::{
+    CoefficientsValues, GapValues, PIVOT_TOLERANCE, Status, SurfaceValues,
+};
+
+const OUTPUTS: usize = Output::ALL.len();
+const MODES: usize = codegen::Mode::ALL.len();
+const BASES: usize = codegen::Basis::ALL.len();
+const FRAMES: usize = 2;
+
+/// Evaluates elements by interpreting the graph the kernels are generated from. [`Element::weight`] is ignored: the
+/// weight is the one given to [`Interpreted::new`].
+///
+/// The graph of an output, mode, basis and frame rule is built when it is first needed and kept.
+#[derive(Debug)]
+pub struct Interpreted {
+    weight: Weight,
+    kernels: [OnceLock<Kernel>; OUTPUTS * MODES * BASES * FRAMES],
+}
+
+/// How far an element is from having no result, as dimensionless figures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditioning {
+    /// Smallest pivot of the moment matrix over its diagonal entry, 0 for a singular fit: about the slave or about
+    /// the surface point, whichever is smaller.
+    pub pivot_ratio: f64,
+    /// Smallest pivot of the equations for the turn of the average plane over its diagonal entry, 0 if the plane
+    /// is not unique; 1 for a frame that is held.
+    pub plane_pivot_ratio: f64,
+    /// Determinant of the foot equations' Jacobian, 1 on a flat surface and 0 on a centre of curvature.
+    pub jacobian_determinant: f64,
+    /// In-plane distance of the foot from the slave's projection over the support radius.
+    pub foot_distance: f64,
+}
+
+impl Default for Interpreted {
+    /// The cubic weight (Chamoret et al. 2008, eq. 14).
+    fn default() -> Self {
+        Self::new(Weight::cubic())
+    }
+}
+
+impl Interpreted {
+    /// A backend with this weight.
+    #[must_use]
+    pub fn new(weight: Weight) -> Self {
+        Self { weight, kernels: std::array::from_fn(|_| OnceLock::new()) }
+    }
+
+    /// The weight in force.
+    #[must_use]
+    pub const fn weight(&self) -> &Weight {
+        &self.weight
+    }
+
+    /// The weight at r, of an interpolating weight ω/(1 − ω) that of ω.
+    #[must_use]
+    pub fn fitting_weight(&self, r: f64) -> f64 {
+        self.weight.fitting_value(r)
+    }
+
+    /// The figures that decide whether an element has a gap, and a surface at `point`, and how many digits they are
+    /// good for. An element without a gap has figures too.
+    ///
+    /// # Errors
+    /// What [`Element::validate`] finds.
+    pub fn conditioning(&self, element: &Element<'_>, point: [f64; 2]) -> Result<Conditioning, ElementError> {
+        element.validate_with(|r| self.fitting_weight(r))?;
+        let inputs = inputs(element, point);
+        let mut surface = self.evaluation(Output::Surface, element, Mode::Value, &inputs)?;
+        // Without derivatives nothing is known of the plane.
+        let mut gap = self.evaluation(Output::Gap, element, Mode::Gradient, &inputs)?;
+        let [about_point, about_slave] = [surface.scalar("pivot_ratio"), gap.scalar("pivot_ratio")];
+        Ok(Conditioning {
+            // Written so that a NaN comes through.
+            pivot_ratio: if about_point >= about_slave { about_slave } else { about_point },
+            plane_pivot_ratio: gap.plane_pivot_ratio(),
+            jacobian_determinant: gap.scalar("jacobian_determinant"),
+            foot_distance: gap.scalar("foot_distance"),
+        })
+    }
+
+    fn evaluation<'a>(
+        &'a self,
+        output: Output,
+        element: &Element<'_>,
+        mode: Mode,
+        inputs: &'a NodeInputs,
+    ) -> Result<Evaluation<'a>, ElementError> {
+        let (mode, basis) = (mode_of(mode), basis_of(element.basis)?);
+        let frame = frame_rule(output, element.frame.derivative);
+        let place = codegen::Basis::ALL.iter().position(|&known| known == basis).unwrap_or_default();
+        let index = ((output as usize * MODES + mode as usize) * BASES + place) * FRAMES + frame as usize;
+        let kernel = self.kernels[index].get_or_init(|| {
+            Kernel::new(KernelSpec { output, mode, basis, weight: self.weight.clone(), frame })
+        });
+        Ok(Evaluation {
+            kernel,
+            interpreter: Interpreter::new(&kernel.graph, inputs),
+            count: element.masters.len(),
+        })
+    }
+}
+
+impl Backend for Interpreted {
+    fn coefficients(&self, element: &Element<'_>, mode: Mode) -> Result<Coefficients, ElementError> {
+        element.validate_with(|r| self.fitting_weight(r))?;
+        let inputs = inputs(element, [0.0; 2]);
+        let mut evaluation = self.evaluation(Output::Coefficients, element, mode, &inputs)?;
+        let coefficients = evaluation.padded("coefficients");
+        check(
+            CoefficientsValues {
+                coefficients,
+                pivot_ratio: evaluation.scalar("pivot_ratio"),
+                checksum: evaluation.scalar("checksum"),
+            }
+            .status(),
+        )?;
+        Ok(Coefficients {
+            values: coefficients[..element.basis.size()].to_vec(),
+            gradients: evaluation.gradients(),
+            hessians: evaluation.hessians(),
+        })
+    }
+
+    fn surface(&self, element: &Element<'_>, point: [f64; 2], mode: Mode) -> Result<Surface, ElementError> {
+        element.validate_with(|r| self.fitting_weight(r))?;
+        if !point.iter().all(|x| x.is_finite()) {
+            return Err(ElementError::NonFiniteInput { what: "point", index: 0 });
+        }
+        let inputs = inputs(element, point);
+        let mut evaluation = self.evaluation(Output::Surface, element, mode, &inputs)?;
+        let values = SurfaceValues {
+            value: evaluation.scalar("value"),
+            slopes: evaluation.array("slopes"),
+            curvatures: evaluation.array("curvatures"),
+            pivot_ratio: evaluation.scalar("pivot_ratio"),
+            checksum: evaluation.scalar("checksum"),
+        };
+        check(values.status())?;
+        let mut gradients = evaluation.gradients().into_iter();
+        let mut next = || gradients.next().unwrap_or_default();
+        Ok(Surface {
+            value: values.value,
+            slopes: values.slopes,
+            curvatures: values.curvatures,
+            gradient: next(),
+            slope_gradients: [next(), next()],
+            hessian: evaluation.hessians().pop().unwrap_or_default(),
+        })
+    }
+
+    fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
+        element.validate_with(|r| self.fitting_weight(r))?;
+        let inputs = inputs(element, [0.0; 2]);
+        let mut evaluation = self.evaluation(Output::Gap, element, mode, &inputs)?;
+        let values = GapValues {
+            gap: evaluation.scalar("gap"),
+            foot: evaluation.array("foot"),
+            normal: evaluation.array("normal"),
+            coefficients: evaluation.padded("coefficients"),
+            pivot_ratio: evaluation.scalar("pivot_ratio"),
+            plane_pivot_ratio: evaluation.plane_pivot_ratio(),
+            foot_residual: evaluation.scalar("foot_residual"),
+            foot_iterations: evaluation.scalar("foot_iterations"),
+            foot_distance: evaluation.scalar("foot_distance"),
+            jacobian_determinant: evaluation.scalar("jacobian_determinant"),
+            jacobian_trace: evaluation.scalar("jacobian_trace"),
+            checksum: evaluation.scalar("checksum"),
+        };
+        check(values.status())?;
+        Ok(Gap {
+            gap: values.gap,
+            foot: values.foot,
+            normal: values.normal,
+            coefficients: values.coefficients[..element.basis.size()].to_vec(),
+            gradient: evaluation.gradients().pop().unwrap_or_default(),
+            hessian: evaluation.hessians().pop().unwrap_or_default(),
+        })
+    }
+}
+
+/// One element on its way through one kernel's graph.
+struct Evaluation<'a> {
+    kernel: &'a Kernel,
+    interpreter: Interpreter<'a>,
+    /// Number of master nodes.
+    count: usize,
+}
+
+impl Evaluation<'_> {
+    fn components(&self, name: &str) -> &[ExprId] {
+        let value = self.kernel.values.iter().find(|value| value.name == name);
+        &value.unwrap_or_else(|| panic!("no kernel value is named {name}")).components
+    }
+
+    /// 1 if the frame is held: then there is no plane whose turn has to be found.
+    fn plane_pivot_ratio(&mut self) -> f64 {
+        match self.kernel.spec.frame {
+            FrameRule::Frozen => 1.0,
+            FrameRule::CoMoving => self.scalar("plane_pivot_ratio"),
+        }
+    }
+
+    fn scalar(&mut self, name: &str) -> f64 {
+        self.array::<1>(name)[0]
+    }
+
+    fn array<const SIZE: usize>(&mut self, name: &str) -> [f64; SIZE] {
+        let components = self.components(name);
+        let components: [ExprId; SIZE] = components.try_into().unwrap_or_else(|_| {
+            panic!("the kernel value {name} has {} components, not {SIZE}", components.len())
+        });
+        components.map(|component| self.interpreter.element(component))
+    }
+
+    /// Coefficients of either basis; the linear one leaves the last three at 0.
+    fn padded(&mut self, name: &str) -> [f64; diffuse_contact::Basis::MOST_COEFFICIENTS] {
+        let mut padded = [0.0; diffuse_contact::Basis::MOST_COEFFICIENTS];
+        for (entry, component) in padded.iter_mut().zip(self.components(name).to_vec()) {
+            *entry = self.interpreter.element(component);
+        }
+        padded
+    }
+
+    fn gradients(&mut self) -> Vec<Vec<f64>> {
+        let kernel = self.kernel;
+        kernel.gradients.iter().map(|(_, gradient)| self.gradient(gradient)).collect()
+    }
+
+    fn gradient(&mut self, gradient: &Gradient) -> Vec<f64> {
+        let mut entries = gradient.slave.map(|x| self.interpreter.element(x)).to_vec();
+        for node in 0..self.count {
+            entries.extend(gradient.node.map(|x| self.interpreter.node(x, node)));
+        }
+        entries
+    }
+
+    fn hessians(&mut self) -> Vec<SymmetricMatrix> {
+        let kernel = self.kernel;
+        kernel.hessians.iter().map(|(_, hessian)| self.hessian(hessian)).collect()
+    }
+
+    /// The packed lower triangle, row by row.
+    fn hessian(&mut self, hessian: &Hessian) -> SymmetricMatrix {
+        let mut entries = Vec::new();
+        for row in 0..3 {
+            entries.extend(hessian.slave[row][..=row].iter().map(|&x| self.interpreter.element(x)));
+        }
+        for node in 0..self.count {
+            for row in 0..3 {
+                entries.extend(hessian.node_slave[row].map(|x| self.interpreter.node(x, node)));
+                for other in 0..node {
+                    entries.extend(hessian.pair[row].map(|x| self.interpreter.pair(x, node, other)));
+                }
+                let diagonal = &hessian.diagonal[row][..=row];
+                entries.extend(diagonal.iter().map(|&x| self.interpreter.node(x, node)));
+            }
+        }
+        let mut matrix = SymmetricMatrix::zeros(3 * (self.count + 1));
+        matrix.packed_mut().copy_from_slice(&entries);
+        matrix
+    }
+}
+
+/// The values of all input symbols; `point` is read by the surface kernels only.
+fn inputs(element: &Element<'_>, point: [f64; 2]) -> NodeInputs {
+    const AXES: [&str; 3] = ["x", "y", "z"];
+    let mut inputs = NodeInputs::new(element.masters.len());
+    let [t1, t2, normal] = element.frame.rows();
+    for (name, vector) in [("slave", element.slave), ("t1", t1), ("t2", t2), ("normal", normal)] {
+        for (axis, value) in AXES.iter().zip(vector) {
+            inputs.set_element(&format!("{name}_{axis}"), value);
+        }
+    }
+    inputs.set_element("support_radius", element.support_radius);
+    inputs.set_element("plane_reach", element.frame.reach);
+    inputs.set_element("anchor", element.nearest_in_plane() as f64);
+    inputs.set_element("point_1", point[0]);
+    inputs.set_element("point_2", point[1]);
+    for (k, axis) in AXES.iter().enumerate() {
+        let coordinates = element.masters.iter().map(|master| master[k]).collect();
+        inputs.set_node(&format!("master_{axis}"), coordinates);
+    }
+    let radius = |k| element.domains.radius(k, element.support_radius);
+    let ratios = (0..element.masters.len()).map(|k| element.support_radius / radius(k)).collect();
+    inputs.set_node("domain_ratio", ratios);
+    inputs
+}
+
+/// A kernel's status as the element's error.
+pub(crate) fn check(status: Status) -> Result<(), ElementError> {
+    Err(match status {
+        Status::Ok => return Ok(()),
+        Status::SingularFit { pivot_ratio } => {
+            ElementError::SingularFit { pivot_ratio, tolerance: PIVOT_TOLERANCE }
+        }
+        Status::FootDiverged { residual, iterations } => {
+            ElementError::FootDiverged { residual, iterations: iterations as usize }
+        }
+        Status::FootOutside { distance } => ElementError::FootOutside { distance },
+        Status::NoAveragePlane { pivot_ratio } => ElementError::UnstableAveragePlane { pivot_ratio },
+        Status::DegenerateFacet { area } => ElementError::DegenerateFacet { area },
+        Status::CentreOfCurvature { determinant } => ElementError::CentreOfCurvature { determinant },
+        Status::BeyondCentreOfCurvature { determinant, trace } => {
+            ElementError::BeyondCentreOfCurvature { determinant, trace }
+        }
+        _ => ElementError::Overflow { what: "result" },
+    })
+}
+
+pub(crate) const fn mode_of(mode: Mode) -> codegen::Mode {
+    match mode {
+        Mode::Value => codegen::Mode::Value,
+        Mode::Gradient => codegen::Mode::Gradient,
+        Mode::Hessian => codegen::Mode::Hessian,
+    }
+}
+
+/// The frame's motion makes a difference to the gap only.
+fn frame_rule(output: Output, derivative: FrameDerivative) -> FrameRule {
+    match derivative {
+        FrameDerivative::CoMoving if output == Output::Gap => FrameRule::CoMoving,
+        _ => FrameRule::Frozen,
+    }
+}
+
+/// The built-in bases only.
+const fn basis_of(basis: diffuse_contact::Basis) -> Result<codegen::Basis, ElementError> {
+    match basis {
+        diffuse_contact::Basis::Quadratic => Ok(codegen::Basis::Quadratic),
+        diffuse_contact::Basis::Linear => Ok(codegen::Basis::Linear),
+        diffuse_contact::Basis::Custom(custom) => Err(ElementError::NoKernels { basis: custom.name }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use diffuse_contact::{Basis, Frame, Generated};
+
+    use super::*;
+
+    fn element(masters: &[[f64; 3]], basis: Basis) -> Element<'_> {
+        let frame = Frame::given([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], None).unwrap();
+        Element::new([0.1, 0.2, 0.5], masters, frame, 2.0)
+            .with_basis(basis)
+            .with_weight(diffuse_contact::Weight::Cubic)
+    }
+
+    fn grid() -> Vec<[f64; 3]> {
+        (0..9).map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0, 0.0]).collect()
+    }
+
+    #[test]
+    fn the_parts_a_mode_does_not_ask_for_are_empty() {
+        let (backend, masters) = (Interpreted::default(), grid());
+        let element = element(&masters, Basis::Quadratic);
+        let value = backend.surface(&element, [0.1, 0.0], Mode::Value).unwrap();
+        assert!(value.gradient.is_empty() && value.slope_gradients[1].is_empty());
+        assert_eq!(value.hessian.size(), 0);
+        let gradient = backend.coefficients(&element, Mode::Gradient).unwrap();
+        assert_eq!(gradient.gradients.len(), 6);
+        assert!(gradient.hessians.is_empty());
+        assert_eq!(backend.gap(&element, Mode::Hessian).unwrap().hessian.size(), 30);
+    }
+
+    #[test]
+    fn a_co_moving_frame_changes_the_derivatives_of_the_gap_only() {
+        let backend = Interpreted::default();
+        // Rough, so that the frame's turn matters.
+        let rough = |(k, x): (usize, &[f64; 3])| [x[0], x[1], 0.1 * (k * k % 5) as f64];
+        let masters: Vec<[f64; 3]> = grid().iter().enumerate().map(rough).collect();
+        let moving = element(&masters, Basis::Linear)
+            .with_frame(Frame::average_plane(&masters, [0.0, 0.0, 1.0]).unwrap());
+        let held = moving.with_frame(moving.frame.frozen());
+        for mode in [Mode::Value, Mode::Gradient, Mode::Hessian] {
+            let coefficients = |element| backend.coefficients(element, mode).unwrap();
+            assert_eq!(coefficients(&moving), coefficients(&held));
+            let surface = |element| backend.surface(element, [0.1, 0.0], mode).unwrap();
+            assert_eq!(surface(&moving), surface(&held));
+        }
+        let [moving, held] = [&moving, &held].map(|element| backend.gap(element, Mode::Hessian).unwrap());
+        assert!((moving.gap - held.gap).abs() < 1e-15);
+        let differs = |a: &[f64], b: &[f64]| a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-3);
+        assert!(differs(&moving.gradient, &held.gradient));
+        assert!(differs(moving.hessian.packed(), held.hessian.packed()));
+    }
+
+    #[test]
+    fn a_plane_that_is_not_unique_is_no_frame_to_move() {
+        // As thick as wide: its principal moments are equal.
+        let signs = |k: usize| [k & 1, k >> 1 & 1, k >> 2].map(|bit| if bit == 1 { 0.25 } else { -0.25 });
+        let masters: Vec<[f64; 3]> = (0..8).map(signs).collect();
+        let held = element(&masters, Basis::Linear);
+        let frame = Frame { derivative: FrameDerivative::CoMoving, ..held.frame };
+        let moving = held.with_frame(frame);
+        assert!(Interpreted::default().gap(&held, Mode::Gradient).is_ok());
+        for backend in [&Interpreted::default() as &dyn Backend, &Generated] {
+            for mode in [Mode::Value, Mode::Gradient, Mode::Hessian] {
+                let error = backend.gap(&moving, mode).unwrap_err();
+                assert!(matches!(error, ElementError::UnstableAveragePlane { .. }), "{error}");
+            }
+        }
+    }
+
+    #[test]
+    fn elements_without_a_result_are_told_apart() {
+        let backend = Interpreted::default();
+        let code = |element: &Element<'_>| {
+            let found = backend.gap(element, Mode::Hessian).map_err(|error| error.code()).err();
+            let expected = Generated.gap(element, Mode::Hessian).map_err(|error| error.code()).err();
+            assert_eq!(found, expected, "interpreter and generated kernels");
+            found
+        };
+        let line: Vec<[f64; 3]> = (0..9).map(|k| [0.2 * f64::from(k), 0.0, 0.0]).collect();
+        assert_eq!(code(&element(&line, Basis::Linear)), Some("singular-fit"));
+        assert_eq!(code(&element(&line[..5], Basis::Quadratic)), Some("too-few-nodes"));
+        let slope: Vec<[f64; 3]> = grid().iter().map(|x| [x[0], x[1], 12.0 + 3.0 * x[0]]).collect();
+        assert_eq!(code(&element(&slope, Basis::Linear)), Some("foot-outside"));
+        let infinite: Vec<[f64; 3]> = grid().iter().map(|x| [x[0], x[1], f64::NAN]).collect();
+        assert_eq!(code(&element(&infinite, Basis::Linear)), Some("non-finite-input"));
+    }
+}

@@ -1,0 +1,54 @@
+//! Why a study ends without figures.
+
+use diffuse_contact::interface::{InterfaceError, NoContact};
+use diffuse_contact::surface::SurfaceError;
+use diffuse_contact_solver::deck::DeckError;
+use diffuse_contact_solver::solve::SolveError;
+
+use crate::error::CliError;
+
+/// The mesh of a study is no surface, or a node of it has no contact: no figures are better than some.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// The mesh is none.
+    #[error("the mesh of the study: {0}")]
+    Surface(#[from] SurfaceError),
+    /// The interface refuses its input.
+    #[error("the interface of the study: {0}")]
+    Interface(#[from] InterfaceError),
+    /// A node without contact.
+    #[error("{case}: slave {slave} has no contact: {reason}")]
+    NoContact {
+        /// Which part of the study.
+        case: String,
+        /// Number of the slave in it.
+        slave: usize,
+        /// Why not.
+        reason: NoContact,
+    },
+    /// The plot cannot be drawn.
+    #[error("the plot cannot be drawn: {reason}")]
+    Plot {
+        /// What the plotting library says.
+        reason: String,
+    },
+    /// A deck that a study solves is not there.
+    #[error(
+        "{0}; it is one of the repository's: run the study at the root of the repository, or name the directory with --decks"
+    )]
+    NoDeck(SolveError),
+}
+
+impl From<StudyError> for CliError {
+    fn from(error: StudyError) -> Self {
+        Self::job(error)
+    }
+}
+
+/// The error of a deck of the repository: if it is not there, where it would be.
+pub fn of_deck(error: SolveError) -> CliError {
+    match error {
+        missing @ SolveError::Deck(DeckError::Read { .. }) => StudyError::NoDeck(missing).into(),
+        other => CliError::job(other),
+    }
+}

@@ -1,0 +1,106 @@
+//! The examples of Chamoret, Rassineux, Bergheau (2008), with the diffuse and the classic element: every figure of
+//! `docs/paper.md`.
+//!
+//! * [`cylinder`]: penetration into a cylinder that is described by facets;
+//! * [`pinch`]: Newton iterations of the pinch of a pipe;
+//! * [`steps`]: the same in longer increments;
+//! * [`sliding`]: iterations where nodes slide over kinks, and with extrapolation;
+//! * [`tangents`]: what the exact tangent is worth.
+
+mod case;
+mod cylinder;
+mod pinch;
+mod plot;
+mod sliding;
+mod steps;
+mod tangents;
+
+use std::path::PathBuf;
+
+use super::arguments::PaperArguments;
+use crate::error::CliError;
+use crate::output;
+use crate::progress::logged;
+use crate::threads::with_threads;
+
+use case::{Case, Outcome};
+
+/// A part of the document.
+struct Chapter {
+    text: String,
+    /// File names and contents.
+    pictures: Vec<(&'static str, String)>,
+}
+
+/// Runs decks, and writes them if that is asked for.
+struct Decks {
+    directory: Option<PathBuf>,
+    bar: crate::progress::Progress,
+}
+
+impl Decks {
+    fn run(&self, case: &Case) -> Result<Outcome, CliError> {
+        if let Some(directory) = &self.directory {
+            case.write_to(directory)?;
+        }
+        let outcome = case.run().map_err(|reason| CliError::job(reason));
+        self.bar.inc(1);
+        outcome
+    }
+}
+
+/// Makes the study.
+pub fn run(arguments: &PaperArguments) -> Result<(), CliError> {
+    if let Some(path) = &arguments.output {
+        output::check_target(path)?;
+    }
+    let scope = pinch::Scope::new(arguments.quick);
+    let decks = Decks {
+        directory: arguments.decks.clone(),
+        bar: logged(
+            "runs",
+            cylinder::cases().len() + scope.runs() + sliding::runs(&scope) + tangents::runs(&scope),
+        ),
+    };
+    let chapters = with_threads(Some(1), || {
+        Ok([
+            cylinder::chapter(&decks)?,
+            pinch::chapter(&decks, &scope)?,
+            sliding::chapter(&decks, &scope)?,
+            tangents::chapter(&decks, &scope)?,
+        ])
+    })?;
+    decks.bar.finish_and_clear();
+    let mut document = introduction(arguments.quick);
+    for chapter in &chapters {
+        document.push('\n');
+        document.push_str(&chapter.text);
+    }
+    // What the tables say, which a run of a part of them does not.
+    if !arguments.quick {
+        document.push('\n');
+        document.push_str(include_str!("notes.md"));
+    }
+    let Some(path) = &arguments.output else {
+        return output::write_stdout(|writer| writer.write_all(document.as_bytes()));
+    };
+    let folder = path.parent().unwrap_or(std::path::Path::new("")).join("pictures");
+    std::fs::create_dir_all(&folder).map_err(|reason| CliError::Write { path: folder.clone(), reason })?;
+    for (name, picture) in chapters.iter().flat_map(|chapter| &chapter.pictures) {
+        output::write_file(&folder.join(name), |writer| writer.write_all(picture.as_bytes()))?;
+    }
+    output::write_file(path, |writer| writer.write_all(document.as_bytes()))
+}
+
+fn introduction(is_quick: bool) -> String {
+    let option = if is_quick { " --quick" } else { "" };
+    format!(
+        "# The examples of the paper\n\n\
+         Written by `diffuse-contact study paper -o docs/paper.md{option}`; do not edit.\n\n\
+         The diffuse element and the classic one, nodes against facets, in the same code: same meshes, penalties, tolerances, line \
+         search, predictor and, except where that is the question, the same tangent of both, `tangent = \"adaptive\"`, but for `ring_block`, whose deck has the exact one. Decks are those of `examples/` with the changes \
+         named in the tables; `--decks DIR` writes every one of them, and `diffuse-contact solve DIR/NAME.toml` runs it. \
+         *Iterations* are linear solutions, the predictor's and those of failed increments included. An increment \
+         has converged at a residual of 10⁻⁶ of the forces. Runs are on one thread.\n"
+    )
+}

@@ -1,0 +1,285 @@
+//! One slave node, swept once around the path.
+
+use diffuse_contact::interface::{ContactElement, ContactInterface, InterfaceOptions, Outcome};
+use diffuse_contact::neighbourhood::NeighbourRule;
+use diffuse_contact::surface::MasterSurface;
+use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
+
+use super::scene;
+use crate::study::StudyError;
+use crate::study::accuracy::angle;
+use crate::study::patch::Patch;
+use diffuse_contact_cli::contact_options::{RULES, diffuse, rule_name};
+
+/// Part of the loop that is run through before anything is measured, so that a pairing that is kept is the one a slave
+/// has that comes along the path.
+const APPROACH: f64 = 0.25;
+
+/// An element, and whether its pairing is kept while it is sound.
+#[derive(Clone, Copy, Debug)]
+pub struct Case {
+    /// The element.
+    pub element: ContactElement,
+    /// With the default hysteresis; otherwise every step pairs anew.
+    pub kept: bool,
+}
+
+/// The slave at one place of the path.
+#[derive(Clone, Copy, Debug)]
+pub struct State {
+    /// Position.
+    pub position: Point,
+    /// Gap.
+    pub gap: f64,
+    /// Force on the slave over the penalty, −g N of its three coordinates; zero if it does not penetrate.
+    pub force: Point,
+    /// Unit normal.
+    pub normal: Point,
+}
+
+/// What was met along the path.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// The element.
+    pub case: Case,
+    /// State at every step, after its refresh.
+    pub states: Vec<State>,
+    /// Refreshes that gave the slave other masters.
+    pub changes: usize,
+    /// Steps at whose end the pairing of their beginning gave no contact: they take no part in what follows.
+    pub lost: usize,
+    /// Largest jump of the gap at a refresh.
+    pub gap_jump: f64,
+    /// Largest turn of the normal at a refresh, degrees.
+    pub kink_degrees: f64,
+    /// Work of the force on the slave around the loop over the penalty, by the trapezoidal rule with the pairing of each
+    /// step's beginning. Jumps of the energy at refreshes are no work: the force never sees them.
+    pub work: f64,
+    /// ∮ |F| |dx| over the penalty.
+    pub effort: f64,
+    /// Sum of the energy's jumps at refreshes over the penalty, ½ g² after less ½ g² before.
+    pub energy_jumps: f64,
+}
+
+/// The rules as `surface` has them, and the hulls' radius from two layers on.
+fn rules() -> impl Iterator<Item = NeighbourRule> {
+    RULES.into_iter().chain([NeighbourRule::hull_radius(Some(2))])
+}
+
+impl Case {
+    /// All cases: the facets, then each rule with the cubic and the interpolating weight; renewed at every step and kept.
+    pub fn all() -> Vec<Self> {
+        let weights = [Weight::Cubic, Weight::CubicInterpolating];
+        let smooth = weights
+            .into_iter()
+            .flat_map(|weight| rules().map(move |rule| diffuse(weight, FrameDerivative::CoMoving, rule)));
+        let elements = std::iter::once(ContactElement::NodeToFacet).chain(smooth);
+        let keeps = |element: &ContactElement| !matches!(element, ContactElement::Diffuse { search, .. } if search.rule == NeighbourRule::Domains);
+        elements
+            .flat_map(|element| {
+                [false, true]
+                    .into_iter()
+                    .filter(move |&kept| !kept || keeps(&element))
+                    .map(move |kept| Self { element, kept })
+            })
+            .collect()
+    }
+
+    /// Element, rule and weight, and what becomes of the pairing.
+    pub fn names(&self) -> [String; 3] {
+        let [neighbours, weight] = match self.element {
+            ContactElement::Diffuse { weight, search, .. } => {
+                let layers = match search.rule {
+                    NeighbourRule::HullRadius { layers: Some(layers), .. } => {
+                        format!(" from {layers} layers on")
+                    }
+                    _ => String::new(),
+                };
+                [rule_name(search.rule).to_owned() + &layers, weight.name().to_owned()]
+            }
+            ContactElement::NodeToFacet => ["facets", "–"].map(String::from),
+        };
+        [neighbours, weight, if self.kept { "kept" } else { "renewed" }.to_owned()]
+    }
+}
+
+impl Curve {
+    /// Smallest and largest gap.
+    pub fn gaps(&self) -> [f64; 2] {
+        let gaps = self.states.iter().map(|state| state.gap);
+        gaps.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], gap| [low.min(gap), high.max(gap)])
+    }
+}
+
+/// Sweeps the slave around the path in so many steps, with a refresh at each, over a mesh with cells of side 1/`refine`.
+pub fn sweep(case: Case, refine: u32, steps: u32, mut step_done: impl FnMut()) -> Result<Curve, StudyError> {
+    let mut slave = Slave::new(case, refine)?;
+    let turn = |step: u32| f64::from(step) / f64::from(steps);
+    let approach = (APPROACH * f64::from(steps)) as u32;
+    for step in steps - approach..steps {
+        slave.refresh_at(scene::path(turn(step)))?;
+    }
+    slave.refresh_at(scene::path(0.0))?;
+    let mut curve = Curve {
+        case,
+        states: Vec::with_capacity(steps as usize),
+        changes: 0,
+        lost: 0,
+        gap_jump: 0.0,
+        kink_degrees: 0.0,
+        work: 0.0,
+        effort: 0.0,
+        energy_jumps: 0.0,
+    };
+    let mut from = slave.state()?;
+    for step in 1..=steps {
+        curve.states.push(from);
+        let position = scene::path(turn(step));
+        slave.move_to(position)?;
+        let end = slave.state();
+        if let Ok(to) = &end {
+            let along: Point = std::array::from_fn(|axis| to.position[axis] - from.position[axis]);
+            curve.work += 0.5 * (dot(from.force, along) + dot(to.force, along));
+            curve.effort += 0.5 * (norm(from.force) + norm(to.force)) * norm(along);
+        }
+        let refresh = slave.refresh_at(position)?;
+        from = slave.state()?;
+        curve.changes += usize::from(refresh.changed);
+        match end {
+            Ok(to) => {
+                curve.gap_jump = curve.gap_jump.max((from.gap - to.gap).abs());
+                curve.kink_degrees = curve.kink_degrees.max(angle(to.normal, from.normal));
+                curve.energy_jumps += energy(&from) - energy(&to);
+            }
+            Err(StudyError::NoContact { .. }) => curve.lost += 1,
+            Err(error) => return Err(error),
+        }
+        step_done();
+    }
+    Ok(curve)
+}
+
+/// ½ g² in penetration.
+fn energy(state: &State) -> f64 {
+    0.5 * state.gap.min(0.0).powi(2)
+}
+
+/// The interface of a single slave node.
+struct Slave {
+    case: Case,
+    positions: Vec<Point>,
+    interface: ContactInterface,
+}
+
+/// What a refresh did to the one slave.
+struct Refreshed {
+    changed: bool,
+}
+
+impl Slave {
+    fn new(case: Case, refine: u32) -> Result<Self, StudyError> {
+        let Patch { mut positions, facets } = scene::mesh(refine);
+        let master = MasterSurface::new(&positions, facets)?;
+        let slave = positions.len();
+        positions.push(scene::path(0.0));
+        let defaults = InterfaceOptions::default();
+        let hysteresis = if case.kept { defaults.hysteresis } else { 0.0 };
+        let options = InterfaceOptions { element: case.element, hysteresis, ..defaults };
+        let interface = ContactInterface::new(master, vec![slave], &[], &positions, options)?;
+        Ok(Self { case, positions, interface })
+    }
+
+    fn move_to(&mut self, position: Point) -> Result<(), StudyError> {
+        if let Some(last) = self.positions.last_mut() {
+            *last = position;
+        }
+        Ok(self.interface.update(&self.positions)?)
+    }
+
+    fn refresh_at(&mut self, position: Point) -> Result<Refreshed, StudyError> {
+        self.move_to(position)?;
+        let report = self.interface.refresh_pairing(&self.positions)?;
+        Ok(Refreshed { changed: report.changed > 0 })
+    }
+
+    fn state(&mut self) -> Result<State, StudyError> {
+        let contact = self.interface.evaluate(Mode::Gradient)?.get(0);
+        if let Outcome::None(reason) = contact.outcome {
+            let case = self.case.names().join(", ");
+            return Err(StudyError::NoContact { case, slave: contact.slave, reason });
+        }
+        let gap = contact.point.gap;
+        // The slave's own rows come first.
+        let force = std::array::from_fn(|axis| -gap.min(0.0) * contact.gradient[axis]);
+        Ok(State { position: self.positions[contact.slave], gap, force, normal: contact.point.normal })
+    }
+}
+
+pub fn dot(a: Point, b: Point) -> f64 {
+    (0..3).map(|axis| a[axis] * b[axis]).sum()
+}
+
+pub fn norm(a: Point) -> f64 {
+    dot(a, a).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cubic(rule: NeighbourRule) -> ContactElement {
+        diffuse(Weight::Cubic, FrameDerivative::CoMoving, rule)
+    }
+
+    /// The force is the derivative of an energy as long as the pairing stays, so all work comes from the refreshes.
+    #[test]
+    fn the_work_is_what_the_energy_jumps_by_at_refreshes() {
+        let elements = [RULES[1], RULES[3], NeighbourRule::hull_radius(Some(2))].map(cubic);
+        for element in elements.into_iter().chain([ContactElement::NodeToFacet]) {
+            let curve = sweep(Case { element, kept: false }, 1, 2400, || ()).unwrap();
+            assert!(curve.changes > 20, "{element:?}");
+            assert_eq!(curve.lost, 0, "{element:?}");
+            // Without hysteresis the loop ends with the pairing it began with.
+            let difference = (curve.work - curve.energy_jumps).abs();
+            assert!(difference < 1e-5 * curve.effort, "{element:?} {} {}", curve.work, curve.energy_jumps);
+            assert!(curve.gap_jump > 0.0);
+        }
+    }
+
+    #[test]
+    fn with_domains_neither_gap_nor_energy_jumps() {
+        let [coarse, fine] = [1200, 4800].map(|steps| {
+            sweep(Case { element: cubic(NeighbourRule::Domains), kept: false }, 1, steps, || ()).unwrap()
+        });
+        assert!(fine.changes > 20 && fine.gap_jump < 1e-14, "{} {}", fine.changes, fine.gap_jump);
+        // The trapezoidal rule's error goes with the square of the step.
+        assert!(fine.work.abs() < 0.1 * coarse.work.abs(), "{:e} {:e}", coarse.work, fine.work);
+    }
+
+    #[test]
+    fn the_smooth_surface_bends_where_facets_kink() {
+        let [facets, smooth] = [ContactElement::NodeToFacet, cubic(RULES[0])]
+            .map(|element| sweep(Case { element, kept: false }, 1, 1200, || ()).unwrap());
+        assert!(
+            smooth.kink_degrees < 0.2 * facets.kink_degrees,
+            "{} {}",
+            smooth.kink_degrees,
+            facets.kink_degrees
+        );
+        let range = |curve: &Curve| {
+            let [low, high] = curve.gaps();
+            high - low
+        };
+        assert!(range(&smooth) < 0.5 * range(&facets), "{} {}", range(&smooth), range(&facets));
+    }
+
+    #[test]
+    fn a_pairing_that_is_kept_changes_less_often() {
+        let [renewed, kept] =
+            [false, true].map(|kept| sweep(Case { element: cubic(RULES[1]), kept }, 1, 600, || ()).unwrap());
+        assert!(kept.changes < renewed.changes, "{} {}", kept.changes, renewed.changes);
+        assert_eq!(renewed.states.len(), 600);
+        let [low, high] = renewed.gaps();
+        assert!(low < -scene::DEPTH && high > -scene::DEPTH, "{low} {high}");
+    }
+}

@@ -1,0 +1,155 @@
+//! Problems with known answers, solved with both elements: how far off each is.
+//!
+//! Every problem is a deck, `examples/NAME.toml`, run as it is and with one thing changed at a time: the element, the mesh, which side is
+//! the master. Penalty, increments and tolerance are those of the deck for both elements.
+
+mod hertz;
+mod patch;
+mod plot;
+mod ring;
+mod sliding;
+mod turning;
+
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+
+use diffuse_contact_solver::deck::{Contact, Deck, DeckError};
+use diffuse_contact_solver::solve::SolveError;
+use diffuse_contact_solver::statics::StaticsError;
+use plotters::style::RGBColor;
+
+use crate::error::CliError;
+use crate::output;
+use crate::study::arguments::{VerificationArguments, VerificationProblem};
+use crate::study::error::of_deck;
+use crate::study::markdown::Table;
+use crate::threads::with_threads;
+
+use plot::Chart;
+
+/// Both elements, the classic one first.
+const ELEMENTS: [Contact; 2] = [Contact::NodeToFacet, Contact::Diffuse];
+
+/// What a problem gave.
+struct Findings {
+    tables: Vec<Table>,
+    /// Charts, one above the other.
+    charts: Vec<Chart>,
+}
+
+/// Solves the problems and prints their tables.
+pub fn run(arguments: &VerificationArguments) -> Result<(), CliError> {
+    let problems: Vec<VerificationProblem> = match &arguments.problems[..] {
+        [] if arguments.fine => {
+            VerificationProblem::ALL.into_iter().filter(|problem| problem.has_fine_meshes()).collect()
+        }
+        [] => VerificationProblem::ALL.to_vec(),
+        some => some.to_vec(),
+    };
+    if let Some(problem) = problems.iter().find(|problem| arguments.fine && !problem.has_fine_meshes()) {
+        return Err(CliError::MeaninglessOption { option: "--fine", beside: problem.name() });
+    }
+    let picture = |problem: VerificationProblem| {
+        arguments.pictures.as_ref().map(|directory| directory.join(format!("{}.svg", problem.name())))
+    };
+    for path in problems.iter().filter_map(|&problem| picture(problem)).filter(|_| !arguments.fine) {
+        output::check_target(&path)?;
+    }
+    with_threads(arguments.threads, || {
+        for &problem in &problems {
+            let decks = Decks {
+                path: arguments.decks.join(format!("{}.toml", problem.name())),
+                threads: arguments.threads.unwrap_or(1),
+                fine: arguments.fine,
+            };
+            let findings = match problem {
+                VerificationProblem::PatchTest => patch::study(&decks),
+                VerificationProblem::HertzCylinder => hertz::cylinder(&decks),
+                VerificationProblem::HertzSphere => hertz::ball(&decks),
+                VerificationProblem::CoaxialCylinders => turning::study(&decks),
+                VerificationProblem::SlidingBlock => sliding::study(&decks),
+                VerificationProblem::RingBlock => ring::study(&decks),
+            };
+            let Findings { tables, charts } = findings.map_err(|error| of_deck(error))?;
+            if let (Some(path), false) = (picture(problem), charts.is_empty()) {
+                let svg = plot::draw(&charts)?;
+                output::write_file(&path, |writer| writer.write_all(svg.as_bytes()))?;
+            }
+            output::write_stdout(|writer| tables.iter().try_for_each(|table| writeln!(writer, "{table}")))?;
+        }
+        Ok(())
+    })
+}
+
+/// The deck of a problem.
+struct Decks {
+    path: PathBuf,
+    threads: usize,
+    /// Whether the meshes that take minutes are asked for, in place of the others.
+    fine: bool,
+}
+
+impl Decks {
+    /// The deck as it is, but with this element.
+    fn with(&self, element: Contact) -> Result<Deck, DeckError> {
+        Ok(Deck { contact: element, ..Deck::read(&self.path)? })
+    }
+
+    /// What its file names are relative to.
+    fn base(&self) -> &Path {
+        self.path.parent().unwrap_or(Path::new(""))
+    }
+}
+
+/// A run that found no equilibrium is a result like others: its reason stands in the place of the numbers.
+fn outcome<T>(run: Result<T, SolveError>) -> Result<Result<T, String>, SolveError> {
+    match run {
+        Ok(found) => Ok(Ok(found)),
+        Err(SolveError::Statics(StaticsError::NoConvergence { time, .. })) => {
+            Ok(Err(format!("no equilibrium beyond t = {time:.3}")))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// A row of a run: its names and either its figures or the reason, which takes the place of the first figure.
+fn row<const N: usize>(
+    table: &mut Table,
+    names: impl IntoIterator<Item = impl Display>,
+    figures: Result<[String; N], String>,
+) {
+    let figures = figures.map_or_else(
+        |reason| {
+            let mut cells = vec!["–".to_owned(); N];
+            if let Some(first) = cells.first_mut() {
+                *first = reason;
+            }
+            cells
+        },
+        Vec::from,
+    );
+    table.row(names.into_iter().map(|name| name.to_string()).chain(figures));
+}
+
+/// Sets the numbers of cells of a part of a shipped deck.
+fn divide(deck: &mut Deck, part: &str, divisions: &[usize]) {
+    if let Some(shape) = deck.shape_mut(part) {
+        let own = shape.divisions_mut();
+        for (own, &new) in own.iter_mut().zip(divisions) {
+            *own = new;
+        }
+    }
+}
+
+/// Colours that stay apart for the colour-blind.
+const fn colour(element: Contact) -> RGBColor {
+    match element {
+        Contact::NodeToFacet => RGBColor(213, 94, 0),
+        Contact::Diffuse | Contact::None => RGBColor(0, 114, 178),
+    }
+}
+
+/// Of a hundred, with a sign.
+fn percent(ratio: f64) -> String {
+    format!("{:+.2} %", 100.0 * ratio)
+}

@@ -1,0 +1,153 @@
+//! Runs the studies and looks at what they find.
+
+use crate::runs::{Run, Scratch, run, run_in};
+use serde_json::Value;
+
+/// What is said on standard error besides how far a study is, which a log is told every ten seconds.
+fn without_progress(stderr: &str) -> String {
+    let is_progress = |line: &str| {
+        let numbers = line.split_once(": ").and_then(|(_, numbers)| numbers.split_once(" of "));
+        numbers.is_some_and(|(done, all)| done.parse::<usize>().is_ok() && all.parse::<usize>().is_ok())
+    };
+    stderr.lines().filter(|line| !is_progress(line)).collect()
+}
+
+fn json(arguments: &[&str]) -> Value {
+    let Run { code, stdout, stderr } = run(arguments);
+    assert_eq!((code, without_progress(&stderr).as_str()), (0, ""));
+    serde_json::from_str(&stdout).unwrap()
+}
+
+/// One number of `study accuracy --json`.
+fn error(all: &Value, shape: &str, degrees: f64, element: &str, what: &str) -> f64 {
+    let mut found = all.as_array().unwrap().iter().filter(|found| {
+        found["shape"] == shape && found["cell_degrees"] == degrees && found["element"] == element
+    });
+    found.next().unwrap()[what].as_f64().unwrap()
+}
+
+#[test]
+fn errors_fall_at_their_orders() {
+    let all = json(&["study", "accuracy", "--json"]);
+    assert_eq!(all.as_array().unwrap().len(), 3 * 5 * 4);
+    let order = |shape: &str, element: &str, what: &str| {
+        let [coarse, fine] = [10.0, 5.0].map(|size| error(&all, shape, size, element, what));
+        (coarse / fine).log2()
+    };
+    for shape in ["cylinder", "sphere", "torus"] {
+        assert!((order(shape, "facets", "gap_max") - 2.0).abs() < 0.15, "{shape}");
+        assert!((order(shape, "facets", "normal_max_degrees") - 1.0).abs() < 0.15, "{shape}");
+        for weight in ["cubic", "cubic-interpolating", "wendland-c2"] {
+            // A quadratic fit: third order at least, fourth where the mesh is nearly symmetric; its slope one less.
+            assert!(order(shape, weight, "gap_max") > 2.9, "{shape}, {weight}");
+            assert!(order(shape, weight, "normal_max_degrees") > 1.9, "{shape}, {weight}");
+        }
+    }
+    // The sagitta of a facet, in closed form.
+    for degrees in [22.5_f64, 10.0] {
+        let sagitta = 100.0 * (1.0 - (0.5 * degrees).to_radians().cos());
+        assert!((error(&all, "cylinder", degrees, "facets", "gap_max") - sagitta).abs() < 1e-9);
+    }
+    // The figures of the manual.
+    for (degrees, element, largest, mean) in [
+        (22.5, "cubic", 0.423, 0.214),
+        (22.5, "cubic-interpolating", 0.179, 0.118),
+        (22.5, "facets", 1.92, 1.28),
+        (10.0, "cubic", 0.0156, 0.00803),
+        (10.0, "cubic-interpolating", 0.00661, 0.00441),
+        (10.0, "facets", 0.381, 0.253),
+    ] {
+        for (what, expected) in [("gap_max", largest), ("gap_mean", mean)] {
+            let found = error(&all, "cylinder", degrees, element, what);
+            assert!((found / expected - 1.0).abs() < 0.02, "{degrees}°, {element}, {what}: {found}");
+        }
+    }
+}
+
+#[test]
+fn tables_are_markdown() {
+    let Run { code, stdout, .. } = run(&["study", "accuracy"]);
+    assert_eq!(code, 0);
+    assert!(stdout.contains("| cell | facets | cubic | cubic-interpolating | wendland-c2 |"), "{stdout}");
+    assert!(stdout.contains("| 10° | facets | 0.381 | 0.381 |"), "{stdout}");
+    // Element, reference, largest, mean, then the error at three places of the cell, of which the first is (0.2, 0.5).
+    for (start, expected) in [
+        ("| 22.5° | cubic | 0.441 |", 0.352),
+        ("| 22.5° | cubic-interpolating | 0.112 |", 0.0980),
+        ("| 22.5° | facets | 1.92 |", 1.23),
+        ("| 10° | cubic | 0.0176 |", 0.0140),
+        ("| 10° | cubic-interpolating | 0.0055 |", 0.00384),
+        ("| 10° | facets | 0.381 |", 0.243),
+    ] {
+        let row = stdout.lines().find_map(|line| line.strip_prefix(start)).unwrap();
+        let found: f64 = row.split('|').nth(2).unwrap().trim().parse().unwrap();
+        assert!((found / expected - 1.0).abs() < 0.02, "{start} {found}");
+    }
+}
+
+#[test]
+fn a_sweep_leaves_its_files() {
+    let scratch = Scratch::new("sweep");
+    let (picture, csv) = (scratch.path("sweep.svg"), scratch.path("sweep.csv"));
+    let Run { code, stdout, stderr } =
+        run(&["study", "sweep", "-o", &picture, "--csv", &csv, "--steps", "100"]);
+    assert_eq!((code, without_progress(&stderr).as_str()), (0, ""));
+    // Facets, and four rules with two weights; each renewed and kept.
+    let cases = 2 * (1 + 4 * 2);
+    assert_eq!(stdout.lines().filter(|line| line.contains('°')).count(), cases, "{stdout}");
+    let picture = std::fs::read_to_string(&picture).unwrap();
+    assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"));
+    // Three curves in both panels, and in the legend.
+    for colour in ["#D55E00", "#0072B2", "#009E73"] {
+        assert_eq!(picture.matches(colour).count(), 3, "{colour}");
+    }
+    let csv = std::fs::read_to_string(&csv).unwrap();
+    assert_eq!(csv.lines().count(), 1 + 100 * cases);
+    let columns = csv.lines().next().unwrap().split(',').count();
+    assert!(csv.lines().all(|line| line.split(',').count() == columns));
+    run_in(&scratch, &["study", "sweep", "-o", "none/sweep.svg"])
+        .assert_refused(&["there is no directory none"]);
+    run(&["study", "sweep", "--steps", "5"]).assert_refused(&["'5'", "100"]);
+}
+
+#[test]
+fn a_large_interface_is_timed() {
+    let found = json(&["study", "throughput", "--nodes", "900", "--threads", "2", "--json"]);
+    assert_eq!(
+        (&found["nodes"], &found["contacts"], &found["threads"]),
+        (&900.into(), &900.into(), &2.into())
+    );
+    for time in ["connect_s", "refresh_s", "refresh_kept_s", "evaluate_s"] {
+        assert!(found[time].as_f64().unwrap() > 0.0, "{time}");
+    }
+    assert!(found["masters"].as_f64().unwrap() > 6.0);
+    run(&["study", "throughput", "--nodes", "3"]).assert_refused(&["'3'", "64"]);
+}
+
+#[test]
+fn the_examples_of_the_paper_are_run() {
+    let scratch = Scratch::new("paper");
+    std::fs::create_dir_all(scratch.path("docs")).unwrap();
+    let Run { code, stdout, stderr } =
+        run_in(&scratch, &["study", "paper", "--quick", "-o", "docs/paper.md", "--decks", "decks"]);
+    assert_eq!((code, stdout.as_str(), without_progress(&stderr).as_str()), (0, "", ""));
+    let document = std::fs::read_to_string(scratch.path("docs/paper.md")).unwrap();
+    // Facets let nodes in more than a hundred times deeper than the fit.
+    let row = document.lines().find(|line| line.starts_with("| diffuse, cubic weight | 0.")).unwrap();
+    let ratio: f64 = row.split('|').nth(3).unwrap().trim().parse().unwrap();
+    assert!(ratio > 100.0, "{row}");
+    // Every picture that is shown is there.
+    let links = document.split("](").skip(1).map(|rest| rest.split(')').next().unwrap());
+    let pictures: Vec<&str> = links.filter(|link| link.starts_with("pictures/")).collect();
+    assert!(pictures.len() >= 4, "{pictures:?}");
+    for picture in pictures {
+        let svg = std::fs::read_to_string(scratch.path(&format!("docs/{picture}"))).unwrap();
+        assert!(svg.starts_with("<svg") && !svg.contains("NaN"), "{picture}");
+    }
+    assert!(!document.contains("NaN") && !document.contains("inf"));
+    // The decks are ones that `solve` takes.
+    let deck = scratch.path("decks/pipe_pinch-coarse-2e6-pipe-facets.toml");
+    assert!(std::fs::read_to_string(&deck).unwrap().contains("node-to-facet"));
+    run_in(&scratch, &["study", "paper", "--quick", "-o", "none/paper.md"])
+        .assert_refused(&["there is no directory none"]);
+}

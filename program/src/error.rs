@@ -1,0 +1,115 @@
+//! Everything that ends the program, one sentence each, with the place.
+
+use std::error::Error;
+use std::fmt::Display;
+use std::io::{self, ErrorKind, Write};
+use std::path::PathBuf;
+
+use diffuse_contact_mesh::file::reason as reason_of;
+use diffuse_contact_mesh::names::{escaped, shown};
+
+/// Why the program stops. The text is the sentence the user reads after `error: `.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// The output file is the input file.
+    #[error("{}: is the input file; give another name for the output", path.display())]
+    OutputIsInput {
+        /// The file.
+        path: PathBuf,
+    },
+    /// An input file cannot be read.
+    #[error("{}: cannot be read: {}", path.display(), reason_of(reason))]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        reason: io::Error,
+    },
+    /// The JSON text does not follow the schema.
+    #[error("{file}, line {line}, column {column}: {what}")]
+    Json {
+        /// The file, or `standard input`.
+        file: String,
+        /// Line, counted from 1.
+        line: usize,
+        /// Column, counted from 1.
+        column: usize,
+        /// The field, if it is known, and what is wrong with it.
+        what: String,
+    },
+    /// An output file cannot be written.
+    #[error("{}: cannot be written: {}", path.display(), reason_of(reason))]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        reason: io::Error,
+    },
+    /// The directory of an output file does not exist.
+    #[error("{}: cannot be written: there is no directory {}", path.display(), directory.display())]
+    NoDirectory {
+        /// The file.
+        path: PathBuf,
+        /// Its directory.
+        directory: PathBuf,
+    },
+    /// Standard output cannot be written.
+    #[error("standard output cannot be written: {}", reason_of(.0))]
+    Stdout(io::Error),
+    /// An option has no meaning beside another one.
+    #[error("{option} has no meaning beside {beside}")]
+    MeaninglessOption {
+        /// The option.
+        option: &'static str,
+        /// Beside what.
+        beside: &'static str,
+    },
+    /// So many threads cannot be started.
+    #[error("--threads {threads}: {}", plain_text(&reason.to_string()))]
+    Threads {
+        /// What was asked for.
+        threads: usize,
+        /// What the system says.
+        reason: rayon::ThreadPoolBuildError,
+    },
+    /// The environment asks for vector instructions that there are not.
+    #[error("DIFFUSE_CONTACT_ISA: this machine has no instructions {:?}; it has {}", shown(name), available.join(", "))]
+    NoInstructions {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        available: Vec<&'static str>,
+    },
+    /// What the job itself says.
+    #[error(transparent)]
+    Job(Box<dyn Error + Send + Sync>),
+}
+
+impl CliError {
+    /// An error of one job, whose text is a sentence, too.
+    pub fn job(reason: impl Error + Send + Sync + 'static) -> Self {
+        Self::Job(Box::new(reason))
+    }
+
+    /// Whether the reader of standard output has gone away.
+    #[must_use]
+    pub fn is_closed_pipe(&self) -> bool {
+        matches!(self, Self::Stdout(reason) if reason.kind() == ErrorKind::BrokenPipe)
+    }
+}
+
+/// A text that holds what the system says, without error numbers.
+pub(crate) fn plain_text(text: &str) -> String {
+    text.split(" (os error").next().unwrap_or(text).to_lowercase()
+}
+
+/// Prints `error: …` on standard error; if that is closed there is nobody to tell.
+pub fn report(error: &dyn Display) {
+    say(&format!("error: {error}"));
+}
+
+/// Prints lines on standard error, where a name from a file must not speak to the terminal.
+pub fn say(lines: &str) {
+    let lines: Vec<String> = lines.split('\n').map(escaped).collect();
+    let _ = writeln!(io::stderr(), "{}", lines.join("\n"));
+}

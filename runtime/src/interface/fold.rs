@@ -1,0 +1,227 @@
+//! Derivatives by an element's points, as derivatives by the listed nodes of its slave.
+//!
+//! An element of nodal domains has the listed nodes that are within reach at the moment, and images of them. Derivatives by the
+//! others are zero; those by an image x' = Q x + t go back to its node: N += Qᵀ N', M += Qᵀ M' Q.
+
+use crate::surface::{Image, Symmetry};
+
+/// A point of an element.
+#[derive(Clone, Copy, Debug)]
+pub struct Source {
+    /// Its node, by place among the listed ones.
+    pub listed: u32,
+    /// The number of the image, if it is one of it.
+    pub image: Option<u32>,
+}
+
+/// Entry (i, j ≤ i) of a packed lower triangle.
+const fn packed(i: usize, j: usize) -> usize {
+    i * (i + 1) / 2 + j
+}
+
+/// Spreads N and M of an element without images, which lie at the beginning of their slices, over all listed nodes. Either may be
+/// empty.
+pub fn spread(gradient: &mut [f64], hessian: &mut [f64], sources: &[Source]) {
+    spread_gradient(gradient, sources);
+    spread_hessian(hessian, sources);
+}
+
+/// N and M by the listed nodes, from those by the points of an element. Either may be empty.
+pub fn fold(
+    (by_points, hessian_by_points): (&[f64], &[f64]),
+    (gradient, hessian): (&mut [f64], &mut [f64]),
+    sources: &[Source],
+    symmetry: &Symmetry,
+) {
+    let image_of = |source: &Source| source.image.map(|number| symmetry.image(number));
+    if !gradient.is_empty() {
+        fold_gradient(by_points, gradient, sources, image_of);
+    }
+    if !hessian.is_empty() {
+        fold_hessian(hessian_by_points, hessian, sources, image_of);
+    }
+}
+
+/// In place, from the end, as nodes only move to later places.
+fn spread_gradient(gradient: &mut [f64], sources: &[Source]) {
+    let mut end = gradient.len();
+    if end == 0 {
+        return;
+    }
+    for (own, source) in sources.iter().enumerate().rev() {
+        let (from, to) = (3 * (own + 1), 3 * (source.listed as usize + 1));
+        gradient.copy_within(from..from + 3, to);
+        gradient[to + 3..end].fill(0.0);
+        end = to;
+    }
+    gradient[3..end].fill(0.0);
+}
+
+fn spread_hessian(hessian: &mut [f64], sources: &[Source]) {
+    let mut end = hessian.len();
+    if end == 0 {
+        return;
+    }
+    for (own, source) in sources.iter().enumerate().rev() {
+        for axis in (0..3).rev() {
+            let (row, target) = (3 * (own + 1) + axis, 3 * (source.listed as usize + 1) + axis);
+            let (from, to) = (packed(row, 0), packed(target, 0));
+            // The row ends with its diagonal entry.
+            hessian[to + target + 1..end].fill(0.0);
+            let mut right = to + target + 1;
+            for (other, second) in sources[..=own].iter().enumerate().rev() {
+                let width = if other == own { axis + 1 } else { 3 };
+                let (column, place) = (3 * (other + 1), to + 3 * (second.listed as usize + 1));
+                hessian.copy_within(from + column..from + column + width, place);
+                hessian[place + width..right].fill(0.0);
+                right = place;
+            }
+            hessian.copy_within(from..from + 3, to);
+            hessian[to + 3..right].fill(0.0);
+            end = to;
+        }
+    }
+    hessian[packed(3, 0)..end].fill(0.0);
+}
+
+fn fold_gradient<'a>(
+    by_points: &[f64],
+    gradient: &mut [f64],
+    sources: &[Source],
+    image_of: impl Fn(&Source) -> Option<&'a Image>,
+) {
+    gradient[..3].copy_from_slice(&by_points[..3]);
+    gradient[3..].fill(0.0);
+    for (source, own) in sources.iter().zip(by_points[3..].as_chunks::<3>().0) {
+        let place = 3 * (source.listed as usize + 1);
+        for (axis, value) in back(image_of(source), *own).into_iter().enumerate() {
+            gradient[place + axis] += value;
+        }
+    }
+}
+
+fn fold_hessian<'a>(
+    by_points: &[f64],
+    hessian: &mut [f64],
+    sources: &[Source],
+    image_of: impl Fn(&Source) -> Option<&'a Image>,
+) {
+    hessian[..packed(3, 0)].copy_from_slice(&by_points[..packed(3, 0)]);
+    hessian[packed(3, 0)..].fill(0.0);
+    let entry = |i: usize, j: usize| if i >= j { by_points[packed(i, j)] } else { by_points[packed(j, i)] };
+    for (own, source) in sources.iter().enumerate() {
+        let (row, target) = (3 * (own + 1), 3 * (source.listed as usize + 1));
+        let block = |column: usize| [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(row + i, column + j)));
+        let by_slave = transposed(transposed(block(0)).map(|column| back(image_of(source), column)));
+        add(hessian, (target, 0), by_slave);
+        // A block and its transpose are met from either side, so that each is added where it belongs to the lower triangle.
+        for (other, second) in sources.iter().enumerate() {
+            let place = 3 * (second.listed as usize + 1);
+            if place > target {
+                continue;
+            }
+            let left =
+                transposed(transposed(block(3 * (other + 1))).map(|column| back(image_of(source), column)));
+            add(hessian, (target, place), left.map(|row| back(image_of(second), row)));
+        }
+    }
+}
+
+/// Adds a block to the lower triangle; of one on the diagonal its lower part.
+fn add(hessian: &mut [f64], (row, column): (usize, usize), block: [[f64; 3]; 3]) {
+    for (i, values) in block.into_iter().enumerate() {
+        for (j, value) in values.into_iter().enumerate() {
+            if column + j <= row + i {
+                hessian[packed(row + i, column + j)] += value;
+            }
+        }
+    }
+}
+
+/// Qᵀ v, or v of a node itself.
+fn back(image: Option<&Image>, v: [f64; 3]) -> [f64; 3] {
+    match image {
+        None => v,
+        Some(image) => [0, 1, 2].map(|j| (0..3).map(|i| image.rows[i][j] * v[i]).sum()),
+    }
+}
+
+fn transposed(block: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| block[j][i]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::SymmetryPlane;
+
+    fn number(k: usize) -> f64 {
+        (k as f64 + 0.3).sin()
+    }
+
+    /// N and M of `count` points, and room behind them for `listed` nodes.
+    fn derivatives(count: usize, listed: usize) -> (Vec<f64>, Vec<f64>) {
+        let room = |entries: usize, all: usize| {
+            (0..all).map(|k| if k < entries { number(k) } else { 9.0 }).collect()
+        };
+        let (rows, all) = (3 * (count + 1), 3 * (listed + 1));
+        (room(rows, all), room(packed(rows, 0), packed(all, 0)))
+    }
+
+    #[test]
+    fn nodes_out_of_reach_have_zero_derivatives_and_the_others_theirs() {
+        let listed = [0, 2, 3, 5];
+        let sources = listed.map(|listed| Source { listed, image: None });
+        let (mut gradient, mut hessian) = derivatives(4, 7);
+        let (n, m) = (gradient.clone(), hessian.clone());
+        spread(&mut gradient, &mut hessian, &sources);
+        // Where the rows of the element are found in the list.
+        let row = |own: usize| if own < 3 { own } else { 3 * (listed[own / 3 - 1] as usize + 1) + own % 3 };
+        let mut expected = vec![0.0; packed(24, 0)];
+        for i in 0..15 {
+            assert_eq!(gradient[row(i)], n[i]);
+            for j in 0..=i {
+                expected[packed(row(i), row(j))] = m[packed(i, j)];
+            }
+        }
+        assert_eq!(gradient.iter().filter(|x| **x == 0.0).count(), 9);
+        assert_eq!(hessian, expected);
+    }
+
+    #[test]
+    fn derivatives_by_an_image_go_back_to_its_node() {
+        let plane = SymmetryPlane { point: [0.2, 0.1, 0.0], normal: [0.6, 0.8, 0.0] };
+        let symmetry = Symmetry::new(&[plane], 9.0, [[0.0; 3], [1.0; 3]]).unwrap();
+        let sources = [(0, None), (0, Some(0)), (2, Some(0)), (2, None)]
+            .map(|(listed, image)| Source { listed, image });
+        let (n, m) = derivatives(4, 4);
+        let (mut gradient, mut hessian) = (vec![9.0; 12], vec![9.0; packed(12, 0)]);
+        fold((&n, &m), (&mut gradient, &mut hessian), &sources, &symmetry);
+        // J of the element's coordinates by the listed ones: N = Jᵀ N', M = Jᵀ M' J.
+        let mut jacobian = [[0.0; 12]; 15];
+        for axis in 0..3 {
+            jacobian[axis][axis] = 1.0;
+        }
+        for (own, source) in sources.iter().enumerate() {
+            for i in 0..3 {
+                for j in 0..3 {
+                    let itself = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+                    let rows = source.image.map_or(itself, |number| symmetry.image(number).rows);
+                    jacobian[3 * (own + 1) + i][3 * (source.listed as usize + 1) + j] = rows[i][j];
+                }
+            }
+        }
+        let full = |i: usize, j: usize| m[packed(i.max(j), i.min(j))];
+        for p in 0..12 {
+            let expected: f64 = (0..15).map(|i| jacobian[i][p] * n[i]).sum();
+            assert!((gradient[p] - expected).abs() < 1e-14);
+            for q in 0..=p {
+                let expected: f64 = (0..15)
+                    .flat_map(|i| (0..15).map(move |j| (i, j)))
+                    .map(|(i, j)| jacobian[i][p] * full(i, j) * jacobian[j][q])
+                    .sum();
+                assert!((hessian[packed(p, q)] - expected).abs() < 1e-13, "{p} {q}");
+            }
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! The domains of influence of a master surface's nodes, as an interface keeps them.
+
+use super::{ContactElement, InterfaceError, InterfaceOptions};
+use crate::neighbourhood::NeighbourRule;
+use crate::surface::{Creases, MasterSurface, NodalDomains, SurfaceIndex, Symmetry, SymmetryPlane};
+use crate::{Basis, Point, Weight};
+
+/// The radii are renewed when the spacing of nodes has changed by more than this somewhere.
+pub const MOST_STRETCH: f64 = 0.1;
+/// Images of the surface are kept as far from it as so many of its largest facets.
+const IMAGES_REACH: f64 = 8.0;
+
+/// Nodal domains, the sheets they belong to, and what they were found from.
+#[derive(Clone, Debug)]
+pub struct Nodal {
+    pub domains: NodalDomains,
+    pub symmetry: Symmetry,
+    /// Where sheets end.
+    pub creases: Creases,
+    weight: Weight,
+    basis: Basis,
+    /// Of the surface's nodes, by place.
+    positions: Vec<Point>,
+}
+
+impl Nodal {
+    /// With the surface as it is, if the options ask for domains.
+    ///
+    /// # Errors
+    /// [`InterfaceError::Surface`] for planes that cannot be planes of symmetry.
+    pub fn new(
+        index: &SurfaceIndex<'_>,
+        options: &InterfaceOptions,
+        planes: &[SymmetryPlane],
+    ) -> Result<Option<Self>, InterfaceError> {
+        let ContactElement::Diffuse { weight, search, .. } = options.element else { return Ok(None) };
+        if search.rule != NeighbourRule::Domains {
+            return Ok(None);
+        }
+        let symmetry = symmetry_of(index, planes)?;
+        let creases = Creases::new(index, options.feature_angle_degrees.to_radians(), &symmetry);
+        let domains = NodalDomains::new(index, &creases, &symmetry, weight, search.basis);
+        let positions = index.positions().to_vec();
+        Ok(Some(Self { domains, symmetry, creases, weight, basis: search.basis, positions }))
+    }
+
+    /// The radii anew, with the surface as it is now. Sheets stay what they are.
+    pub fn renew(&mut self, index: &SurfaceIndex<'_>) {
+        self.domains = NodalDomains::new(index, &self.creases, &self.symmetry, self.weight, self.basis);
+        self.positions = index.positions().to_vec();
+    }
+
+    /// Positions of the surface's nodes, by place, that the radii were found from.
+    pub fn positions(&self) -> &[Point] {
+        &self.positions
+    }
+}
+
+/// The planes with the images near a surface.
+pub fn symmetry_of(index: &SurfaceIndex<'_>, planes: &[SymmetryPlane]) -> Result<Symmetry, InterfaceError> {
+    if planes.is_empty() {
+        return Ok(Symmetry::default());
+    }
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for x in index.positions() {
+        for axis in 0..3 {
+            low[axis] = low[axis].min(x[axis]);
+            high[axis] = high[axis].max(x[axis]);
+        }
+    }
+    let surface: &MasterSurface = index.surface();
+    let largest =
+        (0..surface.facet_count()).map(|facet| index.shape(facet as u32).extent()).fold(0.0, f64::max);
+    Ok(Symmetry::new(planes, IMAGES_REACH * largest, [low, high])?)
+}

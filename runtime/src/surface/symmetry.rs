@@ -1,0 +1,237 @@
+//! Symmetry planes: the master surface goes on beyond them as its own mirror image.
+
+use super::SurfaceError;
+use crate::Point;
+use crate::vector::Vector3;
+
+/// Images that a set of planes may have within reach.
+const MOST_IMAGES: usize = 512;
+/// Two images are one if they differ by less than this, in rotation and, over the largest radius, in translation.
+const SAME_IMAGE: f64 = 1e-9;
+/// A unit normal may be as long as this off 1.
+const UNIT_TOLERANCE: f64 = 1e-9;
+
+/// A plane in which everything is mirrored. The model lies on the side the normal points to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SymmetryPlane {
+    /// A point of the plane.
+    pub point: Point,
+    /// Unit normal, towards the model.
+    pub normal: Point,
+}
+
+impl SymmetryPlane {
+    /// The plane through `point` across a global axis, 0 to 2; the model lies on the side of larger coordinates.
+    ///
+    /// # Panics
+    /// If there is no such axis.
+    #[must_use]
+    pub fn across(axis: usize, point: Point) -> Self {
+        let mut normal = [0.0; 3];
+        normal[axis] = 1.0;
+        Self { point, normal }
+    }
+
+    /// Distance of a point, positive on the side of the model.
+    fn distance(&self, x: Point) -> f64 {
+        Vector3::from(self.normal).dot(&(Vector3::from(x) - Vector3::from(self.point)))
+    }
+
+    /// The reflection x → x − 2 (n·(x − p)) n.
+    fn reflection(&self) -> Image {
+        let n = self.normal;
+        let along = Vector3::from(n).dot(&Vector3::from(self.point));
+        let entry = |i: usize, j: usize| f64::from(u8::from(i == j)) - 2.0 * n[i] * n[j];
+        Image { rows: [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j))), shift: n.map(|n| 2.0 * along * n) }
+    }
+}
+
+/// An isometry x → Q x + t that maps the model on one of its images.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Image {
+    /// Q by rows.
+    pub rows: [Point; 3],
+    shift: Point,
+}
+
+impl Image {
+    const IDENTITY: Self =
+        Self { rows: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], shift: [0.0; 3] };
+
+    /// Q x + t
+    pub fn of(&self, x: Point) -> Point {
+        [0, 1, 2].map(|i| Vector3::from(self.rows[i]).dot(&Vector3::from(x)) + self.shift[i])
+    }
+
+    /// x → self(other(x))
+    fn after(&self, other: &Self) -> Self {
+        let column = |j: usize| Vector3::from(other.rows.map(|row| row[j]));
+        let entry = |i: usize, j: usize| Vector3::from(self.rows[i]).dot(&column(j));
+        Self { rows: [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j))), shift: self.of(other.shift) }
+    }
+
+    fn is_near(&self, other: &Self, length: f64) -> bool {
+        let rows = self.rows.as_flattened().iter().zip(other.rows.as_flattened());
+        let shifts = self.shift.iter().zip(&other.shift);
+        rows.into_iter().all(|(x, y)| (x - y).abs() <= SAME_IMAGE)
+            && shifts.into_iter().all(|(x, y)| (x - y).abs() <= SAME_IMAGE * length)
+    }
+}
+
+/// The planes of an interface with the images of the model in them, and in images of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Symmetry {
+    planes: Vec<SymmetryPlane>,
+    /// Without the model itself.
+    images: Vec<Image>,
+    /// Images farther away are left out, length.
+    reach: f64,
+    /// Points as near to a plane as this lie in it, length.
+    tolerance: f64,
+}
+
+/// Points as near to a plane as this fraction of the largest radius lie in it.
+const ON_PLANE: f64 = 1e-6;
+
+impl Symmetry {
+    /// The images that come within `reach` of the model, all of which lies in the box from `low` to `high`.
+    ///
+    /// # Errors
+    /// [`SurfaceError::InvalidSymmetry`] for a plane whose normal is no unit vector, or planes with too many images: they have to
+    /// be parallel or meet at 180° over a whole number.
+    pub fn new(planes: &[SymmetryPlane], reach: f64, [low, high]: [Point; 2]) -> Result<Self, SurfaceError> {
+        for (plane, symmetry) in planes.iter().enumerate() {
+            let length = Vector3::from(symmetry.normal).norm();
+            if !((length - 1.0).abs() <= UNIT_TOLERANCE && symmetry.point.iter().all(|x| x.is_finite())) {
+                return Err(SurfaceError::InvalidSymmetry { plane, length, images: 0 });
+            }
+        }
+        let corners: Vec<Point> = (0..8)
+            .map(|k| [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { low[axis] } else { high[axis] }))
+            .collect();
+        let interval = |plane: &SymmetryPlane, image: &Image| {
+            let heights = corners.iter().map(|&x| plane.distance(image.of(x)));
+            heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+        };
+        // Seen along the normal of any plane, the image has to be near the model.
+        let is_near = |image: &Image| {
+            planes.iter().all(|plane| {
+                let (model, image) = (interval(plane, &Image::IDENTITY), interval(plane, image));
+                image.0 - model.1 <= reach && model.0 - image.1 <= reach
+            })
+        };
+        let reflections: Vec<Image> = planes.iter().map(SymmetryPlane::reflection).collect();
+        let mut all = vec![Image::IDENTITY];
+        let mut next = 0;
+        while let Some(&image) = all.get(next) {
+            next += 1;
+            for reflection in &reflections {
+                let other = reflection.after(&image);
+                if is_near(&other) && !all.iter().any(|known| known.is_near(&other, reach)) {
+                    all.push(other);
+                }
+            }
+            if all.len() > MOST_IMAGES {
+                return Err(SurfaceError::InvalidSymmetry { plane: 0, length: 1.0, images: all.len() });
+            }
+        }
+        all.remove(0);
+        Ok(Self { planes: planes.to_vec(), images: all, reach, tolerance: ON_PLANE * reach })
+    }
+
+    pub fn is_none(&self) -> bool {
+        self.planes.is_empty()
+    }
+
+    /// How far from the model its images may lie, length; infinite without planes.
+    pub fn reach(&self) -> f64 {
+        if self.is_none() { f64::INFINITY } else { self.reach }
+    }
+
+    pub fn image(&self, number: u32) -> &Image {
+        &self.images[number as usize]
+    }
+
+    /// The images of `node` that are other points than it and nearer to `centre` than `reach`, each once.
+    pub fn images_near(&self, node: Point, centre: Point, reach: f64, mut found: impl FnMut(u32, Point)) {
+        if self.planes.iter().all(|plane| plane.distance(centre) > reach) {
+            return;
+        }
+        let near = |x: Point, y: Point, reach: f64| {
+            (Vector3::from(x) - Vector3::from(y)).norm_squared() < reach * reach
+        };
+        for (number, image) in self.images.iter().enumerate() {
+            let x = image.of(node);
+            // A node in a plane is its own image there, and images in two planes may be one point.
+            let is_new = || {
+                let earlier = self.images[..number].iter().map(|image| image.of(node));
+                std::iter::once(node).chain(earlier).all(|other| !near(x, other, self.tolerance))
+            };
+            if near(x, centre, reach) && is_new() {
+                found(number as u32, x);
+            }
+        }
+    }
+
+    /// The direction without what points out of the planes that hold `point`: that of the surface with its images there.
+    pub fn within_planes(&self, point: Point, direction: Vector3) -> Vector3 {
+        let holding = self.planes.iter().filter(|plane| plane.distance(point).abs() <= self.tolerance);
+        holding.fold(direction, |direction, plane| {
+            let normal = Vector3::from(plane.normal);
+            direction - normal * normal.dot(&direction)
+        })
+    }
+
+    /// Whether both ends of an edge lie in one of the planes: the surface does not end there.
+    pub fn holds_edge(&self, ends: [Point; 2]) -> bool {
+        self.planes.iter().any(|plane| ends.iter().all(|&x| plane.distance(x).abs() <= self.tolerance))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn images(planes: &[SymmetryPlane], node: Point, centre: Point, reach: f64) -> Vec<Point> {
+        let symmetry = Symmetry::new(planes, reach, [[0.0; 3], [1.0; 3]]).unwrap();
+        let mut all = Vec::new();
+        symmetry.images_near(node, centre, reach, |_, x| all.push(x));
+        all.sort_by(|x, y| x.partial_cmp(y).unwrap());
+        all
+    }
+
+    #[test]
+    fn planes_across_each_other_have_three_images() {
+        let planes = [SymmetryPlane::across(0, [0.0; 3]), SymmetryPlane::across(1, [0.0; 3])];
+        let found = images(&planes, [0.3, 0.2, 0.7], [0.1, 0.1, 0.7], 2.0);
+        assert_eq!(found, [[-0.3, -0.2, 0.7], [-0.3, 0.2, 0.7], [0.3, -0.2, 0.7]]);
+        // A node in one of the planes has one image, in the other; one in both has none.
+        assert_eq!(images(&planes, [0.0, 0.2, 0.7], [0.1, 0.1, 0.7], 2.0), [[0.0, -0.2, 0.7]]);
+        assert!(images(&planes, [0.0, 0.0, 0.7], [0.1, 0.1, 0.7], 2.0).is_empty());
+    }
+
+    #[test]
+    fn between_parallel_planes_there_are_images_of_images() {
+        let opposite = SymmetryPlane { point: [1.0, 0.0, 0.0], normal: [-1.0, 0.0, 0.0] };
+        let planes = [SymmetryPlane::across(0, [0.0; 3]), opposite];
+        let found = images(&planes, [0.25, 0.0, 0.0], [0.5, 0.0, 0.0], 2.6);
+        let expected = [-1.75, -0.25, 1.75, 2.25];
+        let all: Vec<f64> = found.iter().map(|x| x[0]).collect();
+        assert_eq!(all.len(), expected.len(), "{all:?}");
+        for (x, y) in all.iter().zip(expected) {
+            assert!((x - y).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn planes_that_never_close_are_refused() {
+        let (s, c) = 0.3_f64.sin_cos();
+        let planes =
+            [SymmetryPlane::across(0, [0.0; 3]), SymmetryPlane { point: [0.0; 3], normal: [s, c, 0.0] }];
+        let error = Symmetry::new(&planes, 1.0, [[0.0; 3], [1.0; 3]]).unwrap_err();
+        assert!(matches!(error, SurfaceError::InvalidSymmetry { images, .. } if images > MOST_IMAGES));
+        let long = SymmetryPlane { point: [0.0; 3], normal: [0.0, 2.0, 0.0] };
+        let error = Symmetry::new(&[long], 1.0, [[0.0; 3], [1.0; 3]]).unwrap_err();
+        assert_eq!(error, SurfaceError::InvalidSymmetry { plane: 0, length: 2.0, images: 0 });
+    }
+}

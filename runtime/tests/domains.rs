@@ -1,0 +1,316 @@
+//! Nodal domains of influence: the gap is one smooth function of all positions, whatever is listed, at borders and symmetry
+//! planes, too.
+
+use diffuse_contact::interface::{
+    ContactElement, ContactInterface, InterfaceError, InterfaceOptions, PairedElement,
+};
+use diffuse_contact::neighbourhood::SearchOptions;
+use diffuse_contact::surface::{Facet, MasterSurface, SymmetryPlane};
+use diffuse_contact::{Backend, Generated, Mode, Point, Weight, ad::Ad};
+
+/// A grid of cells over [0, columns] × [0, rows], mapped.
+fn grid(columns: usize, rows: usize, map: impl Fn(f64, f64) -> Point) -> (Vec<Point>, Vec<Facet>) {
+    let wide = columns + 1;
+    let node = |k: usize| map((k % wide) as f64, (k / wide) as f64);
+    let corner = |cell: usize| cell % columns + wide * (cell / columns);
+    let facet = |k: usize| Facet::Quadrilateral([k, k + 1, k + wide + 1, k + wide]);
+    (
+        (0..wide * (rows + 1)).map(node).collect(),
+        (0..columns * rows).map(|cell| facet(corner(cell))).collect(),
+    )
+}
+
+/// A deterministic number in [−1, 1].
+fn noise(k: usize) -> f64 {
+    let x = (k as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let x = (x ^ x >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    ((x ^ x >> 32) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}
+
+fn wave(x: f64, y: f64) -> f64 {
+    (x * 0.5236).sin() * (y * 0.5236).cos()
+}
+
+/// The wavy surface with nodes moved by a fraction of a cell.
+fn wavy(cells: usize, moved: f64) -> (Vec<Point>, Vec<Facet>) {
+    grid(cells, cells, |x, y| {
+        let k = (x * 1000.0 + y) as usize;
+        let inner = |t: f64| if t > 0.0 && t < cells as f64 { moved } else { 0.0 };
+        let (x, y) = (x + inner(x) * noise(2 * k), y + inner(y) * noise(2 * k + 1));
+        [x, y, wave(x, y)]
+    })
+}
+
+fn options(weight: Weight) -> InterfaceOptions {
+    let element = ContactElement::Diffuse {
+        weight,
+        frame: diffuse_contact::FrameDerivative::CoMoving,
+        search: SearchOptions::domains(),
+    };
+    InterfaceOptions { element, ..InterfaceOptions::default() }
+}
+
+/// The interface of slaves at these points over a surface, refreshed.
+fn interface(
+    (nodes, facets): &(Vec<Point>, Vec<Facet>),
+    slaves: &[Point],
+    options: InterfaceOptions,
+    planes: &[SymmetryPlane],
+) -> ContactInterface {
+    let mut positions = nodes.clone();
+    positions.extend(slaves);
+    let master = MasterSurface::new(&positions, facets.clone()).unwrap();
+    let own = (nodes.len()..positions.len()).collect();
+    let mut interface = ContactInterface::new(master, own, &[], &positions, options).unwrap();
+    interface.set_symmetry(planes).unwrap();
+    interface.refresh_pairing(&positions).unwrap();
+    interface
+}
+
+fn gaps(interface: &mut ContactInterface) -> Vec<f64> {
+    let contacts = interface.evaluate(Mode::Value).unwrap();
+    contacts
+        .iter()
+        .map(|contact| {
+            assert!(contact.outcome.is_contact(), "{:?}", contact.outcome);
+            contact.point.gap
+        })
+        .collect()
+}
+
+/// Largest second difference of the gap on a path over the wavy surface, and the gap's range about 0.05.
+fn roughness(mesh: &(Vec<Point>, Vec<Facet>), weight: Weight, steps: u32) -> (f64, f64) {
+    let path: Vec<Point> = (0..steps)
+        .map(|k| {
+            let t = f64::from(k) / f64::from(steps - 1);
+            let (x, y) = (3.0 + 10.0 * t, 4.0 + 7.0 * t + (6.0 * t).sin());
+            [x, y, wave(x, y) + 0.05]
+        })
+        .collect();
+    let g = gaps(&mut interface(mesh, &path, options(weight), &[]));
+    let second = g.windows(3).map(|g| (g[0] - 2.0 * g[1] + g[2]).abs()).fold(0.0, f64::max);
+    (second, g.iter().fold(0.0_f64, |m, x| m.max((x - 0.05).abs())))
+}
+
+#[test]
+fn a_slave_that_slides_meets_no_jump() {
+    for moved in [0.0, 0.2] {
+        let mesh = wavy(16, moved);
+        for weight in Weight::ALL {
+            // A jump, or a kink of the gap, would not shrink with the square of the step.
+            let (coarse, range) = roughness(&mesh, weight, 3000);
+            let (fine, _) = roughness(&mesh, weight, 12_000);
+            assert!(fine < coarse / 12.0, "{moved} {weight:?}: {coarse:e} {fine:e}");
+            assert!(fine < 1e-3 * range, "{moved} {weight:?}: {fine:e} of {range:e}");
+        }
+    }
+}
+
+#[test]
+fn on_a_flat_surface_borders_and_corners_are_flat() {
+    let mesh = grid(9, 5, |x, y| [x, y + 0.1 * (x * 1.3).sin(), 0.0]);
+    let slaves: Vec<Point> = (0..200)
+        .map(|k| {
+            let (x, y) = (9.0 * (0.5 + 0.5 * noise(2 * k)), 5.0 * (0.5 + 0.5 * noise(2 * k + 1)));
+            let (x, y) = if k % 4 == 0 { (x.round(), y.round()) } else { (x, y) };
+            [x, y + 0.1 * (x * 1.3).sin(), 0.1]
+        })
+        .collect();
+    for weight in Weight::ALL {
+        let mut interface = interface(&mesh, &slaves, options(weight), &[]);
+        for gap in gaps(&mut interface) {
+            assert!((gap - 0.1).abs() < 1e-12, "{weight:?}: {gap}");
+        }
+    }
+}
+
+#[test]
+fn what_is_listed_makes_no_difference_to_a_bit() {
+    let mesh = wavy(10, 0.2);
+    let slaves: Vec<Point> = (0..150)
+        .map(|k| (5.0 + 4.9 * noise(2 * k), 5.0 + 4.9 * noise(2 * k + 1)))
+        .map(|(x, y)| [x, y, wave(x, y) - 0.02])
+        .collect();
+    let mut at_home = interface(&mesh, &slaves, options(Weight::Cubic), &[]);
+    // Lists made a little beside, with other nodes near their skin, and then kept.
+    let aside: Vec<Point> = slaves.iter().map(|[x, y, z]| [x + 0.03, y - 0.02, z + 0.01]).collect();
+    let mut kept = interface(&mesh, &aside, options(Weight::Cubic), &[]);
+    let mut positions = mesh.0.clone();
+    positions.extend(&slaves);
+    let report = kept.refresh_pairing(&positions).unwrap();
+    assert!(!report.rebuilt && report.kept == 150, "{report:?}");
+    let listed = |interface: &ContactInterface| -> usize {
+        interface.contacts().iter().map(|contact| contact.nodes.len()).sum()
+    };
+    at_home.evaluate(Mode::Hessian).unwrap();
+    kept.evaluate(Mode::Hessian).unwrap();
+    assert_ne!(listed(&at_home), listed(&kept), "the lists are the same anyway");
+    for (one, other) in at_home.contacts().iter().zip(kept.contacts().iter()) {
+        assert_eq!(one.point, other.point);
+        for node in one.nodes.iter().chain(other.nodes) {
+            let of = |contact: &diffuse_contact::interface::ContactRef<'_>| {
+                contact
+                    .nodes
+                    .binary_search(node)
+                    .map_or([0.0; 3], |k| contact.gradient[3 * (k + 1)..3 * (k + 2)].try_into().unwrap())
+            };
+            assert_eq!(of(&one), of(&other));
+        }
+        let total =
+            |hessian: &[f64]| hessian.iter().filter(|x| **x != 0.0).map(|x| x.to_bits()).collect::<Vec<_>>();
+        assert_eq!(total(one.hessian), total(other.hessian));
+    }
+    // Moved by more than half the skin, they are made anew.
+    positions.iter_mut().skip(mesh.0.len()).for_each(|x| x[0] += 0.3);
+    assert!(kept.refresh_pairing(&positions).unwrap().rebuilt);
+}
+
+#[test]
+fn the_gap_between_symmetry_planes_is_that_of_the_whole() {
+    // A quarter and a strip of a curved surface, and the whole.
+    let height = |x: f64, y: f64| 0.05 * x * x - 0.01 * y * y * y.abs();
+    let whole = grid(12, 12, |x, y| [x - 6.0, y - 6.0, height(x - 6.0, y - 6.0)]);
+    let quarter = grid(6, 6, |x, y| [x, y, height(x, y)]);
+    let slaves: Vec<Point> =
+        [[0.0, 0.0], [0.3, 0.0], [0.0, 1.7], [0.4, 0.2], [1.3, 0.9], [2.0, 0.0], [0.1, 2.9]]
+            .map(|[x, y]| [x, y, height(x, y) + 0.04])
+            .to_vec();
+    let planes = [SymmetryPlane::across(0, [0.0; 3]), SymmetryPlane::across(1, [0.0; 3])];
+    for weight in Weight::ALL {
+        let mut all = interface(&whole, &slaves, options(weight), &[]);
+        let mut part = interface(&quarter, &slaves, options(weight), &planes);
+        all.evaluate(Mode::Hessian).unwrap();
+        part.evaluate(Mode::Hessian).unwrap();
+        for (k, (one, other)) in all.contacts().iter().zip(part.contacts().iter()).enumerate() {
+            assert!(other.outcome.is_contact(), "{:?}", other.outcome);
+            assert!(
+                (one.point.gap - other.point.gap).abs() < 1e-13,
+                "{weight:?} {k} {:?} {:?}",
+                one.point,
+                other.point
+            );
+            for axis in 0..3 {
+                assert!((one.point.normal[axis] - other.point.normal[axis]).abs() < 1e-13);
+                if axis < 2 && slaves[k][axis] == 0.0 {
+                    assert!(other.point.normal[axis].abs() < 1e-15, "the normal lies in the plane");
+                }
+                assert!((one.gradient[axis] - other.gradient[axis]).abs() < 1e-12);
+            }
+            // N of a node is the sum over its images of N mirrored back.
+            for (local, &node) in other.nodes.iter().enumerate() {
+                let [x, y, _] = quarter.0[node as usize];
+                let mut total = [0.0; 3];
+                for (place, &node) in one.nodes.iter().enumerate() {
+                    let [u, v, _] = whole.0[node as usize];
+                    if u.abs() == x && v.abs() == y {
+                        let n = &one.gradient[3 * (place + 1)..3 * (place + 2)];
+                        let sign = |t: f64, s: f64| if t != s { -1.0 } else { 1.0 };
+                        let mirrored = [sign(u, x) * n[0], sign(v, y) * n[1], n[2]];
+                        total.iter_mut().zip(mirrored).for_each(|(t, n)| *t += n);
+                    }
+                }
+                for axis in 0..3 {
+                    let found = other.gradient[3 * (local + 1) + axis];
+                    assert!((found - total[axis]).abs() < 1e-12, "{weight:?} {k} {node} {axis}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn one_layer_between_two_planes_is_as_smooth_as_the_whole() {
+    let arc = |x: f64| {
+        let angle = (x - 9.0) * 10_f64.to_radians();
+        [10.0 * angle.sin(), 10.0 * angle.cos()]
+    };
+    let layer = grid(18, 1, |x, y| [arc(x)[0], 1.7 * y, arc(x)[1]]);
+    let planes = [
+        SymmetryPlane::across(1, [0.0; 3]),
+        SymmetryPlane { point: [0.0, 1.7, 0.0], normal: [0.0, -1.0, 0.0] },
+    ];
+    let slaves: Vec<Point> = (0..60)
+        .map(|k| {
+            let angle = (-30.0 + f64::from(k)).to_radians();
+            [10.02 * angle.sin(), if k % 2 == 0 { 0.0 } else { 1.7 }, 10.02 * angle.cos()]
+        })
+        .collect();
+    let mut found = interface(&layer, &slaves, options(Weight::Cubic), &planes);
+    let contacts = found.evaluate(Mode::Gradient).unwrap();
+    for contact in contacts.iter() {
+        assert!(
+            matches!(
+                contact.outcome,
+                diffuse_contact::interface::Outcome::Contact {
+                    fallback: diffuse_contact::neighbourhood::Fallback::None
+                }
+            ),
+            "{:?}",
+            contact.outcome
+        );
+        assert!((contact.point.gap - 0.02).abs() < 0.007, "{}", contact.point.gap);
+        assert!(contact.point.normal[1].abs() < 1e-15);
+    }
+    let without = interface(&layer, &slaves, options(Weight::Cubic), &[]);
+    drop(without);
+}
+
+#[test]
+fn elements_taken_out_are_those_of_the_interface_and_of_ad() {
+    let mesh = wavy(8, 0.2);
+    let planes = [SymmetryPlane::across(0, [0.0; 3])];
+    let slaves: Vec<Point> = (0..12)
+        .map(|k| (2.0 + 1.9 * noise(2 * k), 4.0 + 3.9 * noise(2 * k + 1)))
+        .map(|(x, y)| [x, y, wave(x, y) - 0.02])
+        .collect();
+    for weight in Weight::ALL {
+        let mut interface = interface(&mesh, &slaves, options(weight), &planes);
+        interface.evaluate(Mode::Hessian).unwrap();
+        for (k, contact) in interface.contacts().iter().enumerate() {
+            let PairedElement::Diffuse { slave, pairing } = interface.element(k).unwrap() else {
+                unreachable!()
+            };
+            let element = pairing.element(slave);
+            let (own, witness) =
+                (Generated.gap(&element, Mode::Hessian).unwrap(), Ad.gap(&element, Mode::Hessian).unwrap());
+            assert!((own.gap - contact.point.gap).abs() < 1e-13);
+            assert!((witness.gap - own.gap).abs() < 1e-13);
+            let scale = witness.hessian.packed().iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            for (x, y) in own.hessian.packed().iter().zip(witness.hessian.packed()) {
+                assert!((x - y).abs() <= 1e-11 * scale, "{weight:?} {k}: {x} {y}");
+            }
+            // Linear and angular momentum, exactly.
+            let mut force = [0.0; 3];
+            let mut moment = [0.0; 3];
+            let points: Vec<Point> =
+                std::iter::once(slave).chain(pairing.positions.iter().copied()).collect();
+            for (x, n) in points.iter().zip(own.gradient.as_chunks::<3>().0) {
+                for axis in 0..3 {
+                    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+                    force[axis] += n[axis];
+                    moment[axis] += x[i] * n[j] - x[j] * n[i];
+                }
+            }
+            for axis in 0..3 {
+                assert!(force[axis].abs() < 1e-13 && moment[axis].abs() < 1e-12, "{force:?} {moment:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn other_rules_have_no_symmetry() {
+    let mesh = wavy(5, 0.0);
+    let mut positions = mesh.0.clone();
+    positions.push([2.0, 2.0, 1.0]);
+    let master = MasterSurface::new(&positions, mesh.1).unwrap();
+    let element = ContactElement::Diffuse {
+        weight: Weight::Cubic,
+        frame: diffuse_contact::FrameDerivative::CoMoving,
+        search: SearchOptions::default(),
+    };
+    let options = InterfaceOptions { element, ..InterfaceOptions::default() };
+    let mut interface = ContactInterface::new(master, vec![36], &[], &positions, options).unwrap();
+    let planes = [SymmetryPlane::across(0, [0.0; 3])];
+    assert_eq!(interface.set_symmetry(&planes), Err(InterfaceError::NoSymmetry));
+}

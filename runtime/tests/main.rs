@@ -1,0 +1,21 @@
+//! The tests of the public interface. Those that count allocations are programs of their own, with an allocator each.
+
+#[cfg(feature = "ad")]
+mod ad;
+mod assembly;
+mod assembly_cases;
+#[cfg(feature = "ad")]
+mod co_moving;
+mod common;
+mod domains;
+mod interface_facets;
+mod interface_geometry;
+mod interface_pairing;
+#[cfg(feature = "ad")]
+mod interface_robustness;
+mod interface_where;
+mod neighbourhood_cases;
+mod neighbourhood_fits;
+mod neighbourhood_layers;
+mod regularity;
+mod surface;

@@ -1,0 +1,24 @@
+//! The tests of the public interface, and of the program.
+
+/// The program that is run.
+#[cfg(feature = "program")]
+const PROGRAM: &str = env!("CARGO_BIN_EXE_diffuse-contact-solve");
+
+mod common;
+#[cfg(feature = "program")]
+mod decks;
+mod element;
+mod examples;
+mod output;
+mod paper;
+#[cfg(feature = "program")]
+mod report;
+#[cfg(feature = "program")]
+#[path = "../../program/tests/runs.rs"]
+mod runs;
+mod solid;
+#[cfg(feature = "program")]
+mod solve;
+#[cfg(feature = "program")]
+mod solve_interrupted;
+mod system;

@@ -1,0 +1,196 @@
+//! `report.html`, opened in a browser.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use crate::decks::{BLOCK, block_in, failing};
+use crate::runs::{Scratch, run};
+
+/// The page after its script has run, or nothing where there is no browser.
+fn opened(scratch: &Scratch, page: &str) -> Option<String> {
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    let found = names.into_iter().find(|name| Command::new(name).arg("--version").output().is_ok());
+    let Some(browser) = found else {
+        eprintln!("skipped: there is no browser among {names:?} to open {page} with");
+        return None;
+    };
+    let profile = format!("--user-data-dir={}", scratch.path("profile"));
+    let output = Command::new(browser)
+        .args([
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--enable-unsafe-swiftshader",
+            "--no-first-run",
+        ])
+        .args(["--disable-background-networking", "--disable-component-update", "--disable-sync", &profile])
+        // No host is found: what the page needs it holds.
+        .args(["--host-resolver-rules=MAP * ~NOTFOUND", "--window-size=1240,1800"])
+        .args(["--virtual-time-budget=60000", "--dump-dom", &format!("file://{page}")])
+        .output()
+        .unwrap();
+    Some(String::from_utf8(output.stdout).unwrap())
+}
+
+/// The start tag of the element with this id.
+fn tag<'a>(page: &'a str, id: &str) -> &'a str {
+    let at = page.find(&format!(" id=\"{id}\"")).unwrap_or_else(|| panic!("no element {id}"));
+    let start = page[..at].rfind('<').unwrap();
+    &page[start..start + page[start..].find('>').unwrap()]
+}
+
+const PLANE: [&str; 3] = ["force", "iterations", "convergence"];
+
+#[track_caller]
+fn assert_drawn(dom: &str, runs: usize, surfaces: bool) {
+    let body = &dom[dom.find("<body").unwrap()..];
+    let body = &body[..body.find('>').unwrap()];
+    assert!(body.contains("data-ready=\"true\""), "{body}");
+    assert!(!body.contains("data-error"), "{body}");
+    for id in PLANE {
+        assert!(tag(dom, id).contains(&format!("data-drawn=\"{runs}\"")), "{}", tag(dom, id));
+        let plot = &dom[dom.find(&format!(" id=\"{id}\"")).unwrap()..];
+        assert!(plot.contains("class=\"main-svg\""), "{id}");
+    }
+    assert!(tag(dom, "shape").contains("data-drawn="), "{}", tag(dom, "shape"));
+    assert_eq!(dom.contains("id=\"surfaces\""), surfaces);
+    if surfaces {
+        assert!(tag(dom, "surfaces").contains("data-drawn="), "{}", tag(dom, "surfaces"));
+    }
+    // The script's own text mentions NaN; what it wrote does not.
+    let written = &dom[dom.find("<main").unwrap()..dom.find("</main>").unwrap()];
+    assert!(!written.contains("NaN") && !written.contains("undefined"), "{written}");
+}
+
+#[test]
+fn both_elements_are_drawn_together() {
+    let scratch = Scratch::new("report-two");
+    let deck = scratch.file("block.toml", &block_in(4));
+    let classic = scratch.file("classic.toml", &format!("contact = \"node-to-facet\"\n{}", block_in(4)));
+    let (one, two, page) = (scratch.path("one"), scratch.path("two"), scratch.path("page.html"));
+    assert_eq!(run(&["solve", &deck, "--out", &one]).code, 0);
+    assert_eq!(run(&["solve", &classic, "--out", &two]).code, 0);
+    let written = run(&["report", &one, &two, "-o", &page]);
+    assert_eq!((written.code, written.stderr.as_str()), (0, ""), "{written:?}");
+    let text = fs::read_to_string(&page).unwrap();
+    assert!(text.contains("<title>Block &amp; &lt;wave&gt;</title>"));
+    for loaded in ["src=\"http", "href=\"http", "@import", "src=\"//"] {
+        let own = &text[text.rfind("</head>").unwrap()..];
+        assert!(!own.contains(loaded), "{loaded}");
+    }
+    assert_eq!(text.matches("<script src").count(), 0);
+    if let Some(dom) = opened(&scratch, &page) {
+        assert_drawn(&dom, 2, true);
+        assert!(dom.contains("Block &amp; &lt;wave&gt;</h1>"));
+        for word in ["diffuse", "node-to-facet", "reaction x, force", "displacement x, length"] {
+            assert!(dom.contains(word), "{word}");
+        }
+    }
+    if let Some(dom) = opened(&scratch, &format!("{one}/report.html")) {
+        assert_drawn(&dom, 1, true);
+    }
+}
+
+#[test]
+fn a_run_without_a_finished_increment_has_a_report() {
+    let scratch = Scratch::new("report-none");
+    let deck = scratch.file("failing.toml", &failing("[[0.0, 0.0], [1.0, 1.0]]"));
+    let out = scratch.path("out");
+    assert_eq!(run(&["solve", &deck, "--out", &out]).code, 1);
+    if let Some(dom) = opened(&scratch, &format!("{out}/report.html")) {
+        assert_drawn(&dom, 1, true);
+        assert!(dom.contains("diffuse ended early: no convergence after time 0"));
+        assert!(dom.contains("no finished increment"));
+    }
+}
+
+#[test]
+fn names_in_a_deck_are_text_in_the_page() {
+    let scratch = Scratch::new("report-names");
+    let hostile = r#"</script><!--<script>@DATA@ @SCRIPT@ \"&amp;"#;
+    let deck = block_in(2)
+        .replace("Block & <wave>", hostile)
+        .replace("name = \"floor\"", "name = \"</script><b>, @DATA@\"");
+    let deck = scratch.file("hostile.toml", &deck);
+    let out = scratch.path("out");
+    assert_eq!(run(&["solve", &deck, "--out", &out]).code, 0);
+    let Some(dom) = opened(&scratch, &format!("{out}/report.html")) else { return };
+    assert_drawn(&dom, 1, true);
+    let heading = "&lt;/script&gt;&lt;!--&lt;script&gt;@DATA@ @SCRIPT@ \"&amp;amp;</h1>";
+    assert!(dom.contains(heading), "{}", &dom[dom.find("<h1").unwrap()..][..200]);
+    assert!(!dom.contains("<b>"));
+}
+
+#[test]
+fn a_run_without_contact_has_no_surfaces_to_show() {
+    let scratch = Scratch::new("report-plain");
+    let plain = BLOCK.replace("[[boundary]]\nnodes = \"block.z+\"", "[[boundary]]\nnodes = \"block.z-\"\nfix = [\"x\", \"y\", \"z\"]\n\n[[boundary]]\nnodes = \"block.z+\"");
+    let plain = plain[..plain.find("[[interface]]").unwrap()].to_owned()
+        + "[time]\nincrement = 0.5\n[output]\nstress = false\n";
+    let deck = scratch.file("plain.toml", &plain);
+    let out = scratch.path("out");
+    let solved = run(&["solve", &deck, "--out", &out]);
+    assert_eq!(solved.code, 0, "{solved:?}");
+    if let Some(dom) = opened(&scratch, &format!("{out}/report.html")) {
+        assert_drawn(&dom, 1, false);
+        assert!(!dom.contains("von Mises stress</option>"));
+    }
+}
+
+#[test]
+fn results_that_are_missing_or_damaged_are_refused_in_a_sentence() {
+    let scratch = Scratch::new("report-damaged");
+    let (deck, out) = (scratch.file("block.toml", &block_in(2)), scratch.path("out"));
+    let page = scratch.path("page.html");
+    run(&["report", &scratch.path("absent"), "-o", &page])
+        .assert_refused(&["absent", "there is no such file"]);
+    run(&["report"]).assert_refused(&["DIR"]);
+    assert_eq!(run(&["solve", &deck, "--out", &out]).code, 0);
+    run(&["report", &out, "-o", &scratch.path("none/page.html")]).assert_refused(&["page.html"]);
+    for name in [
+        "summary.json",
+        "history.csv",
+        "iterations.csv",
+        "skins/skin.json",
+        "skins/00002.json",
+        "skins/surfaces.json",
+    ] {
+        let path = Path::new(&out).join(name);
+        let whole = fs::read_to_string(&path).unwrap();
+        for damaged in [whole.replacen(|letter: char| letter.is_ascii_digit(), "x", 3), "[".to_owned()] {
+            fs::write(&path, damaged).unwrap();
+            run(&["report", &out, "-o", &page]).assert_refused(&[name.rsplit('/').next().unwrap()]);
+        }
+        fs::write(&path, whole).unwrap();
+    }
+    assert!(!Path::new(&page).exists());
+    // Indices that lead elsewhere would stop the page's script.
+    let skin = Path::new(&out).join("skins/skin.json");
+    let whole = fs::read_to_string(&skin).unwrap();
+    fs::write(&skin, whole.replacen("\"faces\":[[", "\"faces\":[[99999,", 1)).unwrap();
+    run(&["report", &out, "-o", &page]).assert_refused(&["skin.json"]);
+    fs::write(&skin, whole).unwrap();
+    assert_eq!(run(&["report", &out, "-o", &page]).code, 0);
+}
+
+#[test]
+fn results_are_not_replaced_by_their_report() {
+    let scratch = Scratch::new("report-onto");
+    let (deck, out) = (scratch.file("block.toml", &block_in(2)), scratch.path("out"));
+    assert_eq!(run(&["solve", &deck, "--out", &out]).code, 0);
+    for name in ["state.json", "deck.toml", "skins/00001.json", "results/new.html"] {
+        let target = format!("{out}/{name}");
+        let before = fs::read(&target).ok();
+        run(&["report", &out, "-o", &target]).assert_refused(&[name, "is the input file"]);
+        assert_eq!(fs::read(&target).ok(), before, "{name}");
+    }
+    #[cfg(unix)]
+    {
+        let link = scratch.path("link.html");
+        std::os::unix::fs::symlink(format!("{out}/state.json"), &link).unwrap();
+        run(&["report", &out, "-o", &link]).assert_refused(&["is the input file"]);
+    }
+    assert_eq!(run(&["report", &out, "-o", &format!("{out}/report.html")]).code, 0);
+    assert_eq!(run(&["report", &out, "-o", &format!("{out}/mine.html")]).code, 0);
+}

@@ -1,0 +1,17 @@
+//! All tests but that of allocations, which is a program of its own.
+
+mod codegen_output;
+mod custom_basis;
+mod custom_weight;
+mod deep_formulas;
+mod documents;
+mod every_size;
+mod facet_lanes;
+mod facet_statuses;
+mod facets;
+mod identities;
+mod lanes;
+mod node_below_slave;
+mod scales;
+mod statuses;
+mod weights;

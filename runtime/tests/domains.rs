@@ -219,6 +219,32 @@ fn the_gap_between_symmetry_planes_is_that_of_the_whole() {
 }
 
 #[test]
+fn derivatives_of_loaded_slaves_alone_are_those_of_all() {
+    let mesh = wavy(8, 0.2);
+    let planes = [SymmetryPlane::across(0, [0.0; 3])];
+    let slaves: Vec<Point> = (0..40)
+        .map(|k| (2.0 + 1.9 * noise(2 * k), 4.0 + 3.9 * noise(2 * k + 1), 0.03 * noise(k + 90)))
+        .map(|(x, y, z)| [x, y, wave(x, y) + z])
+        .collect();
+    let mut interface = interface(&mesh, &slaves, options(Weight::Cubic), &planes);
+    let all: Vec<_> = interface
+        .evaluate(Mode::Hessian)
+        .unwrap()
+        .iter()
+        .map(|contact| (contact.point.gap, contact.gradient.to_vec(), contact.hessian.to_vec()))
+        .collect();
+    let some = interface.evaluate_where(Mode::Hessian, |_, gap, _| gap < 0.0).unwrap();
+    assert!(some.iter().any(|contact| contact.gradient.is_empty()));
+    for (contact, (gap, gradient, hessian)) in some.iter().zip(&all) {
+        if *gap < 0.0 {
+            assert_eq!((contact.gradient, contact.hessian), (&gradient[..], &hessian[..]));
+        } else {
+            assert!(contact.gradient.is_empty() && contact.hessian.is_empty());
+        }
+    }
+}
+
+#[test]
 fn one_layer_between_two_planes_is_as_smooth_as_the_whole() {
     let arc = |x: f64| {
         let angle = (x - 9.0) * 10_f64.to_radians();

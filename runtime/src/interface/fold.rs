@@ -26,7 +26,7 @@ pub fn spread(gradient: &mut [f64], hessian: &mut [f64], sources: &[Source]) {
     spread_hessian(hessian, sources);
 }
 
-/// N and M by the listed nodes, from those by the points of an element. Either may be empty.
+/// N and M by the listed nodes, from those by the points of an element, as far as there are any.
 pub fn fold(
     (by_points, hessian_by_points): (&[f64], &[f64]),
     (gradient, hessian): (&mut [f64], &mut [f64]),
@@ -34,10 +34,11 @@ pub fn fold(
     symmetry: &Symmetry,
 ) {
     let image_of = |source: &Source| source.image.map(|number| symmetry.image(number));
-    if !gradient.is_empty() {
+    // Room for derivatives says nothing of whether they were asked for: gaps come first where only loaded slaves are derived.
+    if !by_points.is_empty() {
         fold_gradient(by_points, gradient, sources, image_of);
     }
-    if !hessian.is_empty() {
+    if !hessian_by_points.is_empty() {
         fold_hessian(hessian_by_points, hessian, sources, image_of);
     }
 }

@@ -191,9 +191,8 @@ impl Refresh<'_> {
             }
             Err(reason) => {
                 report.lost += usize::from(old.is_some());
-                if self.compares {
-                    report.compare(node, old.and_then(|old| self.old_gap(&old, element)), None);
-                }
+                // Also where lists change no gap a slave may have lost its own: it went too far away, or beyond the border.
+                report.compare(node, old.and_then(|old| self.old_gap(&old, element)), None);
                 report.count_without(reason);
                 chunk.records.push(Err(reason));
                 chunk.frames.extend(self.evaluator.stand_in_frame());

@@ -304,7 +304,8 @@ fn smallest_radius(nodes: &[Near], weight: Weight, carried: Carried, largest: f6
         Carried::Linear => 3,
         Carried::Nothing => return None,
     };
-    let first = nodes.get(size - 1)?.distance;
+    // Images in a plane along the surface stand above one another: steps from a radius of zero would lead nowhere.
+    let first = nodes.get(size - 1..)?.iter().map(|node| node.distance).find(|x| x.is_normal())?;
     let is_enough = |radius: f64| is_well_conditioned(nodes, weight, size, radius);
     let (mut below, mut radius) = (first, first * STEP);
     while !is_enough(radius) {

@@ -302,8 +302,8 @@ typedef struct dc_report {
     double gained_gap;
     // Pairings of slaves so far from the surface that nodes of wider domains make up their average plane.
     int32_t far;
-    // Whether the pairings were made anew, so that patterns of before are no longer theirs: 0 or 1. Always 1 but with DC_DOMAINS,
-    // where lists are kept while nothing has moved by more than half their skin, and for a frozen interface.
+    // Whether the pairings were made anew, so that patterns of before are no longer theirs: 0 or 1. With DC_DOMAINS 0 while nothing has
+    // moved by more than half the skin of the lists, with other rules always 1; 0 of a frozen interface.
     int32_t rebuilt;
     // With DC_DOMAINS, by how much the surface was stretched if the radii were renewed for it, which changes gaps; 0 if they stayed.
     double renewed_stretch;

@@ -286,8 +286,8 @@ class Fuzz:
     def call(self):
         """One call; what came of it is counted."""
         kind = self.random.choice(
-            [self.create, self.refresh, self.refresh, self.update, self.follow, self.evaluate, self.evaluate, self.look, self.look]
-            + [self.assemble, self.assemble, self.gap, self.surface]
+            [self.create, self.refresh, self.refresh, self.update, self.evaluate, self.evaluate, self.look, self.look]
+            + [self.follow, self.assemble, self.assemble, self.gap, self.surface]
         )
         with np.errstate(all="ignore"):
             try:

@@ -44,9 +44,10 @@ class Options:
         element: ``"diffuse"``, or ``"node-to-facet"`` for the classic element.
         weight: ``"cubic"``, ``"cubic-interpolating"`` (the surface passes through the masters) or ``"wendland-c2"``.
         frame_derivative: ``"co-moving"``: N and M are exact; ``"frozen"``: the frame is held, as in the paper.
-        rule: which master nodes take part: ``"domains"``, all nodes of the slave's sheet within whose domain of influence it
-            lies, so that the gap does not jump; ``"hull-layers"``, ``"hull-radius"`` or ``"nearest"``. What follows up
-            to ``max_neighbours``, ``smallest_regularity`` to ``max_candidates`` and ``hysteresis`` is for these three.
+        rule: which master nodes take part: ``"domains"``, all nodes of the slave's sheet within whose domain of
+            influence it lies, so that the gap does not jump; ``"hull-layers"``, ``"hull-radius"`` or ``"nearest"``.
+            ``layers`` to ``max_neighbours``, ``smallest_regularity`` to ``max_candidates`` and ``hysteresis`` are for
+            these three.
         layers: hull layers to start with; None for as many as make the fit well conditioned.
         max_layers: hull layers to stop at.
         neighbours: nearest nodes to start with.
@@ -136,8 +137,8 @@ class ContactInterface:
             tributary areas at these positions and the penalty is one per area, else one per node.
         dofs: equations of the nodes' x, y and z, shape (p, 3), −1 where there is none; if left out, 3·node + axis.
         equations: number of equations; if left out, 3p, or the largest of ``dofs`` plus 1.
-        symmetry: planes of symmetry, pairs of a point and the unit normal to the side of the model: the master surface goes
-            on beyond them as its mirror image. It needs the rule ``"domains"`` or the node-to-facet element.
+        symmetry: planes of symmetry, pairs of a point and the unit normal to the side of the model: the master surface
+            goes on beyond them as its mirror image. It needs the rule ``"domains"`` or the node-to-facet element.
         options: the fields of ``Options``, by keyword.
 
     Raises:

@@ -106,8 +106,8 @@ class Contact:
         masters: nodes 1 … n it is paired with; none without a pairing.
         outcome: ``"contact"`` or the code of the reason why there is none.
         reason: the same as a sentence; None for a contact.
-        fallback: what the neighbour search gave up: ``"none"``, ``"extended"``, ``"linear"``, or ``"far"`` for a slave so
-            far from the surface that its average plane takes wider domains; None without contact.
+        fallback: what the neighbour search gave up: ``"none"``, ``"extended"``, ``"linear"``, or ``"far"`` for a slave
+            so far from the surface that its average plane takes wider domains; None without contact.
         area: tributary area, length²; 1 if the interface has none.
         gap: g, length. None, as all that follows, without contact.
         foot: foot point, shape (3,).
@@ -134,8 +134,8 @@ class Contact:
 class Pairing:
     """What one slave is paired with, at the positions of the moment.
 
-    With domains of influence it is what lies within reach: fewer than ``Contact.masters``, the list of those that may come to, and
-    mirror images are masters of their own.
+    With domains of influence it is what lies within reach: fewer than ``Contact.masters``, the list of those that may
+    come to, and mirror images are masters of their own.
 
     Attributes:
         positions: of the masters, or of the facet's corners (node to facet), shape (n, 3).

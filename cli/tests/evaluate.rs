@@ -39,6 +39,36 @@ fn assert_close(found: f64, expected: f64) {
 }
 
 #[test]
+fn masters_may_have_domains_of_their_own() {
+    let slave = [1.1, 0.9, -0.25];
+    let with = |radii: &[f64]| {
+        let mut element = bent(slave);
+        element["support_radii"] = json!(radii);
+        element
+    };
+    let radii: Vec<f64> = (0..9).map(|k| 1.7 + 0.1 * f64::from(k % 3)).collect();
+    let answers = evaluate(json!([bent(slave), with(&radii), with(&radii[1..]), with(&[-1.0; 9])]));
+    assert_eq!((&answers[0]["status"], &answers[1]["status"]), (&json!("ok"), &json!("ok")));
+    assert_close(answers[1]["support_radius"].as_f64().unwrap(), 1.9);
+    let gaps = [0, 1].map(|k| answers[k]["gap"].as_f64().unwrap());
+    assert!((gaps[0] - gaps[1]).abs() > 1e-4, "{gaps:?}");
+    // Forces and moments balance, also with a plane whose nodes are weighted.
+    let n = numbers(&answers[1]["n"]);
+    let points: Vec<Vec<f64>> =
+        std::iter::once(slave.to_vec()).chain(rows(&bent(slave)["masters"])).collect();
+    for axis in 0..3 {
+        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+        assert_close(n.iter().skip(axis).step_by(3).sum(), 0.0);
+        assert_close(
+            points.iter().enumerate().map(|(k, x)| x[i] * n[3 * k + j] - x[j] * n[3 * k + i]).sum(),
+            0.0,
+        );
+    }
+    assert_eq!(answers[2]["code"], "wrong-number-of-domains");
+    assert_eq!(answers[3]["code"], "invalid-domain");
+}
+
+#[test]
 fn a_plane_has_the_gap_of_a_plane() {
     let answers = evaluate(json!([plane([1.1, 0.9, 0.25]), plane([1.1, 0.9, -0.25])]));
     for (answer, height) in answers.iter().zip([0.25, -0.25]) {

@@ -115,7 +115,7 @@ impl Frame {
     ///
     /// # Errors
     /// As [`average_plane`](Self::average_plane), also for nodes out of reach; [`ElementError::WrongNumberOfDomains`],
-    /// [`ElementError::InvalidReach`].
+    /// [`ElementError::InvalidDomain`], [`ElementError::InvalidReach`].
     pub fn moving_plane(
         slave: Point,
         masters: &[Point],
@@ -126,6 +126,9 @@ impl Frame {
     ) -> Result<Self, ElementError> {
         if radii.len() != masters.len() {
             return Err(ElementError::WrongNumberOfDomains { found: radii.len(), expected: masters.len() });
+        }
+        if let Some(index) = radii.iter().position(|&radius| !(radius > 0.0 && radius.is_finite())) {
+            return Err(ElementError::InvalidDomain { index, value: radii[index] });
         }
         if !(reach > 0.0 && reach <= 1.0) {
             return Err(ElementError::InvalidReach { value: reach });

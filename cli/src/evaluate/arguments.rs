@@ -18,6 +18,8 @@ const JSON_FORMATS: &str = r#"IN.json:
                         "frozen",    the frame is held; the default for a given frame
     "support_radius": R,             default 1.25 x the farthest in-plane distance of a master; held while
                                      differentiating: give it explicitly to compare with differences
+    "support_radii": [R_1, ...],     one for each master: radii of their own domains of influence; the average plane
+                                     then weights its nodes; default: all are R, and the plane weights none
     "basis": "quadratic",            or "linear"; default quadratic from 6 masters on
     "weight": "cubic",               the default, (1 - r)^2 (1 + 2 r), or
               "cubic-interpolating", the same made interpolating: the surface passes through the masters, or

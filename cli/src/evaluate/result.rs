@@ -1,6 +1,8 @@
 //! What `evaluate` answers for one element.
 
-use diffuse_contact::{Backend, Element, ElementError, Frame, FrameDerivative, Gap, Mode, Point, pairing};
+use diffuse_contact::{
+    Backend, Domains, Element, ElementError, Frame, FrameDerivative, Gap, Mode, Point, pairing,
+};
 use serde::Serialize;
 
 use super::schema::{ElementInput, FrameInput};
@@ -105,10 +107,15 @@ fn evaluated(input: &ElementInput, backend: &dyn Backend) -> Result<Evaluated, R
     }
     let frame = frame(input, &masters)?;
     let slave = input.slave.0;
-    let support_radius =
-        input.support_radius.unwrap_or_else(|| pairing::support_radius(&frame, slave, &masters));
-    let element =
-        Element::new(slave, &masters, frame, support_radius).with_basis(basis).with_weight(input.weight());
+    let default = || match &input.support_radii {
+        Some(radii) => radii.iter().copied().fold(0.0, f64::max),
+        None => pairing::support_radius(&frame, slave, &masters),
+    };
+    let support_radius = input.support_radius.unwrap_or_else(default);
+    let element = Element::new(slave, &masters, frame, support_radius)
+        .with_domains(input.support_radii.as_deref().map_or(Domains::Shared, Domains::Each))
+        .with_basis(basis)
+        .with_weight(input.weight());
     element.validate()?;
     let gap = backend.gap(&element, Mode::Hessian)?;
     Ok(answer(gap, &element, input.penalty)?)
@@ -118,7 +125,14 @@ fn frame(input: &ElementInput, masters: &[Point]) -> Result<Frame, Refusal> {
     let outward = input.outward.map(|Coordinates(outward)| outward);
     match (&input.frame, input.frame_derivative()) {
         (FrameInput::AveragePlane, derivative) => {
-            let plane = Frame::average_plane(masters, outward.ok_or(Refusal::MissingOutward)?)?;
+            let outward = outward.ok_or(Refusal::MissingOutward)?;
+            let plane = match &input.support_radii {
+                Some(radii) => {
+                    let weight = |r| input.weight().fitting(r);
+                    Frame::moving_plane(input.slave.0, masters, radii, weight, 1.0, outward)?
+                }
+                None => Frame::average_plane(masters, outward)?,
+            };
             Ok(Frame { derivative, ..plane })
         }
         (FrameInput::Given(given), FrameDerivative::Frozen) => {

@@ -8,6 +8,7 @@
 //!   "frame": "average-plane",
 //!   "frame_derivative": "co-moving",
 //!   "support_radius": 2.0,
+//!   "support_radii": [2.0, 2.1, 1.9, 2.0],
 //!   "basis": "linear",
 //!   "weight": "cubic",
 //!   "penalty": 1.0
@@ -54,6 +55,9 @@ pub struct ElementInput {
     frame_derivative: Option<FrameDerivativeInput>,
     /// Radius of the domain of influence; 1.25 × the farthest in-plane distance of a master if left out.
     pub support_radius: Option<f64>,
+    /// Radii of the masters' own domains of influence, one for each; the average plane then weights its nodes. If left out all have
+    /// the support radius, and the plane weights none, as in the paper.
+    pub support_radii: Option<Vec<f64>>,
     /// Basis of the fit; quadratic from six masters on, linear below, if left out.
     basis: Option<BasisName>,
     /// Weight of the fit; `cubic` if left out.

@@ -1,10 +1,11 @@
 //! Domains of influence that belong to the nodes (`docs/equations.md`, [T14]).
 //!
 //! A node takes part in the fits of all slaves within its radius R_k, which stays what it is while the surface moves. The
-//! radii are as small as the conditioning of the fits allows. At each *centre* c (a node, the middle of an edge or of
-//! a facet; where cells change size also the quarter points of the facet) let R(c) be the smallest radius for which the
-//! weighted design matrix of the nodes within it, columns scaled to length one, has no singular value below
-//! [`SMALLEST_SINGULAR_VALUE`]. R_k is the largest R(c) of all centres that the node serves, |x_k − c| < R(c).
+//! radii are as small as the conditioning of the fits allows. Each is a multiple s_k of the size h_k of the cells around the
+//! node, so that a coarse region does not widen the domains of a fine one beside it. At each *centre* c (a node, the middle of an
+//! edge or of a facet; where cells change size also the quarter points of the facet) let s(c) be the smallest multiple for which the
+//! weighted design matrix of the nodes with |x_k − c| < s h_k, columns scaled to length one, has no singular value below
+//! [`SMALLEST_SINGULAR_VALUE`]. s_k is the largest s(c) of all centres that the node serves, |x_k − c| < s(c) h_k.
 
 use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 
@@ -78,11 +79,11 @@ struct Scratch {
 #[derive(Clone, Copy)]
 struct Near {
     place: u32,
-    /// In the plane of the centre.
+    /// In the plane of the centre, length.
     offset: [f64; 2],
-    /// In that plane.
+    /// Distance in that plane over the size of the cells around the node.
     distance: f64,
-    /// In space.
+    /// Square of the distance in space over that of the size.
     square: f64,
 }
 
@@ -96,19 +97,20 @@ impl NodalDomains {
         basis: Basis,
     ) -> Self {
         let surface = index.surface();
-        let radii: Vec<AtomicU64> = (0..surface.nodes().len()).map(|_| AtomicU64::new(0)).collect();
+        let sizes = cell_sizes(index);
+        let multiples: Vec<AtomicU64> = (0..surface.nodes().len()).map(|_| AtomicU64::new(0)).collect();
         let bases: Vec<AtomicU8> =
             (0..surface.facet_count()).map(|_| AtomicU8::new(Carried::Quadratic as u8)).collect();
         let facets: Vec<u32> = (0..surface.facet_count() as u32).collect();
         facets.par_chunks(CHUNK).for_each(|facets| {
             let mut scratch = Scratch::default();
             for centre in facets.iter().flat_map(|&facet| centres(index, creases, facet)) {
-                let (radius, carried) =
-                    radius_at(index, creases, symmetry, (weight, basis), &centre, &mut scratch);
+                let (multiple, carried) =
+                    multiple_at(index, creases, symmetry, (weight, basis), &centre, (&sizes, &mut scratch));
                 // Largest and smallest do not depend on the order in which they come; the bits of positive numbers are
                 // ordered like them.
-                for node in scratch.nodes.iter().filter(|node| node.square < radius * radius) {
-                    radii[node.place as usize].fetch_max(radius.to_bits(), Ordering::Relaxed);
+                for node in scratch.nodes.iter().filter(|node| node.square < multiple * multiple) {
+                    multiples[node.place as usize].fetch_max(multiple.to_bits(), Ordering::Relaxed);
                 }
                 for &facet in centre.others.iter().chain([&centre.facet]) {
                     bases[facet as usize].fetch_min(carried as u8, Ordering::Relaxed);
@@ -116,7 +118,8 @@ impl NodalDomains {
             }
         });
         let bases = bases.into_iter().map(|carried| Carried::of(carried.into_inner())).collect();
-        let radii: Vec<f64> = radii.into_iter().map(|bits| f64::from_bits(bits.into_inner())).collect();
+        let multiples = multiples.into_iter().map(|bits| f64::from_bits(bits.into_inner()));
+        let radii: Vec<f64> = multiples.zip(&sizes).map(|(multiple, size)| multiple * size).collect();
         let largest = radii.iter().copied().fold(0.0, f64::max);
         Self { radii, bases, spacing: spacing(index), largest }
     }
@@ -154,6 +157,22 @@ impl NodalDomains {
             |(now, then): (&f64, &f64)| if *then > 0.0 { (now / then).ln().abs().exp() - 1.0 } else { 0.0 };
         now.iter().zip(&self.spacing).map(change).fold(0.0, f64::max)
     }
+}
+
+/// Per node the root of the mean area of its facets, triangles counting twice: the side of square cells.
+fn cell_sizes(index: &SurfaceIndex<'_>) -> Vec<f64> {
+    let surface = index.surface();
+    let area = |&facet: &u32| {
+        let shape = index.shape(facet);
+        shape.area_vector().norm() * if shape.corners().len() == 3 { 2.0 } else { 1.0 }
+    };
+    (0..surface.nodes().len())
+        .into_par_iter()
+        .map(|place| {
+            let facets = surface.facets_of_place(place);
+            (facets.iter().map(area).sum::<f64>() / facets.len() as f64).sqrt()
+        })
+        .collect()
 }
 
 /// Per node the mean distance to the corners of its facets.
@@ -232,29 +251,31 @@ fn fan(index: &SurfaceIndex<'_>, creases: &Creases, facet: u32, corner: u32) -> 
     fan
 }
 
-/// R(c), and what the nodes within it carry. `scratch.nodes` are those that were looked at.
-fn radius_at(
+/// s(c), and what the nodes within reach of it carry. `scratch.nodes` are those that were looked at.
+fn multiple_at(
     index: &SurfaceIndex<'_>,
     creases: &Creases,
     symmetry: &Symmetry,
     (weight, basis): (Weight, Basis),
     centre: &Centre,
-    scratch: &mut Scratch,
+    (sizes, scratch): (&[f64], &mut Scratch),
 ) -> (f64, Carried) {
     let mut reach = 3.0 * index.shape(centre.facet).extent();
     let mut last = usize::MAX;
     let wanted =
         if basis == Basis::Linear { &[Carried::Linear][..] } else { &[Carried::Quadratic, Carried::Linear] };
     loop {
-        gather(index, creases, symmetry, centre, reach, scratch);
+        gather(index, creases, symmetry, centre, reach, (sizes, scratch));
         let count = scratch.nodes.len();
         let is_all = count == last;
         for &carried in wanted {
-            let reach = reach.min(symmetry.reach());
+            // Beyond this a node that is not among those gathered might be within reach.
+            let coarsest = scratch.nodes.iter().map(|node| sizes[node.place as usize]).fold(0.0, f64::max);
+            let reach = reach.min(symmetry.reach()) / coarsest;
             let largest =
                 if carried == Carried::Quadratic || is_all || count > MOST_NODES { reach } else { 0.0 };
-            if let Some(radius) = smallest_radius(&scratch.nodes, weight, carried, largest) {
-                return (radius, carried);
+            if let Some(multiple) = smallest_multiple(&scratch.nodes, weight, carried, largest) {
+                return (multiple, carried);
             }
         }
         if is_all || count > MOST_NODES {
@@ -272,7 +293,7 @@ fn gather(
     symmetry: &Symmetry,
     centre: &Centre,
     reach: f64,
-    scratch: &mut Scratch,
+    (sizes, scratch): (&[f64], &mut Scratch),
 ) {
     let Scratch { walk, found, nodes } = scratch;
     let from = Point::from(centre.point);
@@ -286,8 +307,9 @@ fn gather(
     let mut push = |place: u32, x: Point| {
         let offset = Vector3::from(x) - centre.point;
         let in_plane = [offset.dot(&t1), offset.dot(&t2)];
-        let distance = in_plane[0].hypot(in_plane[1]);
-        nodes.push(Near { place, offset: in_plane, distance, square: offset.norm_squared() });
+        let size = sizes[place as usize];
+        let distance = in_plane[0].hypot(in_plane[1]) / size;
+        nodes.push(Near { place, offset: in_plane, distance, square: offset.norm_squared() / (size * size) });
     };
     for &(place, _) in &*found {
         let x = index.positions()[place as usize];
@@ -297,38 +319,40 @@ fn gather(
     nodes.sort_by(|x, y| x.distance.total_cmp(&y.distance));
 }
 
-/// The smallest radius up to `largest` within which nodes carry the basis.
-fn smallest_radius(nodes: &[Near], weight: Weight, carried: Carried, largest: f64) -> Option<f64> {
+/// The smallest multiple up to `largest` for which the nodes within reach carry the basis.
+fn smallest_multiple(nodes: &[Near], weight: Weight, carried: Carried, largest: f64) -> Option<f64> {
     let size = match carried {
         Carried::Quadratic => 6,
         Carried::Linear => 3,
         Carried::Nothing => return None,
     };
-    // Images in a plane along the surface stand above one another: steps from a radius of zero would lead nowhere.
+    // Images in a plane along the surface stand above one another: steps from zero would lead nowhere.
     let first = nodes.get(size - 1..)?.iter().map(|node| node.distance).find(|x| x.is_normal())?;
-    let is_enough = |radius: f64| is_well_conditioned(nodes, weight, size, radius);
-    let (mut below, mut radius) = (first, first * STEP);
-    while !is_enough(radius) {
-        below = radius;
-        radius *= STEP;
-        if !(radius <= largest) {
+    let is_enough = |multiple: f64| is_well_conditioned(nodes, weight, size, multiple);
+    let (mut below, mut multiple) = (first, first * STEP);
+    while !is_enough(multiple) {
+        below = multiple;
+        multiple *= STEP;
+        if !(multiple <= largest) {
             return None;
         }
     }
     for _ in 0..BISECTIONS {
-        let middle = 0.5 * (below + radius);
-        if is_enough(middle) { radius = middle } else { below = middle }
+        let middle = 0.5 * (below + multiple);
+        if is_enough(middle) { multiple = middle } else { below = middle }
     }
-    (radius <= largest).then_some(radius)
+    (multiple <= largest).then_some(multiple)
 }
 
 /// Whether no singular value of the weighted design matrix, columns scaled to length one, is below
 /// [`SMALLEST_SINGULAR_VALUE`]: whether its Gram matrix less the square of that on the diagonal is positive definite.
-fn is_well_conditioned(nodes: &[Near], weight: Weight, size: usize, radius: f64) -> bool {
+fn is_well_conditioned(nodes: &[Near], weight: Weight, size: usize, multiple: f64) -> bool {
+    // Columns are scaled in the end: this is for their powers.
+    let unit = nodes.last().map_or(1.0, |node| node.offset[0].abs().max(node.offset[1].abs()));
     let mut gram = [[0.0; 6]; 6];
-    for node in nodes.iter().take_while(|node| node.distance < radius) {
-        let [a, b] = node.offset.map(|x| x / radius);
-        let w = weight.fitting(node.distance / radius);
+    for node in nodes.iter().take_while(|node| node.distance < multiple) {
+        let [a, b] = node.offset.map(|x| x / unit);
+        let w = weight.fitting(node.distance / multiple);
         let p = [1.0, a, b, a * a, a * b, b * b];
         for i in 0..size {
             let weighted = w * p[i];

@@ -26,12 +26,12 @@ module diffuse_contact
 
     ! dc_fallback, dc_mode, dc_element_kind, dc_weight, dc_frame, dc_rule, dc_basis, dc_tangent, dc_triangle
     enum, bind(c)
-        enumerator :: DC_NO_FALLBACK = 0, DC_EXTENDED, DC_LINEAR_BASIS
+        enumerator :: DC_NO_FALLBACK = 0, DC_EXTENDED, DC_LINEAR_BASIS, DC_FAR
         enumerator :: DC_VALUE = 0, DC_GRADIENT, DC_HESSIAN
         enumerator :: DC_DIFFUSE = 0, DC_NODE_TO_FACET
         enumerator :: DC_CUBIC = 0, DC_CUBIC_INTERPOLATING, DC_WENDLAND_C2
         enumerator :: DC_CO_MOVING = 0, DC_HELD, DC_GIVEN
-        enumerator :: DC_HULL_LAYERS = 0, DC_HULL_RADIUS, DC_NEAREST
+        enumerator :: DC_HULL_LAYERS = 0, DC_HULL_RADIUS, DC_NEAREST, DC_DOMAINS
         enumerator :: DC_LINEAR = 1, DC_QUADRATIC
         enumerator :: DC_EXACT = 0, DC_GAUSS_NEWTON
         enumerator :: DC_FULL = 0, DC_LOWER
@@ -49,11 +49,13 @@ module diffuse_contact
 
     !> What a refresh did, in numbers of slaves.
     type, bind(c) :: dc_report
-        integer(c_size_t) :: size = 96
+        integer(c_size_t) :: size = 112
         integer(c_int32_t) :: paired = 0, kept = 0, renewed = 0, changed = 0, gained = 0, lost = 0, without = 0, &
             extended = 0, linear = 0, contacts_lost = 0, contacts_gained = 0, jump_node = -1, lost_node = -1, &
             gained_node = -1
         real(c_double) :: jump_before = 0, jump_after = 0, lost_gap = 0, gained_gap = 0
+        integer(c_int32_t) :: far = 0, rebuilt = 0
+        real(c_double) :: renewed_stretch = 0
     end type
 
     !> The contact of one slave.
@@ -157,11 +159,29 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        !> planes: six numbers each, a point and the unit normal to the side of the model.
+        function dc_set_symmetry(interface, planes, plane_count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t
+            type(c_ptr), value :: interface
+            real(c_double), intent(in), optional :: planes(*)
+            integer(c_size_t), value :: plane_count
+            integer(c_int) :: status
+        end function
+
         function dc_update(interface, positions, node_count) bind(c) result(status)
             import :: c_double, c_int, c_ptr, c_size_t
             type(c_ptr), value :: interface
             real(c_double), intent(in) :: positions(*)
             integer(c_size_t), value :: node_count
+            integer(c_int) :: status
+        end function
+
+        function dc_follow(interface, positions, node_count, rebuilt) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: interface
+            real(c_double), intent(in) :: positions(*)
+            integer(c_size_t), value :: node_count
+            integer(c_int32_t), intent(out), optional :: rebuilt
             integer(c_int) :: status
         end function
 

@@ -9,6 +9,9 @@
 ! analysis: all within the way it slides and two or three rows of nodes more on each side. Nodes that take no part get zeros. A
 ! slave that comes to lie outside its candidates, or on their border, has no contact.
 !
+! Masters are those of the first hull layers around the slave (DC_HULL_LAYERS). The library's default for interfaces, domains of
+! influence, belongs to the nodes of a surface: a user element has candidates, but no facets.
+!
 !     PROPS(1)     penalty, force per length (per length^3 with an area), positive
 !     PROPS(2)     tributary area of the slave; 0 for a penalty per node
 !     PROPS(3)     weight of the fit: 0 cubic, 1 cubic interpolating, 2 Wendland C2

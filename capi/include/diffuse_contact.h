@@ -3,8 +3,9 @@
  * An interface is a master surface of facets, slave nodes, and their pairing:
  *
  *     dc_create                   positions, facets, slaves               once
+ *     dc_set_symmetry             planes in which everything is mirrored  once, if there are any
  *     dc_refresh                  who is paired with whom                 once an increment, or once an iteration
- *     dc_update, dc_evaluate      the positions of the moment             each iteration
+ *     dc_follow, dc_evaluate      the positions of the moment             each iteration
  *     dc_residual                 adds the contact forces
  *     dc_pattern_fill             the tangent -dR/dx, or dc_triplets
  *     dc_cutback                  whether the increment had better be smaller
@@ -40,7 +41,7 @@
 typedef enum dc_status {
     // Done.
     DC_OK = 0,
-    // dc_refresh of a frozen interface: the positions were taken over, the pairing was left as it is.
+    // dc_refresh or dc_follow of a frozen interface: the positions were taken over, the pairing was left as it is.
     DC_FROZEN = 1,
     // The element has no result; the outcome and the message say why. Not an error of the call.
     DC_NO_CONTACT = 2,
@@ -119,6 +120,8 @@ typedef enum dc_fallback {
     DC_EXTENDED = 1,
     // The linear basis: the gap is off by up to about k R^2/2 on a curvature k.
     DC_LINEAR_BASIS = 2,
+    // Wider domains of influence, for the average plane of a slave that is far from the surface.
+    DC_FAR = 3,
 } dc_fallback;
 
 // How many derivatives are computed.
@@ -167,6 +170,9 @@ typedef enum dc_rule {
     DC_HULL_RADIUS = 1,
     // The nearest.
     DC_NEAREST = 2,
+    // All nodes of the slave's sheet within whose domain of influence it lies, and their mirror images: a node enters and leaves with
+    // weight zero, so the gap does not jump. Only interfaces have it: domains belong to the nodes of a surface.
+    DC_DOMAINS = 3,
 } dc_rule;
 
 // Polynomial basis of the fit.
@@ -215,7 +221,7 @@ typedef struct dc_options {
     int32_t weight;
     // dc_frame: DC_CO_MOVING or DC_HELD. Default: DC_CO_MOVING.
     int32_t frame;
-    // dc_rule. Default: DC_HULL_LAYERS.
+    // dc_rule. dc_pair, which has no surface, takes DC_DOMAINS for DC_HULL_LAYERS. Default: DC_DOMAINS.
     int32_t rule;
     // Hull layers to start with; 0 for as many as make the fit well conditioned. Default: 0.
     int32_t layers;
@@ -237,14 +243,14 @@ typedef struct dc_options {
     int32_t areas;
     // 0.
     int32_t reserved;
-    // The regularity of a fit has to exceed this, at least 0 and below 1. Default: 0.01.
+    // The regularity of a fit has to exceed this, at least 0 and below 1; not with DC_DOMAINS. Default: 0.01.
     double smallest_regularity;
-    // Support radius over the distance of the farthest node, above 1. Default: 1.25.
+    // Support radius over the distance of the farthest node, above 1; not with DC_DOMAINS. Default: 1.25.
     double radius_factor;
     // Facets that meet at a larger angle belong to different patches, degrees. Default: 45.
     double feature_angle_degrees;
     // A sound pairing is kept until the slave has slid by this fraction of the support radius; 0 pairs anew at every
-    // refresh. Default: 0.1.
+    // refresh. With DC_DOMAINS lists are kept by a rule of their own, see dc_refresh. Default: 0.1.
     double hysteresis;
     // How far beyond the border a foot still counts, in heights of the facet. Default: 0.01.
     double border_tolerance;
@@ -261,7 +267,7 @@ typedef struct dc_report {
     size_t size;
     // With a pairing now.
     int32_t paired;
-    // Of these: kept by hysteresis.
+    // Of these: kept by hysteresis, with DC_DOMAINS with their list.
     int32_t kept;
     // Of these: paired anew with the same masters.
     int32_t renewed;
@@ -294,6 +300,13 @@ typedef struct dc_report {
     double lost_gap;
     // The gap of gained_node by the new pairing.
     double gained_gap;
+    // Pairings of slaves so far from the surface that nodes of wider domains make up their average plane.
+    int32_t far;
+    // Whether the pairings were made anew, so that patterns of before are no longer theirs: 0 or 1. With DC_DOMAINS 0 while nothing has
+    // moved by more than half the skin of the lists, with other rules always 1; 0 of a frozen interface.
+    int32_t rebuilt;
+    // With DC_DOMAINS, by how much the surface was stretched if the radii were renewed for it, which changes gaps; 0 if they stayed.
+    double renewed_stretch;
 } dc_report;
 
 // The contact of one slave. Without contact the numbers are 0, but for the area.
@@ -460,14 +473,47 @@ enum dc_status dc_destroy(struct dc_interface *interface);
 // Each is NULL or may be written.
 enum dc_status dc_counts(struct dc_interface *interface, size_t *node_count, size_t *slave_count);
 
-// Takes over the positions of the next evaluation, x, y, z of all nodes. The pairing stays. Call it in every iteration.
+// Makes these planes of symmetry, `plane_count` of them with 6 numbers each: x, y, z of a point of the plane, then of its unit normal
+// to the side of the model. The master surface goes on beyond them as its mirror image, so that masters near a plane have
+// neighbours on both sides, and where it ends in a plane is no border. Default: none; NULL and 0 take all away.
+//
+// Call it before the first dc_refresh: no slave is paired afterwards. Planes lie still. They need DC_DOMAINS or DC_NODE_TO_FACET, else
+// DC_BAD_OPTION. DC_BAD_SURFACE for a normal that is no unit vector, and for planes that are neither
+// parallel nor at 180 degrees over a whole number.
+//
+// # Safety
+// `planes` has 6 `plane_count` entries.
+enum dc_status dc_set_symmetry(struct dc_interface *interface,
+                               const double *planes,
+                               size_t plane_count);
+
+// Takes over the positions of the next evaluation, x, y, z of all nodes. The pairing stays. Call it, or dc_follow, in every iteration.
 //
 // # Safety
 // `positions` has 3 `node_count` entries.
-enum dc_status dc_update(struct dc_interface *interface, const double *positions, size_t node_count);
+enum dc_status dc_update(struct dc_interface *interface,
+                         const double *positions,
+                         size_t node_count);
+
+// As dc_update, but with DC_DOMAINS the lists of nodes follow: if something has moved by more than half their skin, a twentieth of the
+// radius, they are made anew, which changes no gap. `rebuilt`, which may be NULL, gets whether they were, 0 or 1: patterns of before
+// are no longer theirs then. Radii stay until the next dc_refresh.
+//
+// DC_FROZEN while the interface is frozen: it did what dc_update does.
+//
+// # Safety
+// `positions` has 3 `node_count` entries; `rebuilt` is NULL or may be written.
+enum dc_status dc_follow(struct dc_interface *interface,
+                         const double *positions,
+                         size_t node_count,
+                         int32_t *rebuilt);
 
 // Takes over the positions and pairs every slave anew, or keeps its pairing while it is sound. Call it once an increment,
 // or once an iteration. `report` may be NULL; its field `size` has to be set.
+//
+// With DC_DOMAINS lists of nodes are kept while nothing has moved by more than half their skin, a twentieth of the radius, and new ones
+// change no gap; only if the master has been stretched by more than a tenth somewhere are the radii renewed, and the gaps' jump
+// is reported. So the first refresh of an increment is followed by dc_follow in its iterations.
 //
 // DC_FROZEN while the interface is frozen: it did what dc_update does, and the report is empty.
 //
@@ -478,7 +524,7 @@ enum dc_status dc_refresh(struct dc_interface *interface,
                           size_t node_count,
                           struct dc_report *report);
 
-// Holds the pairing, for instance over the iterations of an increment: dc_refresh does what dc_update does, and returns
+// Holds the pairing, for instance over the iterations of an increment: dc_refresh and dc_follow do what dc_update does, and return
 // DC_FROZEN.
 enum dc_status dc_freeze(struct dc_interface *interface);
 
@@ -631,7 +677,8 @@ enum dc_status dc_pattern_fill(struct dc_pattern *pattern,
                                size_t *active_count);
 
 // Which of the candidates take part in the fit around a slave: the neighbour search of the options, as an interface does
-// it, but without facets, so without sharp edges and borders. `slave` has 3 numbers, `candidates` 3 each, `outward` is a
+// it, but without facets, so without sharp edges, borders and domains of influence: DC_DOMAINS, the default rule, is DC_HULL_LAYERS
+// here, with the same layers as if that had been asked for. `slave` has 3 numbers, `candidates` 3 each, `outward` is a
 // direction to the outward side of the master. `masters` gets the numbers of those chosen, counted from 0, ascending; it has
 // room for `capacity` of them.
 //

@@ -56,6 +56,9 @@ pub enum dc_rule {
     DC_HULL_RADIUS = 1,
     /// The nearest.
     DC_NEAREST = 2,
+    /// All nodes of the slave's sheet within whose domain of influence it lies, and their mirror images: a node enters and leaves with
+    /// weight zero, so the gap does not jump. Only interfaces have it: domains belong to the nodes of a surface.
+    DC_DOMAINS = 3,
 }
 
 /// Polynomial basis of the fit.

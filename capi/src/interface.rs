@@ -6,7 +6,7 @@ use std::sync::Arc;
 use runtime::Point;
 use runtime::assembly::{DofMap, Triplets};
 use runtime::interface::{ContactInterface, Contacts, RefreshReport};
-use runtime::surface::{Facet, MasterSurface};
+use runtime::surface::{Facet, MasterSurface, SymmetryPlane};
 
 use crate::border::{self, Versioned, disjoint, input, reserve, sized_target, target, wanted};
 use crate::choice;
@@ -230,7 +230,42 @@ pub unsafe extern "C" fn dc_counts(
     })
 }
 
-/// Takes over the positions of the next evaluation, x, y, z of all nodes. The pairing stays. Call it in every iteration.
+/// Makes these planes of symmetry, `plane_count` of them with 6 numbers each: x, y, z of a point of the plane, then of its unit normal
+/// to the side of the model. The master surface goes on beyond them as its mirror image, so that masters near a plane have
+/// neighbours on both sides, and where it ends in a plane is no border. Default: none; NULL and 0 take all away.
+///
+/// Call it before the first dc_refresh: no slave is paired afterwards. Planes lie still. They need DC_DOMAINS or DC_NODE_TO_FACET, else
+/// DC_BAD_OPTION. DC_BAD_SURFACE for a normal that is no unit vector, and for planes that are neither
+/// parallel nor at 180 degrees over a whole number.
+///
+/// # Safety
+/// `planes` has 6 `plane_count` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_set_symmetry(
+    interface: *mut dc_interface,
+    planes: *const f64,
+    plane_count: usize,
+) -> dc_status {
+    border::call(|| {
+        with(interface, |state| {
+            let too_many =
+                || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {plane_count} planes"));
+            let count = plane_count.checked_mul(6).ok_or_else(too_many)?;
+            // SAFETY: as the caller promises.
+            let (rows, _) = unsafe { input("planes", planes, count)? }.as_chunks::<6>();
+            let plane =
+                |&[x, y, z, a, b, c]: &[f64; 6]| SymmetryPlane { point: [x, y, z], normal: [a, b, c] };
+            let mut planes = reserve("planes", rows.len())?;
+            planes.extend(rows.iter().map(plane));
+            let interface = &mut state.interface;
+            threads::run(|| interface.set_symmetry(&planes))??;
+            state.evaluated = false;
+            Ok(())
+        })
+    })
+}
+
+/// Takes over the positions of the next evaluation, x, y, z of all nodes. The pairing stays. Call it, or dc_follow, in every iteration.
 ///
 /// # Safety
 /// `positions` has 3 `node_count` entries.
@@ -258,7 +293,7 @@ pub struct dc_report {
     pub size: usize,
     /// With a pairing now.
     pub paired: i32,
-    /// Of these: kept by hysteresis.
+    /// Of these: kept by hysteresis, with DC_DOMAINS with their list.
     pub kept: i32,
     /// Of these: paired anew with the same masters.
     pub renewed: i32,
@@ -291,6 +326,13 @@ pub struct dc_report {
     pub lost_gap: f64,
     /// The gap of gained_node by the new pairing.
     pub gained_gap: f64,
+    /// Pairings of slaves so far from the surface that nodes of wider domains make up their average plane.
+    pub far: i32,
+    /// Whether the pairings were made anew, so that patterns of before are no longer theirs: 0 or 1. With DC_DOMAINS 0 while nothing has
+    /// moved by more than half the skin of the lists, with other rules always 1; 0 of a frozen interface.
+    pub rebuilt: i32,
+    /// With DC_DOMAINS, by how much the surface was stretched if the radii were renewed for it, which changes gaps; 0 if they stayed.
+    pub renewed_stretch: f64,
 }
 
 // SAFETY: numbers, the first one is the size.
@@ -325,12 +367,59 @@ impl dc_report {
             jump_after: jump.map_or(0.0, |jump| jump.after),
             lost_gap: lost.map_or(0.0, |lost| lost.gap),
             gained_gap: gained.map_or(0.0, |gained| gained.gap),
+            far: count(report.fallbacks.far),
+            rebuilt: i32::from(report.rebuilt),
+            renewed_stretch: report.renewed_domains.unwrap_or(0.0),
         }
     }
 }
 
+/// As dc_update, but with DC_DOMAINS the lists of nodes follow: if something has moved by more than half their skin, a twentieth of the
+/// radius, they are made anew, which changes no gap. `rebuilt`, which may be NULL, gets whether they were, 0 or 1: patterns of before
+/// are no longer theirs then. Radii stay until the next dc_refresh.
+///
+/// DC_FROZEN while the interface is frozen: it did what dc_update does.
+///
+/// # Safety
+/// `positions` has 3 `node_count` entries; `rebuilt` is NULL or may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_follow(
+    interface: *mut dc_interface,
+    positions: *const f64,
+    node_count: usize,
+    rebuilt: *mut i32,
+) -> dc_status {
+    border::call(|| {
+        with(interface, |state| {
+            // SAFETY: as the caller promises.
+            let positions = unsafe { points(positions, node_count)? };
+            let rebuilt = wanted("rebuilt", rebuilt, 1, 1)?;
+            disjoint([border::read("positions", positions.as_ptr(), positions.len()), rebuilt.span()])?;
+            let interface = &mut state.interface;
+            let was_rebuilt = if state.frozen {
+                interface.update(positions)?;
+                false
+            } else {
+                threads::run(|| interface.follow(positions))??
+            };
+            state.evaluated = false;
+            // SAFETY: as the caller promises.
+            unsafe { rebuilt.write([i32::from(was_rebuilt)]) };
+            if state.frozen { Err(frozen()) } else { Ok(()) }
+        })
+    })
+}
+
+fn frozen() -> Failure {
+    Failure::new(DC_FROZEN, "frozen: the positions were taken over, the pairing is held until dc_thaw")
+}
+
 /// Takes over the positions and pairs every slave anew, or keeps its pairing while it is sound. Call it once an increment,
 /// or once an iteration. `report` may be NULL; its field `size` has to be set.
+///
+/// With DC_DOMAINS lists of nodes are kept while nothing has moved by more than half their skin, a twentieth of the radius, and new ones
+/// change no gap; only if the master has been stretched by more than a tenth somewhere are the radii renewed, and the gaps' jump
+/// is reported. So the first refresh of an increment is followed by dc_follow in its iterations.
 ///
 /// DC_FROZEN while the interface is frozen: it did what dc_update does, and the report is empty.
 ///
@@ -365,16 +454,12 @@ pub unsafe extern "C" fn dc_refresh(
                 // SAFETY: as the caller promises.
                 unsafe { report.write(&dc_report::new(&result)) };
             }
-            if state.frozen {
-                let message = "frozen: the positions were taken over, the pairing is held until dc_thaw";
-                return Err(Failure::new(DC_FROZEN, message));
-            }
-            Ok(())
+            if state.frozen { Err(frozen()) } else { Ok(()) }
         })
     })
 }
 
-/// Holds the pairing, for instance over the iterations of an increment: dc_refresh does what dc_update does, and returns
+/// Holds the pairing, for instance over the iterations of an increment: dc_refresh and dc_follow do what dc_update does, and return
 /// DC_FROZEN.
 #[unsafe(no_mangle)]
 pub extern "C" fn dc_freeze(interface: *mut dc_interface) -> dc_status {

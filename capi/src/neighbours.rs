@@ -39,7 +39,8 @@ unsafe impl Versioned for dc_pairing {
 }
 
 /// Which of the candidates take part in the fit around a slave: the neighbour search of the options, as an interface does
-/// it, but without facets, so without sharp edges and borders. `slave` has 3 numbers, `candidates` 3 each, `outward` is a
+/// it, but without facets, so without sharp edges, borders and domains of influence: DC_DOMAINS, the default rule, is DC_HULL_LAYERS
+/// here, with the same layers as if that had been asked for. `slave` has 3 numbers, `candidates` 3 each, `outward` is a
 /// direction to the outward side of the master. `masters` gets the numbers of those chosen, counted from 0, ascending; it has
 /// room for `capacity` of them.
 ///
@@ -82,7 +83,7 @@ pub unsafe extern "C" fn dc_pair(
             chosen,
             pairing.span(),
         ])?;
-        let mut search = NeighbourSearch::new(options.search()?)?;
+        let mut search = NeighbourSearch::new(options.search_in_nodes()?)?;
         let mut points: Vec<Point> = reserve("candidates", candidate_count)?;
         points.extend_from_slice(candidates.as_chunks::<3>().0);
         let cloud = NearestNodes::new(points).map_err(|error| NeighbourhoodError::of_nodes(&error))?;

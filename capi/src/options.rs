@@ -27,7 +27,7 @@ pub struct dc_options {
     pub weight: i32,
     /// dc_frame: DC_CO_MOVING or DC_HELD. Default: DC_CO_MOVING.
     pub frame: i32,
-    /// dc_rule. Default: DC_HULL_LAYERS.
+    /// dc_rule. dc_pair, which has no surface, takes DC_DOMAINS for DC_HULL_LAYERS. Default: DC_DOMAINS.
     pub rule: i32,
     /// Hull layers to start with; 0 for as many as make the fit well conditioned. Default: 0.
     pub layers: i32,
@@ -49,14 +49,14 @@ pub struct dc_options {
     pub areas: i32,
     /// 0.
     pub reserved: i32,
-    /// The regularity of a fit has to exceed this, at least 0 and below 1. Default: 0.01.
+    /// The regularity of a fit has to exceed this, at least 0 and below 1; not with DC_DOMAINS. Default: 0.01.
     pub smallest_regularity: f64,
-    /// Support radius over the distance of the farthest node, above 1. Default: 1.25.
+    /// Support radius over the distance of the farthest node, above 1; not with DC_DOMAINS. Default: 1.25.
     pub radius_factor: f64,
     /// Facets that meet at a larger angle belong to different patches, degrees. Default: 45.
     pub feature_angle_degrees: f64,
     /// A sound pairing is kept until the slave has slid by this fraction of the support radius; 0 pairs anew at every
-    /// refresh. Default: 0.1.
+    /// refresh. With DC_DOMAINS lists are kept by a rule of their own, see dc_refresh. Default: 0.1.
     pub hysteresis: f64,
     /// How far beyond the border a foot still counts, in heights of the facet. Default: 0.01.
     pub border_tolerance: f64,
@@ -88,7 +88,7 @@ impl dc_options {
             element: dc_element_kind::DC_DIFFUSE as i32,
             weight: choice::weight_number(runtime::Weight::default()),
             frame: dc_frame::DC_CO_MOVING as i32,
-            rule: dc_rule::DC_HULL_LAYERS as i32,
+            rule: dc_rule::DC_DOMAINS as i32,
             layers: 0,
             max_layers: max_layers as i32,
             nearest: count as i32,
@@ -123,7 +123,7 @@ impl dc_options {
         Ok(options)
     }
 
-    /// The neighbour search.
+    /// The neighbour search of an interface.
     pub fn search(&self) -> Result<SearchOptions, Failure> {
         let layers = Some(choice::count("layers", self.layers)?).filter(|&layers| layers > 0);
         let max_layers = choice::count("max_layers", self.max_layers)?;
@@ -133,6 +133,7 @@ impl dc_options {
             (dc_rule::DC_HULL_LAYERS as i32, NeighbourRule::HullLayers { layers, max_layers }),
             (dc_rule::DC_HULL_RADIUS as i32, NeighbourRule::HullRadius { layers, max_layers }),
             (dc_rule::DC_NEAREST as i32, NeighbourRule::Nearest { count: nearest, max_count: max_nearest }),
+            (dc_rule::DC_DOMAINS as i32, NeighbourRule::Domains),
         ];
         Ok(SearchOptions {
             rule: choice::choose("rule", self.rule, &rules)?,
@@ -143,6 +144,14 @@ impl dc_options {
             candidates: choice::count("candidates", self.candidates)?,
             max_candidates: choice::count("max_candidates", self.max_candidates)?,
         })
+    }
+
+    /// The neighbour search in nodes without a surface. There the default rule, and that of options written for interfaces, stands for
+    /// hull layers.
+    pub fn search_in_nodes(&self) -> Result<SearchOptions, Failure> {
+        let rule =
+            if self.rule == dc_rule::DC_DOMAINS as i32 { dc_rule::DC_HULL_LAYERS as i32 } else { self.rule };
+        Self { rule, ..*self }.search()
     }
 
     /// As the runtime has them; it checks the ranges.

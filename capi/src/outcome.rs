@@ -52,6 +52,8 @@ pub enum dc_fallback {
     DC_EXTENDED = 1,
     /// The linear basis: the gap is off by up to about k R^2/2 on a curvature k.
     DC_LINEAR_BASIS = 2,
+    /// Wider domains of influence, for the average plane of a slave that is far from the surface.
+    DC_FAR = 3,
 }
 
 /// Outcomes by their stable code.
@@ -88,6 +90,7 @@ pub fn fallback_number(fallback: Fallback) -> i32 {
     (match fallback {
         Fallback::None => dc_fallback::DC_NO_FALLBACK,
         Fallback::Linear { .. } => dc_fallback::DC_LINEAR_BASIS,
+        Fallback::Far { .. } => dc_fallback::DC_FAR,
         _ => dc_fallback::DC_EXTENDED,
     }) as i32
 }

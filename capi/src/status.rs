@@ -15,7 +15,7 @@ use crate::message;
 pub enum dc_status {
     /// Done.
     DC_OK = 0,
-    /// dc_refresh of a frozen interface: the positions were taken over, the pairing was left as it is.
+    /// dc_refresh or dc_follow of a frozen interface: the positions were taken over, the pairing was left as it is.
     DC_FROZEN = 1,
     /// The element has no result; the outcome and the message say why. Not an error of the call.
     DC_NO_CONTACT = 2,

@@ -300,6 +300,8 @@ fn what_may_be_null_is_optional() {
         ("dc_create", "options"),
         ("dc_counts", "node_count"),
         ("dc_counts", "slave_count"),
+        ("dc_set_symmetry", "planes"),
+        ("dc_follow", "rebuilt"),
         ("dc_refresh", "report"),
         ("dc_set_equations", "equations"),
         ("dc_derivatives", "hessian"),

@@ -2,9 +2,10 @@
 
 use diffuse_contact::assembly::{CsrPattern, DofMap};
 use diffuse_contact::interface::{
-    ContactInterface, ContactRef, Contacts, Cutback, Outcome, PairedElement, RefreshReport,
+    ContactInterface, ContactRef, Contacts, Cutback, InterfaceError, Outcome, PairedElement, RefreshReport,
 };
 use diffuse_contact::neighbourhood::Fallback;
+use diffuse_contact::surface::SymmetryPlane;
 use diffuse_contact::{Mode, Point};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -70,9 +71,11 @@ impl Interface {
 
 #[pymethods]
 impl Interface {
-    /// `equations`: number, and those of each node's axes, −1 where there is none; `None` for 3·node + axis.
+    /// `equations`: number, and those of each node's axes, −1 where there is none; `None` for 3·node + axis. `symmetry`: a point
+    /// and a normal in turn.
     #[new]
-    #[pyo3(signature = (master, slaves, positions, slave_facets, options, equations))]
+    #[pyo3(signature = (master, slaves, positions, slave_facets, options, equations, symmetry))]
+    #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
         master: &Surface,
@@ -81,6 +84,7 @@ impl Interface {
         slave_facets: Option<&Bound<'_, PyArray2<i64>>>,
         options: Options,
         equations: Option<(usize, Bound<'_, PyArray2<i64>>)>,
+        symmetry: &Bound<'_, PyArray2<f64>>,
     ) -> PyResult<Self> {
         let slaves = indices(py, "slaves", &readable(slaves)?)?;
         let positions = readable(positions)?;
@@ -96,9 +100,18 @@ impl Interface {
             None => DofMap::standard(positions.len()),
         };
         let master = master.surface.clone();
-        let made =
-            threads::run(py, || ContactInterface::new(master, slaves, &slave_facets, positions, options))?;
-        let interface = made.map_err(|error| error.raise(py))?;
+        let symmetry = readable(symmetry)?;
+        let (planes, _) = points(py, &symmetry)?.as_chunks::<2>();
+        let planes: Vec<SymmetryPlane> =
+            planes.iter().map(|&[point, normal]| SymmetryPlane { point, normal }).collect();
+        let made = threads::run(py, || {
+            let mut interface = ContactInterface::new(master, slaves, &slave_facets, positions, options)?;
+            if !planes.is_empty() {
+                interface.set_symmetry(&planes)?;
+            }
+            Ok(interface)
+        })?;
+        let interface = made.map_err(|error: InterfaceError| error.raise(py))?;
         let cutback = Cutback::new(interface.slaves().len());
         Ok(Self { interface, dofs, pattern: None, current: false, cutback, frozen: false })
     }
@@ -126,7 +139,7 @@ impl Interface {
         })?;
         let report = report.map_err(|error| error.raise(py))?;
         this.current = false;
-        if !frozen {
+        if report.rebuilt {
             this.pattern = None;
         }
         let dict = report::to_dict(py, &report)?;
@@ -155,6 +168,24 @@ impl Interface {
         threads::run(py, || interface.update(positions))?.map_err(|error| error.raise(py))?;
         this.current = false;
         Ok(())
+    }
+
+    /// Whether lists were made anew; never while the interface is frozen.
+    fn follow(slf: &Bound<'_, Self>, positions: &Bound<'_, PyArray2<f64>>) -> PyResult<bool> {
+        let py = slf.py();
+        let mut this = exclusive(slf)?;
+        let positions = readable(positions)?;
+        let positions = points(py, &positions)?;
+        let (frozen, interface) = (this.frozen, &mut this.interface);
+        let followed = threads::run(py, || {
+            if frozen { interface.update(positions).map(|()| false) } else { interface.follow(positions) }
+        })?;
+        let rebuilt = followed.map_err(|error| error.raise(py))?;
+        this.current = false;
+        if rebuilt {
+            this.pattern = None;
+        }
+        Ok(rebuilt)
     }
 
     fn evaluate(slf: &Bound<'_, Self>, mode: &str) -> PyResult<()> {
@@ -252,6 +283,8 @@ impl Interface {
                 dict.set_item("positions", PyArray1::from_slice(py, pairing.positions.as_flattened()))?;
                 dict.set_item("frame", PyArray1::from_slice(py, frame.as_flattened()))?;
                 dict.set_item("support_radius", pairing.support_radius)?;
+                let radii = (!pairing.radii.is_empty()).then(|| PyArray1::from_slice(py, &pairing.radii));
+                dict.set_item("radii", radii)?;
                 dict.set_item("basis", pairing.basis.name())?;
             }
             PairedElement::Facet { corners, .. } => {
@@ -280,6 +313,7 @@ fn fallback_name(fallback: Fallback) -> &'static str {
         Fallback::None => "none",
         Fallback::Extended { .. } => "extended",
         Fallback::Linear { .. } => "linear",
+        Fallback::Far { .. } => "far",
         _ => "other",
     }
 }

@@ -70,6 +70,7 @@ impl Options {
             ("hull-layers", NeighbourRule::HullLayers { layers, max_layers }),
             ("hull-radius", NeighbourRule::HullRadius { layers, max_layers }),
             ("nearest", NeighbourRule::Nearest { count, max_count }),
+            ("domains", NeighbourRule::Domains),
         ];
         let search = SearchOptions {
             rule: named(py, "rule", &self.rule, &rules)?,
@@ -110,6 +111,15 @@ pub fn default_options(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     } = SearchOptions::default();
     let dict = PyDict::new(py);
     dict.set_item("weight", Weight::default().name())?;
+    if let ContactElement::Diffuse { search, .. } = ContactElement::default() {
+        let rule = match search.rule {
+            NeighbourRule::Domains => "domains",
+            NeighbourRule::HullLayers { .. } => "hull-layers",
+            NeighbourRule::HullRadius { .. } => "hull-radius",
+            _ => "nearest",
+        };
+        dict.set_item("rule", rule)?;
+    }
     if let NeighbourRule::HullLayers { layers, max_layers } = NeighbourRule::default() {
         dict.set_item("layers", layers)?;
         dict.set_item("max_layers", max_layers)?;

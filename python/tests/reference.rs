@@ -8,7 +8,7 @@ use std::error::Error;
 use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap, Tangent, add_residual};
 use diffuse_contact::interface::{ContactElement, ContactInterface, InterfaceOptions};
 use diffuse_contact::neighbourhood::SearchOptions;
-use diffuse_contact::surface::{Facet, MasterSurface};
+use diffuse_contact::surface::{Facet, MasterSurface, SymmetryPlane};
 use diffuse_contact::{
     Basis, BatchScratch, Element, Frame, FrameDerivative, GapSlot, Generated, Mode, Point, Weight, pairing,
 };
@@ -28,15 +28,32 @@ fn main() -> Result<(), Box<dyn Error>> {
             batch(&format!("batch/{}/linear/{name}/5", weight.name()), weight, Basis::Linear, derivative, 5)?;
         }
     }
-    interface("interface/diffuse", InterfaceOptions { areas: true, ..Default::default() })?;
+    interface("interface/diffuse", InterfaceOptions { areas: true, ..Default::default() }, &[])?;
+    // Two of its borders.
+    let planes = [SymmetryPlane::across(1, [0.0; 3]), SymmetryPlane::across(0, [0.0; 3])];
+    interface("interface/symmetric", InterfaceOptions { areas: true, ..Default::default() }, &planes)?;
+    let layers = ContactElement::Diffuse {
+        weight: Weight::Cubic,
+        frame: FrameDerivative::CoMoving,
+        search: SearchOptions::default(),
+    };
+    interface(
+        "interface/layers",
+        InterfaceOptions { element: layers, areas: true, ..Default::default() },
+        &[],
+    )?;
     let frozen = ContactElement::Diffuse {
         weight: Weight::CubicInterpolating,
         frame: FrameDerivative::Frozen,
         search: SearchOptions::nearest(),
     };
-    interface("interface/frozen", InterfaceOptions { element: frozen, areas: true, ..Default::default() })?;
+    interface(
+        "interface/frozen",
+        InterfaceOptions { element: frozen, areas: true, ..Default::default() },
+        &[],
+    )?;
     let facets = InterfaceOptions { areas: true, ..InterfaceOptions::node_to_facet() };
-    interface("interface/node-to-facet", facets)
+    interface("interface/node-to-facet", facets, &[])
 }
 
 fn print(name: &str, numbers: impl IntoIterator<Item = f64>) {
@@ -105,7 +122,7 @@ fn batch(
 }
 
 /// A grid of slaves in a trough of quadrilaterals and triangles.
-fn interface(name: &str, options: InterfaceOptions) -> Result<(), Box<dyn Error>> {
+fn interface(name: &str, options: InterfaceOptions, planes: &[SymmetryPlane]) -> Result<(), Box<dyn Error>> {
     const CELLS: usize = 8;
     let place = |k: usize| [(k % (CELLS + 1)) as f64, (k / (CELLS + 1)) as f64];
     let height = |x: f64, y: f64| 0.05 * (x - 4.0) * (x - 4.0) + 0.1 * (0.8 * y).sin();
@@ -143,6 +160,7 @@ fn interface(name: &str, options: InterfaceOptions) -> Result<(), Box<dyn Error>
 
     let master = MasterSurface::new(&positions, facets)?;
     let mut interface = ContactInterface::new(master, slaves, &slave_facets, &positions, options)?;
+    interface.set_symmetry(planes)?;
     let report = interface.refresh_pairing(&positions)?;
     print(&format!("{name}/paired"), [report.paired as f64, report.fallbacks.extended as f64]);
     for (k, position) in positions.iter_mut().enumerate() {

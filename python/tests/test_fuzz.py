@@ -67,6 +67,7 @@ WORDS = (
     "frozen",
     "diffuse",
     "node-to-facet",
+    "domains",
     "hull-layers",
     "hull-radius",
     "nearest",
@@ -158,7 +159,7 @@ class Fuzz:
             element=lambda: self.word("diffuse", "node-to-facet"),
             weight=lambda: self.word("cubic", "cubic-interpolating", "wendland-c2"),
             frame_derivative=lambda: self.word("co-moving", "frozen"),
-            rule=lambda: self.word("hull-layers", "hull-radius", "nearest"),
+            rule=lambda: self.word("domains", "hull-layers", "hull-radius", "nearest"),
             basis=lambda: self.word("quadratic", "linear"),
             layers=lambda: self.odd(self.random.randrange(5), 4),
             max_layers=lambda: self.odd(self.random.randrange(9), 4),
@@ -170,6 +171,7 @@ class Fuzz:
             feature_angle=lambda: self.odd(180 * self.random.random(), 4),
             distance_limit=lambda: self.odd(self.random.choice([0.5, 3.0, *ODD_NUMBERS]), 4),
             slave_facets=lambda: self.indices(scene.slave_facets),
+            symmetry=lambda: self.odd([([self.odd(0.0), 0.0, 0.0], [self.odd(1.0, 20), 0.0, 0.0])]),
             # A system of 2³¹ equations is none too many, but for this machine's memory.
             dofs=lambda: self.indices(np.arange(255).reshape(85, 3), large=300),
         )
@@ -190,6 +192,10 @@ class Fuzz:
 
     def update(self):
         self.interface().update(self.positions())
+        return []
+
+    def follow(self):
+        assert self.interface().follow(self.positions()) in (False, True)
         return []
 
     def evaluate(self):
@@ -281,7 +287,7 @@ class Fuzz:
         """One call; what came of it is counted."""
         kind = self.random.choice(
             [self.create, self.refresh, self.refresh, self.update, self.evaluate, self.evaluate, self.look, self.look]
-            + [self.assemble, self.assemble, self.gap, self.surface]
+            + [self.follow, self.assemble, self.assemble, self.gap, self.surface]
         )
         with np.errstate(all="ignore"):
             try:

@@ -14,7 +14,7 @@ def test_defaults_are_those_of_the_rust_library():
     defaults = _native.default_options()
     options = dc.Options()
     assert {name: getattr(options, name) for name in defaults} == defaults
-    assert (options.element, options.frame_derivative, options.rule) == ("diffuse", "co-moving", "hull-layers")
+    assert (options.element, options.frame_derivative, options.rule) == ("diffuse", "co-moving", "domains")
 
 
 def test_the_example_of_the_documentation(scene):
@@ -112,7 +112,8 @@ def test_equations_of_the_caller(scene):
 
 
 def test_one_contact_with_its_derivatives(scene):
-    interface = scene.evaluated()
+    # Its element has one domain of influence, as those of dc.gap.
+    interface = scene.evaluated(rule="hull-layers")
     contact = interface.contact(2)
     n = len(contact.masters)
     assert (contact.slave, contact.outcome, contact.reason, contact.fallback) == (83, "contact", None, "none")
@@ -192,7 +193,7 @@ def test_an_interface_may_have_no_slaves(scene):
 
 
 def test_the_refresh_reports_jumps(scene):
-    interface = scene.evaluated(hysteresis=0.0)
+    interface = scene.evaluated(rule="hull-layers", hysteresis=0.0)
     moved = scene.positions.copy()
     moved[81:, :2] += 0.6
     report = interface.refresh_pairing(moved)
@@ -233,6 +234,84 @@ def test_a_frozen_interface_keeps_its_pairing_and_moves(scene):
     interface.thaw()
     report = interface.refresh_pairing(moved)
     assert not interface.frozen and not report.frozen and report.paired == 4 and report.changed > 0
+
+
+def test_lists_of_nodes_follow(scene):
+    interface = scene.interface()
+    assert not interface.follow(scene.positions), "there are none yet"
+    report = interface.refresh_pairing(scene.positions)
+    assert report.rebuilt and report.renewed_domains is None and report.fallbacks["far"] == 0
+    here = interface.evaluate().gap
+    pattern = interface.pattern()
+    moved = {by: scene.positions.copy() for by in (0.01, 0.6)}
+    for by, positions in moved.items():
+        positions[81:, :2] += by
+    assert not interface.follow(moved[0.01])
+    report = interface.refresh_pairing(moved[0.01])
+    assert not report.rebuilt and report.kept == 4 and report.largest_gap_jump is None
+    assert (interface.evaluate().gap != here).all()
+    np.testing.assert_array_equal(interface.pattern()[1], pattern[1])
+    interface.freeze()
+    assert not interface.follow(moved[0.6])
+    report = interface.refresh_pairing(moved[0.6])
+    assert report.frozen and not report.rebuilt
+    interface.thaw()
+    assert interface.follow(moved[0.6])
+    interface.evaluate()
+    assert not np.array_equal(interface.pattern()[1], pattern[1])
+    # Back there are the gaps of the beginning, whatever the lists are.
+    assert interface.follow(scene.positions)
+    np.testing.assert_allclose(interface.evaluate().gap, here, rtol=0, atol=1e-14)
+    with pytest.raises(dc.InterfaceError):
+        interface.follow(scene.positions[:80])
+    # The radii are those of the surface at the last refresh.
+    stretched = scene.positions * [1, 1.5, 1]
+    assert interface.refresh_pairing(stretched).renewed_domains > 0.1
+    lifted = scene.positions + 4.0 * (np.arange(85) > 80)[:, np.newaxis] * [0, 0, 1]
+    interface.refresh_pairing(lifted)
+    interface.evaluate()
+    assert interface.contact(0).fallback == "far"
+
+
+def test_domains_of_influence_are_those_within_reach(scene):
+    interface = scene.evaluated()
+    pairing, contact = interface.pairing(2), interface.contact(2)
+    assert set(pairing.masters) < set(contact.masters)
+    assert pairing.radii.shape == pairing.masters.shape and pairing.support_radius == pairing.radii.max()
+    np.testing.assert_array_equal(pairing.positions, scene.positions[pairing.masters])
+    assert scene.evaluated(rule="nearest").pairing(2).radii is None
+
+
+def test_beyond_planes_of_symmetry_the_surface_goes_on(scene):
+    """Half of the ridge with its mirror image is the whole of it."""
+    x = scene.positions[:, 0]
+    scene.positions[81:, :2] = [[4.3, 3.7], [4.3, 4.4], [4.1, 4.6], [5.2, 3.9]]
+    whole = scene.evaluated()
+    expected = whole.contacts
+    half = dc.MasterSurface(scene.positions, scene.facets[(x[scene.facets] >= 4).all(axis=1)])
+    arguments = (half, scene.slaves, scene.positions)
+    interface = dc.ContactInterface(*arguments, symmetry=[([4, 0, 0], [1, 0, 0])])
+    interface.refresh_pairing(scene.positions)
+    contacts = interface.evaluate()
+    np.testing.assert_allclose(contacts.gap, expected.gap, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(contacts.normal, expected.normal, rtol=0, atol=1e-12)
+    alone = dc.ContactInterface(*arguments)
+    alone.refresh_pairing(scene.positions)
+    assert (alone.evaluate().gap != expected.gap).any()
+    for symmetry, error, code in [
+        ([([4, 0, 0], [2, 0, 0])], dc.InterfaceError, "invalid-symmetry"),
+        ([([4, 0, 0], [np.nan, 0, 0])], dc.InterfaceError, "invalid-symmetry"),
+        ([([4, 0, 0],)], dc.InputError, "wrong-shape"),
+        ([[4, 0, 0]], dc.InputError, "wrong-shape"),
+        ("x", dc.InputError, "wrong-type"),
+        (None, dc.InputError, "wrong-type"),
+    ]:
+        with pytest.raises(error) as caught:
+            dc.ContactInterface(*arguments, symmetry=symmetry)
+        assert caught.value.code == code
+    with pytest.raises(dc.InterfaceError) as caught:
+        dc.ContactInterface(*arguments, symmetry=[([4, 0, 0], [1, 0, 0])], rule="hull-layers")
+    assert caught.value.code == "no-symmetry"
 
 
 def test_cut_back(scene):

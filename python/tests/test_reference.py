@@ -11,6 +11,8 @@ import diffuse_contact as dc
 PACKAGE = Path(__file__).resolve().parents[1]
 ELEMENTS = {
     "interface/diffuse": {},
+    "interface/symmetric": {"symmetry": [([0, 0, 0], [0, 1, 0]), ([0, 0, 0], [1, 0, 0])]},
+    "interface/layers": {"rule": "hull-layers"},
     "interface/frozen": {"weight": "cubic-interpolating", "frame_derivative": "frozen", "rule": "nearest"},
     "interface/node-to-facet": {"element": "node-to-facet"},
 }

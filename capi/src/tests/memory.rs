@@ -45,13 +45,13 @@ fn element() -> (dc_element, Vec<f64>) {
 fn arrays_that_overlap_are_refused() {
     let mesh = Mesh::new();
     let handle = evaluated(&mesh);
-    let mut numbers = vec![0.0_f64; 2000];
+    let mut numbers = vec![0.0_f64; 4000];
     let base = numbers.as_mut_ptr();
     let at = |k: usize| base.wrapping_add(k);
     let mut count = 0;
     // SAFETY: the arrays have the lengths given; what overlaps is refused.
     unsafe {
-        overlap(dc_derivatives(handle, 0, null_mut(), 0, at(0), 120, at(20), 1900), "gradient", "hessian");
+        overlap(dc_derivatives(handle, 0, null_mut(), 0, at(0), 120, at(20), 3900), "gradient", "hessian");
         overlap(dc_gaps(handle, at(0).cast(), at(1), 4), "outcomes", "gaps");
         overlap(dc_forces(handle, &LAW, at(0), at(3), null_mut(), 4), "penetrations", "forces");
         let law = dc_law { multipliers: at(0), multiplier_count: 4, ..LAW };

@@ -5,6 +5,7 @@ use std::ptr::{null, null_mut};
 use super::{Mesh, message, options, text};
 use crate::assembly::{dc_residual, dc_triplets};
 use crate::batch::dc_gap_batch;
+use crate::choice::dc_rule;
 use crate::contacts::{dc_contact, dc_contact_of, dc_cutback, dc_derivatives, dc_forces, dc_gaps};
 use crate::element::{dc_element, dc_element_system, dc_gap, dc_point};
 use crate::interface::{
@@ -102,7 +103,7 @@ fn structures_of_no_version_are_refused() {
     let known = std::mem::offset_of!(dc_options, cutback_penetration);
     let unknown = dc_options { size: known, cutback_penetration: -1.0, ..options() };
     assert_eq!(Mesh::new().make(&unknown).0, DC_BAD_SIZE, "no such version has been released");
-    let mut short = dc_report_of_size(size_of::<dc_report>() - 8);
+    let mut short = dc_report_of_size(std::mem::offset_of!(dc_report, gained_gap));
     let mesh = Mesh::new();
     let handle = mesh.interface();
     // SAFETY: as many positions as nodes.
@@ -217,7 +218,11 @@ fn pointers_sizes_and_handles() {
 #[test]
 fn a_frozen_interface_keeps_its_pairing_and_moves() {
     let mesh = Mesh::new();
-    let handle = refreshed(&mesh);
+    // Their support radius is another one for other masters.
+    let (status, handle) = mesh.make(&dc_options { rule: dc_rule::DC_HULL_LAYERS as i32, ..options() });
+    assert_eq!(status, DC_OK);
+    // SAFETY: as many positions as nodes.
+    assert_eq!(unsafe { dc_refresh(handle, mesh.positions.as_ptr(), 40, null_mut()) }, DC_OK);
     let mut moved = mesh.positions.clone();
     moved.iter_mut().skip(3 * 36).step_by(3).for_each(|x| *x += 0.9);
     let mut report = dc_report_of_size(size_of::<dc_report>());

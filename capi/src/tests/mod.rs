@@ -3,6 +3,7 @@
 mod agreement;
 mod cutback;
 mod defaults;
+mod domains;
 mod fuzz;
 mod memory;
 mod misuse;

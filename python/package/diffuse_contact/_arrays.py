@@ -16,6 +16,7 @@ from ._errors import BusyError, InputError
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Facets = ArrayLike | Sequence[Sequence[int]]
+Planes = ArrayLike | Sequence[tuple[ArrayLike, ArrayLike]]
 
 
 def _array(what: str, values: Any) -> NDArray[Any]:
@@ -177,3 +178,11 @@ def flag(what: str, value: Any) -> bool:
     if not isinstance(value, bool | np.bool_):
         raise InputError(f"{what} has to be True or False, not {shown(value)}", "wrong-type")
     return bool(value)
+
+
+def planes(what: str, values: Planes) -> Floats:
+    """Points and normals of planes in turn, shape (2m, 3)."""
+    array = _array(what, values)
+    if array.size == 0 and array.ndim < 3:
+        return np.empty((0, 3))
+    return floats(what, array, "m", 2, 3).reshape(-1, 3)

@@ -14,6 +14,7 @@ from ._arrays import (
     Facets,
     Floats,
     Ints,
+    Planes,
     choice,
     count,
     facets,
@@ -23,6 +24,7 @@ from ._arrays import (
     is_writable,
     new,
     number,
+    planes,
     refuse_overlap,
     word,
 )
@@ -42,7 +44,10 @@ class Options:
         element: ``"diffuse"``, or ``"node-to-facet"`` for the classic element.
         weight: ``"cubic"``, ``"cubic-interpolating"`` (the surface passes through the masters) or ``"wendland-c2"``.
         frame_derivative: ``"co-moving"``: N and M are exact; ``"frozen"``: the frame is held, as in the paper.
-        rule: which master nodes take part: ``"hull-layers"``, ``"hull-radius"`` or ``"nearest"``.
+        rule: which master nodes take part: ``"domains"``, all nodes of the slave's sheet within whose domain of
+            influence it lies, so that the gap does not jump; ``"hull-layers"``, ``"hull-radius"`` or ``"nearest"``.
+            ``layers`` to ``max_neighbours``, ``smallest_regularity`` to ``max_candidates`` and ``hysteresis`` are for
+            these three.
         layers: hull layers to start with; None for as many as make the fit well conditioned.
         max_layers: hull layers to stop at.
         neighbours: nearest nodes to start with.
@@ -63,7 +68,7 @@ class Options:
     element: Literal["diffuse", "node-to-facet"] = "diffuse"
     weight: Weight = "cubic"
     frame_derivative: FrameDerivative = "co-moving"
-    rule: Literal["hull-layers", "hull-radius", "nearest"] = "hull-layers"
+    rule: Literal["domains", "hull-layers", "hull-radius", "nearest"] = "domains"
     layers: int | None = None
     max_layers: int = 6
     neighbours: int = 12
@@ -110,7 +115,7 @@ class ContactInterface:
     """Slave nodes paired with a master surface.
 
     In a Newton iteration: ``refresh_pairing`` once an increment or once an iteration, then at each iteration
-    ``update``, ``evaluate``, ``residual`` and ``tangent``. Every slave has an outcome; an exception is for what the
+    ``follow``, ``evaluate``, ``residual`` and ``tangent``. Every slave has an outcome; an exception is for what the
     caller has to mend, and leaves the interface as it was. (An evaluation that finds no memory leaves it without
     results.) Arrays given as ``out`` are as they were, but if a sum overflows: they then hold anything.
 
@@ -132,10 +137,12 @@ class ContactInterface:
             tributary areas at these positions and the penalty is one per area, else one per node.
         dofs: equations of the nodes' x, y and z, shape (p, 3), −1 where there is none; if left out, 3·node + axis.
         equations: number of equations; if left out, 3p, or the largest of ``dofs`` plus 1.
+        symmetry: planes of symmetry, pairs of a point and the unit normal to the side of the model: the master surface
+            goes on beyond them as its mirror image. It needs the rule ``"domains"`` or the node-to-facet element.
         options: the fields of ``Options``, by keyword.
 
     Raises:
-        InterfaceError: for slaves, positions or options that are refused, and for slave facets.
+        InterfaceError: for slaves, positions or options that are refused, for slave facets and planes of symmetry.
         AssemblyError: for ``dofs`` that name an equation twice or one that does not exist.
         InputError: for a wrong shape, type or name.
 
@@ -150,6 +157,7 @@ class ContactInterface:
         slave_facets: Facets | None = None,
         dofs: ArrayLike | None = None,
         equations: int | None = None,
+        symmetry: Planes = (),
         **options: Any,
     ) -> None:
         if not isinstance(master, MasterSurface):
@@ -174,6 +182,7 @@ class ContactInterface:
             None if slave_facets is None else facets("slave_facets", slave_facets),
             self._options,
             numbers,
+            planes("symmetry", symmetry),
         )
 
     @property
@@ -193,6 +202,10 @@ class ContactInterface:
 
     def refresh_pairing(self, positions: ArrayLike) -> RefreshReport:
         """Takes over the positions, shape (p, 3), and pairs every slave anew, or keeps its pairing while it is sound.
+
+        With domains of influence lists of nodes are kept while nothing has moved by more than half their skin, a
+        twentieth of the radius, and new ones change no gap; only if the master has been stretched by more than a
+        tenth somewhere are the radii renewed, and the gaps' jump is reported.
 
         While the interface is frozen it is an ``update``, and the report says so.
 
@@ -231,6 +244,19 @@ class ContactInterface:
 
         """
         self._interface.update(floats("positions", positions, "p", 3))
+
+    def follow(self, positions: ArrayLike) -> bool:
+        """As ``update``, but with domains of influence the lists of nodes follow, which changes no gap.
+
+        Returns:
+            Whether they were made anew, as something had moved by more than half their skin: the sparsity pattern then
+            is another one. Radii stay until the next refresh. False while the interface is frozen.
+
+        Raises:
+            InterfaceError: for another number of positions, or one that is not finite.
+
+        """
+        return self._interface.follow(floats("positions", positions, "p", 3))
 
     def evaluate(self, mode: Mode = "hessian") -> Contacts:
         """Evaluates all contacts at the positions of the last update or refresh, in parallel, without the GIL.

@@ -35,13 +35,17 @@ class RefreshReport:
             ``changed`` (with other masters) and ``gained`` (without a pairing before).
         lost: without a pairing now, but with one before.
         without: without a pairing now, by the code of the reason.
-        fallbacks: what the searches had to give up: ``"none"``, ``"extended"``, ``"linear"``.
+        fallbacks: what the searches had to give up: ``"none"``, ``"extended"``, ``"linear"``, ``"far"``.
         contacts_lost: with a gap by the old pairing at these positions, but none by the new: their forces vanish.
         contacts_gained: the other way round: forces may appear.
         smallest_gap_lost: of the contacts lost, that with the smallest gap.
         smallest_gap_gained: of the contacts gained, that with the smallest gap.
         largest_gap_jump: where the refresh changed the gap most, if it changed any.
         frozen: whether the pairing was held (``ContactInterface.freeze``): the rest then is zero.
+        rebuilt: whether the pairing was made anew; with domains of influence only if something had moved by more than
+            half the skin of the lists, and with them the sparsity pattern stays what it was.
+        renewed_domains: with domains of influence, by how much the surface was stretched if the radii were renewed for
+            it, which changes gaps; None if they stayed.
 
     """
 
@@ -59,6 +63,8 @@ class RefreshReport:
     smallest_gap_gained: SlaveGap | None
     largest_gap_jump: GapJump | None
     frozen: bool = False
+    rebuilt: bool = True
+    renewed_domains: float | None = None
 
 
 @dataclass(frozen=True)
@@ -100,7 +106,8 @@ class Contact:
         masters: nodes 1 … n it is paired with; none without a pairing.
         outcome: ``"contact"`` or the code of the reason why there is none.
         reason: the same as a sentence; None for a contact.
-        fallback: what the neighbour search gave up: ``"none"``, ``"extended"``, ``"linear"``; None without contact.
+        fallback: what the neighbour search gave up: ``"none"``, ``"extended"``, ``"linear"``, or ``"far"`` for a slave
+            so far from the surface that its average plane takes wider domains; None without contact.
         area: tributary area, length²; 1 if the interface has none.
         gap: g, length. None, as all that follows, without contact.
         foot: foot point, shape (3,).
@@ -114,7 +121,7 @@ class Contact:
     masters: Ints
     outcome: str
     reason: str | None
-    fallback: Literal["none", "extended", "linear"] | None
+    fallback: Literal["none", "extended", "linear", "far"] | None
     area: float
     gap: float | None
     foot: Floats | None
@@ -127,11 +134,15 @@ class Contact:
 class Pairing:
     """What one slave is paired with, at the positions of the moment.
 
+    With domains of influence it is what lies within reach: fewer than ``Contact.masters``, the list of those that may
+    come to, and mirror images are masters of their own.
+
     Attributes:
         positions: of the masters, or of the facet's corners (node to facet), shape (n, 3).
         masters: their nodes; None for node to facet (see ``Contact.masters``).
         frame: rows t1, t2 and outward normal, shape (3, 3); None for node to facet.
-        support_radius: radius of the domain of influence, length; None for node to facet.
+        support_radius: radius of the domain of influence, length, of several the largest; None for node to facet.
+        radii: with domains of influence the radius of each master's, shape (n,); else None.
         basis: ``"quadratic"`` or ``"linear"``; None for node to facet.
 
     """
@@ -141,6 +152,7 @@ class Pairing:
     frame: Floats | None = None
     support_radius: float | None = None
     basis: str | None = None
+    radii: Floats | None = None
 
 
 class CutBack(NamedTuple):

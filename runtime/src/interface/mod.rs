@@ -172,11 +172,12 @@ impl ContactInterface {
     /// neighbours on both sides. To be called before the first [`refresh_pairing`](Self::refresh_pairing). Where the master ends in
     /// a plane, that is no border.
     ///
-    /// Domains of influence are found anew, at the positions of the last update.
+    /// Domains of influence are found anew, at the positions of the last update. Nobody is paired then: pairings name images in the planes
+    /// of before.
     ///
     /// # Errors
     /// [`InterfaceError::Surface`] for planes that cannot be planes of symmetry; [`InterfaceError::NoSymmetry`] if masters are
-    /// found by a rule without domains of influence.
+    /// found by a rule without domains of influence. Planes and pairing of before then stay.
     pub fn set_symmetry(&mut self, planes: &[SymmetryPlane]) -> Result<(), InterfaceError> {
         if let ContactElement::Diffuse { search, .. } = self.options.element
             && search.rule != NeighbourRule::Domains
@@ -184,9 +185,15 @@ impl ContactInterface {
         {
             return Err(InterfaceError::NoSymmetry);
         }
+        let index = self.master.at(&self.positions)?;
+        // Facets have no domains, but planes all the same.
+        symmetry_of(&index, planes)?;
+        self.nodal = Nodal::new(&index, &self.options, planes)?;
         self.planes = planes.to_vec();
         self.listed = None;
-        self.find_domains()
+        let layout = &self.pairings.layout;
+        self.pairings = Pairings::none(layout.slaves().to_vec(), layout.areas().to_vec());
+        Ok(())
     }
 
     /// The planes of symmetry.

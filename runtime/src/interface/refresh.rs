@@ -34,7 +34,8 @@ pub struct Refresh<'a> {
     pub old: &'a Pairings,
     /// What the old pairing has been evaluated with.
     pub old_creases: &'a Creases,
-    /// Whether gaps before and after are compared. With nodal domains a list makes no difference to a gap.
+    /// Whether gaps before and after are compared. With nodal domains a list makes no difference to a gap, unless a slave has none before or
+    /// after.
     pub compares: bool,
 }
 
@@ -177,7 +178,7 @@ impl Refresh<'_> {
                     old.patch.is_empty() && self.evaluator.options.element != ContactElement::NodeToFacet
                 };
                 let is_as_before = |old: &Paired<'_>| kept && frame.is_none() && was_whole(old);
-                if self.compares && !old.as_ref().is_some_and(is_as_before) {
+                if (self.compares || old.is_none()) && !old.as_ref().is_some_and(is_as_before) {
                     let paired = Paired { frame: frame.as_ref(), ..paired };
                     let before = old.as_ref().and_then(|old| self.old_gap(old, element));
                     report.compare(node, before, self.evaluator.gap(&paired, element).ok());
@@ -191,9 +192,7 @@ impl Refresh<'_> {
             }
             Err(reason) => {
                 report.lost += usize::from(old.is_some());
-                if self.compares {
-                    report.compare(node, old.and_then(|old| self.old_gap(&old, element)), None);
-                }
+                report.compare(node, old.and_then(|old| self.old_gap(&old, element)), None);
                 report.count_without(reason);
                 chunk.records.push(Err(reason));
                 chunk.frames.extend(self.evaluator.stand_in_frame());

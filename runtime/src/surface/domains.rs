@@ -326,7 +326,8 @@ fn smallest_multiple(nodes: &[Near], weight: Weight, carried: Carried, largest: 
         Carried::Linear => 3,
         Carried::Nothing => return None,
     };
-    let first = nodes.get(size - 1)?.distance;
+    // Images in a plane along the surface stand above one another: steps from zero would lead nowhere.
+    let first = nodes.get(size - 1..)?.iter().map(|node| node.distance).find(|x| x.is_normal())?;
     let is_enough = |multiple: f64| is_well_conditioned(nodes, weight, size, multiple);
     let (mut below, mut multiple) = (first, first * STEP);
     while !is_enough(multiple) {

@@ -14,8 +14,8 @@ use super::{Mesh, message};
 use crate::assembly::{dc_residual, dc_triplets};
 use crate::contacts::{dc_contact, dc_contact_of, dc_cutback, dc_derivatives, dc_forces, dc_gaps};
 use crate::interface::{
-    dc_counts, dc_destroy, dc_evaluate, dc_freeze, dc_interface, dc_refresh, dc_report, dc_set_equations,
-    dc_thaw, dc_update,
+    dc_counts, dc_destroy, dc_evaluate, dc_follow, dc_freeze, dc_interface, dc_refresh, dc_report,
+    dc_set_equations, dc_set_symmetry, dc_thaw, dc_update,
 };
 use crate::pattern::{
     dc_pattern, dc_pattern_create, dc_pattern_destroy, dc_pattern_fill, dc_pattern_structure,
@@ -90,7 +90,7 @@ impl Fuzz {
     }
 
     fn call(&mut self, number: usize) -> dc_status {
-        let kind = if number == 0 { 0 } else { self.random.below(21) };
+        let kind = if number == 0 { 0 } else { self.random.below(22) };
         match kind {
             0 => self.create(),
             1 | 2 => self.refresh(),
@@ -118,6 +118,7 @@ impl Fuzz {
             17 => self.gap(),
             18 => self.batch(),
             19 => self.pair(),
+            20 => self.symmetry(),
             _ => self.system(),
         }
     }
@@ -156,8 +157,35 @@ impl Fuzz {
     fn update(&mut self) -> dc_status {
         let (handle, positions) = (self.interface(), self.positions());
         let nodes = self.size(40);
+        let mut rebuilt = -1;
         // SAFETY: there are at least as many positions.
-        unsafe { dc_update(handle, positions.as_ptr(), nodes) }
+        unsafe {
+            if self.random.one_in(3) {
+                return dc_update(handle, positions.as_ptr(), nodes);
+            }
+            let status = dc_follow(handle, positions.as_ptr(), nodes, &mut rebuilt);
+            assert_eq!(matches!(status, DC_OK | DC_FROZEN), rebuilt >= 0);
+            status
+        }
+    }
+
+    /// Planes across the axes, as they are, tilted or no planes at all.
+    fn symmetry(&mut self) -> dc_status {
+        let handle = self.interface();
+        let mut planes = Vec::new();
+        for _ in 0..self.random.below(4) {
+            let axis = self.random.below(3);
+            let mut plane = [self.random.pick(&[0.0, 0.0, 2.5, -1.0]); 6];
+            plane[3..].fill(0.0);
+            plane[3 + axis] = self.random.pick(&[1.0, 1.0, 1.0, -1.0]);
+            if self.random.one_in(6) {
+                plane[self.random.below(6)] = self.random.odd_number();
+            }
+            planes.extend(plane);
+        }
+        let count = self.size(planes.len() / 6);
+        // SAFETY: there are at least as many planes.
+        unsafe { dc_set_symmetry(handle, planes.as_ptr(), count) }
     }
 
     fn refresh(&mut self) -> dc_status {
@@ -171,7 +199,14 @@ impl Fuzz {
         let status = unsafe { dc_refresh(handle, positions.as_ptr(), nodes, pointer) };
         if status == DC_OK && !pointer.is_null() {
             assert_eq!(report.paired + report.without, 4);
-            let numbers = [report.jump_before, report.jump_after, report.lost_gap, report.gained_gap];
+            assert!((0..=1).contains(&report.rebuilt) && (0..=4).contains(&report.far));
+            let numbers = [
+                report.jump_before,
+                report.jump_after,
+                report.lost_gap,
+                report.gained_gap,
+                report.renewed_stretch,
+            ];
             assert!(numbers.iter().all(|number| number.is_finite()));
         }
         status

@@ -327,7 +327,8 @@ typedef struct dc_contact {
     double normal[3];
     // Tributary area of the slave, length^2; 1 without areas.
     double area;
-    // Support radius of the pairing, length; node to facet: the extent of the facet; 0 if it is not paired.
+    // Support radius of the pairing, length; with DC_DOMAINS the largest at the corners of its facet; node to facet: the extent of the
+    // facet; 0 if it is not paired.
     double support_radius;
 } dc_contact;
 

@@ -30,7 +30,8 @@ pub struct dc_contact {
     pub normal: [f64; 3],
     /// Tributary area of the slave, length^2; 1 without areas.
     pub area: f64,
-    /// Support radius of the pairing, length; node to facet: the extent of the facet; 0 if it is not paired.
+    /// Support radius of the pairing, length; with DC_DOMAINS the largest at the corners of its facet; node to facet: the extent of the
+    /// facet; 0 if it is not paired.
     pub support_radius: f64,
 }
 

@@ -314,27 +314,35 @@ def test_beyond_planes_of_symmetry_the_surface_goes_on(scene):
     assert caught.value.code == "no-symmetry"
 
 
-def test_cut_back(scene):
-    interface = scene.evaluated()
+@pytest.mark.parametrize(
+    ("rule", "through", "outcome", "factor"),
+    [("hull-layers", 40, "foot-outside", 0.5), ("domains", 4, "no-average-plane", 0.25)],
+)
+def test_cut_back(scene, rule, through, outcome, factor):
+    interface = scene.evaluated(rule=rule)
     assert interface.cut_back() == (1.0, None, None)
-    reach = interface.pairing(0).support_radius
+    pairing = interface.pairing(0)
+    reach = pairing.support_radius
+    if rule == "domains":
+        # The largest at the corners of its facet.
+        reach = pairing.radii[np.isin(pairing.masters, [30, 31, 39, 40])].max()
     moved = scene.positions.copy()
     moved[81, 2] -= 0.5 * reach
     interface.update(moved)
     depth = interface.evaluate().penetration[0]
     hint = interface.cut_back()
     assert hint.slave == 81 and hint.outcome == "contact"
-    assert hint.factor == pytest.approx(0.25 * interface.pairing(0).support_radius / depth)
+    assert hint.factor == pytest.approx(0.25 * reach / depth)
     # Far through the ridge its element has no result.
-    moved[82, 2] -= 40
+    moved[82, 2] -= through
     interface.update(moved)
     contacts = interface.evaluate()
-    assert contacts.outcomes[1] == "foot-outside"
-    assert interface.cut_back(limit=10.0) == (0.5, 82, "foot-outside")
+    assert contacts.outcomes[1] == outcome
+    assert interface.cut_back(limit=10.0) == (factor, 82, outcome)
     # It does not matter how often it is evaluated.
     interface.evaluate()
     interface.evaluate("value")
-    assert interface.cut_back(limit=10.0) == (0.5, 82, "foot-outside")
+    assert interface.cut_back(limit=10.0) == (factor, 82, outcome)
     interface.update(scene.positions)
     interface.evaluate()
     assert interface.cut_back() == (1.0, None, None)
@@ -361,7 +369,7 @@ def test_cut_back(scene):
         ({"feature_angle": 200}, dc.InterfaceError, "invalid-option"),
         ({"hysteresis": np.nan}, dc.InterfaceError, "invalid-option"),
         ({"hysteresis": "much"}, dc.InputError, "wrong-type"),
-        ({"layers": 0}, dc.InterfaceError, "invalid-option"),
+        ({"rule": "hull-layers", "layers": 0}, dc.InterfaceError, "invalid-option"),
         ({"max_layers": -1}, dc.InputError, "invalid-option"),
         ({"max_layers": 2.5}, dc.InputError, "wrong-type"),
         ({"linear_fallback": "no"}, dc.InputError, "wrong-type"),

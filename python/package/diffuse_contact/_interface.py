@@ -394,7 +394,8 @@ class ContactInterface:
 
         The rule of ``dc_cutback`` in C, the least of
 
-        * ``limit`` R/(−g) for a slave deeper than ``limit`` × R, the support radius (the extent of a facet);
+        * ``limit`` R/(−g) for a slave deeper than ``limit`` × R, the support radius (with domains of influence
+          the largest at the corners of its facet; node to facet: the extent of the facet);
         * 0.5 for a slave that penetrated and whose foot lies outside its domain of influence now;
         * 0.25 for one whose element has no result for another reason;
 

@@ -157,7 +157,7 @@ struct Progress {
 
 impl Watcher for Progress {
     fn start(&mut self, interfaces: &[Beginning]) {
-        for Beginning { interface, slaves, paired, overlap, deep } in interfaces {
+        for Beginning { interface, slaves, paired, overlap, deep, linear } in interfaces {
             say(&format!(
                 "interface `{}`: {paired} of {slaves} slaves paired, deepest overlap {overlap:.3e}",
                 shown(interface)
@@ -166,6 +166,12 @@ impl Watcher for Progress {
                 say(&format!(
                     "  warning: {deep} slaves start deeper below the master than a tenth of their facets' size: do the parts \
                      overlap, or does the master face the wrong way?"
+                ));
+            }
+            if *linear > 0 {
+                say(&format!(
+                    "  warning: {linear} of {slaves} slaves have the linear basis, which is no better than facets: name the symmetry planes \
+                     that the master ends in, or mesh it with three rows of nodes"
                 ));
             }
         }

@@ -20,14 +20,14 @@ pub mod gap_gradient_kept {
 /// `gradients`: 1 × 3(n+1) entries, of gap.
 ///
 /// * `(a, b, z)_i = Q (x^i - x^c) / R, Q = (t1, t2, n)` (local offsets over the support radius)
-/// * `w = w(r), r = sqrt(a^2 + b^2)` (Chamoret et al. 2008, eq. 14)
+/// * `w = w(r), r = sqrt(a^2 + b^2) R / R_k` (Chamoret et al. 2008, eq. 14; R_k: docs/equations.md, T14)
 /// * `A alpha = beta, A = sum w p p^T, beta = sum w z p` (Chamoret et al. 2008, eq. 13)
 /// * `-u_k + h f_k = 0, h = -f(u)` (foot point x^d)
 /// * `g = nu (x^c - x^d)` (Chamoret et al. 2008, eq. 19)
 /// * `nu = (-f_1, -f_2, 1) / sqrt(1 + f_1^2 + f_2^2)` (Chamoret et al. 2008, eq. 22)
 /// * `N = dg/dx, M = d2g/dx2` (Chamoret et al. 2008, eqs. 32 and 42)
 ///
-/// Operations: 132 + 64 n + 0 n(n−1)/2, and 10 for each Newton iteration.
+/// Operations: 132 + 68 n + 0 n(n−1)/2, and 10 for each Newton iteration.
 ///
 /// # Panics
 /// If a slice is shorter than stated.
@@ -89,7 +89,7 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
         let mut beta_1 = T::ZERO;
         for vector in 0..inputs.masters.len() {
             let node = &mut nodes[vector];
-            let [master_x, master_y, master_z] = inputs.masters[vector];
+            let [master_x, master_y, master_z, domain_ratio] = inputs.masters[vector];
             let presence = S::presence(S::NODES * vector, count);
             let from_slave_y = master_y - slave_y;
             let from_slave_x = master_x - slave_x;
@@ -99,12 +99,16 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
                     axis_b_z,
                     from_slave_y.mul_add(axis_b_y, from_slave_x * axis_b_x),
                 );
+            let b_domain_ratio = b * domain_ratio;
             let a = from_slave_z
                 .mul_add(
                     axis_a_z,
                     from_slave_y.mul_add(axis_a_y, from_slave_x * axis_a_x),
                 );
-            let r = b.mul_add(b, a * a).sqrt();
+            let domain_ratio_a = domain_ratio * a;
+            let r = b_domain_ratio
+                .mul_add(b_domain_ratio, domain_ratio_a * domain_ratio_a)
+                .sqrt();
             let one_minus_r = T::ONE - r;
             let w = T::select_less(
                 r,
@@ -313,6 +317,7 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
         let mut minus_dgap_dslave_x = T::ZERO;
         for vector in 0..inputs.masters.len() {
             let node = &nodes[vector];
+            let [_, _, _, domain_ratio] = inputs.masters[vector];
             let presence = S::presence(S::NODES * vector, count);
             let a = node[at::A];
             let b = node[at::B];
@@ -326,20 +331,17 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
                 .mul_add(b_shifted, alpha_1.mul_add(a_shifted, foot_alpha_0));
             let e = z - fitted;
             let w_e = w * e;
-            let choice_v2 = T::select_less(
-                r,
-                T::ONE,
-                one_minus_r * T::splat(-6.0),
-                T::ZERO,
-            );
-            let w_e_b = w.neg_mul_add(alpha_2, e * (b * choice_v2));
+            let product_v2 = domain_ratio
+                * (domain_ratio
+                    * T::select_less(r, T::ONE, one_minus_r * T::splat(-6.0), T::ZERO));
+            let w_e_b = w.neg_mul_add(alpha_2, e * (b * product_v2));
             let sigma_gap = b_shifted
                 .mul_add(
                     lambda_gap_2,
                     lambda_gap_1.mul_sub(a_shifted, minus_lambda_gap_0),
                 );
             let sum_v4 = lambda_gap_2.mul_add(w_e, sigma_gap * w_e_b);
-            let w_e_a = w.neg_mul_add(alpha_1, e * (a * choice_v2));
+            let w_e_a = w.neg_mul_add(alpha_1, e * (a * product_v2));
             let sum_v5 = lambda_gap_1.mul_add(w_e, sigma_gap * w_e_a);
             let w_sigma_gap = w * sigma_gap;
             let dgap_dz = axis_z_z

@@ -8,14 +8,16 @@ fn gap_hessian(basis: Basis, weight: &Weight, frame: FrameRule) -> KernelCounts 
     emit_kernel(&KernelSpec { output, mode, basis, weight, frame }).counts
 }
 
+/// Its plane weights the nodes by their distance in space: weights of their own, and a height whose rows differ from node to node. A
+/// plane of equal weights took 1.55.
 #[test]
-fn a_moving_frame_costs_about_half_as_much_again_as_a_held_one() {
+fn a_moving_frame_costs_less_than_the_held_one_again() {
     for weight in [Weight::cubic(), Weight::cubic_interpolating(), Weight::wendland_c2()] {
         let held = gap_hessian(Basis::Quadratic, &weight, FrameRule::Frozen);
         let moving = gap_hessian(Basis::Quadratic, &weight, FrameRule::CoMoving);
         for nodes in 6..=24 {
             let [held, moving] = [held, moving].map(|counts| counts.total(nodes).total() as f64);
-            assert!(moving <= 1.55 * held, "{}, {nodes} nodes: {held}, {moving}", weight.name());
+            assert!(moving <= 1.8 * held, "{}, {nodes} nodes: {held}, {moving}", weight.name());
         }
     }
 }

@@ -609,7 +609,13 @@ impl Evaluator<'_> {
         if !self.holds_frames() {
             return Ok(None);
         }
-        let (frame, _) = self.frame(&Paired { frame: None, ..*paired }, scratch)?;
+        let moving = Paired { frame: None, ..*paired };
+        let frame = match (self.nodal, self.options.element) {
+            (Some(_), ContactElement::Diffuse { weight, .. }) => {
+                self.points_within_reach(&moving, weight, scratch)?.frame
+            }
+            _ => self.frame(&moving, scratch)?.0,
+        };
         Ok(Some(frame.frozen()))
     }
 

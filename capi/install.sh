@@ -1,11 +1,12 @@
 #!/bin/sh
-# Installs header, libraries, pkg-config file and the Fortran sources:
+# Installs header, libraries, pkg-config and CMake files, and the Fortran sources:
 #
 #     capi/install.sh PREFIX [BUILT]
 #
 #     PREFIX/include/diffuse_contact.h
 #     PREFIX/lib/libdiffuse_contact.so -> .so.0.1 -> .so.0.1.0, libdiffuse_contact.a
 #     PREFIX/lib/pkgconfig/diffuse_contact.pc
+#     PREFIX/lib/cmake/diffuse_contact/diffuse_contact-config.cmake
 #     PREFIX/share/diffuse_contact/diffuse_contact.f90, uel.f90, examples/block_on_cylinder.inp
 #
 # Builds the libraries with optimisation first, or takes them from the directory BUILT. With DESTDIR set, everything goes below it
@@ -38,7 +39,7 @@ case $version in
 esac
 
 root=${DESTDIR:-}$prefix
-mkdir -p "$root/include" "$root/lib/pkgconfig" "$root/share/diffuse_contact/examples"
+mkdir -p "$root/include" "$root/lib/pkgconfig" "$root/lib/cmake/diffuse_contact" "$root/share/diffuse_contact/examples"
 install -m 644 "$here/include/diffuse_contact.h" "$root/include/"
 install -m 755 "$built/libdiffuse_contact.so" "$root/lib/libdiffuse_contact.so.$version"
 ln -sf "libdiffuse_contact.so.$version" "$root/lib/libdiffuse_contact.so.$interface"
@@ -46,6 +47,11 @@ ln -sf "libdiffuse_contact.so.$interface" "$root/lib/libdiffuse_contact.so"
 install -m 644 "$built/libdiffuse_contact.a" "$root/lib/"
 sed -e "s|@PREFIX@|$prefix|" -e "s|@VERSION@|$version|" "$here/diffuse_contact.pc.in" \
     >"$root/lib/pkgconfig/diffuse_contact.pc"
+private=$(sed -n 's/^Libs.private: //p' "$here/diffuse_contact.pc.in" | tr ' ' ';')
+for file in diffuse_contact-config.cmake diffuse_contact-config-version.cmake; do
+    sed -e "s|@VERSION@|$version|" -e "s|@INTERFACE@|$interface|" -e "s|@PRIVATE@|$private|" "$here/$file.in" \
+        >"$root/lib/cmake/diffuse_contact/$file"
+done
 install -m 644 "$here/../fortran/diffuse_contact.f90" "$here/../fortran/uel.f90" "$root/share/diffuse_contact/"
 install -m 644 "$here/../fortran/examples/block_on_cylinder.inp" "$root/share/diffuse_contact/examples/"
 echo "installed $version in $root"

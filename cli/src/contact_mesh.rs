@@ -6,6 +6,7 @@ use clap::Args;
 use diffuse_contact_mesh::{Facet, Mesh, MeshError};
 
 use crate::error::CliError;
+use crate::input;
 
 /// The mesh that comes with the program.
 const SHIPPED: &[u8] = include_bytes!("../../meshes/plate_on_cylinder.msh");
@@ -82,7 +83,11 @@ impl ContactMesh {
     /// Reads a mesh file, or the mesh that comes with the program, and picks the two sets.
     pub fn read(path: Option<&Path>, sets: &SetArguments) -> Result<Self, CliError> {
         let (name, mesh) = match path {
-            Some(path) => (path.display().to_string(), Mesh::read(path)),
+            Some(path) => {
+                let (name, bytes) = input::read(path)?;
+                let mesh = Mesh::from_bytes(&bytes, &name);
+                (name, mesh)
+            }
             None => (SHIPPED_NAME.to_owned(), Mesh::from_gmsh(SHIPPED, "plate_on_cylinder.msh")),
         };
         // The reader's own messages begin with the file, those about sets do not.

@@ -2,37 +2,20 @@
 //! field.
 
 use std::fmt;
-use std::fs;
-use std::io::{self, Read};
 use std::marker::PhantomData;
-use std::path::Path;
 
 use diffuse_contact::{Basis, Frame, Point};
+use diffuse_contact_mesh::names::{nearest, shown};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserialize, DeserializeOwned, Deserializer, MapAccess, Visitor};
 use serde_path_to_error::{Path as Place, Segment};
 
 use crate::error::CliError;
 
-/// A word is taken for a misspelling of another if they are at least this similar (0 to 1).
-const SIMILARITY: f64 = 0.6;
-
 /// Words that some programs write in place of a number.
 const NO_NUMBERS: [&str; 6] = ["NaN", "nan", "Infinity", "infinity", "Inf", "inf"];
 /// What the parser says of a number beyond the range of f64: the text is JSON, but the number is lost.
 const OUT_OF_RANGE: &str = "number out of range";
-
-/// The text of a file, or of standard input for `-`, and its name for messages.
-pub fn read(path: &Path) -> Result<(String, Vec<u8>), CliError> {
-    let failed = |reason| CliError::Read { path: path.into(), reason };
-    if path == Path::new("-") {
-        let mut text = Vec::new();
-        io::stdin().read_to_end(&mut text).map_err(failed)?;
-        return Ok(("standard input".to_owned(), text));
-    }
-    let text = fs::read(path).map_err(failed)?;
-    Ok((path.display().to_string(), text))
-}
 
 /// Three numbers.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
@@ -140,14 +123,39 @@ fn describe(file: &str, text: &[u8], error: &serde_json::Error, path: Option<&Pl
         }
         _ => statement,
     };
-    let place = path.map(Place::to_string).filter(|place| place != ".");
+    let place = path.map(in_words).filter(|place| place != ".");
     let suggestion = path.and_then(|path| suggestion(path, statement));
+    let statement = in_a_line(statement);
     let what = format!(
         "{}{statement}{}",
         place.map(|place| format!("{place}: ")).unwrap_or_default(),
         suggestion.map(|field| format!("; did you mean `{field}`?")).unwrap_or_default()
     );
     CliError::Json { file: file.into(), line, column, what }
+}
+
+/// A place with its names shown.
+fn in_words(path: &Place) -> String {
+    let mut text = String::new();
+    for segment in path.iter() {
+        match segment {
+            Segment::Seq { .. } => text += &segment.to_string(),
+            Segment::Map { key } | Segment::Enum { variant: key } => {
+                text += if text.is_empty() { "" } else { "." };
+                text += &shown(key).to_string();
+            }
+            Segment::Unknown => {}
+        }
+    }
+    if text.is_empty() { ".".to_owned() } else { text }
+}
+
+/// Serde's statement in a line of limited length. What it quotes of the file stands before what was expected.
+fn in_a_line(statement: &str) -> String {
+    let (found, expected) = statement.split_at(statement.rfind(", expected ").unwrap_or(statement.len()));
+    // What serde quotes ends with a quote.
+    let end = if found.ends_with('`') { "`" } else { "" };
+    format!("{}{end}{expected}", shown(found.strip_suffix('`').unwrap_or(found)))
 }
 
 /// The word of letters that begins or ends at a place of the text.
@@ -163,11 +171,8 @@ fn word_at(text: &[u8], line: usize, column: usize) -> Option<&str> {
 /// The known field a misspelt one comes closest to. Serde lists the known ones in its statement, in backquotes
 /// after the unknown one.
 fn suggestion<'s>(path: &Place, statement: &'s str) -> Option<&'s str> {
-    let known = statement.strip_prefix("unknown field `")?.split('`').skip(2).step_by(2);
+    statement.strip_prefix("unknown field `")?;
+    let known = statement[statement.rfind(", expected ")?..].split('`').skip(1).step_by(2);
     let Some(Segment::Map { key }) = path.iter().next_back() else { return None };
-    known
-        .map(|field| (strsim::normalized_damerau_levenshtein(key, field), field))
-        .filter(|(similarity, _)| *similarity >= SIMILARITY)
-        .max_by(|(a, _), (b, _)| a.total_cmp(b))
-        .map(|(_, field)| field)
+    nearest(key, known)
 }

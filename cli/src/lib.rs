@@ -19,7 +19,7 @@ mod surface;
 
 use std::process::ExitCode;
 
-use diffuse_contact_program::{arguments, error, output, progress, threads, words};
+use diffuse_contact_program::{arguments, error, input, output, progress, threads, words};
 
 use args::{Arguments, Command};
 use demo::DemoArguments;
@@ -44,6 +44,9 @@ pub fn main() -> ExitCode {
 }
 
 fn run(command: Command) -> Result<ExitCode, CliError> {
+    if command.shares_threads() {
+        threads::start();
+    }
     let done = |()| ExitCode::SUCCESS;
     match command {
         Command::Demo(arguments) => demo::run(&arguments).map(done),

@@ -322,3 +322,73 @@ fn two_master_nodes_are_bad_input() {
         .assert_refused(&["in.json: elements[1].masters: 2 nodes", "at least 3"]);
     assert!(!std::path::Path::new(&output).exists());
 }
+
+/// One of them too large is an entry with an error, and no end of the others.
+#[test]
+fn an_element_that_is_too_large_leaves_the_others_unharmed() {
+    let mut large = plane([1.1, 0.9, 0.25]);
+    large["masters"] = (0..30_000).map(|k| json!([f64::from(k % 173), f64::from(k / 173), 0.0])).collect();
+    let answers = evaluate(json!([plane([1.1, 0.9, 0.25]), large, plane([1.1, 0.9, -0.25])]));
+    assert_eq!((&answers[0]["status"], &answers[2]["status"]), (&json!("ok"), &json!("ok")));
+    assert_eq!(answers[1]["code"], "too-many-masters");
+    assert!(answers[1]["message"].as_str().unwrap().contains("1000 masters at most, not 30000"));
+}
+
+/// Within a limit of memory too.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_element_without_memory_leaves_the_others_unharmed() {
+    let scratch = Scratch::new("evaluate-memory");
+    let mut large = plane([1.1, 0.9, 0.25]);
+    large["masters"] = (0..1000).map(|k| json!([f64::from(k % 33), f64::from(k / 33), 0.0])).collect();
+    let input = scratch.file("in.json", &json!({"elements": [large, plane([1.1, 0.9, 0.25])]}).to_string());
+    let script = format!("ulimit -v 200000; exec '{}' evaluate '{input}'", crate::PROGRAM);
+    let Run { code, stdout, stderr } =
+        std::process::Command::new("sh").args(["-c", &script]).output().unwrap().into();
+    assert_eq!(code, 0, "{stderr}");
+    let answer: Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(answer["elements"][0]["code"], "no-memory", "{stderr}");
+    assert_eq!(answer["elements"][1]["status"], "ok");
+}
+
+/// Users of single elements are told how well conditioned the fit is, in the measure of `neighbours`.
+#[test]
+fn the_regularity_of_the_fit_is_told() {
+    let sound = evaluate(json!([plane([1.1, 0.9, 0.25])]))[0]["regularity"].as_f64().unwrap();
+    assert!(sound > 0.1 && sound <= 1.0, "{sound}");
+    // Eight nodes near a circle about the slave carry a quadratic fit badly.
+    let masters: Vec<[f64; 3]> = (0..8)
+        .map(|k| {
+            let angle = std::f64::consts::TAU * f64::from(k) / 8.0 + 0.1;
+            let radius = if k % 2 == 0 { 1.0 } else { 1.02 };
+            [radius * angle.cos(), radius * angle.sin(), 0.0]
+        })
+        .collect();
+    let circle = json!({"slave": [0.05, 0.02, 0.1], "masters": masters, "outward": [0, 0, 1]});
+    let answer = &evaluate(json!([circle]))[0];
+    assert_eq!(answer["status"], "ok", "{answer}");
+    assert!(answer["regularity"].as_f64().unwrap() < 1e-2, "{}", answer["regularity"]);
+}
+
+/// A file can forge no message of its own, nor speak to the terminal; and what is long is neither compared for a minute nor printed.
+#[test]
+fn names_in_a_file_are_shown_in_one_line_of_limited_length() {
+    let scratch = Scratch::new("evaluate-names");
+    let hostile = "\u{1b}]0;title\u{7}\nerror: forged";
+    for long in ["", &"x".repeat(10_000_000)] {
+        let name = format!("{hostile}{long}");
+        let mut key = plane([0.0; 3]);
+        key[&name] = json!(1);
+        let mut word = plane([0.0; 3]);
+        word["weight"] = json!(name);
+        let mut frame = plane([0.0; 3]);
+        frame["frame"] = json!(name);
+        for element in [key, word, frame] {
+            let input = scratch.file("in.json", &json!({"elements": [element]}).to_string());
+            let refused = run(&["evaluate", &input]);
+            refused.assert_refused(&["forged", ", expected "]);
+            assert!(refused.stderr.len() < 1500, "{}", refused.stderr.len());
+            assert!(!refused.stderr.trim_end().contains(char::is_control), "{refused:?}");
+        }
+    }
+}

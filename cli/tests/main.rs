@@ -10,3 +10,4 @@ mod neighbours;
 #[path = "../../program/tests/runs.rs"]
 mod runs;
 mod surface;
+mod surroundings;

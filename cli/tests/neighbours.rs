@@ -165,7 +165,7 @@ fn bad_input_is_refused_as_a_whole() {
         (with(good.clone(), "layer", json!(2)).to_string(), "did you mean `layers`?"),
         (json!([good, 3]).to_string(), "[1]: invalid type: integer `3`, expected an object"),
         (json!([[good]]).to_string(), "[0]: invalid type: sequence, expected an object"),
-        ("3".to_owned(), "expected an object with slave, masters and outward, or a list of such objects"),
+        ("3".to_owned(), "expected an object with slave, masters and outward, a list of such objects, or"),
         ("{\"slave\": [0, 0,\n NaN]}".to_owned(), "line 2, column 2: slave[2]: NaN is no number in JSON"),
         ("[{\"masters\": [[0, 0]]}]".to_owned(), "[0].masters[0]: expected three coordinates"),
         ("[".to_owned(), "not valid JSON: EOF"),
@@ -177,6 +177,40 @@ fn bad_input_is_refused_as_a_whole() {
         run(&["neighbours", &input, "-o", &output]).assert_refused(&[&input, expected]);
         assert_eq!(scratch.names(), ["in.json"], "nothing is written");
     }
+}
+
+/// README shows one file, for both jobs.
+#[test]
+fn the_file_of_evaluate_is_read_too() {
+    let readme = include_str!("../../README.md");
+    let begin = readme.find(r#"{"elements": ["#).unwrap();
+    let text = &readme[begin..begin + readme[begin..].find("```").unwrap()];
+    let scratch = Scratch::new("neighbours-elements");
+    let input = scratch.file("in.json", text);
+    let answers = |input: &str| -> Value {
+        let Run { code, stdout, stderr } = run(&["neighbours", input]);
+        assert_eq!((code, stderr.as_str()), (0, ""));
+        serde_json::from_str(&stdout).unwrap()
+    };
+    let answer = answers(&input);
+    assert_eq!(answer["elements"][0]["status"], "ok", "{answer}");
+    // What only an element has makes no difference here, and is refused where it cannot be for an element.
+    let mut whole: Value = serde_json::from_str(text).unwrap();
+    for (field, value) in
+        [("weight", json!("cubic")), ("penalty", json!(3.0)), ("frame", json!("average-plane"))]
+    {
+        whole["elements"][0][field] = value.clone();
+        let mut alone = whole["elements"][0].clone();
+        alone
+            .as_object_mut()
+            .unwrap()
+            .retain(|name, _| ["slave", "masters", "outward", field].contains(&name.as_str()));
+        run(&["neighbours", &scratch.file("one.json", &alone.to_string())])
+            .assert_refused(&[&format!("{field}: has no meaning for a search")]);
+    }
+    assert_eq!(answers(&scratch.file("whole.json", &whole.to_string())), answer);
+    let more = json!({"elements": [], "more": 1}).to_string();
+    run(&["neighbours", &scratch.file("more.json", &more)]).assert_refused(&["unknown field `more`"]);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Runs `surface` on the shipped meshes, on others, and on what is no interface.
 
-use crate::runs::{Run, Scratch, run, run_in};
+use crate::runs::{Run, Scratch, run, run_in, run_with_input};
 use serde_json::Value;
 
 /// A shipped mesh.
@@ -176,4 +176,53 @@ fn bad_input_is_one_sentence_and_no_file() {
     run_in(&scratch, &["surface", &mesh]).assert_refused(&["--output"]);
     run_in(&scratch, &["surface", &mesh, "-o", &mesh]).assert_refused(&["input file"]);
     assert_eq!(scratch.names(), before);
+}
+
+#[test]
+fn a_mesh_comes_from_standard_input_too() {
+    let scratch = Scratch::new("surface-stdin");
+    let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/../meshes/plate_on_cylinder.msh");
+    let (named, piped) = (scratch.path("named.vtu"), scratch.path("piped.vtu"));
+    assert_eq!(run(&["surface", mesh, "-o", &named]).code, 0);
+    let text = std::fs::read_to_string(mesh).unwrap();
+    let found = run_with_input(&["surface", "-", "-o", &piped], &text);
+    assert!(found.code == 0 && found.stdout.contains("standard input"), "{found:?}");
+    assert_eq!(std::fs::read(named).unwrap(), std::fs::read(piped).unwrap());
+    run_with_input(&["surface", "-", "-o", &scratch.path("no.vtu")], "neither")
+        .assert_refused(&["standard input"]);
+}
+
+/// A master that faces away from its slaves takes all of them for penetration, and every element is sound.
+#[test]
+fn a_master_that_faces_the_wrong_way_is_told() {
+    let scratch = Scratch::new("surface-inside-out");
+    let surface = |text: &str| {
+        let mesh = scratch.file("plane.inp", text);
+        let output = scratch.path("out.vtu");
+        let sets = ["--master", "MASTER", "--slave", "SLAVE"];
+        let json: Value = summary(&[&["surface", &mesh, "-o", &output, "--json"], &sets[..]].concat());
+        (json["deep"].clone(), run(&[&["surface", &mesh, "-o", &output], &sets[..]].concat()).stdout)
+    };
+    let apart = plane().replace("-0.25\n", "0.25\n");
+    let (deep, said) = surface(&apart);
+    assert!(deep == 0 && !said.contains("warning"), "{said}");
+    let turned: String = apart
+        .lines()
+        .map(|line| match line.split(", ").collect::<Vec<_>>()[..] {
+            [tag, a, b, c, d] if tag.len() < 3 => format!("{tag}, {d}, {c}, {b}, {a}\n"),
+            _ => format!("{line}\n"),
+        })
+        .collect();
+    let (deep, said) = surface(&turned);
+    assert!(deep == 4 && said.contains("does the master face the wrong way?"), "{deep} {said}");
+}
+
+#[test]
+fn corners_out_of_order_are_told_an_order() {
+    let scratch = Scratch::new("surface-crossed");
+    let crossed = plane().replace("1, 1, 2, 7, 6\n", "1, 1, 2, 6, 7\n");
+    assert_ne!(crossed, plane());
+    let mesh = scratch.file("plane.inp", &crossed);
+    run(&["surface", &mesh, "-o", &scratch.path("out.vtu"), "--master", "MASTER", "--slave", "SLAVE"])
+        .assert_refused(&["the facet with the nodes 1, 2, 6, 7 crosses itself", "1, 2, 7, 6"]);
 }

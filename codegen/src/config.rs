@@ -1,12 +1,15 @@
 //! The build API: everything that reads or writes files.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
-use crate::emit::{EmitOptions, emit_file};
+use crate::emit::{EmitOptions, MOST_STATEMENTS, TooLong, emit_file};
 use crate::model::{Basis, BasisError, CustomBasis, Weight, WeightError};
 
 /// Why kernels were not generated.
-#[derive(Debug, thiserror::Error)]
+///
+/// `Debug` prints the same text as `Display`: it is what one sees of an error that `main` of a build script returns.
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum ConfigError {
     /// A weight is not usable.
@@ -27,6 +30,19 @@ pub enum ConfigError {
         /// The name.
         name: String,
     },
+    /// Weights whose formulas make a function that rustc has no stack for.
+    #[error(
+        "the weight \"{weight}\" is too long: its function {function} would have {statements} statements, at most \
+         {MOST_STATEMENTS} can be compiled; shorten the formula, or do without `share_kernels` if several share the function"
+    )]
+    WeightTooLong {
+        /// The weight's name; of weights that share kernels all names, with `_or_` between them.
+        weight: String,
+        /// The function.
+        function: String,
+        /// Its statements.
+        statements: usize,
+    },
     /// The path of the support module is not a Rust path.
     #[error("\"{path}\" is not a Rust path")]
     SupportPath {
@@ -44,6 +60,18 @@ pub enum ConfigError {
         /// The system's reason.
         source: std::io::Error,
     },
+}
+
+impl fmt::Debug for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+impl From<TooLong> for ConfigError {
+    fn from(TooLong { weight, function, statements }: TooLong) -> Self {
+        Self::WeightTooLong { weight, function, statements }
+    }
 }
 
 /// Which kernels to generate, and where to.
@@ -180,7 +208,7 @@ impl Config {
     /// The kernels' source text, for a crate compiled with optimisation.
     ///
     /// # Errors
-    /// [`ConfigError::SupportPath`], [`ConfigError::DuplicateWeight`].
+    /// [`ConfigError::SupportPath`], [`ConfigError::DuplicateWeight`], [`ConfigError::WeightTooLong`].
     pub fn source(&self) -> Result<String, ConfigError> {
         self.source_for(true)
     }
@@ -195,10 +223,11 @@ impl Config {
             }
         }
         let options = EmitOptions { support: &support, bases: &self.bases, optimised };
-        Ok(emit_file(&self.weights, self.facets, options))
+        Ok(emit_file(&self.weights, self.facets, options)?)
     }
 
-    /// Writes `diffuse_contact_kernels.rs` if its bytes change, and tells Cargo when to run again. In a build script the
+    /// Writes `diffuse_contact_kernels.rs` if its bytes change, tells Cargo when to run again, and warns of a weight that does not
+    /// end flat ([`Weight::note`]). In a build script the
     /// kernels know whether their crate is compiled with optimisation, from Cargo's `OPT_LEVEL`: without, they are
     /// run number by number, as vector code would take megabytes of stack.
     ///
@@ -216,8 +245,61 @@ impl Config {
             std::fs::write(&path, source)
                 .map_err(|source| ConfigError::Write { path: path.clone(), source })?;
         }
+        for note in self.weights.iter().flatten().filter_map(Weight::note) {
+            println!("cargo::warning={note}");
+        }
         // The formulas are in the build script; Cargo rebuilds it when this crate changes.
         println!("cargo::rerun-if-changed=build.rs");
         Ok(path)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_weights_share_kernels() {
+        let config = Config::new()
+            .cubic()
+            .weight("quartic", "(1 - r)^3 * (1 + 3*r)")
+            .unwrap()
+            .cubic_interpolating()
+            .wendland_c2()
+            .share_kernels();
+        let source = config.source().unwrap();
+        assert!(source.contains("mod cubic_or_quartic_or_wendland_c2"));
+        for module in
+            ["pub mod cubic ", "pub mod quartic ", "pub mod wendland_c2 ", "pub mod cubic_interpolating "]
+        {
+            assert!(source.contains(module), "{module}");
+        }
+    }
+
+    #[test]
+    fn a_weight_that_is_too_long_to_compile_is_named() {
+        let long = |factor: &str| {
+            let terms: Vec<String> =
+                (10..38).map(|k| format!("exp(-{k}*r^2/{factor})/sqrt(1 + r^{k})")).collect();
+            format!("(1 - r^2)^2 * ({})", terms.join(" + "))
+        };
+        let error = Config::new()
+            .weight("long", &long("7"))
+            .and_then(|config| config.weight("longer", &long("3")))
+            .unwrap()
+            .share_kernels()
+            .source()
+            .unwrap_err();
+        let ConfigError::WeightTooLong { weight, statements, .. } = &error else { panic!("{error}") };
+        assert!(weight == "long_or_longer" && *statements > MOST_STATEMENTS, "{error}");
+    }
+
+    /// `main` of a build script prints the error by `Debug`.
+    #[test]
+    fn an_error_of_a_build_script_points_at_the_character() {
+        let error = Config::new().weight("quartic", "(1 - r)^3 * (1 + 3*r").unwrap_err();
+        assert_eq!(format!("{error:?}"), error.to_string());
+        let text = format!("{:?}", Box::<dyn std::error::Error>::from(error));
+        assert!(text.contains("(1 - r)^3 * (1 + 3*r\n") && text.trim_end().ends_with('^'), "{text}");
     }
 }

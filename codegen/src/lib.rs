@@ -28,5 +28,5 @@ pub mod structure;
 pub use config::{Config, ConfigError};
 pub use model::{
     Basis, BasisError, CustomBasis, FacetShape, FacetSpec, FrameRule, Kernel, KernelSpec, Mode, Output,
-    Weight, WeightError,
+    Weight, WeightError, WeightNote,
 };

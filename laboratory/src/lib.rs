@@ -75,7 +75,10 @@ fn run(command: &Command) -> Result<ExitCode, CliError> {
     match command {
         Command::Emit(arguments) => emit::run(arguments).map(done),
         Command::Check(arguments) => check::run(arguments),
-        Command::Study(arguments) => study::run(arguments).map(done),
+        Command::Study(arguments) => {
+            threads::start();
+            study::run(arguments).map(done)
+        }
         Command::Bench(arguments) => bench::run(arguments).map(done),
         Command::Evaluate(arguments) => match arguments.backend {
             BackendKind::Generated => evaluate::run_with(arguments, &Generated),

@@ -2,7 +2,7 @@
 
 use diffuse_contact_codegen::{self as codegen, WeightError};
 
-use crate::error::CliError;
+use crate::error::{CliError, say};
 
 /// How a weight is written, for the help of `emit` and `check`.
 pub(crate) const FORMULAS: &str = "\
@@ -93,7 +93,11 @@ pub(crate) struct WeightArgument<E>(pub E);
 /// The weight of `--weight` and `--interpolating`; the cubic weight of the paper if there is none.
 pub fn weight(text: Option<&str>, interpolating: bool) -> Result<Weight, CliError> {
     let Some(text) = text else { return Ok(Weight::default()) };
-    Weight::new(text, interpolating).map_err(|reason| CliError::job(WeightArgument(reason)))
+    let weight = Weight::new(text, interpolating).map_err(|reason| CliError::job(WeightArgument(reason)))?;
+    if let Some(note) = weight.for_generator().note() {
+        say(&format!("note: {note}"));
+    }
+    Ok(weight)
 }
 
 #[cfg(test)]

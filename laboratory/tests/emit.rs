@@ -70,7 +70,7 @@ fn every_output_and_mode_of_either_basis_is_printed() {
 
 #[test]
 fn a_formula_of_ones_own_changes_the_kernel() {
-    let formula = "exp(-r)*(1 + r)";
+    let formula = "exp(-r)*(1 + r)*(1 - r^2)^2";
     let source = printed(&[&GAP[..], &["--weight", formula]].concat());
     assert!(source.contains(&format!("weight {formula}, frozen frame: operations")));
     assert!(source.contains(".exp()"));
@@ -195,4 +195,47 @@ fn the_readme_has_the_counts_of_today() {
         });
         assert_eq!(found, Some(row(label)), "{label}");
     }
+}
+
+/// What is written outlives a limit on the size of files, and nothing is left half written.
+#[cfg(unix)]
+#[test]
+fn a_limit_on_files_is_an_error() {
+    let scratch = Scratch::new("emit-limited");
+    let source = scratch.path("out.rs");
+    let full =
+        crate::runs::run_limited(8, &format!("emit --nodes 6 --output gap --mode hessian -o '{source}'"));
+    assert_eq!(full.code, 2, "{full:?}");
+    assert!(full.stderr.contains("cannot be written: "), "{full:?}");
+    assert!(scratch.names().is_empty());
+}
+
+#[test]
+fn a_weight_that_does_not_end_flat_is_told() {
+    let arguments = ["emit", "--nodes", "6", "--output", "coefficients", "--mode", "value", "--weight"];
+    let said = |formula: &str| {
+        let run = run(&[&arguments[..], &[formula]].concat());
+        assert_eq!(run.code, 0, "{run:?}");
+        run.stderr
+    };
+    assert_eq!(said("(1 - r)^2 * (1 + 2*r)"), "");
+    let note = said("1 - r^2");
+    assert!(note.starts_with("note: the weight \"1 - r^2\"") && note.contains("slope -2 there"), "{note}");
+}
+
+/// The figures of facets stand in README and docs/equations.md.
+#[test]
+fn the_documented_counts_of_facets_are_those_of_the_kernels() {
+    let printed = printed(&["emit", "--counts"]);
+    let documents = [include_str!("../../README.md"), include_str!("../../docs/equations.md")];
+    let row = |text: &str, shape: &str| -> Vec<String> {
+        let mut lines =
+            text.lines().map(|line| line.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()));
+        lines.find_map(|mut cells| (cells.next()? == shape).then(|| cells.collect())).unwrap()
+    };
+    for shape in ["triangle", "quadrilateral"] {
+        assert_eq!(row(documents[1], shape), row(&printed, shape), "{shape}");
+    }
+    let most = &row(&printed, "quadrilateral")[2];
+    assert!(documents[0].contains(&format!("{most} operations for g, N and M on a quadrilateral")), "{most}");
 }

@@ -5,6 +5,10 @@ use std::collections::HashMap;
 use crate::element::{Element, ElementKind};
 use crate::error::{Fault, Problem};
 
+/// Nodes or elements that all sets of a file hold together, each as often as it is named: some hundred times what large meshes have,
+/// and some hundred megabytes. A small file could ask for any number.
+pub(crate) const MOST_MEMBERS: usize = 50_000_000;
+
 /// Nodes and elements of a file under way. `at` is always the byte at which an item was read, for messages.
 #[derive(Default)]
 pub(crate) struct Builder {

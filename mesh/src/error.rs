@@ -4,12 +4,15 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::file::reason;
+use crate::names::{self, shown};
+
 /// Why there is no mesh, or no such set in it. Each message is one sentence that can be shown as it stands.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum MeshError {
     /// The file cannot be read at all.
-    #[error("{path}: cannot read the file: {cause}")]
+    #[error("{path}: cannot be read: {}", reason(cause))]
     Read {
         /// The file.
         path: PathBuf,
@@ -40,11 +43,22 @@ pub enum MeshError {
     Empty {
         /// The file.
         path: PathBuf,
-        /// `"nodes"`, `"elements"` or `"elements of types that are supported"`.
+        /// `"nodes"` or `"elements"`.
         what: &'static str,
     },
+    /// All of its elements are of types that are not supported.
+    #[error(
+        "{path}: none of the mesh's elements is of a type that is supported: they are of type {}; {SUPPORTED}",
+        names::list(kinds.iter().map(shown))
+    )]
+    NothingSupported {
+        /// The file.
+        path: PathBuf,
+        /// Their types, sorted.
+        kinds: Vec<String>,
+    },
     /// An instance was asked of a file of a format that has none.
-    #[error("{path}: a Gmsh file has no instances, and so none that is named {name:?}")]
+    #[error("{path}: a Gmsh file has no instances, and so none that is named {name:?}", name = shown(name))]
     NoInstances {
         /// The file.
         path: PathBuf,
@@ -52,7 +66,7 @@ pub enum MeshError {
         name: String,
     },
     /// The set holds an element that was not read, because its type is not supported.
-    #[error("the set {name:?} holds element {tag} of type {kind}, which is not supported; {SUPPORTED}")]
+    #[error("the set {name:?} holds element {tag} of type {kind}, which is not supported; {SUPPORTED}", name = shown(name))]
     UnreadElement {
         /// The name of the set.
         name: String,
@@ -62,7 +76,7 @@ pub enum MeshError {
         kind: String,
     },
     /// No set has this name.
-    #[error("no set is named {name:?}{}; {}", did_you_mean(nearest.as_deref()), list_of(available))]
+    #[error("no set is named {name:?}{}; {}", did_you_mean(nearest.as_deref()), list_of(available), name = shown(name))]
     UnknownSet {
         /// The name asked for.
         name: String,
@@ -72,7 +86,7 @@ pub enum MeshError {
         available: Vec<String>,
     },
     /// The set exists, but none of its members is a triangle or a quadrilateral.
-    #[error("the set {name:?} has no triangles or quadrilaterals to serve as facets: it holds {holds}")]
+    #[error("the set {name:?} has no triangles or quadrilaterals to serve as facets: it holds {holds}", name = shown(name))]
     NoFacets {
         /// The name of the set.
         name: String,
@@ -80,7 +94,7 @@ pub enum MeshError {
         holds: String,
     },
     /// The set exists, but it is not a set of elements.
-    #[error("the set {name:?} is not an element set: it holds {holds}")]
+    #[error("the set {name:?} is not an element set: it holds {holds}", name = shown(name))]
     NoElements {
         /// The name of the set.
         name: String,
@@ -121,7 +135,7 @@ pub enum Problem {
         expected: String,
     },
     /// Something else stands where the format wants a certain thing.
-    #[error("expected {expected}, found {found:?}")]
+    #[error("expected {expected}, found {found:?}", found = shown(found))]
     Unexpected {
         /// What the format wants here.
         expected: String,
@@ -158,12 +172,20 @@ pub enum Problem {
         available: Vec<String>,
     },
     /// A file does not have the instance that was asked for.
-    #[error("no instance is named {name:?}; {}", list("there are", available))]
+    #[error("no instance is named {name:?}; {}", list("there are", available), name = shown(name))]
     UnknownInstance {
         /// The name asked for.
         name: String,
         /// The names there are.
         available: Vec<String>,
+    },
+    /// Sets hold more nodes or elements than can be meant, counted as often as they are named.
+    #[error("the sets name {what} more than {limit} times altogether")]
+    SetsTooLarge {
+        /// `"nodes"` or `"elements"`.
+        what: &'static str,
+        /// How many are read.
+        limit: usize,
     },
     /// Two nodes share a tag.
     #[error("node {tag} is defined twice")]
@@ -222,7 +244,7 @@ pub enum Problem {
         declared: u64,
     },
     /// A set or surface refers to something that does not exist.
-    #[error("{set:?} refers to {member}, which does not exist")]
+    #[error("{set:?} refers to {member}, which does not exist", set = shown(set))]
     MissingMember {
         /// The set or surface.
         set: String,
@@ -230,7 +252,7 @@ pub enum Problem {
         member: String,
     },
     /// A surface names a face that the element does not have.
-    #[error("face {face:?} does not belong to element {element}, a {kind}; {advice}")]
+    #[error("face {face:?} does not belong to element {element}, a {kind}; {advice}", face = shown(face))]
     WrongFace {
         /// The face identifier.
         face: String,
@@ -288,7 +310,7 @@ fn excerpt(found: &[u8]) -> String {
 }
 
 fn did_you_mean(nearest: Option<&str>) -> String {
-    nearest.map_or_else(String::new, |name| format!(" (did you mean {name:?}?)"))
+    nearest.map_or_else(String::new, |name| format!(" (did you mean {:?}?)", shown(name)))
 }
 
 fn list_of(names: &[String]) -> String {
@@ -299,7 +321,7 @@ fn list(begin: &str, names: &[String]) -> String {
     if names.is_empty() {
         return format!("{begin} none");
     }
-    format!("{begin} {}", names.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", "))
+    format!("{begin} {}", names::list(names.iter().map(|name| format!("{:?}", shown(name)))))
 }
 
 #[cfg(test)]

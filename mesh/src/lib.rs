@@ -39,7 +39,7 @@ mod error;
 pub mod file;
 mod gmsh;
 mod mesh;
-mod names;
+pub mod names;
 pub mod vtu;
 
 pub use element::{Cell, Element, ElementKind, Facet};

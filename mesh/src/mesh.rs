@@ -56,13 +56,19 @@ impl Mesh {
         let path = path.as_ref();
         let bytes =
             std::fs::read(path).map_err(|cause| MeshError::Read { path: path.to_path_buf(), cause })?;
+        Self::from_bytes(&bytes, path)
+    }
+
+    /// Reads the content of a mesh file, as [`read`](Self::read) does. `path` tells the format and is used in messages.
+    pub fn from_bytes(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, MeshError> {
+        let path = path.as_ref();
         let extension = path.extension().and_then(|extension| extension.to_str()).map(str::to_lowercase);
         match extension.as_deref() {
-            Some("msh") => Self::from_gmsh(&bytes, path),
-            Some("inp") => Self::from_abaqus(&bytes, path),
+            Some("msh") => Self::from_gmsh(bytes, path),
+            Some("inp") => Self::from_abaqus(bytes, path),
             _ => match bytes.trim_ascii_start().first() {
-                Some(b'$') => Self::from_gmsh(&bytes, path),
-                Some(b'*') => Self::from_abaqus(&bytes, path),
+                Some(b'$') => Self::from_gmsh(bytes, path),
+                Some(b'*') => Self::from_abaqus(bytes, path),
                 _ => Err(MeshError::UnknownFormat { path: path.to_path_buf() }),
             },
         }
@@ -98,7 +104,12 @@ impl Mesh {
     fn unless_empty(self, path: &Path) -> Result<Self, MeshError> {
         let what = match (self.nodes.is_empty(), self.elements.is_empty()) {
             (true, _) => "nodes",
-            (false, true) if !self.unread.elements.is_empty() => "elements of types that are supported",
+            (false, true) if !self.unread.elements.is_empty() => {
+                let kinds: BTreeSet<&str> =
+                    self.unread.elements.iter().map(|element| element.kind.as_str()).collect();
+                let kinds = kinds.into_iter().map(String::from).collect();
+                return Err(MeshError::NothingSupported { path: path.to_path_buf(), kinds });
+            }
             (false, true) => "elements",
             (false, false) => return Ok(self),
         };

@@ -159,7 +159,7 @@ fn the_content_tells_the_format_where_the_extension_does_not() {
     assert_eq!(read("deck", deck).unwrap().nodes().len(), 3);
     assert!(matches!(read("notes.txt", "hello"), Err(MeshError::UnknownFormat { .. })));
     let missing = Mesh::read(directory.join("absent.msh")).unwrap_err();
-    assert!(missing.to_string().contains("absent.msh: cannot read the file"), "{missing}");
+    assert!(missing.to_string().contains("absent.msh: cannot be read"), "{missing}");
 }
 
 #[test]
@@ -314,4 +314,33 @@ fn a_wrong_byte_order_mark_is_shown() {
     let (place, problem) = fault(b"$MeshFormat\n4.1 1 8\n\x02\x00\x00\x00\n$EndMeshFormat\n");
     assert_eq!(place, Place::Line(3));
     assert!(problem.to_string().contains("02, 00, 00, 00"), "{problem}");
+}
+
+/// Every group of an entity holds all of its elements, so their number is a product.
+#[test]
+fn what_groups_hold_altogether_is_bounded() {
+    let text = |groups: usize, elements: usize| {
+        let tags: String = (1..=groups).map(|tag| format!("{tag} ")).collect();
+        let members: String = (1..=elements).map(|tag| format!("{tag} 1 2 3\n")).collect();
+        format!(
+            "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 1 0\n1 0 0 0 1 1 0 {groups} {tags}0\n$EndEntities\n$Nodes\n1 3 1 3\n\
+             2 1 0 3\n1\n2\n3\n0 0 0\n1 0 0\n0 1 0\n$EndNodes\n$Elements\n1 {elements} 1 {elements}\n2 1 2 {elements}\n\
+             {members}$EndElements\n"
+        )
+    };
+    let mesh = Mesh::from_gmsh(text(100, 50).as_bytes(), "groups.msh").unwrap();
+    assert!((1..=100).all(|k| mesh.element_sets()[&format!("surface {k}")].len() == 50));
+    let error = Mesh::from_gmsh(text(20_000, 5_000).as_bytes(), "groups.msh").unwrap_err();
+    assert!(
+        matches!(error, MeshError::Invalid { problem: Problem::SetsTooLarge { what: "elements", .. }, .. }),
+        "{error}"
+    );
+}
+
+#[test]
+fn names_of_a_file_are_shown_in_one_line_of_limited_length() {
+    let hostile = "\u{1b}[2J".to_owned() + &"x".repeat(100_000);
+    let mesh = Mesh::from_gmsh(SQUARE.as_bytes(), "square.msh").unwrap();
+    let message = mesh.facets(&format!("{hostile}\nerror: forged")).unwrap_err().to_string();
+    assert!(message.len() < 300 && !message.contains(['\u{1b}', '\n']), "{message}");
 }

@@ -5,6 +5,9 @@ use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
 use std::path::PathBuf;
 
+use diffuse_contact_mesh::file::reason as reason_of;
+use diffuse_contact_mesh::names::{escaped, shown};
+
 /// Why the program stops. The text is the sentence the user reads after `error: `.
 #[derive(Debug, thiserror::Error)]
 pub enum CliError {
@@ -15,7 +18,7 @@ pub enum CliError {
         path: PathBuf,
     },
     /// An input file cannot be read.
-    #[error("{}: cannot be read: {}", path.display(), plain(reason))]
+    #[error("{}: cannot be read: {}", path.display(), reason_of(reason))]
     Read {
         /// The file.
         path: PathBuf,
@@ -35,7 +38,7 @@ pub enum CliError {
         what: String,
     },
     /// An output file cannot be written.
-    #[error("{}: cannot be written: {}", path.display(), plain(reason))]
+    #[error("{}: cannot be written: {}", path.display(), reason_of(reason))]
     Write {
         /// The file.
         path: PathBuf,
@@ -51,7 +54,7 @@ pub enum CliError {
         directory: PathBuf,
     },
     /// Standard output cannot be written.
-    #[error("standard output cannot be written: {}", plain(.0))]
+    #[error("standard output cannot be written: {}", reason_of(.0))]
     Stdout(io::Error),
     /// An option has no meaning beside another one.
     #[error("{option} has no meaning beside {beside}")]
@@ -62,12 +65,20 @@ pub enum CliError {
         beside: &'static str,
     },
     /// So many threads cannot be started.
-    #[error("--threads {threads}: {reason}")]
+    #[error("--threads {threads}: {}", plain_text(&reason.to_string()))]
     Threads {
         /// What was asked for.
         threads: usize,
         /// What the system says.
         reason: rayon::ThreadPoolBuildError,
+    },
+    /// The environment asks for vector instructions that there are not.
+    #[error("DIFFUSE_CONTACT_ISA: this machine has no instructions {:?}; it has {}", shown(name), available.join(", "))]
+    NoInstructions {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        available: Vec<&'static str>,
     },
     /// What the job itself says.
     #[error(transparent)]
@@ -87,21 +98,18 @@ impl CliError {
     }
 }
 
-/// What the system says, without error numbers.
-fn plain(reason: &io::Error) -> String {
-    match reason.kind() {
-        ErrorKind::NotFound => "there is no such file".into(),
-        ErrorKind::PermissionDenied => "permission denied".into(),
-        ErrorKind::IsADirectory => "it is a directory".into(),
-        ErrorKind::NotADirectory => "part of its path is not a directory".into(),
-        _ => {
-            let text = reason.to_string();
-            text.split(" (os error").next().unwrap_or(&text).to_lowercase()
-        }
-    }
+/// A text that holds what the system says, without error numbers.
+pub(crate) fn plain_text(text: &str) -> String {
+    text.split(" (os error").next().unwrap_or(text).to_lowercase()
 }
 
 /// Prints `error: …` on standard error; if that is closed there is nobody to tell.
 pub fn report(error: &dyn Display) {
-    let _ = writeln!(io::stderr(), "error: {error}");
+    say(&format!("error: {error}"));
+}
+
+/// Prints lines on standard error, where a name from a file must not speak to the terminal.
+pub fn say(lines: &str) {
+    let lines: Vec<String> = lines.split('\n').map(escaped).collect();
+    let _ = writeln!(io::stderr(), "{}", lines.join("\n"));
 }

@@ -6,14 +6,18 @@
 
 pub mod arguments;
 pub mod error;
+pub mod input;
 pub mod output;
 pub mod progress;
 pub mod threads;
 pub mod words;
 
 use std::process::ExitCode;
+#[cfg(unix)]
+use std::sync::{Arc, atomic::AtomicBool};
 
 use clap::Parser;
+use diffuse_contact_kernels::support::Isa;
 
 use error::CliError;
 
@@ -23,14 +27,40 @@ pub const BAD_INPUT: u8 = 2;
 /// Reads the arguments, does the job, and says how it ended.
 #[must_use]
 pub fn main<A: Parser>(job: impl FnOnce(A) -> Result<ExitCode, CliError>) -> ExitCode {
-    match A::try_parse().map(job) {
-        Err(answer) => arguments::answer(&answer),
-        Ok(Ok(code)) => code,
+    let arguments = match A::try_parse() {
+        Ok(arguments) => arguments,
+        Err(answer) => return arguments::answer(&answer),
+    };
+    outlive_limits_of_files();
+    match check_instructions().and_then(|()| job(arguments)) {
+        Ok(code) => code,
         // Whoever reads the output has seen enough: no reason to complain.
-        Ok(Err(error)) if error.is_closed_pipe() => ExitCode::SUCCESS,
-        Ok(Err(error)) => {
+        Err(error) if error.is_closed_pipe() => ExitCode::SUCCESS,
+        Err(error) => {
             error::report(&error);
             ExitCode::from(BAD_INPUT)
         }
+    }
+}
+
+/// The library passes over names that it does not know; whoever starts a program wants to be told.
+fn check_instructions() -> Result<(), CliError> {
+    let Some(name) = std::env::var_os("DIFFUSE_CONTACT_ISA").filter(|name| !name.is_empty()) else {
+        return Ok(());
+    };
+    let name = name.to_string_lossy().into_owned();
+    match Isa::named(&name) {
+        Some(_) => Ok(()),
+        None => Err(CliError::NoInstructions { name, available: Isa::available().map(Isa::name).collect() }),
+    }
+}
+
+/// A file that grows beyond what the user may write (`ulimit -f`) is an error of writing, as a full disk is, and not the program's end.
+fn outlive_limits_of_files() {
+    #[cfg(unix)]
+    {
+        // That the signal came is known from the error.
+        let came = Arc::new(AtomicBool::new(false));
+        let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, came);
     }
 }

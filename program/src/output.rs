@@ -1,16 +1,13 @@
 //! Writing results so that a reader never meets half of them.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use diffuse_contact_mesh::{VtuError, VtuFile};
+use diffuse_contact_mesh::{VtuError, VtuFile, file};
 use serde::Serialize;
 
 use crate::error::CliError;
-
-/// Tries to name a temporary file before giving up; more than one is needed only after a crash.
-const ATTEMPTS: u32 = 100;
 
 /// Refuses early what [`write_file`] would refuse after the computation: a missing directory, a directory.
 pub fn check_target(path: &Path) -> Result<(), CliError> {
@@ -77,36 +74,11 @@ fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> 
     // A link keeps pointing to the file that is replaced.
     let path = fs::canonicalize(path).unwrap_or_else(|_| path.into());
     let existing = fs::metadata(&path).ok();
-    if existing.as_ref().is_some_and(|found| !found.is_file()) {
+    if existing.is_some_and(|found| !found.is_file()) {
         let mut writer = BufWriter::new(OpenOptions::new().write(true).open(&path)?);
         return fill(&mut writer).and_then(|()| writer.flush());
     }
-    let (temporary, file) = temporary_beside(&path)?;
-    let mut writer = BufWriter::new(file);
-    let written = fill(&mut writer)
-        .and_then(|()| writer.flush())
-        .and_then(|()| existing.map_or(Ok(()), |found| fs::set_permissions(&temporary, found.permissions())));
-    drop(writer);
-    let renamed = written.and_then(|()| fs::rename(&temporary, &path));
-    if renamed.is_err() {
-        // The first failure is the one to report.
-        let _ = fs::remove_file(&temporary);
-    }
-    renamed
-}
-
-/// A new file in the directory of `path`, under a name no other run uses.
-fn temporary_beside(path: &Path) -> io::Result<(PathBuf, File)> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let mut attempt = 0;
-    loop {
-        let temporary = directory_of(path).join(format!(".{name}.{}-{attempt}.part", std::process::id()));
-        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
-            Ok(file) => return Ok((temporary, file)),
-            Err(reason) if reason.kind() == ErrorKind::AlreadyExists && attempt < ATTEMPTS => attempt += 1,
-            Err(reason) => return Err(reason),
-        }
-    }
+    file::replace(&path, |writer| fill(writer))
 }
 
 /// Directory part of a path, `.` for a bare file name.

@@ -59,6 +59,24 @@ pub fn run_with_input(arguments: &[&str], input: &str) -> Run {
     child.wait_with_output().unwrap().into()
 }
 
+/// Runs with a limit on the size of files, in blocks of 512 or 1024 bytes as the shell has it.
+#[cfg(unix)]
+pub fn run_limited(blocks: usize, arguments: &str) -> Run {
+    let script = format!("ulimit -f {blocks}; exec '{}' {arguments}", crate::PROGRAM);
+    Command::new("sh").args(["-c", &script]).output().unwrap().into()
+}
+
+/// Runs where no thread can be started: stacks that no address space has room for do what a limit on processes does to users other
+/// than root.
+pub fn run_without_threads(arguments: &[&str]) -> Run {
+    program().args(arguments).env("RUST_MIN_STACK", (1_usize << 60).to_string()).output().unwrap().into()
+}
+
+/// Runs with the vector instructions of this name.
+pub fn run_with_instructions(name: &str, arguments: &[&str]) -> Run {
+    program().args(arguments).env("DIFFUSE_CONTACT_ISA", name).output().unwrap().into()
+}
+
 /// Runs the program, reads a few bytes of its output and closes the pipe; returns what it says on standard error.
 pub fn run_and_close_stdout(arguments: &[&str]) -> String {
     let mut child = program().args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();

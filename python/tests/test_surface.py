@@ -44,7 +44,7 @@ def test_areas():
         ([[0, 1, 6]], dc.SurfaceError, "node-out-of-range"),
         ([[0, 1, 1]], dc.SurfaceError, "repeated-node"),
         ([[0, 1, 2]], dc.SurfaceError, "no-area"),
-        ([[0, 4, 1, 3]], dc.SurfaceError, "no-area"),
+        ([[0, 4, 1, 3]], dc.SurfaceError, "not-cyclic"),
         ([[0, 1, 4, 3], [1, 4, 5, 2]], dc.SurfaceError, "inconsistent-orientation"),
         ([[0, -1, 4, 3]], dc.InputError, "negative-index"),
         ([[0, 1, 4, -2]], dc.InputError, "negative-index"),

@@ -1,5 +1,6 @@
 //! From a deck to results.
 
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -80,6 +81,19 @@ pub fn solve(
 ) -> Result<Summary, SolveError> {
     let text = std::fs::read_to_string(deck_path)
         .map_err(|cause| DeckError::Read { path: deck_path.into(), cause })?;
+    solve_text(text, deck_path, options, watcher)
+}
+
+/// Solves the text of a deck; `deck_path` is for messages, and meshes are sought beside it.
+///
+/// # Errors
+/// Those of [`solve`].
+pub fn solve_text(
+    text: String,
+    deck_path: &Path,
+    options: &SolveOptions,
+    watcher: &mut dyn Watcher,
+) -> Result<Summary, SolveError> {
     let deck = Deck::parse_named(&text, deck_path)?;
     let base = deck_path.parent().unwrap_or(Path::new(""));
     let model = deck.model(base)?;
@@ -89,8 +103,8 @@ pub fn solve(
         std::fs::create_dir_all(&options.out).map_err(OutputError::write(&options.out))?;
     }
     let _claim = Claim::of(&options.out)?;
-    let (mut recorder, state) = if options.restart {
-        let saved = Recorder::last_state(&recorded, &model)?;
+    let (mut recorder, state) = if options.restart && !Recorder::is_begun(&recorded) {
+        let saved = Recorder::last_state(&recorded, &model, statics.problem())?;
         let state = saved.state.clone();
         statics.check_state(&state)?;
         if let Some(summary) = finished(&state, &deck, &options.out)? {
@@ -120,6 +134,7 @@ pub fn solve(
     let reason = match (reason, written) {
         (reason, Ok(summary)) if reason.is_empty() || reason == STOPPED => return Ok(summary),
         (reason, Err(error)) if reason.is_empty() || reason == STOPPED => error.to_string(),
+        (reason, Err(error)) if error.to_string() != reason => format!("{reason}; and then {error}"),
         (reason, _) => reason,
     };
     let &State { increments, time, .. } = recorder.state();
@@ -207,15 +222,16 @@ pub fn problem(deck: &Deck, model: &Model, threads: usize) -> Result<Problem, So
 
 /// What the boundaries are called in results: by their node sets, and by a number where those are the same.
 fn support_names(deck: &Deck) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
+    let (mut names, mut known, mut numbers) = (Vec::new(), HashSet::new(), HashMap::new());
     for boundary in &deck.boundaries {
         let sets: Vec<&str> = boundary.nodes.iter().map(|name| name.name.as_str()).collect();
         let sets = sets.join("+");
         let mut name = sets.clone();
-        let mut number = 2;
-        while names.contains(&name) {
+        // Goes on where the last of this name ended.
+        let number = numbers.entry(sets.clone()).or_insert(1);
+        while !known.insert(name.clone()) {
+            *number += 1;
             name = format!("{sets} ({number})");
-            number += 1;
         }
         names.push(name);
     }
@@ -286,4 +302,31 @@ fn master_surfaces(deck: &Deck, model: &Model, state: &State) -> Vec<report::Sur
         (interface.name.as_str(), &master[..], interface.options(Contact::Diffuse))
     });
     sample_surfaces(surfaces, &state.positions)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write;
+
+    use super::*;
+
+    /// Many boundaries of one set: their names are numbered without a look at all those before.
+    #[test]
+    fn many_boundaries_of_one_set_are_numbered_in_time() {
+        let begin = std::time::Instant::now();
+        let mut text =
+            "[materials.a]\nyoung = 1.0\npoisson = 0.3\n[parts.b]\nshape = \"box\"\nsize = [1.0, 1.0, 1.0]\n\
+                        divisions = [1, 1, 1]\nmaterial = \"a\"\n"
+                .to_owned();
+        const COUNT: usize = 5000;
+        for _ in 0..COUNT {
+            let _ = write!(text, "[[boundary]]\nnodes = \"b\"\nfix = [\"x\"]\n");
+        }
+        text.push_str("[time]\nincrement = 1.0\n");
+        let names = support_names(&Deck::parse(&text).unwrap());
+        assert_eq!((names[0].as_str(), names[1].as_str()), ("b", "b (2)"));
+        assert_eq!(names.last(), Some(&format!("b ({COUNT})")));
+        assert_eq!(names.iter().collect::<HashSet<_>>().len(), COUNT);
+        assert!(begin.elapsed() < std::time::Duration::from_secs(30), "{:?}", begin.elapsed());
+    }
 }

@@ -173,3 +173,24 @@ fn results_that_are_missing_or_damaged_are_refused_in_a_sentence() {
     fs::write(&skin, whole).unwrap();
     assert_eq!(run(&["report", &out, "-o", &page]).code, 0);
 }
+
+#[test]
+fn results_are_not_replaced_by_their_report() {
+    let scratch = Scratch::new("report-onto");
+    let (deck, out) = (scratch.file("block.toml", &block_in(2)), scratch.path("out"));
+    assert_eq!(run(&["solve", &deck, "--out", &out]).code, 0);
+    for name in ["state.json", "deck.toml", "skins/00001.json", "results/new.html"] {
+        let target = format!("{out}/{name}");
+        let before = fs::read(&target).ok();
+        run(&["report", &out, "-o", &target]).assert_refused(&[name, "is the input file"]);
+        assert_eq!(fs::read(&target).ok(), before, "{name}");
+    }
+    #[cfg(unix)]
+    {
+        let link = scratch.path("link.html");
+        std::os::unix::fs::symlink(format!("{out}/state.json"), &link).unwrap();
+        run(&["report", &out, "-o", &link]).assert_refused(&["is the input file"]);
+    }
+    assert_eq!(run(&["report", &out, "-o", &format!("{out}/report.html")]).code, 0);
+    assert_eq!(run(&["report", &out, "-o", &format!("{out}/mine.html")]).code, 0);
+}

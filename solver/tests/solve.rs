@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::decks::{BLOCK, assert_same_results, block_in, contents, failing, files, summary, timeless};
-use crate::runs::{Scratch, run, run_in};
+use crate::runs::{Scratch, run, run_in, run_with_input, run_with_instructions};
 
 #[test]
 fn a_deck_becomes_results() {
@@ -246,6 +246,8 @@ fn damaged_results_are_not_gone_on_from() {
     // A state of another model: sound, but not of this one.
     let restart_with = |change: &dyn Fn(&mut serde_json::Value)| {
         let mut other: serde_json::Value = serde_json::from_str(&whole).unwrap();
+        // As an earlier version wrote it.
+        assert!(other.as_object_mut().unwrap().remove("checksum").is_some());
         change(&mut other);
         fs::write(&state, other.to_string()).unwrap();
         run(&["solve", &deck, "--out", &out, "--restart"])
@@ -261,6 +263,18 @@ fn damaged_results_are_not_gone_on_from() {
     let nowhere = serde_json::json!({"nodes": [1000], "gap": [0.0], "pressure": [0.0], "status": [3]});
     restart_with(&|other| other["pending"] = nowhere.clone()).assert_refused(&["state.json", "nodes"]);
     restart_with(&|other| other["model"] = "0".into()).assert_refused(&["another mesh"]);
+    restart_with(&|other| other["more"] = 0.into()).assert_refused(&["state.json", "unknown field `more`"]);
+    for (field, value, what) in [
+        ("time", serde_json::json!(-1.0), "time"),
+        ("time", 2.0.into(), "time"),
+        ("time", 0.75.into(), "time"),
+        ("length", (-1.0).into(), "length of an increment"),
+        ("increments", 1_000_000_000.into(), "history.csv"),
+        ("cutbacks", u64::MAX.into(), "number of cut-backs"),
+        ("iterations", u64::MAX.into(), "number of iterations"),
+    ] {
+        restart_with(&|other| other["state"][field] = value.clone()).assert_refused(&[what]);
+    }
     assert!(Path::new(&out).join("summary.json").exists(), "nothing else was touched");
 }
 
@@ -367,4 +381,144 @@ fn one_word_changes_the_element_and_the_number_of_threads_changes_nothing_here()
     assert_eq!(run(&["solve", &deck, "--out", &two, "--threads", "2"]).code, 0);
     assert_eq!(summary(Path::new(&one))["element"], "node-to-facet");
     assert_same_results(Path::new(&one), Path::new(&two));
+}
+
+#[test]
+fn a_deck_comes_from_standard_input_too() {
+    let scratch = Scratch::new("solve-stdin");
+    let (named, piped) = (scratch.path("named"), scratch.path("piped"));
+    let deck = scratch.file("block.toml", &block_in(2));
+    assert_eq!(run(&["solve", &deck, "--out", &named]).code, 0);
+    let solved = run_with_input(&["solve", "-", "--out", &piped], &block_in(2));
+    assert_eq!(solved.code, 0, "{solved:?}");
+    assert_same_results(Path::new(&named), Path::new(&piped));
+    run_with_input(&["solve", "-", "--out", &piped], "tilte = 1")
+        .assert_refused(&["standard input, line 1: "]);
+}
+
+#[test]
+fn a_directory_is_no_deck() {
+    let scratch = Scratch::new("solve-directory");
+    run(&["solve", &scratch.path("")]).assert_refused(&["cannot be read: it is a directory"]);
+}
+
+/// Names of interfaces are printed as a run begins.
+#[test]
+fn names_of_interfaces_do_not_speak_to_the_terminal() {
+    let scratch = Scratch::new("solve-names");
+    let hostile = "\\u001B[2J\\nerror: forged";
+    let deck = scratch.file("block.toml", &block_in(2).replace("\"floor\"", &format!("\"{hostile}\"")));
+    let solved = run(&["solve", &deck, "--out", &scratch.path("out")]);
+    assert_eq!(solved.code, 0, "{solved:?}");
+    assert!(solved.stderr.contains("forged"), "{solved:?}");
+    assert!(
+        !solved.stderr.contains('\u{1b}') && !solved.stderr.lines().any(|line| line.starts_with("error"))
+    );
+}
+
+/// A digit is another one: the text is sound JSON, and another state.
+#[test]
+fn a_state_that_is_not_what_was_written_is_not_gone_on_from() {
+    let scratch = Scratch::new("solve-checksum");
+    let (deck, out) = (scratch.file("block.toml", &block_in(2)), scratch.path("out"));
+    assert_eq!(run(&["solve", &deck, "--out", &out]).code, 0);
+    let state = Path::new(&out).join("state.json");
+    let whole = fs::read_to_string(&state).unwrap();
+    let at = whole.find("\"positions\":[[").unwrap() + 17;
+    let digit = at + whole[at..].find(|letter: char| ('1'..='8').contains(&letter)).unwrap();
+    let mut other = whole.clone().into_bytes();
+    other[digit] += 1;
+    fs::write(&state, &other).unwrap();
+    fs::remove_file(Path::new(&out).join("report.html")).unwrap();
+    run(&["solve", &deck, "--out", &out, "--restart"]).assert_refused(&["state.json", "checksum"]);
+    assert_eq!(fs::read(&state).unwrap(), other, "nothing was touched");
+}
+
+/// What the report would find in the end is found before the increments are solved.
+#[test]
+fn damaged_tables_and_skins_are_found_before_a_restart() {
+    let scratch = Scratch::new("solve-tables");
+    let out = scratch.path("out");
+    let deck = scratch.file("failing.toml", &failing("[[0.0, 0.0], [0.5, 0.0], [1.0, 1.0]]"));
+    assert_eq!(run(&["solve", &deck, "--out", &out]).code, 1);
+    let restart = || run(&["solve", &deck, "--out", &out, "--restart"]);
+    fn last_number(text: &str, by: &str) -> String {
+        let end = text.trim_end().rfind(',').unwrap() + 1;
+        format!("{}{by}\n", &text[..end])
+    }
+    type Damage = fn(&str) -> String;
+    let damages: [(&str, Damage, &str); 8] = [
+        ("history.csv", |text| last_number(text, "nan"), "`nan` is no finite number"),
+        ("history.csv", |text| last_number(text, "inf"), "`inf` is no finite number"),
+        ("history.csv", |text| last_number(text, "1.0,2.0"), "columns"),
+        ("history.csv", |text| text.replacen("\n2,", "\nx,", 1), "increments of state.json"),
+        ("iterations.csv", |text| last_number(text, "?"), "`?` is no finite number"),
+        ("iterations.csv", |text| text.replacen("\n4,", "\n3,", 9), "increments of state.json"),
+        ("skins/00002.json", |text| text.replacen("[[", "[[[", 1), "line 1"),
+        (
+            "skins/skin.json",
+            |text| text.replacen("\"faces\":[[0", "\"faces\":[[1", 1),
+            "skin of the deck's model",
+        ),
+    ];
+    for (name, damage, expected) in damages {
+        let path = Path::new(&out).join(name);
+        let whole = fs::read_to_string(&path).unwrap();
+        fs::write(&path, damage(&whole)).unwrap();
+        let before = contents(Path::new(&out));
+        let refused = restart();
+        refused.assert_refused(&[name, expected]);
+        assert!(contents(Path::new(&out)) == before, "{name}: nothing was touched");
+        fs::write(&path, whole).unwrap();
+    }
+    assert_eq!(restart().code, 1);
+}
+
+#[test]
+fn other_vector_instructions_are_told() {
+    let scratch = Scratch::new("solve-isa");
+    let out = scratch.path("out");
+    let deck = scratch.file("failing.toml", &failing("[[0.0, 0.0], [0.5, 0.0], [1.0, 1.0]]"));
+    assert_eq!(run(&["solve", &deck, "--out", &out]).code, 1);
+    let state = Path::new(&out).join("state.json");
+    let mut saved: serde_json::Value = serde_json::from_str(&fs::read_to_string(&state).unwrap()).unwrap();
+    let restart = || run(&["solve", &deck, "--out", &out, "--restart"]).stderr;
+    assert!(!restart().contains("instructions"));
+    saved.as_object_mut().unwrap().remove("checksum");
+    saved["instructions"] = "another machine's".into();
+    fs::write(&state, saved.to_string()).unwrap();
+    let said = restart();
+    assert!(said.contains("note: the run was made with another machine's instructions so far"), "{said}");
+}
+
+#[test]
+fn unknown_vector_instructions_are_refused() {
+    run_with_instructions("nonsense", &["solve", "no.toml"]).assert_refused(&[
+        "DIFFUSE_CONTACT_ISA",
+        "\"nonsense\"",
+        "scalar",
+    ]);
+}
+
+/// One layer of facets between y = 0 and y = 2 carries no quadratic surface across by itself, but with its images in both planes it
+/// does: the run says which it is.
+#[test]
+fn one_layer_needs_its_symmetry_planes() {
+    let scratch = Scratch::new("solve-symmetry");
+    let layer = BLOCK
+        .replace("divisions = [10, 3]", "divisions = [10, 1]")
+        .replace("increment = 0.125", "increment = 1.0");
+    let planes = r#"symmetry = ["y", { point = [0, 2, 0], normal = [0, -1, 0] }]"#;
+    let mirrored = layer.replace("refresh = \"iteration\"", planes);
+    let said = |name: &str, deck: &str| {
+        let (deck, out) = (scratch.file(&format!("{name}.toml"), deck), scratch.path(name));
+        let solved = run(&["solve", &deck, "--out", &out]);
+        assert_eq!(solved.code, 0, "{solved:?}");
+        solved.stderr
+    };
+    assert!(said("alone", &layer).contains("15 of 15 slaves have the linear basis"));
+    assert!(!said("mirrored", &mirrored).contains("linear basis"));
+    let crossed = layer.replace("refresh = \"iteration\"", r#"symmetry = ["w"]"#);
+    let refused = run(&["solve", &scratch.file("crossed.toml", &crossed), "--out", &scratch.path("crossed")]);
+    assert!(refused.code == 2 && refused.stderr.contains("\"x\""), "{refused:?}");
 }

@@ -8,8 +8,8 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use crate::PROGRAM;
-use crate::decks::{assert_same_results, block_in, files, small_block_in, summary, timeless};
-use crate::runs::{Run, Scratch, run};
+use crate::decks::{assert_same_results, block_in, failing, files, small_block_in, summary, timeless};
+use crate::runs::{Run, Scratch, run, run_limited, run_without_threads};
 
 /// Increments of a run that is interrupted: enough that the interrupt comes before the end.
 const MANY: usize = 150;
@@ -101,12 +101,6 @@ fn a_second_interrupt_ends_at_once() {
     assert_eq!(summary(Path::new(&out))["increments"], MANY);
 }
 
-/// Runs with a limit on the size of files, in blocks of 512 or 1024 bytes as the shell has it.
-fn run_limited(blocks: usize, arguments: &str) -> Run {
-    let script = format!("ulimit -f {blocks}; exec '{PROGRAM}' {arguments}");
-    Command::new("sh").args(["-c", &script]).output().unwrap().into()
-}
-
 /// Of a million nodes the machine may or may not be capable; within 4 GB it is not.
 #[cfg(target_os = "linux")]
 #[test]
@@ -180,4 +174,66 @@ fn a_disk_that_fills_up_on_the_way_keeps_the_increments_before() {
     assert_eq!(timeless(&Path::new(&out).join("history.csv")), known);
     let states = [&whole, &out].map(|directory| fs::read(Path::new(directory).join("state.json")).unwrap());
     assert!(states[0] == states[1]);
+}
+
+/// A pipe would wait for somebody to write into it.
+#[test]
+fn a_restart_in_what_is_no_directory_is_refused_at_once() {
+    let scratch = Scratch::new("restart-pipe");
+    let (deck, pipe) = (scratch.file("block.toml", &block_in(2)), scratch.path("pipe"));
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let mut child = Command::new(PROGRAM)
+        .args(["solve", &deck, "--out", &pipe, "--restart"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let begin = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if begin.elapsed() > Duration::from_secs(60) {
+            child.kill().unwrap();
+            panic!("it waits");
+        }
+        sleep(Duration::from_millis(5));
+    }
+    let refused: Run = child.wait_with_output().unwrap().into();
+    refused.assert_refused(&[&pipe, "no results to go on from"]);
+}
+
+/// Where no thread can be started the calling one does the work.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_threads_one_does_the_work() {
+    let scratch = Scratch::new("threadless");
+    let deck = scratch.file("block.toml", &block_in(2));
+    let (whole, out) = (scratch.path("whole"), scratch.path("out"));
+    assert_eq!(run(&["solve", &deck, "--out", &whole, "--threads", "1"]).code, 0);
+    let solved = run_without_threads(&["solve", &deck, "--out", &out]);
+    assert_eq!(solved.code, 0, "{solved:?}");
+    assert!(solved.stderr.contains("note: no threads can be started"), "{solved:?}");
+    assert_same_results(Path::new(&whole), Path::new(&out));
+    let solved = run_without_threads(&["solve", &deck, "--out", &out, "--overwrite", "--threads", "1"]);
+    assert_eq!(solved.code, 0, "{solved:?}");
+    let refused = run_without_threads(&["solve", &deck, "--out", &out, "--overwrite", "--threads", "2"]);
+    refused.assert_refused(&["--threads 2"]);
+    assert!(!refused.stderr.contains("os error"), "{refused:?}");
+}
+
+/// A run that fails and then finds no room for its report says both.
+#[test]
+fn the_second_reason_is_said_too() {
+    let scratch = Scratch::new("solve-twice");
+    let deck = scratch.file("fails.toml", &failing("[[0.0, 0.0], [0.5, 0.0], [1.0, 1.0]]"));
+    let (whole, out) = (scratch.path("whole"), scratch.path("out"));
+    assert_eq!(run(&["solve", &deck, "--out", &whole]).code, 1);
+    let others = files(Path::new(&whole)).into_iter().filter(|name| name != Path::new("report.html"));
+    let largest = others.map(|name| fs::metadata(Path::new(&whole).join(name)).unwrap().len()).max().unwrap();
+    let failed = run_limited(largest as usize / 512 + 3, &format!("solve '{deck}' --out '{out}'"));
+    assert_eq!(failed.code, 1, "{failed:?}");
+    let sentence = failed.stderr.lines().last().unwrap();
+    assert!(sentence.contains("no convergence after time 0.5"), "{sentence}");
+    assert!(
+        sentence.contains("; and then ") && sentence.contains("report.html: cannot be written"),
+        "{sentence}"
+    );
 }

@@ -1,9 +1,7 @@
 //! Kernels for bases of one's own against automatic differentiation, and what is refused.
 
 use diffuse_contact::ad::Ad;
-use diffuse_contact::{
-    Backend, Basis, CustomBasis, Element, ElementError, Generated, GeneratedWith, Mode, Weight,
-};
+use diffuse_contact::{Backend, Basis, CustomBasis, ElementError, Generated, GeneratedWith, Mode, Weight};
 use diffuse_contact_codegen::{BasisError, Config, ConfigError};
 use diffuse_contact_kernels::support::KernelSet;
 use diffuse_contact_tests::bases::{

@@ -18,7 +18,7 @@ use diffuse_contact_tests::{
 const TOLERANCE: f64 = 1e-11;
 /// Of weights that leave even six nodes a well-conditioned fit.
 const TIGHT_TOLERANCE: f64 = 1e-12;
-/// The node counts with kernels of fixed size, 7 and 4, and others.
+/// Numbers of nodes of a quadratic fit, and below of a linear one: the fewest, and more.
 const QUADRATIC: [usize; 5] = [6, 7, 8, 12, 25];
 const LINEAR: [usize; 5] = [3, 4, 5, 9, 25];
 

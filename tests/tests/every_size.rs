@@ -39,7 +39,7 @@ fn gap_with_the_linear_basis() {
 }
 
 #[test]
-fn gap_beyond_the_kernels_of_fixed_size() {
+fn gap_of_more_nodes() {
     for n in BEYOND {
         gap_matches(n, Basis::Quadratic, 5000 + n as u64);
         gap_matches(n, Basis::Linear, 6000 + n as u64);

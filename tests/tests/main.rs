@@ -4,6 +4,7 @@ mod codegen_output;
 mod custom_basis;
 mod custom_weight;
 mod deep_formulas;
+mod documents;
 mod every_size;
 mod facet_lanes;
 mod facet_statuses;

@@ -404,7 +404,6 @@ mod tests {
     fn nodes_on_a_circle_have_no_gap() {
         let masters: [[f64; 3]; 6] =
             std::array::from_fn(|k| [(1.1 * k as f64).cos(), (1.1 * k as f64).sin(), 0.0]);
-        let elements = Elements::new(6, 1).unwrap();
         let frame =
             diffuse_contact::Frame::given([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], None);
         let element = Element::new([0.1, 0.0, 0.2], &masters, frame.unwrap(), 1.6);

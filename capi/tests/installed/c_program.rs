@@ -73,6 +73,47 @@ fn the_c_example_prints_the_numbers_of_rust() {
     assert_eq!(printed, printed_static);
 }
 
+/// Stacks that no address space has room for keep threads from starting, as a limit on processes does.
+#[test]
+fn a_program_without_threads_has_the_same_numbers() {
+    if !has("pkg-config") {
+        return;
+    }
+    let installed = Installed::new("c-threadless");
+    compile(&installed, "press", &installed.flags(&["--libs"]));
+    let printed =
+        run(installed.program("press").arg("--bits").env("RUST_MIN_STACK", (1_usize << 60).to_string()));
+    assert_eq!(printed, run(installed.program("press").arg("--bits")));
+}
+
+/// Both libraries, from a prefix that was moved.
+#[test]
+fn cmake_finds_the_library() {
+    if !has("cmake") {
+        return;
+    }
+    let installed = Installed::new("c-cmake");
+    let project = installed.prefix.join("project");
+    let moved = installed.prefix.with_file_name("c-cmake-moved");
+    let _ = std::fs::remove_dir_all(&moved);
+    std::fs::create_dir_all(&project).unwrap();
+    let lists = "cmake_minimum_required(VERSION 3.10)\nproject(press C)\nset(CMAKE_C_STANDARD 11)\n\
+                 find_package(diffuse_contact 0.1 REQUIRED)\n\
+                 foreach(kind diffuse_contact static)\n  add_executable(press_${kind} ${SOURCE})\n\
+                 \x20 target_link_libraries(press_${kind} PRIVATE diffuse_contact::${kind} m)\nendforeach()\n";
+    std::fs::write(project.join("CMakeLists.txt"), lists).unwrap();
+    std::fs::rename(&installed.prefix, &moved).unwrap();
+    let build = moved.join("build");
+    let mut configure = Command::new("cmake");
+    configure.arg("-S").arg(moved.join("project")).arg("-B").arg(&build);
+    configure.arg(format!("-DCMAKE_PREFIX_PATH={}", moved.display()));
+    run(configure.arg(format!("-DSOURCE={}", root().join("capi/examples/press.c").display())));
+    run(Command::new("cmake").arg("--build").arg(&build));
+    let printed = run(Command::new(build.join("press_diffuse_contact")).arg("--bits"));
+    replay(&printed);
+    assert_eq!(printed, run(Command::new(build.join("press_static")).arg("--bits")));
+}
+
 #[test]
 fn the_c_example_leaks_nothing() {
     if !(has("pkg-config") && has("valgrind")) {

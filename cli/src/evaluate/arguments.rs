@@ -30,12 +30,14 @@ const JSON_FORMATS: &str = r#"IN.json:
 OUT.json, in the same order; vectors and rows over slave, master 1, ... master n, global axes:
   {"elements": [
     {"status": "ok", "active": gap < 0, "gap": g, "foot": [3], "normal": [3], "coefficients": [6 or 3],
-     "frame": {...}, "frame_derivative": "...", "support_radius": R, "n": [3(n+1)], "m": [[...], ...],
-     "residual": [...], "tangent": [[...], ...]},
+     "frame": {...}, "frame_derivative": "...", "support_radius": R, "regularity": r, "n": [3(n+1)],
+     "m": [[...], ...], "residual": [...], "tangent": [[...], ...]},
     {"status": "error", "code": "singular-fit", "message": "..."}
   ]}
 A file that does not follow this form is refused: exit code 2, nothing written. An element whose geometry or parameters have
 no result is an entry with status "error", and the exit code is 0.
+regularity: how well the masters carry the fit, 0 on one conic (linear basis: on one line), at most 1; near 0 the entries
+of n and m may be large. An element has 1000 masters at most.
 Residual -penalty g N and tangent penalty (g M + N N^T) are given for either sign of the gap."#;
 
 /// Arguments of `evaluate`.

@@ -16,7 +16,8 @@ use diffuse_contact::{Backend, Basis, Generated};
 use crate::content::ContentError;
 use crate::elsewhere;
 use crate::error::CliError;
-use crate::json::{self, Object};
+use crate::input;
+use crate::json::Object;
 use crate::outcome::Failures;
 use crate::output;
 
@@ -42,7 +43,7 @@ pub fn run_with(arguments: &EvaluateArguments, backend: &dyn Backend) -> Result<
         output::check_target(path)?;
         output::check_distinct(&arguments.input, path)?;
     }
-    let (file, text) = json::read(&arguments.input)?;
+    let (file, text) = input::read(&arguments.input)?;
     let document = parse(&file, &text)?;
     let mut failures = Failures::default();
     let write = |writer: &mut dyn Write| write_results(writer, &document.elements, backend, &mut failures);

@@ -1,5 +1,6 @@
 //! What `evaluate` answers for one element.
 
+use diffuse_contact::neighbourhood::element_regularity;
 use diffuse_contact::{
     Backend, Domains, Element, ElementError, Frame, FrameDerivative, Gap, Mode, Point, pairing,
 };
@@ -30,6 +31,8 @@ pub struct Evaluated {
     frame_derivative: FrameDerivativeOutput,
     /// The support radius that was used.
     support_radius: f64,
+    /// How well the masters carry the fit, from 0 to 1, as `neighbours` measures it: near 0 the entries of N and M may be large.
+    regularity: Option<f64>,
     /// N = ∂g/∂x (32).
     n: Vec<f64>,
     /// M = ∂²g/∂x∂x (42), full rows.
@@ -57,6 +60,12 @@ impl From<FrameDerivative> for FrameDerivativeOutput {
     }
 }
 
+/// Most masters of an element: its two matrices have nine times the square of their number as entries, each about twenty characters of
+/// the output.
+const MOST_MASTERS: usize = 1_000;
+/// Numbers held at once for each entry of such a matrix: both matrices as rows and packed, and what they are computed from.
+const NUMBERS_OF_ENTRY: usize = 4;
+
 /// Why an element that follows the schema has no result.
 #[derive(Debug, thiserror::Error)]
 enum Refusal {
@@ -72,6 +81,15 @@ enum Refusal {
          out or take \"frozen\", or leave out `frame` for the average plane"
     )]
     CoMovingGivenFrame,
+    /// More masters than matrices are made of.
+    #[error(
+        "an element can have {MOST_MASTERS} masters at most, not {found}: its matrices have the square of their number; take those around \
+         the slave, which `neighbours` finds"
+    )]
+    TooManyMasters { found: usize },
+    /// The system grants no memory for the matrices.
+    #[error("there is no memory for the matrices of {masters} masters, about {megabytes} MB")]
+    NoMemory { masters: usize, megabytes: usize },
     /// The penalty is not positive.
     #[error("the penalty must be positive, not {value}")]
     InvalidPenalty { value: f64 },
@@ -81,6 +99,8 @@ impl Refusal {
     const fn code(&self) -> &'static str {
         match self {
             Self::Element(error) => error.code(),
+            Self::TooManyMasters { .. } => "too-many-masters",
+            Self::NoMemory { .. } => "no-memory",
             Self::MissingOutward => "missing-outward",
             Self::CoMovingGivenFrame => "co-moving-given-frame",
             Self::InvalidPenalty { .. } => "invalid-penalty",
@@ -105,6 +125,7 @@ fn evaluated(input: &ElementInput, backend: &dyn Backend) -> Result<Evaluated, R
     if masters.len() < basis.size() {
         return Err(ElementError::TooFewNodes { found: masters.len(), needed: basis.size() }.into());
     }
+    check_memory(masters.len())?;
     let frame = frame(input, &masters)?;
     let slave = input.slave.0;
     let default = || match &input.support_radii {
@@ -119,6 +140,18 @@ fn evaluated(input: &ElementInput, backend: &dyn Backend) -> Result<Evaluated, R
     element.validate()?;
     let gap = backend.gap(&element, Mode::Hessian)?;
     Ok(answer(gap, &element, input.penalty)?)
+}
+
+/// One element that is too large is no end of the others. A failed allocation would be.
+fn check_memory(masters: usize) -> Result<(), Refusal> {
+    if masters > MOST_MASTERS {
+        return Err(Refusal::TooManyMasters { found: masters });
+    }
+    let numbers = NUMBERS_OF_ENTRY * (3 * (masters + 1)).pow(2);
+    // Memory that is asked for and not touched costs nothing.
+    Vec::<f64>::new()
+        .try_reserve_exact(numbers)
+        .map_err(|_| Refusal::NoMemory { masters, megabytes: numbers * size_of::<f64>() / 1_000_000 })
 }
 
 fn frame(input: &ElementInput, masters: &[Point]) -> Result<Frame, Refusal> {
@@ -160,6 +193,7 @@ fn answer(gap: Gap, element: &Element<'_>, penalty: f64) -> Result<Evaluated, El
         frame: element.frame.into(),
         frame_derivative: element.frame.derivative.into(),
         support_radius: element.support_radius,
+        regularity: element_regularity(element),
         n: gap.gradient,
         m: gap.hessian.to_rows(),
         residual,

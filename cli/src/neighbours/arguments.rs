@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 /// The formats of `neighbours`, for its help.
-const NEIGHBOUR_FORMATS: &str = r#"IN.json, one search or a list [...] of them:
+const NEIGHBOUR_FORMATS: &str = r#"IN.json, one search, a list [...] of them, or the same file as for evaluate, {"elements": [...]}:
   {"slave": [x, y, z],
    "masters": [[x, y, z], ...],     at least 3, or the file is refused
    "outward": [x, y, z],            direction to the outside of the master, any length
@@ -19,7 +19,7 @@ const NEIGHBOUR_FORMATS: &str = r#"IN.json, one search or a list [...] of them:
                                     no nodes carry that; not with hull-layers and a number of layers
   }
 
-OUT.json, one object or a list in the same order; nodes are places in "masters", counted from 0:
+OUT.json, laid out as IN.json, in the same order; nodes are places in "masters", counted from 0:
   {"status": "ok", "rule": "...", "at_slave": [...], "layers": [[...], ...], "nodes": [...],
    "support_radius": R, "basis": "...", "condition": c, "regularity": r, "pivot_ratio": p,
    "encloses_slave": true, "complete": true, "fallback": null, "frame": {...}}

@@ -13,14 +13,15 @@ use diffuse_contact::Basis;
 
 use crate::content::ContentError;
 use crate::error::CliError;
-use crate::json::{self, Object};
+use crate::input;
+use crate::json::Object;
 use crate::outcome::Failures;
 use crate::output;
 
 pub use arguments::NeighboursArguments;
 
 use result::search;
-use schema::{Document, Rule, SearchInput};
+use schema::{Document, Layout, Rule, SearchInput};
 
 /// Searches the neighbours of all slaves of the input file.
 pub fn run(arguments: &NeighboursArguments) -> Result<(), CliError> {
@@ -28,7 +29,7 @@ pub fn run(arguments: &NeighboursArguments) -> Result<(), CliError> {
         output::check_target(path)?;
         output::check_distinct(&arguments.input, path)?;
     }
-    let (file, text) = json::read(&arguments.input)?;
+    let (file, text) = input::read(&arguments.input)?;
     let document = parse(&file, &text)?;
     let mut failures = Failures::default();
     let write = |writer: &mut dyn Write| write_results(writer, &document, &mut failures);
@@ -42,11 +43,9 @@ pub fn run(arguments: &NeighboursArguments) -> Result<(), CliError> {
 
 /// Reads the document; masters that no basis can fit and fields without meaning are bad input.
 fn parse(file: &str, text: &[u8]) -> Result<Document, CliError> {
-    let document: Document = json::parse(file, text)?;
+    let document = schema::parse(file, text)?;
     for (index, Object(input)) in document.searches.iter().enumerate() {
-        let place = |field: &str| {
-            if document.is_list { format!("[{index}].{field}") } else { field.to_owned() }
-        };
+        let place = |field: &str| document.layout.place(index) + field;
         let found = input.masters().len();
         if found < Basis::Linear.size() {
             return Err(ContentError::TooFewMasters {
@@ -56,7 +55,9 @@ fn parse(file: &str, text: &[u8]) -> Result<Document, CliError> {
             }
             .into());
         }
-        if let Some((field, beside)) = meaningless(input) {
+        let of_element = input.field_of_element().filter(|_| document.layout != Layout::Elements);
+        let of_element = of_element.map(|field| (field, "for a search: it is a field of `evaluate`"));
+        if let Some((field, beside)) = of_element.or_else(|| meaningless(input)) {
             return Err(ContentError::MeaninglessField {
                 file: file.to_owned(),
                 place: place(field),
@@ -82,18 +83,21 @@ fn meaningless(input: &SearchInput) -> Option<(&'static str, &'static str)> {
     }
 }
 
-/// One line per search, in a list if the input is one; counts the codes of those without a result.
+/// One line per search, laid out as the input is; counts the codes of those without a result.
 fn write_results(writer: &mut dyn Write, document: &Document, failures: &mut Failures) -> io::Result<()> {
-    if document.is_list {
-        writer.write_all(b"[")?;
-    }
+    let (begin, end): (&[u8], &[u8]) = match document.layout {
+        Layout::One => (b"", b"\n"),
+        Layout::List => (b"[", b"\n]\n"),
+        Layout::Elements => (b"{\"elements\":[", b"\n]}\n"),
+    };
+    writer.write_all(begin)?;
     for (index, Object(input)) in document.searches.iter().enumerate() {
         let outcome = search(input);
         failures.count(&outcome);
-        if document.is_list {
+        if document.layout != Layout::One {
             writer.write_all(if index == 0 { b"\n" } else { b",\n" })?;
         }
         serde_json::to_writer(&mut *writer, &outcome)?;
     }
-    writer.write_all(if document.is_list { b"\n]\n" } else { b"\n" })
+    writer.write_all(end)
 }

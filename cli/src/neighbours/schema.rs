@@ -8,7 +8,7 @@
 //!  "layers": 1}
 //! ```
 //!
-//! or a list of such objects. `slave`, `masters` and `outward` are always needed; the defaults are those of
+//! or a list of such objects, or what `evaluate` reads, `{"elements": [...]}`, whose fields on the element are passed over. `slave`, `masters` and `outward` are always needed; the defaults are those of
 //! [`SearchInput`]'s fields. Nothing else is accepted. All coordinates are global, in one length unit.
 
 use std::fmt;
@@ -16,17 +16,40 @@ use std::fmt;
 use diffuse_contact::{Basis, Point};
 use serde::Serialize;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
-use crate::json::{BasisName, Coordinates, Object};
+use crate::error::CliError;
+use crate::json::{self, BasisName, Coordinates, Object};
 
 /// The whole file.
 #[derive(Debug)]
 pub struct Document {
     /// The searches, made in this order.
     pub searches: Vec<Object<SearchInput>>,
-    /// Whether they stand in a list; otherwise there is one.
-    pub is_list: bool,
+    /// How they stand in the file.
+    pub layout: Layout,
+}
+
+/// How searches stand in a file, and their results in another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layout {
+    /// One by itself.
+    One,
+    /// In a list.
+    List,
+    /// In the list `elements`, as `evaluate` has them.
+    Elements,
+}
+
+impl Layout {
+    /// The name of a search in a message, with what goes between it and a field of it.
+    pub fn place(self, index: usize) -> String {
+        match self {
+            Self::One => String::new(),
+            Self::List => format!("[{index}]."),
+            Self::Elements => format!("elements[{index}]."),
+        }
+    }
 }
 
 /// One search.
@@ -49,9 +72,27 @@ pub struct SearchInput {
     pub count: Option<Count>,
     /// Basis the nodes are to carry; `quadratic`, and `linear` where no nodes carry that, if left out.
     pub basis: Option<BasisName>,
+    frame: Option<IgnoredAny>,
+    frame_derivative: Option<IgnoredAny>,
+    support_radius: Option<IgnoredAny>,
+    weight: Option<IgnoredAny>,
+    penalty: Option<IgnoredAny>,
 }
 
 impl SearchInput {
+    /// A field that only an element has.
+    pub fn field_of_element(&self) -> Option<&'static str> {
+        let Self { frame, frame_derivative, support_radius, weight, penalty, .. } = self;
+        let fields = [
+            ("frame", frame),
+            ("frame_derivative", frame_derivative),
+            ("support_radius", support_radius),
+            ("weight", weight),
+            ("penalty", penalty),
+        ];
+        fields.into_iter().find(|(_, value)| value.is_some()).map(|(name, _)| name)
+    }
+
     /// Positions of the masters.
     pub fn masters(&self) -> Vec<Point> {
         self.masters.iter().map(|master| master.0).collect()
@@ -105,16 +146,33 @@ impl<'de> Visitor<'de> for DocumentVisitor {
     type Value = Document;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("an object with slave, masters and outward, or a list of such objects")
+        f.write_str("an object with slave, masters and outward, a list of such objects, or {\"elements\": [...]} as for evaluate")
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Document, A::Error> {
         let search = SearchInput::deserialize(MapAccessDeserializer::new(map))?;
-        Ok(Document { searches: vec![Object(search)], is_list: false })
+        Ok(Document { searches: vec![Object(search)], layout: Layout::One })
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Document, A::Error> {
         let searches = Vec::deserialize(SeqAccessDeserializer::new(list))?;
-        Ok(Document { searches, is_list: true })
+        Ok(Document { searches, layout: Layout::List })
     }
+}
+
+/// What `evaluate` reads.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Elements {
+    elements: Vec<Object<SearchInput>>,
+}
+
+/// Reads a document, or says in one sentence where it departs from the schema.
+pub fn parse(file: &str, text: &[u8]) -> Result<Document, CliError> {
+    let first_key = text.trim_ascii_start().strip_prefix(b"{").map(<[u8]>::trim_ascii_start);
+    if first_key.is_some_and(|key| key.starts_with(b"\"elements\"")) {
+        let Object(Elements { elements }) = json::parse(file, text)?;
+        return Ok(Document { searches: elements, layout: Layout::Elements });
+    }
+    json::parse(file, text)
 }

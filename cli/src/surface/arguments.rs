@@ -13,7 +13,7 @@ use crate::threads;
 #[derive(Args, Clone, Debug)]
 #[command(after_help = legend::help())]
 pub struct SurfaceArguments {
-    /// Mesh file, Gmsh `.msh` 4.1 or Abaqus `.inp`
+    /// Mesh file, Gmsh `.msh` 4.1 or Abaqus `.inp`; `-` reads standard input
     #[arg(value_name = "MESH")]
     pub mesh: PathBuf,
     /// The two sets of the mesh.

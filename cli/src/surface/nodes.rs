@@ -13,6 +13,9 @@ use crate::contact_mesh::SetArguments;
 use crate::error::CliError;
 use crate::progress::progress;
 
+/// A slave that lies deeper below the master than this part of its facets' size is more than a mesh that does not quite fit.
+const DEEP: f64 = 0.1;
+
 /// What is known of one slave node.
 pub struct SlaveNode {
     /// Whether it has contact.
@@ -51,6 +54,8 @@ pub struct Counts {
     pub contacts: usize,
     /// Of these: with a negative one.
     pub penetrating: usize,
+    /// Of these: deeper below the master than a tenth of their facets' size.
+    pub deep: usize,
     /// Smallest and largest gap, if there is any.
     pub gaps: Option<[f64; 2]>,
     /// Fewest and most masters of a slave with contact.
@@ -118,6 +123,7 @@ impl SlaveNodes {
         Counts {
             contacts: contacts().count(),
             penetrating: gaps().filter(|&gap| gap < 0.0).count(),
+            deep: contacts().filter(|node| node.point.gap < -DEEP * node.area.sqrt()).count(),
             gaps: gaps().min_by(f64::total_cmp).zip(gaps().max_by(f64::total_cmp)).map(Into::into),
             masters: masters().min().zip(masters().max()).map(Into::into),
             without,

@@ -38,6 +38,8 @@ pub struct Summary {
     slaves: usize,
     contacts: usize,
     penetrating: usize,
+    /// Slaves deeper below the master than a tenth of their facets' size.
+    deep: usize,
     smallest_gap: Option<f64>,
     largest_gap: Option<f64>,
     without: BTreeMap<&'static str, usize>,
@@ -49,11 +51,13 @@ pub struct Summary {
 impl Report<'_> {
     /// The summary for programs.
     pub fn summary(&self) -> Summary {
-        let Counts { contacts, penetrating, gaps, without, fallbacks, .. } = self.nodes.counts();
+        let Counts { contacts, penetrating, deep, gaps, without, fallbacks, .. } = self.nodes.counts();
         Summary {
             slaves: self.nodes.nodes.len(),
             contacts,
             penetrating,
+            // Without areas there are no sizes.
+            deep: if self.surfaces.has_areas { deep } else { 0 },
             smallest_gap: gaps.map(|[smallest, _]| smallest),
             largest_gap: gaps.map(|[_, largest]| largest),
             without,
@@ -109,6 +113,11 @@ impl fmt::Display for Report<'_> {
                 let unit = "(length unit of the mesh; negative: penetrating)";
                 row(f, "gap", &format!("{smallest:.6} to {largest:.6} {unit}"))?;
                 row(f, "penetrating", &counted(counts.penetrating, "slave node"))?;
+                if surfaces.has_areas && 2 * counts.deep > counts.contacts {
+                    let meaning =
+                        "deeper than a tenth of their facets' size: does the master face the wrong way?";
+                    row(f, "  warning", &format!("{} {meaning}", counted(counts.deep, "slave node")))?;
+                }
             }
             None => row(f, "gap", "none")?,
         }

@@ -76,6 +76,10 @@ impl Surfaces {
         };
         match error {
             SurfaceError::NoArea { facet, .. } => format!("{} has no area", corners(facet)),
+            SurfaceError::NotCyclic { facet, order } => {
+                let order = order.map(|node| tag(node).to_string()).join(", ");
+                format!("{} crosses itself: a cyclic order of them is {order}", corners(facet))
+            }
             SurfaceError::NotConvex { facet, node, .. } => {
                 format!("{} is not convex at node {}: split it into triangles", corners(facet), tag(node))
             }

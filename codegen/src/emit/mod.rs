@@ -10,7 +10,7 @@ mod names;
 pub use count::{KernelCounts, OpCounts};
 pub use facet::{EmittedFacetKernel, emit_facet_kernel};
 pub use function::{EmittedKernel, emit_kernel};
-pub use module::{EmitOptions, emit_file, emit_single};
+pub use module::{EmitOptions, TooLong, emit_file, emit_single};
 
 /// Largest number of statements of an emitted function: beyond about 3,000 `let`s in one function, rustc runs
 /// out of stack when it writes full debug information.

@@ -23,16 +23,30 @@ pub struct EmitOptions<'a> {
     pub optimised: bool,
 }
 
+/// A function with more than [`MOST_STATEMENTS`](super::MOST_STATEMENTS).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TooLong {
+    /// The weight, or the weights that share kernels, by their names.
+    pub weight: String,
+    /// The function.
+    pub function: String,
+    /// Its statements.
+    pub statements: usize,
+}
+
 /// All kernels of the weights, and the facet kernels if asked for, as a formatted file.
 ///
 /// Weights of one group share kernels, see [`Weight::either`].
-#[must_use]
-pub fn emit_file(weights: &[Vec<Weight>], facets: bool, options: EmitOptions<'_>) -> String {
+///
+/// # Errors
+/// [`TooLong`].
+pub fn emit_file(weights: &[Vec<Weight>], facets: bool, options: EmitOptions<'_>) -> Result<String, TooLong> {
     let EmitOptions { support, bases, .. } = options;
     let constants = bases.iter().filter_map(|basis| custom_basis(*basis, support));
-    let modules = weights.iter().map(|weights| weight_modules(weights, options));
+    let modules: Vec<TokenStream> =
+        weights.iter().map(|weights| weight_modules(weights, options)).collect::<Result<_, _>>()?;
     let facets = facets.then(|| facet_module(support));
-    format(&quote!(#(#constants)* #(#modules)* #facets))
+    Ok(format(&quote!(#(#constants)* #(#modules)* #facets)))
 }
 
 /// The constant that names a basis of the caller's.
@@ -72,27 +86,31 @@ fn format(tokens: &TokenStream) -> String {
 }
 
 /// The kernels of weights that share them, and a module for each weight.
-fn weight_modules(weights: &[Weight], options: EmitOptions<'_>) -> TokenStream {
+fn weight_modules(weights: &[Weight], options: EmitOptions<'_>) -> Result<TokenStream, TooLong> {
     let EmitOptions { support, bases, .. } = options;
     let [weight] = weights else {
         let both = Weight::either(weights).expect("no interpolating weights are put together");
         let module = format_ident!("{}", both.name());
-        let kernels = bases.iter().map(|basis| basis_module(&both, *basis, support));
+        let kernels = basis_modules(&both, bases, support)?;
         let sets = weights.iter().enumerate().map(|(number, weight)| {
             weight_module(weight, (&both, number), &quote!(super::#module), &quote!(), options)
         });
         let doc = format!(" Kernels with one of the weights `{}`.", both.text());
-        return quote! {
+        return Ok(quote! {
             #[doc = #doc]
             #[allow(clippy::all, clippy::pedantic)]
             mod #module {
                 #(#kernels)*
             }
             #(#sets)*
-        };
+        });
     };
-    let kernels = bases.iter().map(|basis| basis_module(weight, *basis, support));
-    weight_module(weight, (weight, 0), &quote!(self), &quote!(#(#kernels)*), options)
+    let kernels = basis_modules(weight, bases, support)?;
+    Ok(weight_module(weight, (weight, 0), &quote!(self), &quote!(#(#kernels)*), options))
+}
+
+fn basis_modules(weight: &Weight, bases: &[Basis], support: &syn::Path) -> Result<Vec<TokenStream>, TooLong> {
+    bases.iter().map(|basis| basis_module(weight, *basis, support)).collect()
 }
 
 /// The module of a weight: the set of its kernels, which are those of another weight with a number, in the module
@@ -206,29 +224,27 @@ fn camel_case(name: &str) -> String {
         .collect()
 }
 
-fn basis_module(weight: &Weight, basis: Basis, support: &syn::Path) -> TokenStream {
+fn basis_module(weight: &Weight, basis: Basis, support: &syn::Path) -> Result<TokenStream, TooLong> {
     let module = format_ident!("{}", basis.name());
     let mut kernels = Vec::new();
     for spec in KernelSpec::all(basis, weight) {
         let kernel = emit_kernel(&spec);
-        assert!(
-            matches!(basis, Basis::Custom(_)) || kernel.statements <= super::MOST_STATEMENTS,
-            "{} has {} statements",
-            function_name(&spec),
-            kernel.statements
-        );
+        if !matches!(basis, Basis::Custom(_)) && kernel.statements > super::MOST_STATEMENTS {
+            let (weight, function) = (weight.name().to_owned(), function_name(&spec).to_string());
+            return Err(TooLong { weight, function, statements: kernel.statements });
+        }
         kernels.extend(gap_kernel(&kernel));
         kernels.extend(scalar_kernel(&spec));
         kernels.push(kernel.tokens);
     }
     let doc = format!(" {} basis, {} coefficients.", camel_case(basis.name()), basis.size());
-    quote! {
+    Ok(quote! {
         #[doc = #doc]
         pub(super) mod #module {
             use #support::*;
             #(#kernels)*
         }
-    }
+    })
 }
 
 /// Derivatives of a mode, as arguments.

@@ -17,4 +17,4 @@ pub use facet_shape::FacetShape;
 pub(crate) use kernel::CHECKSUM;
 pub use kernel::{FrameRule, Kernel, KernelSpec, Mode, Output, Value};
 pub(crate) use weight::{DOMAIN_RATIO, PLANE_REACH, WEIGHT_NUMBER};
-pub use weight::{Weight, WeightError};
+pub use weight::{Weight, WeightError, WeightNote};

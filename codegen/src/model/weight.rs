@@ -98,6 +98,32 @@ pub enum WeightError {
     },
 }
 
+/// What is to be known of a weight that can be used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WeightNote {
+    /// The weight does not end at r = 1 with value and slope 0.
+    #[error(
+        "the weight \"{formula}\" should end with value and slope 0 at r = 1, but has value {value} and slope {slope} there: where \
+         a node enters or leaves the support, the {} of the surface jump{}",
+        if *.value == 0.0 { "normals" } else { "points and normals" },
+        if *.value == 0.0 { ", and with them the contact force" } else { ", and with them gap and contact force" }
+    )]
+    OpenRim {
+        /// The formula.
+        formula: String,
+        /// w(1), 0 where it is rounding.
+        value: f64,
+        /// w'(1).
+        slope: f64,
+    },
+}
+
+/// Distance from r = 1 over which the slope there is measured.
+const RIM: f64 = 1.0 / (1 << 26) as f64;
+/// Largest value and slope at r = 1, over the weight at r = 0, that count as 0.
+const FLAT: [f64; 2] = [1e-10, 1e-4];
+
 /// Coefficients of the expansion that replaces a formula near r = 0.
 const TAYLOR_COEFFICIENTS: usize = 16;
 /// Largest radius at which the expansion is used.
@@ -208,6 +234,22 @@ impl Weight {
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
+    }
+
+    /// What is to be known of the weight, though it can be used.
+    #[must_use]
+    pub fn note(&self) -> Option<WeightNote> {
+        let [origin, inside, rim] = [0.0, 1.0 - RIM, 1.0].map(|r| self.formula.evaluate(r));
+        let flat = FLAT.map(|part| part * origin);
+        let slope = (rim - inside) / RIM;
+        if rim.abs() <= flat[0] && slope.abs() <= flat[1] {
+            return None;
+        }
+        let formula = self.text.split_whitespace().collect::<Vec<_>>().join(" ");
+        // As many digits as the difference has.
+        let rounded = |x: f64| (x * 1e6).round() / 1e6;
+        let value = if rim.abs() <= flat[0] { 0.0 } else { rounded(rim) };
+        Some(WeightNote::OpenRim { formula, value, slope: rounded(slope) })
     }
 
     /// ω at r, 0 where r ≥ 1; of several weights that of the first.
@@ -471,6 +513,29 @@ mod tests {
         let both = Weight::either(&[Weight::cubic(), Weight::wendland_c2()]).unwrap();
         assert!(both.is_several() && both.name() == "cubic_or_wendland_c2");
         assert!(Weight::either(&[both, Weight::cubic()]).is_none());
+    }
+
+    #[test]
+    fn a_weight_that_does_not_end_flat_has_a_note() {
+        let note = |formula: &str| Weight::new("test", formula).unwrap().note();
+        for flat in [
+            "(1 - r)^2 * (1 + 2*r)",
+            "1 - 3*r^2 + 2*r^3",
+            "(1 - r)^4 * (1 + 4*r)",
+            "exp(-r) * (1 + r) * (1 - r^2)^2",
+            "1e9 * (1 - r^2)^2",
+            "if r < 0.5 { 2/3 - 4*r^2 + 4*r^3 } else { 4/3*(1 - r)^3 }",
+        ] {
+            assert_eq!(note(flat), None, "{flat}");
+        }
+        let Some(WeightNote::OpenRim { formula, value, slope }) = note(" 1 -\n r^2") else {
+            panic!("no note")
+        };
+        assert_eq!((formula.as_str(), value, slope), ("1 - r^2", 0.0, -2.0));
+        let Some(WeightNote::OpenRim { value, slope, .. }) = note("exp(-4*r^2)") else { panic!("no note") };
+        assert!((value - (-4.0_f64).exp()).abs() < 1e-6 && (slope + 8.0 * (-4.0_f64).exp()).abs() < 1e-5);
+        assert!(note("1 - 0.9999*r^2").unwrap().to_string().contains("gap and contact force"));
+        assert!(Weight::interpolating("test", "1 - r^2").unwrap().note().is_some());
     }
 
     #[test]

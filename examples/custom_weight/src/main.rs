@@ -11,7 +11,7 @@
 #![forbid(unsafe_code)]
 
 use diffuse_contact::ad::Ad;
-use diffuse_contact::{Backend, Basis, Element, Frame, Gap, Generated, GeneratedWith, Mode, Weight};
+use diffuse_contact::{Backend, Element, Frame, Gap, Generated, GeneratedWith, Mode};
 
 // 1. The generated kernels: one module per weight, here `quartic` with the kernel set `Quartic` and `through_nodes` with
 //    `ThroughNodes`; and the constant `BILINEAR`, the basis.

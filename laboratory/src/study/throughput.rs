@@ -14,7 +14,7 @@ use super::arguments::ThroughputArguments;
 use super::patch::Patch;
 use crate::error::CliError;
 use crate::output;
-use crate::progress::progress;
+use crate::progress::logged;
 use crate::threads::with_threads;
 use crate::words::row;
 
@@ -75,7 +75,7 @@ fn measure(side: usize) -> Result<Throughput, StudyError> {
     let (refreshed, refresh_kept_s) = timed(|| interface.refresh_pairing(&positions));
     refreshed?;
     drop(positions);
-    let bar = progress("slave nodes", nodes);
+    let bar = logged("slave nodes", nodes);
     let (mut contacts, mut masters, mut reason) = (0, 0, None::<(usize, NoContact)>);
     let (streamed, evaluate_s) = timed(|| {
         interface.for_each(Mode::Hessian, |contact| {

@@ -11,7 +11,8 @@ use crate::error::{Fault, Problem};
 pub(super) struct Choice {
     part: Option<String>,
     instance: Option<String>,
-    others: Vec<String>,
+    /// In upper case: each member of each set asks for them.
+    others: HashSet<String>,
 }
 
 fn same(one: Option<&str>, other: &str) -> bool {
@@ -70,7 +71,8 @@ impl Choice {
             return Err(Fault::new(chosen.at, Problem::MissingMember { set: name.into(), member }));
         }
         let instance = Some(name.to_string());
-        let others = available.into_iter().filter(|other| !same(instance.as_deref(), other)).collect();
+        let others = available.into_iter().filter(|other| !same(instance.as_deref(), other));
+        let others = others.map(|other| other.to_ascii_uppercase()).collect();
         Ok(Self { part, instance, others })
     }
 
@@ -84,7 +86,7 @@ impl Choice {
 
     /// Whether there is an instance of this name that is not read.
     pub fn is_other(&self, name: &str) -> bool {
-        self.others.iter().any(|other| other.eq_ignore_ascii_case(name))
+        self.others.contains(&name.to_ascii_uppercase())
     }
 
     /// A name for what belongs to the part.

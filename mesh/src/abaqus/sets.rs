@@ -1,7 +1,8 @@
 //! Named sets of an Abaqus file: collected as written, resolved once all nodes and elements are known.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
+use crate::builder::MOST_MEMBERS;
 use crate::error::{Fault, Problem};
 
 /// Where a name is defined. A part and the model around it may use the same name for different sets.
@@ -120,10 +121,22 @@ impl Sets {
     /// What is in every set. `find` says what a tag stands for.
     pub fn resolve(&self, find: impl Fn(u64) -> Found) -> Result<Vec<Content>, Fault> {
         let mut sets = vec![Content::default(); self.names.count()];
+        let mut room = MOST_MEMBERS;
+        // The same once more adds nothing.
+        let mut known = HashSet::new();
         for &Entry { at, set, member } in &self.entries {
+            if let Member::Tags { first, last, step } = member
+                && !known.insert((set, first, last, step))
+            {
+                continue;
+            }
             let members = self.members(member, &sets, &find).map_err(|tag| {
                 let set = self.names.spelling(set).to_string();
                 Fault::new(at, Problem::MissingMember { set, member: format!("{} {tag}", self.of) })
+            })?;
+            room = room.checked_sub(members.0.len()).ok_or_else(|| {
+                let what = if self.of == "node" { "nodes" } else { "elements" };
+                Fault::new(at, Problem::SetsTooLarge { what, limit: MOST_MEMBERS })
             })?;
             sets[set].take(members);
         }

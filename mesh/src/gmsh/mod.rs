@@ -8,7 +8,7 @@ mod source;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
 
-use crate::builder::Builder;
+use crate::builder::{Builder, MOST_MEMBERS};
 use crate::element::{Element, ElementKind, Facet};
 use crate::error::{Fault, MeshError, Problem};
 use crate::mesh::{Mesh, Unread};
@@ -27,6 +27,9 @@ pub(crate) fn read(bytes: &[u8], path: &Path) -> Result<Mesh, MeshError> {
 /// A geometric entity: its dimension and its tag.
 type Entity = (i32, i32);
 
+/// Element sets and surfaces by name.
+type Sets = (BTreeMap<String, Vec<usize>>, BTreeMap<String, Vec<Facet>>);
+
 /// The sections of a file.
 #[derive(Default)]
 struct File {
@@ -35,6 +38,8 @@ struct File {
     /// The physical groups an entity belongs to; a negative tag reverses the entity.
     groups: HashMap<Entity, Vec<i32>>,
     builder: Builder,
+    /// The byte at which the entities begin.
+    entities_at: usize,
     /// The entity of every element.
     entities: Vec<Entity>,
 }
@@ -85,6 +90,7 @@ impl File {
     }
 
     fn read_entities(&mut self, source: &mut Source) -> Result<(), Fault> {
+        self.entities_at = source.at();
         let mut counts = [0; 4];
         for count in &mut counts {
             *count = source.size("a number of entities")?;
@@ -186,7 +192,7 @@ impl File {
 
     fn into_mesh(self) -> Result<Mesh, Fault> {
         let elements = self.builder.resolved_elements()?;
-        let (element_sets, surfaces) = self.sets(&elements);
+        let (element_sets, surfaces) = self.sets(&elements)?;
         let (nodes, node_tags) = self.builder.into_nodes();
         Ok(Mesh {
             nodes,
@@ -200,21 +206,32 @@ impl File {
     }
 
     /// The physical groups as element sets, and those that reverse some facet also as surfaces.
-    fn sets(&self, elements: &[Element]) -> (BTreeMap<String, Vec<usize>>, BTreeMap<String, Vec<Facet>>) {
+    fn sets(&self, elements: &[Element]) -> Result<Sets, Fault> {
         let mut members: HashMap<Entity, Vec<usize>> = HashMap::new();
         for (index, &entity) in self.entities.iter().enumerate() {
             members.entry(entity).or_default().push(index);
         }
-        let mut sets: BTreeMap<String, BTreeSet<usize>> = BTreeMap::new();
+        let mut sets: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         let mut reversed: BTreeMap<String, BTreeSet<usize>> = BTreeMap::new();
+        let mut room = MOST_MEMBERS;
         for (entity, members) in &members {
             for group in self.groups.get(entity).into_iter().flatten() {
+                room = room.checked_sub(members.len()).ok_or_else(|| {
+                    Fault::new(
+                        self.entities_at,
+                        Problem::SetsTooLarge { what: "elements", limit: MOST_MEMBERS },
+                    )
+                })?;
                 let name = self.group_name(entity.0, group.saturating_abs());
                 if *group < 0 && entity.0 == 2 {
                     reversed.entry(name.clone()).or_default().extend(members);
                 }
                 sets.entry(name).or_default().extend(members);
             }
+        }
+        for set in sets.values_mut() {
+            set.sort_unstable();
+            set.dedup();
         }
         let surface = |(name, reversed): (String, BTreeSet<usize>)| {
             let facets = sets[&name].iter().filter_map(|index| {
@@ -225,7 +242,7 @@ impl File {
             (name, facets)
         };
         let surfaces = reversed.into_iter().map(surface).collect();
-        (sets.into_iter().map(|(name, set)| (name, set.into_iter().collect())).collect(), surfaces)
+        Ok((sets, surfaces))
     }
 
     fn group_name(&self, dimension: i32, tag: i32) -> String {

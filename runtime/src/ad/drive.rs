@@ -167,7 +167,7 @@ fn index_in_chunk(freedom: usize, start: usize, size: usize) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Basis, Frame, Weight};
+    use crate::{Basis, Frame};
 
     /// x_0² x_j + Σ sin x over all coordinates, a function with every kind of entry in its Hessian.
     struct Sample;

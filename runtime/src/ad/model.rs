@@ -178,7 +178,7 @@ pub(super) fn solve_cholesky<D: Scalar>(
 mod tests {
     use super::super::Ad;
     use super::*;
-    use crate::{Backend, Basis, Frame, Mode, Weight};
+    use crate::{Backend, Basis, Frame, Mode};
 
     #[test]
     fn cholesky_solves_a_known_system() {

@@ -158,7 +158,7 @@ mod tests {
     use num_dual::{Dual3, DualNum, HyperDual};
 
     use super::*;
-    use crate::{Basis, Frame, Weight};
+    use crate::{Basis, Frame};
 
     const MASTERS: [Point; 5] =
         [[1.0, 0.1, 0.2], [-0.3, 0.9, -0.1], [-1.1, -0.2, 0.05], [0.2, -1.3, 0.3], [0.4, 0.3, -0.2]];

@@ -73,7 +73,7 @@ pub use search::{NeighbourSearch, hull_layers};
 pub(crate) use conditioning::regularity;
 
 use crate::pairing::{NearestNodes, Pairing};
-use crate::{Basis, Frame, Point, Weight};
+use crate::{Basis, Element, Frame, Point, Weight};
 
 /// Relative tolerance of every geometric decision: a node this close to a hull's edge (over the distance of its
 /// image from the origin), to the slave (over the distance of the farthest candidate) or to the distance of the last
@@ -149,6 +149,20 @@ pub struct Neighbourhood {
     pub complete: bool,
     /// What had to be given up.
     pub fallback: Fallback,
+}
+
+/// How well the masters of an element carry its fit, from 0 to 1: [`Neighbourhood::regularity`] in the element's own frame and support
+/// radius. Where it is below [`SMALLEST_REGULARITY`], no search would choose them, and derivatives may be large. `None` for a basis of
+/// one's own.
+#[must_use]
+pub fn element_regularity(element: &Element<'_>) -> Option<f64> {
+    let Element { slave, masters, frame, support_radius, basis, .. } = element;
+    let offsets = masters.iter().map(|&master| {
+        let [a, b, _] = candidates::local_offset(frame, *slave, master);
+        [a, b]
+    });
+    let found = regularity(offsets, *support_radius);
+    (!matches!(basis, Basis::Custom(_))).then(|| found.of(*basis))
 }
 
 impl Neighbourhood {

@@ -41,7 +41,18 @@ pub enum SurfaceError {
         /// The coordinate.
         value: f64,
     },
-    /// The corners of a facet lie on a line or a point, or its outline crosses itself so that no area is left.
+    /// The corners of a quadrilateral are not in cyclic order: its outline crosses itself.
+    #[error(
+        "the outline of facet {facet} crosses itself: give its corners in cyclic order, such as {order:?} or the reverse, whichever \
+         faces outwards"
+    )]
+    NotCyclic {
+        /// The facet.
+        facet: usize,
+        /// Its corners in an order in which it is convex.
+        order: [usize; 4],
+    },
+    /// The corners of a facet lie on a line or a point.
     #[error("facet {facet} has no area: {area:e} of the square of its extent {extent:e}")]
     NoArea {
         /// The facet.
@@ -51,8 +62,7 @@ pub enum SurfaceError {
         /// Largest coordinate difference between corners, length.
         extent: f64,
     },
-    /// A quadrilateral has a corner that points inwards or is straight, or its outline crosses itself: its
-    /// normal turns over somewhere on it.
+    /// A quadrilateral has a corner that points inwards or is straight: its normal turns over somewhere on it.
     #[error(
         "facet {facet} is not convex: the sine at its corner {corner} (node {node}) is {sine:e}, seen along its normal; mend it or split it into triangles"
     )]
@@ -115,6 +125,7 @@ impl SurfaceError {
             Self::NodeOutOfRange { .. } => "node-out-of-range",
             Self::RepeatedNode { .. } => "repeated-node",
             Self::NonFinitePosition { .. } => "non-finite-position",
+            Self::NotCyclic { .. } => "not-cyclic",
             Self::NoArea { .. } => "no-area",
             Self::NotConvex { .. } => "not-convex",
             Self::BranchingEdge { .. } => "branching-edge",

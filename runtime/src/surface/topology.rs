@@ -227,7 +227,21 @@ fn check_facet(positions: &[Point], index: usize, facet: &Facet) -> Result<(), S
         }
         check_position(positions, node)?;
     }
-    let shape = shape_of(facet, positions);
+    let outline = check_outline(index, corners, &shape_of(facet, positions));
+    if let (Err(_), &Facet::Quadrilateral([a, b, c, d])) = (&outline, facet) {
+        // Of four corners in convex position there are two orders besides, in either of which the outline crosses itself.
+        let is_sound = |order: &[usize; 4]| {
+            check_outline(index, order, &shape_of(&Facet::Quadrilateral(*order), positions)).is_ok()
+        };
+        if let Some(order) = [[a, b, d, c], [a, c, b, d]].into_iter().find(is_sound) {
+            return Err(SurfaceError::NotCyclic { facet: index, order });
+        }
+    }
+    outline
+}
+
+/// Whether a facet with these corners has an area and is convex.
+fn check_outline(index: usize, corners: &[usize], shape: &Shape) -> Result<(), SurfaceError> {
     let extent = shape.extent();
     // Below the smallest extent the factor may be infinite.
     let unit = shape.scaled(1.0 / extent.max(SMALLEST));
@@ -409,7 +423,7 @@ mod tests {
         assert!(
             matches!(
                 refused(&positions, vec![Facet::Quadrilateral([0, 1, 3, 4])]),
-                SurfaceError::NoArea { facet: 0, .. }
+                SurfaceError::NotCyclic { facet: 0, .. }
             ),
             "an outline that crosses itself"
         );
@@ -442,11 +456,19 @@ mod tests {
                 assert!(MasterSurface::new(&scaled(third), facet()).is_ok(), "{third:?}");
             }
         }
-        // A bow-tie with one wing larger than the other, so that area is left.
+        let dart = refused(&with_third([0.25, 0.25, 0.0]), facet());
+        assert!(dart.to_string().contains("split it into triangles"), "{dart}");
+    }
+
+    /// A bow-tie with one wing larger than the other, so that area is left.
+    #[test]
+    fn corners_out_of_order_are_told_an_order() {
         let bow = [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [1.0, 1.0, 0.0], [2.0, 1.0, 0.0]];
         let error = refused(&bow, vec![Facet::Quadrilateral([0, 1, 2, 3])]);
-        assert!(matches!(error, SurfaceError::NotConvex { facet: 0, sine, .. } if sine < -0.4), "{error}");
-        assert!(error.to_string().contains("split it into triangles"));
+        assert_eq!(error, SurfaceError::NotCyclic { facet: 0, order: [0, 1, 3, 2] });
+        assert!(error.to_string().contains("[0, 1, 3, 2] or the reverse"), "{error}");
+        let SurfaceError::NotCyclic { order, .. } = error else { unreachable!() };
+        assert!(MasterSurface::new(&bow, vec![Facet::Quadrilateral(order)]).is_ok());
     }
 
     #[test]

@@ -18,6 +18,8 @@ pub struct Beginning {
     pub overlap: f64,
     /// Slaves that are deeper below the master than a tenth of their facets' size; those that nothing moves are the deck's and left out.
     pub deep: usize,
+    /// Slaves with the linear basis, as their masters carry no quadratic surface.
+    pub linear: usize,
 }
 
 impl Beginning {
@@ -33,6 +35,7 @@ impl Beginning {
             paired: interaction.slaves().filter(|slave| slave.gap.is_some()).count(),
             overlap: interaction.max_penetration(),
             deep: deep.count(),
+            linear: interaction.slaves().filter(|slave| slave.is_linear).count(),
         }
     }
 }

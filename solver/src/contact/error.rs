@@ -3,6 +3,7 @@
 use diffuse_contact::assembly::AssemblyError;
 use diffuse_contact::interface::InterfaceError;
 use diffuse_contact::surface::SurfaceError;
+use diffuse_contact_mesh::names::shown;
 use thiserror::Error;
 
 /// Why contact could not be set up or evaluated.
@@ -10,7 +11,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum ContactError {
     /// The master facets are no surface.
-    #[error("interface `{interface}`, master surface: {source}")]
+    #[error("interface `{interface}`, master surface: {source}", interface = shown(interface))]
     Master {
         /// Its name.
         interface: String,
@@ -18,7 +19,7 @@ pub enum ContactError {
         source: SurfaceError,
     },
     /// The interface refused its slaves, options or positions.
-    #[error("interface `{interface}`: {source}")]
+    #[error("interface `{interface}`: {source}", interface = shown(interface))]
     Interface {
         /// Its name.
         interface: String,
@@ -26,7 +27,7 @@ pub enum ContactError {
         source: InterfaceError,
     },
     /// Forces or stiffnesses could not be summed.
-    #[error("interface `{interface}`: {source}")]
+    #[error("interface `{interface}`: {source}", interface = shown(interface))]
     Assembly {
         /// Its name.
         interface: String,
@@ -34,7 +35,7 @@ pub enum ContactError {
         source: AssemblyError,
     },
     /// The penalty is not a positive number.
-    #[error("interface `{interface}`: the penalty is {value:e}; it has to be positive and finite")]
+    #[error("interface `{interface}`: the penalty is {value:e}; it has to be positive and finite", interface = shown(interface))]
     Penalty {
         /// Its name.
         interface: String,

@@ -97,6 +97,8 @@ pub struct SlaveState {
     pub nodal_force: Point,
     /// Tributary area, length²; 1 if the interface carries none.
     pub area: f64,
+    /// Whether its masters carry no quadratic surface, so that it has the linear basis.
+    pub is_linear: bool,
     /// Whether it should have a contact element but has none: no masters carry a fit, or the fit no foot.
     pub has_failed: bool,
     /// Whether slave and masters are prescribed along all axes, so that no force moves anything.

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use diffuse_contact::assembly::{AssemblyError, ContactLaw, ContactView, DofMap, Tangent, add_residual};
 use diffuse_contact::interface::{ContactInterface, ContactRef, Contacts, InterfaceError, Outcome};
+use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
@@ -317,12 +318,14 @@ impl Pass {
         self.contacts().iter().enumerate().map(move |(k, contact)| {
             let ContactRef { slave: node, outcome, point, area, gradient, .. } = contact;
             match outcome {
-                Outcome::Contact { .. } => {
+                Outcome::Contact { fallback } => {
+                    let is_linear = matches!(fallback, Fallback::Linear { .. });
                     let force = law.force(k, point.gap, area);
                     let nodal_force = [0, 1, 2].map(|axis| gradient.get(axis).map_or(0.0, |n| force * n));
                     let (gap, is_held) = (Some(point.gap), self.is_held(&contact));
                     let normal = point.normal;
-                    SlaveState { node, gap, force, normal, nodal_force, area, has_failed: false, is_held }
+                    let has_failed = false;
+                    SlaveState { node, gap, force, normal, nodal_force, area, is_linear, has_failed, is_held }
                 }
                 Outcome::None(reason) => SlaveState {
                     node,
@@ -331,6 +334,7 @@ impl Pass {
                     normal: [0.0; 3],
                     nodal_force: [0.0; 3],
                     area,
+                    is_linear: false,
                     has_failed: is_failure(reason),
                     is_held: false,
                 },

@@ -43,6 +43,7 @@ fn options(two_pass: bool, augmented: bool) -> InteractionOptions {
         tangent: TangentRule::Exact,
         two_pass,
         interface: InterfaceOptions::default(),
+        symmetry: Vec::new(),
     }
 }
 

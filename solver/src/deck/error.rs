@@ -2,6 +2,9 @@
 
 use std::path::PathBuf;
 
+use diffuse_contact_mesh::file::reason;
+use diffuse_contact_mesh::names::{self, escaped, shown};
+
 use crate::model::{ModelError, ShapeError};
 
 /// Why a deck cannot be used. Each message is one sentence that can be shown as it stands.
@@ -9,7 +12,7 @@ use crate::model::{ModelError, ShapeError};
 #[non_exhaustive]
 pub enum DeckError {
     /// The file cannot be read at all.
-    #[error("{path}: cannot read the file: {cause}")]
+    #[error("{path}: cannot be read: {}", reason(cause))]
     Read {
         /// The file.
         path: PathBuf,
@@ -17,7 +20,7 @@ pub enum DeckError {
         cause: std::io::Error,
     },
     /// Something is wrong at one place.
-    #[error("{path}, line {line}: {problem}")]
+    #[error("{path}, line {line}: {}", escaped(&problem.to_string()))]
     Invalid {
         /// The file; `deck` if the text came from elsewhere.
         path: PathBuf,
@@ -53,7 +56,7 @@ pub enum Problem {
     #[error("there is nothing in the deck; docs/decks.md lists what there can be")]
     Empty,
     /// A field that does not exist here.
-    #[error("{table} has no field {field:?}{}; it has {}", did_you_mean(nearest), list(known))]
+    #[error("{table} has no field {field:?}{}; it has {}", did_you_mean(nearest), list(known), field = shown(field))]
     UnknownField {
         /// The table.
         table: String,
@@ -65,7 +68,7 @@ pub enum Problem {
         known: Vec<String>,
     },
     /// A field that has to be there is not.
-    #[error("{table} needs a field {field:?}")]
+    #[error("{table} needs a field {field:?}", field = shown(field))]
     Missing {
         /// The table.
         table: String,
@@ -93,7 +96,7 @@ pub enum Problem {
         value: f64,
     },
     /// A word that is none of those a field can have.
-    #[error("{field} cannot be {word:?}{}; it can be {}", did_you_mean(nearest), list(known))]
+    #[error("{field} cannot be {word:?}{}; it can be {}", did_you_mean(nearest), list(known), word = shown(word))]
     UnknownWord {
         /// The field.
         field: String,
@@ -129,7 +132,7 @@ pub enum Problem {
         index: usize,
     },
     /// A name used twice.
-    #[error("two {what}s are named {name:?}; the other is in line {other}")]
+    #[error("two {what}s are named {name:?}; the other is in line {other}", name = shown(name))]
     Repeated {
         /// `"interface"`.
         what: &'static str,
@@ -139,7 +142,7 @@ pub enum Problem {
         other: usize,
     },
     /// A name of nothing.
-    #[error("no {what} is named {name:?}{}; there {}", did_you_mean(nearest), all(known, what))]
+    #[error("no {what} is named {name:?}{}; there {}", did_you_mean(nearest), all(known, what), name = shown(name))]
     UnknownName {
         /// `"material"`, `"node set"` or `"surface"`.
         what: &'static str,
@@ -151,7 +154,7 @@ pub enum Problem {
         known: Vec<String>,
     },
     /// A shape that cannot be made.
-    #[error("parts.{part}: {error}")]
+    #[error("parts.{part}: {error}", part = shown(part))]
     Shape {
         /// The part.
         part: String,
@@ -159,7 +162,7 @@ pub enum Problem {
         error: ShapeError,
     },
     /// A part that cannot be used.
-    #[error("parts.{part}: {error}")]
+    #[error("parts.{part}: {error}", part = shown(part))]
     Part {
         /// The part.
         part: String,
@@ -185,7 +188,7 @@ pub enum Problem {
     #[error(
         "the part {part:?} is rigid, but its node at ({}) is free along {axis}: a [[boundary]] has to fix, translate or \
          rotate all of its nodes along all axes",
-        triple(position)
+        triple(position), part = shown(part)
     )]
     FreeRigidNode {
         /// The part.
@@ -196,19 +199,19 @@ pub enum Problem {
         axis: &'static str,
     },
     /// Pressure on a rigid surface.
-    #[error("the surface {name:?} is rigid: a pressure on it has no effect")]
+    #[error("the surface {name:?} is rigid: a pressure on it has no effect", name = shown(name))]
     PressureOnRigid {
         /// The surface.
         name: String,
     },
     /// Both sides of an interface are rigid.
-    #[error("both sides of the interface {name:?} are rigid")]
+    #[error("both sides of the interface {name:?} are rigid", name = shown(name))]
     RigidInterface {
         /// The interface.
         name: String,
     },
     /// A node is on both sides of an interface.
-    #[error("the node at ({}) is on both sides of the interface {name:?}", triple(position))]
+    #[error("the node at ({}) is on both sides of the interface {name:?}", triple(position), name = shown(name))]
     SharedNode {
         /// The interface.
         name: String,
@@ -221,11 +224,11 @@ pub enum Problem {
 }
 
 fn did_you_mean(nearest: &Option<String>) -> String {
-    nearest.as_ref().map_or_else(String::new, |name| format!(" (did you mean {name:?}?)"))
+    nearest.as_ref().map_or_else(String::new, |name| format!(" (did you mean {:?}?)", shown(name)))
 }
 
 fn list(names: &[String]) -> String {
-    names.join(", ")
+    names::list(names.iter().map(shown))
 }
 
 fn all(names: &[String], what: &str) -> String {
@@ -234,14 +237,4 @@ fn all(names: &[String], what: &str) -> String {
 
 fn triple([x, y, z]: &[f64; 3]) -> String {
     format!("{x}, {y}, {z}")
-}
-
-/// The name among `known` closest in spelling to what was written, if it is close enough to be a slip: at most one edit for
-/// every three letters, letter case not counted.
-pub(super) fn nearest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    let wanted = written.to_lowercase();
-    let allowed = (wanted.chars().count() / 3).max(1);
-    let distance = |name: &str| strsim::osa_distance(&wanted, &name.to_lowercase());
-    let close = known.into_iter().map(|name| (distance(name), name)).filter(|&(edits, _)| edits <= allowed);
-    close.min().map(|(_, name)| name.to_string())
 }

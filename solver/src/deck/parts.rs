@@ -12,14 +12,22 @@ use crate::model::shape::{
 };
 use crate::model::{Rotation, ShapeError};
 
+/// Bounds of a modulus, as lengths have them: squares of stresses stay far from overflow.
+const MODULI: [f64; 2] = [1e-50, 1e50];
+
+fn modulus(field: &Field) -> Result<f64, DeckError> {
+    field.number_in("positive (1e-50 to 1e50)", |value| (MODULI[0]..=MODULI[1]).contains(&value))
+}
+
 pub(super) fn material(section: &Section) -> Result<Material, DeckError> {
     let section = section.clone().expect(schema::MATERIAL)?;
     let poisson = section.need("poisson")?;
     let plasticity = match section.get("yield_stress") {
         Some(yield_stress) => Some(Plasticity {
-            yield_stress: yield_stress.positive()?,
+            yield_stress: modulus(&yield_stress)?,
             hardening: match section.get("hardening") {
-                Some(field) => field.number_in("at least 0", |value| value >= 0.0)?,
+                Some(field) => field
+                    .number_in("at least 0 and at most 1e50", |value| (0.0..=MODULI[1]).contains(&value))?,
                 None => 0.0,
             },
         }),
@@ -29,7 +37,7 @@ pub(super) fn material(section: &Section) -> Result<Material, DeckError> {
         }
     };
     Ok(Material {
-        young: section.need("young")?.positive()?,
+        young: modulus(&section.need("young")?)?,
         poisson: poisson.number_in("above -1 and below 0.5", |value| value > -1.0 && value < 0.5)?,
         plasticity,
     })

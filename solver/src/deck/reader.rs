@@ -3,10 +3,11 @@
 use std::ops::Range;
 use std::path::Path;
 
+use diffuse_contact_mesh::names::{nearest, shown};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::error::{DeckError, Problem, nearest};
+use super::error::{DeckError, Problem};
 
 /// A text and where it came from.
 #[derive(Clone, Copy)]
@@ -49,7 +50,7 @@ impl<'a> Section<'a> {
         let unknown = self.table.keys().filter(|key| !known.contains(&key.get_ref().as_ref()));
         let Some(key) = unknown.min_by_key(|key| key.span().start) else { return Ok(self) };
         let field = key.get_ref().to_string();
-        let nearest = nearest(&field, known.iter().copied());
+        let nearest = nearest(&field, known.iter().copied()).map(str::to_owned);
         let known = known.iter().map(|name| name.to_string()).collect();
         let table = self.name.clone();
         Err(self.source.error(key.span().start, Problem::UnknownField { table, field, nearest, known }))
@@ -58,7 +59,7 @@ impl<'a> Section<'a> {
     /// The field, if it is there.
     pub fn get(&self, field: &str) -> Option<Field<'a>> {
         let (_, value) = self.table.iter().find(|(key, _)| key.get_ref().as_ref() == field)?;
-        let name = format!("{}{field}", self.prefix);
+        let name = format!("{}{}", self.prefix, shown(field));
         Some(Field { source: self.source, name, at: value.span(), value: value.get_ref() })
     }
 
@@ -123,8 +124,8 @@ impl<'a> Field<'a> {
         let found = match self.value {
             DeValue::Array(items) => format!("a list of {}", items.len()),
             DeValue::Table(_) => "a table".into(),
-            DeValue::String(text) => format!("the text {text:?}"),
-            _ => self.source.text.get(self.at.clone()).unwrap_or("something else").to_string(),
+            DeValue::String(text) => format!("the text {:?}", shown(text)),
+            _ => shown(self.source.text.get(self.at.clone()).unwrap_or("something else")).to_string(),
         };
         self.error(Problem::WrongType { field: self.name.clone(), expected: expected.into(), found })
     }
@@ -196,7 +197,7 @@ impl<'a> Field<'a> {
         if let Some(&(_, found)) = words.iter().find(|(name, _)| *name == word) {
             return Ok(found);
         }
-        let nearest = nearest(&word, words.iter().map(|&(name, _)| name));
+        let nearest = nearest(&word, words.iter().map(|&(name, _)| name)).map(str::to_owned);
         let known = words.iter().map(|(name, _)| format!("{name:?}")).collect();
         Err(self.error(Problem::UnknownWord { field: self.name.clone(), word, nearest, known }))
     }

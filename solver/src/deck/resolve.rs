@@ -4,8 +4,9 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
 
 use diffuse_contact::surface::Facet;
+use diffuse_contact_mesh::names::nearest;
 
-use super::error::{DeckError, Problem, nearest};
+use super::error::{DeckError, Problem};
 use super::{Deck, Interface, PartEntry, PartSource, Reference};
 use crate::model::{
     Amplitude, Conflict, Model, ModelError, Part, Support, Supports, read_rigid_part, read_solid_part,
@@ -179,8 +180,8 @@ impl Deck {
         what: &'static str,
         name: &Reference,
     ) -> Result<&'a T, DeckError> {
-        among.get(&name.name).ok_or_else(|| {
-            let nearest = nearest(&name.name, among.keys().map(String::as_str));
+        among.get(&name.name).or_else(|| alike(among, &name.name)).ok_or_else(|| {
+            let nearest = nearest(&name.name, among.keys().map(String::as_str)).map(str::to_owned);
             let known = among.keys().cloned().collect();
             self.error(name.line, Problem::UnknownName { what, name: name.name.clone(), nearest, known })
         })
@@ -211,6 +212,18 @@ impl PartEntry {
         part.translate(self.translation);
         Ok(part)
     }
+}
+
+/// The only set of the part whose name differs by letter case alone: Abaqus does not tell case apart. The name of the part does.
+fn alike<'a, T>(among: &'a BTreeMap<String, T>, name: &str) -> Option<&'a T> {
+    let (part, set) = name.split_once('.')?;
+    let set = set.to_lowercase();
+    let is_alike = |other: &&String| {
+        other.split_once('.').is_some_and(|(owner, other)| owner == part && other.to_lowercase() == set)
+    };
+    let mut found = among.keys().filter(is_alike);
+    let first = found.next()?;
+    if found.next().is_none() { among.get(first) } else { None }
 }
 
 fn nodes_of(facets: &[Facet]) -> BTreeSet<usize> {

@@ -292,7 +292,11 @@ fn wrong_types_and_ranges_say_what_was_found() {
         "young = \"hard\"",
         "line 5: materials.steel.young must be a number, not the text \"hard\"",
     );
-    refused("young = 200_000", "young = -1.5", "materials.steel.young must be positive, not -1.5");
+    refused(
+        "young = 200_000",
+        "young = -1.5",
+        "materials.steel.young must be positive (1e-50 to 1e50), not -1.5",
+    );
     refused("young = 200_000", "young = nan", "materials.steel.young must be finite, not NaN");
     refused("young = 200_000", "young = inf", "materials.steel.young must be finite, not inf");
     refused(
@@ -462,11 +466,11 @@ fn broken_texts_and_files_are_errors() {
     );
     assert!(message("parts = 3\n[time]\nincrement = 1").contains("parts must be a table, not 3"));
     let missing = Deck::read("/nowhere/deck.toml").unwrap_err();
-    assert!(missing.to_string().starts_with("/nowhere/deck.toml: cannot read the file"));
+    assert!(missing.to_string().starts_with("/nowhere/deck.toml: cannot be read"));
     let text =
         changed("shape = \"box\"\nsize = [1.0, 1.0, 1.0]\ndivisions = [2, 2, 2]", "file = \"nowhere.msh\"");
     assert!(
-        message(&text).contains("line 10: parts.block: ./nowhere.msh: cannot read the file"),
+        message(&text).contains("line 10: parts.block: ./nowhere.msh: cannot be read"),
         "{}",
         message(&text)
     );
@@ -576,4 +580,50 @@ fn every_field_is_documented_and_every_documented_field_exists() {
         .map(|(heading, fields)| (heading, fields.iter().map(|f| f.to_string()).collect()))
         .collect();
     assert_eq!(documented(), known);
+}
+
+/// Squares of stresses overflow long before the moduli do.
+#[test]
+fn moduli_are_bounded_as_lengths_are() {
+    for value in ["1e51", "1e300", "1e-60"] {
+        let range = "must be positive (1e-50 to 1e50), not";
+        refused("young = 200_000", &format!("young = {value}"), &format!("materials.steel.young {range}"));
+        let yields = format!("materials.steel.yield_stress {range}");
+        refused("yield_stress = 400.0", &format!("yield_stress = {value}"), &yields);
+    }
+    refused("hardening = 3450.0", "hardening = 1e51", "hardening must be at least 0 and at most 1e50");
+}
+
+/// A deck can forge no message of its own, nor speak to the terminal, whichever of its names is wrong.
+#[test]
+fn names_of_a_deck_are_shown_in_one_line_of_limited_length() {
+    let long = "x".repeat(5000);
+    let hostile = |text: &str| text.replace('!', &format!("\\u001B]0;t\\u0007\\nerror: forged {long}"));
+    for (from, to) in [
+        ("poisson = 0.3", "\"!\" = 0.3"),
+        ("[parts.block]", "[parts.\"!.\"]"),
+        ("material = \"steel\"", "material = \"!\""),
+        ("surface = \"block.x+\"", "surface = \"!\""),
+        ("shape = \"box\"", "shape = \"!\""),
+        ("young = 200_000", "young = \"!\""),
+    ] {
+        let error =
+            Deck::parse(&changed(from, &hostile(to))).and_then(|deck| deck.model(".").map(drop)).unwrap_err();
+        let said = error.to_string();
+        assert!(!said.contains(char::is_control), "{from}: {said:?}");
+        assert!(said.contains("forged") && said.len() < 1000, "{from}: {said}");
+    }
+    let many: String = (0..3000).map(|k| format!("[materials.m{k}]\nyoung = 1.0\npoisson = 0.3\n")).collect();
+    let text = changed("material = \"steel\"", "material = \"gold\"") + &many;
+    let said = Deck::parse(&text).unwrap().model(".").unwrap_err().to_string();
+    assert!(said.len() < 500 && said.ends_with(" more"), "{said}");
+}
+
+/// Abaqus does not tell case apart in the names of sets.
+#[test]
+fn sets_are_found_in_other_letter_case() {
+    let deck = Deck::parse(&changed("nodes = [\"block.z+\"]", "nodes = [\"block.Z+\"]")).unwrap();
+    let model = deck.model(".").unwrap();
+    assert_eq!(deck.supports(&model).unwrap(), Deck::parse(DECK).unwrap().supports(&model).unwrap());
+    refused("\"block.z+\"", "\"Block.z+\"", "no node set is named \"Block.z+\"");
 }

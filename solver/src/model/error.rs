@@ -1,6 +1,7 @@
 //! What can be wrong with shapes, parts and models.
 
 use diffuse_contact_mesh::MeshError;
+use diffuse_contact_mesh::names::shown;
 
 /// A shape that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -40,31 +41,31 @@ pub enum ShapeError {
 #[non_exhaustive]
 pub enum ModelError {
     /// A name is empty or has a dot, which separates the names of a part and of its sets.
-    #[error("a part cannot be named {part:?}: a name is not empty and has no dot")]
+    #[error("a part cannot be named {part:?}: a name is not empty and has no dot", part = shown(part))]
     InvalidName {
         /// The name.
         part: String,
     },
     /// Two parts have one name.
-    #[error("two parts are named {part:?}")]
+    #[error("two parts are named {part:?}", part = shown(part))]
     RepeatedPart {
         /// The name.
         part: String,
     },
     /// A part has no nodes, or nothing that uses them.
-    #[error("the part {part:?} has neither elements nor facets")]
+    #[error("the part {part:?} has neither elements nor facets", part = shown(part))]
     EmptyPart {
         /// The part.
         part: String,
     },
     /// A part with elements has no material.
-    #[error("the part {part:?} has hexahedra and needs a material")]
+    #[error("the part {part:?} has hexahedra and needs a material", part = shown(part))]
     NoMaterial {
         /// The part.
         part: String,
     },
     /// A part without elements has a material.
-    #[error("the part {part:?} is rigid: a material has no meaning")]
+    #[error("the part {part:?} is rigid: a material has no meaning", part = shown(part))]
     RigidMaterial {
         /// The part.
         part: String,
@@ -78,7 +79,7 @@ pub enum ModelError {
         limit: usize,
     },
     /// A node of a set, a facet or an element does not exist.
-    #[error("the part {part:?} refers to node {node}, but it has {count} nodes")]
+    #[error("the part {part:?} refers to node {node}, but it has {count} nodes", part = shown(part))]
     NodeOutOfRange {
         /// The part.
         part: String,
@@ -89,7 +90,7 @@ pub enum ModelError {
     },
     /// A coordinate is NaN, infinite or beyond ±10⁷⁵.
     #[error(
-        "node {node} of the part {part:?} has a coordinate that is not a finite number below 1e75: {value}"
+        "node {node} of the part {part:?} has a coordinate that is not a finite number below 1e75: {value}", part = shown(part)
     )]
     NonFinitePosition {
         /// The part.
@@ -104,7 +105,7 @@ pub enum ModelError {
         "hexahedron {} of the part {part:?} is not convex: the triple product of the directions of the edges at its \
          corner {} is {jacobian:e}",
         number_of(*element, *label),
-        corner + 1
+        corner + 1, part = shown(part)
     )]
     InvertedElement {
         /// The part.
@@ -123,7 +124,7 @@ pub enum ModelError {
     Mesh(#[from] MeshError),
     /// A solid part of a mesh file has solids that are no hexahedra.
     #[error(
-        "the element set {set:?} has a {kind} (element {tag}); deformable parts are made of 8-node hexahedra only"
+        "the element set {set:?} has a {kind} (element {tag}); deformable parts are made of 8-node hexahedra only", set = shown(set)
     )]
     UnsupportedSolid {
         /// The element set.
@@ -147,5 +148,5 @@ fn number_of(element: usize, label: Option<u64>) -> String {
 }
 
 fn in_set(set: &Option<String>) -> String {
-    set.as_ref().map_or_else(String::new, |set| format!(" in the element set {set:?}"))
+    set.as_ref().map_or_else(String::new, |set| format!(" in the element set {:?}", shown(set)))
 }

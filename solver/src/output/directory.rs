@@ -28,6 +28,10 @@ impl Claim {
     /// # Errors
     /// [`OutputError::Busy`] if somebody else has it.
     pub fn of(path: &Path) -> Result<Self, OutputError> {
+        // Opening anything else may wait: a pipe does, for somebody to write into it.
+        if !path.is_dir() {
+            return Ok(Self(None));
+        }
         let Ok(directory) = File::open(path) else { return Ok(Self(None)) };
         match directory.try_lock() {
             Err(TryLockError::WouldBlock) => Err(OutputError::Busy { path: path.to_path_buf() }),
@@ -51,16 +55,21 @@ impl Directory {
     /// them if this is interrupted does not pass for a run.
     pub fn prepare(&self, deck: &str, overwrite: bool) -> Result<(), OutputError> {
         let holds_results = FILES.iter().any(|name| self.path(name).exists());
-        let path = self.path(names::DECK);
-        let holds_other_deck =
-            !holds_results && path.exists() && fs::read(&path).ok().as_deref() != Some(deck.as_bytes());
-        if (holds_results || holds_other_deck) && !overwrite {
-            return Err(OutputError::Occupied { path: self.0.clone() });
+        let holds_other_deck = !holds_results && self.path(names::DECK).exists() && !self.holds_deck(deck);
+        if (holds_other_deck || holds_results && !self.is_begun(deck)) && !overwrite {
+            let path = self.0.clone();
+            let is_restartable = self.path(names::STATE).exists();
+            return Err(if is_restartable {
+                OutputError::Occupied { path }
+            } else {
+                OutputError::Remains { path }
+            });
         }
+        self.clean()?;
         if holds_results {
+            self.refuse_links()?;
             self.remove(FILES.iter().map(|name| self.path(name)))?;
             self.remove(self.numbered(|_| true))?;
-            self.remove(self.leftovers())?;
         }
         for folder in [self.0.clone(), self.path(names::PICTURES), self.path(names::SKINS)] {
             fs::create_dir_all(&folder).map_err(OutputError::write(&folder))?;
@@ -68,26 +77,76 @@ impl Directory {
         Ok(())
     }
 
+    /// Whether a run of this deck began here and ended before its first state was whole. It wrote the start alone, which the next
+    /// run writes again: there is nothing to protect.
+    pub fn is_begun(&self, deck: &str) -> bool {
+        let is_empty =
+            |table| fs::read_to_string(self.path(table)).map_or(true, |text| text.lines().count() <= 1);
+        self.holds_deck(deck)
+            && ![names::STATE, names::SUMMARY, names::REPORT].iter().any(|name| self.path(name).exists())
+            && [names::HISTORY, names::ITERATIONS].into_iter().all(is_empty)
+            && self.numbered(|number| number > 0).is_empty()
+    }
+
+    fn holds_deck(&self, deck: &str) -> bool {
+        fs::read(self.path(names::DECK)).is_ok_and(|text| text == deck.as_bytes())
+    }
+
+    /// A folder that is a link leads to where others may keep their files.
+    fn refuse_links(&self) -> Result<(), OutputError> {
+        for folder in [names::PICTURES, names::SKINS] {
+            let path = self.path(folder);
+            let is_link = path.symlink_metadata().is_ok_and(|found| found.is_symlink());
+            if is_link && !self.numbered_in(folder, |_| true).is_empty() {
+                return Err(OutputError::Linked { path });
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a file belongs to the results, the report apart.
+    pub fn owns(&self, path: &Path) -> bool {
+        let resolved = |path: &Path| {
+            let beside = || Some(fs::canonicalize(path.parent()?).ok()?.join(path.file_name()?));
+            fs::canonicalize(path).ok().or_else(beside)
+        };
+        // A bare name has an empty parent, which names no directory.
+        let path = if path.is_absolute() { path.to_path_buf() } else { Path::new(".").join(path) };
+        let (Some(directory), Some(path)) = (resolved(&self.0), resolved(&path)) else { return false };
+        let Ok(name) = path.strip_prefix(&directory) else { return false };
+        let is_file = |file: &&str| name == Path::new(file);
+        let mut files = FILES.iter().filter(|&&file| file != names::REPORT).chain([&names::DECK]);
+        files.any(is_file) || [names::PICTURES, names::SKINS].iter().any(|folder| name.starts_with(folder))
+    }
+
     /// Takes back what was written after increment `last`, and how the run ended: its last picture too, if it was not the turn of
-    /// this increment, that is, if `every` does not divide its number; and what a run that was killed left of the file it was writing.
+    /// this increment, that is, if `every` does not divide its number.
     pub fn rewind(&self, last: usize, every: usize) -> Result<(), OutputError> {
         self.remove([names::SUMMARY, names::REPORT].map(|name| self.path(name)))?;
-        self.remove(self.leftovers())?;
         self.remove(self.numbered(|number| number > last || !number.is_multiple_of(every)))
     }
 
     /// Pictures and skins whose number is asked for.
     fn numbered(&self, which: impl Fn(usize) -> bool) -> Vec<PathBuf> {
-        let mut found = Vec::new();
-        for (folder, extension) in [(names::PICTURES, "vtu"), (names::SKINS, "json")] {
-            let entries = fs::read_dir(self.path(folder)).into_iter().flatten().flatten();
-            let number = |path: &Path| path.file_stem()?.to_str()?.parse::<usize>().ok();
-            let own = |path: &PathBuf| {
-                path.extension().is_some_and(|found| found == extension) && number(path).is_some_and(&which)
-            };
-            found.extend(entries.map(|entry| entry.path()).filter(own));
-        }
-        found
+        [names::PICTURES, names::SKINS].iter().flat_map(|folder| self.numbered_in(folder, &which)).collect()
+    }
+
+    /// Those of one folder. Others than the program's own, such as `777.vtu`, have other names: it writes five digits at least.
+    fn numbered_in(&self, folder: &str, which: impl Fn(usize) -> bool) -> Vec<PathBuf> {
+        let extension = if folder == names::PICTURES { "vtu" } else { "json" };
+        let entries = fs::read_dir(self.path(folder)).into_iter().flatten().flatten();
+        let is_own = |path: &PathBuf| {
+            let number = path.file_stem().and_then(|stem| stem.to_str()?.parse::<usize>().ok());
+            number.is_some_and(|number| {
+                which(number) && path.file_name() == Some(format!("{number:05}.{extension}").as_ref())
+            })
+        };
+        entries.map(|entry| entry.path()).filter(is_own).collect()
+    }
+
+    /// Removes what runs that were killed left of the files they were writing.
+    pub fn clean(&self) -> Result<(), OutputError> {
+        self.remove(self.leftovers())
     }
 
     /// Temporary files of results that were being written when their run was killed.

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use diffuse_contact_mesh::file::reason;
 use thiserror::Error;
 
 /// Why results could not be written or read.
@@ -10,7 +11,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum OutputError {
     /// A file could not be written.
-    #[error("{}: cannot be written: {}", path.display(), plain(source))]
+    #[error("{}: cannot be written: {}", path.display(), reason(source))]
     Write {
         /// The file.
         path: PathBuf,
@@ -18,7 +19,7 @@ pub enum OutputError {
         source: io::Error,
     },
     /// A file could not be read.
-    #[error("{}: cannot be read: {}", path.display(), plain(source))]
+    #[error("{}: cannot be read: {}", path.display(), reason(source))]
     Read {
         /// The file.
         path: PathBuf,
@@ -49,6 +50,24 @@ pub enum OutputError {
         /// The directory.
         path: PathBuf,
     },
+    /// The directory holds files of a run, but no state.
+    #[error(
+        "{} holds files of a run, but no state to go on from: replace them with --overwrite, or name another directory",
+        path.display()
+    )]
+    Remains {
+        /// The directory.
+        path: PathBuf,
+    },
+    /// A folder whose files would have to be removed is a link.
+    #[error(
+        "{} is a link, and files that it leads to are not removed: remove the link or the files, or name another directory",
+        path.display()
+    )]
+    Linked {
+        /// The folder.
+        path: PathBuf,
+    },
     /// Another run writes to the directory.
     #[error("{}: another run is writing there; wait for its end, or name another directory", path.display())]
     Busy {
@@ -56,7 +75,7 @@ pub enum OutputError {
         path: PathBuf,
     },
     /// There is nothing to go on from.
-    #[error("{} holds no results to go on from", path.display())]
+    #[error("{} holds no results to go on from: begin without --restart", path.display())]
     NothingToRestart {
         /// The directory.
         path: PathBuf,
@@ -96,17 +115,5 @@ impl OutputError {
     pub(crate) fn read(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_path_buf();
         move |source| Self::Read { path, source }
-    }
-}
-
-/// What the system says, without error numbers.
-fn plain(error: &io::Error) -> String {
-    match error.kind() {
-        io::ErrorKind::NotFound => "there is no such file".to_owned(),
-        io::ErrorKind::StorageFull => "the disk is full".to_owned(),
-        _ => {
-            let text = error.to_string();
-            text.split(" (os error").next().unwrap_or(&text).to_lowercase()
-        }
     }
 }

@@ -4,6 +4,8 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
+use diffuse_contact_mesh::names::shown;
+
 use super::OutputError;
 use crate::statics::{IncrementRecord, IterationRecord, Problem};
 
@@ -113,7 +115,16 @@ pub(super) fn iteration_rows(number: usize, history: &[IterationRecord]) -> Stri
 /// [`OutputError::Read`], [`OutputError::Content`].
 pub fn read_history(path: &Path) -> Result<History, OutputError> {
     let text = fs::read_to_string(path).map_err(OutputError::read(path))?;
-    let text = whole_lines(&text);
+    parse(path, whole_lines(&text))
+}
+
+/// Whether a column may hold it: a residual without any force is infinite relative to them.
+fn is_possible(value: f64, column: &str) -> bool {
+    value.is_finite() || value == f64::INFINITY && column == "relative"
+}
+
+/// Reads the text of one, whole lines.
+pub(super) fn parse(path: &Path, text: &str) -> Result<History, OutputError> {
     let content =
         |line: usize, problem: String| OutputError::Content { path: path.to_path_buf(), line, problem };
     let mut lines = text.lines().enumerate();
@@ -124,7 +135,13 @@ pub fn read_history(path: &Path) -> Result<History, OutputError> {
         let number = number + 1;
         let values = line
             .split(',')
-            .map(|word| word.parse().map_err(|_| content(number, format!("`{word}` is no number"))))
+            .zip(columns.iter().map(Some).chain(std::iter::repeat(None)))
+            .map(|(word, column)| {
+                let value = word.parse().ok();
+                value
+                    .filter(|&value| is_possible(value, column.map_or("", String::as_str)))
+                    .ok_or_else(|| content(number, format!("`{}` is no finite number", shown(word))))
+            })
             .collect::<Result<Vec<f64>, _>>()?;
         if values.len() != columns.len() {
             let problem = format!("{} columns instead of {}", values.len(), columns.len());

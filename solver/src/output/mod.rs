@@ -25,6 +25,7 @@ mod fields;
 mod history;
 mod picture;
 mod recorder;
+mod seal;
 mod skin;
 mod summary;
 #[cfg(test)]
@@ -40,13 +41,23 @@ pub use summary::Summary;
 
 /// Reads a document of a directory of results.
 pub(crate) fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, OutputError> {
-    let text = fs::read_to_string(path).map_err(OutputError::read(path))?;
-    serde_json::from_str(&text).map_err(|error| OutputError::Content {
+    parse_json(path, &fs::read_to_string(path).map_err(OutputError::read(path))?)
+}
+
+/// Reads the text of one.
+fn parse_json<T: for<'a> Deserialize<'a>>(path: &Path, text: &str) -> Result<T, OutputError> {
+    serde_json::from_str(text).map_err(|error| OutputError::Content {
         path: path.to_path_buf(),
         line: error.line(),
         // Its own mention of line and column would be the second.
         problem: error.to_string().split(" at line ").next().unwrap_or_default().to_owned(),
     })
+}
+
+/// Whether `path` is a file of the results in `directory`, or would be one, the report apart: others must not replace it.
+#[must_use]
+pub fn is_result(directory: &Path, path: &Path) -> bool {
+    directory::Directory::new(directory).owns(path)
 }
 
 /// Names of the files in a directory of results.

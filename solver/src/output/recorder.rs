@@ -5,14 +5,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use diffuse_contact_kernels::support::Isa;
 use serde::{Deserialize, Serialize};
 
 use super::directory::Directory;
-use super::{Fields, OutputError, Skin, SkinFrame, SlaveFields, Summary, history, names, picture};
+use super::{Fields, OutputError, Skin, SkinFrame, SlaveFields, Summary, history, names, picture, seal};
 use crate::contact::Beginning;
 use crate::deck::Colour;
 use crate::model::Model;
-use crate::report::{SURFACES, SurfaceSample};
+use crate::report::{self, SURFACES, SurfaceSample};
 use crate::statics::{Control, Failure, IncrementRecord, IterationRecord, Observer, Problem, State, Timing};
 
 /// What is written, and where.
@@ -38,6 +39,10 @@ pub trait Watcher: Send {
     fn start(&mut self, interfaces: &[Beginning]) {
         let _ = interfaces;
     }
+    /// A run goes on that began with other vector instructions: the end differs by rounding from that of a run that was not interrupted.
+    fn other_instructions(&mut self, before: &str, now: &str) {
+        let _ = (before, now);
+    }
     /// A residual.
     fn iteration(&mut self, record: &IterationRecord);
     /// A failed increment.
@@ -48,9 +53,16 @@ pub trait Watcher: Send {
 
 /// `state.json`: what a restart goes on from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Saved {
+    /// Of all the rest; `None` in what an earlier version wrote.
+    #[serde(default)]
+    checksum: Option<String>,
     /// [`Model::fingerprint`] of the model.
     model: String,
+    /// Name of the vector instructions it was made with; empty in what an earlier version wrote.
+    #[serde(default)]
+    instructions: String,
     /// The last state.
     pub state: State,
     /// What the picture of the last increment needs besides, if it was not its turn.
@@ -64,6 +76,7 @@ pub struct Saved {
 #[derive(Serialize)]
 struct Saving<'a> {
     model: &'a str,
+    instructions: &'a str,
     state: &'a State,
     pending: Option<&'a SlaveFields>,
     carried: &'a BTreeSet<String>,
@@ -100,7 +113,7 @@ impl<'a> Recorder<'a> {
     /// Makes the directory, which must not hold results unless `overwrite`, and writes the start.
     ///
     /// # Errors
-    /// [`OutputError::Occupied`], [`OutputError::Write`].
+    /// [`OutputError::Occupied`], [`OutputError::Remains`], [`OutputError::Linked`], [`OutputError::Write`].
     pub fn create(
         options: RecorderOptions,
         model: &'a Model,
@@ -126,19 +139,37 @@ impl<'a> Recorder<'a> {
         Ok(recorder)
     }
 
+    /// Whether a run of this deck began in the directory and ended before its first state: it begins anew.
+    #[must_use]
+    pub fn is_begun(options: &RecorderOptions) -> bool {
+        Directory::new(&options.directory).is_begun(&options.deck)
+    }
+
     /// The last state in a directory of results of the same deck and the same model. Nothing is changed.
     ///
     /// # Errors
     /// [`OutputError::NothingToRestart`], [`OutputError::OtherDeck`], [`OutputError::OtherModel`], [`OutputError::Read`],
     /// [`OutputError::Content`], [`OutputError::Inconsistent`].
-    pub fn last_state(options: &RecorderOptions, model: &Model) -> Result<Saved, OutputError> {
+    pub fn last_state(
+        options: &RecorderOptions,
+        model: &Model,
+        problem: &Problem,
+    ) -> Result<Saved, OutputError> {
         let directory = Directory::new(&options.directory);
         let path = directory.path(names::STATE);
         if !path.exists() {
             return Err(OutputError::NothingToRestart { path: options.directory.clone() });
         }
         check_deck(&directory.path(names::DECK), options)?;
-        let saved: Saved = super::read_json(&path)?;
+        let text = fs::read_to_string(&path).map_err(OutputError::read(&path))?;
+        let saved: Saved = super::parse_json(&path, &text)?;
+        if saved.checksum.is_some()
+            && let Some([found, expected]) = seal::broken(&text)
+        {
+            let problem =
+                format!("it is not what was written: its checksum is {found}, that of its text {expected}");
+            return Err(OutputError::Inconsistent { path, problem });
+        }
         if saved.model != model.fingerprint() {
             return Err(OutputError::OtherModel { path: options.directory.clone() });
         }
@@ -146,6 +177,12 @@ impl<'a> Recorder<'a> {
             let problem = "contact at nodes that there are not".to_owned();
             return Err(OutputError::Inconsistent { path, problem });
         }
+        check_tables(&directory, &saved.state, problem)?;
+        report::check_skins(
+            &directory.path(names::SKINS),
+            &Skin::of(model, options.shown()),
+            saved.state.increments,
+        )?;
         Ok(saved)
     }
 
@@ -159,8 +196,12 @@ impl<'a> Recorder<'a> {
         saved: Saved,
         watcher: &'a mut dyn Watcher,
     ) -> Result<Self, OutputError> {
-        let Saved { state, pending, carried, .. } = saved;
+        let Saved { state, pending, carried, instructions, .. } = saved;
+        if !instructions.is_empty() && instructions != self::instructions() {
+            watcher.other_instructions(&instructions, self::instructions());
+        }
         let directory = Directory::new(&options.directory);
+        directory.clean()?;
         // What was written after this state is taken back.
         for table in [names::HISTORY, names::ITERATIONS] {
             let kept = history::up_to(&directory.path(table), state.increments)?;
@@ -330,8 +371,11 @@ impl<'a> Recorder<'a> {
 
     fn write_state(&self) -> Result<(), OutputError> {
         let Self { fingerprint, state, pending, carried, .. } = self;
-        let saving = Saving { model: fingerprint, state, pending: pending.as_ref(), carried };
-        self.directory.write_json(names::STATE, &saving)
+        let instructions = instructions();
+        let saving = Saving { model: fingerprint, instructions, state, pending: pending.as_ref(), carried };
+        self.directory.write(names::STATE, |writer| {
+            writer.write_all(seal::sealed(&serde_json::to_string(&saving)?).as_bytes())
+        })
     }
 }
 
@@ -357,6 +401,49 @@ impl RecorderOptions {
             Colour::Pressure => "contact_pressure",
         }
     }
+}
+
+/// The vector instructions that contacts are evaluated with.
+fn instructions() -> &'static str {
+    Isa::best().name()
+}
+
+/// The lines of both tables up to a state are those of its increments: everything that a report asks of them is asked now, and not
+/// after the other increments.
+fn check_tables(directory: &Directory, state: &State, problem: &Problem) -> Result<(), OutputError> {
+    let inconsistent =
+        |table: &str, problem: String| OutputError::Inconsistent { path: directory.path(table), problem };
+    let read = |table: &str, header: &str| {
+        let path = directory.path(table);
+        let text = history::up_to(&path, state.increments)?;
+        if text.lines().next() != Some(header) {
+            return Err(inconsistent(table, "its columns are not those of the deck".to_owned()));
+        }
+        history::parse(&path, &text)
+    };
+    let increments = read(names::HISTORY, &history::header(problem))?;
+    let numbers = increments.rows.iter().map(|row| row.increment);
+    if !numbers.eq(1..=state.increments) {
+        let (rows, expected) = (increments.rows.len(), state.increments);
+        let problem =
+            format!("its {rows} lines are not those of the {expected} increments of {}", names::STATE);
+        return Err(inconsistent(names::HISTORY, problem));
+    }
+    let time = increments.rows.last().map_or(0.0, |row| increments.value(row, "time"));
+    if time != state.time {
+        let problem =
+            format!("its last increment ends at time {time:?}, the state is of time {:?}", state.time);
+        return Err(inconsistent(names::HISTORY, problem));
+    }
+    let iterations = read(names::ITERATIONS, history::ITERATION_COLUMNS)?;
+    let numbers: BTreeSet<usize> = iterations.rows.iter().map(|row| row.increment).collect();
+    if !numbers.into_iter().eq(1..=state.increments) || !iterations.rows.is_sorted_by_key(|row| row.increment)
+    {
+        let problem =
+            format!("its lines are not those of the {} increments of {}", state.increments, names::STATE);
+        return Err(inconsistent(names::ITERATIONS, problem));
+    }
+    Ok(())
 }
 
 /// Results can only be gone on from with the deck that they are from.

@@ -157,3 +157,91 @@ fn a_restart_removes_what_a_killed_run_left() {
     assert!(of_the_run.iter().all(|name| !out.join(name).exists()));
     assert!(others.iter().all(|name| out.join(name).exists()), "they are the user's");
 }
+
+/// In a container each process has the number of the one before it: the files that a killed one left have the names of this one's.
+#[test]
+fn what_a_killed_run_left_keeps_no_other_from_starting() {
+    let scratch = Scratch::new("locked");
+    let out = scratch.0.join("out");
+    fs::create_dir_all(&out).unwrap();
+    let leave = || {
+        for name in [names::DECK, names::HISTORY, names::ITERATIONS, names::STATE, names::REPORT] {
+            let left = |count| out.join(format!(".{name}.{}-{count}.tmp", std::process::id()));
+            (0..500).for_each(|count| fs::write(left(count), "half").unwrap());
+        }
+    };
+    let left = || {
+        let names =
+            fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        names.filter(|name| name.ends_with(".tmp")).count()
+    };
+    let path = scratch.0.join("block.toml");
+    fs::write(&path, PRESSED).unwrap();
+    let options = |restart, overwrite| SolveOptions { out: out.clone(), restart, overwrite, threads: 1 };
+    for (restart, overwrite) in [(false, false), (false, true), (true, false)] {
+        leave();
+        let mut notes = Notes { stop_after: Some(1), ..Notes::default() };
+        solve(&path, &options(restart, overwrite), &mut notes).unwrap();
+        assert_eq!(left(), 0, "restart {restart}, overwrite {overwrite}");
+    }
+}
+
+/// Killed, or the disk full, before the first state: there is nothing to protect, whichever way one goes on.
+#[test]
+fn a_run_that_ended_before_its_first_state_begins_anew() {
+    let scratch = Scratch::new("stillborn");
+    let out = scratch.0.join("out");
+    let path = scratch.0.join("block.toml");
+    let begin = || {
+        run(&scratch, PRESSED, false, Some(1));
+        for name in [names::STATE, names::SUMMARY, names::REPORT, "results/00001.vtu", "skins/00001.json"] {
+            fs::remove_file(out.join(name)).unwrap();
+        }
+        for table in [names::HISTORY, names::ITERATIONS] {
+            let text = fs::read_to_string(out.join(table)).unwrap();
+            fs::write(out.join(table), &text[..=text.find('\n').unwrap()]).unwrap();
+        }
+    };
+    let again = |restart| {
+        let options = SolveOptions { out: out.clone(), restart, overwrite: false, threads: 1 };
+        solve(&path, &options, &mut Notes { stop_after: Some(2), ..Notes::default() })
+    };
+    for restart in [false, true] {
+        begin();
+        assert_eq!(again(restart).unwrap().increments, 2, "restart {restart}");
+    }
+    // What has an increment is protected, and no way points at one that is closed.
+    begin();
+    fs::write(out.join("results/00001.vtu"), "a picture").unwrap();
+    for (restart, hint) in [(false, "--overwrite"), (true, "begin without --restart")] {
+        let refused = again(restart).unwrap_err().to_string();
+        assert!(refused.contains(hint) && !refused.contains("with --restart"), "{refused}");
+    }
+    fs::remove_file(out.join("results/00001.vtu")).unwrap();
+    fs::write(out.join(names::DECK), "another deck").unwrap();
+    assert!(again(false).unwrap_err().to_string().contains("--overwrite"));
+}
+
+/// Results are replaced file by file: others stay, here and where a link leads.
+#[cfg(unix)]
+#[test]
+fn only_what_a_run_wrote_is_removed() {
+    let scratch = Scratch::new("mine");
+    let out = scratch.0.join("out");
+    run(&scratch, PRESSED, false, Some(1));
+    fs::write(out.join("results/777.vtu"), "mine").unwrap();
+    run(&scratch, PRESSED, false, Some(1));
+    assert_eq!(fs::read(out.join("results/777.vtu")).unwrap(), b"mine");
+    let elsewhere = scratch.0.join("elsewhere");
+    fs::rename(out.join("results"), &elsewhere).unwrap();
+    std::os::unix::fs::symlink(&elsewhere, out.join("results")).unwrap();
+    let options = SolveOptions { out: out.clone(), restart: false, overwrite: true, threads: 1 };
+    let path = scratch.0.join("block.toml");
+    let refused = solve(&path, &options, &mut Notes::default()).unwrap_err().to_string();
+    assert!(refused.contains("results is a link"), "{refused}");
+    assert!(elsewhere.join("00000.vtu").exists() && out.join(names::STATE).exists(), "nothing was removed");
+    fs::remove_dir_all(&elsewhere).unwrap();
+    fs::create_dir(&elsewhere).unwrap();
+    solve(&path, &options, &mut Notes { stop_after: Some(1), ..Notes::default() }).unwrap();
+    assert!(elsewhere.join("00001.vtu").exists(), "a place of one's own for pictures");
+}

@@ -6,7 +6,7 @@ mod solve;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use diffuse_contact_program::{error, threads};
+use diffuse_contact_program::{error, input, output, threads};
 
 use solve::{ReportArguments, SolveArguments};
 
@@ -29,7 +29,12 @@ enum Command {
 
 fn main() -> ExitCode {
     diffuse_contact_program::main(|arguments: Arguments| match &arguments.command {
-        Command::Solve(arguments) => solve::run(arguments),
+        Command::Solve(arguments) => {
+            if arguments.threads.is_none() {
+                threads::start();
+            }
+            solve::run(arguments)
+        }
         Command::Report(arguments) => solve::report(arguments).map(|()| ExitCode::SUCCESS),
     })
 }

@@ -1,18 +1,22 @@
 //! The jobs `solve` and `report`: statics with contact from a deck, and its page.
 
-use std::io::{IsTerminal, Write, stderr};
+use std::io::{self, ErrorKind, IsTerminal, Write, stderr};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
+use diffuse_contact_mesh::names::shown;
 use diffuse_contact_solver::contact::Beginning;
-use diffuse_contact_solver::output::{Summary, Watcher, names};
-use diffuse_contact_solver::solve::{SolveError, SolveOptions, solve, write_report};
+use diffuse_contact_solver::output::{Summary, Watcher, is_result, names};
+use diffuse_contact_solver::report::report as page;
+use diffuse_contact_solver::solve::{SolveError, SolveOptions, solve_text};
 use diffuse_contact_solver::statics::{Control, Failure, IncrementRecord, IterationRecord};
 
-use crate::error::{self, CliError};
+use crate::error::{self, CliError, say};
+use crate::input;
+use crate::output;
 use crate::threads::{self, with_threads};
 
 /// Exit code of a run that ended before the end of time.
@@ -30,7 +34,7 @@ DIR/iterations.csv  a line per residual
 DIR/state.json      what --restart goes on from
 
 Every finished increment is on disk before the next begins. Ctrl-C ends the run after the increment on its way, a second one
-at once. With the same deck and number of threads --restart leads to the same result, bit for bit, as a run that was not
+at once. With the same deck, number of threads and vector instructions --restart leads to the same result, bit for bit, as a run that was not
 interrupted.
 
 Exit code 0: the end of time was reached; 1: it was not, or the disk is full: what there is is whole; 130: stopped by
@@ -42,9 +46,9 @@ docs/decks.md lists the fields of a deck, docs/solver.md says how it is solved; 
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = FILES)]
 pub struct SolveArguments {
-    /// Deck in TOML
+    /// Deck in TOML; `-` reads standard input
     pub deck: PathBuf,
-    /// Directory of results [default: the deck's name with `.results`, in the current directory]
+    /// Directory of results [default: the deck's name, or `deck`, with `.results`, in the current directory]
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Go on from the last finished increment in DIR, to the same result
@@ -74,11 +78,18 @@ pub struct ReportArguments {
 
 /// Solves a deck.
 pub fn run(arguments: &SolveArguments) -> Result<ExitCode, CliError> {
-    let stem = arguments.deck.file_stem().unwrap_or_default().to_string_lossy();
+    let (name, text) = input::read(&arguments.deck)?;
+    let text = String::from_utf8(text).map_err(|_| CliError::Read {
+        path: name.as_str().into(),
+        reason: io::Error::new(ErrorKind::InvalidData, "it is no text in UTF-8"),
+    })?;
+    let is_named = arguments.deck != Path::new("-");
+    let deck = if is_named { arguments.deck.clone() } else { PathBuf::from(name) };
+    let stem = if is_named { arguments.deck.file_stem().unwrap_or_default() } else { "deck".as_ref() };
+    let stem = stem.to_string_lossy();
     let out = arguments.out.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.results")));
     let stop = Arc::new(AtomicBool::new(false));
     stop_on_interrupt(&stop);
-    outlive_limits_of_files();
     let options = SolveOptions {
         out: out.clone(),
         restart: arguments.restart,
@@ -86,7 +97,7 @@ pub fn run(arguments: &SolveArguments) -> Result<ExitCode, CliError> {
         threads: arguments.threads.unwrap_or_else(rayon::current_num_threads),
     };
     let mut progress = Progress { stop: Arc::clone(&stop), verbose: arguments.verbose, iterations: 0 };
-    let outcome = with_threads(arguments.threads, || Ok(solve(&arguments.deck, &options, &mut progress)))?;
+    let outcome = with_threads(arguments.threads, || Ok(solve_text(text, &deck, &options, &mut progress)))?;
     match outcome {
         Ok(summary) => {
             tell(&summary, &out);
@@ -112,9 +123,15 @@ fn is_no_fault_of_the_input(reason: &SolveError) -> bool {
 
 /// Writes the page for directories of results.
 pub fn report(arguments: &ReportArguments) -> Result<(), CliError> {
-    outlive_limits_of_files();
+    for directory in &arguments.directories {
+        if is_result(directory, &arguments.output) {
+            return Err(CliError::OutputIsInput { path: arguments.output.clone() });
+        }
+    }
+    output::check_target(&arguments.output)?;
     let directories: Vec<&Path> = arguments.directories.iter().map(PathBuf::as_path).collect();
-    write_report(&directories, &arguments.output).map_err(|reason| CliError::job(SolveError::from(reason)))
+    let page = page(&directories).map_err(|reason| CliError::job(SolveError::from(reason)))?;
+    output::write_file(&arguments.output, |writer| writer.write_all(page.as_bytes()))
 }
 
 /// The first interrupt asks the run to end, the second ends the program.
@@ -130,21 +147,6 @@ fn stop_on_interrupt(stop: &Arc<AtomicBool>) {
     let _ = ctrlc::set_handler(handler);
 }
 
-/// A file that grows beyond what the user may write (`ulimit -f`) is an error of writing, as a full disk is, and not the program's end.
-fn outlive_limits_of_files() {
-    #[cfg(unix)]
-    {
-        // That the signal came is known from the error.
-        let came = Arc::new(AtomicBool::new(false));
-        let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, came);
-    }
-}
-
-/// Lines on standard error, which may be closed.
-fn say(line: &str) {
-    let _ = writeln!(stderr().lock(), "{line}");
-}
-
 /// Tells how a run goes.
 struct Progress {
     stop: Arc<AtomicBool>,
@@ -155,9 +157,10 @@ struct Progress {
 
 impl Watcher for Progress {
     fn start(&mut self, interfaces: &[Beginning]) {
-        for Beginning { interface, slaves, paired, overlap, deep } in interfaces {
+        for Beginning { interface, slaves, paired, overlap, deep, linear } in interfaces {
             say(&format!(
-                "interface `{interface}`: {paired} of {slaves} slaves paired, deepest overlap {overlap:.3e}"
+                "interface `{}`: {paired} of {slaves} slaves paired, deepest overlap {overlap:.3e}",
+                shown(interface)
             ));
             if *deep > 0 {
                 say(&format!(
@@ -165,7 +168,21 @@ impl Watcher for Progress {
                      overlap, or does the master face the wrong way?"
                 ));
             }
+            if *linear > 0 {
+                say(&format!(
+                    "  warning: {linear} of {slaves} slaves have the linear basis, which is no better than facets: name the symmetry planes \
+                     that the master ends in, or mesh it with three rows of nodes"
+                ));
+            }
         }
+    }
+
+    fn other_instructions(&mut self, before: &str, now: &str) {
+        say(&format!(
+            "note: the run was made with {} instructions so far and goes on with {now}: it ends as one without interruption does but for \
+             rounding; DIFFUSE_CONTACT_ISA chooses them",
+            shown(before)
+        ));
     }
 
     fn iteration(&mut self, record: &IterationRecord) {
@@ -256,6 +273,9 @@ fn tell(summary: &Summary, out: &Path) {
         ));
     }
     for interface in &summary.interfaces_without_force {
-        say(&format!("warning: the interface `{interface}` never carried force at the end of an increment"));
+        say(&format!(
+            "warning: the interface `{}` never carried force at the end of an increment",
+            shown(interface)
+        ));
     }
 }

@@ -10,8 +10,9 @@ mod surface;
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use diffuse_contact_mesh::names::shown;
 use serde::Serialize;
 
 pub use surface::{SurfaceSample, sample_surfaces};
@@ -154,6 +155,32 @@ fn read_skin(path: &Path) -> Result<Skin, OutputError> {
     Ok(skin)
 }
 
+/// Looks at all skins up to an increment as a report would, one at a time: they are those of this skin.
+pub(crate) fn check_skins(skins: &Path, expected: &Skin, increments: usize) -> Result<(), OutputError> {
+    let path = skins.join(SKIN);
+    if read_skin(&path)? != *expected {
+        return Err(inconsistent(&path, "it is not the skin of the deck's model"));
+    }
+    for (_, path) in numbered(skins)?.into_iter().filter(|&(number, _)| number <= increments) {
+        read_frame(&path, expected.nodes.len())?;
+    }
+    Ok(())
+}
+
+/// The skins by their numbers.
+fn numbered(skins: &Path) -> Result<Vec<(usize, PathBuf)>, OutputError> {
+    let entries = fs::read_dir(skins).map_err(OutputError::read(skins))?;
+    let number = |path: &Path| path.file_stem()?.to_str()?.parse::<usize>().ok();
+    let mut paths: Vec<_> = entries
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "json"))
+        .filter_map(|path| Some((number(&path)?, path)))
+        .collect();
+    paths.sort();
+    Ok(paths)
+}
+
 /// The samples of the master surfaces; none if the run was interrupted before they were made.
 fn read_surfaces(path: &Path) -> Result<Vec<SurfaceSample>, OutputError> {
     if !path.exists() {
@@ -163,7 +190,7 @@ fn read_surfaces(path: &Path) -> Result<Vec<SurfaceSample>, OutputError> {
     match surfaces.iter().find(|surface| !surface.is_sound()) {
         Some(surface) => Err(inconsistent(
             path,
-            format!("the sample `{}` refers to points it does not have", surface.name),
+            format!("the sample `{}` refers to points it does not have", shown(&surface.name)),
         )),
         None => Ok(surfaces),
     }
@@ -176,15 +203,7 @@ fn read_frames(
     runs: usize,
     notes: &mut Vec<String>,
 ) -> Result<(Skin, Vec<Frame>), OutputError> {
-    let entries = fs::read_dir(skins).map_err(OutputError::read(skins))?;
-    let number = |path: &Path| path.file_stem()?.to_str()?.parse::<usize>().ok();
-    let mut paths: Vec<_> = entries
-        .flatten()
-        .map(|entry| entry.path())
-        .filter(|path| path.extension().is_some_and(|extension| extension == "json"))
-        .filter_map(|path| Some((number(&path)?, path)))
-        .collect();
-    paths.sort();
+    let paths = numbered(skins)?;
     if paths.is_empty() {
         return Err(inconsistent(skins, "there is no shape, not even that of the start"));
     }

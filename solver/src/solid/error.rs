@@ -1,6 +1,7 @@
 //! Why there is no solid, or no answer.
 
 use crate::material::{MaterialError, Unresolved};
+use diffuse_contact_mesh::names::shown;
 
 /// What an element is called where it comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -100,9 +101,11 @@ pub enum SolidError {
 fn called(element: usize, name: &Option<Box<ElementName>>) -> String {
     match name.as_deref() {
         None => format!("element {}", element + 1),
-        Some(ElementName { part, number, label: None }) => format!("element {number} of the part {part:?}"),
+        Some(ElementName { part, number, label: None }) => {
+            format!("element {number} of the part {:?}", shown(part))
+        }
         Some(ElementName { part, label: Some(label), .. }) => {
-            format!("element {label} of the mesh file (part {part:?})")
+            format!("element {label} of the mesh file (part {:?})", shown(part))
         }
     }
 }

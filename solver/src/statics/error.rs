@@ -1,6 +1,7 @@
 //! Why a run or an increment ended early.
 
 use diffuse_contact::interface::NoContact;
+use diffuse_contact_mesh::names::shown;
 use thiserror::Error;
 
 use crate::contact::ContactError;
@@ -54,6 +55,16 @@ pub enum StaticsError {
         /// How many the problem has.
         expected: usize,
     },
+    /// A number in a state that no run has.
+    #[error("the state has a {what} of {value}; it has to be {range}")]
+    StateOutOfRange {
+        /// What it is.
+        what: &'static str,
+        /// The number.
+        value: f64,
+        /// What is possible.
+        range: &'static str,
+    },
     /// Whoever was told of an increment failed.
     #[error(transparent)]
     Observer(Box<dyn std::error::Error + Send + Sync>),
@@ -88,7 +99,7 @@ pub enum Failure {
     /// There is equilibrium, but without contacts that carried force in the increment or right before it: their elements have no
     /// result.
     #[error(
-        "interface `{interface}`, slave node {node} carried force and lost its contact: {reason}; {count} did so"
+        "interface `{interface}`, slave node {node} carried force and lost its contact: {reason}; {count} did so", interface = shown(interface)
     )]
     Lost {
         /// Interface of the first one.
@@ -115,6 +126,15 @@ impl From<ContactError> for Failure {
 }
 
 impl Failure {
+    /// A matrix that a shorter step may leave regular, or something else: with a shorter step there are as many equations, and their
+    /// factors are as large.
+    pub(super) fn of_system(error: SystemError) -> Self {
+        match error {
+            SystemError::TooLarge { .. } => Self::Fatal(error.into()),
+            _ => Self::Singular(error),
+        }
+    }
+
     /// An element that a shorter step may leave sound, or something else.
     pub(super) fn of_solid(error: SolidError) -> Self {
         match error {
@@ -123,5 +143,20 @@ impl Failure {
             }
             _ => Self::Fatal(error.into()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_that_are_too_large_are_not_tried_again() {
+        let too_large = SystemError::TooLarge { equations: 201_873 };
+        assert!(
+            matches!(Failure::of_system(too_large), Failure::Fatal(StaticsError::System(error)) if error == too_large)
+        );
+        let singular = SystemError::Singular { equations: 3, residual: 1.0, condition: 1e20 };
+        assert!(matches!(Failure::of_system(singular), Failure::Singular(_)));
     }
 }

@@ -108,8 +108,24 @@ impl Statics {
     /// Whether a state can be gone on from.
     ///
     /// # Errors
-    /// [`StaticsError::ForeignState`], [`StaticsError::Contact`].
+    /// [`StaticsError::StateOutOfRange`], [`StaticsError::ForeignState`], [`StaticsError::Contact`].
     pub fn check_state(&mut self, state: &State) -> Result<(), StaticsError> {
+        let end = self.settings.time.end;
+        let outside = |what, value, range| Err(StaticsError::StateOutOfRange { what, value, range });
+        // What rounding adds to the last increment is no time beyond the end.
+        if !(0.0..=end * (1.0 + TimeSettings::ROUNDING)).contains(&state.time) {
+            return outside("time", state.time, "from 0 to the end of time");
+        }
+        if !(0.0..=f64::MAX).contains(&state.length) {
+            return outside("length of an increment", state.length, "at least 0 and finite");
+        }
+        for (what, count) in
+            [("number of iterations", state.iterations), ("number of cut-backs", state.cutbacks)]
+        {
+            if u32::try_from(count).is_err() {
+                return outside(what, count as f64, "at most 4294967295");
+            }
+        }
         self.problem.check_state(state)
     }
 

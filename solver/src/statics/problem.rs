@@ -364,7 +364,7 @@ impl Problem {
             .and_then(|()| self.solver.solve(&right, &mut solution));
         self.timing.linear += contact.elapsed();
         self.stiffness = Some(matrix);
-        solved.map_err(Failure::Singular)?;
+        solved.map_err(Failure::of_system)?;
         for (sum, part) in step.as_flattened_mut().iter_mut().zip(solution.as_flattened()) {
             *sum += part;
         }

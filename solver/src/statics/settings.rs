@@ -106,7 +106,7 @@ impl Settings {
 
 impl TimeSettings {
     /// Rounding of a sum of increments, relative to the end.
-    const ROUNDING: f64 = 1e-9;
+    pub(super) const ROUNDING: f64 = 1e-9;
 
     pub(super) fn is_over(&self, time: f64) -> bool {
         time >= self.end * (1.0 - Self::ROUNDING)

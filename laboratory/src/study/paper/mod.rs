@@ -20,7 +20,7 @@ use std::path::PathBuf;
 use super::arguments::PaperArguments;
 use crate::error::CliError;
 use crate::output;
-use crate::progress::progress;
+use crate::progress::logged;
 use crate::threads::with_threads;
 
 use case::{Case, Outcome};
@@ -35,7 +35,7 @@ struct Chapter {
 /// Runs decks, and writes them if that is asked for.
 struct Decks {
     directory: Option<PathBuf>,
-    bar: indicatif::ProgressBar,
+    bar: crate::progress::Progress,
 }
 
 impl Decks {
@@ -57,7 +57,7 @@ pub fn run(arguments: &PaperArguments) -> Result<(), CliError> {
     let scope = pinch::Scope::new(arguments.quick);
     let decks = Decks {
         directory: arguments.decks.clone(),
-        bar: progress(
+        bar: logged(
             "runs",
             cylinder::cases().len() + scope.runs() + sliding::runs(&scope) + tangents::runs(&scope),
         ),

@@ -19,7 +19,7 @@ use super::arguments::SweepArguments;
 use super::markdown::Table;
 use crate::error::CliError;
 use crate::output;
-use crate::progress::progress;
+use crate::progress::logged;
 
 use plot::Line;
 use run::{Case, Curve, sweep};
@@ -33,7 +33,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), CliError> {
         output::check_target(path)?;
     }
     let cases = Case::all();
-    let bar = progress("steps", cases.len() * arguments.steps as usize);
+    let bar = logged("steps", cases.len() * arguments.steps as usize);
     let curves: Result<Vec<Curve>, StudyError> = cases
         .into_par_iter()
         .map(|case| sweep(case, arguments.refine, arguments.steps, || bar.inc(1)))

@@ -1,0 +1,184 @@
+//! What the documents name in the sources exists: `Type::method`, `module::item` and paths of files.
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use syn::{ImplItem, Item, TraitItem, Type, UseTree};
+
+/// Owners that are not ours.
+const FOREIGN: [&str; 3] = ["std", "syn", "array"];
+/// What CMake calls the libraries.
+const TARGETS: [&str; 2] = ["diffuse_contact::diffuse_contact", "diffuse_contact::static"];
+/// Endings of files that stand in the repository if a document names them with a folder.
+const ENDINGS: [&str; 9] = [".rs", ".toml", ".py", ".c", ".h", ".f90", ".sh", ".msh", ".md"];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// All files below a folder that end so; build output and hidden folders apart.
+fn files(folder: &Path, ending: &str, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap().flatten() {
+        let (path, name) = (entry.path(), entry.file_name().into_string().unwrap_or_default());
+        if path.is_dir() && !name.starts_with('.') && name != "target" && !name.ends_with(".results") {
+            files(&path, ending, found);
+        } else if name.ends_with(ending) {
+            found.push(path);
+        }
+    }
+}
+
+/// Owners with what they own: types with methods, fields and variants, modules with items.
+#[derive(Default)]
+struct Names(HashSet<(String, String)>);
+
+impl Names {
+    fn own(&mut self, owner: &str, name: &impl ToString) {
+        self.0.insert((owner.to_owned(), name.to_string()));
+    }
+
+    fn items(&mut self, module: &str, items: &[Item]) {
+        for item in items {
+            match item {
+                Item::Fn(item) => self.own(module, &item.sig.ident),
+                Item::Const(item) => self.own(module, &item.ident),
+                Item::Static(item) => self.own(module, &item.ident),
+                Item::Type(item) => self.own(module, &item.ident),
+                Item::Struct(item) => {
+                    self.own(module, &item.ident);
+                    let fields = item.fields.iter().filter_map(|field| field.ident.as_ref());
+                    fields.for_each(|field| self.own(&item.ident.to_string(), field));
+                }
+                Item::Enum(item) => {
+                    self.own(module, &item.ident);
+                    for variant in &item.variants {
+                        self.own(&item.ident.to_string(), &variant.ident);
+                        let fields = variant.fields.iter().filter_map(|field| field.ident.as_ref());
+                        fields.for_each(|field| self.own(&variant.ident.to_string(), field));
+                    }
+                }
+                Item::Trait(item) => {
+                    self.own(module, &item.ident);
+                    for member in &item.items {
+                        match member {
+                            TraitItem::Fn(member) => self.own(&item.ident.to_string(), &member.sig.ident),
+                            TraitItem::Const(member) => self.own(&item.ident.to_string(), &member.ident),
+                            TraitItem::Type(member) => self.own(&item.ident.to_string(), &member.ident),
+                            _ => {}
+                        }
+                    }
+                }
+                Item::Impl(item) => {
+                    let Type::Path(owner) = &*item.self_ty else { continue };
+                    let Some(owner) = owner.path.segments.last() else { continue };
+                    let owner = owner.ident.to_string();
+                    for member in &item.items {
+                        match member {
+                            ImplItem::Fn(member) => self.own(&owner, &member.sig.ident),
+                            ImplItem::Const(member) => self.own(&owner, &member.ident),
+                            ImplItem::Type(member) => self.own(&owner, &member.ident),
+                            _ => {}
+                        }
+                    }
+                }
+                Item::Mod(item) => {
+                    self.own(module, &item.ident);
+                    if let Some((_, items)) = &item.content {
+                        self.items(&item.ident.to_string(), items);
+                    }
+                }
+                Item::Use(item) => self.uses(module, &item.tree),
+                _ => {}
+            }
+        }
+    }
+
+    /// What a module shows of others.
+    fn uses(&mut self, module: &str, tree: &UseTree) {
+        match tree {
+            UseTree::Path(path) => self.uses(module, &path.tree),
+            UseTree::Name(name) => self.own(module, &name.ident),
+            UseTree::Rename(name) => self.own(module, &name.rename),
+            UseTree::Group(group) => group.items.iter().for_each(|tree| self.uses(module, tree)),
+            _ => {}
+        }
+    }
+}
+
+/// The module of a file: its name, or that of its folder, or of its crate's folder.
+fn module(path: &Path) -> String {
+    let name = |path: &Path| path.file_stem().unwrap().to_str().unwrap().to_owned();
+    match name(path).as_str() {
+        "mod" => name(path.parent().unwrap()),
+        "lib" | "main" => name(path.parent().unwrap().parent().unwrap()),
+        other => other.to_owned(),
+    }
+}
+
+fn names() -> Names {
+    let mut sources = Vec::new();
+    files(&root(), ".rs", &mut sources);
+    let mut names = Names::default();
+    for path in sources {
+        if let Ok(file) = syn::parse_file(&fs::read_to_string(&path).unwrap()) {
+            names.items(&module(&path), &file.items);
+        }
+    }
+    names
+}
+
+/// The pieces of a document in single backquotes, blocks of code apart.
+fn quoted(text: &str) -> Vec<&str> {
+    let prose = text.split("\n```").step_by(2);
+    let lines = prose.flat_map(str::lines);
+    lines.flat_map(|line| line.split('`').skip(1).step_by(2)).collect()
+}
+
+/// `Owner::{a, b}` as pairs; `None` if it is no such path.
+fn pairs(piece: &str) -> Option<Vec<(String, String)>> {
+    let (path, last) = piece.rsplit_once("::")?;
+    let owner = path.rsplit("::").find(|part| !part.contains(['<', '>']))?;
+    let is_name =
+        |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    let members: Vec<&str> = match last.strip_prefix('{') {
+        Some(list) => list.strip_suffix('}')?.split(',').map(str::trim).collect(),
+        None => vec![last.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).next()?],
+    };
+    let foreign = path.split("::").any(|part| FOREIGN.contains(&part));
+    (is_name(owner) && !foreign && members.iter().all(|member| is_name(member)))
+        .then(|| members.into_iter().map(|member| (owner.to_owned(), member.to_owned())).collect())
+}
+
+#[test]
+fn what_the_documents_name_exists() {
+    let names = names();
+    let mut documents = Vec::new();
+    files(&root(), ".md", &mut documents);
+    let mut known = Vec::new();
+    files(&root(), "", &mut known);
+    let known: HashSet<String> =
+        known.iter().map(|path| path.strip_prefix(root()).unwrap().to_str().unwrap().to_owned()).collect();
+    let (mut missing, mut checked) = (Vec::new(), 0);
+    for document in documents.iter().filter(|path| !path.ends_with("CHANGELOG.md")) {
+        let text = fs::read_to_string(document).unwrap();
+        let place = document.strip_prefix(root()).unwrap().display();
+        for piece in quoted(&text).into_iter().filter(|piece| !TARGETS.contains(piece)) {
+            for (owner, member) in pairs(piece).into_iter().flatten() {
+                checked += 1;
+                if !names.0.contains(&(owner.clone(), member.clone())) {
+                    missing.push(format!("{place}: {owner}::{member}"));
+                }
+            }
+            let is_path = piece.contains('/')
+                && ENDINGS.iter().any(|ending| piece.ends_with(ending))
+                && piece.chars().all(|c| c.is_ascii_alphanumeric() || "/._-".contains(c));
+            // A document may leave out the folder that it is about.
+            if is_path && !known.iter().any(|file| file == piece || file.ends_with(&format!("/{piece}"))) {
+                missing.push(format!("{place}: {piece}"));
+            }
+        }
+    }
+    assert!(checked > 50, "{checked}");
+    assert!(missing.is_empty(), "not in the sources:\n{}", missing.join("\n"));
+}

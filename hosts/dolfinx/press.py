@@ -133,7 +133,7 @@ class Contact:
 
     def evaluate(self, u: PETSc.Vec, mode: str) -> None:
         """Evaluates at these displacements."""
-        self.interface.update(self.positions(u))
+        self.interface.follow(self.positions(u))
         self.interface.evaluate(mode)
 
     def subtract_forces(self, residual: PETSc.Vec) -> None:

@@ -90,7 +90,7 @@ def newton(block: Block, interface: dc.ContactInterface, master: np.ndarray, u: 
     step[block.held_down] = -down - u[block.held_down]
     for _ in range(20):
         positions = np.vstack([block.positions + u[block.dofs], master])
-        interface.update(positions)
+        interface.follow(positions)
         interface.evaluate("hessian")
         contact = interface.residual(PENALTY)
         # Internal forces minus contact forces; the plate's motion is part of the first step.

@@ -72,5 +72,6 @@ fn evaluate_twice(mut scene: Scene) {
     }
     let contacts = scene.interface.evaluate(Mode::Value).unwrap();
     assert!(contacts.iter().filter(|contact| contact.outcome.is_contact()).count() > 1900);
-    assert!(contacts.iter().all(|contact| contact.nodes.len() <= 24));
+    // Lists hold more nodes than are within reach; their derivatives are spread without memory of their own.
+    assert!(contacts.iter().all(|contact| contact.nodes.len() <= 48));
 }

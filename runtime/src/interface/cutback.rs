@@ -158,7 +158,7 @@ mod tests {
             cutback.book(interface.evaluate(Mode::Value).unwrap());
             cutback.hint(&interface, 0.25)
         };
-        let far = [90.0, 3.9, -0.1];
+        let (far, beyond) = ([4.2, 3.9, -90.0], [90.0, 3.9, -0.1]);
         // Above at first: a slave that never penetrated has nothing to lose.
         assert_eq!(at([4.2, 3.9, 0.1], true).factor, 1.0);
         assert_eq!(at(far, false), CutbackHint { factor: 1.0, cause: None });
@@ -174,7 +174,7 @@ mod tests {
         assert_eq!(at(start[81], true).factor, 1.0);
         assert_eq!(at(far, false), lost);
         // Beyond the border there is no contact to be lost.
-        assert_eq!(at(far, true).factor, 1.0);
-        assert_eq!(at(far, false).factor, 1.0);
+        assert_eq!(at(beyond, true).factor, 1.0);
+        assert_eq!(at(beyond, false).factor, 1.0);
     }
 }

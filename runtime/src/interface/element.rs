@@ -8,6 +8,7 @@ use crate::pairing::Pairing;
 
 /// A slave node and what it is paired with, at the positions of the moment.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "one at a time is taken out, to be looked at")]
 pub enum PairedElement {
     /// A diffuse element.
     Diffuse {

@@ -16,7 +16,7 @@ pub use measure::angle;
 use measure::{Measurement, SIZES, elements, measure, order};
 use shapes::Shape;
 
-/// Reference figures for the cylinder of radius 100, from an independent trial of the same fits: cell in degrees, cubic
+/// Reference figures for the cylinder of radius 100, from an independent trial of fits to two hull layers: cell in degrees, cubic
 /// weight, interpolating weight, facets (the sagitta). The places of the cell they belong to are not known.
 const REFERENCE: [(f64, [f64; 3]); 2] = [(22.5, [0.441, 0.112, 1.92]), (10.0, [0.0176, 0.0055, 0.381])];
 /// The same elements by their names here.

@@ -158,6 +158,7 @@ proptest! {
     fn the_order_of_the_masters_does_not_matter(case in cases()) {
         let mut other = case.clone();
         other.masters.reverse();
+        other.radii.reverse();
         let (here, there) = (gap(&case), gap(&other));
         let count = case.masters.len();
         let position = |x: usize| if x < 3 { x } else { 3 * (count + 1 - x / 3) + x % 3 };

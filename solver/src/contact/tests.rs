@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use diffuse_contact::Point;
-use diffuse_contact::interface::InterfaceOptions;
+use diffuse_contact::interface::{ContactElement, InterfaceOptions};
+use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact::surface::Facet;
+use diffuse_contact::{FrameDerivative, Point, Weight};
 
 use super::*;
 use crate::system::BlockPattern;
@@ -34,6 +35,13 @@ fn bed() -> (Vec<Point>, Vec<Facet>, Vec<Facet>) {
     (nodes, master, slave)
 }
 
+/// Pairings that a refresh remembers.
+fn hull_layers() -> InterfaceOptions {
+    let (weight, frame) = (Weight::Cubic, FrameDerivative::CoMoving);
+    let element = ContactElement::Diffuse { weight, frame, search: SearchOptions::default() };
+    InterfaceOptions { element, ..InterfaceOptions::default() }
+}
+
 fn options(two_pass: bool, augmented: bool) -> InteractionOptions {
     InteractionOptions {
         name: "bed".to_owned(),
@@ -42,7 +50,7 @@ fn options(two_pass: bool, augmented: bool) -> InteractionOptions {
         refresh: RefreshRule::Increment,
         tangent: TangentRule::Exact,
         two_pass,
-        interface: InterfaceOptions::default(),
+        interface: hull_layers(),
         symmetry: Vec::new(),
     }
 }

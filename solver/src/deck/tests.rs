@@ -362,7 +362,7 @@ fn wrong_types_and_ranges_say_what_was_found() {
     );
     refused(
         "penalty = 1e5",
-        "penalty = 1e5\nneighbours = { regularity = 1.0 }",
+        "penalty = 1e5\nneighbours = { rule = \"hull-layers\", regularity = 1.0 }",
         "interface[1].neighbours.regularity must be at least 0 and below 1, not 1",
     );
     assert_eq!(MAX_NEIGHBOURS, 24);

@@ -43,7 +43,7 @@ impl Decks {
         if let Some(directory) = &self.directory {
             case.write_to(directory)?;
         }
-        let outcome = case.run().map_err(|reason| CliError::job(reason));
+        let outcome = case.run().map_err(CliError::job);
         self.bar.inc(1);
         outcome
     }

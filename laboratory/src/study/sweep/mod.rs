@@ -11,6 +11,7 @@ mod scene;
 use std::io::{self, Write};
 
 use diffuse_contact::interface::ContactElement;
+use diffuse_contact::neighbourhood::NeighbourRule;
 use plotters::style::RGBColor;
 use rayon::prelude::*;
 
@@ -55,7 +56,7 @@ fn lines(curves: &[Curve]) -> Vec<Line<'_>> {
     let labels = ["facets", "diffuse, cubic weight", "diffuse, interpolating weight"];
     let shown = curves.iter().filter(|curve| match curve.case.element {
         _ if curve.case.kept => false,
-        ContactElement::Diffuse { search, .. } => search == Default::default(),
+        ContactElement::Diffuse { search, .. } => search.rule == NeighbourRule::Domains,
         ContactElement::NodeToFacet => true,
     });
     shown

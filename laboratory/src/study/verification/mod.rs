@@ -70,7 +70,7 @@ pub fn run(arguments: &VerificationArguments) -> Result<(), CliError> {
                 VerificationProblem::SlidingBlock => sliding::study(&decks),
                 VerificationProblem::RingBlock => ring::study(&decks),
             };
-            let Findings { tables, charts } = findings.map_err(|error| of_deck(error))?;
+            let Findings { tables, charts } = findings.map_err(of_deck)?;
             if let (Some(path), false) = (picture(problem), charts.is_empty()) {
                 let svg = plot::draw(&charts)?;
                 output::write_file(&path, |writer| writer.write_all(svg.as_bytes()))?;

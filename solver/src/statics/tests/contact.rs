@@ -39,7 +39,7 @@ fn the_adaptive_tangent_gets_through_where_the_exact_one_does_not() {
         let [.., before, last] = &record.history[..] else { panic!("{record:?}") };
         assert!(last.relative < 1e-2 * before.relative, "{record:?}");
     }
-    let hard = pressed_hard().replace("2000.0", "2e4");
+    let hard = pressed_hard().replace("2000.0", &format!("2e4\n{HULL_LAYERS}"));
     let (deck, model) = deck(&hard, "[time]\nincrement = 0.5");
     let mut statics = statics(&deck, &model);
     let mut notes = Notes { stop_at_cut: true, ..Notes::default() };
@@ -132,7 +132,7 @@ fn a_pairing_per_iteration_belongs_to_the_end_of_the_increment() {
     let at_end = |refresh: &str| {
         let base = PRESSED.replace(
             "penalty = 2000.0",
-            &format!("penalty = 2000.0\nhysteresis = 0.0\nrefresh = \"{refresh}\""),
+            &format!("penalty = 2000.0\n{HULL_LAYERS}\nhysteresis = 0.0\nrefresh = \"{refresh}\""),
         );
         let (_, state, mut statics) = run(&base, more);
         let forces = statics.problem.contacts().forces();
@@ -147,6 +147,9 @@ fn a_pairing_per_iteration_belongs_to_the_end_of_the_increment() {
     assert_ne!(before, after, "the block slides by 0.2 in an increment");
 }
 
+/// Pairings that change at refreshes, and end where their nodes do.
+const HULL_LAYERS: &str = "neighbours = { rule = \"hull-layers\" }";
+
 /// Pressed at first, then slid: at once it is too far for the fits.
 fn slid(minimum: &str) -> (String, String) {
     let base = PRESSED.replace(
@@ -157,6 +160,7 @@ fn slid(minimum: &str) -> (String, String) {
         "nodes = \"wave\"\nfix = [\"x\", \"y\", \"z\"]",
         "nodes = \"wave\"\ntranslate = [-2.4, 0.0, 0.0]\namplitude = [[0.0, 0.0], [0.4, 0.0], [1.0, 1.0]]",
     );
+    let base = base.replace("penalty = 2000.0", &format!("penalty = 2000.0\n{HULL_LAYERS}"));
     (base, format!("[time]\nincrement = 0.2\nmaximum = 0.6\ngrowth = 3.0\n{minimum}"))
 }
 

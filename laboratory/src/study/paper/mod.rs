@@ -96,7 +96,7 @@ fn introduction(is_quick: bool) -> String {
     let option = if is_quick { " --quick" } else { "" };
     format!(
         "# The examples of the paper\n\n\
-         Written by `diffuse-contact study paper -o docs/paper.md{option}`; do not edit.\n\n\
+         Written by `diffuse-contact-laboratory study paper -o docs/paper.md{option}`; do not edit.\n\n\
          The diffuse element and the classic one, nodes against facets, in the same code: same meshes, penalties, tolerances, line \
          search, predictor and, except where that is the question, the same tangent of both, `tangent = \"adaptive\"`, but for `ring_block`, whose deck has the exact one. Decks are those of `examples/` with the changes \
          named in the tables; `--decks DIR` writes every one of them, and `diffuse-contact solve DIR/NAME.toml` runs it. \

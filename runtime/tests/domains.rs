@@ -1,6 +1,8 @@
 //! Nodal domains of influence: the gap is one smooth function of all positions, whatever is listed, at borders and symmetry
 //! planes, too.
 
+use std::f64::consts::FRAC_PI_6;
+
 use diffuse_contact::interface::{
     ContactElement, ContactInterface, InterfaceError, InterfaceOptions, PairedElement,
 };
@@ -28,7 +30,7 @@ fn noise(k: usize) -> f64 {
 }
 
 fn wave(x: f64, y: f64) -> f64 {
-    (x * 0.5236).sin() * (y * 0.5236).cos()
+    (x * FRAC_PI_6).sin() * (y * FRAC_PI_6).cos()
 }
 
 /// The wavy surface with nodes moved by a fraction of a cell.

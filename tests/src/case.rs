@@ -42,7 +42,7 @@ impl Case {
             nodes.push([a, b, surface.height(a, b) + 0.05 * random.signed()]);
         }
         let case = Self::from_local(&nodes, 1.3, basis, &mut random);
-        if seed % 2 == 0 {
+        if seed.is_multiple_of(2) {
             return case;
         }
         let radii = (0..n).map(|_| 1.3 * (1.1 + 0.2 * random.signed())).collect();

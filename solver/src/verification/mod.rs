@@ -7,8 +7,8 @@
 //! | [`Snapshot::moment`] | two rings turned in one another without friction | none |
 //! | [`Oscillation`] | the force on what slides over a surface of revolution | constant |
 //!
-//! The decks in `examples/` are such problems. The solver's tests assert these numbers on coarse meshes, `diffuse-contact study
-//! verification` prints them.
+//! The decks in `examples/` are such problems. The solver's tests assert these numbers on coarse meshes, `diffuse-contact-laboratory
+//! study verification` prints them.
 
 mod hertz;
 mod oscillation;

@@ -1,6 +1,6 @@
 //! The `evaluate` job: elements from a JSON file, results as JSON.
 //!
-//! [`schema`] says what a file may contain, [`result`] what comes back. A file that does not follow the schema is
+//! `schema` says what a file may contain, `result` what comes back. A file that does not follow the schema is
 //! refused as a whole; an element that follows it but has no result gets an error entry and the others are still
 //! evaluated.
 

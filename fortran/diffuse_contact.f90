@@ -21,12 +21,12 @@ module diffuse_contact
         enumerator :: DC_CONTACT = 0, DC_NOT_PAIRED, DC_TOO_FAR, DC_NO_CANDIDATE, DC_ILL_CONDITIONED, DC_BEYOND_BORDER, &
             DC_SINGULAR_FIT, DC_FOOT_DIVERGED, DC_FOOT_OUTSIDE, DC_CENTRE_OF_CURVATURE, &
             DC_BEYOND_CENTRE_OF_CURVATURE, DC_NO_AVERAGE_PLANE, DC_AMBIGUOUS_OUTWARD, DC_DEGENERATE_FACET, &
-            DC_ELEMENT_OVERFLOW, DC_REFUSED
+            DC_ELEMENT_OVERFLOW, DC_REFUSED, DC_NOT_MATERIAL_PLACE
     end enum
 
     ! dc_fallback, dc_mode, dc_element_kind, dc_weight, dc_frame, dc_rule, dc_basis, dc_tangent, dc_triangle
     enum, bind(c)
-        enumerator :: DC_NO_FALLBACK = 0, DC_EXTENDED, DC_LINEAR_BASIS, DC_FAR
+        enumerator :: DC_NO_FALLBACK = 0, DC_EXTENDED, DC_LINEAR_BASIS
         enumerator :: DC_VALUE = 0, DC_GRADIENT, DC_HESSIAN
         enumerator :: DC_DIFFUSE = 0, DC_NODE_TO_FACET
         enumerator :: DC_CUBIC = 0, DC_CUBIC_INTERPOLATING, DC_WENDLAND_C2
@@ -49,13 +49,12 @@ module diffuse_contact
 
     !> What a refresh did, in numbers of slaves.
     type, bind(c) :: dc_report
-        integer(c_size_t) :: size = 112
+        integer(c_size_t) :: size = 104
         integer(c_int32_t) :: paired = 0, kept = 0, renewed = 0, changed = 0, gained = 0, lost = 0, without = 0, &
             extended = 0, linear = 0, contacts_lost = 0, contacts_gained = 0, jump_node = -1, lost_node = -1, &
             gained_node = -1
         real(c_double) :: jump_before = 0, jump_after = 0, lost_gap = 0, gained_gap = 0
-        integer(c_int32_t) :: far = 0, rebuilt = 0
-        real(c_double) :: renewed_stretch = 0
+        integer(c_int32_t) :: rebuilt = 0
     end type
 
     !> The contact of one slave.
@@ -262,6 +261,13 @@ module diffuse_contact
             type(c_ptr), value :: interface
             real(c_double), intent(out) :: factor
             integer(c_int) :: status
+        end function
+
+        !> The tangent of a law, DC_EXACT or DC_GAUSS_NEWTON, by the norms of the residual and of the largest forces.
+        function dc_adaptive_tangent(residual, force) bind(c) result(tangent)
+            import :: c_double, c_int32_t
+            real(c_double), value :: residual, force
+            integer(c_int32_t) :: tangent
         end function
 
         function dc_residual(interface, law, residual, equation_count, active_count) bind(c) result(status)

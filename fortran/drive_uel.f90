@@ -81,6 +81,7 @@ program drive_uel
     call check_lost_surface()
     call check_few_candidates()
     call check_structures()
+    call check_adaptive_tangent()
 
 contains
 
@@ -550,6 +551,17 @@ contains
         if (any([c_sizeof(options), c_sizeof(report), c_sizeof(law), c_sizeof(element), c_sizeof(pairing)] /= &
             [options%size, report%size, law%size, element%size, pairing%size])) call fail('a structure has another size')
         print '(a)', 'structures fit'
+    end subroutine
+
+    !> The tangent changes where the residual is 0.3 of the forces.
+    subroutine check_adaptive_tangent()
+        use diffuse_contact
+        real(8), parameter :: ratio = 0.3d0
+
+        if (dc_adaptive_tangent(ratio, 1d0) /= DC_EXACT) call fail('0.3 of the forces is near equilibrium')
+        if (dc_adaptive_tangent(nearest(ratio, 1d0), 1d0) /= DC_GAUSS_NEWTON) call fail('more than that is far from it')
+        if (dc_adaptive_tangent(0d0, 0d0) /= DC_EXACT) call fail('no residual is equilibrium')
+        print '(a)', 'the adaptive tangent switches'
     end subroutine
 
     subroutine print_bits()

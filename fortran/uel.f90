@@ -16,7 +16,8 @@
 !     PROPS(2)     tributary area of the slave; 0 for a penalty per node
 !     PROPS(3)     weight of the fit: 0 cubic, 1 cubic interpolating, 2 Wendland C2
 !     PROPS(4:6)   a direction to the outward side of the master at the beginning
-!     PROPS(7)     tangent: 0 exact, 1 Gauss-Newton
+!     PROPS(7)     tangent: 0 exact, 1 Gauss-Newton. A user element is not told the residual of the model, so that it cannot switch
+!                  as dc_adaptive_tangent does: where a stiff penalty diverges, take 1
 !     PROPS(8)     a penetration deeper than this fraction of the support radius asks for a cut-back; 0 for 0.25
 !     PROPS(9)     with PROPERTIES=9: the regularity that the fit of a pairing has to exceed, below 1 (smallest_regularity); 0 for the
 !                  library's default. More lets errors in the heights of the masters through less and takes more masters

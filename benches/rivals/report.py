@@ -1,4 +1,4 @@
-"""docs/performance.md and its picture, from the figures of a run.
+"""docs/results/performance.md and its picture, from the figures of a run.
 
 `python benches/rivals/report.py RESULT.json DOCS` writes them again from a stored result, for instance after the notes
 have changed.
@@ -117,7 +117,8 @@ def compiled_for(result):
             "multiply-adds"
         )
     parts += ["CasADi: `gcc -O3 -march=native`", "JAX: by XLA, for this processor"]
-    return "What each row is compiled for: " + "; ".join(parts) + ". Rust is compiled with link-time optimisation."
+    items = "\n".join(f"* {part}" for part in parts)
+    return f"What each row is compiled for:\n\n{items}\n\nRust is compiled with link-time optimisation."
 
 
 def casadi_gap(result):
@@ -222,7 +223,7 @@ def text(result):
         "The smaller problem: no foot, no normal. The generated kernel adds ∇f_1 and ∇f_2.",
         by_nodes(rows, SURFACE, NAMES, duration),
         "## Fraction of peak",
-        f"Operations of the generated kernels (a fused multiply-add counts one, so does any other) over time, relative to "
+        "Operations of the generated kernels over time; a fused multiply-add counts one, so does any other. They are relative to "
         f"{result['peak']:.1f} fused multiply-adds a nanosecond that a loop of nothing else reaches in the same run with "
         f"{result['isa']}.",
         by_nodes(rows, GAP, generated, lambda fraction: f"{100 * fraction:.0f} %", "fraction"),
@@ -255,9 +256,9 @@ def text(result):
         "CasADi: `gcc -O3 -march=native`; JAX: XLA, one process. Objects of CasADi stay from one run to the next: times are "
         "of the day they were compiled, with so many other processes running or waiting (load average).",
         compile_table(result),
-        f"The generated kernels, all n, three weights and two bases, facets: `cargo build --release -p "
+        "The generated kernels are all n, three weights and two bases, and facets. `cargo build --release -p "
         f"diffuse-contact-kernels` into an empty folder, generator and its dependencies included, took "
-        f"{clean['seconds']:.0f} s on {clean['cores']} cores at a load of {clean['load']:.1f} before; the library has "
+        f"{clean['seconds']:.0f} s on {clean['cores']} cores at a load of {clean['load']:.1f} before. The library has "
         f"{clean['library']:,} bytes{', ' + format(clean['code'], ',') + ' of them code' if clean['code'] else ''}.",
     ]
     notes = NOTES.read_text().strip() if NOTES.exists() else ""

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Runs `diffuse-contact bench` and its rivals CasADi and JAX in turn, and writes docs/performance.md with its picture.
+"""Runs `diffuse-contact bench` and its rivals CasADi and JAX in turn, and writes docs/results/performance.md with its picture.
 
-    python benches/rivals/run.py                 the whole report, into docs/
+    python benches/rivals/run.py                 the whole report, into docs/results/
     python benches/rivals/run.py --nodes 9 --rounds 2 --docs target/rivals/trial
 
 See README.md beside this file for what it needs.
@@ -131,7 +131,7 @@ def main():
     parser.add_argument("--kernel-nodes", default="6,8,9,12,16,20,24", help="those of diffuse-contact bench")
     parser.add_argument("--rounds", type=int, default=5, help="rounds of which times are medians")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "target" / "rivals", help="folder for objects")
-    parser.add_argument("--docs", type=pathlib.Path, default=ROOT / "docs", help="where the report goes")
+    parser.add_argument("--docs", type=pathlib.Path, default=ROOT / "docs" / "results", help="where the report goes")
     parser.add_argument(
         "--native",
         action=argparse.BooleanOptionalAction,

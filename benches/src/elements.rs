@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 use diffuse_contact::ad::Ad;
 use diffuse_contact::{Backend, Basis, Element, ElementError, Frame, Mode, Point, Weight};
 
+use crate::Random;
+
 /// Support radius over the largest in-plane distance of a master from the slave, as the pairing has it.
 const RADIUS_FACTOR: f64 = 1.25;
 /// Slopes and curvatures of the surface in its own axes, with the patch's radius as unit of length.
@@ -60,7 +62,7 @@ impl Elements {
         if nodes < Basis::Quadratic.size() {
             return Err(ElementsError::TooFewNodes { nodes });
         }
-        let mut random = Random(nodes as u64);
+        let mut random = Random::seeded(nodes as u64);
         let mut elements = Self { nodes, slaves: vec![], masters: vec![], frames: vec![], radii: vec![] };
         let drawn = DRAWS * count;
         for _ in 0..drawn {
@@ -172,35 +174,6 @@ fn spread(n: usize, random: &mut Random) -> Vec<[f64; 2]> {
             [r * c + step * random.signed(), r * s + step * random.signed()]
         })
         .collect()
-}
-
-/// Numbers that are the same in every run.
-struct Random(u64);
-
-impl Random {
-    /// A number in [−1, 1) (`SplitMix64`).
-    fn signed(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let x = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    /// Rows of a rotation matrix.
-    fn rotation(&mut self) -> [Point; 3] {
-        let [w, x, y, z] = loop {
-            let q: [f64; 4] = std::array::from_fn(|_| self.signed());
-            let square: f64 = q.iter().map(|x| x * x).sum();
-            if (0.01..=1.0).contains(&square) {
-                break q.map(|x| x / square.sqrt());
-            }
-        };
-        [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
-            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
-            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
-        ]
-    }
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@
 //! | file | what it holds |
 //! | --- | --- |
 //! | `elements.rs` | the elements all contenders evaluate |
+//! | `random.rs` | the numbers they are made of |
 //! | `contender.rs` | what a contender is, and the list of them |
 //! | `generated.rs` | the generated kernels one element at a time, and their operation counts |
 //! | `batch.rs` | the generated kernels for many elements at once |
@@ -25,10 +26,12 @@ pub mod elements;
 pub mod generated;
 pub mod measure;
 pub mod peak;
+pub mod random;
 pub mod report;
 
 pub use contender::{CONTENDERS, Contender, Evaluation, NoResult, Output, Run};
 pub use elements::{Elements, ElementsError};
 pub use generated::{UnknownIsa, isa_named, operations};
 pub use measure::{MeasureError, Plan, measure};
+pub use random::Random;
 pub use report::Report;

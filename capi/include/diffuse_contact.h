@@ -7,15 +7,16 @@
  *     dc_refresh                  who is paired with whom                 once an increment, or once an iteration
  *     dc_follow, dc_evaluate      the positions of the moment             each iteration
  *     dc_residual                 adds the contact forces
+ *     dc_adaptive_tangent         which tangent: e N N^T far from equilibrium
  *     dc_pattern_fill             the tangent -dR/dx, or dc_triplets
  *     dc_cutback                  whether the increment had better be smaller
  *     dc_destroy
  *
  * dc_pair, dc_gap, dc_gap_batch and dc_element_system serve single elements without an interface.
  *
- * Every call returns a dc_status; dc_message() is the sentence to it. The library copies what it is given and fills arrays of the
- * caller, whose sizes it checks; an array that is filled must not overlap another one of the call, unless it says so (DC_BAD_POINTER).
- * Indices count from 0. Lengths and forces are in the caller's units; g > 0 apart, g < 0 penetrating.
+ * Every call that can fail returns a dc_status; dc_message() is the sentence to it. The library copies what it is given and fills
+ * arrays of the caller, whose sizes it checks; an array that is filled must not overlap another one of the call, unless it says so
+ * (DC_BAD_POINTER). Indices count from 0. Lengths and forces are in the caller's units; g > 0 apart, g < 0 penetrating.
  *
  * Threads: calls without handle may be made from any number of threads at once. A handle serves one thread at a time; a second
  * one gets DC_BUSY. Evaluation runs in parallel inside; the environment variable RAYON_NUM_THREADS says in how many threads. A process
@@ -110,6 +111,8 @@ typedef enum dc_outcome {
     DC_ELEMENT_OVERFLOW = 14,
     // dc_gap_batch only: the input of this element is refused. dc_gap says why.
     DC_REFUSED = 15,
+    // With DC_DOMAINS: no place of the slave among the first positions of the masters was found, as near its centre of curvature.
+    DC_NOT_MATERIAL_PLACE = 16,
 } dc_outcome;
 
 // What the neighbour search had to give up for a contact.
@@ -120,8 +123,6 @@ typedef enum dc_fallback {
     DC_EXTENDED = 1,
     // The linear basis: the gap is off by up to about k R^2/2 on a curvature k.
     DC_LINEAR_BASIS = 2,
-    // Wider domains of influence, for the average plane of a slave that is far from the surface.
-    DC_FAR = 3,
 } dc_fallback;
 
 // How many derivatives are computed.
@@ -156,7 +157,8 @@ typedef enum dc_weight {
 typedef enum dc_frame {
     // The average plane of the masters, moving with them: N and M are the exact derivatives of the gap.
     DC_CO_MOVING = 0,
-    // The average plane of the masters, held while differentiating. An interface holds that of the last refresh.
+    // The average plane of the masters, held while differentiating. An interface holds that of the last refresh; with DC_DOMAINS, where
+    // the plane is one with the slave's place, it is refused.
     DC_HELD = 1,
     // Directions given by the caller, held (dc_gap only).
     DC_GIVEN = 2,
@@ -171,7 +173,8 @@ typedef enum dc_rule {
     // The nearest.
     DC_NEAREST = 2,
     // All nodes of the slave's sheet within whose domain of influence it lies, and their mirror images: a node enters and leaves with
-    // weight zero, so the gap does not jump. Only interfaces have it: domains belong to the nodes of a surface.
+    // weight zero, so the gap does not jump. Domains are ellipsoids around the positions of dc_create; the slave has a place there.
+    // Only interfaces have the rule: domains belong to the nodes of a surface.
     DC_DOMAINS = 3,
 } dc_rule;
 
@@ -185,7 +188,7 @@ typedef enum dc_basis {
 
 // Which tangent is assembled.
 typedef enum dc_tangent {
-    // K = e N N^T - f M, the exact derivative of the force; indefinite in general.
+    // K = e N N^T - f M, the exact derivative of the force; indefinite in general. See dc_adaptive_tangent.
     DC_EXACT = 0,
     // K = e N N^T, positive semidefinite; needs no Hessian.
     DC_GAUSS_NEWTON = 1,
@@ -219,7 +222,7 @@ typedef struct dc_options {
     int32_t element;
     // dc_weight. Default: DC_CUBIC.
     int32_t weight;
-    // dc_frame: DC_CO_MOVING or DC_HELD. Default: DC_CO_MOVING.
+    // dc_frame: DC_CO_MOVING, or DC_HELD with another rule than DC_DOMAINS. Default: DC_CO_MOVING.
     int32_t frame;
     // dc_rule. dc_pair, which has no surface, takes DC_DOMAINS for DC_HULL_LAYERS. Default: DC_DOMAINS.
     int32_t rule;
@@ -300,13 +303,9 @@ typedef struct dc_report {
     double lost_gap;
     // The gap of gained_node by the new pairing.
     double gained_gap;
-    // Pairings of slaves so far from the surface that nodes of wider domains make up their average plane.
-    int32_t far;
     // Whether the pairings were made anew, so that patterns of before are no longer theirs: 0 or 1. With DC_DOMAINS 0 while nothing has
     // moved by more than half the skin of the lists, with other rules always 1; 0 of a frozen interface.
     int32_t rebuilt;
-    // With DC_DOMAINS, by how much the surface was stretched if the radii were renewed for it, which changes gaps; 0 if they stayed.
-    double renewed_stretch;
 } dc_report;
 
 // The contact of one slave. Without contact the numbers are 0, but for the area.
@@ -327,8 +326,8 @@ typedef struct dc_contact {
     double normal[3];
     // Tributary area of the slave, length^2; 1 without areas.
     double area;
-    // Support radius of the pairing, length; with DC_DOMAINS the largest at the corners of its facet; node to facet: the extent of the
-    // facet; 0 if it is not paired.
+    // Support radius of the pairing, length; with DC_DOMAINS the shortest half axis of the domains of its list; node to facet: the extent
+    // of the facet; 0 if it is not paired.
     double support_radius;
 } dc_contact;
 
@@ -496,9 +495,9 @@ enum dc_status dc_update(struct dc_interface *interface,
                          const double *positions,
                          size_t node_count);
 
-// As dc_update, but with DC_DOMAINS the lists of nodes follow: if something has moved by more than half their skin, a twentieth of the
-// radius, they are made anew, which changes no gap. `rebuilt`, which may be NULL, gets whether they were, 0 or 1: patterns of before
-// are no longer theirs then. Radii stay until the next dc_refresh.
+// As dc_update, but with DC_DOMAINS the lists of nodes follow: if something has moved by more than half their skin, see dc_refresh, they
+// are made anew, which changes no gap. `rebuilt`, which may be NULL, gets whether they were, 0 or 1: patterns of before
+// are no longer theirs then.
 //
 // DC_FROZEN while the interface is frozen: it did what dc_update does.
 //
@@ -512,9 +511,9 @@ enum dc_status dc_follow(struct dc_interface *interface,
 // Takes over the positions and pairs every slave anew, or keeps its pairing while it is sound. Call it once an increment,
 // or once an iteration. `report` may be NULL; its field `size` has to be set.
 //
-// With DC_DOMAINS lists of nodes are kept while nothing has moved by more than half their skin, a twentieth of the radius, and new ones
-// change no gap; only if the master has been stretched by more than a tenth somewhere are the radii renewed, and the gaps' jump
-// is reported. So the first refresh of an increment is followed by dc_follow in its iterations.
+// With DC_DOMAINS lists of nodes are kept while nothing has moved by more than half their skin, 0.06 of the shortest half axis of their
+// domains. New lists change no gap, so jump_node is -1. Domains lie in the configuration of dc_create and are never renewed: they turn and
+// stretch with the master. The first refresh of an increment is followed by dc_follow in its iterations.
 //
 // DC_FROZEN while the interface is frozen: it did what dc_update does, and the report is empty.
 //
@@ -604,6 +603,15 @@ enum dc_status dc_forces(struct dc_interface *interface,
 // `factor` may be written.
 enum dc_status dc_cutback(struct dc_interface *interface,
                           double *factor);
+
+// The dc_tangent for the next linear solution of a Newton iteration, to be put into a law before the tangent is assembled:
+// DC_GAUSS_NEWTON far from equilibrium, where the exact tangent leads nowhere, DC_EXACT elsewhere.
+//
+// `residual` is the norm of the residual over the free equations, contact included; `force` the largest of the norms of external
+// forces, contact forces and reactions at the same positions. Exact if residual / force <= 0.3 or the residual is 0, else
+// DC_GAUSS_NEWTON, as for NaN.
+int32_t dc_adaptive_tangent(double residual,
+                            double force);
 
 // Adds the contact forces R on the nodes to `residual`, one entry per equation. R is the force: it stands on the side of the
 // external loads; the internal force of contact is -R. `active_count`, the number of slaves that carry force, may be NULL.

@@ -38,9 +38,6 @@ pub unsafe trait Plain: Copy {}
 unsafe impl Plain for f64 {}
 unsafe impl Plain for i32 {}
 unsafe impl Plain for usize {}
-// SAFETY: structures of numbers, no padding.
-unsafe impl Plain for crate::element::dc_point {}
-unsafe impl Plain for crate::contacts::dc_contact {}
 // SAFETY: a handle is a number, which nobody follows.
 unsafe impl<T> Plain for *mut T {}
 

@@ -41,7 +41,8 @@ pub enum dc_weight {
 pub enum dc_frame {
     /// The average plane of the masters, moving with them: N and M are the exact derivatives of the gap.
     DC_CO_MOVING = 0,
-    /// The average plane of the masters, held while differentiating. An interface holds that of the last refresh.
+    /// The average plane of the masters, held while differentiating. An interface holds that of the last refresh; with DC_DOMAINS, where
+    /// the plane is one with the slave's place, it is refused.
     DC_HELD = 1,
     /// Directions given by the caller, held (dc_gap only).
     DC_GIVEN = 2,
@@ -57,7 +58,8 @@ pub enum dc_rule {
     /// The nearest.
     DC_NEAREST = 2,
     /// All nodes of the slave's sheet within whose domain of influence it lies, and their mirror images: a node enters and leaves with
-    /// weight zero, so the gap does not jump. Only interfaces have it: domains belong to the nodes of a surface.
+    /// weight zero, so the gap does not jump. Domains are ellipsoids around the positions of dc_create; the slave has a place there.
+    /// Only interfaces have the rule: domains belong to the nodes of a surface.
     DC_DOMAINS = 3,
 }
 
@@ -73,7 +75,7 @@ pub enum dc_basis {
 /// Which tangent is assembled.
 #[repr(C)]
 pub enum dc_tangent {
-    /// K = e N N^T - f M, the exact derivative of the force; indefinite in general.
+    /// K = e N N^T - f M, the exact derivative of the force; indefinite in general. See dc_adaptive_tangent.
     DC_EXACT = 0,
     /// K = e N N^T, positive semidefinite; needs no Hessian.
     DC_GAUSS_NEWTON = 1,
@@ -164,6 +166,13 @@ pub fn tangent(value: i32) -> Result<Tangent, Failure> {
         (dc_tangent::DC_GAUSS_NEWTON as i32, Tangent::GaussNewton),
     ];
     choose("tangent", value, &choices)
+}
+
+pub fn tangent_number(tangent: Tangent) -> i32 {
+    (match tangent {
+        Tangent::Exact => dc_tangent::DC_EXACT,
+        Tangent::GaussNewton => dc_tangent::DC_GAUSS_NEWTON,
+    }) as i32
 }
 
 pub fn triangle(value: i32) -> Result<Triangle, Failure> {

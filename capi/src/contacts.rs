@@ -4,7 +4,7 @@ use runtime::Mode;
 use runtime::interface::{ContactRef, Outcome};
 use runtime::neighbourhood::Fallback;
 
-use crate::border::{self, disjoint, reserve, target, wanted};
+use crate::border::{self, Plain, disjoint, reserve, target, wanted};
 use crate::interface::{dc_interface, with};
 use crate::law::{self, dc_law};
 use crate::outcome;
@@ -30,10 +30,13 @@ pub struct dc_contact {
     pub normal: [f64; 3],
     /// Tributary area of the slave, length^2; 1 without areas.
     pub area: f64,
-    /// Support radius of the pairing, length; with DC_DOMAINS the largest at the corners of its facet; node to facet: the extent of the
-    /// facet; 0 if it is not paired.
+    /// Support radius of the pairing, length; with DC_DOMAINS the shortest half axis of the domains of its list; node to facet: the extent
+    /// of the facet; 0 if it is not paired.
     pub support_radius: f64,
 }
+
+// SAFETY: numbers, no padding.
+unsafe impl Plain for dc_contact {}
 
 impl dc_contact {
     fn new(contact: &ContactRef<'_>, support_radius: Option<f64>) -> Self {

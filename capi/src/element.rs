@@ -7,7 +7,7 @@ use runtime::{
     Basis, ContactPoint, Element, ElementError, Frame, FrameDerivative, Generated, Mode, Point, Weight,
 };
 
-use crate::border::{self, Versioned, disjoint, input, read_sized, reserved, roomy, target, wanted};
+use crate::border::{self, Plain, Versioned, disjoint, input, read_sized, reserved, roomy, target, wanted};
 use crate::choice::{self, dc_basis, dc_frame, dc_weight};
 use crate::law::{self, dc_law};
 use crate::outcome::{self, dc_outcome};
@@ -67,6 +67,9 @@ pub struct Kind {
     /// `None` for a frame that is given.
     frame: Option<FrameDerivative>,
 }
+
+// SAFETY: numbers, no padding.
+unsafe impl Plain for dc_point {}
 
 impl dc_point {
     pub fn new(result: Result<ContactPoint, ElementError>) -> Self {

@@ -326,13 +326,9 @@ pub struct dc_report {
     pub lost_gap: f64,
     /// The gap of gained_node by the new pairing.
     pub gained_gap: f64,
-    /// Pairings of slaves so far from the surface that nodes of wider domains make up their average plane.
-    pub far: i32,
     /// Whether the pairings were made anew, so that patterns of before are no longer theirs: 0 or 1. With DC_DOMAINS 0 while nothing has
     /// moved by more than half the skin of the lists, with other rules always 1; 0 of a frozen interface.
     pub rebuilt: i32,
-    /// With DC_DOMAINS, by how much the surface was stretched if the radii were renewed for it, which changes gaps; 0 if they stayed.
-    pub renewed_stretch: f64,
 }
 
 // SAFETY: numbers, the first one is the size.
@@ -367,16 +363,14 @@ impl dc_report {
             jump_after: jump.map_or(0.0, |jump| jump.after),
             lost_gap: lost.map_or(0.0, |lost| lost.gap),
             gained_gap: gained.map_or(0.0, |gained| gained.gap),
-            far: count(report.fallbacks.far),
             rebuilt: i32::from(report.rebuilt),
-            renewed_stretch: report.renewed_domains.unwrap_or(0.0),
         }
     }
 }
 
-/// As dc_update, but with DC_DOMAINS the lists of nodes follow: if something has moved by more than half their skin, a twentieth of the
-/// radius, they are made anew, which changes no gap. `rebuilt`, which may be NULL, gets whether they were, 0 or 1: patterns of before
-/// are no longer theirs then. Radii stay until the next dc_refresh.
+/// As dc_update, but with DC_DOMAINS the lists of nodes follow: if something has moved by more than half their skin, see dc_refresh, they
+/// are made anew, which changes no gap. `rebuilt`, which may be NULL, gets whether they were, 0 or 1: patterns of before
+/// are no longer theirs then.
 ///
 /// DC_FROZEN while the interface is frozen: it did what dc_update does.
 ///
@@ -417,9 +411,9 @@ fn frozen() -> Failure {
 /// Takes over the positions and pairs every slave anew, or keeps its pairing while it is sound. Call it once an increment,
 /// or once an iteration. `report` may be NULL; its field `size` has to be set.
 ///
-/// With DC_DOMAINS lists of nodes are kept while nothing has moved by more than half their skin, a twentieth of the radius, and new ones
-/// change no gap; only if the master has been stretched by more than a tenth somewhere are the radii renewed, and the gaps' jump
-/// is reported. So the first refresh of an increment is followed by dc_follow in its iterations.
+/// With DC_DOMAINS lists of nodes are kept while nothing has moved by more than half their skin, 0.06 of the shortest half axis of their
+/// domains. New lists change no gap, so jump_node is -1. Domains lie in the configuration of dc_create and are never renewed: they turn and
+/// stretch with the master. The first refresh of an increment is followed by dc_follow in its iterations.
 ///
 /// DC_FROZEN while the interface is frozen: it did what dc_update does, and the report is empty.
 ///

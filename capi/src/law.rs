@@ -2,7 +2,7 @@
 
 use std::mem::offset_of;
 
-use runtime::assembly::ContactLaw;
+use runtime::assembly::{ContactLaw, Tangent};
 
 use crate::border::{self, Span, Versioned, input, read_sized, reserved};
 use crate::choice;
@@ -75,9 +75,18 @@ pub unsafe fn read<'a>(law: *const dc_law) -> Result<ContactLaw<'a>, Failure> {
     let law = unsafe { structure(law)? };
     // SAFETY: as the caller promises.
     let multipliers = unsafe { input("multipliers", law.multipliers, law.multiplier_count)? };
-    Ok(ContactLaw {
-        penalty: law.penalty,
-        multipliers: Some(multipliers).filter(|_| !law.multipliers.is_null()),
-        tangent: choice::tangent(law.tangent)?,
-    })
+    Ok(ContactLaw::penalty(law.penalty)
+        .with_multipliers(Some(multipliers).filter(|_| !law.multipliers.is_null()))
+        .with_tangent(choice::tangent(law.tangent)?))
+}
+
+/// The dc_tangent for the next linear solution of a Newton iteration, to be put into a law before the tangent is assembled:
+/// DC_GAUSS_NEWTON far from equilibrium, where the exact tangent leads nowhere, DC_EXACT elsewhere.
+///
+/// `residual` is the norm of the residual over the free equations, contact included; `force` the largest of the norms of external
+/// forces, contact forces and reactions at the same positions. Exact if residual / force <= 0.3 or the residual is 0, else
+/// DC_GAUSS_NEWTON, as for NaN.
+#[unsafe(no_mangle)]
+pub extern "C" fn dc_adaptive_tangent(residual: f64, force: f64) -> i32 {
+    choice::tangent_number(Tangent::adaptive(residual, force))
 }

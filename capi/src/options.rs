@@ -25,7 +25,7 @@ pub struct dc_options {
     pub element: i32,
     /// dc_weight. Default: DC_CUBIC.
     pub weight: i32,
-    /// dc_frame: DC_CO_MOVING or DC_HELD. Default: DC_CO_MOVING.
+    /// dc_frame: DC_CO_MOVING, or DC_HELD with another rule than DC_DOMAINS. Default: DC_CO_MOVING.
     pub frame: i32,
     /// dc_rule. dc_pair, which has no surface, takes DC_DOMAINS for DC_HULL_LAYERS. Default: DC_DOMAINS.
     pub rule: i32,
@@ -135,15 +135,14 @@ impl dc_options {
             (dc_rule::DC_NEAREST as i32, NeighbourRule::Nearest { count: nearest, max_count: max_nearest }),
             (dc_rule::DC_DOMAINS as i32, NeighbourRule::Domains),
         ];
-        Ok(SearchOptions {
-            rule: choice::choose("rule", self.rule, &rules)?,
-            basis: choice::basis(self.basis)?,
-            linear_fallback: choice::flag("linear_fallback", self.linear_fallback)?,
-            smallest_regularity: self.smallest_regularity,
-            radius_factor: self.radius_factor,
-            candidates: choice::count("candidates", self.candidates)?,
-            max_candidates: choice::count("max_candidates", self.max_candidates)?,
-        })
+        Ok(SearchOptions::default()
+            .with_rule(choice::choose("rule", self.rule, &rules)?)
+            .with_basis(choice::basis(self.basis)?)
+            .with_linear_fallback(choice::flag("linear_fallback", self.linear_fallback)?)
+            .with_smallest_regularity(self.smallest_regularity)
+            .with_radius_factor(self.radius_factor)
+            .with_candidates(choice::count("candidates", self.candidates)?)
+            .with_max_candidates(choice::count("max_candidates", self.max_candidates)?))
     }
 
     /// The neighbour search in nodes without a surface. There the default rule, and that of options written for interfaces, stands for
@@ -156,23 +155,20 @@ impl dc_options {
 
     /// As the runtime has them; it checks the ranges.
     pub fn interface(&self) -> Result<InterfaceOptions, Failure> {
-        let diffuse = ContactElement::Diffuse {
-            weight: choice::weight(self.weight)?,
-            frame: choice::frame(self.frame)?,
-            search: self.search()?,
-        };
+        let diffuse = ContactElement::diffuse(self.search()?)
+            .with_weight(choice::weight(self.weight)?)
+            .with_frame(choice::frame(self.frame)?);
         let elements = [
             (dc_element_kind::DC_DIFFUSE as i32, diffuse),
             (dc_element_kind::DC_NODE_TO_FACET as i32, ContactElement::NodeToFacet),
         ];
-        Ok(InterfaceOptions {
-            element: choice::choose("element", self.element, &elements)?,
-            feature_angle_degrees: self.feature_angle_degrees,
-            hysteresis: self.hysteresis,
-            border_tolerance: self.border_tolerance,
-            distance_limit: Some(self.distance_limit).filter(|&limit| limit != 0.0),
-            areas: choice::flag("areas", self.areas)?,
-        })
+        Ok(InterfaceOptions::default()
+            .with_element(choice::choose("element", self.element, &elements)?)
+            .with_feature_angle_degrees(self.feature_angle_degrees)
+            .with_hysteresis(self.hysteresis)
+            .with_border_tolerance(self.border_tolerance)
+            .with_distance_limit(Some(self.distance_limit).filter(|&limit| limit != 0.0))
+            .with_areas(choice::flag("areas", self.areas)?))
     }
 }
 

@@ -41,6 +41,8 @@ pub enum dc_outcome {
     DC_ELEMENT_OVERFLOW = 14,
     /// dc_gap_batch only: the input of this element is refused. dc_gap says why.
     DC_REFUSED = 15,
+    /// With DC_DOMAINS: no place of the slave among the first positions of the masters was found, as near its centre of curvature.
+    DC_NOT_MATERIAL_PLACE = 16,
 }
 
 /// What the neighbour search had to give up for a contact.
@@ -52,12 +54,10 @@ pub enum dc_fallback {
     DC_EXTENDED = 1,
     /// The linear basis: the gap is off by up to about k R^2/2 on a curvature k.
     DC_LINEAR_BASIS = 2,
-    /// Wider domains of influence, for the average plane of a slave that is far from the surface.
-    DC_FAR = 3,
 }
 
 /// Outcomes by their stable code.
-const OUTCOMES: [(&CStr, dc_outcome); 16] = [
+const OUTCOMES: [(&CStr, dc_outcome); 17] = [
     (c"contact", dc_outcome::DC_CONTACT),
     (c"not-paired", dc_outcome::DC_NOT_PAIRED),
     (c"too-far", dc_outcome::DC_TOO_FAR),
@@ -74,6 +74,7 @@ const OUTCOMES: [(&CStr, dc_outcome); 16] = [
     (c"degenerate-facet", dc_outcome::DC_DEGENERATE_FACET),
     (c"overflow", dc_outcome::DC_ELEMENT_OVERFLOW),
     (c"refused", dc_outcome::DC_REFUSED),
+    (c"not-material-place", dc_outcome::DC_NOT_MATERIAL_PLACE),
 ];
 
 /// The outcome with a stable code of the runtime; that of refused input for any other.
@@ -90,7 +91,6 @@ pub fn fallback_number(fallback: Fallback) -> i32 {
     (match fallback {
         Fallback::None => dc_fallback::DC_NO_FALLBACK,
         Fallback::Linear { .. } => dc_fallback::DC_LINEAR_BASIS,
-        Fallback::Far { .. } => dc_fallback::DC_FAR,
         _ => dc_fallback::DC_EXTENDED,
     }) as i32
 }

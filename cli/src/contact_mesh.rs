@@ -9,7 +9,7 @@ use crate::error::CliError;
 use crate::input;
 
 /// The mesh that comes with the program.
-const SHIPPED: &[u8] = include_bytes!("../../meshes/plate_on_cylinder.msh");
+const SHIPPED: &[u8] = include_bytes!("../plate_on_cylinder.msh");
 /// Its name in messages and in the report.
 const SHIPPED_NAME: &str = "plate_on_cylinder.msh (comes with the program)";
 

@@ -92,13 +92,13 @@ impl ElementArguments {
                 ContactElement::NodeToFacet
             }
         };
-        Ok(InterfaceOptions { element, feature_angle_degrees: self.feature_angle, ..Default::default() })
+        Ok(InterfaceOptions::default().with_element(element).with_feature_angle_degrees(self.feature_angle))
     }
 }
 
 /// A diffuse element with the defaults for what is not named.
 pub fn diffuse(weight: Weight, frame: FrameDerivative, rule: NeighbourRule) -> ContactElement {
-    ContactElement::Diffuse { weight, frame, search: SearchOptions::default().with_rule(rule) }
+    ContactElement::diffuse(SearchOptions::default().with_rule(rule)).with_weight(weight).with_frame(frame)
 }
 
 /// An element in JSON and in words.
@@ -121,7 +121,7 @@ pub enum ElementDescription {
 impl From<ContactElement> for ElementDescription {
     fn from(element: ContactElement) -> Self {
         match element {
-            ContactElement::Diffuse { weight, frame, search } => Self::Diffuse {
+            ContactElement::Diffuse { weight, frame, search, .. } => Self::Diffuse {
                 weight: weight.name(),
                 frame_derivative: frame_name(frame),
                 rule: rule_name(search.rule),

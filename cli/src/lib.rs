@@ -1,8 +1,14 @@
 //! The command-line program of the diffuse contact element, as a library: the binary only calls [`main`].
 //!
-//! Without a subcommand the program runs the demonstration on the shipped mesh. Jobs that need more than the element, which takes
-//! longer to build, are those of two other programs, which this one runs if they are there: `solve` and `report` of the solver;
-//! `emit`, `check`, `study` and `bench` of the laboratory.
+//! ```sh
+//! diffuse-contact                                             # the demonstration on the shipped mesh
+//! diffuse-contact surface contact.msh -o interface.vtu        # every slave node of a mesh
+//! diffuse-contact evaluate in.json -o out.json                # single elements
+//! diffuse-contact neighbours in.json                          # the master nodes around a slave
+//! ```
+//!
+//! Other jobs take longer to build, since they need more than the element. They are those of two other programs, which this one runs if
+//! they are there: `solve` and `report` of the solver; `emit`, `check`, `study` and `bench` of the laboratory.
 #![forbid(unsafe_code)]
 
 mod args;
@@ -24,16 +30,6 @@ use diffuse_contact_program::{arguments, error, input, output, progress, threads
 use args::{Arguments, Command};
 use demo::DemoArguments;
 use error::CliError;
-
-/// The page on contact surfaces, whose example is run with the documentation tests.
-#[cfg(doctest)]
-#[doc = include_str!("../../docs/contact-surface.md")]
-pub struct ContactSurfacePage;
-
-/// The page on other solvers, whose Rust program is run with the documentation tests.
-#[cfg(doctest)]
-#[doc = include_str!("../../docs/integrate.md")]
-pub struct IntegratePage;
 
 /// Does what the command line says.
 #[must_use]

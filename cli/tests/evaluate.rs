@@ -1,21 +1,8 @@
 //! Runs the program's `evaluate` on good and on bad input.
 
+use crate::elements::{bent, numbers, plane, rows};
 use crate::runs::{Run, Scratch, run, run_with_input};
 use serde_json::{Value, json};
-
-/// Nine nodes of a plane grid with spacing 1, and a slave over them.
-fn plane(slave: [f64; 3]) -> Value {
-    let masters: Vec<[f64; 3]> = (0..9).map(|k| [f64::from(k % 3), f64::from(k / 3), 0.0]).collect();
-    json!({"slave": slave, "masters": masters, "outward": [0, 0, 1]})
-}
-
-/// The same with two nodes out of the plane.
-fn bent(slave: [f64; 3]) -> Value {
-    let mut element = plane(slave);
-    element["masters"][4] = json!([1.0, 1.1, 0.2]);
-    element["masters"][7] = json!([1.0, 2.0, -0.1]);
-    element
-}
 
 fn evaluate(elements: Value) -> Vec<Value> {
     let Run { code, stdout, stderr } =
@@ -23,14 +10,6 @@ fn evaluate(elements: Value) -> Vec<Value> {
     assert_eq!(code, 0, "{stderr}");
     let answer: Value = serde_json::from_str(&stdout).unwrap();
     answer["elements"].as_array().unwrap().clone()
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
-}
-
-fn rows(value: &Value) -> Vec<Vec<f64>> {
-    value.as_array().unwrap().iter().map(numbers).collect()
 }
 
 #[track_caller]

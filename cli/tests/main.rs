@@ -4,6 +4,8 @@
 const PROGRAM: &str = env!("CARGO_BIN_EXE_diffuse-contact");
 
 mod demo;
+#[path = "../../program/tests/elements.rs"]
+mod elements;
 mod elsewhere;
 mod evaluate;
 mod neighbours;

@@ -179,12 +179,12 @@ fn bad_input_is_refused_as_a_whole() {
     }
 }
 
-/// README shows one file, for both jobs.
+/// The page on the command line shows one file, for both jobs.
 #[test]
 fn the_file_of_evaluate_is_read_too() {
-    let readme = include_str!("../../README.md");
-    let begin = readme.find(r#"{"elements": ["#).unwrap();
-    let text = &readme[begin..begin + readme[begin..].find("```").unwrap()];
+    let page = include_str!("../../docs/how-to/command-line.md");
+    let begin = page.find(r#"{"elements": ["#).unwrap();
+    let text = &page[begin..begin + page[begin..].find("```").unwrap()];
     let scratch = Scratch::new("neighbours-elements");
     let input = scratch.file("in.json", text);
     let answers = |input: &str| -> Value {

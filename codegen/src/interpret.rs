@@ -158,6 +158,9 @@ impl<'a> Interpreter<'a> {
             }
             Op::Sqrt(x) => self.value(x, node).sqrt(),
             Op::Exp(x) => self.value(x, node).exp(),
+            Op::Function(function, x) => function.evaluate(self.value(x, node)),
+            Op::Atan2(y, x) => self.value(y, node).atan2(self.value(x, node)),
+            Op::RealPower(x, y) => self.value(x, node).powf(self.value(y, node)),
             Op::Hypot(x, y) => self.value(x, node).hypot(self.value(y, node)),
             Op::Power(x, exponent) => self.value(x, node).powi(exponent),
             Op::Polynomial(x, polynomial) => {

@@ -1,10 +1,34 @@
 //! Symbolic differentiation and Rust code generation for moving least squares contact elements.
 //!
-//! The pipeline, one module per stage:
+//! A build script states a weight; [`Config`] writes the kernels, with exact first and second derivatives, into `OUT_DIR`:
+//!
+//! ```no_run
+//! use diffuse_contact_codegen::{Config, ConfigError};
+//!
+//! fn main() -> Result<(), ConfigError> {
+//!     Config::new().weight("quartic", "(1 - r)^3 * (1 + 3*r)")?.compile()?;
+//!     Ok(())
+//! }
+//! ```
+//!
+//! Formulas are checked, and errors point at the character:
+//!
+//! ```
+//! use diffuse_contact_codegen::Weight;
+//!
+//! assert!(Weight::new("quartic", "(1 - r)^3 * (1 + 3*r)").is_ok());
+//! let error = Weight::new("wrong", "(1 - q)^3").unwrap_err().to_string();
+//! assert!(error.contains('^'), "{error}");
+//! ```
+//!
+//! # The pipeline
+//!
+//! One module per stage:
 //!
 //! ```text
 //! formula    text of a weight                    "(1 - r)^2 * (1 + 2*r)"
 //! model      basis, weight, fit, foot, gap, facet formulas over a graph
+//! expr       formulas as they are written        handles with operators, vectors, matrices
 //! graph      hash-consed expressions             simplification, derivatives, substitution
 //! structure  sums, systems, roots                first and second derivatives of implicit quantities
 //! lower      structured nodes to arithmetic      unrolled factorisation and solves
@@ -13,10 +37,59 @@
 //! config     syn::File to a file                 the build API, the only place with input and output
 //! interpret  the graph in f64                    second witness of every kernel
 //! ```
+//!
+//! # How it works
+//!
+//! **Types.** `ExprId`, `SymbolId`, `SystemId`, `SolveId` and `RootId` index arenas of one `Graph`. An expression has a `Scope`: `Element`
+//! (one value), `Node` (one per master node) or `Pair` (one per pair of nodes). `Op::Sum` leads from `Node` to `Element`; `Op::Row` and
+//! `Op::Column` lift a node value into a pair.
+//!
+//! **Symbols** are inputs, or *bound* to an expression. A bound symbol (a, b, z, α, λ, the foot) has its definition's value, but is a
+//! variable of its own for differentiation. So the structured rules, not the generic chain rule, differentiate through definitions: they
+//! know which blocks are zero, symmetric or of low rank.
+//!
+//! **Structured nodes.** `Op::Sum`, `Op::Solution` (symmetric system, L S Lᵀ with signs S known beforehand) and `Op::RootValue` (small
+//! system solved by iteration) have rules of their own in `graph/derivative.rs`. The last two use the implicit function theorem. Second
+//! derivatives of quantities defined through a sum over nodes follow one rule, in `structure/fit_derivatives.rs`:
+//!
+//! ```text
+//! d²G/dxᵢdxⱼ = δᵢⱼ Dᵢ + Ĉᵢᵀ B̂ⱼ + B̂ᵢᵀ Ĉⱼ        B̂ = L⁻¹B,  Ĉ = L⁻¹C + H B̂,  H + Hᵀ = L⁻¹ K L⁻ᵀ
+//! ```
+//!
+//! It gets B, C, D and K from the derivative engine, finds common scalar factors (`structure/factors.rs`) and applies the rotation to global
+//! axes to the factors. The slave's rows follow from translation invariance, which it checks. A Hessian costs one rank-12 update per pair of
+//! nodes, 12 fused multiply-adds an entry (18 with a co-moving frame). Rows of the factors that are the same for all nodes are multiplied
+//! once per element.
+//!
+//! **Two choices of the model make K small.** The gap is the stationary value of Ψ(δ, q) = ν(q)·(x^c − x^d). It stays smooth at g = 0, and
+//! its first derivative by α is a partial derivative. After the foot is found the basis is recentred there (p(a − o) = T p(a), A → T A Tᵀ).
+//! Then L⁻¹ K L⁻ᵀ has one 3 × 3 block that is not zero. Both zeros follow from simplification; nothing is special-cased.
+//!
+//! **Outer unknowns.** The unknowns of a fit may depend on others, defined by a sum over nodes of their own. The co-moving frame is that:
+//! the average plane's turn θ and height c. The fit is written in variables that move with the nodes and with θ
+//! (`structure/coordinates.rs`). Coefficients and adjoint follow θ (`structure/outer_block.rs`), so the fit's factors stay those of a held
+//! frame. No formula of second derivatives by θ is written anywhere.
+//!
+//! **An infinite weight** is an unknown too. With an interpolating weight the node nearest to the slave, the anchor, enters with its
+//! weighted error σ as a multiplier, e = σ/w, smooth where 1/w = 0. The system is then indefinite with known signs, and the same rule holds.
+//!
+//! **Facets.** The distance from a facet itself (`model/facet.rs`) uses the same engine: a stationary value whose variables follow its
+//! parameters (`structure/follower.rs`), here a few vectors that are linear in the corners (`structure/linear_images.rs`). With the number
+//! of corners fixed all is of element scope, and `emit/facet.rs` writes it.
+//!
+//! **r = 0 and r = 1.** Weights are polynomials P of the norm r = √(a² + b²), with the rule P(r) → (P'(r)/r)(a a' + b b'), where P'/r is a
+//! polynomial again. No derivative divides by r, and none loses digits near a node. Zeros at r = 1 are factored out before evaluation. A
+//! formula that is no polynomial is replaced by its Taylor polynomial close to r = 0. A weight with w'(0) ≠ 0 is refused: it has a kink.
+//!
+//! **Program.** A level is a straight-line segment and a loop over the nodes; a value's level is the number of such loops that must run
+//! before. Values of nodes that later loops need are kept in an array per node. A Hessian leaves the program as the rows of its low-rank
+//! form and the nodes' own blocks; `support/form.rs` of the kernels multiplies them. The expressions for pairs of nodes are there for the
+//! interpreter.
 #![forbid(unsafe_code)]
 
 pub mod config;
 pub mod emit;
+pub mod expr;
 pub mod formula;
 pub mod graph;
 pub mod interpret;
@@ -26,7 +99,13 @@ pub mod schedule;
 pub mod structure;
 
 pub use config::{Config, ConfigError};
+pub use expr::{Expr, Sheet};
 pub use model::{
     Basis, BasisError, CustomBasis, FacetShape, FacetSpec, FrameRule, Kernel, KernelSpec, Mode, Output,
     Weight, WeightError, WeightNote,
 };
+
+/// The examples of the README, which are run with the documentation tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,8 +1,8 @@
 //! Lowers structured nodes to plain arithmetic: a kernel in, the same kernel over a new graph out.
 //!
-//! After lowering only these operations are left: constants, inputs, + − × ÷, square root, exponential, choice,
-//! sums over nodes, rows and columns of pairs, and roots, whose equations are lowered too. Symmetric systems become
-//! an unrolled factorisation, Cholesky's without his square roots, and unrolled substitutions.
+//! After lowering only these operations are left: constants, inputs, + − × ÷, elementary functions, choice, sums over
+//! nodes, rows and columns of pairs, and roots, whose equations are lowered too. Symmetric systems become an unrolled
+//! factorisation, Cholesky's without his square roots, and unrolled substitutions.
 
 use std::collections::HashMap;
 
@@ -152,6 +152,18 @@ impl<'a> Lowering<'a> {
             Op::Exp(x) => {
                 let x = self.lower(x);
                 self.target.exp(x)
+            }
+            Op::Function(function, x) => {
+                let x = self.lower(x);
+                self.target.function(function, x)
+            }
+            Op::Atan2(y, x) => {
+                let (y, x) = (self.lower(y), self.lower(x));
+                self.target.atan2(y, x)
+            }
+            Op::RealPower(x, y) => {
+                let (x, y) = (self.lower(x), self.lower(y));
+                self.target.real_power(x, y)
             }
             Op::Hypot(x, y) => {
                 let square = self.square_of_hypot(x, y);

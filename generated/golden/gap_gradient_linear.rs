@@ -405,6 +405,7 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
 pub struct GapGradient;
 impl GapKernel for GapGradient {
     const MODE: Mode = Mode::Gradient;
+    const MATERIAL: bool = false;
     const KEPT: usize = gap_gradient_kept::COUNT;
     const EVERY_WIDTH: bool = false;
     #[inline(always)]

@@ -4,6 +4,61 @@
 //! `diffuse-contact-codegen`. For every weight there is a module with the kernels of both bases, and a
 //! [`support::KernelSet`] that chooses among them by basis, frame rule and mode. The module `facet` has the
 //! distance from a facet itself, a triangle or a quadrilateral.
+//!
+//! Users call the kernels through `diffuse-contact`, or include those of a weight of their own in their own crate. What they touch here
+//! is the choice of vector instructions:
+//!
+//! ```
+//! use diffuse_contact_kernels::support::Isa;
+//!
+//! assert!(Isa::available().any(|isa| isa.name() == "scalar"));
+//! ```
+//!
+//! # What is emitted
+//!
+//! Per weight and basis, for {coefficients, surface, gap} × {value, gradient, hessian}, and for the gap with a co-moving frame:
+//!
+//! * `gap_hessian::<E, T, S: Shape<Element = E, Node = T>>(inputs, scratch, gradients, hessians)`: the kernel, once for any n, any
+//!   number type and any layout of elements and nodes in vectors;
+//! * `GapHessian: GapKernel`: the same as a type, which [`support`] runs;
+//! * `KernelSet`: all of it for `f64` behind one trait, compiled in this crate. The kernels themselves are private.
+//!
+//! A value of a kernel is of element scope (`E`) or of node scope (`T`), and the `Shape` says how they relate:
+//!
+//! | shape | a lane of `E` is | a lane of `T` is | `KernelSet` | used for |
+//! | --- | --- | --- | --- | --- |
+//! | `Batch<T>` | an element | the same node of each element | `gap_batch` | many elements of one n |
+//! | `Single<T>` | the one element (`E` has one lane) | a node | `gap` | one element |
+//!
+//! # Vector instructions
+//!
+//! `Isa` is a set of vector instructions that the machine has. `Isa::run` compiles a job, `WithLanes`, for each and runs the one asked for.
+//! `support/simd/` is the one place with `unsafe`, and the one that can make an `Isa`, by asking the machine.
+//!
+//! | | scalar | SSE2 | AVX2 | AVX-512 | NEON |
+//! | --- | --- | --- | --- | --- | --- |
+//! | single | 1 | scalar | 4 nodes | as AVX2 | 2 |
+//! | batch, quadratic basis, fitting weight | 1 | 2 elements | 4 | 8 | 2 |
+//! | batch, other bases, interpolating weight | 1 | scalar | 4 | as AVX2 | 2 |
+//!
+//! Other combinations were left out for compile time and size: 30 bodies of each kernel instead of 14. A single element of 9 to 16 nodes
+//! gains nothing from vectors of eight. For the same reason the cubic and the C² weight share kernels (`Config::share_kernels`): a choice
+//! between two polynomials per node costs 0.8 % of the operations.
+//!
+//! * **Inlining.** Everything a job calls with vectors has to be inlined into it, or it is compiled for the baseline and passes vectors
+//!   through memory. Kernels are `#[inline(always)]`, and `support` has loops where `array::map` or `array::from_fn`, which are not always
+//!   inlined, would read better.
+//! * **Unoptimised**, the inlined code of a vector kernel has a stack frame of megabytes. `KernelSet::best_isa` is scalar there:
+//!   `Config::compile` notes Cargo's `OPT_LEVEL` in each `KernelSet`, as kernels of one's own weight are compiled in one's own crate.
+//! * **Bits.** Neighbours in a batch make no difference to an element. Shapes and instructions differ by rounding.
+//!
+//! # Status
+//!
+//! Kernels never panic on numbers. The checksum contains every value and the slave's derivatives, which are sums over the masters'. An entry
+//! of M for a pair of nodes may overflow where the slave's block does not, so entries are checked where they are written. That costs 2 to
+//! 4 % of the time.
+//!
+//! `golden/` holds one emitted text for review; a test keeps it fresh.
 #![deny(unsafe_code)]
 
 pub mod support;

@@ -136,14 +136,14 @@ class Contact:
         self.interface.follow(self.positions(u))
         self.interface.evaluate(mode)
 
-    def subtract_forces(self, residual: PETSc.Vec) -> None:
-        """Internal minus contact forces, before boundary conditions are set."""
-        residual.setValues(self.equations, -self.interface.residual(PENALTY), addv=ADD)
-        residual.assemble()
+    def add_forces(self, forces: PETSc.Vec) -> None:
+        """Adds the contact forces on the nodes."""
+        forces.setValues(self.equations, self.interface.residual(PENALTY), addv=ADD)
+        forces.assemble()
 
-    def add_tangent(self, matrix: PETSc.Mat) -> None:
-        """Adds the contact tangent, row by row."""
-        tangent = self.interface.tangent(PENALTY)
+    def add_tangent(self, matrix: PETSc.Mat, which: str) -> None:
+        """Adds the contact tangent, ``"exact"`` or ``"gauss-newton"``, row by row."""
+        tangent = self.interface.tangent(PENALTY, tangent=which)
         for row in np.flatnonzero(np.diff(tangent.indptr)):
             entries = slice(tangent.indptr[row], tangent.indptr[row + 1])
             columns = self.equations[tangent.indices[entries]]
@@ -160,6 +160,10 @@ class Problem:
         self.tangent_form = fem.form(ufl.derivative(form, u))
         self.residual = petsc.create_vector(self.residual_form)
         self.tangent = petsc.create_matrix(self.tangent_form)
+        self.forces = self.residual.duplicate()
+        #: Equations of this rank with given displacements, as they are numbered here; behind them come those of ghosts.
+        held = np.concatenate([given.dof_indices()[0] for given in conditions])
+        self.held = held[held < self.residual.getLocalSize()]
         # Contact couples what no cell couples.
         self.tangent.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)
 
@@ -176,17 +180,27 @@ class Problem:
         petsc.assemble_vector(b, self.residual_form)
         b.ghostUpdate(addv=ADD, mode=REVERSE)
         self.contact.evaluate(self.u.vector, "gradient")
-        self.contact.subtract_forces(b)
+        self.forces.zeroEntries()
+        self.contact.add_forces(self.forces)
+        b.axpy(-1.0, self.forces)
+        self.which = self.adaptive_tangent(b)
         petsc.set_bc(b, self.conditions, x, -1.0)
 
+    def adaptive_tangent(self, b: PETSc.Vec) -> str:
+        """The contact tangent at this residual, in which held equations have their reactions. The same on all ranks."""
+        reactions, residual = b.array_r[self.held], np.delete(b.array_r, self.held)
+        squares = np.array([residual @ residual, reactions @ reactions])
+        residual, reaction = np.sqrt(b.comm.tompi4py().allreduce(squares))
+        return dc.adaptive_tangent(residual, max(reaction, self.forces.norm()))
+
     def J(self, snes: PETSc.SNES, x: PETSc.Vec, A: PETSc.Mat, P: PETSc.Mat) -> None:
-        """The derivative of F. Nodes in contact have no given displacements."""
+        """The derivative of F, which SNES has called here. Nodes in contact have no given displacements."""
         self.take_over(x)
         A.zeroEntries()
         petsc.assemble_matrix(A, self.tangent_form, bcs=self.conditions)
         A.assemble()
         self.contact.evaluate(self.u.vector, "hessian")
-        self.contact.add_tangent(A)
+        self.contact.add_tangent(A, self.which)
 
 
 def hyperelastic(space: fem.FunctionSpace, u: fem.Function) -> ufl.Form:

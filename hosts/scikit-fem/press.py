@@ -95,12 +95,14 @@ def newton(block: Block, interface: dc.ContactInterface, master: np.ndarray, u: 
         contact = interface.residual(PENALTY)
         # Internal forces minus contact forces; the plate's motion is part of the first step.
         residual = block.stiffness @ u - contact
+        norm, force = np.linalg.norm(residual[block.free]), np.linalg.norm(contact)
         if not step[block.held].any():
-            scale = max(np.linalg.norm(contact), 1e-30)
-            residuals.append(float(np.linalg.norm(residual[block.free]) / scale))
+            residuals.append(float(norm / max(force, 1e-30)))
             if residuals[-1] < TOLERANCE:
                 return residuals
-        tangent = block.stiffness + interface.tangent(PENALTY)
+        # Far from equilibrium ε N Nᵀ alone. The other forces are the plate's reactions.
+        which = dc.adaptive_tangent(norm, max(force, np.linalg.norm(residual[block.held])))
+        tangent = block.stiffness + interface.tangent(PENALTY, tangent=which)
         right = -(residual + tangent @ step)[block.free]
         free = tangent[block.free][:, block.free].tocsc()
         u[block.free] += scipy.sparse.linalg.spsolve(free, right)

@@ -11,7 +11,7 @@ use diffuse_contact_program::arguments::named;
 
 use crate::error::CliError;
 use crate::output;
-use crate::weight::{FORMULAS, weight};
+use crate::weight::{FORMULAS, FitArguments};
 
 /// Numbers of master nodes in the table of all kernels.
 const NODES: [usize; 5] = [6, 9, 12, 16, 20];
@@ -32,17 +32,11 @@ pub struct EmitArguments {
     /// With how many derivatives
     #[arg(long, value_parser = named(Mode::ALL, Mode::name), required_unless_present = "counts")]
     pub mode: Option<Mode>,
-    /// Basis of the fit [default: quadratic; both with --counts]
-    #[arg(long, value_parser = named(Basis::ALL, Basis::name))]
-    pub basis: Option<Basis>,
-    /// Weight of the fit, by name or formula [default: cubic]
-    #[arg(long, value_name = "FORMULA")]
-    pub weight: Option<String>,
-    /// Make the weight of the formula interpolating
-    #[arg(long, requires = "weight")]
-    pub interpolating: bool,
+    /// Basis and weight.
+    #[command(flatten)]
+    pub fit: FitArguments,
     /// What the local frame does while differentiating the gap [default: frozen; both with --counts]
-    #[arg(long, value_parser = named([FrameRule::Frozen, FrameRule::CoMoving], frame_name))]
+    #[arg(long, value_parser = named(FrameRule::ALL, frame_name))]
     pub frame_derivative: Option<FrameRule>,
     /// Instead of a kernel, print the operation counts of all kernels
     #[arg(long, conflicts_with_all = ["nodes", "output", "mode", "frame_derivative"])]
@@ -57,6 +51,7 @@ pub const fn frame_name(frame: FrameRule) -> &'static str {
     match frame {
         FrameRule::Frozen => "frozen",
         FrameRule::CoMoving => "co-moving",
+        FrameRule::Material => "material",
     }
 }
 
@@ -96,16 +91,16 @@ pub fn run(arguments: &EmitArguments) -> Result<(), CliError> {
     if let Some(path) = &arguments.file {
         output::check_target(path)?;
     }
-    let weight = weight(arguments.weight.as_deref(), arguments.interpolating)?.for_generator();
+    let weight = arguments.fit.weight()?.unwrap_or_default().for_generator();
     let text = match (arguments.nodes, arguments.output, arguments.mode) {
         (Some(nodes), Some(output), Some(mode)) => {
             let nodes = nodes as usize;
-            let basis = arguments.basis.unwrap_or(Basis::Quadratic);
+            let basis = arguments.fit.basis.unwrap_or(Basis::Quadratic);
             let frame = arguments.frame_derivative.unwrap_or_default();
             source(&KernelSpec { output, mode, basis, weight, frame }, nodes)?
         }
         // The parser lets only `--counts` go without them.
-        _ => counts_of_all(arguments.basis, &weight) + &counts_of_facets(),
+        _ => counts_of_all(arguments.fit.basis, &weight) + &counts_of_facets(),
     };
     let write = |writer: &mut dyn Write| -> io::Result<()> { writer.write_all(text.as_bytes()) };
     match &arguments.file {
@@ -223,7 +218,7 @@ mod tests {
 
     #[test]
     fn a_formula_over_two_lines_stays_in_its_comment() {
-        let weight = weight(Some("(1 - r)^2\n * (1 + 2*r)"), false).unwrap().for_generator();
+        let weight = crate::weight::Weight::new("(1 - r)^2\n * (1 + 2*r)", false).unwrap().for_generator();
         let (output, mode, basis, frame) =
             (Output::Coefficients, Mode::Value, Basis::Linear, FrameRule::Frozen);
         let spec = KernelSpec { output, mode, basis, weight, frame };

@@ -8,20 +8,19 @@
 use std::sync::OnceLock;
 
 use diffuse_contact::{
-    Backend, Coefficients, Element, ElementError, FrameDerivative, Gap, Mode, Surface, SymmetricMatrix,
+    Backend, Coefficients, Domains, Element, ElementError, FrameDerivative, Gap, Mode, Surface,
+    SymmetricMatrix,
 };
 use diffuse_contact_codegen::graph::ExprId;
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
 use diffuse_contact_codegen::structure::{Gradient, Hessian};
 use diffuse_contact_codegen::{self as codegen, FrameRule, Kernel, KernelSpec, Output, Weight};
-use diffuse_contact_kernels::support::{
-    CoefficientsValues, GapValues, PIVOT_TOLERANCE, Status, SurfaceValues,
-};
+use diffuse_contact_kernels::support::{CoefficientsValues, GapValues, SurfaceValues};
 
 const OUTPUTS: usize = Output::ALL.len();
 const MODES: usize = codegen::Mode::ALL.len();
 const BASES: usize = codegen::Basis::ALL.len();
-const FRAMES: usize = 2;
+const FRAMES: usize = FrameRule::ALL.len();
 
 /// Evaluates elements by interpreting the graph the kernels are generated from. [`Element::weight`] is ignored: the
 /// weight is the one given to [`Interpreted::new`].
@@ -103,7 +102,7 @@ impl Interpreted {
         inputs: &'a NodeInputs,
     ) -> Result<Evaluation<'a>, ElementError> {
         let (mode, basis) = (mode_of(mode), basis_of(element.basis)?);
-        let frame = frame_rule(output, element.frame.derivative);
+        let frame = frame_rule(output, element);
         let place = codegen::Basis::ALL.iter().position(|&known| known == basis).unwrap_or_default();
         let index = ((output as usize * MODES + mode as usize) * BASES + place) * FRAMES + frame as usize;
         let kernel = self.kernels[index].get_or_init(|| {
@@ -123,7 +122,7 @@ impl Backend for Interpreted {
         let inputs = inputs(element, [0.0; 2]);
         let mut evaluation = self.evaluation(Output::Coefficients, element, mode, &inputs)?;
         let coefficients = evaluation.padded("coefficients");
-        check(
+        ElementError::check(
             CoefficientsValues {
                 coefficients,
                 pivot_ratio: evaluation.scalar("pivot_ratio"),
@@ -152,7 +151,7 @@ impl Backend for Interpreted {
             pivot_ratio: evaluation.scalar("pivot_ratio"),
             checksum: evaluation.scalar("checksum"),
         };
-        check(values.status())?;
+        ElementError::check(values.status())?;
         let mut gradients = evaluation.gradients().into_iter();
         let mut next = || gradients.next().unwrap_or_default();
         Ok(Surface {
@@ -183,7 +182,7 @@ impl Backend for Interpreted {
             jacobian_trace: evaluation.scalar("jacobian_trace"),
             checksum: evaluation.scalar("checksum"),
         };
-        check(values.status())?;
+        ElementError::check(values.status())?;
         Ok(Gap {
             gap: values.gap,
             foot: values.foot,
@@ -213,7 +212,7 @@ impl Evaluation<'_> {
     fn plane_pivot_ratio(&mut self) -> f64 {
         match self.kernel.spec.frame {
             FrameRule::Frozen => 1.0,
-            FrameRule::CoMoving => self.scalar("plane_pivot_ratio"),
+            FrameRule::CoMoving | FrameRule::Material => self.scalar("plane_pivot_ratio"),
         }
     }
 
@@ -300,28 +299,15 @@ fn inputs(element: &Element<'_>, point: [f64; 2]) -> NodeInputs {
     let radius = |k| element.domains.radius(k, element.support_radius);
     let ratios = (0..element.masters.len()).map(|k| element.support_radius / radius(k)).collect();
     inputs.set_node("domain_ratio", ratios);
+    if let Domains::Material(nodes) = element.domains {
+        for (k, axis) in AXES.iter().enumerate() {
+            inputs.set_node(&format!("material_{axis}"), nodes.iter().map(|node| node.offset[k]).collect());
+        }
+        for (k, entry) in ["xx", "xy", "xz", "yy", "yz", "zz"].into_iter().enumerate() {
+            inputs.set_node(&format!("metric_{entry}"), nodes.iter().map(|node| node.metric[k]).collect());
+        }
+    }
     inputs
-}
-
-/// A kernel's status as the element's error.
-pub(crate) fn check(status: Status) -> Result<(), ElementError> {
-    Err(match status {
-        Status::Ok => return Ok(()),
-        Status::SingularFit { pivot_ratio } => {
-            ElementError::SingularFit { pivot_ratio, tolerance: PIVOT_TOLERANCE }
-        }
-        Status::FootDiverged { residual, iterations } => {
-            ElementError::FootDiverged { residual, iterations: iterations as usize }
-        }
-        Status::FootOutside { distance } => ElementError::FootOutside { distance },
-        Status::NoAveragePlane { pivot_ratio } => ElementError::UnstableAveragePlane { pivot_ratio },
-        Status::DegenerateFacet { area } => ElementError::DegenerateFacet { area },
-        Status::CentreOfCurvature { determinant } => ElementError::CentreOfCurvature { determinant },
-        Status::BeyondCentreOfCurvature { determinant, trace } => {
-            ElementError::BeyondCentreOfCurvature { determinant, trace }
-        }
-        _ => ElementError::Overflow { what: "result" },
-    })
 }
 
 pub(crate) const fn mode_of(mode: Mode) -> codegen::Mode {
@@ -333,9 +319,10 @@ pub(crate) const fn mode_of(mode: Mode) -> codegen::Mode {
 }
 
 /// The frame's motion makes a difference to the gap only.
-fn frame_rule(output: Output, derivative: FrameDerivative) -> FrameRule {
-    match derivative {
-        FrameDerivative::CoMoving if output == Output::Gap => FrameRule::CoMoving,
+fn frame_rule(output: Output, element: &Element<'_>) -> FrameRule {
+    match (element.frame.derivative, element.domains) {
+        (FrameDerivative::CoMoving, Domains::Material(_)) if output == Output::Gap => FrameRule::Material,
+        (FrameDerivative::CoMoving, _) if output == Output::Gap => FrameRule::CoMoving,
         _ => FrameRule::Frozen,
     }
 }

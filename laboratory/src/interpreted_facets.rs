@@ -8,7 +8,7 @@ use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
 use diffuse_contact_codegen::{self as codegen, FacetShape, FacetSpec, Kernel};
 use diffuse_contact_kernels::support::FacetValues;
 
-use crate::interpreted::{check, mode_of};
+use crate::interpreted::mode_of;
 
 const MODES: usize = codegen::Mode::ALL.len();
 const SHAPES: usize = FacetShape::ALL.len();
@@ -46,7 +46,7 @@ impl InterpretedFacets {
             jacobian_determinant: evaluation.scalar("jacobian_determinant"),
             checksum: evaluation.scalar("checksum"),
         };
-        check(values.status())?;
+        ElementError::check(values.status())?;
         let FacetValues { gap, foot, normal, natural, .. } = values;
         let packed = evaluation.values("hessian");
         let size = if packed.is_empty() { 0 } else { element.degrees_of_freedom() };

@@ -1,6 +1,8 @@
 //! The weight asked for on the command line or in a file.
 
-use diffuse_contact_codegen::{self as codegen, WeightError};
+use clap::Args;
+use diffuse_contact_codegen::{self as codegen, Basis, WeightError};
+use diffuse_contact_program::arguments::named;
 
 use crate::error::{CliError, say};
 
@@ -11,6 +13,34 @@ It may contain r, numbers, + - * /, ^ with an integer exponent, ( ), exp(...), s
 if r < 0.5 { ... } else { ... }. It must be positive and flat at r = 0.
 The cubic weight of the paper is \"(1 - r)^2 * (1 + 2*r)\". Built-in weights have names: cubic, cubic-interpolating,
 wendland-c2. With --interpolating the weight is w/(1 - w): the surface passes through the master nodes.";
+
+/// The fit that kernels are asked for.
+#[derive(Args, Clone, Debug)]
+pub struct FitArguments {
+    /// Basis of the fit [default: both; of a single kernel quadratic]
+    #[arg(long, value_parser = named(Basis::ALL, Basis::name))]
+    pub basis: Option<Basis>,
+    /// Weight of the fit, by name or formula [default: cubic; of `check` all that kernels are compiled for]. Of a formula
+    /// `check` has no kernels: it compares the interpreter with automatic differentiation
+    #[arg(long, value_name = "FORMULA")]
+    pub weight: Option<String>,
+    /// Make the weight of the formula interpolating
+    #[arg(long, requires = "weight")]
+    pub interpolating: bool,
+}
+
+impl FitArguments {
+    /// The weight that was asked for.
+    pub fn weight(&self) -> Result<Option<Weight>, CliError> {
+        let Some(text) = &self.weight else { return Ok(None) };
+        let weight =
+            Weight::new(text, self.interpolating).map_err(|reason| CliError::job(WeightArgument(reason)))?;
+        if let Some(note) = weight.for_generator().note() {
+            say(&format!("note: {note}"));
+        }
+        Ok(Some(weight))
+    }
+}
 
 /// Name in emitted code of a weight given as a formula.
 const NAME: &str = "custom";
@@ -89,16 +119,6 @@ impl Weight {
 #[derive(Debug, thiserror::Error)]
 #[error("--weight: {0}")]
 pub(crate) struct WeightArgument<E>(pub E);
-
-/// The weight of `--weight` and `--interpolating`; the cubic weight of the paper if there is none.
-pub fn weight(text: Option<&str>, interpolating: bool) -> Result<Weight, CliError> {
-    let Some(text) = text else { return Ok(Weight::default()) };
-    let weight = Weight::new(text, interpolating).map_err(|reason| CliError::job(WeightArgument(reason)))?;
-    if let Some(note) = weight.for_generator().note() {
-        say(&format!("note: {note}"));
-    }
-    Ok(weight)
-}
 
 #[cfg(test)]
 mod tests {

@@ -157,13 +157,13 @@ fn what_no_kernel_can_be_made_for_is_refused() {
         .assert_refused(&["'foot'", "coefficients, surface, gap"]);
 }
 
-/// The table "Operation counts" of the README.
+/// The table "Operation counts" of docs/results/exactness.md.
 #[test]
-fn the_readme_has_the_counts_of_today() {
-    let readme = include_str!("../../README.md");
+fn the_book_has_the_counts_of_today() {
+    let page = include_str!("../../docs/results/exactness.md");
     let row = |label: &str| -> Vec<usize> {
-        let line = readme.lines().find_map(|line| line.strip_prefix(&format!("| {label} |")));
-        let cells = line.unwrap_or_else(|| panic!("README.md has no row \"{label}\"")).split('|');
+        let line = page.lines().find_map(|line| line.strip_prefix(&format!("| {label} |")));
+        let cells = line.unwrap_or_else(|| panic!("the page has no row \"{label}\"")).split('|');
         cells
             .filter(|cell| !cell.is_empty())
             .map(|cell| cell.trim().replace(',', "").parse().unwrap())
@@ -223,11 +223,12 @@ fn a_weight_that_does_not_end_flat_is_told() {
     assert!(note.starts_with("note: the weight \"1 - r^2\"") && note.contains("slope -2 there"), "{note}");
 }
 
-/// The figures of facets stand in README and docs/equations.md.
+/// The figures of facets stand in docs/results/exactness.md and docs/equations.md.
 #[test]
 fn the_documented_counts_of_facets_are_those_of_the_kernels() {
     let printed = printed(&["emit", "--counts"]);
-    let documents = [include_str!("../../README.md"), include_str!("../../docs/equations.md")];
+    let documents =
+        [include_str!("../../docs/results/exactness.md"), include_str!("../../docs/equations.md")];
     let row = |text: &str, shape: &str| -> Vec<String> {
         let mut lines =
             text.lines().map(|line| line.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()));

@@ -2,29 +2,8 @@
 
 use serde_json::{Value, json};
 
+use crate::elements::{bent, numbers, rows};
 use crate::runs::run_with_input;
-
-/// Nine nodes of a plane grid with spacing 1, and a slave over them.
-fn plane(slave: [f64; 3]) -> Value {
-    let masters: Vec<[f64; 3]> = (0..9).map(|k| [f64::from(k % 3), f64::from(k / 3), 0.0]).collect();
-    json!({"slave": slave, "masters": masters, "outward": [0, 0, 1]})
-}
-
-/// The same with two nodes out of the plane.
-fn bent(slave: [f64; 3]) -> Value {
-    let mut element = plane(slave);
-    element["masters"][4] = json!([1.0, 1.1, 0.2]);
-    element["masters"][7] = json!([1.0, 2.0, -0.1]);
-    element
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
-}
-
-fn rows(value: &Value) -> Vec<Vec<f64>> {
-    value.as_array().unwrap().iter().map(numbers).collect()
-}
 
 #[test]
 fn both_backends_agree_on_either_frame() {

@@ -5,6 +5,8 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_diffuse-contact-laboratory");
 
 mod bench;
 mod check;
+#[path = "../../program/tests/elements.rs"]
+mod elements;
 mod emit;
 mod evaluate;
 #[path = "../../program/tests/runs.rs"]

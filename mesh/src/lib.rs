@@ -46,3 +46,8 @@ pub use element::{Cell, Element, ElementKind, Facet};
 pub use error::{MeshError, Place, Problem};
 pub use mesh::{Mesh, UnreadElement};
 pub use vtu::{VtuError, VtuFile};
+
+/// The examples of the README, which are run with the documentation tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,7 +1,27 @@
 //! What the command-line programs share: how they answer and end, files that appear whole, progress, threads.
 //!
+//! A program is its arguments and a job; [`main`] does the rest:
+//!
+//! ```no_run
+//! use clap::Parser;
+//! use std::process::ExitCode;
+//!
+//! #[derive(Parser)]
+//! struct Arguments {
+//!     file: std::path::PathBuf,
+//! }
+//!
+//! fn main() -> ExitCode {
+//!     diffuse_contact_program::main(|arguments: Arguments| {
+//!         println!("{}", arguments.file.display());
+//!         Ok(ExitCode::SUCCESS)
+//!     })
+//! }
+//! ```
+//!
 //! Bad input ends a program with exit code 2 and one sentence on standard error that names the place. Results go to
-//! standard output or to a file that appears only when it is complete.
+//! standard output or to a file that appears only when it is complete. [`CliError`] knows files, JSON and threads; a job's
+//! own errors stay with the job.
 #![forbid(unsafe_code)]
 
 pub mod arguments;

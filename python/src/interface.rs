@@ -283,8 +283,12 @@ impl Interface {
                 dict.set_item("positions", PyArray1::from_slice(py, pairing.positions.as_flattened()))?;
                 dict.set_item("frame", PyArray1::from_slice(py, frame.as_flattened()))?;
                 dict.set_item("support_radius", pairing.support_radius)?;
-                let radii = (!pairing.radii.is_empty()).then(|| PyArray1::from_slice(py, &pairing.radii));
-                dict.set_item("radii", radii)?;
+                if !pairing.material.is_empty() {
+                    let offsets = pairing.material.iter().flat_map(|node| node.offset);
+                    let metrics = pairing.material.iter().flat_map(|node| node.metric);
+                    dict.set_item("offsets", PyArray1::from_iter(py, offsets))?;
+                    dict.set_item("metrics", PyArray1::from_iter(py, metrics))?;
+                }
                 dict.set_item("basis", pairing.basis.name())?;
             }
             PairedElement::Facet { corners, .. } => {
@@ -313,7 +317,6 @@ fn fallback_name(fallback: Fallback) -> &'static str {
         Fallback::None => "none",
         Fallback::Extended { .. } => "extended",
         Fallback::Linear { .. } => "linear",
-        Fallback::Far { .. } => "far",
         _ => "other",
     }
 }

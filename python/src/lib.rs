@@ -6,7 +6,14 @@
 //! type and fills arrays it is given; the package around it converts what people pass, and is what people see.
 //!
 //! * No call panics on what it is given; every refusal is an exception with a stable `code` ([`errors`]).
-//! * Numbers are computed without the GIL, in a pool of threads of our own ([`threads`]).
+//! * Numbers are computed without the GIL, in a pool of threads of our own ([`threads`]). The borrow of an object is held meanwhile, so a
+//!   second thread gets a `BusyError`. No exception is made while the lock of the pool is held: making one runs Python, which may hand the
+//!   GIL to a thread that waits for the lock.
+//! * Batches are evaluated in pieces of 64 elements, each into its part of the arrays. Neither threads nor pieces change a bit.
+//! * An interface is a `ContactInterface`, a `DofMap`, the `CsrPattern` of the present pairing (forgotten at a refresh), and whether the
+//!   contacts are those of the present positions: others are not handed out. Matrices have index arrays of their own.
+//! * Default options are written out in Python, where people read them; a test compares them with Rust's.
+//! * Profiles are repeated in this workspace's `Cargo.toml`: kernels are compiled alike, and numbers are equal to the last bit.
 #![forbid(unsafe_code)]
 
 mod arrays;
@@ -31,6 +38,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(batch::gap_batch, module)?)?;
     module.add_function(wrap_pyfunction!(surface::tributary_areas, module)?)?;
     module.add_function(wrap_pyfunction!(options::default_options, module)?)?;
+    module.add_function(wrap_pyfunction!(options::adaptive_tangent, module)?)?;
     module.add_function(wrap_pyfunction!(threads::set_threads, module)?)?;
     module.add_function(wrap_pyfunction!(threads::thread_count, module)?)
 }

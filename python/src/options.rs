@@ -72,26 +72,25 @@ impl Options {
             ("nearest", NeighbourRule::Nearest { count, max_count }),
             ("domains", NeighbourRule::Domains),
         ];
-        let search = SearchOptions {
-            rule: named(py, "rule", &self.rule, &rules)?,
-            basis: basis(py, &self.basis)?,
-            linear_fallback: self.linear_fallback,
-            smallest_regularity: self.smallest_regularity,
-            radius_factor: self.radius_factor,
-            candidates: self.candidates,
-            max_candidates: self.max_candidates,
-        };
+        let search = SearchOptions::default()
+            .with_rule(named(py, "rule", &self.rule, &rules)?)
+            .with_basis(basis(py, &self.basis)?)
+            .with_linear_fallback(self.linear_fallback)
+            .with_smallest_regularity(self.smallest_regularity)
+            .with_radius_factor(self.radius_factor)
+            .with_candidates(self.candidates)
+            .with_max_candidates(self.max_candidates);
         let frame = frame_derivative(py, &self.frame_derivative)?;
-        let diffuse = ContactElement::Diffuse { weight: weight(py, &self.weight)?, frame, search };
+        let diffuse =
+            ContactElement::diffuse(search).with_weight(weight(py, &self.weight)?).with_frame(frame);
         let elements = [("diffuse", diffuse), ("node-to-facet", ContactElement::NodeToFacet)];
-        Ok(InterfaceOptions {
-            element: named(py, "element", &self.element, &elements)?,
-            feature_angle_degrees: self.feature_angle,
-            hysteresis: self.hysteresis,
-            border_tolerance: self.border_tolerance,
-            distance_limit: self.distance_limit,
-            areas,
-        })
+        Ok(InterfaceOptions::default()
+            .with_element(named(py, "element", &self.element, &elements)?)
+            .with_feature_angle_degrees(self.feature_angle)
+            .with_hysteresis(self.hysteresis)
+            .with_border_tolerance(self.border_tolerance)
+            .with_distance_limit(self.distance_limit)
+            .with_areas(areas))
     }
 }
 
@@ -148,6 +147,14 @@ pub fn law<'a>(
     multipliers: Option<&'a [f64]>,
     tangent: &str,
 ) -> PyResult<ContactLaw<'a>> {
-    let tangents = [("exact", Tangent::Exact), ("gauss-newton", Tangent::GaussNewton)];
-    Ok(ContactLaw { penalty, multipliers, tangent: named(py, "tangent", tangent, &tangents)? })
+    let tangents = Tangent::ALL.map(|tangent| (tangent.name(), tangent));
+    Ok(ContactLaw::penalty(penalty)
+        .with_multipliers(multipliers)
+        .with_tangent(named(py, "tangent", tangent, &tangents)?))
+}
+
+/// The name of the tangent for the next linear solution.
+#[pyfunction]
+pub fn adaptive_tangent(residual: f64, force: f64) -> &'static str {
+    Tangent::adaptive(residual, force).name()
 }

@@ -23,7 +23,6 @@ pub fn to_dict<'py>(py: Python<'py>, report: &RefreshReport) -> PyResult<Bound<'
     fallbacks.set_item("none", report.fallbacks.none)?;
     fallbacks.set_item("extended", report.fallbacks.extended)?;
     fallbacks.set_item("linear", report.fallbacks.linear)?;
-    fallbacks.set_item("far", report.fallbacks.far)?;
     dict.set_item("fallbacks", fallbacks)?;
     let slave_gap = |gap: Option<SlaveGap>| gap.map(|SlaveGap { slave, gap }| (slave, gap));
     dict.set_item("smallest_gap_lost", slave_gap(report.smallest_gap_lost))?;
@@ -31,6 +30,5 @@ pub fn to_dict<'py>(py: Python<'py>, report: &RefreshReport) -> PyResult<Bound<'
     let jump = report.largest_gap_jump.map(|GapJump { slave, before, after }| (slave, before, after));
     dict.set_item("largest_gap_jump", jump)?;
     dict.set_item("rebuilt", report.rebuilt)?;
-    dict.set_item("renewed_domains", report.renewed_domains)?;
     Ok(dict)
 }

@@ -28,32 +28,32 @@ fn main() -> Result<(), Box<dyn Error>> {
             batch(&format!("batch/{}/linear/{name}/5", weight.name()), weight, Basis::Linear, derivative, 5)?;
         }
     }
-    interface("interface/diffuse", InterfaceOptions { areas: true, ..Default::default() }, &[])?;
+    interface("interface/diffuse", InterfaceOptions::default().with_areas(true), &[])?;
     // Two of its borders.
     let planes = [SymmetryPlane::across(1, [0.0; 3]), SymmetryPlane::across(0, [0.0; 3])];
-    interface("interface/symmetric", InterfaceOptions { areas: true, ..Default::default() }, &planes)?;
-    let layers = ContactElement::Diffuse {
-        weight: Weight::Cubic,
-        frame: FrameDerivative::CoMoving,
-        search: SearchOptions::default(),
-    };
-    interface(
-        "interface/layers",
-        InterfaceOptions { element: layers, areas: true, ..Default::default() },
-        &[],
-    )?;
-    let frozen = ContactElement::Diffuse {
-        weight: Weight::CubicInterpolating,
-        frame: FrameDerivative::Frozen,
-        search: SearchOptions::nearest(),
-    };
-    interface(
-        "interface/frozen",
-        InterfaceOptions { element: frozen, areas: true, ..Default::default() },
-        &[],
-    )?;
-    let facets = InterfaceOptions { areas: true, ..InterfaceOptions::node_to_facet() };
-    interface("interface/node-to-facet", facets, &[])
+    interface("interface/symmetric", InterfaceOptions::default().with_areas(true), &planes)?;
+    let layers = ContactElement::diffuse(SearchOptions::default());
+    interface("interface/layers", InterfaceOptions::default().with_element(layers).with_areas(true), &[])?;
+    let frozen = ContactElement::diffuse(SearchOptions::nearest())
+        .with_weight(Weight::CubicInterpolating)
+        .with_frame(FrameDerivative::Frozen);
+    interface("interface/frozen", InterfaceOptions::default().with_element(frozen).with_areas(true), &[])?;
+    let facets = InterfaceOptions::node_to_facet().with_areas(true);
+    interface("interface/node-to-facet", facets, &[])?;
+    adaptive_tangents();
+    Ok(())
+}
+
+/// The decision on both sides of its border, and where there is nothing to divide.
+fn adaptive_tangents() {
+    let ratio = Tangent::ADAPTIVE_RATIO;
+    let residuals = [0.0, 1e-300, ratio.next_down(), ratio, ratio.next_up(), 1.0, f64::INFINITY, f64::NAN];
+    let forces = [0.0, 1e-300, 1.0, f64::INFINITY, f64::NAN];
+    let pairs: Vec<[f64; 2]> =
+        residuals.iter().flat_map(|&residual| forces.map(|force| [residual, force])).collect();
+    print("adaptive/norms", pairs.iter().flatten().copied());
+    let is_exact = |&[residual, force]: &[f64; 2]| Tangent::adaptive(residual, force) == Tangent::Exact;
+    print("adaptive/exact", pairs.iter().map(|pair| f64::from(u8::from(is_exact(pair)))));
 }
 
 fn print(name: &str, numbers: impl IntoIterator<Item = f64>) {
@@ -181,7 +181,7 @@ fn interface(name: &str, options: InterfaceOptions, planes: &[SymmetryPlane]) ->
     let multipliers: Vec<f64> = (0..contacts.len()).map(|k| 0.5 * (k % 5) as f64).collect();
     let dofs = DofMap::standard(positions.len());
     for (tangent, word) in [(Tangent::Exact, "exact"), (Tangent::GaussNewton, "gauss-newton")] {
-        let law = ContactLaw { penalty: 1e3, multipliers: Some(&multipliers), tangent };
+        let law = ContactLaw::penalty(1e3).with_multipliers(Some(&multipliers)).with_tangent(tangent);
         let mut residual = vec![0.0; dofs.equations()];
         add_residual(contacts, &law, &dofs, &mut residual)?;
         let pattern = CsrPattern::union(contacts, &dofs)?;

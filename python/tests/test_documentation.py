@@ -17,11 +17,11 @@ def test_docstrings():
 
 
 def test_the_program_of_the_guide():
-    text = (ROOT / "docs" / "integrate-python.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "how-to" / "python.md").read_text(encoding="utf-8")
     programs = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
     assert len(programs) == 2
     for program in programs:
-        exec(compile(program, "docs/integrate-python.md", "exec"), {})
+        exec(compile(program, "docs/how-to/python.md", "exec"), {})
 
 
 def test_the_picture(tmp_path):

@@ -240,7 +240,7 @@ def test_lists_of_nodes_follow(scene):
     interface = scene.interface()
     assert not interface.follow(scene.positions), "there are none yet"
     report = interface.refresh_pairing(scene.positions)
-    assert report.rebuilt and report.renewed_domains is None and report.fallbacks["far"] == 0
+    assert report.rebuilt and report.fallbacks == {"none": 4, "extended": 0, "linear": 0}
     here = interface.evaluate().gap
     pattern = interface.pattern()
     moved = {by: scene.positions.copy() for by in (0.01, 0.6)}
@@ -264,22 +264,77 @@ def test_lists_of_nodes_follow(scene):
     np.testing.assert_allclose(interface.evaluate().gap, here, rtol=0, atol=1e-14)
     with pytest.raises(dc.InterfaceError):
         interface.follow(scene.positions[:80])
-    # The radii are those of the surface at the last refresh.
-    stretched = scene.positions * [1, 1.5, 1]
-    assert interface.refresh_pairing(stretched).renewed_domains > 0.1
+
+
+def test_domains_stretch_with_the_master(scene):
+    """No refresh changes a gap, and it does not matter by which way a position is reached."""
+    interface = scene.evaluated()
+    last, rebuilt = interface.contacts.gap, 0
+    for step in range(1, 51):
+        stretched = scene.positions * [1, 1 + 0.02 * step, 1]
+        interface.update(stretched)
+        before = interface.evaluate().gap
+        report = interface.refresh_pairing(stretched)
+        assert report.paired == report.fallbacks["none"] == 4 and report.largest_gap_jump is None
+        rebuilt += report.rebuilt
+        after = interface.evaluate().gap
+        np.testing.assert_allclose(after, before, rtol=0, atol=1e-13)
+        np.testing.assert_allclose(after, last, rtol=0, atol=2e-3)
+        last = after
+    assert rebuilt > 1, "the lists have followed"
+    direct = scene.interface()
+    direct.refresh_pairing(stretched)
+    np.testing.assert_allclose(direct.evaluate().gap, last, rtol=0, atol=1e-13)
+    # Made there, an interface has that for its first configuration.
+    another = dc.ContactInterface(scene.master(), scene.slaves, stretched)
+    another.refresh_pairing(stretched)
+    assert (another.evaluate().gap != last).all()
+
+
+def test_a_slave_far_away_has_a_gap_like_any_other(scene):
     lifted = scene.positions + 4.0 * (np.arange(85) > 80)[:, np.newaxis] * [0, 0, 1]
-    interface.refresh_pairing(lifted)
-    interface.evaluate()
-    assert interface.contact(0).fallback == "far"
+    interface = scene.interface()
+    assert interface.refresh_pairing(lifted).fallbacks["none"] == 4
+    gap = interface.evaluate().gap
+    foot = np.linspace(0, 8, 100001)
+    for k in range(4):
+        x, _, z = lifted[81 + k]
+        distance = np.hypot(x - foot, z + 0.05 * (foot - 4) ** 2).min()
+        assert gap[k] == pytest.approx(distance, abs=2e-3)
+        assert interface.contact(k).fallback == "none"
 
 
 def test_domains_of_influence_are_those_within_reach(scene):
     interface = scene.evaluated()
     pairing, contact = interface.pairing(2), interface.contact(2)
+    material, count = pairing.material, len(pairing.masters)
     assert set(pairing.masters) < set(contact.masters)
-    assert pairing.radii.shape == pairing.masters.shape and pairing.support_radius == pairing.radii.max()
+    assert material.offsets.shape == (count, 3) and material.metrics.shape == (count, 3, 3)
+    assert not np.tril(material.metrics, -1).any() and (material.distances < 1).all()
+    np.testing.assert_allclose(
+        material.distances[0], np.linalg.norm(material.metrics[0] @ material.offsets[0]), rtol=1e-14
+    )
     np.testing.assert_array_equal(pairing.positions, scene.positions[pairing.masters])
-    assert scene.evaluated(rule="nearest").pairing(2).radii is None
+    # The interface was made here: the slave's place is close to its foot, and the masters' first positions are these.
+    place = pairing.positions - material.offsets
+    np.testing.assert_allclose(place, np.broadcast_to(place[0], place.shape), rtol=0, atol=1e-14)
+    assert np.linalg.norm(place[0] - contact.foot) < 0.1
+    distance = np.linalg.norm(pairing.positions - scene.positions[contact.slave], axis=1)
+    assert pairing.support_radius == pytest.approx(distance.max(), rel=1e-14)
+    assert scene.evaluated(rule="nearest").pairing(2).material is None
+    # A rigid motion changes nothing of it.
+    turned = scene.positions @ np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]]) + [3, -2, 1]
+    interface.refresh_pairing(turned)
+    moved = interface.pairing(2).material
+    np.testing.assert_allclose(moved.offsets, material.offsets, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(moved.metrics, material.metrics)
+
+
+def test_a_held_frame_needs_another_rule(scene):
+    with pytest.raises(dc.InterfaceError) as caught:
+        scene.interface(frame_derivative="frozen")
+    assert caught.value.code == "held-frame"
+    assert scene.evaluated(frame_derivative="frozen", rule="hull-layers").contacts.is_contact.all()
 
 
 def test_beyond_planes_of_symmetry_the_surface_goes_on(scene):
@@ -314,9 +369,24 @@ def test_beyond_planes_of_symmetry_the_surface_goes_on(scene):
     assert caught.value.code == "no-symmetry"
 
 
+def test_adaptive_tangent(scene):
+    assert dc.adaptive_tangent(0.3, 1) == "exact" and dc.adaptive_tangent(np.nextafter(0.3, 1), 1) == "gauss-newton"
+    assert dc.adaptive_tangent(0, 0) == "exact" and dc.adaptive_tangent(np.nan, 1) == "gauss-newton"
+    for norms in (("large", 1.0), (1.0, None), (np.zeros(1), 1.0), (1j, 1.0)):
+        with pytest.raises(dc.InputError):
+            dc.adaptive_tangent(*norms)
+    interface = scene.evaluated()
+    far, near = (interface.tangent(1e3, tangent=dc.adaptive_tangent(norm, 1.0)) for norm in (0.5, 0.1))
+    assert (near != interface.tangent(1e3)).nnz == 0 and (far != near).nnz > 0
+
+
 @pytest.mark.parametrize(
     ("rule", "through", "outcome", "factor"),
-    [("hull-layers", 40, "foot-outside", 0.5), ("domains", 4, "no-average-plane", 0.25)],
+    [
+        ("hull-layers", [0, 0, -40], "foot-outside", 0.5),
+        # The centre of curvature of the crest lies 10 below it.
+        ("domains", [0.8, 0, -12], "singular-fit", 0.25),
+    ],
 )
 def test_cut_back(scene, rule, through, outcome, factor):
     interface = scene.evaluated(rule=rule)
@@ -324,8 +394,8 @@ def test_cut_back(scene, rule, through, outcome, factor):
     pairing = interface.pairing(0)
     reach = pairing.support_radius
     if rule == "domains":
-        # The largest at the corners of its facet.
-        reach = pairing.radii[np.isin(pairing.masters, [30, 31, 39, 40])].max()
+        # The shortest half axis of the domains listed, which are here those within reach and a little more.
+        reach = (1 / np.linalg.svd(pairing.material.metrics, compute_uv=False).max(axis=1)).min()
     moved = scene.positions.copy()
     moved[81, 2] -= 0.5 * reach
     interface.update(moved)
@@ -334,7 +404,7 @@ def test_cut_back(scene, rule, through, outcome, factor):
     assert hint.slave == 81 and hint.outcome == "contact"
     assert hint.factor == pytest.approx(0.25 * reach / depth)
     # Far through the ridge its element has no result.
-    moved[82, 2] -= through
+    moved[82] += through
     interface.update(moved)
     contacts = interface.evaluate()
     assert contacts.outcomes[1] == outcome
@@ -436,7 +506,9 @@ def test_errors_survive_pickling(scene):
 
 
 def fields(value):
-    return [getattr(value, field.name) for field in dataclasses.fields(value)]
+    """Those of structures inside it are fields like its own."""
+    values = [getattr(value, field.name) for field in dataclasses.fields(value)]
+    return [one for value in values for one in (fields(value) if dataclasses.is_dataclass(value) else [value])]
 
 
 def test_what_an_interface_answers_survives_pickling(scene):

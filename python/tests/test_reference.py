@@ -94,3 +94,9 @@ def test_interfaces(reference, case, threads):
         assert matrix.indices.tolist() == ints(f"{tangent}/columns", -1).tolist()
         same_bits(matrix.data, reference[f"{case}/{tangent}/values"])
     dc.set_threads(None)
+
+
+def test_the_adaptive_tangent(reference):
+    names = [dc.adaptive_tangent(*norms) for norms in reference["adaptive/norms"].reshape(-1, 2)]
+    expected = ["exact" if is_exact else "gauss-newton" for is_exact in reference["adaptive/exact"]]
+    assert names == expected and set(names) == {"exact", "gauss-newton"}

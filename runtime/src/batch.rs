@@ -4,7 +4,7 @@ use diffuse_contact_kernels::support::{
     Basis, BatchElement, ElementInputs, FrameRule, GapValues, KernelSet, Workspace,
 };
 
-use crate::generated::{check, frame_rule, inputs, validate, with_kernels};
+use crate::generated::{frame_rule, inputs, validate, with_kernels};
 use crate::interface::recycled;
 use crate::{ContactPoint, Element, ElementError, Generated, GeneratedWith, Mode, Weight};
 
@@ -169,7 +169,7 @@ fn gap_batch<'a>(
         results.push(sound.map(|()| ContactPoint::default()));
         waiting.push(Waiting {
             weight: element.weight,
-            frame: frame_rule(element.frame.derivative),
+            frame: frame_rule(element.frame.derivative, &element.domains),
             basis: element.basis,
             inputs,
             slot,
@@ -186,7 +186,7 @@ fn gap_batch<'a>(
 
 /// Gap, foot and normal, if there are any.
 pub(crate) fn contact_point(values: &GapValues<f64>) -> Result<ContactPoint, ElementError> {
-    check(values.status())?;
+    ElementError::check(values.status())?;
     Ok(ContactPoint { gap: values.gap, foot: values.foot, normal: values.normal })
 }
 

@@ -4,8 +4,10 @@
 const MOST_SWEEPS: usize = 12;
 
 /// Eigenvalues of a symmetric matrix, ascending, with unit eigenvectors. Reads the upper triangle. Small eigenvalues come
-/// out as exact as large ones allow, and eigenvectors are orthogonal to rounding however close eigenvalues are.
-pub(crate) fn symmetric_eigen<const N: usize>(mut a: [[f64; N]; N]) -> [(f64, [f64; N]); N] {
+/// out as exact as large ones allow, and eigenvectors are orthogonal to rounding however close eigenvalues are. With a NaN or an
+/// infinity in the matrix an eigenvalue is not finite either.
+#[must_use]
+pub fn symmetric_eigen<const N: usize>(mut a: [[f64; N]; N]) -> [(f64, [f64; N]); N] {
     // Rows become eigenvectors.
     let mut vectors: [[f64; N]; N] =
         std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
@@ -22,7 +24,8 @@ pub(crate) fn symmetric_eigen<const N: usize>(mut a: [[f64; N]; N]) -> [(f64, [f
 }
 
 /// The smallest and the largest eigenvalue of a symmetric matrix. Reads the upper triangle.
-pub(crate) fn extreme_eigenvalues<const N: usize>(mut a: [[f64; N]; N]) -> (f64, f64) {
+#[must_use]
+pub fn extreme_eigenvalues<const N: usize>(mut a: [[f64; N]; N]) -> (f64, f64) {
     diagonalize(&mut a, |_, _, _, _| {});
     let values = (0..N).map(|k| a[k][k]);
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
@@ -104,6 +107,40 @@ mod tests {
         }
         prop_assert_eq!(extreme_eigenvalues(a), (found[0].0, found[N - 1].0));
         Ok(())
+    }
+
+    /// Values of very different size: each keeps its own digits as far as the matrix determines them.
+    #[test]
+    fn small_values_stand_beside_large_ones() {
+        let values = symmetric_eigen([[1e8, 1.0, 0.0], [1.0, 1.0, 1e-5], [0.0, 1e-5, 1e-8]]).map(|(x, _)| x);
+        // det = 1e8 (1e-8 − 1e-10) − 1e-8, and the largest is 1e8 + 1e-8.
+        let determinant = 1e8 * (1e-8 - 1e-10) - 1e-8;
+        let product: f64 = values.iter().product();
+        assert!((product - determinant).abs() < 1e-13 * determinant, "{values:?}");
+    }
+
+    #[test]
+    fn what_is_not_finite_stays_so() {
+        for bad in [f64::NAN, f64::INFINITY] {
+            for (row, column) in [(0, 1), (0, 2), (1, 2), (1, 1)] {
+                let mut matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+                matrix[row][column] = bad;
+                let values = symmetric_eigen(matrix).map(|(x, _)| x);
+                assert!(values.iter().any(|x| !x.is_finite()), "{values:?}");
+            }
+        }
+    }
+
+    /// Equal and nearly equal values.
+    #[test]
+    fn values_may_lie_as_close_as_they_like() {
+        for spread in [1.0, 1e-4, 1e-8, 1e-12, 1e-15, 0.0] {
+            for k in 0..200 {
+                let angles = [0.1, 0.7, 1.3].map(|x| x * f64::from(k));
+                let values = [0.3, -0.8, 0.5].map(|x| 1.5 + spread * x * angles[0].sin());
+                check(values, &angles, 0).unwrap();
+            }
+        }
     }
 
     fn value() -> impl Strategy<Value = f64> {

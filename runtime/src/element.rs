@@ -3,8 +3,9 @@
 use diffuse_contact_kernels::support::KernelSet;
 
 use crate::generated::with_kernels;
+use crate::material::check_place;
 use crate::vector::Vector3;
-use crate::{Basis, Domains, ElementError, Frame, FrameDerivative, Point};
+use crate::{Basis, Domains, ElementError, Frame, FrameDerivative, MaterialNode, Point};
 
 /// Weight function of the fit, a function of r = (in-plane distance from the slave) / (support radius).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -119,10 +120,13 @@ impl<'a> Element<'a> {
         3 * (self.masters.len() + 1)
     }
 
-    /// Index of the master node nearest to the slave in the plane (t1, t2), its distance over the radius of its domain; the
+    /// Index of the master node nearest to the slave in the plane (t1, t2), or in the first configuration, its distance over the radius of its domain; the
     /// first of several; 0 if there are none.
     #[must_use]
     pub fn nearest_in_plane(&self) -> usize {
+        if let Domains::Material(nodes) = self.domains {
+            return nearest_in_material(nodes);
+        }
         let radius = |k: usize| self.domains.radius(k, self.support_radius);
         nearest_in_plane(self.slave, self.masters.iter().copied(), &self.frame, radius)
     }
@@ -133,7 +137,8 @@ impl<'a> Element<'a> {
     /// # Errors
     /// [`ElementError::NoKernels`] for a custom basis that can have none, [`ElementError::TooFewNodes`],
     /// [`ElementError::NonFiniteInput`], [`ElementError::InvalidSupportRadius`], [`ElementError::InvalidDomain`],
-    /// [`ElementError::WrongNumberOfDomains`], [`ElementError::InvalidReach`], [`ElementError::InvalidFrame`], [`ElementError::NotAveragePlane`],
+    /// [`ElementError::WrongNumberOfDomains`], [`ElementError::HeldFrame`], [`ElementError::NotMaterialPlace`],
+    /// [`ElementError::InvalidReach`], [`ElementError::InvalidFrame`], [`ElementError::NotAveragePlane`],
     /// [`ElementError::AnisotropicBasis`].
     pub fn validate(&self) -> Result<(), ElementError> {
         self.validate_with(|r| self.weight.fitting(r))
@@ -163,10 +168,24 @@ impl<'a> Element<'a> {
         if !is_radius(self.support_radius) {
             return Err(ElementError::InvalidSupportRadius { value: self.support_radius });
         }
+        let expected = self.masters.len();
+        let wrong = |found| ElementError::WrongNumberOfDomains { found, expected };
+        if let Domains::Material(nodes) = self.domains {
+            if nodes.len() != expected {
+                return Err(wrong(nodes.len()));
+            }
+            let is_finite =
+                |node: &MaterialNode| node.offset.iter().chain(&node.metric).all(|x| x.is_finite());
+            if let Some(index) = nodes.iter().position(|node| !is_finite(node)) {
+                return Err(ElementError::NonFiniteInput { what: "domain", index });
+            }
+            if self.frame.derivative == FrameDerivative::Frozen {
+                return Err(ElementError::HeldFrame);
+            }
+        }
         if let Domains::Each(radii) = self.domains {
-            let (found, expected) = (radii.len(), self.masters.len());
-            if found != expected {
-                return Err(ElementError::WrongNumberOfDomains { found, expected });
+            if radii.len() != expected {
+                return Err(wrong(radii.len()));
             }
             if let Some(index) = radii.iter().position(|&radius| !is_radius(radius)) {
                 return Err(ElementError::InvalidDomain { index, value: radii[index] });
@@ -180,6 +199,11 @@ impl<'a> Element<'a> {
         if !(0.0..=1.0).contains(&reach) {
             return Err(ElementError::InvalidReach { value: reach });
         }
+        if let Domains::Material(nodes) = self.domains {
+            check_place(self.slave, self.masters, nodes, &self.frame, &fitting_weight)?;
+            let weights = nodes.iter().map(|node| fitting_weight(node.distance()));
+            return self.frame.check_average_plane(self.masters.iter().copied().zip(weights));
+        }
         self.frame.check_average_plane(self.masters.iter().enumerate().map(|(k, &x)| {
             let weight = if reach == 0.0 {
                 1.0
@@ -190,6 +214,12 @@ impl<'a> Element<'a> {
             (x, weight)
         }))
     }
+}
+
+/// Index of the node with the smallest distance over the radius of its domain; the first of several.
+pub(crate) fn nearest_in_material(nodes: &[MaterialNode]) -> usize {
+    let distances = nodes.iter().map(MaterialNode::distance).enumerate();
+    distances.min_by(|x, y| x.1.total_cmp(&y.1)).map_or(0, |(index, _)| index)
 }
 
 /// As [`Element::nearest_in_plane`]; `radius`: of the k-th master's domain.

@@ -1,5 +1,7 @@
 //! Why an element has no result.
 
+use diffuse_contact_kernels::support::{PIVOT_TOLERANCE, Status};
+
 /// Every reason for which an element yields no numbers. Each carries the figures that led to it.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -61,6 +63,18 @@ pub enum ElementError {
         found: usize,
         /// Master nodes.
         expected: usize,
+    },
+    /// Domains of influence in the first configuration need a frame that moves with the average plane.
+    #[error("domains of influence in the first configuration need a frame that moves with the average plane")]
+    HeldFrame,
+    /// Coefficients and surfaces have no kernels for domains of influence in the first configuration.
+    #[error("coefficients and surfaces cannot be had with domains of influence in the first configuration")]
+    MaterialDomains,
+    /// The slave's place in the first configuration is not a root of its equations, or their iteration does not converge.
+    #[error("the slave's place in the first configuration is off its equations by {deviation:e} of a domain")]
+    NotMaterialPlace {
+        /// The next step of the iteration over the size of the smallest domain that it leads through.
+        deviation: f64,
     },
     /// The reach of the average plane's weights is not above 0 and at most 1.
     #[error("the reach of the average plane must be above 0 and at most 1, not {value}")]
@@ -177,6 +191,30 @@ pub enum ElementError {
 }
 
 impl ElementError {
+    /// The error that a kernel's status stands for.
+    ///
+    /// # Errors
+    /// For every status but [`Status::Ok`].
+    pub fn check(status: Status) -> Result<(), Self> {
+        Err(match status {
+            Status::Ok => return Ok(()),
+            Status::SingularFit { pivot_ratio } => {
+                Self::SingularFit { pivot_ratio, tolerance: PIVOT_TOLERANCE }
+            }
+            Status::FootDiverged { residual, iterations } => {
+                Self::FootDiverged { residual, iterations: iterations as usize }
+            }
+            Status::FootOutside { distance } => Self::FootOutside { distance },
+            Status::NoAveragePlane { pivot_ratio } => Self::UnstableAveragePlane { pivot_ratio },
+            Status::DegenerateFacet { area } => Self::DegenerateFacet { area },
+            Status::CentreOfCurvature { determinant } => Self::CentreOfCurvature { determinant },
+            Status::BeyondCentreOfCurvature { determinant, trace } => {
+                Self::BeyondCentreOfCurvature { determinant, trace }
+            }
+            _ => Self::Overflow { what: "result" },
+        })
+    }
+
     /// Stable machine-readable code, used by the command-line program and the language bindings.
     #[must_use]
     pub const fn code(&self) -> &'static str {
@@ -189,6 +227,9 @@ impl ElementError {
             Self::InvalidSupportRadius { .. } => "invalid-support-radius",
             Self::InvalidDomain { .. } => "invalid-domain",
             Self::WrongNumberOfDomains { .. } => "wrong-number-of-domains",
+            Self::HeldFrame => "held-frame",
+            Self::MaterialDomains => "material-domains",
+            Self::NotMaterialPlace { .. } => "not-material-place",
             Self::InvalidReach { .. } => "invalid-reach",
             Self::InvalidFrame { .. } => "invalid-frame",
             Self::AmbiguousOutward { .. } => "ambiguous-outward",

@@ -7,7 +7,6 @@
 use diffuse_contact_kernels::facet::{quadrilateral, triangle};
 use diffuse_contact_kernels::support::{FacetInputs, FacetValues};
 
-use crate::generated::check;
 use crate::output::SymmetricMatrix;
 use crate::{ContactPoint, ElementError, Gap, Generated, Mode, Point};
 
@@ -150,6 +149,6 @@ fn run(
         [a, b, c, d] => quadrilateral(mode, &FacetInputs { slave, corners: [a, b, c, d] }, gradient, hessian),
         _ => return Err(ElementError::FacetCorners { found: element.corners.len() }),
     };
-    check(values.status())?;
+    ElementError::check(values.status())?;
     Ok(values)
 }

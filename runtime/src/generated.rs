@@ -2,13 +2,12 @@
 
 use std::marker::PhantomData;
 
-use diffuse_contact_kernels::support::{
-    ElementInputs, FrameRule, GapValues, KernelSet, Masters, PIVOT_TOLERANCE, Status,
-};
+use diffuse_contact_kernels::support::{ElementInputs, FrameRule, GapValues, KernelSet, Masters};
 
 use crate::output::SymmetricMatrix;
 use crate::{
-    Backend, Coefficients, ContactPoint, Element, ElementError, FrameDerivative, Gap, Mode, Surface, Weight,
+    Backend, Coefficients, ContactPoint, Domains, Element, ElementError, FrameDerivative, Gap, Mode, Surface,
+    Weight,
 };
 
 /// Evaluates elements with the kernels that the build script of `diffuse-contact-kernels` generated.
@@ -82,12 +81,13 @@ impl Backend for Generated {
 impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
     fn coefficients(&self, element: &Element<'_>, mode: Mode) -> Result<Coefficients, ElementError> {
         validate::<K>(element)?;
+        refuse_material(element)?;
         let size = element.basis.size();
         let mut buffers = Buffers::new(element, mode, size, size);
         let inputs = inputs::<K>(element, [0.0; 2]);
         let (gradients, hessians) = (&mut buffers.gradients, &mut buffers.hessians);
         let values = K::coefficients(element.basis, mode, &inputs, gradients, hessians);
-        check(values.status())?;
+        ElementError::check(values.status())?;
         Ok(Coefficients {
             values: values.coefficients[..size].to_vec(),
             gradients: buffers.gradients(),
@@ -97,6 +97,7 @@ impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
 
     fn surface(&self, element: &Element<'_>, point: [f64; 2], mode: Mode) -> Result<Surface, ElementError> {
         validate::<K>(element)?;
+        refuse_material(element)?;
         if let Some(index) = point.iter().position(|x| !x.is_finite()) {
             return Err(ElementError::NonFiniteInput { what: "point", index });
         }
@@ -104,7 +105,7 @@ impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
         let inputs = inputs::<K>(element, point);
         let (gradients, hessians) = (&mut buffers.gradients, &mut buffers.hessians);
         let values = K::surface(element.basis, mode, &inputs, gradients, hessians);
-        check(values.status())?;
+        ElementError::check(values.status())?;
         let mut gradients = buffers.gradients().into_iter();
         let mut next = || gradients.next().unwrap_or_default();
         Ok(Surface {
@@ -182,6 +183,14 @@ pub(crate) fn validate<K: KernelSet>(element: &Element<'_>) -> Result<(), Elemen
     element.validate_with(K::fitting_weight)
 }
 
+/// Coefficients and surfaces are derivatives with the frame held.
+fn refuse_material(element: &Element<'_>) -> Result<(), ElementError> {
+    match element.domains {
+        Domains::Material(_) => Err(ElementError::MaterialDomains),
+        Domains::Shared | Domains::Each(_) => Ok(()),
+    }
+}
+
 /// Runs the gap kernel that the element's frame asks for.
 fn run_gap<K: KernelSet>(
     element: &Element<'_>,
@@ -190,16 +199,17 @@ fn run_gap<K: KernelSet>(
     hessian: &mut [f64],
 ) -> Result<GapValues<f64>, ElementError> {
     let inputs = inputs::<K>(element, [0.0; 2]);
-    let kernel = (element.basis, frame_rule(element.frame.derivative), mode);
+    let kernel = (element.basis, frame_rule(element.frame.derivative, &element.domains), mode);
     let values = K::gap(K::best_isa(), kernel, &inputs, gradient, hessian);
-    check(values.status())?;
+    ElementError::check(values.status())?;
     Ok(values)
 }
 
-pub(crate) const fn frame_rule(derivative: FrameDerivative) -> FrameRule {
-    match derivative {
-        FrameDerivative::Frozen => FrameRule::Frozen,
-        FrameDerivative::CoMoving => FrameRule::CoMoving,
+pub(crate) const fn frame_rule(derivative: FrameDerivative, domains: &Domains<'_>) -> FrameRule {
+    match (derivative, domains) {
+        (FrameDerivative::Frozen, _) => FrameRule::Frozen,
+        (FrameDerivative::CoMoving, Domains::Material(_)) => FrameRule::Material,
+        (FrameDerivative::CoMoving, Domains::Shared | Domains::Each(_)) => FrameRule::CoMoving,
     }
 }
 
@@ -217,27 +227,6 @@ pub(crate) fn inputs<'a, K: KernelSet>(element: &Element<'a>, point: [f64; 2]) -
         point,
         anchor,
     }
-}
-
-/// A kernel's status as the element's error.
-pub(crate) fn check(status: Status) -> Result<(), ElementError> {
-    Err(match status {
-        Status::Ok => return Ok(()),
-        Status::SingularFit { pivot_ratio } => {
-            ElementError::SingularFit { pivot_ratio, tolerance: PIVOT_TOLERANCE }
-        }
-        Status::FootDiverged { residual, iterations } => {
-            ElementError::FootDiverged { residual, iterations: iterations as usize }
-        }
-        Status::FootOutside { distance } => ElementError::FootOutside { distance },
-        Status::NoAveragePlane { pivot_ratio } => ElementError::UnstableAveragePlane { pivot_ratio },
-        Status::DegenerateFacet { area } => ElementError::DegenerateFacet { area },
-        Status::CentreOfCurvature { determinant } => ElementError::CentreOfCurvature { determinant },
-        Status::BeyondCentreOfCurvature { determinant, trace } => {
-            ElementError::BeyondCentreOfCurvature { determinant, trace }
-        }
-        _ => ElementError::Overflow { what: "result" },
-    })
 }
 
 /// Room for the derivatives a mode asks for.

@@ -30,7 +30,7 @@ use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 use crate::vector::Vector3;
-use crate::{Backend, Basis, Domains, Element, ElementError, Frame, Mode, Point, Weight};
+use crate::{Backend, Basis, Domains, Element, ElementError, Frame, MaterialNode, Mode, Point, Weight};
 
 /// The support radius is this factor times the largest in-plane distance of a master node from the slave.
 ///
@@ -124,6 +124,7 @@ impl NearestNodes {
 
 /// How [`pair`] chooses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct PairingRule {
     /// Number of nearest master nodes to start from; raised to the basis's size if it is below.
     pub neighbours: usize,
@@ -147,6 +148,32 @@ impl Default for PairingRule {
     }
 }
 
+impl PairingRule {
+    /// With this number of nodes to start from.
+    #[must_use]
+    pub const fn with_neighbours(self, neighbours: usize) -> Self {
+        Self { neighbours, ..self }
+    }
+
+    /// With this number of nodes to stop at.
+    #[must_use]
+    pub const fn with_max_neighbours(self, max_neighbours: usize) -> Self {
+        Self { max_neighbours, ..self }
+    }
+
+    /// With this basis.
+    #[must_use]
+    pub const fn with_basis(self, basis: Basis) -> Self {
+        Self { basis, ..self }
+    }
+
+    /// With this weight function.
+    #[must_use]
+    pub const fn with_weight(self, weight: Weight) -> Self {
+        Self { weight, ..self }
+    }
+}
+
 /// The master nodes of one slave node and all that stays fixed with them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pairing {
@@ -158,8 +185,8 @@ pub struct Pairing {
     pub frame: Frame,
     /// Radius of the domain of influence.
     pub support_radius: f64,
-    /// Radii of the masters' own domains; none: all have the support radius.
-    pub radii: Vec<f64>,
+    /// Where the masters are in the first configuration, with their domains there; none: all have the support radius.
+    pub material: Vec<MaterialNode>,
     /// Polynomial basis of the fit.
     pub basis: Basis,
     /// Weight function of the fit.
@@ -170,7 +197,8 @@ impl Pairing {
     /// The element of this pairing with the slave at `slave`.
     #[must_use]
     pub fn element(&self, slave: Point) -> Element<'_> {
-        let domains = if self.radii.is_empty() { Domains::Shared } else { Domains::Each(&self.radii) };
+        let domains =
+            if self.material.is_empty() { Domains::Shared } else { Domains::Material(&self.material) };
         Element::new(slave, &self.positions, self.frame, self.support_radius)
             .with_domains(domains)
             .with_basis(self.basis)
@@ -251,7 +279,7 @@ fn pair_with<B: Backend + ?Sized>(
         positions,
         frame,
         support_radius,
-        radii: Vec::new(),
+        material: Vec::new(),
         basis: rule.basis,
         weight: rule.weight,
     };

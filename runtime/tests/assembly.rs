@@ -91,11 +91,7 @@ proptest! {
         seed: u64,
     ) {
         let multipliers = case.multipliers(seed);
-        let law = ContactLaw {
-            penalty,
-            multipliers: augmented.then_some(multipliers.as_slice()),
-            tangent: if gauss_newton { Tangent::GaussNewton } else { Tangent::Exact },
-        };
+        let law = ContactLaw::penalty(penalty).with_multipliers(augmented.then_some(multipliers.as_slice())).with_tangent(if gauss_newton { Tangent::GaussNewton } else { Tangent::Exact });
         let dofs = match numbering {
             0 => DofMap::standard(case.nodes),
             1 => DofMap::numbering(case.nodes, |node, axis| (seed >> ((3 * node + axis) % 64)) & 1 == 0).unwrap(),
@@ -217,7 +213,7 @@ fn an_element_that_just_touches_carries_nothing() {
     // ε g = 3 × 2 × 0.25 = 1.5 for the open element.
     for (multiplier, expected) in [(1.5, 2), (1.5 + 1e-12, 3)] {
         let multipliers = [multiplier; 3];
-        let law = ContactLaw { multipliers: Some(&multipliers), ..ContactLaw::penalty(3.0) };
+        let law = ContactLaw::penalty(3.0).with_multipliers(Some(&multipliers));
         assert_eq!(active(&law), expected);
         assert_eq!(law.force(0, -0.5, 2.0), multiplier + 3.0);
         assert_eq!(law.force(1, 0.0, 2.0), multiplier);
@@ -334,12 +330,13 @@ fn bad_input_is_refused_with_its_figures() {
         assert_refused(element(contact), &law, &AssemblyError::InvalidPenalty { value });
     }
     for value in [f64::NAN, -1e-300, f64::INFINITY] {
-        let law = ContactLaw { multipliers: Some(&[value]), ..good };
+        let multipliers = [value];
+        let law = good.with_multipliers(Some(&multipliers));
         assert_refused(element(contact), &law, &AssemblyError::InvalidMultiplier { element: 0, value });
         let area = ContactView { area: value, ..contact };
         assert_refused(element(area), &good, &AssemblyError::InvalidArea { element: 0, value });
     }
-    let law = ContactLaw { multipliers: Some(&[1.0, 1.0]), ..good };
+    let law = good.with_multipliers(Some(&[1.0, 1.0]));
     assert_refused(element(contact), &law, &AssemblyError::MultiplierCount { found: 2, elements: 1 });
     for value in [f64::NAN, f64::NEG_INFINITY] {
         let gap = ContactView { gap: value, ..contact };
@@ -370,7 +367,7 @@ fn bad_input_is_refused_with_its_figures() {
     let expected = AssemblyError::DerivativeLength { what: "Hessian", element: 0, found: 0, expected: 21 };
     assert_tangent_refused(element(without), &good, &expected);
     let elements: &[ElementView<'_>] = &[element(without)];
-    let gauss_newton = ContactLaw { tangent: Tangent::GaussNewton, ..good };
+    let gauss_newton = good.with_tangent(Tangent::GaussNewton);
     let mut triplets = Triplets::new();
     assert_eq!(triplets.fill(elements, &gauss_newton, &DofMap::standard(2), Triangle::Full), Ok(1));
     assert_eq!(triplets.len(), 36);

@@ -44,12 +44,8 @@ fn wavy(cells: usize, moved: f64) -> (Vec<Point>, Vec<Facet>) {
 }
 
 fn options(weight: Weight) -> InterfaceOptions {
-    let element = ContactElement::Diffuse {
-        weight,
-        frame: diffuse_contact::FrameDerivative::CoMoving,
-        search: SearchOptions::domains(),
-    };
-    InterfaceOptions { element, ..InterfaceOptions::default() }
+    let element = ContactElement::diffuse(SearchOptions::domains()).with_weight(weight);
+    InterfaceOptions::default().with_element(element)
 }
 
 /// The interface of slaves at these points over a surface, refreshed.
@@ -332,12 +328,8 @@ fn other_rules_have_no_symmetry() {
     let mut positions = mesh.0.clone();
     positions.push([2.0, 2.0, 1.0]);
     let master = MasterSurface::new(&positions, mesh.1).unwrap();
-    let element = ContactElement::Diffuse {
-        weight: Weight::Cubic,
-        frame: diffuse_contact::FrameDerivative::CoMoving,
-        search: SearchOptions::default(),
-    };
-    let options = InterfaceOptions { element, ..InterfaceOptions::default() };
+    let element = ContactElement::diffuse(SearchOptions::default());
+    let options = InterfaceOptions::default().with_element(element);
     let mut interface = ContactInterface::new(master, vec![36], &[], &positions, options).unwrap();
     let planes = [SymmetryPlane::across(0, [0.0; 3])];
     assert_eq!(interface.set_symmetry(&planes), Err(InterfaceError::NoSymmetry));

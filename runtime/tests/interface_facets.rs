@@ -95,7 +95,7 @@ fn past_a_border_or_a_sharp_edge_there_is_no_contact() {
 
 #[test]
 fn a_facet_is_kept_until_the_slave_is_clearly_off_it() {
-    let options = InterfaceOptions { hysteresis: 0.2, ..InterfaceOptions::node_to_facet() };
+    let options = InterfaceOptions::node_to_facet().with_hysteresis(0.2);
     let mut plane = Mesh::plane(6.0, 6.0, 1.0);
     let cells = (0..36).map(|k| k % 6 + 7 * (k / 6));
     plane.facets = cells.map(|k| Facet::Quadrilateral([k, k + 1, k + 8, k + 7])).collect();
@@ -118,7 +118,7 @@ fn strip(x: &[f64]) -> Mesh {
 fn past_the_border_of_a_neighbour_there_is_no_contact_whatever_the_hysteresis() {
     let mesh = strip(&[-1.0, 0.0, 1.0, 1.08]);
     for hysteresis in [0.0, 0.2, 0.5] {
-        let options = InterfaceOptions { hysteresis, ..InterfaceOptions::node_to_facet() };
+        let options = InterfaceOptions::node_to_facet().with_hysteresis(hysteresis);
         let mut scene = mesh.paired(&[[0.9, 0.5, -0.05]], options);
         for (x, expected) in [(1.05, "contact"), (1.15, "beyond-border")] {
             scene.move_slaves(&[[x, 0.5, -0.05]]);

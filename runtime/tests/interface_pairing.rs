@@ -1,12 +1,10 @@
 //! Who is paired with whom: sharp edges, thin plates, refresh reports, hysteresis, tributary areas.
 
 use crate::common::{Mesh, Scene, Uniform, distance, hull_layers};
-use diffuse_contact::interface::{
-    ContactElement, ContactInterface, GapJump, InterfaceOptions, NoContact, Outcome, SlaveGap,
-};
+use diffuse_contact::interface::{ContactElement, ContactInterface, GapJump, NoContact, Outcome, SlaveGap};
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
 use diffuse_contact::surface::{Facet, tributary_areas};
-use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
+use diffuse_contact::{FrameDerivative, Mode, Point};
 
 /// A bumpy floor of 20 × 20 cells.
 fn floor() -> Mesh {
@@ -52,7 +50,7 @@ fn around_sharp_edges_masters_lie_on_one_face() {
         assert!((contact.point.gap - gap).abs() < 1e-12, "{x:?} {}", contact.point.gap);
     }
     // Without a feature angle the fit rounds the edge.
-    let blunt = InterfaceOptions { feature_angle_degrees: 180.0, ..hull_layers() };
+    let blunt = hull_layers().with_feature_angle_degrees(180.0);
     let mut scene = cube.paired(&[[0.9, 0.9, 1.01]], blunt);
     assert!((gaps(&mut scene)[0].unwrap() - 0.01).abs() < 1e-12, "{:?}", gaps(&mut scene));
     let nodes = scene.interface.evaluate(Mode::Value).unwrap().get(0).nodes.to_vec();
@@ -98,7 +96,7 @@ fn both_sides_of_a_thin_plate_are_told_apart() {
 
 #[test]
 fn a_report_counts_every_slave() {
-    let options = InterfaceOptions { distance_limit: Some(2.0), ..hull_layers() };
+    let options = hull_layers().with_distance_limit(Some(2.0));
     let slaves = [over_floor(50), vec![[9.0, 9.0, 5.0], [-7.0, 9.0, 0.0], [30.0, 5.0, 0.1]]].concat();
     let mut scene = floor().scene(&slaves, options);
     let before = scene.interface.evaluate(Mode::Value).unwrap();
@@ -124,7 +122,7 @@ fn a_report_counts_every_slave() {
 
 #[test]
 fn the_gap_jump_of_a_refresh_is_the_largest_there_was() {
-    for options in [hull_layers(), InterfaceOptions { hysteresis: 0.0, ..hull_layers() }] {
+    for options in [hull_layers(), hull_layers().with_hysteresis(0.0)] {
         let slaves = over_floor(200);
         let mut scene = floor().paired(&slaves, options);
         let slid: Vec<Point> = slaves.iter().map(|[x, y, z]| [x + 0.6, y + 0.45, *z]).collect();
@@ -147,8 +145,8 @@ fn the_gap_jump_of_a_refresh_is_the_largest_there_was() {
 #[test]
 fn pairings_are_taken_over_however_many_masters_hulls_hold() {
     let search = SearchOptions::default().with_rule(NeighbourRule::hull_layers(Some(4)));
-    let element = ContactElement::Diffuse { weight: Weight::Cubic, frame: FrameDerivative::CoMoving, search };
-    let options = InterfaceOptions { element, ..hull_layers() };
+    let element = ContactElement::diffuse(search);
+    let options = hull_layers().with_element(element);
     let slaves = over_floor(40);
     let mut scene = floor().paired(&slaves, options);
     let before = gaps(&mut scene);
@@ -164,7 +162,7 @@ fn pairings_are_taken_over_however_many_masters_hulls_hold() {
 
 #[test]
 fn without_hysteresis_a_refresh_in_place_renews_everything() {
-    let mut scene = floor().paired(&over_floor(80), InterfaceOptions { hysteresis: 0.0, ..hull_layers() });
+    let mut scene = floor().paired(&over_floor(80), hull_layers().with_hysteresis(0.0));
     let before = gaps(&mut scene);
     let report = scene.refresh();
     assert_eq!((report.kept, report.renewed, report.changed), (0, 80, 0));
@@ -174,7 +172,7 @@ fn without_hysteresis_a_refresh_in_place_renews_everything() {
 
 #[test]
 fn a_pairing_is_kept_until_the_slave_has_slid_far_enough() {
-    let mut scene = floor().paired(&[[9.2, 9.3, 0.4]], InterfaceOptions { hysteresis: 0.2, ..hull_layers() });
+    let mut scene = floor().paired(&[[9.2, 9.3, 0.4]], hull_layers().with_hysteresis(0.2));
     let nodes = |scene: &mut Scene| scene.interface.evaluate(Mode::Value).unwrap().get(0).nodes.to_vec();
     let first = nodes(&mut scene);
     // Support radii of a hull search on unit squares are between 1.5 and 3.5.
@@ -202,7 +200,7 @@ fn a_pairing_is_kept_until_the_slave_has_slid_far_enough() {
 #[test]
 fn a_pairing_is_not_kept_across_a_sharp_edge() {
     let cube = Mesh::cube(8);
-    let options = InterfaceOptions { hysteresis: 0.9, ..hull_layers() };
+    let options = hull_layers().with_hysteresis(0.9);
     let mut scene = cube.paired(&[[0.95, 0.1, 1.01]], options);
     scene.move_slaves(&[[1.01, 0.1, 0.95]]);
     let report = scene.refresh();
@@ -213,8 +211,8 @@ fn a_pairing_is_not_kept_across_a_sharp_edge() {
 #[test]
 fn a_held_frame_is_that_of_the_last_refresh() {
     let search = SearchOptions::default();
-    let element = ContactElement::Diffuse { weight: Weight::Cubic, frame: FrameDerivative::Frozen, search };
-    let options = InterfaceOptions { element, ..hull_layers() };
+    let element = ContactElement::diffuse(search).with_frame(FrameDerivative::Frozen);
+    let options = hull_layers().with_element(element);
     let mut scene = floor().paired(&over_floor(1), options);
     let before = gaps(&mut scene)[0].unwrap();
     // Turned by 20° about x, the held frame is not the average plane any more, and the gap not quite the same.
@@ -248,7 +246,7 @@ fn areas_are_those_of_the_slave_facets() {
         .collect();
     let slaves: Vec<usize> = (first..positions.len()).collect();
     let interface = |areas: bool, facets: &[Facet], slaves: &[usize]| {
-        let options = InterfaceOptions { areas, ..hull_layers() };
+        let options = hull_layers().with_areas(areas);
         ContactInterface::new(floor().surface(), slaves.to_vec(), facets, &positions, options)
     };
     let mut with = interface(true, &facets, &slaves).unwrap();
@@ -290,8 +288,8 @@ fn a_kept_pairing_learns_that_its_patch_has_come_to_end() {
     // neither they nor the fit change. Three layers carry a fit from the fold, too.
     let search = SearchOptions::default().with_rule(NeighbourRule::hull_radius(Some(3)));
     let frame = FrameDerivative::CoMoving;
-    let element = ContactElement::Diffuse { weight: Weight::Cubic, frame, search };
-    let options = InterfaceOptions { element, hysteresis: 0.3, ..hull_layers() };
+    let element = ContactElement::diffuse(search).with_frame(frame);
+    let options = hull_layers().with_element(element).with_hysteresis(0.3);
     let mut scene = Mesh::plane(20.0, 20.0, 1.0).paired(&[[9.6, 9.6, -0.1]], options);
     let nodes = scene.interface.evaluate(Mode::Value).unwrap().get(0).nodes.to_vec();
     let fold = nodes.iter().map(|&node| scene.positions[node as usize][0]).fold(0.0, f64::max);
@@ -313,10 +311,8 @@ fn a_kept_pairing_learns_that_its_patch_has_come_to_end() {
 
 #[test]
 fn a_contact_that_a_refresh_loses_or_gains_is_reported() {
-    let mut scene = Mesh::cube(8).scene(
-        &[[0.9, 0.1, 0.97], [0.2, 0.3, 0.95]],
-        InterfaceOptions { distance_limit: Some(0.5), ..hull_layers() },
-    );
+    let mut scene = Mesh::cube(8)
+        .scene(&[[0.9, 0.1, 0.97], [0.2, 0.3, 0.95]], hull_layers().with_distance_limit(Some(0.5)));
     let report = scene.refresh();
     assert_eq!((report.contacts_gained, report.contacts_lost), (2, 0));
     let deepest = report.smallest_gap_gained.unwrap();

@@ -66,9 +66,9 @@ fn everything(threads: usize, options: InterfaceOptions) -> Everything {
 #[test]
 fn results_do_not_depend_on_the_number_of_threads() {
     let search = SearchOptions::default().with_rule(NeighbourRule::hull_radius(Some(2)));
-    let with = |weight, frame, search| InterfaceOptions {
-        element: ContactElement::Diffuse { weight, frame, search },
-        ..Default::default()
+    let with = |weight, frame, search| {
+        InterfaceOptions::default()
+            .with_element(ContactElement::diffuse(search).with_weight(weight).with_frame(frame))
     };
     let held = with(Weight::Cubic, FrameDerivative::Frozen, search);
     let interpolating = with(Weight::CubicInterpolating, FrameDerivative::CoMoving, SearchOptions::default());
@@ -122,20 +122,13 @@ fn what_the_caller_has_to_mend_is_an_error() {
     assert_eq!(refused(&[9, 4]), InterfaceError::SlaveOnMaster { node: 4 });
     let default = InterfaceOptions::default();
     for options in [
-        InterfaceOptions { feature_angle_degrees: -1.0, ..default },
-        InterfaceOptions { feature_angle_degrees: f64::NAN, ..default },
-        InterfaceOptions { hysteresis: -0.1, ..default },
-        InterfaceOptions { border_tolerance: f64::INFINITY, ..default },
-        InterfaceOptions { distance_limit: Some(0.0), ..default },
-        InterfaceOptions { distance_limit: Some(f64::NAN), ..default },
-        InterfaceOptions {
-            element: ContactElement::Diffuse {
-                weight: Weight::Cubic,
-                frame: FrameDerivative::CoMoving,
-                search: SearchOptions { candidates: 1, ..SearchOptions::default() },
-            },
-            ..default
-        },
+        default.with_feature_angle_degrees(-1.0),
+        default.with_feature_angle_degrees(f64::NAN),
+        default.with_hysteresis(-0.1),
+        default.with_border_tolerance(f64::INFINITY),
+        default.with_distance_limit(Some(0.0)),
+        default.with_distance_limit(Some(f64::NAN)),
+        default.with_element(ContactElement::diffuse(SearchOptions::default().with_candidates(1))),
     ] {
         assert_eq!(new(&[9], options).unwrap_err().code(), "invalid-option", "{options:?}");
     }
@@ -165,7 +158,7 @@ fn what_the_caller_has_to_mend_is_an_error() {
 #[test]
 fn a_facet_element_is_paired_with_the_corners_of_the_closest_facet() {
     let mesh = Mesh::plane(6.0, 6.0, 1.0);
-    let options = InterfaceOptions { distance_limit: Some(1.0), ..InterfaceOptions::node_to_facet() };
+    let options = InterfaceOptions::node_to_facet().with_distance_limit(Some(1.0));
     let slaves = [[2.3, 1.6, 0.1], [2.6, 2.6, -0.2], [3.0, 3.0, 1.5], [6.8, 3.0, 0.1], [7.4, 3.0, 0.1]];
     let mut scene = mesh.scene(&slaves, options);
     let report = scene.refresh();
@@ -388,9 +381,9 @@ proptest! {
         let element = if facets {
             ContactElement::NodeToFacet
         } else {
-            ContactElement::Diffuse { weight, frame, search: SearchOptions::default() }
+            ContactElement::diffuse(SearchOptions::default()).with_weight(weight).with_frame(frame)
         };
-        let options = InterfaceOptions { element, hysteresis, ..InterfaceOptions::default() };
+        let options = InterfaceOptions::default().with_element(element).with_hysteresis(hysteresis);
         let mesh = Mesh::plane(5.0, 5.0, 1.0);
         let slaves: Vec<Point> = (0..9).map(|k| [0.7 + 0.5 * f64::from(k), 2.3, 0.1]).collect();
         let mut scene = mesh.paired(&slaves, options);

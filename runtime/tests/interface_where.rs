@@ -3,6 +3,7 @@
 use crate::common::{Mesh, Scene, Uniform};
 use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap, Triangle, Triplets, add_residual};
 use diffuse_contact::interface::{ContactElement, Contacts, InterfaceOptions};
+use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
 
 /// Slaves about a wavy master, some beyond its border and some far above; enough for several chunks.
@@ -23,16 +24,20 @@ fn scene(options: InterfaceOptions) -> Scene {
 }
 
 fn variants() -> [InterfaceOptions; 4] {
-    let base = InterfaceOptions { distance_limit: Some(5.0), ..InterfaceOptions::default() };
+    let base = InterfaceOptions::default().with_distance_limit(Some(5.0));
     let with = |weight, frame| {
-        let ContactElement::Diffuse { search, .. } = base.element else { panic!("the default element") };
-        InterfaceOptions { element: ContactElement::Diffuse { weight, frame, search }, ..base }
+        // Domains of influence have frames that move.
+        let search = match frame {
+            FrameDerivative::CoMoving => SearchOptions::domains(),
+            FrameDerivative::Frozen => SearchOptions::default(),
+        };
+        base.with_element(ContactElement::diffuse(search).with_weight(weight).with_frame(frame))
     };
     [
         with(Weight::Cubic, FrameDerivative::CoMoving),
         with(Weight::CubicInterpolating, FrameDerivative::CoMoving),
         with(Weight::WendlandC2, FrameDerivative::Frozen),
-        InterfaceOptions { distance_limit: Some(5.0), ..InterfaceOptions::node_to_facet() },
+        InterfaceOptions::node_to_facet().with_distance_limit(Some(5.0)),
     ]
 }
 
@@ -54,7 +59,7 @@ fn contacts_with_force_have_the_bits_of_a_full_evaluation_and_others_no_derivati
     for options in variants() {
         let mut scene = scene(options);
         let multipliers: Vec<f64> = (0..700).map(|k| f64::from(k % 5) * 0.01).collect();
-        let law = ContactLaw { multipliers: Some(&multipliers), ..ContactLaw::penalty(1.5) };
+        let law = ContactLaw::penalty(1.5).with_multipliers(Some(&multipliers));
         for mode in [Mode::Hessian, Mode::Gradient] {
             let all = scene.interface.evaluate(mode).unwrap().clone();
             let is_loaded = |k, gap, area| law.force(k, gap, area) > 0.0;

@@ -112,7 +112,7 @@ fn stretched_and_graded_grids_get_two_columns_on_either_side() {
     for (stretch, candidates) in [(6.0, 192), (20.0, 768)] {
         let (grid, integers) = lattice([stretch, 0.0], [0.0, 1.0], 220);
         let slave = [0.3 * stretch, 0.2, 0.1];
-        let options = SearchOptions { max_candidates: candidates, ..hull(None) };
+        let options = hull(None).with_max_candidates(candidates);
         let found = find(&grid, slave, options).unwrap();
         let columns: BTreeSet<i32> = found.nodes.iter().map(|&k| integers[k][0]).collect();
         assert!(columns.len() >= 3 && found.basis == Basis::Quadratic, "{stretch}: {columns:?}");
@@ -141,7 +141,7 @@ fn nodes_on_a_line_have_no_plane_and_two_rows_only_a_linear_fit() {
     assert_eq!((found.basis, found.layers[0].len()), (Basis::Linear, 4));
     let Fallback::Linear { quadratic_regularity } = found.fallback else { panic!("{found:?}") };
     assert!(quadratic_regularity < 1e-12);
-    let strict = SearchOptions { linear_fallback: false, ..hull(None) };
+    let strict = hull(None).with_linear_fallback(false);
     let error = find(&strip, [20.3, 0.4, 0.1], strict).unwrap_err();
     assert!(
         matches!(error, NeighbourhoodError::IllConditioned { nodes, basis: Basis::Quadratic, .. } if nodes > 12),
@@ -186,7 +186,7 @@ fn few_nodes_carry_a_linear_fit_and_fewer_than_three_none() {
             assert_eq!((found.basis, found.nodes.len()), (Basis::Linear, count), "{rule:?}");
             assert_eq!(found.fallback, Fallback::Linear { quadratic_regularity: 0.0 });
             assert!(found.encloses_slave && found.complete);
-            let strict = SearchOptions { linear_fallback: false, ..options };
+            let strict = options.with_linear_fallback(false);
             let error = find(&corners[..count], [0.6, 0.3, 0.1], strict).unwrap_err();
             assert_eq!(error, NeighbourhoodError::NoCandidate { found: count, needed: 6 });
         }
@@ -267,11 +267,11 @@ fn bad_input_is_a_named_error() {
     for options in [
         hull(Some(0)),
         SearchOptions::default().with_rule(NeighbourRule::HullLayers { layers: None, max_layers: 0 }),
-        SearchOptions { radius_factor: 1.0, ..SearchOptions::default() },
-        SearchOptions { radius_factor: f64::NAN, ..SearchOptions::default() },
-        SearchOptions { smallest_regularity: -1.0, ..SearchOptions::default() },
-        SearchOptions { smallest_regularity: f64::NAN, ..SearchOptions::default() },
-        SearchOptions { candidates: 2, ..SearchOptions::default() },
+        SearchOptions::default().with_radius_factor(1.0),
+        SearchOptions::default().with_radius_factor(f64::NAN),
+        SearchOptions::default().with_smallest_regularity(-1.0),
+        SearchOptions::default().with_smallest_regularity(f64::NAN),
+        SearchOptions::default().with_candidates(2),
     ] {
         assert_eq!(NeighbourSearch::new(options).unwrap_err().code(), "invalid-option", "{options:?}");
     }

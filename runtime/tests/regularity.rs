@@ -1,7 +1,7 @@
 //! What the least regularity of a fit costs and gains, on irregular meshes whose heights are off. The default is what it is because of
 //! `hertz_cylinder_as_master` in the solver's tests.
 //!
-//! `cargo test --release -p diffuse-contact --test regularity -- --nocapture` prints the table of docs/contact-surface.md.
+//! `cargo test --release -p diffuse-contact --test regularity -- --nocapture` prints the table of docs/results/surface.md.
 
 use std::collections::HashMap;
 
@@ -9,7 +9,7 @@ use crate::common::{Mesh, Scene, Uniform};
 use diffuse_contact::interface::{ContactElement, InterfaceOptions, Outcome};
 use diffuse_contact::neighbourhood::{Fallback, SMALLEST_REGULARITY, SearchOptions};
 use diffuse_contact::surface::Facet;
-use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
+use diffuse_contact::{Mode, Point};
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 
 /// Heights of nodes are off by up to this, in short sides of a cell.
@@ -94,10 +94,9 @@ struct Found {
 
 impl Found {
     fn add(&mut self, irregular: &Irregular, smallest_regularity: f64, random: &mut Uniform) {
-        let search = SearchOptions { smallest_regularity, ..SearchOptions::default() };
-        let element =
-            ContactElement::Diffuse { weight: Weight::default(), frame: FrameDerivative::CoMoving, search };
-        let options = InterfaceOptions { element, ..InterfaceOptions::default() };
+        let search = SearchOptions::default().with_smallest_regularity(smallest_regularity);
+        let element = ContactElement::diffuse(search);
+        let options = InterfaceOptions::default().with_element(element);
         let size = irregular.size;
         let on_surface = |at: &[f64; 2]| [at[0], at[1], Irregular::height(size, *at)];
         // Not so close to the border that bumps take the foot over it.

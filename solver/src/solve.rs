@@ -5,10 +5,8 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::contact::{
-    self, ContactError, ContactSet, Interaction, InteractionOptions, RefreshRule, TangentRule,
-};
-use crate::deck::{Contact, Deck, DeckError, Interface, Refresh, Tangent};
+use crate::contact::{ContactError, ContactSet, Interaction, InteractionOptions};
+use crate::deck::{Contact, Deck, DeckError, Interface};
 use crate::model::Model;
 use crate::output::{
     Claim, Fields, OutputError, Recorder, RecorderOptions, Summary, Watcher, names, read_json,
@@ -16,12 +14,12 @@ use crate::output::{
 use crate::report::{self, sample_surfaces};
 use crate::solid::Solid;
 use crate::statics::{
-    NewtonSettings, Pressure, Problem, Settings, State, Statics, StaticsError, SupportGroup, SupportGroups,
-    TimeSettings,
+    Pressure, Problem, Settings, State, Statics, StaticsError, SupportGroup, SupportGroups,
 };
 
 /// What to do with a deck.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct SolveOptions {
     /// Directory of results.
     pub out: PathBuf,
@@ -31,6 +29,32 @@ pub struct SolveOptions {
     pub overwrite: bool,
     /// Threads of the linear solver; elements and contacts use those of the current rayon pool.
     pub threads: usize,
+}
+
+impl SolveOptions {
+    /// Results go to a directory that holds none, one thread solves linear systems.
+    #[must_use]
+    pub fn new(out: impl Into<PathBuf>) -> Self {
+        Self { out: out.into(), restart: false, overwrite: false, threads: 1 }
+    }
+
+    /// Goes on from the last finished increment, or begins anew.
+    #[must_use]
+    pub fn with_restart(self, restart: bool) -> Self {
+        Self { restart, ..self }
+    }
+
+    /// Replaces results, or refuses to.
+    #[must_use]
+    pub fn with_overwrite(self, overwrite: bool) -> Self {
+        Self { overwrite, ..self }
+    }
+
+    /// With so many threads of the linear solver.
+    #[must_use]
+    pub fn with_threads(self, threads: usize) -> Self {
+        Self { threads, ..self }
+    }
 }
 
 /// Why there are no results, or none to the end.
@@ -154,14 +178,7 @@ fn finished(state: &State, deck: &Deck, out: &Path) -> Result<Option<Summary>, O
 fn recorder_options(deck: &Deck, model: &Model, text: String, out: &Path) -> RecorderOptions {
     let sides = deck.interfaces.iter().filter_map(|interface| deck.sides(model, interface).ok());
     let surfaces: Vec<_> = sides.flat_map(|sides| [sides.slave, sides.master]).collect();
-    RecorderOptions {
-        directory: out.to_path_buf(),
-        deck: text,
-        every: deck.output.every,
-        stress: deck.output.stress,
-        colour: deck.output.colour,
-        areas: Fields::slave_areas(model, &surfaces),
-    }
+    RecorderOptions::new(out, text).with_output(deck.output).with_areas(Fields::slave_areas(model, &surfaces))
 }
 
 /// Writes the page for directories of results.
@@ -245,51 +262,20 @@ fn interaction(
     contact: Contact,
 ) -> Result<Interaction, SolveError> {
     let sides = deck.sides(model, interface)?;
-    let options = InteractionOptions {
-        name: interface.name.clone(),
-        penalty: interface.penalty,
-        augmentation: interface.augmentation.map(|augmentation| contact::Augmentation {
-            tolerance: augmentation.tolerance,
-            max_rounds: augmentation.max,
-        }),
-        refresh: match interface.refresh {
-            Refresh::Increment => RefreshRule::Increment,
-            Refresh::Iteration => RefreshRule::Iteration,
-        },
-        tangent: match interface.tangent {
-            Tangent::Adaptive => TangentRule::Adaptive,
-            Tangent::Exact => TangentRule::Exact,
-            Tangent::GaussNewton => TangentRule::GaussNewton,
-        },
-        two_pass: interface.two_pass,
-        interface: interface.options(contact),
-        symmetry: interface.symmetry.clone(),
-    };
+    let options = InteractionOptions::new(&interface.name, interface.penalty)
+        .with_augmentation(interface.augmentation)
+        .with_refresh(interface.refresh)
+        .with_tangent(interface.tangent)
+        .with_two_pass(interface.two_pass)
+        .with_interface(interface.options(contact))
+        .with_symmetry(interface.symmetry.clone());
     Ok(Interaction::new(options, &sides.master, &sides.slave, &model.nodes)?)
 }
 
 /// How a deck's problem is solved.
 #[must_use]
 pub fn settings(deck: &Deck) -> Settings {
-    let time = &deck.time;
-    Settings {
-        time: TimeSettings {
-            end: time.end,
-            increment: time.increment,
-            minimum: if time.fixed { time.increment } else { time.minimum },
-            maximum: time.maximum,
-            growth: if time.fixed { 1.0 } else { time.growth },
-            cutback: time.cutback,
-        },
-        newton: NewtonSettings {
-            tolerance: deck.newton.tolerance,
-            absolute: deck.newton.absolute,
-            max_iterations: deck.newton.max_iterations,
-            few_iterations: deck.newton.few_iterations,
-            line_search: deck.newton.line_search,
-            extrapolation: deck.newton.extrapolation,
-        },
-    }
+    Settings::new(deck.time, deck.newton)
 }
 
 fn master_surfaces(deck: &Deck, model: &Model, state: &State) -> Vec<report::SurfaceSample> {

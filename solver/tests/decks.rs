@@ -4,47 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// A plastic block that is pressed into a rigid wave and pushed along it: a deck that takes about a second.
-pub const BLOCK: &str = r#"
-title = "Block & <wave>"
-
-[materials.soft]
-young = 1000.0
-poisson = 0.3
-yield_stress = 60.0
-hardening = 100.0
-
-[parts.block]
-shape = "box"
-origin = [1.0, 0.5, 0.1]
-size = [2.0, 1.0, 1.0]
-divisions = [4, 2, 2]
-material = "soft"
-
-[parts.wave]
-shape = "rigid-wave"
-size = [6.0, 2.0]
-height = 0.1
-wavelength = 4.0
-divisions = [10, 3]
-
-[[boundary]]
-nodes = "wave"
-fix = ["x", "y", "z"]
-
-[[boundary]]
-nodes = "block.z+"
-translate = [0.3, 0.0, -0.2]
-
-[[interface]]
-name = "floor"
-master = "wave"
-slave = "block.z-"
-penalty = 2000.0
-refresh = "iteration"
-
-[time]
-increment = 0.125
-"#;
+pub const BLOCK: &str = concat!(
+    "title = \"Block & <wave>\"\n",
+    include_str!("block_on_wave.toml"),
+    "refresh = \"iteration\"\n[time]\nincrement = 0.125\n"
+);
 
 /// The same in other increments.
 pub fn block_in(increments: usize) -> String {

@@ -1,9 +1,10 @@
 //! The decks of problems with known answers, on coarse meshes, with both elements.
 //!
-//! Bounds stand a little above what is measured on these meshes; `docs/verification.md` has the figures of the decks as they are.
+//! Bounds stand a little above what is measured on these meshes; `docs/results/verification.md` has the figures of the decks as they are.
 
 use std::path::Path;
 
+use diffuse_contact::interface::ContactElement;
 use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact_solver::deck::{Boundary, Contact, Deck, PartSource, Reference};
 use diffuse_contact_solver::model::Motion;
@@ -58,6 +59,22 @@ fn patch_test() {
         let (uniformity, force) = pressed(&deck);
         assert!(uniformity.stress < two_pass, "{uniformity:?}");
         assert!((force / 1e4 - 1.0).abs() < 1e-5, "{force}");
+    }
+}
+
+/// The deck of the tutorial, with the forces of its table.
+#[test]
+fn the_first_contact_problem() {
+    let page = include_str!("../../docs/tutorial/first-problem.md");
+    let text = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    for (element, label) in
+        [(Contact::Diffuse, "| smooth surface, facets of 10° |"), (Contact::NodeToFacet, "| facets of 10° |")]
+    {
+        let row = page.lines().find_map(|line| line.strip_prefix(label)).unwrap();
+        let expected: f64 = row.split('|').next().unwrap().trim().replace(',', "").parse().unwrap();
+        let deck = Deck { contact: element, ..Deck::parse(text).unwrap() };
+        let force = run(&deck, |snapshot| Ok(snapshot.contact_force()[2])).measures.pop().unwrap();
+        assert!((force / expected - 1.0).abs() < 1e-4, "{force}");
     }
 }
 
@@ -132,7 +149,7 @@ fn hertz_cylinder_as_master() {
         divide(&mut deck, "cylinder", &[10, 8, 2]);
         soften_floor(&mut deck, 12);
         // Graded cells: domains would reach farther than layers.
-        deck.interfaces[0].neighbours = SearchOptions::default();
+        deck.interfaces[0].surface.element = ContactElement::diffuse(SearchOptions::default());
         let (force, profile) = press(&deck, |x| x[0].abs());
         let exact = line_contact(force, 0.5 * MODULUS).peak_pressure();
         let [peak, _] = profile.ellipse().unwrap();

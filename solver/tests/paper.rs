@@ -3,35 +3,19 @@
 use std::path::Path;
 
 use diffuse_contact_solver::deck::Deck;
-use diffuse_contact_solver::solve;
-use diffuse_contact_solver::statics::{Control, IncrementRecord, Observer, Problem, State};
+use diffuse_contact_solver::statics::IncrementRecord;
+use diffuse_contact_solver::verification::trace;
 
 const CYLINDER: &str = include_str!("../../examples/plate_cylinder.toml");
 const PINCH: &str = include_str!("../../examples/pipe_pinch.toml");
 const PLASTIC_PINCH: &str = include_str!("../../examples/pipe_pinch_plastic.toml");
 
-/// Increments as they converge, up to a limit.
+/// The increments of a run.
 struct Course {
-    limit: usize,
     records: Vec<IncrementRecord>,
     positions: Vec<Vec<[f64; 3]>>,
     /// Nodes that carry contact force at the end of each.
     loaded: Vec<Vec<usize>>,
-}
-
-impl Observer for Course {
-    fn increment(
-        &mut self,
-        record: &IncrementRecord,
-        state: &State,
-        problem: &Problem,
-    ) -> Result<Control, Box<dyn std::error::Error + Send + Sync>> {
-        self.records.push(record.clone());
-        self.positions.push(state.positions.clone());
-        let slaves = problem.contacts().interactions().iter().flat_map(|interaction| interaction.slaves());
-        self.loaded.push(slaves.filter(|slave| slave.force > 0.0).map(|slave| slave.node).collect());
-        Ok(if self.records.len() < self.limit { Control::Continue } else { Control::Stop })
-    }
 }
 
 /// Replaces each text, which is there.
@@ -46,14 +30,20 @@ fn classic(deck: &str) -> String {
     with(deck, &[("contact = \"diffuse\"", "contact = \"node-to-facet\"")])
 }
 
-fn run(deck: &str, limit: usize) -> Course {
-    let deck = Deck::parse(deck).unwrap();
-    let model = deck.model(Path::new("")).unwrap();
-    let mut statics = solve::statics(&deck, &model, 1).unwrap();
-    let start = statics.problem().start();
-    let mut course = Course { limit, records: Vec::new(), positions: Vec::new(), loaded: Vec::new() };
-    let end = statics.run(start, &mut course).unwrap();
-    assert_eq!(end.cutbacks, 0);
+/// The first increments of a deck, which has equal ones.
+fn run(deck: &str, increments: usize) -> Course {
+    let mut deck = Deck::parse(deck).unwrap();
+    deck.time.end = increments as f64 * deck.time.increment;
+    let mut course = Course { records: Vec::new(), positions: Vec::new(), loaded: Vec::new() };
+    let run = trace(&deck, Path::new(""), 1, |snapshot| {
+        course.records.push(snapshot.record.clone());
+        course.positions.push(snapshot.state.positions.clone());
+        let loaded = snapshot.slaves().filter(|slave| slave.force > 0.0);
+        course.loaded.push(loaded.map(|slave| slave.node).collect());
+        Ok(())
+    });
+    assert_eq!(run.unwrap().cutbacks, 0);
+    assert_eq!(course.records.len(), increments);
     course
 }
 

@@ -2,7 +2,10 @@
 
 use std::f64::consts::PI;
 
-use diffuse_contact::{Basis, Domains, Element, Frame, Point, Weight};
+use diffuse_contact::{
+    Basis, Domains, Element, Frame, FrameDerivative, MaterialDomain, MaterialNode, MaterialPlace, Point,
+    Weight,
+};
 use diffuse_contact_kernels::support::{ElementInputs, Masters};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -22,6 +25,8 @@ pub struct Case {
     pub support_radius: f64,
     /// R_k of each master node; none: R for all.
     pub radii: Vec<f64>,
+    /// Where the nodes are in the first configuration, if their domains are there.
+    pub material: Vec<MaterialNode>,
     /// Basis of the fit.
     pub basis: Basis,
     /// Weight of the fit.
@@ -71,8 +76,9 @@ impl Case {
             add(local, centre)
         });
         let slave = positions.next().expect("a slave");
-        let (masters, radii) = (positions.collect(), Vec::new());
-        Self { slave, masters, frame, support_radius, radii, basis, weight: Weight::Cubic }
+        let masters = positions.collect();
+        let (radii, material) = (Vec::new(), Vec::new());
+        Self { slave, masters, frame, support_radius, radii, material, basis, weight: Weight::Cubic }
     }
 
     /// The element in the frame (x, y, z), from coordinates taken as they are, slave first.
@@ -86,6 +92,7 @@ impl Case {
             frame,
             support_radius,
             radii: Vec::new(),
+            material: Vec::new(),
             basis,
             weight: Weight::Cubic,
         }
@@ -101,7 +108,13 @@ impl Case {
     }
 
     fn domains(&self) -> Domains<'_> {
-        if self.radii.is_empty() { Domains::Shared } else { Domains::Each(&self.radii) }
+        if !self.material.is_empty() {
+            Domains::Material(&self.material)
+        } else if self.radii.is_empty() {
+            Domains::Shared
+        } else {
+            Domains::Each(&self.radii)
+        }
     }
 
     /// What the kernels read; surfaces are evaluated below the slave.
@@ -125,7 +138,13 @@ impl Case {
     #[must_use]
     pub fn with_weight(self, weight: Weight) -> Self {
         let case = Self { weight, ..self };
-        if case.frame.reach > 0.0 { case.co_moving() } else { case }
+        if !case.material.is_empty() {
+            case.material()
+        } else if case.frame.reach > 0.0 {
+            case.co_moving()
+        } else {
+            case
+        }
     }
 
     /// The element in the average plane of its masters, moving with it, on the same side; nodes with domains of their own are
@@ -142,6 +161,35 @@ impl Case {
             Frame::moving_plane(self.slave, &self.masters, &self.radii, weight, 1.0, self.frame.normal)
         };
         Self { frame: frame.expect("an average plane"), ..self }
+    }
+
+    /// The element with domains in a first configuration, from which the nodes have been stretched and moved, in the plane that moves
+    /// with them. Nodes that have no place there are seen from the slave.
+    #[must_use]
+    pub fn material(self) -> Self {
+        let mut random = Random::new(self.masters.len() as u64);
+        let radius = self.support_radius;
+        let metric = [0.9, 0.15, -0.1, 0.8, 0.1, 0.7].map(|entry| entry / radius);
+        let domains: Vec<MaterialDomain> = self
+            .masters
+            .iter()
+            .map(|x| {
+                let offset = add(*x, scale(-1.0, self.slave));
+                let stretched = [0.9 * offset[0], 1.15 * offset[1], 1.05 * offset[2]];
+                let noise = random.vector(0.02 * radius);
+                MaterialDomain { position: add(stretched, noise), metric }
+            })
+            .collect();
+        let weight = |r| self.weight.fitting(r);
+        let found = MaterialPlace::find(self.slave, &self.masters, &domains, weight, self.frame.normal);
+        let (material, frame) = match found {
+            Ok(found) => (found.nodes(&domains), found.frame),
+            Err(_) => {
+                let nodes = domains.iter().map(|domain| domain.from([0.0; 3])).collect();
+                (nodes, Frame { derivative: FrameDerivative::CoMoving, ..self.frame })
+            }
+        };
+        Self { material, frame, ..self }
     }
 
     /// Every position replaced by `f` of it.

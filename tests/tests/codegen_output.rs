@@ -123,8 +123,8 @@ fn a_single_kernel_is_a_rust_file() {
     }
 }
 
-// Beyond about 3,000 statements the compiler fails; 2,000 are promised.
-const _: () = assert!(MOST_STATEMENTS <= 2_000);
+// The compiler still writes full debug information for these; it fails on several thousand more.
+const _: () = assert!(MOST_STATEMENTS <= 3_400);
 
 /// rustc overflows its stack on functions of several thousand statements with full debug information.
 #[test]

@@ -1,4 +1,5 @@
-//! What the documents name in the sources exists: `Type::method`, `module::item` and paths of files.
+//! What the documents name in the sources exists: `Type::method`, `module::item` and paths of files. Their links lead somewhere, and the
+//! book has all its pages.
 
 use std::collections::HashSet;
 use std::fs;
@@ -181,4 +182,70 @@ fn what_the_documents_name_exists() {
     }
     assert!(checked > 50, "{checked}");
     assert!(missing.is_empty(), "not in the sources:\n{}", missing.join("\n"));
+}
+
+/// Targets of the links of a document, blocks of code apart.
+fn links(text: &str) -> Vec<&str> {
+    let prose = text.split("\n```").step_by(2);
+    prose.flat_map(|piece| piece.split("](").skip(1)).filter_map(|rest| rest.split(')').next()).collect()
+}
+
+/// The anchors of a document's headings, as they are made of the words.
+fn anchors(text: &str) -> HashSet<String> {
+    let prose = text.split("\n```").step_by(2);
+    let headings = prose.flat_map(str::lines).filter(|line| line.starts_with('#'));
+    let anchor = |heading: &str| {
+        let words = heading.trim_start_matches('#').trim().to_lowercase();
+        let kept = words.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c));
+        kept.map(|c| if c == ' ' { '-' } else { c }).collect()
+    };
+    headings.map(anchor).collect()
+}
+
+/// The links of a document that lead nowhere.
+fn broken(document: &Path) -> Vec<String> {
+    let text = fs::read_to_string(document).unwrap();
+    let leads_nowhere = |link: &&str| {
+        let (file, anchor) = link.split_once('#').unwrap_or((link, ""));
+        let target =
+            if file.is_empty() { document.to_owned() } else { document.parent().unwrap().join(file) };
+        let is_found =
+            || anchor.is_empty() || anchors(&fs::read_to_string(&target).unwrap()).contains(anchor);
+        !link.contains("://") && !(target.exists() && is_found())
+    };
+    let place = document.strip_prefix(root()).unwrap_or(document).display();
+    links(&text).into_iter().filter(leads_nowhere).map(|link| format!("{place}: {link}")).collect()
+}
+
+#[test]
+fn links_lead_somewhere() {
+    let mut documents = Vec::new();
+    files(&root(), ".md", &mut documents);
+    let lost: Vec<String> = documents.iter().flat_map(|document| broken(document)).collect();
+    assert!(lost.is_empty(), "links that lead nowhere:\n{}", lost.join("\n"));
+}
+
+#[test]
+fn a_link_that_leads_nowhere_is_found() {
+    let page = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page.md");
+    fs::write(
+        &page,
+        "# One two\n\n[a](#one-two) [b](#three) [c](none.md) [d](page.md#one-two) [e](https://f.g)\n",
+    )
+    .unwrap();
+    let found = broken(&page);
+    assert_eq!(found.len(), 2, "{found:?}");
+    assert!(found[0].ends_with("#three") && found[1].ends_with("none.md"), "{found:?}");
+}
+
+#[test]
+fn the_book_has_all_its_pages() {
+    let docs = root().join("docs");
+    let mut pages = Vec::new();
+    files(&docs, ".md", &mut pages);
+    let summary = fs::read_to_string(docs.join("SUMMARY.md")).unwrap();
+    let listed: HashSet<&str> = links(&summary).into_iter().collect();
+    let names = pages.iter().map(|page| page.strip_prefix(&docs).unwrap().to_str().unwrap());
+    let missing: Vec<&str> = names.filter(|page| *page != "SUMMARY.md" && !listed.contains(page)).collect();
+    assert!(missing.is_empty(), "not in docs/SUMMARY.md: {missing:?}");
 }

@@ -23,7 +23,7 @@ use proptest::prelude::*;
 const TOLERANCE: f64 = 1e-12;
 
 const BASES: [Basis; 2] = [Basis::Quadratic, Basis::Linear];
-const FRAMES: [FrameRule; 2] = [FrameRule::Frozen, FrameRule::CoMoving];
+const FRAMES: [FrameRule; 3] = [FrameRule::Frozen, FrameRule::CoMoving, FrameRule::Material];
 const MODES: [Mode; 3] = [Mode::Value, Mode::Gradient, Mode::Hessian];
 /// Around multiples of 2, 4 and 8, and larger ones.
 const COUNTS: [usize; 18] = [3, 4, 5, 6, 7, 8, 9, 11, 12, 13, 15, 16, 17, 20, 23, 24, 25, 30];
@@ -42,6 +42,7 @@ fn with_frame(case: Case, frame: FrameRule) -> Case {
     match frame {
         FrameRule::Frozen => case,
         FrameRule::CoMoving => case.co_moving(),
+        FrameRule::Material => case.material(),
     }
 }
 

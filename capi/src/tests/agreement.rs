@@ -2,7 +2,7 @@
 
 use std::ptr::{null, null_mut};
 
-use runtime::assembly::{ContactLaw, DofMap, Triangle, Triplets, add_residual};
+use runtime::assembly::{ContactLaw, DofMap, Tangent, Triangle, Triplets, add_residual};
 use runtime::interface::{ContactInterface, InterfaceOptions};
 use runtime::surface::{Facet, MasterSurface};
 use runtime::{Element, Frame, FrameDerivative, Generated, Mode, Weight};
@@ -13,7 +13,7 @@ use crate::batch::dc_gap_batch;
 use crate::contacts::{dc_contact, dc_contact_of, dc_derivatives, dc_forces};
 use crate::element::{dc_element, dc_gap, dc_point};
 use crate::interface::{dc_destroy, dc_evaluate, dc_refresh};
-use crate::law::dc_law;
+use crate::law::{dc_adaptive_tangent, dc_law};
 use crate::neighbours::{dc_pair, dc_pairing};
 use crate::status::{DC_BAD_SIZE, DC_NO_CONTACT, DC_OK};
 
@@ -26,7 +26,7 @@ fn an_interface_gives_what_the_runtime_gives() {
     let master = MasterSurface::new(positions, facets).unwrap();
     let slaves = mesh.slaves.iter().map(|&node| node as usize).collect();
     let slave_facets: Vec<Facet> = mesh.slave_facets.as_chunks::<4>().0.iter().map(quadrilateral).collect();
-    let options = InterfaceOptions { areas: true, ..Default::default() };
+    let options = InterfaceOptions::default().with_areas(true);
     let mut expected = ContactInterface::new(master, slaves, &slave_facets, positions, options).unwrap();
     expected.refresh_pairing(positions).unwrap();
     let expected = expected.evaluate(Mode::Hessian).unwrap();
@@ -43,7 +43,7 @@ fn an_interface_gives_what_the_runtime_gives() {
         tangent: 0,
         reserved: 0,
     };
-    let own_law = ContactLaw { multipliers: Some(&multipliers), ..ContactLaw::penalty(1e3) };
+    let own_law = ContactLaw::penalty(1e3).with_multipliers(Some(&multipliers));
     // SAFETY: the arrays have the lengths given.
     unsafe {
         assert_eq!(dc_refresh(handle, mesh.positions.as_ptr(), 40, null_mut()), DC_OK);
@@ -230,4 +230,22 @@ fn single_elements_and_batches_give_what_the_runtime_gives() {
         dc_pair(null(), slave.as_ptr(), candidates, 2, outward.as_ptr(), few.as_mut_ptr(), 2, &mut pairing)
     };
     assert_eq!(status, DC_NO_CONTACT);
+}
+
+#[test]
+fn the_adaptive_tangent_is_that_of_the_runtime() {
+    let ratio = Tangent::ADAPTIVE_RATIO;
+    let residuals =
+        [0.0, 1e-300, ratio.next_down(), ratio, ratio.next_up(), 1.0, 3e5, f64::INFINITY, f64::NAN];
+    let mut found = [0; 2];
+    for residual in residuals {
+        for force in [0.0, 1e-300, 1.0, 1e6, f64::INFINITY, f64::NAN] {
+            let tangent = dc_adaptive_tangent(residual, force);
+            let expected = [Tangent::Exact, Tangent::GaussNewton][tangent as usize];
+            assert_eq!(expected, Tangent::adaptive(residual, force), "{residual} {force}");
+            found[tangent as usize] += 1;
+        }
+    }
+    assert!(found.iter().all(|&count| count > 10), "{found:?}");
+    assert_eq!([ratio, ratio.next_up()].map(|residual| dc_adaptive_tangent(residual, 1.0)), [0, 1]);
 }

@@ -4,11 +4,12 @@ use std::ptr::null_mut;
 
 use super::misuse::refreshed;
 use super::{Mesh, message, options};
-use crate::contacts::dc_cutback;
+use crate::contacts::{dc_cutback, dc_gaps};
 use crate::interface::{
     dc_destroy, dc_evaluate, dc_freeze, dc_interface, dc_refresh, dc_report, dc_thaw, dc_update,
 };
 use crate::options::dc_options;
+use crate::outcome::dc_outcome;
 use crate::status::{DC_FROZEN, DC_NOT_EVALUATED, DC_OK};
 
 /// The hint; `None` if there is no evaluation.
@@ -59,11 +60,19 @@ fn a_slave_that_lost_its_surface_asks_until_it_has_it_again() {
     let mesh = Mesh::new();
     let handle = refreshed(&mesh);
     assert_eq!(dc_evaluate(handle, 0), DC_OK);
-    // Through the ridge, to where no node's domain reaches.
-    update(handle, &moved(&mesh, [0.0, 0.0, -4.0]));
-    for _ in 0..3 {
-        assert_eq!(dc_evaluate(handle, 0), DC_OK);
-        assert_eq!(hint(handle), Some(0.25));
+    // Through the ridge and beyond its centre of curvature, which lies 12.5 below its crest: barely, then well.
+    for (down, outcome) in
+        [(-12.6, dc_outcome::DC_NOT_MATERIAL_PLACE), (-14.0, dc_outcome::DC_BEYOND_CENTRE_OF_CURVATURE)]
+    {
+        update(handle, &moved(&mesh, [0.4, 0.0, down]));
+        for _ in 0..3 {
+            assert_eq!(dc_evaluate(handle, 0), DC_OK);
+            let (mut outcomes, mut gaps) = ([-1; 4], [0.0; 4]);
+            // SAFETY: an entry for each slave.
+            assert_eq!(unsafe { dc_gaps(handle, outcomes.as_mut_ptr(), gaps.as_mut_ptr(), 4) }, DC_OK);
+            assert_eq!(outcomes[0], outcome as i32);
+            assert_eq!(hint(handle), Some(0.25));
+        }
     }
     update(handle, &mesh.positions);
     assert_eq!(dc_evaluate(handle, 0), DC_OK);

@@ -8,7 +8,7 @@ use runtime::surface::{Facet, MasterSurface, SymmetryPlane};
 
 use super::misuse::{LAW, dc_report_of_size, refreshed};
 use super::{Mesh, message, options};
-use crate::choice::dc_rule;
+use crate::choice::{dc_frame, dc_rule};
 use crate::contacts::{dc_contact, dc_contact_of, dc_gaps};
 use crate::interface::{
     dc_destroy, dc_evaluate, dc_follow, dc_freeze, dc_interface, dc_refresh, dc_report, dc_set_symmetry,
@@ -16,7 +16,7 @@ use crate::interface::{
 };
 use crate::neighbours::{dc_pair, dc_pairing};
 use crate::options::dc_options;
-use crate::outcome::{dc_fallback, fallback_number};
+use crate::outcome::dc_fallback;
 use crate::pattern::{dc_pattern_create, dc_pattern_destroy, dc_pattern_fill};
 use crate::status::*;
 
@@ -52,7 +52,6 @@ fn lists_follow_and_say_so() {
         assert_eq!(rebuilt, 0, "there are no lists yet");
         assert_eq!(refresh(&mesh.positions, &mut report), DC_OK);
         assert_eq!((report.paired, report.gained, report.rebuilt), (4, 4, 1));
-        assert_eq!((report.far, report.renewed_stretch), (0, 0.0));
         let here = gaps(handle);
         assert_eq!(dc_pattern_create(handle, &mut pattern, &mut entries), DC_OK);
         let mut values = vec![0.0; entries];
@@ -81,17 +80,6 @@ fn lists_follow_and_say_so() {
         assert_eq!(follow(&mesh.positions, null_mut()), DC_OK);
         let back = gaps(handle);
         assert!(here.iter().zip(back).all(|(x, y)| (x - y).abs() < 1e-14), "{here:?} {back:?}");
-
-        // What the surface is stretched by has a jump, and is told.
-        let stretched: Vec<f64> =
-            mesh.positions.iter().enumerate().map(|(k, x)| if k % 3 == 1 { 1.3 * x } else { *x }).collect();
-        assert_eq!(follow(&stretched, &mut rebuilt), DC_OK);
-        assert_eq!(refresh(&stretched, &mut report), DC_OK);
-        assert_eq!(report.renewed_stretch, 0.0, "nothing has moved since the lists were made");
-        assert_eq!(dc_update(handle, mesh.positions.as_ptr(), 40), DC_OK);
-        assert_eq!(refresh(&mesh.positions, &mut report), DC_OK);
-        assert_eq!(refresh(&stretched, &mut report), DC_OK);
-        assert!(report.renewed_stretch > 0.1 && report.renewed_stretch < 0.3, "{report:?}");
 
         let mut overlapping = mesh.positions.clone();
         let inside = overlapping.as_mut_ptr().wrapping_add(7).cast();
@@ -212,12 +200,12 @@ fn planes_along_the_surface_are_no_trap() {
 fn a_shorter_report_is_filled_as_far_as_it_goes() {
     let mesh = Mesh::new();
     let handle = mesh.interface();
-    let before = std::mem::offset_of!(dc_report, far);
-    let mut report = dc_report { far: -5, rebuilt: -6, renewed_stretch: -7.0, ..dc_report_of_size(before) };
+    let before = std::mem::offset_of!(dc_report, rebuilt);
+    let mut report = dc_report { rebuilt: -6, ..dc_report_of_size(before) };
     // SAFETY: as many positions as nodes.
     assert_eq!(unsafe { dc_refresh(handle, mesh.positions.as_ptr(), 40, &mut report) }, DC_OK);
     assert_eq!((report.size, report.paired), (before, 4));
-    assert_eq!((report.far, report.rebuilt, report.renewed_stretch), (-5, -6, -7.0));
+    assert_eq!(report.rebuilt, -6);
     assert_eq!(dc_destroy(handle), DC_OK);
 }
 
@@ -252,10 +240,67 @@ fn without_a_surface_domains_stand_for_hull_layers() {
     assert_eq!(pair(null()), layers);
 }
 
+/// Master and slaves drawn out along y.
+fn stretched(mesh: &Mesh, by: f64) -> Vec<f64> {
+    mesh.positions.iter().enumerate().map(|(k, x)| if k % 3 == 1 { by * x } else { *x }).collect()
+}
+
+/// Domains stretch with the master: no refresh changes a gap, and it does not matter by which way a position is reached.
 #[test]
-fn far_is_a_fallback_of_its_own() {
-    let far = runtime::neighbourhood::Fallback::Far { distance: 0.7 };
-    assert_eq!(fallback_number(far), dc_fallback::DC_FAR as i32);
+fn a_stretched_master_renews_nothing() {
+    let mesh = Mesh::new();
+    let handle = refreshed(&mesh);
+    let here = gaps(handle);
+    let mut report = dc_report_of_size(size_of::<dc_report>());
+    let (mut rebuilt, mut last) = (0, here);
+    // SAFETY: as many positions as nodes.
+    unsafe {
+        for step in 1..=100 {
+            let positions = stretched(&mesh, 1.0 + 0.01 * f64::from(step));
+            assert_eq!(dc_update(handle, positions.as_ptr(), 40), DC_OK);
+            let before = gaps(handle);
+            assert_eq!(dc_refresh(handle, positions.as_ptr(), 40, &mut report), DC_OK);
+            assert_eq!((report.paired, report.extended, report.linear), (4, 0, 0), "{report:?}");
+            assert_eq!((report.jump_node, report.contacts_lost, report.contacts_gained), (-1, 0, 0));
+            rebuilt += report.rebuilt;
+            let after = gaps(handle);
+            for k in 0..4 {
+                assert!((after[k] - before[k]).abs() < 1e-13, "{step}: {before:?} {after:?}");
+                assert!((after[k] - last[k]).abs() < 1e-3, "{step}: {last:?} {after:?}");
+            }
+            last = after;
+        }
+        assert!(rebuilt > 1, "the lists have followed");
+        let far = stretched(&mesh, 2.0);
+        let direct = refreshed(&mesh);
+        assert_eq!(dc_refresh(direct, far.as_ptr(), 40, null_mut()), DC_OK);
+        let at_once = gaps(direct);
+        assert!(last.iter().zip(at_once).all(|(x, y)| (x - y).abs() < 1e-13), "{last:?} {at_once:?}");
+        assert_eq!(dc_destroy(direct), DC_OK);
+        // Made there, an interface has that for its first configuration.
+        let another = refreshed(&Mesh { positions: far, ..mesh.clone() });
+        assert_ne!(gaps(another), last);
+        assert_eq!(dc_destroy(another), DC_OK);
+        assert_eq!(dc_refresh(handle, mesh.positions.as_ptr(), 40, &mut report), DC_OK);
+    }
+    let back = gaps(handle);
+    assert!(here.iter().zip(back).all(|(x, y)| (x - y).abs() < 1e-13), "{here:?} {back:?}");
+    assert_eq!(dc_destroy(handle), DC_OK);
+}
+
+/// The distance from the parabola z = -0.04 (x - 2.5)^2.
+fn distance_from_the_ridge(x: f64, z: f64) -> f64 {
+    let distance = |foot: f64| (x - 2.5 - foot).hypot(z + 0.04 * foot * foot);
+    let (mut low, mut high) = (-2.5, 2.5);
+    for _ in 0..200 {
+        let (one, other) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+        if distance(one) < distance(other) { high = other } else { low = one }
+    }
+    distance(low)
+}
+
+#[test]
+fn a_slave_far_away_has_a_gap_like_any_other() {
     let mut mesh = Mesh::new();
     for z in mesh.positions.iter_mut().skip(3 * 36 + 2).step_by(3) {
         *z += 4.0;
@@ -266,10 +311,33 @@ fn far_is_a_fallback_of_its_own() {
     // SAFETY: as many positions as nodes, and it may be written.
     unsafe {
         assert_eq!(dc_refresh(handle, mesh.positions.as_ptr(), 40, &mut report), DC_OK);
-        assert_eq!((report.paired, report.far), (4, 4), "{report:?}");
-        assert_eq!(dc_evaluate(handle, 0), DC_OK);
-        assert_eq!(dc_contact_of(handle, 0, &mut contact), DC_OK, "{}", message());
+        assert_eq!((report.paired, report.extended, report.linear), (4, 0, 0), "{report:?}");
+        let gaps = gaps(handle);
+        for (k, gap) in gaps.iter().enumerate() {
+            assert_eq!(dc_contact_of(handle, k, &mut contact), DC_OK, "{}", message());
+            assert_eq!(contact.fallback, dc_fallback::DC_NO_FALLBACK as i32);
+            let [x, _, z] = mesh.positions.as_chunks::<3>().0[36 + k];
+            assert!((gap - distance_from_the_ridge(x, z)).abs() < 2e-3, "slave {k}: {gap}");
+        }
     }
-    assert_eq!(contact.fallback, dc_fallback::DC_FAR as i32);
     assert_eq!(dc_destroy(handle), DC_OK);
+}
+
+#[test]
+fn a_held_frame_needs_another_rule() {
+    let mesh = Mesh::new();
+    let held = dc_options { frame: dc_frame::DC_HELD as i32, ..options() };
+    assert_eq!(mesh.make(&held).0, DC_BAD_OPTION);
+    assert!(message().starts_with("held-frame: "), "{}", message());
+    for rule in [dc_rule::DC_HULL_LAYERS, dc_rule::DC_HULL_RADIUS, dc_rule::DC_NEAREST] {
+        let (status, handle) = mesh.make(&dc_options { rule: rule as i32, ..held });
+        assert_eq!(status, DC_OK, "{}", message());
+        // SAFETY: as many positions as nodes.
+        assert_eq!(unsafe { dc_refresh(handle, mesh.positions.as_ptr(), 40, null_mut()) }, DC_OK);
+        gaps(handle);
+        assert_eq!(dc_destroy(handle), DC_OK);
+    }
+    // Facets have no frame.
+    let (status, handle) = mesh.make(&dc_options { element: 1, ..held });
+    assert_eq!((status, dc_destroy(handle)), (DC_OK, DC_OK));
 }

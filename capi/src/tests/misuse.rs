@@ -455,6 +455,7 @@ fn every_reason_of_the_runtime_has_an_outcome() {
         E::AmbiguousOutward { cosine: 0.0 },
         E::DegenerateFacet { area: 0.0 },
         E::Overflow { what: "gap" },
+        E::NotMaterialPlace { deviation: 0.0 },
     ];
     for error in errors {
         let outcome = crate::outcome::with_code(error.code());

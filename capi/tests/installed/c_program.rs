@@ -3,10 +3,10 @@
 use std::process::Command;
 
 use crate::support::{Installed, assert_same, c_compiler, from_hexadecimal, has, records, root, run};
-use runtime::assembly::{ContactLaw, CsrPattern, DofMap, add_residual};
+use runtime::assembly::{ContactLaw, CsrPattern, DofMap, Tangent, add_residual};
 use runtime::interface::{ContactInterface, InterfaceOptions};
 use runtime::surface::{Facet, MasterSurface};
-use runtime::{Backend, Basis, Element, Frame, Generated, Mode, Weight};
+use runtime::{Backend, Element, Frame, Generated, Mode};
 
 const MASTERS: usize = 81;
 const SLAVES: usize = 25;
@@ -157,7 +157,7 @@ fn replay(printed: &str) {
                 interface.evaluate(Mode::Hessian).unwrap();
                 evaluations += 1;
             }
-            "gaps" | "residual" | "tangent" | "pressures" => {
+            "gaps" | "residual" | "tangent" | "tangent-far" | "pressures" => {
                 let contacts = interface.as_ref().unwrap().contacts();
                 let expected = match name.as_str() {
                     "gaps" => contacts.iter().map(|contact| contact.point.gap).collect(),
@@ -166,7 +166,9 @@ fn replay(printed: &str) {
                         add_residual(contacts, &law, &dofs, &mut residual).unwrap();
                         residual
                     }
-                    "tangent" => {
+                    "tangent" | "tangent-far" => {
+                        let tangent = if name == "tangent" { Tangent::Exact } else { Tangent::GaussNewton };
+                        let law = law.with_tangent(tangent);
                         let pattern = CsrPattern::union(contacts, &dofs).unwrap();
                         let mut tangent = vec![0.0; pattern.entries()];
                         pattern.fill(contacts, &law, &mut tangent).unwrap();
@@ -196,6 +198,7 @@ fn replay(printed: &str) {
     }
     assert_eq!(refreshes, 4);
     assert!(evaluations >= 8);
+    assert!(printed.contains("\ntangent ") && printed.contains("\ntangent-far "), "both tangents occur");
     assert_eq!(others, 3 * evaluations + 4 + 3);
 }
 
@@ -206,7 +209,7 @@ fn new_interface(positions: &[[f64; 3]]) -> ContactInterface {
     let slave_corners = (0..16).map(|k| MASTERS + k % 4 + 5 * (k / 4)).map(|k| [k, k + 5, k + 6, k + 1]);
     let slave_facets: Vec<Facet> = slave_corners.map(quadrilateral).collect();
     let slaves = (MASTERS..MASTERS + SLAVES).collect();
-    let options = InterfaceOptions { areas: true, ..Default::default() };
+    let options = InterfaceOptions::default().with_areas(true);
     ContactInterface::new(master, slaves, &slave_facets, positions, options).unwrap()
 }
 

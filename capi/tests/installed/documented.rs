@@ -1,13 +1,13 @@
-//! The programs of docs/integrate.md do what it says.
+//! The programs of the how-to pages for C and Fortran do what these say.
 
 use std::path::Path;
 use std::process::Command;
 
 use crate::support::{Installed, c_compiler, has, root, run};
 
-/// The code block in this language, and the one that follows: what it prints.
+/// The code block of the language's page, and the one that follows: what it prints.
 fn block(language: &str) -> (String, String) {
-    let page = std::fs::read_to_string(root().join("docs/integrate.md")).expect("the page");
+    let page = std::fs::read_to_string(root().join(format!("docs/how-to/{language}.md"))).expect("the page");
     let after = |text: &str, fence: &str| {
         let start = text.find(fence).unwrap_or_else(|| panic!("a block {fence}")) + fence.len();
         text[start..].to_owned()

@@ -6,7 +6,7 @@ use crate::support::{Installed, assert_same, from_bits, groups, has, records, ro
 use runtime::assembly::{ContactLaw, ContactView};
 use runtime::neighbourhood::{NeighbourSearch, SearchOptions};
 use runtime::pairing::NearestNodes;
-use runtime::{Basis, Element, Frame, Generated, Mode, Point, Weight};
+use runtime::{Basis, Element, Frame, Generated, Mode, Point};
 
 const PENALTY: f64 = 3e3;
 
@@ -25,6 +25,7 @@ fn the_user_element_has_the_numbers_of_rust() {
         "a lost surface asks for a cut-back",
         "few candidates carry the linear basis",
         "structures fit",
+        "the adaptive tangent switches",
     ] {
         assert!(printed.contains(said), "{said}: {printed}");
     }
@@ -32,7 +33,7 @@ fn the_user_element_has_the_numbers_of_rust() {
 
     // PROPS(9), the regularity that a fit has to exceed.
     let regular = run(installed.program("drive_uel").args(["--bits", "0.35"]));
-    let regular_search = SearchOptions { smallest_regularity: 0.35, ..SearchOptions::default() };
+    let regular_search = SearchOptions::default().with_smallest_regularity(0.35);
     assert_ne!(regular, printed);
     for (printed, search) in [(printed, SearchOptions::default()), (regular, regular_search)] {
         let calls = groups(records(&printed, from_bits), "now");

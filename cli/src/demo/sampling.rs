@@ -64,7 +64,7 @@ pub fn sample(
     let flat: Vec<Point> = lattice.points.iter().map(|mixture| mixture.position(nodes)).collect();
     let mut positions: Vec<Point> = nodes.iter().chain(&flat).copied().collect();
     let slaves = (nodes.len()..positions.len()).collect();
-    let options = InterfaceOptions { areas: false, ..options };
+    let options = options.with_areas(false);
     let mut interface = ContactInterface::new(master, slaves, &[], &positions, options).map_err(refused)?;
     interface.refresh_pairing(&positions).map_err(refused)?;
     // The smooth surface is where a point is its own foot: the first projection starts from the facet, the second from so close that

@@ -73,7 +73,7 @@ fn find(input: &SearchInput) -> Result<Neighbourhood, NeighbourhoodError> {
             NeighbourRule::nearest(input.count.map_or(DEFAULT_NEIGHBOURS, |Count(count)| count))
         }
     };
-    let options = SearchOptions { basis: input.basis(), ..SearchOptions::default().with_rule(rule) };
+    let options = SearchOptions::default().with_rule(rule).with_basis(input.basis());
     let nodes = NearestNodes::new(masters).map_err(|error| NeighbourhoodError::of_nodes(&error))?;
     NeighbourSearch::new(options)?.find(&nodes, slave, outward)
 }

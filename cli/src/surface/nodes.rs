@@ -62,8 +62,8 @@ pub struct Counts {
     pub masters: Option<[usize; 2]>,
     /// Slaves without contact, by code.
     pub without: BTreeMap<&'static str, usize>,
-    /// What the searches of the slaves with contact gave up: nothing, more nodes, the quadratic basis; or how far they looked for a plane.
-    pub fallbacks: [(&'static str, usize); 4],
+    /// What the searches of the slaves with contact gave up: nothing, more nodes, the quadratic basis.
+    pub fallbacks: [(&'static str, usize); 3],
 }
 
 /// Pairs and evaluates every slave node.
@@ -79,7 +79,7 @@ pub fn evaluate(
     let master = MasterSurface::new(positions, surfaces.master.clone())
         .map_err(|error| surfaces.master_error(&sets.master, error))?;
     let master_nodes = master.nodes().len();
-    let options = InterfaceOptions { areas: surfaces.has_areas, ..options };
+    let options = options.with_areas(surfaces.has_areas);
     let (slaves, facets) = (surfaces.slaves.clone(), &surfaces.slave_facets);
     let mut interface = ContactInterface::new(master, slaves, facets, positions, options).map_err(refused)?;
     interface.set_symmetry(planes).map_err(refused)?;
@@ -110,7 +110,7 @@ impl SlaveNodes {
     /// Counts outcomes and gaps.
     pub fn counts(&self) -> Counts {
         let mut without = BTreeMap::new();
-        let mut fallbacks = [("none", 0), ("extended", 0), ("linear", 0), ("far", 0)];
+        let mut fallbacks = [("none", 0), ("extended", 0), ("linear", 0)];
         for node in &self.nodes {
             match node.outcome {
                 Outcome::Contact { fallback } => fallbacks[place(fallback)].1 += 1,
@@ -134,7 +134,6 @@ impl SlaveNodes {
 
 const fn place(fallback: Fallback) -> usize {
     match fallback {
-        Fallback::Far { .. } => 3,
         Fallback::Linear { .. } => 2,
         Fallback::Extended { .. } => 1,
         _ => 0,

@@ -16,7 +16,7 @@ pub struct OpCounts {
     pub negations: usize,
     /// Divisions.
     pub divisions: usize,
-    /// Square roots and exponentials.
+    /// Square roots, exponentials and other functions.
     pub functions: usize,
     /// Choices.
     pub selections: usize,

@@ -154,6 +154,21 @@ impl<'a> Writer<'a> {
                 let x = self.receiver(x);
                 (quote!(#x.exp()), Strength::Atom)
             }
+            Op::Function(function, x) => {
+                self.counts.functions += 1;
+                let (x, name) = (self.receiver(x), format_ident!("{}", function.name()));
+                (quote!(#x.#name()), Strength::Atom)
+            }
+            Op::Atan2(y, x) => {
+                self.counts.functions += 1;
+                let (y, x) = (self.receiver(y), self.used(x));
+                (quote!(#y.atan2(#x)), Strength::Atom)
+            }
+            Op::RealPower(x, y) => {
+                self.counts.functions += 1;
+                let (x, y) = (self.receiver(x), self.used(y));
+                (quote!(#x.powf(#y)), Strength::Atom)
+            }
             Op::Select { x, y, then, otherwise } => {
                 self.counts.selections += 1;
                 let [x, y, then, otherwise] = [x, y, then, otherwise].map(|e| self.used(e));
@@ -232,5 +247,32 @@ impl<'a> Writer<'a> {
             let magnitude = Literal::f64_unsuffixed(value.abs());
             if value < 0.0 { quote!(#vector::splat(-#magnitude)) } else { quote!(#vector::splat(#magnitude)) }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::Sheet;
+
+    #[test]
+    fn functions_are_methods_of_numbers_and_lanes() {
+        let sheet = Sheet::new();
+        let [x, y] = ["x", "y"].map(|name| sheet.input(name, Scope::Element));
+        let layout = Layout { bound: [x, y].map(|symbol| symbol.id()).into(), ..Layout::default() };
+        let cases = [
+            (x.ln(), "x.ln()"),
+            (x.sin() + y, "y + x.sin()"),
+            ((x + y).cos(), "(x + y).cos()"),
+            (x.cbrt(), "x.cbrt()"),
+            (x.atan2(-y), "x.atan2(-y)"),
+            (x.powf(y), "x.powf(y)"),
+        ];
+        let graph = sheet.graph();
+        let mut writer = Writer::new(&graph, &layout, Names::default());
+        for (expr, expected) in cases {
+            assert_eq!(writer.definition(expr.id()).to_string().replace(' ', ""), expected.replace(' ', ""));
+        }
+        assert_eq!(writer.take_counts().functions, cases.len());
     }
 }

@@ -9,8 +9,8 @@ use super::names::Names;
 use crate::graph::{ExprId, NODE_COUNT, NODE_INDEX, Op, RootFigure, RootId, Scope};
 use crate::lower::lower;
 use crate::model::{
-    CHECKSUM, DOMAIN_RATIO, FrameRule, Kernel, KernelSpec, MOST_COEFFICIENTS, Mode, Output, PLANE_REACH,
-    WEIGHT_NUMBER,
+    CHECKSUM, DOMAIN_RATIO, FrameRule, Kernel, KernelSpec, MATERIAL_INPUTS, MOST_COEFFICIENTS, Mode, Output,
+    PLANE_REACH, WEIGHT_NUMBER,
 };
 use crate::schedule::{FormRows, NodeTarget, Program, Statement};
 
@@ -36,13 +36,19 @@ pub fn emit_kernel(spec: &KernelSpec) -> EmittedKernel {
 
 /// Name of a kernel's function.
 pub(super) fn function_name(spec: &KernelSpec) -> Ident {
-    format_ident!("{}{}_{}", spec.output.name(), frame_word(spec.frame, "_co_moving"), spec.mode.name())
+    format_ident!(
+        "{}{}_{}",
+        spec.output.name(),
+        frame_word(spec.frame, ["_co_moving", "_material"]),
+        spec.mode.name()
+    )
 }
 
-fn frame_word(frame: FrameRule, word: &'static str) -> &'static str {
+fn frame_word(frame: FrameRule, [co_moving, material]: [&'static str; 2]) -> &'static str {
     match frame {
         FrameRule::Frozen => "",
-        FrameRule::CoMoving => word,
+        FrameRule::CoMoving => co_moving,
+        FrameRule::Material => material,
     }
 }
 
@@ -310,6 +316,10 @@ impl FunctionWriter<'_> {
         let presence =
             (!sums.is_empty()).then(|| quote!(let presence = S::presence(S::NODES * vector, count);));
         let positions = reads_any.then(|| quote!(let [#(#node_inputs),*] = inputs.masters[vector];));
+        let reads_material = MATERIAL_INPUTS.into_iter().any(reads);
+        let material_inputs = MATERIAL_INPUTS
+            .map(|name| if reads(name) { format_ident!("{name}") } else { format_ident!("_") });
+        let material = reads_material.then(|| quote!(let [#(#material_inputs),*] = inputs.material[vector];));
         let node_index = reads_index.then(|| {
             let name = format_ident!("{NODE_INDEX}");
             quote!(let #name = S::node_index(S::NODES * vector, count);)
@@ -326,6 +336,7 @@ impl FunctionWriter<'_> {
                 for vector in 0..inputs.masters.len() {
                     #node
                     #positions
+                    #material
                     #node_index
                     #presence
                     #(let #loads = node[at::#load_places];)*
@@ -531,7 +542,10 @@ impl FunctionWriter<'_> {
             Mode::Gradient => " with first derivatives",
             Mode::Hessian => " with first and second derivatives",
         };
-        let frame = frame_word(spec.frame, ", frame moving with the average plane");
+        let frame = frame_word(
+            spec.frame,
+            [", frame moving with the average plane", ", domains of influence in the first configuration"],
+        );
         let mut lines = vec![
             format!(
                 " {what}{with}{frame}; {} basis ({m} coefficients), weight `{}`.",

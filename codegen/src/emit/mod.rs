@@ -12,6 +12,6 @@ pub use facet::{EmittedFacetKernel, emit_facet_kernel};
 pub use function::{EmittedKernel, emit_kernel};
 pub use module::{EmitOptions, TooLong, emit_file, emit_single};
 
-/// Largest number of statements of an emitted function: beyond about 3,000 `let`s in one function, rustc runs
-/// out of stack when it writes full debug information.
-pub const MOST_STATEMENTS: usize = 2_000;
+/// Largest number of statements of an emitted function: rustc runs out of stack when it writes full debug information for
+/// several thousand `let`s. It still does so for the longest kernel, with 3,145.
+pub const MOST_STATEMENTS: usize = 3_400;

@@ -299,6 +299,7 @@ fn gap_kernel(kernel: &EmittedKernel) -> Option<TokenStream> {
     let mode = format_ident!("{}", camel_case(spec.mode.name()));
     let doc = format!(" [`{function}`]");
     let every_width = is_compiled_for_every_width(spec);
+    let is_material = spec.frame == FrameRule::Material;
     let parameter = |name: &str, is_used: bool| {
         let name = format_ident!("{name}");
         if is_used { quote!(#name) } else { quote!(_) }
@@ -312,6 +313,7 @@ fn gap_kernel(kernel: &EmittedKernel) -> Option<TokenStream> {
 
         impl GapKernel for #name {
             const MODE: Mode = Mode::#mode;
+            const MATERIAL: bool = #is_material;
             const KEPT: usize = #kept::COUNT;
             const EVERY_WIDTH: bool = #every_width;
 
@@ -395,6 +397,7 @@ fn gap_methods((weight, number): (&Weight, usize), place: &TokenStream, bases: &
                 let frame = match spec.frame {
                     FrameRule::Frozen => quote!(FrameRule::Frozen),
                     FrameRule::CoMoving => quote!(FrameRule::CoMoving),
+                    FrameRule::Material => quote!(FrameRule::Material),
                 };
                 let mode = format_ident!("{}", camel_case(spec.mode.name()));
                 let name = format_ident!("{}", camel_case(&function_name(&spec).to_string()));

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use proc_macro2::Ident;
 use quote::format_ident;
 
-use crate::graph::{ExprId, Graph, Op};
+use crate::graph::{ExprId, Function, Graph, Op};
 
 /// Longest name put together from operands.
 const MOST_CHARACTERS: usize = 14;
@@ -65,6 +65,12 @@ impl Names {
             Op::Neg(x) => (part(x).map(|x| format!("minus_{x}")), "negative"),
             Op::Sqrt(_) => (None, "root"),
             Op::Exp(_) => (None, "exponential"),
+            Op::Function(Function::Ln, _) => (None, "logarithm"),
+            Op::Function(Function::Sin, _) => (None, "sine"),
+            Op::Function(Function::Cos, _) => (None, "cosine"),
+            Op::Function(Function::Cbrt, _) => (None, "cube_root"),
+            Op::Atan2(..) => (None, "angle"),
+            Op::RealPower(..) => (None, "power"),
             Op::Select { .. } => (None, "choice"),
             Op::Sum(_) => (None, "total"),
             _ => (None, "term"),

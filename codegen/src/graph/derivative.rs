@@ -4,7 +4,7 @@
 //! definite system and the root of a small system. The last two use the implicit function theorem, so that
 //! nothing is differentiated through a factorisation or an iteration.
 
-use super::{ExprId, Graph, Op, PolynomialId, RootId, Scope, SolveId, SymbolId};
+use super::{ExprId, Function, Graph, Op, PolynomialId, RootId, Scope, SolveId, SymbolId};
 
 impl Graph {
     /// ∂`expr`/∂`symbol`.
@@ -88,6 +88,24 @@ impl Graph {
                 let dx = self.derivative(x, symbol);
                 self.mul(expr, dx)
             }
+            Op::Function(function, x) => self.differentiate_function(expr, function, x, symbol),
+            // atan2(y, x) -> (x y' - y x') / (x^2 + y^2)
+            Op::Atan2(y, x) => {
+                let (dx, dy) = (self.derivative(x, symbol), self.derivative(y, symbol));
+                let (left, right) = (self.mul(x, dy), self.mul(y, dx));
+                let (numerator, square) = (self.sub(left, right), self.dot(&[x, y], &[x, y]));
+                self.div(numerator, square)
+            }
+            // x^y -> y x^(y-1) x' + x^y ln(x) y'
+            Op::RealPower(x, y) => {
+                let (dx, dy) = (self.derivative(x, symbol), self.derivative(y, symbol));
+                let (one, logarithm) = (self.one(), self.function(Function::Ln, x));
+                let lowered = self.sub(y, one);
+                let lowered = self.real_power(x, lowered);
+                let (slope, growth) = (self.mul(y, lowered), self.mul(expr, logarithm));
+                let (left, right) = (self.mul(slope, dx), self.mul(growth, dy));
+                self.add(left, right)
+            }
             // hypot(x, y) -> (x / hypot) x' + (y / hypot) y', with 0 for the direction at the origin
             Op::Hypot(x, y) => {
                 let (dx, dy) = (self.derivative(x, symbol), self.derivative(y, symbol));
@@ -114,6 +132,34 @@ impl Graph {
             Op::Row(_) | Op::Column(_) => panic!("pair expressions are made after differentiation"),
             op @ (Op::InverseFactor { .. } | Op::PivotRatio(_) | Op::RootFigure(..)) => {
                 panic!("{op:?} is not differentiated: use the solution or the root it belongs to")
+            }
+        }
+    }
+
+    /// ln -> x' / x, sin -> cos(x) x', cos -> -sin(x) x', cbrt -> x' / (3 cbrt(x)^2)
+    fn differentiate_function(
+        &mut self,
+        expr: ExprId,
+        function: Function,
+        x: ExprId,
+        symbol: SymbolId,
+    ) -> ExprId {
+        let dx = self.derivative(x, symbol);
+        match function {
+            Function::Ln => self.div(dx, x),
+            Function::Sin => {
+                let cos = self.function(Function::Cos, x);
+                self.mul(cos, dx)
+            }
+            Function::Cos => {
+                let sin = self.function(Function::Sin, x);
+                let slope = self.neg(sin);
+                self.mul(slope, dx)
+            }
+            Function::Cbrt => {
+                let (three, square) = (self.constant(3.0), self.mul(expr, expr));
+                let divisor = self.mul(three, square);
+                self.div(dx, divisor)
             }
         }
     }
@@ -253,6 +299,33 @@ mod tests {
         check(|g, x| g.sqrt(x), 0.7);
         check(|g, x| g.exp(x), 0.7);
         check(|g, x| g.power(x, -3), 0.7);
+        for function in [Function::Ln, Function::Sin, Function::Cos, Function::Cbrt] {
+            check(|g, x| g.function(function, x), 0.7);
+        }
+        for at in [0.7, -0.7] {
+            check(|g, x| g.function(Function::Cbrt, x), at);
+            check(
+                |g, x| {
+                    let (minus_one, xx) = (g.constant(-1.0), g.mul(x, x));
+                    let y = g.add(xx, minus_one);
+                    g.atan2(x, y)
+                },
+                at,
+            );
+        }
+        let exponent = |number: f64| {
+            check(
+                |g, x| {
+                    let number = g.constant(number);
+                    g.real_power(x, number)
+                },
+                0.7,
+            )
+        };
+        assert!((exponent(2.3) - 2.3 * 0.7_f64.powf(1.3)).abs() < 1e-15);
+        // (xˣ)' = xˣ (ln x + 1)
+        let slope = check(|g, x| g.real_power(x, x), 0.7);
+        assert!((slope - 0.7_f64.powf(0.7) * (0.7_f64.ln() + 1.0)).abs() < 1e-15);
         check(
             |g, x| {
                 let (one, xx) = (g.one(), g.mul(x, x));

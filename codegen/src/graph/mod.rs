@@ -82,6 +82,43 @@ pub enum RootFigure {
     Iterations,
 }
 
+/// An elementary function of one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Function {
+    /// ln x
+    Ln,
+    /// sin x
+    Sin,
+    /// cos x
+    Cos,
+    /// ∛x
+    Cbrt,
+}
+
+impl Function {
+    /// Value at x.
+    #[must_use]
+    pub fn evaluate(self, x: f64) -> f64 {
+        match self {
+            Self::Ln => x.ln(),
+            Self::Sin => x.sin(),
+            Self::Cos => x.cos(),
+            Self::Cbrt => x.cbrt(),
+        }
+    }
+
+    /// Name of the method in emitted code.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Ln => "ln",
+            Self::Sin => "sin",
+            Self::Cos => "cos",
+            Self::Cbrt => "cbrt",
+        }
+    }
+}
+
 /// An operation and its operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Op {
@@ -103,6 +140,12 @@ pub enum Op {
     Sqrt(ExprId),
     /// eˣ
     Exp(ExprId),
+    /// f(x)
+    Function(Function, ExprId),
+    /// Angle of the point (x, y), given as (y, x)
+    Atan2(ExprId, ExprId),
+    /// xʸ for x > 0
+    RealPower(ExprId, ExprId),
     /// √(x² + y²), with derivatives that are finite at the origin wherever the function's are
     Hypot(ExprId, ExprId),
     /// xᵏ with an exact integer k
@@ -218,7 +261,10 @@ impl Graph {
             Op::Add(x, y) | Op::Mul(x, y) | Op::Div(x, y) | Op::DivOrZero(x, y) | Op::Hypot(x, y) => {
                 vec![x, y]
             }
+            Op::Atan2(y, x) => vec![y, x],
+            Op::RealPower(x, y) => vec![x, y],
             Op::Neg(x) | Op::Sqrt(x) | Op::Exp(x) | Op::Power(x, _) | Op::Polynomial(x, _) => vec![x],
+            Op::Function(_, x) => vec![x],
             Op::Sum(x) | Op::Row(x) | Op::Column(x) => vec![x],
             Op::Select { x, y, then, otherwise } => vec![x, y, then, otherwise],
             Op::Constant(_)
@@ -514,6 +560,8 @@ impl Graph {
             Op::Add(x, y) | Op::Mul(x, y) | Op::Div(x, y) | Op::DivOrZero(x, y) | Op::Hypot(x, y) => {
                 widest(&[x, y])
             }
+            Op::Atan2(x, y) | Op::RealPower(x, y) => widest(&[x, y]),
+            Op::Function(_, x) => self.scope(x),
             Op::Neg(x) | Op::Sqrt(x) | Op::Exp(x) | Op::Power(x, _) | Op::Polynomial(x, _) => self.scope(x),
             Op::Select { x, y, then, otherwise } => widest(&[x, y, then, otherwise]),
             Op::Solution(solve, _) => widest(&self.solves[solve.index()].right_hand_side),

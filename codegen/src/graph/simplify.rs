@@ -4,12 +4,14 @@
 //! result is at least as accurate as what it replaces for every finite operand: products and sums may be
 //! reassociated where that removes work, but nothing is expanded, and no factor is cancelled from a quotient.
 
-use super::{ExprId, Graph, Op, Scope};
+use super::{ExprId, Function, Graph, Op, Scope};
 
 /// Sums with more terms than this are left as they are.
 const MOST_TERMS_TO_COLLECT: usize = 12;
 /// Products with more factors than this are not looked up by their factors.
 const MOST_FACTORS: usize = 16;
+/// Real exponents that are integers up to this size are repeated products.
+const MOST_PRODUCTS: f64 = 32.0;
 
 impl Graph {
     /// A number.
@@ -152,6 +154,45 @@ impl Graph {
         match self.constant_value(x) {
             Some(value) => self.constant(value.exp()),
             _ => self.intern(Op::Exp(x)),
+        }
+    }
+
+    /// f(x)
+    pub fn function(&mut self, function: Function, x: ExprId) -> ExprId {
+        if let Some(value) = self.constant_value(x) {
+            return self.constant(function.evaluate(value));
+        }
+        match (function, self.op(x)) {
+            // ln(eˣ) → x
+            (Function::Ln, Op::Exp(inner)) => inner,
+            // cos(−x) → cos(x)
+            (Function::Cos, Op::Neg(inner)) => self.intern(Op::Function(function, inner)),
+            // sin(−x) → −sin(x), ∛(−x) → −∛x
+            (Function::Sin | Function::Cbrt, Op::Neg(inner)) => {
+                let positive = self.intern(Op::Function(function, inner));
+                self.neg(positive)
+            }
+            _ => self.intern(Op::Function(function, x)),
+        }
+    }
+
+    /// Angle of the point (x, y) in (−π, π].
+    pub fn atan2(&mut self, y: ExprId, x: ExprId) -> ExprId {
+        match (self.constant_value(y), self.constant_value(x)) {
+            (Some(y), Some(x)) => self.constant(y.atan2(x)),
+            _ => self.intern(Op::Atan2(y, x)),
+        }
+    }
+
+    /// xʸ for x > 0; for a small integer y that of any x.
+    pub fn real_power(&mut self, x: ExprId, y: ExprId) -> ExprId {
+        match (self.constant_value(x), self.constant_value(y)) {
+            (Some(x), Some(y)) => self.constant(x.powf(y)),
+            // x^½ → √x
+            (None, Some(0.5)) => self.sqrt(x),
+            // An integer exponent → repeated products
+            (None, Some(y)) if y.fract() == 0.0 && y.abs() <= MOST_PRODUCTS => self.power(x, y as i32),
+            _ => self.intern(Op::RealPower(x, y)),
         }
     }
 
@@ -473,6 +514,34 @@ mod tests {
         let four = g.constant(4.0);
         let root = g.sqrt(four);
         assert_eq!(g.constant_value(root), Some(2.0));
+    }
+
+    #[test]
+    fn functions_of_numbers_are_folded_and_signs_come_out_of_them() {
+        let (mut g, x, y, _) = graph();
+        let [two, half] = [2.0, 0.5].map(|number| g.constant(number));
+        let folded = [g.function(Function::Ln, two), g.atan2(two, half), g.real_power(two, half)];
+        let expected = [2f64.ln(), 2f64.atan2(0.5), 2f64.powf(0.5)];
+        assert_eq!(folded.map(|id| g.constant_value(id).unwrap()), expected);
+        let (minus_x, exponential) = (g.neg(x), g.exp(y));
+        for function in [Function::Sin, Function::Cbrt] {
+            let (negative, positive) = (g.function(function, minus_x), g.function(function, x));
+            assert_eq!(negative, g.neg(positive));
+        }
+        assert_eq!(g.function(Function::Cos, minus_x), g.function(Function::Cos, x));
+        assert_eq!(g.function(Function::Ln, exponential), y);
+    }
+
+    #[test]
+    fn a_real_power_with_an_exact_exponent_needs_no_logarithm() {
+        let (mut g, x, y, _) = graph();
+        let [half, minus_three, third] = [0.5, -3.0, 1.0 / 3.0].map(|number| g.constant(number));
+        assert_eq!(g.real_power(x, half), g.sqrt(x));
+        assert_eq!(g.real_power(x, minus_three), g.power(x, -3));
+        for exponent in [third, y] {
+            let power = g.real_power(x, exponent);
+            assert_eq!(g.op(power), Op::RealPower(x, exponent));
+        }
     }
 
     #[test]

@@ -64,6 +64,18 @@ impl Graph {
                 let x = sub(self, x);
                 self.exp(x)
             }
+            Op::Function(function, x) => {
+                let x = sub(self, x);
+                self.function(function, x)
+            }
+            Op::Atan2(y, x) => {
+                let (y, x) = (sub(self, y), sub(self, x));
+                self.atan2(y, x)
+            }
+            Op::RealPower(x, y) => {
+                let (x, y) = (sub(self, x), sub(self, y));
+                self.real_power(x, y)
+            }
             Op::Hypot(x, y) => {
                 let (x, y) = (sub(self, x), sub(self, y));
                 self.hypot(x, y)

@@ -1,6 +1,6 @@
 //! Polynomial bases of the fit.
 
-use crate::graph::{ExprId, Graph};
+use crate::expr::{Expr, total};
 
 /// A polynomial basis p(a, b) (Chamoret et al. 2008, eq. 13).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -160,34 +160,24 @@ impl Basis {
     /// What the pivots of the moment matrix are compared with, from its diagonal: the diagonal entries, but at least
     /// 10⁻⁴ (degree 1), 10⁻⁸ (degree 2) and so on of their sum over the degree. For nodes on one or two lines along the axes
     /// a diagonal entry is nothing but rounding, and no measure for the pivot.
-    pub(super) fn pivot_references(self, g: &mut Graph, diagonal: &[ExprId]) -> Vec<ExprId> {
-        let monomials = self.monomials();
-        let degree = |k: usize| i32::from(monomials[k].0 + monomials[k].1);
-        (0..monomials.len())
-            .map(|k| {
-                if degree(k) == 0 {
-                    return diagonal[k];
-                }
-                let same: Vec<ExprId> =
-                    (0..monomials.len()).filter(|&j| degree(j) == degree(k)).map(|j| diagonal[j]).collect();
-                let sum = g.total(&same);
-                let part = g.constant(1e-4_f64.powi(degree(k)));
-                let floor = g.mul(part, sum);
-                g.name(floor, &format!("smallest_reference_{}", degree(k)));
-                g.select_less(diagonal[k], floor, floor, diagonal[k])
-            })
-            .collect()
+    pub(super) fn pivot_references<'g>(self, diagonal: &[Expr<'g>]) -> Vec<Expr<'g>> {
+        let degrees: Vec<i32> = self.monomials().iter().map(|&(i, j)| i32::from(i + j)).collect();
+        let with_degree = || diagonal.iter().copied().zip(degrees.iter().copied());
+        let reference = |(entry, degree): (Expr<'g>, i32)| {
+            if degree == 0 {
+                return entry;
+            }
+            let same = total(with_degree().filter(|(_, other)| *other == degree).map(|(entry, _)| entry));
+            let floor = 1e-4_f64.powi(degree) * same;
+            entry.max(floor.named(&format!("smallest_reference_{degree}")))
+        };
+        with_degree().map(reference).collect()
     }
 
     /// p(a, b)
-    pub fn evaluate(self, g: &mut Graph, a: ExprId, b: ExprId) -> Vec<ExprId> {
-        self.monomials()
-            .iter()
-            .map(|&(i, j)| {
-                let (a, b) = (g.power(a, i.into()), g.power(b, j.into()));
-                g.mul(a, b)
-            })
-            .collect()
+    #[must_use]
+    pub fn evaluate<'g>(self, a: Expr<'g>, b: Expr<'g>) -> Vec<Expr<'g>> {
+        self.monomials().iter().map(|&(i, j)| a.powi(i.into()) * b.powi(j.into())).collect()
     }
 
     /// Order in which the moment matrix is eliminated: highest degree first. The rows of the factorisation that

@@ -4,15 +4,13 @@
 //! to the slave is y(u) = Σ s_k(u) x_k. Everything is made dimensionless with a size of the facet that is held while
 //! differentiating; outputs carry their units again. All derivatives in here are asked from the derivative engine.
 
-use super::average_plane::cross;
 use super::diffuse::Equation;
 use super::facet_shape::FacetShape;
-use super::kernel::{Kernel, Mode};
-use crate::graph::{ExprId, Graph, RootFigure, Scope, SymbolId};
+use super::kernel::{Kernel, Mode, Results};
+use crate::expr::{AXES, Expr, Mat2, Mat3, Matrix, Sheet, Vec2, Vec3, Vector, dot};
+use crate::graph::{RootFigure, Scope};
 use crate::structure::{Follower, LinearImages, SecondDerivative};
 
-/// Names of the global axes.
-const AXES: [&str; 3] = ["x", "y", "z"];
 /// Names of the vectors that y(u) is made of.
 const VECTORS: [&str; 4] = ["position", "tangent_1", "tangent_2", "twist"];
 
@@ -34,24 +32,24 @@ impl FacetSpec {
 }
 
 /// Inputs and what follows from them before the foot.
-struct Facet {
+struct Facet<'g> {
     shape: FacetShape,
-    slave: [ExprId; 3],
+    slave: Vec3<'g>,
     /// Parametric coordinates, variables.
-    u: [ExprId; 2],
+    u: Vec2<'g>,
     /// s_k(u): −1 and the shape functions.
-    weights: Vec<ExprId>,
-    size: ExprId,
-    inverse_size: ExprId,
+    weights: Vec<Expr<'g>>,
+    size: Expr<'g>,
+    inverse_size: Expr<'g>,
     /// Coefficient vectors of y(u)/size about the centre, one per monomial.
-    vectors: Vec<[ExprId; 3]>,
+    vectors: Vec<Vec3<'g>>,
 }
 
 /// The foot and how it was found.
-struct Foot {
-    u: [ExprId; 2],
-    residual: ExprId,
-    iterations: ExprId,
+struct Foot<'g> {
+    u: Vec2<'g>,
+    residual: Expr<'g>,
+    iterations: Expr<'g>,
 }
 
 impl Kernel<FacetSpec> {
@@ -59,8 +57,6 @@ impl Kernel<FacetSpec> {
     /// the number of corners fixed, all quantities are of element scope.
     #[must_use]
     pub fn facet(spec: FacetSpec) -> Self {
-        let mut graph = Graph::new();
-        let facet = Facet::declare(&mut graph, spec.shape);
         let equations = vec![
             Equation {
                 formula: "y(u) = sum s_k(u) x_k, s = (-1, N_1, ..., N_n)",
@@ -71,328 +67,215 @@ impl Kernel<FacetSpec> {
             Equation { formula: "g = -nu y", source: "signed distance, positive apart" },
             Equation { formula: "N = dg/dx, M = d2g/dx2", source: "by the derivative engine" },
         ];
-        let mut kernel =
-            Self { spec, graph, values: Vec::new(), gradients: Vec::new(), hessians: Vec::new(), equations };
-        kernel.add_contact(&facet);
-        kernel.add_checksum();
-        kernel
+        Self::of(spec, equations, |sheet, spec, results| {
+            Facet::declare(sheet, spec.shape).contact(spec.mode, results);
+        })
+    }
+}
+
+impl<'g> Facet<'g> {
+    fn declare(sheet: &'g Sheet, shape: FacetShape) -> Self {
+        let slave = sheet.vector("slave", Scope::Element);
+        let corners: Vec<Vec3<'g>> =
+            (1..=shape.corners()).map(|k| sheet.vector(&format!("corner_{k}"), Scope::Element)).collect();
+        let u = sheet.variables(["u_1", "u_2"]);
+        let shape_functions = shape.shape_functions(u);
+        let weights = [&[sheet.number(-1.0)], &shape_functions[..]].concat();
+
+        // y(u) = (x^1 − x^c) + Σ N_i (x^i − x^1), as Σ N_i = 1: differences of what is close together come first.
+        let centre = Vector::zero(sheet);
+        let coefficients = [0, 1, 2].map(|axis| {
+            let mut y = (corners[0][axis] - slave[axis]).named(&format!("from_slave_{}", AXES[axis]));
+            for (k, (corner, &weight)) in corners.iter().zip(&shape_functions).enumerate().skip(1) {
+                let edge = corner[axis] - corners[0][axis];
+                y += weight * edge.named(&format!("edge_{}_{}", k + 1, AXES[axis]));
+            }
+            shape.taylor_coefficients(y, u, centre)
+        });
+        let count = shape.monomials().len();
+        let vectors: Vec<Vec3<'g>> =
+            (0..count).map(|m| Vector::from_fn(|axis| coefficients[axis][m])).collect();
+        check_coefficients(shape, &vectors, &weights, u, slave, &corners);
+
+        let size = largest_entry(vectors[1], vectors[2]).bind("size");
+        let inverse_size = size.reciprocal_or_zero().bind("inverse_size");
+        let scaled = vectors.into_iter().zip(VECTORS);
+        let vectors = scaled.map(|(v, name)| (inverse_size * v).bind(&format!("centre_{name}"))).collect();
+        Self { shape, slave, u, weights, size, inverse_size, vectors }
     }
 
-    fn add_contact(&mut self, facet: &Facet) {
-        let g = &mut self.graph;
-        let foot = facet.foot(g);
-        let corner_area = facet.corner_area(g);
-        let vectors = facet.vectors_at(g, foot.u);
+    fn contact(&self, mode: Mode, results: &mut Results) {
+        let sheet = self.size.sheet();
+        let foot = self.foot();
+        let corner_area = self.corner_area();
+        let vectors = self.vectors_at(foot.u);
 
         // The gap as a stationary value: Ψ(δ, ν) = −ν·y(δ) does not change to first order with the point δ where ν is
         // normal to the facet, nor with the direction ν where y is along it.
-        let delta = [g.variable("delta_1"), g.variable("delta_2")];
-        let nu = AXES.map(|axis| g.variable(&format!("nu_{axis}")));
-        let y = facet.point(g, &vectors, delta);
-        let [delta_symbols, nu_symbols] = [&delta[..], &nu[..]].map(|v| symbols(g, v));
-        let tangents: Vec<[ExprId; 3]> =
-            delta_symbols.iter().map(|&d| y.map(|y| g.derivative(y, d))).collect();
-        let along = g.dot(&nu, &y);
-        let distance = g.neg(along);
-
-        let area_vector = cross(g, vectors[1], vectors[2]);
-        let normal = unit(g, area_vector);
-        let normal: [ExprId; 3] = std::array::from_fn(|k| g.bind(&format!("normal_{}", AXES[k]), normal[k]));
-        let zero = g.zero();
-        let mut at_foot: Vec<(SymbolId, ExprId)> = delta_symbols.iter().map(|&d| (d, zero)).collect();
-        at_foot.extend(nu_symbols.iter().copied().zip(normal));
+        let delta = sheet.variables(["delta_1", "delta_2"]);
+        let nu = sheet.variables(["nu_x", "nu_y", "nu_z"]);
+        let y = self.point(&vectors, delta);
+        let distance = -nu.dot(y);
+        let normal = vectors[1].cross(vectors[2]).unit().bind("normal");
+        let at_foot = [delta.set_to(Vector::zero(sheet)), nu.set_to(normal)].concat();
 
         // How δ and ν follow the vectors: δ by the foot equations, ν as the unit vector normal to both tangents.
-        let gram = |g: &mut Graph, m: usize, l: usize| g.dot(&vectors[m], &vectors[l]);
-        let foot_equations = facet.foot_equations(g, gram, delta);
-        let jacobian = jacobian_at(g, &foot_equations, &delta_symbols, &at_foot);
-        let normal_equations = normal_equations(g, nu, &tangents);
-        let normal_jacobian = jacobian_at(g, &normal_equations, &nu_symbols, &at_foot);
-        let vector_symbols: Vec<[SymbolId; 3]> = vectors.iter().map(|v| v.map(|x| g.symbol_of(x))).collect();
+        let foot_equations = self.foot_equations(|m, l| vectors[m].dot(vectors[l]), delta);
+        let jacobian = foot_equations.jacobian(delta).at(&at_foot);
+        let [y_1, y_2] = delta.0.map(|delta| y.by(delta));
+        let normal_equations = Vector([nu.dot(y_1), nu.dot(y_2), 0.5 * (nu.dot(nu) - 1.0)]);
+        let normal_jacobian = normal_equations.jacobian(nu).at(&at_foot);
 
-        let first: Vec<[ExprId; 3]> =
-            vector_symbols.iter().map(|v| v.map(|x| g.derivative(distance, x))).collect();
-        let images = LinearImages::new(facet.coefficients_at(g, foot.u));
-        let gradient = (self.spec.mode >= Mode::Gradient).then(|| {
-            let first: Vec<[ExprId; 3]> =
-                first.iter().map(|row| row.map(|x| g.substitute(x, &at_foot))).collect();
-            images.gradient(g, &first)
+        let first: Vec<Vec3<'g>> = vectors.iter().map(|&v| distance.gradient(v)).collect();
+        let images = LinearImages::new(self.coefficients_at(foot.u));
+        let gradient = (mode >= Mode::Gradient).then(|| {
+            let first: Vec<Vec3<'g>> = first.iter().map(|row| row.at(&at_foot)).collect();
+            images.gradient(&first)
         });
-        let hessian = (self.spec.mode >= Mode::Hessian).then(|| {
-            let inverse_jacobian = named_inverse(g, &jacobian, "inverse_jacobian");
-            let inverse_normal_jacobian = named_inverse(g, &normal_jacobian, "dual_basis");
-            let followers: Vec<[Follower; 3]> = vector_symbols
+        let hessian = (mode >= Mode::Hessian).then(|| {
+            let inverse_jacobian = jacobian.inverse().named("inverse_jacobian");
+            let dual_basis = normal_jacobian.inverse().named("dual_basis");
+            let followers: Vec<[Follower<'g>; 3]> = vectors
                 .iter()
                 .map(|v| {
-                    v.map(|parameter| {
-                        let mut follower = Follower::new(parameter);
-                        follower.follow_root(g, &delta_symbols, &foot_equations, &inverse_jacobian, &at_foot);
-                        let inverse = &inverse_normal_jacobian;
-                        follower.follow_root(g, &nu_symbols, &normal_equations, inverse, &at_foot);
+                    v.0.map(|x| {
+                        let mut follower = Follower::new(x);
+                        follower.follow_root(delta, foot_equations, inverse_jacobian, &at_foot);
+                        follower.follow_root(nu, normal_equations, dual_basis, &at_foot);
                         follower
                     })
                 })
                 .collect();
             // Ψ is stationary in δ and ν, so ∂G/∂v is its partial derivative, and ∂²G/∂v² the total one of that.
-            let second: SecondDerivative = first
-                .iter()
-                .map(|row| {
-                    followers
-                        .iter()
-                        .map(|by| {
-                            row.map(|first| {
-                                [0, 1, 2].map(|k| {
-                                    let entry = by[k].total_derivative(g, first);
-                                    let entry = g.substitute(entry, &at_foot);
-                                    g.mul(entry, facet.inverse_size)
-                                })
-                            })
-                        })
-                        .collect()
-                })
-                .collect();
-            images.hessian(g, &second)
+            let by = |first: Vec3<'g>, v: &[Follower<'g>; 3]| {
+                Mat3::from_fn(|i, j| v[j].total_derivative(first[i]).at(&at_foot) * self.inverse_size)
+            };
+            let second: SecondDerivative<'g> =
+                first.iter().map(|&first| followers.iter().map(|v| by(first, v)).collect()).collect();
+            images.hessian(&second)
         });
 
-        let scaled_gap = g.substitute(distance, &at_foot);
-        let gap = g.mul(facet.size, scaled_gap);
-        let foot_point: Vec<ExprId> = (0..3)
-            .map(|axis| {
-                let offset = g.mul(facet.size, vectors[0][axis]);
-                g.add(facet.slave[axis], offset)
-            })
-            .collect();
-        let natural = facet.shape.natural(g, foot.u);
-        let curvature = curvature_figure(g, &jacobian, &vectors);
-        let foot_area = facet.area_at(g, foot.u);
+        let gap = self.size * distance.at(&at_foot);
+        let foot_point = self.slave + self.size * vectors[0];
+        let natural = self.shape.natural(foot.u);
+        let curvature = curvature_figure(jacobian, &vectors);
+        let foot_area = self.area_at(foot.u);
 
-        self.add_scalar("gap", "Signed gap g, length, positive apart", gap);
-        self.add_array("foot", "Foot point, global axes, length", foot_point);
-        self.add_array("normal", "Unit normal ν at the foot, global axes", normal.to_vec());
-        self.add_array("natural", "Natural coordinates (ξ, η) of the foot", natural.to_vec());
+        results.scalar("gap", "Signed gap g, length, positive apart", gap);
+        results.array("foot", "Foot point, global axes, length", &foot_point.0);
+        results.array("normal", "Unit normal ν at the foot, global axes", &normal.0);
+        results.array("natural", "Natural coordinates (ξ, η) of the foot", &natural.0);
         if let Some(gradient) = gradient {
-            self.add_array("gradient", "N = ∂g/∂x, dimensionless", gradient);
+            results.array("gradient", "N = ∂g/∂x, dimensionless", &gradient);
         }
         if let Some(hessian) = hessian {
-            self.add_array("hessian", "M = ∂²g/∂x∂x, 1/length, packed lower triangle", hessian);
+            results.array("hessian", "M = ∂²g/∂x∂x, 1/length, packed lower triangle", &hessian);
         }
-        self.add_scalar("corner_area", "Smallest area element of a corner, relative", corner_area);
-        self.add_scalar("foot_area", "Area element at the foot, relative", foot_area);
-        self.add_scalar("foot_residual", "Largest foot residual, relative", foot.residual);
-        self.add_scalar("foot_iterations", "Evaluations of the foot equations", foot.iterations);
-        self.add_scalar(
+        results.scalar("corner_area", "Smallest area element of a corner, relative", corner_area);
+        results.scalar("foot_area", "Area element at the foot, relative", foot_area);
+        results.scalar("foot_residual", "Largest foot residual, relative", foot.residual);
+        results.scalar("foot_iterations", "Evaluations of the foot equations", foot.iterations);
+        results.scalar(
             "jacobian_determinant",
             "det of the foot equations' Jacobian over that of a flat facet",
             curvature,
         );
     }
-}
-
-impl Facet {
-    fn declare(g: &mut Graph, shape: FacetShape) -> Self {
-        let slave = AXES.map(|axis| g.input(&format!("slave_{axis}"), Scope::Element));
-        let corners: Vec<[ExprId; 3]> = (1..=shape.corners())
-            .map(|k| AXES.map(|axis| g.input(&format!("corner_{k}_{axis}"), Scope::Element)))
-            .collect();
-        let u = [g.variable("u_1"), g.variable("u_2")];
-        let shape_functions = shape.shape_functions(g, u);
-        let slave_weight = g.constant(-1.0);
-        let mut weights = vec![slave_weight];
-        weights.extend(&shape_functions);
-
-        // y(u) = (x^1 − x^c) + Σ N_i (x^i − x^1), as Σ N_i = 1: differences of what is close together come first.
-        let mut vectors = vec![[slave_weight; 3]; shape.monomials().len()];
-        let u_symbols = u.map(|u| g.symbol_of(u));
-        let zero = g.zero();
-        for axis in 0..3 {
-            let mut y = g.sub(corners[0][axis], slave[axis]);
-            g.name(y, &format!("from_slave_{}", AXES[axis]));
-            for (k, (corner, &weight)) in corners.iter().zip(&shape_functions).enumerate().skip(1) {
-                let edge = g.sub(corner[axis], corners[0][axis]);
-                g.name(edge, &format!("edge_{}_{}", k + 1, AXES[axis]));
-                let term = g.mul(weight, edge);
-                y = g.add(y, term);
-            }
-            let coefficients = shape.taylor_coefficients(g, y, u_symbols, [zero; 2]);
-            for (vector, coefficient) in vectors.iter_mut().zip(coefficients) {
-                vector[axis] = coefficient;
-            }
-        }
-        check_coefficients(g, shape, &vectors, &weights, u_symbols, &slave, &corners);
-
-        let size = largest_entry(g, &[vectors[1], vectors[2]].concat());
-        let size = g.bind("size", size);
-        let one = g.one();
-        let reciprocal = g.div_or_zero(one, size);
-        let inverse_size = g.bind("inverse_size", reciprocal);
-        let vectors = vectors
-            .into_iter()
-            .zip(VECTORS)
-            .map(|(vector, name)| {
-                std::array::from_fn(|axis| {
-                    let scaled = g.mul(inverse_size, vector[axis]);
-                    g.bind(&format!("centre_{name}_{}", AXES[axis]), scaled)
-                })
-            })
-            .collect();
-        Self { shape, slave, u, weights, size, inverse_size, vectors }
-    }
 
     /// r_k = −y·∂_k y with y(u) = Σ v_m φ_m(u), from the products v_m·v_l.
-    fn foot_equations(
-        &self,
-        g: &mut Graph,
-        mut gram: impl FnMut(&mut Graph, usize, usize) -> ExprId,
-        u: [ExprId; 2],
-    ) -> Vec<ExprId> {
-        let monomials = self.shape.evaluate_monomials(g, u);
+    fn foot_equations(&self, gram: impl Fn(usize, usize) -> Expr<'g>, u: Vec2<'g>) -> Vec2<'g> {
+        let phi = self.shape.evaluate_monomials(u);
+        let count = phi.len();
         // v_m·y
-        let products: Vec<ExprId> = (0..monomials.len())
-            .map(|m| {
-                let row: Vec<ExprId> = (0..monomials.len()).map(|l| gram(g, m.max(l), m.min(l))).collect();
-                g.dot(&row, &monomials)
-            })
-            .collect();
-        u.into_iter()
-            .map(|u| {
-                let u = g.symbol_of(u);
-                let slopes: Vec<ExprId> = monomials.iter().map(|&phi| g.derivative(phi, u)).collect();
-                let product = g.dot(&slopes, &products);
-                g.neg(product)
-            })
-            .collect()
+        let products: Vec<Expr<'g>> =
+            (0..count).map(|m| dot((0..count).map(|l| gram(m.max(l), m.min(l))), &phi)).collect();
+        u.map(|u| -dot(phi.iter().map(|phi| phi.by(u)), &products))
     }
 
     /// The root of the foot equations about the centre of the facet. Products of the vectors are formed once, so that a
     /// slave straight over the centre is a root to the last digit.
-    fn foot(&self, g: &mut Graph) -> Foot {
-        let count = self.vectors.len();
-        let gram: Vec<Vec<ExprId>> = (0..count)
-            .map(|m| {
-                (0..=m)
-                    .map(|l| {
-                        let product = g.dot(&self.vectors[m], &self.vectors[l]);
-                        g.bind(&format!("gram_{m}_{l}"), product)
-                    })
-                    .collect()
-            })
-            .collect();
-        let equations = self.foot_equations(g, |_, m, l| gram[m][l], self.u);
-        let symbols = symbols(g, &self.u);
-        let (zero, one) = (g.zero(), g.one());
-        let at_centre: Vec<(SymbolId, ExprId)> = symbols.iter().map(|&u| (u, zero)).collect();
-        let jacobian = jacobian_at(g, &equations, &symbols, &[]);
-        let is_linear = jacobian.iter().flatten().all(|&x| g.substitute(x, &at_centre) == x);
+    fn foot(&self) -> Foot<'g> {
+        let sheet = self.size.sheet();
+        let v = &self.vectors;
+        let product = |m: usize, l: usize| v[m].dot(v[l]).bind(&format!("gram_{m}_{l}"));
+        let gram: Vec<Vec<Expr<'g>>> =
+            (0..v.len()).map(|m| (0..=m).map(|l| product(m, l)).collect()).collect();
+        let equations = self.foot_equations(|m, l| gram[m][l], self.u);
+        let at_centre = self.u.set_to(Vector::zero(sheet));
+        let jacobian = equations.jacobian(self.u);
+        let is_linear = jacobian.at(&at_centre) == jacobian;
         let (u, residual, iterations) = if is_linear {
-            let minus_residual: Vec<ExprId> = equations
-                .iter()
-                .map(|&r| {
-                    let residual = g.substitute(r, &at_centre);
-                    g.neg(residual)
-                })
-                .collect();
-            (g.solve_small(&jacobian, &minus_residual), zero, one)
+            (jacobian.solve(-equations.at(&at_centre)), sheet.zero(), sheet.one())
         } else {
-            let (root, u) = g.add_root("foot", &self.u, equations);
-            let figures = [RootFigure::Residual, RootFigure::Iterations].map(|f| g.root_figure(root, f));
-            (u, figures[0], figures[1])
+            let (root, u) = sheet.root("foot", self.u, equations);
+            let [residual, iterations] =
+                [RootFigure::Residual, RootFigure::Iterations].map(|f| sheet.root_figure(root, f));
+            (u, residual, iterations)
         };
-        let u = [g.bind("foot_1", u[0]), g.bind("foot_2", u[1])];
-        Foot { u, residual, iterations }
+        Foot { u: u.bind("foot"), residual, iterations }
     }
 
     /// Σ v_m φ_m(u)
-    fn point(&self, g: &mut Graph, vectors: &[[ExprId; 3]], u: [ExprId; 2]) -> [ExprId; 3] {
-        let monomials = self.shape.evaluate_monomials(g, u);
-        std::array::from_fn(|axis| {
-            let column: Vec<ExprId> = vectors.iter().map(|v| v[axis]).collect();
-            g.dot(&column, &monomials)
-        })
+    fn point(&self, v: &[Vec3<'g>], u: Vec2<'g>) -> Vec3<'g> {
+        let phi = self.shape.evaluate_monomials(u);
+        Vector::from_fn(|axis| dot(v.iter().map(|v| v[axis]), &phi))
     }
 
     /// Coefficient vectors of y/size about the foot: position, tangents, twist.
-    fn vectors_at(&self, g: &mut Graph, foot: [ExprId; 2]) -> Vec<[ExprId; 3]> {
-        let y = self.point(g, &self.vectors, self.u);
-        let u = self.u.map(|u| g.symbol_of(u));
-        let by_axis = y.map(|y| self.shape.taylor_coefficients(g, y, u, foot));
-        (0..self.vectors.len())
-            .map(|m| {
-                std::array::from_fn(|axis| {
-                    g.bind(&format!("{}_{}", VECTORS[m], AXES[axis]), by_axis[axis][m])
-                })
-            })
-            .collect()
+    fn vectors_at(&self, foot: Vec2<'g>) -> Vec<Vec3<'g>> {
+        let y = self.point(&self.vectors, self.u);
+        let by_axis = y.0.map(|y| self.shape.taylor_coefficients(y, self.u, foot));
+        let vector = |m: usize| Vector::from_fn(|axis| by_axis[axis][m]).bind(VECTORS[m]);
+        (0..self.vectors.len()).map(vector).collect()
     }
 
     /// How the vectors at the foot, times size, depend on the nodes: v_m = Σ c_km x_k, `[node][vector]`.
-    fn coefficients_at(&self, g: &mut Graph, foot: [ExprId; 2]) -> Vec<Vec<ExprId>> {
-        let u = self.u.map(|u| g.symbol_of(u));
-        self.weights.iter().map(|&weight| self.shape.taylor_coefficients(g, weight, u, foot)).collect()
+    fn coefficients_at(&self, foot: Vec2<'g>) -> Vec<Vec<Expr<'g>>> {
+        self.weights.iter().map(|&s| self.shape.taylor_coefficients(s, self.u, foot)).collect()
     }
 
     /// The area element ∂_1 y × ∂_2 y along its direction at the centre, over the mean square of the tangents there: 1
     /// for a square and less for any other facet, as coefficients of the monomials.
-    fn area_coefficients(&self, g: &mut Graph) -> Vec<ExprId> {
-        let u = self.u.map(|u| g.symbol_of(u));
-        let y = self.point(g, &self.vectors, self.u);
-        let [left, right] = u.map(|u| y.map(|y| g.derivative(y, u)));
-        let area = cross(g, left, right);
-        let zero = g.zero();
-        let by_axis = area.map(|area| self.shape.taylor_coefficients(g, area, u, [zero; 2]));
-        let direction = unit(g, std::array::from_fn(|axis| by_axis[axis][0]));
-        let squares: Vec<ExprId> = (1..3).map(|m| g.dot(&self.vectors[m], &self.vectors[m])).collect();
-        let (sum, two) = (g.total(&squares), g.constant(2.0));
-        let factor = g.div_or_zero(two, sum);
-        (0..self.vectors.len())
-            .map(|m| {
-                let along: Vec<ExprId> = by_axis.iter().map(|coefficients| coefficients[m]).collect();
-                let along = g.dot(&direction, &along);
-                let coefficient = g.mul(factor, along);
-                g.name(coefficient, &format!("area_{m}"))
-            })
-            .collect()
+    fn area_coefficients(&self) -> Vec<Expr<'g>> {
+        let y = self.point(&self.vectors, self.u);
+        let area = y.by(self.u[0]).cross(y.by(self.u[1]));
+        let centre = Vector::zero(self.size.sheet());
+        let by_axis = area.0.map(|area| self.shape.taylor_coefficients(area, self.u, centre));
+        let coefficient = |m: usize| Vec3::from_fn(|axis| by_axis[axis][m]);
+        let direction = coefficient(0).unit();
+        let v = &self.vectors;
+        let factor = self.size.sheet().number(2.0).div_or_zero(v[1].dot(v[1]) + v[2].dot(v[2]));
+        let along = |m: usize| (factor * direction.dot(coefficient(m))).named(&format!("area_{m}"));
+        (0..v.len()).map(along).collect()
     }
 
-    fn area_at(&self, g: &mut Graph, u: [ExprId; 2]) -> ExprId {
-        let coefficients = self.area_coefficients(g);
-        let monomials = self.shape.evaluate_monomials(g, u);
-        g.dot(&coefficients, &monomials)
+    fn area_at(&self, u: Vec2<'g>) -> Expr<'g> {
+        dot(self.area_coefficients(), self.shape.evaluate_monomials(u))
     }
 
     /// Smallest relative area element at a corner: 0 or less if the facet has no area, is folded or not convex.
-    fn corner_area(&self, g: &mut Graph) -> ExprId {
-        let corners: Vec<ExprId> = self
-            .shape
-            .parametric_corners()
-            .iter()
-            .map(|corner| {
-                let u = corner.map(|u| g.constant(u));
-                self.area_at(g, u)
-            })
-            .collect();
-        corners[1..].iter().fold(corners[0], |smallest, &area| g.select_less(area, smallest, area, smallest))
+    fn corner_area(&self) -> Expr<'g> {
+        let corners = self.shape.parametric_corners().iter();
+        let areas = corners.map(|&u| self.area_at(Vector::numbers(self.size.sheet(), u)));
+        areas.reduce(|smallest, area| area.min(smallest)).expect("a facet has corners")
     }
 }
 
 /// Compares the coefficient vectors' dependence on the nodes with the shape functions' coefficients: what the vectors
 /// were assembled from says that they are Σ s_k x_k.
-fn check_coefficients(
-    g: &mut Graph,
+fn check_coefficients<'g>(
     shape: FacetShape,
-    vectors: &[[ExprId; 3]],
-    weights: &[ExprId],
-    u: [SymbolId; 2],
-    slave: &[ExprId; 3],
-    corners: &[[ExprId; 3]],
+    vectors: &[Vec3<'g>],
+    weights: &[Expr<'g>],
+    u: Vec2<'g>,
+    slave: Vec3<'g>,
+    corners: &[Vec3<'g>],
 ) {
-    let zero = g.zero();
-    for (node, &weight) in std::iter::once(slave).chain(corners).zip(weights) {
-        let expected = shape.taylor_coefficients(g, weight, u, [zero; 2]);
-        for axis in 0..3 {
-            let by = g.symbol_of(node[axis]);
-            for (vector, &expected) in vectors.iter().zip(&expected) {
-                let found = g.derivative(vector[axis], by);
-                let [found, expected] = [found, expected].map(|x| g.constant_value(x));
+    let centre = Vector::zero(u[0].sheet());
+    for (node, &weight) in std::iter::once(&slave).chain(corners).zip(weights) {
+        for (vector, expected) in vectors.iter().zip(shape.taylor_coefficients(weight, u, centre)) {
+            for axis in 0..3 {
+                let [found, expected] = [vector[axis].by(node[axis]), expected].map(Expr::value);
                 let difference = found.zip(expected).map(|(found, expected)| (found - expected).abs());
                 assert!(
                     difference.is_some_and(|difference| difference < 1e-15),
@@ -403,78 +286,15 @@ fn check_coefficients(
     }
 }
 
-/// ν·∂_1 y, ν·∂_2 y, ½ (ν·ν − 1)
-fn normal_equations(g: &mut Graph, nu: [ExprId; 3], tangents: &[[ExprId; 3]]) -> Vec<ExprId> {
-    let mut equations: Vec<ExprId> = tangents.iter().map(|tangent| g.dot(&nu, tangent)).collect();
-    let (square, one, half) = (g.dot(&nu, &nu), g.one(), g.constant(0.5));
-    let excess = g.sub(square, one);
-    equations.push(g.mul(half, excess));
-    equations
-}
-
 /// det J over the determinant of the metric, which it is on a flat facet: Π (1 − g κ), 0 on a centre of curvature.
-fn curvature_figure(g: &mut Graph, jacobian: &[Vec<ExprId>], vectors: &[[ExprId; 3]]) -> ExprId {
-    let metric: Vec<Vec<ExprId>> =
-        (1..3).map(|k| (1..3).map(|l| g.dot(&vectors[k.max(l)], &vectors[k.min(l)])).collect()).collect();
-    let (determinant, flat) = (g.determinant(jacobian), g.determinant(&metric));
-    if determinant == flat { g.one() } else { g.div(determinant, flat) }
-}
-
-fn jacobian_at(
-    g: &mut Graph,
-    equations: &[ExprId],
-    unknowns: &[SymbolId],
-    at: &[(SymbolId, ExprId)],
-) -> Vec<Vec<ExprId>> {
-    equations
-        .iter()
-        .map(|&equation| {
-            unknowns
-                .iter()
-                .map(|&unknown| {
-                    let derivative = g.derivative(equation, unknown);
-                    g.substitute(derivative, at)
-                })
-                .collect()
-        })
-        .collect()
-}
-
-fn named_inverse(g: &mut Graph, matrix: &[Vec<ExprId>], name: &str) -> Vec<Vec<ExprId>> {
-    let inverse = g.inverse_small(matrix);
-    for (i, row) in inverse.iter().enumerate() {
-        for (j, &entry) in row.iter().enumerate() {
-            g.name(entry, &format!("{name}_{}_{}", i + 1, j + 1));
-        }
-    }
-    inverse
-}
-
-/// x/‖x‖, and 0 for x = 0.
-fn unit(g: &mut Graph, x: [ExprId; 3]) -> [ExprId; 3] {
-    let square = g.dot(&x, &x);
-    let (length, one) = (g.sqrt(square), g.one());
-    let reciprocal = g.div_or_zero(one, length);
-    x.map(|x| g.mul(x, reciprocal))
+fn curvature_figure<'g>(jacobian: Mat2<'g>, v: &[Vec3<'g>]) -> Expr<'g> {
+    let metric: Mat2<'g> = Matrix::from_fn(|k, l| v[1 + k.max(l)].dot(v[1 + k.min(l)]));
+    let (determinant, flat) = (jacobian.determinant(), metric.determinant());
+    if determinant == flat { flat.sheet().one() } else { determinant / flat }
 }
 
 /// Largest absolute value: no square that could overflow.
-fn largest_entry(g: &mut Graph, entries: &[ExprId]) -> ExprId {
-    let zero = g.zero();
-    let sizes: Vec<ExprId> = entries
-        .iter()
-        .map(|&x| {
-            let minus = g.neg(x);
-            let size = g.select_less(x, zero, minus, x);
-            g.name(size, "absolute")
-        })
-        .collect();
-    sizes[1..].iter().fold(sizes[0], |largest, &size| {
-        let larger = g.select_less(largest, size, size, largest);
-        g.name(larger, "largest")
-    })
-}
-
-fn symbols(g: &Graph, exprs: &[ExprId]) -> Vec<SymbolId> {
-    exprs.iter().map(|&x| g.symbol_of(x)).collect()
+fn largest_entry<'g>(v: Vec3<'g>, w: Vec3<'g>) -> Expr<'g> {
+    let sizes: Vec<Expr<'g>> = v.iter().chain(w.iter()).map(|x| x.abs().named("absolute")).collect();
+    sizes.into_iter().reduce(|largest, size| largest.max(size).named("largest")).expect("six entries")
 }

@@ -1,6 +1,6 @@
 //! Shapes of facets: parametric coordinates and shape functions.
 
-use crate::graph::{ExprId, Graph, SymbolId};
+use crate::expr::{Expr, Vec2};
 
 /// Shape of a facet with corner nodes only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -49,74 +49,41 @@ impl FacetShape {
     }
 
     /// N_i(u)
-    pub(super) fn shape_functions(self, g: &mut Graph, u: [ExprId; 2]) -> Vec<ExprId> {
+    pub(super) fn shape_functions(self, u: Vec2<'_>) -> Vec<Expr<'_>> {
         match self {
             Self::Triangle => {
-                let third = g.constant(1.0 / 3.0);
-                let rest = g.sub(third, u[0]);
-                vec![g.sub(rest, u[1]), g.add(third, u[0]), g.add(third, u[1])]
+                let third = u[0].sheet().number(1.0 / 3.0);
+                vec![third - u[0] - u[1], third + u[0], third + u[1]]
             }
             Self::Quadrilateral => {
-                let half = g.constant(0.5);
-                self.parametric_corners()
-                    .iter()
-                    .map(|corner| {
-                        // 1 at the side of the corner, 0 at the other.
-                        let [a, b] = [0, 1].map(|k| {
-                            let away = if corner[k] < 0.0 { g.neg(u[k]) } else { u[k] };
-                            g.add(half, away)
-                        });
-                        g.mul(a, b)
-                    })
-                    .collect()
+                let corners = self.parametric_corners().iter();
+                // Of the two factors, each is 1 at the side of the corner, 0 at the other.
+                let factor = |corner: &[f64; 2], k: usize| 0.5 + if corner[k] < 0.0 { -u[k] } else { u[k] };
+                corners.map(|corner| factor(corner, 0) * factor(corner, 1)).collect()
             }
         }
     }
 
     /// (ξ, η) as usual: area coordinates 0 … 1 of a triangle, −1 … 1 of a quadrilateral.
-    pub(super) fn natural(self, g: &mut Graph, u: [ExprId; 2]) -> [ExprId; 2] {
+    pub(super) fn natural(self, u: Vec2<'_>) -> Vec2<'_> {
         match self {
-            Self::Triangle => {
-                let third = g.constant(1.0 / 3.0);
-                u.map(|u| g.add(u, third))
-            }
-            Self::Quadrilateral => {
-                let two = g.constant(2.0);
-                u.map(|u| g.mul(two, u))
-            }
+            Self::Triangle => u.map(|u| u + 1.0 / 3.0),
+            Self::Quadrilateral => 2.0 * u,
         }
     }
 
     /// φ(u)
-    pub(super) fn evaluate_monomials(self, g: &mut Graph, u: [ExprId; 2]) -> Vec<ExprId> {
-        let one = g.one();
-        self.monomials()
-            .iter()
-            .map(|&(i, j)| {
-                let a = if i == 1 { u[0] } else { one };
-                let b = if j == 1 { u[1] } else { one };
-                g.mul(a, b)
-            })
-            .collect()
+    pub(super) fn evaluate_monomials(self, u: Vec2<'_>) -> Vec<Expr<'_>> {
+        let one = u[0].sheet().one();
+        let factor = |exponent, u| if exponent == 1 { u } else { one };
+        self.monomials().iter().map(|&(i, j)| factor(i, u[0]) * factor(j, u[1])).collect()
     }
 
     /// Coefficients of a function in the span of the monomials when these have their origin at `at`: its derivatives
     /// there.
-    pub(super) fn taylor_coefficients(
-        self,
-        g: &mut Graph,
-        function: ExprId,
-        u: [SymbolId; 2],
-        at: [ExprId; 2],
-    ) -> Vec<ExprId> {
-        let at = [(u[0], at[0]), (u[1], at[1])];
-        self.monomials()
-            .iter()
-            .map(|&(i, j)| {
-                let by_first = (0..i).fold(function, |f, _| g.derivative(f, u[0]));
-                let derivative = (0..j).fold(by_first, |f, _| g.derivative(f, u[1]));
-                g.substitute(derivative, &at)
-            })
-            .collect()
+    pub(super) fn taylor_coefficients<'g>(self, f: Expr<'g>, u: Vec2<'g>, at: Vec2<'g>) -> Vec<Expr<'g>> {
+        let at = u.set_to(at);
+        let times = |f: Expr<'g>, count, u| (0..count).fold(f, |f, _| f.by(u));
+        self.monomials().iter().map(|&(i, j)| times(times(f, i, u[0]), j, u[1]).at(&at)).collect()
     }
 }

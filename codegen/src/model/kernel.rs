@@ -3,7 +3,8 @@
 use super::basis::{Basis, MOST_COEFFICIENTS};
 use super::diffuse::{Diffuse, Equation};
 use super::weight::Weight;
-use crate::graph::{ExprId, Graph, Op, Scope, SystemId};
+use crate::expr::{Expr, Sheet, System, Vector, total};
+use crate::graph::{ExprId, Graph, Scope};
 use crate::structure::{Functional, Gradient, Hessian, NodeProblem};
 
 /// What a kernel computes.
@@ -66,6 +67,14 @@ pub enum FrameRule {
     Frozen,
     /// It is the average plane of the master nodes and moves with them: angular momentum is conserved.
     CoMoving,
+    /// It is that plane with the nodes weighted in the master's first configuration, where their domains of influence stay what
+    /// they are: the gap is one function of all positions wherever the slave slides.
+    Material,
+}
+
+impl FrameRule {
+    /// All rules.
+    pub const ALL: [Self; 3] = [Self::Frozen, Self::CoMoving, Self::Material];
 }
 
 /// What identifies a kernel, besides the number of nodes, which stays open until emission.
@@ -94,7 +103,9 @@ impl KernelSpec {
             .flat_map(|output| Mode::ALL.map(|mode| spec(output, mode, FrameRule::Frozen)))
             .collect();
         if basis.is_isotropic() {
-            all.extend(Mode::ALL.map(|mode| spec(Output::Gap, mode, FrameRule::CoMoving)));
+            for frame in [FrameRule::CoMoving, FrameRule::Material] {
+                all.extend(Mode::ALL.map(|mode| spec(Output::Gap, mode, frame)));
+            }
         }
         all
     }
@@ -142,114 +153,147 @@ impl Kernel {
     /// Builds a kernel from the model.
     #[must_use]
     pub fn new(spec: KernelSpec) -> Self {
-        let mut graph = Graph::new();
-        let model = Diffuse::declare(&mut graph, spec.basis, &spec.weight, spec.frame);
         let equations = vec![
             Equation {
                 formula: "(a, b, z)_i = Q (x^i - x^c) / R, Q = (t1, t2, n)",
                 source: "local offsets over the support radius",
             },
-            Equation {
-                formula: "w = w(r), r = sqrt(a^2 + b^2) R / R_k",
-                source: "Chamoret et al. 2008, eq. 14; R_k: docs/equations.md, T14",
+            match spec.frame {
+                FrameRule::Material => Equation {
+                    formula: "w = w(r), r = |U (X_k - Xi)|",
+                    source: "Chamoret et al. 2008, eq. 14, in the first configuration; docs/equations.md, T18",
+                },
+                FrameRule::Frozen | FrameRule::CoMoving => Equation {
+                    formula: "w = w(r), r = sqrt(a^2 + b^2) R / R_k",
+                    source: "Chamoret et al. 2008, eq. 14; R_k: docs/equations.md, T14",
+                },
             },
             Equation {
                 formula: "A alpha = beta, A = sum w p p^T, beta = sum w z p",
                 source: "Chamoret et al. 2008, eq. 13",
             },
         ];
-        let mut kernel =
-            Self { spec, graph, values: Vec::new(), gradients: Vec::new(), hessians: Vec::new(), equations };
-        match kernel.spec.output {
-            Output::Coefficients => kernel.coefficients(&model),
-            Output::Surface => kernel.surface(&model),
-            Output::Gap => kernel.gap(&model),
-        }
-        kernel.add_checksum();
-        kernel
+        Self::of(spec, equations, |sheet, spec, results| {
+            let model = Diffuse::declare(sheet, spec.basis, &spec.weight, spec.frame);
+            match spec.output {
+                Output::Coefficients => results.coefficients(spec, &model),
+                Output::Surface => results.surface(spec, &model),
+                Output::Gap => results.gap(spec, &model),
+            }
+        })
     }
+}
 
-    fn coefficients(&mut self, model: &Diffuse) {
-        let g = &mut self.graph;
-        let zero = g.zero();
-        let fit = model.fit(g, [zero; 2]);
-        let alpha = model.coefficients(g, &fit);
-        self.add_array("coefficients", "Coefficients α, units length, 1, 1, 1/length, … (eq. 13)", alpha);
-        let functionals: Vec<(&'static str, Functional)> = (0..self.spec.basis.size())
-            .map(|k| (COEFFICIENT_NAMES[k], model.coefficient_functional(&mut self.graph, &fit, k)))
-            .collect();
-        self.add_derivatives(&fit.problem, &functionals, functionals.len());
-        self.add_pivot_ratio(fit.problem.system());
-    }
-
-    fn surface(&mut self, model: &Diffuse) {
-        let g = &mut self.graph;
-        let point = ["point_1", "point_2"].map(|name| {
-            let length = g.input(name, Scope::Element);
-            let scaled = model.dimensionless(g, length);
-            g.bind(&format!("scaled_{name}"), scaled)
+impl<S> Kernel<S> {
+    /// The kernel of formulas written on a sheet.
+    pub(super) fn of(
+        spec: S,
+        equations: Vec<Equation>,
+        formulas: impl FnOnce(&Sheet, &S, &mut Results),
+    ) -> Self {
+        let mut graph = Graph::new();
+        let mut results = Results { equations, ..Results::default() };
+        graph.write(|sheet| {
+            formulas(sheet, &spec, &mut results);
+            results.checksum(sheet);
         });
-        let fit = model.fit(g, point);
-        let at_point = model.surface(g, &fit, point);
-        let functionals = model.surface_functionals(g, &fit, &at_point);
-        let in_units = model.surface_in_units(g, &at_point);
-        self.add_scalar("value", "Height f over the slave, length", in_units.value);
-        self.add_array("slopes", "f_1, f_2", in_units.slopes.to_vec());
-        self.add_array("curvatures", "f_11, f_12, f_22, 1/length", in_units.curvatures.to_vec());
-        let [f, f1, f2] = functionals;
-        self.add_derivatives(&fit.problem, &[("f", f), ("f_1", f1), ("f_2", f2)], 1);
-        self.add_pivot_ratio(fit.problem.system());
+        let Results { values, gradients, hessians, equations } = results;
+        Self { spec, graph, values, gradients, hessians, equations }
+    }
+}
+
+/// What a kernel computes, while it is written.
+#[derive(Default)]
+pub(super) struct Results {
+    values: Vec<Value>,
+    gradients: Vec<(&'static str, Gradient)>,
+    hessians: Vec<(&'static str, Hessian)>,
+    equations: Vec<Equation>,
+}
+
+impl Results {
+    fn coefficients(&mut self, spec: &KernelSpec, model: &Diffuse<'_>) {
+        let fit = model.fit(model.slave_point());
+        let alpha = model.coefficients(&fit);
+        self.array("coefficients", "Coefficients α, units length, 1, 1, 1/length, … (eq. 13)", &alpha);
+        let functionals: Vec<(&'static str, Functional<'_>)> = (0..spec.basis.size())
+            .map(|k| (COEFFICIENT_NAMES[k], model.coefficient_functional(&fit, k)))
+            .collect();
+        self.derivatives(spec.mode, &fit.problem, &functionals, functionals.len());
+        self.pivot_ratio(fit.problem.system());
+    }
+
+    fn surface(&mut self, spec: &KernelSpec, model: &Diffuse<'_>) {
+        let sheet = model.sheet();
+        let point = ["point_1", "point_2"].map(|name| {
+            model.dimensionless(sheet.input(name, Scope::Element)).bind(&format!("scaled_{name}"))
+        });
+        let point = Vector(point);
+        let fit = model.fit(point);
+        let at_point = model.surface(&fit, point);
+        let [f, f1, f2] = model.surface_functionals(&fit, &at_point);
+        let in_units = model.surface_in_units(&at_point);
+        self.scalar("value", "Height f over the slave, length", in_units.value);
+        self.array("slopes", "f_1, f_2", &in_units.slopes.0);
+        self.array("curvatures", "f_11, f_12, f_22, 1/length", &in_units.curvatures.0);
+        self.derivatives(spec.mode, &fit.problem, &[("f", f), ("f_1", f1), ("f_2", f2)], 1);
+        self.pivot_ratio(fit.problem.system());
         self.equations
             .push(Equation { formula: "f(u) = p(u) alpha", source: "Chamoret et al. 2008, eq. 13" });
     }
 
-    fn gap(&mut self, model: &Diffuse) {
-        let g = &mut self.graph;
-        let zero = g.zero();
-        let fit = model.fit(g, [zero; 2]);
-        let alpha = model.coefficients(g, &fit);
+    fn gap(&mut self, spec: &KernelSpec, model: &Diffuse<'_>) {
+        let fit = model.fit(model.slave_point());
+        let alpha = model.coefficients(&fit);
         let system = fit.problem.system();
-        let contact = model.contact(g, fit);
-        let [residual, iterations] = model.foot_figures(g, contact.root);
-        self.add_scalar("gap", "Signed gap g, length, positive apart (eq. 19)", contact.gap);
-        self.add_array("foot", "Foot point x^d, global axes, length", contact.foot.to_vec());
-        self.add_array("normal", "Unit normal ν at the foot, global axes (eq. 22)", contact.normal.to_vec());
-        self.add_array(
+        let contact = model.contact(fit);
+        let [residual, iterations] = model.foot_figures(contact.root);
+        self.scalar("gap", "Signed gap g, length, positive apart (eq. 19)", contact.gap);
+        self.array("foot", "Foot point x^d, global axes, length", &contact.foot.0);
+        self.array("normal", "Unit normal ν at the foot, global axes (eq. 22)", &contact.normal.0);
+        self.array(
             "coefficients",
             "Coefficients α about the slave, units length, 1, 1, 1/length, … (eq. 13)",
-            alpha,
+            &alpha,
         );
-        self.add_derivatives(&contact.problem, &[("gap", contact.functional)], 1);
-        self.add_pivot_ratio(system);
+        self.derivatives(spec.mode, &contact.problem, &[("gap", contact.functional)], 1);
+        self.pivot_ratio(system);
         if let Some(system) = model.plane_system() {
-            let ratio = self.graph.intern(Op::PivotRatio(system));
-            self.add_scalar(
+            self.scalar(
                 "plane_pivot_ratio",
                 "Smallest pivot of the average plane's system, relative",
-                ratio,
+                system.pivot_ratio(),
             );
-            self.equations.push(Equation {
-                formula: "n minimises sum omega (n (x^i - x_mean))^2, omega = w(reach |x^i - x^c| / R_k)",
-                source: "average plane, moving with the nodes; docs/equations.md, T14",
+            self.equations.extend(match spec.frame {
+                FrameRule::Material => vec![
+                    Equation {
+                        formula: "n minimises sum omega (n (x^i - x_mean))^2",
+                        source: "average plane, moving with the nodes; docs/equations.md, T14",
+                    },
+                    Equation {
+                        formula: "sum omega (1 + beta a_k) a_k = 0, sum omega (1 + beta a_k) (X_k - Xi) = 0",
+                        source: "the slave's place in the first configuration; docs/equations.md, T18",
+                    },
+                ],
+                FrameRule::Frozen | FrameRule::CoMoving => vec![Equation {
+                    formula: "n minimises sum omega (n (x^i - x_mean))^2, omega = w(reach |x^i - x^c| / R_k)",
+                    source: "average plane, moving with the nodes; docs/equations.md, T14",
+                }],
             });
         }
-        self.add_scalar(
+        self.scalar(
             "foot_residual",
             "Largest foot residual |−u_k + h f_k|, relative to the starting one or R",
             residual,
         );
-        self.add_scalar("foot_iterations", "Newton iterations for the foot", iterations);
-        self.add_scalar(
-            "foot_distance",
-            "In-plane distance of the foot from the slave over R",
-            contact.distance,
-        );
-        self.add_scalar(
+        self.scalar("foot_iterations", "Newton iterations for the foot", iterations);
+        self.scalar("foot_distance", "In-plane distance of the foot from the slave over R", contact.distance);
+        self.scalar(
             "jacobian_determinant",
             "det J of the foot equations, 0 on a centre of curvature",
             contact.determinant,
         );
-        self.add_scalar(
+        self.scalar(
             "jacobian_trace",
             "tr J, negative where the foot is the nearest point around it",
             contact.trace,
@@ -266,55 +310,50 @@ impl Kernel {
     }
 
     /// Gradients of all functionals and Hessians of the first `hessians`, as far as the mode asks for them.
-    fn add_derivatives(
+    fn derivatives<'g>(
         &mut self,
-        problem: &NodeProblem,
-        functionals: &[(&'static str, Functional)],
+        mode: Mode,
+        problem: &NodeProblem<'g>,
+        functionals: &[(&'static str, Functional<'g>)],
         hessians: usize,
     ) {
-        let g = &mut self.graph;
-        if self.spec.mode >= Mode::Gradient {
-            self.gradients = functionals.iter().map(|(name, f)| (*name, problem.gradient(g, f))).collect();
+        if mode >= Mode::Gradient {
+            self.gradients = functionals.iter().map(|(name, f)| (*name, problem.gradient(f))).collect();
         }
-        if self.spec.mode >= Mode::Hessian {
-            self.hessians =
-                functionals[..hessians].iter().map(|(name, f)| (*name, problem.hessian(g, f))).collect();
+        if mode >= Mode::Hessian {
+            let functionals = functionals[..hessians].iter();
+            self.hessians = functionals.map(|(name, f)| (*name, problem.hessian(f))).collect();
         }
     }
 
-    fn add_pivot_ratio(&mut self, system: SystemId) {
-        let ratio = self.graph.intern(Op::PivotRatio(system));
-        self.add_scalar(
+    fn pivot_ratio(&mut self, system: System<'_>) {
+        self.scalar(
             "pivot_ratio",
             "Smallest pivot of A relative to its diagonal, 0 for a singular fit",
-            ratio,
+            system.pivot_ratio(),
         );
     }
-}
 
-impl<S> Kernel<S> {
     /// A sum that is finite only if all results are, but for the Hessian's blocks off the slave: the slave's gradient is
     /// the sum of the masters' as they are written, but its block of the Hessian is multiplied from sums of rows, where
     /// large entries may cancel. The emitted kernel adds what `multiply_form` says of the entries it wrote.
-    pub(super) fn add_checksum(&mut self) {
+    fn checksum(&mut self, sheet: &Sheet) {
         let mut terms: Vec<ExprId> = self.values.iter().flat_map(|v| v.components.clone()).collect();
         terms.extend(self.gradients.iter().flat_map(|(_, gradient)| gradient.slave));
         for (_, hessian) in &self.hessians {
             terms.extend((0..3).flat_map(|row| hessian.slave[row][..=row].to_vec()));
         }
-        let checksum = self.graph.total(&terms);
-        self.add_scalar(CHECKSUM, "Finite only if every result is", checksum);
+        self.scalar(CHECKSUM, "Finite only if every result is", total(sheet.exprs(terms)));
     }
 
-    pub(super) fn add_scalar(&mut self, name: &'static str, doc: &'static str, value: ExprId) {
-        self.graph.name(value, name);
-        self.values.push(Value { name, doc, is_array: false, components: vec![value] });
+    pub(super) fn scalar(&mut self, name: &'static str, doc: &'static str, value: Expr<'_>) {
+        let components = vec![value.named(name).id()];
+        self.values.push(Value { name, doc, is_array: false, components });
     }
 
-    pub(super) fn add_array(&mut self, name: &'static str, doc: &'static str, components: Vec<ExprId>) {
-        for (k, &component) in components.iter().enumerate() {
-            self.graph.name(component, &format!("{name}_{k}"));
-        }
+    pub(super) fn array(&mut self, name: &'static str, doc: &'static str, components: &[Expr<'_>]) {
+        let named = |(k, x): (usize, &Expr<'_>)| x.named(&format!("{name}_{k}")).id();
+        let components = components.iter().enumerate().map(named).collect();
         self.values.push(Value { name, doc, is_array: true, components });
     }
 }

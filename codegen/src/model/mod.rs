@@ -7,6 +7,7 @@ mod diffuse;
 mod facet;
 mod facet_shape;
 mod kernel;
+mod material;
 mod weight;
 
 pub(crate) use basis::MOST_COEFFICIENTS;
@@ -16,5 +17,6 @@ pub use facet::FacetSpec;
 pub use facet_shape::FacetShape;
 pub(crate) use kernel::CHECKSUM;
 pub use kernel::{FrameRule, Kernel, KernelSpec, Mode, Output, Value};
+pub(crate) use material::MATERIAL_INPUTS;
 pub(crate) use weight::{DOMAIN_RATIO, PLANE_REACH, WEIGHT_NUMBER};
 pub use weight::{Weight, WeightError, WeightNote};

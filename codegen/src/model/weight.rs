@@ -1,7 +1,8 @@
 //! Weight functions w(r) of compact support.
 
+use crate::expr::Expr;
 use crate::formula::{Formula, FormulaError};
-use crate::graph::{ExprId, Graph, Polynomial, Scope};
+use crate::graph::{Polynomial, Scope};
 
 /// A weight function: a name for the emitted code and a formula ω in r = distance / support radius.
 ///
@@ -25,15 +26,15 @@ pub(crate) const PLANE_REACH: &str = "plane_reach";
 
 /// A weight at a node.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum NodeWeight {
+pub(super) enum NodeWeight<'g> {
     /// w = ω
-    Fitting(ExprId),
+    Fitting(Expr<'g>),
     /// w = ω/(1 − ω) (16), with 1/w, which is smooth where w has its pole.
     Interpolating {
         /// w, for r > 0.
-        weight: ExprId,
+        weight: Expr<'g>,
         /// 1/w, for r < 1.
-        compliance: ExprId,
+        compliance: Expr<'g>,
     },
 }
 
@@ -297,31 +298,26 @@ impl Weight {
         Ok(())
     }
 
-    /// ω at the norm `r`, an expression made by [`Graph::hypot`]; 0 where r ≥ 1.
-    pub(super) fn fitting(&self, g: &mut Graph, r: ExprId) -> ExprId {
-        let mut inside = around_origin(g, &self.formula, r);
+    /// ω at the norm `r`, an expression made by [`Expr::hypot`]; 0 where r ≥ 1.
+    pub(super) fn fitting<'g>(&self, r: Expr<'g>) -> Expr<'g> {
+        let mut inside = around_origin(&self.formula, r, false);
         for (number, formula) in self.others.iter().enumerate() {
-            let input = g.input_once(WEIGHT_NUMBER, Scope::Element);
-            let bound = g.constant(number as f64 + 0.5);
-            let other = around_origin(g, formula, r);
-            inside = g.select_less(input, bound, inside, other);
+            let chosen = r.sheet().input_once(WEIGHT_NUMBER, Scope::Element);
+            inside = chosen.less(number as f64 + 0.5).select(inside, around_origin(formula, r, false));
         }
-        let (zero, one) = (g.zero(), g.one());
-        g.select_less(r, one, inside, zero)
+        r.less(1.0).select(inside, 0.0)
     }
 
-    /// The weight at the norm `r`, an expression made by [`Graph::hypot`]; 0 where r ≥ 1.
-    pub(super) fn evaluate(&self, g: &mut Graph, r: ExprId) -> NodeWeight {
-        let omega = self.fitting(g, r);
+    /// w at the norm `r`, an expression made by [`Expr::hypot`]; 0 where r ≥ 1.
+    pub(super) fn evaluate<'g>(&self, r: Expr<'g>) -> NodeWeight<'g> {
+        let omega = self.fitting(r);
         if !self.interpolating {
             return NodeWeight::Fitting(omega);
         }
-        let one = g.one();
-        g.name(omega, "omega");
-        let inside = complement_around_origin(g, &self.formula, r);
-        let complement = g.select_less(r, one, inside, one);
-        g.name(complement, "one_minus_omega");
-        NodeWeight::Interpolating { weight: g.div(omega, complement), compliance: g.div(complement, omega) }
+        let omega = omega.named("omega");
+        let inside = around_origin(&self.formula, r, true);
+        let complement = r.less(1.0).select(inside, 1.0).named("one_minus_omega");
+        NodeWeight::Interpolating { weight: omega / complement, compliance: complement / omega }
     }
 }
 
@@ -349,56 +345,34 @@ pub(super) fn is_module_name(name: &str) -> bool {
         && !TAKEN.contains(&name.replace('_', "").as_str())
 }
 
-/// The formula on an interval that contains r = 0, in a form whose derivatives by position are finite and exact
-/// there: a polynomial of r without r¹ ([`Graph::polynomial`]), exactly or, if the formula is none, its expansion.
-fn around_origin(g: &mut Graph, formula: &Formula, r: ExprId) -> ExprId {
-    if let Some(coefficients) = formula.polynomial() {
-        return power_sum(g, &coefficients, r);
-    }
-    if let Formula::If { x, y, then, otherwise } = formula {
-        let origin_in_then = x.evaluate(0.0) < y.evaluate(0.0);
-        let (then, otherwise) = if origin_in_then {
-            (around_origin(g, then, r), plain(g, otherwise, r))
-        } else {
-            (plain(g, then, r), around_origin(g, otherwise, r))
-        };
-        let (x, y) = (plain(g, x, r), plain(g, y, r));
-        return g.select_less(x, y, then, otherwise);
-    }
-    let coefficients = formula.taylor(TAYLOR_COEFFICIENTS);
-    let radius = expansion_radius(formula, &coefficients);
-    let (near, far) = (power_sum(g, &coefficients, r), plain(g, formula, r));
-    let radius = g.constant(radius);
-    g.select_less(r, radius, near, far)
-}
-
-/// 1 − ω as [`around_origin`], from the expansion of ω without its 1: no digits are lost near r = 0, where 1 − ω vanishes.
-fn complement_around_origin(g: &mut Graph, formula: &Formula, r: ExprId) -> ExprId {
-    let power_sum = |g: &mut Graph, coefficients: &[f64]| {
-        let mut coefficients: Vec<f64> = coefficients.iter().map(|c| -c).collect();
-        coefficients[0] = 0.0;
-        power_sum(g, &coefficients, r)
+/// The formula ω on an interval that contains r = 0, in a form whose derivatives by position are finite and exact
+/// there: a polynomial of r without r¹ ([`Expr::polynomial`]), exactly or, if the formula is none, its expansion.
+///
+/// As `complement`, 1 − ω from the expansion of ω without its 1: no digits are lost near r = 0, where 1 − ω vanishes.
+fn around_origin<'g>(formula: &Formula, r: Expr<'g>, complement: bool) -> Expr<'g> {
+    let series = |mut coefficients: Vec<f64>| {
+        if complement {
+            coefficients.iter_mut().for_each(|c| *c = -*c);
+            coefficients[0] = 0.0;
+        }
+        power_sum(coefficients, r)
     };
-    let plain_complement = |g: &mut Graph, formula: &Formula| {
-        let (one, omega) = (g.one(), plain(g, formula, r));
-        g.sub(one, omega)
-    };
+    let plain_part = |f: &Formula| if complement { 1.0 - plain(f, r) } else { plain(f, r) };
     if let Some(coefficients) = formula.polynomial() {
-        return power_sum(g, &coefficients);
+        return series(coefficients);
     }
     if let Formula::If { x, y, then, otherwise } = formula {
         let (then, otherwise) = if x.evaluate(0.0) < y.evaluate(0.0) {
-            (complement_around_origin(g, then, r), plain_complement(g, otherwise))
+            (around_origin(then, r, complement), plain_part(otherwise))
         } else {
-            (plain_complement(g, then), complement_around_origin(g, otherwise, r))
+            (plain_part(then), around_origin(otherwise, r, complement))
         };
-        let (x, y) = (plain(g, x, r), plain(g, y, r));
-        return g.select_less(x, y, then, otherwise);
+        return plain(x, r).less(plain(y, r)).select(then, otherwise);
     }
     let coefficients = formula.taylor(TAYLOR_COEFFICIENTS);
-    let radius = g.constant(expansion_radius(formula, &coefficients));
-    let (near, far) = (power_sum(g, &coefficients), plain_complement(g, formula));
-    g.select_less(r, radius, near, far)
+    let radius = expansion_radius(formula, &coefficients);
+    let (near, far) = (series(coefficients), plain_part(formula));
+    r.less(radius).select(near, far)
 }
 
 /// Largest radius, at most [`TAYLOR_RADIUS`], up to which the expansion agrees with the formula.
@@ -420,60 +394,31 @@ fn expansion_radius(formula: &Formula, coefficients: &[f64]) -> f64 {
 }
 
 /// c₀ + c₂ r² + c₃ r³ + …; a kink c₁ r was refused before, what is left of it is rounding.
-fn power_sum(g: &mut Graph, coefficients: &[f64], r: ExprId) -> ExprId {
-    let mut coefficients = coefficients.to_vec();
+fn power_sum(mut coefficients: Vec<f64>, r: Expr<'_>) -> Expr<'_> {
     if let Some(slope) = coefficients.get_mut(1) {
         *slope = 0.0;
     }
-    g.polynomial(r, Polynomial::new(coefficients))
+    r.polynomial(Polynomial::new(coefficients))
 }
 
 /// The formula as it stands, for r > 0.
-fn plain(g: &mut Graph, formula: &Formula, r: ExprId) -> ExprId {
-    let two = |g: &mut Graph, x: &Formula, y: &Formula| (plain(g, x, r), plain(g, y, r));
+fn plain<'g>(formula: &Formula, r: Expr<'g>) -> Expr<'g> {
     if let Some(coefficients) = formula.polynomial() {
-        return g.polynomial(r, Polynomial::new(coefficients));
+        return r.polynomial(Polynomial::new(coefficients));
     }
+    let of = |x: &Formula| plain(x, r);
     match formula {
-        Formula::Number(value) => g.constant(*value),
+        Formula::Number(value) => r.sheet().number(*value),
         Formula::Radius => r,
-        Formula::Neg(x) => {
-            let x = plain(g, x, r);
-            g.neg(x)
-        }
-        Formula::Add(x, y) => {
-            let (x, y) = two(g, x, y);
-            g.add(x, y)
-        }
-        Formula::Sub(x, y) => {
-            let (x, y) = two(g, x, y);
-            g.sub(x, y)
-        }
-        Formula::Mul(x, y) => {
-            let (x, y) = two(g, x, y);
-            g.mul(x, y)
-        }
-        Formula::Div(x, y) => {
-            let (x, y) = two(g, x, y);
-            g.div(x, y)
-        }
-        Formula::Power(x, k) => {
-            let x = plain(g, x, r);
-            g.power(x, *k)
-        }
-        Formula::Exp(x) => {
-            let x = plain(g, x, r);
-            g.exp(x)
-        }
-        Formula::Sqrt(x) => {
-            let x = plain(g, x, r);
-            g.sqrt(x)
-        }
-        Formula::If { x, y, then, otherwise } => {
-            let (x, y) = two(g, x, y);
-            let (then, otherwise) = two(g, then, otherwise);
-            g.select_less(x, y, then, otherwise)
-        }
+        Formula::Neg(x) => -of(x),
+        Formula::Add(x, y) => of(x) + of(y),
+        Formula::Sub(x, y) => of(x) - of(y),
+        Formula::Mul(x, y) => of(x) * of(y),
+        Formula::Div(x, y) => of(x) / of(y),
+        Formula::Power(x, k) => of(x).powi(*k),
+        Formula::Exp(x) => of(x).exp(),
+        Formula::Sqrt(x) => of(x).sqrt(),
+        Formula::If { x, y, then, otherwise } => of(x).less(of(y)).select(of(then), of(otherwise)),
     }
 }
 

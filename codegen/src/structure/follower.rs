@@ -1,101 +1,81 @@
 //! Variables that move with a parameter: total derivatives by the implicit function theorem and the chain rule.
 
-use crate::graph::{ExprId, Graph, SymbolId};
+use crate::expr::{Expr, Matrix, Values, Vector};
 
 /// A parameter and the variables that move with it.
 #[derive(Clone, Debug)]
-pub struct Follower {
-    parameter: SymbolId,
-    moves: Vec<(SymbolId, ExprId)>,
+pub struct Follower<'g> {
+    parameter: Expr<'g>,
+    moves: Values<'g>,
 }
 
-impl Follower {
+impl<'g> Follower<'g> {
     /// A parameter that nothing follows yet.
     #[must_use]
-    pub const fn new(parameter: SymbolId) -> Self {
+    pub const fn new(parameter: Expr<'g>) -> Self {
         Self { parameter, moves: Vec::new() }
     }
 
     /// The parameter α.
     #[must_use]
-    pub const fn parameter(&self) -> SymbolId {
+    pub const fn parameter(&self) -> Expr<'g> {
         self.parameter
     }
 
     /// The variables v that follow, with their dv/dα.
-    pub(super) fn moves(&self) -> &[(SymbolId, ExprId)] {
+    pub(super) fn moves(&self) -> &[(Expr<'g>, Expr<'g>)] {
         &self.moves
     }
 
     /// Adds variables v with their dv/dα.
-    pub fn follow(&mut self, moves: impl IntoIterator<Item = (SymbolId, ExprId)>) {
+    pub fn follow(&mut self, moves: impl IntoIterator<Item = (Expr<'g>, Expr<'g>)>) {
         self.moves.extend(moves);
     }
 
     /// Adds variables v that are the root of r(v, α) = 0, which may also contain what follows already: dv/dα =
     /// −r_v⁻¹ dr/dα. All of it is evaluated where the variables have the values `at`.
-    pub fn follow_root(
+    pub fn follow_root<const N: usize>(
         &mut self,
-        g: &mut Graph,
-        variables: &[SymbolId],
-        equations: &[ExprId],
-        inverse_jacobian: &[Vec<ExprId>],
-        at: &[(SymbolId, ExprId)],
+        variables: Vector<'g, N>,
+        equations: Vector<'g, N>,
+        inverse_jacobian: Matrix<'g, N, N>,
+        at: &[(Expr<'g>, Expr<'g>)],
     ) {
-        let minus_change: Vec<ExprId> = equations
-            .iter()
-            .map(|&equation| {
-                let change = self.total_derivative(g, equation);
-                let change = g.substitute(change, at);
-                g.neg(change)
-            })
-            .collect();
-        let changes: Vec<ExprId> = inverse_jacobian.iter().map(|row| g.dot(row, &minus_change)).collect();
-        self.follow(variables.iter().copied().zip(changes));
+        let minus_change = equations.map(|r| -self.total_derivative(r).at(at));
+        self.follow(variables.set_to(inverse_jacobian * minus_change));
     }
 
-    /// d expr/dα = ∂expr/∂α + Σ ∂expr/∂v dv/dα
-    pub fn total_derivative(&self, g: &mut Graph, expr: ExprId) -> ExprId {
-        let mut total = g.derivative(expr, self.parameter);
-        for &(variable, change) in &self.moves {
-            let partial = g.derivative(expr, variable);
-            let product = g.mul(partial, change);
-            total = g.add(total, product);
-        }
-        total
+    /// df/dα = ∂f/∂α + Σ ∂f/∂v dv/dα
+    #[must_use]
+    pub fn total_derivative(&self, f: Expr<'g>) -> Expr<'g> {
+        self.moves.iter().fold(f.by(self.parameter), |total, &(v, change)| total + f.by(v) * change)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::expr::Sheet;
     use crate::graph::Scope;
     use crate::interpret::{Interpreter, NodeInputs};
 
     #[test]
     fn a_root_follows_and_so_does_what_depends_on_it() {
         // v² = α, q = v³: dq/dα = 3/2 √α
-        let mut g = Graph::new();
-        let alpha = g.input("alpha", Scope::Element);
-        let (v, q) = (g.variable("v"), g.variable("q"));
-        let square = g.mul(v, v);
-        let equation = g.sub(square, alpha);
-        let cube = g.power(v, 3);
-        let [alpha, v, q_symbol] = [alpha, v, q].map(|x| g.symbol_of(x));
-        let at = [(v, g.constant(1.5))];
+        let sheet = Sheet::new();
+        let alpha = sheet.input("alpha", Scope::Element);
+        let (v, q) = (sheet.variable("v"), sheet.variable("q"));
+        let equation = Vector([v * v - alpha]);
+        let at = [(v, sheet.number(1.5))];
 
-        let slope = g.derivative(equation, v);
-        let slope = g.substitute(slope, &at);
-        let inverse = g.inverse_small(&[vec![slope]]);
+        let inverse = equation.jacobian(Vector([v])).at(&at).inverse();
         let mut follower = Follower::new(alpha);
-        follower.follow_root(&mut g, &[v], &[equation], &inverse, &at);
-        let change = follower.total_derivative(&mut g, cube);
-        follower.follow([(q_symbol, change)]);
-        let total = follower.total_derivative(&mut g, q);
-        let total = g.substitute(total, &at);
+        follower.follow_root(Vector([v]), equation, inverse, &at);
+        follower.follow([(q, follower.total_derivative(v.powi(3)))]);
+        let total = follower.total_derivative(q).at(&at).id();
 
         let mut inputs = NodeInputs::new(0);
         inputs.set_element("alpha", 2.25);
-        assert_eq!(Interpreter::new(&g, &inputs).element(total), 2.25);
+        assert_eq!(Interpreter::new(&sheet.into_graph(), &inputs).element(total), 2.25);
     }
 }

@@ -11,66 +11,60 @@
 //! s ⊗ d_l. That is found in the expressions, not assumed. W_jm is then s ⊗ w with a vector w, and all such
 //! terms of a block with the same s are one product.
 
-use crate::graph::{ExprId, Graph};
+use super::factors::common_factor;
+use crate::expr::{Expr, Mat3, Vec3, Vector, dot};
 
 /// Coefficients c_km of vectors that are linear in the positions of nodes; `[node][vector]`.
 #[derive(Clone, Debug)]
-pub struct LinearImages {
-    coefficients: Vec<Vec<ExprId>>,
+pub struct LinearImages<'g> {
+    coefficients: Vec<Vec<Expr<'g>>>,
 }
 
-/// K_ml = ∂²G/∂v_m∂v_l as `[m][l][row][column]`.
-pub type SecondDerivative = Vec<Vec<[[ExprId; 3]; 3]>>;
+/// K_ml = ∂²G/∂v_m∂v_l as `[m][l]`.
+pub type SecondDerivative<'g> = Vec<Vec<Mat3<'g>>>;
 
 /// The rows of K that belong to one vector.
-enum Rows {
+enum Rows<'g> {
     /// No entry but zeros.
     Zero,
     /// K_ml = scale ⊗ direction_l.
-    RankOne { scale: [ExprId; 3], directions: Vec<[ExprId; 3]> },
+    RankOne { scale: Vec3<'g>, directions: Vec<Vec3<'g>> },
     /// Anything else.
     Full,
 }
 
 /// W_jm of one node j: a matrix, or the vector w of scale ⊗ w.
-enum Product {
+enum Product<'g> {
     Zero,
-    RankOne([ExprId; 3]),
-    Full([[ExprId; 3]; 3]),
+    RankOne(Vec3<'g>),
+    Full(Mat3<'g>),
 }
 
-impl LinearImages {
+impl<'g> LinearImages<'g> {
     /// Vectors from their coefficients, one row per node.
     #[must_use]
-    pub const fn new(coefficients: Vec<Vec<ExprId>>) -> Self {
+    pub const fn new(coefficients: Vec<Vec<Expr<'g>>>) -> Self {
         Self { coefficients }
     }
 
     /// dG/dx from ∂G/∂v, three entries per node.
-    pub fn gradient(&self, g: &mut Graph, first: &[[ExprId; 3]]) -> Vec<ExprId> {
-        let mut gradient = Vec::new();
-        for node in &self.coefficients {
-            for axis in 0..3 {
-                let column: Vec<ExprId> = first.iter().map(|v| v[axis]).collect();
-                gradient.push(g.dot(node, &column));
-            }
-        }
-        gradient
+    #[must_use]
+    pub fn gradient(&self, first: &[Vec3<'g>]) -> Vec<Expr<'g>> {
+        self.coefficients.iter().flat_map(|node| sum_of_multiples(node, first).0).collect()
     }
 
     /// d²G/dx² from K, the packed lower triangle row by row. Where a block of K and its transpose are both there, as K
     /// is symmetric, one of them is used.
-    pub fn hessian(&self, g: &mut Graph, second: &SecondDerivative) -> Vec<ExprId> {
-        let rows: Vec<Rows> = second.iter().map(|row| classify(g, row)).collect();
-        let products: Vec<Vec<Product>> = self
-            .coefficients
-            .iter()
-            .map(|node| (0..rows.len()).map(|m| product(g, second, &rows, node, m)).collect())
-            .collect();
+    #[must_use]
+    pub fn hessian(&self, second: &SecondDerivative<'g>) -> Vec<Expr<'g>> {
+        let rows: Vec<Rows<'g>> = second.iter().map(|row| classify(row)).collect();
+        let of_node =
+            |node: &Vec<Expr<'g>>| (0..rows.len()).map(|m| product(second, &rows, node, m)).collect();
+        let products: Vec<Vec<Product<'g>>> = self.coefficients.iter().map(of_node).collect();
         let mut packed = Vec::new();
         for (i, node) in self.coefficients.iter().enumerate() {
-            let blocks: Vec<[[ExprId; 3]; 3]> =
-                products[..=i].iter().map(|product| block(g, &rows, node, product)).collect();
+            let blocks: Vec<Mat3<'g>> =
+                products[..=i].iter().map(|product| block(&rows, node, product)).collect();
             for row in 0..3 {
                 for (j, block) in blocks.iter().enumerate() {
                     let columns = if j == i { row + 1 } else { 3 };
@@ -82,47 +76,40 @@ impl LinearImages {
     }
 }
 
-fn classify(g: &mut Graph, row: &[[[ExprId; 3]; 3]]) -> Rows {
-    if row.iter().flatten().flatten().all(|&x| g.is_zero(x)) {
+fn classify<'g>(row: &[Mat3<'g>]) -> Rows<'g> {
+    if row.iter().all(|block| block.as_flattened().iter().all(|x| x.is_zero())) {
         return Rows::Zero;
     }
     let scaled = [0, 1, 2].map(|axis| {
-        let entries: Vec<ExprId> = row.iter().flat_map(|block| block[axis]).collect();
-        g.common_factor(&entries)
+        let entries: Vec<Expr<'g>> = row.iter().flat_map(|block| block[axis]).collect();
+        common_factor(&entries)
     });
     if scaled.iter().any(|row| row.direction != scaled[0].direction) {
         return Rows::Full;
     }
-    let directions = scaled[0].direction.chunks_exact(3).map(|d| [d[0], d[1], d[2]]).collect();
-    Rows::RankOne { scale: scaled.map(|row| row.scale), directions }
+    let directions = scaled[0].direction.chunks_exact(3).map(|d| Vector([d[0], d[1], d[2]])).collect();
+    Rows::RankOne { scale: Vector(scaled.map(|row| row.scale)), directions }
 }
 
 /// W_jm for the coefficients of node j.
-fn product(g: &mut Graph, second: &SecondDerivative, rows: &[Rows], node: &[ExprId], m: usize) -> Product {
+fn product<'g>(second: &SecondDerivative<'g>, rows: &[Rows<'g>], node: &[Expr<'g>], m: usize) -> Product<'g> {
     match &rows[m] {
         Rows::Zero => Product::Zero,
-        Rows::RankOne { directions, .. } => Product::RankOne(combination(g, node, directions)),
+        Rows::RankOne { directions, .. } => Product::RankOne(sum_of_multiples(node, directions)),
         Rows::Full => {
-            let mut matrix = [[g.zero(); 3]; 3];
-            for (l, row) in rows.iter().enumerate() {
-                if !matches!(row, Rows::Full) {
-                    continue;
-                }
-                for a in 0..3 {
-                    for b in 0..3 {
-                        // Of a symmetric matrix the lower triangle is read.
-                        let entry = if (m, a) >= (l, b) { second[m][l][a][b] } else { second[l][m][b][a] };
-                        let term = g.mul(node[l], entry);
-                        matrix[a][b] = g.add(matrix[a][b], term);
-                    }
-                }
+            let mut matrix = Mat3::zero(node[0].sheet());
+            for l in (0..rows.len()).filter(|&l| matches!(rows[l], Rows::Full)) {
+                // Of a symmetric matrix the lower triangle is read.
+                let lower = |a: usize, b: usize| {
+                    if (m, a) >= (l, b) { second[m][l][a][b] } else { second[l][m][b][a] }
+                };
+                matrix += node[l] * Mat3::from_fn(lower);
             }
             // K_ml = K_lmᵀ = direction ⊗ scale
             for (scale, members) in groups(rows) {
-                let members: Vec<(ExprId, [ExprId; 3])> =
-                    members.into_iter().map(|(l, directions)| (node[l], directions[m])).collect();
-                let along = sum_of_multiples(g, &members);
-                add_outer(g, &mut matrix, along, scale);
+                let (c, directions): (Vec<_>, Vec<_>) =
+                    members.into_iter().map(|(l, directions)| (node[l], directions[m])).unzip();
+                matrix += sum_of_multiples(&c, &directions).outer(scale);
             }
             Product::Full(matrix)
         }
@@ -130,37 +117,29 @@ fn product(g: &mut Graph, second: &SecondDerivative, rows: &[Rows], node: &[Expr
 }
 
 /// Σ_m c_im W_jm
-fn block(g: &mut Graph, rows: &[Rows], node: &[ExprId], products: &[Product]) -> [[ExprId; 3]; 3] {
-    let mut total = [[g.zero(); 3]; 3];
+fn block<'g>(rows: &[Rows<'g>], node: &[Expr<'g>], products: &[Product<'g>]) -> Mat3<'g> {
+    let mut total = Mat3::zero(node[0].sheet());
     for (&c, product) in node.iter().zip(products) {
         if let Product::Full(matrix) = product {
-            for a in 0..3 {
-                for b in 0..3 {
-                    let term = g.mul(c, matrix[a][b]);
-                    total[a][b] = g.add(total[a][b], term);
-                }
-            }
+            total += c * *matrix;
         }
     }
     for (scale, members) in groups(rows) {
-        let members: Vec<(ExprId, [ExprId; 3])> = members
-            .into_iter()
-            .filter_map(|(m, _)| match &products[m] {
-                Product::RankOne(w) => Some((node[m], *w)),
-                Product::Zero | Product::Full(_) => None,
-            })
-            .collect();
-        let along = sum_of_multiples(g, &members);
-        add_outer(g, &mut total, scale, along);
+        let multiples = members.into_iter().filter_map(|(m, _)| match products[m] {
+            Product::RankOne(w) => Some((node[m], w)),
+            Product::Zero | Product::Full(_) => None,
+        });
+        let (c, w): (Vec<_>, Vec<_>) = multiples.unzip();
+        total += scale.outer(sum_of_multiples(&c, &w));
     }
     total
 }
 
 /// The vectors of rank one with the same scale.
-type Group<'a> = ([ExprId; 3], Vec<(usize, &'a [[ExprId; 3]])>);
+type Group<'a, 'g> = (Vec3<'g>, Vec<(usize, &'a [Vec3<'g>])>);
 
-fn groups(rows: &[Rows]) -> Vec<Group<'_>> {
-    let mut groups: Vec<Group<'_>> = Vec::new();
+fn groups<'a, 'g>(rows: &'a [Rows<'g>]) -> Vec<Group<'a, 'g>> {
+    let mut groups: Vec<Group<'a, 'g>> = Vec::new();
     for (m, row) in rows.iter().enumerate() {
         let Rows::RankOne { scale, directions } = row else { continue };
         match groups.iter_mut().find(|(other, _)| other == scale) {
@@ -172,109 +151,69 @@ fn groups(rows: &[Rows]) -> Vec<Group<'_>> {
 }
 
 /// Σ_l c_l v_l
-fn combination(g: &mut Graph, coefficients: &[ExprId], vectors: &[[ExprId; 3]]) -> [ExprId; 3] {
-    let members: Vec<(ExprId, [ExprId; 3])> =
-        coefficients.iter().copied().zip(vectors.iter().copied()).collect();
-    sum_of_multiples(g, &members)
-}
-
-fn sum_of_multiples(g: &mut Graph, members: &[(ExprId, [ExprId; 3])]) -> [ExprId; 3] {
-    [0, 1, 2].map(|axis| {
-        let (c, v): (Vec<ExprId>, Vec<ExprId>) = members.iter().map(|&(c, v)| (c, v[axis])).unzip();
-        g.dot(&c, &v)
-    })
-}
-
-/// matrix += x ⊗ y
-fn add_outer(g: &mut Graph, matrix: &mut [[ExprId; 3]; 3], x: [ExprId; 3], y: [ExprId; 3]) {
-    for a in 0..3 {
-        for b in 0..3 {
-            let term = g.mul(x[a], y[b]);
-            matrix[a][b] = g.add(matrix[a][b], term);
-        }
-    }
+fn sum_of_multiples<'g>(c: &[Expr<'g>], v: &[Vec3<'g>]) -> Vec3<'g> {
+    Vector::from_fn(|axis| dot(c, v.iter().map(|v| v[axis])))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::{Scope, SymbolId};
+    use crate::expr::Sheet;
+    use crate::graph::{Op, Scope};
     use crate::interpret::{Interpreter, NodeInputs};
 
-    /// G = ½ (v·v)² + (n·v)(n·w) + (m·z)(v·v) for v, w, z linear in three nodes: full rows for v, rank one for w and z.
+    /// G = ½ (v·v)² + (n·v)(n·w) + (m·z)(v·v)
+    fn function<'g>([n, m]: [Vec3<'g>; 2], [v, w, z]: [Vec3<'g>; 3]) -> Expr<'g> {
+        0.5 * v.dot(v).powi(2) + n.dot(v) * n.dot(w) + m.dot(z) * v.dot(v)
+    }
+
+    /// For v, w, z linear in three nodes: full rows for v, rank one for w and z.
     #[test]
     fn the_chain_rule_holds_for_full_and_for_rank_one_rows() {
-        let mut g = Graph::new();
-        let vector = |g: &mut Graph, name: &str| -> [ExprId; 3] {
-            [0, 1, 2].map(|axis| g.input(&format!("{name}_{axis}"), Scope::Element))
-        };
-        let nodes: Vec<[ExprId; 3]> = (0..3).map(|k| vector(&mut g, &format!("x{k}"))).collect();
-        let [n, m] = ["n", "m"].map(|name| vector(&mut g, name));
-        let coefficients: Vec<Vec<ExprId>> = (0..3)
-            .map(|k| (0..3).map(|l| g.input(&format!("c_{k}_{l}"), Scope::Element)).collect())
+        let sheet = Sheet::new();
+        let vector = |name: &str| sheet.vector(name, Scope::Element);
+        let nodes = ["x0", "x1", "x2"].map(vector);
+        let [n, m] = ["n", "m"].map(vector);
+        let coefficients: Vec<Vec<_>> = (0..3)
+            .map(|k| (0..3).map(|l| sheet.input(&format!("c_{k}_{l}"), Scope::Element)).collect())
             .collect();
-        let definitions: Vec<[ExprId; 3]> = (0..3)
-            .map(|l| {
-                [0, 1, 2].map(|axis| {
-                    let column: Vec<ExprId> = coefficients.iter().map(|node| node[l]).collect();
-                    let x: Vec<ExprId> = nodes.iter().map(|x| x[axis]).collect();
-                    g.dot(&column, &x)
-                })
-            })
-            .collect();
-        let bound: Vec<[ExprId; 3]> = definitions
-            .iter()
-            .enumerate()
-            .map(|(l, v)| [0, 1, 2].map(|axis| g.bind(&format!("v{l}_{axis}"), v[axis])))
-            .collect();
-        let function = |g: &mut Graph, [v, w, z]: [[ExprId; 3]; 3]| {
-            let (vv, nv) = (g.dot(&v, &v), g.dot(&n, &v));
-            let (nw, mz) = (g.dot(&n, &w), g.dot(&m, &z));
-            let half = g.constant(0.5);
-            let square = g.mul(vv, vv);
-            let first = g.mul(half, square);
-            let (second, third) = (g.mul(nv, nw), g.mul(mz, vv));
-            g.total(&[first, second, third])
-        };
-
-        let of_bound = function(&mut g, [bound[0], bound[1], bound[2]]);
-        let symbols: Vec<[SymbolId; 3]> = bound.iter().map(|v| v.map(|x| g.symbol_of(x))).collect();
-        let first: Vec<[ExprId; 3]> =
-            symbols.iter().map(|v| v.map(|symbol| g.derivative(of_bound, symbol))).collect();
-        let second: SecondDerivative = first
-            .iter()
-            .map(|row| symbols.iter().map(|v| row.map(|x| v.map(|symbol| g.derivative(x, symbol)))).collect())
-            .collect();
+        let definitions = [0, 1, 2].map(|l| {
+            let column: Vec<_> = coefficients.iter().map(|node| node[l]).collect();
+            sum_of_multiples(&column, &nodes)
+        });
+        let bound = [0, 1, 2].map(|l| definitions[l].bind(&format!("v{l}")));
+        let of_bound = function([n, m], bound);
+        let first = bound.map(|v| of_bound.gradient(v));
+        let second: SecondDerivative<'_> =
+            first.iter().map(|row| bound.iter().map(|&v| row.jacobian(v)).collect()).collect();
         let kinds: Vec<bool> =
-            second.iter().map(|row| matches!(classify(&mut g, row), Rows::RankOne { .. })).collect();
+            second.iter().map(|row| matches!(classify(row), Rows::RankOne { .. })).collect();
         assert_eq!(kinds, [false, true, true]);
         let images = LinearImages::new(coefficients);
-        let gradient = images.gradient(&mut g, &first);
-        let hessian = images.hessian(&mut g, &second);
+        let (gradient, hessian) = (images.gradient(&first), images.hessian(&second));
 
         // The same by plain differentiation of the function of the nodes.
-        let of_nodes = function(&mut g, [definitions[0], definitions[1], definitions[2]]);
-        let by: Vec<SymbolId> = nodes.iter().flatten().map(|&x| g.symbol_of(x)).collect();
-        let expected: Vec<ExprId> = by.iter().map(|&x| g.derivative(of_nodes, x)).collect();
-        let mut expected_hessian = Vec::new();
-        for row in 0..by.len() {
-            expected_hessian.extend((0..=row).map(|column| g.derivative(expected[row], by[column])));
-        }
+        let of_nodes = function([n, m], definitions);
+        let by: Vec<_> = nodes.iter().flat_map(|x| x.0).collect();
+        let expected: Vec<_> = by.iter().map(|&x| of_nodes.by(x)).collect();
+        let expected_hessian = (0..by.len()).flat_map(|row| by[..=row].iter().map(move |&x| (row, x)));
+        let expected_hessian: Vec<_> = expected_hessian.map(|(row, x)| expected[row].by(x)).collect();
         let mut inputs = NodeInputs::new(0);
         let mut value = 0.3_f64;
-        for index in 0..g.len() {
-            if let crate::graph::Op::Symbol(symbol) = g.op(ExprId(index as u32)) {
-                let data = g.symbol_data(symbol);
+        let graph = sheet.graph();
+        for index in 0..graph.len() {
+            if let Op::Symbol(symbol) = graph.op(crate::graph::ExprId(index as u32)) {
+                let data = graph.symbol_data(symbol);
                 if data.definition.is_none() {
                     value = (value * 7.3 + 0.17).fract();
                     inputs.set_element(&data.name, value - 0.4);
                 }
             }
         }
-        let mut interpreter = Interpreter::new(&g, &inputs);
+        let mut interpreter = Interpreter::new(&graph, &inputs);
         assert_eq!((gradient.len(), hessian.len()), (9, 45));
         for (found, expected) in gradient.iter().zip(&expected).chain(hessian.iter().zip(&expected_hessian)) {
-            let difference = interpreter.element(*found) - interpreter.element(*expected);
+            let difference = interpreter.element(found.id()) - interpreter.element(expected.id());
             assert!(difference.abs() < 1e-15, "{difference:e}");
         }
     }

@@ -1,6 +1,7 @@
 //! Products of low rank, and sums of products that fuse.
 
-use crate::graph::{ExprId, Graph, Scope};
+use crate::expr::{Expr, Mat3, Vec3};
+use crate::graph::{ExprId, Scope};
 
 /// One of the products a Hessian is made of off its diagonal: cᵢᵀ bⱼ + bᵢᵀ cⱼ for the row i and the column j.
 #[derive(Clone, Copy, Debug)]
@@ -22,14 +23,13 @@ pub struct LowRankForm {
 }
 
 impl LowRankForm {
-    /// From the factors' rows, for a node and for the slave; products that vanish are left out.
-    pub(super) fn new(own: [[ExprId; 3]; 3], g: &Graph, node: Factors<'_>, slave: Factors<'_>) -> Self {
-        let is_zero = |row: &[ExprId; 3]| row.iter().all(|&x| g.is_zero(x));
-        let terms = (0..node.0.len())
-            .map(|k| LowRankTerm { b: [node.0[k], slave.0[k]], c: [node.1[k], slave.1[k]] })
-            .filter(|term| !is_zero(&term.b[0]) && !is_zero(&term.c[0]))
-            .collect();
-        Self { own, terms }
+    /// From the factors of a node and of the slave; products that vanish are left out.
+    pub(super) fn new(own: Mat3<'_>, node: &Factors<'_>, slave: &Factors<'_>) -> Self {
+        let is_zero = |row: Vec3<'_>| row.iter().all(|x| x.is_zero());
+        let terms = (0..node.b.len()).filter(|&k| !is_zero(node.b[k]) && !is_zero(node.c[k])).map(|k| {
+            LowRankTerm { b: [node.b[k].ids(), slave.b[k].ids()], c: [node.c[k].ids(), slave.c[k].ids()] }
+        });
+        Self { own: own.ids(), terms: terms.collect() }
     }
 
     /// The same with other expressions.
@@ -44,84 +44,59 @@ impl LowRankForm {
     }
 }
 
-pub(super) type Factors<'a> = (&'a [[ExprId; 3]], &'a [[ExprId; 3]]);
+/// The factors B and C of a form by their rows: those of a node, or of the slave.
+#[derive(PartialEq)]
+pub(super) struct Factors<'g> {
+    pub b: Vec<Vec3<'g>>,
+    pub c: Vec<Vec3<'g>>,
+}
 
-/// `start` plus entry (row, column) of C₁ᵀB₂ + B₁ᵀC₂ for factors (B, C).
-pub(super) fn low_rank(
-    g: &mut Graph,
-    start: ExprId,
-    first: Factors<'_>,
-    second: Factors<'_>,
-    row: usize,
-    column: usize,
-) -> ExprId {
-    let one_way = products(g, &column_of(first.1, row), &column_of(second.0, column));
-    if row == column && first == second {
-        let two = g.constant(2.0);
-        return split_by_scope(g, one_way).into_iter().fold(start, |total, products| {
-            let sum = g.total(&products);
-            add_products(g, total, &[two], &[sum])
-        });
+impl<'g> Factors<'g> {
+    /// `start` plus entry (row, column) of C₁ᵀB₂ + B₁ᵀC₂, with these factors first.
+    pub fn product(&self, start: Expr<'g>, other: &Self, row: usize, column: usize) -> Expr<'g> {
+        let mut all = products(&self.c, row, &other.b, column);
+        let zero = start.sheet().zero();
+        if row == column && self == other {
+            return split_by_scope(all)
+                .into_iter()
+                .fold(start, |total, products| total + 2.0 * add_all(zero, products));
+        }
+        all.extend(products(&self.b, row, &other.c, column));
+        if start.scope() == Scope::Element {
+            return add_all(start, all);
+        }
+        let [same, varying] = split_by_scope(all);
+        // A name keeps it whole.
+        let same = add_all(zero, same).named("same_for_all_nodes");
+        add_all(start + same, varying)
     }
-    let mut all = one_way;
-    all.extend(products(g, &column_of(first.0, row), &column_of(second.1, column)));
-    if g.scope(start) == Scope::Element {
-        return add_all(g, start, all);
+
+    /// The same for the pair (row node, column node). What rows that are the same for all nodes contribute is computed
+    /// once per element.
+    pub fn pair(&self, row: usize, column: usize) -> Expr<'g> {
+        let rows = |f: &[Vec3<'g>]| -> Vec<Expr<'g>> { f.iter().map(|r| r[row].at_row()).collect() };
+        let columns = |f: &[Vec3<'g>]| -> Vec<Expr<'g>> { f.iter().map(|r| r[column].at_column()).collect() };
+        let (b_row, c_row) = (rows(&self.b), rows(&self.c));
+        let (b_column, c_column) = (columns(&self.b), columns(&self.c));
+        let c_b = c_row.into_iter().zip(b_column);
+        let all: Vec<Expr<'g>> = c_b.chain(b_row.into_iter().zip(c_column)).map(|(x, y)| x * y).collect();
+        let sheet = self.b[0][0].sheet();
+        let [same, varying] = split_by_scope(all);
+        add_all(add_all(sheet.zero(), same), varying)
     }
-    let [same, varying] = split_by_scope(g, all);
-    let same = g.total(&same);
-    // A name keeps it whole.
-    g.name(same, "same_for_all_nodes");
-    let start = g.add(start, same);
-    add_all(g, start, varying)
 }
 
-/// The same for the pair (row node, column node). What rows that are the same for all nodes contribute is computed once
-/// per element.
-pub(super) fn low_rank_pair(
-    g: &mut Graph,
-    b: &[[ExprId; 3]],
-    c: &[[ExprId; 3]],
-    row: usize,
-    column: usize,
-) -> ExprId {
-    let rows =
-        |g: &mut Graph, f: &[[ExprId; 3]]| -> Vec<ExprId> { f.iter().map(|r| g.at_row(r[row])).collect() };
-    let columns = |g: &mut Graph, f: &[[ExprId; 3]]| -> Vec<ExprId> {
-        f.iter().map(|r| g.at_column(r[column])).collect()
-    };
-    let (b_row, c_row) = (rows(g, b), rows(g, c));
-    let (b_column, c_column) = (columns(g, b), columns(g, c));
-    let mut all = products(g, &c_row, &b_column);
-    all.extend(products(g, &b_row, &c_column));
-    let [same, varying] = split_by_scope(g, all);
-    let start = g.total(&same);
-    add_all(g, start, varying)
-}
-
-/// Entries of one column of a factor.
-fn column_of(rows: &[[ExprId; 3]], axis: usize) -> Vec<ExprId> {
-    rows.iter().map(|row| row[axis]).collect()
-}
-
-fn products(g: &mut Graph, x: &[ExprId], y: &[ExprId]) -> Vec<ExprId> {
-    x.iter().zip(y).map(|(&x, &y)| g.mul(x, y)).collect()
+/// Products of a column of one factor with one of another.
+fn products<'g>(x: &[Vec3<'g>], row: usize, y: &[Vec3<'g>], column: usize) -> Vec<Expr<'g>> {
+    x.iter().zip(y).map(|(x, y)| x[row] * y[column]).collect()
 }
 
 /// Terms of element scope, and the others.
-fn split_by_scope(g: &Graph, terms: Vec<ExprId>) -> [Vec<ExprId>; 2] {
-    terms.into_iter().partition::<Vec<_>, _>(|&term| g.scope(term) == Scope::Element).into()
+fn split_by_scope(terms: Vec<Expr<'_>>) -> [Vec<Expr<'_>>; 2] {
+    terms.into_iter().partition::<Vec<_>, _>(|term| term.scope() == Scope::Element).into()
 }
 
-/// start + Σ term, added from the left.
-fn add_all(g: &mut Graph, start: ExprId, terms: Vec<ExprId>) -> ExprId {
-    terms.into_iter().fold(start, |total, term| g.add(total, term))
-}
-
-/// start + Σ x_k y_k, added from the left so that every product fuses with its addition.
-pub(super) fn add_products(g: &mut Graph, start: ExprId, x: &[ExprId], y: &[ExprId]) -> ExprId {
-    x.iter().zip(y).fold(start, |total, (&x, &y)| {
-        let product = g.mul(x, y);
-        g.add(total, product)
-    })
+/// start + Σ term, added from the left: every product fuses with its addition.
+fn add_all<'g>(start: Expr<'g>, terms: Vec<Expr<'g>>) -> Expr<'g> {
+    terms.into_iter().fold(start, |total, term| total + term)
 }

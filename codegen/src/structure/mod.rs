@@ -2,15 +2,16 @@
 //! common factors, small linear systems.
 
 mod coordinates;
+mod elimination;
 mod factors;
 mod fit_derivatives;
 mod follower;
 mod linear_images;
 mod low_rank;
 mod outer_block;
-mod small;
 
 pub use coordinates::CoordinateMap;
+pub use elimination::Elimination;
 pub use fit_derivatives::{Block, Functional, Gradient, Hessian, NodeProblem};
 pub use follower::Follower;
 pub use linear_images::{LinearImages, SecondDerivative};

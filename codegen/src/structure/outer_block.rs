@@ -9,158 +9,119 @@
 //!
 //! so that the Lagrangian's derivative by θ, with α and λ following, is the node expression
 //! Λ_θ = ∂Λ/∂θ + Zᵀ ∂Λ₁/∂α + Z'ᵀ ρ₁. With C₂ = ∂Λ_θ/∂x and the reduced K₂ = d²L/dθ², θ is a block of its own beside
-//! α: its factors are L₂⁻¹B₂ and L₂⁻¹C₂ + H₂ L₂⁻¹B₂, and those of α are the same as if θ were held. Per node, an outer
-//! unknown costs a scalar's gradient; neither Z nor Z' is multiplied with a factor.
+//! α: its factors are L₂⁻¹B₂ and L₂⁻¹C₂ + H₂ L₂⁻¹B₂, or A₂⁻¹B₂ and C₂ + H₂ A₂⁻¹B₂ where A₂ is not symmetric, and those of
+//! α are the same as if θ were held. Per node, an outer unknown costs a scalar's gradient; neither Z nor Z' is multiplied
+//! with a factor.
 
 use super::factors::ScaledVector;
-use super::fit_derivatives::{Block, Functional, Lagrangian, NodeProblem, solved};
+use super::fit_derivatives::{Block, Functional, Lagrangian, NodeProblem};
 use super::follower::Follower;
-use crate::graph::{ExprId, Graph};
+use crate::expr::{Expr, dot, total};
 
 /// How the unknowns of interest move with an outer unknown.
-struct Motion {
-    follower: Follower,
+struct Motion<'g> {
+    follower: Follower<'g>,
     /// ∂Λ₁/∂θ
-    lagrangian: ExprId,
+    lagrangian: Expr<'g>,
     /// Σ ∂²Λ₁/∂α∂θ
-    change: Vec<ExprId>,
+    change: Vec<Expr<'g>>,
     /// A₁ Z'
-    adjoint_change: Vec<ExprId>,
+    adjoint_change: Vec<Expr<'g>>,
     /// Z
-    unknowns: Vec<ExprId>,
+    unknowns: Vec<Expr<'g>>,
     /// Z'
-    adjoint: Vec<ExprId>,
+    adjoint: Vec<Expr<'g>>,
 }
 
-impl NodeProblem {
+impl<'g> NodeProblem<'g> {
     /// Λ_θ and the lower triangle of K₂; `by_unknowns` is ∂Λ₁/∂α.
     pub(super) fn reduced(
         &self,
-        g: &mut Graph,
-        outer: &Block,
-        functional: &Functional,
-        lagrangian: &Lagrangian,
-        by_unknowns: &[ExprId],
-    ) -> (Vec<ExprId>, Vec<Vec<ExprId>>) {
-        let motions: Vec<Motion> = outer
-            .unknowns
-            .iter()
-            .map(|&unknown| self.motion(g, functional, lagrangian, by_unknowns, unknown))
-            .collect();
-        let by_outer = motions
-            .iter()
-            .map(|motion| {
-                let outer = motion.follower.total_derivative(g, lagrangian.outer);
-                let name = g.symbol_data(motion.follower.parameter()).name.clone();
-                let by_alpha = self.along(g, by_unknowns, &motion.unknowns, &format!("p_alpha_{name}"));
-                let by_lambda =
-                    self.along(g, &self.block.residual, &motion.adjoint, &format!("p_lambda_{name}"));
-                g.total(&[motion.lagrangian, by_alpha, by_lambda, outer])
-            })
-            .collect();
-        let second = (0..motions.len())
-            .map(|row| {
-                (0..=row)
-                    .map(|column| {
-                        let pair = [&motions[row], &motions[column]];
-                        self.second_derivative(g, outer, lagrangian, pair)
-                    })
-                    .collect()
-            })
-            .collect();
+        outer: &Block<'g>,
+        functional: &Functional<'g>,
+        lagrangian: &Lagrangian<'g>,
+        by_unknowns: &[Expr<'g>],
+    ) -> (Vec<Expr<'g>>, Vec<Vec<Expr<'g>>>) {
+        let motion = |&theta: &Expr<'g>| self.motion(functional, lagrangian, by_unknowns, theta);
+        let motions: Vec<Motion<'g>> = outer.unknowns.iter().map(motion).collect();
+        let by_outer = motions.iter().map(|motion| {
+            let outer = motion.follower.total_derivative(lagrangian.outer);
+            let name = motion.follower.parameter().symbol_name();
+            let by_alpha = self.along(by_unknowns, &motion.unknowns, &format!("p_alpha_{name}"));
+            let by_lambda = self.along(&self.block.residual, &motion.adjoint, &format!("p_lambda_{name}"));
+            motion.lagrangian + by_alpha + by_lambda + outer
+        });
+        let by_outer = by_outer.collect();
+        let second = |row: usize, column: usize| {
+            self.second_derivative(outer, lagrangian, &motions[row], &motions[column])
+        };
+        let second =
+            (0..motions.len()).map(|row| (0..=row).map(|column| second(row, column)).collect()).collect();
         (by_outer, second)
     }
 
     fn motion(
         &self,
-        g: &mut Graph,
-        functional: &Functional,
-        lagrangian: &Lagrangian,
-        by_unknowns: &[ExprId],
-        unknown: ExprId,
-    ) -> Motion {
-        let system = self.block.system;
-        let follower = self.coordinates.follower(g, unknown);
-        let name = g.symbol_data(follower.parameter()).name.clone();
-        let by_unknown = follower.total_derivative(g, lagrangian.inner);
-        g.name(by_unknown, &format!("lagrangian_{}_{name}", functional.name));
-        let residual_change = self.sums_of_changes(g, &self.block.residual, &follower);
-        let unknowns = solved(g, system, &residual_change, &format!("alpha_{name}"));
-        let change = self.sums_of_changes(g, by_unknowns, &follower);
-        let adjoint_change: Vec<ExprId> = (0..change.len())
-            .map(|row| {
-                let second: Vec<ExprId> = (0..change.len())
-                    .map(|column| functional.second[row.max(column)][row.min(column)])
-                    .collect();
-                let by_motion = g.dot(&second, &unknowns);
-                g.add(change[row], by_motion)
-            })
+        functional: &Functional<'g>,
+        lagrangian: &Lagrangian<'g>,
+        by_unknowns: &[Expr<'g>],
+        theta: Expr<'g>,
+    ) -> Motion<'g> {
+        let (system, of) = (self.system(), &functional.name);
+        let follower = self.coordinates.follower(theta);
+        let name = theta.symbol_name();
+        let by_theta = follower.total_derivative(lagrangian.inner).named(&format!("lagrangian_{of}_{name}"));
+        let residual_change = self.sums_of_changes(&self.block.residual, &follower);
+        let unknowns = system.solve_bound(&residual_change, &format!("alpha_{name}"));
+        let change = self.sums_of_changes(by_unknowns, &follower);
+        let size = change.len();
+        let second = |row: usize, column: usize| functional.second[row.max(column)][row.min(column)];
+        let adjoint_change: Vec<Expr<'g>> = (0..size)
+            .map(|row| change[row] + dot((0..size).map(|column| second(row, column)), &unknowns))
             .collect();
-        let adjoint = solved(g, system, &adjoint_change, &format!("lambda_{}_{name}", functional.name));
-        Motion { follower, lagrangian: by_unknown, change, adjoint_change, unknowns, adjoint }
+        let adjoint = system.solve_bound(&adjoint_change, &format!("lambda_{of}_{name}"));
+        Motion { follower, lagrangian: by_theta, change, adjoint_change, unknowns, adjoint }
     }
 
     /// Σ dv/dθ over the nodes for a vector v of the residuals' length, θ moving what the coordinates say.
-    fn sums_of_changes(&self, g: &mut Graph, vector: &[ExprId], follower: &Follower) -> Vec<ExprId> {
-        let mut total = vec![g.zero(); vector.len()];
-        for ScaledVector { scale, direction } in self.block.split(g, vector) {
+    fn sums_of_changes(&self, vector: &[Expr<'g>], follower: &Follower<'g>) -> Vec<Expr<'g>> {
+        let mut total = vec![self.zero(); vector.len()];
+        for ScaledVector { scale, direction } in self.block.split(vector) {
             // d(s p) = ds p + s dp, where dp is the sum of ∂p/∂X dX, and s dX the same for all components.
-            let change_of_scale = follower.total_derivative(g, scale);
-            let steps: Vec<_> =
-                follower.moves().iter().map(|&(variable, change)| (variable, g.mul(scale, change))).collect();
+            let change_of_scale = follower.total_derivative(scale);
+            let steps: Vec<_> = follower.moves().iter().map(|&(x, change)| (x, scale * change)).collect();
             for (total, &p) in total.iter_mut().zip(&direction) {
-                let mut change = g.mul(change_of_scale, p);
-                let explicit = g.derivative(p, follower.parameter());
-                let explicit = g.mul(scale, explicit);
-                change = g.add(change, explicit);
-                for &(variable, step) in &steps {
-                    let partial = g.derivative(p, variable);
-                    let product = g.mul(partial, step);
-                    change = g.add(change, product);
-                }
-                let sum = self.sum_at_values(g, change);
-                *total = g.add(*total, sum);
+                let change = change_of_scale * p + scale * p.by(follower.parameter());
+                let change = steps.iter().fold(change, |change, &(x, step)| change + p.by(x) * step);
+                *total += self.sum_at_values(change);
             }
         }
         total
     }
 
     /// coefficients · v for a vector v of the residuals' length: a scalar times a scalar in each group.
-    fn along(&self, g: &mut Graph, vector: &[ExprId], coefficients: &[ExprId], name: &str) -> ExprId {
-        let mut total = g.zero();
-        for ScaledVector { scale, direction } in self.block.split(g, vector) {
-            let along = g.dot(coefficients, &direction);
-            g.name(along, name);
-            let term = g.mul(scale, along);
-            total = g.add(total, term);
-        }
-        total
+    fn along(&self, vector: &[Expr<'g>], coefficients: &[Expr<'g>], name: &str) -> Expr<'g> {
+        let parts = self.block.split(vector).into_iter();
+        parts.fold(self.zero(), |total, ScaledVector { scale, direction }| {
+            total + scale * dot(coefficients, &direction).named(name)
+        })
     }
 
     /// d²L/dθdθ' = ∂²L/∂θ∂θ' + Zᵀ ∂²L/∂α∂θ' + (∂²L/∂θ∂α + Zᵀ K) Z'
     fn second_derivative(
         &self,
-        g: &mut Graph,
-        outer: &Block,
-        lagrangian: &Lagrangian,
-        [row, column]: [&Motion; 2],
-    ) -> ExprId {
-        let sum_of_change = |g: &mut Graph, first: ExprId| {
-            let second = column.follower.total_derivative(g, first);
-            self.sum_at_values(g, second)
-        };
-        let inner = sum_of_change(g, row.lagrangian);
-        let of_residuals: Vec<ExprId> = outer
-            .residual
-            .iter()
-            .map(|&residual| {
-                let first = row.follower.total_derivative(g, residual);
-                sum_of_change(g, first)
-            })
-            .collect();
-        let outer = g.dot(&lagrangian.outer_adjoint, &of_residuals);
-        let through_alpha = g.dot(&row.unknowns, &column.change);
-        let through_lambda = g.dot(&row.adjoint_change, &column.unknowns);
-        g.total(&[inner, outer, through_alpha, through_lambda])
+        outer: &Block<'g>,
+        lagrangian: &Lagrangian<'g>,
+        row: &Motion<'g>,
+        column: &Motion<'g>,
+    ) -> Expr<'g> {
+        let sum_of_change = |first: Expr<'g>| self.sum_at_values(column.follower.total_derivative(first));
+        let inner = sum_of_change(row.lagrangian);
+        let of_residuals: Vec<Expr<'g>> =
+            outer.residual.iter().map(|&r| sum_of_change(row.follower.total_derivative(r))).collect();
+        let outer = dot(&lagrangian.outer_adjoint, of_residuals);
+        let through_alpha = dot(&row.unknowns, &column.change);
+        let through_lambda = dot(&row.adjoint_change, &column.unknowns);
+        total([inner, outer, through_alpha, through_lambda])
     }
 }

@@ -1,6 +1,6 @@
 //! Minimum of a function of two variables by a damped Newton iteration, all lanes at once.
 
-use super::newton::{LONGEST_STEP, MOST_ITERATIONS, TOLERANCE, choose, distance, newton_step, norm};
+use super::newton::{Iterate, LONGEST_STEP, newton_step, norm};
 use super::{Lane, RootSolution};
 
 /// Smallest curvature a step is based on where the function is not convex, relative to the largest.
@@ -16,15 +16,9 @@ const OVERSHOOT: f64 = 0.5;
 /// narrow a facet is. Lanes that have converged stay where they are.
 #[derive(Clone, Copy, Debug)]
 pub struct TwoVariables<T> {
-    y: [T; 2],
-    residual: [T; 2],
-    jacobian: [T; 4],
-    start: [T; 2],
+    iterate: Iterate<T>,
+    /// The step before it was cut.
     full: [T; 2],
-    step: [T; 2],
-    relative: T,
-    iterations: T,
-    evaluations: u32,
 }
 
 impl<T: Lane> TwoVariables<T> {
@@ -32,73 +26,44 @@ impl<T: Lane> TwoVariables<T> {
     #[inline(always)]
     #[must_use]
     pub fn start() -> Self {
-        Self {
-            y: [T::ZERO; 2],
-            residual: [T::ZERO; 2],
-            jacobian: [T::ZERO; 4],
-            start: [T::ZERO; 2],
-            full: [T::ZERO; 2],
-            step: [T::ZERO; 2],
-            relative: T::ONE,
-            iterations: T::ONE,
-            evaluations: 0,
-        }
+        Self { iterate: Iterate::start(), full: [T::ZERO; 2] }
     }
 
     /// Where to evaluate next.
     #[inline(always)]
     #[must_use]
     pub fn point(&self) -> [T; 2] {
-        [self.y[0] + self.step[0], self.y[1] + self.step[1]]
+        self.iterate.point()
     }
 
     /// Takes −∂E/∂y at [`point`](Self::point) and its Jacobian, row by row; returns the solution at the end.
     #[inline(always)]
     pub fn advance(&mut self, residual: [T; 2], jacobian: [T; 4]) -> Option<RootSolution<T>> {
-        let tolerance = T::splat(TOLERANCE);
-        if self.evaluations == 0 {
-            (self.residual, self.jacobian, self.start) = (residual, jacobian, residual);
-            self.full = downhill_step(residual, jacobian);
-            self.step = bounded(self.y, self.full);
+        let Self { iterate, full } = self;
+        if iterate.is_first() {
+            iterate.begin(residual, jacobian);
+            *full = downhill_step(residual, jacobian);
+            iterate.step = bounded(iterate.y, *full);
         } else {
-            let relative = self.relative;
-            let active = T::select_less(relative, tolerance, T::ZERO, T::ONE);
-            let (before, after) = (dot(self.step, self.residual), dot(self.step, residual));
+            let active = iterate.active();
+            let (before, after) = (dot(iterate.step, iterate.residual), dot(iterate.step, residual));
             let bound = T::splat(-OVERSHOOT) * before;
             // What is left to go by the same matrix, and how much that may be after this part of the way.
-            let rest = norm(downhill_step(residual, self.jacobian));
-            let most = T::splat(OVERSHOOT).neg_mul_add(norm(self.step), norm(self.full));
+            let rest = norm(downhill_step(residual, iterate.jacobian));
+            let most = T::splat(OVERSHOOT).neg_mul_add(norm(iterate.step), norm(*full));
             let closer = T::select_less(rest, most, active, T::ZERO);
             let accepted = T::select_less(bound, after, active, closer);
-            let trial = self.point();
-            for k in 0..2 {
-                self.y[k] = choose(accepted, trial[k], self.y[k]);
-                self.residual[k] = choose(accepted, residual[k], self.residual[k]);
-            }
-            for k in 0..4 {
-                self.jacobian[k] = choose(accepted, jacobian[k], self.jacobian[k]);
-            }
-            self.full = downhill_step(self.residual, self.jacobian);
-            let (next, half) = (bounded(self.y, self.full), T::splat(0.5));
-            for k in 0..2 {
-                self.step[k] = choose(accepted, next[k], half * self.step[k]);
-            }
-            self.iterations = self.iterations + active;
+            iterate.accept(accepted, residual, jacobian);
+            *full = downhill_step(iterate.residual, iterate.jacobian);
+            iterate.go_on(accepted, bounded(iterate.y, *full), active);
         }
-        self.evaluations += 1;
-        self.relative = distance(self.start, self.y, self.residual, self.jacobian);
-        if self.evaluations < MOST_ITERATIONS && !T::all_less(self.relative, tolerance) {
+        if !iterate.is_over() {
             return None;
         }
-        // None from where the Jacobian is singular: the figures there tell.
-        let last = newton_step(self.residual, self.jacobian);
-        let longest = longest_step(self.y);
-        let last = last.map(|x| T::select_less(norm(last), longest, x, T::ZERO));
-        Some(RootSolution {
-            unknowns: [self.y[0] + last[0], self.y[1] + last[1]],
-            residual: self.relative,
-            iterations: self.iterations,
-        })
+        // A singular Jacobian allows no last step: `residual` reports the failure.
+        let last = newton_step(iterate.residual, iterate.jacobian);
+        let longest = longest_step(iterate.y);
+        Some(iterate.solution(last.map(|x| T::select_less(norm(last), longest, x, T::ZERO))))
     }
 }
 

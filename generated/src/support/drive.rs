@@ -5,14 +5,16 @@ use std::marker::PhantomData;
 
 use super::simd::{Block, Vector};
 use super::{
-    Batch, ElementInputs, GapValues, Inputs, Isa, Lane, Mode, NODE_VALUES, Shape, Single, WithLanes,
-    packed_row,
+    Batch, ElementInputs, GapValues, Inputs, Isa, Lane, MATERIAL_VALUES, Mode, NODE_VALUES, Shape, Single,
+    WithLanes, packed_row,
 };
 
 /// A generated kernel for the gap.
 pub trait GapKernel {
     /// How many derivatives it computes.
     const MODE: Mode;
+    /// Whether it reads where nodes are in the first configuration.
+    const MATERIAL: bool;
     /// Values it keeps of a node between its loops.
     const KEPT: usize;
     /// Whether batches are compiled for vectors of every width, or of four numbers only, to save time and room.
@@ -58,6 +60,11 @@ pub struct BatchElement<'a> {
     pub hessian: &'a mut [f64],
 }
 
+/// Values that a kernel reads of a node in the first configuration.
+const fn material_values<K: GapKernel>() -> usize {
+    if K::MATERIAL { MATERIAL_VALUES } else { 0 }
+}
+
 /// Entries of the gradient and of the packed Hessian that a mode computes.
 const fn sizes(mode: Mode, nodes: usize) -> (usize, usize) {
     let freedoms = 3 * (nodes + 1);
@@ -83,7 +90,7 @@ pub fn scalar<V>(
     for (k, master) in masters.iter_mut().enumerate() {
         *master = inputs.node(k);
     }
-    let values = kernel(&Inputs::gather(|_| inputs, weight_number, masters), scratch);
+    let values = kernel(&Inputs::gather(|_| inputs, weight_number, masters, &[]), scratch);
     BLOCKS.set(blocks);
     values
 }
@@ -127,9 +134,13 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
         let Self { inputs, weight_number, gradient, hessian, .. } = self;
         let count = inputs.masters.len();
         let vectors = count.div_ceil(T::WIDTH);
-        let mut blocks = memory(Block::count::<T>(NODE_VALUES * vectors + K::KEPT * (vectors + 1)));
+        let read = material_values::<K>();
+        let needed = (NODE_VALUES + read) * vectors + K::KEPT * (vectors + 1);
+        let mut blocks = memory(Block::count::<T>(needed));
         let (masters, scratch) = Block::vectors::<T>(&mut blocks).split_at_mut(NODE_VALUES * vectors);
         let (masters, _) = masters.as_chunks_mut::<NODE_VALUES>();
+        let (material, scratch) = scratch.split_at_mut(read * vectors);
+        let (material, _) = material.as_chunks_mut::<MATERIAL_VALUES>();
         for (k, master) in masters.iter_mut().enumerate() {
             // The last node also fills the rest of the last vector.
             let node = |lane: usize| inputs.node((k * T::WIDTH + lane).min(count - 1));
@@ -137,7 +148,13 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
                 *vector = T::from_fn(|lane| node(lane)[value]);
             }
         }
-        let inputs = Inputs::gather(|_| inputs, weight_number, masters);
+        for (k, node) in material.iter_mut().enumerate() {
+            let of = |lane: usize| inputs.material((k * T::WIDTH + lane).min(count - 1));
+            for (value, vector) in node.iter_mut().enumerate() {
+                *vector = T::from_fn(|lane| of(lane)[value]);
+            }
+        }
+        let inputs = Inputs::gather(|_| inputs, weight_number, masters, material);
         let values = K::evaluate::<T::Scalar, T, Single<T>>(&inputs, scratch, gradient, hessian).lane(0);
         BLOCKS.set(blocks);
         values
@@ -198,10 +215,13 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
     fn run<T: Vector>(self) {
         let count = self.elements[0].inputs.masters.len();
         let (gradients, hessians) = sizes(K::MODE, count);
-        let needed = NODE_VALUES * count + K::KEPT * (count + 1) + gradients + hessians;
+        let read = material_values::<K>();
+        let needed = (NODE_VALUES + read) * count + K::KEPT * (count + 1) + gradients + hessians;
         let vectors = Block::vectors::<T>(self.workspace.blocks(Block::count::<T>(needed)));
         let (masters, vectors) = vectors.split_at_mut(NODE_VALUES * count);
         let (masters, _) = masters.as_chunks_mut::<NODE_VALUES>();
+        let (material, vectors) = vectors.split_at_mut(read * count);
+        let (material, _) = material.as_chunks_mut::<MATERIAL_VALUES>();
         let (scratch, vectors) = vectors.split_at_mut(K::KEPT * (count + 1));
         let (gradient, vectors) = vectors.split_at_mut(gradients);
         let hessian = &mut vectors[..hessians];
@@ -213,7 +233,13 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
                     *vector = T::from_fn(|lane| elements[lane.min(last)].inputs.node(k)[value]);
                 }
             }
-            let inputs = Inputs::gather(|lane| &elements[lane.min(last)].inputs, self.weight_number, masters);
+            for (k, node) in material.iter_mut().enumerate() {
+                for (value, vector) in node.iter_mut().enumerate() {
+                    *vector = T::from_fn(|lane| elements[lane.min(last)].inputs.material(k)[value]);
+                }
+            }
+            let of = |lane: usize| &elements[lane.min(last)].inputs;
+            let inputs = Inputs::gather(of, self.weight_number, masters, material);
             let values = K::evaluate::<T, T, Batch<T>>(&inputs, scratch, gradient, hessian);
             for (lane, element) in elements.iter_mut().enumerate() {
                 element.values = values.lane(lane);

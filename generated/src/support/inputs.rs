@@ -56,10 +56,33 @@ pub enum Domains<'a> {
     Shared,
     /// One for each master node, length (`docs/equations.md`, T14).
     Each(&'a [f64]),
+    /// One for each master node, in the first configuration (`docs/equations.md`, T18).
+    Material(&'a [MaterialNode]),
+}
+
+/// A master node in the first configuration, where domains of influence stay what they are.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MaterialNode {
+    /// X_k − Ξ: its first position, seen from the slave's place there, length.
+    pub offset: [f64; 3],
+    /// Upper triangle U of its metric, rows xx, xy, xz, yy, yz, zz, 1/length: r = |U (X_k − Ξ)| is the distance over the
+    /// radius of its domain.
+    pub metric: [f64; 6],
+}
+
+impl MaterialNode {
+    /// r
+    #[must_use]
+    #[inline(always)]
+    pub fn distance(&self) -> f64 {
+        let ([x, y, z], [xx, xy, xz, yy, yz, zz]) = (self.offset, self.metric);
+        let along = [xx * x + xy * y + xz * z, yy * y + yz * z, zz * z];
+        (along[0] * along[0] + along[1] * along[1] + along[2] * along[2]).sqrt()
+    }
 }
 
 impl Domains<'_> {
-    /// R_k of the k-th master node.
+    /// R_k of the k-th master node; of domains in the first configuration `support_radius`.
     ///
     /// # Panics
     /// If there is none.
@@ -67,7 +90,7 @@ impl Domains<'_> {
     #[inline(always)]
     pub fn radius(&self, k: usize, support_radius: f64) -> f64 {
         match self {
-            Self::Shared => support_radius,
+            Self::Shared | Self::Material(_) => support_radius,
             Self::Each(radii) => radii[k],
         }
     }
@@ -111,15 +134,32 @@ impl ElementInputs<'_> {
     pub fn node(&self, k: usize) -> [f64; NODE_VALUES] {
         let [x, y, z] = self.masters.get(k);
         let ratio = match self.domains {
-            Domains::Shared => 1.0,
+            Domains::Shared | Domains::Material(_) => 1.0,
             Domains::Each(radii) => self.support_radius / radii[k],
         };
         [x, y, z, ratio]
+    }
+
+    /// Where the k-th master node is in the first configuration: X_k − Ξ and its metric. Zeros where domains are not there.
+    ///
+    /// # Panics
+    /// If there is none.
+    #[must_use]
+    #[inline(always)]
+    pub fn material(&self, k: usize) -> [f64; MATERIAL_VALUES] {
+        let node = match self.domains {
+            Domains::Material(nodes) => nodes[k],
+            Domains::Shared | Domains::Each(_) => MaterialNode::default(),
+        };
+        let ([x, y, z], [xx, xy, xz, yy, yz, zz]) = (node.offset, node.metric);
+        [x, y, z, xx, xy, xz, yy, yz, zz]
     }
 }
 
 /// Numbers that a kernel reads of each master node.
 pub const NODE_VALUES: usize = 4;
+/// Numbers that a kernel with domains in the first configuration reads of each master node besides.
+pub const MATERIAL_VALUES: usize = 9;
 
 /// What a kernel reads, as vectors: element values `E` and node values `T` of a [`Shape`](super::Shape). Fields as in
 /// [`ElementInputs`].
@@ -129,6 +169,8 @@ pub struct Inputs<'a, E, T = E> {
     pub slave: [E; 3],
     /// Master nodes, as [`ElementInputs::node`] gives them; the last vector may hold more than there are.
     pub masters: &'a [[T; NODE_VALUES]],
+    /// The same of [`ElementInputs::material`]; empty for kernels that do not read it.
+    pub material: &'a [[T; MATERIAL_VALUES]],
     /// Number of master nodes.
     pub count: usize,
     /// First in-plane direction.
@@ -150,13 +192,15 @@ pub struct Inputs<'a, E, T = E> {
 }
 
 impl<'a, E: Lane, T: Lane> Inputs<'a, E, T> {
-    /// The elements `at(lane)` side by side, one per lane of `E`. `masters` are theirs as vectors.
+    /// The elements `at(lane)` side by side, one per lane of `E`. `masters` and `material` are theirs as
+    /// vectors.
     #[inline(always)]
     #[must_use]
     pub fn gather<'e>(
         at: impl Fn(usize) -> &'e ElementInputs<'e>,
         weight_number: usize,
         masters: &'a [[T; NODE_VALUES]],
+        material: &'a [[T; MATERIAL_VALUES]],
     ) -> Self {
         // Spelt out: arrays' `map` is not always inlined.
         macro_rules! vector {
@@ -171,6 +215,7 @@ impl<'a, E: Lane, T: Lane> Inputs<'a, E, T> {
         Self {
             slave: vector!(slave),
             masters,
+            material,
             count: at(0).masters.len(),
             t1: vector!(t1),
             t2: vector!(t2),

@@ -63,6 +63,48 @@ pub trait Lane:
     #[must_use]
     fn exp(self) -> Self;
 
+    /// Natural logarithm, number by number as the other functions without a vector instruction.
+    #[must_use]
+    #[inline(always)]
+    fn ln(self) -> Self {
+        Self::from_fn(|k| self.lane(k).ln())
+    }
+
+    /// Sine.
+    #[must_use]
+    #[inline(always)]
+    fn sin(self) -> Self {
+        Self::from_fn(|k| self.lane(k).sin())
+    }
+
+    /// Cosine.
+    #[must_use]
+    #[inline(always)]
+    fn cos(self) -> Self {
+        Self::from_fn(|k| self.lane(k).cos())
+    }
+
+    /// Cube root.
+    #[must_use]
+    #[inline(always)]
+    fn cbrt(self) -> Self {
+        Self::from_fn(|k| self.lane(k).cbrt())
+    }
+
+    /// Angle of the point (`x`, `self`).
+    #[must_use]
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        Self::from_fn(|k| self.lane(k).atan2(x.lane(k)))
+    }
+
+    /// `self` to the power of `exponent`, for positive numbers.
+    #[must_use]
+    #[inline(always)]
+    fn powf(self, exponent: Self) -> Self {
+        Self::from_fn(|k| self.lane(k).powf(exponent.lane(k)))
+    }
+
     /// Absolute value.
     #[must_use]
     fn abs(self) -> Self;
@@ -137,5 +179,45 @@ impl Lane for f64 {
     #[inline(always)]
     fn all_less(x: Self, y: Self) -> bool {
         x < y
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Isa, Vector, WithLanes};
+
+    /// What a function of lanes returned, and the same function of their numbers.
+    type Pair<T> = (T, fn(f64, f64) -> f64);
+
+    /// Every function as the generator writes it.
+    struct Functions;
+
+    impl WithLanes for Functions {
+        type Output = ();
+
+        #[inline(always)]
+        fn run<T: Vector>(self) {
+            let [x, y] = [0.5, 0.25].map(|start| T::from_fn(|k| start + k as f64));
+            let all: [Pair<T>; 8] = [
+                (x.sqrt(), |x, _| x.sqrt()),
+                (x.exp(), |x, _| x.exp()),
+                (x.ln(), |x, _| x.ln()),
+                (x.sin(), |x, _| x.sin()),
+                (x.cos(), |x, _| x.cos()),
+                (x.cbrt(), |x, _| x.cbrt()),
+                (x.atan2(-y), |x, y| x.atan2(-y)),
+                (x.powf(y), f64::powf),
+            ];
+            for (k, (found, expected)) in (0..T::WIDTH).flat_map(|k| all.map(|pair| (k, pair))) {
+                assert_eq!(found.lane(k), expected(x.lane(k), y.lane(k)), "lane {k} of {}", T::WIDTH);
+            }
+        }
+    }
+
+    #[test]
+    fn every_lane_has_the_function_of_its_number() {
+        for isa in Isa::available() {
+            isa.run(Functions);
+        }
     }
 }

@@ -19,7 +19,7 @@ pub use descent::TwoVariables;
 pub use drive::{BatchElement, GapKernel, Workspace, batch, scalar, single};
 pub use facet::{AREA_TOLERANCE, FacetInputs, FacetValues, first_entries};
 pub use form::FormRows;
-pub use inputs::{Domains, ElementInputs, Inputs, Masters, NODE_VALUES};
+pub use inputs::{Domains, ElementInputs, Inputs, MATERIAL_VALUES, Masters, MaterialNode, NODE_VALUES};
 pub use lane::Lane;
 pub use newton::{RootSolution, TwoEquations};
 pub use set::KernelSet;

@@ -3,10 +3,10 @@
 use super::Lane;
 
 /// Most evaluations of the equations.
-pub(super) const MOST_ITERATIONS: u32 = 60;
+const MOST_ITERATIONS: u32 = 60;
 /// Residual at which the iteration ends, relative to the starting residual or the unknowns, whichever is larger; a last
 /// full step follows and squares it.
-pub(super) const TOLERANCE: f64 = 1e-12;
+const TOLERANCE: f64 = 1e-12;
 /// The last step has to be shorter than this, by the same measure, or a nearly singular Jacobian makes it worthless.
 const LONGEST_LAST_STEP: f64 = 1e-6;
 /// Added to the measure, so that a root at the start is one.
@@ -32,36 +32,29 @@ impl<T> RootSolution<T> {
     pub const TOLERANCE: f64 = TOLERANCE;
 }
 
-/// Solves r(y) = 0 from y = 0, one evaluation of r and its Jacobian at a time.
-///
-/// Lengths are in support radii. A step is cut to half the support radius, and halved until it reduces the residual, so
-/// that the iteration cannot leave the region the start belongs to for a far root. Lanes that have converged stay where
-/// they are.
+/// Where an iteration for two unknowns is, where it looks next, and how far it has come.
 #[derive(Clone, Copy, Debug)]
-pub struct TwoEquations<T> {
-    y: [T; 2],
-    residual: [T; 2],
-    jacobian: [T; 4],
+pub(super) struct Iterate<T> {
+    pub y: [T; 2],
+    pub residual: [T; 2],
+    pub jacobian: [T; 4],
     start: [T; 2],
-    /// Squares of what is compared, in units of the start, must not underflow.
-    unit: T,
-    step: [T; 2],
-    relative: T,
+    pub step: [T; 2],
+    /// [`RootSolution::residual`] so far.
+    pub relative: T,
     iterations: T,
     evaluations: u32,
 }
 
-impl<T: Lane> TwoEquations<T> {
-    /// The iteration before the first evaluation.
+impl<T: Lane> Iterate<T> {
+    /// Before the first evaluation.
     #[inline(always)]
-    #[must_use]
     pub fn start() -> Self {
         Self {
             y: [T::ZERO; 2],
             residual: [T::ZERO; 2],
             jacobian: [T::ZERO; 4],
             start: [T::ZERO; 2],
-            unit: T::ONE,
             step: [T::ZERO; 2],
             relative: T::ONE,
             iterations: T::ONE,
@@ -71,63 +64,130 @@ impl<T: Lane> TwoEquations<T> {
 
     /// Where to evaluate next.
     #[inline(always)]
-    #[must_use]
     pub fn point(&self) -> [T; 2] {
         [self.y[0] + self.step[0], self.y[1] + self.step[1]]
+    }
+
+    /// Whether there has been no evaluation.
+    #[inline(always)]
+    pub fn is_first(&self) -> bool {
+        self.evaluations == 0
+    }
+
+    /// Takes over the first evaluation.
+    #[inline(always)]
+    pub fn begin(&mut self, residual: [T; 2], jacobian: [T; 4]) {
+        (self.residual, self.jacobian, self.start) = (residual, jacobian, residual);
+    }
+
+    /// 1 in lanes that have not converged, 0 in the others.
+    #[inline(always)]
+    pub fn active(&self) -> T {
+        T::select_less(self.relative, T::splat(TOLERANCE), T::ZERO, T::ONE)
+    }
+
+    /// Takes over the evaluation at [`point`](Self::point) in lanes where `accepted` is 1.
+    #[inline(always)]
+    pub fn accept(&mut self, accepted: T, residual: [T; 2], jacobian: [T; 4]) {
+        let trial = self.point();
+        for k in 0..2 {
+            self.y[k] = choose(accepted, trial[k], self.y[k]);
+            self.residual[k] = choose(accepted, residual[k], self.residual[k]);
+        }
+        for k in 0..4 {
+            self.jacobian[k] = choose(accepted, jacobian[k], self.jacobian[k]);
+        }
+    }
+
+    /// Goes on with `next` in lanes where `accepted` is 1, else with half of the step before.
+    #[inline(always)]
+    pub fn go_on(&mut self, accepted: T, next: [T; 2], active: T) {
+        let half = T::splat(0.5);
+        for k in 0..2 {
+            self.step[k] = choose(accepted, next[k], half * self.step[k]);
+        }
+        self.iterations = self.iterations + active;
+    }
+
+    /// Counts the evaluation; whether it was the last one.
+    #[inline(always)]
+    pub fn is_over(&mut self) -> bool {
+        self.evaluations += 1;
+        self.relative = distance(self.start, self.y, self.residual, self.jacobian);
+        self.evaluations >= MOST_ITERATIONS || T::all_less(self.relative, T::splat(TOLERANCE))
+    }
+
+    /// The solution, after a last step.
+    #[inline(always)]
+    pub fn solution(&self, last: [T; 2]) -> RootSolution<T> {
+        RootSolution {
+            unknowns: [self.y[0] + last[0], self.y[1] + last[1]],
+            residual: self.relative,
+            iterations: self.iterations,
+        }
+    }
+}
+
+/// Solves r(y) = 0 from y = 0, one evaluation of r and its Jacobian at a time.
+///
+/// Lengths are in support radii. A step is cut to half the support radius, and halved until it reduces the residual, so
+/// that the iteration cannot leave the region the start belongs to for a far root. Lanes that have converged stay where
+/// they are.
+#[derive(Clone, Copy, Debug)]
+pub struct TwoEquations<T> {
+    iterate: Iterate<T>,
+    /// Squares of what is compared, in units of the start, must not underflow.
+    unit: T,
+}
+
+impl<T: Lane> TwoEquations<T> {
+    /// The iteration before the first evaluation.
+    #[inline(always)]
+    #[must_use]
+    pub fn start() -> Self {
+        Self { iterate: Iterate::start(), unit: T::ONE }
+    }
+
+    /// Where to evaluate next.
+    #[inline(always)]
+    #[must_use]
+    pub fn point(&self) -> [T; 2] {
+        self.iterate.point()
     }
 
     /// Takes the residuals at [`point`](Self::point) and their Jacobian, row by row; returns the solution at the end.
     #[inline(always)]
     pub fn advance(&mut self, residual: [T; 2], jacobian: [T; 4]) -> Option<RootSolution<T>> {
-        let tolerance = T::splat(TOLERANCE);
-        if self.evaluations == 0 {
-            (self.residual, self.jacobian, self.start) = (residual, jacobian, residual);
-            self.unit = T::ONE / (norm(residual) + T::splat(TINY));
-            self.step = bounded_step(residual, jacobian);
+        let Self { iterate, unit } = self;
+        if iterate.is_first() {
+            iterate.begin(residual, jacobian);
+            *unit = T::ONE / (norm(residual) + T::splat(TINY));
+            iterate.step = bounded_step(residual, jacobian);
         } else {
-            let (relative, unit) = (self.relative, self.unit);
-            let before = squared(unit, self.residual);
-            let after = squared(unit, residual);
-            let active = T::select_less(relative, tolerance, T::ZERO, T::ONE);
+            let before = squared(*unit, iterate.residual);
+            let after = squared(*unit, residual);
+            let active = iterate.active();
             let accepted = T::select_less(after, before, active, T::ZERO);
-            let trial = self.point();
-            for k in 0..2 {
-                self.y[k] = choose(accepted, trial[k], self.y[k]);
-                self.residual[k] = choose(accepted, residual[k], self.residual[k]);
-            }
-            for k in 0..4 {
-                self.jacobian[k] = choose(accepted, jacobian[k], self.jacobian[k]);
-            }
-            let full = bounded_step(self.residual, self.jacobian);
-            let half = T::splat(0.5);
-            for k in 0..2 {
-                self.step[k] = choose(accepted, full[k], half * self.step[k]);
-            }
-            self.iterations = self.iterations + active;
+            iterate.accept(accepted, residual, jacobian);
+            iterate.go_on(accepted, bounded_step(iterate.residual, iterate.jacobian), active);
         }
-        self.evaluations += 1;
-        self.relative = distance(self.start, self.y, self.residual, self.jacobian);
-        if self.evaluations < MOST_ITERATIONS && !T::all_less(self.relative, tolerance) {
+        if !iterate.is_over() {
             return None;
         }
-        // None where the iteration has not converged, as from a singular Jacobian: the figures at y tell why.
-        let last = newton_step(self.residual, self.jacobian);
-        let last = [
-            T::select_less(self.relative, tolerance, last[0], T::ZERO),
-            T::select_less(self.relative, tolerance, last[1], T::ZERO),
-        ];
-        Some(RootSolution {
-            unknowns: [self.y[0] + last[0], self.y[1] + last[1]],
-            residual: self.relative,
-            iterations: self.iterations,
-        })
+        // Lanes that have not converged take no last step, as from a singular Jacobian: `residual` reports the failure.
+        let last = newton_step(iterate.residual, iterate.jacobian);
+        let (relative, tolerance) = (iterate.relative, T::splat(TOLERANCE));
+        Some(iterate.solution([
+            T::select_less(relative, tolerance, last[0], T::ZERO),
+            T::select_less(relative, tolerance, last[1], T::ZERO),
+        ]))
     }
 }
 
 /// How far y is from a root, by the larger of the residual and the step before it; relative to the starting residual or
 /// the unknowns.
 #[inline(always)]
-pub(super) fn distance<T: Lane>(start: [T; 2], y: [T; 2], residual: [T; 2], jacobian: [T; 4]) -> T {
+fn distance<T: Lane>(start: [T; 2], y: [T; 2], residual: [T; 2], jacobian: [T; 4]) -> T {
     let step = norm(newton_step(residual, jacobian)) * T::splat(TOLERANCE / LONGEST_LAST_STEP);
     let start = norm(start) + T::splat(TINY);
     // The step first: a NaN in it comes through.
@@ -152,7 +212,7 @@ fn bounded_step<T: Lane>(r: [T; 2], j: [T; 4]) -> [T; 2] {
 
 /// `then` in the lanes where `condition` is 1, `otherwise` where it is 0.
 #[inline(always)]
-pub(super) fn choose<T: Lane>(condition: T, then: T, otherwise: T) -> T {
+fn choose<T: Lane>(condition: T, then: T, otherwise: T) -> T {
     T::select_less(T::ZERO, condition, then, otherwise)
 }
 

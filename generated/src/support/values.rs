@@ -1,4 +1,7 @@
 //! Bases, modes and results of kernels.
+//!
+//! The generator has bases, modes and frame rules of its own, which it derives from: it is a build dependency, and a program that runs
+//! kernels does without it. Generated code names those of here.
 
 use super::Lane;
 
@@ -95,6 +98,8 @@ pub enum FrameRule {
     Frozen,
     /// It is the average plane of the master nodes and moves with them.
     CoMoving,
+    /// It is that plane, and domains of influence are those of [`Domains::Material`](super::Domains::Material).
+    Material,
 }
 
 /// Values of the coefficient kernels.

@@ -24,14 +24,16 @@ pub struct Subject {
 
 impl Subject {
     /// All of them, in the order of the report.
-    pub const ALL: [Self; 4] = [COEFFICIENTS, SURFACE, GAP, CO_MOVING_GAP];
+    pub const ALL: [Self; 5] = [COEFFICIENTS, SURFACE, GAP, CO_MOVING_GAP, MATERIAL_GAP];
 
     /// Name in the report.
     #[must_use]
     pub fn name(self) -> String {
         match self.frame {
             FrameRule::Frozen => self.output.name().to_owned(),
-            FrameRule::CoMoving => format!("{}, {}", self.output.name(), frame_name(self.frame)),
+            FrameRule::CoMoving | FrameRule::Material => {
+                format!("{}, {}", self.output.name(), frame_name(self.frame))
+            }
         }
     }
 }
@@ -40,6 +42,7 @@ const COEFFICIENTS: Subject = Subject { output: Output::Coefficients, frame: Fra
 const SURFACE: Subject = Subject { output: Output::Surface, frame: FrameRule::Frozen };
 const GAP: Subject = Subject { output: Output::Gap, frame: FrameRule::Frozen };
 const CO_MOVING_GAP: Subject = Subject { output: Output::Gap, frame: FrameRule::CoMoving };
+const MATERIAL_GAP: Subject = Subject { output: Output::Gap, frame: FrameRule::Material };
 
 /// A block of the results of a subject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -55,7 +58,7 @@ const fn block(subject: Subject, name: &'static str) -> Block {
 }
 
 /// All blocks, in the order of the report.
-pub const BLOCKS: [Block; 21] = [
+pub const BLOCKS: [Block; 27] = [
     block(COEFFICIENTS, "α"),
     block(COEFFICIENTS, "∂α/∂x"),
     block(COEFFICIENTS, "∂²α/∂x²"),
@@ -77,6 +80,12 @@ pub const BLOCKS: [Block; 21] = [
     block(CO_MOVING_GAP, "α"),
     block(CO_MOVING_GAP, "N"),
     block(CO_MOVING_GAP, "M"),
+    block(MATERIAL_GAP, "g"),
+    block(MATERIAL_GAP, "foot"),
+    block(MATERIAL_GAP, "ν"),
+    block(MATERIAL_GAP, "α"),
+    block(MATERIAL_GAP, "N"),
+    block(MATERIAL_GAP, "M"),
 ];
 
 /// Entries of one unit.

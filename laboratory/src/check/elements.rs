@@ -14,6 +14,9 @@
 //!   a wave of height 0.05 R, so that the surface is smooth and none that the basis reproduces;
 //! * the point where the surface kernels are evaluated: uniform in the disc of radius 0.5 R.
 //!
+//! Its master nodes serve a third time with domains of influence in a first configuration, which differs from the positions by
+//! a rotation, a stretch of up to a third and noise; the domains are ellipsoids with half axes of 0.9 R to 1.6 R.
+//!
 //! Its master nodes and support radius serve a second time, in the average plane of the nodes as a co-moving frame;
 //! a slave straight over a node is moved there along the plane, so that it is straight over the node again.
 //!
@@ -23,7 +26,11 @@
 
 use std::f64::consts::TAU;
 
-use diffuse_contact::{CustomBasis, Domains, Element, ElementError, Frame, Point, Weight};
+use diffuse_contact::{
+    CustomBasis, Domains, Element, ElementError, Frame, MaterialDomain, MaterialNode, MaterialPlace, Point,
+    Weight,
+};
+use diffuse_contact_benches::Random;
 use diffuse_contact_codegen::{Basis, FrameRule};
 
 use crate::interpreted::{Conditioning, Interpreted};
@@ -84,10 +91,13 @@ pub struct RandomElement {
     pub(super) weight: Weight,
     frozen: Place,
     co_moving: Place,
+    material: Place,
+    /// Where the nodes are in the first configuration.
+    material_nodes: Vec<MaterialNode>,
     /// In-plane offset for the surface kernels, length.
     pub point: [f64; 2],
-    /// What it was selected by, in the frozen and in the co-moving frame.
-    pub conditioning: [Conditioning; 2],
+    /// What it was selected by, with each frame rule.
+    pub conditioning: [Conditioning; 3],
 }
 
 /// What belongs to one frame.
@@ -138,8 +148,9 @@ impl RandomElement {
         let mut random = Random::new(&[seed, basis.size() as u64, nodes as u64, index as u64]);
         for _ in 0..ATTEMPTS {
             let first = FirstNode::of(index, nodes > basis.size());
-            let domains = (index % 2 == 1).then_some(|r| interpreted.fitting_weight(r));
-            let Ok(mut candidate) = Self::candidate((basis, nodes), first, domains, &mut random) else {
+            let weight = |r| interpreted.fitting_weight(r);
+            let candidate = Self::candidate((basis, nodes), first, (weight, index % 2 == 1), &mut random);
+            let Ok(mut candidate) = candidate else {
                 continue;
             };
             let figures = |frame, point| {
@@ -149,7 +160,8 @@ impl RandomElement {
             let Some(frozen) = figures(FrameRule::Frozen, candidate.point) else { continue };
             // The surface is compared in the frozen frame only.
             let Some(co_moving) = figures(FrameRule::CoMoving, [0.0; 2]) else { continue };
-            candidate.conditioning = [frozen, co_moving];
+            let Some(material) = figures(FrameRule::Material, [0.0; 2]) else { continue };
+            candidate.conditioning = [frozen, co_moving, material];
             return Ok(candidate);
         }
         Err(NoElement { nodes, basis, attempts: ATTEMPTS })
@@ -157,12 +169,17 @@ impl RandomElement {
 
     /// The element as the backends take it, in a frame that is held or in the average plane.
     #[must_use]
-    pub fn element(&self, frame: FrameRule) -> Element<'_> {
-        let Place { slave, frame } = match frame {
+    pub fn element(&self, rule: FrameRule) -> Element<'_> {
+        let Place { slave, frame } = match rule {
             FrameRule::Frozen => self.frozen,
             FrameRule::CoMoving => self.co_moving,
+            FrameRule::Material => self.material,
         };
-        let domains = if self.radii.is_empty() { Domains::Shared } else { Domains::Each(&self.radii) };
+        let domains = match rule {
+            FrameRule::Material => Domains::Material(&self.material_nodes),
+            FrameRule::Frozen | FrameRule::CoMoving if self.radii.is_empty() => Domains::Shared,
+            FrameRule::Frozen | FrameRule::CoMoving => Domains::Each(&self.radii),
+        };
         Element::new(slave, &self.masters, frame, self.support_radius)
             .with_domains(domains)
             .with_basis(match self.basis {
@@ -176,11 +193,11 @@ impl RandomElement {
             .with_weight(self.weight)
     }
 
-    /// `domains`: the fitting weight where nodes have domains of their own.
+    /// `weight`: the fitting weight, and whether nodes have domains of their own.
     fn candidate(
         (basis, nodes): (Basis, usize),
         first: FirstNode,
-        domains: Option<impl Fn(f64) -> f64 + Copy>,
+        (weight, has_domains): (impl Fn(f64) -> f64 + Copy, bool),
         random: &mut Random,
     ) -> Result<Self, ElementError> {
         let radius = 10_f64.powf(random.between(-3.0, 3.0));
@@ -210,13 +227,17 @@ impl RandomElement {
             .collect();
         let point = random.in_disc(POINT_DISC).map(|x| radius * x);
         let frozen = Place { slave, frame: Frame::given(slave, t1, t2, normal, None)? };
-        let radii: Vec<f64> = match domains {
-            Some(_) => masters.iter().map(|_| radius * random.between(0.9, 1.3)).collect(),
-            None => Vec::new(),
+        let radii: Vec<f64> = if has_domains {
+            masters.iter().map(|_| radius * random.between(0.9, 1.3)).collect()
+        } else {
+            Vec::new()
         };
-        let plane = |slave| match domains {
-            Some(weight) => Frame::moving_plane(slave, &masters, &radii, weight, 1.0, normal),
-            None => Frame::average_plane(&masters, normal),
+        let plane = |slave| {
+            if has_domains {
+                Frame::moving_plane(slave, &masters, &radii, weight, 1.0, normal)
+            } else {
+                Frame::average_plane(&masters, normal)
+            }
         };
         let co_moving = match first {
             FirstNode::UnderSlave => {
@@ -225,6 +246,10 @@ impl RandomElement {
             }
             FirstNode::Anywhere | FirstNode::Outside => Place { slave, frame: plane(slave)? },
         };
+        let domains = material_domains(slave, &masters, radius, random);
+        let found = MaterialPlace::find(slave, &masters, &domains, weight, normal)?;
+        let material = Place { slave, frame: found.frame };
+        let material_nodes = found.nodes(&domains);
         let unknown = Conditioning {
             pivot_ratio: 0.0,
             plane_pivot_ratio: 0.0,
@@ -239,72 +264,51 @@ impl RandomElement {
             weight: Weight::default(),
             frozen,
             co_moving,
+            material,
+            material_nodes,
             point,
-            conditioning: [unknown; 2],
+            conditioning: [unknown; 3],
         })
     }
+}
+
+/// First positions of nodes, and ellipsoids around them.
+fn material_domains(
+    slave: Point,
+    masters: &[Point],
+    radius: f64,
+    random: &mut Random,
+) -> Vec<MaterialDomain> {
+    let rotation = random.rotation();
+    let stretch: [f64; 3] = std::array::from_fn(|_| random.between(0.75, 1.33));
+    let shift: Point = std::array::from_fn(|_| radius * random.between(-CUBE, CUBE));
+    masters
+        .iter()
+        .map(|x| {
+            let offset: [f64; 3] = std::array::from_fn(|k| stretch[k] * (x[k] - slave[k]));
+            let position = std::array::from_fn(|k| {
+                let turned: f64 = (0..3).map(|l| rotation[k][l] * offset[l]).sum();
+                shift[k] + turned + radius * random.between(-0.03, 0.03)
+            });
+            // U of a random ellipsoid: its diagonal dominates.
+            let mut entry = |low: f64, high: f64| random.between(low, high) / radius;
+            let metric = [
+                entry(0.6, 1.1),
+                entry(-0.2, 0.2),
+                entry(-0.2, 0.2),
+                entry(0.6, 1.1),
+                entry(-0.2, 0.2),
+                entry(0.6, 1.1),
+            ];
+            MaterialDomain { position, metric }
+        })
+        .collect()
 }
 
 /// `slave` moved along the plane to where it is straight over a node.
 fn straight_over(node: Point, slave: Point, plane: &Frame) -> Point {
     let height: f64 = (0..3).map(|k| (slave[k] - node[k]) * plane.normal[k]).sum();
     std::array::from_fn(|k| node[k] + height * plane.normal[k])
-}
-
-/// A deterministic source of numbers (SplitMix64).
-pub(super) struct Random(u64);
-
-impl Random {
-    /// A source of its own for every sequence of keys.
-    pub(super) fn new(keys: &[u64]) -> Self {
-        let mut random = Self(0);
-        for key in keys {
-            random.0 ^= key;
-            random.0 = random.next();
-        }
-        random
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let x = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        x ^ (x >> 31)
-    }
-
-    /// Uniform in [low, high).
-    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
-        // 53 bits, exactly representable.
-        let unit = (self.next() >> 11) as f64 / (1_u64 << 53) as f64;
-        low + (high - low) * unit
-    }
-
-    /// Uniform in a disc about the origin.
-    fn in_disc(&mut self, radius: f64) -> [f64; 2] {
-        loop {
-            let [a, b] = [self.between(-1.0, 1.0), self.between(-1.0, 1.0)];
-            if a * a + b * b < 1.0 {
-                return [radius * a, radius * b];
-            }
-        }
-    }
-
-    /// Rows of a uniformly distributed rotation: that of a quaternion uniform on the unit sphere.
-    pub(super) fn rotation(&mut self) -> [Point; 3] {
-        let (w, x, y, z) = loop {
-            let q: [f64; 4] = std::array::from_fn(|_| self.between(-1.0, 1.0));
-            let norm = q.iter().map(|c| c * c).sum::<f64>().sqrt();
-            if (0.1..1.0).contains(&norm) {
-                let [w, x, y, z] = q.map(|c| c / norm);
-                break (w, x, y, z);
-            }
-        };
-        [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
-            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
-            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
-        ]
-    }
 }
 
 #[cfg(test)]
@@ -332,11 +336,15 @@ mod tests {
             for (frame, derivative) in [
                 (FrameRule::Frozen, FrameDerivative::Frozen),
                 (FrameRule::CoMoving, FrameDerivative::CoMoving),
+                (FrameRule::Material, FrameDerivative::CoMoving),
             ] {
                 let element = random.element(frame);
                 element.validate().unwrap();
                 assert_eq!(element.masters.len(), nodes);
                 assert_eq!(element.frame.derivative, derivative);
+                if frame == FrameRule::Material {
+                    continue;
+                }
                 let offset = |k: usize| element.masters[0][k] - element.slave[k];
                 let in_plane =
                     |t: Point| (0..3).map(|k| offset(k) * t[k]).sum::<f64>() / element.support_radius;

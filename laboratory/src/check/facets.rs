@@ -7,11 +7,11 @@
 
 use diffuse_contact::ad::Ad;
 use diffuse_contact::{ElementError, FacetElement, FacetPoint, Gap, Generated, Mode, Point};
+use diffuse_contact_benches::Random;
 use diffuse_contact_codegen::FacetShape;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 use super::blocks::Part;
-use super::elements::Random;
 use super::plan::{Against, MODES, TOLERANCE};
 use crate::interpreted_facets::InterpretedFacets;
 

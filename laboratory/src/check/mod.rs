@@ -32,7 +32,7 @@ use crate::emit::EmitError;
 use crate::error::CliError;
 use crate::output;
 use crate::progress::progress;
-use crate::weight::{Weight, WeightArgument, weight};
+use crate::weight::{Weight, WeightArgument};
 
 pub use arguments::CheckArguments;
 pub use compare::{CompareError, compare};
@@ -79,8 +79,8 @@ pub(crate) fn run(arguments: &CheckArguments) -> Result<ExitCode, CliError> {
 /// One plan for each weight: the one asked for, or all that kernels are compiled for.
 fn plans(arguments: &CheckArguments) -> Result<Vec<Plan>, CliError> {
     let plan = plan(arguments)?;
-    let weights = match &arguments.weight {
-        Some(text) => vec![weight(Some(text), arguments.interpolating)?],
+    let weights = match arguments.fit.weight()? {
+        Some(weight) => vec![weight],
         None => diffuse_contact::Weight::ALL.map(Weight::BuiltIn).to_vec(),
     };
     Ok(weights.into_iter().map(|weight| Plan { weight, ..plan.clone() }).collect())
@@ -89,7 +89,7 @@ fn plans(arguments: &CheckArguments) -> Result<Vec<Plan>, CliError> {
 /// A range given without a basis is for both, as far as they can use it.
 fn plan(arguments: &CheckArguments) -> Result<Plan, CliError> {
     let mut plan = Plan { ranges: Vec::new(), seed: arguments.seed, ..Plan::default() };
-    let bases = arguments.basis.map_or(Basis::ALL.to_vec(), |basis| vec![basis]);
+    let bases = arguments.fit.basis.map_or(Basis::ALL.to_vec(), |basis| vec![basis]);
     for &basis in &bases {
         let Some(counts) = &arguments.nodes else {
             plan = plan.nodes(basis, Plan::default_nodes(basis));

@@ -1,5 +1,5 @@
 //! The `study` job: what contact surfaces achieve on meshes of known shape, and the solver on the paper's examples and on
-//! problems with known answers. The figures stand in `docs/contact-surface.md`, `docs/paper.md` and `docs/verification.md`.
+//! problems with known answers. The figures stand in `docs/results/surface.md`, `docs/results/paper.md` and `docs/results/verification.md`.
 //!
 //! * [`accuracy`]: error of gap and normal, and its order;
 //! * [`sweep`]: smoothness along a path over many facets;

@@ -16,9 +16,9 @@ from ._errors import (
     InterfaceError,
     SurfaceError,
 )
-from ._interface import ContactInterface, Options
+from ._interface import ContactInterface, Options, adaptive_tangent
 from ._native import __version__
-from ._results import Contact, Contacts, CutBack, GapJump, Pairing, RefreshReport, SlaveGap
+from ._results import Contact, Contacts, CutBack, GapJump, MaterialNodes, Pairing, RefreshReport, SlaveGap
 from ._surface import MasterSurface, tributary_areas
 from ._threads import set_threads, thread_count
 
@@ -37,12 +37,14 @@ __all__ = [
     "InputError",
     "InterfaceError",
     "MasterSurface",
+    "MaterialNodes",
     "Options",
     "Pairing",
     "RefreshReport",
     "SlaveGap",
     "SurfaceError",
     "__version__",
+    "adaptive_tangent",
     "gap",
     "set_threads",
     "thread_count",

@@ -30,7 +30,7 @@ from ._arrays import (
 )
 from ._batch import Basis, FrameDerivative, Mode, Weight
 from ._errors import BusyError, InputError
-from ._results import Contact, Contacts, CutBack, GapJump, Pairing, RefreshReport, SlaveGap, unpacked
+from ._results import Contact, Contacts, CutBack, GapJump, MaterialNodes, Pairing, RefreshReport, SlaveGap, unpacked
 from ._surface import MasterSurface
 
 Tangent = Literal["exact", "gauss-newton"]
@@ -43,9 +43,11 @@ class Options:
     Attributes:
         element: ``"diffuse"``, or ``"node-to-facet"`` for the classic element.
         weight: ``"cubic"``, ``"cubic-interpolating"`` (the surface passes through the masters) or ``"wendland-c2"``.
-        frame_derivative: ``"co-moving"``: N and M are exact; ``"frozen"``: the frame is held, as in the paper.
+        frame_derivative: ``"co-moving"``: N and M are exact; ``"frozen"``: the frame is held, as in the paper, which
+            needs another rule than ``"domains"``.
         rule: which master nodes take part: ``"domains"``, all nodes of the slave's sheet within whose domain of
             influence it lies, so that the gap does not jump; ``"hull-layers"``, ``"hull-radius"`` or ``"nearest"``.
+            Domains lie in the first configuration, the positions an interface is made with.
             ``layers`` to ``max_neighbours``, ``smallest_regularity`` to ``max_candidates`` and ``hysteresis`` are for
             these three.
         layers: hull layers to start with; None for as many as make the fit well conditioned.
@@ -111,13 +113,34 @@ def _law(penalty: float, multipliers: ArrayLike | None, tangent: str = "exact") 
     return _Law(number("penalty", penalty), multipliers, word("tangent", tangent))
 
 
+def adaptive_tangent(residual: float, force: float) -> Tangent:
+    """The tangent for the next linear solution of a Newton iteration.
+
+    Far from equilibrium contact forces are those of a trial state, and the exact tangent with them leads nowhere:
+    there it is ``"gauss-newton"``, elsewhere ``"exact"``. A tangent is chosen when it is assembled; no evaluation is
+    repeated::
+
+        tangent = stiffness + interface.tangent(penalty, tangent=dc.adaptive_tangent(residual_norm, force_norm))
+
+    Args:
+        residual: norm of the residual over the free equations, contact included.
+        force: the largest norm among external forces, contact forces and reactions, at the same positions.
+
+    Returns:
+        ``"exact"`` if residual / force ≤ 0.3 or the residual is 0, else ``"gauss-newton"``; so it is for NaN.
+
+    """
+    return _native.adaptive_tangent(number("residual", residual), number("force", force))
+
+
 class ContactInterface:
     """Slave nodes paired with a master surface.
 
     In a Newton iteration: ``refresh_pairing`` once an increment or once an iteration, then at each iteration
-    ``follow``, ``evaluate``, ``residual`` and ``tangent``. Every slave has an outcome; an exception is for what the
-    caller has to mend, and leaves the interface as it was. (An evaluation that finds no memory leaves it without
-    results.) Arrays given as ``out`` are as they were, but if a sum overflows: they then hold anything.
+    ``follow``, ``evaluate``, ``residual`` and ``tangent``, the last with ``adaptive_tangent``. Every slave has an
+    outcome; an exception is for what the caller has to mend, and leaves the interface as it was. (An evaluation that
+    finds no memory leaves it without results.) Arrays given as ``out`` are as they were, but if a sum overflows: they
+    then hold anything.
 
     Contact force of slave k, with ε_k = penalty × area_k and multiplier λ_k (0 if there are none)::
 
@@ -203,9 +226,9 @@ class ContactInterface:
     def refresh_pairing(self, positions: ArrayLike) -> RefreshReport:
         """Takes over the positions, shape (p, 3), and pairs every slave anew, or keeps its pairing while it is sound.
 
-        With domains of influence lists of nodes are kept while nothing has moved by more than half their skin, a
-        twentieth of the radius, and new ones change no gap; only if the master has been stretched by more than a
-        tenth somewhere are the radii renewed, and the gaps' jump is reported.
+        With domains of influence lists of nodes are kept while nothing has moved by more than half their skin, 0.06 of
+        the shortest half axis of their domains. New lists change no gap. Domains lie in the first configuration and are
+        never renewed: they turn and stretch with the master.
 
         While the interface is frozen it is an ``update``, and the report says so.
 
@@ -250,7 +273,7 @@ class ContactInterface:
 
         Returns:
             Whether they were made anew, as something had moved by more than half their skin: the sparsity pattern then
-            is another one. Radii stay until the next refresh. False while the interface is frozen.
+            is another one. False while the interface is frozen.
 
         Raises:
             InterfaceError: for another number of positions, or one that is not finite.
@@ -301,6 +324,11 @@ class ContactInterface:
         fields["positions"] = fields["positions"].reshape(-1, 3)
         if "frame" in fields:
             fields["frame"] = fields["frame"].reshape(3, 3)
+        if "offsets" in fields:
+            offsets = fields.pop("offsets").reshape(-1, 3)
+            metrics = np.zeros((len(offsets), 3, 3))
+            metrics[:, *np.triu_indices(3)] = fields.pop("metrics").reshape(-1, 6)
+            fields["material"] = MaterialNodes(offsets, metrics)
         return Pairing(**fields)
 
     def residual(self, penalty: float, *, multipliers: ArrayLike | None = None, out: Floats | None = None) -> Floats:
@@ -337,7 +365,8 @@ class ContactInterface:
         Args:
             penalty: as for ``residual``.
             multipliers: as for ``residual``.
-            tangent: ``"exact"``, or ``"gauss-newton"`` for Σ ε N Nᵀ alone, positive semidefinite.
+            tangent: ``"exact"``, or ``"gauss-newton"`` for Σ ε N Nᵀ alone, positive semidefinite; ``adaptive_tangent``
+                says which.
 
         """
         values = self.tangent_values(penalty, multipliers=multipliers, tangent=tangent)

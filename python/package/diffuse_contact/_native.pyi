@@ -1,16 +1,18 @@
-from typing import Any, final
+from typing import Any, Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 _Floats = NDArray[np.float64]
 _Ints = NDArray[np.int64]
+_Tangent = Literal["exact", "gauss-newton"]
 
 __all__ = [
     "STATUS_CODES",
     "Interface",
     "Surface",
     "__version__",
+    "adaptive_tangent",
     "default_options",
     "gap_batch",
     "set_threads",
@@ -21,6 +23,7 @@ __all__ = [
 __version__: str
 STATUS_CODES: list[str]
 
+def adaptive_tangent(residual: float, force: float) -> _Tangent: ...
 def default_options() -> dict[str, Any]: ...
 def set_threads(count: int | None) -> None: ...
 def thread_count() -> int: ...

@@ -35,17 +35,15 @@ class RefreshReport:
             ``changed`` (with other masters) and ``gained`` (without a pairing before).
         lost: without a pairing now, but with one before.
         without: without a pairing now, by the code of the reason.
-        fallbacks: what the searches had to give up: ``"none"``, ``"extended"``, ``"linear"``, ``"far"``.
+        fallbacks: what the searches had to give up: ``"none"``, ``"extended"``, ``"linear"``.
         contacts_lost: with a gap by the old pairing at these positions, but none by the new: their forces vanish.
         contacts_gained: the other way round: forces may appear.
         smallest_gap_lost: of the contacts lost, that with the smallest gap.
         smallest_gap_gained: of the contacts gained, that with the smallest gap.
         largest_gap_jump: where the refresh changed the gap most, if it changed any.
         frozen: whether the pairing was held (``ContactInterface.freeze``): the rest then is zero.
-        rebuilt: whether the pairing was made anew; with domains of influence only if something had moved by more than
-            half the skin of the lists, and with them the sparsity pattern stays what it was.
-        renewed_domains: with domains of influence, by how much the surface was stretched if the radii were renewed for
-            it, which changes gaps; None if they stayed.
+        rebuilt: whether the pairing was made anew. With domains of influence that is so only if something had moved by
+            more than half the skin of the lists; the sparsity pattern stays what it was otherwise.
 
     """
 
@@ -64,7 +62,6 @@ class RefreshReport:
     largest_gap_jump: GapJump | None
     frozen: bool = False
     rebuilt: bool = True
-    renewed_domains: float | None = None
 
 
 @dataclass(frozen=True)
@@ -106,8 +103,7 @@ class Contact:
         masters: nodes 1 … n it is paired with; none without a pairing.
         outcome: ``"contact"`` or the code of the reason why there is none.
         reason: the same as a sentence; None for a contact.
-        fallback: what the neighbour search gave up: ``"none"``, ``"extended"``, ``"linear"``, or ``"far"`` for a slave
-            so far from the surface that its average plane takes wider domains; None without contact.
+        fallback: what the neighbour search gave up: ``"none"``, ``"extended"`` or ``"linear"``; None without contact.
         area: tributary area, length²; 1 if the interface has none.
         gap: g, length. None, as all that follows, without contact.
         foot: foot point, shape (3,).
@@ -121,13 +117,35 @@ class Contact:
     masters: Ints
     outcome: str
     reason: str | None
-    fallback: Literal["none", "extended", "linear", "far"] | None
+    fallback: Literal["none", "extended", "linear"] | None
     area: float
     gap: float | None
     foot: Floats | None
     normal: Floats | None
     gradient: Floats | None
     hessian: Floats | None
+
+
+@dataclass(frozen=True)
+class MaterialNodes:
+    """Domains of influence of n masters in the first configuration, the positions the interface was made with.
+
+    The domain of a master is an ellipsoid around its first position X. The slave has a place Ξ there, which moves with
+    slave and masters; the domain itself stays what it is. Mirror images have domains of their own.
+
+    Attributes:
+        offsets: X − Ξ, shape (n, 3), length.
+        metrics: upper triangles U, shape (n, 3, 3), 1/length: Ξ lies in the domain if |U (X − Ξ)| < 1.
+
+    """
+
+    offsets: Floats
+    metrics: Floats
+
+    @property
+    def distances(self) -> Floats:
+        """|U (X − Ξ)|, shape (n,): 0 at the master, 1 on the border of its domain."""
+        return np.linalg.norm(np.einsum("kij,kj->ki", self.metrics, self.offsets), axis=1)
 
 
 @dataclass(frozen=True)
@@ -141,9 +159,10 @@ class Pairing:
         positions: of the masters, or of the facet's corners (node to facet), shape (n, 3).
         masters: their nodes; None for node to facet (see ``Contact.masters``).
         frame: rows t1, t2 and outward normal, shape (3, 3); None for node to facet.
-        support_radius: radius of the domain of influence, length, of several the largest; None for node to facet.
-        radii: with domains of influence the radius of each master's, shape (n,); else None.
+        support_radius: radius of the domain of influence, length; with the rule ``"domains"`` the distance of the
+            farthest master, by which lengths are divided; None for node to facet.
         basis: ``"quadratic"`` or ``"linear"``; None for node to facet.
+        material: with the rule ``"domains"`` the masters' domains, seen from the slave's place; else None.
 
     """
 
@@ -152,7 +171,7 @@ class Pairing:
     frame: Floats | None = None
     support_radius: float | None = None
     basis: str | None = None
-    radii: Floats | None = None
+    material: MaterialNodes | None = None
 
 
 class CutBack(NamedTuple):

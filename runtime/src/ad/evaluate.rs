@@ -3,10 +3,13 @@
 
 use super::drive::{Derivatives, Quantity, differentiate};
 use super::foot::{Foot, Polynomial};
+use super::material::Place;
 use super::model::{Model, Scalar};
 use super::plane::AveragePlane;
 use super::{RadialWeight, coordinates_of, finite};
-use crate::{Basis, Coefficients, Element, ElementError, FrameDerivative, Gap, Mode, Point, Surface};
+use crate::{
+    Basis, Coefficients, Domains, Element, ElementError, FrameDerivative, Gap, Mode, Point, Surface,
+};
 
 /// [`Backend::coefficients`](crate::Backend::coefficients).
 pub(super) fn coefficients<W: RadialWeight>(
@@ -62,6 +65,10 @@ pub(super) fn gap<W: RadialWeight>(model: Model<'_, W>, mode: Mode) -> Result<Ga
     } else {
         None
     };
+    let place = match (&plane, element.domains) {
+        (Some(plane), Domains::Material(_)) => Some(Place::find(&model, plane, &coordinates_of(element))?),
+        _ => None,
+    };
     let plane = plane.filter(|_| mode > Mode::Value);
     let foot = Foot::find(&polynomial)?;
     let (foot_point, normal) = global_foot(element, &polynomial, foot.position());
@@ -70,7 +77,7 @@ pub(super) fn gap<W: RadialWeight>(model: Model<'_, W>, mode: Mode) -> Result<Ga
     let mut fit = Derivatives::of_values(polynomial.coefficients[..element.basis.size()].to_vec());
     scale_coefficients(&mut fit, element.basis, radius)?;
 
-    let mut gap = differentiate(&GapQuantity { model, plane, foot }, element, mode)?;
+    let mut gap = differentiate(&GapQuantity { model, plane, place, foot }, element, mode)?;
     gap.scale(0, radius, 1)?;
     Ok(Gap {
         gap: gap.values[0],
@@ -112,16 +119,22 @@ impl<W: RadialWeight> Quantity for SurfaceQuantity<'_, W> {
 struct GapQuantity<'a, W> {
     model: Model<'a, W>,
     plane: Option<AveragePlane>,
+    place: Option<Place>,
     foot: Foot,
 }
 
 impl<W: RadialWeight> Quantity for GapQuantity<'_, W> {
     fn evaluate<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<Vec<D>, ElementError> {
-        let polynomial = match &self.plane {
-            None => self.model.fit(coordinates)?,
-            Some(plane) => {
+        let polynomial = match (&self.plane, &self.place) {
+            (None, _) => self.model.fit(coordinates)?,
+            (Some(plane), None) => {
                 let weights = self.model.plane_weights(coordinates);
-                self.model.fit_in(coordinates, &plane.propagate(&coordinates[1..], &weights))?
+                let turn = plane.propagate(&coordinates[1..], &weights);
+                self.model.fit_in(coordinates, &turn, None)?
+            }
+            (Some(plane), Some(place)) => {
+                let (shift, turn) = place.propagate(&self.model, plane, coordinates);
+                self.model.fit_in(coordinates, &turn, Some(shift))?
             }
         };
         let u = self.foot.propagate(&polynomial);

@@ -13,6 +13,10 @@
 //!
 //! A formula becomes a list of steps, each of which refers to earlier ones only. Evaluation is one loop over
 //! it, and no length of formula can exhaust the stack; the parser bounds the nesting.
+//!
+//! The generator has a parser of its own, `diffuse_contact_codegen::formula`, which this crate does without: the generator is a build
+//! dependency, and its parser stands on `syn`, which takes as long to compile as this crate. Two parsers also let `check` find a formula
+//! that one of them misreads: with one, both witnesses would differentiate the same wrong weight.
 
 mod lexer;
 mod parser;

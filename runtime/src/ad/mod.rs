@@ -21,6 +21,7 @@
 //! | `weight.rs` | weights as functions of r, and of r² where r has no derivative |
 //! | `formula.rs` | weights written as text |
 //! | `plane.rs` | the average plane, where the frame moves with it |
+//! | `material.rs` | the slave's place in the first configuration, where domains of influence are there |
 //! | `model.rs` | offsets, moment matrix, coefficients (Chamoret et al. 2008, eq. 13) |
 //! | `facet.rs` | the distance from a triangle or a quadrilateral |
 //! | `foot.rs` | the fitted polynomial, the foot point, the gap (Chamoret et al. 2008, eq. 19) |
@@ -33,6 +34,7 @@ mod facet;
 mod foot;
 mod formula;
 mod interpolating;
+mod material;
 mod model;
 mod plane;
 mod weight;

@@ -7,8 +7,8 @@ use num_dual::DualNum;
 
 use super::foot::{Coefficients, Polynomial, basis_functions};
 use super::plane::Turn;
-use super::{RadialWeight, WeightFunction};
-use crate::{Basis, Element, ElementError};
+use super::{RadialWeight, WeightFunction, material};
+use crate::{Basis, Domains, Element, ElementError};
 
 /// A real, dual or hyper-dual number.
 pub(super) trait Scalar: DualNum<Primitive = f64> + Copy {}
@@ -33,7 +33,7 @@ pub(super) struct Model<'a, W> {
 
 impl<W: RadialWeight> Model<'_, W> {
     /// Offsets (a, b, z) = (t1, t2, n̂)·(x^i − x^c)/R of the masters; `coordinates` holds slave and masters.
-    fn offsets<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Vec<[D; 3]> {
+    pub(super) fn offsets<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Vec<[D; 3]> {
         let (slave, masters) = (coordinates[0], &coordinates[1..]);
         let rows = self.element.frame.rows();
         let radius = self.element.support_radius;
@@ -48,21 +48,37 @@ impl<W: RadialWeight> Model<'_, W> {
 
     /// The fit in the given frame, which is held.
     pub(super) fn fit<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<Polynomial<D>, ElementError> {
-        self.fit_to(self.offsets(coordinates))
+        let offsets = self.offsets(coordinates);
+        let squares = match self.element.domains {
+            Domains::Material(_) => material::squares(self, [D::zero(); 3]),
+            Domains::Shared | Domains::Each(_) => self.squares(&offsets),
+        };
+        self.fit_to(offsets, &squares)
     }
 
-    /// The fit in a frame that has turned away from the given one.
+    /// The fit in a frame that has turned away from the given one; `shift`: of the slave's place in the first configuration,
+    /// where there is one.
     pub(super) fn fit_in<D: Scalar>(
         &self,
         coordinates: &[[D; 3]],
         turn: &Turn<D>,
+        shift: Option<[D; 3]>,
     ) -> Result<Polynomial<D>, ElementError> {
         let mut offsets = self.offsets(coordinates);
         for offset in &mut offsets {
             let [a, b, z] = *offset;
             *offset = turn.map(|axis| axis[0] * a + axis[1] * b + axis[2] * z);
         }
-        self.fit_to(offsets)
+        let squares = match shift {
+            Some(shift) => material::squares(self, shift),
+            None => self.squares(&offsets),
+        };
+        self.fit_to(offsets, &squares)
+    }
+
+    /// ω at r²; 0 outside.
+    pub(super) fn fitting<D: Scalar>(&self, square: D) -> D {
+        if square.re() < 1.0 { self.weight.at_square(square) } else { D::zero() }
     }
 
     /// R_k of the k-th master's domain of influence.
@@ -72,37 +88,40 @@ impl<W: RadialWeight> Model<'_, W> {
 
     /// The nodes' weights in the average plane; `coordinates` holds slave and masters.
     pub(super) fn plane_weights<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Vec<D> {
+        if let Domains::Material(_) = self.element.domains {
+            let squares = material::squares(self, [D::zero(); 3]);
+            return squares.into_iter().map(|square| self.fitting(square)).collect();
+        }
         let (slave, masters) = (coordinates[0], &coordinates[1..]);
         let reach = self.element.frame.reach;
         let weight = |(k, master): (usize, &[D; 3])| {
             let [x, y, z] =
                 std::array::from_fn(|axis| (master[axis] - slave[axis]) * (reach / self.domain(k)));
-            let square = x * x + y * y + z * z;
-            if square.re() < 1.0 { self.weight.at_square(square) } else { D::zero() }
+            self.fitting(x * x + y * y + z * z)
         };
         masters.iter().enumerate().map(weight).collect()
     }
 
-    /// r² of the k-th node with this offset, r its in-plane distance over the radius of its domain.
-    fn square<D: Scalar>(&self, k: usize, [a, b, _]: [D; 3]) -> D {
-        let ratio = self.element.support_radius / self.domain(k);
-        (a * a + b * b) * (ratio * ratio)
+    /// r² of nodes with these offsets, r the in-plane distance over the radius of the node's domain.
+    fn squares<D: Scalar>(&self, offsets: &[[D; 3]]) -> Vec<D> {
+        let square = |(k, &[a, b, _]): (usize, &[D; 3])| {
+            let ratio = self.element.support_radius / self.domain(k);
+            (a * a + b * b) * (ratio * ratio)
+        };
+        offsets.iter().enumerate().map(square).collect()
     }
 
     /// The fit A α = β with A = Σ w p pᵀ, β = Σ w z p (Chamoret et al. 2008, eq. 13), lengths over R.
-    fn fit_to<D: Scalar>(&self, offsets: Vec<[D; 3]>) -> Result<Polynomial<D>, ElementError> {
+    fn fit_to<D: Scalar>(&self, offsets: Vec<[D; 3]>, squares: &[D]) -> Result<Polynomial<D>, ElementError> {
         let basis = self.element.basis;
         let size = basis.size();
         if self.weight.is_interpolating() {
-            let squares = (0..offsets.len()).map(|k| self.square(k, offsets[k])).collect::<Vec<_>>();
-            return super::interpolating::fit(&self.weight, basis, &offsets, &squares);
+            return super::interpolating::fit(&self.weight, basis, &offsets, squares);
         }
         let mut moment_matrix = [[D::zero(); Basis::MOST_COEFFICIENTS]; Basis::MOST_COEFFICIENTS];
         let mut moment_vector = [D::zero(); Basis::MOST_COEFFICIENTS];
-        for (k, offset) in offsets.into_iter().enumerate() {
-            let [a, b, z] = offset;
+        for ([a, b, z], &square) in offsets.into_iter().zip(squares) {
             super::finite("offset", [a.re(), b.re(), z.re()])?;
-            let square = self.square(k, offset);
             // Outside the support the weight and all its derivatives vanish. The powers of a far node's offset
             // may overflow: it is left out, not multiplied by zero.
             if square.re() >= 1.0 {

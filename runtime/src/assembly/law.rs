@@ -13,6 +13,51 @@ pub enum Tangent {
     GaussNewton,
 }
 
+impl Tangent {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Exact, Self::GaussNewton];
+    /// Residual over force up to which [`adaptive`](Self::adaptive) gives the exact tangent.
+    pub const ADAPTIVE_RATIO: f64 = 0.3;
+
+    /// Name in options.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::GaussNewton => "gauss-newton",
+        }
+    }
+
+    /// The tangent for the next linear solution of a Newton iteration.
+    ///
+    /// * `residual`: norm of the residual over the free degrees of freedom, contact included.
+    /// * `force`: the largest norm among external forces, contact forces and reactions, at the same positions.
+    ///
+    /// [`Exact`](Self::Exact) if residual / force ≤ 0.3 or the residual is 0, else [`GaussNewton`](Self::GaussNewton); so it is for NaN.
+    ///
+    /// Contact forces of a trial state are ε times whatever penetrates, many times those of equilibrium. There −f M makes the stiffness
+    /// indefinite, the more so the larger ε is, and steps lead nowhere. Near equilibrium −f M makes the iteration converge quadratically.
+    /// A tangent is chosen when it is assembled: no evaluation is repeated.
+    ///
+    /// ```
+    /// use diffuse_contact::assembly::{ContactLaw, Tangent};
+    ///
+    /// let law = ContactLaw::penalty(1e5);
+    /// // In each iteration, between the residual and the stiffness:
+    /// let (residual, force) = (4.0, 5.0);
+    /// let law = law.with_tangent(Tangent::adaptive(residual, force));
+    /// assert_eq!(law.tangent, Tangent::GaussNewton);
+    /// ```
+    #[must_use]
+    pub fn adaptive(residual: f64, force: f64) -> Self {
+        if residual == 0.0 || residual / force <= Self::ADAPTIVE_RATIO {
+            Self::Exact
+        } else {
+            Self::GaussNewton
+        }
+    }
+}
+
 /// The law of frictionless contact, penalty or augmented Lagrangian.
 ///
 /// Contact force of element k, with ε_k = penalty × area_k:
@@ -26,6 +71,7 @@ pub enum Tangent {
 /// An element with f_k ≤ 0 contributes nothing. At f_k = 0 exactly, such as a touching node with λ = 0, that is no force
 /// and, of the two one-sided tangents, the one of the open side: zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ContactLaw<'a> {
     /// Penalty ε_n > 0: force per length, or force per length³ if the elements carry areas.
     pub penalty: f64,
@@ -35,11 +81,23 @@ pub struct ContactLaw<'a> {
     pub tangent: Tangent,
 }
 
-impl ContactLaw<'_> {
+impl<'a> ContactLaw<'a> {
     /// The penalty law with the exact tangent.
     #[must_use]
     pub const fn penalty(penalty: f64) -> Self {
         Self { penalty, multipliers: None, tangent: Tangent::Exact }
+    }
+
+    /// With these multipliers, or without any.
+    #[must_use]
+    pub const fn with_multipliers(self, multipliers: Option<&'a [f64]>) -> Self {
+        Self { multipliers, ..self }
+    }
+
+    /// With this tangent.
+    #[must_use]
+    pub const fn with_tangent(self, tangent: Tangent) -> Self {
+        Self { tangent, ..self }
     }
 
     /// Contact force max(0, λ_k − ε_k g) of element `k` at the gap `gap`; with λ ← force it is also the update of the
@@ -232,4 +290,36 @@ pub(super) fn check<E: Elements + ?Sized>(
         law.check_element(k, &element, needs)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_adaptive_tangent_is_exact_up_to_its_ratio() {
+        let ratio = Tangent::ADAPTIVE_RATIO;
+        for force in [1e-300, 0.7, 1.0, 3e5, 1e300] {
+            assert_eq!(Tangent::adaptive(0.0, force), Tangent::Exact);
+            assert_eq!(Tangent::adaptive(0.999 * ratio * force, force), Tangent::Exact);
+            assert_eq!(Tangent::adaptive(1.001 * ratio * force, force), Tangent::GaussNewton);
+        }
+        assert_eq!(Tangent::adaptive(ratio, 1.0), Tangent::Exact);
+        assert_eq!(Tangent::adaptive(ratio.next_up(), 1.0), Tangent::GaussNewton);
+    }
+
+    #[test]
+    fn without_forces_or_numbers_the_adaptive_tangent_has_no_hessian() {
+        assert_eq!(Tangent::adaptive(0.0, 0.0), Tangent::Exact);
+        for [residual, force] in [
+            [1.0, 0.0],
+            [f64::INFINITY, 1.0],
+            [f64::INFINITY, f64::INFINITY],
+            [f64::NAN, 1.0],
+            [1.0, f64::NAN],
+            [f64::NAN, f64::NAN],
+        ] {
+            assert_eq!(Tangent::adaptive(residual, force), Tangent::GaussNewton, "{residual} {force}");
+        }
+    }
 }

@@ -7,6 +7,7 @@
 //! * [`add_residual`] adds the contact forces to a vector.
 //! * [`Triplets`] lists the entries of the tangent, for solvers that sort and sum themselves.
 //! * [`CsrPattern`] is built once for a pairing and then filled at every iteration, in parallel.
+//! * [`Tangent::adaptive`] says which tangent the next linear solution had better have.
 //! * [`ContactLaw::element_system`] makes residual and dense tangent of one element by itself,
 //!   [`ContactLaw::element_tangent`] the tangent's lower triangle.
 //!

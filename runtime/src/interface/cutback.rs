@@ -134,9 +134,10 @@ mod tests {
         assert_eq!(asks(&Outcome::None(NoContact::NotPaired), true), 1.0);
     }
 
-    /// A plane of 9 × 9 nodes, outside above, and a slave at `slave`.
+    /// A bowl of 9 × 9 nodes, outside above, its centre of curvature 10 over its bottom, and a slave at `slave`.
     fn positions(slave: Point) -> Vec<Point> {
-        let grid = (0..81).map(|k| [f64::from(k % 9), f64::from(k / 9), 0.0]);
+        let height = |x: f64, y: f64| 0.05 * ((x - 4.0).powi(2) + (y - 4.0).powi(2));
+        let grid = (0..81).map(|k| [f64::from(k % 9), f64::from(k / 9)]).map(|[x, y]| [x, y, height(x, y)]);
         grid.chain([slave]).collect()
     }
 
@@ -158,7 +159,7 @@ mod tests {
             cutback.book(interface.evaluate(Mode::Value).unwrap());
             cutback.hint(&interface, 0.25)
         };
-        let (far, beyond) = ([4.2, 3.9, -90.0], [90.0, 3.9, -0.1]);
+        let (far, beyond) = ([4.2, 3.9, 30.0], [90.0, 3.9, -0.1]);
         // Above at first: a slave that never penetrated has nothing to lose.
         assert_eq!(at([4.2, 3.9, 0.1], true).factor, 1.0);
         assert_eq!(at(far, false), CutbackHint { factor: 1.0, cause: None });

@@ -47,7 +47,7 @@ impl Evaluator<'_> {
                     positions: points.positions,
                     frame: points.frame,
                     support_radius: points.unit,
-                    radii: points.radii,
+                    material: points.nodes,
                     basis: paired.record.basis,
                     weight,
                 };
@@ -60,7 +60,7 @@ impl Evaluator<'_> {
                     positions: positions.to_vec(),
                     frame,
                     support_radius: paired.record.support_radius,
-                    radii: Vec::new(),
+                    material: Vec::new(),
                     basis: paired.record.basis,
                     weight,
                 };

@@ -29,6 +29,9 @@ pub enum InterfaceError {
         /// What it was.
         value: f64,
     },
+    /// A frame that is held needs masters that are found by another rule than their domains of influence.
+    #[error("a frame that is held needs another neighbour rule than \"domains\", such as \"hull-layers\"")]
+    HeldFrame,
     /// Symmetry planes need masters that are found by their domains of influence, or facets.
     #[error("symmetry planes need the neighbour rule \"domains\": other rules have no mirror images")]
     NoSymmetry,
@@ -107,6 +110,7 @@ impl InterfaceError {
             Self::InvalidSearch(error) => error.code(),
             Self::MasterNodes(error) => error.code(),
             Self::InvalidOption { .. } => "invalid-option",
+            Self::HeldFrame => "held-frame",
             Self::NoSymmetry => "no-symmetry",
             Self::TooMany { .. } => "too-many",
             Self::SlaveOutOfRange { .. } => "slave-out-of-range",

@@ -11,13 +11,14 @@ use super::pairings::{Paired, Pairings, Record};
 use super::scratch::{Pool, recycled};
 use super::{ContactElement, InterfaceOptions, NoContact, Outcome};
 use crate::batch::{BatchScratch, GapSlot, Waiting, contact_point, evaluate};
-use crate::element::nearest_in_plane;
+use crate::element::{nearest_in_material, nearest_in_plane};
 use crate::generated::frame_rule;
 use crate::neighbourhood::Fallback;
-use crate::surface::{BorderScratch, Creases, MasterSurface};
+use crate::surface::{BorderScratch, Creases, Listed, MasterSurface, NONE};
+use crate::vector::Vector3;
 use crate::{
-    ContactPoint, Domains, Element, ElementError, FacetElement, Frame, FrameDerivative, Generated, Mode,
-    Point, Weight,
+    ContactPoint, Domains, Element, ElementError, FacetElement, Frame, FrameDerivative, Generated,
+    MaterialDomain, MaterialNode, MaterialPlace, Mode, Point, Weight,
 };
 
 /// Slaves that one thread evaluates in a row: enough for full vectors although numbers of masters differ.
@@ -80,10 +81,12 @@ impl Clone for Lists {
 struct WithinReach {
     /// Positions, of an image its own.
     points: Vec<Point>,
-    /// Radii of their domains.
-    radii: Vec<f64>,
+    /// The same in the first configuration, seen from the slave's place there.
+    nodes: Vec<MaterialNode>,
     sources: Vec<Source>,
-    /// Of the points of one slave in its average plane.
+    /// Domains of the points of one slave, …
+    domains: Vec<MaterialDomain>,
+    /// … and their weights.
     weights: Vec<f64>,
     /// Of each slave.
     elements: Vec<Result<Gathered, NoContact>>,
@@ -93,7 +96,7 @@ struct WithinReach {
 #[derive(Clone, Debug)]
 struct Gathered {
     frame: Frame,
-    /// The largest radius: what lengths are divided by. It has to follow from the points, or lists would change bits.
+    /// The distance of the farthest point: what lengths are divided by. It has to follow from the points, or lists would change bits.
     unit: f64,
     /// Its points.
     range: Range<usize>,
@@ -102,7 +105,7 @@ struct Gathered {
 impl WithinReach {
     fn clear(&mut self) {
         self.points.clear();
-        self.radii.clear();
+        self.nodes.clear();
         self.sources.clear();
         self.elements.clear();
     }
@@ -117,17 +120,15 @@ impl WithinReach {
     ) -> ElementInputs<'s> {
         let slave = evaluator.positions[paired.slave];
         let Gathered { frame, range, unit } = element;
-        let (points, radii) = (&self.points[range.clone()], &self.radii[range.clone()]);
+        let (points, nodes) = (&self.points[range.clone()], &self.nodes[range.clone()]);
         let anchor = match weight {
-            Weight::CubicInterpolating => {
-                nearest_in_plane(slave, points.iter().copied(), frame, |k| radii[k])
-            }
+            Weight::CubicInterpolating => nearest_in_material(nodes),
             Weight::Cubic | Weight::WendlandC2 => 0,
         };
         ElementInputs {
             slave,
             masters: Masters::Positions(points),
-            domains: Domains::Each(radii),
+            domains: Domains::Material(nodes),
             plane_reach: frame.reach,
             t1: frame.t1,
             t2: frame.t2,
@@ -142,7 +143,7 @@ impl WithinReach {
 /// The points of one element.
 pub struct PointsWithinReach {
     pub positions: Vec<Point>,
-    pub radii: Vec<f64>,
+    pub nodes: Vec<MaterialNode>,
     /// Their nodes, by place among the slave's.
     pub listed: Vec<u32>,
     pub frame: Frame,
@@ -315,7 +316,7 @@ impl Evaluator<'_> {
                     };
                     waiting.push(Waiting {
                         weight,
-                        frame: frame_rule(derivative),
+                        frame: frame_rule(derivative, &inputs.domains),
                         basis: paired.record.basis,
                         inputs,
                         slot: GapSlot { gradient, hessian },
@@ -371,55 +372,76 @@ impl Evaluator<'_> {
         weight: Weight,
         all: &mut WithinReach,
     ) -> Result<Gathered, NoContact> {
-        let WithinReach { points, radii, sources, weights, .. } = all;
+        let WithinReach { points, nodes, sources, domains, weights, .. } = all;
+        let Some(nodal) = self.nodal else { return Err(NoContact::NotPaired) };
         let start = points.len();
         let slave = self.positions[paired.slave];
+        domains.clear();
         let mut images = paired.images.as_chunks::<2>().0.iter().peekable();
-        for (listed, (&node, &radius)) in paired.masters.iter().zip(paired.radii).enumerate() {
+        for (listed, (&node, &place)) in paired.masters.iter().zip(paired.places).enumerate() {
             let x = self.positions[node as usize];
             points.push(x);
+            domains.push(nodal.domain(place, NONE));
             sources.push(Source { listed: listed as u32, image: None });
             while let Some([_, number]) = images.next_if(|image| image[0] == listed as u32) {
                 let image = Some(*number);
                 points.push(self.image_of(image, x));
+                domains.push(nodal.domain(place, *number));
                 sources.push(Source { listed: listed as u32, image });
             }
-            radii.resize(points.len(), radius);
         }
-        let Record { reach, basis, facet, .. } = *paired.record;
-        weights.clear();
-        let own = || points[start..].iter().zip(&radii[start..]);
-        let frame = match paired.frame {
-            Some(frame) => {
-                weights.resize(points.len() - start, 0.0);
-                *frame
-            }
-            None => {
-                weights.extend(own().map(|(&x, radius)| weight.fitting(reach * distance(x, slave) / radius)));
-                let weighted = points[start..].iter().copied().zip(weights.iter().copied());
-                let outward = self.surface.shape(facet as usize, self.positions).normal();
-                Frame::average_plane_of(weighted.filter(|&(_, weight)| weight > 0.0), reach, outward.into())?
-            }
-        };
-        let mut kept = start;
-        for k in start..points.len() {
-            let offset = [0, 1, 2].map(|axis| points[k][axis] - slave[axis]);
-            let along = |t: Point| t[0] * offset[0] + t[1] * offset[1] + t[2] * offset[2];
-            let in_plane = along(frame.t1).hypot(along(frame.t2));
-            if in_plane < radii[k] || weights[k - start] > 0.0 {
-                (points[kept], radii[kept], sources[kept]) = (points[k], radii[k], sources[k]);
+        let Record { basis, facet, .. } = *paired.record;
+        let outward = self.surface.shape(facet as usize, self.positions).normal().into();
+        let fitting = |r| weight.fitting(r);
+        let found = MaterialPlace::iterate(slave, &points[start..], domains, weights, fitting, outward)
+            .inspect_err(|_| {
+                points.truncate(start);
+                sources.truncate(start);
+            })?;
+        let (mut kept, mut unit) = (start, 0.0_f64);
+        for (k, domain) in domains.iter().enumerate() {
+            let node = domain.from(found.place);
+            if node.distance() < 1.0 {
+                (points[kept], sources[kept]) = (points[start + k], sources[start + k]);
+                unit = unit.max(distance(points[kept], slave));
+                nodes.push(node);
                 kept += 1;
             }
         }
         points.truncate(kept);
-        radii.truncate(kept);
         sources.truncate(kept);
-        let (found, needed) = (kept - start, basis.size());
-        if found < needed {
-            return Err(ElementError::TooFewNodes { found, needed }.into());
+        let (count, needed) = (kept - start, basis.size());
+        if count < needed {
+            points.truncate(start);
+            sources.truncate(start);
+            nodes.truncate(start);
+            return Err(ElementError::TooFewNodes { found: count, needed }.into());
         }
-        let unit = radii[start..].iter().copied().fold(0.0, f64::max);
-        Ok(Gathered { frame, range: start..kept, unit })
+        Ok(Gathered { frame: found.frame, range: start..kept, unit })
+    }
+
+    /// The place in the first configuration of a slave over a facet, among the nodes listed there.
+    pub fn place_among(
+        &self,
+        listed: &[Listed],
+        slave: usize,
+        facet: u32,
+        weight: Weight,
+        scratch: &mut ElementScratch,
+    ) -> Result<Vector3, NoContact> {
+        let WithinReach { points, domains, weights, .. } = &mut scratch.within_reach;
+        let Some(nodal) = self.nodal else { return Err(NoContact::NotPaired) };
+        points.clear();
+        domains.clear();
+        for &Listed { place, image } in listed {
+            let x = self.positions[self.surface.nodes()[place as usize] as usize];
+            points.push(self.image_of((image != NONE).then_some(image), x));
+            domains.push(nodal.domain(place, image));
+        }
+        let outward = self.surface.shape(facet as usize, self.positions).normal().into();
+        let fitting = |r| weight.fitting(r);
+        let slave = self.positions[slave];
+        Ok(MaterialPlace::iterate(slave, points, domains, weights, fitting, outward)?.place.into())
     }
 
     /// A copy of the points of a paired slave's element.
@@ -433,8 +455,8 @@ impl Evaluator<'_> {
         all.clear();
         let Gathered { frame, unit, .. } = self.gather_within_reach(paired, weight, all)?;
         let listed = all.sources.iter().map(|source| source.listed).collect();
-        let (positions, radii) = (all.points.clone(), all.radii.clone());
-        Ok(PointsWithinReach { positions, radii, listed, frame, unit })
+        let (positions, nodes) = (all.points.clone(), all.nodes.clone());
+        Ok(PointsWithinReach { positions, nodes, listed, frame, unit })
     }
 
     /// A point, or its image with this number.
@@ -486,7 +508,7 @@ impl Evaluator<'_> {
                 found => found?,
             };
             let element = Element::new(self.positions[paired.slave], &all.points, found.frame, found.unit)
-                .with_domains(Domains::Each(&all.radii))
+                .with_domains(Domains::Material(&all.nodes))
                 .with_basis(paired.record.basis)
                 .with_weight(weight);
             let point = Generated.gap_into(&element, Mode::Value, &mut [], &mut []);
@@ -610,13 +632,7 @@ impl Evaluator<'_> {
             return Ok(None);
         }
         let moving = Paired { frame: None, ..*paired };
-        let frame = match (self.nodal, self.options.element) {
-            (Some(_), ContactElement::Diffuse { weight, .. }) => {
-                self.points_within_reach(&moving, weight, scratch)?.frame
-            }
-            _ => self.frame(&moving, scratch)?.0,
-        };
-        Ok(Some(frame.frozen()))
+        Ok(Some(self.frame(&moving, scratch)?.0.frozen()))
     }
 
     const fn holds_frames(&self) -> bool {

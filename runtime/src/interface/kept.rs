@@ -65,7 +65,7 @@ impl ContactInterface {
         let record = |kept: &Option<KeptPairing>| {
             let kept = kept.as_ref().ok_or(NoContact::NotPaired)?;
             let &KeptPairing { facet, natural, support_radius, basis, fallback, .. } = kept;
-            Ok(Record { support_radius, reach: 0.0, basis, fallback, facet, natural })
+            Ok(Record { support_radius, basis, fallback, facet, natural })
         };
         let masters_of =
             |kept: &Option<KeptPairing>| kept.as_ref().map_or(Vec::new(), |kept| kept.masters.clone());
@@ -82,7 +82,7 @@ impl ContactInterface {
         let patches = Lists::default();
         let images = Lists::default();
         self.pairings =
-            Pairings { layout: layout.into(), records, frames, patches, radii: Vec::new(), images };
+            Pairings { layout: layout.into(), records, frames, patches, places: Vec::new(), images };
         Ok(())
     }
 

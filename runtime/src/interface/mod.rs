@@ -82,7 +82,7 @@ pub use report::{FallbackCounts, GapJump, RefreshReport, SlaveGap};
 
 use contacts::Results;
 use evaluate::{CHUNK, ElementScratch, Evaluator, Request};
-use nodal::{MOST_STRETCH, Nodal, symmetry_of};
+use nodal::{Nodal, symmetry_of};
 use pairings::Pairings;
 use refresh::{Refresh, RefreshScratch, SKIN};
 use scratch::Pool;
@@ -202,19 +202,19 @@ impl ContactInterface {
         &self.planes
     }
 
-    /// Positions of the master surface's nodes, in the order of [`MasterSurface::nodes`], from which the radii of their domains were
-    /// found: the first ones, or those of the last renewal ([`RefreshReport::renewed_domains`]). `None` without domains.
+    /// First positions of the master surface's nodes, in the order of [`MasterSurface::nodes`]: the configuration in which domains of
+    /// influence were found and stay what they are. `None` without domains.
     #[must_use]
-    pub fn domain_positions(&self) -> Option<&[Point]> {
-        self.nodal.as_ref().map(Nodal::positions)
+    pub fn first_positions(&self) -> Option<Vec<Point>> {
+        self.nodal.as_ref().map(|nodal| nodal.domains.positions().collect())
     }
 
-    /// Finds the domains from these positions of the surface's nodes, in the order of [`MasterSurface::nodes`], as
-    /// [`domain_positions`](Self::domain_positions) gave them: radii are then the same, bit for bit.
+    /// Makes these the first positions of the surface's nodes, in the order of [`MasterSurface::nodes`]. Where an interface is made
+    /// in a deformed configuration, as after a restart, domains are those of the first one then, bit for bit.
     ///
     /// # Errors
     /// [`InterfaceError::WrongNumberOfPositions`], [`InterfaceError::Surface`].
-    pub fn set_domain_positions(&mut self, positions: &[Point]) -> Result<(), InterfaceError> {
+    pub fn set_first_positions(&mut self, positions: &[Point]) -> Result<(), InterfaceError> {
         let nodes = self.master.nodes();
         let (found, expected) = (positions.len(), nodes.len());
         if found != expected {
@@ -301,8 +301,7 @@ impl ContactInterface {
     /// Takes over the positions and pairs every slave anew, or keeps what there is while it is sound: with nodal domains the lists of
     /// nodes while nobody has moved by more than half their skin, else pairings by their [`InterfaceOptions::hysteresis`].
     ///
-    /// With nodal domains every node of the slave's sheet is listed that may come within reach, and a refresh changes no gap; only if
-    /// the master has been stretched by more than a tenth somewhere are the radii renewed, and the gaps' jump reported.
+    /// With nodal domains every node of the slave's sheet is listed that may come within reach, and a refresh changes no gap.
     ///
     /// By the other rules a slave is paired with the masters that the neighbour search finds among the nodes on its side of sharp
     /// edges: those reached from the closest facet over facets that meet in no edge sharper than the feature
@@ -318,7 +317,7 @@ impl ContactInterface {
             self.positions.copy_from_slice(positions);
             return Ok(report);
         }
-        self.pair(positions, true)
+        self.pair(positions, false)
     }
 
     /// As [`refresh_pairing`](Self::refresh_pairing), but with nodal domains lists are made anew wherever everybody is: what they are then
@@ -329,12 +328,12 @@ impl ContactInterface {
     /// As [`update`](Self::update). Pairing and positions of before then stay.
     pub fn renew_pairing(&mut self, positions: &[Point]) -> Result<RefreshReport, InterfaceError> {
         self.check_positions(positions)?;
-        self.pair(positions, true)
+        self.pair(positions, false)
     }
 
     /// As [`update`](Self::update), but with nodal domains the lists follow: if something has moved by more than half their skin they
     /// are made anew, which changes no gap. Returns whether they were: a pattern made for the old ones is no longer theirs. To be
-    /// called in every iteration; radii are renewed by [`refresh_pairing`](Self::refresh_pairing) only.
+    /// called in every iteration.
     ///
     /// # Errors
     /// As [`update`](Self::update).
@@ -345,12 +344,12 @@ impl ContactInterface {
             self.positions.copy_from_slice(positions);
             return Ok(false);
         }
-        self.pair(positions, false)?;
+        self.pair(positions, true)?;
         Ok(true)
     }
 
-    /// Pairs every slave at positions that have been checked. `renews`: whether radii follow a surface that has been stretched.
-    fn pair(&mut self, positions: &[Point], renews: bool) -> Result<RefreshReport, InterfaceError> {
+    /// Pairs every slave at positions that have been checked. `follows`: whether lists follow within an increment.
+    fn pair(&mut self, positions: &[Point], follows: bool) -> Result<RefreshReport, InterfaceError> {
         // Everything that may fail comes first; nothing of `self` changes before.
         let search = match self.options.element {
             ContactElement::Diffuse { search, .. } if self.nodal.is_none() => search,
@@ -370,11 +369,6 @@ impl ContactInterface {
                 Creases::new(&index, self.options.feature_angle_degrees.to_radians(), &symmetry)
             }
         };
-        let stretch = self.nodal.as_ref().map_or(0.0, |nodal| nodal.domains.stretch(&index));
-        let renewed_domains = (renews && stretch > MOST_STRETCH).then_some(stretch);
-        if renewed_domains.is_some() {
-            self.nodal.iter_mut().for_each(|nodal| nodal.renew(&index));
-        }
         let evaluator = Evaluator {
             surface: &self.master,
             creases: &creases,
@@ -388,10 +382,11 @@ impl ContactInterface {
             evaluator,
             old: &self.pairings,
             old_creases: &self.creases,
-            compares: self.nodal.is_none() || renewed_domains.is_some(),
+            compares: self.nodal.is_none(),
+            follows,
         };
         let (pairings, report) = refresh.run(&self.refreshes, &blank);
-        let report = RefreshReport { rebuilt: true, renewed_domains, ..report };
+        let report = RefreshReport { rebuilt: true, ..report };
         self.pairings = pairings;
         self.creases = creases;
         self.positions.copy_from_slice(positions);
@@ -415,11 +410,12 @@ impl ContactInterface {
         };
         let masters =
             self.master.nodes().iter().map(|&node| square(node as usize)).fold(0.0, f64::max).sqrt();
-        // A slave without a list may get one.
-        let smallest = self.nodal.as_ref()?.domains.smallest();
+        let paired = |k: usize| self.pairings.get(k).ok().map(|paired| paired.record.support_radius);
+        let smallest = self.pairings.all().filter_map(paired).fold(f64::INFINITY, f64::min);
         let stays = |k: usize| {
-            let radius = self.pairings.get(k).map_or(smallest, |paired| paired.record.support_radius);
-            masters + square(self.pairings.layout.slave(k)).sqrt() <= 0.5 * SKIN * radius
+            // A slave without a list may get one.
+            let shortest = paired(k).unwrap_or(smallest);
+            masters + square(self.pairings.layout.slave(k)).sqrt() <= 0.5 * SKIN * shortest
         };
         self.pairings.all().all(stays).then(|| {
             let paired = listed.report.paired;

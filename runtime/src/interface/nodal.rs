@@ -2,11 +2,9 @@
 
 use super::{ContactElement, InterfaceError, InterfaceOptions};
 use crate::neighbourhood::NeighbourRule;
-use crate::surface::{Creases, MasterSurface, NodalDomains, SurfaceIndex, Symmetry, SymmetryPlane};
-use crate::{Basis, Point, Weight};
+use crate::surface::{Creases, MasterSurface, NONE, NodalDomains, SurfaceIndex, Symmetry, SymmetryPlane};
+use crate::{Basis, MaterialDomain, Weight};
 
-/// The radii are renewed when the spacing of nodes has changed by more than this somewhere.
-pub const MOST_STRETCH: f64 = 0.1;
 /// Images of the surface are kept as far from it as so many of its largest facets.
 const IMAGES_REACH: f64 = 8.0;
 
@@ -19,8 +17,6 @@ pub struct Nodal {
     pub creases: Creases,
     weight: Weight,
     basis: Basis,
-    /// Of the surface's nodes, by place.
-    positions: Vec<Point>,
 }
 
 impl Nodal {
@@ -40,19 +36,18 @@ impl Nodal {
         let symmetry = symmetry_of(index, planes)?;
         let creases = Creases::new(index, options.feature_angle_degrees.to_radians(), &symmetry);
         let domains = NodalDomains::new(index, &creases, &symmetry, weight, search.basis);
-        let positions = index.positions().to_vec();
-        Ok(Some(Self { domains, symmetry, creases, weight, basis: search.basis, positions }))
+        Ok(Some(Self { domains, symmetry, creases, weight, basis: search.basis }))
     }
 
-    /// The radii anew, with the surface as it is now. Sheets stay what they are.
+    /// That of a node of the surface, or of its image with this number.
+    pub fn domain(&self, place: u32, image: u32) -> MaterialDomain {
+        let domain = *self.domains.domain(place as usize);
+        if image == NONE { domain } else { self.symmetry.domain_of(image, &domain) }
+    }
+
+    /// The domains anew, with the surface as it is at the index: that becomes its first configuration. Sheets stay what they are.
     pub fn renew(&mut self, index: &SurfaceIndex<'_>) {
         self.domains = NodalDomains::new(index, &self.creases, &self.symmetry, self.weight, self.basis);
-        self.positions = index.positions().to_vec();
-    }
-
-    /// Positions of the surface's nodes, by place, that the radii were found from.
-    pub fn positions(&self) -> &[Point] {
-        &self.positions
     }
 }
 

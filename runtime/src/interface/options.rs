@@ -1,13 +1,23 @@
 //! What a contact interface is made of, and when it pairs anew.
 
 use super::InterfaceError;
-use crate::neighbourhood::SearchOptions;
+use crate::neighbourhood::{NeighbourRule, SearchOptions};
 use crate::{FrameDerivative, Weight};
 
 /// The element of every slave node.
+///
+/// ```
+/// use diffuse_contact::Weight;
+/// use diffuse_contact::interface::{ContactElement, InterfaceOptions};
+///
+/// let element = ContactElement::default().with_weight(Weight::WendlandC2);
+/// let options = InterfaceOptions::default().with_element(element).with_areas(true);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ContactElement {
-    /// The diffuse element: a smooth surface through the master nodes around the slave.
+    /// The diffuse element: a smooth surface through the master nodes around the slave. It is made by
+    /// [`diffuse`](ContactElement::diffuse).
+    #[non_exhaustive]
     Diffuse {
         /// Weight function of the fit.
         weight: Weight,
@@ -25,16 +35,39 @@ pub enum ContactElement {
 impl Default for ContactElement {
     /// The diffuse element with the cubic weight, a co-moving frame and nodal domains of influence.
     fn default() -> Self {
-        Self::Diffuse {
-            weight: Weight::default(),
-            frame: FrameDerivative::CoMoving,
-            search: SearchOptions::domains(),
+        Self::diffuse(SearchOptions::domains())
+    }
+}
+
+impl ContactElement {
+    /// The diffuse element of the nodes that a search takes, with the cubic weight and a co-moving frame.
+    #[must_use]
+    pub fn diffuse(search: SearchOptions) -> Self {
+        Self::Diffuse { weight: Weight::default(), frame: FrameDerivative::CoMoving, search }
+    }
+
+    /// With this weight function, if there is a fit.
+    #[must_use]
+    pub const fn with_weight(self, weight: Weight) -> Self {
+        match self {
+            Self::Diffuse { frame, search, .. } => Self::Diffuse { weight, frame, search },
+            Self::NodeToFacet => self,
+        }
+    }
+
+    /// With this frame, if there is a fit.
+    #[must_use]
+    pub const fn with_frame(self, frame: FrameDerivative) -> Self {
+        match self {
+            Self::Diffuse { weight, search, .. } => Self::Diffuse { weight, frame, search },
+            Self::NodeToFacet => self,
         }
     }
 }
 
 /// How a [`ContactInterface`](super::ContactInterface) pairs and evaluates.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct InterfaceOptions {
     /// The element of every slave node.
     pub element: ContactElement,
@@ -76,10 +109,46 @@ impl InterfaceOptions {
         Self { element: ContactElement::NodeToFacet, ..Self::default() }
     }
 
+    /// With this element.
+    #[must_use]
+    pub const fn with_element(self, element: ContactElement) -> Self {
+        Self { element, ..self }
+    }
+
+    /// With this feature angle.
+    #[must_use]
+    pub const fn with_feature_angle_degrees(self, feature_angle_degrees: f64) -> Self {
+        Self { feature_angle_degrees, ..self }
+    }
+
+    /// With this hysteresis; 0 pairs all slaves anew at every refresh.
+    #[must_use]
+    pub const fn with_hysteresis(self, hysteresis: f64) -> Self {
+        Self { hysteresis, ..self }
+    }
+
+    /// With this tolerance of the border.
+    #[must_use]
+    pub const fn with_border_tolerance(self, border_tolerance: f64) -> Self {
+        Self { border_tolerance, ..self }
+    }
+
+    /// With this limit of the distance.
+    #[must_use]
+    pub const fn with_distance_limit(self, distance_limit: Option<f64>) -> Self {
+        Self { distance_limit, ..self }
+    }
+
+    /// With the slave nodes' tributary areas or without.
+    #[must_use]
+    pub const fn with_areas(self, areas: bool) -> Self {
+        Self { areas, ..self }
+    }
+
     /// Checks that every option is in its range.
     ///
     /// # Errors
-    /// [`InterfaceError::InvalidOption`], [`InterfaceError::InvalidSearch`].
+    /// [`InterfaceError::InvalidOption`], [`InterfaceError::InvalidSearch`], [`InterfaceError::HeldFrame`].
     pub fn check(&self) -> Result<(), InterfaceError> {
         let invalid = |name, range, value| Err(InterfaceError::InvalidOption { name, range, value });
         if !(0.0..=180.0).contains(&self.feature_angle_degrees) {
@@ -95,8 +164,11 @@ impl InterfaceOptions {
         {
             return invalid("distance_limit", "positive and finite", limit);
         }
-        if let ContactElement::Diffuse { search, .. } = &self.element {
+        if let ContactElement::Diffuse { search, frame, .. } = &self.element {
             search.check()?;
+            if (search.rule, *frame) == (NeighbourRule::Domains, FrameDerivative::Frozen) {
+                return Err(InterfaceError::HeldFrame);
+            }
         }
         Ok(())
     }

@@ -10,10 +10,8 @@ use crate::{Basis, Frame};
 /// What stays fixed for one paired slave until the next refresh, besides its masters.
 #[derive(Clone, Copy, Debug)]
 pub struct Record {
-    /// Support radius R; with nodal domains the largest at the facet's corners; of a node-to-facet element the facet's extent.
+    /// Support radius R; with nodal domains the shortest half axis of a listed one; of a node-to-facet element the facet's extent.
     pub support_radius: f64,
-    /// Reach of the weights in the moving plane: 0 where all nodes count alike.
-    pub reach: f64,
     pub basis: Basis,
     pub fallback: Fallback,
     /// The facet closest to the slave: the one whose side is outside.
@@ -33,8 +31,8 @@ pub struct Pairings {
     /// The patch of each slave's masters, where it ends somewhere, so that a foot may lie beyond it. A node-to-facet element has
     /// none: it needs one only once the foot is off its facet.
     pub patches: Lists,
-    /// With nodal domains the radius of each master's, as masters are; else none.
-    pub radii: Vec<f64>,
+    /// With nodal domains the place of each master among the surface's nodes, as masters are; else none.
+    pub places: Vec<u32>,
     /// Images of each slave's masters: place of the master among them and number of the image, alternating, ascending.
     pub images: Lists,
 }
@@ -71,8 +69,8 @@ pub struct Paired<'a> {
     pub frame: Option<&'a Frame>,
     /// The facets of the masters' patch if that ends somewhere.
     pub patch: &'a [u32],
-    /// Of the masters' domains; none without nodal domains.
-    pub radii: &'a [f64],
+    /// Of the masters among the surface's nodes; none without nodal domains.
+    pub places: &'a [u32],
     /// Place and number of image, alternating.
     pub images: &'a [u32],
 }
@@ -84,7 +82,7 @@ impl Pairings {
         let lengths = std::iter::repeat_n(0, slaves.len());
         let layout = Arc::new(Layout::new(slaves, areas, lengths, Vec::new()));
         let (patches, images) = (Lists::default(), Lists::default());
-        Self { layout, records, frames: Vec::new(), patches, radii: Vec::new(), images }
+        Self { layout, records, frames: Vec::new(), patches, places: Vec::new(), images }
     }
 
     /// The `k`-th slave.
@@ -96,7 +94,7 @@ impl Pairings {
             record,
             frame: self.frames.get(k),
             patch: self.patches.get(k),
-            radii: self.radii.get(self.layout.masters_range(k)).unwrap_or(&[]),
+            places: self.places.get(self.layout.masters_range(k)).unwrap_or(&[]),
             images: self.images.get(k),
         })
     }

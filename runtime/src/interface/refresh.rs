@@ -15,8 +15,8 @@ use super::scratch::Pool;
 use super::{ContactElement, InterfaceError, NoContact};
 use crate::neighbourhood::{Fallback, NeighbourSearch, NeighbourhoodError, SearchOptions, regularity};
 use crate::pairing::NearestNodes;
-use crate::surface::{Carried, Closest, Creases, MasterSurface, SurfaceIndex, Walk};
-use crate::{Basis, Frame, Point};
+use crate::surface::{Carried, Closest, Creases, Listed, MasterSurface, NONE, SurfaceIndex, Walk};
+use crate::{Basis, Frame, Point, Weight};
 
 /// Slaves that one thread pairs in a row.
 const CHUNK: usize = 256;
@@ -37,6 +37,8 @@ pub struct Refresh<'a> {
     /// Whether gaps before and after are compared. With nodal domains a list makes no difference to a gap, unless a slave has none before or
     /// after.
     pub compares: bool,
+    /// Whether lists follow within an increment: then no slave changes to the other side of a surface.
+    pub follows: bool,
 }
 
 /// Memory of one thread, kept from one refresh to the next.
@@ -46,9 +48,8 @@ pub struct RefreshScratch {
     walk: Walk,
     ties: Vec<Closest>,
     masters: Vec<u32>,
-    radii: Vec<f64>,
+    places: Vec<u32>,
     images: Vec<u32>,
-    found: Vec<(u32, f64)>,
     patch: Vec<u32>,
     element: ElementScratch,
 }
@@ -60,12 +61,23 @@ impl RefreshScratch {
             walk: Walk::default(),
             ties: Vec::new(),
             masters: Vec::new(),
-            radii: Vec::new(),
+            places: Vec::new(),
             images: Vec::new(),
-            found: Vec::new(),
             patch: Vec::new(),
             element: ElementScratch::default(),
         })
+    }
+}
+
+impl RefreshScratch {
+    /// A pairing with nodal domains as it is.
+    fn take_over(&mut self, old: &Paired<'_>) {
+        let Self { masters, places, images, patch, .. } = self;
+        let lists = [(masters, old.masters), (places, old.places), (images, old.images), (patch, old.patch)];
+        for (own, list) in lists {
+            own.clear();
+            own.extend_from_slice(list);
+        }
     }
 }
 
@@ -78,7 +90,7 @@ struct Chunk {
     ends: Vec<usize>,
     frames: Vec<Frame>,
     patches: Lists,
-    radii: Vec<f64>,
+    places: Vec<u32>,
     images: Lists,
     report: RefreshReport,
 }
@@ -121,7 +133,7 @@ impl Refresh<'_> {
         let mut masters = Vec::with_capacity(chunks.iter().map(|chunk| chunk.masters.len()).sum());
         let mut records = Vec::with_capacity(order.len());
         let mut frames = Vec::new();
-        let (mut patches, mut images, mut radii) = (Lists::default(), Lists::default(), Vec::new());
+        let (mut patches, mut images, mut listed) = (Lists::default(), Lists::default(), Vec::new());
         chunks.iter().for_each(|chunk| report.append(&chunk.report));
         for &place in &places {
             let (chunk, own) = (&chunks[place / CHUNK], place % CHUNK);
@@ -130,11 +142,11 @@ impl Refresh<'_> {
             frames.extend(chunk.frames.get(own));
             patches.push(chunk.patches.get(own));
             images.push(chunk.images.get(own));
-            radii.extend_from_slice(chunk.radii.get(chunk.range_of(own)).unwrap_or(&[]));
+            listed.extend_from_slice(chunk.places.get(chunk.range_of(own)).unwrap_or(&[]));
         }
         let lengths = places.iter().map(|place| chunks[place / CHUNK].masters_of(place % CHUNK).len());
         let layout = Layout::new(old.slaves().to_vec(), old.areas().to_vec(), lengths, masters);
-        (Pairings { layout: layout.into(), records, frames, patches, radii, images }, report)
+        (Pairings { layout: layout.into(), records, frames, patches, places: listed, images }, report)
     }
 
     /// Pairs the `k`-th slave, or keeps its pairing, and books it.
@@ -148,6 +160,10 @@ impl Refresh<'_> {
         };
         let kept = sound.is_some();
         let record = match (old, closest, sound) {
+            (Some(old), Ok(closest), _) if self.follows && self.is_turned(&old, &closest) => {
+                scratch.take_over(&old);
+                Ok(*old.record)
+            }
             (_, Err(reason), _) => Err(reason),
             (Some(old), _, Some(record)) => {
                 scratch.masters.clear();
@@ -156,9 +172,9 @@ impl Refresh<'_> {
             }
             (_, Ok(closest), _) => self.pair(node, &closest, scratch),
         };
-        let RefreshScratch { masters, radii, images, patch, element, .. } = scratch;
+        let RefreshScratch { masters, places, images, patch, element, .. } = scratch;
         let paired = record.as_ref().map_err(|reason| *reason).and_then(|record| {
-            let paired = Paired { slave: node, masters, record, frame: None, patch, radii, images };
+            let paired = Paired { slave: node, masters, record, frame: None, patch, places, images };
             Ok((paired, self.evaluator.held_frame(&paired, element)?))
         });
         let report = &mut chunk.report;
@@ -187,7 +203,7 @@ impl Refresh<'_> {
                 chunk.records.push(record);
                 chunk.frames.extend(frame);
                 chunk.patches.push(patch);
-                chunk.radii.extend_from_slice(radii);
+                chunk.places.extend_from_slice(places);
                 chunk.images.push(images);
             }
             Err(reason) => {
@@ -201,6 +217,13 @@ impl Refresh<'_> {
             }
         }
         chunk.ends.push(chunk.masters.len());
+    }
+
+    /// Whether the closest facet looks away from that of the pairing.
+    fn is_turned(&self, old: &Paired<'_>, closest: &Closest) -> bool {
+        let [before, now] =
+            [old.record.facet, closest.facet].map(|facet| self.index.normals()[facet as usize]);
+        before.dot(&now) < 0.0
     }
 
     /// The gap by the old pairing and the creases of before, if there is one.
@@ -288,13 +311,13 @@ impl Refresh<'_> {
         scratch: &mut RefreshScratch,
     ) -> Result<Record, NoContact> {
         let Evaluator { surface, creases, positions, options, .. } = self.evaluator;
-        let RefreshScratch { search, walk, masters, radii, images, patch, .. } = scratch;
+        let RefreshScratch { search, walk, masters, places, images, patch, .. } = scratch;
         masters.clear();
-        radii.clear();
+        places.clear();
         images.clear();
         patch.clear();
         if let Some(nodal) = self.evaluator.nodal {
-            return self.list(nodal, closest, scratch);
+            return self.list(nodal, node, closest, scratch);
         }
         let Closest { facet, natural, .. } = *closest;
         let shape = self.index.shape(facet);
@@ -302,7 +325,6 @@ impl Refresh<'_> {
             masters.extend(surface.facet(facet as usize).corners().iter().map(|&node| node as u32));
             return Ok(Record {
                 support_radius: shape.extent(),
-                reach: 0.0,
                 basis: Basis::Linear,
                 fallback: Fallback::None,
                 facet,
@@ -322,7 +344,6 @@ impl Refresh<'_> {
         creases.patch_with_end(surface, facet, masters, patch);
         Ok(Record {
             support_radius: found.support_radius,
-            reach: 0.0,
             basis: found.basis,
             fallback: found.fallback,
             facet,
@@ -331,34 +352,26 @@ impl Refresh<'_> {
     }
 }
 
-/// A listed node may be outside its domain by this fraction of the radius: lists hold while nobody has moved by half of it.
-pub const SKIN: f64 = 0.1;
-/// Nodes are listed as far from the slave's closest point as their radius, lengthened by heights of the surface up to this fraction
-/// of it, …
-const HEIGHT: f64 = 0.75;
-/// … and by this fraction of the slave's distance, by which its projection on the average plane may be shifted.
-const SHIFT: f64 = 0.25;
-/// A slave farther from the surface than this fraction of the radius is far: its average plane takes wider domains.
-const FAR: f64 = 0.5;
+/// A listed node may be outside its domain by this fraction of it: lists hold while nobody has moved by half of it.
+pub const SKIN: f64 = 0.12;
 
 impl Refresh<'_> {
     /// Lists the nodes of the slave's sheet that may come within reach, with their images.
     fn list(
         &self,
         nodal: &Nodal,
+        node: usize,
         closest: &Closest,
         scratch: &mut RefreshScratch,
     ) -> Result<Record, NoContact> {
         let Evaluator { surface, creases, options, .. } = self.evaluator;
-        let RefreshScratch { walk, masters, radii, images, found, patch, .. } = scratch;
-        let Closest { facet, natural, distance, .. } = *closest;
-        let around = nodal.domains.around(self.index, facet);
-        let (wanted, falls_back) = match options.element {
-            ContactElement::Diffuse { search, .. } => (search.basis, search.linear_fallback),
-            ContactElement::NodeToFacet => (Basis::Linear, false),
+        let RefreshScratch { masters, places, images, patch, element, .. } = scratch;
+        let Closest { facet, natural, .. } = *closest;
+        let (wanted, falls_back, weight) = match options.element {
+            ContactElement::Diffuse { search, weight, .. } => (search.basis, search.linear_fallback, weight),
+            ContactElement::NodeToFacet => (Basis::Linear, false, Weight::default()),
         };
-        let carried = nodal.domains.carried(facet);
-        let (basis, fallback) = match (wanted, carried) {
+        let (basis, fallback) = match (wanted, nodal.domains.carried(facet)) {
             (Basis::Quadratic, Carried::Linear) if falls_back => {
                 (Basis::Linear, Fallback::Linear { quadratic_regularity: 0.0 })
             }
@@ -370,32 +383,27 @@ impl Refresh<'_> {
                 return Err(NoContact::NoCandidate { reason });
             }
         };
-        let (reach, fallback) = if distance > FAR * around {
-            let relative = distance / around;
-            (1.0 / relative.hypot(1.0), Fallback::Far { distance: relative })
-        } else {
-            (1.0, fallback)
-        };
-        let margin = SHIFT * distance.min(FAR * around) + SKIN * around;
-        let reach_of = |radius: f64| radius * HEIGHT.hypot(1.0) + margin;
-        let from = closest.point.into();
-        walk.start(self.index, facet, from);
-        walk.nodes_within(self.index, creases, reach_of(nodal.domains.largest()), found);
-        for &(place, square) in &*found {
-            let radius = nodal.domains.radius(place as usize);
-            let limit = reach_of(radius);
-            if !(radius > 0.0 && square < limit * limit) {
+        // A slave far beyond a border may have no place: all are listed then, and the evaluation says why there is no contact.
+        let listed = nodal.domains.listed(facet);
+        let place = self.evaluator.place_among(listed, node, facet, weight, element).ok();
+        let mut shortest = f64::INFINITY;
+        for &Listed { place: of_node, image } in listed {
+            let domain = nodal.domain(of_node, image);
+            let is_far = |place| domain.length(Vector3::from(domain.position) - place) >= 1.0 + SKIN;
+            if place.is_some_and(is_far) {
                 continue;
             }
-            let listed = masters.len() as u32;
-            masters.push(surface.nodes()[place as usize]);
-            radii.push(radius);
-            nodal.symmetry.images_near(self.index.positions()[place as usize], from, limit, |number, _| {
-                images.extend([listed, number]);
-            });
+            shortest = shortest.min(domain.shortest());
+            if places.last() != Some(&of_node) {
+                places.push(of_node);
+                masters.push(surface.nodes()[of_node as usize]);
+            }
+            if image != NONE {
+                images.extend([places.len() as u32 - 1, image]);
+            }
         }
         creases.patch_with_end(surface, facet, masters, patch);
-        Ok(Record { support_radius: around, reach, basis, fallback, facet, natural })
+        Ok(Record { support_radius: shortest, basis, fallback, facet, natural })
     }
 }
 

@@ -45,8 +45,6 @@ pub struct RefreshReport {
     /// With nodal domains: whether lists were made anew, as something had moved by more than half their skin. Elsewhere every
     /// refresh pairs anew.
     pub rebuilt: bool,
-    /// With nodal domains: by how much the surface was stretched when the radii were renewed for it. `None` if they stayed.
-    pub renewed_domains: Option<f64>,
 }
 
 /// Numbers of paired slave nodes by [`Fallback`].
@@ -58,8 +56,6 @@ pub struct FallbackCounts {
     pub extended: usize,
     /// The linear basis.
     pub linear: usize,
-    /// Wider domains for the average plane of a slave that is far from the surface.
-    pub far: usize,
 }
 
 /// The gap of one slave by the old and by the new pairing, at the positions of the refresh.
@@ -108,7 +104,6 @@ impl RefreshReport {
             Fallback::None => self.fallbacks.none += 1,
             Fallback::Extended { .. } => self.fallbacks.extended += 1,
             Fallback::Linear { .. } => self.fallbacks.linear += 1,
-            Fallback::Far { .. } => self.fallbacks.far += 1,
         }
     }
 
@@ -157,7 +152,6 @@ impl RefreshReport {
         self.fallbacks.none += next.fallbacks.none;
         self.fallbacks.extended += next.fallbacks.extended;
         self.fallbacks.linear += next.fallbacks.linear;
-        self.fallbacks.far += next.fallbacks.far;
         self.contacts_lost += next.contacts_lost;
         self.contacts_gained += next.contacts_gained;
         self.smallest_gap_lost = SlaveGap::smallest(self.smallest_gap_lost, next.smallest_gap_lost);

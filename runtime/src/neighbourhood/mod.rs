@@ -101,11 +101,6 @@ pub enum Fallback {
         /// influence do not carry it.
         quadratic_regularity: f64,
     },
-    /// The slave is so far from the surface that nodes of wider domains make up its average plane.
-    Far {
-        /// Distance from the closest facet over the radius of the domains there.
-        distance: f64,
-    },
 }
 
 /// The master nodes of one slave node, and what follows from the choice.
@@ -178,7 +173,7 @@ impl Neighbourhood {
             positions,
             frame: self.frame,
             support_radius: self.support_radius,
-            radii: Vec::new(),
+            material: Vec::new(),
             basis: self.basis,
             weight,
         }

@@ -82,6 +82,7 @@ impl Default for NeighbourRule {
 
 /// How a search chooses.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SearchOptions {
     /// Which nodes take part.
     pub rule: NeighbourRule,
@@ -127,10 +128,46 @@ impl SearchOptions {
         Self { rule: NeighbourRule::Domains, ..Self::default() }
     }
 
-    /// The options with another rule.
+    /// With this rule.
     #[must_use]
     pub const fn with_rule(self, rule: NeighbourRule) -> Self {
         Self { rule, ..self }
+    }
+
+    /// With this basis.
+    #[must_use]
+    pub const fn with_basis(self, basis: Basis) -> Self {
+        Self { basis, ..self }
+    }
+
+    /// With the linear basis to fall back on or without.
+    #[must_use]
+    pub const fn with_linear_fallback(self, linear_fallback: bool) -> Self {
+        Self { linear_fallback, ..self }
+    }
+
+    /// With this bound of the regularity.
+    #[must_use]
+    pub const fn with_smallest_regularity(self, smallest_regularity: f64) -> Self {
+        Self { smallest_regularity, ..self }
+    }
+
+    /// With this support radius over the distance of the farthest node.
+    #[must_use]
+    pub const fn with_radius_factor(self, radius_factor: f64) -> Self {
+        Self { radius_factor, ..self }
+    }
+
+    /// With this number of nodes to start from.
+    #[must_use]
+    pub const fn with_candidates(self, candidates: usize) -> Self {
+        Self { candidates, ..self }
+    }
+
+    /// With this number of nodes to stop at.
+    #[must_use]
+    pub const fn with_max_candidates(self, max_candidates: usize) -> Self {
+        Self { max_candidates, ..self }
     }
 
     /// Checks that every option is in its range.

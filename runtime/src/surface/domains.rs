@@ -1,11 +1,14 @@
-//! Domains of influence that belong to the nodes (`docs/equations.md`, [T14]).
+//! Domains of influence that belong to the nodes, in the first configuration (`docs/equations.md`, [T14], [T18]).
 //!
-//! A node takes part in the fits of all slaves within its radius R_k, which stays what it is while the surface moves. The
-//! radii are as small as the conditioning of the fits allows. Each is a multiple s_k of the size h_k of the cells around the
-//! node, so that a coarse region does not widen the domains of a fine one beside it. At each *centre* c (a node, the middle of an
-//! edge or of a facet; where cells change size also the quarter points of the facet) let s(c) be the smallest multiple for which the
-//! weighted design matrix of the nodes with |x_k − c| < s h_k, columns scaled to length one, has no singular value below
-//! [`SMALLEST_SINGULAR_VALUE`]. s_k is the largest s(c) of all centres that the node serves, |x_k − c| < s(c) h_k.
+//! A node takes part in the fits of all slaves whose place in the first configuration lies in its domain, an ellipsoid that stays
+//! what it is there. Its axes are those of the node's cells: C_k is the mean of e eᵀ over the edges e to the nodes of its facets,
+//! |U (X − X_k)| with UᵀU = C_k⁻¹/s_k² the distance from it, 1 on its border. The factors s_k are as small as the conditioning of the
+//! fits allows. At each *centre* c (a node, the middle of an edge or of a facet, a point halfway
+//! between these) let s(c) be the smallest factor for which the weighted design matrix of the nodes nearer than s, columns scaled to
+//! length one, has no singular value below [`SMALLEST_SINGULAR_VALUE`]. s_k is the largest s(c) of all centres that the node
+//! serves, and a little more.
+//!
+//! Which nodes a slave may need follows from its closest facet, so facets have lists of them, found once.
 
 use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 
@@ -13,31 +16,52 @@ use rayon::prelude::*;
 
 use super::topology::NONE;
 use super::{Creases, SurfaceIndex, Symmetry, Walk};
+use crate::eigen::symmetric_eigen;
 use crate::vector::Vector3;
-use crate::{Basis, Point, Weight};
+use crate::{Basis, MaterialDomain, MaterialNode, Point, Weight};
 
 /// What the fits at the centres have to reach; 0.25 is out of reach for one-sided fits.
 pub(crate) const SMALLEST_SINGULAR_VALUE: f64 = 0.15;
-/// Facets that differ in size from a neighbour by more than this factor have centres at their quarter points, too.
-const ABRUPT: f64 = 1.5;
-/// Radii are tried in steps of this factor, then halved in between so many times.
+/// Factors are tried in steps of this one, then halved in between so many times.
 const STEP: f64 = 1.04;
 const BISECTIONS: usize = 8;
+/// Where all nodes of a sheet are at hand, domains that reach so many times farther than the farthest weight all alike.
+const WIDEST: f64 = 10.0;
+/// Domains are wider than the centres ask for by this factor: slaves are elsewhere, too.
+const MORE: f64 = 1.08;
+/// Nodes are first sought so many extents of a facet around it.
+const FIRST_REACH: f64 = 3.5;
+/// The shell whose nodes say how far a search reaches, from this part of its radius on.
+const SHELL: f64 = 0.75;
 /// A fit at a centre takes no more nodes than this.
-const MOST_NODES: usize = 120;
+const MOST_NODES: usize = 400;
+/// The least of the two smaller axes of a node's cells over the largest.
+const THINNEST: f64 = 1e-3;
+/// The list of a facet holds nodes whose domains end this far from it, over the domain: a slave's place may lie as far off its
+/// closest facet.
+const MARGIN: f64 = 0.3;
 /// Centres that one thread works on in a row.
 const CHUNK: usize = 64;
 
-/// The radii of all nodes of a surface, and where its facets carry which basis.
+/// The domains of all nodes of a surface, and where its facets carry which basis.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct NodalDomains {
-    /// R_k by place among the surface's nodes, length; 0 where no fit takes the node.
-    radii: Vec<f64>,
+    /// By place among the surface's nodes; a metric of zeros where no fit takes the node.
+    domains: Vec<MaterialDomain>,
     /// Per facet the basis that the fits on it carry.
     bases: Vec<Carried>,
-    /// Per node the mean distance to the corners of its facets when the radii were found.
-    spacing: Vec<f64>,
-    largest: f64,
+    /// Nodes that slaves closest to a facet may need, those of all facets one after another.
+    listed: Vec<Listed>,
+    /// Where the list of each facet ends.
+    ends: Vec<usize>,
+}
+
+/// A node of a facet's list, or one of its images.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Listed {
+    pub place: u32,
+    /// The number of the image, or [`NONE`].
+    pub image: u32,
 }
 
 /// What the nodes around a facet carry.
@@ -72,6 +96,14 @@ struct Centre {
 struct Scratch {
     walk: Walk,
     found: Vec<(u32, f64)>,
+    /// The cells of the nodes around a facet, and of their images.
+    around: Vec<(u32, MaterialDomain)>,
+    /// How far from the middle of the facet they were sought, and how far from there the outermost of them are that say how far a
+    /// search reaches.
+    reach: f64,
+    shell: f64,
+    middle: Vector3,
+    /// The same seen from a centre.
     nodes: Vec<Near>,
 }
 
@@ -81,14 +113,12 @@ struct Near {
     place: u32,
     /// In the plane of the centre, length.
     offset: [f64; 2],
-    /// Distance in that plane over the size of the cells around the node.
+    /// Distance in the metric of the node's cells.
     distance: f64,
-    /// Square of the distance in space over that of the size.
-    square: f64,
 }
 
 impl NodalDomains {
-    /// The radii for this surface as it is, in parallel; the same for any number of threads.
+    /// The domains for this surface as it is, in parallel; the same for any number of threads.
     pub fn new(
         index: &SurfaceIndex<'_>,
         creases: &Creases,
@@ -97,20 +127,21 @@ impl NodalDomains {
         basis: Basis,
     ) -> Self {
         let surface = index.surface();
-        let sizes = cell_sizes(index);
-        let multiples: Vec<AtomicU64> = (0..surface.nodes().len()).map(|_| AtomicU64::new(0)).collect();
+        let cells = cells(index, symmetry);
+        let factors: Vec<AtomicU64> = (0..surface.nodes().len()).map(|_| AtomicU64::new(0)).collect();
         let bases: Vec<AtomicU8> =
             (0..surface.facet_count()).map(|_| AtomicU8::new(Carried::Quadratic as u8)).collect();
         let facets: Vec<u32> = (0..surface.facet_count() as u32).collect();
-        facets.par_chunks(CHUNK).for_each(|facets| {
-            let mut scratch = Scratch::default();
-            for centre in facets.iter().flat_map(|&facet| centres(index, creases, facet)) {
-                let (multiple, carried) =
-                    multiple_at(index, creases, symmetry, (weight, basis), &centre, (&sizes, &mut scratch));
+        facets.par_iter().with_min_len(CHUNK).for_each_init(Scratch::default, |scratch, &facet| {
+            let extent = index.shape(facet).extent();
+            scratch.gather(index, creases, symmetry, (&cells, facet), FIRST_REACH * extent);
+            for centre in centres(index, creases, facet) {
+                let (factor, carried) =
+                    factor_at(index, creases, symmetry, (weight, basis), &centre, (&cells, scratch));
                 // Largest and smallest do not depend on the order in which they come; the bits of positive numbers are
                 // ordered like them.
-                for node in scratch.nodes.iter().filter(|node| node.square < multiple * multiple) {
-                    multiples[node.place as usize].fetch_max(multiple.to_bits(), Ordering::Relaxed);
+                for node in scratch.nodes.iter().filter(|node| node.distance < factor) {
+                    factors[node.place as usize].fetch_max(factor.to_bits(), Ordering::Relaxed);
                 }
                 for &facet in centre.others.iter().chain([&centre.facet]) {
                     bases[facet as usize].fetch_min(carried as u8, Ordering::Relaxed);
@@ -118,86 +149,211 @@ impl NodalDomains {
             }
         });
         let bases = bases.into_iter().map(|carried| Carried::of(carried.into_inner())).collect();
-        let multiples = multiples.into_iter().map(|bits| f64::from_bits(bits.into_inner()));
-        let radii: Vec<f64> = multiples.zip(&sizes).map(|(multiple, size)| multiple * size).collect();
-        let largest = radii.iter().copied().fold(0.0, f64::max);
-        Self { radii, bases, spacing: spacing(index), largest }
+        let factors = factors.into_iter().map(|bits| f64::from_bits(bits.into_inner()));
+        let domains: Vec<MaterialDomain> =
+            factors.zip(&cells).map(|(factor, domain)| domain.times(MORE * factor)).collect();
+        let lists: Vec<Vec<Listed>> = facets
+            .par_iter()
+            .with_min_len(CHUNK)
+            .map_init(Scratch::default, |scratch, &facet| {
+                list(index, creases, symmetry, &domains, facet, scratch)
+            })
+            .collect();
+        let ends = lists
+            .iter()
+            .scan(0, |end, list| {
+                *end += list.len();
+                Some(*end)
+            })
+            .collect();
+        Self { domains, bases, listed: lists.concat(), ends }
     }
 
-    /// R_k of the node at a place, length.
-    pub fn radius(&self, place: usize) -> f64 {
-        self.radii[place]
+    /// That of the node at a place.
+    pub fn domain(&self, place: usize) -> &MaterialDomain {
+        &self.domains[place]
     }
 
-    /// The largest of all.
-    pub const fn largest(&self) -> f64 {
-        self.largest
+    /// First positions of the surface's nodes, by place.
+    pub fn positions(&self) -> impl ExactSizeIterator<Item = Point> {
+        self.domains.iter().map(|domain| domain.position)
     }
 
-    /// The smallest of all, of nodes that fits take.
-    pub fn smallest(&self) -> f64 {
-        self.radii.iter().copied().filter(|&radius| radius > 0.0).fold(f64::INFINITY, f64::min)
-    }
-
-    /// The largest at the corners of a facet.
-    pub fn around(&self, index: &SurfaceIndex<'_>, facet: u32) -> f64 {
-        let corners = index.surface().corners_of(facet as usize).iter();
-        corners.map(|&place| self.radii[place as usize]).fold(0.0, f64::max)
+    /// The nodes that a slave may need whose closest facet this is, ascending by place, a node before its images.
+    pub fn listed(&self, facet: u32) -> &[Listed] {
+        let start = (facet as usize).checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.listed[start..self.ends[facet as usize]]
     }
 
     /// What the nodes around a facet carry.
     pub fn carried(&self, facet: u32) -> Carried {
         self.bases[facet as usize]
     }
+}
 
-    /// The largest change of a node's spacing since the radii were found: 0.1 if it has grown or shrunk by a tenth.
-    pub fn stretch(&self, index: &SurfaceIndex<'_>) -> f64 {
-        let now = spacing(index);
-        let change =
-            |(now, then): (&f64, &f64)| if *then > 0.0 { (now / then).ln().abs().exp() - 1.0 } else { 0.0 };
-        now.iter().zip(&self.spacing).map(change).fold(0.0, f64::max)
+impl Symmetry {
+    /// The domain of a node's image.
+    pub fn domain_of(&self, number: u32, domain: &MaterialDomain) -> MaterialDomain {
+        let image = self.image(number);
+        MaterialDomain {
+            position: image.of(domain.position),
+            metric: triangle(turned(gram(&domain.metric), &image.rows)),
+        }
     }
 }
 
-/// Per node the root of the mean area of its facets, triangles counting twice: the side of square cells.
-fn cell_sizes(index: &SurfaceIndex<'_>) -> Vec<f64> {
-    let surface = index.surface();
-    let area = |&facet: &u32| {
-        let shape = index.shape(facet);
-        shape.area_vector().norm() * if shape.corners().len() == 3 { 2.0 } else { 1.0 }
-    };
-    (0..surface.nodes().len())
-        .into_par_iter()
-        .map(|place| {
-            let facets = surface.facets_of_place(place);
-            (facets.iter().map(area).sum::<f64>() / facets.len() as f64).sqrt()
-        })
-        .collect()
+/// UᵀU
+fn gram(&[xx, xy, xz, yy, yz, zz]: &[f64; 6]) -> [[f64; 3]; 3] {
+    let rows = [[xx, xy, xz], [0.0, yy, yz], [0.0, 0.0, zz]];
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| rows.iter().map(|row| row[i] * row[j]).sum()))
 }
 
-/// Per node the mean distance to the corners of its facets.
-fn spacing(index: &SurfaceIndex<'_>) -> Vec<f64> {
+/// Q M Qᵀ
+fn turned(matrix: [[f64; 3]; 3], rows: &[Point; 3]) -> [[f64; 3]; 3] {
+    let entry = |i: usize, j: usize| -> f64 {
+        (0..3).map(|k| (0..3).map(|l| rows[i][k] * matrix[k][l] * rows[j][l]).sum::<f64>()).sum()
+    };
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)))
+}
+
+/// U of a positive definite UᵀU; zeros of zeros.
+fn triangle(m: [[f64; 3]; 3]) -> [f64; 6] {
+    if m[0][0] == 0.0 {
+        return [0.0; 6];
+    }
+    let xx = m[0][0].sqrt();
+    let (xy, xz) = (m[0][1] / xx, m[0][2] / xx);
+    let yy = (m[1][1] - xy * xy).sqrt();
+    let yz = (m[1][2] - xy * xz) / yy;
+    [xx, xy, xz, yy, yz, (m[2][2] - xz * xz - yz * yz).sqrt()]
+}
+
+/// Per node its position and the metric of its cells.
+fn cells(index: &SurfaceIndex<'_>, symmetry: &Symmetry) -> Vec<MaterialDomain> {
     let surface = index.surface();
     let positions = index.positions();
     (0..surface.nodes().len())
         .into_par_iter()
         .map(|place| {
-            let own = Vector3::from(positions[place]);
-            let (mut total, mut count) = (0.0, 0.0);
-            for &facet in surface.facets_of_place(place) {
-                for &other in surface.corners_of(facet as usize) {
-                    if other as usize != place {
-                        total += (Vector3::from(positions[other as usize]) - own).norm();
-                        count += 1.0;
+            let position = positions[place];
+            let own = Vector3::from(position);
+            let mut others: Vec<u32> = surface
+                .facets_of_place(place)
+                .iter()
+                .flat_map(|&facet| surface.corners_of(facet as usize))
+                .copied()
+                .filter(|&other| other as usize != place)
+                .collect();
+            others.sort_unstable();
+            others.dedup();
+            // In planes of symmetry cells go on as their images.
+            let mut ends: Vec<Vector3> =
+                others.iter().map(|&other| positions[other as usize].into()).collect();
+            let near = symmetry.tolerance() * symmetry.tolerance();
+            for image in symmetry.images_at(position) {
+                for &other in &others {
+                    let end = Vector3::from(image.of(positions[other as usize]));
+                    if ends.iter().all(|known| (*known - end).norm_squared() > near) {
+                        ends.push(end);
                     }
                 }
             }
-            if count > 0.0 { total / count } else { 0.0 }
+            let mut mean = [[0.0; 3]; 3];
+            for end in &ends {
+                let edge = *end - own;
+                for i in 0..3 {
+                    for j in 0..3 {
+                        mean[i][j] += edge[i] * edge[j] / ends.len() as f64;
+                    }
+                }
+            }
+            MaterialDomain { position, metric: metric_of(mean) }
         })
         .collect()
 }
 
-/// The centres that a facet looks after: its middle and, of the corners and the middles of edges that it shares with facets of
+/// U with UᵀU = C⁻¹ for the moment C of edges, whose smallest principal value, across the surface, is made the middle one.
+fn metric_of(moment: [[f64; 3]; 3]) -> [f64; 6] {
+    let [(_, across), (middle, along), (largest, farthest)] = symmetric_eigen(moment);
+    let middle = middle.max(THINNEST * THINNEST * largest);
+    let axes = [(middle, across), (middle, along), (largest, farthest)];
+    let entry = |i: usize, j: usize| axes.iter().map(|(value, axis)| axis[i] * axis[j] / value).sum();
+    triangle([0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j))))
+}
+
+impl MaterialDomain {
+    /// The domain of cells times a factor; a metric of zeros if that is 0.
+    fn times(&self, factor: f64) -> Self {
+        let scale = if factor > 0.0 { 1.0 / factor } else { 0.0 };
+        Self { position: self.position, metric: self.metric.map(|entry| entry * scale) }
+    }
+
+    /// |U v|
+    pub(crate) fn length(&self, v: Vector3) -> f64 {
+        MaterialNode { offset: v.into(), metric: self.metric }.distance()
+    }
+
+    /// The shortest half axis.
+    pub(crate) fn shortest(&self) -> f64 {
+        let [_, _, (largest, _)] = symmetric_eigen(gram(&self.metric));
+        1.0 / largest.sqrt()
+    }
+
+    /// The longest half axis; 0 of no domain.
+    fn extent(&self) -> f64 {
+        let [(smallest, _), _, _] = symmetric_eigen(gram(&self.metric));
+        if smallest > 0.0 { 1.0 / smallest.sqrt() } else { 0.0 }
+    }
+}
+
+/// The nodes of the facet's sheet whose domains, with a margin, reach it, and their images.
+fn list(
+    index: &SurfaceIndex<'_>,
+    creases: &Creases,
+    symmetry: &Symmetry,
+    domains: &[MaterialDomain],
+    facet: u32,
+    scratch: &mut Scratch,
+) -> Vec<Listed> {
+    let Scratch { walk, found, .. } = scratch;
+    let shape = index.shape(facet);
+    let corners = shape.corners();
+    let middle = corners.iter().copied().sum::<Vector3>() / corners.len() as f64;
+    let reaches = |domain: &MaterialDomain| {
+        let reach = corners
+            .iter()
+            .map(|&corner| domain.length(corner - middle))
+            .fold(1.0 + MARGIN, |reach, x| reach.max(1.0 + MARGIN + x));
+        domain.metric[0] > 0.0 && domain.length(Vector3::from(domain.position) - middle) < reach
+    };
+    // A domain that reaches the facet from afar is long: walks go on while they meet such.
+    let mut reach = shape.extent();
+    loop {
+        walk.start(index, facet, middle.into());
+        walk.nodes_within(index, creases, reach, found);
+        let near = found.iter().map(|&(place, _)| &domains[place as usize]);
+        let needed = near.map(|domain| (1.0 + MARGIN) * domain.extent()).fold(0.0, f64::max) + shape.extent();
+        if needed <= reach {
+            break;
+        }
+        reach = needed;
+    }
+    let mut all = Vec::new();
+    for &(place, _) in &*found {
+        let domain = &domains[place as usize];
+        if reaches(domain) {
+            all.push(Listed { place, image: NONE });
+        }
+        symmetry.images_near(domain.position, middle.into(), reach, |image, _| {
+            if reaches(&symmetry.domain_of(image, domain)) {
+                all.push(Listed { place, image });
+            }
+        });
+    }
+    all
+}
+
+/// The centres that a facet looks after: its middle and quarter points and, of the corners and edges that it shares with facets of
 /// its sheet, those of which it has the lowest number.
 fn centres(index: &SurfaceIndex<'_>, creases: &Creases, facet: u32) -> Vec<Centre> {
     let shape = index.shape(facet);
@@ -206,20 +362,19 @@ fn centres(index: &SurfaceIndex<'_>, creases: &Creases, facet: u32) -> Vec<Centr
     let own = |point| Centre { point, normal, facet, others: Vec::new() };
     let middle = corners.iter().copied().sum::<Vector3>() / corners.len() as f64;
     let mut all = vec![own(middle)];
-    let mut is_abrupt = false;
+    all.extend(corners.iter().map(|&corner| own((corner + middle) / 2.0)));
+    let between = (0..corners.len()).map(|edge| shape.edge(edge));
+    all.extend(between.map(|[from, to]| own(((from + to) / 2.0 + middle) / 2.0)));
     for (edge, &other) in index.surface().across(facet as usize).iter().enumerate() {
         let [from, to] = shape.edge(edge);
-        let centre = own((from + to) / 2.0);
-        if other == NONE || creases.ends_at(facet as usize, edge) {
-            all.push(centre);
+        let is_end = other == NONE || creases.ends_at(facet as usize, edge);
+        if !is_end && other < facet {
             continue;
         }
-        if facet < other {
-            let normal = (normal + index.normals()[other as usize]).normalize();
-            all.push(Centre { normal, others: vec![other], ..centre });
-        }
-        let ratio = index.shape(other).area_vector().norm() / shape.area_vector().norm();
-        is_abrupt |= !(ratio.max(1.0 / ratio) <= ABRUPT);
+        let normal = if is_end { normal } else { (normal + index.normals()[other as usize]).normalize() };
+        let others = if is_end { Vec::new() } else { vec![other] };
+        let on_edge = [0.25, 0.5, 0.75].map(|t| from * (1.0 - t) + to * t);
+        all.extend(on_edge.map(|point| Centre { point, normal, facet, others: others.clone() }));
     }
     for (&point, &place) in corners.iter().zip(index.surface().corners_of(facet as usize)) {
         let fan = fan(index, creases, facet, place);
@@ -228,9 +383,6 @@ fn centres(index: &SurfaceIndex<'_>, creases: &Creases, facet: u32) -> Vec<Centr
                 fan.iter().map(|&other| index.normals()[other as usize]).sum::<Vector3>().normalize();
             all.push(Centre { point, normal, facet, others: fan });
         }
-    }
-    if is_abrupt {
-        all.extend(corners.iter().map(|&corner| own((corner + middle) / 2.0)));
     }
     all
 }
@@ -252,75 +404,90 @@ fn fan(index: &SurfaceIndex<'_>, creases: &Creases, facet: u32, corner: u32) -> 
 }
 
 /// s(c), and what the nodes within reach of it carry. `scratch.nodes` are those that were looked at.
-fn multiple_at(
+fn factor_at(
     index: &SurfaceIndex<'_>,
     creases: &Creases,
     symmetry: &Symmetry,
     (weight, basis): (Weight, Basis),
     centre: &Centre,
-    (sizes, scratch): (&[f64], &mut Scratch),
+    (cells, scratch): (&[MaterialDomain], &mut Scratch),
 ) -> (f64, Carried) {
-    let mut reach = 3.0 * index.shape(centre.facet).extent();
     let mut last = usize::MAX;
     let wanted =
         if basis == Basis::Linear { &[Carried::Linear][..] } else { &[Carried::Quadratic, Carried::Linear] };
     loop {
-        gather(index, creases, symmetry, centre, reach, (sizes, scratch));
+        // Beyond this a node that is not among those gathered might be within reach.
+        let complete = scratch.look(centre, symmetry);
         let count = scratch.nodes.len();
         let is_all = count == last;
         for &carried in wanted {
-            // Beyond this a node that is not among those gathered might be within reach.
-            let coarsest = scratch.nodes.iter().map(|node| sizes[node.place as usize]).fold(0.0, f64::max);
-            let reach = reach.min(symmetry.reach()) / coarsest;
             let largest =
-                if carried == Carried::Quadratic || is_all || count > MOST_NODES { reach } else { 0.0 };
-            if let Some(multiple) = smallest_multiple(&scratch.nodes, weight, carried, largest) {
-                return (multiple, carried);
+                if carried == Carried::Quadratic || is_all || count > MOST_NODES { complete } else { 0.0 };
+            let widest = scratch.nodes.last().map_or(0.0, |farthest| WIDEST * farthest.distance);
+            let largest = if is_all && symmetry.is_none() { widest } else { largest.min(widest) };
+            if let Some(factor) = smallest_factor(&scratch.nodes, weight, carried, largest) {
+                return (factor, carried);
             }
         }
         if is_all || count > MOST_NODES {
             return (0.0, Carried::Nothing);
         }
         last = count;
-        reach *= 1.5;
+        scratch.gather(index, creases, symmetry, (cells, centre.facet), 1.5 * scratch.reach);
     }
 }
 
-/// The nodes of the centre's sheet within reach, with their images, nearest first.
-fn gather(
-    index: &SurfaceIndex<'_>,
-    creases: &Creases,
-    symmetry: &Symmetry,
-    centre: &Centre,
-    reach: f64,
-    (sizes, scratch): (&[f64], &mut Scratch),
-) {
-    let Scratch { walk, found, nodes } = scratch;
-    let from = Point::from(centre.point);
-    walk.start(index, centre.facet, from);
-    walk.nodes_within(index, creases, reach, found);
-    let normal = symmetry.within_planes(from, centre.normal).normalize();
-    let axis = Vector3::axis(normal.smallest_axis());
-    let t1 = (axis - normal * normal.dot(&axis)).normalize();
-    let t2 = normal.cross(&t1);
-    nodes.clear();
-    let mut push = |place: u32, x: Point| {
-        let offset = Vector3::from(x) - centre.point;
-        let in_plane = [offset.dot(&t1), offset.dot(&t2)];
-        let size = sizes[place as usize];
-        let distance = in_plane[0].hypot(in_plane[1]) / size;
-        nodes.push(Near { place, offset: in_plane, distance, square: offset.norm_squared() / (size * size) });
-    };
-    for &(place, _) in &*found {
-        let x = index.positions()[place as usize];
-        push(place, x);
-        symmetry.images_near(x, from, reach, |_, image| push(place, image));
+impl Scratch {
+    /// Gathers the nodes of the facet's sheet within reach of its middle, with their images.
+    fn gather(
+        &mut self,
+        index: &SurfaceIndex<'_>,
+        creases: &Creases,
+        symmetry: &Symmetry,
+        (cells, facet): (&[MaterialDomain], u32),
+        reach: f64,
+    ) {
+        let shape = index.shape(facet);
+        let corners = shape.corners();
+        self.middle = corners.iter().copied().sum::<Vector3>() / corners.len() as f64;
+        let from = Point::from(self.middle);
+        self.walk.start(index, facet, from);
+        self.walk.nodes_within(index, creases, reach, &mut self.found);
+        self.around.clear();
+        for &(place, _) in &self.found {
+            let domain = &cells[place as usize];
+            self.around.push((place, *domain));
+            symmetry.images_near(domain.position, from, reach, |image, _| {
+                self.around.push((place, symmetry.domain_of(image, domain)));
+            });
+        }
+        (self.reach, self.shell) = (reach, SHELL * reach.min(symmetry.reach()));
     }
-    nodes.sort_by(|x, y| x.distance.total_cmp(&y.distance));
+
+    /// The gathered nodes as seen from a centre, nearest first. Returns the smallest distance of the outermost ones.
+    fn look(&mut self, centre: &Centre, symmetry: &Symmetry) -> f64 {
+        let normal = symmetry.within_planes(centre.point.into(), centre.normal).normalize();
+        let axis = Vector3::axis(normal.smallest_axis());
+        let t1 = (axis - normal * normal.dot(&axis)).normalize();
+        let t2 = normal.cross(&t1);
+        let mut outer = f64::INFINITY;
+        self.nodes.clear();
+        for (place, domain) in &self.around {
+            let position = Vector3::from(domain.position);
+            let offset = position - centre.point;
+            let distance = domain.length(offset);
+            if (position - self.middle).norm() > self.shell {
+                outer = outer.min(distance);
+            }
+            self.nodes.push(Near { place: *place, offset: [offset.dot(&t1), offset.dot(&t2)], distance });
+        }
+        self.nodes.sort_by(|x, y| x.distance.total_cmp(&y.distance));
+        outer
+    }
 }
 
-/// The smallest multiple up to `largest` for which the nodes within reach carry the basis.
-fn smallest_multiple(nodes: &[Near], weight: Weight, carried: Carried, largest: f64) -> Option<f64> {
+/// The smallest factor up to `largest` for which the nodes within reach carry the basis.
+fn smallest_factor(nodes: &[Near], weight: Weight, carried: Carried, largest: f64) -> Option<f64> {
     let size = match carried {
         Carried::Quadratic => 6,
         Carried::Linear => 3,
@@ -328,31 +495,31 @@ fn smallest_multiple(nodes: &[Near], weight: Weight, carried: Carried, largest: 
     };
     // Images in a plane along the surface stand above one another: steps from zero would lead nowhere.
     let first = nodes.get(size - 1..)?.iter().map(|node| node.distance).find(|x| x.is_normal())?;
-    let is_enough = |multiple: f64| is_well_conditioned(nodes, weight, size, multiple);
-    let (mut below, mut multiple) = (first, first * STEP);
-    while !is_enough(multiple) {
-        below = multiple;
-        multiple *= STEP;
-        if !(multiple <= largest) {
+    let is_enough = |factor: f64| is_well_conditioned(nodes, weight, size, factor);
+    let (mut below, mut factor) = (first, first * STEP);
+    while !is_enough(factor) {
+        below = factor;
+        factor *= STEP;
+        if !(factor <= largest) {
             return None;
         }
     }
     for _ in 0..BISECTIONS {
-        let middle = 0.5 * (below + multiple);
-        if is_enough(middle) { multiple = middle } else { below = middle }
+        let middle = 0.5 * (below + factor);
+        if is_enough(middle) { factor = middle } else { below = middle }
     }
-    (multiple <= largest).then_some(multiple)
+    (factor <= largest).then_some(factor)
 }
 
 /// Whether no singular value of the weighted design matrix, columns scaled to length one, is below
 /// [`SMALLEST_SINGULAR_VALUE`]: whether its Gram matrix less the square of that on the diagonal is positive definite.
-fn is_well_conditioned(nodes: &[Near], weight: Weight, size: usize, multiple: f64) -> bool {
+fn is_well_conditioned(nodes: &[Near], weight: Weight, size: usize, factor: f64) -> bool {
     // Columns are scaled in the end: this is for their powers.
     let unit = nodes.last().map_or(1.0, |node| node.offset[0].abs().max(node.offset[1].abs()));
     let mut gram = [[0.0; 6]; 6];
-    for node in nodes.iter().take_while(|node| node.distance < multiple) {
+    for node in nodes.iter().take_while(|node| node.distance < factor) {
         let [a, b] = node.offset.map(|x| x / unit);
-        let w = weight.fitting(node.distance / multiple);
+        let w = weight.fitting(node.distance / factor);
         let p = [1.0, a, b, a * a, a * b, b * b];
         for i in 0..size {
             let weighted = w * p[i];

@@ -44,10 +44,11 @@ pub use symmetry::SymmetryPlane;
 pub use topology::MasterSurface;
 
 pub(crate) use border::{BorderScratch, Creases};
-pub(crate) use domains::{Carried, NodalDomains};
+pub(crate) use domains::{Carried, Listed, NodalDomains};
 pub(crate) use index::Closest;
 pub(crate) use shape::Shape;
 pub(crate) use symmetry::{Image, Symmetry};
+pub(crate) use topology::NONE;
 pub(crate) use topology::check_position;
 pub(crate) use walk::Walk;
 

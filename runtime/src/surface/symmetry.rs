@@ -148,6 +148,11 @@ impl Symmetry {
         if self.is_none() { f64::INFINITY } else { self.reach }
     }
 
+    /// Points nearer to one another than this are one.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
     pub fn image(&self, number: u32) -> &Image {
         &self.images[number as usize]
     }
@@ -171,6 +176,15 @@ impl Symmetry {
                 found(number as u32, x);
             }
         }
+    }
+
+    /// The images, other than the model itself, in which a node is where it is.
+    pub fn images_at(&self, node: Point) -> impl Iterator<Item = &Image> {
+        let is_there = move |image: &Image| {
+            (Vector3::from(image.of(node)) - Vector3::from(node)).norm_squared()
+                < self.tolerance * self.tolerance
+        };
+        self.images.iter().filter(move |image| is_there(image))
     }
 
     /// The direction without what points out of the planes that hold `point`: that of the surface with its images there.

@@ -1,10 +1,10 @@
 //! Surfaces and interfaces for the tests.
 #![allow(dead_code, reason = "every test uses its part")]
 
+use diffuse_contact::Point;
 use diffuse_contact::interface::{ContactElement, ContactInterface, InterfaceOptions, RefreshReport};
 use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact::surface::{Facet, MasterSurface};
-use diffuse_contact::{FrameDerivative, Point, Weight};
 use nalgebra::{Rotation3, Vector3};
 
 /// A small deterministic generator of numbers in [0, 1).
@@ -29,12 +29,8 @@ impl Uniform {
 
 /// The default options with the masters of hull layers, which only a refresh changes.
 pub fn hull_layers() -> InterfaceOptions {
-    let element = ContactElement::Diffuse {
-        weight: Weight::Cubic,
-        frame: FrameDerivative::CoMoving,
-        search: SearchOptions::default(),
-    };
-    InterfaceOptions { element, ..InterfaceOptions::default() }
+    let element = ContactElement::diffuse(SearchOptions::default());
+    InterfaceOptions::default().with_element(element)
 }
 
 /// Nodes and facets of a surface.

@@ -19,12 +19,24 @@ pub enum RefreshRule {
     Iteration,
 }
 
+impl RefreshRule {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Increment, Self::Iteration];
+
+    /// Name in decks.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Increment => "increment",
+            Self::Iteration => "iteration",
+        }
+    }
+}
+
 /// Which tangent of contact a linear solution has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TangentRule {
-    /// The exact one, but ε N Nᵀ alone where the residual is more than [`FAR`](Self::FAR) of the forces: there contact forces are those of a
-    /// trial state, as large as ε times whatever penetrates. With them −f M makes the stiffness indefinite, the more so the stiffer the
-    /// penalty, and steps go nowhere; near equilibrium it is what makes them converge quadratically.
+    /// The exact one near equilibrium, ε N Nᵀ alone far from it: [`Tangent::adaptive`].
     #[default]
     Adaptive,
     /// Always ε N Nᵀ − f M (Chamoret et al. 2008, eq. 43).
@@ -34,17 +46,26 @@ pub enum TangentRule {
 }
 
 impl TangentRule {
-    /// Residual relative to the largest of external, contact and support forces up to which contact forces count as those of
-    /// equilibrium.
-    pub const FAR: f64 = 0.3;
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Adaptive, Self::Exact, Self::GaussNewton];
 
-    /// The tangent at a state with this relative residual.
+    /// Name in decks.
     #[must_use]
-    pub fn at(self, relative: f64) -> Tangent {
+    pub const fn name(self) -> &'static str {
         match self {
-            Self::Adaptive if relative <= Self::FAR => Tangent::Exact,
+            Self::Adaptive => "adaptive",
+            Self::Exact => Tangent::Exact.name(),
+            Self::GaussNewton => Tangent::GaussNewton.name(),
+        }
+    }
+
+    /// The tangent at a state with these norms of the residual and of the forces.
+    #[must_use]
+    pub fn at(self, residual: f64, force: f64) -> Tangent {
+        match self {
+            Self::Adaptive => Tangent::adaptive(residual, force),
             Self::Exact => Tangent::Exact,
-            Self::Adaptive | Self::GaussNewton => Tangent::GaussNewton,
+            Self::GaussNewton => Tangent::GaussNewton,
         }
     }
 }
@@ -52,15 +73,31 @@ impl TangentRule {
 /// Rounds of Uzawa's iteration: when an increment has converged, λ ← max(0, λ − ε g), and it is solved again, until every contact
 /// that carries force is closed and no other one penetrates.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Augmentation {
     /// |g| of contacts that carry force, and −g of others, that ends the rounds, length.
     pub tolerance: f64,
-    /// Most rounds in an increment.
+    /// Most rounds in an increment, at least 1.
     pub max_rounds: usize,
+}
+
+impl Augmentation {
+    /// Up to ten rounds, until gaps are within a tolerance.
+    #[must_use]
+    pub const fn new(tolerance: f64) -> Self {
+        Self { tolerance, max_rounds: 10 }
+    }
+
+    /// With so many rounds at most.
+    #[must_use]
+    pub const fn with_max_rounds(self, max_rounds: usize) -> Self {
+        Self { max_rounds, ..self }
+    }
 }
 
 /// How two surfaces interact.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct InteractionOptions {
     /// Its name in the deck.
     pub name: String,
@@ -79,6 +116,60 @@ pub struct InteractionOptions {
     pub interface: InterfaceOptions,
     /// Planes in which the master goes on as its mirror image.
     pub symmetry: Vec<SymmetryPlane>,
+}
+
+impl InteractionOptions {
+    /// Penalty alone, paired at the beginning of an increment, with the adaptive tangent, one pass, the default element and no
+    /// planes of symmetry.
+    #[must_use]
+    pub fn new(name: impl Into<String>, penalty: f64) -> Self {
+        Self {
+            name: name.into(),
+            penalty,
+            augmentation: None,
+            refresh: RefreshRule::default(),
+            tangent: TangentRule::default(),
+            two_pass: false,
+            interface: InterfaceOptions::default(),
+            symmetry: Vec::new(),
+        }
+    }
+
+    /// With augmentation, or without.
+    #[must_use]
+    pub fn with_augmentation(self, augmentation: Option<Augmentation>) -> Self {
+        Self { augmentation, ..self }
+    }
+
+    /// With this rule of pairing anew.
+    #[must_use]
+    pub fn with_refresh(self, refresh: RefreshRule) -> Self {
+        Self { refresh, ..self }
+    }
+
+    /// With this tangent.
+    #[must_use]
+    pub fn with_tangent(self, tangent: TangentRule) -> Self {
+        Self { tangent, ..self }
+    }
+
+    /// Paired the other way round, too, or not.
+    #[must_use]
+    pub fn with_two_pass(self, two_pass: bool) -> Self {
+        Self { two_pass, ..self }
+    }
+
+    /// With this element and pairing.
+    #[must_use]
+    pub fn with_interface(self, interface: InterfaceOptions) -> Self {
+        Self { interface, ..self }
+    }
+
+    /// With these planes of symmetry.
+    #[must_use]
+    pub fn with_symmetry(self, symmetry: Vec<SymmetryPlane>) -> Self {
+        Self { symmetry, ..self }
+    }
 }
 
 /// Contact of one slave node at the last evaluation.
@@ -194,9 +285,10 @@ impl Interaction {
     pub(super) fn add_tangent(
         &mut self,
         matrix: &mut BlockMatrix,
-        relative: f64,
+        [residual, force]: [f64; 2],
     ) -> Result<(), ContactError> {
-        self.each(|pass| pass.add_tangent(matrix, relative))
+        let tangent = self.options.tangent.at(residual, force);
+        self.each(|pass| pass.add_tangent(matrix, tangent))
     }
 
     /// What is there to do after so many rounds.
@@ -276,15 +368,6 @@ impl Interaction {
 
     pub(super) fn take_listed_anew(&mut self) -> bool {
         self.passes.iter_mut().fold(false, |any, pass| pass.take_listed_anew() | any)
-    }
-
-    pub(super) fn domain_positions(&self) -> impl Iterator<Item = Vec<Point>> {
-        self.passes.iter().map(Pass::domain_positions)
-    }
-
-    pub(super) fn set_domain_positions(&mut self, positions: &[Vec<Point>]) -> Result<(), ContactError> {
-        let mut own = positions.iter();
-        self.each(|pass| own.next().map_or(Ok(()), |own| pass.set_domain_positions(own)))
     }
 
     /// Deepest penetration at the last evaluation, length, whether it carries force or not; 0 without any. Where slave and masters

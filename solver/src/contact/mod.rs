@@ -99,12 +99,12 @@ impl ContactSet {
     }
 
     /// Adds the contact tangents to a stiffness whose pattern holds the [`cliques`](Self::cliques),
-    /// at a state with this relative residual.
+    /// at a state with these norms of the residual and of the forces.
     ///
     /// # Errors
     /// [`ContactError::Assembly`].
-    pub fn add_tangent(&mut self, matrix: &mut BlockMatrix, relative: f64) -> Result<(), ContactError> {
-        self.interactions.iter_mut().try_for_each(|interaction| interaction.add_tangent(matrix, relative))
+    pub fn add_tangent(&mut self, matrix: &mut BlockMatrix, norms: [f64; 2]) -> Result<(), ContactError> {
+        self.interactions.iter_mut().try_for_each(|interaction| interaction.add_tangent(matrix, norms))
     }
 
     /// Updates the multipliers of the augmented Lagrangian interactions if another round is [`Due`](Augmented::Due) for one of them.
@@ -184,20 +184,6 @@ impl ContactSet {
     /// Whether lists of masters were made anew since this was asked last: the stiffness then needs another pattern.
     pub fn take_listed_anew(&mut self) -> bool {
         self.interactions.iter_mut().fold(false, |any, interaction| interaction.take_listed_anew() | any)
-    }
-
-    /// Of each pass the positions of the master's nodes that the radii of their domains were found from; empty: the first ones.
-    #[must_use]
-    pub fn domain_positions(&self) -> Vec<Vec<[f64; 3]>> {
-        self.interactions.iter().flat_map(Interaction::domain_positions).collect()
-    }
-
-    /// Takes over what [`domain_positions`](Self::domain_positions) gave, to be followed by a [`refresh`](Self::refresh).
-    ///
-    /// # Errors
-    /// [`ContactError::OtherPasses`] or [`ContactError::Interface`] if they belong to other interactions.
-    pub fn set_domain_positions(&mut self, positions: &[Vec<[f64; 3]>]) -> Result<(), ContactError> {
-        self.for_each_with(positions, Interaction::set_domain_positions)
     }
 
     /// Passes of all interactions.

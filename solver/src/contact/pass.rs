@@ -45,7 +45,7 @@ impl From<AssemblyError> for PassError {
 /// The law of all slaves' forces; no multipliers without augmentation.
 fn force_law(penalty: f64, multipliers: &[f64]) -> ContactLaw<'_> {
     let multipliers = (!multipliers.is_empty()).then_some(multipliers);
-    ContactLaw { penalty, multipliers, tangent: Tangent::Exact }
+    ContactLaw::penalty(penalty).with_multipliers(multipliers).with_tangent(Tangent::Exact)
 }
 
 /// Slave nodes against one master surface.
@@ -59,8 +59,6 @@ pub struct Pass {
     multipliers: Vec<f64>,
     /// Whether all axes of each node are prescribed.
     held: Vec<bool>,
-    /// Positions of the master's nodes at the start, if they have domains.
-    first_domains: Vec<Point>,
     /// Whether lists were made anew since somebody asked.
     is_listed_anew: bool,
     losses: Losses,
@@ -87,7 +85,6 @@ impl Pass {
         if !options.symmetry.is_empty() {
             interface.set_symmetry(&options.symmetry).map_err(named)?;
         }
-        let first_domains = interface.domain_positions().unwrap_or(&[]).to_vec();
         let dofs = DofMap::standard(positions.len());
         let tangent = options.tangent;
         Ok(Self {
@@ -97,7 +94,6 @@ impl Pass {
             dofs,
             multipliers,
             held: vec![false; positions.len()],
-            first_domains,
             is_listed_anew: false,
             losses: Losses::default(),
             values: Vec::new(),
@@ -131,21 +127,6 @@ impl Pass {
     /// Whether lists were made anew since this was asked last: the stiffness then needs another pattern.
     pub fn take_listed_anew(&mut self) -> bool {
         std::mem::take(&mut self.is_listed_anew)
-    }
-
-    /// Positions of the master's nodes that the radii of their domains were found from, unless they are the first ones.
-    pub fn domain_positions(&self) -> Vec<Point> {
-        let now = self.interface.domain_positions().unwrap_or(&[]);
-        if now == self.first_domains { Vec::new() } else { now.to_vec() }
-    }
-
-    /// Goes back to the radii of [`domain_positions`](Self::domain_positions).
-    pub fn set_domain_positions(&mut self, positions: &[Point]) -> Result<(), PassError> {
-        let wanted = if positions.is_empty() { &self.first_domains } else { positions };
-        if self.interface.domain_positions().is_some_and(|now| now != wanted) {
-            self.interface.set_domain_positions(wanted)?;
-        }
-        Ok(())
     }
 
     pub fn evaluate(&mut self, positions: &[Point], mode: Mode) -> Result<(), PassError> {
@@ -184,16 +165,15 @@ impl Pass {
         })
     }
 
-    /// Adds the tangents of the contacts that carry force, in the order of the slaves, at a state with this relative residual.
-    pub fn add_tangent(&mut self, matrix: &mut BlockMatrix, relative: f64) -> Result<(), PassError> {
-        let tangent = self.tangent.at(relative);
+    /// Adds the tangents of the contacts that carry force, in the order of the slaves.
+    pub fn add_tangent(&mut self, matrix: &mut BlockMatrix, tangent: Tangent) -> Result<(), PassError> {
         let mut packed = std::mem::take(&mut self.values);
         let mut nodes = Vec::new();
         for (k, contact) in self.contacts().iter().enumerate() {
             let ContactRef { slave, point, area, gradient, hessian, .. } = contact;
             // One law for one contact: with its own multiplier.
             let multipliers = self.multipliers.get(k..=k);
-            let law = ContactLaw { penalty: self.penalty, multipliers, tangent };
+            let law = ContactLaw::penalty(self.penalty).with_multipliers(multipliers).with_tangent(tangent);
             if !(contact.outcome.is_contact() && law.force(0, point.gap, area) > 0.0) {
                 continue;
             }

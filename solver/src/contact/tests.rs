@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use diffuse_contact::assembly::Tangent;
 use diffuse_contact::interface::{ContactElement, InterfaceOptions};
 use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact::surface::Facet;
@@ -38,8 +39,8 @@ fn bed() -> (Vec<Point>, Vec<Facet>, Vec<Facet>) {
 /// Pairings that a refresh remembers.
 fn hull_layers() -> InterfaceOptions {
     let (weight, frame) = (Weight::Cubic, FrameDerivative::CoMoving);
-    let element = ContactElement::Diffuse { weight, frame, search: SearchOptions::default() };
-    InterfaceOptions { element, ..InterfaceOptions::default() }
+    let element = ContactElement::diffuse(SearchOptions::default()).with_weight(weight).with_frame(frame);
+    InterfaceOptions::default().with_element(element)
 }
 
 fn options(two_pass: bool, augmented: bool) -> InteractionOptions {
@@ -72,7 +73,7 @@ fn forces(set: &mut ContactSet, nodes: &[Point], mode: Mode) -> (Vec<f64>, usize
 
 fn variants() -> Vec<InteractionOptions> {
     let mut variants = vec![options(false, false), options(true, false), options(false, true)];
-    let interface = InterfaceOptions { areas: true, ..InterfaceOptions::node_to_facet() };
+    let interface = InterfaceOptions::node_to_facet().with_areas(true);
     variants.push(InteractionOptions { interface, ..options(false, false) });
     variants
 }
@@ -126,7 +127,7 @@ fn the_stiffness_is_the_derivative_of_the_forces_with_the_pairing_held() {
             forces(&mut set, &nodes, Mode::Hessian);
         }
         let mut matrix = BlockMatrix::new(pattern);
-        set.add_tangent(&mut matrix, 0.0).unwrap();
+        set.add_tangent(&mut matrix, [0.0; 2]).unwrap();
         assert!(at_start.iter().any(|&force| force != 0.0));
         let size = matrix.entries().iter().fold(0.0, |size: f64, entry| size.max(entry.abs()));
         let step = 1e-6;
@@ -310,26 +311,26 @@ fn a_contact_that_vanishes_under_load_is_lost_and_one_that_opens_is_not() {
     assert_eq!(set.begin(&[vec![16]]), Err(ContactError::OtherPasses { found: 17, expected: 16 }));
 }
 
-/// The tangent at a state with this relative residual, and the mode it was evaluated in.
+/// The tangent at a state with this residual and forces of norm 2, and the mode it was evaluated in.
 fn tangent_at(tangent: TangentRule, residual: f64) -> (Vec<f64>, Mode) {
     let (mut set, nodes) = contacts(InteractionOptions { tangent, ..options(false, false) });
     forces(&mut set, &nodes, Mode::Hessian);
     let mode = set.interactions()[0].mode();
     let pattern = Arc::new(BlockPattern::new(nodes.len(), set.cliques().collect::<Vec<_>>().iter()));
     let mut matrix = BlockMatrix::new(pattern);
-    set.add_tangent(&mut matrix, residual).unwrap();
+    set.add_tangent(&mut matrix, [residual, 2.0]).unwrap();
     (matrix.entries().to_vec(), mode)
 }
 
 #[test]
 fn far_from_equilibrium_the_adaptive_tangent_has_no_second_derivatives() {
-    let (exact, mode) = tangent_at(TangentRule::Exact, 1.0);
+    let (exact, mode) = tangent_at(TangentRule::Exact, 2.0);
     let (without, mode_without) = tangent_at(TangentRule::GaussNewton, 0.0);
     assert_eq!((mode, mode_without), (Mode::Hessian, Mode::Gradient));
     assert!(exact.iter().any(|&entry| entry != 0.0) && exact != without);
     let adaptive = |residual| tangent_at(TangentRule::Adaptive, residual).0;
-    assert_eq!(adaptive(TangentRule::FAR), exact);
-    assert_eq!(adaptive(1.001 * TangentRule::FAR), without);
+    assert_eq!(adaptive(2.0 * Tangent::ADAPTIVE_RATIO), exact);
+    assert_eq!(adaptive(2.002 * Tangent::ADAPTIVE_RATIO), without);
     assert_eq!(adaptive(f64::INFINITY), without);
     assert_eq!(adaptive(f64::NAN), without);
 }

@@ -3,46 +3,11 @@
 use super::error::DeckError;
 use super::reader::Section;
 use super::schema;
-use crate::statics::Extrapolation;
-
-/// How time goes on from 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Time {
-    /// Where it ends, positive.
-    pub end: f64,
-    /// The first increment, positive and up to `end`.
-    pub increment: f64,
-    /// Cutting back stops below this.
-    pub minimum: f64,
-    /// The largest increment.
-    pub maximum: f64,
-    /// Factor of the increment after one that was easy, at least 1.
-    pub growth: f64,
-    /// Factor of the increment after one that failed, above 0 and below 1.
-    pub cutback: f64,
-    /// All increments are equal: there is no growth and no cut-back, and what fails ends the run.
-    pub fixed: bool,
-}
-
-/// When an increment is solved.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Newton {
-    /// Largest residual force over the reference force of the increment.
-    pub tolerance: f64,
-    /// Residual force that counts as none whatever the reference force, force.
-    pub absolute: f64,
-    /// Iterations after which an increment has failed.
-    pub max_iterations: usize,
-    /// Iterations up to which an increment lets the next one grow.
-    pub few_iterations: usize,
-    /// Whether a step that goes too far, so that the slope Δx·r changes its sign and stays large, is shortened.
-    pub line_search: bool,
-    /// Where an increment looks for its end first.
-    pub extrapolation: Extrapolation,
-}
+use crate::statics::{Extrapolation, NewtonSettings, TimeSettings};
 
 /// What is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Output {
     /// Every how manyth increment is written as VTU; the last one always is.
     pub every: usize,
@@ -50,6 +15,13 @@ pub struct Output {
     pub stress: bool,
     /// What colours the deformed shape in the report.
     pub colour: Colour,
+}
+
+impl Default for Output {
+    /// Every increment, with stresses, coloured by the von Mises stress.
+    fn default() -> Self {
+        Self { every: 1, stress: true, colour: Colour::VonMises }
+    }
 }
 
 /// A field on the deformed shape.
@@ -88,49 +60,36 @@ impl Colour {
 /// Increments below this part of the whole time are not asked for: there would be more than 32 bits can count.
 const SMALLEST_INCREMENT: f64 = 1e-9;
 
-pub(super) fn time(deck: &Section) -> Result<Time, DeckError> {
+pub(super) fn time(deck: &Section) -> Result<TimeSettings, DeckError> {
     let section = deck.need("time")?.section()?.expect(schema::TIME)?;
     let end = section.get("end").map_or(Ok(1.0), |field| field.positive())?;
     let sensible = |value| value >= SMALLEST_INCREMENT * end && value <= end;
     let increment = section.need("increment")?.number_in("from 1e-9 times end to end", sensible)?;
-    let fixed = section.get("fixed").map_or(Ok(false), |field| field.flag())?;
-    if fixed {
+    if section.get("fixed").map_or(Ok(false), |field| field.flag())? {
         section.refuse(&["minimum", "maximum", "growth", "cutback"], "beside fixed = true")?;
+        return Ok(TimeSettings::fixed(end, increment));
     }
     let within = |value| value >= SMALLEST_INCREMENT * end && value <= increment;
     let above = |value| value >= increment && value <= end;
-    Ok(Time {
-        end,
-        increment,
-        minimum: match section.get("minimum") {
-            Some(field) => field.number_in("from 1e-9 times end to increment", within)?,
-            None => (increment / 1024.0).max(SMALLEST_INCREMENT * end),
-        },
-        maximum: match section.get("maximum") {
-            Some(field) => field.number_in("from increment to end", above)?,
-            None => increment,
-        },
-        growth: match section.get("growth") {
-            Some(field) => field.number_in("from 1 to 10", |value| (1.0..=10.0).contains(&value))?,
-            None => 1.5,
-        },
-        cutback: match section.get("cutback") {
-            Some(field) => field.number_in("from 0.01 to 0.9", |value| (0.01..=0.9).contains(&value))?,
-            None => 0.5,
-        },
-        fixed,
-    })
+    let mut time = TimeSettings::new(end, increment);
+    time.minimum = match section.get("minimum") {
+        Some(field) => field.number_in("from 1e-9 times end to increment", within)?,
+        None => time.minimum.max(SMALLEST_INCREMENT * end),
+    };
+    if let Some(field) = section.get("maximum") {
+        time.maximum = field.number_in("from increment to end", above)?;
+    }
+    if let Some(field) = section.get("growth") {
+        time.growth = field.number_in("from 1 to 10", |value| (1.0..=10.0).contains(&value))?;
+    }
+    if let Some(field) = section.get("cutback") {
+        time.cutback = field.number_in("from 0.01 to 0.9", |value| (0.01..=0.9).contains(&value))?;
+    }
+    Ok(time)
 }
 
-pub(super) fn newton(deck: &Section) -> Result<Newton, DeckError> {
-    let mut newton = Newton {
-        tolerance: 1e-6,
-        absolute: 1e-8,
-        max_iterations: 20,
-        few_iterations: 6,
-        line_search: true,
-        extrapolation: Extrapolation::None,
-    };
+pub(super) fn newton(deck: &Section) -> Result<NewtonSettings, DeckError> {
+    let mut newton = NewtonSettings::default();
     let Some(field) = deck.get("newton") else { return Ok(newton) };
     let section = field.section()?.expect(schema::NEWTON)?;
     if let Some(field) = section.get("tolerance") {
@@ -155,7 +114,7 @@ pub(super) fn newton(deck: &Section) -> Result<Newton, DeckError> {
 }
 
 pub(super) fn output(deck: &Section) -> Result<Output, DeckError> {
-    let mut output = Output { every: 1, stress: true, colour: Colour::VonMises };
+    let mut output = Output::default();
     let Some(field) = deck.get("output") else { return Ok(output) };
     let section = field.section()?.expect(schema::OUTPUT)?;
     if let Some(field) = section.get("every") {

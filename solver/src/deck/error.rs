@@ -53,7 +53,7 @@ pub enum Problem {
         message: String,
     },
     /// Nothing but blanks and comments.
-    #[error("there is nothing in the deck; docs/decks.md lists what there can be")]
+    #[error("there is nothing in the deck; docs/how-to/decks.md lists what there can be")]
     Empty,
     /// A field that does not exist here.
     #[error("{table} has no field {field:?}{}; it has {}", did_you_mean(nearest), list(known), field = shown(field))]

@@ -10,6 +10,7 @@ use super::conditions::references;
 use super::error::{DeckError, Problem};
 use super::reader::{Field, Section, Source};
 use super::{Reference, schema};
+use crate::contact::{Augmentation, RefreshRule, TangentRule};
 
 /// The element of every interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,35 +38,6 @@ impl Contact {
     }
 }
 
-/// When slaves are paired with masters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refresh {
-    /// At the beginning of each increment.
-    Increment,
-    /// In each iteration.
-    Iteration,
-}
-
-/// The stiffness of contact.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tangent {
-    /// The exact one, but ε N Nᵀ while the residual is large.
-    Adaptive,
-    /// ε (g M + N Nᵀ) (Chamoret et al. 2008, eq. 43).
-    Exact,
-    /// ε N Nᵀ.
-    GaussNewton,
-}
-
-/// How often and how long multipliers are augmented.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Augmentation {
-    /// Most augmentations in an increment, at least 1.
-    pub max: usize,
-    /// The largest penetration at which an increment is finished, length.
-    pub tolerance: f64,
-}
-
 /// Surfaces that may touch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Interface {
@@ -79,53 +51,29 @@ pub struct Interface {
     pub slave: Vec<Reference>,
     /// ε: force per penetration of a slave node; with areas pressure per penetration.
     pub penalty: f64,
-    /// Whether ε is multiplied by the slave nodes' tributary areas at the start.
-    pub areas: bool,
     /// `None`: penalty alone. Otherwise augmented Lagrangian.
     pub augmentation: Option<Augmentation>,
     /// Whether each side is slave of the other, each with half of the forces.
     pub two_pass: bool,
     /// Whether master and slave change places.
     pub exchange: bool,
-    /// Weight of the diffuse element.
-    pub weight: Weight,
-    /// What the diffuse element's frame does while differentiating.
-    pub frame: FrameDerivative,
-    /// Which master nodes carry the smooth surface around a slave.
-    pub neighbours: SearchOptions,
+    /// Its contact surfaces with the diffuse element.
+    pub surface: InterfaceOptions,
     /// Planes in which the master goes on as its mirror image.
     pub symmetry: Vec<SymmetryPlane>,
     /// When slaves are paired.
-    pub refresh: Refresh,
+    pub refresh: RefreshRule,
     /// The stiffness of contact.
-    pub tangent: Tangent,
-    /// Angle between two facets up to which they belong to one smooth patch, degrees.
-    pub feature_angle: f64,
-    /// Slip over the support radius up to which a pairing is kept.
-    pub hysteresis: f64,
-    /// Distance beyond a border that still counts as on it, over the facet's height.
-    pub border_tolerance: f64,
-    /// Distance from the closest facet beyond which a slave is not paired, length.
-    pub distance_limit: Option<f64>,
+    pub tangent: TangentRule,
 }
 
 impl Interface {
     /// The options of its contact surfaces with this element; [`Contact::None`] has those of the diffuse element.
     #[must_use]
     pub fn options(&self, contact: Contact) -> InterfaceOptions {
-        let element = match contact {
-            Contact::NodeToFacet => ContactElement::NodeToFacet,
-            Contact::Diffuse | Contact::None => {
-                ContactElement::Diffuse { weight: self.weight, frame: self.frame, search: self.neighbours }
-            }
-        };
-        InterfaceOptions {
-            element,
-            feature_angle_degrees: self.feature_angle,
-            hysteresis: self.hysteresis,
-            border_tolerance: self.border_tolerance,
-            distance_limit: self.distance_limit,
-            areas: self.areas,
+        match contact {
+            Contact::NodeToFacet => self.surface.with_element(ContactElement::NodeToFacet),
+            Contact::Diffuse | Contact::None => self.surface,
         }
     }
 }
@@ -137,43 +85,55 @@ pub(super) fn contact(deck: &Section) -> Result<Contact, DeckError> {
 
 pub(super) fn interface(section: Section) -> Result<Interface, DeckError> {
     let section = section.expect(schema::INTERFACE)?;
-    let defaults = InterfaceOptions::default();
     let flag = |field| section.get(field).map_or(Ok(false), |field| field.flag());
-    let weights = Weight::ALL.map(|weight| (weight.name(), weight));
-    let frames = [("co-moving", FrameDerivative::CoMoving), ("frozen", FrameDerivative::Frozen)];
-    let refreshes = [("increment", Refresh::Increment), ("iteration", Refresh::Iteration)];
-    let tangents =
-        [("adaptive", Tangent::Adaptive), ("exact", Tangent::Exact), ("gauss-newton", Tangent::GaussNewton)];
-    let fraction = |field, default| match section.get(field) {
-        Some(field) => field.number_in("at least 0", |value| value >= 0.0),
-        None => Ok(default),
-    };
+    let refreshes = RefreshRule::ALL.map(|rule| (rule.name(), rule));
+    let tangents = TangentRule::ALL.map(|rule| (rule.name(), rule));
     let name = section.need("name")?;
-    let angle =
-        |field: Field| field.number_in("from 0 to 180 degrees", |value| (0.0..=180.0).contains(&value));
     Ok(Interface {
         line: name.line(),
         name: name.text()?,
         master: references(&section.need("master")?)?,
         slave: references(&section.need("slave")?)?,
         penalty: section.need("penalty")?.positive()?,
-        areas: flag("areas")?,
         augmentation: augmentation(&section)?,
         two_pass: flag("two_pass")?,
         exchange: flag("exchange")?,
-        weight: section.get("weight").map_or(Ok(Weight::default()), |field| field.word(&weights))?,
-        frame: section.get("frame").map_or(Ok(FrameDerivative::CoMoving), |field| field.word(&frames))?,
-        neighbours: section
-            .get("neighbours")
-            .map_or(Ok(SearchOptions::domains()), |field| neighbours(&field))?,
+        surface: surface(&section)?,
         symmetry: section.get("symmetry").map_or(Ok(Vec::new()), |field| symmetry(&field))?,
-        refresh: section.get("refresh").map_or(Ok(Refresh::Increment), |field| field.word(&refreshes))?,
-        tangent: section.get("tangent").map_or(Ok(Tangent::Adaptive), |field| field.word(&tangents))?,
-        feature_angle: section.get("feature_angle").map_or(Ok(defaults.feature_angle_degrees), angle)?,
-        hysteresis: fraction("hysteresis", defaults.hysteresis)?,
-        border_tolerance: fraction("border_tolerance", defaults.border_tolerance)?,
-        distance_limit: section.get("distance_limit").map(|field| field.positive()).transpose()?,
+        refresh: section.get("refresh").map_or(Ok(RefreshRule::default()), |field| field.word(&refreshes))?,
+        tangent: section.get("tangent").map_or(Ok(TangentRule::default()), |field| field.word(&tangents))?,
     })
+}
+
+fn surface(section: &Section) -> Result<InterfaceOptions, DeckError> {
+    let mut options = InterfaceOptions::default();
+    let search =
+        section.get("neighbours").map_or(Ok(SearchOptions::domains()), |field| neighbours(&field))?;
+    options.element = ContactElement::diffuse(search);
+    if let Some(field) = section.get("weight") {
+        let weights = Weight::ALL.map(|weight| (weight.name(), weight));
+        options.element = options.element.with_weight(field.word(&weights)?);
+    }
+    if let Some(field) = section.get("frame") {
+        let frames = [("co-moving", FrameDerivative::CoMoving), ("frozen", FrameDerivative::Frozen)];
+        options.element = options.element.with_frame(field.word(&frames)?);
+    }
+    if let Some(field) = section.get("areas") {
+        options.areas = field.flag()?;
+    }
+    if let Some(field) = section.get("feature_angle") {
+        let is_angle = |value| (0.0..=180.0).contains(&value);
+        options.feature_angle_degrees = field.number_in("from 0 to 180 degrees", is_angle)?;
+    }
+    for (name, value) in
+        [("hysteresis", &mut options.hysteresis), ("border_tolerance", &mut options.border_tolerance)]
+    {
+        if let Some(field) = section.get(name) {
+            *value = field.number_in("at least 0", |value| value >= 0.0)?;
+        }
+    }
+    options.distance_limit = section.get("distance_limit").map(|field| field.positive()).transpose()?;
+    Ok(options)
 }
 
 fn augmentation(section: &Section) -> Result<Option<Augmentation>, DeckError> {
@@ -183,10 +143,11 @@ fn augmentation(section: &Section) -> Result<Option<Augmentation>, DeckError> {
         return Ok(None);
     }
     let section = section.need("augmentation")?.section()?.expect(schema::AUGMENTATION)?;
-    Ok(Some(Augmentation {
-        max: section.get("max").map_or(Ok(10), |field| field.positive_count())?,
-        tolerance: section.need("tolerance")?.positive()?,
-    }))
+    let mut augmentation = Augmentation::new(section.need("tolerance")?.positive()?);
+    if let Some(field) = section.get("max") {
+        augmentation.max_rounds = field.positive_count()?;
+    }
+    Ok(Some(augmentation))
 }
 
 fn neighbours(field: &Field) -> Result<SearchOptions, DeckError> {
@@ -213,7 +174,7 @@ fn neighbours(field: &Field) -> Result<SearchOptions, DeckError> {
     let fraction =
         |field: Field| field.number_in("at least 0 and below 1", |value| (0.0..1.0).contains(&value));
     let smallest_regularity = section.get("regularity").map_or(Ok(defaults.smallest_regularity), fraction)?;
-    Ok(SearchOptions { rule, smallest_regularity, ..defaults })
+    Ok(defaults.with_rule(rule).with_smallest_regularity(smallest_regularity))
 }
 
 /// The names of global axes, for planes across them through the origin, or planes by a point and a normal towards the model.

@@ -1,7 +1,7 @@
 //! Decks: a problem in TOML, every field checked.
 //!
 //! [`Deck::read`] checks all that can be said about the text: fields, types, ranges. [`Deck::model`] makes the parts and
-//! resolves every name. What is wrong is a [`DeckError`] with file, line, field and number. `docs/decks.md` lists all fields
+//! resolves every name. What is wrong is a [`DeckError`] with file, line, field and number. `docs/how-to/decks.md` lists all fields
 //! with units and defaults; the types here hold them after checking.
 //!
 //! Any consistent units will do: a length, a force, and stresses in force per length².
@@ -23,10 +23,11 @@ use toml::de::DeTable;
 use crate::material::Material;
 use crate::model::shape::Shape;
 use crate::model::{Amplitude, Motion, Rotation};
+use crate::statics::{NewtonSettings, TimeSettings};
 
-pub use control::{Colour, Newton, Output, Time};
+pub use control::{Colour, Output};
 pub use error::{DeckError, Problem};
-pub use interface::{Augmentation, Contact, Interface, Refresh, Tangent};
+pub use interface::{Contact, Interface};
 pub use resolve::{Load, Sides};
 
 use reader::{Section, Source};
@@ -51,9 +52,9 @@ pub struct Deck {
     /// Surfaces that may touch.
     pub interfaces: Vec<Interface>,
     /// How time goes on.
-    pub time: Time,
+    pub time: TimeSettings,
     /// When an increment is solved.
-    pub newton: Newton,
+    pub newton: NewtonSettings,
     /// What is written.
     pub output: Output,
 }

@@ -1,4 +1,4 @@
-//! The fields of every table of a deck. `docs/decks.md` explains them; a test compares the two.
+//! The fields of every table of a deck. `docs/how-to/decks.md` explains them; a test compares the two.
 
 /// Fields of the deck itself.
 pub const DECK: &[&str] = &[

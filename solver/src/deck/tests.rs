@@ -9,7 +9,8 @@ use diffuse_contact::pairing::MAX_NEIGHBOURS;
 use diffuse_contact::{FrameDerivative, Weight};
 
 use super::*;
-use crate::statics::Extrapolation;
+use crate::contact::{Augmentation, RefreshRule, TangentRule};
+use crate::statics::{Extrapolation, NewtonSettings, TimeSettings};
 
 /// A deck that is right: a block on a rigid floor.
 const DECK: &str = r#"
@@ -87,19 +88,18 @@ fn a_deck_is_read_with_its_defaults() {
     assert_eq!(deck.pressures[0].amplitude.at(0.25), 0.25);
     assert_eq!(
         deck.time,
-        Time {
+        TimeSettings {
             end: 1.0,
             increment: 0.25,
             minimum: 0.25 / 1024.0,
             maximum: 0.25,
             growth: 1.5,
-            cutback: 0.5,
-            fixed: false
+            cutback: 0.5
         }
     );
     assert_eq!(
         deck.newton,
-        Newton {
+        NewtonSettings {
             tolerance: 1e-6,
             absolute: 1e-8,
             max_iterations: 20,
@@ -108,13 +108,15 @@ fn a_deck_is_read_with_its_defaults() {
             extrapolation: Extrapolation::None
         }
     );
+    let fixed = Deck::parse(&changed("increment = 0.25", "increment = 0.25\nfixed = true")).unwrap().time;
+    assert_eq!(fixed, TimeSettings { minimum: 0.25, growth: 1.0, ..deck.time });
     assert_eq!(deck.output, Output { every: 1, stress: true, colour: Colour::VonMises });
     let interface = &deck.interfaces[0];
     assert_eq!(interface.options(Contact::Diffuse), Default::default());
     assert_eq!(interface.options(Contact::NodeToFacet).element, ContactElement::NodeToFacet);
     assert_eq!(
         (interface.augmentation, interface.refresh, interface.tangent),
-        (None, Refresh::Increment, Tangent::Adaptive)
+        (None, RefreshRule::Increment, TangentRule::Adaptive)
     );
 
     let model = deck.model(".").unwrap();
@@ -173,8 +175,10 @@ fn every_field_is_taken() {
     let interface = &deck.interfaces[0];
     let options = interface.options(Contact::Diffuse);
     assert!(options.areas && interface.two_pass && interface.exchange && deck.pressures[0].follower);
-    assert_eq!(interface.augmentation, Some(Augmentation { max: 7, tolerance: 1e-3 }));
-    let ContactElement::Diffuse { weight, frame, search } = options.element else { panic!("not diffuse") };
+    assert_eq!(interface.augmentation, Some(Augmentation { max_rounds: 7, tolerance: 1e-3 }));
+    let ContactElement::Diffuse { weight, frame, search, .. } = options.element else {
+        panic!("not diffuse")
+    };
     assert_eq!((weight, frame), (Weight::WendlandC2, FrameDerivative::Frozen));
     assert_eq!((search.rule, search.smallest_regularity), (NeighbourRule::nearest(14), 0.1));
     assert_eq!(
@@ -184,23 +188,15 @@ fn every_field_is_taken() {
     options.check().unwrap();
     assert_eq!(
         (interface.refresh, interface.tangent, deck.contact),
-        (Refresh::Iteration, Tangent::GaussNewton, Contact::NodeToFacet)
+        (RefreshRule::Iteration, TangentRule::GaussNewton, Contact::NodeToFacet)
     );
     assert_eq!(
         deck.time,
-        Time {
-            end: 4.0,
-            increment: 0.5,
-            minimum: 0.125,
-            maximum: 1.0,
-            growth: 2.0,
-            cutback: 0.25,
-            fixed: false
-        }
+        TimeSettings { end: 4.0, increment: 0.5, minimum: 0.125, maximum: 1.0, growth: 2.0, cutback: 0.25 }
     );
     assert_eq!(
         deck.newton,
-        Newton {
+        NewtonSettings {
             tolerance: 1e-8,
             absolute: 0.0,
             max_iterations: 11,
@@ -536,9 +532,9 @@ fn the_example_decks_build() {
     assert!(expected.keys().all(|name| found.contains(*name)), "{found:?}");
 }
 
-/// The fields in the first columns of the tables below each heading of docs/decks.md.
+/// The fields in the first columns of the tables below each heading of docs/how-to/decks.md.
 fn documented() -> BTreeMap<String, BTreeSet<String>> {
-    let page = std::fs::read_to_string(root().join("docs/decks.md")).unwrap();
+    let page = std::fs::read_to_string(root().join("docs/how-to/decks.md")).unwrap();
     let (mut heading, mut fields) = (String::new(), BTreeMap::new());
     for line in page.lines() {
         if line.starts_with('#') {

@@ -11,26 +11,43 @@ use serde::{Deserialize, Serialize};
 use super::directory::Directory;
 use super::{Fields, OutputError, Skin, SkinFrame, SlaveFields, Summary, history, names, picture, seal};
 use crate::contact::Beginning;
-use crate::deck::Colour;
+use crate::deck::{Colour, Output};
 use crate::model::Model;
 use crate::report::{self, SURFACES, SurfaceSample};
 use crate::statics::{Control, Failure, IncrementRecord, IterationRecord, Observer, Problem, State, Timing};
 
 /// What is written, and where.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct RecorderOptions {
     /// Directory of results.
     pub directory: PathBuf,
     /// Text of the deck.
     pub deck: String,
-    /// Pictures and skins of every so many increments, ≥ 1; the last increment has them in any case.
-    pub every: usize,
-    /// Whether stresses and plastic strains are written.
-    pub stress: bool,
-    /// What colours the deformed shape in the report.
-    pub colour: Colour,
+    /// Which increments have pictures and skins, and what these show.
+    pub output: Output,
     /// Areas of the slave nodes at the start, by [`Fields::slave_areas`].
     pub areas: Vec<f64>,
+}
+
+impl RecorderOptions {
+    /// Into a directory, with the text of the deck; the default output, and no areas of slave nodes.
+    #[must_use]
+    pub fn new(directory: impl Into<PathBuf>, deck: String) -> Self {
+        Self { directory: directory.into(), deck, output: Output::default(), areas: Vec::new() }
+    }
+
+    /// With this output.
+    #[must_use]
+    pub fn with_output(self, output: Output) -> Self {
+        Self { output, ..self }
+    }
+
+    /// With these areas of the slave nodes.
+    #[must_use]
+    pub fn with_areas(self, areas: Vec<f64>) -> Self {
+        Self { areas, ..self }
+    }
 }
 
 /// Someone who watches a run and may stop it.
@@ -207,7 +224,7 @@ impl<'a> Recorder<'a> {
             let kept = history::up_to(&directory.path(table), state.increments)?;
             directory.write(table, |writer| writer.write_all(kept.as_bytes()))?;
         }
-        directory.rewind(state.increments, options.every)?;
+        directory.rewind(state.increments, options.output.every)?;
         let history = super::read_history(&directory.path(names::HISTORY))?;
         let times = history.rows.iter().map(|row| (row.increment, history.value(row, "time")));
         let series = std::iter::once((0, 0.0))
@@ -308,7 +325,7 @@ impl<'a> Recorder<'a> {
     /// Writes picture and skin of the last state, with its stresses if they are asked for.
     fn show(&mut self, mut fields: Fields, problem: &Problem) -> Result<(), OutputError> {
         let (number, time) = (self.state.increments, self.state.time);
-        if self.options.stress {
+        if self.options.output.stress {
             fields.recover(problem, &self.state).map_err(|error| {
                 let path = self.directory.path(&picture::name(number));
                 OutputError::write(&path)(std::io::Error::other(error.to_string()))
@@ -330,7 +347,7 @@ impl<'a> Recorder<'a> {
         problem: &Problem,
     ) -> Result<(), OutputError> {
         let fields = Fields::of(problem, state, &self.options.areas);
-        let is_shown = record.number.is_multiple_of(self.options.every);
+        let is_shown = record.number.is_multiple_of(self.options.output.every);
         let pending = (!is_shown).then(|| SlaveFields::of(&fields));
         let mut carried = self.carried.clone();
         carried.extend(carrying(problem));
@@ -392,8 +409,8 @@ pub const SKIN: &str = "skin.json";
 impl RecorderOptions {
     /// The field that the report shows first: the deck's, unless it is not written.
     fn shown(&self) -> &'static str {
-        match self.colour {
-            Colour::VonMises | Colour::PlasticStrain if !self.stress => "displacement",
+        match self.output.colour {
+            Colour::VonMises | Colour::PlasticStrain if !self.output.stress => "displacement",
             Colour::Displacement => "displacement",
             Colour::VonMises => "von_mises",
             Colour::PlasticStrain => "plastic_strain",

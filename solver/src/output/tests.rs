@@ -101,7 +101,7 @@ fn run(scratch: &Scratch, deck: &str, restart: bool, stop_after: Option<usize>) 
     let path = scratch.0.join("block.toml");
     fs::write(&path, deck).unwrap();
     let out = scratch.0.join("out");
-    let options = SolveOptions { out: out.clone(), restart, overwrite: !restart, threads: 1 };
+    let options = SolveOptions::new(&out).with_restart(restart).with_overwrite(!restart);
     let mut notes = Notes { stop_after, ..Notes::default() };
     let summary = solve(&path, &options, &mut notes).unwrap();
     assert_eq!(read_json::<Summary>(&out.join(names::SUMMARY)).unwrap(), summary);
@@ -177,7 +177,8 @@ fn what_a_killed_run_left_keeps_no_other_from_starting() {
     };
     let path = scratch.0.join("block.toml");
     fs::write(&path, PRESSED).unwrap();
-    let options = |restart, overwrite| SolveOptions { out: out.clone(), restart, overwrite, threads: 1 };
+    let options =
+        |restart, overwrite| SolveOptions::new(&out).with_restart(restart).with_overwrite(overwrite);
     for (restart, overwrite) in [(false, false), (false, true), (true, false)] {
         leave();
         let mut notes = Notes { stop_after: Some(1), ..Notes::default() };
@@ -203,7 +204,7 @@ fn a_run_that_ended_before_its_first_state_begins_anew() {
         }
     };
     let again = |restart| {
-        let options = SolveOptions { out: out.clone(), restart, overwrite: false, threads: 1 };
+        let options = SolveOptions::new(&out).with_restart(restart);
         solve(&path, &options, &mut Notes { stop_after: Some(2), ..Notes::default() })
     };
     for restart in [false, true] {
@@ -235,7 +236,7 @@ fn only_what_a_run_wrote_is_removed() {
     let elsewhere = scratch.0.join("elsewhere");
     fs::rename(out.join("results"), &elsewhere).unwrap();
     std::os::unix::fs::symlink(&elsewhere, out.join("results")).unwrap();
-    let options = SolveOptions { out: out.clone(), restart: false, overwrite: true, threads: 1 };
+    let options = SolveOptions::new(&out).with_overwrite(true);
     let path = scratch.0.join("block.toml");
     let refused = solve(&path, &options, &mut Notes::default()).unwrap_err().to_string();
     assert!(refused.contains("results is a link"), "{refused}");

@@ -40,7 +40,7 @@ interrupted.
 Exit code 0: the end of time was reached; 1: it was not, or the disk is full: what there is is whole; 130: stopped by
 Ctrl-C; 2: bad input, nothing was written.
 
-docs/decks.md lists the fields of a deck, docs/solver.md says how it is solved; examples/*.toml are decks.";
+docs/how-to/decks.md lists the fields of a deck, docs/solver.md says how it is solved; examples/*.toml are decks.";
 
 /// Arguments of `solve`.
 #[derive(Args, Clone, Debug)]
@@ -90,12 +90,10 @@ pub fn run(arguments: &SolveArguments) -> Result<ExitCode, CliError> {
     let out = arguments.out.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.results")));
     let stop = Arc::new(AtomicBool::new(false));
     stop_on_interrupt(&stop);
-    let options = SolveOptions {
-        out: out.clone(),
-        restart: arguments.restart,
-        overwrite: arguments.overwrite,
-        threads: arguments.threads.unwrap_or_else(rayon::current_num_threads),
-    };
+    let options = SolveOptions::new(&out)
+        .with_restart(arguments.restart)
+        .with_overwrite(arguments.overwrite)
+        .with_threads(arguments.threads.unwrap_or_else(rayon::current_num_threads));
     let mut progress = Progress { stop: Arc::clone(&stop), verbose: arguments.verbose, iterations: 0 };
     let outcome = with_threads(arguments.threads, || Ok(solve_text(text, &deck, &options, &mut progress)))?;
     match outcome {

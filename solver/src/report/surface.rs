@@ -100,7 +100,7 @@ fn sample(
         ContactElement::NodeToFacet => ContactElement::default(),
         diffuse => diffuse,
     };
-    let options = InterfaceOptions { element, areas: false, distance_limit: None, ..options };
+    let options = options.with_element(element).with_areas(false).with_distance_limit(None);
     let all: Vec<[f64; 3]> = positions.iter().chain(&result.flat).copied().collect();
     let master = MasterSurface::new(positions, facets.to_vec()).ok()?;
     let slaves = (positions.len()..all.len()).collect();

@@ -301,7 +301,6 @@ impl<'a> Increment<'a> {
             points_before: committed.points.clone(),
             multipliers: problem.contacts().multipliers(),
             pairings: problem.contacts().pairings(),
-            domains: problem.contacts().domain_positions(),
             loaded: problem.contacts().loaded(),
         };
         let imbalance: Vec<f64> = problem.imbalance().collect();

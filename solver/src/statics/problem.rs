@@ -39,9 +39,6 @@ pub struct State {
     pub multipliers: Vec<Vec<f64>>,
     /// What the next pairing may keep of the last one, for each slave of each pass.
     pub pairings: Vec<Vec<Option<SlavePairing>>>,
-    /// Of each pass the positions of the master's nodes that the radii of their domains were found from; empty: the first ones.
-    #[serde(default)]
-    pub domains: Vec<Vec<[f64; 3]>>,
     /// Slaves that carry force, by their places in each pass.
     pub loaded: Vec<Vec<u32>>,
 }
@@ -70,8 +67,8 @@ pub struct Problem {
     /// −Σ f_k N_k
     contact: Vec<f64>,
     active: usize,
-    /// Residual over the forces at the last evaluation.
-    relative: f64,
+    /// At the last evaluation.
+    balance: Balance,
     /// ε |K| |x|, what rounding of the positions makes of the residual, by the last stiffness of the increment; empty before it.
     rounding: Vec<f64>,
     equations: Equations,
@@ -82,7 +79,7 @@ pub struct Problem {
 }
 
 /// Norms of the forces at an evaluation.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Balance {
     /// ‖r‖ over the free degrees of freedom.
     pub residual: f64,
@@ -128,7 +125,7 @@ impl Problem {
             external: vec![0.0; freedoms],
             contact: vec![0.0; freedoms],
             active: 0,
-            relative: 0.0,
+            balance: Balance::default(),
             rounding: Vec::new(),
             equations,
             solver: DirectSolver::new(threads),
@@ -152,7 +149,6 @@ impl Problem {
             points_before: self.solid.states(),
             multipliers: self.contacts.multipliers(),
             pairings: self.contacts.pairings(),
-            domains: self.contacts.domain_positions(),
             loaded: vec![Vec::new(); self.contacts.pass_count()],
         }
     }
@@ -180,7 +176,6 @@ impl Problem {
     pub(super) fn take_history(&mut self, state: &State) -> Result<(), ContactError> {
         self.rounding.clear();
         self.contacts.set_multipliers(&state.multipliers)?;
-        self.contacts.set_domain_positions(&state.domains)?;
         self.contacts.set_pairings(&state.pairings)?;
         self.contacts.begin(&state.loaded)
     }
@@ -293,12 +288,11 @@ impl Problem {
         self.contact.fill(0.0);
         self.active = self.contacts.add_internal_forces(&mut self.contact).map_err(Failure::Contact)?;
         self.timing.contact += solid.elapsed();
-        let balance = self.balance();
-        self.relative = balance.relative();
-        Ok(balance)
+        self.balance = self.norms();
+        Ok(self.balance)
     }
 
-    fn balance(&self) -> Balance {
+    fn norms(&self) -> Balance {
         let norm = |sum: f64| sum.sqrt();
         let (mut residual, mut excess, mut reaction) = (0.0, 0.0, 0.0);
         for (freedom, force) in self.imbalance().enumerate() {
@@ -343,7 +337,7 @@ impl Problem {
         }
         let solid = Instant::now();
         self.timing.solid += solid - linear;
-        self.contacts.add_tangent(&mut matrix, self.relative)?;
+        self.contacts.add_tangent(&mut matrix, [self.balance.residual, self.balance.scale])?;
         let contact = Instant::now();
         self.timing.contact += contact - solid;
         self.take_rounding(&matrix, positions);

@@ -4,6 +4,7 @@ use super::{State, StaticsError};
 
 /// All settings of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Settings {
     /// Increments.
     pub time: TimeSettings,
@@ -13,12 +14,13 @@ pub struct Settings {
 
 /// From 0 to `end` in increments.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TimeSettings {
     /// T, the end of pseudo-time.
     pub end: f64,
     /// Length of the first increment.
     pub increment: f64,
-    /// Shortest increment tried.
+    /// Shortest increment tried: cutting back stops below it.
     pub minimum: f64,
     /// Longest increment.
     pub maximum: f64,
@@ -55,22 +57,43 @@ impl Extrapolation {
 
 /// Newton's method.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct NewtonSettings {
     /// Residual relative to the forces, > 0.
     pub tolerance: f64,
-    /// Residual that is always small enough, force, ≥ 0.
+    /// Residual that is small enough whatever the forces are, force, ≥ 0.
     pub absolute: f64,
     /// Most linear solutions in an increment, and in each round of an augmented Lagrangian.
     pub max_iterations: usize,
     /// An increment that takes at most so many, in each round of an augmented Lagrangian, lets the next one grow.
     pub few_iterations: usize,
-    /// Whether steps are shortened that go too far.
+    /// Whether a step that goes too far, so that the slope Δx·r changes its sign and stays large, is shortened.
     pub line_search: bool,
     /// The first guess.
     pub extrapolation: Extrapolation,
 }
 
+impl Default for NewtonSettings {
+    /// 1e-6 of the forces or 1e-8, up to 20 iterations, 6 are few, with line search and without extrapolation.
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-6,
+            absolute: 1e-8,
+            max_iterations: 20,
+            few_iterations: 6,
+            line_search: true,
+            extrapolation: Extrapolation::None,
+        }
+    }
+}
+
 impl Settings {
+    /// With these increments and iterations.
+    #[must_use]
+    pub const fn new(time: TimeSettings, newton: NewtonSettings) -> Self {
+        Self { time, newton }
+    }
+
     /// Checks the ranges.
     pub(super) fn check(&self) -> Result<(), StaticsError> {
         let Self { time, newton } = self;
@@ -105,6 +128,18 @@ impl Settings {
 }
 
 impl TimeSettings {
+    /// Increments that start at `increment` and grow no further; cutting back stops after ten halvings.
+    #[must_use]
+    pub const fn new(end: f64, increment: f64) -> Self {
+        Self { end, increment, minimum: increment / 1024.0, maximum: increment, growth: 1.5, cutback: 0.5 }
+    }
+
+    /// All increments are equal: there is no growth and no cut-back, and what fails ends the run.
+    #[must_use]
+    pub const fn fixed(end: f64, increment: f64) -> Self {
+        Self { minimum: increment, growth: 1.0, ..Self::new(end, increment) }
+    }
+
     /// Rounding of a sum of increments, relative to the end.
     pub(super) const ROUNDING: f64 = 1e-9;
 

@@ -68,7 +68,7 @@ pub fn measure(
     let first = positions.len();
     positions.extend(exact.iter().map(|(position, _)| *position));
     let slaves = (first..positions.len()).collect();
-    let options = InterfaceOptions { element, ..Default::default() };
+    let options = InterfaceOptions::default().with_element(element);
     let mut interface = ContactInterface::new(master, slaves, &[], &positions, options)?;
     interface.refresh_pairing(&positions)?;
     let contacts = interface.evaluate(Mode::Value)?;

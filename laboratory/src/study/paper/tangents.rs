@@ -92,9 +92,9 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
     let _ = write!(
         text,
         "## What the exact tangent is worth\n\n\
-         The exact tangent is ε (g M + N Nᵀ) with the frame moving along. The adaptive one, a deck's default and that of all other runs but those of \
-         `ring_block` and those marked exact, is the \
-         same but ε N Nᵀ alone where the residual is more than 0.3 of the forces. With the frame held, as the paper has it, force and tangent \
+         The exact tangent is ε (g M + N Nᵀ) with the frame moving along. The adaptive one is the same, but ε N Nᵀ alone where the \
+         residual is more than 0.3 of the forces. It is a deck's default, and that of all other runs but those of `ring_block` and \
+         those marked exact. With the frame held, as the paper has it, force and tangent \
          still belong to each other within an increment. ε N Nᵀ leaves out the Hessian: what an element without second \
          derivatives has.\n\n{counts}\n\
          The increment below is the one in which the tangents differ most.\n\n{table}\n\

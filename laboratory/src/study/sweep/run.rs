@@ -184,7 +184,7 @@ impl Slave {
         positions.push(scene::path(0.0));
         let defaults = InterfaceOptions::default();
         let hysteresis = if case.kept { defaults.hysteresis } else { 0.0 };
-        let options = InterfaceOptions { element: case.element, hysteresis, ..defaults };
+        let options = defaults.with_element(case.element).with_hysteresis(hysteresis);
         let interface = ContactInterface::new(master, vec![slave], &[], &positions, options)?;
         Ok(Self { case, positions, interface })
     }

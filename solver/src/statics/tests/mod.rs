@@ -49,41 +49,7 @@ impl Observer for Notes {
 }
 
 /// A plastic block on a rigid wave: pressed into it, then pushed along.
-const PRESSED: &str = r#"
-[materials.soft]
-young = 1000.0
-poisson = 0.3
-yield_stress = 60.0
-hardening = 100.0
-
-[parts.block]
-shape = "box"
-origin = [1.0, 0.5, 0.1]
-size = [2.0, 1.0, 1.0]
-divisions = [4, 2, 2]
-material = "soft"
-
-[parts.wave]
-shape = "rigid-wave"
-size = [6.0, 2.0]
-height = 0.1
-wavelength = 4.0
-divisions = [10, 3]
-
-[[boundary]]
-nodes = "wave"
-fix = ["x", "y", "z"]
-
-[[boundary]]
-nodes = "block.z+"
-translate = [0.3, 0.0, -0.2]
-
-[[interface]]
-name = "floor"
-master = "wave"
-slave = "block.z-"
-penalty = 2000.0
-"#;
+const PRESSED: &str = include_str!("../../../tests/block_on_wave.toml");
 
 /// The same with the exact tangent in every iteration: large increments fail.
 fn pressed_hard() -> String {
@@ -387,7 +353,7 @@ fn a_run_goes_on_from_any_state_to_the_same_end() {
         ("refresh = \"increment\"", ""),
         ("refresh = \"increment\"", "extrapolation = \"linear\""),
         ("refresh = \"iteration\"\nhysteresis = 0.3", ""),
-        ("frame = \"frozen\"", ""),
+        ("frame = \"frozen\"\nneighbours = { rule = \"hull-layers\" }", ""),
         (&format!("refresh = \"iteration\"\n{augmented}"), ""),
     ] {
         let base = PRESSED.replace("penalty = 2000.0", &format!("penalty = 2000.0\n{more}"));

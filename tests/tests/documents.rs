@@ -211,7 +211,8 @@ fn broken(document: &Path) -> Vec<String> {
             if file.is_empty() { document.to_owned() } else { document.parent().unwrap().join(file) };
         let is_found =
             || anchor.is_empty() || anchors(&fs::read_to_string(&target).unwrap()).contains(anchor);
-        !link.contains("://") && !(target.exists() && is_found())
+        let is_elsewhere = link.contains("://");
+        !is_elsewhere && (!target.exists() || !is_found())
     };
     let place = document.strip_prefix(root()).unwrap_or(document).display();
     links(&text).into_iter().filter(leads_nowhere).map(|link| format!("{place}: {link}")).collect()

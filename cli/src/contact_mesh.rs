@@ -3,14 +3,12 @@
 use std::path::Path;
 
 use clap::Args;
-use diffuse_contact_mesh::{Facet, Mesh, MeshError};
+use diffuse_contact_mesh::{Facet, Mesh, MeshError, PLATE_ON_CYLINDER};
 
 use crate::error::CliError;
 use crate::input;
 
-/// The mesh that comes with the program.
-const SHIPPED: &[u8] = include_bytes!("../plate_on_cylinder.msh");
-/// Its name in messages and in the report.
+/// The name of the mesh that comes with the program, in messages and in the report.
 const SHIPPED_NAME: &str = "plate_on_cylinder.msh (comes with the program)";
 
 /// The two sets of a mesh that touch each other.
@@ -88,7 +86,7 @@ impl ContactMesh {
                 let mesh = Mesh::from_bytes(&bytes, &name);
                 (name, mesh)
             }
-            None => (SHIPPED_NAME.to_owned(), Mesh::from_gmsh(SHIPPED, "plate_on_cylinder.msh")),
+            None => (SHIPPED_NAME.to_owned(), Mesh::from_gmsh(PLATE_ON_CYLINDER, "plate_on_cylinder.msh")),
         };
         // The reader's own messages begin with the file, those about sets do not.
         let mesh = mesh.map_err(|reason| ContactMeshError::Mesh(reason.into()))?;

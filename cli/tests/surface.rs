@@ -5,7 +5,7 @@ use serde_json::Value;
 
 /// A shipped mesh.
 fn shipped(name: &str) -> String {
-    format!("{}/../meshes/{name}", env!("CARGO_MANIFEST_DIR"))
+    format!("{}/../mesh/meshes/{name}", env!("CARGO_MANIFEST_DIR"))
 }
 
 /// A flat master of 4 × 4 unit quadrilaterals and one slave quadrilateral of side 1.5 that faces it, 0.5 above to 0.25 below.
@@ -112,8 +112,10 @@ fn weights_and_frames_are_those_asked_for() {
     };
     let cubic = smallest(&[]);
     assert_eq!(cubic, smallest(&["--weight", "cubic", "--frame-derivative", "co-moving"]));
-    // Held or moving, the frame is the same when the pairing has just been refreshed.
-    assert_eq!(cubic, smallest(&["--frame-derivative", "frozen"]));
+    // Held or moving, the frame of hull layers is the same when the pairing has just been refreshed.
+    let layers = ["--rule", "hull-layers"];
+    let moving = smallest(&layers);
+    assert_eq!(moving, smallest(&[&layers[..], &["--frame-derivative", "frozen"]].concat()));
     for weight in ["cubic-interpolating", "wendland-c2"] {
         let other = smallest(&["--weight", weight]);
         assert!(other != cubic && (other - cubic).abs() < 0.05, "{weight}: {other} {cubic}");
@@ -181,7 +183,7 @@ fn bad_input_is_one_sentence_and_no_file() {
 #[test]
 fn a_mesh_comes_from_standard_input_too() {
     let scratch = Scratch::new("surface-stdin");
-    let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/../meshes/plate_on_cylinder.msh");
+    let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/../mesh/meshes/plate_on_cylinder.msh");
     let (named, piped) = (scratch.path("named.vtu"), scratch.path("piped.vtu"));
     assert_eq!(run(&["surface", mesh, "-o", &named]).code, 0);
     let text = std::fs::read_to_string(mesh).unwrap();

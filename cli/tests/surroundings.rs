@@ -3,7 +3,7 @@
 use crate::runs::{Scratch, run_with_instructions, run_without_threads};
 
 /// A shipped mesh.
-const MESH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../meshes/plate_on_cylinder.msh");
+const MESH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../mesh/meshes/plate_on_cylinder.msh");
 
 /// Every job that writes outlives the limit, and leaves nothing half written.
 #[cfg(unix)]

@@ -63,7 +63,11 @@ fn the_json_has_the_same_figures() {
             (row["output"].as_str(), row["block"].as_str()),
             (Some(block.subject.output.name()), Some(block.name))
         );
-        let frame = if block.subject.frame == FrameRule::CoMoving { "co-moving" } else { "frozen" };
+        let frame = match block.subject.frame {
+            FrameRule::Frozen => "frozen",
+            FrameRule::CoMoving => "co-moving",
+            FrameRule::Material => "material",
+        };
         assert_eq!(row["frame_derivative"], frame);
         for against in ["ad", "interpreter"] {
             let worst = &row["against"][against];

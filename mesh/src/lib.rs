@@ -47,6 +47,10 @@ pub use error::{MeshError, Place, Problem};
 pub use mesh::{Mesh, UnreadElement};
 pub use vtu::{VtuError, VtuFile};
 
+/// A mesh to try things with, the bytes of `meshes/plate_on_cylinder.msh` in this crate's folder: a plate (the set `slave`) close
+/// to a cylinder (`master`).
+pub const PLATE_ON_CYLINDER: &[u8] = include_bytes!("../meshes/plate_on_cylinder.msh");
+
 /// The examples of the README, which are run with the documentation tests.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

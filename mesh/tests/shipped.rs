@@ -5,7 +5,7 @@ use std::path::Path;
 use diffuse_contact_mesh::{ElementKind, Facet, Mesh};
 
 fn shipped(name: &str) -> Mesh {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../meshes").join(name);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes").join(name);
     Mesh::read(path).unwrap_or_else(|error| panic!("{error}"))
 }
 

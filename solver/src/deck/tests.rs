@@ -480,7 +480,7 @@ fn broken_texts_and_files_are_errors() {
 
 #[test]
 fn parts_come_from_mesh_files() {
-    let meshes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../meshes");
+    let meshes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../mesh/meshes");
     let text = changed(
         "shape = \"rigid-plane\"\nsize = [3.0, 3.0]\ndivisions = [3, 3]",
         "file = \"plate_on_cylinder.msh\"\nsurface = \"master\"",

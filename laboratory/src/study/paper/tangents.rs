@@ -44,7 +44,7 @@ fn variants(case: &Case) -> [Case; TANGENTS.len()] {
         with("adaptive"),
         with("exact")
             .with("interface.frame", "frozen")
-            .with("interface.neighbours", "hull-layers")
+            .with("interface.neighbours.rule", "hull-layers")
             .named("frozen"),
         with("gauss-newton"),
     ]

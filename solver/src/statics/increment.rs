@@ -9,8 +9,8 @@ use crate::solid::Order;
 
 /// The residual that counts as divergence, relative to the largest of the first two of the increment, or of the round.
 const DIVERGED: f64 = 1e6;
-/// How often a step that turns an element inside out is halved.
-const HALVINGS: usize = 5;
+/// How often a step that turns an element inside out, or takes contacts their elements, is halved.
+const HALVINGS: usize = 8;
 
 /// An increment on its way.
 pub struct Increment<'a> {
@@ -247,14 +247,17 @@ impl<'a> Increment<'a> {
         self.evaluate(Order::Tangent)
     }
 
-    /// Takes the full step, or the part of it that leaves all elements the right way round, and evaluates there.
+    /// Takes the full step, or the part of it that leaves all elements the right way round and the contacts their elements, and
+    /// evaluates there. Where a body has gone through another no force tells the line search so.
     fn longest(&mut self, origin: &[[f64; 3]], step: &[f64]) -> Result<(f64, Balance), Failure> {
+        let lost = |problem: &Problem| problem.contacts().lost().filter(|(_, lost)| !lost.from_start).count();
+        let lost_before = lost(self.problem);
         let mut length = 1.0;
         for _ in 0..HALVINGS {
             self.advance(origin, step, length);
             match self.evaluate(Order::Tangent) {
-                Ok(balance) => return Ok((length, balance)),
-                Err(Failure::Inverted(_)) => length *= 0.5,
+                Ok(balance) if lost(self.problem) <= lost_before => return Ok((length, balance)),
+                Ok(_) | Err(Failure::Inverted(_)) => length *= 0.5,
                 Err(failure) => return Err(failure),
             }
         }

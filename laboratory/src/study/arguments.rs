@@ -19,6 +19,8 @@ pub struct StudyArguments {
 pub enum Study {
     /// Error of gap and normal on meshes of a cylinder, a sphere and a torus, with the observed orders.
     Accuracy(AccuracyArguments),
+    /// Masters of a slave, conditioning and error of its fit on regular, irregular, stretched and graded meshes.
+    Domains(DomainsArguments),
     /// Sweep a slave node along a closed path: jumps of the gap, kinks of the normal, work around the loop.
     Sweep(SweepArguments),
     /// Time and memory of a large interface.
@@ -47,6 +49,17 @@ pub struct PaperArguments {
 #[derive(Args, Clone, Debug)]
 pub struct AccuracyArguments {
     /// Print JSON instead of Markdown tables
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `study domains`.
+#[derive(Args, Clone, Debug)]
+pub struct DomainsArguments {
+    /// Slave nodes on each mesh
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub slaves: u32,
+    /// Print JSON instead of a Markdown table
     #[arg(long)]
     pub json: bool,
 }

@@ -2,6 +2,7 @@
 //! problems with known answers. The figures stand in `docs/results/surface.md`, `docs/results/paper.md` and `docs/results/verification.md`.
 //!
 //! * [`accuracy`]: error of gap and normal, and its order;
+//! * [`domains`]: masters, conditioning and error on stretched, graded and irregular meshes;
 //! * [`sweep`]: smoothness along a path over many facets;
 //! * [`throughput`]: time and memory;
 //! * [`paper`]: the examples of the paper, solved with both elements.
@@ -9,6 +10,7 @@
 
 mod accuracy;
 mod arguments;
+mod domains;
 mod error;
 mod markdown;
 mod paper;
@@ -28,6 +30,7 @@ use arguments::Study;
 pub fn run(arguments: &StudyArguments) -> Result<(), CliError> {
     match &arguments.study {
         Study::Accuracy(arguments) => accuracy::run(arguments),
+        Study::Domains(arguments) => domains::run(arguments),
         Study::Sweep(arguments) => sweep::run(arguments),
         Study::Throughput(arguments) => throughput::run(arguments),
         Study::Paper(arguments) => paper::run(arguments),

@@ -86,6 +86,24 @@ fn tables_are_markdown() {
 }
 
 #[test]
+fn domains_carry_fits_on_meshes_of_all_kinds() {
+    let found = json(&["study", "domains", "--slaves", "1500", "--json"]);
+    let rows = found.as_array().unwrap();
+    assert_eq!(rows.len(), 8 * 3);
+    let mean = |row: &Value| row["masters_mean"].as_f64().unwrap();
+    for row in rows {
+        assert_eq!((&row["slaves"], &row["linear"]), (&1500.into(), &0.into()), "{row}");
+        assert!(row["singular_value"].as_f64().unwrap() > 0.08, "{row}");
+        assert!(row["error_over_facets"].as_f64().unwrap() < 0.6, "{row}");
+        assert!(row["masters_max"].as_u64().unwrap() < 45 && mean(row) < 25.0, "{row}");
+    }
+    // Long cells take no more masters than square ones.
+    let of = |mesh: &str| rows.iter().find(|row| row["mesh"] == mesh && row["weight"] == "cubic").unwrap();
+    assert!(mean(of("cells 10:1")) < mean(of("regular, 12 × 12")));
+    assert!(mean(of("regular, 12 × 12")) < 13.5);
+}
+
+#[test]
 fn a_sweep_leaves_its_files() {
     let scratch = Scratch::new("sweep");
     let (picture, csv) = (scratch.path("sweep.svg"), scratch.path("sweep.csv"));

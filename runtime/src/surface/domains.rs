@@ -21,20 +21,23 @@ use crate::vector::Vector3;
 use crate::{Basis, MaterialDomain, MaterialNode, Point, Weight};
 
 /// What the fits at the centres have to reach; 0.25 is out of reach for one-sided fits.
-pub(crate) const SMALLEST_SINGULAR_VALUE: f64 = 0.15;
+pub(crate) const SMALLEST_SINGULAR_VALUE: f64 = 0.13;
 /// Factors are tried in steps of this one, then halved in between so many times.
 const STEP: f64 = 1.04;
 const BISECTIONS: usize = 8;
 /// Where all nodes of a sheet are at hand, domains that reach so many times farther than the farthest weight all alike.
 const WIDEST: f64 = 10.0;
 /// Domains are wider than the centres ask for by this factor: slaves are elsewhere, too.
-const MORE: f64 = 1.08;
+const MORE: f64 = 1.06;
 /// Nodes are first sought so many extents of a facet around it.
 const FIRST_REACH: f64 = 3.5;
 /// The shell whose nodes say how far a search reaches, from this part of its radius on.
 const SHELL: f64 = 0.75;
 /// A fit at a centre takes no more nodes than this.
 const MOST_NODES: usize = 400;
+/// Domains are wider across the surface than along it by this factor: the place of a slave over a curved master lies off the nodes'
+/// surface, the farther the larger the cells, which must not count where cells are small.
+const ACROSS: f64 = 2.0;
 /// The least of the two smaller axes of a node's cells over the largest.
 const THINNEST: f64 = 1e-3;
 /// The list of a facet holds nodes whose domains end this far from it, over the domain: a slave's place may lie as far off its
@@ -272,11 +275,12 @@ fn cells(index: &SurfaceIndex<'_>, symmetry: &Symmetry) -> Vec<MaterialDomain> {
         .collect()
 }
 
-/// U with UᵀU = C⁻¹ for the moment C of edges, whose smallest principal value, across the surface, is made the middle one.
+/// U with UᵀU = C⁻¹ for the moment C of edges, whose smallest principal value, across the surface, is replaced: its root becomes
+/// [`ACROSS`] that of the middle one.
 fn metric_of(moment: [[f64; 3]; 3]) -> [f64; 6] {
     let [(_, across), (middle, along), (largest, farthest)] = symmetric_eigen(moment);
     let middle = middle.max(THINNEST * THINNEST * largest);
-    let axes = [(middle, across), (middle, along), (largest, farthest)];
+    let axes = [(ACROSS * ACROSS * middle, across), (middle, along), (largest, farthest)];
     let entry = |i: usize, j: usize| axes.iter().map(|(value, axis)| axis[i] * axis[j] / value).sum();
     triangle([0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j))))
 }

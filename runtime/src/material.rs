@@ -90,12 +90,14 @@ impl MaterialPlace {
         let start = Vector3::from(nearest.position);
         let small = DIFFERENCE / nearest.metric.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
         let mut evaluated = 0;
+        let mut normal = None;
         let mut weighted_at = |place: Vector3, weight: &dyn Fn(&MaterialDomain) -> f64| {
             evaluated += 1;
             weights.clear();
             weights.extend(domains.iter().map(weight));
             let weighted = masters.iter().copied().zip(weights.iter().copied()).filter(|x| x.1 > 0.0);
-            let frame = Frame::average_plane_of(weighted, 1.0, outward)?;
+            let frame = Frame::average_plane_near(weighted, 1.0, outward, normal)?;
+            normal = Some(frame.normal);
             let residual = step(slave, masters, domains, weights, &frame, place);
             let deviation = reach(domains, weights, residual);
             if deviation.is_finite() {
@@ -192,6 +194,12 @@ impl MaterialDomain {
         MaterialNode { offset, metric: self.metric }
     }
 
+    /// |U v|²
+    fn square(&self, v: Vector3) -> f64 {
+        let [xx, xy, xz, yy, yz, zz] = self.metric;
+        Vector3::from([xx * v[0] + xy * v[1] + xz * v[2], yy * v[1] + yz * v[2], zz * v[2]]).norm_squared()
+    }
+
     fn distance(&self, place: Vector3) -> f64 {
         self.from(place.into()).distance()
     }
@@ -250,10 +258,9 @@ fn step(
 
 /// The largest length of a step in a metric of the nodes that carry weight.
 fn reach(domains: &[MaterialDomain], weights: &[f64], step: Vector3) -> f64 {
-    let length =
-        |domain: &MaterialDomain| MaterialNode { offset: step.into(), metric: domain.metric }.distance();
+    let square = |domain: &MaterialDomain| domain.square(step);
     let carrying = domains.iter().zip(weights).filter(|(_, weight)| **weight > 0.0);
-    carrying.map(|(domain, _)| length(domain)).fold(0.0, |x, y| if y <= x { x } else { y })
+    carrying.map(|(domain, _)| square(domain)).fold(0.0, |x: f64, y| if y <= x { x } else { y }).sqrt()
 }
 
 const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

@@ -155,11 +155,12 @@ impl NodalDomains {
         let factors = factors.into_iter().map(|bits| f64::from_bits(bits.into_inner()));
         let domains: Vec<MaterialDomain> =
             factors.zip(&cells).map(|(factor, domain)| domain.times(MORE * factor)).collect();
+        let extents: Vec<f64> = domains.par_iter().map(MaterialDomain::extent).collect();
         let lists: Vec<Vec<Listed>> = facets
             .par_iter()
             .with_min_len(CHUNK)
             .map_init(Scratch::default, |scratch, &facet| {
-                list(index, creases, symmetry, &domains, facet, scratch)
+                list(index, creases, symmetry, (&domains, &extents), facet, scratch)
             })
             .collect();
         let ends = lists
@@ -315,7 +316,7 @@ fn list(
     index: &SurfaceIndex<'_>,
     creases: &Creases,
     symmetry: &Symmetry,
-    domains: &[MaterialDomain],
+    (domains, extents): (&[MaterialDomain], &[f64]),
     facet: u32,
     scratch: &mut Scratch,
 ) -> Vec<Listed> {
@@ -335,8 +336,8 @@ fn list(
     loop {
         walk.start(index, facet, middle.into());
         walk.nodes_within(index, creases, reach, found);
-        let near = found.iter().map(|&(place, _)| &domains[place as usize]);
-        let needed = near.map(|domain| (1.0 + MARGIN) * domain.extent()).fold(0.0, f64::max) + shape.extent();
+        let longest = found.iter().map(|&(place, _)| extents[place as usize]).fold(0.0, f64::max);
+        let needed = (1.0 + MARGIN) * longest + shape.extent();
         if needed <= reach {
             break;
         }

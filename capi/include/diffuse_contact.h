@@ -362,7 +362,7 @@ typedef struct dc_pairing {
     int32_t basis;
     // dc_fallback.
     int32_t fallback;
-    // Whether the slave lies within the masters; 0 beyond their border, where the fit extrapolates.
+    // Whether the slave lies within the masters or on their border; 0 beyond it, where the fit extrapolates.
     int32_t encloses_slave;
     // Length.
     double support_radius;

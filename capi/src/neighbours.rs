@@ -24,7 +24,7 @@ pub struct dc_pairing {
     pub basis: i32,
     /// dc_fallback.
     pub fallback: i32,
-    /// Whether the slave lies within the masters; 0 beyond their border, where the fit extrapolates.
+    /// Whether the slave lies within the masters or on their border; 0 beyond it, where the fit extrapolates.
     pub encloses_slave: i32,
     /// Length.
     pub support_radius: f64,
@@ -100,7 +100,7 @@ pub unsafe extern "C" fn dc_pair(
             master_count: nodes.len() as i32,
             basis: choice::basis_number(found.basis),
             fallback: outcome::fallback_number(found.fallback),
-            encloses_slave: i32::from(found.encloses_slave),
+            encloses_slave: i32::from(found.encloses_slave || found.on_border),
             support_radius: found.support_radius,
             normal: found.frame.normal,
         };

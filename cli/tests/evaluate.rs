@@ -2,6 +2,9 @@
 
 use crate::elements::{bent, numbers, plane, rows};
 use crate::runs::{Run, Scratch, run, run_with_input};
+use diffuse_contact::interface::{ContactInterface, InterfaceOptions, PairedElement};
+use diffuse_contact::surface::{Facet, MasterSurface};
+use diffuse_contact::{Backend, Generated, MaterialDomain, Mode, Point};
 use serde_json::{Value, json};
 
 fn evaluate(elements: Value) -> Vec<Value> {
@@ -370,4 +373,164 @@ fn names_in_a_file_are_shown_in_one_line_of_limited_length() {
             assert!(!refused.stderr.trim_end().contains(char::is_control), "{refused:?}");
         }
     }
+}
+
+/// An element as `evaluate` takes it, and what its interface makes of it.
+struct Exported {
+    element: Value,
+    gap: f64,
+    n: Vec<f64>,
+    m: Vec<Vec<f64>>,
+}
+
+/// The elements of an interface over a wavy surface that has been stretched and bent since.
+fn exported() -> Vec<Exported> {
+    let first: Vec<Point> = (0..49)
+        .map(|k| (f64::from(k % 7), f64::from(k / 7)))
+        .map(|(x, y)| [x + 0.1 * (3.0 * y).sin(), 0.6 * y + 0.1 * (2.0 * x).cos(), 0.2 * (x + y).sin()])
+        .collect();
+    let facets: Vec<Facet> = (0..36)
+        .map(|k| k % 6 + 7 * (k / 6))
+        .map(|k| Facet::Quadrilateral([k, k + 1, k + 8, k + 7]))
+        .collect();
+    let mut positions = first.clone();
+    let slaves: Vec<Point> =
+        (0..6).map(|k| [1.3 + 0.6 * f64::from(k), 1.1 + 0.3 * f64::from(k), 0.3]).collect();
+    positions.extend(&slaves);
+    let master = MasterSurface::new(&positions, facets).unwrap();
+    let own = (first.len()..positions.len()).collect();
+    let mut interface =
+        ContactInterface::new(master, own, &[], &positions, InterfaceOptions::default()).unwrap();
+    for x in &mut positions {
+        *x = [1.2 * x[0], 0.9 * x[1] + 0.1 * x[0], x[2] + 0.03 * x[0] * x[0]];
+    }
+    interface.refresh_pairing(&positions).unwrap();
+    interface.evaluate(Mode::Hessian).unwrap();
+    let mut elements = Vec::new();
+    for (k, contact) in interface.contacts().iter().enumerate() {
+        let PairedElement::Diffuse { slave, pairing } = interface.element(k).unwrap() else { panic!() };
+        let gap = Generated.gap(&pairing.element(slave), Mode::Hessian).unwrap();
+        let ellipsoid = |(&node, material): (&usize, &diffuse_contact::MaterialNode)| {
+            MaterialDomain { position: first[node], metric: material.metric }.ellipsoid()
+        };
+        let metrics: Vec<_> = pairing.masters.iter().zip(&pairing.material).map(ellipsoid).collect();
+        let first_positions: Vec<Point> = pairing.masters.iter().map(|&node| first[node]).collect();
+        let element = json!({
+            "slave": slave, "masters": pairing.positions, "outward": pairing.frame.normal,
+            "first_positions": first_positions, "metrics": metrics, "basis": pairing.basis.name(),
+        });
+        elements.push(Exported {
+            element,
+            gap: contact.point.gap,
+            n: gap.gradient,
+            m: gap.hessian.to_rows(),
+        });
+    }
+    elements
+}
+
+#[test]
+fn an_element_of_an_interface_has_the_interfaces_gap() {
+    let exported = exported();
+    assert_eq!(exported.len(), 6);
+    let answers = evaluate(exported.iter().map(|x| x.element.clone()).collect());
+    let mut largest = [0.0_f64; 3];
+    for (Exported { gap, n, m, .. }, answer) in exported.iter().zip(&answers) {
+        assert_eq!(answer["status"], "ok", "{answer}");
+        let differences = |x: Vec<f64>, y: &[f64]| {
+            assert_eq!(x.len(), y.len());
+            x.iter().zip(y).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
+        };
+        largest[0] = largest[0].max((answer["gap"].as_f64().unwrap() - gap).abs());
+        largest[1] = largest[1].max(differences(numbers(&answer["n"]), n));
+        largest[2] = largest[2].max(differences(rows(&answer["m"]).concat(), &m.concat()));
+        assert!(answer["regularity"].as_f64().unwrap() > 0.01);
+    }
+    assert!(largest.iter().all(|x| *x < 1e-14), "{largest:?}");
+}
+
+#[test]
+fn a_rigid_motion_leaves_gap_and_place() {
+    let Exported { element, .. } = &exported()[2];
+    let (sin, cos) = 0.7_f64.sin_cos();
+    let turn = |x: &Value, shift: [f64; 3]| {
+        let x = numbers(x);
+        let (y, z) = (cos * x[1] - sin * x[2], sin * x[1] + cos * x[2]);
+        json!([cos * x[0] - sin * y + shift[0], sin * x[0] + cos * y + shift[1], z + shift[2]])
+    };
+    let mut moved = element.clone();
+    let shift = [3.0, -2.0, 5.0];
+    moved["slave"] = turn(&element["slave"], shift);
+    moved["outward"] = turn(&element["outward"], [0.0; 3]);
+    moved["masters"] = element["masters"].as_array().unwrap().iter().map(|x| turn(x, shift)).collect();
+    let answers = evaluate(json!([element, moved]));
+    assert_close(answers[1]["gap"].as_f64().unwrap(), answers[0]["gap"].as_f64().unwrap());
+    for (x, y) in numbers(&answers[1]["place"]).iter().zip(numbers(&answers[0]["place"])) {
+        assert_close(*x, y);
+    }
+    // The place lies among the first positions, wherever the masters are now.
+    let place = numbers(&answers[0]["place"]);
+    let first = rows(&element["first_positions"]);
+    let nearest =
+        first.iter().map(|x| (x[0] - place[0]).hypot(x[1] - place[1])).fold(f64::INFINITY, f64::min);
+    assert!(nearest < 0.8, "{nearest}");
+    assert_eq!(evaluate(json!([plane([1.1, 0.9, 0.25])]))[0]["place"], Value::Null);
+}
+
+#[test]
+fn domains_in_the_first_configuration_are_complete_or_refused() {
+    let Exported { element, .. } = &exported()[0];
+    let with = |field: &str, value: Value| {
+        let mut element = element.clone();
+        element[field] = value;
+        element
+    };
+    let without = |field: &str| {
+        let mut element = element.clone();
+        element.as_object_mut().unwrap().remove(field);
+        element
+    };
+    let shorter = |field: &str| json!(element[field].as_array().unwrap()[1..]);
+    let metric = |rows: Value| {
+        let mut metrics = element["metrics"].clone();
+        metrics[1] = rows;
+        with("metrics", metrics)
+    };
+    let far = [1e3, 1e3, 0.0];
+    for (element, code, words) in [
+        (without("metrics"), "incomplete-domains", "`metrics` is missing"),
+        (without("first_positions"), "incomplete-domains", "`first_positions` is missing"),
+        (with("support_radius", json!(2.0)), "radius-with-domains", "`support_radius` cannot be given with"),
+        (with("support_radii", json!([2.0])), "radius-with-domains", "`support_radii` cannot be given with"),
+        (with("metrics", shorter("metrics")), "wrong-number-of-domains", "`metrics` has"),
+        (
+            with("first_positions", shorter("first_positions")),
+            "wrong-number-of-domains",
+            "`first_positions` has",
+        ),
+        (metric(json!([[1, 0, 0], [0, -1, 0], [0, 0, 1]])), "invalid-metric", "`metrics[1]` is no ellipsoid"),
+        (metric(json!([[1, 1, 0], [1, 1, 0], [0, 0, 1]])), "invalid-metric", "positive definite"),
+        (metric(json!([[0, 0, 0], [0, 0, 0], [0, 0, 0]])), "invalid-metric", "positive definite"),
+        (metric(json!([[1, 0.5, 0], [0, 1, 0], [0, 0, 1]])), "invalid-metric", "symmetric"),
+        (with("frame_derivative", json!("frozen")), "held-frame", "moves with the average plane"),
+        (without("outward"), "missing-outward", "`outward` is missing"),
+        (with("slave", json!(far)), "not-material-place", "place in the first configuration"),
+    ] {
+        let answer = &evaluate(json!([element]))[0];
+        assert_eq!((&answer["status"], &answer["code"]), (&json!("error"), &json!(code)), "{answer}");
+        assert!(answer["message"].as_str().unwrap().contains(words), "{answer}");
+    }
+    let scratch = Scratch::new("metrics");
+    let text = json!({"elements": [with("metrics", json!([[[1, 0, 0], [0, 1, 0]]]))]}).to_string();
+    let input = scratch.file("in.json", &text);
+    run(&["evaluate", &input]).assert_refused(&["elements[0].metrics[0]: expected three rows", "found 2"]);
+}
+
+/// The file of `evaluate` is one of `neighbours` too, whatever its domains.
+#[test]
+fn neighbours_reads_an_element_with_domains() {
+    let Exported { element, .. } = &exported()[0];
+    let text = json!({"elements": [element]}).to_string();
+    let Run { code, stderr, .. } = run_with_input(&["neighbours", "-"], &text);
+    assert_eq!(code, 0, "{stderr}");
 }

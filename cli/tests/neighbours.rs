@@ -109,6 +109,17 @@ fn every_rule_answers_what_the_library_finds() {
 }
 
 #[test]
+fn inside_border_and_beyond_are_told_apart() {
+    for (place, encloses_slave, on_border) in
+        [([4.2, 4.1, 0.3], true, false), ([0.0, 4.3, 0.1], false, true), ([-2.0, 4.0, 0.0], false, false)]
+    {
+        let answer = neighbours(&over_grid(place));
+        assert_eq!(answer["encloses_slave"], json!(encloses_slave), "{place:?}");
+        assert_eq!(answer["on_border"], json!(on_border), "{place:?}");
+    }
+}
+
+#[test]
 fn a_list_is_answered_by_a_list() {
     assert_eq!(neighbours(&json!([])), json!([]));
     let (good, beyond) = (over_grid([4.2, 4.1, 0.3]), over_grid([-2.0, 4.0, 0.0]));

@@ -18,6 +18,8 @@ const CONTRACTION: f64 = 0.5;
 const SHORTEST: f64 = 1e-3;
 /// Differences are taken over this part of a domain.
 const DIFFERENCE: f64 = 1e-4;
+/// A pivot of an ellipsoid's matrix below this part of its diagonal is rounding.
+const SINGULAR: f64 = 1e-14;
 /// Largest step that a given place may be off its equations, as a fraction of a domain.
 const PLACE_TOLERANCE: f64 = 1e-6;
 
@@ -187,6 +189,46 @@ impl MaterialPlace {
 }
 
 impl MaterialDomain {
+    /// The domain of all X with (X − X_k)ᵀ C⁻¹ (X − X_k) < 1: the eigenvalues of C are the squares of its half axes, along the
+    /// eigenvectors. Of C the upper triangle is read. `None` if C is not positive definite to rounding.
+    ///
+    /// ```
+    /// use diffuse_contact::MaterialDomain;
+    ///
+    /// // Half axes 2, 1 and 0.5.
+    /// let squares = [[4.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.25]];
+    /// let domain = MaterialDomain::of_ellipsoid([1.0, 0.0, 0.0], squares).unwrap();
+    /// assert_eq!(domain.from([3.0, 0.0, 0.0]).distance(), 1.0);
+    /// assert_eq!(domain.ellipsoid(), squares);
+    /// ```
+    #[must_use]
+    pub fn of_ellipsoid(position: Point, squares: [[f64; 3]; 3]) -> Option<Self> {
+        let [[c_xx, c_xy, c_xz], [_, c_yy, c_yz], [_, _, c_zz]] = squares;
+        let root = |square: f64, whole: f64| {
+            (square > SINGULAR * whole && square.is_finite()).then(|| square.sqrt())
+        };
+        // C = R Rᵀ with R an upper triangle; U = R⁻¹.
+        let zz = root(c_zz, 0.0)?;
+        let (yz, xz) = (c_yz / zz, c_xz / zz);
+        let yy = root(c_yy - yz * yz, c_yy)?;
+        let xy = (c_xy - xz * yz) / yy;
+        let xx = root(c_xx - xy * xy - xz * xz, c_xx)?;
+        let [u_xx, u_yy, u_zz] = [xx, yy, zz].map(f64::recip);
+        let u_yz = -yz * u_zz * u_yy;
+        let metric = [u_xx, -xy * u_yy * u_xx, -(xy * u_yz + xz * u_zz) * u_xx, u_yy, u_yz, u_zz];
+        metric.iter().all(|x| x.is_finite()).then_some(Self { position, metric })
+    }
+
+    /// C of [`of_ellipsoid`](Self::of_ellipsoid).
+    #[must_use]
+    pub fn ellipsoid(&self) -> [[f64; 3]; 3] {
+        let [u_xx, u_xy, u_xz, u_yy, u_yz, u_zz] = self.metric;
+        let [xx, yy, zz] = [u_xx, u_yy, u_zz].map(f64::recip);
+        let yz = -u_yz * zz * yy;
+        let rows = [[xx, -u_xy * yy * xx, -(u_xy * yz + u_xz * zz) * xx], [0.0, yy, yz], [0.0, 0.0, zz]];
+        rows.map(|row| rows.map(|other| Vector3::from(row).dot(&Vector3::from(other))))
+    }
+
     /// The node seen from a place.
     #[must_use]
     pub fn from(&self, place: Point) -> MaterialNode {

@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 
 use crate::neighbourhood_cases::{PLACES, UP, Uniform, find, flat_cloud, hull, lattice, lattices};
 use diffuse_contact::neighbourhood::{
-    NeighbourRule, NeighbourSearch, NeighbourhoodError, Outward, SMALLEST_REGULARITY, SearchOptions,
-    TOLERANCE, hull_layers,
+    NeighbourRule, NeighbourSearch, Neighbourhood, NeighbourhoodError, Outward, SMALLEST_REGULARITY,
+    SearchOptions, TOLERANCE, hull_layers,
 };
 use diffuse_contact::pairing::{NearestNodes, node_normals};
 use diffuse_contact::{Basis, Point};
@@ -24,6 +24,18 @@ fn delaunay_ring(points: &[Point], slave: Point) -> Vec<usize> {
     (0..points.len()).filter(|&k| ring.contains(&handles[k])).collect()
 }
 
+/// The largest angle under which the slave sees none of its nearest nodes.
+fn free_angle(points: &[Point], slave: Point, nearest: usize) -> f64 {
+    let offset = |x: &Point| [x[0] - slave[0], x[1] - slave[1]];
+    let mut offsets: Vec<[f64; 2]> = points.iter().map(offset).collect();
+    offsets.sort_by(|x, y| x[0].hypot(x[1]).total_cmp(&y[0].hypot(y[1])));
+    offsets.truncate(nearest);
+    let mut angles: Vec<f64> = offsets.iter().map(|[a, b]| b.atan2(*a)).collect();
+    angles.sort_by(f64::total_cmp);
+    let around = angles[0] + 2.0 * PI - angles[angles.len() - 1];
+    angles.windows(2).map(|pair| pair[1] - pair[0]).fold(around, f64::max)
+}
+
 #[test]
 fn the_first_layer_is_the_delaunay_ring() {
     let mut random = Uniform(1);
@@ -36,6 +48,10 @@ fn the_first_layer_is_the_delaunay_ring() {
             let slave = [0.05 + 0.9 * random.next(), 0.05 + 0.9 * random.next(), 0.05 * random.next()];
             let found = search.find(&nodes, slave, UP).unwrap();
             enclosed += usize::from(found.encloses_slave);
+            if !found.encloses_slave {
+                // Only in a bay of the cloud's border, which the ring around all nodes would span.
+                assert!(free_angle(&points, slave, 192) > 0.75 * PI, "cloud {cloud}, slave {slave:?}");
+            }
             certain += usize::from(found.complete);
             one_layer += usize::from(found.layers.len() == 1);
             if found.encloses_slave && found.complete {
@@ -45,7 +61,7 @@ fn the_first_layer_is_the_delaunay_ring() {
         }
     }
     println!("of 2000: {enclosed} enclosed, {certain} certain, {one_layer} with one layer");
-    assert!(enclosed >= 1990 && certain >= 1800, "{enclosed} enclosed, {certain} certain");
+    assert!(enclosed >= 1980 && certain >= 1800, "{enclosed} enclosed, {certain} certain");
     assert!((200..1800).contains(&one_layer));
 }
 
@@ -115,7 +131,8 @@ fn on_a_rotated_grid_the_borders_are_the_same_too() {
     {
         let slave = [slave[0], slave[1], 0.2];
         let expected = hull_layers(slave, &grid, UP, 2).unwrap();
-        assert_eq!(expected.encloses_slave, slave[0] >= -6.0, "{slave:?}");
+        assert_eq!(expected.encloses_slave, slave[0] > -6.0, "{slave:?}");
+        assert_eq!(expected.on_border, slave[0] == -6.0, "{slave:?}");
         let farthest = expected.nodes.last().map(|&k| integers[k]).unwrap();
         assert!(f64::from(farthest[0]) - slave[0] < 5.0 && (f64::from(farthest[1]) - slave[1]).abs() < 6.0);
         for _ in 0..25 {
@@ -124,7 +141,10 @@ fn on_a_rotated_grid_the_borders_are_the_same_too() {
             let turned: Vec<Point> = grid.iter().map(|&x| turn(x)).collect();
             let found = hull_layers(turn(slave), &turned, turn(UP), 2).unwrap();
             assert_eq!(found.layers, expected.layers, "{slave:?}");
-            assert_eq!(found.encloses_slave, expected.encloses_slave);
+            assert_eq!(
+                (found.encloses_slave, found.on_border),
+                (expected.encloses_slave, expected.on_border)
+            );
         }
     }
 }
@@ -308,4 +328,123 @@ fn coarse_curved_surfaces_are_searched_on_the_near_side() {
             assert!(found.nodes.iter().all(near), "{} nodes", found.nodes.len());
         }
     }
+}
+
+/// Largest over median distance of each layer's nodes.
+fn spread(found: &Neighbourhood, points: &[Point], slave: Point) -> Vec<f64> {
+    let distance = |&k: &usize| (points[k][0] - slave[0]).hypot(points[k][1] - slave[1]);
+    let of_layer = |layer: &Vec<usize>| {
+        let mut distances: Vec<f64> = layer.iter().map(distance).collect();
+        distances.sort_by(f64::total_cmp);
+        distances[distances.len() - 1] / distances[distances.len() / 2]
+    };
+    found.layers.iter().map(of_layer).collect()
+}
+
+/// Nodes (i, j) of a grid of 41 × 21 under a map.
+fn mapped(map: impl Fn(f64, f64) -> [f64; 2]) -> Vec<Point> {
+    let at = |k: usize| map((k % 41) as f64, (k / 41) as f64);
+    (0..41 * 21).map(at).map(|[x, y]| [x, y, 0.0]).collect()
+}
+
+type Map = fn(f64, f64) -> [f64; 2];
+
+/// Borders that are straight, stretched, graded, that bow outward and inward.
+const BORDERS: [(&str, Map); 8] = [
+    ("square", |x, y| [x, y]),
+    ("3:1", |x, y| [3.0 * x, y]),
+    ("1:3", |x, y| [x, 3.0 * y]),
+    ("10:1", |x, y| [10.0 * x, y]),
+    ("1:10", |x, y| [x, 10.0 * y]),
+    ("graded", |x, y| [1.2_f64.powf(x - 20.0), y]),
+    ("disc", |x, y| [(25.0 - y) * (x / 25.0).cos(), (25.0 - y) * (x / 25.0).sin()]),
+    ("bore", |x, y| [(60.0 + y) * (x / 60.0).cos(), (60.0 + y) * (x / 60.0).sin()]),
+];
+
+/// Rows from the border outward, in cells; negative: beyond.
+const ROWS: [f64; 9] = [0.3, 0.1, 1e-2, 1e-6, 0.0, -1e-6, -1e-2, -0.1, -0.3];
+
+#[test]
+fn at_a_border_no_node_is_several_times_farther_than_its_layer() {
+    for (name, map) in BORDERS {
+        let points = mapped(map);
+        for column in [0.0, 0.4, 3.0, 20.0, 20.13, 20.5, 20.81] {
+            for row in ROWS {
+                let [x, y] = map(column, row);
+                let slave = [x, y, 0.05];
+                let found = hull_layers(slave, &points, UP, 4).unwrap();
+                if found.encloses_slave {
+                    continue;
+                }
+                let spread = spread(&found, &points, slave);
+                assert!(spread.iter().all(|x| *x <= 3.0 + 1e-5), "{name} {column} {row}: {spread:?}");
+            }
+        }
+    }
+}
+
+/// Four layers on a border reach 4 cells along it, as they do on a straight one. On the bore they reached 11, all nodes looked at.
+#[test]
+fn layers_do_not_run_along_a_border() {
+    for (name, map) in [BORDERS[0], BORDERS[2], BORDERS[6], BORDERS[7]] {
+        let points = mapped(map);
+        for column in [20.0, 20.13, 20.5, 20.81] {
+            for row in [1e-2, 1e-6, 0.0, -1e-6, -1e-2] {
+                let [x, y] = map(column, row);
+                let found = hull_layers([x, y, 0.05], &points, UP, 4).unwrap();
+                for (number, layer) in found.layers.iter().enumerate() {
+                    let along = layer.iter().map(|k| ((k % 41) as f64 - column).abs()).fold(0.0, f64::max);
+                    assert!(
+                        along <= (number + 1) as f64 + 0.01,
+                        "{name} {column} {row}, layer {number}: {along}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Inside, layers are the rings of the Delaunay triangulation, far nodes included.
+#[test]
+fn inside_stretched_and_stepped_grids_rings_are_complete() {
+    let inside: [(&str, Map); 6] = [
+        ("square", |x, y| [x, y]),
+        ("3:1", |x, y| [3.0 * x, y]),
+        ("1:10", |x, y| [x, 10.0 * y]),
+        ("graded", |x, y| [1.2_f64.powf(x - 20.0), 0.2 * y]),
+        ("stepped 1:4", |x, y| [if x < 20.0 { x } else { 4.0 * x - 60.0 }, y]),
+        ("sheared", |x, y| [x + 0.7 * y, y]),
+    ];
+    let mut random = Uniform(21);
+    let mut farthest: f64 = 0.0;
+    for (name, map) in inside {
+        let points = mapped(map);
+        for _ in 0..100 {
+            let [x, y] = map(19.0 + 2.0 * random.next(), 9.0 + 2.0 * random.next());
+            let slave = [x, y, 0.05];
+            let found = hull_layers(slave, &points, UP, 1).unwrap();
+            assert!(found.encloses_slave && !found.on_border, "{name} {x} {y}");
+            if found.complete {
+                assert_eq!(found.layers[0], delaunay_ring(&points, slave), "{name} {x} {y}");
+            }
+            farthest = farthest.max(spread(&found, &points, slave)[0]);
+        }
+    }
+    assert!(farthest > 3.0, "the bound of open rings does not hold inside: {farthest}");
+}
+
+/// On a plate bent to a cylinder the border bows in the layers' plane as soon as that is tilted. Far border nodes made it tilt more.
+#[test]
+fn far_nodes_do_not_tilt_the_plane_at_a_border() {
+    // A quarter of a disc with a bore, on a paraboloid.
+    let surface = |x: f64, y: f64| [x, y, -0.004 * (x * x + y * y)];
+    let points: Vec<Point> = mapped(|x, y| BORDERS[7].1(x, y)).iter().map(|p| surface(p[0], p[1])).collect();
+    let mut largest: f64 = 0.0;
+    for column in 0..=40 {
+        let [x, y] = BORDERS[7].1(20.0 + 0.025 * f64::from(column), 0.0);
+        let normal = Vector3::new(0.008 * x, 0.008 * y, 1.0).normalize();
+        let found = hull_layers(surface(x, y), &points, UP, 1).unwrap();
+        largest = largest.max(Vector3::from(found.frame.normal).angle(&normal).to_degrees());
+    }
+    assert!(largest < 1.0, "{largest}°");
 }

@@ -20,6 +20,13 @@ const JSON_FORMATS: &str = r#"IN.json:
                                      differentiating: give it explicitly to compare with differences
     "support_radii": [R_1, ...],     one for each master: radii of their own domains of influence; the average plane
                                      then weights its nodes; default: all are R, and the plane weights none
+    "first_positions": [[x, y, z], ...], and
+    "metrics": [[[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], ...],
+                                     one of both for each master, in place of radii: domains of influence as interfaces have
+                                     them, ellipsoids about the masters' first positions X_k. The matrix is C in
+                                     (X - X_k)^T C^-1 (X - X_k) < 1: its eigenvalues are the half axes squared, its eigenvectors
+                                     their directions. The slave's place in the first configuration is found as interfaces find
+                                     it; the frame is the average plane, weighted there, and moves
     "basis": "quadratic",            or "linear"; default quadratic from 6 masters on
     "weight": "cubic",               the default, (1 - r)^2 (1 + 2 r), or
               "cubic-interpolating", the same made interpolating: the surface passes through the masters, or
@@ -30,12 +37,14 @@ const JSON_FORMATS: &str = r#"IN.json:
 OUT.json, in the same order; vectors and rows over slave, master 1, ... master n, global axes:
   {"elements": [
     {"status": "ok", "active": gap < 0, "gap": g, "foot": [3], "normal": [3], "coefficients": [6 or 3],
-     "frame": {...}, "frame_derivative": "...", "support_radius": R, "regularity": r, "n": [3(n+1)],
-     "m": [[...], ...], "residual": [...], "tangent": [[...], ...]},
+     "frame": {...}, "frame_derivative": "...", "support_radius": R, "regularity": r, "place": [3],
+     "n": [3(n+1)], "m": [[...], ...], "residual": [...], "tangent": [[...], ...]},
     {"status": "error", "code": "singular-fit", "message": "..."}
   ]}
 A file that does not follow this form is refused: exit code 2, nothing written. An element whose geometry or parameters have
 no result is an entry with status "error", and the exit code is 0.
+place: the slave's in the first configuration, null without first_positions; support_radius then is the distance of the farthest
+master within reach, which lengths are divided by.
 regularity: how well the masters carry the fit, 0 on one conic (linear basis: on one line), at most 1; near 0 the entries
 of n and m may be large. An element has 1000 masters at most.
 Residual -penalty g N and tangent penalty (g M + N N^T) are given for either sign of the gap."#;

@@ -2,11 +2,12 @@
 
 use diffuse_contact::neighbourhood::element_regularity;
 use diffuse_contact::{
-    Backend, Domains, Element, ElementError, Frame, FrameDerivative, Gap, Mode, Point, pairing,
+    Backend, Domains, Element, ElementError, Frame, FrameDerivative, Gap, MaterialDomain, MaterialPlace,
+    Mode, Point, pairing,
 };
 use serde::Serialize;
 
-use super::schema::{ElementInput, FrameInput};
+use super::schema::{ElementInput, FrameInput, Metric};
 use crate::json::{Coordinates, FrameOutput};
 use crate::outcome::Outcome;
 
@@ -29,8 +30,10 @@ pub struct Evaluated {
     frame: FrameOutput,
     /// What it did while the gap was differentiated.
     frame_derivative: FrameDerivativeOutput,
-    /// The support radius that was used.
+    /// The support radius that was used; with domains in the first configuration the distance of the farthest master within reach.
     support_radius: f64,
+    /// The slave's place in the first configuration, if the element has domains there.
+    place: Option<Point>,
     /// How well the masters carry the fit, from 0 to 1, as `neighbours` measures it: near 0 the entries of N and M may be large.
     regularity: Option<f64>,
     /// N = ∂g/∂x (32).
@@ -63,6 +66,8 @@ impl From<FrameDerivative> for FrameDerivativeOutput {
 /// Most masters of an element: its two matrices have nine times the square of their number as entries, each about twenty characters of
 /// the output.
 const MOST_MASTERS: usize = 1_000;
+/// Entries of a metric across its diagonal differ by no more than this part of its largest entry.
+const ASYMMETRY: f64 = 1e-12;
 /// Numbers held at once for each entry of such a matrix: both matrices as rows and packed, and what they are computed from.
 const NUMBERS_OF_ENTRY: usize = 4;
 
@@ -81,6 +86,25 @@ enum Refusal {
          out or take \"frozen\", or leave out `frame` for the average plane"
     )]
     CoMovingGivenFrame,
+    /// Half of the domains' description.
+    #[error(
+        "`{missing}` is missing: domains in the first configuration need `first_positions` and `metrics`, one for each master"
+    )]
+    IncompleteDomains { missing: &'static str },
+    /// Two kinds of domains.
+    #[error(
+        "`{field}` cannot be given with `first_positions`: the metrics say how far the domains reach; leave out one of them"
+    )]
+    RadiusWithDomains { field: &'static str },
+    /// Not one for each master.
+    #[error("`{field}` has {found} entries for {expected} masters")]
+    WrongNumberOfDomains { field: &'static str, found: usize, expected: usize },
+    /// The search for the place failed: too few domains hold it.
+    #[error("the slave has no place in the first configuration among these domains: {0}")]
+    NoPlace(ElementError),
+    /// The matrix is not that of an ellipsoid.
+    #[error("`metrics[{index}]` is no ellipsoid: the matrix has to be {property}")]
+    InvalidMetric { index: usize, property: &'static str },
     /// More masters than matrices are made of.
     #[error(
         "an element can have {MOST_MASTERS} masters at most, not {found}: its matrices have the square of their number; take those around \
@@ -101,6 +125,11 @@ impl Refusal {
             Self::Element(error) => error.code(),
             Self::TooManyMasters { .. } => "too-many-masters",
             Self::NoMemory { .. } => "no-memory",
+            Self::IncompleteDomains { .. } => "incomplete-domains",
+            Self::RadiusWithDomains { .. } => "radius-with-domains",
+            Self::WrongNumberOfDomains { .. } => "wrong-number-of-domains",
+            Self::NoPlace(_) => "not-material-place",
+            Self::InvalidMetric { .. } => "invalid-metric",
             Self::MissingOutward => "missing-outward",
             Self::CoMovingGivenFrame => "co-moving-given-frame",
             Self::InvalidPenalty { .. } => "invalid-penalty",
@@ -126,6 +155,9 @@ fn evaluated(input: &ElementInput, backend: &dyn Backend) -> Result<Evaluated, R
         return Err(ElementError::TooFewNodes { found: masters.len(), needed: basis.size() }.into());
     }
     check_memory(masters.len())?;
+    if let Some(domains) = domains(input)? {
+        return with_domains(input, backend, &masters, &domains);
+    }
     let frame = frame(input, &masters)?;
     let slave = input.slave.0;
     let default = || match &input.support_radii {
@@ -139,7 +171,79 @@ fn evaluated(input: &ElementInput, backend: &dyn Backend) -> Result<Evaluated, R
         .with_weight(input.weight());
     element.validate()?;
     let gap = backend.gap(&element, Mode::Hessian)?;
-    Ok(answer(gap, &element, input.penalty)?)
+    Ok(answer(gap, &element, None, input.penalty)?)
+}
+
+/// Domains of influence in the first configuration, if the element has any.
+fn domains(input: &ElementInput) -> Result<Option<Vec<MaterialDomain>>, Refusal> {
+    let (positions, metrics) = match (&input.first_positions, &input.metrics) {
+        (None, None) => return Ok(None),
+        (Some(positions), Some(metrics)) => (positions, metrics),
+        (None, _) => return Err(Refusal::IncompleteDomains { missing: "first_positions" }),
+        (_, None) => return Err(Refusal::IncompleteDomains { missing: "metrics" }),
+    };
+    let given = [
+        ("support_radius", input.support_radius.is_some()),
+        ("support_radii", input.support_radii.is_some()),
+    ];
+    if let Some((field, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
+        return Err(Refusal::RadiusWithDomains { field });
+    }
+    let expected = input.masters.len();
+    for (field, found) in [("first_positions", positions.len()), ("metrics", metrics.len())] {
+        if found != expected {
+            return Err(Refusal::WrongNumberOfDomains { field, found, expected });
+        }
+    }
+    let domain = |(index, (&Coordinates(position), &Metric(rows)))| {
+        let refused = |property| Refusal::InvalidMetric { index, property };
+        let size = rows.as_flattened().iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+        let is_symmetric = |(i, j): (usize, usize)| (rows[i][j] - rows[j][i]).abs() <= ASYMMETRY * size;
+        if ![(0, 1), (0, 2), (1, 2)].into_iter().all(is_symmetric) {
+            return Err(refused("symmetric"));
+        }
+        MaterialDomain::of_ellipsoid(position, rows).ok_or(refused("positive definite"))
+    };
+    positions.iter().zip(metrics).enumerate().map(domain).collect::<Result<_, _>>().map(Some)
+}
+
+/// The element of an interface: the place in the first configuration, then the plane weighted there.
+fn with_domains(
+    input: &ElementInput,
+    backend: &dyn Backend,
+    masters: &[Point],
+    domains: &[MaterialDomain],
+) -> Result<Evaluated, Refusal> {
+    if input.frame != FrameInput::AveragePlane || input.frame_derivative() == FrameDerivative::Frozen {
+        return Err(ElementError::HeldFrame.into());
+    }
+    let Coordinates(outward) = input.outward.ok_or(Refusal::MissingOutward)?;
+    let (slave, basis) = (input.slave.0, input.basis());
+    let found = MaterialPlace::find(slave, masters, domains, |r| input.weight().fitting(r), outward);
+    let found = found.map_err(|error| match error {
+        ElementError::NotMaterialPlace { .. } | ElementError::NoAveragePlane { .. } => {
+            Refusal::NoPlace(error)
+        }
+        other => other.into(),
+    })?;
+    let nodes = found.nodes(domains);
+    let distance = |x: &Point| slave.iter().zip(x).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    let within_reach = masters.iter().zip(&nodes).filter(|(_, node)| node.distance() < 1.0);
+    let (mut count, mut farthest) = (0, 0.0_f64);
+    for (master, _) in within_reach {
+        count += 1;
+        farthest = farthest.max(distance(master));
+    }
+    if count < basis.size() {
+        return Err(ElementError::TooFewNodes { found: count, needed: basis.size() }.into());
+    }
+    let element = Element::new(slave, masters, found.frame, farthest)
+        .with_domains(Domains::Material(&nodes))
+        .with_basis(basis)
+        .with_weight(input.weight());
+    element.validate()?;
+    let gap = backend.gap(&element, Mode::Hessian)?;
+    Ok(answer(gap, &element, Some(found.place), input.penalty)?)
 }
 
 /// One element that is too large is no end of the others. A failed allocation would be.
@@ -176,7 +280,12 @@ fn frame(input: &ElementInput, masters: &[Point]) -> Result<Frame, Refusal> {
 }
 
 /// The entry of the output. JSON knows no infinity, so a product that overflows is an error.
-fn answer(gap: Gap, element: &Element<'_>, penalty: f64) -> Result<Evaluated, ElementError> {
+fn answer(
+    gap: Gap,
+    element: &Element<'_>,
+    place: Option<Point>,
+    penalty: f64,
+) -> Result<Evaluated, ElementError> {
     let residual = gap.residual(penalty);
     let tangent = gap.tangent(penalty);
     finite("residual", &residual)?;
@@ -193,6 +302,7 @@ fn answer(gap: Gap, element: &Element<'_>, penalty: f64) -> Result<Evaluated, El
         frame: element.frame.into(),
         frame_derivative: element.frame.derivative.into(),
         support_radius: element.support_radius,
+        place,
         regularity: element_regularity(element),
         n: gap.gradient,
         m: gap.hessian.to_rows(),

@@ -9,13 +9,16 @@
 //!   "frame_derivative": "co-moving",
 //!   "support_radius": 2.0,
 //!   "support_radii": [2.0, 2.1, 1.9, 2.0],
+//!   "first_positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]],
+//!   "metrics": [[[4, 0, 0], [0, 4, 0], [0, 0, 4]], …],
 //!   "basis": "linear",
 //!   "weight": "cubic",
 //!   "penalty": 1.0
 //! }]}
 //! ```
 //!
-//! Only `slave` and `masters` are always needed. The defaults are those of [`ElementInput`]'s fields. Nothing else
+//! Only `slave` and `masters` are always needed. Of `support_radius` and `support_radii` on one hand, `first_positions` and `metrics` on the
+//! other, an element has one pair at most. The defaults are those of [`ElementInput`]'s fields. Nothing else
 //! is accepted: a field the program does not know is an error, not ignored. All coordinates are global, in one
 //! length unit of the caller's choice; the penalty is force per length.
 
@@ -58,6 +61,11 @@ pub struct ElementInput {
     /// Radii of the masters' own domains of influence, one for each; the average plane then weights its nodes. If left out all have
     /// the support radius, and the plane weights none, as in the paper.
     pub support_radii: Option<Vec<f64>>,
+    /// First positions X_k of the masters. With `metrics` the domains of influence are those of an interface, ellipsoids in the first
+    /// configuration.
+    pub first_positions: Option<Vec<Coordinates>>,
+    /// A symmetric matrix C for each master: its domain is (X − X_k)ᵀ C⁻¹ (X − X_k) < 1. The eigenvalues are half axes squared.
+    pub metrics: Option<Vec<Metric>>,
     /// Basis of the fit; quadratic from six masters on, linear below, if left out.
     basis: Option<BasisName>,
     /// Weight of the fit; `cubic` if left out.
@@ -101,6 +109,28 @@ impl ElementInput {
             WeightInput::WendlandC2 => Weight::WendlandC2,
         }
     }
+}
+
+/// A 3×3 matrix by rows.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(try_from = "Vec<Coordinates>")]
+pub struct Metric(pub [Point; 3]);
+
+impl TryFrom<Vec<Coordinates>> for Metric {
+    type Error = WrongRows;
+
+    fn try_from(rows: Vec<Coordinates>) -> Result<Self, WrongRows> {
+        let found = rows.len();
+        let rows: [Coordinates; 3] = rows.try_into().map_err(|_| WrongRows { found })?;
+        Ok(Self(rows.map(|Coordinates(row)| row)))
+    }
+}
+
+/// A matrix with a number of rows other than three.
+#[derive(Debug, thiserror::Error)]
+#[error("expected three rows [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], found {found}")]
+pub struct WrongRows {
+    found: usize,
 }
 
 const fn unit_penalty() -> f64 {

@@ -22,14 +22,15 @@ const NEIGHBOUR_FORMATS: &str = r#"IN.json, one search, a list [...] of them, or
 OUT.json, laid out as IN.json, in the same order; nodes are places in "masters", counted from 0:
   {"status": "ok", "rule": "...", "at_slave": [...], "layers": [[...], ...], "nodes": [...],
    "support_radius": R, "basis": "...", "condition": c, "regularity": r, "pivot_ratio": p,
-   "encloses_slave": true, "complete": true, "fallback": null, "frame": {...}}
+   "encloses_slave": true, "on_border": false, "complete": true, "fallback": null, "frame": {...}}
   {"status": "error", "code": "no-average-plane", "message": "..."}
 at_slave         nodes straight above or below the slave; they belong to no layer
 layers           innermost first; fewer than asked for if the nodes run out; one for "nearest"
 nodes            those that take part, by in-plane distance from the slave
 condition        condition number of the moment matrix; null if it is singular to rounding
 regularity       how well the nodes carry the fit: 0 on one conic (linear basis: on one line), at most 1
-encloses_slave   whether the slave lies within the nodes; if not, the fit extrapolates
+encloses_slave   whether the nodes of the first layer surround the slave; not so on the border or beyond it
+on_border        whether the slave lies on the border; beyond it the fit extrapolates
 complete         whether the nodes looked at sufficed to be sure of the layers
 fallback         null, {"kind": "extended", "by": layers or nodes more than asked for}, or
                  {"kind": "linear", "quadratic_regularity": of the best nodes tried}"#;

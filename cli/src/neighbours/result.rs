@@ -31,8 +31,10 @@ pub struct Found {
     regularity: f64,
     /// Smallest relative pivot of the moment matrix.
     pivot_ratio: f64,
-    /// Whether the slave lies within the nodes.
+    /// Whether the nodes surround the slave.
     encloses_slave: bool,
+    /// Whether the slave lies on their border.
+    on_border: bool,
     /// Whether the candidates sufficed to be sure of the layers.
     complete: bool,
     /// What had to be given up.
@@ -91,6 +93,7 @@ impl Found {
             regularity: found.regularity,
             pivot_ratio: found.pivot_ratio,
             encloses_slave: found.encloses_slave,
+            on_border: found.on_border,
             complete: found.complete,
             fallback: match found.fallback {
                 Fallback::None => None,

@@ -75,6 +75,9 @@ pub struct SearchInput {
     frame: Option<IgnoredAny>,
     frame_derivative: Option<IgnoredAny>,
     support_radius: Option<IgnoredAny>,
+    support_radii: Option<IgnoredAny>,
+    first_positions: Option<IgnoredAny>,
+    metrics: Option<IgnoredAny>,
     weight: Option<IgnoredAny>,
     penalty: Option<IgnoredAny>,
 }
@@ -82,11 +85,14 @@ pub struct SearchInput {
 impl SearchInput {
     /// A field that only an element has.
     pub fn field_of_element(&self) -> Option<&'static str> {
-        let Self { frame, frame_derivative, support_radius, weight, penalty, .. } = self;
+        let Self { frame, frame_derivative, support_radius, support_radii, weight, penalty, .. } = self;
         let fields = [
             ("frame", frame),
             ("frame_derivative", frame_derivative),
             ("support_radius", support_radius),
+            ("support_radii", support_radii),
+            ("first_positions", &self.first_positions),
+            ("metrics", &self.metrics),
             ("weight", weight),
             ("penalty", penalty),
         ];

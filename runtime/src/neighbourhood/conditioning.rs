@@ -46,9 +46,16 @@ impl Regularity {
 /// whereas the relative pivots of A depend on both: a pivot of nodes on the two axes (ab = 0, a conic) consists of
 /// rounding only, and so does the diagonal entry it is compared with.
 pub fn regularity(offsets: impl Iterator<Item = Point2> + Clone, support_radius: f64) -> Regularity {
-    let weighted = offsets.filter_map(|offset| {
+    weighted_regularity(offsets.map(|offset| {
         let [a, b] = offset.map(|x| x / support_radius);
-        let weight = weight(a.hypot(b));
+        (a.hypot(b), a, b)
+    }))
+}
+
+/// The same of nodes at these distances in their own domains, with in-plane offsets in any unit.
+pub fn weighted_regularity(nodes: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Regularity {
+    let weighted = nodes.filter_map(|(distance, a, b)| {
+        let weight = weight(distance);
         (weight > 0.0).then_some((weight, a, b))
     });
     let [mut count, mut total, mut aa, mut ab, mut bb] = [0.0; 5];

@@ -1,6 +1,6 @@
 //! Hull layers in the inverted plane: who surrounds the slave, ring after ring.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use super::TOLERANCE;
 use super::hull::{Point2, convex_hull, turn};
@@ -8,6 +8,14 @@ use super::hull::{Point2, convex_hull, turn};
 /// An edge of the inverted hull seen from the slave under more than 180° less this, in radians, does not close the
 /// ring: the slave lies on the line that joins two border nodes, or beyond it.
 const OPEN_ANGLE: f64 = 1e-3;
+/// On a border that bows inward, far border nodes close the ring under a wide empty circle. It counts as open where that circle is more
+/// than this many times as wide as the ring's farthest node is away …
+const EMPTY_CIRCLE: f64 = 2.0;
+/// … and the slave sees no node at all under this angle. Inside the nodes it sees some.
+const EMPTY_ANGLE: f64 = 0.75 * PI;
+/// Where the ring is open, no node of a layer is farther than this many median distances of the layer. On borders and in corners
+/// of square, graded and 3:1 grids no node is.
+const FARTHEST: f64 = 3.0;
 /// Stands for the fictitious node that closes an open ring.
 const GHOST: usize = usize::MAX;
 
@@ -18,8 +26,31 @@ pub struct Ring {
     /// these circles, and no node farther away than this diameter can belong to the layer. Infinite if the
     /// nodes do not surround the slave.
     pub diameter: f64,
-    /// The largest angle under which the slave sees no node; 0 stands for anything clearly below 180°.
+    /// The largest angle under which the slave sees no node of the layer; 0 stands for anything clearly below 180°.
     pub free_angle: f64,
+}
+
+/// Where a slave lies among nodes that leave this angle free at most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Site {
+    /// They surround it.
+    Inside,
+    /// It is in line with two of them, and all are on one side.
+    Border,
+    /// It is farther out.
+    Beyond,
+}
+
+impl Site {
+    pub fn of(free_angle: f64) -> Self {
+        if free_angle < PI - OPEN_ANGLE {
+            Self::Inside
+        } else if free_angle <= PI + OPEN_ANGLE {
+            Self::Border
+        } else {
+            Self::Beyond
+        }
+    }
 }
 
 /// Takes layer after layer off a set of nodes.
@@ -67,14 +98,21 @@ impl Peeler {
         self.points.clear();
         self.points.extend(self.remaining.iter().map(|image| image.point));
         convex_hull(&self.points, &mut self.hull);
-        let ring = if self.is_closed() {
-            Ring { diameter: self.largest_circle(), free_angle: 0.0 }
-        } else {
-            let (free_angle, middle) = self.free_angle();
-            self.close_with_ghost(middle);
-            Ring { diameter: f64::INFINITY, free_angle }
+        let closed = self.is_closed().then(|| self.largest_circle());
+        let is_wide = closed.is_some_and(|diameter| diameter > EMPTY_CIRCLE * self.farthest());
+        let outside = (is_wide || closed.is_none()).then(|| self.free_angle(|_| true));
+        let ring = match (closed, outside) {
+            (Some(diameter), outside) if outside.is_none_or(|(angle, _)| angle <= EMPTY_ANGLE) => {
+                self.mark_layer();
+                Ring { diameter, free_angle: 0.0 }
+            }
+            (_, outside) => {
+                self.close_with_ghost(outside.map_or(0.0, |(_, middle)| middle));
+                self.mark_layer();
+                self.leave_far_nodes();
+                Ring { diameter: f64::INFINITY, free_angle: self.free_angle_of_layer() }
+            }
         };
-        self.mark_layer();
         let mut in_layer = self.in_layer.iter();
         self.remaining.retain(|image| {
             let taken = *in_layer.next().unwrap_or(&false);
@@ -86,10 +124,25 @@ impl Peeler {
         ring
     }
 
-    /// The largest angle between the directions of consecutive nodes, in radians, and the direction of its middle.
-    pub fn free_angle(&mut self) -> (f64, f64) {
+    /// The largest angle between the directions of consecutive nodes of all that remain, in radians.
+    pub fn largest_free_angle(&mut self) -> f64 {
+        self.free_angle(|_| true).0
+    }
+
+    /// The same of the nodes marked as the layer.
+    fn free_angle_of_layer(&mut self) -> f64 {
+        let in_layer = std::mem::take(&mut self.in_layer);
+        let (angle, _) = self.free_angle(|k| in_layer[k]);
+        self.in_layer = in_layer;
+        angle
+    }
+
+    /// The largest angle between the directions of consecutive nodes among those counted, and the direction of its middle.
+    fn free_angle(&mut self, counts: impl Fn(usize) -> bool) -> (f64, f64) {
         self.sorted.clear();
-        self.sorted.extend(self.remaining.iter().map(|image| image.point[1].atan2(image.point[0])));
+        let counted =
+            self.remaining.iter().enumerate().filter(|(k, image)| counts(*k) && image.node != GHOST);
+        self.sorted.extend(counted.map(|(_, image)| image.point[1].atan2(image.point[0])));
         self.sorted.sort_unstable_by(f64::total_cmp);
         let (Some(&first), Some(&last)) = (self.sorted.first(), self.sorted.last()) else {
             return (TAU, 0.0);
@@ -114,14 +167,38 @@ impl Peeler {
         edges(&self.points, &self.hull).map(|(a, b)| norm(minus(b, a)) / cross(a, b)).fold(0.0, f64::max)
     }
 
+    /// Distance of the hull's farthest node.
+    fn farthest(&self) -> f64 {
+        self.hull.iter().map(|&vertex| norm(self.points[vertex]).recip()).fold(0.0, f64::max)
+    }
+
+    /// Takes nodes that are too far away out of the layer. They wait for their turn.
+    fn leave_far_nodes(&mut self) {
+        let in_layer = std::mem::take(&mut self.in_layer);
+        self.sort_distances(|k| in_layer[k]);
+        self.in_layer = in_layer;
+        let Some(median) = self.sorted.get(self.sorted.len() / 2) else { return };
+        let farthest = FARTHEST * median * (1.0 + TOLERANCE);
+        for (&q, in_layer) in self.points.iter().zip(&mut self.in_layer) {
+            *in_layer &= norm(q) * farthest >= 1.0;
+        }
+    }
+
+    /// Sorts the distances of the nodes counted.
+    fn sort_distances(&mut self, counts: impl Fn(usize) -> bool) {
+        self.sorted.clear();
+        let counted =
+            self.remaining.iter().enumerate().filter(|(k, image)| counts(*k) && image.node != GHOST);
+        self.sorted.extend(counted.map(|(_, image)| norm(image.point).recip()));
+        self.sorted.sort_unstable_by(f64::total_cmp);
+    }
+
     /// Finds the hull with one fictitious node more: in the given direction, as far away as the third nearest.
     fn close_with_ghost(&mut self, direction: f64) {
-        self.sorted.clear();
-        self.sorted.extend(self.points.iter().map(|&q| norm(q)));
-        self.sorted.sort_unstable_by(|p, q| q.total_cmp(p));
+        self.sort_distances(|_| true);
         let third = 2.min(self.sorted.len().saturating_sub(1));
-        let Some(size) = self.sorted.get(third) else { return };
-        let point = [size * direction.cos(), size * direction.sin()];
+        let Some(distance) = self.sorted.get(third) else { return };
+        let point = [direction.cos() / distance, direction.sin() / distance];
         let place = self.points.partition_point(|&q| compare(q, point).is_lt());
         self.points.insert(place, point);
         self.remaining.insert(place, Image { point, node: GHOST });
@@ -252,6 +329,32 @@ mod tests {
             let (layers, _) = layers(&offsets);
             assert_eq!(layers[0], [3, 4, 11, 12], "{outside}");
         }
+    }
+
+    /// The ends of the border are seen under next to no angle, 20 cells away.
+    #[test]
+    fn a_border_that_bows_inward_has_the_layer_of_a_straight_one() {
+        for radius in [30.0_f64, 60.0, 200.0, 1e4, 1e8] {
+            for outside in [-1e-2, -1e-6, 0.0, 1e-6, 1e-2, 0.1] {
+                let node = |k: i32| {
+                    let (angle, r) = ((f64::from(k % 41 - 20) - 0.3) / radius, radius + f64::from(k / 41));
+                    [r * angle.sin(), r * angle.cos() - radius + outside]
+                };
+                let offsets: Vec<Point2> = (0..41 * 4).map(node).collect();
+                let (layers, _) = layers(&offsets);
+                assert_eq!(layers[0], [20, 21, 61, 62], "{radius} {outside}");
+                assert_eq!(layers[1][..2], [19, 22], "{radius} {outside}");
+            }
+        }
+    }
+
+    #[test]
+    fn in_an_open_ring_a_far_node_waits_for_its_turn() {
+        // The last lies across a gap, in a direction of its own.
+        let offsets = [[-1.0, 0.2], [-0.5, 1.0], [0.5, 1.0], [0.6, 0.2], [9.0, 0.1]];
+        let (layers, ring) = layers(&offsets);
+        assert_eq!(layers, [vec![0, 1, 2, 3], vec![4]]);
+        assert_eq!(Site::of(ring.free_angle), Site::Beyond);
     }
 
     #[test]

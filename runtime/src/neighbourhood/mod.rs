@@ -24,11 +24,20 @@
 //!   leaves the disc that the candidates cover, a farther node might belong to the layer: the number of candidates is
 //!   doubled, up to [`SearchOptions::max_candidates`] and as long as they lie near a plane.
 //!   [`Neighbourhood::complete`] tells whether it was enough.
-//! * **Border.** A slave on or beyond the border of the node cloud (the angle free of nodes is 180° or more, or less
-//!   by at most 1e-3) is not surrounded: the hull of the images does not hold the origin, and the Delaunay ring would
-//!   be all border nodes in sight. A fictitious node then closes the ring, in the middle of the free angle and as far
-//!   away as the third nearest node; it takes no further part. A slave on a straight border of a grid so gets the
-//!   four or five nodes of the cells it touches. [`Neighbourhood::encloses_slave`] is false beyond the border.
+//! * **Border.** A slave on or beyond the border of the node cloud is not surrounded: the angle free of nodes is 180° or
+//!   more, or less by at most 1e-3. The hull of the images does not hold the origin, and the Delaunay ring would be all
+//!   border nodes in sight. A fictitious node then closes the ring, in the middle of the free angle and as far away as the
+//!   third nearest node; it takes no further part. A slave on a border of a grid so gets the four or five nodes of the
+//!   cells it touches.
+//! * **Border that bows inward.** There the slave sees border nodes all around, the far ones under next to no angle. The
+//!   ring counts as open where an empty circle is more than twice as wide as the farthest node of the layer is away and the
+//!   angle free of all nodes is above 135°. Rings inside the nodes stay what they are, however stretched or irregular.
+//!   A slave over a hole whose whole rim it sees is enclosed by the rim.
+//! * **Far nodes.** Where a fictitious node closes the ring, a node farther than three times the median distance of its
+//!   layer waits for a later one. No layer on a border of a square, graded or 3:1 grid has such a node. Inside the nodes
+//!   there is no such bound: rings of stretched and stepped meshes reach far.
+//! * **Enclosed.** [`Neighbourhood::encloses_slave`] is false on the border and beyond, [`Neighbourhood::on_border`] tells the
+//!   two apart. Both look at the first layer: an angle free of nodes within 1e-3 of 180° is the border.
 //!
 //! Only positions count here. Nodes on the far face of a thin plate or around a sharp edge are kept out
 //! by [`NeighbourSearch::find_among`].
@@ -70,10 +79,10 @@ pub use options::{
 };
 pub use search::{NeighbourSearch, hull_layers};
 
-pub(crate) use conditioning::regularity;
+pub(crate) use conditioning::{regularity, weighted_regularity};
 
 use crate::pairing::{NearestNodes, Pairing};
-use crate::{Basis, Element, Frame, Point, Weight};
+use crate::{Basis, Domains, Element, Frame, Point, Weight};
 
 /// Relative tolerance of every geometric decision: a node this close to a hull's edge (over the distance of its
 /// image from the origin), to the slave (over the distance of the farthest candidate) or to the distance of the last
@@ -136,9 +145,12 @@ pub struct Neighbourhood {
     /// Smallest pivot of the same matrix over the diagonal entry it came from, as a [`Backend`](crate::Backend)
     /// judges it.
     pub pivot_ratio: f64,
-    /// Whether the slave lies within the nodes or on their border, to [`TOLERANCE`]; false beyond the border,
-    /// where the fit extrapolates.
+    /// Whether the nodes of the first layer surround the slave: the largest angle in which it sees none is below 180° by more
+    /// than 1e-3. False on the border, and beyond it, where the fit extrapolates.
     pub encloses_slave: bool,
+    /// Whether the slave lies on the border: that angle is 180° to 1e-3, or the slave is on a node that the others do not
+    /// surround.
+    pub on_border: bool,
     /// Whether the candidates sufficed to be sure of the layers. It cannot be so on the border of a cloud that has
     /// more than [`SearchOptions::max_candidates`] nodes.
     pub complete: bool,
@@ -147,16 +159,22 @@ pub struct Neighbourhood {
 }
 
 /// How well the masters of an element carry its fit, from 0 to 1: [`Neighbourhood::regularity`] in the element's own frame and support
-/// radius. Where it is below [`SMALLEST_REGULARITY`], no search would choose them, and derivatives may be large. `None` for a basis of
+/// radius, or domains in the first configuration. Where it is below [`SMALLEST_REGULARITY`], no search would choose them, and derivatives may be large. `None` for a basis of
 /// one's own.
 #[must_use]
 pub fn element_regularity(element: &Element<'_>) -> Option<f64> {
-    let Element { slave, masters, frame, support_radius, basis, .. } = element;
+    let Element { slave, masters, frame, support_radius, domains, basis, .. } = element;
     let offsets = masters.iter().map(|&master| {
         let [a, b, _] = candidates::local_offset(frame, *slave, master);
         [a, b]
     });
-    let found = regularity(offsets, *support_radius);
+    let found = match domains {
+        Domains::Material(nodes) => {
+            let scaled = offsets.map(|offset| offset.map(|x| x / support_radius));
+            weighted_regularity(nodes.iter().zip(scaled).map(|(node, [a, b])| (node.distance(), a, b)))
+        }
+        _ => regularity(offsets, *support_radius),
+    };
     (!matches!(basis, Basis::Custom(_))).then(|| found.of(*basis))
 }
 

@@ -1,11 +1,9 @@
 //! The search itself: candidates, layers, and the fallbacks until a set of nodes carries the fit.
 
-use std::f64::consts::PI;
-
 use super::candidates::{Candidates, Projection, Query, average_plane, local_offset};
 use super::conditioning::{Moments, Regularity, regularity};
 use super::hull::Point2;
-use super::inversion::Peeler;
+use super::inversion::{Peeler, Site};
 use super::{Fallback, NeighbourRule, Neighbourhood, NeighbourhoodError, Outward, SearchOptions, TOLERANCE};
 use crate::pairing::NearestNodes;
 use crate::{Basis, Frame, Point};
@@ -43,7 +41,7 @@ pub struct NeighbourSearch {
 struct Layers {
     at_slave: Vec<usize>,
     layers: Vec<Vec<usize>>,
-    encloses_slave: bool,
+    site: Site,
     complete: bool,
 }
 
@@ -248,7 +246,7 @@ impl NeighbourSearch {
         let mut so_far = Layers {
             at_slave: self.sorted_nodes(&members),
             layers: Vec::new(),
-            encloses_slave: !members.is_empty(),
+            site: Site::Beyond,
             complete: true,
         };
         let mut attempts = Attempts::default();
@@ -257,7 +255,7 @@ impl NeighbourSearch {
             let ring = self.peeler.peel(&mut members);
             so_far.complete &= ring.diameter <= projection.reach;
             if so_far.layers.is_empty() {
-                so_far.encloses_slave |= ring.free_angle <= PI + TOLERANCE;
+                so_far.site = Site::of(ring.free_angle);
             }
             so_far.layers.push(self.sorted_nodes(&members[before..]));
             if so_far.layers.len() < fewest && !self.peeler.is_empty() {
@@ -327,7 +325,7 @@ impl NeighbourSearch {
             // Only directions matter here, so that the inversion can be left out.
             self.peeler.start(layer.iter().map(|&k| (k, self.offsets[k].map(|x| x / farthest))));
             let so_far = Layers {
-                encloses_slave: !at_slave.is_empty() || self.peeler.free_angle().0 <= PI + TOLERANCE,
+                site: Site::of(self.peeler.largest_free_angle()),
                 at_slave: self.sorted_nodes(&at_slave),
                 layers: vec![self.sorted_nodes(&layer)],
                 complete: true,
@@ -425,7 +423,9 @@ impl NeighbourSearch {
             regularity,
             condition: moments.condition(basis),
             pivot_ratio,
-            encloses_slave: so_far.encloses_slave,
+            encloses_slave: so_far.site == Site::Inside,
+            on_border: so_far.site == Site::Border
+                || (so_far.site == Site::Beyond && !so_far.at_slave.is_empty()),
             complete: so_far.complete,
             fallback: Fallback::None,
         })

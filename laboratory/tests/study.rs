@@ -92,8 +92,8 @@ fn a_sweep_leaves_its_files() {
     let Run { code, stdout, stderr } =
         run(&["study", "sweep", "-o", &picture, "--csv", &csv, "--steps", "100"]);
     assert_eq!((code, without_progress(&stderr).as_str()), (0, ""));
-    // Facets, and four rules with two weights, each renewed and kept; domains with two weights, where nothing is kept.
-    let cases = 2 * (1 + 4 * 2) + 2;
+    // Facets, and five rules with two weights.
+    let cases = 1 + 5 * 2;
     assert_eq!(stdout.lines().filter(|line| line.contains('°')).count(), cases, "{stdout}");
     let picture = std::fs::read_to_string(&picture).unwrap();
     assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"));

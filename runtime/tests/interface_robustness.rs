@@ -374,6 +374,7 @@ proptest! {
         share in 0.0..1.0,
         frozen in any::<bool>(),
         facets in any::<bool>(),
+        feature_angle in prop_oneof![Just(45.0), Just(180.0)],
         weight in prop::sample::select(&Weight::ALL[..]),
     ) {
         let frame = if frozen { FrameDerivative::Frozen } else { FrameDerivative::CoMoving };
@@ -382,7 +383,7 @@ proptest! {
         } else {
             ContactElement::diffuse(SearchOptions::default()).with_weight(weight).with_frame(frame)
         };
-        let options = InterfaceOptions::default().with_element(element);
+        let options = InterfaceOptions::default().with_element(element).with_feature_angle_degrees(feature_angle);
         let mesh = Mesh::plane(5.0, 5.0, 1.0);
         let slaves: Vec<Point> = (0..9).map(|k| [0.7 + 0.5 * f64::from(k), 2.3, 0.1]).collect();
         let mut scene = mesh.paired(&slaves, options);

@@ -39,12 +39,12 @@ module diffuse_contact
 
     !> How an interface pairs and evaluates. The values here are zeros: call dc_options_default first.
     type, bind(c) :: dc_options
-        integer(c_size_t) :: size = 120
+        integer(c_size_t) :: size = 112
         integer(c_int32_t) :: element = 0, weight = 0, frame = 0, rule = 0, layers = 0, max_layers = 0, nearest = 0, &
             max_nearest = 0, candidates = 0, max_candidates = 0, basis = 0, linear_fallback = 0, areas = 0, &
             reserved = 0
-        real(c_double) :: smallest_regularity = 0, radius_factor = 0, feature_angle_degrees = 0, hysteresis = 0, &
-            border_tolerance = 0, distance_limit = 0, cutback_penetration = 0
+        real(c_double) :: smallest_regularity = 0, radius_factor = 0, feature_angle_degrees = 0, border_tolerance = 0, &
+            distance_limit = 0, cutback_penetration = 0
     end type
 
     !> What a refresh did, in numbers of slaves.

@@ -89,7 +89,7 @@ def whole_interface(found):
     each = lambda seconds: f"{1e6 * seconds / found['nodes']:.3g} µs"
     rows = [
         ["g, N and M of all slaves, pairing as it is", each(found["evaluate_s"])],
-        ["the same after a refresh that keeps all pairings", each(found["evaluate_s"] + found["refresh_kept_s"])],
+        ["the same after a refresh that keeps all lists", each(found["evaluate_s"] + found["refresh_kept_s"])],
         ["the same with the search of all neighbours", each(found["evaluate_s"] + found["refresh_s"])],
     ]
     return table(["", "each slave"], rows)

@@ -252,9 +252,6 @@ typedef struct dc_options {
     double radius_factor;
     // Facets that meet at a larger angle belong to different patches, degrees. Default: 45.
     double feature_angle_degrees;
-    // A sound pairing is kept until the slave has slid by this fraction of the support radius; 0 pairs anew at every
-    // refresh. With DC_DOMAINS lists are kept by a rule of their own, see dc_refresh. Default: 0.1.
-    double hysteresis;
     // How far beyond the border a foot still counts, in heights of the facet. Default: 0.01.
     double border_tolerance;
     // Slaves farther from the master are not paired, length; 0 for no limit. Default: 0.
@@ -270,7 +267,7 @@ typedef struct dc_report {
     size_t size;
     // With a pairing now.
     int32_t paired;
-    // Of these: kept by hysteresis, with DC_DOMAINS with their list.
+    // Of these: with DC_DOMAINS, those whose list stays.
     int32_t kept;
     // Of these: paired anew with the same masters.
     int32_t renewed;
@@ -508,8 +505,7 @@ enum dc_status dc_follow(struct dc_interface *interface,
                          size_t node_count,
                          int32_t *rebuilt);
 
-// Takes over the positions and pairs every slave anew, or keeps its pairing while it is sound. Call it once an increment,
-// or once an iteration. `report` may be NULL; its field `size` has to be set.
+// Takes over the positions and pairs every slave anew. Call it once an increment, or once an iteration. `report` may be NULL; its field `size` has to be set.
 //
 // With DC_DOMAINS lists of nodes are kept while nothing has moved by more than half their skin, 0.06 of the shortest half axis of their
 // domains. New lists change no gap, so jump_node is -1. Domains lie in the configuration of dc_create and are never renewed: they turn and

@@ -55,9 +55,6 @@ pub struct dc_options {
     pub radius_factor: f64,
     /// Facets that meet at a larger angle belong to different patches, degrees. Default: 45.
     pub feature_angle_degrees: f64,
-    /// A sound pairing is kept until the slave has slid by this fraction of the support radius; 0 pairs anew at every
-    /// refresh. With DC_DOMAINS lists are kept by a rule of their own, see dc_refresh. Default: 0.1.
-    pub hysteresis: f64,
     /// How far beyond the border a foot still counts, in heights of the facet. Default: 0.01.
     pub border_tolerance: f64,
     /// Slaves farther from the master are not paired, length; 0 for no limit. Default: 0.
@@ -102,7 +99,6 @@ impl dc_options {
             smallest_regularity: search.smallest_regularity,
             radius_factor: search.radius_factor,
             feature_angle_degrees: interface.feature_angle_degrees,
-            hysteresis: interface.hysteresis,
             border_tolerance: interface.border_tolerance,
             distance_limit: interface.distance_limit.unwrap_or(0.0),
             cutback_penetration: DEFAULT_LIMIT,
@@ -165,7 +161,6 @@ impl dc_options {
         Ok(InterfaceOptions::default()
             .with_element(choice::choose("element", self.element, &elements)?)
             .with_feature_angle_degrees(self.feature_angle_degrees)
-            .with_hysteresis(self.hysteresis)
             .with_border_tolerance(self.border_tolerance)
             .with_distance_limit(Some(self.distance_limit).filter(|&limit| limit != 0.0))
             .with_areas(choice::flag("areas", self.areas)?))

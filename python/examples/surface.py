@@ -41,7 +41,7 @@ points = np.column_stack([columns.ravel(), rows.ravel(), flat.ravel()])
 master = dc.MasterSurface(masters, facets)
 slaves = len(masters) + np.arange(len(points))
 positions = np.vstack([masters, points])
-interface = dc.ContactInterface(master, slaves, positions, weight="cubic-interpolating", hysteresis=0.0)
+interface = dc.ContactInterface(master, slaves, positions, weight="cubic-interpolating")
 for iteration in range(20):
     # Slaves that still move by more than a little may find others nearest to them.
     if iteration < 3:

@@ -56,7 +56,6 @@ pub struct Options {
     candidates: usize,
     max_candidates: usize,
     feature_angle: f64,
-    hysteresis: f64,
     border_tolerance: f64,
     distance_limit: Option<f64>,
 }
@@ -87,7 +86,6 @@ impl Options {
         Ok(InterfaceOptions::default()
             .with_element(named(py, "element", &self.element, &elements)?)
             .with_feature_angle_degrees(self.feature_angle)
-            .with_hysteresis(self.hysteresis)
             .with_border_tolerance(self.border_tolerance)
             .with_distance_limit(self.distance_limit)
             .with_areas(areas))
@@ -97,7 +95,7 @@ impl Options {
 /// The defaults of the Rust library, with which those of `diffuse_contact.Options` are compared.
 #[pyfunction]
 pub fn default_options(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-    let InterfaceOptions { feature_angle_degrees, hysteresis, border_tolerance, distance_limit, .. } =
+    let InterfaceOptions { feature_angle_degrees, border_tolerance, distance_limit, .. } =
         InterfaceOptions::default();
     let SearchOptions {
         basis,
@@ -134,7 +132,6 @@ pub fn default_options(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     dict.set_item("candidates", candidates)?;
     dict.set_item("max_candidates", max_candidates)?;
     dict.set_item("feature_angle", feature_angle_degrees)?;
-    dict.set_item("hysteresis", hysteresis)?;
     dict.set_item("border_tolerance", border_tolerance)?;
     dict.set_item("distance_limit", distance_limit)?;
     Ok(dict)

@@ -166,7 +166,6 @@ class Fuzz:
             neighbours=lambda: self.odd(self.random.randrange(30), 4),
             candidates=lambda: self.odd(self.random.randrange(90), 4),
             linear_fallback=lambda: self.odd(self.one_in(2), 4),
-            hysteresis=lambda: self.odd(self.random.random(), 4),
             radius_factor=lambda: self.odd(1 + self.random.random(), 4),
             feature_angle=lambda: self.odd(180 * self.random.random(), 4),
             distance_limit=lambda: self.odd(self.random.choice([0.5, 3.0, *ODD_NUMBERS]), 4),

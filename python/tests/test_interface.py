@@ -193,7 +193,7 @@ def test_an_interface_may_have_no_slaves(scene):
 
 
 def test_the_refresh_reports_jumps(scene):
-    interface = scene.evaluated(rule="hull-layers", hysteresis=0.0)
+    interface = scene.evaluated(rule="hull-layers")
     moved = scene.positions.copy()
     moved[81:, :2] += 0.6
     report = interface.refresh_pairing(moved)
@@ -212,7 +212,7 @@ def test_the_refresh_reports_what_was_lost(scene):
 
 
 def test_a_frozen_interface_keeps_its_pairing_and_moves(scene):
-    interface = scene.evaluated(hysteresis=0.0)
+    interface = scene.evaluated()
     pattern, masters, gap = interface.pattern(), interface.contact(0).masters, interface.contacts.gap
     moved = scene.positions.copy()
     moved[81:, :2] += 0.6
@@ -437,8 +437,8 @@ def test_cut_back(scene, rule, through, outcome, factor):
         ({"wieght": "cubic"}, dc.InputError, "unknown-option"),
         ({"element": 3}, dc.InputError, "wrong-type"),
         ({"feature_angle": 200}, dc.InterfaceError, "invalid-option"),
-        ({"hysteresis": np.nan}, dc.InterfaceError, "invalid-option"),
-        ({"hysteresis": "much"}, dc.InputError, "wrong-type"),
+        ({"border_tolerance": np.nan}, dc.InterfaceError, "invalid-option"),
+        ({"border_tolerance": "much"}, dc.InputError, "wrong-type"),
         ({"rule": "hull-layers", "layers": 0}, dc.InterfaceError, "invalid-option"),
         ({"max_layers": -1}, dc.InputError, "invalid-option"),
         ({"max_layers": 2.5}, dc.InputError, "wrong-type"),

@@ -178,7 +178,7 @@ fn a_rigid_motion_of_everything_changes_nothing() {
             scene.positions = at_rest.iter().map(|&x| (rotation * Vector3::from(x) + shift).into()).collect();
             if options == frozen() {
                 let report = scene.refresh();
-                assert_eq!((report.kept, report.changed), (100, 0), "{report:?}");
+                assert_eq!((report.renewed, report.changed), (100, 0), "{report:?}");
             } else {
                 scene.update();
             }

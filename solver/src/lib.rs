@@ -47,8 +47,8 @@
 //!   which every solution is checked by; then L U is used. The condition is estimated with a load without order, of L U always and of
 //!   L B Lᵀ once for each pattern. If a body comes loose without a change of pattern, only small pivots or a large residual reveal it;
 //!   rounding can hide both.
-//! * **State.** All history lies in `State`: positions, plastic states, multipliers, counters, which slaves carry force, and the pairings,
-//!   since hysteresis makes a pairing depend on the one before. A failed increment leaves the state untouched but for the count of
+//! * **State.** All history lies in `State`: positions, plastic states, multipliers, counters, and which slaves carry force.
+//!   Pairings are none of it: they follow from the positions. A failed increment leaves the state untouched but for the count of
 //!   iterations. A restart leads to the same end, bit for bit.
 //! * **Files.** The recorder observes a run and writes to a `Directory`, whose files are replaced as a whole and whose tables grow by whole
 //!   lines. `state.json` comes last: an increment that it counts is on disk. The report is made from what is on disk, by the same code for

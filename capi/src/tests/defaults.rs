@@ -59,7 +59,6 @@ fn the_header_states_the_defaults() {
         smallest_regularity,
         radius_factor,
         feature_angle_degrees,
-        hysteresis,
         border_tolerance,
         distance_limit,
         cutback_penetration,

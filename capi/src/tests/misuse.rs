@@ -79,7 +79,7 @@ fn options_out_of_range() {
     refused_options(|options| options.frame = 2, DC_BAD_OPTION, "frame is 2");
     refused_options(|options| options.areas = 3, DC_BAD_OPTION, "areas is 3");
     refused_options(|options| options.feature_angle_degrees = 200.0, DC_BAD_OPTION, "from 0 to 180");
-    refused_options(|options| options.hysteresis = f64::NAN, DC_BAD_OPTION, "hysteresis");
+    refused_options(|options| options.border_tolerance = f64::NAN, DC_BAD_OPTION, "border_tolerance");
     refused_options(|options| options.radius_factor = 1.0, DC_BAD_OPTION, "radius_factor");
     refused_options(|options| options.cutback_penetration = 0.0, DC_BAD_OPTION, "cutback_penetration");
     refused_options(|options| options.reserved = 1, DC_BAD_OPTION, "dc_options.reserved is 1");

@@ -29,7 +29,7 @@ fn text(pointer: *const c_char) -> String {
 /// The default options.
 fn options() -> dc_options {
     let mut options = dc_options { size: size_of::<dc_options>(), ..dc_options::defaults() };
-    options.hysteresis = f64::NAN;
+    options.border_tolerance = f64::NAN;
     // SAFETY: a whole structure.
     assert_eq!(unsafe { dc_options_default(&mut options) }, DC_OK);
     options

@@ -39,9 +39,9 @@ struct Throughput {
     masters: f64,
     /// Connecting the facets and checking the surface.
     connect_s: f64,
-    /// Index, search and pairing of all slaves, nothing kept.
+    /// Index, search and pairing of all slaves.
     refresh_s: f64,
-    /// Index and check of all slaves, all pairings kept.
+    /// Check of all slaves, all lists of nodes kept.
     refresh_kept_s: f64,
     /// Gap, N and M of all slaves, streamed.
     evaluate_s: f64,
@@ -151,7 +151,7 @@ impl fmt::Display for Throughput {
         row(f, "contacts", &format!("{}, {:.1} master nodes each", self.contacts, self.masters))?;
         row(f, "connect the surface", &each(self.connect_s))?;
         row(f, "refresh, all paired", &each(self.refresh_s))?;
-        row(f, "refresh, all kept", &each(self.refresh_kept_s))?;
+        row(f, "refresh, all lists kept", &each(self.refresh_kept_s))?;
         row(f, "gap, N and M", &each(self.evaluate_s))?;
         let memory = self.peak_memory_mib.map_or("n/a".into(), |mib| format!("{mib:.0} MiB"));
         row(f, "peak memory", &memory)

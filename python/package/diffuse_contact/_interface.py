@@ -48,8 +48,7 @@ class Options:
         rule: which master nodes take part: ``"domains"``, all nodes of the slave's sheet within whose domain of
             influence it lies, so that the gap does not jump; ``"hull-layers"``, ``"hull-radius"`` or ``"nearest"``.
             Domains lie in the first configuration, the positions an interface is made with.
-            ``layers`` to ``max_neighbours``, ``smallest_regularity`` to ``max_candidates`` and ``hysteresis`` are for
-            these three.
+            ``layers`` to ``max_neighbours`` and ``smallest_regularity`` to ``max_candidates`` are for these three.
         layers: hull layers to start with; None for as many as make the fit well conditioned.
         max_layers: hull layers to stop at.
         neighbours: nearest nodes to start with.
@@ -61,7 +60,6 @@ class Options:
         candidates: nearest nodes among which hull layers are sought.
         max_candidates: number up to which ``candidates`` is doubled.
         feature_angle: facets that meet at a larger angle belong to different patches, degrees.
-        hysteresis: a sound pairing is kept until the slave has slid by this fraction of the support radius.
         border_tolerance: how far beyond the border a foot still counts, in heights of the facet.
         distance_limit: slaves farther away are not paired, length; None for no limit.
 
@@ -82,7 +80,6 @@ class Options:
     candidates: int = 48
     max_candidates: int = 192
     feature_angle: float = 45.0
-    hysteresis: float = 0.1
     border_tolerance: float = 0.01
     distance_limit: float | None = None
 
@@ -93,7 +90,7 @@ class Options:
             count(name, getattr(self, name))
         if self.layers is not None:
             count("layers", self.layers)
-        for name in ("smallest_regularity", "radius_factor", "feature_angle", "hysteresis", "border_tolerance"):
+        for name in ("smallest_regularity", "radius_factor", "feature_angle", "border_tolerance"):
             number(name, getattr(self, name))
         if self.distance_limit is not None:
             number("distance_limit", self.distance_limit)
@@ -224,7 +221,7 @@ class ContactInterface:
         return self._interface.equations()
 
     def refresh_pairing(self, positions: ArrayLike) -> RefreshReport:
-        """Takes over the positions, shape (p, 3), and pairs every slave anew, or keeps its pairing while it is sound.
+        """Takes over the positions, shape (p, 3), and pairs every slave anew.
 
         With domains of influence lists of nodes are kept while nothing has moved by more than half their skin, 0.06 of
         the shortest half axis of their domains. New lists change no gap. Domains lie in the first configuration and are

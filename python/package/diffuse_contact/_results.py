@@ -31,8 +31,8 @@ class RefreshReport:
     """What a refresh of the pairing did, in numbers of slaves.
 
     Attributes:
-        paired: with a pairing now; the sum of ``kept`` (by hysteresis), ``renewed`` (anew with the same masters),
-            ``changed`` (with other masters) and ``gained`` (without a pairing before).
+        paired: with a pairing now; the sum of ``kept`` (with domains of influence, those whose list stays), ``renewed``
+            (anew with the same masters), ``changed`` (with other masters) and ``gained`` (without a pairing before).
         lost: without a pairing now, but with one before.
         without: without a pairing now, by the code of the reason.
         fallbacks: what the searches had to give up: ``"none"``, ``"extended"``, ``"linear"``.

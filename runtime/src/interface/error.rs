@@ -79,20 +79,6 @@ pub enum InterfaceError {
         /// Number of positions at the beginning.
         expected: usize,
     },
-    /// The number of pairings to take over is not that of the slaves.
-    #[error("{found} pairings for {expected} slaves")]
-    WrongNumberOfPairings {
-        /// Number of pairings given.
-        found: usize,
-        /// Number of slaves.
-        expected: usize,
-    },
-    /// A pairing to take over names nodes or facets that the master surface does not have, or is no pairing.
-    #[error("the pairing of slave node {node} is not one with this master surface")]
-    ForeignPairing {
-        /// The slave.
-        node: usize,
-    },
     /// The results do not fit into memory; [`for_each`](super::ContactInterface::for_each) does not hold them all.
     #[error("no memory for {numbers} numbers of results")]
     OutOfMemory {
@@ -118,8 +104,6 @@ impl InterfaceError {
             Self::SlaveOnMaster { .. } => "slave-on-master",
             Self::SlaveWithoutArea { .. } => "slave-without-area",
             Self::WrongNumberOfPositions { .. } => "wrong-number-of-positions",
-            Self::WrongNumberOfPairings { .. } => "wrong-number-of-pairings",
-            Self::ForeignPairing { .. } => "foreign-pairing",
             Self::OutOfMemory { .. } => "out-of-memory",
         }
     }

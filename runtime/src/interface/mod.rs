@@ -62,7 +62,6 @@ mod element;
 mod error;
 mod evaluate;
 mod fold;
-mod kept;
 mod nodal;
 mod options;
 mod outcome;
@@ -75,7 +74,6 @@ pub use contacts::{ContactRef, Contacts};
 pub use cutback::{Cutback, CutbackHint};
 pub use element::PairedElement;
 pub use error::InterfaceError;
-pub use kept::KeptPairing;
 pub use options::{ContactElement, InterfaceOptions};
 pub use outcome::{NoContact, Outcome};
 pub use report::{FallbackCounts, GapJump, RefreshReport, SlaveGap};
@@ -298,8 +296,8 @@ impl ContactInterface {
         Ok(self.slaves().iter().try_for_each(|&node| check_position(positions, node))?)
     }
 
-    /// Takes over the positions and pairs every slave anew, or keeps what there is while it is sound: with nodal domains the lists of
-    /// nodes while nobody has moved by more than half their skin, else pairings by their [`InterfaceOptions::hysteresis`].
+    /// Takes over the positions and pairs every slave anew; with nodal domains lists of nodes stay while nobody has moved by more
+    /// than half their skin.
     ///
     /// With nodal domains every node of the slave's sheet is listed that may come within reach, and a refresh changes no gap.
     ///

@@ -1,4 +1,4 @@
-//! What a contact interface is made of, and when it pairs anew.
+//! What a contact interface is made of, and how it pairs.
 
 use super::InterfaceError;
 use crate::neighbourhood::{NeighbourRule, SearchOptions};
@@ -74,10 +74,6 @@ pub struct InterfaceOptions {
     /// Two facets belong to one smooth patch if the angle between their normals does not exceed this, in
     /// degrees from 0 to 180. A patch ends at sharper edges as it does at a border.
     pub feature_angle_degrees: f64,
-    /// At a refresh a pairing that is otherwise sound is kept until the slave has slid along the master by this
-    /// fraction of the support radius (node to facet: until it is off its facet by this fraction of the facet's
-    /// extent); at least 0. With 0 every refresh pairs all slaves anew.
-    pub hysteresis: f64,
     /// A foot counts as on the border until it lies beyond it by this fraction of the facet's height over the
     /// border edge; at least 0.
     pub border_tolerance: f64,
@@ -89,12 +85,11 @@ pub struct InterfaceOptions {
 }
 
 impl Default for InterfaceOptions {
-    /// The default element, 45°, a hysteresis of 0.1, a border tolerance of 0.01, no distance limit, no areas.
+    /// The default element, 45°, a border tolerance of 0.01, no distance limit, no areas.
     fn default() -> Self {
         Self {
             element: ContactElement::default(),
             feature_angle_degrees: 45.0,
-            hysteresis: 0.1,
             border_tolerance: 0.01,
             distance_limit: None,
             areas: false,
@@ -119,12 +114,6 @@ impl InterfaceOptions {
     #[must_use]
     pub const fn with_feature_angle_degrees(self, feature_angle_degrees: f64) -> Self {
         Self { feature_angle_degrees, ..self }
-    }
-
-    /// With this hysteresis; 0 pairs all slaves anew at every refresh.
-    #[must_use]
-    pub const fn with_hysteresis(self, hysteresis: f64) -> Self {
-        Self { hysteresis, ..self }
     }
 
     /// With this tolerance of the border.
@@ -154,10 +143,8 @@ impl InterfaceOptions {
         if !(0.0..=180.0).contains(&self.feature_angle_degrees) {
             return invalid("feature_angle_degrees", "from 0 to 180", self.feature_angle_degrees);
         }
-        for (name, value) in [("hysteresis", self.hysteresis), ("border_tolerance", self.border_tolerance)] {
-            if !(value >= 0.0 && value.is_finite()) {
-                return invalid(name, "at least 0 and finite", value);
-            }
+        if !(self.border_tolerance >= 0.0 && self.border_tolerance.is_finite()) {
+            return invalid("border_tolerance", "at least 0 and finite", self.border_tolerance);
         }
         if let Some(limit) = self.distance_limit
             && !(limit > 0.0 && limit.is_finite())

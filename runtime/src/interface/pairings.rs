@@ -16,8 +16,6 @@ pub struct Record {
     pub fallback: Fallback,
     /// The facet closest to the slave: the one whose side is outside.
     pub facet: u32,
-    /// Natural coordinates of the point of `facet` closest to the slave.
-    pub natural: [f64; 2],
 }
 
 /// Pairing data of all slaves.

@@ -13,17 +13,15 @@ use super::pairings::{Lists, Paired, Pairings, Record};
 use super::report::RefreshReport;
 use super::scratch::Pool;
 use super::{ContactElement, InterfaceError, NoContact};
-use crate::neighbourhood::{Fallback, NeighbourSearch, NeighbourhoodError, SearchOptions, regularity};
+use crate::neighbourhood::{Fallback, NeighbourSearch, NeighbourhoodError, SearchOptions};
 use crate::pairing::NearestNodes;
-use crate::surface::{Carried, Closest, Creases, Listed, MasterSurface, NONE, SurfaceIndex, Walk};
+use crate::surface::{Carried, Closest, Creases, Listed, NONE, SurfaceIndex, Walk};
 use crate::{Basis, Frame, Point, Weight};
 
 /// Slaves that one thread pairs in a row.
 const CHUNK: usize = 256;
 /// A slave that lies beyond the border by more than this many heights of the facet is not paired.
 const FARTHEST_BEYOND: f64 = 1.0;
-/// A pairing is kept while the regularity of its fit exceeds this fraction of what a new one has to exceed.
-const KEPT_REGULARITY: f64 = 0.5;
 
 /// All that a refresh works with.
 pub struct Refresh<'a> {
@@ -149,28 +147,18 @@ impl Refresh<'_> {
         (Pairings { layout: layout.into(), records, frames, patches, places: listed, images }, report)
     }
 
-    /// Pairs the `k`-th slave, or keeps its pairing, and books it.
+    /// Pairs the `k`-th slave and books it.
     fn slave(&self, k: usize, scratch: &mut RefreshScratch, chunk: &mut Chunk) {
         let node = self.old.layout.slave(k);
         let old = self.old.get(k).ok();
         let closest = self.closest(node, scratch);
-        let sound = match (&old, &closest) {
-            (Some(old), Ok(closest)) => self.sound(old, closest, scratch),
-            _ => None,
-        };
-        let kept = sound.is_some();
-        let record = match (old, closest, sound) {
-            (Some(old), Ok(closest), _) if self.follows && self.is_turned(&old, &closest) => {
+        let record = match (old, closest) {
+            (Some(old), Ok(closest)) if self.follows && self.is_turned(&old, &closest) => {
                 scratch.take_over(&old);
                 Ok(*old.record)
             }
-            (_, Err(reason), _) => Err(reason),
-            (Some(old), _, Some(record)) => {
-                scratch.masters.clear();
-                scratch.masters.extend_from_slice(old.masters);
-                Ok(record)
-            }
-            (_, Ok(closest), _) => self.pair(node, &closest, scratch),
+            (_, Err(reason)) => Err(reason),
+            (_, Ok(closest)) => self.pair(node, &closest, scratch),
         };
         let RefreshScratch { masters, places, images, patch, element, .. } = scratch;
         let paired = record.as_ref().map_err(|reason| *reason).and_then(|record| {
@@ -184,17 +172,10 @@ impl Refresh<'_> {
                 report.count_fallback(paired.record.fallback);
                 match old {
                     None => report.gained += 1,
-                    Some(_) if kept => report.kept += 1,
                     Some(old) if old.masters == paired.masters => report.renewed += 1,
                     Some(_) => report.changed += 1,
                 }
-                // A kept pairing has a gap. It had another, or none, only if its frame is held and so renewed, or if
-                // its patch ended somewhere before, as that of a facet may.
-                let was_whole = |old: &Paired<'_>| {
-                    old.patch.is_empty() && self.evaluator.options.element != ContactElement::NodeToFacet
-                };
-                let is_as_before = |old: &Paired<'_>| kept && frame.is_none() && was_whole(old);
-                if (self.compares || old.is_none()) && !old.as_ref().is_some_and(is_as_before) {
+                if self.compares || old.is_none() {
                     let paired = Paired { frame: frame.as_ref(), ..paired };
                     let before = old.as_ref().and_then(|old| self.old_gap(old, element));
                     report.compare(node, before, self.evaluator.gap(&paired, element).ok());
@@ -250,59 +231,6 @@ impl Refresh<'_> {
         Ok(closest)
     }
 
-    /// The record of a pairing that may be kept: the patch of the facet that is closest now reaches all its masters,
-    /// the slave has not slid farther than the hysteresis allows, and the fit still is regular and gives a gap, with
-    /// the patch ending where it ends now.
-    fn sound(&self, old: &Paired<'_>, closest: &Closest, scratch: &mut RefreshScratch) -> Option<Record> {
-        let Evaluator { surface, creases, positions, options, .. } = self.evaluator;
-        if options.hysteresis == 0.0 || self.evaluator.nodal.is_some() {
-            return None;
-        }
-        let shape = self.index.shape(old.record.facet);
-        let before = match options.element {
-            ContactElement::Diffuse { .. } => shape.point(old.record.natural),
-            ContactElement::NodeToFacet => shape.closest(closest.point).point,
-        };
-        if !((closest.point - before).norm() <= options.hysteresis * old.record.support_radius) {
-            return None;
-        }
-        let RefreshScratch { walk, element, patch, .. } = scratch;
-        let slave = positions[old.slave];
-        walk.start(self.index, closest.facet, slave);
-        let mut masters = old.masters.iter();
-        if !masters.all(|&node| walk.reaches(self.index, creases, place_of(surface, node))) {
-            return None;
-        }
-        patch.clear();
-        if options.element != ContactElement::NodeToFacet {
-            creases.patch_with_end(surface, old.record.facet, old.masters, patch);
-        }
-        let kept = Paired { patch, ..*old };
-        // A frame that is held is renewed with the pairing.
-        let frame = self.evaluator.held_frame(&kept, element).ok()?;
-        let renewed = Paired { frame: frame.as_ref(), ..kept };
-        let is_sound = self.is_regular(&renewed, element) && self.evaluator.gap(&renewed, element).is_ok();
-        is_sound.then_some(*old.record)
-    }
-
-    /// Whether the masters of a diffuse element still carry the fit, and will until the next refresh: also without
-    /// those that would fall out of the support if the slave slid on by half of what the hysteresis allows.
-    fn is_regular(&self, old: &Paired<'_>, scratch: &mut ElementScratch) -> bool {
-        let Evaluator { positions, options, .. } = self.evaluator;
-        let ContactElement::Diffuse { search, .. } = options.element else { return true };
-        let Ok((frame, masters)) = self.evaluator.frame(old, scratch) else { return false };
-        let slave = Vector3::from(positions[old.slave]);
-        let offsets = masters.iter().map(|&x| {
-            let offset = Vector3::from(x) - slave;
-            [frame.t1, frame.t2].map(|axis| offset.dot(&Vector3::from(axis)))
-        });
-        let radius = old.record.support_radius;
-        let inner = radius * (1.0 - 0.5 * options.hysteresis.min(1.0));
-        let stay = offsets.filter(|[a, b]| a.hypot(*b) < inner);
-        let found = regularity(stay, radius).of(old.record.basis);
-        found > KEPT_REGULARITY * search.smallest_regularity
-    }
-
     /// The pairing of a slave with the masters around its closest facet, which go to `scratch.masters`.
     fn pair(
         &self,
@@ -319,16 +247,14 @@ impl Refresh<'_> {
         if let Some(nodal) = self.evaluator.nodal {
             return self.list(nodal, node, closest, scratch);
         }
-        let Closest { facet, natural, .. } = *closest;
-        let shape = self.index.shape(facet);
+        let Closest { facet, .. } = *closest;
         if options.element == ContactElement::NodeToFacet {
             masters.extend(surface.facet(facet as usize).corners().iter().map(|&node| node as u32));
             return Ok(Record {
-                support_radius: shape.extent(),
+                support_radius: self.index.shape(facet).extent(),
                 basis: Basis::Linear,
                 fallback: Fallback::None,
                 facet,
-                natural,
             });
         }
         let slave: Point = positions[node];
@@ -347,7 +273,6 @@ impl Refresh<'_> {
             basis: found.basis,
             fallback: found.fallback,
             facet,
-            natural,
         })
     }
 }
@@ -366,7 +291,7 @@ impl Refresh<'_> {
     ) -> Result<Record, NoContact> {
         let Evaluator { surface, creases, options, .. } = self.evaluator;
         let RefreshScratch { masters, places, images, patch, element, .. } = scratch;
-        let Closest { facet, natural, .. } = *closest;
+        let Closest { facet, .. } = *closest;
         let (wanted, falls_back, weight) = match options.element {
             ContactElement::Diffuse { search, weight, .. } => (search.basis, search.linear_fallback, weight),
             ContactElement::NodeToFacet => (Basis::Linear, false, Weight::default()),
@@ -403,14 +328,8 @@ impl Refresh<'_> {
             }
         }
         creases.patch_with_end(surface, facet, masters, patch);
-        Ok(Record { support_radius: shortest, basis, fallback, facet, natural })
+        Ok(Record { support_radius: shortest, basis, fallback, facet })
     }
-}
-
-/// Where a node of the surface stands among its nodes.
-fn place_of(surface: &MasterSurface, node: u32) -> usize {
-    // A master of a pairing is a node of the surface.
-    surface.nodes().partition_point(|&other| other < node)
 }
 
 /// The slaves along a space-filling curve (bits of the coordinates interleaved): one after another works on the

@@ -17,7 +17,7 @@ use crate::neighbourhood::Fallback;
 pub struct RefreshReport {
     /// With a pairing now.
     pub paired: usize,
-    /// Of these: kept by hysteresis.
+    /// Of these: with nodal domains, those whose list stays.
     pub kept: usize,
     /// Of these: paired anew with the same masters; support radius and basis may differ.
     pub renewed: usize,

@@ -42,8 +42,8 @@ pub enum ContactError {
         /// What was given.
         value: f64,
     },
-    /// Multipliers or pairings of another problem.
-    #[error("there are multipliers or pairings for {found} passes or slaves; this problem has {expected}")]
+    /// Multipliers of another problem.
+    #[error("there are multipliers for {found} passes or slaves; this problem has {expected}")]
     OtherPasses {
         /// How many there are.
         found: usize,

@@ -6,7 +6,7 @@ use diffuse_contact::surface::{Facet, SymmetryPlane};
 use diffuse_contact::{Mode, Point};
 
 use super::pass::Pass;
-use super::{ContactError, LostContact, SlavePairing};
+use super::{ContactError, LostContact};
 use crate::system::BlockMatrix;
 
 /// When slaves are paired anew.
@@ -352,18 +352,6 @@ impl Interaction {
 
     pub(super) fn set_multipliers(&mut self, multipliers: &[Vec<f64>]) -> Result<(), ContactError> {
         self.passes.iter_mut().zip(multipliers).try_for_each(|(pass, own)| pass.set_multipliers(own))
-    }
-
-    pub(super) fn pairings(&self) -> impl Iterator<Item = Vec<Option<SlavePairing>>> {
-        self.passes.iter().map(Pass::pairings)
-    }
-
-    pub(super) fn set_pairings(
-        &mut self,
-        pairings: &[Vec<Option<SlavePairing>>],
-    ) -> Result<(), ContactError> {
-        let mut own = pairings.iter();
-        self.each(|pass| own.next().map_or(Ok(()), |own| pass.set_pairings(own)))
     }
 
     pub(super) fn take_listed_anew(&mut self) -> bool {

@@ -9,7 +9,6 @@ mod beginning;
 mod error;
 mod interaction;
 mod losses;
-mod memory;
 mod pass;
 #[cfg(test)]
 mod tests;
@@ -20,7 +19,6 @@ pub use interaction::{
     Augmentation, Augmented, Interaction, InteractionOptions, RefreshRule, SlaveState, TangentRule,
 };
 pub use losses::LostContact;
-pub use memory::SlavePairing;
 
 use diffuse_contact::Mode;
 
@@ -165,20 +163,6 @@ impl ContactSet {
     /// [`ContactError::OtherPasses`] if they belong to other interactions.
     pub fn set_multipliers(&mut self, multipliers: &[Vec<f64>]) -> Result<(), ContactError> {
         self.for_each_with(multipliers, Interaction::set_multipliers)
-    }
-
-    /// What the next refresh may keep of the pairings of each pass, slave by slave: like the multipliers a part of the history.
-    #[must_use]
-    pub fn pairings(&self) -> Vec<Vec<Option<SlavePairing>>> {
-        self.interactions.iter().flat_map(Interaction::pairings).collect()
-    }
-
-    /// Takes over pairings as [`pairings`](Self::pairings) gave them, to be followed by a [`refresh`](Self::refresh).
-    ///
-    /// # Errors
-    /// [`ContactError::OtherPasses`] or [`ContactError::Interface`] if they belong to other interactions.
-    pub fn set_pairings(&mut self, pairings: &[Vec<Option<SlavePairing>>]) -> Result<(), ContactError> {
-        self.for_each_with(pairings, Interaction::set_pairings)
     }
 
     /// Whether lists of masters were made anew since this was asked last: the stiffness then needs another pattern.

@@ -9,7 +9,7 @@ use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
 use super::losses::{Losses, is_failure};
-use super::{ContactError, InteractionOptions, LostContact, SlavePairing, SlaveState, TangentRule};
+use super::{ContactError, InteractionOptions, LostContact, SlaveState, TangentRule};
 use crate::system::BlockMatrix;
 
 /// A step of a pass that failed.
@@ -258,22 +258,6 @@ impl Pass {
         }
         self.multipliers.copy_from_slice(multipliers);
         Ok(())
-    }
-
-    /// What the next refresh may keep, slave by slave; nothing where every refresh pairs anew.
-    pub fn pairings(&self) -> Vec<Option<SlavePairing>> {
-        if self.interface.options().hysteresis == 0.0 {
-            return Vec::new();
-        }
-        self.interface.kept_pairings().into_iter().map(|kept| kept.map(SlavePairing::from)).collect()
-    }
-
-    pub fn set_pairings(&mut self, pairings: &[Option<SlavePairing>]) -> Result<(), PassError> {
-        if self.interface.options().hysteresis == 0.0 {
-            return Ok(());
-        }
-        let kept: Vec<_> = pairings.iter().map(|saved| saved.as_ref().map(Into::into)).collect();
-        Ok(self.interface.set_kept_pairings(&kept)?)
     }
 
     /// Adds what each contact exerts on its slave and its masters, f N, at the last evaluation.

@@ -125,12 +125,8 @@ fn surface(section: &Section) -> Result<InterfaceOptions, DeckError> {
         let is_angle = |value| (0.0..=180.0).contains(&value);
         options.feature_angle_degrees = field.number_in("from 0 to 180 degrees", is_angle)?;
     }
-    for (name, value) in
-        [("hysteresis", &mut options.hysteresis), ("border_tolerance", &mut options.border_tolerance)]
-    {
-        if let Some(field) = section.get(name) {
-            *value = field.number_in("at least 0", |value| value >= 0.0)?;
-        }
+    if let Some(field) = section.get("border_tolerance") {
+        options.border_tolerance = field.number_in("at least 0", |value| value >= 0.0)?;
     }
     options.distance_limit = section.get("distance_limit").map(|field| field.positive()).transpose()?;
     Ok(options)

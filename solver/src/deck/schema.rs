@@ -61,7 +61,6 @@ pub const INTERFACE: &[&str] = &[
     "refresh",
     "tangent",
     "feature_angle",
-    "hysteresis",
     "border_tolerance",
     "distance_limit",
 ];

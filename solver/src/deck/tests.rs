@@ -145,7 +145,6 @@ fn every_field_is_taken() {
         refresh = "iteration"
         tangent = "gauss-newton"
         feature_angle = 30
-        hysteresis = 0
         border_tolerance = 0.5
         distance_limit = 2"#,
     )
@@ -182,8 +181,8 @@ fn every_field_is_taken() {
     assert_eq!((weight, frame), (Weight::WendlandC2, FrameDerivative::Frozen));
     assert_eq!((search.rule, search.smallest_regularity), (NeighbourRule::nearest(14), 0.1));
     assert_eq!(
-        (options.feature_angle_degrees, options.hysteresis, options.border_tolerance, options.distance_limit),
-        (30.0, 0.0, 0.5, Some(2.0))
+        (options.feature_angle_degrees, options.border_tolerance, options.distance_limit),
+        (30.0, 0.5, Some(2.0))
     );
     options.check().unwrap();
     assert_eq!(

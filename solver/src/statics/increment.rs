@@ -303,7 +303,6 @@ impl<'a> Increment<'a> {
             points: problem.response().states.clone(),
             points_before: committed.points.clone(),
             multipliers: problem.contacts().multipliers(),
-            pairings: problem.contacts().pairings(),
             loaded: problem.contacts().loaded(),
         };
         let imbalance: Vec<f64> = problem.imbalance().collect();

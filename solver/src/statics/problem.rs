@@ -7,7 +7,7 @@ use diffuse_contact::Mode;
 use serde::{Deserialize, Serialize};
 
 use super::{Failure, Pressure, StaticsError, SupportGroups, Timing};
-use crate::contact::{ContactError, ContactSet, RefreshRule, SlavePairing};
+use crate::contact::{ContactError, ContactSet, RefreshRule};
 use crate::material::PointState;
 use crate::solid::{Order, Solid, SolidResponse};
 use crate::system::{BlockMatrix, BlockPattern, DirectSolver, Equations, Symmetry};
@@ -37,8 +37,6 @@ pub struct State {
     pub points_before: Vec<PointState>,
     /// Multipliers of each pass of each interaction, force.
     pub multipliers: Vec<Vec<f64>>,
-    /// What the next pairing may keep of the last one, for each slave of each pass.
-    pub pairings: Vec<Vec<Option<SlavePairing>>>,
     /// Slaves that carry force, by their places in each pass.
     pub loaded: Vec<Vec<u32>>,
 }
@@ -148,7 +146,6 @@ impl Problem {
             points: self.solid.states(),
             points_before: self.solid.states(),
             multipliers: self.contacts.multipliers(),
-            pairings: self.contacts.pairings(),
             loaded: vec![Vec::new(); self.contacts.pass_count()],
         }
     }
@@ -172,11 +169,10 @@ impl Problem {
         Ok(self.take_history(state)?)
     }
 
-    /// Goes back to the multipliers and pairings of a state: nothing of what came after it is left.
+    /// Goes back to the multipliers of a state: nothing of what came after it is left.
     pub(super) fn take_history(&mut self, state: &State) -> Result<(), ContactError> {
         self.rounding.clear();
         self.contacts.set_multipliers(&state.multipliers)?;
-        self.contacts.set_pairings(&state.pairings)?;
         self.contacts.begin(&state.loaded)
     }
 

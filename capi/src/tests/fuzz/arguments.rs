@@ -168,7 +168,6 @@ impl Fuzz {
                 &mut options.smallest_regularity,
                 &mut options.radius_factor,
                 &mut options.feature_angle_degrees,
-                &mut options.hysteresis,
                 &mut options.border_tolerance,
                 &mut options.distance_limit,
                 &mut options.cutback_penetration,

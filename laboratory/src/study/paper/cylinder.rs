@@ -142,7 +142,8 @@ fn text(courses: &[Course]) -> String {
         summary.row([
             course.label.to_owned(),
             format!("{deepest:.5}"),
-            format!("{:.0}", classic / deepest),
+            // Where all nodes are outside there is nothing to divide by.
+            if deepest > 0.0 { format!("{:.0}", classic / deepest) } else { "–".to_owned() },
             format!("{:.4}", worst(course, |step| step.above)),
             format!("{:.4}", either(course)),
             format!("{:.1}", classic_off / either(course)),

@@ -23,21 +23,21 @@ use crate::output;
 use crate::progress::logged;
 
 use plot::Line;
-use run::{Case, Curve, sweep};
+use run::{Curve, elements, names, sweep};
 
 /// Colours that stay apart for the colour-blind.
 const COLOURS: [RGBColor; 3] = [RGBColor(213, 94, 0), RGBColor(0, 114, 178), RGBColor(0, 158, 115)];
 
-/// Sweeps all cases, writes the files and prints the table.
+/// Sweeps all elements, writes the files and prints the table.
 pub fn run(arguments: &SweepArguments) -> Result<(), CliError> {
     for path in arguments.output.iter().chain(&arguments.csv) {
         output::check_target(path)?;
     }
-    let cases = Case::all();
-    let bar = logged("steps", cases.len() * arguments.steps as usize);
-    let curves: Result<Vec<Curve>, StudyError> = cases
+    let elements = elements();
+    let bar = logged("steps", elements.len() * arguments.steps as usize);
+    let curves: Result<Vec<Curve>, StudyError> = elements
         .into_par_iter()
-        .map(|case| sweep(case, arguments.refine, arguments.steps, || bar.inc(1)))
+        .map(|element| sweep(element, arguments.refine, arguments.steps, || bar.inc(1)))
         .collect();
     bar.finish_and_clear();
     let curves = curves?;
@@ -51,11 +51,10 @@ pub fn run(arguments: &SweepArguments) -> Result<(), CliError> {
     output::write_stdout(|writer| write!(writer, "{}", table(&curves, arguments)))
 }
 
-/// The facets, and the default rule with each weight, paired anew at every step.
+/// The facets, and the default rule with each weight.
 fn lines(curves: &[Curve]) -> Vec<Line<'_>> {
     let labels = ["facets", "diffuse, cubic weight", "diffuse, interpolating weight"];
-    let shown = curves.iter().filter(|curve| match curve.case.element {
-        _ if curve.case.kept => false,
+    let shown = curves.iter().filter(|curve| match curve.element {
         ContactElement::Diffuse { search, .. } => search.rule == NeighbourRule::Domains,
         ContactElement::NodeToFacet => true,
     });
@@ -75,7 +74,6 @@ fn table(curves: &[Curve], arguments: &SweepArguments) -> Table {
     let columns = [
         "neighbours",
         "weight",
-        "pairing",
         "changes",
         "steps lost",
         "gap, smallest to largest",
@@ -96,19 +94,16 @@ fn table(curves: &[Curve], arguments: &SweepArguments) -> Table {
             format!("{:.3}°", curve.kink_degrees),
             format!("{:+.1e}", curve.work / curve.effort),
         ];
-        table.row(curve.case.names().into_iter().chain(figures));
+        table.row(names(&curve.element).into_iter().chain(figures));
     }
     table
 }
 
-/// One line for each step of each case.
+/// One line for each step of each element.
 fn write_csv(writer: &mut dyn Write, curves: &[Curve]) -> io::Result<()> {
-    writeln!(
-        writer,
-        "neighbours,weight,pairing,step,x,y,z,gap,force_x,force_y,force_z,normal_x,normal_y,normal_z"
-    )?;
+    writeln!(writer, "neighbours,weight,step,x,y,z,gap,force_x,force_y,force_z,normal_x,normal_y,normal_z")?;
     for curve in curves {
-        let case = curve.case.names().map(|name| if name == "–" { String::new() } else { name }).join(",");
+        let case = names(&curve.element).map(|name| if name == "–" { String::new() } else { name }).join(",");
         for (step, state) in curve.states.iter().enumerate() {
             let [x, y, z] = state.position;
             let ([f, g, h], [a, b, c]) = (state.force, state.normal);

@@ -11,19 +11,6 @@ use crate::study::accuracy::angle;
 use crate::study::patch::Patch;
 use diffuse_contact_cli::contact_options::{RULES, diffuse, rule_name};
 
-/// Part of the loop that is run through before anything is measured, so that a pairing that is kept is the one a slave
-/// has that comes along the path.
-const APPROACH: f64 = 0.25;
-
-/// An element, and whether its pairing is kept while it is sound.
-#[derive(Clone, Copy, Debug)]
-pub struct Case {
-    /// The element.
-    pub element: ContactElement,
-    /// With the default hysteresis; otherwise every step pairs anew.
-    pub kept: bool,
-}
-
 /// The slave at one place of the path.
 #[derive(Clone, Copy, Debug)]
 pub struct State {
@@ -41,7 +28,7 @@ pub struct State {
 #[derive(Clone, Debug)]
 pub struct Curve {
     /// The element.
-    pub case: Case,
+    pub element: ContactElement,
     /// State at every step, after its refresh.
     pub states: Vec<State>,
     /// Refreshes that gave the slave other masters.
@@ -66,40 +53,28 @@ fn rules() -> impl Iterator<Item = NeighbourRule> {
     RULES.into_iter().chain([NeighbourRule::hull_radius(Some(2))])
 }
 
-impl Case {
-    /// All cases: the facets, then each rule with the cubic and the interpolating weight; renewed at every step and kept.
-    pub fn all() -> Vec<Self> {
-        let weights = [Weight::Cubic, Weight::CubicInterpolating];
-        let smooth = weights
-            .into_iter()
-            .flat_map(|weight| rules().map(move |rule| diffuse(weight, FrameDerivative::CoMoving, rule)));
-        let elements = std::iter::once(ContactElement::NodeToFacet).chain(smooth);
-        let keeps = |element: &ContactElement| !matches!(element, ContactElement::Diffuse { search, .. } if search.rule == NeighbourRule::Domains);
-        elements
-            .flat_map(|element| {
-                [false, true]
-                    .into_iter()
-                    .filter(move |&kept| !kept || keeps(&element))
-                    .map(move |kept| Self { element, kept })
-            })
-            .collect()
-    }
+/// All elements: the facets, then each rule with the cubic and the interpolating weight.
+pub fn elements() -> Vec<ContactElement> {
+    let weights = [Weight::Cubic, Weight::CubicInterpolating];
+    let smooth = weights
+        .into_iter()
+        .flat_map(|weight| rules().map(move |rule| diffuse(weight, FrameDerivative::CoMoving, rule)));
+    std::iter::once(ContactElement::NodeToFacet).chain(smooth).collect()
+}
 
-    /// Element, rule and weight, and what becomes of the pairing.
-    pub fn names(&self) -> [String; 3] {
-        let [neighbours, weight] = match self.element {
-            ContactElement::Diffuse { weight, search, .. } => {
-                let layers = match search.rule {
-                    NeighbourRule::HullRadius { layers: Some(layers), .. } => {
-                        format!(" from {layers} layers on")
-                    }
-                    _ => String::new(),
-                };
-                [rule_name(search.rule).to_owned() + &layers, weight.name().to_owned()]
-            }
-            ContactElement::NodeToFacet => ["facets", "–"].map(String::from),
-        };
-        [neighbours, weight, if self.kept { "kept" } else { "renewed" }.to_owned()]
+/// Rule, or facets, and weight of an element.
+pub fn names(element: &ContactElement) -> [String; 2] {
+    match element {
+        ContactElement::Diffuse { weight, search, .. } => {
+            let layers = match search.rule {
+                NeighbourRule::HullRadius { layers: Some(layers), .. } => {
+                    format!(" from {layers} layers on")
+                }
+                _ => String::new(),
+            };
+            [rule_name(search.rule).to_owned() + &layers, weight.name().to_owned()]
+        }
+        ContactElement::NodeToFacet => ["facets", "–"].map(String::from),
     }
 }
 
@@ -112,16 +87,17 @@ impl Curve {
 }
 
 /// Sweeps the slave around the path in so many steps, with a refresh at each, over a mesh with cells of side 1/`refine`.
-pub fn sweep(case: Case, refine: u32, steps: u32, mut step_done: impl FnMut()) -> Result<Curve, StudyError> {
-    let mut slave = Slave::new(case, refine)?;
+pub fn sweep(
+    element: ContactElement,
+    refine: u32,
+    steps: u32,
+    mut step_done: impl FnMut(),
+) -> Result<Curve, StudyError> {
+    let mut slave = Slave::new(element, refine)?;
     let turn = |step: u32| f64::from(step) / f64::from(steps);
-    let approach = (APPROACH * f64::from(steps)) as u32;
-    for step in steps - approach..steps {
-        slave.refresh_at(scene::path(turn(step)))?;
-    }
     slave.refresh_at(scene::path(0.0))?;
     let mut curve = Curve {
-        case,
+        element,
         states: Vec::with_capacity(steps as usize),
         changes: 0,
         lost: 0,
@@ -166,7 +142,7 @@ fn energy(state: &State) -> f64 {
 
 /// The interface of a single slave node.
 struct Slave {
-    case: Case,
+    element: ContactElement,
     positions: Vec<Point>,
     interface: ContactInterface,
 }
@@ -177,16 +153,14 @@ struct Refreshed {
 }
 
 impl Slave {
-    fn new(case: Case, refine: u32) -> Result<Self, StudyError> {
+    fn new(element: ContactElement, refine: u32) -> Result<Self, StudyError> {
         let Patch { mut positions, facets } = scene::mesh(refine);
         let master = MasterSurface::new(&positions, facets)?;
         let slave = positions.len();
         positions.push(scene::path(0.0));
-        let defaults = InterfaceOptions::default();
-        let hysteresis = if case.kept { defaults.hysteresis } else { 0.0 };
-        let options = defaults.with_element(case.element).with_hysteresis(hysteresis);
+        let options = InterfaceOptions::default().with_element(element);
         let interface = ContactInterface::new(master, vec![slave], &[], &positions, options)?;
-        Ok(Self { case, positions, interface })
+        Ok(Self { element, positions, interface })
     }
 
     fn move_to(&mut self, position: Point) -> Result<(), StudyError> {
@@ -205,7 +179,7 @@ impl Slave {
     fn state(&mut self) -> Result<State, StudyError> {
         let contact = self.interface.evaluate(Mode::Gradient)?.get(0);
         if let Outcome::None(reason) = contact.outcome {
-            let case = self.case.names().join(", ");
+            let case = names(&self.element).join(", ");
             return Err(StudyError::NoContact { case, slave: contact.slave, reason });
         }
         let gap = contact.point.gap;
@@ -236,10 +210,10 @@ mod tests {
     fn the_work_is_what_the_energy_jumps_by_at_refreshes() {
         let elements = [RULES[1], RULES[3], NeighbourRule::hull_radius(Some(2))].map(cubic);
         for element in elements.into_iter().chain([ContactElement::NodeToFacet]) {
-            let curve = sweep(Case { element, kept: false }, 1, 2400, || ()).unwrap();
+            let curve = sweep(element, 1, 2400, || ()).unwrap();
             assert!(curve.changes > 20, "{element:?}");
             assert_eq!(curve.lost, 0, "{element:?}");
-            // Without hysteresis the loop ends with the pairing it began with.
+            // The loop ends with the pairing it began with.
             let difference = (curve.work - curve.energy_jumps).abs();
             assert!(difference < 1e-5 * curve.effort, "{element:?} {} {}", curve.work, curve.energy_jumps);
             assert!(curve.gap_jump > 0.0);
@@ -248,9 +222,8 @@ mod tests {
 
     #[test]
     fn with_domains_neither_gap_nor_energy_jumps() {
-        let [coarse, fine] = [1200, 4800].map(|steps| {
-            sweep(Case { element: cubic(NeighbourRule::Domains), kept: false }, 1, steps, || ()).unwrap()
-        });
+        let [coarse, fine] =
+            [1200, 4800].map(|steps| sweep(cubic(NeighbourRule::Domains), 1, steps, || ()).unwrap());
         assert!(fine.changes > 20 && fine.gap_jump < 1e-14, "{} {}", fine.changes, fine.gap_jump);
         // The trapezoidal rule's error goes with the square of the step.
         assert!(fine.work.abs() < 0.1 * coarse.work.abs(), "{:e} {:e}", coarse.work, fine.work);
@@ -259,7 +232,7 @@ mod tests {
     #[test]
     fn the_smooth_surface_bends_where_facets_kink() {
         let [facets, smooth] = [ContactElement::NodeToFacet, cubic(RULES[0])]
-            .map(|element| sweep(Case { element, kept: false }, 1, 1200, || ()).unwrap());
+            .map(|element| sweep(element, 1, 1200, || ()).unwrap());
         assert!(
             smooth.kink_degrees < 0.2 * facets.kink_degrees,
             "{} {}",
@@ -274,12 +247,10 @@ mod tests {
     }
 
     #[test]
-    fn a_pairing_that_is_kept_changes_less_often() {
-        let [renewed, kept] =
-            [false, true].map(|kept| sweep(Case { element: cubic(RULES[1]), kept }, 1, 600, || ()).unwrap());
-        assert!(kept.changes < renewed.changes, "{} {}", kept.changes, renewed.changes);
-        assert_eq!(renewed.states.len(), 600);
-        let [low, high] = renewed.gaps();
+    fn every_step_has_a_state_and_gaps_err_to_both_sides() {
+        let curve = sweep(cubic(RULES[1]), 1, 600, || ()).unwrap();
+        assert_eq!(curve.states.len(), 600);
+        let [low, high] = curve.gaps();
         assert!(low < -scene::DEPTH && high > -scene::DEPTH, "{low} {high}");
     }
 }

@@ -125,7 +125,7 @@ fn a_pairing_per_iteration_belongs_to_the_end_of_the_increment() {
     let at_end = |refresh: &str| {
         let base = PRESSED.replace(
             "penalty = 2000.0",
-            &format!("penalty = 2000.0\n{HULL_LAYERS}\nhysteresis = 0.0\nrefresh = \"{refresh}\""),
+            &format!("penalty = 2000.0\n{HULL_LAYERS}\nrefresh = \"{refresh}\""),
         );
         let (_, state, mut statics) = run(&base, more);
         let forces = statics.problem.contacts().forces();

@@ -119,7 +119,7 @@ fn nothing_of_a_failed_increment_stays() {
         let known = &cut.states[0];
         assert_eq!(state.positions, known.positions);
         assert_eq!(state.points, known.points);
-        assert_eq!(state.pairings, known.pairings);
+        assert_eq!(state.loaded, known.loaded);
         assert_eq!(notes.increments[0].history, cut.increments[0].history);
         // The price is known.
         let in_vain = known.iterations - state.iterations;
@@ -352,7 +352,7 @@ fn a_run_goes_on_from_any_state_to_the_same_end() {
     for (more, newton) in [
         ("refresh = \"increment\"", ""),
         ("refresh = \"increment\"", "extrapolation = \"linear\""),
-        ("refresh = \"iteration\"\nhysteresis = 0.3", ""),
+        ("refresh = \"iteration\"\nneighbours = { rule = \"hull-layers\" }", ""),
         ("frame = \"frozen\"\nneighbours = { rule = \"hull-layers\" }", ""),
         (&format!("refresh = \"iteration\"\n{augmented}"), ""),
     ] {

@@ -50,11 +50,11 @@ fn errors_fall_at_their_orders() {
     }
     // The figures of the manual.
     for (degrees, element, largest, mean) in [
-        (22.5, "cubic", 0.179, 0.0640),
-        (22.5, "cubic-interpolating", 0.179, 0.0622),
+        (22.5, "cubic", 0.179, 0.0717),
+        (22.5, "cubic-interpolating", 0.179, 0.0642),
         (22.5, "facets", 1.92, 1.28),
-        (10.0, "cubic", 0.00661, 0.00235),
-        (10.0, "cubic-interpolating", 0.00661, 0.00228),
+        (10.0, "cubic", 0.00661, 0.00237),
+        (10.0, "cubic-interpolating", 0.00661, 0.00227),
         (10.0, "facets", 0.381, 0.253),
     ] {
         for (what, expected) in [("gap_max", largest), ("gap_mean", mean)] {
@@ -72,11 +72,11 @@ fn tables_are_markdown() {
     assert!(stdout.contains("| 10° | facets | 0.381 | 0.381 |"), "{stdout}");
     // Element, reference, largest, mean, then the error at three places of the cell, of which the first is (0.2, 0.5).
     for (start, expected) in [
-        ("| 22.5° | cubic | 0.441 |", 0.0249),
-        ("| 22.5° | cubic-interpolating | 0.112 |", 0.0249),
+        ("| 22.5° | cubic | 0.441 |", 0.0198),
+        ("| 22.5° | cubic-interpolating | 0.112 |", 0.0198),
         ("| 22.5° | facets | 1.92 |", 1.23),
-        ("| 10° | cubic | 0.0176 |", 0.000910),
-        ("| 10° | cubic-interpolating | 0.0055 |", 0.000910),
+        ("| 10° | cubic | 0.0176 |", 0.000848),
+        ("| 10° | cubic-interpolating | 0.0055 |", 0.000848),
         ("| 10° | facets | 0.381 |", 0.243),
     ] {
         let row = stdout.lines().find_map(|line| line.strip_prefix(start)).unwrap();
@@ -93,14 +93,14 @@ fn domains_carry_fits_on_meshes_of_all_kinds() {
     let mean = |row: &Value| row["masters_mean"].as_f64().unwrap();
     for row in rows {
         assert_eq!((&row["slaves"], &row["linear"]), (&1500.into(), &0.into()), "{row}");
-        assert!(row["singular_value"].as_f64().unwrap() > 0.08, "{row}");
+        assert!(row["singular_value"].as_f64().unwrap() > 0.12, "{row}");
         assert!(row["error_over_facets"].as_f64().unwrap() < 0.6, "{row}");
         assert!(row["masters_max"].as_u64().unwrap() < 45 && mean(row) < 25.0, "{row}");
     }
     // Long cells take no more masters than square ones.
     let of = |mesh: &str| rows.iter().find(|row| row["mesh"] == mesh && row["weight"] == "cubic").unwrap();
     assert!(mean(of("cells 10:1")) < mean(of("regular, 12 × 12")));
-    assert!(mean(of("regular, 12 × 12")) < 13.5);
+    assert!(mean(of("regular, 12 × 12")) < 14.0);
 }
 
 #[test]

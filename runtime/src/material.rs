@@ -10,7 +10,7 @@ const MOST_STEPS: usize = 60;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Where steps no longer shrink, they have to be below this fraction of a domain.
 const STALLED: f64 = 1e-11;
-/// Nodes are close to another where they are in its domain, shrunk by this factor.
+/// Nodes are close to another where each is in the domain of the other, shrunk by this factor.
 const CLOSE: f64 = 1.35;
 /// A step has to leave less than this part of the residual, or the derivative is measured.
 const CONTRACTION: f64 = 0.5;
@@ -111,7 +111,8 @@ impl MaterialPlace {
         // The first step is taken with the nodes close to the nearest one: lists hold these wherever they were made.
         let close = |domain: &MaterialDomain| {
             let offset = Vector3::from(domain.position) - start;
-            fitting_weight(CLOSE * MaterialNode { offset: offset.into(), metric: nearest.metric }.distance())
+            let square = nearest.square(offset).max(domain.square(offset));
+            fitting_weight(CLOSE * square.sqrt())
         };
         let start = weighted_at(start, &close).map_or(start, |(_, step, _)| start + step);
         let mut at = |place: Vector3| weighted_at(place, &|domain| fitting_weight(domain.distance(place)));

@@ -28,7 +28,7 @@ const BISECTIONS: usize = 8;
 /// Where all nodes of a sheet are at hand, domains that reach so many times farther than the farthest weight all alike.
 const WIDEST: f64 = 10.0;
 /// Domains are wider than the centres ask for by this factor: slaves are elsewhere, too.
-const MORE: f64 = 1.06;
+const MORE: f64 = 1.09;
 /// Nodes are first sought so many extents of a facet around it.
 const FIRST_REACH: f64 = 3.5;
 /// The shell whose nodes say how far a search reaches, from this part of its radius on.

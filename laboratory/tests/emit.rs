@@ -174,6 +174,13 @@ fn the_book_has_the_counts_of_today() {
     for (label, weight, output, mode, frame) in [
         ("gap: g, foot, ν, N, M", "cubic", "gap", "hessian", "frozen"),
         ("the same, frame moving with the average plane", "cubic", "gap", "hessian", "co-moving"),
+        (
+            "the same, domains in the first configuration, as in interfaces",
+            "cubic",
+            "gap",
+            "hessian",
+            "material",
+        ),
         ("the same, interpolating weight, frame held", "cubic-interpolating", "gap", "hessian", "frozen"),
         (
             "the same, interpolating weight, frame moving",

@@ -26,7 +26,7 @@ pub fn symmetric_eigen<const N: usize>(mut a: [[f64; N]; N]) -> [(f64, [f64; N])
 }
 
 /// Eigenvalues of a symmetric 3 × 3 matrix, ascending, and a unit eigenvector of the smallest, close to `near`: Rayleigh's quotient
-/// iteration, whose error goes with the third power of the one before. `None` if it does not find the smallest one, or not the
+/// iteration, whose error goes with the third power of the one before. The other two eigenvalues are exact to the root of rounding. `None` if it does not find the smallest one, or not the
 /// difference to the others. Reads the upper triangle.
 #[must_use]
 pub(crate) fn smallest_eigenvector_near(a: [[f64; 3]; 3], near: Vector3) -> Option<([f64; 3], Vector3)> {
@@ -162,8 +162,10 @@ mod tests {
             let [(smallest, vector), (second, _), (largest, _)] = symmetric_eigen(a);
             let near = (Vector3::from(vector) + Vector3::from(off) * 0.1).normalize();
             if let Some((values, found)) = smallest_eigenvector_near(a, near) {
+                prop_assert!((values[0] - smallest).abs() <= 1e-14, "{values:?}");
+                // Where the others are equal, a root of a difference that is rounding stands between them.
                 for (value, expected) in values.into_iter().zip([smallest, second, largest]) {
-                    prop_assert!((value - expected).abs() <= 1e-13, "{values:?}");
+                    prop_assert!((value - expected).abs() <= 1e-7, "{values:?}");
                 }
                 let gap = second - smallest;
                 prop_assert!(found.cross(&Vector3::from(vector)).norm() <= 1e-14 / gap);

@@ -157,6 +157,54 @@ fn slid(minimum: &str) -> (String, String) {
     (base, format!("[time]\nincrement = 0.2\nmaximum = 0.6\ngrowth = 3.0\n{minimum}"))
 }
 
+/// A slender beam that a rigid nose bends aside. When the step to the nose's next place opens all contacts nothing but the nose is in
+/// the beam's way back, and beyond its middle no slave has an element.
+const BENT_ASIDE: &str = r#"
+[materials.abs]
+young = 2300.0
+poisson = 0.38
+
+[parts.beam]
+shape = "box"
+size = [20.0, 1.0, 2.0]
+divisions = [20, 1, 2]
+material = "abs"
+
+[parts.nose]
+shape = "rigid-cylinder"
+axis = "z"
+radius = 1.0
+length = 6.0
+divisions = [36, 6]
+translate = [14.0, 2.05, -2.0]
+
+[[boundary]]
+nodes = "beam.x-"
+fix = ["x", "y", "z"]
+
+[[boundary]]
+nodes = "nose"
+translate = [2.0, -5.0, 0.0]
+
+[[interface]]
+name = "nose"
+master = "nose"
+slave = "beam.y+"
+penalty = 1000.0
+"#;
+
+#[test]
+fn a_slender_body_does_not_spring_through_a_rigid_one() {
+    let (notes, state, _) = run(BENT_ASIDE, "[time]\nincrement = 0.2\nfixed = true");
+    assert_eq!((state.cutbacks, state.increments), (0, 5), "{:?}", notes.reasons);
+    for record in &notes.increments {
+        assert!(record.active > 0 && record.max_penetration < 1e-3, "{record:?}");
+    }
+    // The step that leaves no force in the beam's way is not taken whole.
+    let shortened = notes.increments.iter().flat_map(|record| &record.history);
+    assert!(shortened.filter(|record| record.step > 0.0 && record.step < 0.5).count() > 0);
+}
+
 #[test]
 fn an_increment_that_loses_contacts_under_load_is_cut() {
     let (base, time) = slid("");

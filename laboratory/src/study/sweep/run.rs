@@ -201,7 +201,8 @@ impl Slave {
         refinements: u32,
     ) -> Result<f64, StudyError> {
         let halfway = 0.5 * (from + to);
-        self.move_to(scene::path(halfway))?;
+        // A long step leaves the skin of the list; within it a refresh does nothing.
+        self.refresh_at(scene::path(halfway))?;
         let middle = self.state()?;
         let trapezoid = |one: &State, other: &State| {
             let along: Point = std::array::from_fn(|axis| other.position[axis] - one.position[axis]);

@@ -173,16 +173,18 @@ impl Slave {
         Ok(Self { element, positions, interface })
     }
 
+    /// With domains the list follows a slave that leaves its skin.
     fn move_to(&mut self, position: Point) -> Result<(), StudyError> {
         if let Some(last) = self.positions.last_mut() {
             *last = position;
         }
-        Ok(self.interface.update(&self.positions)?)
+        self.interface.follow(&self.positions)?;
+        Ok(())
     }
 
     fn refresh_at(&mut self, position: Point) -> Result<Refreshed, StudyError> {
         self.move_to(position)?;
-        let report = self.interface.refresh_pairing(&self.positions)?;
+        let report = self.interface.renew_pairing(&self.positions)?;
         Ok(Refreshed { changed: report.changed > 0 })
     }
 
@@ -201,8 +203,7 @@ impl Slave {
         refinements: u32,
     ) -> Result<f64, StudyError> {
         let halfway = 0.5 * (from + to);
-        // A long step leaves the skin of the list; within it a refresh does nothing.
-        self.refresh_at(scene::path(halfway))?;
+        self.move_to(scene::path(halfway))?;
         let middle = self.state()?;
         let trapezoid = |one: &State, other: &State| {
             let along: Point = std::array::from_fn(|axis| other.position[axis] - one.position[axis]);

@@ -83,7 +83,7 @@ fn write(program: &Program<FacetSpec>) -> EmittedFacetKernel {
     let body: Vec<TokenStream> =
         program.phases.iter().map(|phase| function.statements(&phase.statements)).collect();
     let (derivatives, fields): (Vec<&Value>, Vec<&Value>) =
-        program.kernel.values.iter().partition(|value| [GRADIENT, HESSIAN].contains(&value.name));
+        program.kernel.values.iter().partition(|value| [GRADIENT, HESSIAN].contains(&value.name.as_ref()));
     let outputs: Vec<TokenStream> = derivatives
         .iter()
         .flat_map(|value| {

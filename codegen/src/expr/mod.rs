@@ -21,6 +21,7 @@ use crate::graph::{ExprId, Function, Graph, Op, Polynomial, Scope, SymbolId};
 pub use sheet::Sheet;
 pub use small::{determinant, inverse, inverse_by_elimination, solve};
 pub use system::System;
+pub(crate) use vector::entry_name;
 pub use vector::{Mat2, Mat3, Matrix, Vec2, Vec3, Vector};
 
 /// An expression of a [`Sheet`].
@@ -157,6 +158,12 @@ impl<'g> Expr<'g> {
     #[must_use]
     pub fn value(self) -> Option<f64> {
         self.sheet.graph().constant_value(self.id)
+    }
+
+    /// Whether a symbol is among what it is made of; definitions of bound symbols are not entered.
+    #[must_use]
+    pub fn contains(self, symbol: Self) -> bool {
+        self.sheet.graph().contains(self.id, symbol.id)
     }
 
     /// Whether it is the number 0.

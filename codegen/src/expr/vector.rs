@@ -139,7 +139,7 @@ impl<'g> Expr<'g> {
     }
 }
 
-fn entry_name<const N: usize>(name: &str, k: usize) -> String {
+pub(crate) fn entry_name<const N: usize>(name: &str, k: usize) -> String {
     if N == 3 { format!("{name}_{}", AXES[k]) } else { format!("{name}_{}", k + 1) }
 }
 
@@ -173,6 +173,12 @@ impl<'g, const R: usize, const C: usize> Matrix<'g, R, C> {
         self.0.map(|row| row.map(Expr::id))
     }
 
+    /// The matrix of these columns.
+    #[must_use]
+    pub fn from_columns(columns: [Vector<'g, R>; C]) -> Self {
+        Self::from_fn(|row, column| columns[column][row])
+    }
+
     /// A row.
     #[must_use]
     pub fn row(self, row: usize) -> Vector<'g, C> {
@@ -201,6 +207,12 @@ impl<'g, const R: usize, const C: usize> Matrix<'g, R, C> {
     #[must_use]
     pub fn named(self, name: &str) -> Self {
         Self::from_fn(|row, column| self[row][column].named(&format!("{name}_{}_{}", row + 1, column + 1)))
+    }
+
+    /// Binds the entries to symbols, named as by [`named`](Self::named).
+    #[must_use]
+    pub fn bind(self, name: &str) -> Self {
+        Self::from_fn(|row, column| self[row][column].bind(&format!("{name}_{}_{}", row + 1, column + 1)))
     }
 
     /// The entries where symbols have other values.

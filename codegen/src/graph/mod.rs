@@ -9,6 +9,7 @@
 //!   variable of its own, which is what the implicit rules of [`crate::structure`] need.
 //! * Nothing here iterates over a hash map, so results depend on the order of construction only.
 
+mod cost;
 mod derivative;
 mod polynomial;
 mod products;
@@ -406,16 +407,29 @@ impl Graph {
         self.intern(Op::Symbol(symbol))
     }
 
+    /// The same with a name made unique.
+    pub(crate) fn bind_unique(&mut self, name: &str, definition: ExprId) -> ExprId {
+        let unique = self.unique_name(name);
+        self.bind(&unique, definition)
+    }
+
     /// A new free variable of element scope, to be substituted before anything is evaluated. Its name is made
     /// unique.
     pub fn variable(&mut self, name: &str) -> ExprId {
-        let taken = |name: &str| self.symbols.iter().any(|s| s.name == name);
-        let unique = if taken(name) {
-            (2..).map(|k| format!("{name}_{k}")).find(|name| !taken(name)).unwrap_or_default()
-        } else {
-            name.to_owned()
-        };
+        let unique = self.unique_name(name);
         self.input(&unique, Scope::Element)
+    }
+
+    /// Whether there is a symbol with this name.
+    pub(crate) fn has_symbol(&self, name: &str) -> bool {
+        self.symbols.iter().any(|s| s.name == name)
+    }
+
+    fn unique_name(&self, name: &str) -> String {
+        if !self.has_symbol(name) {
+            return name.to_owned();
+        }
+        (2..).map(|k| format!("{name}_{k}")).find(|name| !self.has_symbol(name)).unwrap_or_default()
     }
 
     /// The symbol behind an expression made by [`input`](Self::input), [`bind`](Self::bind) or

@@ -9,14 +9,22 @@ impl Graph {
     /// replaced by a number takes its consequences with it. Definitions of bound symbols, systems and roots are
     /// not entered: they are other variables.
     pub fn substitute(&mut self, expr: ExprId, replacements: &[(SymbolId, ExprId)]) -> ExprId {
-        let mut done = HashMap::new();
-        self.substituted(expr, replacements, &mut done)
+        self.substitute_all(&[expr], replacements)[0]
     }
 
     /// [`substitute`](Self::substitute) in several expressions.
     pub fn substitute_all(&mut self, exprs: &[ExprId], replacements: &[(SymbolId, ExprId)]) -> Vec<ExprId> {
+        if replacements.is_empty() {
+            return exprs.to_vec();
+        }
         let mut done = HashMap::new();
         exprs.iter().map(|&expr| self.substituted(expr, replacements, &mut done)).collect()
+    }
+
+    /// `expr` with every listed expression replaced where it stands as it is. Definitions are not entered.
+    pub(crate) fn replace(&mut self, expr: ExprId, replacements: &[(ExprId, ExprId)]) -> ExprId {
+        let mut done = replacements.iter().copied().collect();
+        self.substituted(expr, &[], &mut done)
     }
 
     fn substituted(
@@ -25,9 +33,6 @@ impl Graph {
         replacements: &[(SymbolId, ExprId)],
         done: &mut HashMap<ExprId, ExprId>,
     ) -> ExprId {
-        if replacements.is_empty() {
-            return expr;
-        }
         if let Some(&known) = done.get(&expr) {
             return known;
         }
@@ -139,5 +144,15 @@ mod tests {
         let zero = g.zero();
         let symbol = g.symbol_of(x);
         assert_eq!(g.substitute(sum, &[(symbol, zero)]), z);
+    }
+
+    #[test]
+    fn an_expression_is_replaced_where_it_stands() {
+        let mut g = Graph::new();
+        let [x, y, z] = ["x", "y", "z"].map(|name| g.input(name, Scope::Element));
+        let (sum, root) = (g.add(x, y), g.sqrt(x));
+        let product = g.mul(sum, root);
+        let expected = g.mul(z, root);
+        assert_eq!(g.replace(product, &[(sum, z)]), expected);
     }
 }

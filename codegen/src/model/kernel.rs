@@ -1,5 +1,7 @@
 //! The kernels: which outputs of the model are evaluated, with how many derivatives.
 
+use std::borrow::Cow;
+
 use super::basis::{Basis, MOST_COEFFICIENTS};
 use super::diffuse::{Diffuse, Equation};
 use super::weight::Weight;
@@ -115,9 +117,9 @@ impl KernelSpec {
 #[derive(Clone, Debug)]
 pub struct Value {
     /// Field name.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// One line: meaning and unit.
-    pub doc: &'static str,
+    pub doc: Cow<'static, str>,
     /// Whether the field is an array, even of length one.
     pub is_array: bool,
     /// The components.
@@ -348,12 +350,12 @@ impl Results {
 
     pub(super) fn scalar(&mut self, name: &'static str, doc: &'static str, value: Expr<'_>) {
         let components = vec![value.named(name).id()];
-        self.values.push(Value { name, doc, is_array: false, components });
+        self.values.push(Value { name: name.into(), doc: doc.into(), is_array: false, components });
     }
 
     pub(super) fn array(&mut self, name: &'static str, doc: &'static str, components: &[Expr<'_>]) {
         let named = |(k, x): (usize, &Expr<'_>)| x.named(&format!("{name}_{k}")).id();
         let components = components.iter().enumerate().map(named).collect();
-        self.values.push(Value { name, doc, is_array: true, components });
+        self.values.push(Value { name: name.into(), doc: doc.into(), is_array: true, components });
     }
 }

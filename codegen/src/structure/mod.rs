@@ -1,18 +1,24 @@
 //! Derivatives of implicitly defined quantities, found in the structure of their definitions: sums over nodes,
 //! common factors, small linear systems.
 
+mod chain;
 mod coordinates;
 mod elimination;
 mod factors;
 mod fit_derivatives;
 mod follower;
+mod intermediates;
+mod invariance;
 mod linear_images;
 mod low_rank;
 mod outer_block;
 
+pub use chain::{Chain, Derivatives, Intermediate};
 pub use coordinates::CoordinateMap;
 pub use elimination::Elimination;
 pub use fit_derivatives::{Block, Functional, Gradient, Hessian, NodeProblem};
 pub use follower::Follower;
+pub use intermediates::{Written, as_bound, with_found};
+pub use invariance::{NodeVectors, total_derivatives};
 pub use linear_images::{LinearImages, SecondDerivative};
 pub use low_rank::{LowRankForm, LowRankTerm};

@@ -1,0 +1,318 @@
+//! First and second derivatives of a function that is given through intermediate quantities.
+//!
+//! Intermediates v = f(z) come in levels: those of a level depend on variables and on intermediates of lower levels. A level is
+//! eliminated at a time, from the last to the first. With the gradient a and the second derivative K of what is left, C = ∂f/∂z:
+//!
+//! ```text
+//! a_z += Cᵀ a_v        K_zz += Cᵀ K_vv C + Cᵀ K_vz + K_zv C + Σ a_v ∂²f_v/∂z²
+//! ```
+//!
+//! The middle term may stay a form Cᵀ B C of few rows instead, which lower levels see as rows C only. Which levels stay forms is
+//! for the caller to choose: [`Chain::fewest_operations`] tries all.
+
+use std::collections::BTreeMap;
+
+use crate::expr::{Expr, Sheet, dot};
+
+/// Levels that are tried both ways.
+const MOST_CHOICES: usize = 4;
+
+/// An intermediate quantity: a symbol, and what it is in terms of variables and lower intermediates.
+#[derive(Clone, Copy, Debug)]
+pub struct Intermediate<'g> {
+    /// The symbol that functions of it contain.
+    pub symbol: Expr<'g>,
+    /// Its definition.
+    pub definition: Expr<'g>,
+}
+
+/// Variables, and intermediates in levels, the lowest first.
+#[derive(Clone, Debug, Default)]
+pub struct Chain<'g> {
+    variables: Vec<Expr<'g>>,
+    levels: Vec<Vec<Intermediate<'g>>>,
+}
+
+/// Derivatives by the variables.
+#[derive(Clone, Debug)]
+pub struct Derivatives<'g> {
+    /// ∂E/∂x
+    pub gradient: Vec<Expr<'g>>,
+    /// ∂²E/∂x², packed lower triangle; empty if it was not asked for.
+    pub hessian: Vec<Expr<'g>>,
+}
+
+/// Entries that are not zero, by the place of the symbol they belong to.
+type Row<'g> = BTreeMap<usize, Expr<'g>>;
+
+/// Σ q_k b_kl q_lᵀ
+struct Form<'g> {
+    rows: Vec<Row<'g>>,
+    matrix: Vec<Vec<Expr<'g>>>,
+}
+
+/// A function to second order: by variables, then by the intermediates that are left.
+struct Expansion<'g> {
+    gradient: Row<'g>,
+    /// row ≥ column
+    second: BTreeMap<(usize, usize), Expr<'g>>,
+    forms: Vec<Form<'g>>,
+}
+
+/// Products that add up to an entry.
+type Terms<'g, K> = BTreeMap<K, Vec<(Expr<'g>, Expr<'g>)>>;
+
+impl<'g> Chain<'g> {
+    /// Intermediates in an order in which each comes after those it depends on.
+    #[must_use]
+    pub fn new(variables: Vec<Expr<'g>>, intermediates: &[Intermediate<'g>]) -> Self {
+        let mut levels: Vec<Vec<Intermediate<'g>>> = Vec::new();
+        for &intermediate in intermediates {
+            let contains = |level: &Vec<Intermediate<'g>>| {
+                level.iter().any(|v| intermediate.definition.contains(v.symbol))
+            };
+            let level = levels.iter().rposition(contains).map_or(0, |below| below + 1);
+            if level == levels.len() {
+                levels.push(Vec::new());
+            }
+            levels[level].push(intermediate);
+        }
+        Self { variables, levels }
+    }
+
+    /// How many ways there are to choose levels that stay forms.
+    #[must_use]
+    pub fn choices(&self) -> usize {
+        1 << self.levels.len().min(MOST_CHOICES)
+    }
+
+    /// All intermediates, lower ones first.
+    pub fn intermediates(&self) -> impl Iterator<Item = &Intermediate<'g>> {
+        self.levels.iter().flatten()
+    }
+
+    /// The same intermediates with fewer variables.
+    #[must_use]
+    pub fn with_variables(&self, variables: Vec<Expr<'g>>) -> Self {
+        Self { variables, levels: self.levels.clone() }
+    }
+
+    /// Derivatives of a function. A level whose bit is set in `forms` stays a form.
+    #[must_use]
+    pub fn derivatives(&self, function: Expr<'g>, with_hessian: bool, forms: usize) -> Derivatives<'g> {
+        let symbols: Vec<Expr<'g>> =
+            self.variables.iter().copied().chain(self.intermediates().map(|v| v.symbol)).collect();
+        let mut expansion = Expansion::new(function, &symbols, with_hessian);
+        let mut above = symbols.len();
+        for (number, level) in self.levels.iter().enumerate().rev() {
+            let first = above - level.len();
+            let is_form = number < MOST_CHOICES && forms >> number & 1 == 1;
+            expansion = expansion.without(level, first, &symbols[..first], with_hessian, is_form);
+            above = first;
+        }
+        expansion.finish(function.sheet(), above, with_hessian)
+    }
+}
+
+impl<'g> Expansion<'g> {
+    fn new(function: Expr<'g>, symbols: &[Expr<'g>], with_second: bool) -> Self {
+        let mut gradient = Row::new();
+        let mut second = BTreeMap::new();
+        for (row, &symbol) in symbols.iter().enumerate() {
+            let by = function.by(symbol);
+            insert(&mut gradient, row, by);
+            for (column, &other) in symbols[..=row].iter().enumerate().filter(|_| with_second) {
+                insert(&mut second, (row, column), by.by(other));
+            }
+        }
+        Self { gradient, second, forms: Vec::new() }
+    }
+
+    /// The function of the symbols below a level, which begins at the place `first`.
+    fn without(
+        self,
+        level: &[Intermediate<'g>],
+        first: usize,
+        below: &[Expr<'g>],
+        with_second: bool,
+        is_form: bool,
+    ) -> Self {
+        let sheet = level[0].symbol.sheet();
+        let one = sheet.one();
+        let c: Vec<Row<'g>> = level
+            .iter()
+            .map(|v| {
+                let mut row = Row::new();
+                below.iter().enumerate().for_each(|(j, &z)| insert(&mut row, j, v.definition.by(z)));
+                row
+            })
+            .collect();
+        let adjoint = |k: usize| {
+            let by = self.gradient.get(&(first + k)).copied().unwrap_or_else(|| sheet.zero());
+            by.named(&format!("by_{}", level[k].symbol.symbol_name()))
+        };
+        let adjoints: Vec<Expr<'g>> = (0..level.len()).map(adjoint).collect();
+
+        let mut gradient = Terms::new();
+        for (&j, &by) in self.gradient.range(..first) {
+            gradient.entry(j).or_default().push((by, one));
+        }
+        for (row, &by) in c.iter().zip(&adjoints).filter(|(_, by)| !by.is_zero()) {
+            for (&j, &x) in row {
+                gradient.entry(j).or_default().push((by, x));
+            }
+        }
+        let gradient = summed(gradient);
+        if !with_second {
+            return Self { gradient, second: BTreeMap::new(), forms: Vec::new() };
+        }
+
+        let mut forms: Vec<Form<'g>> = self.forms.iter().map(|form| form.below(&c, first)).collect();
+        if is_form {
+            forms.extend(self.form(&c, level, first));
+        }
+        let second = self.second_below(&c, &adjoints, first, below, is_form);
+        Self { gradient, second, forms }
+    }
+
+    /// K_zz + Cᵀ K_vv C + Cᵀ K_vz + K_zv C + Σ a_v ∂²f_v/∂z², the second term unless it is a form.
+    fn second_below(
+        &self,
+        c: &[Row<'g>],
+        adjoints: &[Expr<'g>],
+        first: usize,
+        below: &[Expr<'g>],
+        is_form: bool,
+    ) -> BTreeMap<(usize, usize), Expr<'g>> {
+        let one = below[0].sheet().one();
+        let entry = |i: usize, j: usize| self.second.get(&(i.max(j), i.min(j))).copied();
+        // K_vz + K_vv C, by intermediate.
+        let products: Vec<Row<'g>> = (0..c.len())
+            .map(|k| {
+                let mut terms = Terms::new();
+                for j in 0..first {
+                    if let Some(mixed) = entry(first + k, j) {
+                        terms.entry(j).or_insert_with(Vec::new).push((mixed, one));
+                    }
+                }
+                for (l, row) in c.iter().enumerate().filter(|_| !is_form) {
+                    let Some(own) = entry(first + k, first + l) else { continue };
+                    for (&j, &x) in row {
+                        terms.entry(j).or_default().push((own, x));
+                    }
+                }
+                summed(terms)
+            })
+            .collect();
+        let mut terms = Terms::new();
+        let mut add = |i: usize, j: usize, x: Expr<'g>, y: Expr<'g>| {
+            if i >= j && !x.is_zero() && !y.is_zero() {
+                terms.entry((i, j)).or_insert_with(Vec::new).push((x, y));
+            }
+        };
+        for (&(i, j), &x) in self.second.iter().filter(|((i, _), _)| *i < first) {
+            add(i, j, x, one);
+        }
+        for (k, row) in c.iter().enumerate() {
+            for (&i, &x) in row {
+                products[k].iter().for_each(|(&j, &y)| add(i, j, x, y));
+                for (j, &z) in below[..=i].iter().enumerate().filter(|_| !adjoints[k].is_zero()) {
+                    add(i, j, adjoints[k], x.by(z));
+                }
+            }
+            for i in 0..first {
+                let Some(mixed) = entry(first + k, i) else { continue };
+                row.iter().for_each(|(&j, &x)| add(i, j, mixed, x));
+            }
+        }
+        summed(terms)
+    }
+
+    /// K_vv and C as a form of their own.
+    fn form(&self, c: &[Row<'g>], level: &[Intermediate<'g>], first: usize) -> Option<Form<'g>> {
+        let entry = |k: usize, l: usize| {
+            let (k, l) = (k.max(l), k.min(l));
+            let zero = level[k].symbol.sheet().zero();
+            let entry = self.second.get(&(first + k, first + l)).copied().unwrap_or(zero);
+            let [k, l] = [k, l].map(|k| level[k].symbol.symbol_name());
+            entry.named(&format!("by_{k}_{l}"))
+        };
+        let matrix: Vec<Vec<Expr<'g>>> =
+            (0..c.len()).map(|k| (0..c.len()).map(|l| entry(k, l)).collect()).collect();
+        let is_zero = matrix.iter().flatten().all(|x| x.is_zero());
+        (!is_zero).then(|| Form { rows: c.to_vec(), matrix })
+    }
+
+    fn finish(self, sheet: &'g Sheet, variables: usize, with_second: bool) -> Derivatives<'g> {
+        let zero = sheet.zero();
+        let gradient = (0..variables).map(|i| self.gradient.get(&i).copied().unwrap_or(zero)).collect();
+        if !with_second {
+            return Derivatives { gradient, hessian: Vec::new() };
+        }
+        let mut terms = Terms::new();
+        for (&place, &x) in &self.second {
+            terms.entry(place).or_insert_with(Vec::new).push((x, sheet.one()));
+        }
+        for form in &self.forms {
+            for (row, scaled) in form.rows.iter().zip(form.scaled_rows()) {
+                for (&i, &x) in row {
+                    for (&j, &y) in scaled.range(..=i) {
+                        terms.entry((i, j)).or_default().push((x, y));
+                    }
+                }
+            }
+        }
+        let second = summed(terms);
+        let places = (0..variables).flat_map(|i| (0..=i).map(move |j| (i, j)));
+        let hessian = places.map(|place| second.get(&place).copied().unwrap_or(zero)).collect();
+        Derivatives { gradient, hessian }
+    }
+}
+
+impl<'g> Form<'g> {
+    /// q_z + Cᵀ q_v
+    fn below(&self, c: &[Row<'g>], first: usize) -> Self {
+        let below = |row: &Row<'g>| {
+            let mut terms = Terms::new();
+            for (&j, &x) in row {
+                if j < first {
+                    terms.entry(j).or_insert_with(Vec::new).push((x, x.sheet().one()));
+                } else if let Some(own) = c.get(j - first) {
+                    own.iter().for_each(|(&j, &y)| terms.entry(j).or_default().push((x, y)));
+                }
+            }
+            summed(terms)
+        };
+        Self { rows: self.rows.iter().map(below).collect(), matrix: self.matrix.clone() }
+    }
+
+    /// Σ_l b_kl q_l
+    fn scaled_rows(&self) -> Vec<Row<'g>> {
+        let scaled = |matrix: &Vec<Expr<'g>>| {
+            let mut terms = Terms::new();
+            for (&b, row) in matrix.iter().zip(&self.rows).filter(|(b, _)| !b.is_zero()) {
+                for (&j, &x) in row {
+                    terms.entry(j).or_insert_with(Vec::new).push((b, x));
+                }
+            }
+            summed(terms)
+        };
+        self.matrix.iter().map(scaled).collect()
+    }
+}
+
+/// Sums of products; zeros are left out.
+fn summed<'g, K: Ord + Copy>(terms: Terms<'g, K>) -> BTreeMap<K, Expr<'g>> {
+    let mut sums = BTreeMap::new();
+    for (place, products) in terms {
+        let (x, y): (Vec<_>, Vec<_>) = products.into_iter().unzip();
+        insert(&mut sums, place, dot(x, y));
+    }
+    sums
+}
+
+fn insert<'g, K: Ord>(into: &mut BTreeMap<K, Expr<'g>>, place: K, x: Expr<'g>) {
+    if !x.is_zero() {
+        into.insert(place, x);
+    }
+}

@@ -3,8 +3,10 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use crate::emit::{EmitOptions, MOST_STATEMENTS, TooLong, emit_file};
-use crate::model::{Basis, BasisError, CustomBasis, Weight, WeightError};
+use crate::emit::{EmitOptions, MOST_STATEMENTS, TooLong, emit_element, emit_file};
+use crate::model::{
+    Basis, BasisError, CustomBasis, ElementError, ElementKernels, ElementModel, Weight, WeightError,
+};
 
 /// Why kernels were not generated.
 ///
@@ -18,6 +20,20 @@ pub enum ConfigError {
     /// A basis is not usable.
     #[error(transparent)]
     Basis(#[from] BasisError),
+    /// The formulas of an element are not usable.
+    #[error("the element \"{element}\": {source}")]
+    Element {
+        /// The element's name.
+        element: String,
+        /// What is wrong, with the name of the expression.
+        source: ElementError,
+    },
+    /// An element has the name of another one, of a weight or of the facets.
+    #[error("two modules are named \"{name}\", one of them of an element")]
+    DuplicateElement {
+        /// The name.
+        name: String,
+    },
     /// Two bases have one name.
     #[error("two bases are named \"{name}\"")]
     DuplicateBasis {
@@ -93,6 +109,7 @@ pub struct Config {
     /// In groups that share kernels.
     weights: Vec<Vec<Weight>>,
     bases: Vec<Basis>,
+    elements: Vec<ElementKernels>,
     facets: bool,
     support: String,
     folder: Option<PathBuf>,
@@ -112,6 +129,7 @@ impl Config {
         Self {
             weights: Vec::new(),
             bases: Basis::ALL.to_vec(),
+            elements: Vec::new(),
             facets: false,
             support: "::diffuse_contact_kernels::support".to_owned(),
             folder: None,
@@ -191,6 +209,38 @@ impl Config {
         self
     }
 
+    /// Adds an element of the caller's from its formulas, in the module `name`: `Inputs` and `Values` as they are declared,
+    /// a function per number of derivatives for any [`Lane`](crate#the-pipeline), `evaluate` for one element and `batch` for many
+    /// with the vector instructions of the machine. Derivatives are exact and nobody writes them:
+    ///
+    /// ```
+    /// use diffuse_contact_codegen::expr::Vec3;
+    /// use diffuse_contact_codegen::{Config, ConfigError};
+    ///
+    /// # fn main() -> Result<(), ConfigError> {
+    /// let config = Config::new().element("spring", |m| {
+    ///     let x: [Vec3; 2] = m.variable("x");
+    ///     let [stiffness, length] = m.parameters(["stiffness", "length"]);
+    ///     let stretch = (x[1] - x[0]).norm() - length;
+    ///     m.energy(0.5 * stiffness * stretch.powi(2));
+    /// })?;
+    /// assert!(config.source()?.contains("pub mod spring"));
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`ConfigError::Element`], which names the element and the expression.
+    pub fn element(
+        mut self,
+        name: &str,
+        formulas: impl FnOnce(&ElementModel<'_>),
+    ) -> Result<Self, ConfigError> {
+        let element = |source| ConfigError::Element { element: name.to_owned(), source };
+        self.elements.push(ElementKernels::new(name, formulas).map_err(element)?);
+        Ok(self)
+    }
+
     /// Path of the support module the kernels use.
     #[must_use]
     pub fn support(mut self, path: &str) -> Self {
@@ -208,7 +258,8 @@ impl Config {
     /// The kernels' source text, for a crate compiled with optimisation.
     ///
     /// # Errors
-    /// [`ConfigError::SupportPath`], [`ConfigError::DuplicateWeight`], [`ConfigError::WeightTooLong`].
+    /// [`ConfigError::SupportPath`], [`ConfigError::DuplicateWeight`], [`ConfigError::WeightTooLong`],
+    /// [`ConfigError::DuplicateElement`], [`ConfigError::Element`] of an element that is too long.
     pub fn source(&self) -> Result<String, ConfigError> {
         self.source_for(true)
     }
@@ -222,8 +273,29 @@ impl Config {
                 return Err(ConfigError::DuplicateWeight { name: (*name).to_owned() });
             }
         }
+        let elements = self.element_modules(&support, optimised)?;
         let options = EmitOptions { support: &support, bases: &self.bases, optimised };
-        Ok(emit_file(&self.weights, self.facets, options)?)
+        Ok(emit_file(&self.weights, self.facets, &elements, options)?)
+    }
+
+    fn element_modules(
+        &self,
+        support: &syn::Path,
+        optimised: bool,
+    ) -> Result<Vec<proc_macro2::TokenStream>, ConfigError> {
+        let weights = self.weights.iter().flatten().map(Weight::name);
+        let mut modules: Vec<&str> = weights.chain(self.facets.then_some("facet")).collect();
+        let mut all = Vec::new();
+        for element in &self.elements {
+            let name = element.signature.name.as_str();
+            if modules.contains(&name) {
+                return Err(ConfigError::DuplicateElement { name: name.to_owned() });
+            }
+            modules.push(name);
+            let module = emit_element(element, support, optimised);
+            all.push(module.map_err(|source| ConfigError::Element { element: name.to_owned(), source })?);
+        }
+        Ok(all)
     }
 
     /// Writes `diffuse_contact_kernels.rs` if its bytes change, tells Cargo when to run again, and warns of a weight that does not

@@ -101,8 +101,8 @@ pub mod structure;
 pub use config::{Config, ConfigError};
 pub use expr::{Expr, Sheet};
 pub use model::{
-    Basis, BasisError, CustomBasis, FacetShape, FacetSpec, FrameRule, Kernel, KernelSpec, Mode, Output,
-    Weight, WeightError, WeightNote,
+    Basis, BasisError, CustomBasis, ElementError, ElementKernels, ElementModel, FacetShape, FacetSpec,
+    FrameRule, Kernel, KernelSpec, Mode, Output, Weight, WeightError, WeightNote,
 };
 
 /// The examples of the README, which are run with the documentation tests.

@@ -1,17 +1,13 @@
-//! The kernels of contact on facets: straight-line functions for a fixed number of corners.
+//! The kernels of contact on facets: functions of fixed size for each shape.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::count::OpCounts;
-use super::function::FunctionWriter;
+use super::fixed::{Argument, Fixed, Head};
 use crate::lower::lower;
-use crate::model::{FacetShape, FacetSpec, Kernel, Mode, Value};
+use crate::model::{FacetShape, FacetSpec, Input, Kernel, Mode, Role};
 use crate::schedule::Program;
-
-/// Values that are written to arguments instead of being fields of the result.
-const GRADIENT: &str = "gradient";
-const HESSIAN: &str = "hessian";
 
 /// A facet kernel's source.
 #[derive(Clone, Debug)]
@@ -75,66 +71,44 @@ fn write(program: &Program<FacetSpec>) -> EmittedFacetKernel {
     let spec = program.kernel.spec;
     let (freedoms, packed) = sizes(spec.shape);
     let corners = spec.shape.corners();
-    let mut function = FunctionWriter::new(program);
-    function.writer.names.reserve(&[GRADIENT, HESSIAN]);
-    // The foot's equations are the negative derivatives of half the squared distance.
-    function.solver = "TwoVariables";
-
-    let body: Vec<TokenStream> =
-        program.phases.iter().map(|phase| function.statements(&phase.statements)).collect();
-    let (derivatives, fields): (Vec<&Value>, Vec<&Value>) =
-        program.kernel.values.iter().partition(|value| [GRADIENT, HESSIAN].contains(&value.name.as_ref()));
-    let outputs: Vec<TokenStream> = derivatives
-        .iter()
-        .flat_map(|value| {
-            let name = format_ident!("{}", value.name);
-            let entries: Vec<TokenStream> =
-                value.components.iter().map(|&x| function.writer.used(x)).collect();
-            let entries = entries.into_iter().enumerate();
-            entries.map(|(k, entry)| quote!(#name[#k] = #entry;)).collect::<Vec<_>>()
-        })
-        .collect();
-    let fields: Vec<TokenStream> = fields
+    let derivatives = [
+        (Mode::Gradient, ("gradient".to_owned(), freedoms)),
+        (Mode::Hessian, ("hessian".to_owned(), packed)),
+    ];
+    let arguments: Vec<Argument> = derivatives
         .into_iter()
-        .map(|value| {
-            let field = format_ident!("{}", value.name);
-            let components: Vec<TokenStream> =
-                value.components.iter().map(|&x| function.writer.used(x)).collect();
-            if value.is_array { quote!(#field: [#(#components),*]) } else { quote!(#field: #(#components)*) }
-        })
+        .filter(|(mode, _)| spec.mode >= *mode)
+        .map(|(_, argument)| argument)
         .collect();
-    function.counts.element += function.writer.take_counts();
-    let counts = function.counts.total(0);
-    let statements = function.statements + outputs.len() + 3;
-
-    let name = function_name(spec);
-    let documentation = documentation(&program.kernel, counts, function.counts.iteration);
-    let coordinates = |prefix: &str| ["x", "y", "z"].map(|axis| format_ident!("{prefix}_{axis}"));
-    let slave = coordinates("slave");
-    let corner_names: Vec<TokenStream> = (1..=corners)
-        .map(|k| {
-            let names = coordinates(&format!("corner_{k}"));
-            quote!([#(#names),*])
-        })
-        .collect();
-    let gradient = (spec.mode >= Mode::Gradient).then(|| quote!(gradient: &mut [E; #freedoms],));
-    let hessian = (spec.mode >= Mode::Hessian).then(|| quote!(hessian: &mut [E; #packed],));
-    let tokens = quote! {
-        #(#[doc = #documentation])*
-        #[inline(always)]
-        pub fn #name<E: Lane>(
-            inputs: &FacetInputs<E, #corners>,
-            #gradient
-            #hessian
-        ) -> FacetValues<E> {
-            let [#(#slave),*] = inputs.slave;
-            let [#(#corner_names),*] = inputs.corners;
-            #(#body)*
-            #(#outputs)*
-            FacetValues { #(#fields),* }
-        }
+    let head = Head {
+        name: function_name(spec),
+        inputs: quote!(FacetInputs<E, #corners>),
+        fields: &inputs(spec.shape),
+        values: format_ident!("FacetValues"),
+        arguments: &arguments,
+        // The foot's equations are the negative derivatives of half the squared distance.
+        solver: "TwoVariables",
     };
-    EmittedFacetKernel { spec, tokens, counts, statements }
+    let function = Fixed::new(program, &head, |value, components| {
+        if value.is_array { quote!([#(#components),*]) } else { quote!(#(#components)*) }
+    });
+    let Fixed { counts, iteration, statements, .. } = function;
+    let documentation = documentation(&program.kernel, counts, iteration);
+    EmittedFacetKernel { spec, tokens: function.tokens(&head, &documentation), counts, statements }
+}
+
+/// The fields of `FacetInputs`.
+fn inputs(shape: FacetShape) -> [Input; 2] {
+    let input = |name: &str, dimensions: Vec<usize>, vectors: Vec<String>| Input {
+        name: name.to_owned(),
+        doc: String::new(),
+        role: Role::Variable,
+        dimensions,
+        symbols: vectors.iter().flat_map(|v| ["x", "y", "z"].map(|axis| format!("{v}_{axis}"))).collect(),
+    };
+    let corners = shape.corners();
+    let names = (1..=corners).map(|k| format!("corner_{k}")).collect();
+    [input("slave", vec![3], vec!["slave".to_owned()]), input("corners", vec![corners, 3], names)]
 }
 
 fn documentation(kernel: &Kernel<FacetSpec>, counts: OpCounts, iteration: OpCounts) -> Vec<String> {

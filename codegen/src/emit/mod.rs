@@ -1,13 +1,16 @@
 //! Emission: programs become functions, functions modules, modules a formatted file.
 
 mod count;
+mod element;
 mod expression;
 mod facet;
+mod fixed;
 mod function;
 mod module;
 mod names;
 
 pub use count::{KernelCounts, OpCounts};
+pub use element::{EmittedElementKernel, emit_element, emit_element_kernel};
 pub use facet::{EmittedFacetKernel, emit_facet_kernel};
 pub use function::{EmittedKernel, emit_kernel};
 pub use module::{EmitOptions, TooLong, emit_file, emit_single};

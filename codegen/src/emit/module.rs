@@ -34,19 +34,24 @@ pub struct TooLong {
     pub statements: usize,
 }
 
-/// All kernels of the weights, and the facet kernels if asked for, as a formatted file.
+/// All kernels of the weights, the facet kernels if asked for, and modules of elements, as a formatted file.
 ///
 /// Weights of one group share kernels, see [`Weight::either`].
 ///
 /// # Errors
 /// [`TooLong`].
-pub fn emit_file(weights: &[Vec<Weight>], facets: bool, options: EmitOptions<'_>) -> Result<String, TooLong> {
+pub fn emit_file(
+    weights: &[Vec<Weight>],
+    facets: bool,
+    elements: &[TokenStream],
+    options: EmitOptions<'_>,
+) -> Result<String, TooLong> {
     let EmitOptions { support, bases, .. } = options;
     let constants = bases.iter().filter_map(|basis| custom_basis(*basis, support));
     let modules: Vec<TokenStream> =
         weights.iter().map(|weights| weight_modules(weights, options)).collect::<Result<_, _>>()?;
     let facets = facets.then(|| facet_module(support));
-    Ok(format(&quote!(#(#constants)* #(#modules)* #facets)))
+    Ok(format(&quote!(#(#constants)* #(#modules)* #facets #(#elements)*)))
 }
 
 /// The constant that names a basis of the caller's.

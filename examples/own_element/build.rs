@@ -1,4 +1,4 @@
-//! Generates the kernels of a tetrahedron of compressible neo-Hooke material from its energy.
+//! Generates the kernels of a tetrahedron of compressible neo-Hooke material from its energy, and those of a cohesive law with history.
 #![allow(non_snake_case)]
 
 use diffuse_contact_codegen::expr::{Mat3, Vec3};
@@ -9,11 +9,19 @@ fn main() -> Result<(), ConfigError> {
         .element("tet4_neo_hooke", |m| {
             let (x, X): ([Vec3; 4], [Vec3; 4]) = (m.variable("x"), m.parameter("X"));
             let [lambda, mu] = m.parameters(["lambda", "mu"]);
-            let edges = |x: [Vec3<'_>; 4]| Mat3::from_columns([1, 2, 3].map(|k| x[k] - x[0]));
-            let F = m.define("F", edges(x) * edges(X).inverse());
+            let [d, D] = [x, X].map(|x| Mat3::from_columns([1, 2, 3].map(|k| x[k] - x[0])));
+            let F = m.define("F", d * D.inverse());
             let J = m.define("J", F.determinant());
-            let W = 0.5 * mu * ((F.transpose() * F).trace() - 3.0) - mu * J.ln() + 0.5 * lambda * J.ln().powi(2);
-            m.energy(edges(X).determinant() / 6.0 * W);
+            let tr_C = F.double_dot(F);
+            let W = 0.5 * mu * (tr_C - 3.0) - mu * J.ln() + 0.5 * lambda * J.ln().powi(2);
+            m.energy(D.determinant() / 6.0 * W);
+        })?
+        .element("cohesive", |m| {
+            let opening: Vec3 = m.variable("opening");
+            let [stiffness, length, before] = m.parameters(["stiffness", "length", "damage_before"]);
+            let damage = m.define("damage", (1.0 - (-opening.norm() / length).exp()).max(before));
+            m.residual("traction", (1.0 - damage) * stiffness * opening);
+            m.value("damage", damage);
         })?
         .compile()?;
     Ok(())

@@ -1,6 +1,6 @@
 //! The module of an element of the caller's: types, kernels by mode, and what runs them.
 
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::{Group, Ident, Literal, TokenStream, TokenTree};
 use quote::{format_ident, quote};
 
 use super::count::OpCounts;
@@ -10,6 +10,9 @@ use crate::model::{
     Differentiated, ElementError, ElementKernels, ElementSpec, Input, Kernel, Mode, Role, Signature,
 };
 use crate::schedule::Program;
+
+/// What solves the equations of roots.
+const SOLVER: &str = "TwoEquations";
 
 /// A kernel of an element as source.
 #[derive(Clone, Debug)]
@@ -36,7 +39,7 @@ pub fn emit_element_kernel(kernel: &Kernel<ElementSpec>) -> EmittedElementKernel
         fields: &signature.inputs,
         values: format_ident!("Values"),
         arguments: &arguments,
-        solver: "TwoEquations",
+        solver: SOLVER,
     };
     let function = Fixed::new(&program, &head, |value, components| {
         let returned = signature.values.iter().find(|returned| returned.name == value.name);
@@ -57,23 +60,27 @@ pub fn emit_element(
     optimised: bool,
 ) -> Result<TokenStream, ElementError> {
     let signature = &element.signature;
-    let mut kernels = Vec::new();
+    let (mut kernels, mut has_roots) = (Vec::new(), false);
     for kernel in &element.kernels {
         let EmittedElementKernel { mode, tokens, statements, .. } = emit_element_kernel(kernel);
         if statements > super::MOST_STATEMENTS {
             return Err(ElementError::TooLong { function: function_name(mode).to_string(), statements });
         }
+        has_roots |= !kernel.roots().is_empty();
         kernels.push(tokens);
     }
     let module = format_ident!("{}", signature.name);
     let last = element.kernels.last().map_or(Mode::Value, |kernel| kernel.spec.mode);
     let doc = format!(" {}", title(signature));
+    let others = [("packed_row", last == Mode::Hessian), (SOLVER, has_roots)];
+    let others = others.into_iter().filter(|(_, is_used)| *is_used).map(|(name, _)| format_ident!("{name}"));
     let (types, runners) = (types(signature, last), runners(signature, last));
-    Ok(quote! {
+    Ok(without_suffixes(quote! {
         #[doc = #doc]
         #[allow(clippy::all, clippy::pedantic, non_snake_case)]
         pub mod #module {
-            use #support::{Isa, Lane, Mode, TwoEquations, Vector, WithLanes, packed_row};
+            use #support::{Isa, Lane, Mode, Vector, WithLanes};
+            #(use #support::#others;)*
 
             /// Whether the kernels are compiled with optimisation. Without, what is inlined for vectors takes much stack.
             const OPTIMISED: bool = #optimised;
@@ -82,7 +89,22 @@ pub fn emit_element(
             #(#kernels)*
             #runners
         }
-    })
+    }))
+}
+
+/// `[E; 12usize]` → `[E; 12]`
+fn without_suffixes(tokens: TokenStream) -> TokenStream {
+    let change = |tree: TokenTree| match tree {
+        TokenTree::Group(group) => {
+            TokenTree::Group(Group::new(group.delimiter(), without_suffixes(group.stream())))
+        }
+        TokenTree::Literal(literal) => {
+            let number = literal.to_string().strip_suffix("usize").and_then(|number| number.parse().ok());
+            TokenTree::Literal(number.map_or(literal, Literal::usize_unsuffixed))
+        }
+        other => other,
+    };
+    tokens.into_iter().map(change).collect()
 }
 
 fn title(signature: &Signature) -> String {
@@ -145,13 +167,21 @@ fn documentation(spec: &ElementSpec, function: &Fixed) -> Vec<String> {
         Mode::Gradient => "Values and first derivatives",
         Mode::Hessian => "Values, first and second derivatives",
     };
-    let mut lines = vec![format!(" {with}: {}", title(signature)), String::new()];
+    let mut lines = vec![format!(" {}", title(signature)), String::new(), format!(" {with}:"), String::new()];
+    for value in &signature.values {
+        lines.push(format!(
+            " * `{}`{}",
+            value.name,
+            if value.doc.is_empty() { String::new() } else { format!(": {}", value.doc) }
+        ));
+    }
     for (argument, _) in arguments(signature, *mode) {
         lines.push(format!(" * `{argument}`: {}", meaning(signature, &argument)));
     }
     if !quantities.is_empty() {
         let names: Vec<String> = quantities.iter().map(|name| format!("`{name}`")).collect();
-        lines.push(format!(" * through {}", names.join(", ")));
+        lines.push(String::new());
+        lines.push(format!(" Made of {}.", names.join(", ")));
     }
     lines.push(String::new());
     let (total, iteration) = (function.counts.total(), function.iteration.total());

@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use super::kernel::{Kernel, Mode, Value};
 use super::signature::{Differentiated, Input, Quantity, Returned, Role, Signature};
 use crate::expr::{Expr, Sheet, ids};
-use crate::graph::{Graph, Op, Scope};
+use crate::graph::{ExprId, Graph, Op, RootId, Scope};
 use crate::structure::{Derivatives, NodeVectors, total_derivatives};
 
 /// Name of the value that [`ElementModel::energy`] states.
@@ -63,6 +63,14 @@ pub enum ElementError {
     Unknown {
         /// The name.
         name: String,
+    },
+    /// A root of another number of equations than the kernels can solve.
+    #[error("the root `{root}` has {equations} equations; kernels solve two")]
+    Root {
+        /// The root.
+        root: String,
+        /// Its equations.
+        equations: usize,
     },
     /// A function that rustc has no stack for.
     #[error(
@@ -145,9 +153,9 @@ impl<'g> ElementModel<'g> {
         self.input(name, Role::Parameter)
     }
 
-    /// Several parameters of one kind.
+    /// Several numbers that derivatives are not taken by.
     #[must_use]
-    pub fn parameters<Q: Quantity<'g>, const N: usize>(&self, names: [&str; N]) -> [Q; N] {
+    pub fn parameters<const N: usize>(&self, names: [&str; N]) -> [Expr<'g>; N] {
         names.map(|name| self.parameter(name))
     }
 
@@ -364,6 +372,26 @@ fn check_output(output: &str, x: Expr<'_>, inputs: &[Input]) -> Result<(), Eleme
     Ok(())
 }
 
+impl Kernel<ElementSpec> {
+    /// Roots among what the results are made of.
+    pub(crate) fn roots(&self) -> Vec<RootId> {
+        let (mut seen, mut roots) = (std::collections::HashSet::new(), Vec::new());
+        let mut open: Vec<ExprId> = self.values.iter().flat_map(|value| value.components.clone()).collect();
+        while let Some(expr) = open.pop() {
+            if !seen.insert(expr) {
+                continue;
+            }
+            if let Op::RootValue(root, _) | Op::RootFigure(root, _) = self.graph.op(expr)
+                && !roots.contains(&root)
+            {
+                roots.push(root);
+            }
+            open.extend(self.graph.dependencies(expr));
+        }
+        roots
+    }
+}
+
 impl ElementKernels {
     /// The kernels of an element from its formulas.
     ///
@@ -386,7 +414,14 @@ impl ElementKernels {
             hessians: Vec::new(),
             equations: Vec::new(),
         };
-        let kernels = by_mode.into_iter().map(kernel).collect();
+        let kernels: Vec<Kernel<ElementSpec>> = by_mode.into_iter().map(kernel).collect();
+        for root in kernels.iter().flat_map(Kernel::roots) {
+            let root = graph.root(root);
+            if root.unknowns.len() != 2 {
+                let (root, equations) = (root.name.clone(), root.unknowns.len());
+                return Err(ElementError::Root { root, equations });
+            }
+        }
         Ok(Self { signature, kernels })
     }
 }

@@ -147,7 +147,7 @@ impl<'g> Finder<'g> {
                 continue;
             }
             let nonlinear = arguments(&graph, expr);
-            for operand in graph.operands(expr).into_iter().map(|x| core(&graph, x, &kinds)) {
+            for operand in graph.operands(expr).into_iter().map(|x| self.core(&graph, x, &kinds)) {
                 let kind = kinds[&operand];
                 let is_argument = nonlinear.contains(&operand) && !matches!(graph.op(operand), Op::Hypot(..));
                 if kind.reach == Reach::Many && (kind.is_linear || is_argument) {
@@ -160,6 +160,20 @@ impl<'g> Finder<'g> {
 
     fn is_symbol(&self, expr: ExprId) -> bool {
         self.symbols.contains(&expr) || self.replacements.iter().any(|(from, _)| *from == expr)
+    }
+
+    /// An expression without factors that depend on no symbol.
+    fn core(&self, graph: &Graph, expr: ExprId, kinds: &HashMap<ExprId, Kind>) -> ExprId {
+        if self.is_symbol(expr) {
+            return expr;
+        }
+        let is_free = |x: &ExprId| kinds[x].reach == Reach::None;
+        match graph.op(expr) {
+            Op::Neg(x) => self.core(graph, x, kinds),
+            Op::Mul(x, y) if is_free(&x) && !is_free(&y) => self.core(graph, y, kinds),
+            Op::Mul(x, y) if is_free(&y) && !is_free(&x) => self.core(graph, x, kinds),
+            _ => expr,
+        }
     }
 
     fn kind(&self, graph: &Graph, expr: ExprId, kinds: &mut HashMap<ExprId, Kind>) -> Kind {
@@ -191,17 +205,6 @@ fn is_linear(op: Op, operands: &[Kind]) -> bool {
         (Op::Mul(..), [x, y]) => x.is_linear && y.is_linear && (is_free(x) || is_free(y)),
         (Op::Div(..) | Op::DivOrZero(..), [x, y]) => x.is_linear && is_free(y),
         _ => false,
-    }
-}
-
-/// An expression without factors that depend on no symbol.
-fn core(graph: &Graph, expr: ExprId, kinds: &HashMap<ExprId, Kind>) -> ExprId {
-    let is_free = |x: &ExprId| kinds[x].reach == Reach::None;
-    match graph.op(expr) {
-        Op::Neg(x) => core(graph, x, kinds),
-        Op::Mul(x, y) if is_free(&x) && !is_free(&y) => core(graph, y, kinds),
-        Op::Mul(x, y) if is_free(&y) && !is_free(&x) => core(graph, x, kinds),
-        _ => expr,
     }
 }
 
@@ -261,6 +264,16 @@ mod tests {
         let written = as_bound(&[energy, constant], &[x, y]);
         assert_eq!(names(&written), ["length"]);
         assert_eq!(names(&with_found(&sheet, &[energy], &[x, y])), ["part", "length_2"]);
+    }
+
+    #[test]
+    fn what_is_found_in_one_place_stands_for_itself_in_all() {
+        let sheet = Sheet::new();
+        let [x, y, k] = ["x", "y", "k"].map(|name| sheet.input(name, Scope::Element));
+        let stretch = k * (x - y);
+        let energy = (stretch.exp() + stretch * stretch * stretch).sqrt();
+        let written = with_found(&sheet, &[energy], &[x, y]);
+        assert!([x, y].iter().all(|&x| !written.outputs[0].contains(x)));
     }
 
     #[test]

@@ -1,0 +1,378 @@
+//! Elements of the caller's: their graphs against automatic differentiation of energies written independently, their
+//! operations, their mistakes, and the checked-in text of a small one.
+#![allow(non_snake_case)]
+
+use diffuse_contact_codegen::emit::emit_element_kernel;
+use diffuse_contact_codegen::expr::{Expr, Mat3, Vec2, Vec3, Vector};
+use diffuse_contact_codegen::graph::{ExprId, Scope};
+use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
+use diffuse_contact_codegen::model::Input;
+use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel, Mode};
+use num_dual::{DualNum, HyperDual};
+
+const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../generated/golden/element_spring.rs");
+
+/// SymX's count for the Hessian of the same element, ACM TOG 45(1):5, 2026.
+const SYMX_OPERATIONS: usize = 1_833;
+
+/// A tetrahedron of compressible neo-Hooke material, from its energy.
+fn tet4(m: &ElementModel<'_>) {
+    let (x, X): ([Vec3<'_>; 4], [Vec3<'_>; 4]) = (m.variable("x"), m.parameter("X"));
+    let [lambda, mu] = m.parameters(["lambda", "mu"]);
+    let [d, D] = [x, X].map(|x| Mat3::from_columns([1, 2, 3].map(|k| x[k] - x[0])));
+    let F = m.define("F", d * D.inverse());
+    let J = m.define("J", F.determinant());
+    let W = 0.5 * mu * (F.double_dot(F) - 3.0) - mu * J.ln() + 0.5 * lambda * J.ln().powi(2);
+    m.energy(D.determinant() / 6.0 * W);
+}
+
+/// The same without names for what it is made of.
+fn tet4_unnamed(m: &ElementModel<'_>) {
+    let (x, X): ([Vec3<'_>; 4], [Vec3<'_>; 4]) = (m.variable("x"), m.parameter("X"));
+    let [lambda, mu] = m.parameters(["lambda", "mu"]);
+    let [d, D] = [x, X].map(|x| Mat3::from_columns([1, 2, 3].map(|k| x[k] - x[0])));
+    let F = d * D.inverse();
+    let L = F.determinant().ln();
+    let W = 0.5 * mu * ((F.transpose() * F).trace() - 3.0 - 2.0 * L) + 0.5 * lambda * L * L;
+    m.energy(D.determinant() / 6.0 * W);
+}
+
+/// Numbers of the energies that automatic differentiation evaluates.
+trait Number: DualNum<Primitive = f64> + Copy {}
+impl<D: DualNum<Primitive = f64> + Copy> Number for D {}
+
+fn sum<D: Number>(terms: impl IntoIterator<Item = D>) -> D {
+    terms.into_iter().fold(D::from(0.0), |sum, term| sum + term)
+}
+
+/// The energy of the tetrahedron once more, from volumes: F_ij det D = det(D with its column j replaced), columns over edges.
+fn tet4_energy<D: Number>(x: &[D], X: &[f64], [lambda, mu]: [f64; 2]) -> D {
+    let det = |a: [[D; 3]; 3]| {
+        let minor = |i: usize, j: usize| a[1][i] * a[2][j] - a[1][j] * a[2][i];
+        a[0][0] * minor(1, 2) - a[0][1] * minor(0, 2) + a[0][2] * minor(0, 1)
+    };
+    let edges = |x: &dyn Fn(usize) -> D| [1, 2, 3].map(|k| [0, 1, 2].map(|i| x(3 * k + i) - x(i)));
+    let (now, before) = (edges(&|k| x[k]), edges(&|k| D::from(X[k])));
+    let F = [0, 1, 2].map(|i| {
+        [0, 1, 2].map(|j| {
+            let mut replaced = before;
+            (0..3).for_each(|edge| replaced[edge][j] = now[edge][i]);
+            det(replaced) / det(before)
+        })
+    });
+    let trace = sum(F.as_flattened().iter().map(|&f| f * f));
+    let L = (det(now) / det(before)).ln();
+    det(before) / 6.0 * ((trace - 3.0) * (0.5 * mu) - L * mu + L * L * (0.5 * lambda))
+}
+
+/// Gradient and packed Hessian by hyper-dual numbers.
+fn by_hyper_dual(x: &[f64], f: impl Fn(&[HyperDual<f64>]) -> HyperDual<f64>) -> (Vec<f64>, Vec<f64>) {
+    let at = |i: usize, j: usize| {
+        let seeded = |(k, &x): (usize, &f64)| {
+            let is = |other: usize| f64::from(u8::from(k == other));
+            HyperDual::new(x, is(i), is(j), 0.0)
+        };
+        f(&x.iter().enumerate().map(seeded).collect::<Vec<_>>())
+    };
+    let gradient = (0..x.len()).map(|i| at(i, i).eps1).collect();
+    (
+        gradient,
+        (0..x.len()).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| at(i, j).eps1eps2).collect(),
+    )
+}
+
+/// Numbers in (−0.5, 0.5) that look random.
+fn numbers(count: usize, seed: f64) -> Vec<f64> {
+    let mut value = seed;
+    (0..count)
+        .map(|_| {
+            value = (value * 7.3 + 0.17).fract();
+            value - 0.5
+        })
+        .collect()
+}
+
+fn set(inputs: &mut NodeInputs, input: &Input, values: &[f64]) {
+    input.symbols.iter().zip(values).for_each(|(name, &value)| inputs.set_element(name, value));
+}
+
+/// Values of a kernel by the interpreter, by name.
+fn interpreted(element: &ElementKernels, mode: Mode, inputs: &NodeInputs) -> impl Fn(&str) -> Vec<f64> {
+    let kernel = element.kernels.iter().find(|kernel| kernel.spec.mode == mode).unwrap();
+    let mut interpreter = Interpreter::new(&kernel.graph, inputs);
+    let mut value = |x: &ExprId| interpreter.element(*x);
+    let all: Vec<(String, Vec<f64>)> = kernel
+        .values
+        .iter()
+        .map(|v| (v.name.to_string(), v.components.iter().map(&mut value).collect()))
+        .collect();
+    move |name| all.iter().find(|(other, _)| other == name).unwrap().1.clone()
+}
+
+/// Largest difference over the largest entry.
+fn difference(found: &[f64], expected: &[f64]) -> f64 {
+    assert_eq!(found.len(), expected.len());
+    let largest = expected.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+    found.iter().zip(expected).fold(0.0, |worst: f64, (x, y)| worst.max((x - y).abs() / largest))
+}
+
+fn kernels(formulas: impl FnOnce(&ElementModel<'_>)) -> ElementKernels {
+    ElementKernels::new("test", formulas).unwrap()
+}
+
+#[test]
+fn a_tetrahedron_has_the_derivatives_of_automatic_differentiation() {
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].concat();
+    let mut worst = 0.0_f64;
+    for formulas in [tet4, tet4_unnamed] {
+        let element = kernels(formulas);
+        for seed in [0.31, 0.57, 0.83] {
+            let moved = |by: f64, seed: f64| -> Vec<f64> {
+                corners.iter().zip(numbers(12, seed)).map(|(x, random)| x + by * random).collect()
+            };
+            let (X, x, constants) = (moved(0.3, seed), moved(0.6, seed + 0.01), [1.7, 0.9]);
+            let mut inputs = NodeInputs::new(0);
+            let all = [x.clone(), X.clone(), vec![constants[0]], vec![constants[1]]];
+            for (input, values) in element.signature.inputs.iter().zip(&all) {
+                set(&mut inputs, input, values);
+            }
+            let energy = tet4_energy(&x, &X, constants);
+            let (gradient, hessian) = by_hyper_dual(&x, |x| tet4_energy(x, &X, constants));
+            for mode in Mode::ALL {
+                let found = interpreted(&element, mode, &inputs);
+                worst = worst.max(difference(&found("energy"), &[energy]));
+                if mode >= Mode::Gradient {
+                    worst = worst.max(difference(&found("gradient"), &gradient));
+                }
+                if mode == Mode::Hessian {
+                    worst = worst.max(difference(&found("hessian"), &hessian));
+                }
+            }
+        }
+    }
+    println!("largest relative difference {worst:.1e}");
+    assert!(worst < 1e-12, "{worst:e}");
+}
+
+#[test]
+fn a_tetrahedron_takes_a_third_of_the_operations_of_other_generators() {
+    for (formulas, most) in [(tet4 as fn(&ElementModel<'_>), 580), (tet4_unnamed, 620)] {
+        let emitted = kernels(formulas).kernels.iter().map(emit_element_kernel).collect::<Vec<_>>();
+        let operations: Vec<usize> = emitted.iter().map(|kernel| kernel.counts.total()).collect();
+        println!("value, gradient, Hessian: {operations:?} operations");
+        assert!(operations[2] <= most && 3 * operations[2] < SYMX_OPERATIONS, "{operations:?}");
+        assert!(3 * operations[1] < operations[2], "{operations:?}");
+    }
+}
+
+/// A cohesive law with damage that grows with the largest opening.
+fn cohesive(m: &ElementModel<'_>) {
+    let opening: Vec3<'_> = m.variable("opening");
+    let [stiffness, length, before] = m.parameters(["stiffness", "length", "damage_before"]);
+    let damage = m.define("damage", (1.0 - (-opening.norm() / length).exp()).max(before));
+    m.residual("traction", (1.0 - damage) * stiffness * opening);
+    m.value("damage", damage);
+}
+
+#[test]
+fn a_law_with_history_has_its_jacobian_and_its_new_state() {
+    let element = kernels(cohesive);
+    assert_eq!(element.kernels.len(), 2);
+    let opening = [0.2, -0.3, 0.4];
+    for before in [0.1, 0.9] {
+        let mut inputs = NodeInputs::new(0);
+        let all = [opening.to_vec(), vec![3.0], vec![0.7], vec![before]];
+        for (input, values) in element.signature.inputs.iter().zip(&all) {
+            set(&mut inputs, input, values);
+        }
+        let damage = |x: &[HyperDual<f64>]| {
+            let norm = sum(x.iter().map(|&x| x * x)).sqrt();
+            let now = -(-norm / 0.7).exp() + 1.0;
+            if now.re < before { HyperDual::from(before) } else { now }
+        };
+        let found = interpreted(&element, Mode::Gradient, &inputs);
+        let values: Vec<f64> = found("traction");
+        for i in 0..3 {
+            let traction = |x: &[HyperDual<f64>]| (-damage(x) + 1.0) * x[i] * 3.0;
+            let (gradient, _) = by_hyper_dual(&opening, traction);
+            assert!(difference(&found("traction_jacobian")[3 * i..3 * i + 3], &gradient) < 1e-12);
+            let expected = traction(&opening.map(HyperDual::from)).re;
+            assert!((values[i] - expected).abs() < 1e-14 * expected.abs());
+        }
+        let expected = damage(&opening.map(HyperDual::from)).re;
+        assert!((found("damage")[0] - expected).abs() < 1e-15);
+    }
+}
+
+/// A root is differentiated by the implicit function theorem, also through what it depends on.
+#[test]
+fn a_root_of_two_equations_is_part_of_an_energy() {
+    let element = kernels(|m| {
+        let x: Vec2<'_> = m.variable("x");
+        let q = m.define("q", x.dot(x));
+        let u = m.sheet().variables(["u", "v"]);
+        let equations = Vector([u[0] + 0.1 * u[1] * u[1] - q, u[1] + 0.2 * u[0] * u[1] - x[0]]);
+        let (_, u) = m.sheet().root("point", u, equations);
+        m.energy(u[0] * u[1]);
+    });
+    let x = [0.4, -0.3];
+    let mut inputs = NodeInputs::new(0);
+    set(&mut inputs, &element.signature.inputs[0], &x);
+    let (gradient, hessian) = by_hyper_dual(&x, |x| {
+        let q = x[0] * x[0] + x[1] * x[1];
+        let (mut u, mut v) = (HyperDual::from(0.0), HyperDual::from(0.0));
+        for _ in 0..200 {
+            (u, v) = (q - v * v * 0.1, x[0] / (u * 0.2 + 1.0));
+        }
+        u * v
+    });
+    let found = interpreted(&element, Mode::Hessian, &inputs);
+    assert!(difference(&found("gradient"), &gradient) < 1e-12);
+    assert!(difference(&found("hessian"), &hessian) < 1e-12);
+    let source = Config::new().element("root", |m| m.energy(m.variable::<Expr<'_>>("x").sin())).unwrap();
+    assert!(!source.source().unwrap().contains("TwoEquations"));
+    let text = emit_element_kernel(&element.kernels[2]).tokens.to_string();
+    assert!(text.contains("TwoEquations"), "{text}");
+}
+
+/// Outside mechanics: how far a plane arm of three links is from a point, by its angles.
+#[test]
+fn an_arm_has_the_hessian_of_its_distance() {
+    let element = kernels(|m| {
+        let (angles, target): ([Expr<'_>; 3], Vec2<'_>) = (m.variable("angle"), m.parameter("target"));
+        let (mut tip, mut sum) = (-target, m.sheet().zero());
+        for angle in angles {
+            sum += angle;
+            tip[0] += sum.cos();
+            tip[1] += sum.sin();
+        }
+        m.energy(tip.norm());
+    });
+    let (angles, target) = ([0.3, 0.5, -0.9], [0.4, 1.1]);
+    let mut inputs = NodeInputs::new(0);
+    for (input, values) in element.signature.inputs.iter().zip([angles.to_vec(), target.to_vec()]) {
+        set(&mut inputs, input, &values);
+    }
+    let (gradient, hessian) = by_hyper_dual(&angles, |angles| {
+        let (mut tip, mut sum) = (target.map(|x| HyperDual::from(-x)), HyperDual::from(0.0));
+        for &angle in angles {
+            sum += angle;
+            tip = [tip[0] + sum.cos(), tip[1] + sum.sin()];
+        }
+        (tip[0] * tip[0] + tip[1] * tip[1]).sqrt()
+    });
+    let found = interpreted(&element, Mode::Hessian, &inputs);
+    assert!(difference(&found("gradient"), &gradient) < 1e-12);
+    assert!(difference(&found("hessian"), &hessian) < 1e-12);
+}
+
+/// Formulas end with a statement.
+fn discard<T>(_: T) {}
+
+/// The error of an element's formulas, with the element's name.
+fn error_of(name: &str, formulas: impl FnOnce(&ElementModel<'_>)) -> (ElementError, String) {
+    let error = Config::new().element(name, formulas).and_then(|config| config.source()).unwrap_err();
+    let text = error.to_string();
+    assert!(text.contains(&format!("\"{name}\"")), "{text}");
+    let ConfigError::Element { source, .. } = error else { panic!("{text}") };
+    (source, text)
+}
+
+#[test]
+fn mistakes_name_the_element_and_the_expression() {
+    let scalar = |m: &ElementModel<'_>, name: &str| m.energy(m.variable::<Expr<'_>>(name).powi(2));
+    let check = |(found, text): (ElementError, String), expected: ElementError, word: &str| {
+        assert_eq!(found, expected);
+        assert!(text.contains(word), "{text}");
+    };
+    let named = |name: &str| name.to_owned();
+    for name in ["tet 4", "4", "fn", ""] {
+        check(error_of(name, |m| discard(scalar(m, "x"))), ElementError::Name { name: named(name) }, name);
+    }
+    check(error_of("a", |m| discard(scalar(m, "x y"))), ElementError::Name { name: named("x y") }, "x y");
+    let twice = |m: &ElementModel<'_>| discard((scalar(m, "x"), m.parameter::<Expr<'_>>("x")));
+    check(error_of("a", twice), ElementError::Duplicate { name: named("x") }, "\"x\"");
+    let energies = |m: &ElementModel<'_>| discard((scalar(m, "x"), m.energy(m.parameter("y"))));
+    check(error_of("a", energies), ElementError::Duplicate { name: named("energy") }, "energy");
+    let defined = |m: &ElementModel<'_>| {
+        discard((scalar(m, "x"), m.define("x", m.sheet().one() + m.sheet().input("y", Scope::Element))))
+    };
+    check(error_of("a", defined), ElementError::Duplicate { name: named("x") }, "\"x\"");
+    let taken = |m: &ElementModel<'_>| discard((scalar(m, "x"), m.value("hessian", m.sheet().one())));
+    check(error_of("a", taken), ElementError::Duplicate { name: named("hessian") }, "hessian");
+    check(error_of("a", |m| discard(m.variable::<Expr<'_>>("x"))), ElementError::NoOutput, "energy");
+    let fixed = |m: &ElementModel<'_>| m.energy(m.parameter::<Expr<'_>>("k").sqrt());
+    check(error_of("a", fixed), ElementError::NoVariables { output: named("energy") }, "`energy`");
+    let constant = |m: &ElementModel<'_>| {
+        let _: Expr<'_> = m.variable("x");
+        m.residual("force", m.parameter::<Vec3<'_>>("k"));
+    };
+    check(error_of("a", constant), ElementError::Constant { output: named("force") }, "`force`");
+    let node = |m: &ElementModel<'_>| m.value("height", m.sheet().input("z", Scope::Node));
+    let expected = ElementError::Scope { output: named("height"), scope: Scope::Node };
+    check(error_of("a", node), expected, "`height`");
+    let unknown = |m: &ElementModel<'_>| m.value("height", m.sheet().input("z", Scope::Element));
+    let expected = ElementError::Undeclared { output: named("height"), symbol: named("z") };
+    check(error_of("a", unknown), expected, "`z`");
+    let root = |m: &ElementModel<'_>| {
+        let (x, u): (Expr<'_>, _) = (m.variable("x"), m.sheet().variables(["u"]));
+        let (_, u_root) = m.sheet().root("cube_root", u, u.map(|u| u * u * u - x));
+        m.energy(u_root[0]);
+    };
+    let expected = ElementError::Root { root: named("cube_root"), equations: 1 };
+    check(error_of("a", root), expected, "`cube_root`");
+    let described = |m: &ElementModel<'_>| discard((scalar(m, "x"), m.describe("y", "length")));
+    check(error_of("a", described), ElementError::Unknown { name: named("y") }, "`y`");
+}
+
+#[test]
+fn an_element_that_is_too_long_to_compile_is_named() {
+    let (error, text) = error_of("long", |m| {
+        let x: [Expr<'_>; 12] = m.variable("x");
+        let sum = |k: usize| {
+            x.iter().enumerate().fold(m.sheet().zero(), |sum, (i, &x)| sum + x * ((i * k) as f64).sin())
+        };
+        let energy = (1..140).fold(m.sheet().zero(), |energy, k| energy + (sum(k).sin() * sum(k + 3)).exp());
+        m.energy(energy);
+    });
+    let ElementError::TooLong { function, statements } = error else { panic!("{text}") };
+    assert!(function == "hessian" && statements > 3_400 && text.contains("`hessian`"), "{text}");
+}
+
+#[test]
+fn an_element_has_a_name_of_its_own() {
+    let square = |m: &ElementModel<'_>| m.energy(m.variable::<Expr<'_>>("x").powi(2));
+    let twice = Config::new().element("a", square).unwrap().element("a", square).unwrap();
+    let weight = Config::new().cubic().element("cubic", square).unwrap();
+    let facet = Config::new().facets().element("facet", square).unwrap();
+    for (config, expected) in [(twice, "a"), (weight, "cubic"), (facet, "facet")] {
+        let error = config.source().unwrap_err();
+        let ConfigError::DuplicateElement { name } = &error else { panic!("{error}") };
+        assert_eq!(name, expected);
+    }
+}
+
+#[test]
+fn the_golden_element_is_what_the_generator_emits() {
+    let config = Config::new().element("spring", |m| {
+        m.title("A spring between two points, linear in its stretch.");
+        let x: [Vec3<'_>; 2] = m.variable("x");
+        let [stiffness, length] = m.parameters(["stiffness", "length"]);
+        m.describe("x", "Ends, length.");
+        m.describe("length", "Length without force.");
+        let stretch = m.define("stretch", (x[1] - x[0]).norm() - length);
+        m.energy(0.5 * stiffness * stretch.powi(2));
+        m.value("force", stiffness * stretch);
+        m.describe("force", "Tension, positive when stretched.");
+    });
+    let text = config.unwrap().source().unwrap();
+    if std::env::var_os("UPDATE_GOLDEN").is_some() {
+        std::fs::write(GOLDEN, &text).unwrap();
+    }
+    let golden = std::fs::read_to_string(GOLDEN).unwrap_or_default();
+    assert!(
+        text == golden,
+        "the emitted text has changed; refresh the excerpt and review the difference:\n    \
+         UPDATE_GOLDEN=1 cargo test -p diffuse-contact-codegen --test element"
+    );
+}

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use crate::emit::{EmitOptions, MOST_STATEMENTS, TooLong, emit_element, emit_file};
+use crate::emit::{EmitOptions, MOST_STATEMENTS, TooLong, emit_c, emit_element, emit_file};
 use crate::model::{
     Basis, BasisError, CustomBasis, ElementError, ElementKernels, ElementModel, Weight, WeightError,
 };
@@ -262,6 +262,15 @@ impl Config {
     /// [`ConfigError::DuplicateElement`], [`ConfigError::Element`] of an element that is too long.
     pub fn source(&self) -> Result<String, ConfigError> {
         self.source_for(true)
+    }
+
+    /// The kernels of the elements as a C99 header: for each number of derivatives a function for one element, and one for arrays of
+    /// many.
+    ///
+    /// # Errors
+    /// [`ConfigError::Element`] of an element with a root.
+    pub fn c_source(&self) -> Result<String, ConfigError> {
+        emit_c(&self.elements).map_err(|(element, source)| ConfigError::Element { element, source })
     }
 
     fn source_for(&self, optimised: bool) -> Result<String, ConfigError> {

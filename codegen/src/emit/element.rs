@@ -107,7 +107,7 @@ fn without_suffixes(tokens: TokenStream) -> TokenStream {
     tokens.into_iter().map(change).collect()
 }
 
-fn title(signature: &Signature) -> String {
+pub(super) fn title(signature: &Signature) -> String {
     if signature.doc.is_empty() {
         format!("The element `{}`.", signature.name)
     } else {
@@ -120,7 +120,7 @@ fn function_name(mode: Mode) -> Ident {
 }
 
 /// What derivatives of a mode are written to.
-fn arguments(signature: &Signature, mode: Mode) -> Vec<Argument> {
+pub(super) fn arguments(signature: &Signature, mode: Mode) -> Vec<Argument> {
     let count = signature.variables();
     let mut arguments = Vec::new();
     for value in signature.values.iter().filter(|_| mode > Mode::Value) {

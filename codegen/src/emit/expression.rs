@@ -10,7 +10,7 @@ use crate::schedule::Layout;
 
 /// Binding strength of rendered tokens.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Strength {
+pub(super) enum Strength {
     Sum,
     Product,
     Atom,

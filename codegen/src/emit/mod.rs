@@ -1,5 +1,6 @@
 //! Emission: programs become functions, functions modules, modules a formatted file.
 
+mod c;
 mod count;
 mod element;
 mod expression;
@@ -9,6 +10,7 @@ mod function;
 mod module;
 mod names;
 
+pub use c::emit_c;
 pub use count::{KernelCounts, OpCounts};
 pub use element::{EmittedElementKernel, emit_element, emit_element_kernel};
 pub use facet::{EmittedFacetKernel, emit_facet_kernel};

@@ -72,6 +72,12 @@ pub enum ElementError {
         /// Its equations.
         equations: usize,
     },
+    /// A root in C, which has no solver for it.
+    #[error("the root `{root}` cannot be written in C")]
+    RootInC {
+        /// The root.
+        root: String,
+    },
     /// A function that rustc has no stack for.
     #[error(
         "its function `{function}` would have {statements} statements, at most {} can be compiled",

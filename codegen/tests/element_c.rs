@@ -1,0 +1,199 @@
+//! The C header of elements: compiled with the C compiler and run, against the interpreter; and the checked-in text of a small one.
+#![allow(non_snake_case)]
+
+use std::fmt::Write as _;
+use std::process::Command;
+
+use diffuse_contact_codegen::expr::{Expr, Mat3, Vec3};
+use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
+use diffuse_contact_codegen::{
+    Config, ConfigError, ElementError, ElementKernels, ElementModel, Kernel, Mode,
+};
+
+const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../generated/golden/element_spring.h");
+
+fn tet4(m: &ElementModel<'_>) {
+    let (x, X): ([Vec3<'_>; 4], [Vec3<'_>; 4]) = (m.variable("x"), m.parameter("X"));
+    let [lambda, mu] = m.parameters(["lambda", "mu"]);
+    let [d, D] = [x, X].map(|x| Mat3::from_columns([1, 2, 3].map(|k| x[k] - x[0])));
+    let F = m.define("F", d * D.inverse());
+    let J = m.define("J", F.determinant());
+    let W = 0.5 * mu * (F.double_dot(F) - 3.0) - mu * J.ln() + 0.5 * lambda * J.ln().powi(2);
+    m.energy(D.determinant() / 6.0 * W);
+}
+
+/// Every operation that C has other words for, and names that are words of C.
+fn words(m: &ElementModel<'_>) {
+    let (x, long): (Vec3<'_>, Expr<'_>) = (m.variable("double"), m.parameter("long"));
+    let log = m.define("log", x.norm());
+    let angle = x[1].atan2(x[0]) + (log + long).ln() * x[2].sin() - x[0].cos().cbrt();
+    let power = (log + 1.0).powf(long) / (1.0 + (-log).exp());
+    m.residual("values", Vec3::from_fn(|k| [angle, power, x[0].max(x[1]).min(long)][k]));
+    m.value("if_", x.unit());
+}
+
+/// Numbers in (−0.5, 0.5) that look random.
+fn random(seed: &mut f64) -> f64 {
+    *seed = (*seed * 7.3 + 0.17).fract();
+    *seed - 0.5
+}
+
+/// Inputs of an element, in the order of its struct.
+fn inputs_of(element: &ElementKernels, seed: f64) -> Vec<f64> {
+    let mut seed = seed;
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].concat();
+    let inputs = element.signature.inputs.iter();
+    let values = inputs.flat_map(|input| match input.symbols.len() {
+        12 => corners.iter().map(|corner| corner + 0.3 * random(&mut seed)).collect(),
+        count => (0..count).map(|_| 1.0 + random(&mut seed)).collect::<Vec<f64>>(),
+    });
+    values.collect()
+}
+
+/// All values of a kernel, derivatives after the others, by the interpreter.
+fn expected(element: &ElementKernels, kernel: &Kernel<impl Clone>, inputs: &[f64]) -> Vec<f64> {
+    let mut node_inputs = NodeInputs::new(0);
+    let symbols = element.signature.inputs.iter().flat_map(|input| &input.symbols);
+    symbols.zip(inputs).for_each(|(name, &value)| node_inputs.set_element(name, value));
+    let mut interpreter = Interpreter::new(&kernel.graph, &node_inputs);
+    kernel.values.iter().flat_map(|value| value.components.clone()).map(|x| interpreter.element(x)).collect()
+}
+
+/// A program that prints the results of each kernel for each element, first one by one, then as a batch.
+fn program(element: &ElementKernels, elements: &[Vec<f64>]) -> String {
+    let (name, count) = (&element.signature.name, elements.len());
+    let numbers = |values: &[f64]| values.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
+    let mut text =
+        format!("#include \"elements.h\"\n#include <stdio.h>\n#include <string.h>\nint main(void) {{\n");
+    let size = elements[0].len();
+    let _ = writeln!(text, "static const double all[{count}][{size}] = {{{}}};", {
+        elements.iter().map(|values| format!("{{{}}}", numbers(values))).collect::<Vec<_>>().join(", ")
+    });
+    let _ = writeln!(text, "static double columns[{size} * {count}];");
+    let _ = writeln!(
+        text,
+        "for (int k = 0; k < {count}; k++) for (int i = 0; i < {size}; i++) columns[i * {count} + k] = all[k][i];"
+    );
+    for kernel in &element.kernels {
+        let mode = kernel.spec.mode.name();
+        let fields: usize =
+            kernel.spec.signature.values.iter().map(|v| v.dimensions.iter().product::<usize>()).sum();
+        let lengths: Vec<usize> =
+            kernel.values[kernel.spec.signature.values.len()..].iter().map(|v| v.components.len()).collect();
+        let arrays: String = (0..lengths.len()).map(|n| format!(", d{n}")).collect();
+        let declare = |times: usize| -> String {
+            lengths
+                .iter()
+                .enumerate()
+                .map(|(n, length)| format!("static double d{n}[{}];", times * length))
+                .collect()
+        };
+        let _ = writeln!(
+            text,
+            "for (int k = 0; k < {count}; k++) {{ {name}_inputs in; {name}_values v; double flat[{fields}]; {}",
+            declare(1)
+        );
+        let _ = writeln!(
+            text,
+            "memcpy(&in, all[k], sizeof in); {name}_{mode}(&in, &v{arrays}); memcpy(flat, &v, sizeof v);"
+        );
+        let _ = writeln!(text, "for (int i = 0; i < {fields}; i++) printf(\"%.17g\\n\", flat[i]);");
+        for (n, length) in lengths.iter().enumerate() {
+            let _ = writeln!(text, "for (int i = 0; i < {length}; i++) printf(\"%.17g\\n\", d{n}[i]);");
+        }
+        let _ = writeln!(text, "}} {{ static double v[{fields} * {count}]; {}", declare(count));
+        let _ = writeln!(
+            text,
+            "{name}_{mode}_batch({count}, columns, v{arrays}); for (int k = 0; k < {count}; k++) {{"
+        );
+        let _ =
+            writeln!(text, "for (int i = 0; i < {fields}; i++) printf(\"%.17g\\n\", v[i * {count} + k]);");
+        for (n, length) in lengths.iter().enumerate() {
+            let _ = writeln!(
+                text,
+                "for (int i = 0; i < {length}; i++) printf(\"%.17g\\n\", d{n}[i * {count} + k]);"
+            );
+        }
+        text.push_str("}}\n");
+    }
+    text + "return 0; }\n"
+}
+
+/// What a program prints, with these options of the compiler.
+fn printed(name: &str, header: &str, program: &str, options: &[&str]) -> Vec<f64> {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("elements.h"), header).unwrap();
+    std::fs::write(folder.join("main.c"), program).unwrap();
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".to_owned());
+    let mut compile = Command::new(compiler);
+    compile.args(["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror"]).args(options);
+    let compiled = compile.args(["main.c", "-o", "main", "-lm"]).current_dir(&folder).output().unwrap();
+    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+    let output = Command::new(folder.join("main")).output().unwrap();
+    assert!(output.status.success());
+    String::from_utf8(output.stdout).unwrap().lines().map(|line| line.parse().unwrap()).collect()
+}
+
+#[test]
+fn compiled_c_has_the_numbers_of_the_interpreter() {
+    for (name, formulas) in [("tet4", tet4 as fn(&ElementModel<'_>)), ("words", words)] {
+        let element = ElementKernels::new(name, formulas).unwrap();
+        let header = Config::new().element(name, formulas).unwrap().c_source().unwrap();
+        let elements: Vec<Vec<f64>> =
+            (0..5).map(|k| inputs_of(&element, 0.31 + 0.07 * f64::from(k))).collect();
+        let mut all = Vec::new();
+        for kernel in &element.kernels {
+            let results: Vec<Vec<f64>> = elements.iter().map(|x| expected(&element, kernel, x)).collect();
+            all.extend([results.concat(), results.concat()].concat());
+        }
+        let program = program(&element, &elements);
+        for options in [&["-O0"][..], &["-O3"]] {
+            let found = printed(name, &header, &program, options);
+            assert_eq!(found.len(), all.len());
+            let differences = found.iter().zip(&all).map(|(x, y)| (x - y).abs() / (1.0 + y.abs()));
+            let worst = differences.fold(0.0, |worst: f64, x| if x <= worst { worst } else { x });
+            println!("{name} {options:?}: {} numbers, largest relative difference {worst:.1e}", all.len());
+            assert!(worst < 1e-12, "{name}: {worst:e}");
+        }
+    }
+}
+
+#[test]
+fn a_root_is_refused() {
+    let config = Config::new().element("arc", |m| {
+        let x: Expr<'_> = m.variable("x");
+        let u = m.sheet().variables(["u", "v"]);
+        let (_, u) = m.sheet().root("foot", u, u.map(|u| u * u - x));
+        m.energy(u[0] * u[1]);
+    });
+    let error = config.unwrap().c_source().unwrap_err();
+    let ConfigError::Element { element, source } = error else { panic!("{error}") };
+    assert_eq!((element.as_str(), source), ("arc", ElementError::RootInC { root: "foot".to_owned() }));
+}
+
+#[test]
+fn the_golden_header_is_what_the_generator_emits() {
+    let config = Config::new().element("spring", |m| {
+        m.title("A spring between two points, linear in its stretch.");
+        let x: [Vec3<'_>; 2] = m.variable("x");
+        let [stiffness, length] = m.parameters(["stiffness", "length"]);
+        m.describe("x", "Ends, length.");
+        m.describe("length", "Length without force.");
+        let stretch = m.define("stretch", (x[1] - x[0]).norm() - length);
+        m.energy(0.5 * stiffness * stretch.powi(2));
+        m.value("force", stiffness * stretch);
+        m.describe("force", "Tension, positive when stretched.");
+    });
+    let text = config.unwrap().c_source().unwrap();
+    if std::env::var_os("UPDATE_GOLDEN").is_some() {
+        std::fs::write(GOLDEN, &text).unwrap();
+    }
+    let golden = std::fs::read_to_string(GOLDEN).unwrap_or_default();
+    assert!(
+        text == golden,
+        "the emitted text has changed; refresh the excerpt and review the difference:\n    \
+         UPDATE_GOLDEN=1 cargo test -p diffuse-contact-codegen --test element_c"
+    );
+    assert_eq!(Mode::ALL.map(|mode| text.contains(&format!("spring_{}_batch", mode.name()))), [true; 3]);
+}

@@ -15,6 +15,7 @@
 //! | `by_hand/` | the element written by hand with nalgebra |
 //! | `dual.rs` | the element over the dual numbers of num-dual |
 //! | `peak.rs` | the fused multiply-adds a second that the machine can do |
+//! | `tetrahedron.rs` | a solid element from its energy and by hand, of `benches/tetrahedron.rs` |
 //! | `measure.rs`, `report.rs` | rounds and medians, tables and JSON |
 #![forbid(unsafe_code)]
 
@@ -28,6 +29,7 @@ pub mod measure;
 pub mod peak;
 pub mod random;
 pub mod report;
+pub mod tetrahedron;
 
 pub use contender::{CONTENDERS, Contender, Evaluation, NoResult, Output, Run};
 pub use elements::{Elements, ElementsError};

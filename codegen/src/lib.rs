@@ -21,13 +21,15 @@
 //! assert!(error.contains('^'), "{error}");
 //! ```
 //!
+//! The same engine serves any element with a fixed number of nodes, from its energy: [`Config::element`].
+//!
 //! # The pipeline
 //!
 //! One module per stage:
 //!
 //! ```text
 //! formula    text of a weight                    "(1 - r)^2 * (1 + 2*r)"
-//! model      basis, weight, fit, foot, gap, facet formulas over a graph
+//! model      basis, weight, fit, foot, gap, facet, caller's formulas over a graph
 //! expr       formulas as they are written        handles with operators, vectors, matrices
 //! graph      hash-consed expressions             simplification, derivatives, substitution
 //! structure  sums, systems, roots                first and second derivatives of implicit quantities
@@ -75,7 +77,13 @@
 //!
 //! **Facets.** The distance from a facet itself (`model/facet.rs`) uses the same engine: a stationary value whose variables follow its
 //! parameters (`structure/follower.rs`), here a few vectors that are linear in the corners (`structure/linear_images.rs`). With the number
-//! of corners fixed all is of element scope, and `emit/facet.rs` writes it.
+//! of corners fixed all is of element scope, and `emit/fixed.rs` writes it.
+//!
+//! **Elements of the caller's** (`model/element.rs`) have a signature: typed inputs, which are variables or parameters, and values, of which
+//! it says how often they are differentiated. An energy depends on its variables through few quantities, such as a deformation gradient F
+//! and det F. `structure/intermediates.rs` finds those that are not named, `structure/chain.rs` differentiates through all, and
+//! `structure/invariance.rs` takes the way with the fewest operations. `emit/fixed.rs` writes them and the facets' kernels, `emit/c.rs`
+//! writes C.
 //!
 //! **r = 0 and r = 1.** Weights are polynomials P of the norm r = √(a² + b²), with the rule P(r) → (P'(r)/r)(a a' + b b'), where P'/r is a
 //! polynomial again. No derivative divides by r, and none loses digits near a node. Zeros at r = 1 are factored out before evaluation. A

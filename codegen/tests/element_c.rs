@@ -32,6 +32,16 @@ fn words(m: &ElementModel<'_>) {
     m.value("if_", x.unit());
 }
 
+/// A sum over two points, of what depends on them and of what does not.
+fn points(m: &ElementModel<'_>) {
+    let (x, k): (Vec3<'_>, Expr<'_>) = (m.variable("x"), m.parameter("k"));
+    let (xi, weight): (Expr<'_>, Expr<'_>) =
+        (m.points("point", &[[-0.5], [0.5]]), m.points("weight", &[[2.0], [3.0]]));
+    let length = m.define("length", x.norm());
+    m.energy(weight * (0.3 * k * length * (1.0 + xi)).exp());
+    m.value("volume", Vec3::from_fn(|axis| weight * x[axis]));
+}
+
 /// Numbers in (−0.5, 0.5) that look random.
 fn random(seed: &mut f64) -> f64 {
     *seed = (*seed * 7.3 + 0.17).fract();
@@ -52,11 +62,19 @@ fn inputs_of(element: &ElementKernels, seed: f64) -> Vec<f64> {
 
 /// All values of a kernel, derivatives after the others, by the interpreter.
 fn expected(element: &ElementKernels, kernel: &Kernel<impl Clone>, inputs: &[f64]) -> Vec<f64> {
-    let mut node_inputs = NodeInputs::new(0);
-    let symbols = element.signature.inputs.iter().flat_map(|input| &input.symbols);
-    symbols.zip(inputs).for_each(|(name, &value)| node_inputs.set_element(name, value));
-    let mut interpreter = Interpreter::new(&kernel.graph, &node_inputs);
-    kernel.values.iter().flat_map(|value| value.components.clone()).map(|x| interpreter.element(x)).collect()
+    let components: Vec<_> = kernel.values.iter().flat_map(|value| value.components.clone()).collect();
+    let points = &element.signature.points;
+    let once = vec![Vec::new()];
+    let mut sums = vec![0.0; components.len()];
+    for row in if points.rows.is_empty() { &once } else { &points.rows } {
+        let mut numbers = NodeInputs::new(0);
+        let symbols = element.signature.inputs.iter().flat_map(|input| &input.symbols);
+        symbols.zip(inputs).for_each(|(name, &value)| numbers.set_element(name, value));
+        points.symbols.iter().zip(row).for_each(|(name, &value)| numbers.set_element(name, value));
+        let mut interpreter = Interpreter::new(&kernel.graph, &numbers);
+        sums.iter_mut().zip(&components).for_each(|(sum, &x)| *sum += interpreter.element(x));
+    }
+    sums
 }
 
 /// A program that prints the results of each kernel for each element, first one by one, then as a batch.
@@ -137,7 +155,7 @@ fn printed(name: &str, header: &str, program: &str, options: &[&str]) -> Vec<f64
 
 #[test]
 fn compiled_c_has_the_numbers_of_the_interpreter() {
-    for (name, formulas) in [("tet4", tet4 as fn(&ElementModel<'_>)), ("words", words)] {
+    for (name, formulas) in [("tet4", tet4 as fn(&ElementModel<'_>)), ("words", words), ("points", points)] {
         let element = ElementKernels::new(name, formulas).unwrap();
         let header = Config::new().element(name, formulas).unwrap().c_source().unwrap();
         let elements: Vec<Vec<f64>> =

@@ -40,6 +40,7 @@ pub fn emit_element_kernel(kernel: &Kernel<ElementSpec>) -> EmittedElementKernel
         values: format_ident!("Values"),
         arguments: &arguments,
         solver: SOLVER,
+        points: &signature.points,
     };
     let function = Fixed::new(&program, &head, |value, components| {
         let returned = signature.values.iter().find(|returned| returned.name == value.name);
@@ -182,6 +183,10 @@ fn documentation(spec: &ElementSpec, function: &Fixed) -> Vec<String> {
         let names: Vec<String> = quantities.iter().map(|name| format!("`{name}`")).collect();
         lines.push(String::new());
         lines.push(format!(" Made of {}.", names.join(", ")));
+    }
+    if !signature.points.rows.is_empty() {
+        lines.push(String::new());
+        lines.push(format!(" Sums over {} points.", signature.points.rows.len()));
     }
     lines.push(String::new());
     let (total, iteration) = (function.counts.total(), function.iteration.total());

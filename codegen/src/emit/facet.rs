@@ -6,7 +6,7 @@ use quote::{format_ident, quote};
 use super::count::OpCounts;
 use super::fixed::{Argument, Fixed, Head};
 use crate::lower::lower;
-use crate::model::{FacetShape, FacetSpec, Input, Kernel, Mode, Role};
+use crate::model::{FacetShape, FacetSpec, Input, Kernel, Mode, Points, Role};
 use crate::schedule::Program;
 
 /// A facet kernel's source.
@@ -88,6 +88,7 @@ fn write(program: &Program<FacetSpec>) -> EmittedFacetKernel {
         arguments: &arguments,
         // The foot's equations are the negative derivatives of half the squared distance.
         solver: "TwoVariables",
+        points: &Points::default(),
     };
     let function = Fixed::new(program, &head, |value, components| {
         if value.is_array { quote!([#(#components),*]) } else { quote!(#(#components)*) }

@@ -1,13 +1,15 @@
 //! Kernels of fixed size: straight-line functions that read a struct, return a struct and write derivatives to arrays.
 
+use std::collections::HashMap;
+
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::count::OpCounts;
 use super::function::FunctionWriter;
 use crate::graph::{ExprId, Op};
-use crate::model::{Input, Value};
-use crate::schedule::Program;
+use crate::model::{Input, Points, Value};
+use crate::schedule::{Program, Statement};
 
 /// An argument that a derivative is written to, and its number of entries.
 pub(super) type Argument = (String, usize);
@@ -25,6 +27,8 @@ pub(super) struct Head<'a> {
     pub arguments: &'a [Argument],
     /// What solves the equations of roots.
     pub solver: &'static str,
+    /// What outputs are summed over.
+    pub points: &'a Points,
 }
 
 /// A function's pieces.
@@ -51,10 +55,22 @@ impl Fixed {
         function.writer.names.reserve(&["VARIABLES", "OPTIMISED"]);
         function.solver = head.solver;
 
+        if head.points.rows.is_empty() {
+            return Self::straight(function, head, shape);
+        }
+        function.writer.names.reserve(&["POINTS", "point", "sums", "entry"]);
+        Self::summed(function, head, shape)
+    }
+
+    fn straight<S>(
+        mut function: FunctionWriter<'_, S>,
+        head: &Head<'_>,
+        shape: impl Fn(&Value, &[TokenStream]) -> TokenStream,
+    ) -> Self {
+        let program = function.program;
         let body: Vec<TokenStream> =
             program.phases.iter().map(|phase| function.statements(&phase.statements)).collect();
-        let (derivatives, values): (Vec<&Value>, Vec<&Value>) =
-            program.kernel.values.iter().partition(|value| arguments.contains(&value.name.as_ref()));
+        let (derivatives, values) = head.outputs(program);
         let mut outputs = Vec::new();
         for value in derivatives {
             let name = format_ident!("{}", value.name);
@@ -87,6 +103,74 @@ impl Fixed {
         }
     }
 
+    /// A loop over points, after what is the same at all of them.
+    fn summed<S>(
+        mut function: FunctionWriter<'_, S>,
+        head: &Head<'_>,
+        shape: impl Fn(&Value, &[TokenStream]) -> TokenStream,
+    ) -> Self {
+        let program = function.program;
+        let (same, varying) = split(program, head.points);
+        let before = function.statements(&same);
+        let mut counts = function.writer.take_counts();
+        let body = function.statements(&varying);
+        let (derivatives, values) = head.outputs(program);
+        let (mut outputs, mut fields) = (Vec::new(), Vec::new());
+        let mut add = |to: TokenStream, x: ExprId| {
+            let entry = function.writer.used(x);
+            outputs.push(quote!(#to = #to + #entry;));
+        };
+        for value in derivatives {
+            let name = format_ident!("{}", value.name);
+            value.components.iter().enumerate().for_each(|(k, &x)| add(quote!(#name[#k]), x));
+        }
+        let mut count = 0_usize;
+        for value in values {
+            let field = format_ident!("{}", value.name);
+            let places: Vec<TokenStream> = value
+                .components
+                .iter()
+                .map(|&x| {
+                    let to = quote!(sums[#count]);
+                    count += 1;
+                    add(to.clone(), x);
+                    to
+                })
+                .collect();
+            let whole = shape(value, &places);
+            fields.push(quote!(#field: #whole));
+        }
+        let of_point = function.writer.take_counts();
+        let additions = OpCounts { additions: outputs.len(), ..OpCounts::default() };
+        counts += (of_point + additions).times(head.points.rows.len());
+        let reads = reads(&mut function, head.fields);
+        let point_reads = point_reads(&mut function, head.points);
+        let (table, number) = (table(head.points), head.points.rows.len());
+        let zeros = head.arguments.iter().map(|(name, length)| {
+            let name = format_ident!("{name}");
+            quote!(for entry in 0..#length { #name[entry] = E::ZERO; })
+        });
+        let values = &head.values;
+        Self {
+            counts,
+            iteration: function.counts.iteration,
+            statements: function.statements + outputs.len() + reads.len() + point_reads.len() + 4,
+            body: quote! {
+                #table
+                #(#reads)*
+                #before
+                #(#zeros)*
+                let mut sums = [E::ZERO; #count];
+                for point in 0..#number {
+                    #(#point_reads)*
+                    #body
+                    #(#outputs)*
+                }
+                #values { #(#fields),* }
+            },
+        }
+    }
+
     /// The function.
     pub fn tokens(&self, head: &Head<'_>, documentation: &[String]) -> TokenStream {
         let Head { name, inputs, values, .. } = head;
@@ -108,25 +192,76 @@ impl Fixed {
     }
 }
 
-/// `let`s for the inputs that are used.
-fn reads<S>(function: &mut FunctionWriter<'_, S>, fields: &[Input]) -> Vec<TokenStream> {
+impl Head<'_> {
+    /// Values that are written to arguments, and the others.
+    fn outputs<'k, S>(&self, program: &'k Program<S>) -> (Vec<&'k Value>, Vec<&'k Value>) {
+        let is_argument = |value: &&Value| self.arguments.iter().any(|(name, _)| *name == value.name);
+        program.kernel.values.iter().partition(is_argument)
+    }
+}
+
+/// Statements whose values are the same at all points, and the others.
+pub(super) fn split<S>(program: &Program<S>, points: &Points) -> (Vec<Statement>, Vec<Statement>) {
+    let graph = &program.kernel.graph;
+    let mut varies: Vec<bool> = Vec::with_capacity(graph.len());
+    // Operands come before what is made of them.
+    for k in 0..graph.len() {
+        let expr = ExprId(k as u32);
+        let own = match graph.op(expr) {
+            Op::Symbol(symbol) => points.symbols.contains(&graph.symbol_data(symbol).name),
+            _ => false,
+        };
+        varies.push(own || graph.dependencies(expr).iter().any(|x| varies[x.index()]));
+    }
+    let statements = program.phases.iter().flat_map(|phase| phase.statements.iter().copied());
+    statements.partition(|statement| match statement {
+        Statement::Let(expr) => !varies[expr.index()],
+        Statement::Solve(root) => !graph.dependencies_of_root(*root).iter().any(|x| varies[x.index()]),
+    })
+}
+
+/// The points as a constant.
+fn table(points: &Points) -> TokenStream {
+    let (count, columns) = (points.rows.len(), points.symbols.len());
+    let rows = points.rows.iter().map(|row| quote!([#(#row),*]));
+    quote!(const POINTS: [[f64; #columns]; #count] = [#(#rows),*];)
+}
+
+/// The symbols that a function uses, by name.
+fn symbols<S>(function: &FunctionWriter<'_, S>) -> HashMap<String, ExprId> {
     let graph = &function.program.kernel.graph;
-    let symbols: Vec<(&str, ExprId)> = (0..graph.len())
+    (0..graph.len())
         .map(|k| ExprId(k as u32))
+        .filter(|expr| function.program.layout.bound.contains(expr))
         .filter_map(|expr| match graph.op(expr) {
-            Op::Symbol(symbol) => Some((graph.symbol_data(symbol).name.as_str(), expr)),
+            Op::Symbol(symbol) => Some((graph.symbol_data(symbol).name.clone(), expr)),
             _ => None,
         })
-        .filter(|(_, expr)| function.program.layout.bound.contains(expr))
-        .collect();
+        .collect()
+}
+
+/// `let`s for the numbers of a point that are used.
+fn point_reads<S>(function: &mut FunctionWriter<'_, S>, points: &Points) -> Vec<TokenStream> {
+    let symbols = symbols(function);
+    let used = points.symbols.iter().enumerate().filter_map(|(k, name)| Some((k, *symbols.get(name)?)));
+    used.map(|(k, expr)| {
+        let name = function.writer.ident(expr);
+        quote!(let #name = E::splat(POINTS[point][#k]);)
+    })
+    .collect()
+}
+
+/// `let`s for the inputs that are used.
+fn reads<S>(function: &mut FunctionWriter<'_, S>, fields: &[Input]) -> Vec<TokenStream> {
+    let symbols = symbols(function);
     let mut all = Vec::new();
     for input in fields {
-        let known = |name: &String| symbols.iter().find(|(other, _)| other == name).map(|(_, expr)| *expr);
-        if input.symbols.iter().all(|name| known(name).is_none()) {
+        if input.symbols.iter().all(|name| !symbols.contains_key(name)) {
             continue;
         }
         let mut entry = |name: &String| {
-            let ident = known(name).map_or_else(|| format_ident!("_"), |expr| function.writer.ident(expr));
+            let ident =
+                symbols.get(name).map_or_else(|| format_ident!("_"), |&expr| function.writer.ident(expr));
             quote!(#ident)
         };
         let entries: Vec<TokenStream> = input.symbols.iter().map(&mut entry).collect();

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use super::kernel::{Kernel, Mode, Value};
-use super::signature::{Differentiated, Input, Quantity, Returned, Role, Signature};
+use super::signature::{Differentiated, Input, Points, Quantity, Returned, Role, Signature};
 use crate::expr::{Expr, Sheet, ids};
 use crate::graph::{ExprId, Graph, Op, RootId, Scope};
 use crate::structure::{Derivatives, NodeVectors, total_derivatives};
@@ -64,6 +64,14 @@ pub enum ElementError {
         /// The name.
         name: String,
     },
+    /// A table of numbers at points that does not fit.
+    #[error(
+        "the rows of `{name}` have not one number for each of its entries, or not as many rows as the points before"
+    )]
+    Points {
+        /// The table.
+        name: String,
+    },
     /// A root of another number of equations than the kernels can solve.
     #[error("the root `{root}` has {equations} equations; kernels solve two")]
     Root {
@@ -100,11 +108,12 @@ pub struct ElementModel<'g> {
     inputs: RefCell<Vec<Input>>,
     outputs: RefCell<Vec<(Returned, Vec<Expr<'g>>)>>,
     quantities: RefCell<Vec<String>>,
+    points: RefCell<Points>,
     error: RefCell<Option<ElementError>>,
 }
 
 /// What identifies a kernel of an element.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ElementSpec {
     /// What it reads and returns.
     pub signature: Signature,
@@ -131,6 +140,7 @@ impl<'g> ElementModel<'g> {
             inputs: RefCell::new(Vec::new()),
             outputs: RefCell::new(Vec::new()),
             quantities: RefCell::new(Vec::new()),
+            points: RefCell::new(Points { symbols: Vec::new(), rows: Vec::new() }),
             error: RefCell::new(None),
         }
     }
@@ -163,6 +173,24 @@ impl<'g> ElementModel<'g> {
     #[must_use]
     pub fn parameters<const N: usize>(&self, names: [&str; N]) -> [Expr<'g>; N] {
         names.map(|name| self.parameter(name))
+    }
+
+    /// Numbers at quadrature points, such as `Vec3` for natural coordinates: at each point those of a row. All outputs are then sums
+    /// over the points, in a loop that stays one in the code. Several tables have as many rows.
+    #[must_use]
+    pub fn points<Q: Quantity<'g>>(&self, name: &str, rows: &[impl AsRef<[f64]>]) -> Q {
+        let (quantity, symbols) = self.declared::<Q>(name);
+        let mut points = self.points.borrow_mut();
+        if points.symbols.is_empty() {
+            points.rows = vec![Vec::new(); rows.len()];
+        }
+        let is_whole = rows.iter().all(|row| row.as_ref().len() == symbols.len());
+        if rows.is_empty() || points.rows.len() != rows.len() || !is_whole {
+            self.fail(ElementError::Points { name: name.to_owned() });
+        }
+        points.symbols.extend(symbols);
+        points.rows.iter_mut().zip(rows).for_each(|(all, row)| all.extend(row.as_ref()));
+        quantity
     }
 
     /// Documents an input or an output: meaning and unit, in one line.
@@ -209,6 +237,14 @@ impl<'g> ElementModel<'g> {
     }
 
     fn input<Q: Quantity<'g>>(&self, name: &str, role: Role) -> Q {
+        let (quantity, symbols) = self.declared(name);
+        let (name, doc, dimensions) = (name.to_owned(), String::new(), Q::dimensions());
+        self.inputs.borrow_mut().push(Input { name, doc, role, dimensions, symbols });
+        quantity
+    }
+
+    /// A quantity of new symbols, and their names.
+    fn declared<Q: Quantity<'g>>(&self, name: &str) -> (Q, Vec<String>) {
         self.check_name(name);
         let mut symbols = Vec::new();
         let quantity = Q::declare(name, &mut |entry| {
@@ -217,9 +253,7 @@ impl<'g> ElementModel<'g> {
             symbols.push(symbol.symbol_name());
             symbol
         });
-        let (name, doc, dimensions) = (name.to_owned(), String::new(), Q::dimensions());
-        self.inputs.borrow_mut().push(Input { name, doc, role, dimensions, symbols });
-        quantity
+        (quantity, symbols)
     }
 
     fn output<Q: Quantity<'g>>(&self, name: &str, quantity: Q, differentiated: Differentiated) {
@@ -258,13 +292,16 @@ impl<'g> ElementModel<'g> {
         if outputs.is_empty() {
             return Err(ElementError::NoOutput);
         }
+        let points = self.points.into_inner();
+        let declared: Vec<&String> =
+            inputs.iter().flat_map(|input| &input.symbols).chain(&points.symbols).collect();
         for (value, entries) in &outputs {
-            entries.iter().try_for_each(|&x| check_output(&value.name, x, &inputs))?;
+            entries.iter().try_for_each(|&x| check_output(&value.name, x, &declared))?;
         }
         let variables = Variables::new(self.sheet, &inputs);
         let values = outputs.iter().map(|(value, _)| value.clone()).collect();
         let (name, doc) = (name.to_owned(), self.doc.into_inner());
-        let signature = Signature { name, doc, inputs, values };
+        let signature = Signature { name, doc, inputs, values, points };
         let most = outputs.iter().map(|(value, _)| value.differentiated as usize).max().unwrap_or(0);
         let by_mode = Mode::ALL[..=most]
             .iter()
@@ -357,7 +394,7 @@ fn values_of<'g>(
 }
 
 /// Whether an output is one value of the element made of declared inputs.
-fn check_output(output: &str, x: Expr<'_>, inputs: &[Input]) -> Result<(), ElementError> {
+fn check_output(output: &str, x: Expr<'_>, declared: &[&String]) -> Result<(), ElementError> {
     if x.scope() != Scope::Element {
         return Err(ElementError::Scope { output: output.to_owned(), scope: x.scope() });
     }
@@ -370,7 +407,7 @@ fn check_output(output: &str, x: Expr<'_>, inputs: &[Input]) -> Result<(), Eleme
         open.extend(graph.dependencies(expr));
         let Op::Symbol(symbol) = graph.op(expr) else { continue };
         let symbol = graph.symbol_data(symbol);
-        if symbol.definition.is_none() && !inputs.iter().any(|input| input.symbols.contains(&symbol.name)) {
+        if symbol.definition.is_none() && !declared.contains(&&symbol.name) {
             let (output, symbol) = (output.to_owned(), symbol.name.clone());
             return Err(ElementError::Undeclared { output, symbol });
         }

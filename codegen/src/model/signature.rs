@@ -50,8 +50,17 @@ pub struct Returned {
     pub differentiated: Differentiated,
 }
 
+/// Quadrature points: numbers that differ between them. Outputs are sums over the points.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Points {
+    /// Names of the symbols in the graph.
+    pub symbols: Vec<String>,
+    /// Their values, a row per point.
+    pub rows: Vec<Vec<f64>>,
+}
+
 /// Typed inputs and outputs of a kernel of fixed size.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Signature {
     /// Name of the element, that of its module.
     pub name: String,
@@ -61,6 +70,8 @@ pub struct Signature {
     pub inputs: Vec<Input>,
     /// What is returned.
     pub values: Vec<Returned>,
+    /// Points that outputs are summed over; without rows there is no sum.
+    pub points: Points,
 }
 
 impl Signature {

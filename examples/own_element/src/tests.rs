@@ -3,12 +3,14 @@
 use diffuse_contact_kernels::support::{Isa, Mode};
 use num_dual::{DualNum, HyperDual};
 
-use super::{Inputs, Results, VARIABLES, batch, cohesive, evaluate, stretched, tangent_error};
+use super::{
+    Inputs, Results, VARIABLES, batch, cohesive, evaluate, hex8_neo_hooke, stretched, tangent_error,
+};
 
 /// Entries of the packed Hessian.
 const PACKED: usize = VARIABLES * (VARIABLES + 1) / 2;
 
-/// W det D/6 with the right Cauchy-Green tensor by its own formula: J = √det C.
+/// The energy from the edges as rows: nowᵀ = F beforeᵀ, the inverse by cofactors, J as a quotient of volumes.
 fn energy<D: DualNum<Primitive = f64> + Copy>(x: &[[D; 3]; 4], inputs: &Inputs<f64>) -> D {
     let det = |a: &[[D; 3]; 3]| {
         let minor = |i: usize, j: usize| a[1][i] * a[2][j] - a[1][j] * a[2][i];
@@ -17,7 +19,6 @@ fn energy<D: DualNum<Primitive = f64> + Copy>(x: &[[D; 3]; 4], inputs: &Inputs<f
     let (X, one) = (inputs.X.map(|v| v.map(D::from)), D::from(1.0));
     let edges = |x: &[[D; 3]; 4]| [1, 2, 3].map(|k| [0, 1, 2].map(|i| x[k][i] - x[0][i]));
     let (now, before) = (edges(x), edges(&X));
-    // Edges are rows: G = now nowᵀ, and tr C = tr(G₀⁻¹ G) with G₀⁻¹ = (before⁻¹)ᵀ before⁻¹.
     let inverse = [0, 1, 2].map(|i| {
         [0, 1, 2].map(|j| {
             let (a, b, c, d) = ((j + 1) % 3, (j + 2) % 3, (i + 1) % 3, (i + 2) % 3);
@@ -128,6 +129,73 @@ fn the_tangent_is_the_derivative_of_the_forces() {
 #[should_panic(expected = "as many results as inputs")]
 fn a_batch_needs_a_place_for_each_result() {
     batch(Isa::SCALAR, Mode::Value, &elements(), &mut [Results::ZERO]);
+}
+
+/// The hexahedron with trilinear x(ξ): the energy of eight points for numbers of any kind.
+fn hexahedron<D: DualNum<Primitive = f64> + Copy>(
+    x: &[[D; 3]; 8],
+    inputs: &hex8_neo_hooke::Inputs<f64>,
+) -> D {
+    let corner = |k: usize| {
+        // Around the lower face, then around the upper.
+        let [a, b] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]][k % 4];
+        [a, b, if k < 4 { -1.0 } else { 1.0 }]
+    };
+    let at = 1.0 / 3_f64.sqrt();
+    let mut sum = D::from(0.0);
+    for point in 0..8 {
+        let xi = corner(point).map(|x| x * at);
+        // The tangents are those of a tetrahedron with these edges, which has a sixth of their volume.
+        let tetrahedron = |x: &[[D; 3]; 8]| {
+            let mut vertices = [[D::from(0.0); 3]; 4];
+            for (k, direction, axis) in (0..8).flat_map(|k| (0..9).map(move |n| (k, n / 3, n % 3))) {
+                let c = corner(k);
+                let factor = |i: usize| if i == direction { c[i] } else { 1.0 + c[i] * xi[i] };
+                vertices[direction + 1][axis] += x[k][axis] * (factor(0) * factor(1) * factor(2) / 8.0);
+            }
+            vertices
+        };
+        let X = tetrahedron(&inputs.X.map(|v| v.map(D::from))).map(|v| v.map(|x| x.re()));
+        let one = Inputs { x: X, X, lambda: inputs.lambda, mu: inputs.mu };
+        sum += energy(&tetrahedron(x), &one) * 6.0;
+    }
+    sum
+}
+
+#[test]
+fn a_sum_over_points_is_what_automatic_differentiation_says_with_all_instructions() {
+    use hex8_neo_hooke::{Results, VARIABLES, batch, evaluate};
+    let element = |k: i32| {
+        let X = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
+        let bent = |[x, y, z]: [f64; 3], by: f64| [x + by * y * z, y - 0.5 * by * x * x, z * (1.0 + by * x)];
+        let X = X.map(|v| bent(v.map(f64::from), 0.1));
+        let by = 0.05 * f64::from(k);
+        hex8_neo_hooke::Inputs { x: X.map(|v| bent(v, by)), X, lambda: 1.2, mu: 0.8 }
+    };
+    let elements: Vec<_> = (1..=5).map(element).collect();
+    let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    for element in &elements[..2] {
+        let found = evaluate(Mode::Hessian, element);
+        for (row, column) in (0..VARIABLES).flat_map(|row| (0..=row).map(move |column| (row, column))) {
+            let is = |k: usize, other: usize| f64::from(u8::from(k == other));
+            let seeded = |k: usize| HyperDual::new(element.x[k / 3][k % 3], is(k, row), is(k, column), 0.0);
+            let x = std::array::from_fn(|node| [0, 1, 2].map(|axis| seeded(3 * node + axis)));
+            let expected = hexahedron(&x, element);
+            close(found.hessian_at(row, column), expected.eps1eps2);
+            close(found.gradient[row], expected.eps1);
+            close(found.values.energy, expected.re);
+        }
+    }
+    for isa in Isa::available() {
+        let mut results = vec![Results::ZERO; elements.len()];
+        batch(isa, Mode::Hessian, &elements, &mut results);
+        for (found, element) in results.iter().zip(&elements) {
+            let expected = evaluate(Mode::Hessian, element);
+            let pairs = found.gradient.iter().zip(&expected.gradient);
+            pairs.chain(found.hessian.iter().zip(&expected.hessian)).for_each(|(x, y)| close(*x, *y));
+            close(found.values.energy, expected.values.energy);
+        }
+    }
 }
 
 /// Traction (1 − d) k δ with the damage d = max(1 − exp(−|δ|/l), d before), with one of its components.

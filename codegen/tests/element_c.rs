@@ -82,7 +82,7 @@ fn program(element: &ElementKernels, elements: &[Vec<f64>]) -> String {
     let (name, count) = (&element.signature.name, elements.len());
     let numbers = |values: &[f64]| values.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
     let mut text =
-        format!("#include \"elements.h\"\n#include <stdio.h>\n#include <string.h>\nint main(void) {{\n");
+        "#include \"elements.h\"\n#include <stdio.h>\n#include <string.h>\nint main(void) {\n".to_owned();
     let size = elements[0].len();
     let _ = writeln!(text, "static const double all[{count}][{size}] = {{{}}};", {
         elements.iter().map(|values| format!("{{{}}}", numbers(values))).collect::<Vec<_>>().join(", ")

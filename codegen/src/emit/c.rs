@@ -36,7 +36,7 @@ pub fn emit_c(elements: &[ElementKernels]) -> Result<String, (String, ElementErr
     let mut text = HEADER.to_owned();
     for element in elements {
         let name = &element.signature.name;
-        let kernels = element.kernels.iter().map(|kernel| kernel_text(kernel));
+        let kernels = element.kernels.iter().map(kernel_text);
         let kernels = kernels.collect::<Result<Vec<_>, _>>().map_err(|error| (name.clone(), error))?;
         text.push_str(&types(element));
         kernels.iter().for_each(|kernel| text.push_str(kernel));

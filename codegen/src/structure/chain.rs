@@ -192,7 +192,7 @@ impl<'g> Expansion<'g> {
                 let mut terms = Terms::new();
                 for j in 0..first {
                     if let Some(mixed) = entry(first + k, j) {
-                        terms.entry(j).or_insert_with(Vec::new).push((mixed, one));
+                        terms.entry(j).or_default().push((mixed, one));
                     }
                 }
                 for (l, row) in c.iter().enumerate().filter(|_| !is_form) {
@@ -207,7 +207,7 @@ impl<'g> Expansion<'g> {
         let mut terms = Terms::new();
         let mut add = |i: usize, j: usize, x: Expr<'g>, y: Expr<'g>| {
             if i >= j && !x.is_zero() && !y.is_zero() {
-                terms.entry((i, j)).or_insert_with(Vec::new).push((x, y));
+                terms.entry((i, j)).or_default().push((x, y));
             }
         };
         for (&(i, j), &x) in self.second.iter().filter(|((i, _), _)| *i < first) {
@@ -251,7 +251,7 @@ impl<'g> Expansion<'g> {
         }
         let mut terms = Terms::new();
         for (&place, &x) in &self.second {
-            terms.entry(place).or_insert_with(Vec::new).push((x, sheet.one()));
+            terms.entry(place).or_default().push((x, sheet.one()));
         }
         for form in &self.forms {
             for (row, scaled) in form.rows.iter().zip(form.scaled_rows()) {
@@ -276,7 +276,7 @@ impl<'g> Form<'g> {
             let mut terms = Terms::new();
             for (&j, &x) in row {
                 if j < first {
-                    terms.entry(j).or_insert_with(Vec::new).push((x, x.sheet().one()));
+                    terms.entry(j).or_default().push((x, x.sheet().one()));
                 } else if let Some(own) = c.get(j - first) {
                     own.iter().for_each(|(&j, &y)| terms.entry(j).or_default().push((x, y)));
                 }
@@ -292,7 +292,7 @@ impl<'g> Form<'g> {
             let mut terms = Terms::new();
             for (&b, row) in matrix.iter().zip(&self.rows).filter(|(b, _)| !b.is_zero()) {
                 for (&j, &x) in row {
-                    terms.entry(j).or_insert_with(Vec::new).push((b, x));
+                    terms.entry(j).or_default().push((b, x));
                 }
             }
             summed(terms)

@@ -82,7 +82,10 @@ fn visit(
         return known;
     }
     let dependencies = graph.dependencies(expr);
-    let any = dependencies.iter().fold(false, |any, &x| visit(graph, x, depends, order) || any);
+    let mut any = false;
+    for &x in &dependencies {
+        any |= visit(graph, x, depends, order);
+    }
     depends.insert(expr, any);
     if let (Op::Symbol(_), true, [definition]) = (graph.op(expr), any, dependencies.as_slice()) {
         order.push((expr, *definition));

@@ -114,32 +114,7 @@ impl Fixed {
         let before = function.statements(&same);
         let mut counts = function.writer.take_counts();
         let body = function.statements(&varying);
-        let (derivatives, values) = head.outputs(program);
-        let (mut outputs, mut fields) = (Vec::new(), Vec::new());
-        let mut add = |to: TokenStream, x: ExprId| {
-            let entry = function.writer.used(x);
-            outputs.push(quote!(#to = #to + #entry;));
-        };
-        for value in derivatives {
-            let name = format_ident!("{}", value.name);
-            value.components.iter().enumerate().for_each(|(k, &x)| add(quote!(#name[#k]), x));
-        }
-        let mut count = 0_usize;
-        for value in values {
-            let field = format_ident!("{}", value.name);
-            let places: Vec<TokenStream> = value
-                .components
-                .iter()
-                .map(|&x| {
-                    let to = quote!(sums[#count]);
-                    count += 1;
-                    add(to.clone(), x);
-                    to
-                })
-                .collect();
-            let whole = shape(value, &places);
-            fields.push(quote!(#field: #whole));
-        }
+        let Sums { outputs, fields, count } = Sums::new(&mut function, head, shape);
         let of_point = function.writer.take_counts();
         let additions = OpCounts { additions: outputs.len(), ..OpCounts::default() };
         counts += (of_point + additions).times(head.points.rows.len());
@@ -189,6 +164,51 @@ impl Fixed {
                 #body
             }
         }
+    }
+}
+
+/// Additions of a point's part to the outputs.
+struct Sums {
+    outputs: Vec<TokenStream>,
+    /// Fields of the struct that is returned.
+    fields: Vec<TokenStream>,
+    /// Numbers in them.
+    count: usize,
+}
+
+impl Sums {
+    fn new<S>(
+        function: &mut FunctionWriter<'_, S>,
+        head: &Head<'_>,
+        shape: impl Fn(&Value, &[TokenStream]) -> TokenStream,
+    ) -> Self {
+        let (derivatives, values) = head.outputs(function.program);
+        let (mut outputs, mut fields) = (Vec::new(), Vec::new());
+        let mut add = |to: TokenStream, x: ExprId| {
+            let entry = function.writer.used(x);
+            outputs.push(quote!(#to = #to + #entry;));
+        };
+        for value in derivatives {
+            let name = format_ident!("{}", value.name);
+            value.components.iter().enumerate().for_each(|(k, &x)| add(quote!(#name[#k]), x));
+        }
+        let mut count = 0_usize;
+        for value in values {
+            let field = format_ident!("{}", value.name);
+            let places: Vec<TokenStream> = value
+                .components
+                .iter()
+                .map(|&x| {
+                    let to = quote!(sums[#count]);
+                    count += 1;
+                    add(to.clone(), x);
+                    to
+                })
+                .collect();
+            let whole = shape(value, &places);
+            fields.push(quote!(#field: #whole));
+        }
+        Self { outputs, fields, count }
     }
 }
 

@@ -210,7 +210,7 @@ impl Config {
     }
 
     /// Adds an element of the caller's from its formulas, in the module `name`: `Inputs` and `Values` as they are declared,
-    /// a function per number of derivatives for any [`Lane`](crate#the-pipeline), `evaluate` for one element and `batch` for many
+    /// a function per number of derivatives for numbers and lanes, `evaluate` for one element and `batch` for many
     /// with the vector instructions of the machine. Derivatives are exact and nobody writes them:
     ///
     /// ```

@@ -94,6 +94,7 @@ pub struct Config {
     weights: Vec<Vec<Weight>>,
     bases: Vec<Basis>,
     facets: bool,
+    friction: bool,
     support: String,
     folder: Option<PathBuf>,
 }
@@ -113,6 +114,7 @@ impl Config {
             weights: Vec::new(),
             bases: Basis::ALL.to_vec(),
             facets: false,
+            friction: false,
             support: "::diffuse_contact_kernels::support".to_owned(),
             folder: None,
         }
@@ -191,6 +193,14 @@ impl Config {
         self
     }
 
+    /// Adds the kernels of contact with friction for all weights and bases: the slip from an anchor beside the gap, with its
+    /// derivatives.
+    #[must_use]
+    pub const fn friction(mut self) -> Self {
+        self.friction = true;
+        self
+    }
+
     /// Path of the support module the kernels use.
     #[must_use]
     pub fn support(mut self, path: &str) -> Self {
@@ -222,7 +232,8 @@ impl Config {
                 return Err(ConfigError::DuplicateWeight { name: (*name).to_owned() });
             }
         }
-        let options = EmitOptions { support: &support, bases: &self.bases, optimised };
+        let options =
+            EmitOptions { support: &support, bases: &self.bases, friction: self.friction, optimised };
         Ok(emit_file(&self.weights, self.facets, options)?)
     }
 

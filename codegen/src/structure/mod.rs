@@ -9,10 +9,12 @@ mod follower;
 mod linear_images;
 mod low_rank;
 mod outer_block;
+mod point;
 
 pub use coordinates::CoordinateMap;
 pub use elimination::Elimination;
-pub use fit_derivatives::{Block, Functional, Gradient, Hessian, NodeProblem};
+pub use fit_derivatives::{Block, Functional, Gradient, Hessian, NodeProblem, PointBlocks};
 pub use follower::Follower;
 pub use linear_images::{LinearImages, SecondDerivative};
-pub use low_rank::{LowRankForm, LowRankTerm};
+pub use low_rank::{LowRankForm, LowRankTerm, PointForm};
+pub use point::PointDependence;

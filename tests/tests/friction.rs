@@ -190,7 +190,7 @@ fn batches_give_what_elements_give_one_by_one() {
     ];
     with_large_stack(|| {
         for (weight, batch) in sets {
-            for (frame, n) in FRAMES.into_iter().flat_map(|frame| [6, 9, 16].map(|n| (frame, n))) {
+            for (frame, n) in FRAMES.into_iter().flat_map(|frame| [8, 9, 16].map(|n| (frame, n))) {
                 let slipped: Vec<Slipped> =
                     (0..7).map(|k| Slipped::random(n, Basis::Quadratic, weight, frame, 900 + k)).collect();
                 let freedoms = 3 * (n + 1);
@@ -252,9 +252,11 @@ fn a_rigid_motion_changes_no_slip_and_turns_its_force() {
 fn the_tangent_of_friction_is_its_force_differentiated() {
     const PENALTY: f64 = 100.0;
     with_large_stack(|| {
-        for (state, coefficient) in [(FrictionState::Stick, 50.0), (FrictionState::Slip, 0.2)] {
+        for (state, coefficient, stiffness) in
+            [(FrictionState::Stick, 50.0, 30.0), (FrictionState::Slip, 0.2, 3000.0)]
+        {
             for slipped in all(&[8]) {
-                let law = Coulomb::new(coefficient, 30.0).unwrap();
+                let law = Coulomb::new(coefficient, stiffness).unwrap();
                 let force = |slip: &Slip| {
                     // Pressed whatever the side: the force is linear in the gap.
                     let normal = NormalForce { force: 60.0 - PENALTY * slip.contact.gap, stiffness: PENALTY };

@@ -13,6 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .cubic_interpolating()
         .share_kernels()
         .facets()
+        .friction()
         .support("crate::support")
         .compile()?;
     Ok(())

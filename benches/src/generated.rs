@@ -227,7 +227,8 @@ pub(crate) fn inputs<'a>(element: &Element<'a>, point: [f64; 2]) -> ElementInput
         normal: element.frame.normal,
         support_radius: element.support_radius,
         point,
-        anchor: 0,
+        anchor: [0.0; 3],
+        pole: 0,
     }
 }
 

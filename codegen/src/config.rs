@@ -111,6 +111,7 @@ pub struct Config {
     bases: Vec<Basis>,
     elements: Vec<ElementKernels>,
     facets: bool,
+    friction: bool,
     support: String,
     folder: Option<PathBuf>,
 }
@@ -131,6 +132,7 @@ impl Config {
             bases: Basis::ALL.to_vec(),
             elements: Vec::new(),
             facets: false,
+            friction: false,
             support: "::diffuse_contact_kernels::support".to_owned(),
             folder: None,
         }
@@ -241,6 +243,14 @@ impl Config {
         Ok(self)
     }
 
+    /// Adds the kernels of contact with friction for all weights and bases: the slip from an anchor beside the gap, with its
+    /// derivatives.
+    #[must_use]
+    pub const fn friction(mut self) -> Self {
+        self.friction = true;
+        self
+    }
+
     /// Path of the support module the kernels use.
     #[must_use]
     pub fn support(mut self, path: &str) -> Self {
@@ -283,7 +293,8 @@ impl Config {
             }
         }
         let elements = self.element_modules(&support, optimised)?;
-        let options = EmitOptions { support: &support, bases: &self.bases, optimised };
+        let options =
+            EmitOptions { support: &support, bases: &self.bases, friction: self.friction, optimised };
         Ok(emit_file(&self.weights, self.facets, &elements, options)?)
     }
 

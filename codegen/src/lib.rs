@@ -72,7 +72,7 @@
 //! (`structure/coordinates.rs`). Coefficients and adjoint follow θ (`structure/outer_block.rs`), so the fit's factors stay those of a held
 //! frame. No formula of second derivatives by θ is written anywhere.
 //!
-//! **An infinite weight** is an unknown too. With an interpolating weight the node nearest to the slave, the anchor, enters with its
+//! **An infinite weight** is an unknown too. With an interpolating weight the node nearest to the slave, the pole, enters with its
 //! weighted error σ as a multiplier, e = σ/w, smooth where 1/w = 0. The system is then indefinite with known signs, and the same rule holds.
 //!
 //! **Facets.** The distance from a facet itself (`model/facet.rs`) uses the same engine: a stationary value whose variables follow its

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use crate::graph::{ExprId, Graph, Op, PolynomialId, RootId, Scope, SolveId, SymbolId, SystemId};
 use crate::model::Kernel;
-use crate::structure::{Gradient, Hessian};
+use crate::structure::{Gradient, Hessian, PointBlocks};
 
 /// The kernel over a graph without structured nodes other than sums and roots.
 #[must_use]
@@ -28,7 +28,9 @@ pub fn lower<S: Clone>(kernel: &Kernel<S>) -> Kernel<S> {
         .iter()
         .map(|(name, gradient)| {
             let slave = gradient.slave.map(|x| lowering.lower(x));
-            (*name, Gradient { slave, node: gradient.node.map(|x| lowering.lower(x)) })
+            let node = gradient.node.map(|x| lowering.lower(x));
+            let point = gradient.point.map(|point| point.map(|x| lowering.lower(x)));
+            (*name, Gradient { slave, node, point })
         })
         .collect();
     let hessians = kernel
@@ -40,17 +42,24 @@ pub fn lower<S: Clone>(kernel: &Kernel<S>) -> Kernel<S> {
                 node_slave: block(&mut lowering, &hessian.node_slave),
                 diagonal: block(&mut lowering, &hessian.diagonal),
                 pair: block(&mut lowering, &hessian.pair),
+                point: hessian.point.map(|PointBlocks { slave, node, diagonal }| PointBlocks {
+                    slave: block(&mut lowering, &slave),
+                    node: block(&mut lowering, &node),
+                    diagonal: block(&mut lowering, &diagonal),
+                }),
                 form: hessian.form.map(|x| lowering.lower(x)),
             };
             (*name, lowered)
         })
         .collect();
+    let node_values = kernel.node_values.iter().map(|&(name, x)| (name, lowering.lower(x))).collect();
     Kernel {
         spec: kernel.spec.clone(),
         graph: lowering.target,
         values,
         gradients,
         hessians,
+        node_values,
         equations: kernel.equations.clone(),
     }
 }

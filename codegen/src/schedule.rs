@@ -9,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 
 use crate::graph::{ExprId, Graph, Op, RootId, Scope};
 use crate::model::{Kernel, KernelSpec};
-use crate::structure::{LowRankForm, LowRankTerm};
+use crate::structure::{LowRankForm, LowRankTerm, PointForm};
 
 /// Deepest nesting of an expression that is written without an intermediate `let`.
 const MOST_DEPTH: usize = 14;
@@ -34,6 +34,11 @@ pub enum NodeTarget {
         /// Which Hessian.
         hessian: usize,
     },
+    /// A number of the node.
+    Value {
+        /// Which of the kernel's.
+        value: usize,
+    },
 }
 
 /// The rows of a Hessian's form in the order in which they are multiplied: b and c of each term.
@@ -41,15 +46,23 @@ pub enum NodeTarget {
 pub struct FormRows {
     /// Those of terms that differ between nodes: of a node, and of the slave.
     pub varying: Vec<[[ExprId; 3]; 2]>,
-    /// Those of terms that are the same for all nodes.
+    /// Those of terms that are the same for all nodes; none if there is a point, which differs from the nodes.
     pub constant: Vec<[[ExprId; 3]; 2]>,
+    /// The part of a point: its rows c, those of b being zero, and the lower triangle of its own block.
+    pub point: Option<(Vec<[ExprId; 3]>, [ExprId; 6])>,
 }
 
 impl FormRows {
     fn new(graph: &Graph, form: &LowRankForm) -> Self {
-        let mut rows = Self::default();
+        let point = form.point.as_ref().map(|PointForm { own, c }| {
+            let [xx, yx, yy, zx, zy, zz] =
+                [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)].map(|(i, j): (usize, usize)| own[i][j]);
+            (c.clone(), [xx, yx, yy, zx, zy, zz])
+        });
+        let mut rows = Self { point, ..Self::default() };
         for LowRankTerm { b, c } in &form.terms {
-            let is_constant = b[0].iter().chain(&c[0]).all(|&x| graph.scope(x) == Scope::Element);
+            let is_constant =
+                form.point.is_none() && b[0].iter().chain(&c[0]).all(|&x| graph.scope(x) == Scope::Element);
             let list = if is_constant { &mut rows.constant } else { &mut rows.varying };
             list.extend([*b, *c]);
         }
@@ -158,13 +171,18 @@ impl<'a, S: Clone> Scheduler<'a, S> {
 
     fn element_results(&self) -> Vec<ExprId> {
         let mut all: Vec<ExprId> = self.kernel.values.iter().flat_map(|v| v.components.clone()).collect();
-        all.extend(self.kernel.gradients.iter().flat_map(|(_, gradient)| gradient.slave));
+        for (_, gradient) in &self.kernel.gradients {
+            all.extend(gradient.slave.into_iter().chain(gradient.point.into_iter().flatten()));
+        }
         for (_, hessian) in &self.kernel.hessians {
             all.extend((0..3).flat_map(|row| hessian.slave[row][..=row].to_vec()));
         }
         for form in &self.forms {
             all.extend(form.varying.iter().flat_map(|[_, slave]| *slave));
             all.extend(form.constant.iter().flat_map(|rows| rows.as_flattened()));
+            if let Some((rows, own)) = &form.point {
+                all.extend(rows.iter().flatten().chain(own));
+            }
         }
         all
     }
@@ -180,6 +198,9 @@ impl<'a, S: Clone> Scheduler<'a, S> {
             }
             let own = (0..3).flat_map(|row| data.form.own[row][..=row].to_vec());
             all.push((NodeTarget::Own { hessian }, own.collect()));
+        }
+        for (value, &(_, x)) in self.kernel.node_values.iter().enumerate() {
+            all.push((NodeTarget::Value { value }, vec![x]));
         }
         all
     }

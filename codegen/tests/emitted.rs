@@ -17,6 +17,7 @@ fn product() -> Config {
         .cubic_interpolating()
         .share_kernels()
         .facets()
+        .friction()
         .support("crate::support")
 }
 

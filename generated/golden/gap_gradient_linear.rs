@@ -370,6 +370,7 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
     gradients[2usize] = S::element_output(-minus_dgap_dslave_z);
     GapValues {
         plane_pivot_ratio: E::ONE,
+        slip: E::ZERO,
         gap: gap,
         foot: [foot_0, foot_1_v2, foot_2_v2],
         normal: [normal_0, normal_1, normal_2],
@@ -406,8 +407,9 @@ pub struct GapGradient;
 impl GapKernel for GapGradient {
     const MODE: Mode = Mode::Gradient;
     const MATERIAL: bool = false;
+    const ANCHOR: bool = false;
     const KEPT: usize = gap_gradient_kept::COUNT;
-    const EVERY_WIDTH: bool = false;
+    const WIDTHS: Widths = Widths::Four;
     #[inline(always)]
     fn evaluate<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
         inputs: &Inputs<'_, E, T>,

@@ -8,7 +8,7 @@
 use std::sync::OnceLock;
 
 use diffuse_contact::{
-    Backend, Coefficients, Domains, Element, ElementError, FrameDerivative, Gap, Mode, Surface,
+    Backend, Coefficients, Domains, Element, ElementError, FrameDerivative, Gap, Mode, Point, Slip, Surface,
     SymmetricMatrix,
 };
 use diffuse_contact_codegen::graph::ExprId;
@@ -168,10 +168,50 @@ impl Backend for Interpreted {
         element.validate_with(|r| self.fitting_weight(r))?;
         let inputs = inputs(element, [0.0; 2]);
         let mut evaluation = self.evaluation(Output::Gap, element, mode, &inputs)?;
+        let mut gap = evaluation.contact(element)?;
+        gap.gradient = evaluation.gradients().pop().unwrap_or_default();
+        gap.hessian = evaluation.hessians().pop().unwrap_or_default();
+        Ok(gap)
+    }
+
+    fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {
+        element.validate_with(|r| self.fitting_weight(r))?;
+        let mut inputs = inputs(element, [0.0; 2]);
+        set_vector(&mut inputs, "anchor", anchor);
+        let mut evaluation = self.evaluation(Output::Slip, element, mode, &inputs)?;
+        let mut contact = evaluation.contact(element)?;
+        let mut gradients = evaluation.gradients().into_iter();
+        let mut hessians = evaluation.hessians().into_iter();
+        contact.gradient = gradients.next().unwrap_or_default();
+        contact.hessian = hessians.next().unwrap_or_default();
+        Ok(Slip {
+            contact,
+            half_square: evaluation.scalar("slip"),
+            gradient: gradients.next().unwrap_or_default(),
+            hessian: hessians.next().unwrap_or_default(),
+            foot_weights: evaluation.node_values(),
+        })
+    }
+}
+
+/// One element on its way through one kernel's graph.
+struct Evaluation<'a> {
+    kernel: &'a Kernel,
+    interpreter: Interpreter<'a>,
+    /// Number of master nodes.
+    count: usize,
+}
+
+impl Evaluation<'_> {
+    /// Gap, foot and normal, without derivatives.
+    fn contact(&mut self, element: &Element<'_>) -> Result<Gap, ElementError> {
+        let evaluation = self;
         let values = GapValues {
             gap: evaluation.scalar("gap"),
             foot: evaluation.array("foot"),
             normal: evaluation.array("normal"),
+            // The kernels' own; `Slip` has it.
+            slip: 0.0,
             coefficients: evaluation.padded("coefficients"),
             pivot_ratio: evaluation.scalar("pivot_ratio"),
             plane_pivot_ratio: evaluation.plane_pivot_ratio(),
@@ -188,21 +228,10 @@ impl Backend for Interpreted {
             foot: values.foot,
             normal: values.normal,
             coefficients: values.coefficients[..element.basis.size()].to_vec(),
-            gradient: evaluation.gradients().pop().unwrap_or_default(),
-            hessian: evaluation.hessians().pop().unwrap_or_default(),
+            ..Gap::default()
         })
     }
-}
 
-/// One element on its way through one kernel's graph.
-struct Evaluation<'a> {
-    kernel: &'a Kernel,
-    interpreter: Interpreter<'a>,
-    /// Number of master nodes.
-    count: usize,
-}
-
-impl Evaluation<'_> {
     fn components(&self, name: &str) -> &[ExprId] {
         let value = self.kernel.values.iter().find(|value| value.name == name);
         &value.unwrap_or_else(|| panic!("no kernel value is named {name}")).components
@@ -247,7 +276,14 @@ impl Evaluation<'_> {
         for node in 0..self.count {
             entries.extend(gradient.node.map(|x| self.interpreter.node(x, node)));
         }
+        entries.extend(gradient.point.into_iter().flatten().map(|x| self.interpreter.element(x)));
         entries
+    }
+
+    /// The first of the kernel's results of node scope.
+    fn node_values(&mut self) -> Vec<f64> {
+        let Some(&(_, x)) = self.kernel.node_values.first() else { return Vec::new() };
+        (0..self.count).map(|node| self.interpreter.node(x, node)).collect()
     }
 
     fn hessians(&mut self) -> Vec<SymmetricMatrix> {
@@ -271,25 +307,41 @@ impl Evaluation<'_> {
                 entries.extend(diagonal.iter().map(|&x| self.interpreter.node(x, node)));
             }
         }
-        let mut matrix = SymmetricMatrix::zeros(3 * (self.count + 1));
+        let mut nodes = self.count + 1;
+        if let Some(point) = &hessian.point {
+            nodes += 1;
+            for row in 0..3 {
+                entries.extend(point.slave[row].map(|x| self.interpreter.element(x)));
+                for node in 0..self.count {
+                    entries.extend(point.node[row].map(|x| self.interpreter.node(x, node)));
+                }
+                entries.extend(point.diagonal[row][..=row].iter().map(|&x| self.interpreter.element(x)));
+            }
+        }
+        let mut matrix = SymmetricMatrix::zeros(3 * nodes);
         matrix.packed_mut().copy_from_slice(&entries);
         matrix
     }
 }
 
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+fn set_vector(inputs: &mut NodeInputs, name: &str, vector: Point) {
+    for (axis, value) in AXES.iter().zip(vector) {
+        inputs.set_element(&format!("{name}_{axis}"), value);
+    }
+}
+
 /// The values of all input symbols; `point` is read by the surface kernels only.
 fn inputs(element: &Element<'_>, point: [f64; 2]) -> NodeInputs {
-    const AXES: [&str; 3] = ["x", "y", "z"];
     let mut inputs = NodeInputs::new(element.masters.len());
     let [t1, t2, normal] = element.frame.rows();
     for (name, vector) in [("slave", element.slave), ("t1", t1), ("t2", t2), ("normal", normal)] {
-        for (axis, value) in AXES.iter().zip(vector) {
-            inputs.set_element(&format!("{name}_{axis}"), value);
-        }
+        set_vector(&mut inputs, name, vector);
     }
     inputs.set_element("support_radius", element.support_radius);
     inputs.set_element("plane_reach", element.frame.reach);
-    inputs.set_element("anchor", element.nearest_in_plane() as f64);
+    inputs.set_element("pole", element.nearest_in_plane() as f64);
     inputs.set_element("point_1", point[0]);
     inputs.set_element("point_2", point[1]);
     for (k, axis) in AXES.iter().enumerate() {
@@ -321,8 +373,8 @@ pub(crate) const fn mode_of(mode: Mode) -> codegen::Mode {
 /// The frame's motion makes a difference to the gap only.
 fn frame_rule(output: Output, element: &Element<'_>) -> FrameRule {
     match (element.frame.derivative, element.domains) {
-        (FrameDerivative::CoMoving, Domains::Material(_)) if output == Output::Gap => FrameRule::Material,
-        (FrameDerivative::CoMoving, _) if output == Output::Gap => FrameRule::CoMoving,
+        (FrameDerivative::CoMoving, Domains::Material(_)) if output.has_gap() => FrameRule::Material,
+        (FrameDerivative::CoMoving, _) if output.has_gap() => FrameRule::CoMoving,
         _ => FrameRule::Frozen,
     }
 }

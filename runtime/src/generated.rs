@@ -2,12 +2,12 @@
 
 use std::marker::PhantomData;
 
-use diffuse_contact_kernels::support::{ElementInputs, FrameRule, GapValues, KernelSet, Masters};
+use diffuse_contact_kernels::support::{ElementInputs, FrameRule, GapValues, KernelSet, Masters, packed_row};
 
 use crate::output::SymmetricMatrix;
 use crate::{
-    Backend, Coefficients, ContactPoint, Domains, Element, ElementError, FrameDerivative, Gap, Mode, Surface,
-    Weight,
+    Backend, Coefficients, ContactPoint, Domains, Element, ElementError, FrameDerivative, Gap, Mode, Point,
+    Slip, Surface, Weight,
 };
 
 /// Evaluates elements with the kernels that the build script of `diffuse-contact-kernels` generated.
@@ -76,6 +76,10 @@ impl Backend for Generated {
     fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
         with_kernels!(element.weight, K => GeneratedWith::<K>::new().gap(element, mode))
     }
+
+    fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {
+        with_kernels!(element.weight, K => GeneratedWith::<K>::new().slip(element, anchor, mode))
+    }
 }
 
 impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
@@ -131,6 +135,21 @@ impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
             hessian: buffers.hessians().pop().unwrap_or_default(),
         })
     }
+
+    fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {
+        validate::<K>(element)?;
+        check_anchor(anchor)?;
+        let freedoms = element.degrees_of_freedom();
+        let gradients = if mode >= Mode::Gradient { 2 * freedoms + 3 + element.masters.len() } else { 0 };
+        let hessians =
+            if mode >= Mode::Hessian { packed_row(freedoms) + packed_row(freedoms + 3) } else { 0 };
+        let (mut gradients, mut hessians) = (vec![0.0; gradients], vec![0.0; hessians]);
+        let inputs = ElementInputs { anchor, ..inputs::<K>(element, [0.0; 2]) };
+        let kernel = (element.basis, frame_rule(element.frame.derivative, &element.domains), mode);
+        let values = K::slip(K::best_isa(), kernel, &inputs, &mut gradients, &mut hessians);
+        ElementError::check(values.status())?;
+        Ok(slip_of(element, &values, mode, [&gradients, &hessians]))
+    }
 }
 
 impl Generated {
@@ -152,6 +171,51 @@ impl Generated {
     ) -> Result<ContactPoint, ElementError> {
         with_kernels!(element.weight, K => GeneratedWith::<K>::new().gap_into(element, mode, gradient, hessian))
     }
+}
+
+/// Whether an anchor is a point.
+pub(crate) fn check_anchor(anchor: Point) -> Result<(), ElementError> {
+    let is_finite = anchor.iter().all(|x| x.is_finite());
+    if is_finite { Ok(()) } else { Err(ElementError::NonFiniteInput { what: "anchor", index: 0 }) }
+}
+
+/// What a kernel with an anchor wrote, cut into its parts.
+fn slip_of(
+    element: &Element<'_>,
+    values: &GapValues<f64>,
+    mode: Mode,
+    [gradients, hessians]: [&[f64]; 2],
+) -> Slip {
+    let freedoms = element.degrees_of_freedom();
+    let matrix = |size: usize, packed: &[f64]| {
+        let mut matrix = SymmetricMatrix::zeros(size);
+        matrix.packed_mut().copy_from_slice(packed);
+        matrix
+    };
+    let mut slip = Slip {
+        contact: Gap {
+            gap: values.gap,
+            foot: values.foot,
+            normal: values.normal,
+            coefficients: values.coefficients[..element.basis.size()].to_vec(),
+            ..Gap::default()
+        },
+        half_square: values.slip,
+        ..Slip::default()
+    };
+    if mode >= Mode::Gradient {
+        let (gap, rest) = gradients.split_at(freedoms);
+        let (of_slip, foot_weights) = rest.split_at(freedoms + 3);
+        slip.contact.gradient = gap.to_vec();
+        slip.gradient = of_slip.to_vec();
+        slip.foot_weights = foot_weights.to_vec();
+    }
+    if mode >= Mode::Hessian {
+        let (gap, of_slip) = hessians.split_at(packed_row(freedoms));
+        slip.contact.hessian = matrix(freedoms, gap);
+        slip.hessian = matrix(freedoms + 3, of_slip);
+    }
+    slip
 }
 
 impl<K: KernelSet> GeneratedWith<K> {
@@ -214,7 +278,7 @@ pub(crate) const fn frame_rule(derivative: FrameDerivative, domains: &Domains<'_
 }
 
 pub(crate) fn inputs<'a, K: KernelSet>(element: &Element<'a>, point: [f64; 2]) -> ElementInputs<'a> {
-    let anchor = if K::INTERPOLATING { element.nearest_in_plane() } else { 0 };
+    let pole = if K::INTERPOLATING { element.nearest_in_plane() } else { 0 };
     ElementInputs {
         slave: element.slave,
         masters: Masters::Positions(element.masters),
@@ -225,7 +289,8 @@ pub(crate) fn inputs<'a, K: KernelSet>(element: &Element<'a>, point: [f64; 2]) -
         normal: element.frame.normal,
         support_radius: element.support_radius,
         point,
-        anchor,
+        anchor: [0.0; 3],
+        pole,
     }
 }
 

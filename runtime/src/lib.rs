@@ -60,6 +60,7 @@
 
 #[cfg(feature = "ad")]
 pub mod ad;
+pub mod affine;
 pub mod assembly;
 pub mod backend;
 pub mod batch;
@@ -68,6 +69,7 @@ pub mod element;
 pub mod error;
 pub mod facet;
 pub mod frame;
+pub mod friction;
 pub mod generated;
 pub mod interface;
 pub mod material;
@@ -77,6 +79,7 @@ pub mod pairing;
 pub mod surface;
 mod vector;
 
+pub use affine::AffinePoint;
 pub use assembly::{ContactLaw, CsrPattern, DofMap, Triplets, add_residual};
 pub use backend::Backend;
 pub use batch::{BatchScratch, GapSlot};
@@ -85,10 +88,11 @@ pub use element::{Element, Weight};
 pub use error::ElementError;
 pub use facet::{FacetElement, FacetPoint};
 pub use frame::{Frame, FrameDerivative};
+pub use friction::{Coulomb, FrictionState};
 pub use generated::{Generated, GeneratedWith};
 pub use interface::{ContactInterface, InterfaceOptions};
 pub use material::{MaterialDomain, MaterialPlace};
-pub use output::{Coefficients, ContactPoint, Gap, Surface, SymmetricMatrix};
+pub use output::{Coefficients, ContactPoint, Gap, Slip, Surface, SymmetricMatrix};
 pub use surface::{Facet, MasterSurface};
 
 /// A point or a vector in global axes, in the length unit of the mesh.

@@ -108,6 +108,33 @@ pub struct Gap {
     pub hessian: SymmetricMatrix,
 }
 
+/// The contact quantities of one element with friction.
+///
+/// The *anchor* x^a is a material point of the master that the slave stuck to: an affine combination of master nodes. With
+/// d = x^c − x^a and the unit normal ν at the foot of today, q = ½ |P_ν d|², P_ν = 1 − ν νᵀ, is half the square of the slip (docs/equations.md, T16).
+/// Coordinates are ordered slave, masters, anchor.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Slip {
+    /// Gap, foot and normal, N and M.
+    pub contact: Gap,
+    /// q, length². The slip is √(2q).
+    pub half_square: f64,
+    /// ∇q = ∂q/∂x, 3(n+2) entries, length.
+    pub gradient: Vec<f64>,
+    /// ∇²q = ∂²q/∂x∂x, 3(n+2) square, dimensionless.
+    pub hessian: SymmetricMatrix,
+    /// φ, one number per master: the foot is Σ φ_k x^k with Σ φ_k = 1 (T15). Empty in value mode.
+    pub foot_weights: Vec<f64>,
+}
+
+impl Slip {
+    /// The slip √(2q), length.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        (2.0 * self.half_square).sqrt()
+    }
+}
+
 impl Gap {
     /// Whether the slave penetrates, g < 0. Penalty forces act only then; [`residual`](Self::residual) and
     /// [`tangent`](Self::tangent) evaluate (33) and (43) for either sign and leave the choice to the caller.

@@ -130,7 +130,8 @@ impl Case {
             normal: self.frame.normal,
             support_radius: self.support_radius,
             point: [0.0; 2],
-            anchor: self.element().nearest_in_plane(),
+            anchor: [0.0; 3],
+            pole: self.element().nearest_in_plane(),
         }
     }
 

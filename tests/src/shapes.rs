@@ -139,6 +139,7 @@ impl Found {
             gap,
             foot,
             normal,
+            slip,
             coefficients,
             pivot_ratio,
             plane_pivot_ratio,
@@ -151,6 +152,7 @@ impl Found {
         } = self.values;
         let figures = [
             gap,
+            slip,
             pivot_ratio,
             plane_pivot_ratio,
             foot_residual,

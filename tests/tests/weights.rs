@@ -128,13 +128,13 @@ fn the_surface_passes_through_the_node_below_the_slave() {
 }
 
 #[test]
-fn any_node_can_be_the_anchor() {
+fn any_node_can_be_the_pole() {
     for seed in 0..10 {
         let case = Case::random(9, Basis::Quadratic, seed).with_weight(Weight::CubicInterpolating);
         let element = case.element();
         let expected = Generated.gap(&element, Mode::Hessian).unwrap();
-        for anchor in 0..case.masters.len() {
-            let inputs = ElementInputs { anchor, ..case.inputs() };
+        for pole in 0..case.masters.len() {
+            let inputs = ElementInputs { pole, ..case.inputs() };
             let freedoms = element.degrees_of_freedom();
             let (mut gradient, mut hessian) = (vec![0.0; freedoms], vec![0.0; freedoms * (freedoms + 1) / 2]);
             let kernel = (case.basis, FrameRule::Frozen, Mode::Hessian);
@@ -147,15 +147,15 @@ fn any_node_can_be_the_anchor() {
     }
 }
 
-/// Vectors of nodes are filled up with copies of the last node: where it is the anchor and has the slave on it, its plain
+/// Vectors of nodes are filled up with copies of the last node: where it is the pole and has the slave on it, its plain
 /// weight is infinite.
 #[test]
 fn the_slave_on_any_node_with_all_instructions() {
     for nodes in 9..=12 {
         let mut case = Case::random(nodes, Basis::Quadratic, 3).with_weight(Weight::CubicInterpolating);
-        for anchor in 0..nodes {
-            case.slave = case.masters[anchor];
-            let inputs = ElementInputs { anchor, ..case.inputs() };
+        for pole in 0..nodes {
+            case.slave = case.masters[pole];
+            let inputs = ElementInputs { pole, ..case.inputs() };
             let freedoms = case.element().degrees_of_freedom();
             let evaluate = |isa: Isa| {
                 let (mut gradient, mut hessian) =
@@ -165,15 +165,15 @@ fn the_slave_on_any_node_with_all_instructions() {
                 (values, gradient, hessian)
             };
             let (expected, gradient, hessian) = evaluate(Isa::SCALAR);
-            assert_eq!(expected.status(), Status::Ok, "node {anchor} of {nodes}");
+            assert_eq!(expected.status(), Status::Ok, "node {pole} of {nodes}");
             for isa in Isa::available() {
                 let (found, found_gradient, found_hessian) = evaluate(isa);
-                assert_eq!(found.status(), Status::Ok, "{isa}, node {anchor} of {nodes}");
+                assert_eq!(found.status(), Status::Ok, "{isa}, node {pole} of {nodes}");
                 assert!((found.gap - expected.gap).abs() < 1e-13 * case.support_radius);
                 // Over a node at the rim the fit loses digits in proportion to its pivots.
                 let bound = 1e-13 / expected.pivot_ratio;
                 let (n, m) = (difference(&found_gradient, &gradient), difference(&found_hessian, &hessian));
-                assert!(n < bound && m < 10.0 * bound, "{isa}, {anchor} of {nodes}: {n:e} {m:e}, {bound:e}");
+                assert!(n < bound && m < 10.0 * bound, "{isa}, {pole} of {nodes}: {n:e} {m:e}, {bound:e}");
             }
         }
     }

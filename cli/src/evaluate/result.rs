@@ -1,13 +1,14 @@
 //! What `evaluate` answers for one element.
 
+use diffuse_contact::friction::{Coulomb, FrictionError, NormalForce};
 use diffuse_contact::neighbourhood::element_regularity;
 use diffuse_contact::{
-    Backend, Domains, Element, ElementError, Frame, FrameDerivative, Gap, MaterialDomain, MaterialPlace,
-    Mode, Point, pairing,
+    Backend, Domains, Element, ElementError, Frame, FrameDerivative, MaterialDomain, MaterialPlace, Mode,
+    Point, Slip, pairing,
 };
 use serde::Serialize;
 
-use super::schema::{ElementInput, FrameInput, Metric};
+use super::schema::{ElementInput, FrameInput, FrictionInput, Metric};
 use crate::json::{Coordinates, FrameOutput};
 use crate::outcome::Outcome;
 
@@ -43,6 +44,37 @@ pub struct Evaluated {
     /// R = −ε g N (33).
     residual: Vec<f64>,
     /// K = −∂R/∂x = ε (g M + N Nᵀ) (43), full rows.
+    tangent: Vec<Vec<f64>>,
+    /// The slip from the anchor, if the element has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slip: Option<SlipOutput>,
+    /// The friction, if it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    friction: Option<FrictionOutput>,
+}
+
+/// The slip from the anchor; vectors and matrices over the 3(n+2) coordinates ordered slave, master 1, …, master n, anchor.
+#[derive(Debug, Serialize)]
+struct SlipOutput {
+    /// q = ½ |P_ν d|² (docs/equations.md, T16): half the square of the slip.
+    q: f64,
+    /// ∇q = ∂q/∂x.
+    gradient: Vec<f64>,
+    /// ∇²q = ∂²q/∂x∂x, full rows.
+    hessian: Vec<Vec<f64>>,
+    /// The masters' weights in the foot: x^d = Σ φ_k x^k (T15).
+    foot_weights: Vec<f64>,
+}
+
+/// Friction by Coulomb's law, over the same coordinates. It comes on top of `residual` and `tangent`, which are those of the
+/// penalty alone.
+#[derive(Debug, Serialize)]
+struct FrictionOutput {
+    /// `open`, `stick` or `slip`.
+    state: &'static str,
+    /// The force R = −c ∇q.
+    residual: Vec<f64>,
+    /// K = −∂R/∂x, full rows; in slip not symmetric.
     tangent: Vec<Vec<f64>>,
 }
 
@@ -114,6 +146,14 @@ enum Refusal {
     /// The system grants no memory for the matrices.
     #[error("there is no memory for the matrices of {masters} masters, about {megabytes} MB")]
     NoMemory { masters: usize, megabytes: usize },
+    /// Friction of what slips from nowhere.
+    #[error(
+        "`anchor` is missing: friction acts against the slip from an anchor; the foot of first touch is one"
+    )]
+    FrictionWithoutAnchor,
+    /// The law is none.
+    #[error(transparent)]
+    Friction(#[from] FrictionError),
     /// The penalty is not positive.
     #[error("the penalty must be positive, not {value}")]
     InvalidPenalty { value: f64 },
@@ -132,6 +172,8 @@ impl Refusal {
             Self::InvalidMetric { .. } => "invalid-metric",
             Self::MissingOutward => "missing-outward",
             Self::CoMovingGivenFrame => "co-moving-given-frame",
+            Self::FrictionWithoutAnchor => "missing-anchor",
+            Self::Friction(error) => error.code(),
             Self::InvalidPenalty { .. } => "invalid-penalty",
         }
     }
@@ -155,6 +197,9 @@ fn evaluated(input: &ElementInput, backend: &dyn Backend) -> Result<Evaluated, R
         return Err(ElementError::TooFewNodes { found: masters.len(), needed: basis.size() }.into());
     }
     check_memory(masters.len())?;
+    if input.friction.is_some() && input.anchor.is_none() {
+        return Err(Refusal::FrictionWithoutAnchor);
+    }
     if let Some(domains) = domains(input)? {
         return with_domains(input, backend, &masters, &domains);
     }
@@ -170,8 +215,7 @@ fn evaluated(input: &ElementInput, backend: &dyn Backend) -> Result<Evaluated, R
         .with_basis(basis)
         .with_weight(input.weight());
     element.validate()?;
-    let gap = backend.gap(&element, Mode::Hessian)?;
-    Ok(answer(gap, &element, None, input.penalty)?)
+    answer(&element, None, input, backend)
 }
 
 /// Domains of influence in the first configuration, if the element has any.
@@ -242,8 +286,7 @@ fn with_domains(
         .with_basis(basis)
         .with_weight(input.weight());
     element.validate()?;
-    let gap = backend.gap(&element, Mode::Hessian)?;
-    Ok(answer(gap, &element, Some(found.place), input.penalty)?)
+    answer(&element, Some(found.place), input, backend)
 }
 
 /// One element that is too large is no end of the others. A failed allocation would be.
@@ -281,18 +324,28 @@ fn frame(input: &ElementInput, masters: &[Point]) -> Result<Frame, Refusal> {
 
 /// The entry of the output. JSON knows no infinity, so a product that overflows is an error.
 fn answer(
-    gap: Gap,
     element: &Element<'_>,
     place: Option<Point>,
-    penalty: f64,
-) -> Result<Evaluated, ElementError> {
-    let residual = gap.residual(penalty);
-    let tangent = gap.tangent(penalty);
+    input: &ElementInput,
+    backend: &dyn Backend,
+) -> Result<Evaluated, Refusal> {
+    let slip = match input.anchor {
+        Some(Coordinates(anchor)) => Some(backend.slip(element, anchor, Mode::Hessian)?),
+        None => None,
+    };
+    // The same bits with and without an anchor.
+    let gap = backend.gap(element, Mode::Hessian)?;
+    let residual = gap.residual(input.penalty);
+    let tangent = gap.tangent(input.penalty);
     finite("residual", &residual)?;
     finite("tangent", tangent.packed())?;
     finite("gap gradient", &gap.gradient)?;
     finite("gap Hessian", gap.hessian.packed())?;
     finite("coefficient", &gap.coefficients)?;
+    let friction = match (&slip, input.friction) {
+        (Some(slip), Some(law)) => Some(friction(slip, law, input.penalty)?),
+        _ => None,
+    };
     Ok(Evaluated {
         active: gap.is_penetrating(),
         gap: gap.gap,
@@ -308,7 +361,29 @@ fn answer(
         m: gap.hessian.to_rows(),
         residual,
         tangent: tangent.to_rows(),
+        slip: slip.map(slip_output).transpose()?,
+        friction,
     })
+}
+
+fn slip_output(slip: Slip) -> Result<SlipOutput, ElementError> {
+    finite("slip", &[slip.half_square])?;
+    finite("slip gradient", &slip.gradient)?;
+    finite("slip Hessian", slip.hessian.packed())?;
+    finite("foot weight", &slip.foot_weights)?;
+    let Slip { half_square: q, gradient, hessian, foot_weights, .. } = slip;
+    Ok(SlipOutput { q, gradient, hessian: hessian.to_rows(), foot_weights })
+}
+
+/// Friction under the penalty's force p = ⟨−ε g⟩.
+fn friction(slip: &Slip, law: FrictionInput, penalty: f64) -> Result<FrictionOutput, Refusal> {
+    let normal = NormalForce { force: (-penalty * slip.contact.gap).max(0.0), stiffness: penalty };
+    let force = Coulomb::new(law.coefficient, law.stiffness)?.force(normal, slip.half_square);
+    force.check()?;
+    let (residual, tangent) = (force.contact_force(slip), force.tangent(slip));
+    finite("friction force", &residual)?;
+    tangent.iter().try_for_each(|row| finite("friction tangent", row))?;
+    Ok(FrictionOutput { state: force.state.name(), residual, tangent })
 }
 
 fn finite(what: &'static str, numbers: &[f64]) -> Result<(), ElementError> {

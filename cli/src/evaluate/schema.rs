@@ -13,7 +13,9 @@
 //!   "metrics": [[[4, 0, 0], [0, 4, 0], [0, 0, 4]], …],
 //!   "basis": "linear",
 //!   "weight": "cubic",
-//!   "penalty": 1.0
+//!   "penalty": 1.0,
+//!   "anchor": [0.05, 0.2, 0.0],
+//!   "friction": {"coefficient": 0.3, "stiffness": 1.0}
 //! }]}
 //! ```
 //!
@@ -74,6 +76,20 @@ pub struct ElementInput {
     /// Penalty ε of the residual and the tangent; 1 if left out.
     #[serde(default = "unit_penalty")]
     pub penalty: f64,
+    /// Where the anchor is that the slip is measured from; without it there is no slip.
+    pub anchor: Option<Coordinates>,
+    /// Coulomb's friction; needs the anchor.
+    pub friction: Option<FrictionInput>,
+}
+
+/// Coulomb's law with a penalty for stick.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrictionInput {
+    /// Coefficient of friction μ ≥ 0.
+    pub coefficient: f64,
+    /// Tangential stiffness ε_T > 0, force per length.
+    pub stiffness: f64,
 }
 
 impl ElementInput {

@@ -57,7 +57,7 @@ pub(super) fn values_name(output: Output) -> Ident {
     match output {
         Output::Coefficients => format_ident!("CoefficientsValues"),
         Output::Surface => format_ident!("SurfaceValues"),
-        Output::Gap => format_ident!("GapValues"),
+        Output::Gap | Output::Slip => format_ident!("GapValues"),
     }
 }
 
@@ -244,11 +244,15 @@ impl FunctionWriter<'_> {
         if self.program.kernel.spec.output == Output::Surface {
             arrays.push(quote!(let [point_1, point_2] = inputs.point;));
         }
-        for name in ["anchor", WEIGHT_NUMBER, PLANE_REACH] {
+        for name in ["pole", WEIGHT_NUMBER, PLANE_REACH] {
             if self.program.kernel.graph.has_input(name) {
                 let name = format_ident!("{name}");
                 arrays.push(quote!(let #name = inputs.#name;));
             }
+        }
+        if self.program.kernel.spec.output == Output::Slip {
+            let names = AXES.map(|axis| format_ident!("anchor_{axis}"));
+            arrays.push(quote!(let [#(#names),*] = inputs.anchor;));
         }
         if self.program.kernel.graph.has_input(NODE_COUNT) {
             arrays.push(quote!(let node_count = E::splat(count as f64);));
@@ -375,6 +379,14 @@ impl FunctionWriter<'_> {
                     let (form, rows) = (form_name(hessian), rows_name(hessian));
                     quote!(S::keep_row(#form, #rows, #row, vector, [#(#values),*]);)
                 }
+                NodeTarget::Value { value } => {
+                    let (offset, size) = (self.node_value_offset(), quote!(count));
+                    let offset = match times_offset(value, &size) {
+                        none if none.is_empty() => offset,
+                        further => quote!(#further #offset),
+                    };
+                    quote!(S::write_values(#(#values)*, vector, &mut gradients[#offset..#offset + count]);)
+                }
                 NodeTarget::Own { hessian } => {
                     let (form, rows) = (form_name(hessian), rows_name(hessian));
                     quote!(S::keep_own(#form, #rows, vector, [#(#values),*]);)
@@ -393,8 +405,9 @@ impl FunctionWriter<'_> {
         let forms = self.program.forms.iter().enumerate().map(|(hessian, rows)| {
             let (form, name) = (form_name(hessian), rows_name(hessian));
             let (varying, constant) = (rows.varying.len(), rows.constant.len());
+            let point = rows.point.is_some().then(|| quote!(: count + 1));
             quote! {
-                let #name = FormRows { varying: #varying, constant: #constant, count };
+                let #name = FormRows { varying: #varying, constant: #constant, count #point };
                 let (#form, forms) = forms.split_at_mut(S::form_length(#name));
             }
         });
@@ -424,13 +437,26 @@ impl FunctionWriter<'_> {
             self.counts.node += per_node;
             self.counts.pair += per_pair;
             let not_finite = not_finite_name(hessian);
+            let mut size = quote!(packed_row(3 * count + 3));
+            let mut point = TokenStream::new();
+            if let Some((c, own)) = &rows.point {
+                size = quote!(packed_row(3 * count + 6));
+                let c = c.iter().enumerate().map(|(k, c)| {
+                    let (place, entries) = (2 * k, row(c));
+                    quote!(S::keep_point_rows(#form, #name, #place, [E::ZERO; 3], #entries);)
+                });
+                let c: Vec<TokenStream> = c.collect();
+                let own = own.map(|x| self.writer.used(x));
+                point = quote!(#(#c)* S::keep_point_own(#form, #name, [#(#own),*]););
+            }
             quote! {
+                #point
                 let #not_finite = S::multiply_form(
                     #form,
                     #name,
                     &[#(#slave),*],
                     &[#(#constant),*],
-                    &mut hessians[#offset 0..#offset packed_row(3 * count + 3)],
+                    &mut hessians[#offset 0..#offset #size],
                 );
             }
         });
@@ -449,6 +475,10 @@ impl FunctionWriter<'_> {
             for (axis, &x) in gradient.slave.iter().enumerate() {
                 let value = self.writer.used(x);
                 all.push(quote!(gradients[#offset #axis] = S::element_output(#value);));
+            }
+            for (axis, &x) in gradient.point.iter().flatten().enumerate() {
+                let value = self.writer.used(x);
+                all.push(quote!(gradients[#offset freedoms + #axis] = S::element_output(#value);));
             }
         }
         for (k, (_, hessian)) in kernel.hessians.iter().enumerate() {
@@ -490,10 +520,20 @@ impl FunctionWriter<'_> {
                 quote!(#field: [#(#components),*])
             })
             .collect();
-        let held = kernel.spec.output == Output::Gap && kernel.spec.frame == FrameRule::Frozen;
+        let held = kernel.spec.output.has_gap() && kernel.spec.frame == FrameRule::Frozen;
         let held = held.then(|| quote!(plane_pivot_ratio: E::ONE,));
+        let sticks = (kernel.spec.output == Output::Gap).then(|| quote!(slip: E::ZERO,));
         self.counts.element += self.writer.take_counts();
-        quote!(#name { #held #(#fields),* })
+        quote!(#name { #held #sticks #(#fields),* })
+    }
+
+    /// Where values of nodes begin among the gradients: after them.
+    fn node_value_offset(&self) -> TokenStream {
+        let kernel = &self.program.kernel;
+        let gradients = proc_macro2::Literal::usize_unsuffixed(kernel.gradients.len());
+        let points = kernel.gradients.iter().filter(|(_, gradient)| gradient.point.is_some()).count();
+        let points = 3 * points;
+        quote!(#gradients * freedoms + #points)
     }
 
     /// What is kept of a node between the loops, in the order of the loops.
@@ -536,6 +576,7 @@ impl FunctionWriter<'_> {
             Output::Coefficients => "Coefficients of the fit about the slave",
             Output::Surface => "The fitted surface at `inputs.point`",
             Output::Gap => "Gap, foot point and normal",
+            Output::Slip => "Gap, foot point, normal, and slip from the anchor",
         };
         let with = match spec.mode {
             Mode::Value => "",
@@ -562,6 +603,9 @@ impl FunctionWriter<'_> {
         if !kernel.gradients.is_empty() {
             let names: Vec<&str> = kernel.gradients.iter().map(|(name, _)| *name).collect();
             lines.push(format!(" `gradients`: {} × 3(n+1) entries, of {}.", names.len(), names.join(", ")));
+            if spec.output == Output::Slip {
+                lines.push(" Those of the slip are 3(n+2), the anchor's last; then the nodes' weights in the foot, n.".to_owned());
+            }
         }
         if !kernel.hessians.is_empty() {
             let names: Vec<&str> = kernel.hessians.iter().map(|(name, _)| *name).collect();

@@ -19,6 +19,8 @@ pub struct EmitOptions<'a> {
     pub support: &'a syn::Path,
     /// Bases of the fit.
     pub bases: &'a [Basis],
+    /// Whether there are kernels with the slip from an anchor.
+    pub friction: bool,
     /// Whether the crate that the file goes into is compiled with optimisation.
     pub optimised: bool,
 }
@@ -92,11 +94,10 @@ fn format(tokens: &TokenStream) -> String {
 
 /// The kernels of weights that share them, and a module for each weight.
 fn weight_modules(weights: &[Weight], options: EmitOptions<'_>) -> Result<TokenStream, TooLong> {
-    let EmitOptions { support, bases, .. } = options;
     let [weight] = weights else {
         let both = Weight::either(weights).expect("no interpolating weights are put together");
         let module = format_ident!("{}", both.name());
-        let kernels = basis_modules(&both, bases, support)?;
+        let kernels = basis_modules(&both, options)?;
         let sets = weights.iter().enumerate().map(|(number, weight)| {
             weight_module(weight, (&both, number), &quote!(super::#module), &quote!(), options)
         });
@@ -110,12 +111,12 @@ fn weight_modules(weights: &[Weight], options: EmitOptions<'_>) -> Result<TokenS
             #(#sets)*
         });
     };
-    let kernels = basis_modules(weight, bases, support)?;
+    let kernels = basis_modules(weight, options)?;
     Ok(weight_module(weight, (weight, 0), &quote!(self), &quote!(#(#kernels)*), options))
 }
 
-fn basis_modules(weight: &Weight, bases: &[Basis], support: &syn::Path) -> Result<Vec<TokenStream>, TooLong> {
-    bases.iter().map(|basis| basis_module(weight, *basis, support)).collect()
+fn basis_modules(weight: &Weight, options: EmitOptions<'_>) -> Result<Vec<TokenStream>, TooLong> {
+    options.bases.iter().map(|basis| basis_module(weight, *basis, options)).collect()
 }
 
 /// The module of a weight: the set of its kernels, which are those of another weight with a number, in the module
@@ -125,7 +126,7 @@ fn weight_module(
     (of, number): (&Weight, usize),
     place: &TokenStream,
     kernels: &TokenStream,
-    EmitOptions { support, bases, optimised }: EmitOptions<'_>,
+    EmitOptions { support, bases, friction, optimised }: EmitOptions<'_>,
 ) -> TokenStream {
     let module = format_ident!("{}", weight.name());
     let set = format_ident!("{}", camel_case(weight.name()));
@@ -141,7 +142,8 @@ fn weight_module(
     });
     let scalar = [Output::Coefficients, Output::Surface]
         .map(|output| scalar_method(output, (of, number), place, bases));
-    let gap = gap_methods((of, number), place, bases);
+    let gap = gap_methods(Output::Gap, (of, number), place, bases);
+    let slip = friction.then(|| gap_methods(Output::Slip, (of, number), place, bases));
     let description = match weight.is_interpolating() {
         true => format!("ω/(1 − ω), ω = `{}`", weight.text()),
         false => format!("`{}`", weight.text()),
@@ -176,6 +178,7 @@ fn weight_module(
 
                 #(#scalar)*
                 #gap
+                #slip
             }
         }
     }
@@ -229,10 +232,12 @@ fn camel_case(name: &str) -> String {
         .collect()
 }
 
-fn basis_module(weight: &Weight, basis: Basis, support: &syn::Path) -> Result<TokenStream, TooLong> {
+fn basis_module(weight: &Weight, basis: Basis, options: EmitOptions<'_>) -> Result<TokenStream, TooLong> {
+    let EmitOptions { support, friction, .. } = options;
     let module = format_ident!("{}", basis.name());
     let mut kernels = Vec::new();
-    for spec in KernelSpec::all(basis, weight) {
+    let specs = KernelSpec::all(basis, weight).into_iter();
+    for spec in specs.filter(|spec| friction || spec.output != Output::Slip) {
         let kernel = emit_kernel(&spec);
         if !matches!(basis, Basis::Custom(_)) && kernel.statements > super::MOST_STATEMENTS {
             let (weight, function) = (weight.name().to_owned(), function_name(&spec).to_string());
@@ -263,7 +268,7 @@ fn derivative_arguments(mode: Mode) -> TokenStream {
 
 /// A kernel for coefficients or surface, compiled for numbers: once for all weights that share it.
 fn scalar_kernel(spec: &KernelSpec) -> Option<TokenStream> {
-    if spec.output == Output::Gap {
+    if spec.output.has_gap() {
         return None;
     }
     let (function, name, kept) = (function_name(spec), scalar_name(spec), kept_name(spec));
@@ -294,7 +299,7 @@ fn scalar_name(spec: &KernelSpec) -> proc_macro2::Ident {
 /// A kernel for the gap as a type.
 fn gap_kernel(kernel: &EmittedKernel) -> Option<TokenStream> {
     let spec = &kernel.spec;
-    if spec.output != Output::Gap {
+    if !spec.output.has_gap() {
         return None;
     }
     let function = function_name(spec);
@@ -303,8 +308,9 @@ fn gap_kernel(kernel: &EmittedKernel) -> Option<TokenStream> {
     let arguments = derivative_arguments(spec.mode);
     let mode = format_ident!("{}", camel_case(spec.mode.name()));
     let doc = format!(" [`{function}`]");
-    let every_width = is_compiled_for_every_width(spec);
+    let widths = format_ident!("{}", widths(spec));
     let is_material = spec.frame == FrameRule::Material;
+    let has_anchor = spec.output == Output::Slip;
     let parameter = |name: &str, is_used: bool| {
         let name = format_ident!("{name}");
         if is_used { quote!(#name) } else { quote!(_) }
@@ -319,8 +325,9 @@ fn gap_kernel(kernel: &EmittedKernel) -> Option<TokenStream> {
         impl GapKernel for #name {
             const MODE: Mode = Mode::#mode;
             const MATERIAL: bool = #is_material;
+            const ANCHOR: bool = #has_anchor;
             const KEPT: usize = #kept::COUNT;
-            const EVERY_WIDTH: bool = #every_width;
+            const WIDTHS: Widths = Widths::#widths;
 
             #[inline(always)]
             fn evaluate<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
@@ -336,9 +343,16 @@ fn gap_kernel(kernel: &EmittedKernel) -> Option<TokenStream> {
 }
 
 /// The quadratic basis with a fitting weight is what most elements have. Batches with another basis (a fallback) or an
-/// interpolating weight are compiled for vectors of four numbers only.
-fn is_compiled_for_every_width(spec: &KernelSpec) -> bool {
-    spec.basis == Basis::Quadratic && !spec.weight.is_interpolating()
+/// interpolating weight are compiled for vectors of four numbers only. Kernels with a slip are twice as long: those that
+/// interfaces evaluate most, with a frame that moves, have batches, and the others are evaluated number by number.
+fn widths(spec: &KernelSpec) -> &'static str {
+    let is_common = spec.basis == Basis::Quadratic && !spec.weight.is_interpolating();
+    match spec.output {
+        Output::Slip if is_common && spec.frame != FrameRule::Frozen => "FourAndOne",
+        Output::Slip => "One",
+        _ if is_common => "Every",
+        _ => "Four",
+    }
 }
 
 /// A basis as a pattern; with it a condition, as the constant of a caller's basis is no pattern.
@@ -390,14 +404,19 @@ fn scalar_method(
     }
 }
 
-/// The methods of `KernelSet` for the gap.
-fn gap_methods((weight, number): (&Weight, usize), place: &TokenStream, bases: &[Basis]) -> TokenStream {
+/// The methods of `KernelSet` for the gap, or for gap and slip.
+fn gap_methods(
+    output: Output,
+    (weight, number): (&Weight, usize),
+    place: &TokenStream,
+    bases: &[Basis],
+) -> TokenStream {
     let kernels: Vec<(TokenStream, TokenStream)> = bases
         .iter()
         .flat_map(|&basis| {
             let (pattern, condition) = basis_pattern(basis);
             let module = format_ident!("{}", basis.name());
-            let specs = KernelSpec::all(basis, weight).into_iter().filter(|spec| spec.output == Output::Gap);
+            let specs = KernelSpec::all(basis, weight).into_iter().filter(move |spec| spec.output == output);
             specs.map(move |spec| {
                 let frame = match spec.frame {
                     FrameRule::Frozen => quote!(FrameRule::Frozen),
@@ -411,8 +430,9 @@ fn gap_methods((weight, number): (&Weight, usize), place: &TokenStream, bases: &
         })
         .collect();
     let (patterns, types): (Vec<TokenStream>, Vec<TokenStream>) = kernels.into_iter().unzip();
+    let (one, many) = (format_ident!("{}", output.name()), format_ident!("{}_batch", output.name()));
     quote! {
-        fn gap(
+        fn #one(
             isa: Isa,
             kernel: (Basis, FrameRule, Mode),
             inputs: &ElementInputs<'_>,
@@ -425,7 +445,7 @@ fn gap_methods((weight, number): (&Weight, usize), place: &TokenStream, bases: &
             }
         }
 
-        fn gap_batch(
+        fn #many(
             isa: Isa,
             kernel: (Basis, FrameRule, Mode),
             elements: &mut [BatchElement<'_>],

@@ -53,7 +53,7 @@ impl<'g> AveragePlane<'g> {
 
 /// Coordinates in a frame turned by θ about (t1, t2): X → exp(−[θ]) X, to second order in θ, which is all that first
 /// and second derivatives at θ = 0 see.
-fn turned_back<'g>(theta: Vec2<'g>, x: Vec3<'g>) -> Vec3<'g> {
+pub(super) fn turned_back<'g>(theta: Vec2<'g>, x: Vec3<'g>) -> Vec3<'g> {
     let axis = Vector([theta[0], theta[1], theta[0].sheet().zero()]);
     let once = axis.cross(x);
     let twice = axis.cross(once);

@@ -4,14 +4,14 @@
 //! radius R, so that the moment matrix has entries of order one in any length unit; outputs carry their units
 //! again. "[Tn]" are formulas of `docs/equations.md`. All derivatives in here are asked from the derivative engine.
 
-use super::anchor::Anchor;
 use super::average_plane::AveragePlane;
 use super::basis::Basis;
 use super::kernel::FrameRule;
 use super::material::Material;
+use super::pole::Pole;
 use super::weight::{DOMAIN_RATIO, NodeWeight, PLANE_REACH, Weight};
 use crate::expr::{
-    Expr, Mat3, Matrix, Sheet, System, Values, Vec2, Vec3, Vector, all_at, bind_all, dot, ids,
+    Expr, Mat2, Mat3, Matrix, Sheet, System, Values, Vec2, Vec3, Vector, all_at, bind_all, dot, ids,
 };
 use crate::graph::{RootFigure, RootId, Scope, SymmetricSystem};
 use crate::structure::{Block, CoordinateMap, Elimination, Follower, Functional, NodeProblem};
@@ -36,11 +36,28 @@ pub(super) struct Diffuse<'g> {
     /// (a, b, z): a node's offset from the slave over R, in the frame; where the frame moves, variables that move with
     /// it.
     position: Vec3<'g>,
-    /// w; where the weight has a pole, without the anchor's.
+    /// w; where the weight has a pole, without the pole's.
     weight: Expr<'g>,
-    anchor: Option<Anchor<'g>>,
+    pole: Option<Pole<'g>>,
     coordinates: CoordinateMap<'g>,
     plane: Option<AveragePlane<'g>>,
+}
+
+/// The surface about the foot point.
+pub(super) struct AtFoot<'g> {
+    /// The fit with its basis about the foot.
+    pub fit: Fit<'g>,
+    /// The slave's foot u in the plane.
+    pub foot: Vec2<'g>,
+    /// Offset δ from the foot, variables.
+    pub delta: Vec2<'g>,
+    /// f at u + δ.
+    pub surface: SurfacePoint<'g>,
+    /// The foot equations at u + δ.
+    pub equations: Vec2<'g>,
+    /// Their Jacobian by δ.
+    pub jacobian: Mat2<'g>,
+    pub root: RootId,
 }
 
 /// A fit.
@@ -64,7 +81,6 @@ pub(super) struct SurfacePoint<'g> {
 
 /// The foot point and what is defined there.
 pub(super) struct Contact<'g> {
-    pub problem: NodeProblem<'g>,
     pub functional: Functional<'g>,
     pub gap: Expr<'g>,
     pub foot: Vec3<'g>,
@@ -72,7 +88,6 @@ pub(super) struct Contact<'g> {
     pub distance: Expr<'g>,
     pub determinant: Expr<'g>,
     pub trace: Expr<'g>,
-    pub root: RootId,
 }
 
 impl<'g> Diffuse<'g> {
@@ -116,11 +131,11 @@ impl<'g> Diffuse<'g> {
         };
         let position = plane.as_ref().map_or(offset, |plane| plane.position);
 
-        let (weight, anchor) = match weight.evaluate(r) {
+        let (weight, pole) = match weight.evaluate(r) {
             NodeWeight::Fitting(weight) => (weight, None),
             NodeWeight::Interpolating { weight, compliance } => {
-                let (weight, anchor) = Anchor::declare(weight, compliance, offset);
-                (weight, Some(anchor))
+                let (weight, pole) = Pole::declare(weight, compliance, offset);
+                (weight, Some(pole))
             }
         };
         let weight = weight.named("w");
@@ -132,7 +147,7 @@ impl<'g> Diffuse<'g> {
             inverse_radius,
             position,
             weight,
-            anchor,
+            pole,
             coordinates,
             plane,
         }
@@ -142,15 +157,38 @@ impl<'g> Diffuse<'g> {
         self.weight.sheet()
     }
 
+    pub fn slave(&self) -> Vec3<'g> {
+        self.slave
+    }
+
+    pub fn support_radius(&self) -> Expr<'g> {
+        self.support_radius
+    }
+
+    /// The average plane, where the frame moves with it.
+    pub fn plane(&self) -> Option<&AveragePlane<'g>> {
+        self.plane.as_ref()
+    }
+
+    /// z of a node, a symbol.
+    pub fn height(&self) -> Expr<'g> {
+        self.position[2]
+    }
+
+    /// An axis of the frame over R.
+    pub fn axis(&self, k: usize) -> Vec3<'g> {
+        self.frame.row(k) * self.inverse_radius
+    }
+
     /// The slave's in-plane point, (0, 0).
     pub fn slave_point(&self) -> Vec2<'g> {
         Vector::zero(self.sheet())
     }
 
-    /// (13) A α = β with A = Σ w p pᵀ, β = Σ w z p, p = p(a − o₁, b − o₂), o = `origin`, or the anchor where there is one.
+    /// (13) A α = β with A = Σ w p pᵀ, β = Σ w z p, p = p(a − o₁, b − o₂), o = `origin`, or the pole where there is one.
     #[expect(non_snake_case, reason = "the paper's symbols")]
     pub fn fit(&self, origin: Vec2<'g>) -> Fit<'g> {
-        let origin = self.anchor.map_or(origin, |anchor| anchor.origin);
+        let origin = self.pole.map_or(origin, |pole| pole.origin);
         let p = self.basis_about(origin);
         let z = self.position[2];
         let values = self.values();
@@ -165,8 +203,8 @@ impl<'g> Diffuse<'g> {
         let references = self.basis.pivot_references(&diagonal);
         let mut order = self.basis.elimination_order();
         let multiplier = p.len();
-        if let Some(anchor) = self.anchor {
-            let (row, right_hand_side) = anchor.equation(multiplier, z, &values);
+        if let Some(pole) = self.pole {
+            let (row, right_hand_side) = pole.equation(multiplier, z, &values);
             A.push(row);
             beta.push(right_hand_side);
             // α₀ and σ first: their 2 × 2 block is regular whatever the compliance, and what is left after it is
@@ -174,11 +212,11 @@ impl<'g> Diffuse<'g> {
             order.retain(|&k| k != 0);
             order.splice(0..0, [0, multiplier]);
         }
-        let multipliers = self.anchor.iter().map(|_| multiplier).collect();
+        let multipliers = self.pole.iter().map(|_| multiplier).collect();
         let system = SymmetricSystem::of("l", &A, order).with_multipliers(multipliers);
         let system = self.sheet().system(system.with_references(ids(&references)));
         let mut solution = system.solve(&beta);
-        let sigma = self.anchor.and_then(|_| solution.pop());
+        let sigma = self.pole.and_then(|_| solution.pop());
         let mut unknowns = bind_all("alpha", &solution);
         unknowns.extend(sigma.map(|sigma| sigma.bind("sigma")));
         let problem = self.problem(&p, unknowns, system);
@@ -188,10 +226,10 @@ impl<'g> Diffuse<'g> {
 
     /// The same fit with the origin of its basis moved to `origin`: p(a − o) = T p(a), so A becomes T A Tᵀ, and α
     /// the Taylor coefficients of f at the new origin. The surface stays what it is, so `origin` is held while
-    /// differentiating. With an anchor the basis stays there.
+    /// differentiating. With an pole the basis stays there.
     #[expect(non_snake_case, reason = "the paper's symbols")]
     fn recentred(&self, fit: Fit<'g>, origin: Vec2<'g>) -> Fit<'g> {
-        if self.anchor.is_some() {
+        if self.pole.is_some() {
             return fit;
         }
         let shift = self.sheet().variables(["shift_a", "shift_b"]);
@@ -238,16 +276,16 @@ impl<'g> Diffuse<'g> {
         &problem.unknowns()[..self.basis.size()]
     }
 
-    /// (13) as residuals: Σ ρ = 0 with ρ = w e p, e = z − p·α; with an anchor σ p there, and −(e − σ/w) for σ.
+    /// (13) as residuals: Σ ρ = 0 with ρ = w e p, e = z − p·α; with an pole σ p there, and −(e − σ/w) for σ.
     fn problem(&self, p: &[Expr<'g>], unknowns: Vec<Expr<'g>>, system: System<'g>) -> NodeProblem<'g> {
         let fitted = dot(p, &unknowns[..p.len()]).named("fitted");
         let e = (self.position[2] - fitted).named("e");
         let mut w_e = (self.weight * e).named("w_e");
         let mut groups = vec![p.len()];
         let mut constraint = None;
-        if let (Some(anchor), Some(&sigma)) = (self.anchor, unknowns.get(p.len())) {
-            w_e += anchor.indicator * sigma;
-            constraint = Some(anchor.compliance * sigma - anchor.indicator * e);
+        if let (Some(pole), Some(&sigma)) = (self.pole, unknowns.get(p.len())) {
+            w_e += pole.indicator * sigma;
+            constraint = Some(pole.compliance * sigma - pole.indicator * e);
             groups.push(1);
         }
         let residual = p.iter().map(|&p| w_e * p).chain(constraint).collect();
@@ -261,11 +299,6 @@ impl<'g> Diffuse<'g> {
         self.plane.as_ref().map(|plane| plane.values.clone()).unwrap_or_default()
     }
 
-    /// The system of the average plane, where the frame moves with it.
-    pub fn plane_system(&self) -> Option<System<'g>> {
-        self.plane.as_ref().map(|plane| plane.system)
-    }
-
     /// α about the slave in length units: z = α·(1, a, b, …) with z, a, b in length units.
     pub fn coefficients(&self, fit: &Fit<'g>) -> Vec<Expr<'g>> {
         let about_slave = self.coefficients_about_slave(fit).into_iter().enumerate();
@@ -274,7 +307,7 @@ impl<'g> Diffuse<'g> {
 
     /// The Taylor coefficients of f at the slave.
     fn coefficients_about_slave(&self, fit: &Fit<'g>) -> Vec<Expr<'g>> {
-        if self.anchor.is_none() {
+        if self.pole.is_none() {
             return self.alpha(&fit.problem).to_vec();
         }
         let u = self.sheet().variables(["slave_a", "slave_b"]);
@@ -334,16 +367,14 @@ impl<'g> Diffuse<'g> {
         length * self.inverse_radius
     }
 
-    /// Foot point, gap and unit normal, and the gap as a functional of the coefficients at the foot.
-    #[expect(non_snake_case, reason = "the paper's symbols")]
-    pub fn contact(&self, fit: Fit<'g>) -> Contact<'g> {
-        let one = self.sheet().one();
+    /// The foot point, and the surface about it.
+    pub fn at_foot(&self, fit: Fit<'g>) -> AtFoot<'g> {
         // Foot point: F_k = −u_k + h f_k = 0 with h = −f(u).
         let u = self.sheet().variables(["u_1", "u_2"]);
-        // With the coefficients about the slave, also where the basis has its origin at the anchor: close to u = 0 the
+        // With the coefficients about the slave, also where the basis has its origin at the pole: close to u = 0 the
         // residual is then as small as the foot, not as the rounding of what cancels.
         let about_slave = self.coefficients_about_slave(&fit);
-        let about_slave = match self.anchor {
+        let about_slave = match self.pole {
             Some(_) => bind_all("slave_alpha", &about_slave),
             None => about_slave,
         };
@@ -351,20 +382,26 @@ impl<'g> Diffuse<'g> {
         let (root, foot) = self.sheet().root("foot", u, equations);
         let foot = foot.bind("foot");
         let fit = self.recentred(fit, foot);
+        let delta = self.sheet().variables(["delta_1", "delta_2"]);
+        let surface = self.surface_beside(&fit, delta, foot);
+        let equations = foot_equations(&surface, foot + delta);
+        AtFoot { fit, foot, delta, surface, equations, jacobian: equations.jacobian(delta), root }
+    }
 
+    /// Gap and unit normal, and the gap as a functional of the coefficients at the foot.
+    #[expect(non_snake_case, reason = "the paper's symbols")]
+    pub fn contact(&self, at: &AtFoot<'g>) -> Contact<'g> {
+        let one = self.sheet().one();
+        let &AtFoot { ref fit, foot, delta, surface, equations, jacobian: J, .. } = at;
         // Signed distance as a stationary value. Ψ(δ, q) = ν(q)·(x^c − x^d(o + δ)) with the unit normal
         // ν(q) = (−q_1, −q_2, 1)/√(1 + q²): ∂Ψ/∂δ = 0 says q_k = f_k, ∂Ψ/∂q = 0 says that x^c − x^d is along ν.
-        let delta = self.sheet().variables(["delta_1", "delta_2"]);
         let q = self.sheet().variables(["q_1", "q_2"]);
-        let surface = self.surface_beside(&fit, delta, foot);
         let point = foot + delta;
         let along = dot([q[0], q[1], one], [point[0], point[1], -surface.value]);
         let ell = dot([one, q[0], q[1]], [one, q[0], q[1]]).sqrt().named("ell");
         let distance = along / ell;
 
         // How δ and q follow α: δ by the foot equations, q = f_k(δ, α) by chain rule.
-        let equations = foot_equations(&surface, point);
-        let J = equations.jacobian(delta);
         let follower = |&alpha: &Expr<'g>| {
             let mut follower = Follower::new(alpha);
             follower.follow(delta.set_to(J.solve(-equations.by(alpha))));
@@ -385,7 +422,7 @@ impl<'g> Diffuse<'g> {
         let second =
             first.iter().map(|&first| followers.iter().map(|by| second(first, by)).collect()).collect();
         let first = all_at(&first, &at_foot).into_iter().map(|entry| R * entry).collect();
-        let functional = Functional { name: "gap".to_owned(), first, second };
+        let functional = Functional { name: "gap".to_owned(), first, second, point: None };
 
         // (19) g, (22) ν, and x^d, in global axes.
         let gap = R * distance.at(&at_foot);
@@ -400,8 +437,6 @@ impl<'g> Diffuse<'g> {
             determinant: J.determinant().at(&at_foot),
             trace: J.trace().at(&at_foot),
             distance: foot.dot(foot).sqrt(),
-            problem: fit.problem,
-            root,
         }
     }
 
@@ -453,5 +488,10 @@ fn linear_functional<'g>(
 ) -> Functional<'g> {
     let first: Vec<Expr<'g>> = problem.unknowns().iter().map(|&alpha| unit * quantity.by(alpha)).collect();
     let zero = unit.sheet().zero();
-    Functional { name: name.to_owned(), second: vec![vec![zero; first.len()]; first.len()], first }
+    Functional {
+        name: name.to_owned(),
+        second: vec![vec![zero; first.len()]; first.len()],
+        first,
+        point: None,
+    }
 }

@@ -455,6 +455,7 @@ impl ElementKernels {
             values,
             gradients: Vec::new(),
             hessians: Vec::new(),
+            node_values: Vec::new(),
             equations: Vec::new(),
         };
         let kernels: Vec<Kernel<ElementSpec>> = by_mode.into_iter().map(kernel).collect();

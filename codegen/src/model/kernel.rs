@@ -18,11 +18,13 @@ pub enum Output {
     Surface,
     /// g, foot, ν, N, M.
     Gap,
+    /// The same, and the slip from an anchor: q, ∇q, ∇²q, and the nodes' weights φ in the foot.
+    Slip,
 }
 
 impl Output {
     /// All outputs.
-    pub const ALL: [Self; 3] = [Self::Coefficients, Self::Surface, Self::Gap];
+    pub const ALL: [Self; 4] = [Self::Coefficients, Self::Surface, Self::Gap, Self::Slip];
 
     /// Name in emitted code.
     #[must_use]
@@ -31,7 +33,14 @@ impl Output {
             Self::Coefficients => "coefficients",
             Self::Surface => "surface",
             Self::Gap => "gap",
+            Self::Slip => "slip",
         }
+    }
+
+    /// Whether it has a gap, and so a foot and a frame that may move.
+    #[must_use]
+    pub const fn has_gap(self) -> bool {
+        matches!(self, Self::Gap | Self::Slip)
     }
 }
 
@@ -95,7 +104,7 @@ pub struct KernelSpec {
 }
 
 impl KernelSpec {
-    /// All kernels of a basis and a weight. A moving frame makes a difference to the gap only, and needs a basis that is
+    /// All kernels of a basis and a weight. A moving frame makes a difference to gap and slip only, and needs a basis that is
     /// [isotropic](Basis::is_isotropic); the value of the gap is the same, but not whether there is an average plane.
     #[must_use]
     pub fn all(basis: Basis, weight: &Weight) -> Vec<Self> {
@@ -105,8 +114,10 @@ impl KernelSpec {
             .flat_map(|output| Mode::ALL.map(|mode| spec(output, mode, FrameRule::Frozen)))
             .collect();
         if basis.is_isotropic() {
-            for frame in [FrameRule::CoMoving, FrameRule::Material] {
-                all.extend(Mode::ALL.map(|mode| spec(Output::Gap, mode, frame)));
+            for output in [Output::Gap, Output::Slip] {
+                for frame in [FrameRule::CoMoving, FrameRule::Material] {
+                    all.extend(Mode::ALL.map(|mode| spec(output, mode, frame)));
+                }
             }
         }
         all
@@ -139,6 +150,8 @@ pub struct Kernel<S = KernelSpec> {
     pub gradients: Vec<(&'static str, Gradient)>,
     /// Hessians, named.
     pub hessians: Vec<(&'static str, Hessian)>,
+    /// Results of node scope, named.
+    pub node_values: Vec<(&'static str, ExprId)>,
     /// The formulas behind it.
     pub equations: Vec<Equation>,
 }
@@ -180,7 +193,7 @@ impl Kernel {
             match spec.output {
                 Output::Coefficients => results.coefficients(spec, &model),
                 Output::Surface => results.surface(spec, &model),
-                Output::Gap => results.gap(spec, &model),
+                Output::Gap | Output::Slip => results.gap(spec, &model),
             }
         })
     }
@@ -199,8 +212,8 @@ impl<S> Kernel<S> {
             formulas(sheet, &spec, &mut results);
             results.checksum(sheet);
         });
-        let Results { values, gradients, hessians, equations } = results;
-        Self { spec, graph, values, gradients, hessians, equations }
+        let Results { values, gradients, hessians, node_values, equations } = results;
+        Self { spec, graph, values, gradients, hessians, node_values, equations }
     }
 }
 
@@ -210,6 +223,7 @@ pub(super) struct Results {
     values: Vec<Value>,
     gradients: Vec<(&'static str, Gradient)>,
     hessians: Vec<(&'static str, Hessian)>,
+    node_values: Vec<(&'static str, ExprId)>,
     equations: Vec<Equation>,
 }
 
@@ -248,8 +262,9 @@ impl Results {
         let fit = model.fit(model.slave_point());
         let alpha = model.coefficients(&fit);
         let system = fit.problem.system();
-        let contact = model.contact(fit);
-        let [residual, iterations] = model.foot_figures(contact.root);
+        let at_foot = model.at_foot(fit);
+        let contact = model.contact(&at_foot);
+        let [residual, iterations] = model.foot_figures(at_foot.root);
         self.scalar("gap", "Signed gap g, length, positive apart (eq. 19)", contact.gap);
         self.array("foot", "Foot point x^d, global axes, length", &contact.foot.0);
         self.array("normal", "Unit normal ν at the foot, global axes (eq. 22)", &contact.normal.0);
@@ -258,13 +273,38 @@ impl Results {
             "Coefficients α about the slave, units length, 1, 1, 1/length, … (eq. 13)",
             &alpha,
         );
-        self.derivatives(spec.mode, &contact.problem, &[("gap", contact.functional)], 1);
+        let problem = &at_foot.fit.problem;
+        if spec.output == Output::Slip {
+            let slip = model.slip(&at_foot);
+            self.scalar("slip", "q = ½ |P_ν d|², half the square of the slip, length²", slip.half_square);
+            if spec.mode >= Mode::Gradient {
+                self.node_value("foot_weights", slip.foot_weight);
+            }
+            self.derivatives(
+                spec.mode,
+                problem,
+                &[("gap", contact.functional), ("slip", slip.functional)],
+                2,
+            );
+            self.equations.extend([
+                Equation {
+                    formula: "q = |nu x (x^c - x^a)|^2 / 2",
+                    source: "slip from the anchor x^a; docs/equations.md, T16",
+                },
+                Equation {
+                    formula: "x^d = sum phi_k x_k",
+                    source: "the foot as an affine combination; docs/equations.md, T15",
+                },
+            ]);
+        } else {
+            self.derivatives(spec.mode, problem, &[("gap", contact.functional)], 1);
+        }
         self.pivot_ratio(system);
-        if let Some(system) = model.plane_system() {
+        if let Some(plane) = model.plane() {
             self.scalar(
                 "plane_pivot_ratio",
                 "Smallest pivot of the average plane's system, relative",
-                system.pivot_ratio(),
+                plane.system.pivot_ratio(),
             );
             self.equations.extend(match spec.frame {
                 FrameRule::Material => vec![
@@ -345,12 +385,17 @@ impl Results {
         for (_, hessian) in &self.hessians {
             terms.extend((0..3).flat_map(|row| hessian.slave[row][..=row].to_vec()));
         }
+        terms.extend(self.node_values.iter().map(|&(_, x)| sheet.expr(x).sum().id()));
         self.scalar(CHECKSUM, "Finite only if every result is", total(sheet.exprs(terms)));
     }
 
     pub(super) fn scalar(&mut self, name: &'static str, doc: &'static str, value: Expr<'_>) {
         let components = vec![value.named(name).id()];
         self.values.push(Value { name: name.into(), doc: doc.into(), is_array: false, components });
+    }
+
+    fn node_value(&mut self, name: &'static str, value: Expr<'_>) {
+        self.node_values.push((name, value.named(name).id()));
     }
 
     pub(super) fn array(&mut self, name: &'static str, doc: &'static str, components: &[Expr<'_>]) {

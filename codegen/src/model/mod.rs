@@ -1,6 +1,5 @@
 //! The contact element as formulas, and the kernels made of it.
 
-mod anchor;
 mod average_plane;
 mod basis;
 mod diffuse;
@@ -9,7 +8,9 @@ mod facet;
 mod facet_shape;
 mod kernel;
 mod material;
+mod pole;
 mod signature;
+mod slip;
 mod weight;
 
 pub(crate) use basis::MOST_COEFFICIENTS;

@@ -23,6 +23,8 @@ use super::coordinates::CoordinateMap;
 use super::elimination::Elimination;
 use super::factors::{ScaledVector, common_factor};
 use super::low_rank::{Factors, LowRankForm};
+use super::outer_block::Reduced;
+use super::point::{PointDependence, PointRows};
 use crate::expr::{AXES, Expr, Mat3, System, Values, Vec3, all_at, dot};
 use crate::graph::ExprId;
 
@@ -68,7 +70,7 @@ pub struct NodeProblem<'g> {
     pub values: Values<'g>,
 }
 
-/// A quantity G(α) of a [`NodeProblem`]'s unknowns.
+/// A quantity G(α), or G(α, y), of a [`NodeProblem`]'s unknowns.
 #[derive(Clone, Debug)]
 pub struct Functional<'g> {
     /// Name, used for the adjoint solution and the derivatives.
@@ -77,6 +79,8 @@ pub struct Functional<'g> {
     pub first: Vec<Expr<'g>>,
     /// ∂²G/∂α², of which the lower triangle is read.
     pub second: Vec<Vec<Expr<'g>>>,
+    /// The point y that G depends on besides, if it does.
+    pub point: Option<PointDependence<'g>>,
 }
 
 /// dG/dx by global coordinates.
@@ -86,6 +90,8 @@ pub struct Gradient {
     pub slave: [ExprId; 3],
     /// By a master node's coordinates.
     pub node: [ExprId; 3],
+    /// By the coordinates of the point that G depends on besides, if it does.
+    pub point: Option<[ExprId; 3]>,
 }
 
 /// d²G/dx² by global coordinates; `[row][column]`. The blocks are what the form says.
@@ -99,8 +105,21 @@ pub struct Hessian {
     pub diagonal: [[ExprId; 3]; 3],
     /// Row of one master node, column of another.
     pub pair: [[ExprId; 3]; 3],
+    /// Of the point that G depends on besides, if it does.
+    pub point: Option<PointBlocks>,
     /// All of it as products of rows.
     pub form: LowRankForm,
+}
+
+/// The rows of a Hessian that belong to a point; `[row][column]`.
+#[derive(Clone, Copy, Debug)]
+pub struct PointBlocks {
+    /// Column of the slave.
+    pub slave: [[ExprId; 3]; 3],
+    /// Column of a master node.
+    pub node: [[ExprId; 3]; 3],
+    /// The point by itself, symmetric.
+    pub diagonal: [[ExprId; 3]; 3],
 }
 
 /// Λ = Λ₁ + Λ₂, a node expression in which the unknowns and the adjoint ones are variables of their own.
@@ -158,9 +177,10 @@ impl<'g> NodeProblem<'g> {
     pub fn gradient(&self, functional: &Functional<'g>) -> Gradient {
         let lagrangian = self.lagrangian(functional).total;
         let node = self.coordinates.gradient(lagrangian).at(&self.values);
-        let slave = negative_sum(node).named(&format!("d{}_dslave", functional.name));
+        let point = functional.point.as_ref().map(|point| point.gradient(functional));
+        let slave = minus(negative_sum(node), point).named(&format!("d{}_dslave", functional.name));
         let node = Vec3::from_fn(|k| node[k].named(&format!("d{}_d{}", functional.name, AXES[k])));
-        Gradient { slave: slave.ids(), node: node.ids() }
+        Gradient { slave: slave.ids(), node: node.ids(), point: point.map(Vec3::ids) }
     }
 
     /// d²G/dx².
@@ -168,16 +188,32 @@ impl<'g> NodeProblem<'g> {
     pub fn hessian(&self, functional: &Functional<'g>) -> Hessian {
         let lagrangian = self.lagrangian(functional);
         let own = self.coordinates.hessian(lagrangian.total).at(&self.values);
-        let node = self.factors(functional, &lagrangian);
-        let b = slave_rows(&node.b, "b");
-        let slave = Factors { b, c: slave_rows(&node.c, &format!("c_{}", functional.name)) };
+        let (node, point) = self.factors(functional, &lagrangian);
+        let b = slave_rows(&node.b, &[], "b");
+        let point_rows = point.as_ref().map_or(&[][..], |point| &point.c);
+        let slave = Factors { b, c: slave_rows(&node.c, point_rows, &format!("c_{}", functional.name)) };
+        let point_own = point.as_ref().map(|point| point.own);
+        let slave_own = |i: usize, j: usize| {
+            let nodes = own[i][j].sum();
+            point_own.map_or(nodes, |point| nodes + point[i][j])
+        };
         Hessian {
             pair: Mat3::from_fn(|i, j| node.pair(i, j)).ids(),
             node_slave: Mat3::from_fn(|i, j| node.product(-own[i][j], &slave, i, j)).ids(),
-            slave: Mat3::symmetric(|i, j| slave.product(own[i][j].sum(), &slave, i, j)).ids(),
+            slave: Mat3::symmetric(|i, j| slave.product(slave_own(i, j), &slave, i, j)).ids(),
             diagonal: Mat3::symmetric(|i, j| node.product(own[i][j], &node, i, j)).ids(),
-            form: LowRankForm::new(own, &node, &slave),
+            point: point.as_ref().map(|point| point.blocks(&node, &slave)),
+            form: LowRankForm::new(own, &node, &slave, point.as_ref()),
         }
+    }
+
+    /// ∂G/∂zᵢ for a quantity G linear in the unknowns, with ∂G/∂α = `first`, and a variable z of node scope that the
+    /// residuals of the unknowns of interest depend on.
+    #[must_use]
+    pub fn sensitivity(&self, name: &str, first: &[Expr<'g>], z: Expr<'g>) -> Expr<'g> {
+        let adjoint = self.system().solve_bound(first, &format!("lambda_{name}"));
+        let by_z: Vec<Expr<'g>> = self.block.residual.iter().map(|residual| residual.by(z)).collect();
+        dot(&adjoint, &by_z).at(&self.values)
     }
 
     /// The adjoint equations are A₁ λ = ∂G/∂α and A₂ μ = Σ (∂ρ₁/∂θ)ᵀ λ.
@@ -200,6 +236,12 @@ impl<'g> NodeProblem<'g> {
         let change = |&unknown: &Expr<'g>| self.coordinates.follower(unknown).total_derivative(inner);
         let right_hand_side: Vec<Expr<'g>> =
             outer.unknowns.iter().map(|unknown| self.sum_at_values(change(unknown))).collect();
+        let of_point = |&unknown: &Expr<'g>, sum: Expr<'g>| match &functional.point {
+            Some(point) => sum + point.change(point.value, unknown),
+            None => sum,
+        };
+        let right_hand_side: Vec<Expr<'g>> =
+            outer.unknowns.iter().zip(right_hand_side).map(|(unknown, sum)| of_point(unknown, sum)).collect();
         let outer_adjoint = outer.system.solve_transposed(&right_hand_side, &format!("mu_{name}"));
         let outer = dot(&outer_adjoint, &outer.residual);
         Lagrangian { inner, total: inner + outer, outer, outer_adjoint }
@@ -210,25 +252,34 @@ impl<'g> NodeProblem<'g> {
         x.at(&self.values).sum()
     }
 
-    /// B̂ and Ĉ, named, one row per unknown in elimination order.
-    fn factors(&self, functional: &Functional<'g>, lagrangian: &Lagrangian<'g>) -> Factors<'g> {
+    /// B̂ and Ĉ, named, one row per unknown in elimination order, of a node and of the point.
+    fn factors(
+        &self,
+        functional: &Functional<'g>,
+        lagrangian: &Lagrangian<'g>,
+    ) -> (Factors<'g>, Option<PointRows<'g>>) {
         let (block, name) = (&self.block, &functional.name);
         let by_unknowns: Vec<Expr<'g>> =
             block.unknowns.iter().map(|&unknown| lagrangian.inner.by(unknown)).collect();
         let mut factors = self.block_factors(block, &by_unknowns, "p");
+        let mut point = functional.point.as_ref().map(|point| point.rows(block));
         add_second_derivative(&mut factors, block, &functional.second, &format!("h_{name}"));
         if let Some(outer) = &self.outer {
-            let (by_outer, second) = self.reduced(outer, functional, lagrangian, &by_unknowns);
-            let mut added = self.block_factors(outer, &by_outer, "plane");
-            add_second_derivative(&mut added, outer, &second, &format!("h_{name}_plane"));
+            let reduced: Reduced<'g> = self.reduced(outer, functional, lagrangian, &by_unknowns);
+            let mut added = self.block_factors(outer, &reduced.by_outer, "plane");
+            add_second_derivative(&mut added, outer, &reduced.second, &format!("h_{name}_plane"));
             factors.b.extend(added.b);
             factors.c.extend(added.c);
+            if let (Some(rows), Some(point)) = (&mut point, &functional.point) {
+                rows.c.extend(point.factor(outer, &reduced.point_by_outer));
+            }
         }
         let named = |(k, row): (usize, &Vec3<'g>), letter: &str| row.named(&format!("{letter}_{k}"));
-        Factors {
+        let factors = Factors {
             b: factors.b.iter().enumerate().map(|row| named(row, "b_hat")).collect(),
             c: factors.c.iter().enumerate().map(|row| named(row, &format!("c_hat_{name}"))).collect(),
-        }
+        };
+        (factors, point)
     }
 
     /// L⁻¹B and S L⁻¹C of a block, or A⁻¹B and C where A is not symmetric, C being the gradient of `by_unknowns`.
@@ -288,10 +339,16 @@ fn add_second_derivative<'g>(
     }
 }
 
-/// The slave's rows of a factor: the negative sums of the nodes'.
-fn slave_rows<'g>(rows: &[Vec3<'g>], letter: &str) -> Vec<Vec3<'g>> {
-    let slave = |(k, &row)| negative_sum(row).named(&format!("{letter}_slave_{k}"));
+/// The slave's rows of a factor: the negative sums of the nodes', and of the point's where there are any.
+fn slave_rows<'g>(rows: &[Vec3<'g>], point: &[Vec3<'g>], letter: &str) -> Vec<Vec3<'g>> {
+    let slave =
+        |(k, &row)| minus(negative_sum(row), point.get(k).copied()).named(&format!("{letter}_slave_{k}"));
     rows.iter().enumerate().map(slave).collect()
+}
+
+/// x − y, or x where there is no y.
+fn minus<'g>(x: Vec3<'g>, y: Option<Vec3<'g>>) -> Vec3<'g> {
+    y.map_or(x, |y| x - y)
 }
 
 /// −Σ x

@@ -1,5 +1,6 @@
 //! Products of low rank, and sums of products that fuse.
 
+use super::point::PointRows;
 use crate::expr::{Expr, Mat3, Vec3};
 use crate::graph::{ExprId, Scope};
 
@@ -20,16 +21,41 @@ pub struct LowRankForm {
     pub own: [[ExprId; 3]; 3],
     /// The products.
     pub terms: Vec<LowRankTerm>,
+    /// The part of a point that takes part as one more node.
+    pub point: Option<PointForm>,
+}
+
+/// The part of a point in a form, whose rows b are zero.
+#[derive(Clone, Debug)]
+pub struct PointForm {
+    /// Its own block O.
+    pub own: [[ExprId; 3]; 3],
+    /// Its rows c, one for each product.
+    pub c: Vec<[ExprId; 3]>,
 }
 
 impl LowRankForm {
-    /// From the factors of a node and of the slave; products that vanish are left out.
-    pub(super) fn new(own: Mat3<'_>, node: &Factors<'_>, slave: &Factors<'_>) -> Self {
+    /// From the factors of a node, of the slave, and of a point if there is one; products that vanish are left out.
+    pub(super) fn new(
+        own: Mat3<'_>,
+        node: &Factors<'_>,
+        slave: &Factors<'_>,
+        point: Option<&PointRows<'_>>,
+    ) -> Self {
         let is_zero = |row: Vec3<'_>| row.iter().all(|x| x.is_zero());
-        let terms = (0..node.b.len()).filter(|&k| !is_zero(node.b[k]) && !is_zero(node.c[k])).map(|k| {
-            LowRankTerm { b: [node.b[k].ids(), slave.b[k].ids()], c: [node.c[k].ids(), slave.c[k].ids()] }
-        });
-        Self { own: own.ids(), terms: terms.collect() }
+        let vanishes = |k: usize| {
+            is_zero(node.b[k]) || (is_zero(node.c[k]) && point.is_none_or(|point| is_zero(point.c[k])))
+        };
+        let products: Vec<usize> = (0..node.b.len()).filter(|&k| !vanishes(k)).collect();
+        let term = |&k: &usize| LowRankTerm {
+            b: [node.b[k].ids(), slave.b[k].ids()],
+            c: [node.c[k].ids(), slave.c[k].ids()],
+        };
+        let point_form = |point: &PointRows<'_>| PointForm {
+            own: point.own.ids(),
+            c: products.iter().map(|&k| point.c[k].ids()).collect(),
+        };
+        Self { own: own.ids(), terms: products.iter().map(term).collect(), point: point.map(point_form) }
     }
 
     /// The same with other expressions.
@@ -40,7 +66,12 @@ impl LowRankForm {
             b: term.b.map(|row| row.map(&mut new)),
             c: term.c.map(|row| row.map(&mut new)),
         });
-        Self { own, terms: terms.collect() }
+        let terms = terms.collect();
+        let point = self.point.as_ref().map(|point| PointForm {
+            own: point.own.map(|row| row.map(&mut new)),
+            c: point.c.iter().map(|row| row.map(&mut new)).collect(),
+        });
+        Self { own, terms, point }
     }
 }
 

@@ -12,13 +12,15 @@ mod invariance;
 mod linear_images;
 mod low_rank;
 mod outer_block;
+mod point;
 
 pub use chain::{Chain, Derivatives, Intermediate};
 pub use coordinates::CoordinateMap;
 pub use elimination::Elimination;
-pub use fit_derivatives::{Block, Functional, Gradient, Hessian, NodeProblem};
+pub use fit_derivatives::{Block, Functional, Gradient, Hessian, NodeProblem, PointBlocks};
 pub use follower::Follower;
 pub use intermediates::{Written, as_bound, with_found};
 pub use invariance::{NodeVectors, total_derivatives};
 pub use linear_images::{LinearImages, SecondDerivative};
-pub use low_rank::{LowRankForm, LowRankTerm};
+pub use low_rank::{LowRankForm, LowRankTerm, PointForm};
+pub use point::PointDependence;

@@ -23,6 +23,8 @@ struct Motion<'g> {
     follower: Follower<'g>,
     /// ∂Λ₁/∂θ
     lagrangian: Expr<'g>,
+    /// ∂G/∂θ of the point that G depends on besides, with θ moving the point.
+    point: Option<Expr<'g>>,
     /// Σ ∂²Λ₁/∂α∂θ
     change: Vec<Expr<'g>>,
     /// A₁ Z'
@@ -33,15 +35,25 @@ struct Motion<'g> {
     adjoint: Vec<Expr<'g>>,
 }
 
+/// What is left for the outer unknowns when those of interest follow them.
+pub(super) struct Reduced<'g> {
+    /// Λ_θ of a node.
+    pub by_outer: Vec<Expr<'g>>,
+    /// The same of the point that G depends on besides: dG/dθ.
+    pub point_by_outer: Vec<Expr<'g>>,
+    /// The lower triangle of K₂.
+    pub second: Vec<Vec<Expr<'g>>>,
+}
+
 impl<'g> NodeProblem<'g> {
-    /// Λ_θ and the lower triangle of K₂; `by_unknowns` is ∂Λ₁/∂α.
+    /// Λ_θ and K₂; `by_unknowns` is ∂Λ₁/∂α.
     pub(super) fn reduced(
         &self,
         outer: &Block<'g>,
         functional: &Functional<'g>,
         lagrangian: &Lagrangian<'g>,
         by_unknowns: &[Expr<'g>],
-    ) -> (Vec<Expr<'g>>, Vec<Vec<Expr<'g>>>) {
+    ) -> Reduced<'g> {
         let motion = |&theta: &Expr<'g>| self.motion(functional, lagrangian, by_unknowns, theta);
         let motions: Vec<Motion<'g>> = outer.unknowns.iter().map(motion).collect();
         let by_outer = motions.iter().map(|motion| {
@@ -52,12 +64,22 @@ impl<'g> NodeProblem<'g> {
             motion.lagrangian + by_alpha + by_lambda + outer
         });
         let by_outer = by_outer.collect();
+        let point_by_outer = functional.point.iter().flat_map(|point| {
+            let explicit = motions.iter().filter_map(|motion| Some((motion.point?, &motion.unknowns)));
+            explicit.map(|(explicit, unknowns)| explicit + dot(&point.by_unknowns, unknowns))
+        });
+        let point_by_outer = point_by_outer.collect();
         let second = |row: usize, column: usize| {
-            self.second_derivative(outer, lagrangian, &motions[row], &motions[column])
+            let (row, column) = (&motions[row], &motions[column]);
+            let second = self.second_derivative(outer, lagrangian, row, column);
+            match (&functional.point, row.point) {
+                (Some(point), Some(explicit)) => second + point.change(explicit, column.follower.parameter()),
+                _ => second,
+            }
         };
         let second =
             (0..motions.len()).map(|row| (0..=row).map(|column| second(row, column)).collect()).collect();
-        (by_outer, second)
+        Reduced { by_outer, point_by_outer, second }
     }
 
     fn motion(
@@ -73,14 +95,20 @@ impl<'g> NodeProblem<'g> {
         let by_theta = follower.total_derivative(lagrangian.inner).named(&format!("lagrangian_{of}_{name}"));
         let residual_change = self.sums_of_changes(&self.block.residual, &follower);
         let unknowns = system.solve_bound(&residual_change, &format!("alpha_{name}"));
-        let change = self.sums_of_changes(by_unknowns, &follower);
+        let mut change = self.sums_of_changes(by_unknowns, &follower);
+        if let Some(point) = &functional.point {
+            for (change, &first) in change.iter_mut().zip(&point.by_unknowns) {
+                *change += point.change(first, theta);
+            }
+        }
+        let point = functional.point.as_ref().map(|point| point.total_derivative(point.value, theta));
         let size = change.len();
         let second = |row: usize, column: usize| functional.second[row.max(column)][row.min(column)];
         let adjoint_change: Vec<Expr<'g>> = (0..size)
             .map(|row| change[row] + dot((0..size).map(|column| second(row, column)), &unknowns))
             .collect();
         let adjoint = system.solve_bound(&adjoint_change, &format!("lambda_{of}_{name}"));
-        Motion { follower, lagrangian: by_theta, change, adjoint_change, unknowns, adjoint }
+        Motion { follower, lagrangian: by_theta, point, change, adjoint_change, unknowns, adjoint }
     }
 
     /// Σ dv/dθ over the nodes for a vector v of the residuals' length, θ moving what the coordinates say.

@@ -15,21 +15,37 @@ pub trait GapKernel {
     const MODE: Mode;
     /// Whether it reads where nodes are in the first configuration.
     const MATERIAL: bool;
+    /// Whether it has a slip from an anchor, whose derivatives come after those of the gap.
+    const ANCHOR: bool;
     /// Values it keeps of a node between its loops.
     const KEPT: usize;
-    /// Whether batches are compiled for vectors of every width, or of four numbers only, to save time and room.
-    const EVERY_WIDTH: bool;
+    /// What it is compiled for: less saves time and room.
+    const WIDTHS: Widths;
 
     /// Evaluates the elements of a [`Shape`].
     ///
-    /// `scratch`: [`KEPT`](Self::KEPT) values for each vector of nodes and one more, of any content. `gradients` and `hessians`: N,
-    /// 3(n+1) entries, and the packed lower triangle of M; empty if it does not compute them.
+    /// `scratch`: [`KEPT`](Self::KEPT) values for each vector of nodes and one more, two with an anchor, of any content. `gradients` and
+    /// `hessians`: N, 3(n+1) entries, and the packed lower triangle of M, with what comes after them; empty if it does not compute
+    /// them.
     fn evaluate<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
         inputs: &Inputs<'_, E, T>,
         scratch: &mut [T],
         gradients: &mut [S::Output],
         hessians: &mut [S::Output],
     ) -> GapValues<E>;
+}
+
+/// Vectors that a kernel is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Widths {
+    /// Batches in vectors of every width, an element's nodes in vectors of four numbers.
+    Every,
+    /// Batches in vectors of four numbers only.
+    Four,
+    /// Batches in vectors of four numbers; one element number by number.
+    FourAndOne,
+    /// Number by number.
+    One,
 }
 
 /// Room for the vectors of batches, reused from one to the next.
@@ -54,9 +70,9 @@ pub struct BatchElement<'a> {
     pub inputs: ElementInputs<'a>,
     /// Values.
     pub values: GapValues<f64>,
-    /// N, 3(n+1) entries ordered slave, master 1, …, master n.
+    /// N, 3(n+1) entries ordered slave, master 1, …, master n, and what a kernel with an anchor has besides.
     pub gradient: &'a mut [f64],
-    /// M, packed lower triangle of 3(n+1) rows.
+    /// M, packed lower triangle of 3(n+1) rows, and the same.
     pub hessian: &'a mut [f64],
 }
 
@@ -65,13 +81,25 @@ const fn material_values<K: GapKernel>() -> usize {
     if K::MATERIAL { MATERIAL_VALUES } else { 0 }
 }
 
-/// Entries of the gradient and of the packed Hessian that a mode computes.
-const fn sizes(mode: Mode, nodes: usize) -> (usize, usize) {
+/// Vectors of nodes that a kernel has scratch for.
+const fn scratch_vectors<K: GapKernel>(vectors: usize) -> usize {
+    if K::ANCHOR { vectors + 2 } else { vectors + 1 }
+}
+
+/// Entries of the gradients and of the packed Hessians that a kernel computes, see [`KernelSet::gap`](super::KernelSet::gap) and
+/// [`KernelSet::slip`](super::KernelSet::slip).
+const fn sizes<K: GapKernel>(nodes: usize) -> (usize, usize) {
     let freedoms = 3 * (nodes + 1);
-    match mode {
+    let with_anchor = freedoms + 3;
+    let (gradients, hessians) = if K::ANCHOR {
+        (freedoms + with_anchor + nodes, packed_row(freedoms) + packed_row(with_anchor))
+    } else {
+        (freedoms, packed_row(freedoms))
+    };
+    match K::MODE {
         Mode::Value => (0, 0),
-        Mode::Gradient => (freedoms, 0),
-        Mode::Hessian => (freedoms, packed_row(freedoms)),
+        Mode::Gradient => (gradients, 0),
+        Mode::Hessian => (gradients, hessians),
     }
 }
 
@@ -107,7 +135,7 @@ pub fn single<K: GapKernel>(
     gradient: &mut [f64],
     hessian: &mut [f64],
 ) -> GapValues<f64> {
-    let (gradients, hessians) = sizes(K::MODE, inputs.masters.len());
+    let (gradients, hessians) = sizes::<K>(inputs.masters.len());
     let code = SingleElement::<K> {
         inputs,
         weight_number,
@@ -115,6 +143,9 @@ pub fn single<K: GapKernel>(
         hessian: &mut hessian[..hessians],
         kernel: PhantomData,
     };
+    if matches!(K::WIDTHS, Widths::FourAndOne | Widths::One) {
+        return code.run::<f64>();
+    }
     isa.run_four(code).unwrap_or_else(|code| code.run::<f64>())
 }
 
@@ -135,7 +166,7 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
         let count = inputs.masters.len();
         let vectors = count.div_ceil(T::WIDTH);
         let read = material_values::<K>();
-        let needed = (NODE_VALUES + read) * vectors + K::KEPT * (vectors + 1);
+        let needed = (NODE_VALUES + read) * vectors + K::KEPT * scratch_vectors::<K>(vectors);
         let mut blocks = memory(Block::count::<T>(needed));
         let (masters, scratch) = Block::vectors::<T>(&mut blocks).split_at_mut(NODE_VALUES * vectors);
         let (masters, _) = masters.as_chunks_mut::<NODE_VALUES>();
@@ -193,7 +224,11 @@ pub fn batch<K: GapKernel>(
         "elements of as many nodes"
     );
     let code = Elements::<K> { elements, weight_number, workspace, kernel: PhantomData };
-    let left = if K::EVERY_WIDTH { isa.run_vectors(code) } else { isa.run_four(code) };
+    let left = match K::WIDTHS {
+        Widths::Every => isa.run_vectors(code),
+        Widths::Four | Widths::FourAndOne => isa.run_four(code),
+        Widths::One => Err(code),
+    };
     if let Err(Elements { elements, .. }) = left {
         for BatchElement { inputs, values, gradient, hessian } in elements {
             *values = single::<K>(isa, weight_number, inputs, gradient, hessian);
@@ -214,15 +249,16 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
     #[inline(always)]
     fn run<T: Vector>(self) {
         let count = self.elements[0].inputs.masters.len();
-        let (gradients, hessians) = sizes(K::MODE, count);
+        let (gradients, hessians) = sizes::<K>(count);
         let read = material_values::<K>();
-        let needed = (NODE_VALUES + read) * count + K::KEPT * (count + 1) + gradients + hessians;
+        let needed =
+            (NODE_VALUES + read) * count + K::KEPT * scratch_vectors::<K>(count) + gradients + hessians;
         let vectors = Block::vectors::<T>(self.workspace.blocks(Block::count::<T>(needed)));
         let (masters, vectors) = vectors.split_at_mut(NODE_VALUES * count);
         let (masters, _) = masters.as_chunks_mut::<NODE_VALUES>();
         let (material, vectors) = vectors.split_at_mut(read * count);
         let (material, _) = material.as_chunks_mut::<MATERIAL_VALUES>();
-        let (scratch, vectors) = vectors.split_at_mut(K::KEPT * (count + 1));
+        let (scratch, vectors) = vectors.split_at_mut(K::KEPT * scratch_vectors::<K>(count));
         let (gradient, vectors) = vectors.split_at_mut(gradients);
         let hessian = &mut vectors[..hessians];
         for elements in self.elements.chunks_mut(T::WIDTH) {

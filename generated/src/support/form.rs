@@ -193,6 +193,24 @@ pub(super) mod single {
         }
     }
 
+    /// The row of the last node.
+    #[inline(always)]
+    pub fn keep_last_row<T: Vector>(form: &mut [f64], rows: FormRows, row: usize, values: [T::Scalar; 3]) {
+        let [x, y, z] = values;
+        write([x.lane(0), y.lane(0), z.lane(0)], form, stride::<T>(rows) * row + 3 * rows.count);
+    }
+
+    /// The own block of the last node.
+    #[inline(always)]
+    pub fn keep_last_own<T: Vector>(form: &mut [f64], rows: FormRows, own: [T::Scalar; 6]) {
+        let [xx, yx, yy, zx, zy, zz] = own;
+        let start = stride::<T>(rows) * rows.all() + OWN * rows.count;
+        for (axis, row) in [[xx, yx, zx], [yx, yy, zy], [zx, zy, zz]].into_iter().enumerate() {
+            let [x, y, z] = row;
+            write([x.lane(0), y.lane(0), z.lane(0), 0.0], form, start + 4 * axis);
+        }
+    }
+
     /// Returns 0 or, if an entry is not finite, NaN.
     #[inline(always)]
     #[must_use]

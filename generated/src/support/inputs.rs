@@ -118,10 +118,12 @@ pub struct ElementInputs<'a> {
     pub support_radius: f64,
     /// In-plane offset from the slave at which the surface kernels evaluate, length; others ignore it.
     pub point: [f64; 2],
+    /// Where the anchor is that the slip is measured from, global axes; only kernels with a slip read it.
+    pub anchor: [f64; 3],
     /// Which master node is nearest to the slave in the plane (t1, t2); only kernels with an interpolating weight use
     /// it. Their results do not depend on it in exact arithmetic: another node costs digits when the slave is close to
     /// the nearest one.
-    pub anchor: usize,
+    pub pole: usize,
 }
 
 impl ElementInputs<'_> {
@@ -185,8 +187,10 @@ pub struct Inputs<'a, E, T = E> {
     pub plane_reach: E,
     /// Where the surface kernels evaluate.
     pub point: [E; 2],
+    /// Where the anchor of the slip is.
+    pub anchor: [E; 3],
     /// Index of the nearest master node, a whole number.
-    pub anchor: E,
+    pub pole: E,
     /// Which of the weights that share the kernel it is, a whole number.
     pub weight_number: E,
 }
@@ -223,7 +227,8 @@ impl<'a, E: Lane, T: Lane> Inputs<'a, E, T> {
             support_radius: E::from_fn(|lane| at(lane).support_radius),
             plane_reach: E::from_fn(|lane| at(lane).plane_reach),
             point: [E::from_fn(|lane| at(lane).point[0]), E::from_fn(|lane| at(lane).point[1])],
-            anchor: E::from_fn(|lane| at(lane).anchor as f64),
+            anchor: vector!(anchor),
+            pole: E::from_fn(|lane| at(lane).pole as f64),
             weight_number: E::splat(weight_number as f64),
         }
     }

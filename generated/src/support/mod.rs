@@ -16,7 +16,7 @@ mod status;
 mod values;
 
 pub use descent::TwoVariables;
-pub use drive::{BatchElement, GapKernel, Workspace, batch, scalar, single};
+pub use drive::{BatchElement, GapKernel, Widths, Workspace, batch, scalar, single};
 pub use facet::{AREA_TOLERANCE, FacetInputs, FacetValues, first_entries};
 pub use form::FormRows;
 pub use inputs::{Domains, ElementInputs, Inputs, MATERIAL_VALUES, Masters, MaterialNode, NODE_VALUES};

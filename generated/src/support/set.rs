@@ -17,7 +17,7 @@ pub trait KernelSet {
     /// The weight's formula; of an interpolating weight ω/(1 − ω) that of ω.
     const WEIGHT: &'static str;
 
-    /// Whether the weight is an interpolating one, which makes kernels read [`ElementInputs::anchor`].
+    /// Whether the weight is an interpolating one, which makes kernels read [`ElementInputs::pole`].
     const INTERPOLATING: bool;
 
     /// The bases there are kernels for. Any other gives values of which none is a number.
@@ -65,6 +65,35 @@ pub trait KernelSet {
         gradient: &mut [f64],
         hessian: &mut [f64],
     ) -> GapValues<f64>;
+
+    /// As [`gap`](Self::gap), with the slip from [`ElementInputs::anchor`]: `gradient` is N, 3(n+1) entries, then ∇q, 3(n+2) with
+    /// the anchor's last, then the weights φ of the nodes in the foot, n; `hessian` is M, then the packed lower triangle of ∇²q, 3(n+2)
+    /// rows. Values of which none is a number if the set has no such kernels.
+    #[must_use]
+    fn slip(
+        isa: Isa,
+        kernel: (Basis, FrameRule, Mode),
+        inputs: &ElementInputs<'_>,
+        gradient: &mut [f64],
+        hessian: &mut [f64],
+    ) -> GapValues<f64> {
+        let _ = (isa, kernel, inputs, gradient, hessian);
+        GapValues::NONE
+    }
+
+    /// [`slip`](Self::slip) of many elements, as [`gap_batch`](Self::gap_batch).
+    ///
+    /// # Panics
+    /// Also if the numbers of nodes differ.
+    fn slip_batch(
+        isa: Isa,
+        kernel: (Basis, FrameRule, Mode),
+        elements: &mut [BatchElement<'_>],
+        workspace: &mut Workspace,
+    ) {
+        let _ = (isa, kernel, workspace);
+        elements.iter_mut().for_each(|element| element.values = GapValues::NONE);
+    }
 
     /// As [`gap`](Self::gap), for elements of the same number of nodes, which are evaluated side by side. What one of
     /// them gets does not depend on the others. Allocates only if `workspace` has to grow.

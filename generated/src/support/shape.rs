@@ -66,6 +66,21 @@ pub trait Shape {
     /// Keeps the nodes' own blocks, lower triangles.
     fn keep_own(form: &mut [Self::Output], rows: FormRows, vector: usize, own: [Self::Node; 6]);
 
+    /// Keeps two varying rows, from `row` on, of the last node of a form: a point that no loop over the nodes writes.
+    fn keep_point_rows(
+        form: &mut [Self::Output],
+        rows: FormRows,
+        row: usize,
+        b: [Self::Element; 3],
+        c: [Self::Element; 3],
+    );
+
+    /// Keeps the own block of the last node, lower triangle.
+    fn keep_point_own(form: &mut [Self::Output], rows: FormRows, own: [Self::Element; 6]);
+
+    /// Writes a number of each node of a vector to its place among those of all.
+    fn write_values(value: Self::Node, vector: usize, target: &mut [Self::Output]);
+
     /// Writes the packed Hessian of a form, but for the slave's own block. `slave`: its part of all rows; `constant`: a
     /// node's part of those that are the same for all. Returns 0 if every entry written is finite, else NaN.
     ///
@@ -151,6 +166,22 @@ impl<T: Lane> Shape for Batch<T> {
     }
 
     #[inline(always)]
+    fn keep_point_rows(form: &mut [T], rows: FormRows, row: usize, b: [T; 3], c: [T; 3]) {
+        batch::keep_row(form, rows, row, rows.count - 1, b);
+        batch::keep_row(form, rows, row + 1, rows.count - 1, c);
+    }
+
+    #[inline(always)]
+    fn keep_point_own(form: &mut [T], rows: FormRows, own: [T; 6]) {
+        batch::keep_own(form, rows, rows.count - 1, own);
+    }
+
+    #[inline(always)]
+    fn write_values(value: T, vector: usize, target: &mut [T]) {
+        target[vector] = value;
+    }
+
+    #[inline(always)]
     fn multiply_form(
         form: &mut [T],
         rows: FormRows,
@@ -232,6 +263,25 @@ impl<T: Vector> Shape for Single<T> {
     #[inline(always)]
     fn keep_own(form: &mut [f64], rows: FormRows, vector: usize, own: [T; 6]) {
         single::keep_own(form, rows, vector, own);
+    }
+
+    #[inline(always)]
+    fn keep_point_rows(form: &mut [f64], rows: FormRows, row: usize, b: [T::Scalar; 3], c: [T::Scalar; 3]) {
+        single::keep_last_row::<T>(form, rows, row, b);
+        single::keep_last_row::<T>(form, rows, row + 1, c);
+    }
+
+    #[inline(always)]
+    fn keep_point_own(form: &mut [f64], rows: FormRows, own: [T::Scalar; 6]) {
+        single::keep_last_own::<T>(form, rows, own);
+    }
+
+    #[inline(always)]
+    fn write_values(value: T, vector: usize, target: &mut [f64]) {
+        let place = T::WIDTH * vector;
+        for k in 0..T::WIDTH.min(target.len() - place) {
+            target[place + k] = value.lane(k);
+        }
     }
 
     #[inline(always)]

@@ -137,6 +137,8 @@ pub struct GapValues<T> {
     pub foot: [T; 3],
     /// Unit normal ν (22) at the foot, global axes.
     pub normal: [T; 3],
+    /// q, half the square of the slip from the anchor, length²; 0 of a kernel without an anchor.
+    pub slip: T,
     /// α about the slave (13), one per basis function; the rest is 0.
     pub coefficients: [T; Basis::MOST_COEFFICIENTS],
     /// Smallest pivot of A relative to its diagonal entry.
@@ -171,6 +173,7 @@ impl<T: Lane> GapValues<T> {
             gap: self.gap.lane(k),
             foot: numbers(&self.foot),
             normal: numbers(&self.normal),
+            slip: self.slip.lane(k),
             coefficients,
             pivot_ratio: self.pivot_ratio.lane(k),
             plane_pivot_ratio: self.plane_pivot_ratio.lane(k),
@@ -210,6 +213,7 @@ impl GapValues<f64> {
         gap: f64::NAN,
         foot: [f64::NAN; 3],
         normal: [f64::NAN; 3],
+        slip: f64::NAN,
         coefficients: [f64::NAN; Basis::MOST_COEFFICIENTS],
         pivot_ratio: f64::NAN,
         plane_pivot_ratio: f64::NAN,

@@ -7,7 +7,7 @@
 //! the normal have no such bound: the largest entry alone counts. Each coefficient, each slope's gradient and each
 //! Hessian is a part of its own, since units and sizes differ; a block has the largest difference of its parts.
 
-use diffuse_contact::{Backend, Coefficients, ElementError, Gap, Mode, Surface, SymmetricMatrix};
+use diffuse_contact::{Backend, Coefficients, ElementError, Gap, Mode, Slip, Surface, SymmetricMatrix};
 use diffuse_contact_codegen::{FrameRule, Output};
 
 use super::elements::RandomElement;
@@ -18,13 +18,14 @@ use crate::emit::frame_name;
 pub struct Subject {
     /// The output.
     pub output: Output,
-    /// The frame rule; a moving frame makes a difference to the gap only.
+    /// The frame rule; a moving frame makes a difference to gap and slip only.
     pub frame: FrameRule,
 }
 
 impl Subject {
     /// All of them, in the order of the report.
-    pub const ALL: [Self; 5] = [COEFFICIENTS, SURFACE, GAP, CO_MOVING_GAP, MATERIAL_GAP];
+    pub const ALL: [Self; 8] =
+        [COEFFICIENTS, SURFACE, GAP, CO_MOVING_GAP, MATERIAL_GAP, SLIP, CO_MOVING_SLIP, MATERIAL_SLIP];
 
     /// Name in the report.
     #[must_use]
@@ -43,6 +44,9 @@ const SURFACE: Subject = Subject { output: Output::Surface, frame: FrameRule::Fr
 const GAP: Subject = Subject { output: Output::Gap, frame: FrameRule::Frozen };
 const CO_MOVING_GAP: Subject = Subject { output: Output::Gap, frame: FrameRule::CoMoving };
 const MATERIAL_GAP: Subject = Subject { output: Output::Gap, frame: FrameRule::Material };
+const SLIP: Subject = Subject { output: Output::Slip, frame: FrameRule::Frozen };
+const CO_MOVING_SLIP: Subject = Subject { output: Output::Slip, frame: FrameRule::CoMoving };
+const MATERIAL_SLIP: Subject = Subject { output: Output::Slip, frame: FrameRule::Material };
 
 /// A block of the results of a subject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -58,7 +62,7 @@ const fn block(subject: Subject, name: &'static str) -> Block {
 }
 
 /// All blocks, in the order of the report.
-pub const BLOCKS: [Block; 27] = [
+pub const BLOCKS: [Block; 48] = [
     block(COEFFICIENTS, "α"),
     block(COEFFICIENTS, "∂α/∂x"),
     block(COEFFICIENTS, "∂²α/∂x²"),
@@ -86,6 +90,27 @@ pub const BLOCKS: [Block; 27] = [
     block(MATERIAL_GAP, "α"),
     block(MATERIAL_GAP, "N"),
     block(MATERIAL_GAP, "M"),
+    block(SLIP, "g"),
+    block(SLIP, "N"),
+    block(SLIP, "M"),
+    block(SLIP, "q"),
+    block(SLIP, "∇q"),
+    block(SLIP, "∇²q"),
+    block(SLIP, "φ"),
+    block(CO_MOVING_SLIP, "g"),
+    block(CO_MOVING_SLIP, "N"),
+    block(CO_MOVING_SLIP, "M"),
+    block(CO_MOVING_SLIP, "q"),
+    block(CO_MOVING_SLIP, "∇q"),
+    block(CO_MOVING_SLIP, "∇²q"),
+    block(CO_MOVING_SLIP, "φ"),
+    block(MATERIAL_SLIP, "g"),
+    block(MATERIAL_SLIP, "N"),
+    block(MATERIAL_SLIP, "M"),
+    block(MATERIAL_SLIP, "q"),
+    block(MATERIAL_SLIP, "∇q"),
+    block(MATERIAL_SLIP, "∇²q"),
+    block(MATERIAL_SLIP, "φ"),
 ];
 
 /// Entries of one unit.
@@ -143,6 +168,7 @@ impl Blocks {
             Output::Coefficients => of_coefficients(&backend.coefficients(&element, mode)?, radius),
             Output::Surface => of_surface(&backend.surface(&element, random.point, mode)?, radius),
             Output::Gap => of_gap(&backend.gap(&element, mode)?, element.slave, radius),
+            Output::Slip => of_slip(&backend.slip(&element, random.anchor, mode)?, radius),
         };
         parts.retain(|(_, parts)| parts.iter().any(|part| !part.entries.is_empty()));
         Ok(Self { subject, parts })
@@ -190,6 +216,18 @@ fn of_gap(gap: &Gap, slave: [f64; 3], radius: f64) -> Vec<Named> {
         ("α", values(&gap.coefficients, radius)),
         ("N", vec![Part::unscaled(&gap.gradient)]),
         ("M", vec![hessian(&gap.hessian)]),
+    ]
+}
+
+fn of_slip(slip: &Slip, radius: f64) -> Vec<Named> {
+    vec![
+        ("g", vec![Part::scaled(&[slip.contact.gap], radius)]),
+        ("N", vec![Part::unscaled(&slip.contact.gradient)]),
+        ("M", vec![hessian(&slip.contact.hessian)]),
+        ("q", vec![Part::unscaled(&[slip.half_square])]),
+        ("∇q", vec![Part::unscaled(&slip.gradient)]),
+        ("∇²q", vec![hessian(&slip.hessian)]),
+        ("φ", vec![Part::unscaled(&slip.foot_weights)]),
     ]
 }
 

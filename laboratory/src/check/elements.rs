@@ -12,7 +12,8 @@
 //!   are nodes to spare, a node at 1.2 R, outside the support;
 //! * heights over the slave: a quadratic polynomial of the position over R, its coefficients in [−0.3, 0.3) R, plus
 //!   a wave of height 0.05 R, so that the surface is smooth and none that the basis reproduces;
-//! * the point where the surface kernels are evaluated: uniform in the disc of radius 0.5 R.
+//! * the point where the surface kernels are evaluated: uniform in the disc of radius 0.5 R;
+//! * the anchor of the slip: uniform in the cube of half-edge 0.5 R around the slave.
 //!
 //! Its master nodes serve a third time with domains of influence in a first configuration, which differs from the positions by
 //! a rotation, a stretch of up to a third and noise; the domains are ellipsoids with half axes of 0.9 R to 1.6 R.
@@ -96,6 +97,8 @@ pub struct RandomElement {
     material_nodes: Vec<MaterialNode>,
     /// In-plane offset for the surface kernels, length.
     pub point: [f64; 2],
+    /// Anchor of the slip.
+    pub anchor: Point,
     /// What it was selected by, with each frame rule.
     pub conditioning: [Conditioning; 3],
 }
@@ -226,6 +229,7 @@ impl RandomElement {
             })
             .collect();
         let point = random.in_disc(POINT_DISC).map(|x| radius * x);
+        let anchor = std::array::from_fn(|k| slave[k] + radius * random.between(-POINT_DISC, POINT_DISC));
         let frozen = Place { slave, frame: Frame::given(slave, t1, t2, normal, None)? };
         let radii: Vec<f64> = if has_domains {
             masters.iter().map(|_| radius * random.between(0.9, 1.3)).collect()
@@ -267,6 +271,7 @@ impl RandomElement {
             material,
             material_nodes,
             point,
+            anchor,
             conditioning: [unknown; 3],
         })
     }

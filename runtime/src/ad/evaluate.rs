@@ -1,14 +1,17 @@
 //! From the model to the outputs of a backend: which functions are differentiated, and in which units the
 //! results are handed out.
 
-use super::drive::{Derivatives, Quantity, differentiate};
+use num_dual::Dual64;
+
+use super::drive::{Derivatives, Quantity, differentiate, differentiate_at};
 use super::foot::{Foot, Polynomial};
 use super::material::Place;
 use super::model::{Model, Scalar};
-use super::plane::AveragePlane;
+use super::plane::{AveragePlane, Turn};
 use super::{RadialWeight, coordinates_of, finite};
+use crate::generated::check_anchor;
 use crate::{
-    Basis, Coefficients, Domains, Element, ElementError, FrameDerivative, Gap, Mode, Point, Surface,
+    Basis, Coefficients, Domains, Element, ElementError, FrameDerivative, Gap, Mode, Point, Slip, Surface,
 };
 
 /// [`Backend::coefficients`](crate::Backend::coefficients).
@@ -56,6 +59,37 @@ pub(super) fn surface<W: RadialWeight>(
 
 /// [`Backend::gap`](crate::Backend::gap).
 pub(super) fn gap<W: RadialWeight>(model: Model<'_, W>, mode: Mode) -> Result<Gap, ElementError> {
+    Ok(at_foot(model, mode)?.0)
+}
+
+/// [`Backend::slip`](crate::Backend::slip).
+pub(super) fn slip<W: RadialWeight>(
+    model: Model<'_, W>,
+    anchor: Point,
+    mode: Mode,
+) -> Result<Slip, ElementError> {
+    check_anchor(anchor)?;
+    let element = model.element;
+    let radius = element.support_radius;
+    let (contact, quantity) = at_foot(model, mode)?;
+    let foot_weights = if mode > Mode::Value { quantity.foot_weights()? } else { Vec::new() };
+    let coordinates: Vec<Point> = coordinates_of(element).into_iter().chain([anchor]).collect();
+    let mut slip = differentiate_at(&SlipQuantity(quantity), &coordinates, radius, mode)?;
+    slip.scale(0, radius, 2)?;
+    Ok(Slip {
+        contact,
+        half_square: slip.values[0],
+        gradient: slip.gradients.into_iter().next().unwrap_or_default(),
+        hessian: slip.hessians.into_iter().next().unwrap_or_default(),
+        foot_weights,
+    })
+}
+
+/// The gap, and what follows plane and foot through dual numbers.
+fn at_foot<W: RadialWeight>(
+    model: Model<'_, W>,
+    mode: Mode,
+) -> Result<(Gap, GapQuantity<'_, W>), ElementError> {
     let element = model.element;
     let radius = element.support_radius;
     let polynomial = model.fit(&coordinates_of(element))?;
@@ -77,16 +111,18 @@ pub(super) fn gap<W: RadialWeight>(model: Model<'_, W>, mode: Mode) -> Result<Ga
     let mut fit = Derivatives::of_values(polynomial.coefficients[..element.basis.size()].to_vec());
     scale_coefficients(&mut fit, element.basis, radius)?;
 
-    let mut gap = differentiate(&GapQuantity { model, plane, place, foot }, element, mode)?;
+    let quantity = GapQuantity { model, plane, place, foot };
+    let mut gap = differentiate(&quantity, element, mode)?;
     gap.scale(0, radius, 1)?;
-    Ok(Gap {
+    let gap = Gap {
         gap: gap.values[0],
         foot: foot_point,
         normal,
         coefficients: fit.values,
         gradient: gap.gradients.into_iter().next().unwrap_or_default(),
         hessian: gap.hessians.into_iter().next().unwrap_or_default(),
-    })
+    };
+    Ok((gap, quantity))
 }
 
 /// The six coefficients α as functions of the coordinates.
@@ -123,23 +159,69 @@ struct GapQuantity<'a, W> {
     foot: Foot,
 }
 
-impl<W: RadialWeight> Quantity for GapQuantity<'_, W> {
-    fn evaluate<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<Vec<D>, ElementError> {
-        let polynomial = match (&self.plane, &self.place) {
-            (None, _) => self.model.fit(coordinates)?,
+impl<W: RadialWeight> GapQuantity<'_, W> {
+    /// The fit in the frame that has moved with the nodes, and how far that has turned.
+    fn fit<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<(Polynomial<D>, Turn<D>), ElementError> {
+        let (turn, shift) = match (&self.plane, &self.place) {
+            (None, _) => return Ok((self.model.fit(coordinates)?, identity())),
             (Some(plane), None) => {
                 let weights = self.model.plane_weights(coordinates);
-                let turn = plane.propagate(&coordinates[1..], &weights);
-                self.model.fit_in(coordinates, &turn, None)?
+                (plane.propagate(&coordinates[1..], &weights), None)
             }
             (Some(plane), Some(place)) => {
                 let (shift, turn) = place.propagate(&self.model, plane, coordinates);
-                self.model.fit_in(coordinates, &turn, Some(shift))?
+                (turn, Some(shift))
             }
         };
+        Ok((self.model.fit_in(coordinates, &turn, shift)?, turn))
+    }
+
+    /// φ_k = ∂f(u)/∂z_k at the foot: heights are seeded, in-plane offsets and frame held.
+    fn foot_weights(&self) -> Result<Vec<f64>, ElementError> {
+        let u = self.foot.position().map(Dual64::from);
+        let coordinates = coordinates_of(self.model.element);
+        let weight = |k: usize| {
+            let fit = self.model.fit_with_raised_node(&coordinates, k)?;
+            Ok(fit.value(u).eps)
+        };
+        (0..self.model.element.masters.len()).map(weight).collect()
+    }
+}
+
+impl<W: RadialWeight> Quantity for GapQuantity<'_, W> {
+    fn evaluate<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<Vec<D>, ElementError> {
+        let (polynomial, _) = self.fit(coordinates)?;
         let u = self.foot.propagate(&polynomial);
         Ok(vec![polynomial.gap(u)])
     }
+}
+
+/// q = ½ |P_ν d|² over R² (docs/equations.md, T16) as a function of the coordinates of slave, masters and anchor, the last ones.
+struct SlipQuantity<'a, W>(GapQuantity<'a, W>);
+
+impl<W: RadialWeight> Quantity for SlipQuantity<'_, W> {
+    fn evaluate<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<Vec<D>, ElementError> {
+        let Self(contact) = self;
+        let (anchor, coordinates) = coordinates.split_last().expect("slave, masters and anchor");
+        let (polynomial, turn) = contact.fit(coordinates)?;
+        let u = contact.foot.propagate(&polynomial);
+        let element = contact.model.element;
+        let offset: [D; 3] =
+            std::array::from_fn(|k| (coordinates[0][k] - anchor[k]) / element.support_radius);
+        let local = element.frame.rows().map(|[x, y, z]| offset[0] * x + offset[1] * y + offset[2] * z);
+        let d = turn.map(|[x, y, z]| x * local[0] + y * local[1] + z * local[2]);
+        let [f_1, f_2] = polynomial.slopes(u);
+        let length = (f_1 * f_1 + f_2 * f_2 + 1.0).sqrt();
+        let nu = [-f_1 / length, -f_2 / length, length.recip()];
+        let along = nu[0] * d[0] + nu[1] * d[1] + nu[2] * d[2];
+        let square = (0..3).map(|k| (d[k] - nu[k] * along).powi(2)).sum::<D>();
+        Ok(vec![square * 0.5])
+    }
+}
+
+/// No turn.
+fn identity<D: Scalar>() -> Turn<D> {
+    std::array::from_fn(|i| std::array::from_fn(|j| D::from(if i == j { 1.0 } else { 0.0 })))
 }
 
 /// Foot x^d and normal ν = (−f_1, −f_2, 1)/ℓ (Chamoret et al. 2008, eq. 22) in global axes.

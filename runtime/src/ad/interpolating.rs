@@ -17,25 +17,25 @@ pub(super) fn fit<D: Scalar, W: RadialWeight>(
     squares: &[D],
 ) -> Result<Polynomial<D>, ElementError> {
     let nearest = (0..offsets.len()).min_by(|&i, &j| squares[i].re().total_cmp(&squares[j].re()));
-    let Some(anchor) = nearest else {
+    let Some(pole) = nearest else {
         return Err(ElementError::TooFewNodes { found: 0, needed: basis.size() });
     };
-    let [a_k, b_k, z_k] = offsets[anchor];
+    let [a_k, b_k, z_k] = offsets[pole];
     super::finite("offset", [a_k.re(), b_k.re(), z_k.re()])?;
-    let s_k = squares[anchor];
+    let s_k = squares[pole];
     if s_k.re() >= 1.0 {
         return Err(ElementError::SingularFit { pivot_ratio: 0.0, tolerance: 0.0 });
     }
     let epsilon = weight.complement_at_square(s_k) / weight.at_square(s_k);
 
-    // S₀, Σ w z, and with p = (a, b, a², ab, b²) about the anchor Σ w p, Σ w p z, Σ w p pᵀ, without the anchor.
+    // S₀, Σ w z, and with p = (a, b, a², ab, b²) about the pole Σ w p, Σ w p z, Σ w p pᵀ, without the pole.
     let (mut s_0, mut s_z) = (D::zero(), D::zero());
     let zeros: Coefficients<D> = [D::zero(); Basis::MOST_COEFFICIENTS];
     let (mut s_p, mut s_pz) = (zeros, zeros);
     let mut s_pp: Matrix<D> = [zeros; Basis::MOST_COEFFICIENTS];
     let monomials = &basis.monomials()[1..];
     let others = monomials.len();
-    for (i, &offset) in offsets.iter().enumerate().filter(|&(i, _)| i != anchor) {
+    for (i, &offset) in offsets.iter().enumerate().filter(|&(i, _)| i != pole) {
         let [a, b, z] = offset;
         super::finite("offset", [a.re(), b.re(), z.re()])?;
         let s = squares[i];
@@ -71,11 +71,11 @@ pub(super) fn fit<D: Scalar, W: RadialWeight>(
     let products = (0..others).map(|k| s_p[k] * alpha[k]);
     let constant = mean - matrix_factor * products.fold(D::zero(), |sum, x| sum + x);
 
-    // From the anchor to the slave: f = Σ c_mn (a − a_k)ᵐ (b − b_k)ⁿ, expanded about (0, 0).
+    // From the pole to the slave: f = Σ c_mn (a − a_k)ᵐ (b − b_k)ⁿ, expanded about (0, 0).
     let mut coefficients = zeros;
     for (k, &(i, j)) in basis.monomials().iter().enumerate() {
-        let about_anchor = std::iter::once(constant).chain(alpha);
-        for (c, &(m, n)) in about_anchor.zip(basis.monomials()).filter(|(_, (m, n))| *m >= i && *n >= j) {
+        let about_pole = std::iter::once(constant).chain(alpha);
+        for (c, &(m, n)) in about_pole.zip(basis.monomials()).filter(|(_, (m, n))| *m >= i && *n >= j) {
             let choices = binomial(m, i) * binomial(n, j);
             coefficients[k] += c * (-a_k).powi(i32::from(m - i)) * (-b_k).powi(i32::from(n - j)) * choices;
         }

@@ -39,7 +39,7 @@ mod model;
 mod plane;
 mod weight;
 
-use crate::{Backend, Coefficients, Element, ElementError, Gap, Mode, Point, Surface};
+use crate::{Backend, Coefficients, Element, ElementError, Gap, Mode, Point, Slip, Surface};
 
 use model::Model;
 use weight::{CentreSeries, WeightFunction};
@@ -138,6 +138,10 @@ impl Backend for Ad {
     fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
         evaluate::gap(self.model(element)?, mode)
     }
+
+    fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {
+        evaluate::slip(self.model(element)?, anchor, mode)
+    }
 }
 
 impl<W: RadialWeight> Backend for AdWith<W> {
@@ -151,6 +155,10 @@ impl<W: RadialWeight> Backend for AdWith<W> {
 
     fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
         evaluate::gap(self.model(element)?, mode)
+    }
+
+    fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {
+        evaluate::slip(self.model(element)?, anchor, mode)
     }
 }
 

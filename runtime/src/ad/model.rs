@@ -3,7 +3,7 @@
 //! Lengths are divided by the support radius, so that the moment matrix has entries of order one whatever the
 //! length unit. Nothing here knows whether it runs on reals or on dual numbers.
 
-use num_dual::DualNum;
+use num_dual::{Dual64, DualNum};
 
 use super::foot::{Coefficients, Polynomial, basis_functions};
 use super::plane::Turn;
@@ -53,6 +53,22 @@ impl<W: RadialWeight> Model<'_, W> {
             Domains::Material(_) => material::squares(self, [D::zero(); 3]),
             Domains::Shared | Domains::Each(_) => self.squares(&offsets),
         };
+        self.fit_to(offsets, &squares)
+    }
+
+    /// The fit in the given frame as a function of the height of the k-th master, the dual part by it.
+    pub(super) fn fit_with_raised_node(
+        &self,
+        coordinates: &[[f64; 3]],
+        k: usize,
+    ) -> Result<Polynomial<Dual64>, ElementError> {
+        let mut offsets: Vec<[Dual64; 3]> =
+            self.offsets(&coordinates.iter().map(|x| x.map(Dual64::from)).collect::<Vec<_>>());
+        let squares = match self.element.domains {
+            Domains::Material(_) => material::squares(self, [Dual64::from(0.0); 3]),
+            Domains::Shared | Domains::Each(_) => self.squares(&offsets),
+        };
+        offsets[k][2].eps = 1.0;
         self.fit_to(offsets, &squares)
     }
 

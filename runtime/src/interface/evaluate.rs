@@ -121,7 +121,7 @@ impl WithinReach {
         let slave = evaluator.positions[paired.slave];
         let Gathered { frame, range, unit } = element;
         let (points, nodes) = (&self.points[range.clone()], &self.nodes[range.clone()]);
-        let anchor = match weight {
+        let pole = match weight {
             Weight::CubicInterpolating => nearest_in_material(nodes),
             Weight::Cubic | Weight::WendlandC2 => 0,
         };
@@ -135,7 +135,8 @@ impl WithinReach {
             normal: frame.normal,
             support_radius: *unit,
             point: [0.0; 2],
-            anchor,
+            anchor: [0.0; 3],
+            pole,
         }
     }
 }
@@ -471,7 +472,7 @@ impl Evaluator<'_> {
     fn inputs<'s>(&'s self, paired: &Paired<'s>, frame: &Frame, weight: Weight) -> ElementInputs<'s> {
         let slave = self.positions[paired.slave];
         let support_radius = paired.record.support_radius;
-        let anchor = match weight {
+        let pole = match weight {
             Weight::CubicInterpolating => {
                 nearest_in_plane(slave, self.masters(paired), frame, |_| support_radius)
             }
@@ -487,7 +488,8 @@ impl Evaluator<'_> {
             normal: frame.normal,
             support_radius,
             point: [0.0; 2],
-            anchor,
+            anchor: [0.0; 3],
+            pole,
         }
     }
 

@@ -7,14 +7,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if std::env::var("OPT_LEVEL").as_deref() == Ok("0") {
         println!("cargo::rustc-cfg=unoptimised");
     }
-    Config::new()
+    let config = Config::new()
         .cubic()
         .wendland_c2()
         .cubic_interpolating()
         .share_kernels()
         .facets()
-        .friction()
-        .support("crate::support")
-        .compile()?;
+        .support("crate::support");
+    let config = if cfg!(feature = "friction") { config.friction() } else { config };
+    config.compile()?;
     Ok(())
 }

@@ -113,7 +113,7 @@ fn a_file_holds_the_same_text() {
 #[test]
 fn the_counts_of_all_kernels_are_two_tables() {
     let table = printed(&["emit", "--counts"]);
-    assert_eq!(table.lines().filter(|line| line.starts_with("| ")).count(), 2 + 30 + 2 + 2);
+    assert_eq!(table.lines().filter(|line| line.starts_with("| ")).count(), 2 + 48 + 2 + 2);
     let facets: Vec<&str> = table.lines().rev().take(2).collect();
     assert!(facets[1].starts_with("| triangle ") && facets[0].starts_with("| quadrilateral "), "{table}");
     let rows: Vec<&str> =

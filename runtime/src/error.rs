@@ -20,6 +20,11 @@ pub enum ElementError {
         /// Number of master nodes given.
         found: usize,
     },
+    /// The kernels were generated without the slip from an anchor.
+    #[error(
+        "friction is not compiled in: build with the Cargo feature `friction`, as in `cargo run --release --features friction`"
+    )]
+    NoFrictionKernels,
     /// The backend has no kernels for the basis.
     #[error("there are no kernels for the basis \"{basis}\": generate them with `Config::basis`")]
     NoKernels {
@@ -221,6 +226,7 @@ impl ElementError {
         match self {
             Self::TooFewNodes { .. } => "too-few-nodes",
             Self::TooManyNodes { .. } => "too-many-nodes",
+            Self::NoFrictionKernels => "no-friction-kernels",
             Self::NoKernels { .. } => "no-kernels",
             Self::AnisotropicBasis { .. } => "anisotropic-basis",
             Self::NonFiniteInput { .. } => "non-finite-input",

@@ -139,6 +139,9 @@ impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
     fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {
         validate::<K>(element)?;
         check_anchor(anchor)?;
+        if !K::FRICTION {
+            return Err(ElementError::NoFrictionKernels);
+        }
         let freedoms = element.degrees_of_freedom();
         let gradients = if mode >= Mode::Gradient { 2 * freedoms + 3 + element.masters.len() } else { 0 };
         let hessians =

@@ -9,6 +9,7 @@ mod every_size;
 mod facet_lanes;
 mod facet_statuses;
 mod facets;
+#[cfg(feature = "friction")]
 mod friction;
 mod identities;
 mod lanes;

@@ -170,6 +170,7 @@ fn weight_module(
                 const WEIGHT: &'static str = #text;
                 const INTERPOLATING: bool = #interpolating;
                 const OPTIMISED: bool = #optimised;
+                const FRICTION: bool = #friction;
                 const BASES: &'static [Basis] = &[#(#all_bases),*];
                 #[allow(unused_parens)]
                 fn fitting_weight(r: f64) -> f64 {

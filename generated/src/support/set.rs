@@ -20,6 +20,9 @@ pub trait KernelSet {
     /// Whether the weight is an interpolating one, which makes kernels read [`ElementInputs::pole`].
     const INTERPOLATING: bool;
 
+    /// Whether there are kernels with the slip from an anchor.
+    const FRICTION: bool = false;
+
     /// The bases there are kernels for. Any other gives values of which none is a number.
     const BASES: &'static [Basis];
 

@@ -1,4 +1,4 @@
-//! Contact with friction: the slip q with its derivatives against automatic differentiation and the interpreter, what rigid motions and
+//! Contact with friction: the slip q with its derivatives against automatic differentiation, what rigid motions and
 //! the theory say of it, batches, and the tangent of Coulomb's law.
 
 use diffuse_contact::ad::Ad;

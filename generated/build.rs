@@ -1,6 +1,7 @@
 //! Generates the kernels from the formulas.
 
-use diffuse_contact_codegen::Config;
+use diffuse_contact_codegen::expr::Expr;
+use diffuse_contact_codegen::{Config, ElementModel};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("cargo::rustc-check-cfg=cfg(unoptimised)");
@@ -13,8 +14,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .cubic_interpolating()
         .share_kernels()
         .facets()
+        .element("coulomb", coulomb)?
         .support("crate::support");
     let config = if cfg!(feature = "friction") { config.friction() } else { config };
     config.compile()?;
     Ok(())
+}
+
+/// The factor c of Coulomb's friction, R = −c ∇q.
+fn coulomb(m: &ElementModel<'_>) {
+    m.title("Coulomb's friction with a penalty for stick: the factor c of R = −c ∇q (docs/equations.md, section 17).");
+    let [q, pressure]: [Expr<'_>; 2] = ["half_square", "pressure"].map(|name| m.variable(name));
+    let [mu, stiffness] = m.parameters(["coefficient", "stiffness"]);
+    let slip = (2.0 * q).sqrt();
+    let limit = mu * pressure;
+    m.residual("factor", limit.less(stiffness * slip).select(limit / slip, stiffness));
 }

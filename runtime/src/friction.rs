@@ -11,7 +11,9 @@
 //!
 //! q does not change under rigid motions of slave, masters and anchor together: the forces balance, and so do their moments.
 
-use crate::{ElementError, Slip};
+use diffuse_contact_kernels::coulomb;
+
+use crate::{ElementError, Mode, Slip};
 
 /// Coulomb's law with a penalty for stick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,25 +130,23 @@ impl Coulomb {
     /// there is none.
     #[must_use]
     pub fn force(&self, normal: NormalForce, half_square: f64) -> FrictionForce {
-        let limit = self.coefficient * normal.force;
-        let slip = (2.0 * half_square).sqrt();
         if !(normal.force > 0.0) {
             return FrictionForce::NONE;
         }
-        if limit == 0.0 {
+        let Self { coefficient, stiffness } = *self;
+        if coefficient * normal.force == 0.0 {
             return FrictionForce { state: FrictionState::Slip, kept: 0.0, ..FrictionForce::NONE };
         }
-        if self.stiffness * slip <= limit {
-            let state = FrictionState::Stick;
-            return FrictionForce { state, factor: self.stiffness, ..FrictionForce::NONE };
-        }
-        let factor = limit / slip;
+        let inputs = coulomb::Inputs { half_square, pressure: normal.force, coefficient, stiffness };
+        let coulomb::Results { values, factor_jacobian: [by_half_square, by_pressure] } =
+            coulomb::evaluate(Mode::Gradient, &inputs);
+        let factor = values.factor;
         FrictionForce {
-            state: FrictionState::Slip,
+            state: if factor < stiffness { FrictionState::Slip } else { FrictionState::Stick },
             factor,
-            factor_by_half_square: -factor / (2.0 * half_square),
-            factor_by_gap: -self.coefficient * normal.stiffness / slip,
-            kept: factor / self.stiffness,
+            factor_by_half_square: by_half_square,
+            factor_by_gap: -normal.stiffness * by_pressure,
+            kept: factor / stiffness,
         }
     }
 }

@@ -25,8 +25,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn coulomb(m: &ElementModel<'_>) {
     m.title("Coulomb's friction with a penalty for stick: the factor c of R = −c ∇q (docs/equations.md, section 17).");
     let [q, pressure]: [Expr<'_>; 2] = ["half_square", "pressure"].map(|name| m.variable(name));
-    let [mu, stiffness] = m.parameters(["coefficient", "stiffness"]);
+    let [mu, stiffness, opening] = m.parameters(["coefficient", "stiffness", "opening"]);
     let slip = (2.0 * q).sqrt();
-    let limit = mu * pressure;
-    m.residual("factor", limit.less(stiffness * slip).select(limit / slip, stiffness));
+    // Of a contact that was open, the slip since the place of touch.
+    let share = pressure / (pressure + opening);
+    let (limit, stuck) = (mu * pressure, share * stiffness);
+    m.value("share", share);
+    m.residual("factor", limit.less(stuck * slip).select(limit / slip, stuck));
 }

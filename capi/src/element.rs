@@ -263,7 +263,7 @@ pub unsafe extern "C" fn dc_element_system(
         };
         // SAFETY: as the caller promises; nothing overlaps.
         let (residual, tangent) = unsafe { (residual.unspecified(), tangent.unspecified()) };
-        let contact = ContactView { gap, area, gradient, hessian };
+        let contact = ContactView { gap, area, gradient, hessian, slip: None };
         let found = law.element_system(&contact, residual, tangent)?;
         // SAFETY: as the caller promises.
         unsafe { force.write([found]) };

@@ -7,11 +7,26 @@ use std::collections::BTreeMap;
 
 use crate::Point;
 
-/// A point Σ w_k x_k with Σ w_k = 1, carried along by its nodes.
+/// A node, or its image behind planes of symmetry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Carrier {
+    /// The node.
+    pub node: u32,
+    /// The number of the image, if it is one of it.
+    pub image: Option<u32>,
+}
+
+impl From<u32> for Carrier {
+    fn from(node: u32) -> Self {
+        Self { node, image: None }
+    }
+}
+
+/// A point Σ w_k x_k with Σ w_k = 1, carried along by nodes and their images.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AffinePoint {
-    /// Node numbers, ascending, with their weights.
-    terms: Vec<(u32, f64)>,
+    /// Carriers, ascending, with their weights.
+    terms: Vec<(Carrier, f64)>,
 }
 
 /// Weights that do not add up to one, to rounding.
@@ -23,58 +38,53 @@ pub struct NotAffine {
 }
 
 impl AffinePoint {
-    /// Weights below this part of one are given to the node of the largest weight.
+    /// Weights below this part of one are given to the carrier of the largest weight.
     pub const SMALLEST_WEIGHT: f64 = 1e-12;
     /// How far from 1 the weights may add up.
     const TOLERANCE: f64 = 1e-9;
 
-    /// The combination of nodes with these weights; weights of one node are added.
+    /// The combination of nodes, or of carriers, with these weights; weights of the same one are added.
     ///
     /// # Errors
     /// [`NotAffine`], also for weights of which one is not a number.
-    pub fn new(terms: impl IntoIterator<Item = (u32, f64)>) -> Result<Self, NotAffine> {
-        let mut weights = BTreeMap::new();
-        for (node, weight) in terms {
-            *weights.entry(node).or_insert(0.0) += weight;
+    pub fn new<C: Into<Carrier>>(terms: impl IntoIterator<Item = (C, f64)>) -> Result<Self, NotAffine> {
+        let sum = collected(terms.into_iter().map(|(carrier, weight)| (carrier.into(), weight)));
+        let total: f64 = sum.values().sum();
+        if !((total - 1.0).abs() <= Self::TOLERANCE) {
+            return Err(NotAffine { sum: total });
         }
-        let sum: f64 = weights.values().sum();
-        if !((sum - 1.0).abs() <= Self::TOLERANCE) {
-            return Err(NotAffine { sum });
-        }
-        let mut point = Self { terms: weights.into_iter().collect() };
-        point.drop_small_weights();
-        Ok(point)
+        Ok(Self::of(sum))
     }
 
-    /// Gives what is missing to 1, small weights included, to the node of the largest weight.
-    fn drop_small_weights(&mut self) {
-        self.terms.retain(|(_, weight)| weight.abs() >= Self::SMALLEST_WEIGHT);
-        let rest = 1.0 - self.terms.iter().map(|(_, weight)| weight).sum::<f64>();
-        let largest = self.terms.iter_mut().max_by(|x, y| x.1.abs().total_cmp(&y.1.abs()));
+    /// What is missing to 1, small weights included, goes to the carrier of the largest weight.
+    fn of(weights: BTreeMap<Carrier, f64>) -> Self {
+        let mut terms: Vec<(Carrier, f64)> = weights.into_iter().collect();
+        terms.retain(|(_, weight)| weight.abs() >= Self::SMALLEST_WEIGHT);
+        let rest = 1.0 - terms.iter().map(|(_, weight)| weight).sum::<f64>();
+        let largest = terms.iter_mut().max_by(|x, y| x.1.abs().total_cmp(&y.1.abs()));
         if let Some((_, weight)) = largest {
             *weight += rest;
         }
+        Self { terms }
     }
 
-    /// Node numbers, ascending, with their weights.
+    /// Carriers, ascending, with their weights.
     #[must_use]
-    pub fn terms(&self) -> &[(u32, f64)] {
+    pub fn terms(&self) -> &[(Carrier, f64)] {
         &self.terms
     }
 
-    /// Where it is when the nodes are there.
-    ///
-    /// # Panics
-    /// If a node has no position.
+    /// Where it is when `place` says where its carriers are.
     #[must_use]
-    pub fn position(&self, positions: &[Point]) -> Point {
-        // From one of its nodes: digits are those of the distances between them.
+    pub fn position(&self, place: impl Fn(Carrier) -> Point) -> Point {
+        // From one of its carriers: digits are those of the distances between them.
         let Some(&(first, _)) = self.terms.first() else { return [f64::NAN; 3] };
-        let origin = positions[first as usize];
+        let origin = place(first);
         let mut point = origin;
-        for &(node, weight) in &self.terms {
+        for &(carrier, weight) in &self.terms {
+            let x = place(carrier);
             for axis in 0..3 {
-                point[axis] += weight * (positions[node as usize][axis] - origin[axis]);
+                point[axis] += weight * (x[axis] - origin[axis]);
             }
         }
         point
@@ -83,41 +93,60 @@ impl AffinePoint {
     /// (1 − t) of this point and t of the other one.
     #[must_use]
     pub fn towards(&self, other: &Self, t: f64) -> Self {
-        let part = |terms: &[(u32, f64)], factor: f64| -> Vec<(u32, f64)> {
-            terms.iter().map(|&(node, weight)| (node, factor * weight)).collect()
+        let part = |point: &Self, factor: f64| -> Vec<(Carrier, f64)> {
+            point.terms.iter().map(|&(carrier, weight)| (carrier, factor * weight)).collect()
         };
-        let mut weights = BTreeMap::new();
-        for (node, weight) in part(&self.terms, 1.0 - t).into_iter().chain(part(&other.terms, t)) {
-            *weights.entry(node).or_insert(0.0) += weight;
-        }
-        let mut point = Self { terms: weights.into_iter().collect() };
-        point.drop_small_weights();
-        point
+        Self::of(collected(part(self, 1.0 - t).into_iter().chain(part(other, t))))
     }
+}
+
+/// Weights by carrier.
+fn collected(terms: impl Iterator<Item = (Carrier, f64)>) -> BTreeMap<Carrier, f64> {
+    let mut weights = BTreeMap::new();
+    for (carrier, weight) in terms {
+        *weights.entry(carrier).or_insert(0.0) += weight;
+    }
+    weights
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn of_nodes(terms: &[(u32, f64)]) -> Vec<(Carrier, f64)> {
+        terms.iter().map(|&(node, weight)| (node.into(), weight)).collect()
+    }
+
     #[test]
     fn a_point_is_carried_along_by_its_nodes() {
         let point = AffinePoint::new([(4, 0.5), (1, -0.25), (2, 0.5), (4, 0.25)]).unwrap();
-        assert_eq!(point.terms(), [(1, -0.25), (2, 0.5), (4, 0.75)]);
-        let positions: Vec<Point> = (0..5).map(|k| [f64::from(k), 1.0, f64::from(k * k)]).collect();
-        assert_eq!(point.position(&positions), [-0.25 + 1.0 + 3.0, 1.0, -0.25 + 2.0 + 12.0]);
+        assert_eq!(point.terms(), of_nodes(&[(1, -0.25), (2, 0.5), (4, 0.75)]));
+        let x = |node: u32| [f64::from(node), 1.0, f64::from(node * node)];
+        assert_eq!(point.position(|carrier| x(carrier.node)), [-0.25 + 1.0 + 3.0, 1.0, -0.25 + 2.0 + 12.0]);
         // Far from the origin nothing is lost.
-        let moved: Vec<Point> = positions.iter().map(|x| x.map(|x| x + 2f64.powi(40))).collect();
-        assert_eq!(point.position(&moved), point.position(&positions).map(|x| x + 2f64.powi(40)));
+        let far = |x: Point| x.map(|x| x + 2f64.powi(40));
+        assert_eq!(
+            point.position(|carrier| far(x(carrier.node))),
+            far(point.position(|carrier| x(carrier.node)))
+        );
+    }
+
+    #[test]
+    fn an_image_is_a_carrier_of_its_own() {
+        let image = Carrier { node: 1, image: Some(0) };
+        let point = AffinePoint::new([(image, 0.5), (Carrier::from(1), 0.5)]).unwrap();
+        assert_eq!(point.terms(), [(Carrier::from(1), 0.5), (image, 0.5)]);
+        let x = |carrier: Carrier| if carrier.image.is_some() { [-1.0, 2.0, 3.0] } else { [1.0, 2.0, 3.0] };
+        assert_eq!(point.position(x), [0.0, 2.0, 3.0]);
     }
 
     #[test]
     fn points_blend_and_drop_what_does_not_count() {
         let here = AffinePoint::new([(0, 1.0)]).unwrap();
         let there = AffinePoint::new([(0, 0.5), (7, 0.5)]).unwrap();
-        assert_eq!(here.towards(&there, 0.25).terms(), [(0, 0.875), (7, 0.125)]);
+        assert_eq!(here.towards(&there, 0.25).terms(), of_nodes(&[(0, 0.875), (7, 0.125)]));
         assert_eq!(here.towards(&there, 1.0), there);
-        assert_eq!(here.towards(&there, 1e-13).terms(), [(0, 1.0)]);
+        assert_eq!(here.towards(&there, 1e-13).terms(), of_nodes(&[(0, 1.0)]));
         assert_eq!(here.towards(&there, 0.0), here);
     }
 
@@ -125,6 +154,6 @@ mod tests {
     fn weights_that_do_not_add_up_to_one_are_refused() {
         assert_eq!(AffinePoint::new([(0, 0.5), (1, 0.25)]), Err(NotAffine { sum: 0.75 }));
         assert!(AffinePoint::new([(0, f64::NAN), (1, 1.0)]).is_err());
-        assert!(AffinePoint::new([]).is_err());
+        assert!(AffinePoint::new::<u32>([]).is_err());
     }
 }

@@ -34,6 +34,7 @@ struct Key {
     frame: FrameRule,
     basis: Basis,
     nodes: usize,
+    has_slip: bool,
 }
 
 /// Where the results of one element go. What the mode does not ask for may be empty and is not touched.
@@ -111,10 +112,11 @@ pub(crate) trait KernelSets {
     /// Whether an element can be evaluated, and what its kernel reads.
     fn prepare<'a>(&self, element: &Element<'a>) -> (Result<(), ElementError>, ElementInputs<'a>);
 
-    /// Evaluates elements of as many nodes with the kernels of a weight.
+    /// Evaluates elements of as many nodes with the kernels of a weight, with a slip or without.
     fn run(
         &self,
         weight: Weight,
+        has_slip: bool,
         kernel: (Basis, FrameRule, Mode),
         elements: &mut [BatchElement<'_>],
         workspace: &mut Workspace,
@@ -129,11 +131,12 @@ impl KernelSets for Generated {
     fn run(
         &self,
         weight: Weight,
+        has_slip: bool,
         kernel: (Basis, FrameRule, Mode),
         elements: &mut [BatchElement<'_>],
         workspace: &mut Workspace,
     ) {
-        with_kernels!(weight, K => GeneratedWith::<K>::new().run(weight, kernel, elements, workspace));
+        with_kernels!(weight, K => GeneratedWith::<K>::new().run(weight, has_slip, kernel, elements, workspace));
     }
 }
 
@@ -145,11 +148,13 @@ impl<K: KernelSet> KernelSets for GeneratedWith<K> {
     fn run(
         &self,
         _: Weight,
+        has_slip: bool,
         kernel: (Basis, FrameRule, Mode),
         elements: &mut [BatchElement<'_>],
         workspace: &mut Workspace,
     ) {
-        K::gap_batch(K::best_isa(), kernel, elements, workspace);
+        let batch = if has_slip { K::slip_batch } else { K::gap_batch };
+        batch(K::best_isa(), kernel, elements, workspace);
     }
 }
 
@@ -172,6 +177,7 @@ fn gap_batch<'a>(
             frame: frame_rule(element.frame.derivative, &element.domains),
             basis: element.basis,
             inputs,
+            has_slip: false,
             slot,
             is_sound: sound.is_ok(),
         });
@@ -197,6 +203,8 @@ pub(crate) struct Waiting<'a, 's> {
     pub frame: FrameRule,
     pub basis: Basis,
     pub inputs: ElementInputs<'a>,
+    /// Whether it has a slip from an anchor: its slot then has room for the derivatives of both.
+    pub has_slip: bool,
     pub slot: GapSlot<'s>,
     /// Others are left out.
     pub is_sound: bool,
@@ -214,21 +222,21 @@ pub(crate) fn evaluate<'a>(
     order.clear();
     order.extend(waiting.iter().enumerate().filter(|(_, element)| element.is_sound).map(
         |(index, element)| {
-            let Waiting { weight, frame, basis, inputs, .. } = element;
-            (Key { weight: *weight, frame: *frame, basis: *basis, nodes: inputs.masters.len() }, index)
+            let &Waiting { weight, frame, basis, ref inputs, has_slip, .. } = element;
+            (Key { weight, frame, basis, nodes: inputs.masters.len(), has_slip }, index)
         },
     ));
     order.sort_unstable();
     let mut elements = recycled(std::mem::take(memory));
     for group in order.chunk_by(|x, y| x.0 == y.0) {
-        let Key { weight, frame, basis, .. } = group[0].0;
+        let Key { weight, frame, basis, has_slip, .. } = group[0].0;
         for group in group.chunks(MOST_AT_ONCE) {
             elements.clear();
             elements.extend(group.iter().map(|&(_, index)| {
                 let GapSlot { gradient, hessian } = std::mem::take(&mut waiting[index].slot);
                 BatchElement { inputs: waiting[index].inputs, values: GapValues::NONE, gradient, hessian }
             }));
-            sets.run(weight, (basis, frame, mode), &mut elements, workspace);
+            sets.run(weight, has_slip, (basis, frame, mode), &mut elements, workspace);
             for (element, &(_, index)) in elements.iter_mut().zip(group) {
                 result(index, element);
             }

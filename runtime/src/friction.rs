@@ -5,9 +5,13 @@
 //! traction instead. Both are one force −c ∇q with a factor c of q and of the gap:
 //!
 //! ```text
-//! stick, ε_T s ≤ μ p:   c = ε_T
-//! slip:                 c = μ p / s,   s = √(2q)
+//! stick, w ε_T s ≤ μ p:   c = w ε_T
+//! slip:                   c = μ p / s,   s = √(2q)
 //! ```
+//!
+//! w is the part of the slip since the place of touch: 1 for a contact that was closed when the last step was accepted. One that
+//! was open by g₀ has slid from its foot of then to its foot of now while the gap went from g₀ to the present one. It touched at
+//! 1 − w of the way: w = p/(p + ε g₀). Friction begins with the pressure, without a jump.
 //!
 //! q does not change under rigid motions of slave, masters and anchor together: the forces balance, and so do their moments.
 
@@ -95,7 +99,9 @@ pub struct FrictionForce {
     pub factor_by_half_square: f64,
     /// ∂c/∂g, force per length².
     pub factor_by_gap: f64,
-    /// Part of the slip that remains behind the slave when the step is accepted, 1 − θ = μ p/(ε_T s); 1 in stick.
+    /// w, the part of the slip since the place of touch.
+    pub share: f64,
+    /// Part of the slip that remains behind the slave when the step is accepted, 1 − θ = c/ε_T; 1 in stick.
     pub kept: f64,
 }
 
@@ -126,10 +132,22 @@ impl Coulomb {
         self.stiffness
     }
 
+    /// The law of a slave with this tributary area, whose stiffness is one per area.
+    #[must_use]
+    pub fn over(&self, area: f64) -> Self {
+        Self { stiffness: self.stiffness * area, ..*self }
+    }
+
     /// The friction of a contact with this normal force and this half square q ≥ 0 of the slip. Without normal force, or with μ = 0,
     /// there is none.
     #[must_use]
     pub fn force(&self, normal: NormalForce, half_square: f64) -> FrictionForce {
+        self.force_since(normal, half_square, 0.0)
+    }
+
+    /// The same of a contact that was open by the gap `opening` ≥ 0 when the last step was accepted, and had its anchor in its foot.
+    #[must_use]
+    pub fn force_since(&self, normal: NormalForce, half_square: f64, opening: f64) -> FrictionForce {
         if !(normal.force > 0.0) {
             return FrictionForce::NONE;
         }
@@ -137,15 +155,17 @@ impl Coulomb {
         if coefficient * normal.force == 0.0 {
             return FrictionForce { state: FrictionState::Slip, kept: 0.0, ..FrictionForce::NONE };
         }
-        let inputs = coulomb::Inputs { half_square, pressure: normal.force, coefficient, stiffness };
+        let opening = normal.stiffness * opening;
+        let inputs = coulomb::Inputs { half_square, pressure: normal.force, coefficient, stiffness, opening };
         let coulomb::Results { values, factor_jacobian: [by_half_square, by_pressure] } =
             coulomb::evaluate(Mode::Gradient, &inputs);
-        let factor = values.factor;
+        let coulomb::Values { factor, share, .. } = values;
         FrictionForce {
-            state: if factor < stiffness { FrictionState::Slip } else { FrictionState::Stick },
+            state: if factor < share * stiffness { FrictionState::Slip } else { FrictionState::Stick },
             factor,
             factor_by_half_square: by_half_square,
             factor_by_gap: -normal.stiffness * by_pressure,
+            share,
             kept: factor / stiffness,
         }
     }
@@ -157,8 +177,19 @@ impl FrictionForce {
         factor: 0.0,
         factor_by_half_square: 0.0,
         factor_by_gap: 0.0,
+        share: 1.0,
         kept: 1.0,
     };
+
+    /// Work of the traction over what slid since the last step was accepted, for a slip s, energy: what the slip since the place of
+    /// touch has lost to the anchor.
+    #[must_use]
+    pub fn dissipated(&self, slip: f64) -> f64 {
+        match self.state {
+            FrictionState::Slip => self.factor * slip * (self.share - self.kept) * slip,
+            FrictionState::Open | FrictionState::Stick => 0.0,
+        }
+    }
 
     /// R = −c ∇q, the force on slave, masters and anchor, 3(n+2) entries.
     #[must_use]
@@ -176,12 +207,19 @@ impl FrictionForce {
         let size = slip.gradient.len();
         assert_eq!(slip.hessian.size(), size, "a slip with its Hessian");
         // The gap does not depend on the anchor.
-        let by_gap = |q: usize| slip.contact.gradient.get(q).map_or(0.0, |n| self.factor_by_gap * n);
+        let by_gap = |q: usize| slip.contact.gradient.get(q).copied().unwrap_or(0.0);
         let entry = |p: usize, q: usize| {
-            let by_slip = self.factor_by_half_square * slip.gradient[q];
-            self.factor * slip.hessian.get(p, q) + slip.gradient[p] * (by_slip + by_gap(q))
+            let [own, other] = [p, q].map(|p| slip.gradient[p]);
+            self.tangent_entry([own, other], slip.hessian.get(p, q), by_gap(q))
         };
         (0..size).map(|p| (0..size).map(|q| entry(p, q)).collect()).collect()
+    }
+
+    /// Entry (p, q) of the tangent from ∇q at p and q, ∇²q at (p, q) and N at q.
+    pub(crate) fn tangent_entry(&self, [own, other]: [f64; 2], second: f64, by_gap: f64) -> f64 {
+        // The product of a pair is the same either way round: without the last term the tangent is symmetric to the last bit.
+        let symmetric = self.factor * second + self.factor_by_half_square * (own * other);
+        symmetric + self.factor_by_gap * own * by_gap
     }
 
     /// Whether the force and its derivatives are finite.
@@ -223,15 +261,37 @@ mod tests {
     fn the_factors_derivatives_are_its_differences() {
         let law = Coulomb::new(0.3, 100.0).unwrap();
         let (q, h) = (0.5 * 0.3 * 0.3, 1e-6);
-        let at = |gap: f64, q: f64| {
-            let normal = NormalForce { force: NORMAL.force - NORMAL.stiffness * gap, ..NORMAL };
-            law.force(normal, q)
-        };
-        let force = at(0.0, q);
-        let by_q = (at(0.0, q + h).factor - at(0.0, q - h).factor) / (2.0 * h);
-        let by_gap = (at(h, q).factor - at(-h, q).factor) / (2.0 * h);
-        assert!((force.factor_by_half_square / by_q - 1.0).abs() < 1e-8);
-        assert!((force.factor_by_gap / by_gap - 1.0).abs() < 1e-8);
+        // In slip; in stick of a contact that was open.
+        for (q, opening) in [(q, 0.0), (0.01 * q, 0.05)] {
+            let at = |gap: f64, q: f64| {
+                let normal = NormalForce { force: NORMAL.force - NORMAL.stiffness * gap, ..NORMAL };
+                law.force_since(normal, q, opening)
+            };
+            let force = at(0.0, q);
+            let by_q = (at(0.0, q + h).factor - at(0.0, q - h).factor) / (2.0 * h);
+            let by_gap = (at(h, q).factor - at(-h, q).factor) / (2.0 * h);
+            assert!((force.factor_by_half_square - by_q).abs() <= 1e-7 * by_q.abs());
+            assert!((force.factor_by_gap / by_gap - 1.0).abs() < 1e-7);
+        }
+    }
+
+    #[test]
+    fn a_contact_that_was_open_slides_from_its_place_of_touch() {
+        let law = Coulomb::new(0.3, 100.0).unwrap();
+        // 10 of force at a stiffness of 400: 0.025 deep, and open by 0.075 before. A quarter of the way was in touch.
+        for (slip, state, traction) in [(0.1, FrictionState::Stick, 2.5), (0.2, FrictionState::Slip, 3.0)] {
+            let force = law.force_since(NORMAL, 0.5 * slip * slip, 0.075);
+            assert!((force.share - 0.25).abs() < 1e-15);
+            assert_eq!(force.state, state);
+            assert!((force.factor * slip - traction).abs() < 1e-14, "{slip}");
+            // The new slip has this traction, and what the old one lost in touch was work.
+            assert!((law.stiffness() * force.kept * slip - traction).abs() < 1e-14);
+            let slid = 0.25 * slip - traction / 100.0;
+            assert!((force.dissipated(slip) - traction * slid).abs() < 1e-15, "{slip}");
+        }
+        // At the touch there is no friction.
+        let touch = NormalForce { force: 1e-9, ..NORMAL };
+        assert!(law.force_since(touch, 0.5, 0.075).factor < 1e-8);
     }
 
     #[test]

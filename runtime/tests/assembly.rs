@@ -322,7 +322,7 @@ fn assert_tangent_refused(element: ElementView<'_>, law: &ContactLaw<'_>, expect
 #[test]
 fn bad_input_is_refused_with_its_figures() {
     let (gradient, hessian) = ([0.1; 6], [0.2; 21]);
-    let contact = ContactView { gap: -0.1, area: 1.0, gradient: &gradient, hessian: &hessian };
+    let contact = ContactView { gap: -0.1, area: 1.0, gradient: &gradient, hessian: &hessian, slip: None };
     let element = |contact| ElementView { slave: 0, masters: &[1], contact: Some(contact) };
     let good = ContactLaw::penalty(1.0);
     for value in [f64::NAN, -1.0, 0.0, f64::INFINITY] {
@@ -396,7 +396,7 @@ fn wrong_lengths_of_the_output_are_refused() {
 #[test]
 fn sums_that_leave_the_range_of_numbers_are_refused() {
     let (gradient, hessian) = ([1.0, 0.0, 0.0, 0.0, 1e200, 0.0], [0.0; 21]);
-    let contact = ContactView { gap: -1e150, area: 1.0, gradient: &gradient, hessian: &hessian };
+    let contact = ContactView { gap: -1e150, area: 1.0, gradient: &gradient, hessian: &hessian, slip: None };
     let elements: &[ElementView<'_>] = &[ElementView { slave: 0, masters: &[1], contact: Some(contact) }];
     let dofs = DofMap::standard(2);
     let law = ContactLaw::penalty(1.0);

@@ -9,6 +9,8 @@ mod co_moving;
 mod common;
 mod domains;
 mod interface_facets;
+#[cfg(feature = "friction")]
+mod interface_friction;
 mod interface_geometry;
 mod interface_pairing;
 #[cfg(feature = "ad")]

@@ -202,7 +202,8 @@ fn user_element(
     let own = element.degrees_of_freedom();
     let (mut gradient, mut hessian) = (vec![0.0; own], vec![0.0; own * (own + 1) / 2]);
     let point = Generated.gap_into(&element, Mode::Hessian, &mut gradient, &mut hessian).unwrap();
-    let contact = ContactView { gap: point.gap, area: 1.0, gradient: &gradient, hessian: &hessian };
+    let contact =
+        ContactView { gap: point.gap, area: 1.0, gradient: &gradient, hessian: &hessian, slip: None };
     let (mut residual, mut tangent) = (vec![0.0; own], vec![0.0; own * own]);
     ContactLaw::penalty(PENALTY).element_system(&contact, &mut residual, &mut tangent).unwrap();
     let nodes = std::iter::once(0).chain(masters);

@@ -40,7 +40,23 @@ pub struct ContactView<'a> {
     /// N = ∂g/∂x, 3(n+1) entries, dimensionless.
     pub gradient: &'a [f64],
     /// M = ∂²g/∂x∂x, packed lower triangle row by row, 1/length. Only looked at for
-    /// [`Tangent::Exact`](super::Tangent).
+    /// [`Tangent::Exact`](super::Tangent), and with friction.
+    pub hessian: &'a [f64],
+    /// The slip, if it is tracked. Only looked at for a law with friction.
+    pub slip: Option<SlipView<'a>>,
+}
+
+/// The slip of one element, with derivatives over the same coordinates as those of the gap: derivatives by an anchor have gone to the
+/// nodes that carry it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SlipView<'a> {
+    /// q, half the square of the slip, length².
+    pub half_square: f64,
+    /// The gap if the contact was open when the last step was accepted, length; else 0.
+    pub opening: f64,
+    /// ∇q, 3(n+1) entries, length; empty of a slave without an anchor, which has no friction yet.
+    pub gradient: &'a [f64],
+    /// ∇²q, packed lower triangle row by row, dimensionless; empty of a slave without an anchor.
     pub hessian: &'a [f64],
 }
 
@@ -48,8 +64,8 @@ impl<'a> ElementView<'a> {
     /// The element with these nodes and what a [`Backend`](crate::Backend) returned for it; area 1.
     #[must_use]
     pub fn new(slave: usize, masters: &'a [u32], gap: &'a Gap) -> Self {
-        let contact =
-            ContactView { gap: gap.gap, area: 1.0, gradient: &gap.gradient, hessian: gap.hessian.packed() };
+        let (gradient, hessian) = (&gap.gradient, gap.hessian.packed());
+        let contact = ContactView { gap: gap.gap, area: 1.0, gradient, hessian, slip: None };
         Self { slave, masters, contact: Some(contact) }
     }
 

@@ -65,7 +65,7 @@ pub enum AssemblyError {
     /// A gradient or a Hessian does not have the size that follows from the number of nodes.
     #[error("the {what} of element {element} has {found} entries instead of {expected}")]
     DerivativeLength {
-        /// `"gradient"` or `"Hessian"`.
+        /// `"gradient"` or `"Hessian"`, of the gap or `"… of the slip"`.
         what: &'static str,
         /// The element, counted from 0.
         element: usize,
@@ -126,6 +126,23 @@ pub enum AssemblyError {
         /// How many; `usize::MAX` also stands for more.
         count: usize,
     },
+    /// The law has friction, but the elements come without slips.
+    #[error("the law has friction, but element {element} has no slip: accept a state before the first step")]
+    NoSlip {
+        /// The first such element, counted from 0.
+        element: usize,
+    },
+    /// The friction of an element is not finite.
+    #[error("the friction of element {element} is not finite: half the square of its slip is {value}")]
+    InvalidSlip {
+        /// The element, counted from 0.
+        element: usize,
+        /// q.
+        value: f64,
+    },
+    /// Half of a tangent that is not symmetric was asked for.
+    #[error("the exact tangent of friction is not symmetric: one triangle is not all of it")]
+    Unsymmetric,
     /// A sum left the range of numbers, or was not finite before anything was added.
     #[error("the {what} of equation {equation} are not finite")]
     Overflow {
@@ -155,6 +172,9 @@ impl AssemblyError {
             Self::OutputLength { .. } => "output-length",
             Self::PatternMismatch { .. } => "pattern-mismatch",
             Self::TooLarge { .. } => "too-large",
+            Self::NoSlip { .. } => "no-slip",
+            Self::InvalidSlip { .. } => "invalid-slip",
+            Self::Unsymmetric => "unsymmetric",
         }
     }
 }

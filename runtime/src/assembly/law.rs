@@ -1,6 +1,7 @@
 //! From the gap to force and stiffness.
 
-use super::{AssemblyError, ContactView, ElementView, Elements};
+use super::{AssemblyError, ContactView, ElementView, Elements, SlipView};
+use crate::friction::{Coulomb, FrictionForce, NormalForce};
 
 /// Which tangent is assembled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -58,7 +59,7 @@ impl Tangent {
     }
 }
 
-/// The law of frictionless contact, penalty or augmented Lagrangian.
+/// The law of contact: penalty or augmented Lagrangian, with or without friction.
 ///
 /// Contact force of element k, with ε_k = penalty × area_k:
 ///
@@ -70,6 +71,9 @@ impl Tangent {
 ///
 /// An element with f_k ≤ 0 contributes nothing. At f_k = 0 exactly, such as a touching node with λ = 0, that is no force
 /// and, of the two one-sided tangents, the one of the open side: zero.
+///
+/// With friction each element that carries force adds −c_k ∇q_k to R_k, see [`Coulomb`], and its derivative to K_k, which is then not
+/// symmetric where the contact slides. Of that derivative [`Tangent::GaussNewton`] keeps c ∇²q + ∂c/∂q ∇q ∇qᵀ, which is symmetric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ContactLaw<'a> {
@@ -79,13 +83,28 @@ pub struct ContactLaw<'a> {
     pub multipliers: Option<&'a [f64]>,
     /// Which tangent is assembled.
     pub tangent: Tangent,
+    /// Friction: the elements have to come with their slips.
+    pub friction: Option<Coulomb>,
 }
 
 impl<'a> ContactLaw<'a> {
     /// The penalty law with the exact tangent.
     #[must_use]
     pub const fn penalty(penalty: f64) -> Self {
-        Self { penalty, multipliers: None, tangent: Tangent::Exact }
+        Self { penalty, multipliers: None, tangent: Tangent::Exact, friction: None }
+    }
+
+    /// With friction, or without. The tangential stiffness is one per area where the elements carry areas. A coefficient of 0 is no
+    /// friction.
+    #[must_use]
+    pub fn with_friction(self, friction: Option<Coulomb>) -> Self {
+        Self { friction: friction.filter(|friction| friction.coefficient() > 0.0), ..self }
+    }
+
+    /// Whether tangents are symmetric.
+    #[must_use]
+    pub fn is_symmetric(&self) -> bool {
+        self.friction.is_none() || self.tangent == Tangent::GaussNewton
     }
 
     /// With these multipliers, or without any.
@@ -108,6 +127,29 @@ impl<'a> ContactLaw<'a> {
     #[must_use]
     pub fn force(&self, k: usize, gap: f64, area: f64) -> f64 {
         (self.multiplier(k) - self.penalty * area * gap).max(0.0)
+    }
+
+    /// The normal force of element `k` at the gap `gap`, and −∂f/∂g.
+    ///
+    /// # Panics
+    /// If there are multipliers, but none for `k`.
+    #[must_use]
+    pub fn normal(&self, k: usize, gap: f64, area: f64) -> NormalForce {
+        NormalForce { force: self.force(k, gap, area), stiffness: self.penalty * area }
+    }
+
+    /// The friction of element `k` with this slip; `None` without friction, and before there is an anchor.
+    #[must_use]
+    pub fn friction_of(
+        &self,
+        k: usize,
+        gap: f64,
+        area: f64,
+        slip: Option<SlipView<'_>>,
+    ) -> Option<FrictionForce> {
+        let slip = slip.filter(|slip| !slip.gradient.is_empty())?;
+        let friction = self.friction?.over(area);
+        Some(friction.force_since(self.normal(k, gap, area), slip.half_square, slip.opening))
     }
 
     /// Checks the penalty, and that there are no multipliers or one that is finite and not negative for each of `elements`
@@ -186,10 +228,25 @@ impl<'a> ContactLaw<'a> {
             if found == expected { Ok(()) } else { Err(wrong) }
         };
         length("gradient", contact.gradient.len(), freedoms)?;
+        let packed = freedoms * (freedoms + 1) / 2;
         if needs == Needs::Tangent && self.tangent == Tangent::Exact {
-            length("Hessian", contact.hessian.len(), freedoms * (freedoms + 1) / 2)?;
+            length("Hessian", contact.hessian.len(), packed)?;
         }
-        Ok(())
+        if self.friction.is_none() {
+            return Ok(());
+        }
+        let slip = contact.slip.ok_or(AssemblyError::NoSlip { element: k })?;
+        if slip.gradient.is_empty() {
+            return Ok(());
+        }
+        length("gradient of the slip", slip.gradient.len(), freedoms)?;
+        if needs == Needs::Tangent {
+            length("Hessian of the slip", slip.hessian.len(), packed)?;
+        }
+        let friction = self.friction_of(k, contact.gap, contact.area, contact.slip);
+        let is_finite = slip.half_square.is_finite() && friction.is_none_or(|force| force.check().is_ok());
+        let invalid = AssemblyError::InvalidSlip { element: k, value: slip.half_square };
+        if is_finite { Ok(()) } else { Err(invalid) }
     }
 
     /// What element `k` contributes; `None` if that is nothing. The element is one that passes
@@ -206,7 +263,12 @@ impl<'a> ContactLaw<'a> {
             Tangent::GaussNewton => None,
         };
         let stiffness = self.penalty * contact.area;
-        (force > 0.0).then_some(Active { force, stiffness, gradient: contact.gradient, hessian })
+        let friction = self.friction_of(k, contact.gap, contact.area, contact.slip);
+        let friction = friction.zip(contact.slip).map(|(force, slip)| {
+            let factor_by_gap = if self.is_symmetric() { 0.0 } else { force.factor_by_gap };
+            ActiveFriction { force: FrictionForce { factor_by_gap, ..force }, slip }
+        });
+        (force > 0.0).then_some(Active { force, stiffness, gradient: contact.gradient, hessian, friction })
     }
 }
 
@@ -228,23 +290,52 @@ pub(super) struct Active<'a> {
     pub gradient: &'a [f64],
     /// M, packed lower triangle, if it takes part.
     hessian: Option<&'a [f64]>,
+    friction: Option<ActiveFriction<'a>>,
+}
+
+/// The friction of an element that carries force.
+#[derive(Clone, Copy, Debug)]
+struct ActiveFriction<'a> {
+    force: FrictionForce,
+    slip: SlipView<'a>,
 }
 
 impl Active<'_> {
-    /// Entry (p, q) of the tangent; the same number as entry (q, p).
+    /// Entry p of the contact force.
+    pub fn contact_force(&self, p: usize) -> f64 {
+        let normal = self.force * self.gradient[p];
+        self.friction.map_or(normal, |friction| normal - friction.force.factor * friction.slip.gradient[p])
+    }
+
+    /// Whether the tangent is symmetric.
+    pub fn is_symmetric(&self) -> bool {
+        self.friction.is_none_or(|friction| friction.force.factor_by_gap == 0.0)
+    }
+
+    /// Entry (p, q) of the tangent; without friction the same number as entry (q, p).
     pub fn tangent(&self, p: usize, q: usize) -> f64 {
+        let (row, column) = if p >= q { (p, q) } else { (q, p) };
         let rank_one = self.stiffness * (self.gradient[p] * self.gradient[q]);
-        match self.hessian {
-            Some(hessian) => {
-                let (row, column) = if p >= q { (p, q) } else { (q, p) };
-                rank_one - self.force * hessian[row * (row + 1) / 2 + column]
-            }
+        let normal = match self.hessian {
+            Some(hessian) => rank_one - self.force * hessian[row * (row + 1) / 2 + column],
             None => rank_one,
-        }
+        };
+        let Some(ActiveFriction { force, slip }) = &self.friction else { return normal };
+        let [own, other] = [p, q].map(|p| slip.gradient[p]);
+        let second = slip.hessian[row * (row + 1) / 2 + column];
+        normal + force.tangent_entry([own, other], second, self.gradient[q])
     }
 
     /// Entries (p, 0) … (p, p) of the tangent, and whether all are finite. The same numbers as [`tangent`](Self::tangent).
     pub fn tangent_row(&self, p: usize, row: &mut [f64]) -> bool {
+        if self.friction.is_some() {
+            let mut is_finite = true;
+            for (q, entry) in row.iter_mut().enumerate() {
+                *entry = self.tangent(p, q);
+                is_finite &= entry.is_finite();
+            }
+            return is_finite;
+        }
         let (stiffness, force, own) = (self.stiffness, self.force, self.gradient[p]);
         let entries = row.iter_mut().zip(&self.gradient[..=p]);
         let mut is_finite = true;

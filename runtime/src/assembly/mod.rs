@@ -52,7 +52,7 @@ mod single;
 mod triplets;
 
 pub use dofs::DofMap;
-pub use elements::{ContactView, ElementView, Elements};
+pub use elements::{ContactView, ElementView, Elements, SlipView};
 pub use error::AssemblyError;
 pub use law::{ContactLaw, Tangent};
 pub use pattern::CsrPattern;

@@ -25,10 +25,10 @@ pub fn add_residual<E: Elements + ?Sized>(
     for k in 0..elements.len() {
         let Some(active) = law.active(elements, k) else { continue };
         count += 1;
-        for (node, gradient) in elements.element(k).nodes().zip(active.gradient.chunks_exact(3)) {
-            for (equation, n) in dofs.of_node(node).into_iter().zip(gradient) {
+        for (local, node) in elements.element(k).nodes().enumerate() {
+            for (axis, equation) in dofs.of_node(node).into_iter().enumerate() {
                 let Some(equation) = equation else { continue };
-                residual[equation] += active.force * n;
+                residual[equation] += active.contact_force(3 * local + axis);
                 if !residual[equation].is_finite() {
                     return Err(AssemblyError::Overflow { what: "residuals", equation });
                 }

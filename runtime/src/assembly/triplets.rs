@@ -36,7 +36,8 @@ impl Triplets {
     /// tangent's zeros are entries like others; constrained degrees of freedom have none.
     ///
     /// # Errors
-    /// Every reason for which the law or an element is refused, [`AssemblyError::TooLarge`] if the entries do not fit
+    /// Every reason for which the law or an element is refused, [`AssemblyError::Unsymmetric`] for the lower triangle of the exact tangent
+    /// of friction, [`AssemblyError::TooLarge`] if the entries do not fit
     /// into memory, [`AssemblyError::Overflow`] if a value is not finite. There are no entries then.
     pub fn fill<E: Elements + ?Sized>(
         &mut self,
@@ -46,6 +47,9 @@ impl Triplets {
         triangle: Triangle,
     ) -> Result<usize, AssemblyError> {
         self.clear();
+        if triangle == Triangle::Lower && !law.is_symmetric() {
+            return Err(AssemblyError::Unsymmetric);
+        }
         check(elements, law, dofs.nodes(), Needs::Tangent)?;
         let filled = self.push_all(elements, law, dofs, triangle);
         if filled.is_err() {

@@ -3,8 +3,9 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::anchors::Tracked;
 use super::{InterfaceError, Outcome};
-use crate::assembly::{ContactView, ElementView, Elements};
+use crate::assembly::{ContactView, ElementView, Elements, SlipView};
 use crate::{ContactPoint, Mode};
 
 /// The contact of every slave node, in the order of the slaves.
@@ -36,6 +37,8 @@ pub struct ContactRef<'a> {
     /// M, packed lower triangle row by row: entry (i, j ≤ i) at i(i+1)/2 + j; empty below Hessian mode, and where the gradient
     /// is.
     pub hessian: &'a [f64],
+    /// The slip, if the interface has [anchors](super::ContactInterface::set_anchors).
+    pub slip: Option<SlipView<'a>>,
 }
 
 impl Contacts {
@@ -77,9 +80,14 @@ impl Contacts {
     }
 
     /// Room for all slaves of `layout`, to be filled.
-    pub(super) fn start(&mut self, layout: &Arc<Layout>, mode: Mode) -> Result<Slots<'_>, InterfaceError> {
+    pub(super) fn start(
+        &mut self,
+        layout: &Arc<Layout>,
+        mode: Mode,
+        is_tracked: bool,
+    ) -> Result<Slots<'_>, InterfaceError> {
         self.layout = Arc::clone(layout);
-        self.slots.start(layout, 0..layout.len(), mode)
+        self.slots.start(layout, 0..layout.len(), mode, is_tracked)
     }
 }
 
@@ -91,8 +99,9 @@ impl Elements for Contacts {
     }
 
     fn element(&self, k: usize) -> ElementView<'_> {
-        let ContactRef { slave, nodes, outcome, point, area, gradient, hessian } = self.get(k);
-        let contact = outcome.is_contact().then_some(ContactView { gap: point.gap, area, gradient, hessian });
+        let ContactRef { slave, nodes, outcome, point, area, gradient, hessian, slip } = self.get(k);
+        let contact = ContactView { gap: point.gap, area, gradient, hessian, slip };
+        let contact = outcome.is_contact().then_some(contact);
         ElementView { slave, masters: nodes, contact }
     }
 }
@@ -162,6 +171,13 @@ impl Layout {
         self.offsets[k]..self.offsets[k + 1]
     }
 
+    /// Numbers in the gradients and in the Hessians of these slaves, as far as a mode asks for them.
+    fn numbers(&self, Range { start, end }: Range<usize>, mode: Mode) -> [usize; 2] {
+        let gradients = self.gradient(end) - self.gradient(start);
+        let hessians = self.hessians[end] - self.hessians[start];
+        [if mode >= Mode::Gradient { gradients } else { 0 }, if mode >= Mode::Hessian { hessians } else { 0 }]
+    }
+
     /// Where the gradient of the `k`-th slave begins: 3(n+1) numbers for each slave before.
     fn gradient(&self, k: usize) -> usize {
         3 * (self.offsets[k] + k)
@@ -183,8 +199,25 @@ pub struct Results {
     points: Vec<ContactPoint>,
     /// Whether the derivatives that the mode asks for were evaluated.
     derived: Vec<bool>,
+    of_gap: Numbers,
+    /// One per slave, or none.
+    slips: Vec<Tracked>,
+    of_slip: Numbers,
+}
+
+/// Gradients and packed Hessians of a quantity, slave after slave.
+#[derive(Clone, Debug, Default)]
+struct Numbers {
     gradients: Vec<f64>,
     hessians: Vec<f64>,
+}
+
+impl Numbers {
+    fn resize(&mut self, [gradients, hessians]: [usize; 2]) -> Result<NumberSlots<'_>, InterfaceError> {
+        resize(&mut self.gradients, gradients, 0.0)?;
+        resize(&mut self.hessians, hessians, 0.0)?;
+        Ok(NumberSlots { gradients: &mut self.gradients, hessians: &mut self.hessians })
+    }
 }
 
 impl Default for Results {
@@ -195,8 +228,9 @@ impl Default for Results {
             outcomes: Vec::new(),
             points: Vec::new(),
             derived: Vec::new(),
-            gradients: Vec::new(),
-            hessians: Vec::new(),
+            of_gap: Numbers::default(),
+            slips: Vec::new(),
+            of_slip: Numbers::default(),
         }
     }
 }
@@ -208,24 +242,24 @@ impl Results {
         layout: &Layout,
         range: Range<usize>,
         mode: Mode,
+        is_tracked: bool,
     ) -> Result<Slots<'_>, InterfaceError> {
         let Range { start, end } = range;
         (self.mode, self.first) = (mode, start);
-        let gradients = layout.gradient(end) - layout.gradient(start);
-        let hessians = layout.hessians[end] - layout.hessians[start];
+        let numbers = layout.numbers(start..end, mode);
         resize(&mut self.outcomes, end - start, Outcome::None(super::NoContact::NotPaired))?;
         resize(&mut self.points, end - start, ContactPoint::default())?;
         resize(&mut self.derived, end - start, false)?;
-        resize(&mut self.gradients, if mode >= Mode::Gradient { gradients } else { 0 }, 0.0)?;
-        resize(&mut self.hessians, if mode >= Mode::Hessian { hessians } else { 0 }, 0.0)?;
+        resize(&mut self.slips, if is_tracked { end - start } else { 0 }, Tracked::default())?;
         Ok(Slots {
             mode,
             range: start..end,
             outcomes: &mut self.outcomes,
             points: &mut self.points,
             derived: &mut self.derived,
-            gradients: &mut self.gradients,
-            hessians: &mut self.hessians,
+            of_gap: self.of_gap.resize(numbers)?,
+            slips: &mut self.slips,
+            of_slip: self.of_slip.resize(if is_tracked { numbers } else { [0; 2] })?,
         })
     }
 
@@ -236,14 +270,27 @@ impl Results {
             let base = position(self.first);
             if wanted { &numbers[position(k) - base..position(k + 1) - base] } else { &[] }
         };
+        let derivatives = |numbers: &'a Numbers, are_there: bool| {
+            let gradient =
+                of(&numbers.gradients, are_there && self.mode >= Mode::Gradient, &|k| layout.gradient(k));
+            let hessian =
+                of(&numbers.hessians, are_there && self.mode >= Mode::Hessian, &|k| layout.hessians[k]);
+            (gradient, hessian)
+        };
+        let (gradient, hessian) = derivatives(&self.of_gap, true);
+        let slip = self.slips.get(k - self.first).map(|slip| {
+            let (gradient, hessian) = derivatives(&self.of_slip, slip.is_anchored);
+            SlipView { half_square: slip.half_square, opening: slip.opening, gradient, hessian }
+        });
         ContactRef {
             slave: layout.slaves[k],
             nodes: layout.masters(k),
             outcome,
             point: self.points[k - self.first],
             area: layout.area(k),
-            gradient: of(&self.gradients, self.mode >= Mode::Gradient, &|k| layout.gradient(k)),
-            hessian: of(&self.hessians, self.mode >= Mode::Hessian, &|k| layout.hessians[k]),
+            gradient,
+            hessian,
+            slip,
         }
     }
 }
@@ -264,8 +311,25 @@ pub struct Slots<'a> {
     outcomes: &'a mut [Outcome],
     points: &'a mut [ContactPoint],
     derived: &'a mut [bool],
+    of_gap: NumberSlots<'a>,
+    slips: &'a mut [Tracked],
+    of_slip: NumberSlots<'a>,
+}
+
+/// Room for the derivatives of a quantity.
+#[derive(Debug)]
+struct NumberSlots<'a> {
     gradients: &'a mut [f64],
     hessians: &'a mut [f64],
+}
+
+impl<'a> NumberSlots<'a> {
+    fn front(&mut self, [gradients, hessians]: [usize; 2]) -> Self {
+        Self {
+            gradients: front(&mut self.gradients, gradients),
+            hessians: front(&mut self.hessians, hessians),
+        }
+    }
 }
 
 /// Room for the results of one slave.
@@ -278,6 +342,16 @@ pub struct Slot<'a> {
     pub derived: &'a mut bool,
     pub gradient: &'a mut [f64],
     pub hessian: &'a mut [f64],
+    /// If slips are tracked.
+    pub slip: Option<SlipSlot<'a>>,
+}
+
+/// Room for the slip of one slave.
+#[derive(Debug)]
+pub struct SlipSlot<'a> {
+    pub tracked: &'a mut Tracked,
+    pub gradient: &'a mut [f64],
+    pub hessian: &'a mut [f64],
 }
 
 impl<'a> Slots<'a> {
@@ -286,31 +360,23 @@ impl<'a> Slots<'a> {
     }
 
     /// The first `count` slaves and the others.
-    pub fn split(self, layout: &Layout, count: usize) -> (Self, Self) {
+    pub fn split(mut self, layout: &Layout, count: usize) -> (Self, Self) {
         let Range { start, end } = self.range;
         let middle = start + count;
-        let gradients =
-            if self.mode >= Mode::Gradient { layout.gradient(middle) - layout.gradient(start) } else { 0 };
-        let hessians =
-            if self.mode >= Mode::Hessian { layout.hessians[middle] - layout.hessians[start] } else { 0 };
-        let outcomes = self.outcomes.split_at_mut(count);
-        let points = self.points.split_at_mut(count);
-        let derived = self.derived.split_at_mut(count);
-        let gradients = self.gradients.split_at_mut(gradients);
-        let hessians = self.hessians.split_at_mut(hessians);
-        let slots = |range, outcomes, points, derived, gradients, hessians| Slots {
+        let numbers = layout.numbers(start..middle, self.mode);
+        let of_slip = if self.slips.is_empty() { [0; 2] } else { numbers };
+        let tracked = count.min(self.slips.len());
+        let first = Self {
             mode: self.mode,
-            range,
-            outcomes,
-            points,
-            derived,
-            gradients,
-            hessians,
+            range: start..middle,
+            outcomes: front(&mut self.outcomes, count),
+            points: front(&mut self.points, count),
+            derived: front(&mut self.derived, count),
+            of_gap: self.of_gap.front(numbers),
+            slips: front(&mut self.slips, tracked),
+            of_slip: self.of_slip.front(of_slip),
         };
-        (
-            slots(start..middle, outcomes.0, points.0, derived.0, gradients.0, hessians.0),
-            slots(middle..end, outcomes.1, points.1, derived.1, gradients.1, hessians.1),
-        )
+        (first, Self { range: middle..end, ..self })
     }
 
     /// One slave after the other.
@@ -318,11 +384,21 @@ impl<'a> Slots<'a> {
         let mut rest = self;
         while rest.len() > 0 {
             let (one, others) = rest.split(layout, 1);
+            let Slots { of_gap, slips, of_slip, .. } = one;
+            let slip = slips.first_mut().map(|tracked| {
+                let NumberSlots { gradients: gradient, hessians: hessian } = of_slip;
+                SlipSlot { tracked, gradient, hessian }
+            });
             if let ([outcome], [point], [derived]) = (one.outcomes, one.points, one.derived) {
-                let Slots { gradients: gradient, hessians: hessian, .. } = one;
-                fill(Slot { index: one.range.start, outcome, point, derived, gradient, hessian });
+                let NumberSlots { gradients: gradient, hessians: hessian } = of_gap;
+                fill(Slot { index: one.range.start, outcome, point, derived, gradient, hessian, slip });
             }
             rest = others;
         }
     }
+}
+
+/// Takes the first `count` out.
+fn front<'a, T>(slots: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    slots.split_off_mut(..count).unwrap_or_default()
 }

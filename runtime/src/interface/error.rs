@@ -35,6 +35,30 @@ pub enum InterfaceError {
     /// Symmetry planes need masters that are found by their domains of influence, or facets.
     #[error("symmetry planes need the neighbour rule \"domains\": other rules have no mirror images")]
     NoSymmetry,
+    /// Anchors are kept with the smooth surface only.
+    #[error("friction needs the diffuse element with the neighbour rule \"domains\"")]
+    NoAnchors,
+    /// The kernels of friction were not compiled in.
+    #[error("there are no kernels of friction: build diffuse-contact with its feature \"friction\"")]
+    NoFrictionKernels,
+    /// There is not one anchor, or none, for each slave.
+    #[error("{found} anchors for {expected} slaves")]
+    AnchorCount {
+        /// How many there are.
+        found: usize,
+        /// How many slaves there are.
+        expected: usize,
+    },
+    /// An anchor is carried by a node that is none of the master surface, or by an image that it does not have.
+    #[error(
+        "the anchor of slave {index} is carried by node {node}, which is not on the master surface, or by an image that it does not have"
+    )]
+    ForeignCarrier {
+        /// The slave's place in the list of slaves.
+        index: usize,
+        /// The node.
+        node: u32,
+    },
     /// More positions or slaves than 32-bit indices can name.
     #[error("{count} {what} are more than 32-bit indices can name")]
     TooMany {
@@ -98,6 +122,10 @@ impl InterfaceError {
             Self::InvalidOption { .. } => "invalid-option",
             Self::HeldFrame => "held-frame",
             Self::NoSymmetry => "no-symmetry",
+            Self::NoAnchors => "no-anchors",
+            Self::NoFrictionKernels => "no-friction-kernels",
+            Self::AnchorCount { .. } => "anchor-count",
+            Self::ForeignCarrier { .. } => "foreign-carrier",
             Self::TooMany { .. } => "too-many",
             Self::SlaveOutOfRange { .. } => "slave-out-of-range",
             Self::RepeatedSlave { .. } => "repeated-slave",

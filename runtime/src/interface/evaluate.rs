@@ -1,24 +1,23 @@
 //! One element at the positions of the moment, and all of them in parallel.
 
-use std::ops::Range;
-
 use diffuse_contact_kernels::support::{ElementInputs, Masters};
 
+use super::anchors::{Anchor, Tracked};
 use super::contacts::{Layout, Slot, Slots};
-use super::fold::{Source, fold, spread};
+use super::fold::{AnchorSource, Source, fold, fold_with_anchor, spread};
 use super::nodal::Nodal;
-use super::pairings::{Paired, Pairings, Record};
+use super::pairings::{Paired, Pairings};
 use super::scratch::{Pool, recycled};
+use super::within_reach::WithinReach;
 use super::{ContactElement, InterfaceOptions, NoContact, Outcome};
 use crate::batch::{BatchScratch, GapSlot, Waiting, contact_point, evaluate};
-use crate::element::{nearest_in_material, nearest_in_plane};
+use crate::element::nearest_in_plane;
 use crate::generated::frame_rule;
 use crate::neighbourhood::Fallback;
-use crate::surface::{BorderScratch, Creases, Listed, MasterSurface, NONE};
-use crate::vector::Vector3;
+use crate::surface::{BorderScratch, Creases, MasterSurface, Symmetry};
 use crate::{
-    ContactPoint, Domains, Element, ElementError, FacetElement, Frame, FrameDerivative, Generated,
-    MaterialDomain, MaterialNode, MaterialPlace, Mode, Point, Weight,
+    ContactPoint, Domains, Element, ElementError, FacetElement, Frame, FrameDerivative, Generated, Mode,
+    Point, Weight,
 };
 
 /// Slaves that one thread evaluates in a row: enough for full vectors although numbers of masters differ.
@@ -34,6 +33,8 @@ pub struct Evaluator<'a> {
     pub options: &'a InterfaceOptions,
     /// The domains of the surface's nodes, if the options ask for them.
     pub nodal: Option<&'a Nodal>,
+    /// Where slaves stuck, if slips are tracked.
+    pub anchors: Option<&'a [Option<Anchor>]>,
 }
 
 /// What is asked of an evaluation.
@@ -76,82 +77,6 @@ impl Clone for Lists {
     }
 }
 
-/// The points within reach of slaves that are evaluated together.
-#[derive(Clone, Debug, Default)]
-struct WithinReach {
-    /// Positions, of an image its own.
-    points: Vec<Point>,
-    /// The same in the first configuration, seen from the slave's place there.
-    nodes: Vec<MaterialNode>,
-    sources: Vec<Source>,
-    /// Domains of the points of one slave, …
-    domains: Vec<MaterialDomain>,
-    /// … and their weights.
-    weights: Vec<f64>,
-    /// Of each slave.
-    elements: Vec<Result<Gathered, NoContact>>,
-}
-
-/// The element of one slave.
-#[derive(Clone, Debug)]
-struct Gathered {
-    frame: Frame,
-    /// The distance of the farthest point: what lengths are divided by. It has to follow from the points, or lists would change bits.
-    unit: f64,
-    /// Its points.
-    range: Range<usize>,
-}
-
-impl WithinReach {
-    fn clear(&mut self) {
-        self.points.clear();
-        self.nodes.clear();
-        self.sources.clear();
-        self.elements.clear();
-    }
-
-    /// What a kernel reads.
-    fn inputs<'s>(
-        &'s self,
-        evaluator: &Evaluator<'_>,
-        paired: &Paired<'_>,
-        element: &Gathered,
-        weight: Weight,
-    ) -> ElementInputs<'s> {
-        let slave = evaluator.positions[paired.slave];
-        let Gathered { frame, range, unit } = element;
-        let (points, nodes) = (&self.points[range.clone()], &self.nodes[range.clone()]);
-        let pole = match weight {
-            Weight::CubicInterpolating => nearest_in_material(nodes),
-            Weight::Cubic | Weight::WendlandC2 => 0,
-        };
-        ElementInputs {
-            slave,
-            masters: Masters::Positions(points),
-            domains: Domains::Material(nodes),
-            plane_reach: frame.reach,
-            t1: frame.t1,
-            t2: frame.t2,
-            normal: frame.normal,
-            support_radius: *unit,
-            point: [0.0; 2],
-            anchor: [0.0; 3],
-            pole,
-        }
-    }
-}
-
-/// The points of one element.
-pub struct PointsWithinReach {
-    pub positions: Vec<Point>,
-    pub nodes: Vec<MaterialNode>,
-    /// Their nodes, by place among the slave's.
-    pub listed: Vec<u32>,
-    pub frame: Frame,
-    /// What lengths are divided by.
-    pub unit: f64,
-}
-
 /// What the elements of one piece of work have in common.
 #[derive(Clone, Copy)]
 struct Run<'s> {
@@ -169,14 +94,15 @@ pub struct ElementScratch {
     corners: Vec<u32>,
     /// Facets around it.
     patch: Vec<u32>,
-    border: BorderScratch,
+    pub border: BorderScratch,
     batch: BatchScratch,
     lists: Lists,
-    within_reach: WithinReach,
+    pub within_reach: WithinReach,
     /// Which slots are evaluated.
     chosen: Vec<bool>,
-    /// Derivatives by points some of which are images.
+    /// Derivatives by points some of which are images, or by an anchor.
     by_points: Vec<f64>,
+    carriers: Vec<AnchorSource>,
 }
 
 impl Evaluator<'_> {
@@ -204,7 +130,7 @@ impl Evaluator<'_> {
                 self.fill_side_by_side(pairings, request, slots, weight, scratch);
             }
             ContactElement::NodeToFacet => slots.for_each(layout, |slot| {
-                let Slot { index, outcome, point, derived, gradient, hessian } = slot;
+                let Slot { index, outcome, point, derived, gradient, hessian, .. } = slot;
                 let mut at = |mode, gradient: &mut [f64], hessian: &mut [f64]| {
                     let result = pairings.get(index).and_then(|paired| {
                         let point = self.element(&paired, mode, gradient, hessian, scratch)?;
@@ -251,6 +177,9 @@ impl Evaluator<'_> {
             self.side_by_side(run, (Mode::Value, border), &mut slots, scratch, |_| true);
             border = Border::Met;
         }
+        for slip in slots.iter_mut().filter_map(|slot| slot.slip.as_mut()) {
+            *slip.tracked = Tracked::default();
+        }
         self.side_by_side(run, (request.mode, border), &mut slots, scratch, |slot| {
             *slot.derived = request
                 .is_loaded
@@ -271,22 +200,30 @@ impl Evaluator<'_> {
         choose: impl Fn(&mut Slot<'_>) -> bool,
     ) {
         let Run { pairings, weight, within_reach } = run;
-        let ElementScratch { border, batch, lists, chosen, by_points, .. } = scratch;
+        let ElementScratch { border, batch, lists, chosen, by_points, carriers, .. } = scratch;
         let mut waiting = recycled(std::mem::take(&mut lists.waiting));
         let mut places = recycled(std::mem::take(&mut lists.places));
         chosen.clear();
         chosen.extend(slots.iter_mut().map(&choose));
-        // Derivatives by images have a place of their own before they go back to the nodes.
-        let with_images =
-            |slot: &Slot<'_>| pairings.get(slot.index).is_ok_and(|paired| !paired.images.is_empty());
-        let room = |place: usize| {
+        // Derivatives by images, and by an anchor, have a place of their own before they go to the nodes.
+        let anchor_of = |slot: &Slot<'_>| {
+            let is_tracked = slot.slip.is_some() && mode >= Mode::Gradient;
+            if is_tracked { self.anchor(slot.index) } else { None }
+        };
+        let room = |place: usize, slot: &Slot<'_>| {
             let points =
                 within_reach.map_or(0, |all| all.elements[place].as_ref().map_or(0, |own| own.range.len()));
-            derivatives(mode, points)
+            if anchor_of(slot).is_some() {
+                return Some(slip_derivatives(mode, points));
+            }
+            let has_images = pairings.get(slot.index).is_ok_and(|paired| !paired.images.is_empty());
+            has_images.then(|| derivatives(mode, points))
         };
-        let of_images = slots.iter().enumerate().filter(|(place, slot)| chosen[*place] && with_images(slot));
-        let needed =
-            of_images.map(|(place, _)| room(place)).map(|(gradient, hessian)| gradient + hessian).sum();
+        let of_chosen = slots.iter().enumerate().filter(|(place, _)| chosen[*place]);
+        let needed = of_chosen
+            .filter_map(|(place, slot)| room(place, slot))
+            .map(|(gradient, hessian)| gradient + hessian)
+            .sum();
         by_points.resize(by_points.len().max(needed), 0.0);
         let mut free = &mut by_points[..];
         for (place, slot) in slots.iter_mut().enumerate() {
@@ -306,20 +243,24 @@ impl Evaluator<'_> {
             });
             match with_inputs {
                 Ok((paired, derivative, inputs)) => {
-                    let (gradient, hessian) = if paired.images.is_empty() {
-                        let gradient = wanted(&mut slot.gradient, mode >= Mode::Gradient);
-                        (gradient, wanted(&mut slot.hessian, mode >= Mode::Hessian))
-                    } else {
-                        let (gradient, hessian) = room(place);
-                        let (own, rest) = std::mem::take(&mut free).split_at_mut(gradient + hessian);
-                        free = rest;
-                        own.split_at_mut(gradient)
+                    let (gradient, hessian) = match room(place, slot) {
+                        None => {
+                            let gradient = wanted(&mut slot.gradient, mode >= Mode::Gradient);
+                            (gradient, wanted(&mut slot.hessian, mode >= Mode::Hessian))
+                        }
+                        Some((gradient, hessian)) => {
+                            let (own, rest) = std::mem::take(&mut free).split_at_mut(gradient + hessian);
+                            free = rest;
+                            own.split_at_mut(gradient)
+                        }
                     };
+                    let anchor = anchor_of(slot).map(|anchor| self.anchor_position(anchor));
                     waiting.push(Waiting {
                         weight,
                         frame: frame_rule(derivative, &inputs.domains),
                         basis: paired.record.basis,
-                        inputs,
+                        inputs: ElementInputs { anchor: anchor.unwrap_or(inputs.anchor), ..inputs },
+                        has_slip: anchor.is_some(),
                         slot: GapSlot { gradient, hessian },
                         is_sound: true,
                     });
@@ -349,7 +290,16 @@ impl Evaluator<'_> {
                 && let (Ok(own), Ok(_)) = (&all.elements[*place], &point)
             {
                 let sources = &all.sources[own.range.clone()];
-                if paired.images.is_empty() {
+                if let Some(anchor) = anchor_of(&slots[*place]) {
+                    Self::anchor_sources(paired, anchor, carriers);
+                    let tracked = Tracked {
+                        is_anchored: true,
+                        half_square: element.values.slip,
+                        opening: anchor.opening,
+                    };
+                    let numbers = (&*element.gradient, &*element.hessian);
+                    fold_both(numbers, tracked, &mut slots[*place], (sources, carriers), &nodal.symmetry);
+                } else if paired.images.is_empty() {
                     spread(element.gradient, element.hessian, sources);
                 } else {
                     let Slot { gradient, hessian, .. } = &mut slots[*place];
@@ -363,109 +313,6 @@ impl Evaluator<'_> {
             write(*result, slot.outcome, slot.point);
         }
         (lists.waiting, lists.places, lists.results) = (recycled(waiting), recycled(places), results);
-    }
-
-    /// The points of a paired slave's element: those of its nodes, and of their images, that are within reach at these positions, in
-    /// their order. Which others are listed makes no difference.
-    fn gather_within_reach(
-        &self,
-        paired: &Paired<'_>,
-        weight: Weight,
-        all: &mut WithinReach,
-    ) -> Result<Gathered, NoContact> {
-        let WithinReach { points, nodes, sources, domains, weights, .. } = all;
-        let Some(nodal) = self.nodal else { return Err(NoContact::NotPaired) };
-        let start = points.len();
-        let slave = self.positions[paired.slave];
-        domains.clear();
-        let mut images = paired.images.as_chunks::<2>().0.iter().peekable();
-        for (listed, (&node, &place)) in paired.masters.iter().zip(paired.places).enumerate() {
-            let x = self.positions[node as usize];
-            points.push(x);
-            domains.push(nodal.domain(place, NONE));
-            sources.push(Source { listed: listed as u32, image: None });
-            while let Some([_, number]) = images.next_if(|image| image[0] == listed as u32) {
-                let image = Some(*number);
-                points.push(self.image_of(image, x));
-                domains.push(nodal.domain(place, *number));
-                sources.push(Source { listed: listed as u32, image });
-            }
-        }
-        let Record { basis, facet, .. } = *paired.record;
-        let outward = self.surface.shape(facet as usize, self.positions).normal().into();
-        let fitting = |r| weight.fitting(r);
-        let found = MaterialPlace::iterate(slave, &points[start..], domains, weights, fitting, outward)
-            .inspect_err(|_| {
-                points.truncate(start);
-                sources.truncate(start);
-            })?;
-        let (mut kept, mut unit) = (start, 0.0_f64);
-        for (k, domain) in domains.iter().enumerate() {
-            let node = domain.from(found.place);
-            if node.distance() < 1.0 {
-                (points[kept], sources[kept]) = (points[start + k], sources[start + k]);
-                unit = unit.max(distance(points[kept], slave));
-                nodes.push(node);
-                kept += 1;
-            }
-        }
-        points.truncate(kept);
-        sources.truncate(kept);
-        let (count, needed) = (kept - start, basis.size());
-        if count < needed {
-            points.truncate(start);
-            sources.truncate(start);
-            nodes.truncate(start);
-            return Err(ElementError::TooFewNodes { found: count, needed }.into());
-        }
-        Ok(Gathered { frame: found.frame, range: start..kept, unit })
-    }
-
-    /// The place in the first configuration of a slave over a facet, among the nodes listed there.
-    pub fn place_among(
-        &self,
-        listed: &[Listed],
-        slave: usize,
-        facet: u32,
-        weight: Weight,
-        scratch: &mut ElementScratch,
-    ) -> Result<Vector3, NoContact> {
-        let WithinReach { points, domains, weights, .. } = &mut scratch.within_reach;
-        let Some(nodal) = self.nodal else { return Err(NoContact::NotPaired) };
-        points.clear();
-        domains.clear();
-        for &Listed { place, image } in listed {
-            let x = self.positions[self.surface.nodes()[place as usize] as usize];
-            points.push(self.image_of((image != NONE).then_some(image), x));
-            domains.push(nodal.domain(place, image));
-        }
-        let outward = self.surface.shape(facet as usize, self.positions).normal().into();
-        let fitting = |r| weight.fitting(r);
-        let slave = self.positions[slave];
-        Ok(MaterialPlace::iterate(slave, points, domains, weights, fitting, outward)?.place.into())
-    }
-
-    /// A copy of the points of a paired slave's element.
-    pub fn points_within_reach(
-        &self,
-        paired: &Paired<'_>,
-        weight: Weight,
-        scratch: &mut ElementScratch,
-    ) -> Result<PointsWithinReach, NoContact> {
-        let all = &mut scratch.within_reach;
-        all.clear();
-        let Gathered { frame, unit, .. } = self.gather_within_reach(paired, weight, all)?;
-        let listed = all.sources.iter().map(|source| source.listed).collect();
-        let (positions, nodes) = (all.points.clone(), all.nodes.clone());
-        Ok(PointsWithinReach { positions, nodes, listed, frame, unit })
-    }
-
-    /// A point, or its image with this number.
-    fn image_of(&self, number: Option<u32>, x: Point) -> Point {
-        match (self.nodal, number) {
-            (Some(nodal), Some(number)) => nodal.symmetry.image(number).of(x),
-            _ => x,
-        }
     }
 
     /// What a kernel reads of a paired slave.
@@ -509,10 +356,7 @@ impl Evaluator<'_> {
                 }
                 found => found?,
             };
-            let element = Element::new(self.positions[paired.slave], &all.points, found.frame, found.unit)
-                .with_domains(Domains::Material(&all.nodes))
-                .with_basis(paired.record.basis)
-                .with_weight(weight);
+            let element = self.element_of(paired, all, &found, weight);
             let point = Generated.gap_into(&element, Mode::Value, &mut [], &mut []);
             return self.within_border(paired, point, border).map(|point| point.gap);
         }
@@ -560,7 +404,7 @@ impl Evaluator<'_> {
     }
 
     /// The result of a diffuse element, if its foot lies on its patch.
-    fn within_border(
+    pub fn within_border(
         &self,
         paired: &Paired<'_>,
         point: Result<ContactPoint, ElementError>,
@@ -652,14 +496,37 @@ const fn derivatives(mode: Mode, points: usize) -> (usize, usize) {
     }
 }
 
+/// The same of an element with an anchor, with those of the slip and the weights of the foot.
+const fn slip_derivatives(mode: Mode, points: usize) -> (usize, usize) {
+    let (of_gap, of_slip) = (derivatives(mode, points), derivatives(mode, points + 1));
+    let weights = if of_gap.0 > 0 { points } else { 0 };
+    (of_gap.0 + of_slip.0 + weights, of_gap.1 + of_slip.1)
+}
+
+/// Derivatives of gap and slip by an element's points and its anchor, as those by the listed nodes.
+fn fold_both(
+    (gradients, hessians): (&[f64], &[f64]),
+    tracked: Tracked,
+    slot: &mut Slot<'_>,
+    (sources, carriers): (&[Source], &[AnchorSource]),
+    symmetry: &Symmetry,
+) {
+    let mode = if hessians.is_empty() { Mode::Gradient } else { Mode::Hessian };
+    let of_gap = derivatives(mode, sources.len());
+    let of_slip = derivatives(mode, sources.len() + 1);
+    let (gap_gradient, rest) = gradients.split_at(of_gap.0);
+    let (gap_hessian, slip_hessian) = hessians.split_at(of_gap.1);
+    fold((gap_gradient, gap_hessian), (slot.gradient, slot.hessian), sources, symmetry);
+    if let Some(slip) = &mut slot.slip {
+        let numbers = (&rest[..of_slip.0], slip_hessian);
+        fold_with_anchor(numbers, (slip.gradient, slip.hessian), sources, carriers, symmetry);
+        *slip.tracked = tracked;
+    }
+}
+
 /// The numbers, taken out, if they are wanted.
 fn wanted<'s>(numbers: &mut &'s mut [f64], are_wanted: bool) -> &'s mut [f64] {
     if are_wanted { std::mem::take(numbers) } else { &mut [] }
-}
-
-fn distance(x: Point, y: Point) -> f64 {
-    let [a, b, c] = [0, 1, 2].map(|axis| x[axis] - y[axis]);
-    (a * a + b * b + c * c).sqrt()
 }
 
 fn write(

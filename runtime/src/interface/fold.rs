@@ -3,6 +3,8 @@
 //! An element of nodal domains has the listed nodes that are within reach at the moment, and images of them. Derivatives by the
 //! others are zero; those by an image x' = Q x + t go back to its node: N += Qᵀ N', M += Qᵀ M' Q.
 
+use std::cmp::Ordering;
+
 use crate::surface::{Image, Symmetry};
 
 /// A point of an element.
@@ -12,6 +14,14 @@ pub struct Source {
     pub listed: u32,
     /// The number of the image, if it is one of it.
     pub image: Option<u32>,
+}
+
+/// A carrier of an anchor.
+#[derive(Clone, Copy, Debug)]
+pub struct AnchorSource {
+    pub source: Source,
+    /// Its part of the anchor.
+    pub weight: f64,
 }
 
 /// Entry (i, j ≤ i) of a packed lower triangle.
@@ -40,6 +50,68 @@ pub fn fold(
     }
     if !hessian_by_points.is_empty() {
         fold_hessian(hessian_by_points, hessian, sources, image_of);
+    }
+}
+
+/// As [`fold`], for a quantity that depends on an anchor, whose coordinates come after those of the points: derivatives by it go
+/// to its carriers.
+pub fn fold_with_anchor(
+    (by_points, hessian_by_points): (&[f64], &[f64]),
+    (gradient, hessian): (&mut [f64], &mut [f64]),
+    sources: &[Source],
+    anchor: &[AnchorSource],
+    symmetry: &Symmetry,
+) {
+    let image_of = |source: &Source| source.image.map(|number| symmetry.image(number));
+    let target = |part: &AnchorSource| 3 * (part.source.listed as usize + 1);
+    let own = 3 * (sources.len() + 1);
+    let (of_points, [a, b, c]) = (&by_points[..own], [0, 1, 2].map(|axis| by_points[own + axis]));
+    fold_gradient(of_points, gradient, sources, image_of);
+    for part in anchor {
+        let values = back(image_of(&part.source), [a, b, c].map(|value| part.weight * value));
+        for (entry, value) in gradient[target(part)..].iter_mut().zip(values) {
+            *entry += value;
+        }
+    }
+    if hessian_by_points.is_empty() {
+        return;
+    }
+    fold_hessian(&hessian_by_points[..packed(own, 0)], hessian, sources, image_of);
+    // Rows of the anchor, by the listed nodes.
+    let row = |axis: usize| &hessian_by_points[packed(own + axis, 0)..];
+    let rows = [0, 1, 2].map(|axis| {
+        let mut listed = vec![0.0; gradient.len()];
+        fold_gradient(&row(axis)[..own], &mut listed, sources, image_of);
+        listed
+    });
+    let own_block = [0, 1, 2].map(|i: usize| [0, 1, 2].map(|j: usize| row(i.max(j))[own + i.min(j)]));
+    for part in anchor {
+        let (image, place) = (image_of(&part.source), target(part));
+        for column in (0..gradient.len()).step_by(3) {
+            let block = [0, 1, 2].map(|i| [0, 1, 2].map(|j| part.weight * rows[i][column + j]));
+            let block = transposed(transposed(block).map(|column| back(image, column)));
+            add_pair(hessian, (place, column), block);
+        }
+        for other in anchor {
+            let block = own_block.map(|row| row.map(|value| part.weight * other.weight * value));
+            let left = transposed(transposed(block).map(|column| back(image, column)));
+            // Of a pair of carriers either order is met, and each adds to the lower triangle where it belongs there.
+            if target(other) <= place {
+                add(hessian, (place, target(other)), left.map(|row| back(image_of(&other.source), row)));
+            }
+        }
+    }
+}
+
+/// Adds a block and its transpose on the other side of the diagonal: of both what belongs to the lower triangle.
+fn add_pair(hessian: &mut [f64], (row, column): (usize, usize), block: [[f64; 3]; 3]) {
+    match row.cmp(&column) {
+        Ordering::Greater => add(hessian, (row, column), block),
+        Ordering::Less => add(hessian, (column, row), transposed(block)),
+        Ordering::Equal => {
+            add(hessian, (row, column), block);
+            add(hessian, (row, column), transposed(block));
+        }
     }
 }
 
@@ -189,29 +261,30 @@ mod tests {
         assert_eq!(hessian, expected);
     }
 
-    #[test]
-    fn derivatives_by_an_image_go_back_to_its_node() {
-        let plane = SymmetryPlane { point: [0.2, 0.1, 0.0], normal: [0.6, 0.8, 0.0] };
-        let symmetry = Symmetry::new(&[plane], 9.0, [[0.0; 3], [1.0; 3]]).unwrap();
-        let sources = [(0, None), (0, Some(0)), (2, Some(0)), (2, None)]
-            .map(|(listed, image)| Source { listed, image });
-        let (n, m) = derivatives(4, 4);
-        let (mut gradient, mut hessian) = (vec![9.0; 12], vec![9.0; packed(12, 0)]);
-        fold((&n, &m), (&mut gradient, &mut hessian), &sources, &symmetry);
-        // J of the element's coordinates by the listed ones: N = Jᵀ N', M = Jᵀ M' J.
+    /// J of an element's coordinates by the listed ones: each of its points, by number, with what it takes from listed nodes.
+    fn jacobian(points: impl Iterator<Item = (usize, Source, f64)>, symmetry: &Symmetry) -> [[f64; 12]; 15] {
+        let itself = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let mut jacobian = [[0.0; 12]; 15];
         for axis in 0..3 {
             jacobian[axis][axis] = 1.0;
         }
-        for (own, source) in sources.iter().enumerate() {
+        for (own, source, weight) in points {
+            let rows = source.image.map_or(itself, |number| symmetry.image(number).rows);
             for i in 0..3 {
                 for j in 0..3 {
-                    let itself = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-                    let rows = source.image.map_or(itself, |number| symmetry.image(number).rows);
-                    jacobian[3 * (own + 1) + i][3 * (source.listed as usize + 1) + j] = rows[i][j];
+                    jacobian[3 * own + i][3 * (source.listed as usize + 1) + j] += weight * rows[i][j];
                 }
             }
         }
+        jacobian
+    }
+
+    /// N = Jᵀ N', M = Jᵀ M' J.
+    fn assert_chain_rule(
+        (n, m): (&[f64], &[f64]),
+        (gradient, hessian): (&[f64], &[f64]),
+        jacobian: &[[f64; 12]; 15],
+    ) {
         let full = |i: usize, j: usize| m[packed(i.max(j), i.min(j))];
         for p in 0..12 {
             let expected: f64 = (0..15).map(|i| jacobian[i][p] * n[i]).sum();
@@ -224,5 +297,37 @@ mod tests {
                 assert!((hessian[packed(p, q)] - expected).abs() < 1e-13, "{p} {q}");
             }
         }
+    }
+
+    #[test]
+    fn derivatives_by_an_image_go_back_to_its_node() {
+        let plane = SymmetryPlane { point: [0.2, 0.1, 0.0], normal: [0.6, 0.8, 0.0] };
+        let symmetry = Symmetry::new(&[plane], 9.0, [[0.0; 3], [1.0; 3]]).unwrap();
+        let sources = [(0, None), (0, Some(0)), (2, Some(0)), (2, None)]
+            .map(|(listed, image)| Source { listed, image });
+        let (n, m) = derivatives(4, 4);
+        let (mut gradient, mut hessian) = (vec![9.0; 12], vec![9.0; packed(12, 0)]);
+        fold((&n, &m), (&mut gradient, &mut hessian), &sources, &symmetry);
+        let points = sources.iter().enumerate().map(|(own, source)| (own + 1, *source, 1.0));
+        let jacobian = jacobian(points, &symmetry);
+        assert_chain_rule((&n, &m), (&gradient, &hessian), &jacobian);
+    }
+
+    #[test]
+    fn derivatives_by_an_anchor_go_to_its_carriers() {
+        let plane = SymmetryPlane { point: [0.2, 0.1, 0.0], normal: [0.6, 0.8, 0.0] };
+        let symmetry = Symmetry::new(&[plane], 9.0, [[0.0; 3], [1.0; 3]]).unwrap();
+        let source = |(listed, image)| Source { listed, image };
+        let sources = [(0, None), (0, Some(0)), (2, None)].map(source);
+        let anchor = [((0, None), 0.5), ((0, Some(0)), -0.25), ((1, None), 0.5), ((2, Some(0)), 0.25)]
+            .map(|(of, weight)| AnchorSource { source: source(of), weight });
+        // Three points of the element and the anchor: as many coordinates as an element of four points has.
+        let (n, m) = derivatives(4, 4);
+        let (mut gradient, mut hessian) = (vec![9.0; 12], vec![9.0; packed(12, 0)]);
+        fold_with_anchor((&n, &m), (&mut gradient, &mut hessian), &sources, &anchor, &symmetry);
+        let points = sources.iter().enumerate().map(|(own, source)| (own + 1, *source, 1.0));
+        let carriers = anchor.iter().map(|part| (4, part.source, part.weight));
+        let jacobian = jacobian(points.chain(carriers), &symmetry);
+        assert_chain_rule((&n, &m), (&gradient, &hessian), &jacobian);
     }
 }

@@ -56,6 +56,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod anchors;
 mod contacts;
 mod cutback;
 mod element;
@@ -69,7 +70,9 @@ mod pairings;
 mod refresh;
 mod report;
 mod scratch;
+mod within_reach;
 
+pub use anchors::{Anchor, FrictionReport};
 pub use contacts::{ContactRef, Contacts};
 pub use cutback::{Cutback, CutbackHint};
 pub use element::PairedElement;
@@ -78,7 +81,10 @@ pub use options::{ContactElement, InterfaceOptions};
 pub use outcome::{NoContact, Outcome};
 pub use report::{FallbackCounts, GapJump, RefreshReport, SlaveGap};
 
+use anchors::check_anchors;
 use contacts::Results;
+use diffuse_contact_kernels::cubic::Cubic;
+use diffuse_contact_kernels::support::KernelSet;
 use evaluate::{CHUNK, ElementScratch, Evaluator, Request};
 use nodal::{Nodal, symmetry_of};
 use pairings::Pairings;
@@ -88,6 +94,7 @@ pub(crate) use scratch::recycled;
 
 use std::sync::Arc;
 
+use crate::assembly::ContactLaw;
 use crate::neighbourhood::{NeighbourRule, SearchOptions};
 use crate::pairing::NearestNodes;
 use crate::surface::{Creases, Facet, MasterSurface, SymmetryPlane, check_position, tributary_areas};
@@ -117,6 +124,8 @@ pub struct ContactInterface {
     pairings: Pairings,
     /// With nodal domains: what the lists were made from.
     listed: Option<Listed>,
+    /// Where each slave stuck, once a state with friction has been accepted.
+    anchors: Option<Vec<Option<Anchor>>>,
     contacts: Contacts,
     elements: Pool<ElementScratch>,
     refreshes: Pool<RefreshScratch>,
@@ -154,6 +163,7 @@ impl ContactInterface {
             planes: Vec::new(),
             nodal: None,
             listed: None,
+            anchors: None,
             positions: positions.to_vec(),
             master,
             options,
@@ -189,6 +199,8 @@ impl ContactInterface {
         self.nodal = Nodal::new(&index, &self.options, planes)?;
         self.planes = planes.to_vec();
         self.listed = None;
+        // Anchors name images by number.
+        self.anchors = None;
         let layout = &self.pairings.layout;
         self.pairings = Pairings::none(layout.slaves().to_vec(), layout.areas().to_vec());
         Ok(())
@@ -233,6 +245,60 @@ impl ContactInterface {
     fn find_domains(&mut self) -> Result<(), InterfaceError> {
         let index = self.master.at(&self.positions)?;
         self.nodal = Nodal::new(&index, &self.options, &self.planes)?;
+        Ok(())
+    }
+
+    /// Accepts the state at the positions of the moment as the end of a step: friction of the next one is measured from here. Without
+    /// friction in the law nothing happens.
+    ///
+    /// To be called once before the first step, and then whenever a step has converged. Until then nothing of the history changes: a
+    /// host that cuts a step back has only to go on from the positions it began with. A slave that sticks keeps its anchor; one that
+    /// slides draws it along; of one that is open the foot becomes it.
+    ///
+    /// # Errors
+    /// [`InterfaceError::NoAnchors`] for facets, and for other neighbour rules than domains of influence;
+    /// [`InterfaceError::NoFrictionKernels`].
+    ///
+    /// # Panics
+    /// If the law has multipliers, but not one for each slave.
+    pub fn accept(&mut self, law: &ContactLaw<'_>) -> Result<FrictionReport, InterfaceError> {
+        let Some(friction) = law.friction else { return Ok(FrictionReport::default()) };
+        self.check_friction()?;
+        let (anchors, report) = self.evaluator().accept(&self.pairings, law, &friction, &self.elements)?;
+        self.anchors = Some(anchors);
+        Ok(report)
+    }
+
+    /// Whether there can be friction.
+    fn check_friction(&self) -> Result<(), InterfaceError> {
+        if self.nodal.is_none() {
+            return Err(InterfaceError::NoAnchors);
+        }
+        if Cubic::FRICTION { Ok(()) } else { Err(InterfaceError::NoFrictionKernels) }
+    }
+
+    /// The history of friction, one entry per slave; `None` before a state was [accepted](Self::accept). An anchor is node numbers
+    /// and weights: enough for a restart.
+    #[must_use]
+    pub fn anchors(&self) -> Option<&[Option<Anchor>]> {
+        self.anchors.as_deref()
+    }
+
+    /// Goes on from a history as [`anchors`](Self::anchors) gave it, or without any. To be followed by a refresh of the pairing.
+    ///
+    /// # Errors
+    /// [`InterfaceError::AnchorCount`], [`InterfaceError::ForeignCarrier`], and as [`accept`](Self::accept). The history of before then
+    /// stays.
+    pub fn set_anchors(&mut self, anchors: Option<Vec<Option<Anchor>>>) -> Result<(), InterfaceError> {
+        if let Some(anchors) = &anchors {
+            self.check_friction()?;
+            let Some(nodal) = &self.nodal else { return Err(InterfaceError::NoAnchors) };
+            check_anchors(anchors, self.slaves().len(), &self.master, &nodal.symmetry)?;
+        }
+        if self.anchors != anchors {
+            self.anchors = anchors;
+            self.listed = None;
+        }
         Ok(())
     }
 
@@ -373,6 +439,7 @@ impl ContactInterface {
             positions,
             options: &self.options,
             nodal: self.nodal.as_ref(),
+            anchors: self.anchors.as_deref(),
         };
         let refresh = Refresh {
             index: &index,
@@ -424,8 +491,9 @@ impl ContactInterface {
     }
 
     fn evaluator(&self) -> Evaluator<'_> {
-        let Self { master, options, positions, creases, nodal, .. } = self;
-        Evaluator { surface: master, creases, positions, options, nodal: nodal.as_ref() }
+        let Self { master, options, positions, creases, nodal, anchors, .. } = self;
+        let (nodal, anchors) = (nodal.as_ref(), anchors.as_deref());
+        Evaluator { surface: master, creases, positions, options, nodal, anchors }
     }
 
     /// The contact of every slave at the positions of the last [`update`](Self::update) or
@@ -459,9 +527,12 @@ impl ContactInterface {
     }
 
     fn evaluate_as(&mut self, request: Request<'_>) -> Result<&Contacts, InterfaceError> {
-        let Self { master, options, positions, creases, nodal, pairings, contacts, elements, .. } = self;
-        let evaluator = Evaluator { surface: master, creases, positions, options, nodal: nodal.as_ref() };
-        let slots = contacts.start(&pairings.layout, request.mode)?;
+        let Self {
+            master, options, positions, creases, nodal, anchors, pairings, contacts, elements, ..
+        } = self;
+        let (nodal, anchors) = (nodal.as_ref(), anchors.as_deref());
+        let evaluator = Evaluator { surface: master, creases, positions, options, nodal, anchors };
+        let slots = contacts.start(&pairings.layout, request.mode, anchors.is_some())?;
         evaluator.fill(pairings, request, slots, elements);
         Ok(contacts)
     }
@@ -487,7 +558,7 @@ impl ContactInterface {
         let batch = CHUNKS_PER_THREAD * CHUNK * rayon::current_num_threads();
         for start in pairings.all().step_by(batch) {
             let range = start..pairings.all().end.min(start + batch);
-            let slots = results.start(&pairings.layout, range.clone(), mode)?;
+            let slots = results.start(&pairings.layout, range.clone(), mode, self.anchors.is_some())?;
             evaluator.fill(pairings, Request::all(mode), slots, &self.elements);
             range.for_each(|k| f(results.get(&pairings.layout, k)));
         }

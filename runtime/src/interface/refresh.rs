@@ -6,6 +6,7 @@ use std::ops::Range;
 use crate::vector::Vector3;
 use rayon::prelude::*;
 
+use super::anchors::list_carriers;
 use super::contacts::Layout;
 use super::evaluate::{ElementScratch, Evaluator};
 use super::nodal::Nodal;
@@ -158,7 +159,7 @@ impl Refresh<'_> {
                 Ok(*old.record)
             }
             (_, Err(reason)) => Err(reason),
-            (_, Ok(closest)) => self.pair(node, &closest, scratch),
+            (_, Ok(closest)) => self.pair(k, &closest, scratch),
         };
         let RefreshScratch { masters, places, images, patch, element, .. } = scratch;
         let paired = record.as_ref().map_err(|reason| *reason).and_then(|record| {
@@ -231,13 +232,8 @@ impl Refresh<'_> {
         Ok(closest)
     }
 
-    /// The pairing of a slave with the masters around its closest facet, which go to `scratch.masters`.
-    fn pair(
-        &self,
-        node: usize,
-        closest: &Closest,
-        scratch: &mut RefreshScratch,
-    ) -> Result<Record, NoContact> {
+    /// The pairing of the `k`-th slave with the masters around its closest facet, which go to `scratch.masters`.
+    fn pair(&self, k: usize, closest: &Closest, scratch: &mut RefreshScratch) -> Result<Record, NoContact> {
         let Evaluator { surface, creases, positions, options, .. } = self.evaluator;
         let RefreshScratch { search, walk, masters, places, images, patch, .. } = scratch;
         masters.clear();
@@ -245,7 +241,7 @@ impl Refresh<'_> {
         images.clear();
         patch.clear();
         if let Some(nodal) = self.evaluator.nodal {
-            return self.list(nodal, node, closest, scratch);
+            return self.list(nodal, k, closest, scratch);
         }
         let Closest { facet, .. } = *closest;
         if options.element == ContactElement::NodeToFacet {
@@ -257,7 +253,7 @@ impl Refresh<'_> {
                 facet,
             });
         }
-        let slave: Point = positions[node];
+        let slave: Point = positions[self.old.layout.slave(k)];
         walk.start(self.index, facet, slave);
         let walk = RefCell::new(walk);
         let reached = |place: usize| walk.borrow_mut().reaches(self.index, creases, place);
@@ -285,10 +281,11 @@ impl Refresh<'_> {
     fn list(
         &self,
         nodal: &Nodal,
-        node: usize,
+        k: usize,
         closest: &Closest,
         scratch: &mut RefreshScratch,
     ) -> Result<Record, NoContact> {
+        let (node, anchor) = (self.old.layout.slave(k), self.evaluator.anchor(k));
         let Evaluator { surface, creases, options, .. } = self.evaluator;
         let RefreshScratch { masters, places, images, patch, element, .. } = scratch;
         let Closest { facet, .. } = *closest;
@@ -328,6 +325,7 @@ impl Refresh<'_> {
             }
         }
         creases.patch_with_end(surface, facet, masters, patch);
+        list_carriers(anchor, masters, places, images);
         Ok(Record { support_radius: shortest, basis, fallback, facet })
     }
 }

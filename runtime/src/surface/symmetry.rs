@@ -153,6 +153,11 @@ impl Symmetry {
         self.tolerance
     }
 
+    /// Images of a point, planes and their intersections together.
+    pub fn count(&self) -> u32 {
+        self.images.len() as u32
+    }
+
     pub fn image(&self, number: u32) -> &Image {
         &self.images[number as usize]
     }

@@ -119,7 +119,7 @@ impl OwnedElement {
 
     fn view(&self) -> ElementView<'_> {
         let Self { gap, area, gradient, hessian, .. } = self;
-        let contact = ContactView { gap: *gap, area: *area, gradient, hessian };
+        let contact = ContactView { gap: *gap, area: *area, gradient, hessian, slip: None };
         ElementView { slave: self.slave, masters: &self.masters, contact: self.in_contact.then_some(contact) }
     }
 }

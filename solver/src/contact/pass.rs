@@ -170,7 +170,7 @@ impl Pass {
         let mut packed = std::mem::take(&mut self.values);
         let mut nodes = Vec::new();
         for (k, contact) in self.contacts().iter().enumerate() {
-            let ContactRef { slave, point, area, gradient, hessian, .. } = contact;
+            let ContactRef { slave, point, area, gradient, hessian, slip, .. } = contact;
             // One law for one contact: with its own multiplier.
             let multipliers = self.multipliers.get(k..=k);
             let law = ContactLaw::penalty(self.penalty).with_multipliers(multipliers).with_tangent(tangent);
@@ -182,7 +182,7 @@ impl Pass {
             nodes.extend(contact.nodes.iter().map(|&node| node as usize));
             let size = gradient.len();
             packed.resize(size * (size + 1) / 2, 0.0);
-            let view = ContactView { gap: point.gap, area, gradient, hessian };
+            let view = ContactView { gap: point.gap, area, gradient, hessian, slip };
             law.element_tangent(&view, &mut packed).map_err(|error| match error {
                 // The equation is that of the element.
                 AssemblyError::Overflow { what, equation: own } => {

@@ -1,0 +1,368 @@
+//! Friction of whole interfaces: forces against differences of the slip, balance, history, and what a restart needs.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
+
+use diffuse_contact::affine::{AffinePoint, Carrier};
+use diffuse_contact::assembly::{
+    AssemblyError, ContactLaw, DofMap, Tangent, Triangle, Triplets, add_residual,
+};
+use diffuse_contact::friction::Coulomb;
+use diffuse_contact::interface::{
+    Anchor, ContactInterface, FrictionReport, InterfaceError, InterfaceOptions,
+};
+use diffuse_contact::neighbourhood::SearchOptions;
+use diffuse_contact::surface::SymmetryPlane;
+use diffuse_contact::{Mode, Point, Weight, interface::ContactElement};
+
+use crate::common::{Mesh, Uniform, distance, hull_layers};
+
+const PENALTY: f64 = 400.0;
+const STIFFNESS: f64 = 300.0;
+const DEPTH: f64 = 0.02;
+
+fn wave(x: f64, y: f64) -> f64 {
+    0.3 * (x * FRAC_PI_6).sin() * (y * FRAC_PI_6).cos()
+}
+
+/// Slaves in contact with a wavy surface, and how they are pressed on it.
+struct Pressed {
+    interface: ContactInterface,
+    positions: Vec<Point>,
+    law: ContactLaw<'static>,
+    /// The nodes of the slaves.
+    slaves: Vec<usize>,
+}
+
+fn law(coefficient: f64) -> ContactLaw<'static> {
+    ContactLaw::penalty(PENALTY).with_friction(Some(Coulomb::new(coefficient, STIFFNESS).unwrap()))
+}
+
+impl Pressed {
+    /// Slaves over [1, 7]² of a surface of 8 × 8 cells of irregular shape, accepted where they touch.
+    fn new(coefficient: f64, weight: Weight, planes: &[SymmetryPlane]) -> Self {
+        let mut random = Uniform(5);
+        let moved: Vec<f64> = (0..200).map(|_| 0.15 * random.signed()).collect();
+        let mesh = Mesh::grid([9, 9], [false; 2], |s, t| {
+            let (x, y) = (8.0 * s, 8.0 * t);
+            let inner = |t: f64| if t > 0.0 && t < 8.0 { 1.0 } else { 0.0 };
+            let k = (9.0 * y + x) as usize;
+            let (x, y) = (x + inner(x) * moved[2 * k], y + inner(y) * moved[2 * k + 1]);
+            [x, y, wave(x, y)]
+        });
+        let slaves: Vec<Point> = [(1.7, 2.2), (3.1, 4.4), (4.6, 3.3), (6.2, 5.7), (0.3, 3.4)]
+            .map(|(x, y)| [x, y, wave(x, y) - DEPTH])
+            .to_vec();
+        let mut positions = mesh.positions.clone();
+        let first = positions.len();
+        positions.extend(&slaves);
+        let element = ContactElement::diffuse(SearchOptions::domains()).with_weight(weight);
+        let options = InterfaceOptions::default().with_element(element);
+        let slaves: Vec<usize> = (first..positions.len()).collect();
+        let mut interface =
+            ContactInterface::new(mesh.surface(), slaves.clone(), &[], &positions, options).unwrap();
+        interface.set_symmetry(planes).unwrap();
+        interface.refresh_pairing(&positions).unwrap();
+        let law = law(coefficient);
+        interface.accept(&law).unwrap();
+        interface.refresh_pairing(&positions).unwrap();
+        Self { interface, positions, law, slaves }
+    }
+
+    /// Moves all slaves.
+    fn slide(&mut self, step: Point) {
+        for &slave in &self.slaves {
+            for axis in 0..3 {
+                self.positions[slave][axis] += step[axis];
+            }
+        }
+        self.interface.follow(&self.positions).unwrap();
+    }
+
+    /// Moves all slaves, and the masters by what makes the surface another one.
+    fn slide_and_deform(&mut self, step: Point) {
+        let mut random = Uniform(11);
+        for x in &mut self.positions[..81] {
+            *x = x.map(|x| x + 0.002 * random.signed());
+        }
+        self.slide(step);
+    }
+
+    fn forces(&mut self) -> Vec<f64> {
+        let dofs = DofMap::standard(self.positions.len());
+        let mut forces = vec![0.0; dofs.equations()];
+        let contacts = self.interface.evaluate(Mode::Gradient).unwrap();
+        add_residual(contacts, &self.law, &dofs, &mut forces).unwrap();
+        forces
+    }
+
+    fn tangent(&mut self) -> Vec<Vec<f64>> {
+        let size = 3 * self.positions.len();
+        let dofs = DofMap::standard(self.positions.len());
+        let mut triplets = Triplets::new();
+        let contacts = self.interface.evaluate(Mode::Hessian).unwrap();
+        triplets.fill(contacts, &self.law, &dofs, Triangle::Full).unwrap();
+        let mut matrix = vec![vec![0.0; size]; size];
+        for (row, column, value) in triplets.iter() {
+            matrix[row][column] += value;
+        }
+        matrix
+    }
+
+    fn accept(&mut self) -> FrictionReport {
+        let report = self.interface.accept(&self.law).unwrap();
+        self.interface.refresh_pairing(&self.positions).unwrap();
+        report
+    }
+
+    /// The tangential force on the `k`-th slave.
+    fn traction(&mut self, k: usize) -> Point {
+        let with = self.forces();
+        let frictionless = self.law.with_friction(None);
+        let law = std::mem::replace(&mut self.law, frictionless);
+        let without = self.forces();
+        self.law = law;
+        [0, 1, 2].map(|axis| with[3 * self.slaves[k] + axis] - without[3 * self.slaves[k] + axis])
+    }
+
+    fn normal_force(&self, k: usize) -> f64 {
+        self.law.force(k, self.interface.contacts().get(k).point.gap, 1.0)
+    }
+}
+
+fn length(v: Point) -> f64 {
+    distance(v, [0.0; 3])
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest, value| value.abs().max(largest))
+}
+
+#[test]
+fn the_tangent_is_the_derivative_of_the_forces() {
+    let plane = SymmetryPlane { point: [0.0; 3], normal: [1.0, 0.0, 0.0] };
+    for (weight, planes) in
+        [(Weight::Cubic, &[plane][..]), (Weight::WendlandC2, &[]), (Weight::CubicInterpolating, &[])]
+    {
+        // All stick, all slide.
+        for coefficient in [3.0, 0.1] {
+            let mut pressed = Pressed::new(coefficient, weight, planes);
+            pressed.slide_and_deform([0.03, 0.02, 0.001]);
+            let matrix = pressed.tangent();
+            let mut random = Uniform(3);
+            let direction: Vec<f64> = (0..3 * pressed.positions.len()).map(|_| random.signed()).collect();
+            let start = pressed.positions.clone();
+            let at = |pressed: &mut Pressed, step: f64| {
+                for (x, (start, d)) in
+                    pressed.positions.iter_mut().zip(start.iter().zip(direction.as_chunks::<3>().0))
+                {
+                    *x = [0, 1, 2].map(|axis| start[axis] + step * d[axis]);
+                }
+                pressed.interface.follow(&pressed.positions).unwrap();
+                pressed.forces()
+            };
+            let h = 1e-6;
+            let (ahead, behind) = (at(&mut pressed, h), at(&mut pressed, -h));
+            let product: Vec<f64> = matrix
+                .iter()
+                .map(|row| row.iter().zip(&direction).map(|(k, d)| k * d).sum::<f64>())
+                .collect();
+            let differences: Vec<f64> = ahead
+                .iter()
+                .zip(&behind)
+                .zip(&product)
+                .map(|((ahead, behind), product)| -(ahead - behind) / (2.0 * h) - product)
+                .collect();
+            let error = largest(&differences) / largest(&product);
+            assert!(error < 1e-7, "{weight:?}, μ = {coefficient}: {error:e}");
+            let turned = (0..matrix.len())
+                .flat_map(|p| (0..p).map(move |q| (p, q)))
+                .map(|(p, q)| (matrix[p][q] - matrix[q][p]).abs())
+                .fold(0.0, f64::max);
+            assert_eq!(turned < 1e-9, coefficient == 3.0, "{turned:e}");
+        }
+    }
+}
+
+#[test]
+fn forces_and_moments_balance_and_friction_has_an_effect() {
+    let mut pressed = Pressed::new(0.1, Weight::Cubic, &[]);
+    pressed.slide_and_deform([0.03, 0.02, 0.001]);
+    let forces = pressed.forces();
+    let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+    for (f, x) in forces.as_chunks::<3>().0.iter().zip(&pressed.positions) {
+        for axis in 0..3 {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            force[axis] += f[axis];
+            moment[axis] += x[next] * f[last] - x[last] * f[next];
+        }
+    }
+    assert!(length(force) < 1e-13 * largest(&forces), "{force:?}");
+    assert!(length(moment) < 8.0 * 1e-13 * largest(&forces), "{moment:?}");
+    for k in 0..4 {
+        // Against the motion, and μ times the pressure.
+        let traction = pressed.traction(k);
+        let ratio = length(traction) / pressed.normal_force(k);
+        assert!((ratio - 0.1).abs() < 0.001, "{ratio}");
+        assert!(0.03 * traction[0] + 0.02 * traction[1] < 0.0);
+    }
+}
+
+#[test]
+fn nothing_of_the_history_changes_before_a_step_is_accepted() {
+    let mut pressed = Pressed::new(0.1, Weight::Cubic, &[]);
+    let (anchors, start) = (pressed.interface.anchors().unwrap().to_vec(), pressed.positions.clone());
+    pressed.slide_and_deform([0.03, 0.02, 0.001]);
+    let forces = pressed.forces();
+    // A try that goes far, and is given up.
+    pressed.slide_and_deform([0.9, -0.4, 0.0]);
+    pressed.forces();
+    assert_eq!(pressed.interface.anchors().unwrap(), anchors);
+    pressed.positions = start;
+    pressed.interface.refresh_pairing(&pressed.positions).unwrap();
+    pressed.slide_and_deform([0.03, 0.02, 0.001]);
+    assert_eq!(pressed.forces(), forces);
+
+    // A restart from anchors alone has the same bits.
+    let kept = pressed.interface.anchors().unwrap().to_vec();
+    let mut other = Pressed::new(0.1, Weight::Cubic, &[]);
+    other.interface.set_anchors(None).unwrap();
+    other.interface.set_anchors(Some(kept)).unwrap();
+    other.positions = pressed.positions.clone();
+    other.interface.refresh_pairing(&other.positions).unwrap();
+    assert_eq!(other.forces(), forces);
+}
+
+#[test]
+fn a_slave_that_slides_draws_its_anchor_along() {
+    let mut pressed = Pressed::new(0.1, Weight::Cubic, &[]);
+    let mut work = 0.0;
+    for _ in 0..20 {
+        pressed.slide([0.05, 0.0, 0.0]);
+        let before: Vec<Point> = (0..4).map(|k| pressed.traction(k)).collect();
+        let report = pressed.accept();
+        assert!(report.sliding >= 4 && report.dissipated > 0.0, "{report:?}");
+        work += report.dissipated;
+        for (k, before) in before.into_iter().enumerate() {
+            let after = pressed.traction(k);
+            // What remains of the slip has the same traction, but for the turn of the normal along it.
+            assert!(distance(before, after) < 0.02 * length(before), "{before:?} {after:?}");
+        }
+        for anchor in pressed.interface.anchors().unwrap().iter().flatten() {
+            assert!(anchor.point.terms().len() <= 40, "{}", anchor.point.terms().len());
+        }
+    }
+    assert!(work > 0.0);
+    // A short way back, and it sticks.
+    pressed.slide([-1e-4, 0.0, 0.0]);
+    let report = pressed.accept();
+    assert_eq!((report.sliding, report.dissipated), (0, 0.0));
+    assert!(report.stuck >= 4);
+}
+
+#[test]
+fn an_open_contact_drops_its_anchor_and_closes_with_a_new_one() {
+    let mut pressed = Pressed::new(0.5, Weight::Cubic, &[]);
+    let slave = pressed.slaves[1];
+    let stuck = pressed.interface.anchors().unwrap()[1].clone().unwrap();
+    assert_eq!(stuck.opening, 0.0);
+    pressed.positions[slave][2] += 3.0 * DEPTH;
+    pressed.interface.follow(&pressed.positions).unwrap();
+    pressed.accept();
+    let open = pressed.interface.anchors().unwrap()[1].clone().unwrap();
+    assert!((open.opening / (2.0 * DEPTH) - 1.0).abs() < 0.1, "{}", open.opening);
+    assert_ne!(open.point, stuck.point);
+    // It slides while it comes down along the normal: half of the way in touch, the traction is that of half of the slip.
+    pressed.forces();
+    let normal = pressed.interface.contacts().get(1).point.normal;
+    let along = [normal[2], 0.0, -normal[0]];
+    for axis in 0..3 {
+        let step = 4e-3 * along[axis] / length(along) - 2.0 * open.opening * normal[axis];
+        pressed.positions[slave][axis] += step;
+    }
+    pressed.interface.follow(&pressed.positions).unwrap();
+    let traction = length(pressed.traction(1));
+    assert!((traction / (0.5 * STIFFNESS * 4e-3) - 1.0).abs() < 0.02, "{traction}");
+    pressed.accept();
+    assert_eq!(pressed.interface.anchors().unwrap()[1].as_ref().unwrap().opening, 0.0);
+    assert!((length(pressed.traction(1)) / traction - 1.0).abs() < 0.02);
+    // Far from the surface there is no anchor.
+    pressed.positions[slave] = [30.0, 0.0, 0.0];
+    pressed.interface.refresh_pairing(&pressed.positions).unwrap();
+    pressed.accept();
+    assert_eq!(pressed.interface.anchors().unwrap()[1], None);
+}
+
+#[test]
+fn a_stuck_pair_keeps_its_traction_when_it_turns() {
+    let mut pressed = Pressed::new(3.0, Weight::Cubic, &[]);
+    pressed.slide_and_deform([0.03, 0.02, 0.001]);
+    let before: Vec<Point> = (0..4).map(|k| pressed.traction(k)).collect();
+    let (sine, cosine) = FRAC_PI_2.sin_cos();
+    let turned = |[x, y, z]: Point| [cosine * x - sine * z, y, sine * x + cosine * z];
+    for x in &mut pressed.positions {
+        *x = turned(*x);
+    }
+    pressed.interface.refresh_pairing(&pressed.positions).unwrap();
+    for (k, before) in before.into_iter().enumerate() {
+        let after = pressed.traction(k);
+        assert!(distance(after, turned(before)) < 1e-12 * length(before), "{after:?}");
+    }
+}
+
+#[test]
+fn without_a_coefficient_every_bit_is_frictionless() {
+    let mut pressed = Pressed::new(0.0, Weight::Cubic, &[]);
+    assert_eq!((pressed.law, pressed.interface.anchors()), (ContactLaw::penalty(PENALTY), None));
+    let mut sliding = Pressed::new(0.1, Weight::Cubic, &[]);
+    for pressed in [&mut pressed, &mut sliding] {
+        pressed.slide_and_deform([0.03, 0.02, 0.001]);
+    }
+    let (without, with) = (pressed.forces(), sliding.forces());
+    assert!(distance([without[243], 0.0, 0.0], [with[243], 0.0, 0.0]) > 1e-3 * largest(&without));
+}
+
+#[test]
+fn what_is_no_history_is_refused() {
+    let mut pressed = Pressed::new(0.1, Weight::Cubic, &[]);
+    let kept = pressed.interface.anchors().unwrap().to_vec();
+    let anchor = |carrier: Carrier| {
+        let point = AffinePoint::new([(carrier, 1.0)]).unwrap();
+        Some(vec![Some(Anchor { point, opening: 0.0 }), None, None, None, None])
+    };
+    let slave = pressed.slaves[0] as u32;
+    for (anchors, code) in [
+        (Some(vec![None; 4]), "anchor-count"),
+        (anchor(slave.into()), "foreign-carrier"),
+        (anchor(Carrier { node: 0, image: Some(0) }), "foreign-carrier"),
+    ] {
+        assert_eq!(pressed.interface.set_anchors(anchors).unwrap_err().code(), code);
+        assert_eq!(pressed.interface.anchors().unwrap(), kept);
+    }
+    // Without a history the law asks for one.
+    pressed.interface.set_anchors(None).unwrap();
+    let contacts = pressed.interface.evaluate(Mode::Gradient).unwrap();
+    let mut forces = vec![0.0; 3 * pressed.positions.len()];
+    let dofs = DofMap::standard(pressed.positions.len());
+    let refused = add_residual(contacts, &pressed.law, &dofs, &mut forces);
+    assert_eq!(refused, Err(AssemblyError::NoSlip { element: 0 }));
+
+    // Facets and hull layers have no anchors.
+    let plane = Mesh::plane(4.0, 4.0, 1.0);
+    for options in [InterfaceOptions::node_to_facet(), hull_layers()] {
+        let mut scene = plane.paired(&[[2.2, 2.1, -0.1]], options);
+        assert_eq!(scene.interface.accept(&law(0.1)), Err(InterfaceError::NoAnchors));
+    }
+}
+
+#[test]
+fn a_symmetric_tangent_is_symmetric() {
+    let mut pressed = Pressed::new(0.1, Weight::Cubic, &[]);
+    pressed.slide_and_deform([0.03, 0.02, 0.001]);
+    pressed.law = pressed.law.with_tangent(Tangent::GaussNewton);
+    let matrix = pressed.tangent();
+    for p in 0..matrix.len() {
+        for q in 0..p {
+            assert!((matrix[p][q] - matrix[q][p]).abs() < 1e-10);
+        }
+    }
+}

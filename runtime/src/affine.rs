@@ -42,6 +42,8 @@ impl AffinePoint {
     pub const SMALLEST_WEIGHT: f64 = 1e-12;
     /// How far from 1 the weights may add up.
     const TOLERANCE: f64 = 1e-9;
+    /// What rounding leaves of 1 in a sum of weights: it stays, so that a point that was written and read again is the same.
+    const ROUNDING: f64 = 1e-14;
 
     /// The combination of nodes, or of carriers, with these weights; weights of the same one are added.
     ///
@@ -61,6 +63,9 @@ impl AffinePoint {
         let mut terms: Vec<(Carrier, f64)> = weights.into_iter().collect();
         terms.retain(|(_, weight)| weight.abs() >= Self::SMALLEST_WEIGHT);
         let rest = 1.0 - terms.iter().map(|(_, weight)| weight).sum::<f64>();
+        if rest.abs() <= Self::ROUNDING {
+            return Self { terms };
+        }
         let largest = terms.iter_mut().max_by(|x, y| x.1.abs().total_cmp(&y.1.abs()));
         if let Some((_, weight)) = largest {
             *weight += rest;
@@ -129,6 +134,14 @@ mod tests {
             point.position(|carrier| far(x(carrier.node))),
             far(point.position(|carrier| x(carrier.node)))
         );
+    }
+
+    #[test]
+    fn a_point_from_the_terms_of_another_is_the_same() {
+        let weight = |k: u32| 1.0 + (f64::from(k) + 0.3).sin();
+        let sum: f64 = (0..40).map(weight).sum();
+        let point = AffinePoint::new((0..40).map(|k| (k, weight(k) / sum * (1.0 + 1e-11)))).unwrap();
+        assert_eq!(AffinePoint::new(point.terms().iter().copied()), Ok(point));
     }
 
     #[test]

@@ -268,7 +268,8 @@ fn interaction(
         .with_tangent(interface.tangent)
         .with_two_pass(interface.two_pass)
         .with_interface(interface.options(contact))
-        .with_symmetry(interface.symmetry.clone());
+        .with_symmetry(interface.symmetry.clone())
+        .with_friction(interface.friction);
     Ok(Interaction::new(options, &sides.master, &sides.slave, &model.nodes)?)
 }
 

@@ -256,8 +256,7 @@ impl ContactInterface {
     /// slides draws it along; of one that is open the foot becomes it.
     ///
     /// # Errors
-    /// [`InterfaceError::NoAnchors`] for facets, and for other neighbour rules than domains of influence;
-    /// [`InterfaceError::NoFrictionKernels`].
+    /// As [`check_friction`](Self::check_friction).
     ///
     /// # Panics
     /// If the law has multipliers, but not one for each slave.
@@ -270,7 +269,11 @@ impl ContactInterface {
     }
 
     /// Whether there can be friction.
-    fn check_friction(&self) -> Result<(), InterfaceError> {
+    ///
+    /// # Errors
+    /// [`InterfaceError::NoAnchors`] for facets, and for other neighbour rules than domains of influence;
+    /// [`InterfaceError::NoFrictionKernels`].
+    pub fn check_friction(&self) -> Result<(), InterfaceError> {
         if self.nodal.is_none() {
             return Err(InterfaceError::NoAnchors);
         }

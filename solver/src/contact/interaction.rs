@@ -1,13 +1,15 @@
 //! One pair of surfaces.
 
 use diffuse_contact::assembly::Tangent;
-use diffuse_contact::interface::InterfaceOptions;
+use diffuse_contact::friction::FrictionState;
+use diffuse_contact::interface::{FrictionReport, InterfaceOptions};
 use diffuse_contact::surface::{Facet, SymmetryPlane};
 use diffuse_contact::{Mode, Point};
 
+use super::history::FrictionHistory;
 use super::pass::Pass;
 use super::{ContactError, LostContact};
-use crate::system::BlockMatrix;
+use crate::system::{BlockMatrix, Symmetry};
 
 /// When slaves are paired anew.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -95,6 +97,38 @@ impl Augmentation {
     }
 }
 
+/// Coulomb friction between two surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Friction {
+    /// μ ≥ 0; 0 is no friction.
+    pub coefficient: f64,
+    /// ε_T, force per slip of a slave node that sticks, with areas force per area and slip; `None`: as large as the penalty.
+    pub stiffness: Option<f64>,
+    /// Whether the tangent leaves out what is not symmetric: linear systems are solved in half of the time, and it takes more of them.
+    pub is_symmetric: bool,
+}
+
+impl Friction {
+    /// With this coefficient, a stiffness as large as the penalty, and the exact tangent.
+    #[must_use]
+    pub const fn new(coefficient: f64) -> Self {
+        Self { coefficient, stiffness: None, is_symmetric: false }
+    }
+
+    /// With this tangential stiffness, or the penalty's.
+    #[must_use]
+    pub const fn with_stiffness(self, stiffness: Option<f64>) -> Self {
+        Self { stiffness, ..self }
+    }
+
+    /// With the symmetric part of the tangent only, or all of it.
+    #[must_use]
+    pub const fn with_symmetric_tangent(self, is_symmetric: bool) -> Self {
+        Self { is_symmetric, ..self }
+    }
+}
+
 /// How two surfaces interact.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -116,6 +150,8 @@ pub struct InteractionOptions {
     pub interface: InterfaceOptions,
     /// Planes in which the master goes on as its mirror image.
     pub symmetry: Vec<SymmetryPlane>,
+    /// Coulomb friction.
+    pub friction: Option<Friction>,
 }
 
 impl InteractionOptions {
@@ -132,6 +168,7 @@ impl InteractionOptions {
             two_pass: false,
             interface: InterfaceOptions::default(),
             symmetry: Vec::new(),
+            friction: None,
         }
     }
 
@@ -170,6 +207,12 @@ impl InteractionOptions {
     pub fn with_symmetry(self, symmetry: Vec<SymmetryPlane>) -> Self {
         Self { symmetry, ..self }
     }
+
+    /// With friction, or without.
+    #[must_use]
+    pub fn with_friction(self, friction: Option<Friction>) -> Self {
+        Self { friction, ..self }
+    }
 }
 
 /// Contact of one slave node at the last evaluation.
@@ -183,9 +226,15 @@ pub struct SlaveState {
     pub force: f64,
     /// Normal at the foot; zero without a gap.
     pub normal: Point,
-    /// What the contact exerts on the slave node, force · N: nearly along the normal. The smooth surface follows the slave by its
-    /// weights, so that a small part of it lies in the tangent plane.
+    /// What the contact exerts on the slave node: force · N, nearly along the normal, and friction. The smooth surface follows the slave
+    /// by its weights, so that a small part of force · N lies in the tangent plane.
     pub nodal_force: Point,
+    /// The part of it that is friction, −c ∇q.
+    pub friction: Point,
+    /// Whether it sticks or slides.
+    pub friction_state: FrictionState,
+    /// Its slip since it touched or stuck, length.
+    pub slip: f64,
     /// Tributary area, length²; 1 if the interface carries none.
     pub area: f64,
     /// Whether its masters carry no quadratic surface, so that it has the linear basis.
@@ -278,6 +327,41 @@ impl Interaction {
         Ok(active)
     }
 
+    /// Takes the slaves' feet for their anchors, if there is friction without a history.
+    pub(super) fn begin_friction(&mut self) -> Result<(), ContactError> {
+        self.each(Pass::begin_friction)
+    }
+
+    /// Accepts the last evaluation as the end of an increment; what friction did in it.
+    pub(super) fn accept(&mut self) -> Result<Option<FrictionReport>, ContactError> {
+        let mut sum = self.options.friction.map(|_| FrictionReport::default());
+        self.each(|pass| {
+            let report = pass.accept()?;
+            if let Some(sum) = &mut sum {
+                sum.stuck += report.stuck;
+                sum.sliding += report.sliding;
+                sum.dissipated += report.dissipated;
+            }
+            Ok(())
+        })?;
+        Ok(sum)
+    }
+
+    pub(super) fn friction_history(&self) -> impl Iterator<Item = FrictionHistory> {
+        self.passes.iter().map(Pass::friction_history)
+    }
+
+    pub(super) fn set_friction_history(&mut self, history: &[FrictionHistory]) -> Result<(), ContactError> {
+        let name = &self.options.name;
+        self.passes.iter_mut().zip(history).try_for_each(|(pass, own)| pass.set_friction_history(own, name))
+    }
+
+    /// Work of friction so far, energy.
+    #[must_use]
+    pub fn dissipated(&self) -> f64 {
+        self.passes.iter().map(Pass::dissipated).sum()
+    }
+
     pub(super) fn cliques(&self) -> impl Iterator<Item = Vec<usize>> {
         self.passes.iter().flat_map(Pass::cliques)
     }
@@ -286,9 +370,16 @@ impl Interaction {
         &mut self,
         matrix: &mut BlockMatrix,
         [residual, force]: [f64; 2],
-    ) -> Result<(), ContactError> {
+    ) -> Result<Symmetry, ContactError> {
         let tangent = self.options.tangent.at(residual, force);
-        self.each(|pass| pass.add_tangent(matrix, tangent))
+        let mut symmetry = Symmetry::Symmetric;
+        self.each(|pass| {
+            if pass.add_tangent(matrix, tangent)? == Symmetry::General {
+                symmetry = Symmetry::General;
+            }
+            Ok(())
+        })?;
+        Ok(symmetry)
     }
 
     /// What is there to do after so many rounds.

@@ -7,6 +7,7 @@
 
 mod beginning;
 mod error;
+mod history;
 mod interaction;
 mod losses;
 mod pass;
@@ -15,14 +16,16 @@ mod tests;
 
 pub use beginning::Beginning;
 pub use error::ContactError;
+pub use history::FrictionHistory;
 pub use interaction::{
-    Augmentation, Augmented, Interaction, InteractionOptions, RefreshRule, SlaveState, TangentRule,
+    Augmentation, Augmented, Friction, Interaction, InteractionOptions, RefreshRule, SlaveState, TangentRule,
 };
 pub use losses::LostContact;
 
 use diffuse_contact::Mode;
+use diffuse_contact::interface::FrictionReport;
 
-use crate::system::BlockMatrix;
+use crate::system::{BlockMatrix, Symmetry};
 
 /// All interactions of a problem.
 #[derive(Debug, Default)]
@@ -97,12 +100,53 @@ impl ContactSet {
     }
 
     /// Adds the contact tangents to a stiffness whose pattern holds the [`cliques`](Self::cliques),
-    /// at a state with these norms of the residual and of the forces.
+    /// at a state with these norms of the residual and of the forces. Returns whether they are symmetric.
     ///
     /// # Errors
     /// [`ContactError::Assembly`].
-    pub fn add_tangent(&mut self, matrix: &mut BlockMatrix, norms: [f64; 2]) -> Result<(), ContactError> {
-        self.interactions.iter_mut().try_for_each(|interaction| interaction.add_tangent(matrix, norms))
+    pub fn add_tangent(
+        &mut self,
+        matrix: &mut BlockMatrix,
+        norms: [f64; 2],
+    ) -> Result<Symmetry, ContactError> {
+        let mut symmetry = Symmetry::Symmetric;
+        for interaction in &mut self.interactions {
+            if interaction.add_tangent(matrix, norms)? == Symmetry::General {
+                symmetry = Symmetry::General;
+            }
+        }
+        Ok(symmetry)
+    }
+
+    /// Takes the feet of all slaves with friction for their anchors where there is no history yet. To be called before the first
+    /// increment, after a refresh.
+    ///
+    /// # Errors
+    /// [`ContactError::Interface`].
+    pub fn begin_friction(&mut self) -> Result<(), ContactError> {
+        self.interactions.iter_mut().try_for_each(Interaction::begin_friction)
+    }
+
+    /// Accepts the last evaluation as the end of an increment; what friction did in each interaction that has any.
+    ///
+    /// # Errors
+    /// [`ContactError::Interface`].
+    pub fn accept(&mut self) -> Result<Vec<Option<FrictionReport>>, ContactError> {
+        self.interactions.iter_mut().map(Interaction::accept).collect()
+    }
+
+    /// The history of friction of all passes, for a restart.
+    #[must_use]
+    pub fn friction_history(&self) -> Vec<FrictionHistory> {
+        self.interactions.iter().flat_map(Interaction::friction_history).collect()
+    }
+
+    /// Goes on from a history as [`friction_history`](Self::friction_history) gave it.
+    ///
+    /// # Errors
+    /// [`ContactError::OtherPasses`], [`ContactError::Anchor`] and [`ContactError::Interface`] if it belongs to other interactions.
+    pub fn set_friction_history(&mut self, history: &[FrictionHistory]) -> Result<(), ContactError> {
+        self.for_each_with(history, Interaction::set_friction_history)
     }
 
     /// Updates the multipliers of the augmented Lagrangian interactions if another round is [`Due`](Augmented::Due) for one of them.

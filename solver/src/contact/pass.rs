@@ -3,14 +3,18 @@
 use std::collections::BTreeSet;
 
 use diffuse_contact::assembly::{AssemblyError, ContactLaw, ContactView, DofMap, Tangent, add_residual};
-use diffuse_contact::interface::{ContactInterface, ContactRef, Contacts, InterfaceError, Outcome};
+use diffuse_contact::friction::{Coulomb, FrictionState};
+use diffuse_contact::interface::{
+    ContactInterface, ContactRef, Contacts, FrictionReport, InterfaceError, Outcome,
+};
 use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
+use super::history::FrictionHistory;
 use super::losses::{Losses, is_failure};
 use super::{ContactError, InteractionOptions, LostContact, SlaveState, TangentRule};
-use crate::system::BlockMatrix;
+use crate::system::{BlockMatrix, Symmetry};
 
 /// A step of a pass that failed.
 #[derive(Debug)]
@@ -42,8 +46,8 @@ impl From<AssemblyError> for PassError {
     }
 }
 
-/// The law of all slaves' forces; no multipliers without augmentation.
-fn force_law(penalty: f64, multipliers: &[f64]) -> ContactLaw<'_> {
+/// The law of all slaves' normal forces; no multipliers without augmentation.
+fn normal_law(penalty: f64, multipliers: &[f64]) -> ContactLaw<'_> {
     let multipliers = (!multipliers.is_empty()).then_some(multipliers);
     ContactLaw::penalty(penalty).with_multipliers(multipliers).with_tangent(Tangent::Exact)
 }
@@ -54,6 +58,11 @@ pub struct Pass {
     interface: ContactInterface,
     penalty: f64,
     tangent: TangentRule,
+    friction: Option<Coulomb>,
+    /// Whether the tangent leaves out what is not symmetric.
+    is_symmetric: bool,
+    /// Work of friction up to the last increment, energy.
+    dissipated: f64,
     dofs: DofMap,
     /// λ, one per slave; none without augmentation.
     multipliers: Vec<f64>,
@@ -85,12 +94,28 @@ impl Pass {
         if !options.symmetry.is_empty() {
             interface.set_symmetry(&options.symmetry).map_err(named)?;
         }
+        let friction = match options.friction {
+            Some(friction) => {
+                interface.check_friction().map_err(named)?;
+                // Two passes have half of each other's penalty, and of a stiffness that was given.
+                let share = penalty / options.penalty;
+                let stiffness = friction.stiffness.map_or(penalty, |stiffness| share * stiffness);
+                let law = Coulomb::new(friction.coefficient, stiffness);
+                Some(
+                    law.map_err(|source| ContactError::Friction { interface: options.name.clone(), source })?,
+                )
+            }
+            None => None,
+        };
         let dofs = DofMap::standard(positions.len());
         let tangent = options.tangent;
         Ok(Self {
             interface,
             penalty,
             tangent,
+            friction: friction.filter(|friction| friction.coefficient() > 0.0),
+            is_symmetric: options.friction.is_some_and(|friction| friction.is_symmetric),
+            dissipated: 0.0,
             dofs,
             multipliers,
             held: vec![false; positions.len()],
@@ -116,7 +141,49 @@ impl Pass {
 
     /// For forces: which tangent it has makes no difference.
     fn law(&self) -> ContactLaw<'_> {
-        force_law(self.penalty, &self.multipliers)
+        normal_law(self.penalty, &self.multipliers).with_friction(self.friction)
+    }
+
+    /// Takes the slaves' feet for their anchors, if there is friction without a history.
+    pub fn begin_friction(&mut self) -> Result<(), PassError> {
+        if self.friction.is_some() && self.interface.anchors().is_none() {
+            self.accept()?;
+        }
+        Ok(())
+    }
+
+    /// Accepts the last evaluation as the end of an increment.
+    pub fn accept(&mut self) -> Result<FrictionReport, PassError> {
+        let Self { interface, penalty, multipliers, friction, .. } = self;
+        let report = interface.accept(&normal_law(*penalty, multipliers).with_friction(*friction))?;
+        self.dissipated += report.dissipated;
+        Ok(report)
+    }
+
+    pub fn friction_history(&self) -> FrictionHistory {
+        FrictionHistory::new(self.interface.anchors(), self.dissipated)
+    }
+
+    pub fn set_friction_history(
+        &mut self,
+        history: &FrictionHistory,
+        name: &str,
+    ) -> Result<(), ContactError> {
+        let interface = || name.to_owned();
+        let anchors = history.anchors().map_err(|(slave, source)| ContactError::Anchor {
+            interface: interface(),
+            slave,
+            source,
+        })?;
+        self.interface
+            .set_anchors(anchors)
+            .map_err(|source| ContactError::Interface { interface: interface(), source })?;
+        self.dissipated = history.dissipated;
+        Ok(())
+    }
+
+    pub fn dissipated(&self) -> f64 {
+        self.dissipated
     }
 
     pub fn refresh(&mut self, positions: &[Point]) -> Result<(), PassError> {
@@ -130,10 +197,11 @@ impl Pass {
     }
 
     pub fn evaluate(&mut self, positions: &[Point], mode: Mode) -> Result<(), PassError> {
-        // ε N Nᵀ needs no Hessians.
-        let mode = if self.tangent == TangentRule::GaussNewton { mode.min(Mode::Gradient) } else { mode };
+        // ε N Nᵀ needs no Hessians; friction does.
+        let needs_none = self.tangent == TangentRule::GaussNewton && self.friction.is_none();
+        let mode = if needs_none { mode.min(Mode::Gradient) } else { mode };
         let Self { interface, penalty, multipliers, is_listed_anew, .. } = self;
-        let law = force_law(*penalty, multipliers);
+        let law = normal_law(*penalty, multipliers);
         *is_listed_anew |= interface.follow(positions)?;
         interface.evaluate_where(mode, |k, gap, area| law.force(k, gap, area) > 0.0)?;
         Ok(())
@@ -165,15 +233,17 @@ impl Pass {
         })
     }
 
-    /// Adds the tangents of the contacts that carry force, in the order of the slaves.
-    pub fn add_tangent(&mut self, matrix: &mut BlockMatrix, tangent: Tangent) -> Result<(), PassError> {
-        let mut packed = std::mem::take(&mut self.values);
+    /// Adds the tangents of the contacts that carry force, in the order of the slaves; whether they are symmetric.
+    pub fn add_tangent(&mut self, matrix: &mut BlockMatrix, tangent: Tangent) -> Result<Symmetry, PassError> {
+        let mut entries = std::mem::take(&mut self.values);
+        let law = ContactLaw::penalty(self.penalty).with_tangent(tangent).with_friction(self.friction);
+        let is_full = !law.is_symmetric();
+        let is_general = is_full && !self.is_symmetric;
         let mut nodes = Vec::new();
         for (k, contact) in self.contacts().iter().enumerate() {
             let ContactRef { slave, point, area, gradient, hessian, slip, .. } = contact;
             // One law for one contact: with its own multiplier.
-            let multipliers = self.multipliers.get(k..=k);
-            let law = ContactLaw::penalty(self.penalty).with_multipliers(multipliers).with_tangent(tangent);
+            let law = law.with_multipliers(self.multipliers.get(k..=k));
             if !(contact.outcome.is_contact() && law.force(0, point.gap, area) > 0.0) {
                 continue;
             }
@@ -181,19 +251,31 @@ impl Pass {
             nodes.push(slave);
             nodes.extend(contact.nodes.iter().map(|&node| node as usize));
             let size = gradient.len();
-            packed.resize(size * (size + 1) / 2, 0.0);
             let view = ContactView { gap: point.gap, area, gradient, hessian, slip };
-            law.element_tangent(&view, &mut packed).map_err(|error| match error {
+            let made = if is_full {
+                entries.resize(size * size, 0.0);
+                law.element_system(&view, &mut [], &mut entries)
+            } else {
+                entries.resize(size * (size + 1) / 2, 0.0);
+                law.element_tangent(&view, &mut entries)
+            };
+            made.map_err(|error| match error {
                 // The equation is that of the element.
                 AssemblyError::Overflow { what, equation: own } => {
                     AssemblyError::Overflow { what, equation: 3 * nodes[own / 3] + own % 3 }
                 }
                 other => other,
             })?;
-            matrix.add_symmetric(&nodes, &packed, 1.0);
+            if is_general {
+                matrix.add(&nodes, &entries, 1.0);
+            } else if is_full {
+                matrix.add_symmetric(&nodes, &symmetric_part(&entries, size), 1.0);
+            } else {
+                matrix.add_symmetric(&nodes, &entries, 1.0);
+            }
         }
-        self.values = packed;
-        Ok(())
+        self.values = entries;
+        Ok(if is_general { Symmetry::General } else { Symmetry::Symmetric })
     }
 
     /// λ ← max(0, λ − ε g), but where nothing can move: there no multiplier closes the gap.
@@ -260,17 +342,20 @@ impl Pass {
         Ok(())
     }
 
-    /// Adds what each contact exerts on its slave and its masters, f N, at the last evaluation.
+    /// Adds what each contact exerts on its slave and its masters at the last evaluation.
     pub fn add_nodal_forces(&self, forces: &mut [Point]) {
         let law = self.law();
         for (k, contact) in
             self.contacts().iter().enumerate().filter(|(_, contact)| contact.outcome.is_contact())
         {
             let force = law.force(k, contact.point.gap, contact.area);
+            let (of_slip, factor) = friction_of(&law, k, &contact);
             let nodes = std::iter::once(contact.slave).chain(contact.nodes.iter().map(|&node| node as usize));
-            for (node, gradient) in nodes.zip(contact.gradient.chunks_exact(3)) {
-                for (sum, n) in forces[node].iter_mut().zip(gradient) {
-                    *sum += force * n;
+            let gradients = contact.gradient.as_chunks::<3>().0;
+            for (local, (node, gradient)) in nodes.zip(gradients).enumerate() {
+                let slip = of_slip.get(local).copied().unwrap_or([0.0; 3]);
+                for axis in 0..3 {
+                    forces[node][axis] += force * gradient[axis] - factor * slip[axis];
                 }
             }
         }
@@ -285,11 +370,31 @@ impl Pass {
                 Outcome::Contact { fallback } => {
                     let is_linear = matches!(fallback, Fallback::Linear { .. });
                     let force = law.force(k, point.gap, area);
-                    let nodal_force = [0, 1, 2].map(|axis| gradient.get(axis).map_or(0.0, |n| force * n));
+                    let (of_slip, factor) = friction_of(&law, k, &contact);
+                    let friction = of_slip.first().map_or([0.0; 3], |slip| slip.map(|slip| -factor * slip));
+                    let nodal_force =
+                        [0, 1, 2].map(|axis| gradient.get(axis).map_or(0.0, |n| force * n) + friction[axis]);
+                    let known = law.friction_of(k, point.gap, area, contact.slip);
+                    let slipped = contact.slip.map_or(0.0, |slip| (2.0 * slip.half_square).sqrt());
+                    let slip = known.map_or(0.0, |known| known.share * slipped);
+                    let friction_state = known.map_or(FrictionState::Open, |known| known.state);
                     let (gap, is_held) = (Some(point.gap), self.is_held(&contact));
                     let normal = point.normal;
                     let has_failed = false;
-                    SlaveState { node, gap, force, normal, nodal_force, area, is_linear, has_failed, is_held }
+                    SlaveState {
+                        node,
+                        gap,
+                        force,
+                        normal,
+                        nodal_force,
+                        friction,
+                        friction_state,
+                        slip,
+                        area,
+                        is_linear,
+                        has_failed,
+                        is_held,
+                    }
                 }
                 Outcome::None(reason) => SlaveState {
                     node,
@@ -297,6 +402,9 @@ impl Pass {
                     force: 0.0,
                     normal: [0.0; 3],
                     nodal_force: [0.0; 3],
+                    friction: [0.0; 3],
+                    friction_state: FrictionState::Open,
+                    slip: 0.0,
                     area,
                     is_linear: false,
                     has_failed: is_failure(reason),
@@ -305,4 +413,19 @@ impl Pass {
             }
         })
     }
+}
+
+/// ∇q by node and the factor c of a contact's friction, −c ∇q; nothing and 0 without.
+fn friction_of<'a>(law: &ContactLaw<'_>, k: usize, contact: &ContactRef<'a>) -> (&'a [[f64; 3]], f64) {
+    let force = law.friction_of(k, contact.point.gap, contact.area, contact.slip);
+    match (force, contact.slip) {
+        (Some(force), Some(slip)) => (slip.gradient.as_chunks().0, force.factor),
+        _ => (&[], 0.0),
+    }
+}
+
+/// The packed lower triangle of ½ (K + Kᵀ).
+fn symmetric_part(matrix: &[f64], size: usize) -> Vec<f64> {
+    let entry = |p: usize, q: usize| 0.5 * (matrix[p * size + q] + matrix[q * size + p]);
+    (0..size).flat_map(|p| (0..=p).map(move |q| entry(p, q))).collect()
 }

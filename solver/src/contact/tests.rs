@@ -53,6 +53,7 @@ fn options(two_pass: bool, augmented: bool) -> InteractionOptions {
         two_pass,
         interface: hull_layers(),
         symmetry: Vec::new(),
+        friction: None,
     }
 }
 

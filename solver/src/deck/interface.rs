@@ -10,7 +10,7 @@ use super::conditions::references;
 use super::error::{DeckError, Problem};
 use super::reader::{Field, Section, Source};
 use super::{Reference, schema};
-use crate::contact::{Augmentation, RefreshRule, TangentRule};
+use crate::contact::{Augmentation, Friction, RefreshRule, TangentRule};
 
 /// The element of every interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +65,8 @@ pub struct Interface {
     pub refresh: RefreshRule,
     /// The stiffness of contact.
     pub tangent: TangentRule,
+    /// Coulomb friction.
+    pub friction: Option<Friction>,
 }
 
 impl Interface {
@@ -102,6 +104,7 @@ pub(super) fn interface(section: Section) -> Result<Interface, DeckError> {
         symmetry: section.get("symmetry").map_or(Ok(Vec::new()), |field| symmetry(&field))?,
         refresh: section.get("refresh").map_or(Ok(RefreshRule::default()), |field| field.word(&refreshes))?,
         tangent: section.get("tangent").map_or(Ok(TangentRule::default()), |field| field.word(&tangents))?,
+        friction: section.get("friction").map(|field| friction(&field)).transpose()?,
     })
 }
 
@@ -144,6 +147,17 @@ fn augmentation(section: &Section) -> Result<Option<Augmentation>, DeckError> {
         augmentation.max_rounds = field.positive_count()?;
     }
     Ok(Some(augmentation))
+}
+
+/// A coefficient, or a table with one.
+fn friction(field: &Field) -> Result<Friction, DeckError> {
+    let coefficient = |field: &Field| field.number_in("at least 0", |value| value >= 0.0);
+    let Ok(section) = field.section() else { return Ok(Friction::new(coefficient(field)?)) };
+    let section = section.expect(schema::FRICTION)?;
+    let stiffness = section.get("stiffness").map(|field| field.positive()).transpose()?;
+    let is_symmetric = section.get("symmetric").map_or(Ok(false), |field| field.flag())?;
+    let friction = Friction::new(coefficient(&section.need("coefficient")?)?);
+    Ok(friction.with_stiffness(stiffness).with_symmetric_tangent(is_symmetric))
 }
 
 fn neighbours(field: &Field) -> Result<SearchOptions, DeckError> {

@@ -60,12 +60,15 @@ pub const INTERFACE: &[&str] = &[
     "symmetry",
     "refresh",
     "tangent",
+    "friction",
     "feature_angle",
     "border_tolerance",
     "distance_limit",
 ];
 /// Fields of an augmentation.
 pub const AUGMENTATION: &[&str] = &["max", "tolerance"];
+/// Fields of friction.
+pub const FRICTION: &[&str] = &["coefficient", "stiffness", "symmetric"];
 /// Fields of the neighbour search.
 pub const NEIGHBOURS: &[&str] = &["rule", "count", "regularity"];
 /// Fields of a symmetry plane.

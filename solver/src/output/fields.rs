@@ -1,9 +1,10 @@
 //! Fields at the nodes.
 
+use diffuse_contact::FrictionState;
 use diffuse_contact::surface::tributary_areas;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::Interaction;
+use crate::contact::{Interaction, SlaveState};
 use crate::model::Model;
 use crate::solid::SolidError;
 use crate::statics::{Problem, State};
@@ -22,6 +23,47 @@ pub enum ContactStatus {
     Closed = 3,
     /// A slave that faces masters but has no contact element: they carry no fit, or the fit has no foot.
     Failed = 4,
+}
+
+/// Friction at the nodes of slave surfaces, zero elsewhere.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FrictionFields {
+    /// Slip since the slave touched or stuck, length.
+    pub slip: Vec<f64>,
+    /// Friction on the node over its tributary area at the start, force per area.
+    pub traction: Vec<[f64; 3]>,
+    /// 0 open or no slave, 1 stick, 2 slip.
+    pub status: Vec<i32>,
+}
+
+impl FrictionFields {
+    fn zero(count: usize) -> Self {
+        Self { slip: vec![0.0; count], traction: vec![[0.0; 3]; count], status: vec![0; count] }
+    }
+
+    fn add(&mut self, slave: &SlaveState, area: f64) {
+        let status = match slave.friction_state {
+            FrictionState::Open => 0,
+            FrictionState::Stick => 1,
+            FrictionState::Slip => 2,
+        };
+        let node = slave.node;
+        self.status[node] = self.status[node].max(status);
+        self.slip[node] = self.slip[node].max(slave.slip);
+        if area > 0.0 {
+            for axis in 0..3 {
+                self.traction[node][axis] += slave.friction[axis] / area;
+            }
+        }
+    }
+
+    fn at_nodes(&self, nodes: &[usize]) -> Self {
+        Self {
+            slip: nodes.iter().map(|&node| self.slip[node]).collect(),
+            traction: nodes.iter().map(|&node| self.traction[node]).collect(),
+            status: nodes.iter().map(|&node| self.status[node]).collect(),
+        }
+    }
 }
 
 /// Stresses and plastic strains at all nodes; at nodes that bodies share the mean.
@@ -49,6 +91,8 @@ pub struct Fields {
     pub contact_pressure: Vec<f64>,
     /// A [`ContactStatus`].
     pub contact_status: Vec<i32>,
+    /// If an interaction has friction.
+    pub friction: Option<FrictionFields>,
 }
 
 impl Stresses {
@@ -98,6 +142,7 @@ impl Fields {
             contact_gap: vec![0.0; count],
             contact_pressure: vec![0.0; count],
             contact_status: vec![ContactStatus::None as i32; count],
+            friction: None,
         }
     }
 
@@ -112,6 +157,10 @@ impl Fields {
 
     fn add_contact(&mut self, interaction: &Interaction, areas: &[f64], has_gap: &mut [bool]) {
         let forces = interaction.nodal_forces(areas.len());
+        if interaction.options().friction.is_some() {
+            let friction = self.friction.get_or_insert_with(|| FrictionFields::zero(areas.len()));
+            interaction.slaves().for_each(|slave| friction.add(&slave, areas[slave.node]));
+        }
         for slave in interaction.slaves() {
             let node = slave.node;
             let status = match slave.gap {
@@ -157,6 +206,8 @@ pub struct SlaveFields {
     gap: Vec<f64>,
     pressure: Vec<f64>,
     status: Vec<i32>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    friction: Option<FrictionFields>,
 }
 
 impl SlaveFields {
@@ -168,14 +219,19 @@ impl SlaveFields {
             gap: at(&fields.contact_gap),
             pressure: at(&fields.contact_pressure),
             status: nodes.iter().map(|&node| fields.contact_status[node]).collect(),
+            friction: fields.friction.as_ref().map(|friction| friction.at_nodes(&nodes)),
             nodes,
         }
     }
 
     /// Whether they are those of a model with so many nodes.
     pub(super) fn fits(&self, count: usize) -> bool {
-        let lengths = [self.gap.len(), self.pressure.len(), self.status.len()];
-        lengths == [self.nodes.len(); 3] && self.nodes.iter().all(|&node| node < count)
+        let mut lengths = vec![self.gap.len(), self.pressure.len(), self.status.len()];
+        if let Some(friction) = &self.friction {
+            lengths.extend([friction.slip.len(), friction.traction.len(), friction.status.len()]);
+        }
+        lengths.iter().all(|&length| length == self.nodes.len())
+            && self.nodes.iter().all(|&node| node < count)
     }
 
     /// The fields that they came from. They [fit](Self::fits).
@@ -186,6 +242,14 @@ impl SlaveFields {
             fields.contact_pressure[node] = self.pressure[k];
             fields.contact_status[node] = self.status[k];
         }
+        fields.friction = self.friction.as_ref().map(|own| {
+            let mut all = FrictionFields::zero(start.len());
+            for (k, &node) in self.nodes.iter().enumerate() {
+                (all.slip[node], all.traction[node], all.status[node]) =
+                    (own.slip[k], own.traction[k], own.status[k]);
+            }
+            all
+        });
         fields
     }
 }

@@ -7,6 +7,7 @@ use std::path::Path;
 use diffuse_contact_mesh::names::shown;
 
 use super::OutputError;
+use crate::contact::Interaction;
 use crate::statics::{IncrementRecord, IterationRecord, Problem};
 
 /// Columns of `history.csv` before those of interactions and supports.
@@ -54,8 +55,14 @@ pub struct HistoryRow {
 /// The line of column names.
 pub(super) fn header(problem: &Problem) -> String {
     let mut line = COLUMNS.to_owned();
+    let column_name =
+        |name: &str| name.replace(|letter: char| letter == ',' || letter == '"' || letter.is_control(), "_");
+    for interaction in with_friction(problem) {
+        let name = column_name(&interaction.options().name);
+        let _ = write!(line, ",stuck:{name},sliding:{name},dissipated:{name}");
+    }
     let mut vector = |what: &str, name: &str| {
-        let name = name.replace(|letter: char| letter == ',' || letter == '"' || letter.is_control(), "_");
+        let name = column_name(name);
         for axis in ["x", "y", "z"] {
             let _ = write!(line, ",{what}_{axis}:{name}");
         }
@@ -85,6 +92,9 @@ pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> S
         record.max_penetration,
         wall_s
     );
+    for (interaction, friction) in with_friction(problem).zip(record.friction.iter().flatten()) {
+        let _ = write!(line, ",{},{},{:?}", friction.stuck, friction.sliding, interaction.dissipated());
+    }
     let mut vector = |values: [f64; 3]| {
         for value in values {
             let _ = write!(line, ",{value:?}");
@@ -96,6 +106,11 @@ pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> S
         vector(reaction);
     }
     line
+}
+
+/// The interactions that have columns of friction: numbers of slaves that stick and slide, and the work of friction so far.
+fn with_friction(problem: &Problem) -> impl Iterator<Item = &Interaction> {
+    problem.contacts().interactions().iter().filter(|interaction| interaction.options().friction.is_some())
 }
 
 /// The lines of an increment's iterations.

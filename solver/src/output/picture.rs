@@ -43,6 +43,12 @@ pub fn write(
             .point_scalars("von_mises", &stresses.von_mises[..])
             .point_scalars("plastic_strain", &stresses.plastic_strain[..]);
     }
+    if let Some(friction) = &fields.friction {
+        picture = picture
+            .point_scalars("contact_slip", &friction.slip[..])
+            .point_vectors("contact_friction", &friction.traction[..])
+            .point_i32("friction_status", &friction.status[..]);
+    }
     let path = directory.path(&name(number));
     picture
         .point_scalars("contact_gap", &fields.contact_gap[..])

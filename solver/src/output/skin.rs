@@ -77,6 +77,9 @@ impl Skin {
             named.push(("von_mises", &stresses.von_mises));
             named.push(("plastic_strain", &stresses.plastic_strain));
         }
+        if let Some(friction) = &fields.friction {
+            named.push(("contact_slip", &friction.slip));
+        }
         SkinFrame {
             increment,
             time,

@@ -69,6 +69,7 @@ impl<'a> Increment<'a> {
         let newton = self.settings.newton;
         self.problem.take_history(self.committed)?;
         self.problem.refresh(RefreshRule::Increment, &self.positions)?;
+        self.problem.contacts_mut().begin_friction()?;
         let mut balance = match self.extrapolate()? {
             Some(balance) => balance,
             None => {
@@ -96,7 +97,7 @@ impl<'a> Increment<'a> {
             balance = self.iterate()?;
             self.rounds.iterations += 1;
         }
-        Ok(self.finish())
+        self.finish()
     }
 
     /// The excess that is small enough.
@@ -285,7 +286,8 @@ impl<'a> Increment<'a> {
         self.iterations
     }
 
-    fn finish(&mut self) -> (State, IncrementRecord) {
+    fn finish(&mut self) -> Result<(State, IncrementRecord), Failure> {
+        let friction = self.problem.contacts_mut().accept()?;
         let &mut Self { committed, end, iterations, rounds, .. } = self;
         let positions = std::mem::take(&mut self.positions);
         let history = std::mem::take(&mut self.history);
@@ -304,6 +306,7 @@ impl<'a> Increment<'a> {
             points_before: committed.points.clone(),
             multipliers: problem.contacts().multipliers(),
             loaded: problem.contacts().loaded(),
+            friction: problem.contacts().friction_history(),
         };
         let imbalance: Vec<f64> = problem.imbalance().collect();
         let groups = 0..problem.supports().groups().len();
@@ -320,9 +323,10 @@ impl<'a> Increment<'a> {
             lost: problem.contacts().lost().count(),
             max_penetration: problem.contacts().max_penetration(),
             contact_forces: problem.contacts().forces(),
+            friction,
             reactions: groups.map(|group| problem.supports().sum(group, &imbalance)).collect(),
             timing: problem.timing,
         };
-        (state, record)
+        Ok((state, record))
     }
 }

@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use diffuse_contact::interface::FrictionReport;
+
 use super::{Failure, Problem, State};
 
 /// Whether to go on.
@@ -88,6 +90,8 @@ pub struct IncrementRecord {
     pub max_penetration: f64,
     /// Force on the slaves of each interaction.
     pub contact_forces: Vec<[f64; 3]>,
+    /// What friction did in each interaction that has any.
+    pub friction: Vec<Option<FrictionReport>>,
     /// Force that each support group exerts on the nodes it moves.
     pub reactions: Vec<[f64; 3]>,
     /// Time spent so far in the whole run.

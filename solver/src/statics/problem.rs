@@ -7,7 +7,7 @@ use diffuse_contact::Mode;
 use serde::{Deserialize, Serialize};
 
 use super::{Failure, Pressure, StaticsError, SupportGroups, Timing};
-use crate::contact::{ContactError, ContactSet, RefreshRule};
+use crate::contact::{ContactError, ContactSet, FrictionHistory, RefreshRule};
 use crate::material::PointState;
 use crate::solid::{Order, Solid, SolidResponse};
 use crate::system::{BlockMatrix, BlockPattern, DirectSolver, Equations, Symmetry};
@@ -39,6 +39,8 @@ pub struct State {
     pub multipliers: Vec<Vec<f64>>,
     /// Slaves that carry force, by their places in each pass.
     pub loaded: Vec<Vec<u32>>,
+    /// History of friction of each pass.
+    pub friction: Vec<FrictionHistory>,
 }
 
 /// Positions in equilibrium at an earlier time.
@@ -147,6 +149,7 @@ impl Problem {
             points_before: self.solid.states(),
             multipliers: self.contacts.multipliers(),
             loaded: vec![Vec::new(); self.contacts.pass_count()],
+            friction: vec![FrictionHistory::default(); self.contacts.pass_count()],
         }
     }
 
@@ -169,10 +172,11 @@ impl Problem {
         Ok(self.take_history(state)?)
     }
 
-    /// Goes back to the multipliers of a state: nothing of what came after it is left.
+    /// Goes back to the history of contact of a state: nothing of what came after it is left.
     pub(super) fn take_history(&mut self, state: &State) -> Result<(), ContactError> {
         self.rounding.clear();
         self.contacts.set_multipliers(&state.multipliers)?;
+        self.contacts.set_friction_history(&state.friction)?;
         self.contacts.begin(&state.loaded)
     }
 
@@ -183,6 +187,7 @@ impl Problem {
     pub fn look_at_contacts(&mut self, state: &State) -> Result<(), StaticsError> {
         self.take_history(state)?;
         self.contacts.refresh(RefreshRule::Increment, &state.positions)?;
+        self.contacts.begin_friction()?;
         self.stiffness = None;
         self.contacts.evaluate(&state.positions, Mode::Gradient)?;
         Ok(())
@@ -333,7 +338,8 @@ impl Problem {
         }
         let solid = Instant::now();
         self.timing.solid += solid - linear;
-        self.contacts.add_tangent(&mut matrix, [self.balance.residual, self.balance.scale])?;
+        let of_contact =
+            self.contacts.add_tangent(&mut matrix, [self.balance.residual, self.balance.scale])?;
         let contact = Instant::now();
         self.timing.contact += contact - solid;
         self.take_rounding(&matrix, positions);
@@ -346,7 +352,7 @@ impl Problem {
         for (right, force) in right.as_flattened_mut().iter_mut().zip(self.imbalance()) {
             *right = -force - *right;
         }
-        let symmetry = if self.has_followers() { Symmetry::General } else { Symmetry::Symmetric };
+        let symmetry = if self.has_followers() { Symmetry::General } else { of_contact };
         let mut solution = Vec::new();
         let solved = self
             .solver

@@ -63,13 +63,14 @@ module diffuse_contact
         real(c_double) :: gap = 0, foot(3) = 0, normal(3) = 0, area = 0, support_radius = 0
     end type
 
-    !> The law of contact. multipliers is c_loc of an array, or c_null_ptr.
+    !> The law of contact. multipliers is c_loc of an array, or c_null_ptr; friction is the coefficient, 0 for none.
     type, bind(c) :: dc_law
-        integer(c_size_t) :: size = 40
+        integer(c_size_t) :: size = 56
         real(c_double) :: penalty = 0
         type(c_ptr) :: multipliers = c_null_ptr
         integer(c_size_t) :: multiplier_count = 0
         integer(c_int32_t) :: tangent = DC_EXACT, reserved = 0
+        real(c_double) :: friction = 0, tangential_stiffness = 0
     end type
 
     !> What stays fixed for one slave until it is paired anew.
@@ -260,6 +261,34 @@ module diffuse_contact
             import :: c_double, c_int, c_ptr
             type(c_ptr), value :: interface
             real(c_double), intent(out) :: factor
+            integer(c_int) :: status
+        end function
+
+        !> With friction: the positions of the moment are the end of an increment.
+        function dc_accept(interface, law, stuck_count, sliding_count, dissipated) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t, dc_law
+            type(c_ptr), value :: interface
+            type(dc_law), intent(in) :: law
+            integer(c_size_t), intent(out), optional :: stuck_count, sliding_count
+            real(c_double), intent(out), optional :: dissipated
+            integer(c_int) :: status
+        end function
+
+        !> Numbers for a restart; without history count gets how many there are.
+        function dc_history(interface, history, capacity, count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t
+            type(c_ptr), value :: interface
+            real(c_double), intent(inout), optional :: history(*)
+            integer(c_size_t), value :: capacity
+            integer(c_size_t), intent(out) :: count
+            integer(c_int) :: status
+        end function
+
+        function dc_set_history(interface, history, count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t
+            type(c_ptr), value :: interface
+            real(c_double), intent(in), optional :: history(*)
+            integer(c_size_t), value :: count
             integer(c_int) :: status
         end function
 

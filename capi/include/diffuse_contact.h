@@ -10,6 +10,7 @@
  *     dc_adaptive_tangent         which tangent: e N N^T far from equilibrium
  *     dc_pattern_fill             the tangent -dR/dx, or dc_triplets
  *     dc_cutback                  whether the increment had better be smaller
+ *     dc_accept                   with friction: the increment has converged
  *     dc_destroy
  *
  * dc_pair, dc_gap, dc_gap_batch and dc_element_system serve single elements without an interface.
@@ -328,11 +329,14 @@ typedef struct dc_contact {
     double support_radius;
 } dc_contact;
 
-// The law of frictionless contact. With e = penalty x area:
+// The law of contact. With e = penalty x area:
 //
 //     f = lambda - e g          the contact is active if f > 0
 //     R = f N                   force on the nodes
 //     K = e N N^T - f M         = -dR/dx
+//
+// With friction R has the traction besides, at most friction x f and against the slip, and K its derivative, which is not symmetric
+// where contacts slide. Call dc_accept before the first increment and after each that has converged.
 //
 typedef struct dc_law {
     // sizeof(dc_law), set by the caller.
@@ -347,6 +351,11 @@ typedef struct dc_law {
     int32_t tangent;
     // 0.
     int32_t reserved;
+    // Coefficient of Coulomb's friction; 0 for none. Friction needs DC_DIFFUSE with DC_DOMAINS, and a library that was built with it:
+    // else DC_BAD_OPTION.
+    double friction;
+    // Tangential stiffness of contacts that stick, in the unit of the penalty; 0 for that of the penalty.
+    double tangential_stiffness;
 } dc_law;
 
 // What stays fixed for one slave until it is paired anew.
@@ -608,6 +617,38 @@ enum dc_status dc_cutback(struct dc_interface *interface,
 // DC_GAUSS_NEWTON, as for NaN.
 int32_t dc_adaptive_tangent(double residual,
                             double force);
+
+// Accepts the positions of the last dc_update, dc_follow or dc_refresh as the end of an increment: friction of the next one is measured
+// from there. Call it once before the first increment, after dc_refresh, and then after each that has converged. Until then nothing of
+// the history changes, so that an increment may be tried again. It ends the evaluation: call dc_evaluate again. Nothing happens if the law
+// has no friction.
+//
+// `stuck_count` and `sliding_count` get the numbers of slaves that stick and that slide, `dissipated` the work of friction in the
+// increment, energy. Each may be NULL.
+//
+// # Safety
+// `law` as in dc_residual; the others are NULL or may be written.
+enum dc_status dc_accept(struct dc_interface *interface,
+                         const struct dc_law *law,
+                         size_t *stuck_count,
+                         size_t *sliding_count,
+                         double *dissipated);
+
+// The history of friction as plain numbers, for a restart: `count` gets how many there are, 0 without a history. `history` is NULL to
+// learn that, or has room for `capacity` numbers.
+//
+// # Safety
+// `history` is NULL or has `capacity` entries; `count` may be written.
+enum dc_status dc_history(struct dc_interface *interface,
+                          double *history,
+                          size_t capacity,
+                          size_t *count);
+
+// Goes on from numbers that dc_history gave, bit for bit; NULL and 0 for none. Call dc_refresh afterwards.
+//
+// # Safety
+// `history` has `count` entries.
+enum dc_status dc_set_history(struct dc_interface *interface, const double *history, size_t count);
 
 // Adds the contact forces R on the nodes to `residual`, one entry per equation. R is the force: it stands on the side of the
 // external loads; the internal force of contact is -R. `active_count`, the number of slaves that carry force, may be NULL.

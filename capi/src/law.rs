@@ -3,16 +3,20 @@
 use std::mem::offset_of;
 
 use runtime::assembly::{ContactLaw, Tangent};
+use runtime::friction::Coulomb;
 
 use crate::border::{self, Span, Versioned, input, read_sized, reserved};
 use crate::choice;
 use crate::status::Failure;
 
-/// The law of frictionless contact. With e = penalty x area:
+/// The law of contact. With e = penalty x area:
 ///
 ///     f = lambda - e g          the contact is active if f > 0
 ///     R = f N                   force on the nodes
 ///     K = e N N^T - f M         = -dR/dx
+///
+/// With friction R has the traction besides, at most friction x f and against the slip, and K its derivative, which is not symmetric
+/// where contacts slide. Call dc_accept before the first increment and after each that has converged.
 ///
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +33,11 @@ pub struct dc_law {
     pub tangent: i32,
     /// 0.
     pub reserved: i32,
+    /// Coefficient of Coulomb's friction; 0 for none. Friction needs DC_DIFFUSE with DC_DOMAINS, and a library that was built with it:
+    /// else DC_BAD_OPTION.
+    pub friction: f64,
+    /// Tangential stiffness of contacts that stick, in the unit of the penalty; 0 for that of the penalty.
+    pub tangential_stiffness: f64,
 }
 
 // SAFETY: numbers and an address; the first one is the size.
@@ -49,6 +58,8 @@ unsafe fn structure(law: *const dc_law) -> Result<dc_law, Failure> {
         multiplier_count: 0,
         tangent: 0,
         reserved: 0,
+        friction: 0.0,
+        tangential_stiffness: 0.0,
     };
     // SAFETY: as the caller promises.
     let law = unsafe { read_sized(law, || defaults)? };
@@ -75,7 +86,15 @@ pub unsafe fn read<'a>(law: *const dc_law) -> Result<ContactLaw<'a>, Failure> {
     let law = unsafe { structure(law)? };
     // SAFETY: as the caller promises.
     let multipliers = unsafe { input("multipliers", law.multipliers, law.multiplier_count)? };
+    let friction = if law.friction == 0.0 {
+        None
+    } else {
+        let given = law.tangential_stiffness;
+        let stiffness = if given == 0.0 { law.penalty } else { given };
+        Some(Coulomb::new(law.friction, stiffness)?)
+    };
     Ok(ContactLaw::penalty(law.penalty)
+        .with_friction(friction)
         .with_multipliers(Some(multipliers).filter(|_| !law.multipliers.is_null()))
         .with_tangent(choice::tangent(law.tangent)?))
 }

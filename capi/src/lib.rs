@@ -56,6 +56,7 @@ mod choice;
 mod contacts;
 mod cutback;
 mod element;
+mod friction;
 mod interface;
 mod law;
 mod message;

@@ -2,6 +2,7 @@
 
 use runtime::ElementError;
 use runtime::assembly::AssemblyError;
+use runtime::friction::FrictionError;
 use runtime::interface::InterfaceError;
 use runtime::neighbourhood::NeighbourhoodError;
 use runtime::surface::SurfaceError;
@@ -74,12 +75,15 @@ fn coded(code: &str, sentence: &dyn std::fmt::Display) -> String {
 /// The status for a stable code; `otherwise` for those that are of the callee's kind.
 fn status_of(code: &str, otherwise: dc_status) -> dc_status {
     match code {
-        "non-finite-position" | "non-finite-input" | "invalid-gap" => DC_NOT_FINITE,
-        "node-out-of-range" | "slave-out-of-range" | "unknown-node" | "unknown-equation" => DC_OUT_OF_RANGE,
-        "wrong-number-of-positions" | "too-few-positions" | "multiplier-count" | "output-length" => {
-            DC_BAD_SIZE
-        }
-        "derivative-length" => DC_NOT_EVALUATED,
+        "non-finite-position" | "non-finite-input" | "invalid-gap" | "invalid-slip" => DC_NOT_FINITE,
+        "node-out-of-range" | "slave-out-of-range" | "unknown-node" | "unknown-equation"
+        | "foreign-carrier" => DC_OUT_OF_RANGE,
+        "wrong-number-of-positions"
+        | "too-few-positions"
+        | "multiplier-count"
+        | "output-length"
+        | "anchor-count" => DC_BAD_SIZE,
+        "derivative-length" | "no-slip" => DC_NOT_EVALUATED,
         "pattern-mismatch" => DC_PATTERN_MISMATCH,
         "too-many" | "too-many-nodes" | "too-large" | "out-of-memory" => DC_TOO_LARGE,
         "repeated-slave" | "slave-on-master" | "slave-without-area" => DC_BAD_SLAVES,
@@ -106,6 +110,12 @@ impl From<InterfaceError> for Failure {
 impl From<AssemblyError> for Failure {
     fn from(error: AssemblyError) -> Self {
         Self::new(status_of(error.code(), DC_BAD_OPTION), coded(error.code(), &error))
+    }
+}
+
+impl From<FrictionError> for Failure {
+    fn from(error: FrictionError) -> Self {
+        Self::new(DC_BAD_OPTION, coded(error.code(), &error))
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// In the order in which the header has them.
-const SOURCES: [&str; 13] = [
+const SOURCES: [&str; 14] = [
     "status",
     "outcome",
     "choice",
@@ -12,6 +12,7 @@ const SOURCES: [&str; 13] = [
     "interface",
     "contacts",
     "law",
+    "friction",
     "assembly",
     "pattern",
     "neighbours",

@@ -222,11 +222,13 @@ fn nothing_of_the_history_changes_before_a_step_is_accepted() {
     pressed.slide_and_deform([0.03, 0.02, 0.001]);
     assert_eq!(pressed.forces(), forces);
 
-    // A restart from anchors alone has the same bits.
-    let kept = pressed.interface.anchors().unwrap().to_vec();
+    // A restart from the numbers of the history alone has the same bits.
+    let kept = pressed.interface.history();
     let mut other = Pressed::new(0.1, Weight::Cubic, &[]);
-    other.interface.set_anchors(None).unwrap();
-    other.interface.set_anchors(Some(kept)).unwrap();
+    other.interface.set_history(&[]).unwrap();
+    assert!(other.interface.anchors().is_none() && other.interface.history().is_empty());
+    other.interface.set_history(&kept).unwrap();
+    assert_eq!(other.interface.anchors(), pressed.interface.anchors());
     other.positions = pressed.positions.clone();
     other.interface.refresh_pairing(&other.positions).unwrap();
     assert_eq!(other.forces(), forces);
@@ -337,6 +339,24 @@ fn what_is_no_history_is_refused() {
     ] {
         assert_eq!(pressed.interface.set_anchors(anchors).unwrap_err().code(), code);
         assert_eq!(pressed.interface.anchors().unwrap(), kept);
+    }
+    let numbers = pressed.interface.history();
+    let changed = |place: usize, value: f64| {
+        let mut numbers = numbers.clone();
+        numbers[place] = value;
+        numbers
+    };
+    for (history, code) in [
+        (numbers[..numbers.len() - 1].to_vec(), "invalid-history"),
+        (changed(0, 0.5), "invalid-history"),
+        (changed(0, f64::NAN), "invalid-history"),
+        (changed(1, -1e-3), "invalid-history"),
+        (changed(2, 1e12), "invalid-history"),
+        (changed(4, 7.0), "invalid-history"),
+        (vec![-1.0; 4], "anchor-count"),
+    ] {
+        assert_eq!(pressed.interface.set_history(&history).unwrap_err().code(), code);
+        assert_eq!(pressed.interface.history(), numbers);
     }
     // Without a history the law asks for one.
     pressed.interface.set_anchors(None).unwrap();

@@ -28,6 +28,8 @@ pub const LAW: dc_law = dc_law {
     multiplier_count: 0,
     tangent: 0,
     reserved: 0,
+    friction: 0.0,
+    tangential_stiffness: 0.0,
 };
 
 /// Refuses a changed mesh.

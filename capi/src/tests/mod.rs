@@ -4,6 +4,7 @@ mod agreement;
 mod cutback;
 mod defaults;
 mod domains;
+mod friction;
 mod fuzz;
 mod memory;
 mod misuse;

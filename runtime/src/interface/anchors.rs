@@ -26,6 +26,54 @@ pub struct Anchor {
     pub opening: f64,
 }
 
+/// Anchors as plain numbers, slave after slave: the number of carriers and the opening, then node, number of the image (−1: none)
+/// and weight of each carrier; −1 for a slave without an anchor.
+pub fn to_numbers(anchors: &[Option<Anchor>]) -> Vec<f64> {
+    let mut numbers = Vec::new();
+    for anchor in anchors {
+        let Some(Anchor { point, opening }) = anchor else {
+            numbers.push(-1.0);
+            continue;
+        };
+        numbers.extend([point.terms().len() as f64, *opening]);
+        for &(Carrier { node, image }, weight) in point.terms() {
+            numbers.extend([f64::from(node), image.map_or(-1.0, f64::from), weight]);
+        }
+    }
+    numbers
+}
+
+/// What [`to_numbers`] made numbers of. The error is the place of the first number that is none of a history.
+pub fn from_numbers(numbers: &[f64]) -> Result<Vec<Option<Anchor>>, usize> {
+    let index = |place: usize| {
+        let value = numbers.get(place).copied().ok_or(place)?;
+        let is_index = value >= 0.0 && value <= f64::from(u32::MAX) && value.fract() == 0.0;
+        if is_index { Ok(value as u32) } else { Err(place) }
+    };
+    let mut anchors = Vec::new();
+    let mut place = 0;
+    while place < numbers.len() {
+        if numbers[place] == -1.0 {
+            anchors.push(None);
+            place += 1;
+            continue;
+        }
+        let count = index(place)? as usize;
+        let opening = numbers.get(place + 1).copied().filter(|opening| *opening >= 0.0).ok_or(place + 1)?;
+        let start = place + 2;
+        let mut terms = Vec::new();
+        for at in (0..count).map(|k| start + 3 * k) {
+            let image = if numbers.get(at + 1) == Some(&-1.0) { None } else { Some(index(at + 1)?) };
+            let weight = numbers.get(at + 2).copied().ok_or(at + 2)?;
+            terms.push((Carrier { node: index(at)?, image }, weight));
+        }
+        let point = AffinePoint::new(terms).map_err(|_| place)?;
+        anchors.push(Some(Anchor { point, opening }));
+        place = start + 3 * count;
+    }
+    Ok(anchors)
+}
+
 /// The slip of one slave at an evaluation.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tracked {

@@ -41,6 +41,12 @@ pub enum InterfaceError {
     /// The kernels of friction were not compiled in.
     #[error("there are no kernels of friction: build diffuse-contact with its feature \"friction\"")]
     NoFrictionKernels,
+    /// The numbers of a saved history of friction are none.
+    #[error("number {place} of the history of friction is none of a history")]
+    InvalidHistory {
+        /// The place of the first such number.
+        place: usize,
+    },
     /// There is not one anchor, or none, for each slave.
     #[error("{found} anchors for {expected} slaves")]
     AnchorCount {
@@ -124,6 +130,7 @@ impl InterfaceError {
             Self::NoSymmetry => "no-symmetry",
             Self::NoAnchors => "no-anchors",
             Self::NoFrictionKernels => "no-friction-kernels",
+            Self::InvalidHistory { .. } => "invalid-history",
             Self::AnchorCount { .. } => "anchor-count",
             Self::ForeignCarrier { .. } => "foreign-carrier",
             Self::TooMany { .. } => "too-many",

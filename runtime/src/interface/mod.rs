@@ -81,7 +81,7 @@ pub use options::{ContactElement, InterfaceOptions};
 pub use outcome::{NoContact, Outcome};
 pub use report::{FallbackCounts, GapJump, RefreshReport, SlaveGap};
 
-use anchors::check_anchors;
+use anchors::{check_anchors, from_numbers, to_numbers};
 use contacts::Results;
 use diffuse_contact_kernels::cubic::Cubic;
 use diffuse_contact_kernels::support::KernelSet;
@@ -280,8 +280,25 @@ impl ContactInterface {
         if Cubic::FRICTION { Ok(()) } else { Err(InterfaceError::NoFrictionKernels) }
     }
 
-    /// The history of friction, one entry per slave; `None` before a state was [accepted](Self::accept). An anchor is node numbers
-    /// and weights: enough for a restart.
+    /// The history of friction as plain numbers, for a restart; empty before a state was [accepted](Self::accept).
+    #[must_use]
+    pub fn history(&self) -> Vec<f64> {
+        self.anchors.as_deref().map_or_else(Vec::new, to_numbers)
+    }
+
+    /// Goes on from a [`history`](Self::history), bit for bit; none are no history. To be followed by a refresh of the pairing.
+    ///
+    /// # Errors
+    /// [`InterfaceError::InvalidHistory`], and as [`set_anchors`](Self::set_anchors). The history of before then stays.
+    pub fn set_history(&mut self, history: &[f64]) -> Result<(), InterfaceError> {
+        if history.is_empty() {
+            return self.set_anchors(None);
+        }
+        let anchors = from_numbers(history).map_err(|place| InterfaceError::InvalidHistory { place })?;
+        self.set_anchors(Some(anchors))
+    }
+
+    /// The history of friction, one entry per slave; `None` before a state was [accepted](Self::accept).
     #[must_use]
     pub fn anchors(&self) -> Option<&[Option<Anchor>]> {
         self.anchors.as_deref()

@@ -1,6 +1,5 @@
 //! What the contact part of the solver can refuse.
 
-use diffuse_contact::affine::NotAffine;
 use diffuse_contact::assembly::AssemblyError;
 use diffuse_contact::friction::FrictionError;
 use diffuse_contact::interface::InterfaceError;
@@ -43,16 +42,6 @@ pub enum ContactError {
         interface: String,
         /// The reason.
         source: FrictionError,
-    },
-    /// An anchor of a saved state is none.
-    #[error("interface `{interface}`: the anchor of slave {slave} in the saved state: {source}", interface = shown(interface))]
-    Anchor {
-        /// Its name.
-        interface: String,
-        /// The slave's place.
-        slave: usize,
-        /// The reason.
-        source: NotAffine,
     },
     /// The penalty is not a positive number.
     #[error("interface `{interface}`: the penalty is {value:e}; it has to be positive and finite", interface = shown(interface))]

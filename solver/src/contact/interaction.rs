@@ -6,8 +6,7 @@ use diffuse_contact::interface::{FrictionReport, InterfaceOptions};
 use diffuse_contact::surface::{Facet, SymmetryPlane};
 use diffuse_contact::{Mode, Point};
 
-use super::history::FrictionHistory;
-use super::pass::Pass;
+use super::pass::{FrictionHistory, Pass};
 use super::{ContactError, LostContact};
 use crate::system::{BlockMatrix, Symmetry};
 
@@ -352,8 +351,8 @@ impl Interaction {
     }
 
     pub(super) fn set_friction_history(&mut self, history: &[FrictionHistory]) -> Result<(), ContactError> {
-        let name = &self.options.name;
-        self.passes.iter_mut().zip(history).try_for_each(|(pass, own)| pass.set_friction_history(own, name))
+        let mut own = history.iter();
+        self.each(|pass| own.next().map_or(Ok(()), |own| pass.set_friction_history(own)))
     }
 
     /// Work of friction so far, energy.

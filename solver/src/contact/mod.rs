@@ -7,7 +7,6 @@
 
 mod beginning;
 mod error;
-mod history;
 mod interaction;
 mod losses;
 mod pass;
@@ -16,11 +15,11 @@ mod tests;
 
 pub use beginning::Beginning;
 pub use error::ContactError;
-pub use history::FrictionHistory;
 pub use interaction::{
     Augmentation, Augmented, Friction, Interaction, InteractionOptions, RefreshRule, SlaveState, TangentRule,
 };
 pub use losses::LostContact;
+pub use pass::FrictionHistory;
 
 use diffuse_contact::Mode;
 use diffuse_contact::interface::FrictionReport;
@@ -144,7 +143,7 @@ impl ContactSet {
     /// Goes on from a history as [`friction_history`](Self::friction_history) gave it.
     ///
     /// # Errors
-    /// [`ContactError::OtherPasses`], [`ContactError::Anchor`] and [`ContactError::Interface`] if it belongs to other interactions.
+    /// [`ContactError::OtherPasses`] and [`ContactError::Interface`] if it belongs to other interactions.
     pub fn set_friction_history(&mut self, history: &[FrictionHistory]) -> Result<(), ContactError> {
         self.for_each_with(history, Interaction::set_friction_history)
     }

@@ -10,11 +10,20 @@ use diffuse_contact::interface::{
 use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
+use serde::{Deserialize, Serialize};
 
-use super::history::FrictionHistory;
 use super::losses::{Losses, is_failure};
 use super::{ContactError, InteractionOptions, LostContact, SlaveState, TangentRule};
 use crate::system::{BlockMatrix, Symmetry};
+
+/// What a pass with friction remembers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FrictionHistory {
+    /// [`ContactInterface::history`]; empty before the first increment.
+    anchors: Vec<f64>,
+    /// Work of friction so far, energy.
+    dissipated: f64,
+}
 
 /// A step of a pass that failed.
 #[derive(Debug)]
@@ -161,23 +170,11 @@ impl Pass {
     }
 
     pub fn friction_history(&self) -> FrictionHistory {
-        FrictionHistory::new(self.interface.anchors(), self.dissipated)
+        FrictionHistory { anchors: self.interface.history(), dissipated: self.dissipated }
     }
 
-    pub fn set_friction_history(
-        &mut self,
-        history: &FrictionHistory,
-        name: &str,
-    ) -> Result<(), ContactError> {
-        let interface = || name.to_owned();
-        let anchors = history.anchors().map_err(|(slave, source)| ContactError::Anchor {
-            interface: interface(),
-            slave,
-            source,
-        })?;
-        self.interface
-            .set_anchors(anchors)
-            .map_err(|source| ContactError::Interface { interface: interface(), source })?;
+    pub fn set_friction_history(&mut self, history: &FrictionHistory) -> Result<(), PassError> {
+        self.interface.set_history(&history.anchors)?;
         self.dissipated = history.dissipated;
         Ok(())
     }

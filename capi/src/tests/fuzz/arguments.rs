@@ -136,6 +136,8 @@ impl Fuzz {
             },
             tangent: self.choice(2),
             reserved: i32::from(self.random.one_in(40)),
+            friction: self.random.pick(&[0.0, 0.0, 0.3, -1.0, f64::NAN]),
+            tangential_stiffness: self.random.pick(&[0.0, 50.0, -1.0]),
         }
     }
 

@@ -1,0 +1,104 @@
+//! The history of friction.
+
+use runtime::interface::FrictionReport;
+
+use crate::border::{self, disjoint, input, target, wanted};
+use crate::interface::{dc_interface, with};
+use crate::law::{self, dc_law};
+use crate::status::dc_status;
+use crate::threads;
+
+/// Accepts the positions of the last dc_update, dc_follow or dc_refresh as the end of an increment: friction of the next one is measured
+/// from there. Call it once before the first increment, after dc_refresh, and then after each that has converged. Until then nothing of
+/// the history changes, so that an increment may be tried again. It ends the evaluation: call dc_evaluate again. Nothing happens if the law
+/// has no friction.
+///
+/// `stuck_count` and `sliding_count` get the numbers of slaves that stick and that slide, `dissipated` the work of friction in the
+/// increment, energy. Each may be NULL.
+///
+/// # Safety
+/// `law` as in dc_residual; the others are NULL or may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_accept(
+    interface: *mut dc_interface,
+    law: *const dc_law,
+    stuck_count: *mut usize,
+    sliding_count: *mut usize,
+    dissipated: *mut f64,
+) -> dc_status {
+    border::call(|| {
+        with(interface, |state| {
+            let stuck_count = wanted("stuck_count", stuck_count, 1, 1)?;
+            let sliding_count = wanted("sliding_count", sliding_count, 1, 1)?;
+            let dissipated = wanted("dissipated", dissipated, 1, 1)?;
+            // SAFETY: as the caller promises.
+            let multipliers = unsafe { law::span(law)? };
+            disjoint([multipliers, stuck_count.span(), sliding_count.span(), dissipated.span()])?;
+            // SAFETY: as the caller promises; nothing overlaps.
+            let law = unsafe { law::read(law)? };
+            law.validate(state.interface.slaves().len())?;
+            let contacts = &mut state.interface;
+            let report: FrictionReport = threads::run(|| contacts.accept(&law))??;
+            if law.friction.is_some() {
+                state.end_evaluation();
+            }
+            // SAFETY: as the caller promises.
+            unsafe {
+                stuck_count.write([report.stuck]);
+                sliding_count.write([report.sliding]);
+                dissipated.write([report.dissipated]);
+            }
+            Ok(())
+        })
+    })
+}
+
+/// The history of friction as plain numbers, for a restart: `count` gets how many there are, 0 without a history. `history` is NULL to
+/// learn that, or has room for `capacity` numbers.
+///
+/// # Safety
+/// `history` is NULL or has `capacity` entries; `count` may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_history(
+    interface: *mut dc_interface,
+    history: *mut f64,
+    capacity: usize,
+    count: *mut usize,
+) -> dc_status {
+    border::call(|| {
+        with(interface, |state| {
+            let numbers = state.interface.history();
+            let history = wanted("history", history, capacity, numbers.len())?;
+            let count = target("count", count, 1)?;
+            disjoint([history.span(), count.span()])?;
+            let found = numbers.len();
+            // SAFETY: as the caller promises.
+            unsafe {
+                history.write(numbers);
+                count.write([found]);
+            }
+            Ok(())
+        })
+    })
+}
+
+/// Goes on from numbers that dc_history gave, bit for bit; NULL and 0 for none. Call dc_refresh afterwards.
+///
+/// # Safety
+/// `history` has `count` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_set_history(
+    interface: *mut dc_interface,
+    history: *const f64,
+    count: usize,
+) -> dc_status {
+    border::call(|| {
+        with(interface, |state| {
+            // SAFETY: as the caller promises.
+            let numbers = unsafe { input("history", history, count)? };
+            state.interface.set_history(numbers)?;
+            state.end_evaluation();
+            Ok(())
+        })
+    })
+}

@@ -1,0 +1,115 @@
+//! Friction through C calls.
+
+use std::ptr::null_mut;
+
+use super::misuse::LAW;
+use super::{Mesh, message};
+use crate::assembly::{dc_residual, dc_triplets};
+use crate::friction::{dc_accept, dc_history, dc_set_history};
+use crate::interface::{dc_destroy, dc_evaluate, dc_interface, dc_refresh};
+use crate::law::dc_law;
+use crate::status::{DC_BAD_OPTION, DC_NOT_EVALUATED, DC_OK};
+
+const FRICTION: dc_law = dc_law { friction: 0.2, tangential_stiffness: 500.0, ..LAW };
+
+fn refresh(mesh: &Mesh, handle: *mut dc_interface) {
+    // SAFETY: the array has the length given.
+    assert_eq!(unsafe { dc_refresh(handle, mesh.positions.as_ptr(), mesh.nodes(), null_mut()) }, DC_OK);
+}
+
+fn accept(handle: *mut dc_interface, law: &dc_law) -> crate::status::dc_status {
+    // SAFETY: a whole structure.
+    unsafe { dc_accept(handle, law, null_mut(), null_mut(), null_mut()) }
+}
+
+fn residual(handle: *mut dc_interface, law: &dc_law) -> Vec<f64> {
+    let mut residual = vec![0.0; 120];
+    assert_eq!(dc_evaluate(handle, 2), DC_OK);
+    // SAFETY: the array has the length given.
+    assert_eq!(
+        unsafe { dc_residual(handle, law, residual.as_mut_ptr(), 120, null_mut()) },
+        DC_OK,
+        "{}",
+        message()
+    );
+    residual
+}
+
+/// Moves the slaves along x.
+fn slid(mesh: &Mesh, step: f64) -> Mesh {
+    let mut mesh = mesh.clone();
+    for slave in &mesh.slaves {
+        mesh.positions[3 * *slave as usize] += step;
+    }
+    mesh
+}
+
+#[test]
+#[cfg(not(feature = "friction"))]
+fn a_library_without_friction_says_so() {
+    let mesh = Mesh::new();
+    let handle = mesh.interface();
+    refresh(&mesh, handle);
+    assert_eq!(accept(handle, &FRICTION), DC_BAD_OPTION);
+    assert!(message().starts_with("no-friction-kernels: "), "{}", message());
+    assert_eq!(accept(handle, &LAW), DC_OK);
+    assert_eq!(dc_evaluate(handle, 2), DC_OK);
+    let mut sum = vec![0.0; 120];
+    // SAFETY: the array has the length given.
+    let status = unsafe { dc_residual(handle, &FRICTION, sum.as_mut_ptr(), 120, null_mut()) };
+    assert_eq!(status, DC_NOT_EVALUATED);
+    assert_eq!(dc_destroy(handle), DC_OK);
+}
+
+#[test]
+#[cfg(feature = "friction")]
+fn friction_has_a_history_that_outlives_the_handle() {
+    let mesh = Mesh::new();
+    let handle = mesh.interface();
+    refresh(&mesh, handle);
+    assert_eq!(accept(handle, &FRICTION), DC_OK);
+    let ahead = slid(&mesh, 0.05);
+    refresh(&ahead, handle);
+    let (with, without) = (residual(handle, &FRICTION), residual(handle, &LAW));
+    let traction = |k: usize| with[3 * (36 + k)] - without[3 * (36 + k)];
+    assert!((0..4).all(|k| traction(k) < 0.0), "against the slip");
+    let mut count = 0;
+    // SAFETY: the arrays have the lengths given.
+    unsafe {
+        // One triangle is not all of a tangent with friction.
+        let status = dc_triplets(handle, &FRICTION, 1, null_mut(), null_mut(), null_mut(), 0, &mut count);
+        assert_eq!(status, DC_BAD_OPTION, "{}", message());
+        assert!(message().starts_with("unsymmetric: "), "{}", message());
+        let (mut stuck, mut sliding, mut dissipated) = (9, 9, 0.0);
+        assert_eq!(dc_accept(handle, &FRICTION, &mut stuck, &mut sliding, &mut dissipated), DC_OK);
+        assert_eq!((stuck, sliding), (0, 4));
+        assert!(dissipated > 0.0);
+        assert_eq!(dc_history(handle, null_mut(), 0, &mut count), DC_OK);
+    }
+    let mut history = vec![0.0; count];
+    // SAFETY: the array has the length given.
+    assert_eq!(unsafe { dc_history(handle, history.as_mut_ptr(), count, &mut count) }, DC_OK);
+    let further = slid(&mesh, 0.06);
+    refresh(&further, handle);
+    let expected = residual(handle, &FRICTION);
+    assert_eq!(dc_destroy(handle), DC_OK);
+
+    let handle = mesh.interface();
+    // SAFETY: the array has the length given.
+    assert_eq!(unsafe { dc_set_history(handle, history.as_ptr(), count) }, DC_OK);
+    refresh(&further, handle);
+    assert_eq!(residual(handle, &FRICTION), expected);
+    // SAFETY: the array has the length given.
+    unsafe {
+        assert_eq!(dc_set_history(handle, history.as_ptr(), count - 1), DC_BAD_OPTION);
+        assert!(message().starts_with("invalid-history: "), "{}", message());
+        assert_eq!(dc_set_history(handle, std::ptr::null(), 0), DC_OK);
+    }
+    refresh(&further, handle);
+    assert_eq!(dc_evaluate(handle, 2), DC_OK);
+    let mut sum = vec![0.0; 120];
+    // SAFETY: the array has the length given.
+    let status = unsafe { dc_residual(handle, &FRICTION, sum.as_mut_ptr(), 120, null_mut()) };
+    assert_eq!(status, DC_NOT_EVALUATED, "{}", message());
+    assert_eq!(dc_destroy(handle), DC_OK);
+}

@@ -1,34 +1,41 @@
 //! Residual and tangent of an interface.
 
 use diffuse_contact::assembly::{AssemblyError, ContactLaw, CsrPattern, Triangle, Triplets, add_residual};
+use diffuse_contact::friction::Coulomb;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 
 use crate::arrays::{readable, slice, slice_mut, writable};
 use crate::errors::Raise;
 use crate::interface::{Interface, exclusive, shared};
-use crate::{options, threads};
+use crate::{errors, options, threads};
 
-/// Penalty, multipliers (one per slave) and the name of the tangent: attributes of the Python object `_Law`.
+/// Penalty, multipliers (one per slave), the name of the tangent, and coefficient and stiffness of friction: attributes of the Python
+/// object `_Law`.
 #[derive(FromPyObject)]
 pub struct Law<'py> {
     penalty: f64,
     multipliers: Option<Bound<'py, PyArray1<f64>>>,
     tangent: String,
+    friction: Option<(f64, f64)>,
 }
 
 impl<'py> Law<'py> {
-    fn multipliers(&self) -> PyResult<Option<PyReadonlyArray1<'py, f64>>> {
+    pub fn multipliers(&self) -> PyResult<Option<PyReadonlyArray1<'py, f64>>> {
         self.multipliers.as_ref().map(readable).transpose()
     }
 
-    fn law<'a>(
+    pub fn law<'a>(
         &self,
         py: Python<'_>,
         multipliers: Option<&'a PyReadonlyArray1<'_, f64>>,
     ) -> PyResult<ContactLaw<'a>> {
         let multipliers = multipliers.map(|array| slice(py, array)).transpose()?;
-        options::law(py, self.penalty, multipliers, &self.tangent)
+        let law = options::law(py, self.penalty, multipliers, &self.tangent)?;
+        let Some((coefficient, stiffness)) = self.friction else { return Ok(law) };
+        let friction = Coulomb::new(coefficient, stiffness)
+            .map_err(|error| errors::exception(py, "AssemblyError", error.code(), &error.to_string()))?;
+        Ok(law.with_friction(Some(friction)))
     }
 }
 

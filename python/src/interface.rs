@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::{facets, indices, points, readable};
+use crate::assembly::Law;
 use crate::errors::{self, Raise};
 use crate::options::{self, Options};
 use crate::surface::Surface;
@@ -199,6 +200,35 @@ impl Interface {
         let this = &mut *this;
         this.cutback.book(this.interface.contacts());
         this.current = true;
+        Ok(())
+    }
+
+    /// Accepts the present positions as the end of an increment: slaves that stick, those that slide, and the work of friction.
+    fn accept(slf: &Bound<'_, Self>, law: Law<'_>) -> PyResult<(usize, usize, f64)> {
+        let py = slf.py();
+        let mut this = exclusive(slf)?;
+        let multipliers = law.multipliers()?;
+        let law = law.law(py, multipliers.as_ref())?;
+        law.validate(this.interface.slaves().len()).map_err(|error| error.raise(py))?;
+        let interface = &mut this.interface;
+        let report = threads::run(py, || interface.accept(&law))?.map_err(|error| error.raise(py))?;
+        this.current &= law.friction.is_none();
+        Ok((report.stuck, report.sliding, report.dissipated))
+    }
+
+    /// The history of friction as plain numbers.
+    fn history<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(PyArray1::from_vec(slf.py(), shared(slf)?.interface.history()))
+    }
+
+    /// Goes on from such numbers.
+    fn set_history(slf: &Bound<'_, Self>, history: &Bound<'_, PyArray1<f64>>) -> PyResult<()> {
+        let py = slf.py();
+        let mut this = exclusive(slf)?;
+        let history = readable(history)?;
+        let history = crate::arrays::slice(py, &history)?;
+        this.interface.set_history(history).map_err(|error| error.raise(py))?;
+        this.current = false;
         Ok(())
     }
 

@@ -18,7 +18,17 @@ from ._errors import (
 )
 from ._interface import ContactInterface, Options, adaptive_tangent
 from ._native import __version__
-from ._results import Contact, Contacts, CutBack, GapJump, MaterialNodes, Pairing, RefreshReport, SlaveGap
+from ._results import (
+    Contact,
+    Contacts,
+    CutBack,
+    FrictionReport,
+    GapJump,
+    MaterialNodes,
+    Pairing,
+    RefreshReport,
+    SlaveGap,
+)
 from ._surface import MasterSurface, tributary_areas
 from ._threads import set_threads, thread_count
 
@@ -33,6 +43,7 @@ __all__ = [
     "DiffuseContactError",
     "ElementError",
     "GapBatch",
+    "FrictionReport",
     "GapJump",
     "InputError",
     "InterfaceError",

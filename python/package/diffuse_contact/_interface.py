@@ -30,10 +30,22 @@ from ._arrays import (
 )
 from ._batch import Basis, FrameDerivative, Mode, Weight
 from ._errors import BusyError, InputError
-from ._results import Contact, Contacts, CutBack, GapJump, MaterialNodes, Pairing, RefreshReport, SlaveGap, unpacked
+from ._results import (
+    Contact,
+    Contacts,
+    CutBack,
+    FrictionReport,
+    GapJump,
+    MaterialNodes,
+    Pairing,
+    RefreshReport,
+    SlaveGap,
+    unpacked,
+)
 from ._surface import MasterSurface
 
 Tangent = Literal["exact", "gauss-newton"]
+Friction = float | tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -102,12 +114,22 @@ class _Law:
     penalty: float
     multipliers: Floats | None
     tangent: str
+    friction: tuple[float, float] | None
 
 
-def _law(penalty: float, multipliers: ArrayLike | None, tangent: str = "exact") -> _Law:
+def _law(
+    penalty: float,
+    multipliers: ArrayLike | None,
+    tangent: str = "exact",
+    friction: Friction | None = None,
+) -> _Law:
     if multipliers is not None:
         multipliers = floats("multipliers", multipliers, "s")
-    return _Law(number("penalty", penalty), multipliers, word("tangent", tangent))
+    penalty = number("penalty", penalty)
+    if friction is not None:
+        coefficient, stiffness = friction if isinstance(friction, tuple) else (friction, penalty)
+        friction = (number("friction", coefficient), number("stiffness", stiffness))
+    return _Law(penalty, multipliers, word("tangent", tangent), friction)
 
 
 def adaptive_tangent(residual: float, force: float) -> Tangent:
@@ -328,12 +350,57 @@ class ContactInterface:
             fields["material"] = MaterialNodes(offsets, metrics)
         return Pairing(**fields)
 
-    def residual(self, penalty: float, *, multipliers: ArrayLike | None = None, out: Floats | None = None) -> Floats:
-        """The contact forces on the nodes, Σ f_k N_k, shape (equations,).
+    def accept(
+        self,
+        penalty: float,
+        *,
+        friction: Friction,
+        multipliers: ArrayLike | None = None,
+    ) -> FrictionReport:
+        """Accepts the present positions as the end of an increment: friction of the next one is measured from there.
+
+        To be called once before the first increment, after a refresh, and then after each that has converged. Until
+        then nothing of the history changes, so that an increment may be tried again. It ends the evaluation.
+
+        Args:
+            penalty: as for ``residual``.
+            friction: as for ``residual``.
+            multipliers: as for ``residual``.
+
+        Raises:
+            InterfaceError: ``"no-anchors"`` for facets, and for other rules than ``"domains"``;
+                ``"no-friction-kernels"`` if the module was built without its feature ``friction``.
+
+        """
+        return FrictionReport(*self._interface.accept(_law(penalty, multipliers, friction=friction)))
+
+    @property
+    def history(self) -> Floats:
+        """The history of friction as plain numbers, for a restart; empty before the first ``accept``.
+
+        Set it, and refresh the pairing, to go on from there, bit for bit.
+        """
+        return self._interface.history()
+
+    @history.setter
+    def history(self, history: ArrayLike) -> None:
+        self._interface.set_history(floats("history", history, "h"))
+
+    def residual(
+        self,
+        penalty: float,
+        *,
+        multipliers: ArrayLike | None = None,
+        friction: Friction | None = None,
+        out: Floats | None = None,
+    ) -> Floats:
+        """The contact forces on the nodes, Σ f_k N_k, shape (equations,), and friction.
 
         Args:
             penalty: ε > 0, force per length, or per length³ if contacts carry areas.
             multipliers: λ ≥ 0, one force per slave, for the augmented Lagrangian.
+            friction: coefficient of Coulomb's friction, or with it the stiffness of contacts that stick, in the unit
+                of the penalty, which it is by default. It needs ``accept`` before the first increment.
             out: a float64 vector to add to, which is returned.
 
         Raises:
@@ -344,7 +411,7 @@ class ContactInterface:
         if out is None:
             out = new("residual", self.equations)
             out.fill(0.0)
-        law = _law(penalty, multipliers)
+        law = _law(penalty, multipliers, friction=friction)
         try:
             self._interface.add_residual(law, _vector("out", out))
         except BusyError as error:
@@ -352,21 +419,28 @@ class ContactInterface:
         return out
 
     def tangent(
-        self, penalty: float, *, multipliers: ArrayLike | None = None, tangent: Tangent = "exact"
+        self,
+        penalty: float,
+        *,
+        multipliers: ArrayLike | None = None,
+        tangent: Tangent = "exact",
+        friction: Friction | None = None,
     ) -> scipy.sparse.csr_matrix:
         """K = −∂R/∂x as scipy compressed rows, shape (equations, equations), force per length.
 
         The pattern is the union over all paired slaves, whether they carry force or not: it stays the same until the
-        next refresh. The matrix is symmetric to the last bit, and indefinite in general for ``"exact"``.
+        next refresh. Without friction the matrix is symmetric to the last bit; for ``"exact"`` it is indefinite in
+        general, and with friction not symmetric.
 
         Args:
             penalty: as for ``residual``.
             multipliers: as for ``residual``.
             tangent: ``"exact"``, or ``"gauss-newton"`` for Σ ε N Nᵀ alone, positive semidefinite; ``adaptive_tangent``
                 says which.
+            friction: as for ``residual``.
 
         """
-        values = self.tangent_values(penalty, multipliers=multipliers, tangent=tangent)
+        values = self.tangent_values(penalty, multipliers=multipliers, tangent=tangent, friction=friction)
         offsets, columns = self.pattern()
         size = self.equations
         return scipy.sparse.csr_matrix((values, columns, offsets), shape=(size, size))
@@ -381,13 +455,14 @@ class ContactInterface:
         *,
         multipliers: ArrayLike | None = None,
         tangent: Tangent = "exact",
+        friction: Friction | None = None,
         out: Floats | None = None,
     ) -> Floats:
         """The values of ``tangent``, one per column of ``pattern``; added to ``out`` if that is given."""
         add = out is not None
         if out is None:
             out = new("tangent", self._interface.entries())
-        law = _law(penalty, multipliers, tangent)
+        law = _law(penalty, multipliers, tangent, friction)
         try:
             self._interface.fill_tangent(law, _vector("out", out), add)
         except BusyError as error:
@@ -400,11 +475,12 @@ class ContactInterface:
         *,
         multipliers: ArrayLike | None = None,
         tangent: Tangent = "exact",
+        friction: Friction | None = None,
         triangle: Literal["full", "lower"] = "full",
     ) -> tuple[Ints, Ints, Floats]:
         """Rows, columns and values of the tangents of all contacts that carry force, to be summed."""
         lower = choice("triangle", triangle, "full", "lower") == "lower"
-        return self._interface.triplets(_law(penalty, multipliers, tangent), lower)
+        return self._interface.triplets(_law(penalty, multipliers, tangent, friction), lower)
 
     def normal_forces(self, penalty: float, *, multipliers: ArrayLike | None = None) -> Floats:
         """max(0, λ − ε g) of every slave, shape (s,), force; also the next λ of the augmented Lagrangian."""

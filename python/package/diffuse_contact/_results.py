@@ -26,6 +26,14 @@ class SlaveGap(NamedTuple):
     gap: float
 
 
+class FrictionReport(NamedTuple):
+    """What friction did in an increment: numbers of slaves that stick and slide, and its work, energy."""
+
+    stuck: int
+    sliding: int
+    dissipated: float
+
+
 @dataclass(frozen=True)
 class RefreshReport:
     """What a refresh of the pairing did, in numbers of slaves.

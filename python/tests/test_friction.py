@@ -1,0 +1,84 @@
+"""Friction: history, forces and the tangent. A module that was built without it says so."""
+
+import numpy as np
+import pytest
+
+import diffuse_contact as dc
+
+PENALTY = 1e3
+FRICTION = (0.2, 500.0)
+
+
+@pytest.fixture
+def started(scene):
+    """An interface whose slaves have touched, or a test that ends with the reason why there is no friction."""
+    interface = scene.interface()
+    interface.refresh_pairing(scene.positions)
+    try:
+        interface.accept(PENALTY, friction=FRICTION)
+    except dc.InterfaceError as error:
+        assert error.code == "no-friction-kernels"
+        assert "feature" in str(error)
+        pytest.skip("built without friction")
+    return interface
+
+
+def slid(scene, step):
+    positions = scene.positions.copy()
+    positions[scene.slaves] += step
+    return positions
+
+
+def at(interface, positions, *, friction=FRICTION):
+    interface.refresh_pairing(positions)
+    interface.evaluate()
+    return interface.residual(PENALTY, friction=friction)
+
+
+def test_without_friction_nothing_is_to_be_accepted(scene):
+    interface = scene.evaluated()
+    with pytest.raises(dc.AssemblyError) as raised:
+        interface.residual(PENALTY, friction=0.3)
+    assert raised.value.code == "no-slip"
+    with pytest.raises(dc.AssemblyError) as raised:
+        interface.residual(PENALTY, friction=-0.3)
+    assert raised.value.code == "invalid-friction-coefficient"
+
+
+def test_forces_are_against_the_slip_and_balance(scene, started):
+    positions = slid(scene, [0.05, 0.0, 0.0])
+    forces = at(started, positions).reshape(-1, 3)
+    traction = forces - at(started, positions, friction=None).reshape(-1, 3)
+    assert np.all(traction[scene.slaves, 0] < 0.0)
+    ratio = np.linalg.norm(traction[scene.slaves], axis=1) / started.normal_forces(PENALTY)
+    assert np.allclose(ratio, 0.2, rtol=0.01)
+    assert np.abs(forces.sum(axis=0)).max() < 1e-13 * np.abs(forces).max()
+    assert np.abs(np.cross(positions, forces).sum(axis=0)).max() < 1e-12 * np.abs(forces).max()
+
+
+def test_the_tangent_is_the_derivative_of_the_forces(scene, started):
+    positions = slid(scene, [0.05, 0.02, 0.0])
+    at(started, positions)
+    tangent = started.tangent(PENALTY, friction=FRICTION)
+    assert np.abs(tangent - tangent.T).max() > 1.0
+    direction = np.random.default_rng(3).uniform(-1.0, 1.0, positions.shape)
+    h = 1e-6
+    ahead, behind = (at(started, positions + step * direction) for step in (h, -h))
+    expected = -(ahead - behind) / (2.0 * h)
+    assert np.allclose(tangent @ direction.ravel(), expected, atol=1e-6 * np.abs(expected).max())
+
+
+def test_a_history_goes_on_elsewhere(scene, started):
+    at(started, slid(scene, [0.05, 0.0, 0.0]))
+    report = started.accept(PENALTY, friction=FRICTION)
+    assert (report.stuck, report.sliding) == (0, 4)
+    assert report.dissipated > 0.0
+    further = slid(scene, [0.06, 0.0, 0.0])
+    other = scene.interface()
+    other.history = started.history
+    assert np.array_equal(at(other, further), at(started, further))
+    with pytest.raises(dc.InterfaceError) as raised:
+        other.history = [0.5]
+    assert raised.value.code == "invalid-history"
+    other.history = []
+    assert other.history.size == 0

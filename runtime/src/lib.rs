@@ -110,6 +110,9 @@ mod pages {
     #[doc = include_str!("../../docs/how-to/rust.md")]
     pub struct Rust;
 
+    #[doc = include_str!("../../docs/how-to/friction.md")]
+    pub struct Friction;
+
     #[doc = include_str!("../../docs/tutorial/first-host.md")]
     pub struct FirstHost;
 }

@@ -9,6 +9,8 @@ mod common;
 mod decks;
 mod element;
 mod examples;
+#[cfg(feature = "friction")]
+mod friction;
 mod output;
 mod paper;
 #[cfg(feature = "program")]

@@ -40,8 +40,21 @@ fn signal(child: &Child, name: &str) {
 
 #[test]
 fn an_interrupted_run_is_whole_and_goes_on_to_the_same_end() {
-    let scratch = Scratch::new("solve-interrupt");
-    let deck = scratch.file("block.toml", &format!("{}\n[output]\nevery = 40", small_block_in(MANY)));
+    interrupt("solve-interrupt", &format!("{}\n[output]\nevery = 40", small_block_in(MANY)));
+}
+
+/// The anchors, too, are those of the last increment that was saved.
+#[cfg(feature = "friction")]
+#[test]
+fn an_interrupted_run_with_friction_goes_on_to_the_same_end() {
+    let deck = include_str!("../../examples/inclined_block.toml");
+    let increment = format!("increment = {}\nfixed = true", 1.0 / MANY as f64);
+    interrupt("solve-interrupt-friction", &deck.replace("increment = 0.05", &increment));
+}
+
+fn interrupt(name: &str, text: &str) {
+    let scratch = Scratch::new(name);
+    let deck = scratch.file("block.toml", text);
     let (whole, out) = (scratch.path("whole"), scratch.path("out"));
     assert_eq!(run(&["solve", &deck, "--out", &whole]).code, 0);
 

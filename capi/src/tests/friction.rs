@@ -45,24 +45,6 @@ fn slid(mesh: &Mesh, step: f64) -> Mesh {
 }
 
 #[test]
-#[cfg(not(feature = "friction"))]
-fn a_library_without_friction_says_so() {
-    let mesh = Mesh::new();
-    let handle = mesh.interface();
-    refresh(&mesh, handle);
-    assert_eq!(accept(handle, &FRICTION), DC_BAD_OPTION);
-    assert!(message().starts_with("no-friction-kernels: "), "{}", message());
-    assert_eq!(accept(handle, &LAW), DC_OK);
-    assert_eq!(dc_evaluate(handle, 2), DC_OK);
-    let mut sum = vec![0.0; 120];
-    // SAFETY: the array has the length given.
-    let status = unsafe { dc_residual(handle, &FRICTION, sum.as_mut_ptr(), 120, null_mut()) };
-    assert_eq!(status, DC_NOT_EVALUATED);
-    assert_eq!(dc_destroy(handle), DC_OK);
-}
-
-#[test]
-#[cfg(feature = "friction")]
 fn friction_has_a_history_that_outlives_the_handle() {
     let mesh = Mesh::new();
     let handle = mesh.interface();

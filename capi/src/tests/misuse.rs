@@ -466,3 +466,26 @@ fn every_reason_of_the_runtime_has_an_outcome() {
         assert_eq!(Failure::from(error).status, DC_NO_CONTACT);
     }
 }
+
+#[test]
+#[cfg(not(feature = "friction"))]
+fn a_library_without_friction_says_so() {
+    let mesh = Mesh::new();
+    let handle = mesh.interface();
+    let law = dc_law { friction: 0.2, ..LAW };
+    let accept = |law: &dc_law| {
+        // SAFETY: a whole structure.
+        unsafe { crate::friction::dc_accept(handle, law, null_mut(), null_mut(), null_mut()) }
+    };
+    // SAFETY: the array has the length given.
+    assert_eq!(unsafe { dc_refresh(handle, mesh.positions.as_ptr(), mesh.nodes(), null_mut()) }, DC_OK);
+    assert_eq!(accept(&law), DC_BAD_OPTION);
+    assert!(message().starts_with("no-friction-kernels: "), "{}", message());
+    assert_eq!(accept(&LAW), DC_OK);
+    assert_eq!(dc_evaluate(handle, 2), DC_OK);
+    let mut sum = vec![0.0; 120];
+    // SAFETY: the array has the length given.
+    let status = unsafe { dc_residual(handle, &law, sum.as_mut_ptr(), 120, null_mut()) };
+    assert_eq!(status, DC_NOT_EVALUATED);
+    assert_eq!(dc_destroy(handle), DC_OK);
+}

@@ -4,6 +4,7 @@ mod agreement;
 mod cutback;
 mod defaults;
 mod domains;
+#[cfg(feature = "friction")]
 mod friction;
 mod fuzz;
 mod memory;

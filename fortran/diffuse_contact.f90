@@ -265,11 +265,12 @@ module diffuse_contact
         end function
 
         !> With friction: the positions of the moment are the end of an increment.
-        function dc_accept(interface, law, stuck_count, sliding_count, dissipated) bind(c) result(status)
+        function dc_accept(interface, law, stuck_count, sliding_count, unanchored_count, dissipated) &
+                bind(c) result(status)
             import :: c_double, c_int, c_ptr, c_size_t, dc_law
             type(c_ptr), value :: interface
             type(dc_law), intent(in) :: law
-            integer(c_size_t), intent(out), optional :: stuck_count, sliding_count
+            integer(c_size_t), intent(out), optional :: stuck_count, sliding_count, unanchored_count
             real(c_double), intent(out), optional :: dissipated
             integer(c_int) :: status
         end function

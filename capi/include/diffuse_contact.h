@@ -336,7 +336,8 @@ typedef struct dc_contact {
 //     K = e N N^T - f M         = -dR/dx
 //
 // With friction R has the traction besides, at most friction x f and against the slip, and K its derivative, which is not symmetric
-// where contacts slide. Call dc_accept before the first increment and after each that has converged.
+// where contacts slide or have just closed. Call dc_accept before the first increment and after each that has converged: else contacts
+// that carry force are refused with DC_NOT_EVALUATED.
 //
 typedef struct dc_law {
     // sizeof(dc_law), set by the caller.
@@ -351,8 +352,8 @@ typedef struct dc_law {
     int32_t tangent;
     // 0.
     int32_t reserved;
-    // Coefficient of Coulomb's friction; 0 for none. Friction needs DC_DIFFUSE with DC_DOMAINS, and a library that was built with it:
-    // else DC_BAD_OPTION.
+    // Coefficient of Coulomb's friction; 0 for none. Friction needs DC_DIFFUSE with DC_DOMAINS, and a library that was built with it: see
+    // dc_accept. dc_element_system refuses it.
     double friction;
     // Tangential stiffness of contacts that stick, in the unit of the penalty; 0 for that of the penalty.
     double tangential_stiffness;
@@ -619,12 +620,16 @@ int32_t dc_adaptive_tangent(double residual,
                             double force);
 
 // Accepts the positions of the last dc_update, dc_follow or dc_refresh as the end of an increment: friction of the next one is measured
-// from there. Call it once before the first increment, after dc_refresh, and then after each that has converged. Until then nothing of
+// from there. Call it once before the first increment, after dc_refresh, and then after each that has converged, with the multipliers it
+// was solved with. Until then nothing of
 // the history changes, so that an increment may be tried again. It ends the evaluation: call dc_evaluate again. Nothing happens if the law
 // has no friction.
 //
-// `stuck_count` and `sliding_count` get the numbers of slaves that stick and that slide, `dissipated` the work of friction in the
-// increment, energy. Each may be NULL.
+// `stuck_count` and `sliding_count` get the numbers of slaves that stick and that slide, `unanchored_count` that of slaves that carry
+// force without friction, as they had no gap at the end of the increment before; `dissipated` the work of friction in the increment,
+// energy. Each may be NULL.
+//
+// DC_BAD_OPTION for a law with friction if there can be none: without DC_DIFFUSE and DC_DOMAINS, or in a library built without it.
 //
 // # Safety
 // `law` as in dc_residual; the others are NULL or may be written.
@@ -632,10 +637,11 @@ enum dc_status dc_accept(struct dc_interface *interface,
                          const struct dc_law *law,
                          size_t *stuck_count,
                          size_t *sliding_count,
+                         size_t *unanchored_count,
                          double *dissipated);
 
 // The history of friction as plain numbers, for a restart: `count` gets how many there are, 0 without a history. `history` is NULL to
-// learn that, or has room for `capacity` numbers.
+// learn that, or has room for `capacity` numbers: DC_BAD_SIZE if that is too little, and `count` is written all the same.
 //
 // # Safety
 // `history` is NULL or has `capacity` entries; `count` may be written.
@@ -644,11 +650,14 @@ enum dc_status dc_history(struct dc_interface *interface,
                           size_t capacity,
                           size_t *count);
 
-// Goes on from numbers that dc_history gave, bit for bit; NULL and 0 for none. Call dc_refresh afterwards.
+// Goes on from numbers that dc_history gave, bit for bit; NULL and 0 for none. If they are others than the present ones no slave is paired
+// until the next dc_refresh; one of a frozen interface does not pair.
 //
 // # Safety
 // `history` has `count` entries.
-enum dc_status dc_set_history(struct dc_interface *interface, const double *history, size_t count);
+enum dc_status dc_set_history(struct dc_interface *interface,
+                              const double *history,
+                              size_t count);
 
 // Adds the contact forces R on the nodes to `residual`, one entry per equation. R is the force: it stands on the side of the
 // external loads; the internal force of contact is -R. `active_count`, the number of slaves that carry force, may be NULL.

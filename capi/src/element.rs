@@ -11,7 +11,7 @@ use crate::border::{self, Plain, Versioned, disjoint, input, read_sized, reserve
 use crate::choice::{self, dc_basis, dc_frame, dc_weight};
 use crate::law::{self, dc_law};
 use crate::outcome::{self, dc_outcome};
-use crate::status::{DC_BAD_SIZE, Failure, dc_status};
+use crate::status::{DC_BAD_OPTION, DC_BAD_SIZE, Failure, dc_status};
 
 /// What one element is besides its nodes. A field that is 0 has the value named first.
 #[repr(C)]
@@ -261,6 +261,11 @@ pub unsafe extern "C" fn dc_element_system(
         let (law, gradient, hessian) = unsafe {
             (law::read(law)?, input("gradient", gradient, freedoms)?, input("hessian", hessian, packed)?)
         };
+        if law.friction.is_some() {
+            let message =
+                "friction-of-one-element: a single element has no slip, friction is that of an interface";
+            return Err(Failure::new(DC_BAD_OPTION, message));
+        }
         // SAFETY: as the caller promises; nothing overlaps.
         let (residual, tangent) = unsafe { (residual.unspecified(), tangent.unspecified()) };
         let contact = ContactView { gap, area, gradient, hessian, slip: None };

@@ -9,12 +9,16 @@ use crate::status::dc_status;
 use crate::threads;
 
 /// Accepts the positions of the last dc_update, dc_follow or dc_refresh as the end of an increment: friction of the next one is measured
-/// from there. Call it once before the first increment, after dc_refresh, and then after each that has converged. Until then nothing of
+/// from there. Call it once before the first increment, after dc_refresh, and then after each that has converged, with the multipliers it
+/// was solved with. Until then nothing of
 /// the history changes, so that an increment may be tried again. It ends the evaluation: call dc_evaluate again. Nothing happens if the law
 /// has no friction.
 ///
-/// `stuck_count` and `sliding_count` get the numbers of slaves that stick and that slide, `dissipated` the work of friction in the
-/// increment, energy. Each may be NULL.
+/// `stuck_count` and `sliding_count` get the numbers of slaves that stick and that slide, `unanchored_count` that of slaves that carry
+/// force without friction, as they had no gap at the end of the increment before; `dissipated` the work of friction in the increment,
+/// energy. Each may be NULL.
+///
+/// DC_BAD_OPTION for a law with friction if there can be none: without DC_DIFFUSE and DC_DOMAINS, or in a library built without it.
 ///
 /// # Safety
 /// `law` as in dc_residual; the others are NULL or may be written.
@@ -24,16 +28,19 @@ pub unsafe extern "C" fn dc_accept(
     law: *const dc_law,
     stuck_count: *mut usize,
     sliding_count: *mut usize,
+    unanchored_count: *mut usize,
     dissipated: *mut f64,
 ) -> dc_status {
     border::call(|| {
         with(interface, |state| {
             let stuck_count = wanted("stuck_count", stuck_count, 1, 1)?;
             let sliding_count = wanted("sliding_count", sliding_count, 1, 1)?;
+            let unanchored_count = wanted("unanchored_count", unanchored_count, 1, 1)?;
             let dissipated = wanted("dissipated", dissipated, 1, 1)?;
             // SAFETY: as the caller promises.
             let multipliers = unsafe { law::span(law)? };
-            disjoint([multipliers, stuck_count.span(), sliding_count.span(), dissipated.span()])?;
+            let counts = [stuck_count.span(), sliding_count.span(), unanchored_count.span()];
+            disjoint([multipliers, counts[0], counts[1], counts[2], dissipated.span()])?;
             // SAFETY: as the caller promises; nothing overlaps.
             let law = unsafe { law::read(law)? };
             law.validate(state.interface.slaves().len())?;
@@ -46,6 +53,7 @@ pub unsafe extern "C" fn dc_accept(
             unsafe {
                 stuck_count.write([report.stuck]);
                 sliding_count.write([report.sliding]);
+                unanchored_count.write([report.unanchored]);
                 dissipated.write([report.dissipated]);
             }
             Ok(())
@@ -54,7 +62,7 @@ pub unsafe extern "C" fn dc_accept(
 }
 
 /// The history of friction as plain numbers, for a restart: `count` gets how many there are, 0 without a history. `history` is NULL to
-/// learn that, or has room for `capacity` numbers.
+/// learn that, or has room for `capacity` numbers: DC_BAD_SIZE if that is too little, and `count` is written all the same.
 ///
 /// # Safety
 /// `history` is NULL or has `capacity` entries; `count` may be written.
@@ -68,21 +76,20 @@ pub unsafe extern "C" fn dc_history(
     border::call(|| {
         with(interface, |state| {
             let numbers = state.interface.history();
-            let history = wanted("history", history, capacity, numbers.len())?;
             let count = target("count", count, 1)?;
-            disjoint([history.span(), count.span()])?;
-            let found = numbers.len();
+            disjoint([border::written("history", history, capacity), count.span()])?;
             // SAFETY: as the caller promises.
-            unsafe {
-                history.write(numbers);
-                count.write([found]);
-            }
+            unsafe { count.write([numbers.len()]) };
+            let history = wanted("history", history, capacity, numbers.len())?;
+            // SAFETY: as the caller promises.
+            unsafe { history.write(numbers) };
             Ok(())
         })
     })
 }
 
-/// Goes on from numbers that dc_history gave, bit for bit; NULL and 0 for none. Call dc_refresh afterwards.
+/// Goes on from numbers that dc_history gave, bit for bit; NULL and 0 for none. If they are others than the present ones no slave is paired
+/// until the next dc_refresh; one of a frozen interface does not pair.
 ///
 /// # Safety
 /// `history` has `count` entries.

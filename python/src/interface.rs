@@ -203,17 +203,17 @@ impl Interface {
         Ok(())
     }
 
-    /// Accepts the present positions as the end of an increment: slaves that stick, those that slide, and the work of friction.
-    fn accept(slf: &Bound<'_, Self>, law: Law<'_>) -> PyResult<(usize, usize, f64)> {
+    /// Accepts the present positions as the end of an increment: slaves that stick, that slide, and that
+    /// carry force without an anchor, and the work of friction.
+    fn accept(slf: &Bound<'_, Self>, law: Law<'_>) -> PyResult<(usize, usize, usize, f64)> {
         let py = slf.py();
         let mut this = exclusive(slf)?;
         let multipliers = law.multipliers()?;
         let law = law.law(py, multipliers.as_ref())?;
-        law.validate(this.interface.slaves().len()).map_err(|error| error.raise(py))?;
         let interface = &mut this.interface;
         let report = threads::run(py, || interface.accept(&law))?.map_err(|error| error.raise(py))?;
         this.current &= law.friction.is_none();
-        Ok((report.stuck, report.sliding, report.dissipated))
+        Ok((report.stuck, report.sliding, report.unanchored, report.dissipated))
     }
 
     /// The history of friction as plain numbers.

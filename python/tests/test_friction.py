@@ -71,7 +71,7 @@ def test_the_tangent_is_the_derivative_of_the_forces(scene, started):
 def test_a_history_goes_on_elsewhere(scene, started):
     at(started, slid(scene, [0.05, 0.0, 0.0]))
     report = started.accept(PENALTY, friction=FRICTION)
-    assert (report.stuck, report.sliding) == (0, 4)
+    assert (report.stuck, report.sliding, report.unanchored) == (0, 4, 0)
     assert report.dissipated > 0.0
     further = slid(scene, [0.06, 0.0, 0.0])
     other = scene.interface()

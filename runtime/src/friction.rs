@@ -198,7 +198,7 @@ impl FrictionForce {
     }
 
     /// K = −∂R/∂x = c ∇²q + ∂c/∂q ∇q ∇qᵀ + ∂c/∂g ∇q Nᵀ, rows of 3(n+2) entries over slave, masters and anchor. The last term is not
-    /// symmetric; it is zero in stick.
+    /// symmetric; it is zero in stick, unless the contact has closed since the last accepted step.
     ///
     /// # Panics
     /// If the slip has no Hessian.

@@ -87,6 +87,17 @@ impl Pressed {
         self.slide(step);
     }
 
+    /// Moves all slaves by more than a cell along x and y, to the same depth: their anchors are out of reach then.
+    fn slide_far(&mut self) {
+        for &slave in &self.slaves {
+            let [x, y, _] = self.positions[slave];
+            let place = |t: f64| if t > 4.0 { t - 2.6 } else { t + 2.6 };
+            let (x, y) = (place(x), place(y));
+            self.positions[slave] = [x, y, wave(x, y) - DEPTH];
+        }
+        self.interface.follow(&self.positions).unwrap();
+    }
+
     fn forces(&mut self) -> Vec<f64> {
         let dofs = DofMap::standard(self.positions.len());
         let mut forces = vec![0.0; dofs.equations()];
@@ -140,53 +151,71 @@ fn largest(values: &[f64]) -> f64 {
 #[test]
 fn the_tangent_is_the_derivative_of_the_forces() {
     let plane = SymmetryPlane { point: [0.0; 3], normal: [1.0, 0.0, 0.0] };
-    for (weight, planes) in
-        [(Weight::Cubic, &[plane][..]), (Weight::WendlandC2, &[]), (Weight::CubicInterpolating, &[])]
-    {
+    let cases = [(Weight::Cubic, &[plane][..]), (Weight::WendlandC2, &[]), (Weight::CubicInterpolating, &[])];
+    for (weight, planes) in cases {
         // All stick, all slide.
         for coefficient in [3.0, 0.1] {
             let mut pressed = Pressed::new(coefficient, weight, planes);
             pressed.slide_and_deform([0.03, 0.02, 0.001]);
-            let matrix = pressed.tangent();
-            let mut random = Uniform(3);
-            let direction: Vec<f64> = (0..3 * pressed.positions.len()).map(|_| random.signed()).collect();
-            let start = pressed.positions.clone();
-            let at = |pressed: &mut Pressed, step: f64| {
-                for (x, (start, d)) in
-                    pressed.positions.iter_mut().zip(start.iter().zip(direction.as_chunks::<3>().0))
-                {
-                    *x = [0, 1, 2].map(|axis| start[axis] + step * d[axis]);
-                }
-                pressed.interface.follow(&pressed.positions).unwrap();
-                pressed.forces()
-            };
-            let h = 1e-6;
-            let (ahead, behind) = (at(&mut pressed, h), at(&mut pressed, -h));
-            let product: Vec<f64> = matrix
-                .iter()
-                .map(|row| row.iter().zip(&direction).map(|(k, d)| k * d).sum::<f64>())
-                .collect();
-            let differences: Vec<f64> = ahead
-                .iter()
-                .zip(&behind)
-                .zip(&product)
-                .map(|((ahead, behind), product)| -(ahead - behind) / (2.0 * h) - product)
-                .collect();
-            let error = largest(&differences) / largest(&product);
-            assert!(error < 1e-7, "{weight:?}, μ = {coefficient}: {error:e}");
-            let turned = (0..matrix.len())
-                .flat_map(|p| (0..p).map(move |q| (p, q)))
-                .map(|(p, q)| (matrix[p][q] - matrix[q][p]).abs())
-                .fold(0.0, f64::max);
-            assert_eq!(turned < 1e-9, coefficient == 3.0, "{turned:e}");
+            assert_tangent(&mut pressed, coefficient == 3.0);
         }
+        // From anchors that no node within reach carries.
+        let mut pressed = Pressed::new(0.1, weight, planes);
+        pressed.slide_far();
+        assert_tangent(&mut pressed, false);
+        // Slaves that were open.
+        let mut pressed = Pressed::new(0.5, weight, planes);
+        pressed.slide([0.0, 0.0, 2.0 * DEPTH]);
+        pressed.accept();
+        pressed.slide([2e-4, 1e-4, -2.0 * DEPTH]);
+        assert_tangent(&mut pressed, false);
     }
+}
+
+/// The tangent against central differences of the forces along a direction of all coordinates, and whether it is symmetric.
+fn assert_tangent(pressed: &mut Pressed, is_symmetric: bool) {
+    let matrix = pressed.tangent();
+    let mut random = Uniform(3);
+    let direction: Vec<f64> = (0..3 * pressed.positions.len()).map(|_| random.signed()).collect();
+    let start = pressed.positions.clone();
+    let mut at = |step: f64| {
+        let moved = start.iter().zip(direction.as_chunks::<3>().0);
+        pressed.positions = moved.map(|(x, d)| [0, 1, 2].map(|axis| x[axis] + step * d[axis])).collect();
+        pressed.interface.follow(&pressed.positions).unwrap();
+        pressed.forces()
+    };
+    let h = 1e-6;
+    let (ahead, behind) = (at(h), at(-h));
+    let product: Vec<f64> =
+        matrix.iter().map(|row| row.iter().zip(&direction).map(|(k, d)| k * d).sum::<f64>()).collect();
+    let differences = ahead.iter().zip(&behind).map(|(ahead, behind)| -(ahead - behind) / (2.0 * h));
+    let errors: Vec<f64> =
+        differences.zip(&product).map(|(difference, product)| difference - product).collect();
+    let error = largest(&errors) / largest(&product);
+    assert!(error < 1e-7, "{error:e}");
+    let pairs = (0..matrix.len()).flat_map(|p| (0..p).map(move |q| (p, q)));
+    let turned = pairs.map(|(p, q)| (matrix[p][q] - matrix[q][p]).abs()).fold(0.0, f64::max);
+    assert_eq!(turned < 1e-9, is_symmetric, "{turned:e}");
 }
 
 #[test]
 fn forces_and_moments_balance_and_friction_has_an_effect() {
     let mut pressed = Pressed::new(0.1, Weight::Cubic, &[]);
+    pressed.slide_far();
+    assert_balance(&mut pressed);
+    let mut pressed = Pressed::new(0.1, Weight::Cubic, &[]);
     pressed.slide_and_deform([0.03, 0.02, 0.001]);
+    assert_balance(&mut pressed);
+    for k in 0..4 {
+        // Against the motion, and μ times the pressure.
+        let traction = pressed.traction(k);
+        let ratio = length(traction) / pressed.normal_force(k);
+        assert!((ratio - 0.1).abs() < 0.001, "{ratio}");
+        assert!(0.03 * traction[0] + 0.02 * traction[1] < 0.0);
+    }
+}
+
+fn assert_balance(pressed: &mut Pressed) {
     let forces = pressed.forces();
     let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
     for (f, x) in forces.as_chunks::<3>().0.iter().zip(&pressed.positions) {
@@ -198,13 +227,6 @@ fn forces_and_moments_balance_and_friction_has_an_effect() {
     }
     assert!(length(force) < 1e-13 * largest(&forces), "{force:?}");
     assert!(length(moment) < 8.0 * 1e-13 * largest(&forces), "{moment:?}");
-    for k in 0..4 {
-        // Against the motion, and μ times the pressure.
-        let traction = pressed.traction(k);
-        let ratio = length(traction) / pressed.normal_force(k);
-        assert!((ratio - 0.1).abs() < 0.001, "{ratio}");
-        assert!(0.03 * traction[0] + 0.02 * traction[1] < 0.0);
-    }
 }
 
 #[test]
@@ -287,11 +309,19 @@ fn an_open_contact_drops_its_anchor_and_closes_with_a_new_one() {
     pressed.accept();
     assert_eq!(pressed.interface.anchors().unwrap()[1].as_ref().unwrap().opening, 0.0);
     assert!((length(pressed.traction(1)) / traction - 1.0).abs() < 0.02);
-    // Far from the surface there is no anchor.
+    // Far from the surface there is no anchor, and right after it no friction, which is said.
+    let back = pressed.positions.clone();
     pressed.positions[slave] = [30.0, 0.0, 0.0];
     pressed.interface.refresh_pairing(&pressed.positions).unwrap();
-    pressed.accept();
+    let report = pressed.accept();
     assert_eq!(pressed.interface.anchors().unwrap()[1], None);
+    assert_eq!((report.dropped, report.unanchored), (1, 0));
+    pressed.positions = back;
+    pressed.interface.refresh_pairing(&pressed.positions).unwrap();
+    assert_eq!(pressed.traction(1), [0.0; 3]);
+    let report = pressed.accept();
+    assert_eq!((report.dropped, report.unanchored), (0, 1));
+    assert!(pressed.interface.anchors().unwrap()[1].is_some());
 }
 
 #[test]
@@ -331,11 +361,18 @@ fn what_is_no_history_is_refused() {
         let point = AffinePoint::new([(carrier, 1.0)]).unwrap();
         Some(vec![Some(Anchor { point, opening: 0.0 }), None, None, None, None])
     };
+    let opened = |opening: f64| {
+        let mut anchors = kept.clone();
+        anchors[0].as_mut().unwrap().opening = opening;
+        Some(anchors)
+    };
     let slave = pressed.slaves[0] as u32;
     for (anchors, code) in [
         (Some(vec![None; 4]), "anchor-count"),
         (anchor(slave.into()), "foreign-carrier"),
         (anchor(Carrier { node: 0, image: Some(0) }), "foreign-carrier"),
+        (opened(f64::NAN), "invalid-opening"),
+        (opened(-1e-3), "invalid-opening"),
     ] {
         assert_eq!(pressed.interface.set_anchors(anchors).unwrap_err().code(), code);
         assert_eq!(pressed.interface.anchors().unwrap(), kept);
@@ -350,7 +387,7 @@ fn what_is_no_history_is_refused() {
         (numbers[..numbers.len() - 1].to_vec(), "invalid-history"),
         (changed(0, 0.5), "invalid-history"),
         (changed(0, f64::NAN), "invalid-history"),
-        (changed(1, -1e-3), "invalid-history"),
+        (changed(1, -1e-3), "invalid-opening"),
         (changed(2, 1e12), "invalid-history"),
         (changed(4, 7.0), "invalid-history"),
         (vec![-1.0; 4], "anchor-count"),
@@ -358,8 +395,16 @@ fn what_is_no_history_is_refused() {
         assert_eq!(pressed.interface.set_history(&history).unwrap_err().code(), code);
         assert_eq!(pressed.interface.history(), numbers);
     }
-    // Without a history the law asks for one.
+    for law in [ContactLaw::penalty(f64::NAN), ContactLaw::penalty(1.0).with_multipliers(Some(&[0.0; 4]))] {
+        let law = law.with_friction(Some(Coulomb::new(0.1, STIFFNESS).unwrap()));
+        assert!(matches!(pressed.interface.accept(&law), Err(InterfaceError::Law(_))));
+        assert_eq!(pressed.interface.history(), numbers);
+    }
+    // Without a history the law asks for one, and other anchors end the pairing.
     pressed.interface.set_anchors(None).unwrap();
+    let contacts = pressed.interface.evaluate(Mode::Gradient).unwrap();
+    assert_eq!(contacts.iter().filter(|contact| contact.outcome.is_contact()).count(), 0);
+    pressed.interface.refresh_pairing(&pressed.positions).unwrap();
     let contacts = pressed.interface.evaluate(Mode::Gradient).unwrap();
     let mut forces = vec![0.0; 3 * pressed.positions.len()];
     let dofs = DofMap::standard(pressed.positions.len());

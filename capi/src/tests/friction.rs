@@ -8,7 +8,7 @@ use crate::assembly::{dc_residual, dc_triplets};
 use crate::friction::{dc_accept, dc_history, dc_set_history};
 use crate::interface::{dc_destroy, dc_evaluate, dc_interface, dc_refresh};
 use crate::law::dc_law;
-use crate::status::{DC_BAD_OPTION, DC_NOT_EVALUATED, DC_OK};
+use crate::status::{DC_BAD_OPTION, DC_BAD_SIZE, DC_NOT_EVALUATED, DC_OK};
 
 const FRICTION: dc_law = dc_law { friction: 0.2, tangential_stiffness: 500.0, ..LAW };
 
@@ -19,7 +19,7 @@ fn refresh(mesh: &Mesh, handle: *mut dc_interface) {
 
 fn accept(handle: *mut dc_interface, law: &dc_law) -> crate::status::dc_status {
     // SAFETY: a whole structure.
-    unsafe { dc_accept(handle, law, null_mut(), null_mut(), null_mut()) }
+    unsafe { dc_accept(handle, law, null_mut(), null_mut(), null_mut(), null_mut()) }
 }
 
 fn residual(handle: *mut dc_interface, law: &dc_law) -> Vec<f64> {
@@ -63,10 +63,16 @@ fn friction_has_a_history_that_outlives_the_handle() {
         assert_eq!(status, DC_BAD_OPTION, "{}", message());
         assert!(message().starts_with("unsymmetric: "), "{}", message());
         let (mut stuck, mut sliding, mut dissipated) = (9, 9, 0.0);
-        assert_eq!(dc_accept(handle, &FRICTION, &mut stuck, &mut sliding, &mut dissipated), DC_OK);
-        assert_eq!((stuck, sliding), (0, 4));
+        let mut unanchored = 9;
+        let counts: [*mut usize; 3] = [&mut stuck, &mut sliding, &mut unanchored];
+        let [a, b, c] = counts;
+        assert_eq!(dc_accept(handle, &FRICTION, a, b, c, &mut dissipated), DC_OK);
+        assert_eq!((stuck, sliding, unanchored), (0, 4, 0));
         assert!(dissipated > 0.0);
         assert_eq!(dc_history(handle, null_mut(), 0, &mut count), DC_OK);
+        let (mut small, mut needed) = ([0.0], 0);
+        assert_eq!(dc_history(handle, small.as_mut_ptr(), 1, &mut needed), DC_BAD_SIZE);
+        assert_eq!((small, needed), ([0.0], count));
     }
     let mut history = vec![0.0; count];
     // SAFETY: the array has the length given.

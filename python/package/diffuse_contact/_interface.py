@@ -365,20 +365,27 @@ class ContactInterface:
         Args:
             penalty: as for ``residual``.
             friction: as for ``residual``.
-            multipliers: as for ``residual``.
+            multipliers: as for ``residual``: those that the increment was solved with.
 
         Raises:
             InterfaceError: ``"no-anchors"`` for facets, and for other rules than ``"domains"``;
-                ``"no-friction-kernels"`` if the module was built without its feature ``friction``.
+                ``"no-friction-kernels"`` if the module was built without its feature ``friction``;
+                for a penalty or multipliers that are none.
+            AssemblyError: for a coefficient or a stiffness that is none.
 
         """
         return FrictionReport(*self._interface.accept(_law(penalty, multipliers, friction=friction)))
 
     @property
     def history(self) -> Floats:
-        """The history of friction as plain numbers, for a restart; empty before the first ``accept``.
+        """The history of friction as plain numbers, shape (h,), for a restart; empty before the first ``accept``.
 
-        Set it, and refresh the pairing, to go on from there, bit for bit.
+        Set it to go on from there, bit for bit. If it is another one, no slave is paired until the next refresh.
+
+        Raises:
+            InterfaceError: when set, ``"invalid-history"``, ``"anchor-count"``, ``"invalid-opening"`` or
+                ``"foreign-carrier"`` for numbers that are no history of this interface.
+
         """
         return self._interface.history()
 
@@ -429,8 +436,8 @@ class ContactInterface:
         """K = −∂R/∂x as scipy compressed rows, shape (equations, equations), force per length.
 
         The pattern is the union over all paired slaves, whether they carry force or not: it stays the same until the
-        next refresh. Without friction the matrix is symmetric to the last bit; for ``"exact"`` it is indefinite in
-        general, and with friction not symmetric.
+        next refresh. The matrix is symmetric to the last bit, unless friction makes the exact one unsymmetric, and
+        indefinite in general for ``"exact"``.
 
         Args:
             penalty: as for ``residual``.

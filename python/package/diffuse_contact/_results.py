@@ -27,10 +27,14 @@ class SlaveGap(NamedTuple):
 
 
 class FrictionReport(NamedTuple):
-    """What friction did in an increment: numbers of slaves that stick and slide, and its work, energy."""
+    """What friction did in an increment, in numbers of slaves, and its work, energy.
+
+    ``unanchored`` slaves carry force without friction: they had no gap at the end of the increment before.
+    """
 
     stuck: int
     sliding: int
+    unanchored: int
     dissipated: float
 
 

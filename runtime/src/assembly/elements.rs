@@ -40,7 +40,7 @@ pub struct ContactView<'a> {
     /// N = ∂g/∂x, 3(n+1) entries, dimensionless.
     pub gradient: &'a [f64],
     /// M = ∂²g/∂x∂x, packed lower triangle row by row, 1/length. Only looked at for
-    /// [`Tangent::Exact`](super::Tangent), and with friction.
+    /// [`Tangent::Exact`](super::Tangent).
     pub hessian: &'a [f64],
     /// The slip, if it is tracked. Only looked at for a law with friction.
     pub slip: Option<SlipView<'a>>,
@@ -50,11 +50,11 @@ pub struct ContactView<'a> {
 /// nodes that carry it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SlipView<'a> {
-    /// q, half the square of the slip, length².
+    /// q, half the square of the slip, length²; 0 without a gradient.
     pub half_square: f64,
     /// The gap if the contact was open when the last step was accepted, length; else 0.
     pub opening: f64,
-    /// ∇q, 3(n+1) entries, length; empty of a slave without an anchor, which has no friction yet.
+    /// ∇q, 3(n+1) entries, length; empty of a slave without an anchor, which has no friction yet, and where nothing was derived.
     pub gradient: &'a [f64],
     /// ∇²q, packed lower triangle row by row, dimensionless; empty of a slave without an anchor.
     pub hessian: &'a [f64],

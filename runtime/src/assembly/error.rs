@@ -1,7 +1,7 @@
 //! Why nothing was assembled.
 
 /// Every reason for which an assembly is refused. Each carries the figures that led to it.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AssemblyError {
     /// The penalty is not a positive finite number.
@@ -133,14 +133,18 @@ pub enum AssemblyError {
         element: usize,
     },
     /// The friction of an element is not finite.
-    #[error("the friction of element {element} is not finite: half the square of its slip is {value}")]
+    #[error(
+        "the friction of element {element} is not finite: half the square of its slip is {half_square}, it was open by {opening}"
+    )]
     InvalidSlip {
         /// The element, counted from 0.
         element: usize,
         /// q.
-        value: f64,
+        half_square: f64,
+        /// Its gap when the last step was accepted; 0 if it was closed.
+        opening: f64,
     },
-    /// Half of a tangent that is not symmetric was asked for.
+    /// One triangle of a tangent that is not symmetric was asked for.
     #[error("the exact tangent of friction is not symmetric: one triangle is not all of it")]
     Unsymmetric,
     /// A sum left the range of numbers, or was not finite before anything was added.

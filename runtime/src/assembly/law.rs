@@ -10,7 +10,8 @@ pub enum Tangent {
     /// penetration −f M is negative along the directions in which the master surface is convex.
     #[default]
     Exact,
-    /// K = ε N Nᵀ, positive semidefinite. Newton's method then converges linearly; no Hessian is needed.
+    /// K = ε N Nᵀ, positive semidefinite. Newton's method then converges linearly; no Hessian is needed. With friction
+    /// c ∇²q + ∂c/∂q ∇q ∇qᵀ is added, which is symmetric but may be indefinite, and takes Hessians.
     GaussNewton,
 }
 
@@ -72,8 +73,8 @@ impl Tangent {
 /// An element with f_k ≤ 0 contributes nothing. At f_k = 0 exactly, such as a touching node with λ = 0, that is no force
 /// and, of the two one-sided tangents, the one of the open side: zero.
 ///
-/// With friction each element that carries force adds −c_k ∇q_k to R_k, see [`Coulomb`], and its derivative to K_k, which is then not
-/// symmetric where the contact slides. Of that derivative [`Tangent::GaussNewton`] keeps c ∇²q + ∂c/∂q ∇q ∇qᵀ, which is symmetric.
+/// With friction each element that carries force adds −c_k ∇q_k to R_k, see [`Coulomb`], and its derivative to K_k. K_k is then not
+/// symmetric where the contact slides, and where it has closed since the last accepted step. Of that derivative [`Tangent::GaussNewton`] keeps c ∇²q + ∂c/∂q ∇q ∇qᵀ, which is symmetric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ContactLaw<'a> {
@@ -244,8 +245,9 @@ impl<'a> ContactLaw<'a> {
             length("Hessian of the slip", slip.hessian.len(), packed)?;
         }
         let friction = self.friction_of(k, contact.gap, contact.area, contact.slip);
-        let is_finite = slip.half_square.is_finite() && friction.is_none_or(|force| force.check().is_ok());
-        let invalid = AssemblyError::InvalidSlip { element: k, value: slip.half_square };
+        let SlipView { half_square, opening, .. } = slip;
+        let is_finite = half_square.is_finite() && friction.is_none_or(|force| force.check().is_ok());
+        let invalid = AssemblyError::InvalidSlip { element: k, half_square, opening };
         if is_finite { Ok(()) } else { Err(invalid) }
     }
 

@@ -4,13 +4,17 @@
 //! began and try again. Its nodes are listed with the slave's masters, so that derivatives by the anchor become derivatives by listed
 //! nodes, and the assembly of forces and tangents has no more to know.
 
+use std::ops::AddAssign;
+
+use diffuse_contact_kernels::cubic::Cubic;
+use diffuse_contact_kernels::support::KernelSet;
 use rayon::prelude::*;
 
 use super::evaluate::{ElementScratch, Evaluator};
 use super::fold::{AnchorSource, Source};
 use super::pairings::{Paired, Pairings};
 use super::scratch::Pool;
-use super::{ContactElement, InterfaceError};
+use super::{ContactElement, ContactInterface, InterfaceError};
 use crate::affine::Carrier;
 use crate::assembly::ContactLaw;
 use crate::friction::{Coulomb, FrictionState};
@@ -43,7 +47,8 @@ pub fn to_numbers(anchors: &[Option<Anchor>]) -> Vec<f64> {
     numbers
 }
 
-/// What [`to_numbers`] made numbers of. The error is the place of the first number that is none of a history.
+/// What [`to_numbers`] made numbers of. The error is the place of a number that is none of a history; of weights that do not add up to
+/// one it is the first.
 pub fn from_numbers(numbers: &[f64]) -> Result<Vec<Option<Anchor>>, usize> {
     let index = |place: usize| {
         let value = numbers.get(place).copied().ok_or(place)?;
@@ -59,15 +64,16 @@ pub fn from_numbers(numbers: &[f64]) -> Result<Vec<Option<Anchor>>, usize> {
             continue;
         }
         let count = index(place)? as usize;
-        let opening = numbers.get(place + 1).copied().filter(|opening| *opening >= 0.0).ok_or(place + 1)?;
+        let opening = numbers.get(place + 1).copied().ok_or(place + 1)?;
         let start = place + 2;
         let mut terms = Vec::new();
         for at in (0..count).map(|k| start + 3 * k) {
             let image = if numbers.get(at + 1) == Some(&-1.0) { None } else { Some(index(at + 1)?) };
-            let weight = numbers.get(at + 2).copied().ok_or(at + 2)?;
+            let weight = numbers.get(at + 2).copied().filter(|weight| weight.is_finite()).ok_or(at + 2)?;
             terms.push((Carrier { node: index(at)?, image }, weight));
         }
-        let point = AffinePoint::new(terms).map_err(|_| place)?;
+        // Of weights that do not add up to one any may be wrong.
+        let point = AffinePoint::new(terms).map_err(|_| start + 2)?;
         anchors.push(Some(Anchor { point, opening }));
         place = start + 3 * count;
     }
@@ -83,13 +89,18 @@ pub struct Tracked {
     pub opening: f64,
 }
 
-/// What friction did in a step that was accepted.
+/// What friction did in a step that was accepted, in numbers of slaves, and its work.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct FrictionReport {
     /// Contacts that stick.
     pub stuck: usize,
     /// Contacts that slide.
     pub sliding: usize,
+    /// Contacts that carry force without friction: they had no gap, and so no anchor, when the step before was accepted. They have one now.
+    pub unanchored: usize,
+    /// Slaves that were closed when the step before was accepted, and have no contact element now: their history ends.
+    pub dropped: usize,
     /// Work of the tractions over what slid in the step, energy: Σ μ p Δs.
     pub dissipated: f64,
 }
@@ -97,20 +108,33 @@ pub struct FrictionReport {
 /// An anchor of the next step, and what the contact did in the last.
 struct Accepted {
     anchor: Option<Anchor>,
-    state: FrictionState,
+    state: Option<FrictionState>,
+    is_open: bool,
     dissipated: f64,
 }
 
-impl Accepted {
-    const APART: Self = Self { anchor: None, state: FrictionState::Open, dissipated: 0.0 };
+impl AddAssign for FrictionReport {
+    fn add_assign(&mut self, other: Self) {
+        self.stuck += other.stuck;
+        self.sliding += other.sliding;
+        self.unanchored += other.unanchored;
+        self.dropped += other.dropped;
+        self.dissipated += other.dissipated;
+    }
 }
 
 impl FrictionReport {
-    fn add(&mut self, accepted: &Accepted) {
+    /// `None`: there is no contact element; `was_closed` when the step before was accepted.
+    fn add(&mut self, accepted: Option<&Accepted>, was_closed: bool) {
+        let Some(accepted) = accepted else {
+            self.dropped += usize::from(was_closed);
+            return;
+        };
         match accepted.state {
-            FrictionState::Open => {}
-            FrictionState::Stick => self.stuck += 1,
-            FrictionState::Slip => self.sliding += 1,
+            None => self.unanchored += usize::from(!accepted.is_open),
+            Some(FrictionState::Open) => {}
+            Some(FrictionState::Stick) => self.stuck += 1,
+            Some(FrictionState::Slip) => self.sliding += 1,
         }
         self.dissipated += accepted.dissipated;
     }
@@ -128,6 +152,9 @@ pub fn check_anchors(
     }
     for (index, anchor) in anchors.iter().enumerate() {
         let Some(anchor) = anchor else { continue };
+        if !(anchor.opening >= 0.0 && anchor.opening.is_finite()) {
+            return Err(InterfaceError::InvalidOpening { index, value: anchor.opening });
+        }
         for &(Carrier { node, image }, _) in anchor.point.terms() {
             let is_there = image.is_none_or(|number| number < symmetry.count());
             if !is_there || surface.nodes().binary_search(&node).is_err() {
@@ -157,6 +184,83 @@ pub fn list_carriers(
     }
 }
 
+impl ContactInterface {
+    /// Accepts the state at the positions of the moment as the end of a step: friction of the next one is measured from here. Without
+    /// friction in the law nothing happens.
+    ///
+    /// To be called once before the first step, after a refresh, and then whenever a step has converged, with the multipliers that it was
+    /// solved with: before they are updated. Until then nothing of the history changes: a host that cuts a step back has only to go
+    /// on from the positions it began with. A slave that sticks keeps its anchor; one that slides draws it along; of one that is open the
+    /// foot becomes it.
+    ///
+    /// # Errors
+    /// As [`check_friction`](Self::check_friction); [`InterfaceError::Law`] for a law that is none. The history then stays.
+    pub fn accept(&mut self, law: &ContactLaw<'_>) -> Result<FrictionReport, InterfaceError> {
+        let Some(friction) = law.friction else { return Ok(FrictionReport::default()) };
+        self.check_friction()?;
+        law.validate(self.slaves().len())?;
+        let (anchors, report) = self.evaluator().accept(&self.pairings, law, &friction, &self.elements)?;
+        self.anchors = Some(anchors);
+        Ok(report)
+    }
+
+    /// Whether there can be friction.
+    ///
+    /// # Errors
+    /// [`InterfaceError::NoAnchors`] for facets, and for other neighbour rules than domains of influence;
+    /// [`InterfaceError::NoFrictionKernels`].
+    pub fn check_friction(&self) -> Result<(), InterfaceError> {
+        if self.nodal.is_none() {
+            return Err(InterfaceError::NoAnchors);
+        }
+        if Cubic::FRICTION { Ok(()) } else { Err(InterfaceError::NoFrictionKernels) }
+    }
+
+    /// The history of friction as plain numbers, for a restart; empty before a state was [accepted](Self::accept).
+    #[must_use]
+    pub fn history(&self) -> Vec<f64> {
+        self.anchors.as_deref().map_or_else(Vec::new, to_numbers)
+    }
+
+    /// Goes on from a [`history`](Self::history), bit for bit; no numbers are no history. If it is another one than the present, all
+    /// pairings end: refresh them.
+    ///
+    /// # Errors
+    /// [`InterfaceError::InvalidHistory`], and as [`set_anchors`](Self::set_anchors). The history of before then stays.
+    pub fn set_history(&mut self, history: &[f64]) -> Result<(), InterfaceError> {
+        if history.is_empty() {
+            return self.set_anchors(None);
+        }
+        let anchors = from_numbers(history).map_err(|place| InterfaceError::InvalidHistory { place })?;
+        self.set_anchors(Some(anchors))
+    }
+
+    /// The history of friction, one entry per slave; `None` before a state was [accepted](Self::accept).
+    #[must_use]
+    pub fn anchors(&self) -> Option<&[Option<Anchor>]> {
+        self.anchors.as_deref()
+    }
+
+    /// Goes on from a history as [`anchors`](Self::anchors) gave it, or without any. If it is another one than the present, all pairings
+    /// end: refresh them.
+    ///
+    /// # Errors
+    /// [`InterfaceError::AnchorCount`], [`InterfaceError::InvalidOpening`], [`InterfaceError::ForeignCarrier`], and as
+    /// [`check_friction`](Self::check_friction). The history of before then stays.
+    pub fn set_anchors(&mut self, anchors: Option<Vec<Option<Anchor>>>) -> Result<(), InterfaceError> {
+        if let Some(anchors) = &anchors {
+            self.check_friction()?;
+            let Some(nodal) = &self.nodal else { return Err(InterfaceError::NoAnchors) };
+            check_anchors(anchors, self.slaves().len(), &self.master, &nodal.symmetry)?;
+        }
+        if self.anchors != anchors {
+            self.anchors = anchors;
+            self.end_pairings();
+        }
+        Ok(())
+    }
+}
+
 impl Evaluator<'_> {
     /// The anchor of a slave, if it has one.
     pub fn anchor(&self, k: usize) -> Option<&Anchor> {
@@ -171,10 +275,12 @@ impl Evaluator<'_> {
     /// The carriers of an anchor among the nodes listed for its slave.
     pub fn anchor_sources(paired: &Paired<'_>, anchor: &Anchor, sources: &mut Vec<AnchorSource>) {
         sources.clear();
-        sources.extend(anchor.point.terms().iter().filter_map(|&(Carrier { node, image }, weight)| {
-            // A refresh lists the carriers of all anchors; what is accepted has no others.
-            let listed = paired.masters.binary_search(&node).ok()? as u32;
-            Some(AnchorSource { source: Source { listed, image }, weight })
+        sources.extend(anchor.point.terms().iter().map(|&(Carrier { node, image }, weight)| {
+            // A refresh lists the carriers of all anchors, what is accepted has no others, and other anchors end the pairing.
+            let listed = paired.masters.binary_search(&node);
+            let listed =
+                listed.unwrap_or_else(|_| unreachable!("node {node} carries an anchor and is listed")) as u32;
+            AnchorSource { source: Source { listed, image }, weight }
         }));
     }
 
@@ -189,18 +295,21 @@ impl Evaluator<'_> {
         let ContactElement::Diffuse { weight, .. } = self.options.element else {
             return Err(InterfaceError::NoAnchors);
         };
-        let accepted: Vec<Accepted> = pairings
+        let accepted: Vec<Option<Accepted>> = pairings
             .all()
             .into_par_iter()
             .map(|k| {
                 pool.with(ElementScratch::default, |scratch| {
-                    self.accept_one(pairings, k, weight, law, friction, scratch).unwrap_or(Accepted::APART)
+                    self.accept_one(pairings, k, weight, law, friction, scratch)
                 })
             })
             .collect();
         let mut report = FrictionReport::default();
-        accepted.iter().for_each(|one| report.add(one));
-        Ok((accepted.into_iter().map(|one| one.anchor).collect(), report))
+        for (k, one) in accepted.iter().enumerate() {
+            let was_closed = self.anchor(k).is_some_and(|anchor| anchor.opening == 0.0);
+            report.add(one.as_ref(), was_closed);
+        }
+        Ok((accepted.into_iter().map(|one| one?.anchor).collect(), report))
     }
 
     /// `None` without contact.
@@ -242,7 +351,8 @@ impl Evaluator<'_> {
         };
         Some(Accepted {
             anchor: Some(Anchor { point, opening: if is_open { gap.max(0.0) } else { 0.0 } }),
-            state: force.map_or(FrictionState::Open, |force| force.state),
+            state: force.map(|force| force.state),
+            is_open,
             dissipated: force.map_or(0.0, |force| force.dissipated(slip.length())),
         })
     }

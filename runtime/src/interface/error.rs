@@ -1,6 +1,7 @@
 //! What the caller of an interface has to mend.
 
 use crate::ElementError;
+use crate::assembly::AssemblyError;
 use crate::neighbourhood::NeighbourhoodError;
 use crate::surface::SurfaceError;
 
@@ -65,6 +66,17 @@ pub enum InterfaceError {
         /// The node.
         node: u32,
     },
+    /// The gap that a contact was open by is negative or not finite.
+    #[error("the anchor of slave {index} says that it was open by {value}")]
+    InvalidOpening {
+        /// The slave's place in the list of slaves.
+        index: usize,
+        /// The gap it gives.
+        value: f64,
+    },
+    /// A law that is none.
+    #[error(transparent)]
+    Law(#[from] AssemblyError),
     /// More positions or slaves than 32-bit indices can name.
     #[error("{count} {what} are more than 32-bit indices can name")]
     TooMany {
@@ -133,6 +145,8 @@ impl InterfaceError {
             Self::InvalidHistory { .. } => "invalid-history",
             Self::AnchorCount { .. } => "anchor-count",
             Self::ForeignCarrier { .. } => "foreign-carrier",
+            Self::InvalidOpening { .. } => "invalid-opening",
+            Self::Law(error) => error.code(),
             Self::TooMany { .. } => "too-many",
             Self::SlaveOutOfRange { .. } => "slave-out-of-range",
             Self::RepeatedSlave { .. } => "repeated-slave",

@@ -103,6 +103,8 @@ pub struct ElementScratch {
     /// Derivatives by points some of which are images, or by an anchor.
     by_points: Vec<f64>,
     carriers: Vec<AnchorSource>,
+    /// Rows of an anchor in a Hessian.
+    rows: Vec<f64>,
 }
 
 impl Evaluator<'_> {
@@ -200,7 +202,7 @@ impl Evaluator<'_> {
         choose: impl Fn(&mut Slot<'_>) -> bool,
     ) {
         let Run { pairings, weight, within_reach } = run;
-        let ElementScratch { border, batch, lists, chosen, by_points, carriers, .. } = scratch;
+        let ElementScratch { border, batch, lists, chosen, by_points, carriers, rows, .. } = scratch;
         let mut waiting = recycled(std::mem::take(&mut lists.waiting));
         let mut places = recycled(std::mem::take(&mut lists.places));
         chosen.clear();
@@ -298,7 +300,14 @@ impl Evaluator<'_> {
                         opening: anchor.opening,
                     };
                     let numbers = (&*element.gradient, &*element.hessian);
-                    fold_both(numbers, tracked, &mut slots[*place], (sources, carriers), &nodal.symmetry);
+                    fold_both(
+                        numbers,
+                        tracked,
+                        &mut slots[*place],
+                        (sources, carriers),
+                        &nodal.symmetry,
+                        rows,
+                    );
                 } else if paired.images.is_empty() {
                     spread(element.gradient, element.hessian, sources);
                 } else {
@@ -510,6 +519,7 @@ fn fold_both(
     slot: &mut Slot<'_>,
     (sources, carriers): (&[Source], &[AnchorSource]),
     symmetry: &Symmetry,
+    rows: &mut Vec<f64>,
 ) {
     let mode = if hessians.is_empty() { Mode::Gradient } else { Mode::Hessian };
     let of_gap = derivatives(mode, sources.len());
@@ -519,7 +529,7 @@ fn fold_both(
     fold((gap_gradient, gap_hessian), (slot.gradient, slot.hessian), sources, symmetry);
     if let Some(slip) = &mut slot.slip {
         let numbers = (&rest[..of_slip.0], slip_hessian);
-        fold_with_anchor(numbers, (slip.gradient, slip.hessian), sources, carriers, symmetry);
+        fold_with_anchor(numbers, (slip.gradient, slip.hessian), (sources, carriers), symmetry, rows);
         *slip.tracked = tracked;
     }
 }

@@ -54,13 +54,13 @@ pub fn fold(
 }
 
 /// As [`fold`], for a quantity that depends on an anchor, whose coordinates come after those of the points: derivatives by it go
-/// to its carriers.
+/// to its carriers. `rows`: memory.
 pub fn fold_with_anchor(
     (by_points, hessian_by_points): (&[f64], &[f64]),
     (gradient, hessian): (&mut [f64], &mut [f64]),
-    sources: &[Source],
-    anchor: &[AnchorSource],
+    (sources, anchor): (&[Source], &[AnchorSource]),
     symmetry: &Symmetry,
+    rows: &mut Vec<f64>,
 ) {
     let image_of = |source: &Source| source.image.map(|number| symmetry.image(number));
     let target = |part: &AnchorSource| 3 * (part.source.listed as usize + 1);
@@ -79,16 +79,16 @@ pub fn fold_with_anchor(
     fold_hessian(&hessian_by_points[..packed(own, 0)], hessian, sources, image_of);
     // Rows of the anchor, by the listed nodes.
     let row = |axis: usize| &hessian_by_points[packed(own + axis, 0)..];
-    let rows = [0, 1, 2].map(|axis| {
-        let mut listed = vec![0.0; gradient.len()];
-        fold_gradient(&row(axis)[..own], &mut listed, sources, image_of);
-        listed
-    });
+    let freedoms = gradient.len();
+    rows.resize(3 * freedoms, 0.0);
+    for (axis, listed) in rows.chunks_exact_mut(freedoms).enumerate() {
+        fold_gradient(&row(axis)[..own], listed, sources, image_of);
+    }
     let own_block = [0, 1, 2].map(|i: usize| [0, 1, 2].map(|j: usize| row(i.max(j))[own + i.min(j)]));
     for part in anchor {
         let (image, place) = (image_of(&part.source), target(part));
-        for column in (0..gradient.len()).step_by(3) {
-            let block = [0, 1, 2].map(|i| [0, 1, 2].map(|j| part.weight * rows[i][column + j]));
+        for column in (0..freedoms).step_by(3) {
+            let block = [0, 1, 2].map(|i| [0, 1, 2].map(|j| part.weight * rows[i * freedoms + column + j]));
             let block = transposed(transposed(block).map(|column| back(image, column)));
             add_pair(hessian, (place, column), block);
         }
@@ -324,7 +324,13 @@ mod tests {
         // Three points of the element and the anchor: as many coordinates as an element of four points has.
         let (n, m) = derivatives(4, 4);
         let (mut gradient, mut hessian) = (vec![9.0; 12], vec![9.0; packed(12, 0)]);
-        fold_with_anchor((&n, &m), (&mut gradient, &mut hessian), &sources, &anchor, &symmetry);
+        fold_with_anchor(
+            (&n, &m),
+            (&mut gradient, &mut hessian),
+            (&sources, &anchor),
+            &symmetry,
+            &mut Vec::new(),
+        );
         let points = sources.iter().enumerate().map(|(own, source)| (own + 1, *source, 1.0));
         let carriers = anchor.iter().map(|part| (4, part.source, part.weight));
         let jacobian = jacobian(points.chain(carriers), &symmetry);

@@ -81,10 +81,7 @@ pub use options::{ContactElement, InterfaceOptions};
 pub use outcome::{NoContact, Outcome};
 pub use report::{FallbackCounts, GapJump, RefreshReport, SlaveGap};
 
-use anchors::{check_anchors, from_numbers, to_numbers};
 use contacts::Results;
-use diffuse_contact_kernels::cubic::Cubic;
-use diffuse_contact_kernels::support::KernelSet;
 use evaluate::{CHUNK, ElementScratch, Evaluator, Request};
 use nodal::{Nodal, symmetry_of};
 use pairings::Pairings;
@@ -94,7 +91,6 @@ pub(crate) use scratch::recycled;
 
 use std::sync::Arc;
 
-use crate::assembly::ContactLaw;
 use crate::neighbourhood::{NeighbourRule, SearchOptions};
 use crate::pairing::NearestNodes;
 use crate::surface::{Creases, Facet, MasterSurface, SymmetryPlane, check_position, tributary_areas};
@@ -180,8 +176,8 @@ impl ContactInterface {
     /// neighbours on both sides. To be called before the first [`refresh_pairing`](Self::refresh_pairing). Where the master ends in
     /// a plane, that is no border.
     ///
-    /// Domains of influence are found anew, at the positions of the last update. Nobody is paired then: pairings name images in the planes
-    /// of before.
+    /// Domains of influence are found anew, at the positions of the last update. Nobody is paired then, and the history of friction ends: both name images
+    /// in the planes of before.
     ///
     /// # Errors
     /// [`InterfaceError::Surface`] for planes that cannot be planes of symmetry; [`InterfaceError::NoSymmetry`] if masters are
@@ -198,12 +194,17 @@ impl ContactInterface {
         symmetry_of(&index, planes)?;
         self.nodal = Nodal::new(&index, &self.options, planes)?;
         self.planes = planes.to_vec();
-        self.listed = None;
         // Anchors name images by number.
         self.anchors = None;
+        self.end_pairings();
+        Ok(())
+    }
+
+    /// Until the next refresh no slave is paired.
+    fn end_pairings(&mut self) {
+        self.listed = None;
         let layout = &self.pairings.layout;
         self.pairings = Pairings::none(layout.slaves().to_vec(), layout.areas().to_vec());
-        Ok(())
     }
 
     /// The planes of symmetry.
@@ -245,80 +246,6 @@ impl ContactInterface {
     fn find_domains(&mut self) -> Result<(), InterfaceError> {
         let index = self.master.at(&self.positions)?;
         self.nodal = Nodal::new(&index, &self.options, &self.planes)?;
-        Ok(())
-    }
-
-    /// Accepts the state at the positions of the moment as the end of a step: friction of the next one is measured from here. Without
-    /// friction in the law nothing happens.
-    ///
-    /// To be called once before the first step, and then whenever a step has converged. Until then nothing of the history changes: a
-    /// host that cuts a step back has only to go on from the positions it began with. A slave that sticks keeps its anchor; one that
-    /// slides draws it along; of one that is open the foot becomes it.
-    ///
-    /// # Errors
-    /// As [`check_friction`](Self::check_friction).
-    ///
-    /// # Panics
-    /// If the law has multipliers, but not one for each slave.
-    pub fn accept(&mut self, law: &ContactLaw<'_>) -> Result<FrictionReport, InterfaceError> {
-        let Some(friction) = law.friction else { return Ok(FrictionReport::default()) };
-        self.check_friction()?;
-        let (anchors, report) = self.evaluator().accept(&self.pairings, law, &friction, &self.elements)?;
-        self.anchors = Some(anchors);
-        Ok(report)
-    }
-
-    /// Whether there can be friction.
-    ///
-    /// # Errors
-    /// [`InterfaceError::NoAnchors`] for facets, and for other neighbour rules than domains of influence;
-    /// [`InterfaceError::NoFrictionKernels`].
-    pub fn check_friction(&self) -> Result<(), InterfaceError> {
-        if self.nodal.is_none() {
-            return Err(InterfaceError::NoAnchors);
-        }
-        if Cubic::FRICTION { Ok(()) } else { Err(InterfaceError::NoFrictionKernels) }
-    }
-
-    /// The history of friction as plain numbers, for a restart; empty before a state was [accepted](Self::accept).
-    #[must_use]
-    pub fn history(&self) -> Vec<f64> {
-        self.anchors.as_deref().map_or_else(Vec::new, to_numbers)
-    }
-
-    /// Goes on from a [`history`](Self::history), bit for bit; none are no history. To be followed by a refresh of the pairing.
-    ///
-    /// # Errors
-    /// [`InterfaceError::InvalidHistory`], and as [`set_anchors`](Self::set_anchors). The history of before then stays.
-    pub fn set_history(&mut self, history: &[f64]) -> Result<(), InterfaceError> {
-        if history.is_empty() {
-            return self.set_anchors(None);
-        }
-        let anchors = from_numbers(history).map_err(|place| InterfaceError::InvalidHistory { place })?;
-        self.set_anchors(Some(anchors))
-    }
-
-    /// The history of friction, one entry per slave; `None` before a state was [accepted](Self::accept).
-    #[must_use]
-    pub fn anchors(&self) -> Option<&[Option<Anchor>]> {
-        self.anchors.as_deref()
-    }
-
-    /// Goes on from a history as [`anchors`](Self::anchors) gave it, or without any. To be followed by a refresh of the pairing.
-    ///
-    /// # Errors
-    /// [`InterfaceError::AnchorCount`], [`InterfaceError::ForeignCarrier`], and as [`accept`](Self::accept). The history of before then
-    /// stays.
-    pub fn set_anchors(&mut self, anchors: Option<Vec<Option<Anchor>>>) -> Result<(), InterfaceError> {
-        if let Some(anchors) = &anchors {
-            self.check_friction()?;
-            let Some(nodal) = &self.nodal else { return Err(InterfaceError::NoAnchors) };
-            check_anchors(anchors, self.slaves().len(), &self.master, &nodal.symmetry)?;
-        }
-        if self.anchors != anchors {
-            self.anchors = anchors;
-            self.listed = None;
-        }
         Ok(())
     }
 
@@ -527,7 +454,7 @@ impl ContactInterface {
 
     /// As [`evaluate`](Self::evaluate), but with derivatives only where `is_loaded` says so of the index of a slave, its gap and its
     /// tributary area; the gradient and the Hessian of others are empty. With the forces of a
-    /// [`ContactLaw`], `|k, gap, area| law.force(k, gap, area) > 0.0`, residual and tangent by this
+    /// [`ContactLaw`](crate::assembly::ContactLaw), `|k, gap, area| law.force(k, gap, area) > 0.0`, residual and tangent by this
     /// law are those of all contacts, bit for bit: nothing else is read for them.
     ///
     /// All gaps are evaluated first, in [`Mode::Value`], so where most contacts carry force this takes longer. What is

@@ -6,7 +6,7 @@ use diffuse_contact::interface::{FrictionReport, InterfaceOptions};
 use diffuse_contact::surface::{Facet, SymmetryPlane};
 use diffuse_contact::{Mode, Point};
 
-use super::pass::{FrictionHistory, Pass};
+use super::pass::{FrictionHistory, NodalForces, Pass};
 use super::{ContactError, LostContact};
 use crate::system::{BlockMatrix, Symmetry};
 
@@ -232,7 +232,7 @@ pub struct SlaveState {
     pub friction: Point,
     /// Whether it sticks or slides.
     pub friction_state: FrictionState,
-    /// Its slip since it touched or stuck, length.
+    /// Its way from its anchor since it touched, length: of one that slides, what it slid in the increment and its elastic slip.
     pub slip: f64,
     /// Tributary area, length²; 1 if the interface carries none.
     pub area: f64,
@@ -298,12 +298,12 @@ impl Interaction {
         self.passes.iter().flat_map(Pass::slaves)
     }
 
-    /// Force on each of `count` nodes at the last evaluation, as slave and as master, in all passes: what enters equilibrium.
+    /// Forces on each of `count` nodes at the last evaluation.
     #[must_use]
-    pub fn nodal_forces(&self, count: usize) -> Vec<Point> {
-        let mut forces = vec![[0.0; 3]; count];
-        self.passes.iter().for_each(|pass| pass.add_nodal_forces(&mut forces));
-        forces
+    pub fn nodal_forces(&self, count: usize) -> NodalForces {
+        let mut all = NodalForces { forces: vec![[0.0; 3]; count], friction: vec![[0.0; 3]; count] };
+        self.passes.iter().for_each(|pass| pass.add_nodal_forces(&mut all));
+        all
     }
 
     /// How many derivatives the last evaluation was for.
@@ -337,9 +337,7 @@ impl Interaction {
         self.each(|pass| {
             let report = pass.accept()?;
             if let Some(sum) = &mut sum {
-                sum.stuck += report.stuck;
-                sum.sliding += report.sliding;
-                sum.dissipated += report.dissipated;
+                *sum += report;
             }
             Ok(())
         })?;

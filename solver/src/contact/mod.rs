@@ -19,7 +19,7 @@ pub use interaction::{
     Augmentation, Augmented, Friction, Interaction, InteractionOptions, RefreshRule, SlaveState, TangentRule,
 };
 pub use losses::LostContact;
-pub use pass::FrictionHistory;
+pub use pass::{FrictionHistory, NodalForces};
 
 use diffuse_contact::Mode;
 use diffuse_contact::interface::FrictionReport;

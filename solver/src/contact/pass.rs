@@ -16,6 +16,15 @@ use super::losses::{Losses, is_failure};
 use super::{ContactError, InteractionOptions, LostContact, SlaveState, TangentRule};
 use crate::system::{BlockMatrix, Symmetry};
 
+/// What contact exerts on each node, as slave and as master, in all passes.
+#[derive(Clone, Debug)]
+pub struct NodalForces {
+    /// All of it: what enters equilibrium.
+    pub forces: Vec<Point>,
+    /// The part that is friction.
+    pub friction: Vec<Point>,
+}
+
 /// What a pass with friction remembers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrictionHistory {
@@ -103,7 +112,7 @@ impl Pass {
         if !options.symmetry.is_empty() {
             interface.set_symmetry(&options.symmetry).map_err(named)?;
         }
-        let friction = match options.friction {
+        let friction = match options.friction.filter(|friction| friction.coefficient != 0.0) {
             Some(friction) => {
                 interface.check_friction().map_err(named)?;
                 // Two passes have half of each other's penalty, and of a stiffness that was given.
@@ -122,7 +131,7 @@ impl Pass {
             interface,
             penalty,
             tangent,
-            friction: friction.filter(|friction| friction.coefficient() > 0.0),
+            friction,
             is_symmetric: options.friction.is_some_and(|friction| friction.is_symmetric),
             dissipated: 0.0,
             dofs,
@@ -161,7 +170,7 @@ impl Pass {
         Ok(())
     }
 
-    /// Accepts the last evaluation as the end of an increment.
+    /// Accepts the positions of the moment as the end of an increment.
     pub fn accept(&mut self) -> Result<FrictionReport, PassError> {
         let Self { interface, penalty, multipliers, friction, .. } = self;
         let report = interface.accept(&normal_law(*penalty, multipliers).with_friction(*friction))?;
@@ -234,8 +243,7 @@ impl Pass {
     pub fn add_tangent(&mut self, matrix: &mut BlockMatrix, tangent: Tangent) -> Result<Symmetry, PassError> {
         let mut entries = std::mem::take(&mut self.values);
         let law = ContactLaw::penalty(self.penalty).with_tangent(tangent).with_friction(self.friction);
-        let is_full = !law.is_symmetric();
-        let is_general = is_full && !self.is_symmetric;
+        let mut symmetry = Symmetry::Symmetric;
         let mut nodes = Vec::new();
         for (k, contact) in self.contacts().iter().enumerate() {
             let ContactRef { slave, point, area, gradient, hessian, slip, .. } = contact;
@@ -249,6 +257,8 @@ impl Pass {
             nodes.extend(contact.nodes.iter().map(|&node| node as usize));
             let size = gradient.len();
             let view = ContactView { gap: point.gap, area, gradient, hessian, slip };
+            let friction = law.friction_of(0, point.gap, area, slip);
+            let is_full = !law.is_symmetric() && friction.is_some_and(|force| force.factor_by_gap != 0.0);
             let made = if is_full {
                 entries.resize(size * size, 0.0);
                 law.element_system(&view, &mut [], &mut entries)
@@ -263,16 +273,17 @@ impl Pass {
                 }
                 other => other,
             })?;
-            if is_general {
-                matrix.add(&nodes, &entries, 1.0);
-            } else if is_full {
-                matrix.add_symmetric(&nodes, &symmetric_part(&entries, size), 1.0);
-            } else {
-                matrix.add_symmetric(&nodes, &entries, 1.0);
+            match (is_full, self.is_symmetric) {
+                (false, _) => matrix.add_symmetric(&nodes, &entries, 1.0),
+                (true, true) => matrix.add_symmetric(&nodes, &symmetric_part(&entries, size), 1.0),
+                (true, false) => {
+                    matrix.add(&nodes, &entries, 1.0);
+                    symmetry = Symmetry::General;
+                }
             }
         }
         self.values = entries;
-        Ok(if is_general { Symmetry::General } else { Symmetry::Symmetric })
+        Ok(symmetry)
     }
 
     /// λ ← max(0, λ − ε g), but where nothing can move: there no multiplier closes the gap.
@@ -340,7 +351,7 @@ impl Pass {
     }
 
     /// Adds what each contact exerts on its slave and its masters at the last evaluation.
-    pub fn add_nodal_forces(&self, forces: &mut [Point]) {
+    pub fn add_nodal_forces(&self, all: &mut NodalForces) {
         let law = self.law();
         for (k, contact) in
             self.contacts().iter().enumerate().filter(|(_, contact)| contact.outcome.is_contact())
@@ -352,7 +363,9 @@ impl Pass {
             for (local, (node, gradient)) in nodes.zip(gradients).enumerate() {
                 let slip = of_slip.get(local).copied().unwrap_or([0.0; 3]);
                 for axis in 0..3 {
-                    forces[node][axis] += force * gradient[axis] - factor * slip[axis];
+                    let friction = -factor * slip[axis];
+                    all.forces[node][axis] += force * gradient[axis] + friction;
+                    all.friction[node][axis] += friction;
                 }
             }
         }

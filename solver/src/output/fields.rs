@@ -28,9 +28,9 @@ pub enum ContactStatus {
 /// Friction at the nodes of slave surfaces, zero elsewhere.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrictionFields {
-    /// Slip since the slave touched or stuck, length.
+    /// Way from the anchor since the slave touched, length: of one that slides, what it slid in the increment and its elastic slip.
     pub slip: Vec<f64>,
-    /// Friction on the node over its tributary area at the start, force per area.
+    /// At the nodes of slave surfaces: friction on the node over its tributary area at the start, force per area.
     pub traction: Vec<[f64; 3]>,
     /// 0 open or no slave, 1 stick, 2 slip.
     pub status: Vec<i32>,
@@ -41,7 +41,7 @@ impl FrictionFields {
         Self { slip: vec![0.0; count], traction: vec![[0.0; 3]; count], status: vec![0; count] }
     }
 
-    fn add(&mut self, slave: &SlaveState, area: f64) {
+    fn add(&mut self, slave: &SlaveState, force: [f64; 3], area: f64) {
         let status = match slave.friction_state {
             FrictionState::Open => 0,
             FrictionState::Stick => 1,
@@ -52,7 +52,7 @@ impl FrictionFields {
         self.slip[node] = self.slip[node].max(slave.slip);
         if area > 0.0 {
             for axis in 0..3 {
-                self.traction[node][axis] += slave.friction[axis] / area;
+                self.traction[node][axis] += force[axis] / area;
             }
         }
     }
@@ -159,7 +159,9 @@ impl Fields {
         let forces = interaction.nodal_forces(areas.len());
         if interaction.options().friction.is_some() {
             let friction = self.friction.get_or_insert_with(|| FrictionFields::zero(areas.len()));
-            interaction.slaves().for_each(|slave| friction.add(&slave, areas[slave.node]));
+            for slave in interaction.slaves() {
+                friction.add(&slave, forces.friction[slave.node], areas[slave.node]);
+            }
         }
         for slave in interaction.slaves() {
             let node = slave.node;
@@ -178,7 +180,7 @@ impl Fields {
             }
             self.contact_status[node] = self.contact_status[node].max(status as i32);
             if areas[node] > 0.0 {
-                self.contact_pressure[node] += pressing(forces[node], slave.normal) / areas[node];
+                self.contact_pressure[node] += pressing(forces.forces[node], slave.normal) / areas[node];
             }
         }
     }

@@ -6,6 +6,8 @@ use std::path::Path;
 
 use diffuse_contact_mesh::names::shown;
 
+use diffuse_contact::interface::FrictionReport;
+
 use super::OutputError;
 use crate::contact::Interaction;
 use crate::statics::{IncrementRecord, IterationRecord, Problem};
@@ -59,7 +61,7 @@ pub(super) fn header(problem: &Problem) -> String {
         |name: &str| name.replace(|letter: char| letter == ',' || letter == '"' || letter.is_control(), "_");
     for interaction in with_friction(problem) {
         let name = column_name(&interaction.options().name);
-        let _ = write!(line, ",stuck:{name},sliding:{name},dissipated:{name}");
+        let _ = write!(line, ",stuck:{name},sliding:{name},unanchored:{name},dissipated:{name}");
     }
     let mut vector = |what: &str, name: &str| {
         let name = column_name(name);
@@ -93,7 +95,8 @@ pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> S
         wall_s
     );
     for (interaction, friction) in with_friction(problem).zip(record.friction.iter().flatten()) {
-        let _ = write!(line, ",{},{},{:?}", friction.stuck, friction.sliding, interaction.dissipated());
+        let FrictionReport { stuck, sliding, unanchored, .. } = friction;
+        let _ = write!(line, ",{stuck},{sliding},{unanchored},{:?}", interaction.dissipated());
     }
     let mut vector = |values: [f64; 3]| {
         for value in values {
@@ -108,7 +111,8 @@ pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> S
     line
 }
 
-/// The interactions that have columns of friction: numbers of slaves that stick and slide, and the work of friction so far.
+/// The interactions that have columns of friction: numbers of slaves that stick, slide and have no anchor
+/// yet, and the work of friction so far.
 fn with_friction(problem: &Problem) -> impl Iterator<Item = &Interaction> {
     problem.contacts().interactions().iter().filter(|interaction| interaction.options().friction.is_some())
 }

@@ -13,7 +13,7 @@ const colours = ["#0b6bcb", "#d9730d", "#2e7d32", "#7b3fa0", "#8a6d00", "#c2185b
 const units = {
   displacement: "length", reaction: "force", von_mises: "force / length²", contact_pressure: "force / length²", contact_gap: "length", contact_slip: "length",
 };
-const words = { von_mises: "von Mises stress", plastic_strain: "equivalent plastic strain", contact_pressure: "contact pressure", contact_gap: "contact gap", contact_slip: "slip" };
+const words = { von_mises: "von Mises stress", plastic_strain: "equivalent plastic strain", contact_pressure: "contact pressure", contact_gap: "contact gap", contact_slip: "way from the anchor" };
 const labelled = (name, axis) => `${words[name] || name}${axis ? ` ${axis}` : ""}${units[name] ? `, ${units[name]}` : ""}`;
 const least = (values, start) => values.reduce((a, b) => (b < a ? b : a), start);
 const most = (values, start) => values.reduce((a, b) => (b > a ? b : a), start);

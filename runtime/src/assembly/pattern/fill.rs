@@ -10,8 +10,8 @@ impl CsrPattern {
     /// Writes the sum of the tangents of all elements that carry force into `values`, one per entry, and returns the
     /// number of these elements. Nothing is allocated.
     ///
-    /// `elements` are those the pattern was built for, in the same order; only their contact quantities may differ. The
-    /// matrix is symmetric to the last bit, unless nodes occur more than once in an element: the sums of their entries
+    /// `elements` are those the pattern was built for, in the same order; only their contact quantities may differ. Without
+    /// friction the matrix is symmetric to the last bit, unless nodes occur more than once in an element: the sums of their entries
     /// are then rounded in a different order.
     ///
     /// # Errors

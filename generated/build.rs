@@ -27,9 +27,12 @@ fn coulomb(m: &ElementModel<'_>) {
     let [q, pressure]: [Expr<'_>; 2] = ["half_square", "pressure"].map(|name| m.variable(name));
     let [mu, stiffness, opening] = m.parameters(["coefficient", "stiffness", "opening"]);
     let slip = (2.0 * q).sqrt();
-    // Of a contact that was open, the slip since the place of touch.
-    let share = pressure / (pressure + opening);
+    // Of a contact that was open, the slip since the place of touch; of another all of it, to the last bit.
+    let (zero, one) = (m.sheet().zero(), m.sheet().one());
+    let share = zero.less(opening).select(pressure / (pressure + opening), one);
     let (limit, stuck) = (mu * pressure, share * stiffness);
+    let slides = limit.less(stuck * slip);
     m.value("share", share);
-    m.residual("factor", limit.less(stuck * slip).select(limit / slip, stuck));
+    m.value("slides", slides.select(one, zero));
+    m.residual("factor", slides.select(limit / slip, stuck));
 }

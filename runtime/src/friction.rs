@@ -159,14 +159,19 @@ impl Coulomb {
         let inputs = coulomb::Inputs { half_square, pressure: normal.force, coefficient, stiffness, opening };
         let coulomb::Results { values, factor_jacobian: [by_half_square, by_pressure] } =
             coulomb::evaluate(Mode::Gradient, &inputs);
-        let coulomb::Values { factor, share, .. } = values;
+        let coulomb::Values { factor, share, slides, .. } = values;
+        let (state, kept) = if slides > 0.0 {
+            (FrictionState::Slip, factor / stiffness)
+        } else {
+            (FrictionState::Stick, share)
+        };
         FrictionForce {
-            state: if factor < share * stiffness { FrictionState::Slip } else { FrictionState::Stick },
+            state,
             factor,
             factor_by_half_square: by_half_square,
             factor_by_gap: -normal.stiffness * by_pressure,
             share,
-            kept: factor / stiffness,
+            kept,
         }
     }
 }
@@ -272,6 +277,17 @@ mod tests {
             let by_gap = (at(h, q).factor - at(-h, q).factor) / (2.0 * h);
             assert!((force.factor_by_half_square - by_q).abs() <= 1e-7 * by_q.abs());
             assert!((force.factor_by_gap / by_gap - 1.0).abs() < 1e-7);
+        }
+    }
+
+    #[test]
+    fn a_contact_that_sticks_keeps_all_of_its_slip() {
+        for k in 1..10_000 {
+            let pressure = 0.37 * f64::from(k).sqrt();
+            let law = Coulomb::new(0.3, 100.0 + 0.1 * f64::from(k)).unwrap();
+            let force = law.force(NormalForce { force: pressure, stiffness: 400.0 }, 1e-30);
+            assert_eq!((force.state, force.share, force.kept), (FrictionState::Stick, 1.0, 1.0), "{k}");
+            assert_eq!((force.factor, force.dissipated(1e-15)), (law.stiffness(), 0.0));
         }
     }
 

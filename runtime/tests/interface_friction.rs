@@ -411,8 +411,14 @@ fn what_is_no_history_is_refused() {
     let refused = add_residual(contacts, &pressed.law, &dofs, &mut forces);
     assert_eq!(refused, Err(AssemblyError::NoSlip { element: 0 }));
 
-    // Facets and hull layers have no anchors.
+    // Before the first refresh there is nothing to begin from.
     let plane = Mesh::plane(4.0, 4.0, 1.0);
+    let mut scene = plane.scene(&[[2.2, 2.1, -0.1]], InterfaceOptions::default());
+    assert_eq!(scene.interface.accept(&law(0.1)), Err(InterfaceError::NotRefreshed));
+    scene.refresh();
+    assert_eq!(scene.interface.accept(&law(0.1)).unwrap().unanchored, 1);
+
+    // Facets and hull layers have no anchors.
     for options in [InterfaceOptions::node_to_facet(), hull_layers()] {
         let mut scene = plane.paired(&[[2.2, 2.1, -0.1]], options);
         assert_eq!(scene.interface.accept(&law(0.1)), Err(InterfaceError::NoAnchors));

@@ -14,7 +14,7 @@ use super::evaluate::{ElementScratch, Evaluator};
 use super::fold::{AnchorSource, Source};
 use super::pairings::{Paired, Pairings};
 use super::scratch::Pool;
-use super::{ContactElement, ContactInterface, InterfaceError};
+use super::{ContactElement, ContactInterface, InterfaceError, NoContact};
 use crate::affine::Carrier;
 use crate::assembly::ContactLaw;
 use crate::friction::{Coulomb, FrictionState};
@@ -194,11 +194,17 @@ impl ContactInterface {
     /// foot becomes it.
     ///
     /// # Errors
-    /// As [`check_friction`](Self::check_friction); [`InterfaceError::Law`] for a law that is none. The history then stays.
+    /// As [`check_friction`](Self::check_friction); [`InterfaceError::Law`] for a law that is none; [`InterfaceError::NotRefreshed`]
+    /// before the first refresh. The history then stays.
     pub fn accept(&mut self, law: &ContactLaw<'_>) -> Result<FrictionReport, InterfaceError> {
         let Some(friction) = law.friction else { return Ok(FrictionReport::default()) };
         self.check_friction()?;
         law.validate(self.slaves().len())?;
+        let is_refreshed =
+            self.pairings.records.iter().any(|record| !matches!(record, Err(NoContact::NotPaired)));
+        if !is_refreshed {
+            return Err(InterfaceError::NotRefreshed);
+        }
         let (anchors, report) = self.evaluator().accept(&self.pairings, law, &friction, &self.elements)?;
         self.anchors = Some(anchors);
         Ok(report)

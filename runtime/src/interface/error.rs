@@ -37,10 +37,19 @@ pub enum InterfaceError {
     #[error("symmetry planes need the neighbour rule \"domains\": other rules have no mirror images")]
     NoSymmetry,
     /// Anchors are kept with the smooth surface only.
-    #[error("friction needs the diffuse element with the neighbour rule \"domains\"")]
+    #[error(
+        "friction needs the diffuse element with the neighbour rule \"domains\", not facets or another rule"
+    )]
     NoAnchors,
+    /// A step is accepted before any slave was paired: all would be without friction.
+    #[error(
+        "a step is accepted before the first refresh of the pairing: no slave has a foot that friction could begin from"
+    )]
+    NotRefreshed,
     /// The kernels of friction were not compiled in.
-    #[error("there are no kernels of friction: build diffuse-contact with its feature \"friction\"")]
+    #[error(
+        "there are no kernels of friction in this build: build it with the feature \"friction\", see docs/how-to/friction.md"
+    )]
     NoFrictionKernels,
     /// The numbers of a saved history of friction are none.
     #[error("number {place} of the history of friction is none of a history")]
@@ -141,6 +150,7 @@ impl InterfaceError {
             Self::HeldFrame => "held-frame",
             Self::NoSymmetry => "no-symmetry",
             Self::NoAnchors => "no-anchors",
+            Self::NotRefreshed => "not-refreshed",
             Self::NoFrictionKernels => "no-friction-kernels",
             Self::InvalidHistory { .. } => "invalid-history",
             Self::AnchorCount { .. } => "anchor-count",

@@ -14,7 +14,7 @@ use crate::batch::{BatchScratch, GapSlot, Waiting, contact_point, evaluate};
 use crate::element::nearest_in_plane;
 use crate::generated::frame_rule;
 use crate::neighbourhood::Fallback;
-use crate::surface::{BorderScratch, Creases, MasterSurface, Symmetry};
+use crate::surface::{BorderScratch, Creases, MasterSurface, Shape, Symmetry};
 use crate::{
     ContactPoint, Domains, Element, ElementError, FacetElement, Frame, FrameDerivative, Generated, Mode,
     Point, Weight,
@@ -22,6 +22,9 @@ use crate::{
 
 /// Slaves that one thread evaluates in a row: enough for full vectors although numbers of masters differ.
 pub const CHUNK: usize = 256;
+
+/// In facets: a slave as deep as this whose own place is as far beyond the border has no foot inside.
+const FAR: f64 = 0.5;
 
 /// What every element of an interface has in common.
 #[derive(Clone, Copy, Debug)]
@@ -420,16 +423,36 @@ impl Evaluator<'_> {
         border: &mut BorderScratch,
     ) -> Result<ContactPoint, NoContact> {
         if !paired.patch.is_empty() {
-            // A slave that has slid far beyond the border has no fit any more: the border is the reason.
-            let foot = match &point {
-                Ok(point) => point.foot,
+            let slave = self.positions[paired.slave];
+            let mut beyond_border =
+                |x: Point| self.creases.beyond(self.surface, self.positions, paired.patch, x, border);
+            let beyond = match &point {
+                Ok(point) if !self.is_over(paired, point) => beyond_border(slave),
+                Ok(point) => {
+                    let beyond = beyond_border(point.foot);
+                    // The fit of a slave far beyond the border may come back and put the foot inside, far below the slave.
+                    let is_deep = point.gap < -FAR * self.facet(paired).extent();
+                    let own = if is_deep { beyond_border(slave) } else { 0.0 };
+                    if own > FAR { beyond.max(own) } else { beyond }
+                }
                 Err(error @ ElementError::BeyondCentreOfCurvature { .. }) => return Err((*error).into()),
-                Err(_) => self.positions[paired.slave],
+                // A slave that has slid far beyond the border has no fit any more: the border is the reason.
+                Err(_) => beyond_border(slave),
             };
-            let beyond = self.creases.beyond(self.surface, self.positions, paired.patch, foot, border);
             self.check_border(beyond)?;
         }
         point.map_err(NoContact::from)
+    }
+
+    /// The facet of a pairing as it lies now.
+    fn facet(&self, paired: &Paired<'_>) -> Shape {
+        self.surface.shape(paired.record.facet as usize, self.positions)
+    }
+
+    /// Whether the surface at the foot looks where the slave's facet does, within the angle that ends a patch.
+    fn is_over(&self, paired: &Paired<'_>, point: &ContactPoint) -> bool {
+        self.facet(paired).normal().dot(&point.normal.into())
+            >= self.options.feature_angle_degrees.to_radians().cos()
     }
 
     fn check_border(&self, beyond: f64) -> Result<(), NoContact> {

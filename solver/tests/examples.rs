@@ -304,3 +304,17 @@ fn ring_block() {
         assert!((0.2..0.3).contains(&(end / peak)), "{end} after {peak}");
     }
 }
+
+/// Nodal domains on the ring: slaves of the block above its ends, beyond the border, have no contact with it, however the fit of the
+/// nodes on one side goes on.
+#[test]
+fn a_ring_with_nodal_domains_snaps_through() {
+    let mut deck = deck("ring_block.toml", Contact::Diffuse);
+    deck.interfaces[0].exchange = true;
+    deck.interfaces[0].surface =
+        deck.interfaces[0].surface.with_element(ContactElement::diffuse(SearchOptions::domains()));
+    let run = run(&deck, |snapshot| Ok(snapshot.contact_force()[1].abs()));
+    assert_eq!((run.measures.len(), run.cutbacks), (21, 0));
+    let peak = run.measures.iter().copied().fold(0.0, f64::max);
+    assert!((0.2..0.35).contains(&(run.measures.last().unwrap() / peak)), "{:?}", run.measures);
+}

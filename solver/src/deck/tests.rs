@@ -512,6 +512,8 @@ fn the_example_decks_build() {
         ("plate_cylinder", (100, 32, 100)),
         ("ring_block", (128 + 360, 60, 64)),
         ("sliding_block", (108, 150, 36)),
+        ("inclined_block", (64, 65, 16)),
+        ("belt", (144, 60, 144)),
     ]);
     let mut found = BTreeSet::new();
     for entry in std::fs::read_dir(root().join("examples")).unwrap() {
@@ -559,6 +561,7 @@ fn every_field_is_documented_and_every_documented_field_exists() {
         ("`[[pressure]]`", schema::PRESSURE),
         ("`[[interface]]`", schema::INTERFACE),
         ("`augmentation`", schema::AUGMENTATION),
+        ("`friction`", schema::FRICTION),
         ("`neighbours`", schema::NEIGHBOURS),
         ("`[time]`", schema::TIME),
         ("`[newton]`", schema::NEWTON),

@@ -74,7 +74,8 @@ impl Tangent {
 /// and, of the two one-sided tangents, the one of the open side: zero.
 ///
 /// With friction each element that carries force adds −c_k ∇q_k to R_k, see [`Coulomb`], and its derivative to K_k. K_k is then not
-/// symmetric where the contact slides, and where it has closed since the last accepted step. Of that derivative [`Tangent::GaussNewton`] keeps c ∇²q + ∂c/∂q ∇q ∇qᵀ, which is symmetric.
+/// symmetric where the contact slides, and where it has closed since the last accepted step. Of that derivative
+/// [`Tangent::GaussNewton`] keeps c ∇²q + ∂c/∂q ∇q ∇qᵀ, which is symmetric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ContactLaw<'a> {

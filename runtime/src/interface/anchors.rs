@@ -107,7 +107,7 @@ pub struct FrictionReport {
 
 /// An anchor of the next step, and what the contact did in the last.
 struct Accepted {
-    anchor: Option<Anchor>,
+    anchor: Anchor,
     state: Option<FrictionState>,
     is_open: bool,
     dissipated: f64,
@@ -315,7 +315,7 @@ impl Evaluator<'_> {
             let was_closed = self.anchor(k).is_some_and(|anchor| anchor.opening == 0.0);
             report.add(one.as_ref(), was_closed);
         }
-        Ok((accepted.into_iter().map(|one| one?.anchor).collect(), report))
+        Ok((accepted.into_iter().map(|one| Some(one?.anchor)).collect(), report))
     }
 
     /// `None` without contact.
@@ -356,7 +356,7 @@ impl Evaluator<'_> {
             }
         };
         Some(Accepted {
-            anchor: Some(Anchor { point, opening: if is_open { gap.max(0.0) } else { 0.0 } }),
+            anchor: Anchor { point, opening: if is_open { gap.max(0.0) } else { 0.0 } },
             state: force.map(|force| force.state),
             is_open,
             dissipated: force.map_or(0.0, |force| force.dissipated(slip.length())),

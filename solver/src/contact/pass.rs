@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use diffuse_contact::assembly::{AssemblyError, ContactLaw, ContactView, DofMap, Tangent, add_residual};
-use diffuse_contact::friction::{Coulomb, FrictionState};
+use diffuse_contact::friction::{Coulomb, FrictionForce, FrictionState};
 use diffuse_contact::interface::{
     ContactInterface, ContactRef, Contacts, FrictionReport, InterfaceError, Outcome,
 };
@@ -357,7 +357,8 @@ impl Pass {
             self.contacts().iter().enumerate().filter(|(_, contact)| contact.outcome.is_contact())
         {
             let force = law.force(k, contact.point.gap, contact.area);
-            let (of_slip, factor) = friction_of(&law, k, &contact);
+            let (friction, of_slip) = friction_of(&law, k, &contact);
+            let factor = friction.map_or(0.0, |friction| friction.factor);
             let nodes = std::iter::once(contact.slave).chain(contact.nodes.iter().map(|&node| node as usize));
             let gradients = contact.gradient.as_chunks::<3>().0;
             for (local, (node, gradient)) in nodes.zip(gradients).enumerate() {
@@ -380,11 +381,11 @@ impl Pass {
                 Outcome::Contact { fallback } => {
                     let is_linear = matches!(fallback, Fallback::Linear { .. });
                     let force = law.force(k, point.gap, area);
-                    let (of_slip, factor) = friction_of(&law, k, &contact);
+                    let (known, of_slip) = friction_of(&law, k, &contact);
+                    let factor = known.map_or(0.0, |known| known.factor);
                     let friction = of_slip.first().map_or([0.0; 3], |slip| slip.map(|slip| -factor * slip));
                     let nodal_force =
                         [0, 1, 2].map(|axis| gradient.get(axis).map_or(0.0, |n| force * n) + friction[axis]);
-                    let known = law.friction_of(k, point.gap, area, contact.slip);
                     let slipped = contact.slip.map_or(0.0, |slip| (2.0 * slip.half_square).sqrt());
                     let slip = known.map_or(0.0, |known| known.share * slipped);
                     let friction_state = known.map_or(FrictionState::Open, |known| known.state);
@@ -425,13 +426,14 @@ impl Pass {
     }
 }
 
-/// ∇q by node and the factor c of a contact's friction, −c ∇q; nothing and 0 without.
-fn friction_of<'a>(law: &ContactLaw<'_>, k: usize, contact: &ContactRef<'a>) -> (&'a [[f64; 3]], f64) {
+/// The friction of a contact, −c ∇q, with ∇q by node; nothing without.
+fn friction_of<'a>(
+    law: &ContactLaw<'_>,
+    k: usize,
+    contact: &ContactRef<'a>,
+) -> (Option<FrictionForce>, &'a [[f64; 3]]) {
     let force = law.friction_of(k, contact.point.gap, contact.area, contact.slip);
-    match (force, contact.slip) {
-        (Some(force), Some(slip)) => (slip.gradient.as_chunks().0, force.factor),
-        _ => (&[], 0.0),
-    }
+    (force, contact.slip.map_or(&[], |slip| slip.gradient.as_chunks().0))
 }
 
 /// The packed lower triangle of ½ (K + Kᵀ).

@@ -236,6 +236,36 @@ fn a_root_of_two_equations_is_part_of_an_energy() {
     assert!(text.contains("TwoEquations"), "{text}");
 }
 
+/// A quantity in a root's equations that is itself made of others: a length, which the derivatives go through by a symbol of its own.
+#[test]
+fn a_root_depends_on_quantities_that_are_rewritten() {
+    let element = kernels(|m| {
+        let x: Vec2<'_> = m.variable("x");
+        let direction = m.define("direction", x.unit());
+        let u = m.sheet().variables(["u", "v"]);
+        let equations =
+            Vector([u[0] + 0.1 * u[1] * u[1] - direction[0], u[1] + 0.2 * u[0] * u[1] - direction[1]]);
+        let (_, u) = m.sheet().root("point", u, equations);
+        m.residual("force", u[0] * direction);
+    });
+    let x = [0.4, -0.3];
+    let mut inputs = NodeInputs::new(0);
+    set(&mut inputs, &element.signature.inputs[0], &x);
+    let found = interpreted(&element, Mode::Gradient, &inputs);
+    for i in 0..2 {
+        let (gradient, _) = by_hyper_dual(&x, |x| {
+            let norm = (x[0] * x[0] + x[1] * x[1]).sqrt();
+            let d = [x[0] / norm, x[1] / norm];
+            let (mut u, mut v) = (HyperDual::from(0.0), HyperDual::from(0.0));
+            for _ in 0..200 {
+                (u, v) = (d[0] - v * v * 0.1, d[1] / (u * 0.2 + 1.0));
+            }
+            u * d[i]
+        });
+        assert!(difference(&found("force_jacobian")[2 * i..2 * i + 2], &gradient) < 1e-12);
+    }
+}
+
 /// Outside mechanics: how far a plane arm of three links is from a point, by its angles.
 #[test]
 fn an_arm_has_the_hessian_of_its_distance() {

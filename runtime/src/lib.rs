@@ -48,6 +48,7 @@
 //! | module | what it holds |
 //! | --- | --- |
 //! | [`interface`], [`surface`] | whole interfaces: pairing, evaluation, outcomes; facets, sheets, borders |
+//! | [`faces`] | contact integrated over the slave's faces: exact patch test |
 //! | [`assembly`] | contact force and tangent, as triplets or compressed rows |
 //! | [`element`], [`frame`], [`output`], [`error`](mod@error) | one element, its input and results |
 //! | [`facet`] | the classic element, a node against one facet |
@@ -67,6 +68,7 @@ pub mod batch;
 pub mod eigen;
 pub mod element;
 pub mod error;
+pub mod faces;
 pub mod facet;
 pub mod frame;
 pub mod friction;

@@ -50,7 +50,15 @@ pub fn with_found<'g>(sheet: &'g Sheet, outputs: &[Expr<'g>], variables: &[Expr<
             finder.add(other, rewritten);
         }
     }
-    let outputs = outputs.iter().map(|&x| finder.rewritten(x)).collect();
+    let outputs: Vec<Expr<'g>> = outputs.iter().map(|&x| finder.rewritten(x)).collect();
+    // The equations of roots keep the symbols they were written with: these follow the ones that stand for them.
+    for Intermediate { symbol, .. } in bound(&outputs, variables) {
+        let stands_for = finder.replacements.iter().find(|(old, _)| *old == symbol.id());
+        let Some(&(_, new)) = stands_for else { continue };
+        let place = finder.intermediates.iter().position(|intermediate| intermediate.symbol.id() == new);
+        let definition = sheet.expr(new);
+        finder.intermediates.insert(place.map_or(0, |place| place + 1), Intermediate { symbol, definition });
+    }
     Written { outputs, chain: Chain::new(variables.to_vec(), &finder.intermediates) }
 }
 

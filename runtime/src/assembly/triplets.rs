@@ -103,6 +103,13 @@ impl Triplets {
         self.values.try_reserve(more).map_err(too_large)
     }
 
+    /// Adds an entry.
+    pub(crate) fn push(&mut self, row: usize, column: usize, value: f64) {
+        self.rows.push(row);
+        self.columns.push(column);
+        self.values.push(value);
+    }
+
     /// Removes all entries, keeps the memory.
     pub fn clear(&mut self) {
         self.rows.clear();

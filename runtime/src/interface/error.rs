@@ -51,6 +51,9 @@ pub enum InterfaceError {
         "there are no kernels of friction in this build: build it with the feature \"friction\", see docs/how-to/friction.md"
     )]
     NoFrictionKernels,
+    /// Friction, which belongs to slave nodes, with forces integrated over faces.
+    #[error("friction goes with contact at slave nodes, not with contact integrated over faces")]
+    FrictionOverFaces,
     /// The numbers of a saved history of friction are none.
     #[error("number {place} of the history of friction is none of a history")]
     InvalidHistory {
@@ -152,6 +155,7 @@ impl InterfaceError {
             Self::NoAnchors => "no-anchors",
             Self::NotRefreshed => "not-refreshed",
             Self::NoFrictionKernels => "no-friction-kernels",
+            Self::FrictionOverFaces => "friction-over-faces",
             Self::InvalidHistory { .. } => "invalid-history",
             Self::AnchorCount { .. } => "anchor-count",
             Self::ForeignCarrier { .. } => "foreign-carrier",

@@ -81,14 +81,15 @@ pub use options::{ContactElement, InterfaceOptions};
 pub use outcome::{NoContact, Outcome};
 pub use report::{FallbackCounts, GapJump, RefreshReport, SlaveGap};
 
-use contacts::Results;
+pub(crate) use contacts::Results;
 use evaluate::{CHUNK, ElementScratch, Evaluator, Request};
 use nodal::{Nodal, symmetry_of};
 use pairings::Pairings;
-use refresh::{Refresh, RefreshScratch, SKIN};
+use refresh::{Compares, Refresh, RefreshScratch, SKIN};
 use scratch::Pool;
 pub(crate) use scratch::recycled;
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::neighbourhood::{NeighbourRule, SearchOptions};
@@ -328,7 +329,7 @@ impl ContactInterface {
             self.positions.copy_from_slice(positions);
             return Ok(report);
         }
-        self.pair(positions, false)
+        self.pair(positions, false, self.compared())
     }
 
     /// As [`refresh_pairing`](Self::refresh_pairing), but with nodal domains lists are made anew wherever everybody is: what they are then
@@ -339,7 +340,7 @@ impl ContactInterface {
     /// As [`update`](Self::update). Pairing and positions of before then stay.
     pub fn renew_pairing(&mut self, positions: &[Point]) -> Result<RefreshReport, InterfaceError> {
         self.check_positions(positions)?;
-        self.pair(positions, false)
+        self.pair(positions, false, self.compared())
     }
 
     /// As [`update`](Self::update), but with nodal domains the lists follow: if something has moved by more than half their skin they
@@ -355,12 +356,21 @@ impl ContactInterface {
             self.positions.copy_from_slice(positions);
             return Ok(false);
         }
-        self.pair(positions, true)?;
+        self.pair(positions, true, self.compared())?;
         Ok(true)
     }
 
+    const fn compared(&self) -> Compares {
+        if self.nodal.is_some() { Compares::GainedAndLost } else { Compares::All }
+    }
+
     /// Pairs every slave at positions that have been checked. `follows`: whether lists follow within an increment.
-    fn pair(&mut self, positions: &[Point], follows: bool) -> Result<RefreshReport, InterfaceError> {
+    fn pair(
+        &mut self,
+        positions: &[Point],
+        follows: bool,
+        compares: Compares,
+    ) -> Result<RefreshReport, InterfaceError> {
         // Everything that may fail comes first; nothing of `self` changes before.
         let search = match self.options.element {
             ContactElement::Diffuse { search, .. } if self.nodal.is_none() => search,
@@ -394,7 +404,7 @@ impl ContactInterface {
             evaluator,
             old: &self.pairings,
             old_creases: &self.creases,
-            compares: self.nodal.is_none(),
+            compares,
             follows,
         };
         let (pairings, report) = refresh.run(&self.refreshes, &blank);
@@ -406,6 +416,41 @@ impl ContactInterface {
             self.listed = Some(Listed { positions: positions.to_vec(), report: report.clone() });
         }
         Ok(report)
+    }
+
+    /// Makes other points the slaves and pairs them: those that follow the nodes in `positions`, which are checked here.
+    pub(crate) fn pair_points(
+        &mut self,
+        positions: Vec<Point>,
+        nodes: usize,
+    ) -> Result<RefreshReport, InterfaceError> {
+        check_count("positions", positions.len())?;
+        self.master.check_positions(&positions)?;
+        (nodes..positions.len()).try_for_each(|point| check_position(&positions, point))?;
+        self.pairings = Pairings::none((nodes..positions.len()).collect(), Vec::new());
+        self.listed = None;
+        self.positions.clone_from(&positions);
+        self.pair(&positions, false, Compares::None)
+    }
+
+    /// Evaluates some consecutive slaves into `results` and hands them over one by one.
+    pub(crate) fn evaluate_range(
+        &self,
+        range: Range<usize>,
+        mode: Mode,
+        results: &mut Results,
+        f: impl FnMut(ContactRef<'_>),
+    ) -> Result<(), InterfaceError> {
+        let layout = &self.pairings.layout;
+        let slots = results.start(layout, range.clone(), mode, self.anchors.is_some())?;
+        self.evaluator().fill(&self.pairings, Request::all(mode), slots, &self.elements);
+        range.map(|k| results.get(layout, k)).for_each(f);
+        Ok(())
+    }
+
+    /// Master nodes listed with the `k`-th slave.
+    pub(crate) fn listed(&self, k: usize) -> &[u32] {
+        self.pairings.layout.masters(k)
     }
 
     /// The report of a refresh that leaves the lists of nodal domains as they are, as nobody has moved by more than half the skin,
@@ -500,16 +545,12 @@ impl ContactInterface {
     where
         F: FnMut(ContactRef<'_>),
     {
-        let (pairings, evaluator) = (&self.pairings, self.evaluator());
         let mut results = Results::default();
         let batch = CHUNKS_PER_THREAD * CHUNK * rayon::current_num_threads();
-        for start in pairings.all().step_by(batch) {
-            let range = start..pairings.all().end.min(start + batch);
-            let slots = results.start(&pairings.layout, range.clone(), mode, self.anchors.is_some())?;
-            evaluator.fill(pairings, Request::all(mode), slots, &self.elements);
-            range.for_each(|k| f(results.get(&pairings.layout, k)));
-        }
-        Ok(())
+        let all = self.pairings.all();
+        all.clone().step_by(batch).try_for_each(|start| {
+            self.evaluate_range(start..all.end.min(start + batch), mode, &mut results, &mut f)
+        })
     }
 }
 

@@ -24,6 +24,17 @@ const CHUNK: usize = 256;
 /// A slave that lies beyond the border by more than this many heights of the facet is not paired.
 const FARTHEST_BEYOND: f64 = 1.0;
 
+/// Whose gaps before and after a refresh are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Compares {
+    /// Those of all slaves.
+    All,
+    /// Of slaves that had no pairing, or have none: with nodal domains a list makes no difference to another gap.
+    GainedAndLost,
+    /// Nobody's: nobody has a pairing.
+    None,
+}
+
 /// All that a refresh works with.
 pub struct Refresh<'a> {
     pub index: &'a SurfaceIndex<'a>,
@@ -33,9 +44,7 @@ pub struct Refresh<'a> {
     pub old: &'a Pairings,
     /// What the old pairing has been evaluated with.
     pub old_creases: &'a Creases,
-    /// Whether gaps before and after are compared. With nodal domains a list makes no difference to a gap, unless a slave has none before or
-    /// after.
-    pub compares: bool,
+    pub compares: Compares,
     /// Whether lists follow within an increment: then no slave changes to the other side of a surface.
     pub follows: bool,
 }
@@ -176,7 +185,9 @@ impl Refresh<'_> {
                     Some(old) if old.masters == paired.masters => report.renewed += 1,
                     Some(_) => report.changed += 1,
                 }
-                if self.compares || old.is_none() {
+                if self.compares == Compares::All
+                    || (old.is_none() && self.compares == Compares::GainedAndLost)
+                {
                     let paired = Paired { frame: frame.as_ref(), ..paired };
                     let before = old.as_ref().and_then(|old| self.old_gap(old, element));
                     report.compare(node, before, self.evaluator.gap(&paired, element).ok());

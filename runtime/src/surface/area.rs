@@ -40,20 +40,12 @@ pub fn tributary_areas(positions: &[Point], facets: &[Facet]) -> Result<Vec<f64>
 }
 
 /// ∫ N_k dA over a bilinear quadrilateral.
-///
-/// It is ruled by two families of straight lines, ξ ↦ x(ξ, η) and η ↦ x(ξ, η), on which the point moves evenly: over
-/// natural coordinates 2 long it goes the whole chord, the difference of the line's ends.
 fn integrate_shape_functions(shape: &Shape) -> [f64; 4] {
     let mut shares = [0.0; 4];
     for (xi, weight_xi) in GAUSS {
         for (eta, weight_eta) in GAUSS {
-            let chord_xi = shape.point([1.0, eta]) - shape.point([-1.0, eta]);
-            let chord_eta = shape.point([xi, 1.0]) - shape.point([xi, -1.0]);
-            let area = weight_xi * weight_eta * (chord_xi * 0.5).cross(&(chord_eta * 0.5)).norm();
-            let [left, right, lower, upper] = [1.0 - xi, 1.0 + xi, 1.0 - eta, 1.0 + eta].map(|x| 0.5 * x);
-            for (share, n) in
-                shares.iter_mut().zip([left * lower, right * lower, right * upper, left * upper])
-            {
+            let area = weight_xi * weight_eta * shape.area_element([xi, eta]).norm();
+            for (share, n) in shares.iter_mut().zip(shape.functions([xi, eta])) {
                 *share += n * area;
             }
         }

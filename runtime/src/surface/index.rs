@@ -151,6 +151,19 @@ impl<'a> SurfaceIndex<'a> {
         ties.iter().find(decided).or_else(|| ties.first()).copied()
     }
 
+    /// The facets whose boxes meet a box, ascending.
+    pub(crate) fn facets_near(&self, lower: Point, upper: Point, found: &mut Vec<u32>) {
+        found.clear();
+        let bounds = AABB::from_corners(lower, upper);
+        found.extend(self.tree.locate_in_envelope_intersecting(bounds).map(|boxed| boxed.data));
+        found.sort_unstable();
+    }
+
+    /// The largest extent of a facet.
+    pub(crate) const fn extent(&self) -> f64 {
+        self.extent
+    }
+
     /// A facet in space.
     pub(crate) fn shape(&self, facet: u32) -> Shape {
         self.surface.shape_by(facet as usize, |place| self.positions[place as usize])

@@ -76,6 +76,32 @@ impl Shape {
         }
     }
 
+    /// ∂x/∂ξ × ∂x/∂η at natural coordinates: area by natural area, along the normal.
+    ///
+    /// A quadrilateral is ruled by two families of straight lines on which the point moves evenly: over natural coordinates 2 long it
+    /// goes the whole chord.
+    pub fn area_element(&self, [xi, eta]: [f64; 2]) -> Vector3 {
+        match self {
+            Self::Triangle(_) => self.area_vector() * 2.0,
+            Self::Quadrilateral(_) => {
+                let chord_xi = self.point([1.0, eta]) - self.point([-1.0, eta]);
+                let chord_eta = self.point([xi, 1.0]) - self.point([xi, -1.0]);
+                (chord_xi * 0.5).cross(&(chord_eta * 0.5))
+            }
+        }
+    }
+
+    /// N_k at natural coordinates, one per corner; of a triangle the last is 0.
+    pub fn functions(&self, [xi, eta]: [f64; 2]) -> [f64; 4] {
+        match self {
+            Self::Triangle(_) => [1.0 - xi - eta, xi, eta, 0.0],
+            Self::Quadrilateral(_) => {
+                let [left, right, lower, upper] = [1.0 - xi, 1.0 + xi, 1.0 - eta, 1.0 + eta].map(|x| 0.5 * x);
+                [left * lower, right * lower, right * upper, left * upper]
+            }
+        }
+    }
+
     /// Unit normal in the middle, outward; zero if there is none.
     pub fn normal(&self) -> Vector3 {
         let scale = 1.0 / self.extent();

@@ -1,0 +1,130 @@
+//! A unit force on a facet, by the generated kernels.
+
+use diffuse_contact_kernels::{carried_by_quadrilateral, carried_by_triangle};
+
+use crate::surface::Shape;
+use crate::{Mode, Point};
+
+/// A unit force along a line through a point, and what each corner of the facet carries of it: its shape function where the line meets
+/// the facet, times the force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Carried {
+    /// Natural coordinates of the place where the line meets the facet, which may lie beyond its edges.
+    pub natural: [f64; 2],
+    /// The force, then the parts of the corners; of a triangle the last is zero.
+    pub forces: [Point; 5],
+    /// By the point, the direction as it was given, and the corners: a row per entry of `forces`.
+    pub derivatives: [[f64; 18]; 15],
+}
+
+/// `along`: the direction of the force, of any length. `None` if the line meets no place of the facet.
+pub fn carried(shape: &Shape, point: Point, along: Point, mode: Mode) -> Option<Carried> {
+    let mut carried = Carried { natural: [0.0; 2], forces: [[0.0; 3]; 5], derivatives: [[0.0; 18]; 15] };
+    /// Runs a kernel and takes its results over.
+    macro_rules! run {
+        ($kernel:ident, $corners:expr, |$values:ident| $is_found:expr) => {{
+            let inputs = $kernel::Inputs { point, along, corners: $corners.map(Point::from) };
+            let results = $kernel::evaluate(mode, &inputs);
+            let $values = results.values;
+            carried.natural = results.values.natural;
+            carried.forces[0] = results.values.direction;
+            carried.forces[1..=$corners.len()].copy_from_slice(&results.values.parts);
+            let rows = results.direction_jacobian.chunks_exact($kernel::VARIABLES);
+            let rows = rows.chain(results.parts_jacobian.chunks_exact($kernel::VARIABLES));
+            for (own, row) in carried.derivatives.iter_mut().zip(rows) {
+                own[..$kernel::VARIABLES].copy_from_slice(row);
+            }
+            $is_found
+        }};
+    }
+    let is_found = match shape {
+        Shape::Triangle(corners) => run!(carried_by_triangle, corners, |_values| true),
+        Shape::Quadrilateral(corners) => {
+            run!(carried_by_quadrilateral, corners, |values| values
+                .beside
+                .iter()
+                .all(|x| x.abs() <= LARGEST_RESIDUAL))
+        }
+    };
+    // The sum over all results is finite only if each is.
+    let sum: f64 = carried.forces.as_flattened().iter().sum::<f64>()
+        + carried.derivatives.as_flattened().iter().sum::<f64>();
+    let is_met = is_found && sum.is_finite() && carried.natural.iter().all(|x| x.abs() <= FARTHEST);
+    is_met.then_some(carried)
+}
+
+/// Of the equations of the place, in natural coordinates.
+const LARGEST_RESIDUAL: f64 = 1e-9;
+/// Natural coordinates beyond this belong to a line that all but misses the facet's surface.
+const FARTHEST: f64 = 3.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vector::Vector3;
+
+    fn shapes() -> [Shape; 2] {
+        let [a, b, c, d] =
+            [[0.1, 0.0, 0.2], [1.2, 0.1, 0.0], [1.1, 0.9, 0.3], [-0.1, 1.0, 0.1]].map(Vector3::from);
+        [Shape::Triangle([a, b, c]), Shape::Quadrilateral([a, b, c, d])]
+    }
+
+    const POINT: Point = [0.6, 0.4, 0.5];
+    const ALONG: Point = [0.1, -0.2, 0.7];
+
+    /// Force and moment of the parts are those of the force.
+    #[test]
+    fn the_corners_carry_the_force_on_its_line() {
+        for shape in shapes() {
+            let carried = carried(&shape, POINT, ALONG, Mode::Value).unwrap();
+            let force = Vector3::from(carried.forces[0]);
+            assert!((force.norm() - 1.0).abs() < 1e-15);
+            let parts = carried.forces[1..].iter().map(|&part| Vector3::from(part));
+            let sum = parts.clone().fold(Vector3::zeros(), |sum, part| sum + part);
+            let moment = shape
+                .corners()
+                .iter()
+                .zip(parts)
+                .fold(Vector3::zeros(), |sum, (&x, part)| sum + (x - Vector3::from(POINT)).cross(&part));
+            assert!((sum - force).norm() < 1e-14 && moment.norm() < 1e-14, "{sum:?} {moment:?}");
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_parts() {
+        for shape in shapes() {
+            let exact = carried(&shape, POINT, ALONG, Mode::Gradient).unwrap();
+            let count = shape.corners().len();
+            for variable in 0..6 + 3 * count {
+                let at = |step: f64| {
+                    let (mut point, mut along) = (POINT, ALONG);
+                    let mut corners: Vec<Point> = shape.corners().iter().map(|&x| x.into()).collect();
+                    let all = [&mut [point, along][..], &mut corners].concat();
+                    let mut all = all.as_flattened().to_vec();
+                    all[variable] += step;
+                    let rows = all.as_chunks::<3>().0;
+                    (point, along) = (rows[0], rows[1]);
+                    let x = |k: usize| Vector3::from(rows[2 + k]);
+                    let moved = match shape {
+                        Shape::Triangle(_) => Shape::Triangle([x(0), x(1), x(2)]),
+                        Shape::Quadrilateral(_) => Shape::Quadrilateral([x(0), x(1), x(2), x(3)]),
+                    };
+                    carried(&moved, point, along, Mode::Value).unwrap().forces
+                };
+                let (after, before) = (at(1e-6), at(-1e-6));
+                for row in 0..3 * (count + 1) {
+                    let [after, before] = [after, before].map(|forces| forces.as_flattened()[row]);
+                    let expected = (after - before) / 2e-6;
+                    assert!((exact.derivatives[row][variable] - expected).abs() < 1e-8, "{row} {variable}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_line_along_the_facet_meets_no_place() {
+        let [triangle, _] = shapes();
+        let [a, b, _] = triangle.corners() else { panic!("it has three corners") };
+        assert_eq!(carried(&triangle, POINT, (*b - *a).into(), Mode::Value), None);
+    }
+}

@@ -1,0 +1,166 @@
+//! The contact of all slave nodes, with pressures averaged to them.
+
+use super::block::FaceBlock;
+use crate::Point;
+use crate::assembly::{AssemblyError, DofMap, Tangent, Triplets};
+use crate::interface::Outcome;
+
+/// The contact of one node of the slave's surface: what the points around it give on average.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeContact {
+    /// The node.
+    pub slave: usize,
+    /// Whether there are points with a contact element around it; if not, the reason of one of them.
+    pub outcome: Outcome,
+    /// ḡ_A = ∫ N_A g dA / ∫ N_A dA, length.
+    pub gap: f64,
+    /// ∫ N_A dA over the points that lie over the master, length².
+    pub area: f64,
+    /// Mean unit normal of the master; zero without contact.
+    pub normal: Point,
+    /// p_A times the area, force ≥ 0.
+    pub force: f64,
+}
+
+/// A node that carries a pressure, with what follows from it: R = p_A F, ∂p_A/∂x = −ε G.
+#[derive(Clone, Debug)]
+pub(super) struct NodeBlock {
+    /// Nodes that forces act on or depend on, ascending.
+    pub nodes: Vec<u32>,
+    /// F, force on each coordinate by unit pressure, length².
+    pub forces: Vec<f64>,
+    /// G = ∂ḡ_A/∂x.
+    pub gradient: Vec<f64>,
+    /// p_A, force per area.
+    pub pressure: f64,
+    /// ε, force per length³.
+    pub stiffness: f64,
+}
+
+/// The contact forces and the tangent of all slave faces.
+#[derive(Clone, Debug, Default)]
+pub struct FaceContacts {
+    pub(super) nodes: Vec<NodeContact>,
+    pub(super) blocks: Vec<NodeBlock>,
+    pub(super) directions: Vec<DirectionBlock>,
+    pub(super) missed: usize,
+}
+
+/// What the directions of a face's forces add to the tangent: K = −∂R/∂x with the pressures held.
+#[derive(Clone, Debug)]
+pub(super) struct DirectionBlock {
+    pub rows: Vec<u32>,
+    pub columns: Vec<u32>,
+    pub block: FaceBlock,
+}
+
+/// A part of the tangent: a dense block.
+#[derive(Clone, Copy, Debug)]
+pub struct TangentBlock<'a> {
+    /// Nodes of its rows, three each.
+    pub rows: &'a [u32],
+    /// Nodes of its columns, three each.
+    pub columns: &'a [u32],
+    /// Its entries row by row, force per length.
+    pub entries: &'a [f64],
+}
+
+impl FaceContacts {
+    /// The nodes of the slave's surface, ascending.
+    #[must_use]
+    pub fn nodes(&self) -> &[NodeContact] {
+        &self.nodes
+    }
+
+    /// Number of nodes that carry pressure.
+    #[must_use]
+    pub fn active(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// Points of loaded faces whose line of force meets no place of the facet over them: they carry no force.
+    #[must_use]
+    pub const fn missed(&self) -> usize {
+        self.missed
+    }
+
+    /// Adds the contact forces on the nodes to `residual`, one entry per equation. Returns the number of nodes that carry pressure.
+    ///
+    /// # Errors
+    /// [`AssemblyError::OutputLength`], [`AssemblyError::UnknownNode`]: `residual` is then unchanged.
+    /// [`AssemblyError::Overflow`] if a sum is not finite; the contents of `residual` are then unspecified.
+    pub fn add_residual(&self, dofs: &DofMap, residual: &mut [f64]) -> Result<usize, AssemblyError> {
+        let (found, expected) = (residual.len(), dofs.equations());
+        if found != expected {
+            return Err(AssemblyError::OutputLength { what: "residuals", found, expected });
+        }
+        self.check(dofs)?;
+        for block in &self.blocks {
+            for (node, forces) in block.nodes.iter().zip(block.forces.as_chunks::<3>().0) {
+                for (axis, force) in forces.iter().enumerate() {
+                    let Some(equation) = dofs.equation(*node as usize, axis) else { continue };
+                    residual[equation] += block.pressure * force;
+                    if !residual[equation].is_finite() {
+                        return Err(AssemblyError::Overflow { what: "residuals", equation });
+                    }
+                }
+            }
+        }
+        Ok(self.active())
+    }
+
+    fn check(&self, dofs: &DofMap) -> Result<(), AssemblyError> {
+        let nodes = dofs.nodes();
+        for (element, block) in self.blocks.iter().enumerate() {
+            if let Some(&node) = block.nodes.last().filter(|&&node| node as usize >= nodes) {
+                return Err(AssemblyError::UnknownNode { element, node: node as usize, nodes });
+            }
+        }
+        Ok(())
+    }
+
+    /// Hands over the tangent K = −∂R/∂x block by block, in an order that follows from the faces: ε F Gᵀ of each node that carries
+    /// pressure, and with [`Tangent::Exact`] what the directions of the forces add. It is not symmetric.
+    pub fn for_each_tangent(&self, tangent: Tangent, mut f: impl FnMut(TangentBlock<'_>)) {
+        let mut entries = Vec::new();
+        for block in &self.blocks {
+            entries.clear();
+            entries.extend(block.forces.iter().flat_map(|force| {
+                let factor = block.stiffness * force;
+                block.gradient.iter().map(move |g| factor * g)
+            }));
+            f(TangentBlock { rows: &block.nodes, columns: &block.nodes, entries: &entries });
+        }
+        if tangent == Tangent::Exact {
+            for DirectionBlock { rows, columns, block } in &self.directions {
+                entries.clear();
+                entries.extend(block.directions.iter().map(|entry| -entry));
+                f(TangentBlock { rows, columns, entries: &entries });
+            }
+        }
+    }
+
+    /// The tangent as triplets; zeros are left out.
+    ///
+    /// # Errors
+    /// [`AssemblyError::UnknownNode`], [`AssemblyError::Overflow`].
+    pub fn triplets(&self, tangent: Tangent, dofs: &DofMap) -> Result<Triplets, AssemblyError> {
+        self.check(dofs)?;
+        let (mut triplets, mut error) = (Triplets::new(), None);
+        self.for_each_tangent(tangent, |block| {
+            let width = 3 * block.columns.len();
+            for (p, row) in block.entries.chunks_exact(width.max(1)).enumerate() {
+                let Some(equation) = dofs.equation(block.rows[p / 3] as usize, p % 3) else { continue };
+                for (q, &value) in row.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+                    if !value.is_finite() {
+                        error.get_or_insert(AssemblyError::Overflow { what: "values", equation });
+                    }
+                    if let Some(column) = dofs.equation(block.columns[q / 3] as usize, q % 3) {
+                        triplets.push(equation, column, value);
+                    }
+                }
+            }
+        });
+        error.map_or(Ok(triplets), Err)
+    }
+}

@@ -1,0 +1,323 @@
+//! Integration points: slave faces cut along the edges of the master facets that lie over them.
+//!
+//! What a master facet carries is a polynomial on it, with kinks at its edges. So each slave face is cut, seen along its normal, into
+//! pieces that lie over one facet each, and each piece has points of its own. Where the points lie follows from the positions, and
+//! what they integrate does not change with them to the order of the rule: they are held while differentiating.
+
+use super::carried::carried;
+use crate::surface::{Shape, SurfaceIndex};
+use crate::vector::Vector3;
+use crate::{Mode, Point};
+
+/// Cosine of the angle between the normals of a face and of a facet that lie over one another, at most.
+const OPPOSITE: f64 = -0.1;
+/// Pieces smaller than this part of the face are rounding.
+const SMALLEST: f64 = 1e-12;
+
+/// How many points a piece has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum FaceRule {
+    /// Three on a triangle, four on a quadrilateral: exact for uniform pressures on plane faces.
+    #[default]
+    Second,
+    /// Six on a triangle, nine on a quadrilateral: exact for products of two linear pressures, too.
+    Fourth,
+}
+
+impl FaceRule {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Second, Self::Fourth];
+
+    /// The degree of the polynomials that it integrates.
+    #[must_use]
+    pub const fn degree(self) -> usize {
+        match self {
+            Self::Second => 2,
+            Self::Fourth => 4,
+        }
+    }
+}
+
+/// A point of a slave face over a master facet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FacePoint {
+    /// The facet that carries its force.
+    pub facet: u32,
+    /// Its natural coordinates on the face.
+    pub natural: [f64; 2],
+    /// Its area in the first configuration, length².
+    pub weight: f64,
+}
+
+type Polygon = Vec<[f64; 2]>;
+
+/// Memory from one face to the next.
+#[derive(Clone, Debug, Default)]
+pub struct CutScratch {
+    near: Vec<u32>,
+    piece: Polygon,
+    clipped: Polygon,
+}
+
+/// A face seen along its normal.
+struct View {
+    origin: Vector3,
+    axes: [Vector3; 2],
+    normal: Vector3,
+}
+
+impl View {
+    fn of(face: &Shape) -> Option<Self> {
+        let corners = face.corners();
+        let normal = face.normal();
+        let first = (corners[1] - corners[0]) - normal * normal.dot(&(corners[1] - corners[0]));
+        let first = first.try_normalize().filter(Vector3::is_finite)?;
+        (normal != Vector3::zeros()).then(|| Self {
+            origin: corners[0],
+            axes: [first, normal.cross(&first)],
+            normal,
+        })
+    }
+
+    fn seen(&self, x: Vector3) -> [f64; 2] {
+        self.axes.map(|axis| axis.dot(&(x - self.origin)))
+    }
+
+    fn point(&self, [a, b]: [f64; 2]) -> Vector3 {
+        self.origin + self.axes[0] * a + self.axes[1] * b
+    }
+}
+
+/// The points of a face, appended to `points`. `first`: the face in the first configuration; `limit`: the largest distance of a facet.
+pub fn cut(
+    face: &Shape,
+    first: &Shape,
+    index: &SurfaceIndex<'_>,
+    (rule, limit): (FaceRule, f64),
+    scratch: &mut CutScratch,
+    points: &mut Vec<FacePoint>,
+) {
+    let Some(view) = View::of(face) else { return };
+    let corners: Polygon = face.corners().iter().map(|&x| view.seen(x)).collect();
+    let own = area(&corners);
+    let (lower, upper) = bounds(face);
+    let CutScratch { near, piece, clipped } = scratch;
+    index.facets_near(lower.map(|x| x - limit), upper.map(|x| x + limit), near);
+    for &facet in near.iter() {
+        let shape = index.shape(facet);
+        if shape.normal().dot(&view.normal) > OPPOSITE {
+            continue;
+        }
+        piece.clone_from(&corners);
+        // From outside its own surface a facet runs the other way round.
+        let over: Polygon = shape.corners().iter().rev().map(|&x| view.seen(x)).collect();
+        clip(piece, &over, clipped);
+        if !(area(piece) > SMALLEST * own) {
+            continue;
+        }
+        for (place, weight) in rule_on(piece, rule) {
+            let x = view.point(place);
+            let Some(on_face) = carried(face, x.into(), view.normal.into(), Mode::Value) else { continue };
+            let Some(above) = carried(&shape, x.into(), view.normal.into(), Mode::Value) else { continue };
+            let distance = (shape.point(above.natural) - x).norm();
+            let natural = on_face.natural;
+            let seen = face.area_element(natural).dot(&view.normal);
+            let weight = weight * first.area_element(natural).norm() / seen;
+            if distance <= limit && weight.is_finite() && weight > 0.0 {
+                points.push(FacePoint { facet, natural, weight });
+            }
+        }
+    }
+}
+
+/// The box around a shape.
+fn bounds(shape: &Shape) -> (Point, Point) {
+    let first = shape.corners()[0];
+    let corners = shape.corners().iter();
+    let (lower, upper) = corners.fold((first, first), |(low, high), x| (low.lower(x), high.upper(x)));
+    (lower.into(), upper.into())
+}
+
+/// Area of a polygon, positive if it runs counter-clockwise.
+fn area(polygon: &[[f64; 2]]) -> f64 {
+    let Some((&first, rest)) = polygon.split_first() else { return 0.0 };
+    rest.windows(2).map(|pair| 0.5 * cross(minus(pair[0], first), minus(pair[1], first))).sum()
+}
+
+fn minus([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+    [a - c, b - d]
+}
+
+fn cross([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
+    a * d - b * c
+}
+
+/// Cuts off what lies outside a convex polygon that runs counter-clockwise (Sutherland and Hodgman 1974).
+fn clip(piece: &mut Polygon, over: &[[f64; 2]], clipped: &mut Polygon) {
+    for (k, &from) in over.iter().enumerate() {
+        let edge = minus(over[(k + 1) % over.len()], from);
+        let inside = |x: [f64; 2]| cross(edge, minus(x, from));
+        clipped.clear();
+        for (k, &x) in piece.iter().enumerate() {
+            let next = piece[(k + 1) % piece.len()];
+            let (here, there) = (inside(x), inside(next));
+            if here >= 0.0 {
+                clipped.push(x);
+            }
+            if (here > 0.0 && there < 0.0) || (here < 0.0 && there > 0.0) {
+                let t = here / (here - there);
+                clipped.push([x[0] + t * (next[0] - x[0]), x[1] + t * (next[1] - x[1])]);
+            }
+        }
+        std::mem::swap(piece, clipped);
+        if piece.len() < 3 {
+            piece.clear();
+            return;
+        }
+    }
+}
+
+/// Points of a convex polygon with their areas: quadrilaterals of four of its corners at a time, and a triangle if one is left.
+fn rule_on(polygon: &[[f64; 2]], rule: FaceRule) -> Vec<([f64; 2], f64)> {
+    let mut points = Vec::new();
+    let mut last = 1;
+    while last + 1 < polygon.len() {
+        if last + 2 < polygon.len() {
+            quadrilateral(
+                [polygon[0], polygon[last], polygon[last + 1], polygon[last + 2]],
+                rule,
+                &mut points,
+            );
+            last += 2;
+        } else {
+            triangle([polygon[0], polygon[last], polygon[last + 1]], rule, &mut points);
+            last += 1;
+        }
+    }
+    points
+}
+
+/// The rules of degrees 2 and 4 with three and six points (Dunavant 1985), in closed form: area coordinates and weights.
+fn triangle([a, b, c]: [[f64; 2]; 3], rule: FaceRule, points: &mut Vec<([f64; 2], f64)>) {
+    let area = 0.5 * cross(minus(b, a), minus(c, a));
+    let mut orbit = |x: f64, weight: f64| {
+        let y = 1.0 - 2.0 * x;
+        for [p, q, r] in [[y, x, x], [x, y, x], [x, x, y]] {
+            let place = [0, 1].map(|axis| p * a[axis] + q * b[axis] + r * c[axis]);
+            points.push((place, weight * area));
+        }
+    };
+    match rule {
+        FaceRule::Second => orbit(1.0 / 6.0, 1.0 / 3.0),
+        FaceRule::Fourth => {
+            let ten = 10.0_f64.sqrt();
+            let spread = (38.0 - 44.0 * 0.4_f64.sqrt()).sqrt();
+            let share = (213_125.0 - 53_320.0 * ten).sqrt();
+            orbit((8.0 - ten + spread) / 18.0, (620.0 + share) / 3720.0);
+            orbit((8.0 - ten - spread) / 18.0, (620.0 - share) / 3720.0);
+        }
+    }
+}
+
+/// Gauss points, two or three each way.
+fn quadrilateral(corners: [[f64; 2]; 4], rule: FaceRule, points: &mut Vec<([f64; 2], f64)>) {
+    let [two, three] = [(1.0_f64 / 3.0).sqrt(), 0.6_f64.sqrt()];
+    let gauss: &[(f64, f64)] = match rule {
+        FaceRule::Second => &[(-two, 1.0), (two, 1.0)],
+        FaceRule::Fourth => &[(-three, 5.0 / 9.0), (0.0, 8.0 / 9.0), (three, 5.0 / 9.0)],
+    };
+    let shape = Shape::Quadrilateral(corners.map(|[x, y]| Vector3::from([x, y, 0.0])));
+    for &(xi, first) in gauss {
+        for &(eta, second) in gauss {
+            let [x, y, _] = Point::from(shape.point([xi, eta]));
+            points.push(([x, y], first * second * shape.area_element([xi, eta]).norm()));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::{Facet, MasterSurface};
+
+    #[test]
+    fn rules_integrate_their_degree() {
+        let pentagon = [[0.0, 0.0], [1.0, -0.2], [1.4, 0.6], [0.7, 1.2], [-0.1, 0.8]];
+        // ∫ xᵃ yᵇ by splitting into triangles and a rule of higher degree: Gauss points on each, collapsed.
+        let exact = |a: i32, b: i32| {
+            let gauss = [
+                (-0.906_179_845_938_664, 0.236_926_885_056_189),
+                (-0.538_469_310_105_683, 0.478_628_670_499_366),
+                (0.0, 0.568_888_888_888_889),
+                (0.538_469_310_105_683, 0.478_628_670_499_366),
+                (0.906_179_845_938_664, 0.236_926_885_056_189),
+            ];
+            let mut sum = 0.0;
+            for k in 1..4 {
+                let (p, q, r) = (pentagon[0], pentagon[k], pentagon[k + 1]);
+                for (s, first) in gauss {
+                    for (t, second) in gauss {
+                        let (u, v) = (0.5 * (1.0 + s), 0.25 * (1.0 - s) * (1.0 + t));
+                        let x = [0, 1].map(|i| p[i] + u * (q[i] - p[i]) + v * (r[i] - p[i]));
+                        let area = cross(minus(q, p), minus(r, p)) * 0.125 * (1.0 - s);
+                        sum += first * second * area * x[0].powi(a) * x[1].powi(b);
+                    }
+                }
+            }
+            sum
+        };
+        for rule in FaceRule::ALL {
+            for a in 0..=rule.degree() as i32 {
+                for b in 0..=rule.degree() as i32 - a {
+                    let points = rule_on(&pentagon, rule);
+                    let sum: f64 = points.iter().map(|(x, w)| w * x[0].powi(a) * x[1].powi(b)).sum();
+                    assert!((sum - exact(a, b)).abs() < 1e-13, "{rule:?} {a} {b}: {sum} {}", exact(a, b));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn polygons_are_cut_to_what_they_share() {
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let shared = |over: &[[f64; 2]]| {
+            let mut piece = square.to_vec();
+            clip(&mut piece, over, &mut Vec::new());
+            area(&piece)
+        };
+        assert_eq!(shared(&square), 1.0);
+        assert_eq!(shared(&square.map(|[x, y]| [x + 0.5, y + 0.25])), 0.375);
+        assert_eq!(shared(&square.map(|[x, y]| [x + 1.0, y])), 0.0);
+        assert_eq!(shared(&square.map(|[x, y]| [x + 2.0, y])), 0.0);
+        assert_eq!(shared(&[[0.5, -0.5], [1.5, 0.5], [0.5, 1.5], [-0.5, 0.5]]), 1.0);
+        assert_eq!(shared(&[[0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5]]), 0.5);
+    }
+
+    /// Faces over a grid of other facets: all of their area is found, each part over its own facet.
+    #[test]
+    fn the_pieces_of_a_face_make_up_its_area() {
+        let grid: Vec<Point> =
+            (0..16).map(|k| [f64::from(k % 4) * 0.7, f64::from(k / 4) * 0.7, 0.0]).collect();
+        let facets = (0..9).map(|k| k % 3 + 4 * (k / 3));
+        let facets = facets.map(|k| Facet::Quadrilateral([k, k + 1, k + 5, k + 4])).collect();
+        let surface = MasterSurface::new(&grid, facets).unwrap();
+        let index = surface.at(&grid).unwrap();
+        // Seen from its own outside, below, it runs the other way.
+        let corners = [[0.2, 0.3, 0.1], [0.3, 1.7, 0.1], [1.9, 1.8, 0.1], [1.6, 0.2, 0.1]].map(Vector3::from);
+        let face = Shape::Quadrilateral(corners);
+        for rule in FaceRule::ALL {
+            let mut points = Vec::new();
+            cut(&face, &face, &index, (rule, 0.5), &mut CutScratch::default(), &mut points);
+            let sum: f64 = points.iter().map(|point| point.weight).sum();
+            assert!((sum - face.area_vector().norm()).abs() < 1e-5, "{sum}");
+            for point in &points {
+                let x = Point::from(face.point(point.natural));
+                let cell = |x: f64| (x / 0.7).floor() as u32;
+                assert_eq!(point.facet, cell(x[0]) + 3 * cell(x[1]));
+            }
+            let mut none = Vec::new();
+            cut(&face, &face, &index, (rule, 0.05), &mut CutScratch::default(), &mut none);
+            assert!(none.is_empty(), "beyond the limit");
+        }
+    }
+}

@@ -1,0 +1,300 @@
+//! Forces, balance and tangent of contact over faces.
+
+use super::*;
+use crate::Weight;
+use crate::assembly::{DofMap, Tangent};
+use crate::interface::ContactElement;
+
+/// Nodes and facets of a grid over [0, 6]², its nodes placed by `place`, seen from above or from below.
+struct Grid {
+    positions: Vec<Point>,
+    facets: Vec<Facet>,
+}
+
+impl Grid {
+    fn new(cells: usize, first: usize, from_above: bool, place: impl Fn(f64, f64) -> Point) -> Self {
+        let n = cells + 1;
+        let size = 6.0 / cells as f64;
+        let positions = (0..n * n).map(|k| place((k % n) as f64 * size, (k / n) as f64 * size)).collect();
+        let corner = |k: usize| first + k % cells + n * (k / cells);
+        let facets =
+            (0..cells * cells).map(|k| corner(k)).map(|k| Facet::Quadrilateral([k, k + 1, k + n + 1, k + n]));
+        let facets = facets.map(|facet| if from_above { facet } else { facet.flipped() }).collect();
+        Self { positions, facets }
+    }
+
+    fn in_triangles(mut self) -> Self {
+        let halves = |facet: &Facet| match *facet {
+            Facet::Quadrilateral([a, b, c, d]) => {
+                vec![Facet::Triangle([a, b, c]), Facet::Triangle([a, c, d])]
+            }
+            triangle @ Facet::Triangle(_) => vec![triangle],
+        };
+        self.facets = self.facets.iter().flat_map(halves).collect();
+        self
+    }
+}
+
+/// A slave above a master.
+struct Pair {
+    positions: Vec<Point>,
+    master: Vec<Facet>,
+    slave: Vec<Facet>,
+    first_slave: usize,
+}
+
+impl Pair {
+    fn new(
+        [below, above]: [usize; 2],
+        triangles: bool,
+        low: impl Fn(f64, f64) -> Point,
+        high: impl Fn(f64, f64) -> Point,
+    ) -> Self {
+        let first_slave = (below + 1) * (below + 1);
+        let (mut master, mut slave) =
+            (Grid::new(below, 0, true, low), Grid::new(above, first_slave, false, high));
+        if triangles {
+            (master, slave) = (master.in_triangles(), slave.in_triangles());
+        }
+        let positions = [master.positions, slave.positions].concat();
+        Self { positions, master: master.facets, slave: slave.facets, first_slave }
+    }
+
+    fn interface(&self, element: ContactElement, rule: FaceRule) -> FaceInterface {
+        let master = MasterSurface::new(&self.positions, self.master.clone()).unwrap();
+        let options = FaceOptions::new(InterfaceOptions::default().with_element(element)).with_rule(rule);
+        FaceInterface::new(master, &self.slave, &self.positions, options).unwrap()
+    }
+
+    fn forces(&self, contacts: &FaceContacts) -> Vec<Point> {
+        let mut forces = vec![0.0; 3 * self.positions.len()];
+        contacts.add_residual(&DofMap::standard(self.positions.len()), &mut forces).unwrap();
+        forces.as_chunks::<3>().0.to_vec()
+    }
+}
+
+fn elements() -> Vec<ContactElement> {
+    let smooth = Weight::ALL.map(|weight| ContactElement::default().with_weight(weight));
+    smooth.into_iter().chain([ContactElement::NodeToFacet]).collect()
+}
+
+/// Every node of both sides carries the part of a uniform pressure that its own shape function says, whatever the meshes.
+#[test]
+fn a_uniform_pressure_arrives_at_both_sides() {
+    for [below, above] in [[6, 4], [5, 8], [6, 6]] {
+        for triangles in [false, true] {
+            let flat = |z: f64| move |x: f64, y: f64| [x, y, z];
+            let pair = Pair::new([below, above], triangles, flat(0.0), flat(-0.02));
+            let areas = |facets: &[Facet]| crate::surface::tributary_areas(&pair.positions, facets).unwrap();
+            let (of_master, of_slave) = (areas(&pair.master), areas(&pair.slave));
+            for element in elements() {
+                for rule in FaceRule::ALL {
+                    let mut interface = pair.interface(element, rule);
+                    let report = interface.refresh(&pair.positions).unwrap();
+                    assert_eq!((report.faces, report.paired), (pair.slave.len(), report.points));
+                    let contacts = interface.evaluate(&ContactLaw::penalty(50.0), Mode::Gradient).unwrap();
+                    assert_eq!(contacts.missed(), 0);
+                    for (node, force) in pair.forces(contacts).into_iter().enumerate() {
+                        let expected = [0.0, 0.0, of_slave[node] - of_master[node]];
+                        for axis in 0..3 {
+                            assert!(
+                                (force[axis] - expected[axis]).abs() < 1e-12,
+                                "{node} {force:?} {expected:?} {element:?} {rule:?}"
+                            );
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Two bumps, the upper one smaller than the lower one and pressed into it.
+fn bumps(triangles: bool) -> Pair {
+    let height = |x: f64, y: f64| 0.3 * (0.6 * x + 0.2).sin() * (0.5 * y).cos();
+    let low = move |x: f64, y: f64| [x + 0.05 * (2.0 * y).sin(), y, height(x, y)];
+    let high = move |x: f64, y: f64| {
+        let (x, y) = (0.8 + 0.7 * x, 0.7 + 0.75 * y + 0.04 * (3.0 * x).sin());
+        [x, y, height(x, y) - 0.12 + 0.04 * x]
+    };
+    Pair::new([7, 5], triangles, low, high)
+}
+
+#[test]
+fn forces_and_moments_balance() {
+    for element in elements() {
+        for triangles in [false, true] {
+            let pair = bumps(triangles);
+            let mut interface = pair.interface(element, FaceRule::Second);
+            interface.refresh(&pair.positions).unwrap();
+            let contacts = interface.evaluate(&ContactLaw::penalty(50.0), Mode::Gradient).unwrap();
+            assert!(contacts.active() > 8 && contacts.active() < pair.positions.len() - pair.first_slave);
+            let forces = pair.forces(contacts);
+            let size: f64 = forces.iter().map(|&force| Vector3::from(force).norm()).sum();
+            let zero = Vector3::zeros();
+            let force = forces.iter().fold(zero, |sum, &force| sum + Vector3::from(force));
+            let moments = forces.iter().zip(&pair.positions);
+            let moment = moments.fold(zero, |sum, (&f, &x)| sum + Vector3::from(x).cross(&Vector3::from(f)));
+            assert!(
+                size > 5.0 && force.norm() < 1e-13 * size && moment.norm() < 1e-12 * size,
+                "{force:?} {moment:?}"
+            );
+        }
+    }
+}
+
+impl FaceInterface {
+    /// Takes over positions with all points where they are on their faces, over their facets.
+    fn update_held(&mut self, positions: &[Point]) {
+        let mut all = positions.to_vec();
+        for (k, cut) in self.cuts.iter().enumerate() {
+            let corners = self.faces[k].corners().len();
+            let own = self.points[cut.points.clone()].iter();
+            all.extend(own.map(|point| position(&self.skin[k], corners, point.natural, positions)));
+        }
+        self.interface.update(&all).unwrap();
+        self.positions.copy_from_slice(positions);
+    }
+}
+
+/// K by the positions of all nodes, against differences of the forces with the points held.
+#[test]
+fn the_tangent_is_exact_with_the_points_held() {
+    let law = ContactLaw::penalty(50.0);
+    for (element, triangles) in elements().into_iter().zip([false, true, false, true]) {
+        let pair = bumps(triangles);
+        let mut interface = pair.interface(element, FaceRule::Second);
+        interface.refresh(&pair.positions).unwrap();
+        let dofs = DofMap::standard(pair.positions.len());
+        let size = dofs.equations();
+        let mut dense = vec![0.0; size * size];
+        let contacts = interface.evaluate(&law, Mode::Hessian).unwrap();
+        for (row, column, value) in contacts.triplets(Tangent::Exact, &dofs).unwrap().iter() {
+            dense[row * size + column] += value;
+        }
+        let largest = dense.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+        assert!(largest > 1.0);
+        for column in (0..size).step_by(7) {
+            let mut at = |step: f64| {
+                let mut moved = pair.positions.clone();
+                moved[column / 3][column % 3] += step;
+                interface.update_held(&moved);
+                let forces = pair.forces(interface.evaluate(&law, Mode::Gradient).unwrap());
+                forces.as_flattened().to_vec()
+            };
+            let (after, before) = (at(1e-6), at(-1e-6));
+            for row in 0..size {
+                let expected = -(after[row] - before[row]) / 2e-6;
+                let found = dense[row * size + column];
+                assert!(
+                    (found - expected).abs() < 2e-7 * largest,
+                    "{row} {column}: {found} {expected} {element:?}"
+                );
+            }
+        }
+    }
+}
+
+/// Points that move with the cuts add what the rule does not integrate: the finer rule the less.
+#[test]
+fn cutting_anew_changes_forces_by_the_error_of_the_rule() {
+    let law = ContactLaw::penalty(50.0);
+    let pair = bumps(false);
+    let moved: Vec<Point> = pair
+        .positions
+        .iter()
+        .enumerate()
+        .map(|(k, &[x, y, z])| if k < pair.first_slave { [x, y, z] } else { [x + 0.03, y - 0.02, z + 0.01] })
+        .collect();
+    let error = |rule| {
+        let mut interface = pair.interface(ContactElement::default(), rule);
+        interface.refresh(&pair.positions).unwrap();
+        interface.update_held(&moved);
+        let held = pair.forces(interface.evaluate(&law, Mode::Gradient).unwrap());
+        interface.update(&moved).unwrap();
+        let anew = pair.forces(interface.evaluate(&law, Mode::Gradient).unwrap());
+        let sizes = held.iter().zip(&anew).map(|(a, b)| (Vector3::from(*a) - Vector3::from(*b)).norm());
+        let all: f64 = anew.iter().map(|force| Vector3::from(*force).norm()).sum();
+        sizes.sum::<f64>() / all
+    };
+    let [second, fourth] = FaceRule::ALL.map(error);
+    assert!(second < 2e-2 && fourth < 0.1 * second, "{second:e} {fourth:e}");
+}
+
+/// A slave that hangs over the master's end: half of its area carries.
+#[test]
+fn what_lies_beyond_the_master_carries_nothing() {
+    let low = |x: f64, y: f64| [0.5 * x, y, 0.0];
+    let high = |x: f64, y: f64| [x, y, -0.01];
+    let pair = Pair::new([6, 6], false, low, high);
+    for element in elements() {
+        let mut interface = pair.interface(element, FaceRule::Second);
+        interface.refresh(&pair.positions).unwrap();
+        let contacts = interface.evaluate(&ContactLaw::penalty(100.0), Mode::Gradient).unwrap();
+        let sum: f64 = contacts.nodes().iter().map(|node| node.force).sum();
+        assert!((sum - 18.0).abs() < 1e-10, "{sum}");
+        let moment: f64 = pair.forces(contacts)[pair.first_slave..]
+            .iter()
+            .zip(&pair.positions[pair.first_slave..])
+            .map(|(force, x)| force[2] * x[0])
+            .sum();
+        assert!((moment - 27.0).abs() < 1e-10, "{moment}");
+        assert!(contacts.nodes().iter().any(|node| !node.outcome.is_contact()));
+    }
+}
+
+/// A ball's faces against a ball: with the slave's own smooth surface the gap is that of the balls, with flat faces h²/8R off.
+#[test]
+fn points_lie_on_the_slaves_own_smooth_surface() {
+    let cap = |radius: f64, sign: f64| {
+        move |x: f64, y: f64| {
+            let (x, y) = (0.4 * (x - 3.0), 0.4 * (y - 3.0));
+            [x, y, sign * (radius - (radius * radius - x * x - y * y).sqrt())]
+        }
+    };
+    // The slave lies in the hollow of the master, touching everywhere.
+    let pair = Pair::new([9, 6], false, cap(5.0, 1.0), cap(5.0, 1.0));
+    let worst = |element| {
+        let mut interface = pair.interface(element, FaceRule::Second);
+        assert_eq!(interface.straight(), 0);
+        interface.refresh(&pair.positions).unwrap();
+        let contacts = interface.evaluate(&ContactLaw::penalty(1.0), Mode::Value).unwrap();
+        contacts.nodes().iter().map(|node| node.gap.abs()).fold(0.0, f64::max)
+    };
+    let (smooth, flat) = (worst(ContactElement::default()), worst(ContactElement::NodeToFacet));
+    // h²/8R is 4e-3 for faces of 0.4.
+    assert!(smooth < 2e-4 && flat > 2e-3, "{smooth:e} {flat:e}");
+}
+
+#[test]
+fn friction_is_refused() {
+    let pair = bumps(false);
+    let mut interface = pair.interface(ContactElement::default(), FaceRule::Second);
+    interface.refresh(&pair.positions).unwrap();
+    let friction = crate::Coulomb::new(0.2, 10.0).unwrap();
+    let law = ContactLaw::penalty(50.0).with_friction(Some(friction));
+    assert_eq!(interface.evaluate(&law, Mode::Gradient).unwrap_err(), InterfaceError::FrictionOverFaces);
+}
+
+/// Whatever came before, results are those of the positions.
+#[test]
+fn there_is_no_history() {
+    let pair = bumps(false);
+    let law = ContactLaw::penalty(50.0);
+    let mut fresh = pair.interface(ContactElement::default(), FaceRule::Second);
+    fresh.refresh(&pair.positions).unwrap();
+    let expected = pair.forces(fresh.evaluate(&law, Mode::Gradient).unwrap());
+    let mut used = pair.interface(ContactElement::default(), FaceRule::Second);
+    let shifted: Vec<Point> = pair
+        .positions
+        .iter()
+        .enumerate()
+        .map(|(k, &[x, y, z])| if k < pair.first_slave { [x, y, z] } else { [x + 0.4, y - 0.3, z] })
+        .collect();
+    assert!(used.refresh(&shifted).unwrap().grown);
+    used.evaluate(&law, Mode::Hessian).unwrap();
+    assert!(used.update(&pair.positions).unwrap().grown);
+    assert!(!used.update(&shifted).unwrap().grown, "it has been there");
+    used.update(&pair.positions).unwrap();
+    assert_eq!(pair.forces(used.evaluate(&law, Mode::Gradient).unwrap()), expected);
+}

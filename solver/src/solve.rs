@@ -269,7 +269,8 @@ fn interaction(
         .with_two_pass(interface.two_pass)
         .with_interface(interface.options(contact))
         .with_symmetry(interface.symmetry.clone())
-        .with_friction(interface.friction);
+        .with_friction(interface.friction)
+        .with_integration(interface.integration);
     Ok(Interaction::new(options, &sides.master, &sides.slave, &model.nodes)?)
 }
 

@@ -72,7 +72,7 @@ use skin::{SkinFace, position, shape, skin};
 
 use crate::assembly::ContactLaw;
 use crate::interface::{ContactInterface, InterfaceError, InterfaceOptions, NoContact, Outcome, Results};
-use crate::surface::{Facet, MasterSurface, SurfaceIndex, SymmetryPlane};
+use crate::surface::{Facet, MasterSurface, SymmetryPlane};
 use crate::vector::Vector3;
 use crate::{Mode, Point};
 
@@ -141,6 +141,8 @@ pub struct FaceInterface {
     /// The faces of each node.
     around: Vec<Vec<u32>>,
     points: Vec<FacePoint>,
+    /// Of each face: how far away a facet may be, length.
+    limits: Vec<f64>,
     /// Of each face.
     cuts: Vec<FaceCut>,
     /// What each node has been coupled with since the last refresh.
@@ -200,6 +202,7 @@ impl FaceInterface {
             areas,
             around,
             points: Vec::new(),
+            limits: Vec::new(),
             cuts: vec![FaceCut::default(); faces.len()],
             contacts: FaceContacts::default(),
         })
@@ -270,14 +273,18 @@ impl FaceInterface {
         }
         self.nodes.iter().try_for_each(|&node| crate::surface::check_position(positions, node))?;
         let index = self.master().at(positions)?;
+        let limit = |face: &Facet| {
+            let extent = shape(face, positions).extent() + index.extent();
+            self.options.interface.distance_limit.unwrap_or(extent)
+        };
+        let limits: Vec<f64> = self.faces.iter().map(limit).collect();
         let by_face: Vec<Vec<FacePoint>> = (0..self.faces.len())
             .into_par_iter()
             .map_init(CutScratch::default, |scratch, k| {
                 let mut points = Vec::new();
                 let face = shape(&self.faces[k], positions);
                 let first = shape(&self.faces[k], &self.first);
-                let limit = self.limit(face.extent(), &index);
-                cut(&face, &first, &index, (self.options.rule, limit), scratch, &mut points);
+                cut(&face, &first, &index, (self.options.rule, limits[k]), scratch, &mut points);
                 points
             })
             .collect();
@@ -288,6 +295,7 @@ impl FaceInterface {
         }
         let report = self.interface.pair_points(all, positions.len())?;
         self.positions.copy_from_slice(positions);
+        self.limits = limits;
         self.points = by_face.concat();
         let mut end = 0;
         let ranges: Vec<Range<usize>> = by_face
@@ -303,9 +311,10 @@ impl FaceInterface {
         Ok(FaceReport { points: self.points.len(), paired: report.paired, faces, grown })
     }
 
-    /// The largest distance of a facet from a face that it lies over.
-    fn limit(&self, extent: f64, index: &SurfaceIndex<'_>) -> f64 {
-        self.options.interface.distance_limit.unwrap_or(extent + index.extent())
+    /// The largest limit of the faces around a node, at the last positions.
+    fn limit_around(&self, k: usize) -> f64 {
+        let of_face = |&face: &u32| self.limits.get(face as usize).copied().unwrap_or(0.0);
+        self.around[k].iter().map(of_face).fold(0.0, f64::max)
     }
 
     fn cut_of(&self, k: usize, points: Range<usize>) -> FaceCut {
@@ -349,6 +358,15 @@ impl FaceInterface {
         self.cliques.iter().map(Vec::as_slice).filter(|clique| !clique.is_empty())
     }
 
+    /// That of the `k`-th node; empty if no facet lies over its faces.
+    ///
+    /// # Panics
+    /// If there is no such node.
+    #[must_use]
+    pub fn clique(&self, k: usize) -> &[u32] {
+        &self.cliques[k]
+    }
+
     /// What the last [`evaluate`](Self::evaluate) returned; empty before.
     #[must_use]
     pub const fn contacts(&self) -> &FaceContacts {
@@ -376,15 +394,11 @@ impl FaceInterface {
 
     /// The average gap at each node, and its pressure.
     fn averages(&self, law: &ContactLaw<'_>) -> Result<Vec<NodeContact>, InterfaceError> {
-        let blank = |(&slave, _): (&usize, _)| NodeContact {
-            slave,
-            outcome: Outcome::None(NoContact::NotPaired),
-            gap: 0.0,
-            area: 0.0,
-            normal: [0.0; 3],
-            force: 0.0,
+        let blank = |(k, &slave): (usize, &usize)| {
+            let outcome = Outcome::None(NoContact::NothingOver { limit: self.limit_around(k) });
+            NodeContact { slave, outcome, gap: 0.0, area: 0.0, normal: [0.0; 3], force: 0.0 }
         };
-        let mut nodes: Vec<NodeContact> = self.nodes.iter().zip(&self.areas).map(blank).collect();
+        let mut nodes: Vec<NodeContact> = self.nodes.iter().enumerate().map(blank).collect();
         let mut face = 0;
         let mut results = Results::default();
         self.interface.evaluate_range(0..self.points.len(), Mode::Value, &mut results, |contact| {
@@ -407,7 +421,7 @@ impl FaceInterface {
                             node.normal[axis] += weight * contact.point.normal[axis];
                         }
                     }
-                    (reason, Outcome::None(NoContact::NotPaired)) => node.outcome = reason,
+                    (reason, Outcome::None(NoContact::NothingOver { .. })) => node.outcome = reason,
                     (Outcome::None(_), _) => {}
                 }
             }
@@ -415,7 +429,9 @@ impl FaceInterface {
         for (k, (node, area)) in nodes.iter_mut().zip(&self.areas).enumerate() {
             if !(node.area > SMALLEST_AREA * area) {
                 let outcome = match node.outcome {
-                    Outcome::Contact { .. } => Outcome::None(NoContact::NotPaired),
+                    Outcome::Contact { .. } => {
+                        Outcome::None(NoContact::NothingOver { limit: self.limit_around(k) })
+                    }
                     reason => reason,
                 };
                 *node = NodeContact { outcome, gap: 0.0, area: 0.0, normal: [0.0; 3], ..*node };

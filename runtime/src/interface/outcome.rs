@@ -31,6 +31,12 @@ pub enum NoContact {
         /// The limit.
         limit: f64,
     },
+    /// No facet lies over the faces around the node, seen along their normals, within the limit: contact over faces only.
+    #[error("no facet of the master lies over the faces around the node within {limit:e}")]
+    NothingOver {
+        /// The largest of the limits of those faces, length.
+        limit: f64,
+    },
     /// No set of master nodes on the slave's side of sharp edges carries a fit.
     #[error("no candidate: {reason}")]
     NoCandidate {
@@ -79,6 +85,7 @@ impl NoContact {
         match self {
             Self::NotPaired => "not-paired",
             Self::TooFar { .. } => "too-far",
+            Self::NothingOver { .. } => "nothing-over",
             Self::NoCandidate { .. } => "no-candidate",
             Self::BeyondBorder { .. } => "beyond-border",
             Self::Element { error } => error.code(),

@@ -1,14 +1,28 @@
 //! One pair of surfaces.
 
 use diffuse_contact::assembly::Tangent;
+use diffuse_contact::faces::FaceRule;
 use diffuse_contact::friction::FrictionState;
-use diffuse_contact::interface::{FrictionReport, InterfaceOptions};
+use diffuse_contact::interface::{FrictionReport, InterfaceOptions, NoContact};
 use diffuse_contact::surface::{Facet, SymmetryPlane};
 use diffuse_contact::{Mode, Point};
 
-use super::pass::{FrictionHistory, NodalForces, Pass};
+use super::face_pass::FacePass;
+use super::losses::is_failure;
+use super::node_pass::NodePass;
+use super::pass::{FrictionHistory, NodalForces, Pass, PassError};
 use super::{ContactError, LostContact};
 use crate::system::{BlockMatrix, Symmetry};
+
+/// What contact is integrated over.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Integration {
+    /// The slave's nodes, one force each: the energy form, symmetric and conservative.
+    #[default]
+    Nodes,
+    /// The slave's faces, with pressures averaged to their nodes: passes the patch test, its tangent is not symmetric.
+    Faces(FaceRule),
+}
 
 /// When slaves are paired anew.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -151,6 +165,8 @@ pub struct InteractionOptions {
     pub symmetry: Vec<SymmetryPlane>,
     /// Coulomb friction.
     pub friction: Option<Friction>,
+    /// What contact is integrated over. Over faces, which are cut in every iteration, the penalty is per area.
+    pub integration: Integration,
 }
 
 impl InteractionOptions {
@@ -168,6 +184,7 @@ impl InteractionOptions {
             interface: InterfaceOptions::default(),
             symmetry: Vec::new(),
             friction: None,
+            integration: Integration::default(),
         }
     }
 
@@ -212,6 +229,12 @@ impl InteractionOptions {
     pub fn with_friction(self, friction: Option<Friction>) -> Self {
         Self { friction, ..self }
     }
+
+    /// Integrated over nodes or faces.
+    #[must_use]
+    pub fn with_integration(self, integration: Integration) -> Self {
+        Self { integration, ..self }
+    }
 }
 
 /// Contact of one slave node at the last evaluation.
@@ -244,6 +267,26 @@ pub struct SlaveState {
     pub is_held: bool,
 }
 
+impl SlaveState {
+    /// A slave that has no contact element.
+    pub(super) fn without(node: usize, area: f64, reason: NoContact) -> Self {
+        Self {
+            node,
+            gap: None,
+            force: 0.0,
+            normal: [0.0; 3],
+            nodal_force: [0.0; 3],
+            friction: [0.0; 3],
+            friction_state: FrictionState::Open,
+            slip: 0.0,
+            area,
+            is_linear: false,
+            has_failed: is_failure(reason),
+            is_held: false,
+        }
+    }
+}
+
 /// How far an interaction is from what its augmentation asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Augmented {
@@ -259,7 +302,7 @@ pub enum Augmented {
 #[derive(Debug)]
 pub struct Interaction {
     options: InteractionOptions,
-    passes: Vec<Pass>,
+    passes: Vec<Box<dyn Pass>>,
 }
 
 impl Interaction {
@@ -278,7 +321,14 @@ impl Interaction {
         if !(penalty > 0.0 && penalty.is_finite()) {
             return Err(ContactError::Penalty { interface: name.clone(), value: penalty });
         }
-        let pass = |master, slave, penalty| Pass::new(&options, penalty, master, slave, positions);
+        let pass = |master, slave, penalty| -> Result<Box<dyn Pass>, ContactError> {
+            Ok(match options.integration {
+                Integration::Nodes => Box::new(NodePass::new(&options, penalty, master, slave, positions)?),
+                Integration::Faces(rule) => {
+                    Box::new(FacePass::new(&options, rule, penalty, (master, slave), positions)?)
+                }
+            })
+        };
         let passes = if options.two_pass {
             vec![pass(master, slave, 0.5 * penalty)?, pass(slave, master, 0.5 * penalty)?]
         } else {
@@ -295,7 +345,7 @@ impl Interaction {
 
     /// The contact of every slave node at the last evaluation, pass by pass.
     pub fn slaves(&self) -> impl Iterator<Item = SlaveState> {
-        self.passes.iter().flat_map(Pass::slaves)
+        self.passes.iter().flat_map(|pass| pass.slaves())
     }
 
     /// Forces on each of `count` nodes at the last evaluation.
@@ -328,7 +378,7 @@ impl Interaction {
 
     /// Takes the slaves' feet for their anchors, if there is friction without a history.
     pub(super) fn begin_friction(&mut self) -> Result<(), ContactError> {
-        self.each(Pass::begin_friction)
+        self.each(|pass| pass.begin_friction())
     }
 
     /// Accepts the last evaluation as the end of an increment; what friction did in it.
@@ -345,7 +395,7 @@ impl Interaction {
     }
 
     pub(super) fn friction_history(&self) -> impl Iterator<Item = FrictionHistory> {
-        self.passes.iter().map(Pass::friction_history)
+        self.passes.iter().map(|pass| pass.friction_history())
     }
 
     pub(super) fn set_friction_history(&mut self, history: &[FrictionHistory]) -> Result<(), ContactError> {
@@ -356,11 +406,11 @@ impl Interaction {
     /// Work of friction so far, energy.
     #[must_use]
     pub fn dissipated(&self) -> f64 {
-        self.passes.iter().map(Pass::dissipated).sum()
+        self.passes.iter().map(|pass| pass.dissipated()).sum()
     }
 
     pub(super) fn cliques(&self) -> impl Iterator<Item = Vec<usize>> {
-        self.passes.iter().flat_map(Pass::cliques)
+        self.passes.iter().flat_map(|pass| pass.cliques())
     }
 
     pub(super) fn add_tangent(
@@ -404,7 +454,7 @@ impl Interaction {
     }
 
     pub(super) fn loaded(&self) -> impl Iterator<Item = Vec<u32>> {
-        self.passes.iter().map(Pass::loaded)
+        self.passes.iter().map(|pass| pass.loaded())
     }
 
     pub(super) fn begin(&mut self, loaded: &[Vec<u32>]) -> Result<(), ContactError> {
@@ -412,21 +462,21 @@ impl Interaction {
     }
 
     pub(super) fn note(&mut self) {
-        self.passes.iter_mut().for_each(Pass::note);
+        self.passes.iter_mut().for_each(|pass| pass.note());
     }
 
     pub(super) fn excuse(&mut self) {
-        self.passes.iter_mut().for_each(Pass::excuse);
+        self.passes.iter_mut().for_each(|pass| pass.excuse());
     }
 
     /// The slaves that carried force since the beginning of the increment, or at it, and have no element.
     pub fn lost(&self) -> impl Iterator<Item = LostContact> {
-        self.passes.iter().flat_map(Pass::lost)
+        self.passes.iter().flat_map(|pass| pass.lost())
     }
 
     pub(super) fn augment(&mut self, round: usize) {
         if self.options.augmentation.is_some_and(|augmentation| round < augmentation.max_rounds) {
-            self.passes.iter_mut().for_each(Pass::augment);
+            self.passes.iter_mut().for_each(|pass| pass.augment());
         }
     }
 
@@ -442,8 +492,8 @@ impl Interaction {
         self.passes.iter_mut().zip(multipliers).try_for_each(|(pass, own)| pass.set_multipliers(own))
     }
 
-    pub(super) fn take_listed_anew(&mut self) -> bool {
-        self.passes.iter_mut().fold(false, |any, pass| pass.take_listed_anew() | any)
+    pub(super) fn take_grown(&mut self) -> bool {
+        self.passes.iter_mut().fold(false, |any, pass| pass.take_grown() | any)
     }
 
     /// Deepest penetration at the last evaluation, length, whether it carries force or not; 0 without any. Where slave and masters
@@ -471,9 +521,9 @@ impl Interaction {
     /// Does the same with each pass; an error gets the interaction's name.
     fn each(
         &mut self,
-        mut step: impl FnMut(&mut Pass) -> Result<(), super::pass::PassError>,
+        mut step: impl FnMut(&mut dyn Pass) -> Result<(), PassError>,
     ) -> Result<(), ContactError> {
         let name = &self.options.name;
-        self.passes.iter_mut().try_for_each(|pass| step(pass).map_err(|error| error.of(name)))
+        self.passes.iter_mut().try_for_each(|pass| step(pass.as_mut()).map_err(|error| error.of(name)))
     }
 }

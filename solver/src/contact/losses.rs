@@ -2,6 +2,8 @@
 
 use diffuse_contact::interface::NoContact;
 
+use super::ContactError;
+
 /// Of each slave of a pass: whether it carried force in the increment on its way or right before it, and whether it may go
 /// without its element from there on.
 #[derive(Clone, Debug, Default)]
@@ -23,12 +25,21 @@ pub struct LostContact {
 
 /// Whether an element that should be there is not: a slave too far away or beyond a border has none by right.
 pub const fn is_failure(reason: NoContact) -> bool {
-    !matches!(reason, NoContact::TooFar { .. } | NoContact::BeyondBorder { .. })
+    !matches!(
+        reason,
+        NoContact::TooFar { .. } | NoContact::BeyondBorder { .. } | NoContact::NothingOver { .. }
+    )
 }
 
 impl Losses {
     /// At the beginning of an increment. `loaded`: places of the slaves that carry force there.
-    pub fn begin(&mut self, slaves: usize, loaded: &[u32]) {
+    ///
+    /// # Errors
+    /// [`ContactError::OtherPasses`] if there is no such slave.
+    pub fn begin(&mut self, slaves: usize, loaded: &[u32]) -> Result<(), ContactError> {
+        if let Some(&last) = loaded.iter().max().filter(|&&last| last as usize >= slaves) {
+            return Err(ContactError::OtherPasses { found: last as usize + 1, expected: slaves });
+        }
         self.carried.clear();
         self.carried.resize(slaves, false);
         for &k in loaded {
@@ -36,6 +47,7 @@ impl Losses {
         }
         self.excused.clear();
         self.excused.resize(slaves, false);
+        Ok(())
     }
 
     /// The slave in place `k` carries force.

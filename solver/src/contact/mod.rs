@@ -7,8 +7,10 @@
 
 mod beginning;
 mod error;
+mod face_pass;
 mod interaction;
 mod losses;
+mod node_pass;
 mod pass;
 #[cfg(test)]
 mod tests;
@@ -16,7 +18,8 @@ mod tests;
 pub use beginning::Beginning;
 pub use error::ContactError;
 pub use interaction::{
-    Augmentation, Augmented, Friction, Interaction, InteractionOptions, RefreshRule, SlaveState, TangentRule,
+    Augmentation, Augmented, Friction, Integration, Interaction, InteractionOptions, RefreshRule, SlaveState,
+    TangentRule,
 };
 pub use losses::LostContact;
 pub use pass::{FrictionHistory, NodalForces};
@@ -208,9 +211,9 @@ impl ContactSet {
         self.for_each_with(multipliers, Interaction::set_multipliers)
     }
 
-    /// Whether lists of masters were made anew since this was asked last: the stiffness then needs another pattern.
-    pub fn take_listed_anew(&mut self) -> bool {
-        self.interactions.iter_mut().fold(false, |any, interaction| interaction.take_listed_anew() | any)
+    /// Whether nodes couple that did not when this was asked last: the stiffness then needs another pattern.
+    pub fn take_grown(&mut self) -> bool {
+        self.interactions.iter_mut().fold(false, |any, interaction| interaction.take_grown() | any)
     }
 
     /// Passes of all interactions.

@@ -1,19 +1,12 @@
-//! One contact interface, from its pairing to the entries of the stiffness.
+//! What an interaction does with each of its passes, whatever contact is integrated over.
 
-use std::collections::BTreeSet;
-
-use diffuse_contact::assembly::{AssemblyError, ContactLaw, ContactView, DofMap, Tangent, add_residual};
-use diffuse_contact::friction::{Coulomb, FrictionForce, FrictionState};
-use diffuse_contact::interface::{
-    ContactInterface, ContactRef, Contacts, FrictionReport, InterfaceError, Outcome,
-};
-use diffuse_contact::neighbourhood::Fallback;
-use diffuse_contact::surface::{Facet, MasterSurface};
-use diffuse_contact::{Mode, Point};
+use diffuse_contact::Mode;
+use diffuse_contact::Point;
+use diffuse_contact::assembly::{AssemblyError, Tangent};
+use diffuse_contact::interface::{FrictionReport, InterfaceError};
 use serde::{Deserialize, Serialize};
 
-use super::losses::{Losses, is_failure};
-use super::{ContactError, InteractionOptions, LostContact, SlaveState, TangentRule};
+use super::{ContactError, LostContact, SlaveState};
 use crate::system::{BlockMatrix, Symmetry};
 
 /// What contact exerts on each node, as slave and as master, in all passes.
@@ -29,9 +22,9 @@ pub struct NodalForces {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrictionHistory {
     /// [`ContactInterface::history`]; empty before the first increment.
-    anchors: Vec<f64>,
+    pub anchors: Vec<f64>,
     /// Work of friction so far, energy.
-    dissipated: f64,
+    pub dissipated: f64,
 }
 
 /// A step of a pass that failed.
@@ -64,380 +57,88 @@ impl From<AssemblyError> for PassError {
     }
 }
 
-/// The law of all slaves' normal forces; no multipliers without augmentation.
-fn normal_law(penalty: f64, multipliers: &[f64]) -> ContactLaw<'_> {
-    let multipliers = (!multipliers.is_empty()).then_some(multipliers);
-    ContactLaw::penalty(penalty).with_multipliers(multipliers).with_tangent(Tangent::Exact)
-}
-
-/// Slave nodes against one master surface.
-#[derive(Debug)]
-pub struct Pass {
-    interface: ContactInterface,
-    penalty: f64,
-    tangent: TangentRule,
-    friction: Option<Coulomb>,
-    /// Whether the tangent leaves out what is not symmetric.
-    is_symmetric: bool,
-    /// Work of friction up to the last increment, energy.
-    dissipated: f64,
-    dofs: DofMap,
-    /// λ, one per slave; none without augmentation.
-    multipliers: Vec<f64>,
-    /// Whether all axes of each node are prescribed.
-    held: Vec<bool>,
-    /// Whether lists were made anew since somebody asked.
-    is_listed_anew: bool,
-    losses: Losses,
-    /// Forces of all nodes, or the tangent of one contact.
-    values: Vec<f64>,
-}
-
-impl Pass {
-    pub fn new(
-        options: &InteractionOptions,
-        penalty: f64,
-        master: &[Facet],
-        slave: &[Facet],
-        positions: &[Point],
-    ) -> Result<Self, ContactError> {
-        let surface = MasterSurface::new(positions, master.to_vec())
-            .map_err(|source| ContactError::Master { interface: options.name.clone(), source })?;
-        let slaves: BTreeSet<usize> = slave.iter().flat_map(|facet| facet.corners()).copied().collect();
-        let slaves: Vec<usize> = slaves.into_iter().collect();
-        let multipliers = if options.augmentation.is_some() { vec![0.0; slaves.len()] } else { Vec::new() };
-        let named = |source| ContactError::Interface { interface: options.name.clone(), source };
-        let mut interface =
-            ContactInterface::new(surface, slaves, slave, positions, options.interface).map_err(named)?;
-        if !options.symmetry.is_empty() {
-            interface.set_symmetry(&options.symmetry).map_err(named)?;
-        }
-        let friction = match options.friction.filter(|friction| friction.coefficient != 0.0) {
-            Some(friction) => {
-                interface.check_friction().map_err(named)?;
-                // Two passes have half of each other's penalty, and of a stiffness that was given.
-                let share = penalty / options.penalty;
-                let stiffness = friction.stiffness.map_or(penalty, |stiffness| share * stiffness);
-                let law = Coulomb::new(friction.coefficient, stiffness);
-                Some(
-                    law.map_err(|source| ContactError::Friction { interface: options.name.clone(), source })?,
-                )
-            }
-            None => None,
-        };
-        let dofs = DofMap::standard(positions.len());
-        let tangent = options.tangent;
-        Ok(Self {
-            interface,
-            penalty,
-            tangent,
-            friction,
-            is_symmetric: options.friction.is_some_and(|friction| friction.is_symmetric),
-            dissipated: 0.0,
-            dofs,
-            multipliers,
-            held: vec![false; positions.len()],
-            is_listed_anew: false,
-            losses: Losses::default(),
-            values: Vec::new(),
-        })
-    }
-
+/// One side's surface against the other's.
+pub trait Pass: std::fmt::Debug {
     /// Takes over which nodes have all axes prescribed.
-    pub fn hold(&mut self, held: &[bool]) {
-        self.held.copy_from_slice(held);
-    }
+    fn hold(&mut self, held: &[bool]);
 
-    /// Whether nothing moves whatever force a contact exerts.
-    fn is_held(&self, contact: &ContactRef<'_>) -> bool {
-        self.held[contact.slave] && contact.nodes.iter().all(|&node| self.held[node as usize])
-    }
+    /// Pairs anew.
+    fn refresh(&mut self, positions: &[Point]) -> Result<(), PassError>;
 
-    fn contacts(&self) -> &Contacts {
-        self.interface.contacts()
-    }
+    /// Contact at these positions, with as many derivatives as the tangent needs.
+    fn evaluate(&mut self, positions: &[Point], mode: Mode) -> Result<(), PassError>;
 
-    /// For forces: which tangent it has makes no difference.
-    fn law(&self) -> ContactLaw<'_> {
-        normal_law(self.penalty, &self.multipliers).with_friction(self.friction)
-    }
+    /// Whether nodes couple that did not when this was asked last: the stiffness then needs another pattern.
+    fn take_grown(&mut self) -> bool;
 
-    /// Takes the slaves' feet for their anchors, if there is friction without a history.
-    pub fn begin_friction(&mut self) -> Result<(), PassError> {
-        if self.friction.is_some() && self.interface.anchors().is_none() {
-            self.accept()?;
-        }
-        Ok(())
-    }
-
-    /// Accepts the positions of the moment as the end of an increment.
-    pub fn accept(&mut self) -> Result<FrictionReport, PassError> {
-        let Self { interface, penalty, multipliers, friction, .. } = self;
-        let report = interface.accept(&normal_law(*penalty, multipliers).with_friction(*friction))?;
-        self.dissipated += report.dissipated;
-        Ok(report)
-    }
-
-    pub fn friction_history(&self) -> FrictionHistory {
-        FrictionHistory { anchors: self.interface.history(), dissipated: self.dissipated }
-    }
-
-    pub fn set_friction_history(&mut self, history: &FrictionHistory) -> Result<(), PassError> {
-        self.interface.set_history(&history.anchors)?;
-        self.dissipated = history.dissipated;
-        Ok(())
-    }
-
-    pub fn dissipated(&self) -> f64 {
-        self.dissipated
-    }
-
-    pub fn refresh(&mut self, positions: &[Point]) -> Result<(), PassError> {
-        self.interface.renew_pairing(positions)?;
-        Ok(())
-    }
-
-    /// Whether lists were made anew since this was asked last: the stiffness then needs another pattern.
-    pub fn take_listed_anew(&mut self) -> bool {
-        std::mem::take(&mut self.is_listed_anew)
-    }
-
-    pub fn evaluate(&mut self, positions: &[Point], mode: Mode) -> Result<(), PassError> {
-        // ε N Nᵀ needs no Hessians; friction does.
-        let needs_none = self.tangent == TangentRule::GaussNewton && self.friction.is_none();
-        let mode = if needs_none { mode.min(Mode::Gradient) } else { mode };
-        let Self { interface, penalty, multipliers, is_listed_anew, .. } = self;
-        let law = normal_law(*penalty, multipliers);
-        *is_listed_anew |= interface.follow(positions)?;
-        interface.evaluate_where(mode, |k, gap, area| law.force(k, gap, area) > 0.0)?;
-        Ok(())
-    }
-
-    #[cfg(test)]
-    pub fn mode(&self) -> Mode {
-        self.contacts().mode()
-    }
+    /// Lists of nodes that couple.
+    fn cliques(&self) -> Vec<Vec<usize>>;
 
     /// Subtracts the contact forces; the number of contacts that carry one.
-    pub fn add_internal_forces(&mut self, forces: &mut [f64]) -> Result<usize, PassError> {
-        self.values.clear();
-        self.values.resize(self.dofs.equations(), 0.0);
-        let mut contact_forces = std::mem::take(&mut self.values);
-        let active = add_residual(self.contacts(), &self.law(), &self.dofs, &mut contact_forces)?;
-        for (force, contact) in forces.iter_mut().zip(&contact_forces) {
-            *force -= contact;
-        }
-        self.values = contact_forces;
-        Ok(active)
-    }
+    fn add_internal_forces(&mut self, forces: &mut [f64]) -> Result<usize, PassError>;
 
-    /// The nodes of each paired slave's element.
-    pub fn cliques(&self) -> impl Iterator<Item = Vec<usize>> {
-        self.contacts().iter().filter(|contact| !contact.nodes.is_empty()).map(|contact| {
-            let masters = contact.nodes.iter().map(|&node| node as usize);
-            std::iter::once(contact.slave).chain(masters).collect()
-        })
-    }
+    /// Adds the tangents of the contacts that carry force; whether they are symmetric.
+    fn add_tangent(&mut self, matrix: &mut BlockMatrix, tangent: Tangent) -> Result<Symmetry, PassError>;
 
-    /// Adds the tangents of the contacts that carry force, in the order of the slaves; whether they are symmetric.
-    pub fn add_tangent(&mut self, matrix: &mut BlockMatrix, tangent: Tangent) -> Result<Symmetry, PassError> {
-        let mut entries = std::mem::take(&mut self.values);
-        let law = ContactLaw::penalty(self.penalty).with_tangent(tangent).with_friction(self.friction);
-        let mut symmetry = Symmetry::Symmetric;
-        let mut nodes = Vec::new();
-        for (k, contact) in self.contacts().iter().enumerate() {
-            let ContactRef { slave, point, area, gradient, hessian, slip, .. } = contact;
-            // One law for one contact: with its own multiplier.
-            let law = law.with_multipliers(self.multipliers.get(k..=k));
-            if !(contact.outcome.is_contact() && law.force(0, point.gap, area) > 0.0) {
-                continue;
-            }
-            nodes.clear();
-            nodes.push(slave);
-            nodes.extend(contact.nodes.iter().map(|&node| node as usize));
-            let size = gradient.len();
-            let view = ContactView { gap: point.gap, area, gradient, hessian, slip };
-            let friction = law.friction_of(0, point.gap, area, slip);
-            let is_full = !law.is_symmetric() && friction.is_some_and(|force| force.factor_by_gap != 0.0);
-            let made = if is_full {
-                entries.resize(size * size, 0.0);
-                law.element_system(&view, &mut [], &mut entries)
-            } else {
-                entries.resize(size * (size + 1) / 2, 0.0);
-                law.element_tangent(&view, &mut entries)
-            };
-            made.map_err(|error| match error {
-                // The equation is that of the element.
-                AssemblyError::Overflow { what, equation: own } => {
-                    AssemblyError::Overflow { what, equation: 3 * nodes[own / 3] + own % 3 }
-                }
-                other => other,
-            })?;
-            match (is_full, self.is_symmetric) {
-                (false, _) => matrix.add_symmetric(&nodes, &entries, 1.0),
-                (true, true) => matrix.add_symmetric(&nodes, &symmetric_part(&entries, size), 1.0),
-                (true, false) => {
-                    matrix.add(&nodes, &entries, 1.0);
-                    symmetry = Symmetry::General;
-                }
-            }
-        }
-        self.values = entries;
-        Ok(symmetry)
-    }
+    /// Takes the slaves' feet for their anchors, if there is friction without a history.
+    fn begin_friction(&mut self) -> Result<(), PassError>;
+
+    /// Accepts the positions of the moment as the end of an increment.
+    fn accept(&mut self) -> Result<FrictionReport, PassError>;
+
+    /// What friction remembers.
+    fn friction_history(&self) -> FrictionHistory;
+
+    /// Goes on from it.
+    fn set_friction_history(&mut self, history: &FrictionHistory) -> Result<(), PassError>;
+
+    /// Work of friction so far, energy.
+    fn dissipated(&self) -> f64;
 
     /// λ ← max(0, λ − ε g), but where nothing can move: there no multiplier closes the gap.
-    pub fn augment(&mut self) {
-        let law = self.law();
-        let forces = |k| {
-            let contact = self.contacts().get(k);
-            let is_moved = contact.outcome.is_contact() && !self.is_held(&contact);
-            if is_moved { law.force(k, contact.point.gap, contact.area) } else { 0.0 }
-        };
-        self.multipliers = (0..self.multipliers.len()).map(forces).collect();
-    }
+    fn augment(&mut self);
+
+    /// λ, one per slave; none without augmentation.
+    fn multipliers(&self) -> &[f64];
+
+    /// Goes on from them.
+    fn set_multipliers(&mut self, multipliers: &[f64]) -> Result<(), ContactError>;
 
     /// Begins to watch for losses; `loaded` as [`loaded`](Self::loaded) gave it.
-    pub fn begin(&mut self, loaded: &[u32]) -> Result<(), ContactError> {
-        let slaves = self.interface.slaves().len();
-        if let Some(&last) = loaded.iter().max().filter(|&&last| last as usize >= slaves) {
-            return Err(ContactError::OtherPasses { found: last as usize + 1, expected: slaves });
-        }
-        self.losses.begin(slaves, loaded);
-        Ok(())
-    }
+    fn begin(&mut self, loaded: &[u32]) -> Result<(), ContactError>;
+
+    /// Notes who carries force.
+    fn note(&mut self);
+
+    /// From here on who has no element need not get one.
+    fn excuse(&mut self);
+
+    /// The slaves that carried force and have no element.
+    fn lost(&self) -> Vec<LostContact>;
+
+    /// The contact of every slave node at the last evaluation.
+    fn slaves(&self) -> Box<dyn Iterator<Item = SlaveState> + '_>;
+
+    /// Adds what each contact exerts on its slave and its masters at the last evaluation.
+    fn add_nodal_forces(&self, all: &mut NodalForces);
 
     /// The places of the slaves that carry force, ascending.
-    pub fn loaded(&self) -> Vec<u32> {
+    fn loaded(&self) -> Vec<u32> {
         let places = self.slaves().enumerate().filter(|(_, slave)| slave.force > 0.0);
         places.map(|(k, _)| k as u32).collect()
     }
 
-    /// Notes who carries force.
-    pub fn note(&mut self) {
-        for k in self.loaded() {
-            self.losses.note(k as usize);
-        }
-    }
-
-    /// From here on who has no element need not get one.
-    pub fn excuse(&mut self) {
-        for (k, contact) in self.interface.contacts().iter().enumerate() {
-            if let Outcome::None(reason) = contact.outcome {
-                self.losses.excuse(k, reason);
-            }
-        }
-    }
-
-    /// The slaves that carried force and have no element.
-    pub fn lost(&self) -> impl Iterator<Item = LostContact> {
-        self.contacts().iter().enumerate().filter_map(|(k, contact)| match contact.outcome {
-            Outcome::None(reason) => self.losses.judge(k, contact.slave, reason),
-            Outcome::Contact { .. } => None,
-        })
-    }
-
-    pub fn multipliers(&self) -> &[f64] {
-        &self.multipliers
-    }
-
-    pub fn set_multipliers(&mut self, multipliers: &[f64]) -> Result<(), ContactError> {
-        let (found, expected) = (multipliers.len(), self.multipliers.len());
-        if found != expected {
-            return Err(ContactError::OtherPasses { found, expected });
-        }
-        self.multipliers.copy_from_slice(multipliers);
-        Ok(())
-    }
-
-    /// Adds what each contact exerts on its slave and its masters at the last evaluation.
-    pub fn add_nodal_forces(&self, all: &mut NodalForces) {
-        let law = self.law();
-        for (k, contact) in
-            self.contacts().iter().enumerate().filter(|(_, contact)| contact.outcome.is_contact())
-        {
-            let force = law.force(k, contact.point.gap, contact.area);
-            let (friction, of_slip) = friction_of(&law, k, &contact);
-            let factor = friction.map_or(0.0, |friction| friction.factor);
-            let nodes = std::iter::once(contact.slave).chain(contact.nodes.iter().map(|&node| node as usize));
-            let gradients = contact.gradient.as_chunks::<3>().0;
-            for (local, (node, gradient)) in nodes.zip(gradients).enumerate() {
-                let slip = of_slip.get(local).copied().unwrap_or([0.0; 3]);
-                for axis in 0..3 {
-                    let friction = -factor * slip[axis];
-                    all.forces[node][axis] += force * gradient[axis] + friction;
-                    all.friction[node][axis] += friction;
-                }
-            }
-        }
-    }
-
-    /// The contact of every slave node at the last evaluation.
-    pub fn slaves(&self) -> impl Iterator<Item = SlaveState> {
-        let law = self.law();
-        self.contacts().iter().enumerate().map(move |(k, contact)| {
-            let ContactRef { slave: node, outcome, point, area, gradient, .. } = contact;
-            match outcome {
-                Outcome::Contact { fallback } => {
-                    let is_linear = matches!(fallback, Fallback::Linear { .. });
-                    let force = law.force(k, point.gap, area);
-                    let (known, of_slip) = friction_of(&law, k, &contact);
-                    let factor = known.map_or(0.0, |known| known.factor);
-                    let friction = of_slip.first().map_or([0.0; 3], |slip| slip.map(|slip| -factor * slip));
-                    let nodal_force =
-                        [0, 1, 2].map(|axis| gradient.get(axis).map_or(0.0, |n| force * n) + friction[axis]);
-                    let slipped = contact.slip.map_or(0.0, |slip| (2.0 * slip.half_square).sqrt());
-                    let slip = known.map_or(0.0, |known| known.share * slipped);
-                    let friction_state = known.map_or(FrictionState::Open, |known| known.state);
-                    let (gap, is_held) = (Some(point.gap), self.is_held(&contact));
-                    let normal = point.normal;
-                    let has_failed = false;
-                    SlaveState {
-                        node,
-                        gap,
-                        force,
-                        normal,
-                        nodal_force,
-                        friction,
-                        friction_state,
-                        slip,
-                        area,
-                        is_linear,
-                        has_failed,
-                        is_held,
-                    }
-                }
-                Outcome::None(reason) => SlaveState {
-                    node,
-                    gap: None,
-                    force: 0.0,
-                    normal: [0.0; 3],
-                    nodal_force: [0.0; 3],
-                    friction: [0.0; 3],
-                    friction_state: FrictionState::Open,
-                    slip: 0.0,
-                    area,
-                    is_linear: false,
-                    has_failed: is_failure(reason),
-                    is_held: false,
-                },
-            }
-        })
-    }
+    /// How many derivatives the last evaluation was for.
+    #[cfg(test)]
+    fn mode(&self) -> Mode;
 }
 
-/// The friction of a contact, −c ∇q, with ∇q by node; nothing without.
-fn friction_of<'a>(
-    law: &ContactLaw<'_>,
-    k: usize,
-    contact: &ContactRef<'a>,
-) -> (Option<FrictionForce>, &'a [[f64; 3]]) {
-    let force = law.friction_of(k, contact.point.gap, contact.area, contact.slip);
-    (force, contact.slip.map_or(&[], |slip| slip.gradient.as_chunks().0))
-}
-
-/// The packed lower triangle of ½ (K + Kᵀ).
-fn symmetric_part(matrix: &[f64], size: usize) -> Vec<f64> {
-    let entry = |p: usize, q: usize| 0.5 * (matrix[p * size + q] + matrix[q * size + p]);
-    (0..size).flat_map(|p| (0..=p).map(move |q| entry(p, q))).collect()
+/// Multipliers of as many slaves, taken over.
+pub fn take_multipliers(own: &mut [f64], multipliers: &[f64]) -> Result<(), ContactError> {
+    let (found, expected) = (multipliers.len(), own.len());
+    if found != expected {
+        return Err(ContactError::OtherPasses { found, expected });
+    }
+    own.copy_from_slice(multipliers);
+    Ok(())
 }

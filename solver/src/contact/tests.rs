@@ -54,6 +54,7 @@ fn options(two_pass: bool, augmented: bool) -> InteractionOptions {
         interface: hull_layers(),
         symmetry: Vec::new(),
         friction: None,
+        integration: Integration::Nodes,
     }
 }
 

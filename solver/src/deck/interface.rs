@@ -1,5 +1,6 @@
 //! `contact` and `[[interface]]`.
 
+use diffuse_contact::faces::FaceRule;
 use diffuse_contact::interface::{ContactElement, InterfaceOptions};
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
 use diffuse_contact::pairing::{DEFAULT_NEIGHBOURS, MAX_NEIGHBOURS};
@@ -10,7 +11,7 @@ use super::conditions::references;
 use super::error::{DeckError, Problem};
 use super::reader::{Field, Section, Source};
 use super::{Reference, schema};
-use crate::contact::{Augmentation, Friction, RefreshRule, TangentRule};
+use crate::contact::{Augmentation, Friction, Integration, RefreshRule, TangentRule};
 
 /// The element of every interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,6 +68,8 @@ pub struct Interface {
     pub tangent: TangentRule,
     /// Coulomb friction.
     pub friction: Option<Friction>,
+    /// What contact is integrated over.
+    pub integration: Integration,
 }
 
 impl Interface {
@@ -91,6 +94,11 @@ pub(super) fn interface(section: Section) -> Result<Interface, DeckError> {
     let refreshes = RefreshRule::ALL.map(|rule| (rule.name(), rule));
     let tangents = TangentRule::ALL.map(|rule| (rule.name(), rule));
     let name = section.need("name")?;
+    let integration =
+        section.get("integration").map_or(Ok(Integration::Nodes), |field| integration(&field))?;
+    if integration != Integration::Nodes {
+        section.refuse(&["areas", "friction"], "with integration over faces")?;
+    }
     Ok(Interface {
         line: name.line(),
         name: name.text()?,
@@ -105,6 +113,7 @@ pub(super) fn interface(section: Section) -> Result<Interface, DeckError> {
         refresh: section.get("refresh").map_or(Ok(RefreshRule::default()), |field| field.word(&refreshes))?,
         tangent: section.get("tangent").map_or(Ok(TangentRule::default()), |field| field.word(&tangents))?,
         friction: section.get("friction").map(|field| friction(&field)).transpose()?,
+        integration,
     })
 }
 
@@ -158,6 +167,24 @@ fn friction(field: &Field) -> Result<Friction, DeckError> {
     let is_symmetric = section.get("symmetric").map_or(Ok(false), |field| field.flag())?;
     let friction = Friction::new(coefficient(&section.need("coefficient")?)?);
     Ok(friction.with_stiffness(stiffness).with_symmetric_tangent(is_symmetric))
+}
+
+/// `"nodes"` or `"faces"`, or a table with the degree of the faces' rule.
+fn integration(field: &Field) -> Result<Integration, DeckError> {
+    let section = match field.section() {
+        Ok(section) => Some(section.expect(schema::INTEGRATION)?),
+        Err(_) => None,
+    };
+    let words = [("nodes", Integration::Nodes), ("faces", Integration::Faces(FaceRule::default()))];
+    let Some(section) = section else { return field.word(&words) };
+    let over = section.need("over")?.word(&words)?;
+    let Some(degree) = section.get("degree") else { return Ok(over) };
+    if over == Integration::Nodes {
+        section.refuse(&["degree"], "with over = \"nodes\"")?;
+    }
+    let found = degree.positive_count()?;
+    let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == found);
+    rule.map(Integration::Faces).ok_or_else(|| degree.out_of_range("2 or 4", found as f64))
 }
 
 fn neighbours(field: &Field) -> Result<SearchOptions, DeckError> {

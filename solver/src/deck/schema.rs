@@ -48,6 +48,7 @@ pub const INTERFACE: &[&str] = &[
     "name",
     "master",
     "slave",
+    "integration",
     "penalty",
     "areas",
     "method",
@@ -69,6 +70,8 @@ pub const INTERFACE: &[&str] = &[
 pub const AUGMENTATION: &[&str] = &["max", "tolerance"];
 /// Fields of friction.
 pub const FRICTION: &[&str] = &["coefficient", "stiffness", "symmetric"];
+/// Fields of an integration.
+pub const INTEGRATION: &[&str] = &["over", "degree"];
 /// Fields of the neighbour search.
 pub const NEIGHBOURS: &[&str] = &["rule", "count", "regularity"];
 /// Fields of a symmetry plane.

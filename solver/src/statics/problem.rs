@@ -283,7 +283,7 @@ impl Problem {
             Order::Tangent => Mode::Hessian,
         };
         self.contacts.evaluate(positions, mode).map_err(Failure::Contact)?;
-        if self.contacts.take_listed_anew() {
+        if self.contacts.take_grown() {
             self.stiffness = None;
         }
         self.contact.fill(0.0);

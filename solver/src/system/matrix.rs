@@ -111,6 +111,32 @@ impl BlockMatrix {
         }
     }
 
+    /// Adds a matrix whose rows belong to some nodes and whose columns to others, all of it row by row.
+    ///
+    /// # Panics
+    /// If the length is not that of its blocks, or a pair of the nodes is not in the pattern.
+    pub fn add_rectangle(&mut self, rows: &[u32], columns: &[u32], entries: &[f64]) {
+        let width = 3 * columns.len();
+        assert_eq!(
+            entries.len(),
+            3 * rows.len() * width,
+            "entries of {} times {} nodes",
+            rows.len(),
+            columns.len()
+        );
+        for (a, &row) in rows.iter().enumerate() {
+            for (b, &column) in columns.iter().enumerate() {
+                let block: [[f64; 3]; 3] = std::array::from_fn(|i| {
+                    let at = (3 * a + i) * width + 3 * b;
+                    [entries[at], entries[at + 1], entries[at + 2]]
+                });
+                if block != [[0.0; 3]; 3] {
+                    self.add_block(row as usize, column as usize, &block);
+                }
+            }
+        }
+    }
+
     /// Adds to the block of one pair.
     ///
     /// # Panics

@@ -1,0 +1,224 @@
+//! Contact over the slave's faces, from its points to the entries of the stiffness.
+
+use diffuse_contact::assembly::{DofMap, Tangent};
+use diffuse_contact::faces::{FaceInterface, FaceOptions, FaceRule, NodeContact};
+use diffuse_contact::friction::FrictionState;
+use diffuse_contact::interface::{FrictionReport, InterfaceError, Outcome};
+use diffuse_contact::neighbourhood::Fallback;
+use diffuse_contact::surface::{Facet, MasterSurface};
+use diffuse_contact::{Mode, Point};
+
+use super::losses::Losses;
+use super::node_pass::normal_law;
+use super::pass::{FrictionHistory, NodalForces, Pass, PassError, take_multipliers};
+use super::{ContactError, InteractionOptions, LostContact, SlaveState, TangentRule};
+use crate::system::{BlockMatrix, Symmetry};
+
+/// Slave faces against one master surface.
+#[derive(Debug)]
+pub struct FacePass {
+    interface: FaceInterface,
+    penalty: f64,
+    tangent: TangentRule,
+    dofs: DofMap,
+    /// λ, one per slave; none without augmentation.
+    multipliers: Vec<f64>,
+    /// Whether all axes of each node are prescribed.
+    held: Vec<bool>,
+    /// Whether more nodes couple since somebody asked.
+    has_grown: bool,
+    losses: Losses,
+    /// The mode of the last evaluation.
+    mode: Mode,
+    /// What contact exerts on each coordinate.
+    forces: Vec<f64>,
+}
+
+impl FacePass {
+    pub fn new(
+        options: &InteractionOptions,
+        rule: FaceRule,
+        penalty: f64,
+        (master, slave): (&[Facet], &[Facet]),
+        positions: &[Point],
+    ) -> Result<Self, ContactError> {
+        let surface = MasterSurface::new(positions, master.to_vec())
+            .map_err(|source| ContactError::Master { interface: options.name.clone(), source })?;
+        let named = |source| ContactError::Interface { interface: options.name.clone(), source };
+        if options.friction.is_some_and(|friction| friction.coefficient != 0.0) {
+            return Err(named(InterfaceError::FrictionOverFaces));
+        }
+        let face_options = FaceOptions::new(options.interface).with_rule(rule);
+        let mut interface = FaceInterface::new(surface, slave, positions, face_options).map_err(named)?;
+        if !options.symmetry.is_empty() {
+            interface.set_symmetry(&options.symmetry).map_err(named)?;
+        }
+        let slaves = interface.slaves().len();
+        Ok(Self {
+            interface,
+            penalty,
+            tangent: options.tangent,
+            dofs: DofMap::standard(positions.len()),
+            multipliers: if options.augmentation.is_some() { vec![0.0; slaves] } else { Vec::new() },
+            held: vec![false; positions.len()],
+            has_grown: false,
+            losses: Losses::default(),
+            mode: Mode::Value,
+            forces: vec![0.0; 3 * positions.len()],
+        })
+    }
+
+    fn contacts(&self) -> &[NodeContact] {
+        self.interface.contacts().nodes()
+    }
+
+    /// Whether nothing moves whatever force the faces around a node exert.
+    fn is_held(&self, k: usize) -> bool {
+        self.interface.clique(k).iter().all(|&node| self.held[node as usize])
+    }
+
+    /// Gaps, pressures and forces by the law at the positions of the last update.
+    fn apply_law(&mut self) -> Result<(), PassError> {
+        let law = normal_law(self.penalty, &self.multipliers);
+        let contacts = self.interface.evaluate(&law, self.mode)?;
+        self.forces.fill(0.0);
+        contacts.add_residual(&self.dofs, &mut self.forces)?;
+        Ok(())
+    }
+}
+
+impl Pass for FacePass {
+    fn hold(&mut self, held: &[bool]) {
+        self.held.copy_from_slice(held);
+    }
+
+    fn refresh(&mut self, positions: &[Point]) -> Result<(), PassError> {
+        self.interface.refresh(positions)?;
+        Ok(())
+    }
+
+    fn evaluate(&mut self, positions: &[Point], mode: Mode) -> Result<(), PassError> {
+        let needs_none = self.tangent == TangentRule::GaussNewton;
+        self.mode = if needs_none { mode.min(Mode::Gradient) } else { mode };
+        self.has_grown |= self.interface.update(positions)?.grown;
+        self.apply_law()
+    }
+
+    fn take_grown(&mut self) -> bool {
+        std::mem::take(&mut self.has_grown)
+    }
+
+    fn cliques(&self) -> Vec<Vec<usize>> {
+        let nodes = |clique: &[u32]| clique.iter().map(|&node| node as usize).collect();
+        self.interface.cliques().map(nodes).collect()
+    }
+
+    fn add_internal_forces(&mut self, forces: &mut [f64]) -> Result<usize, PassError> {
+        for (force, contact) in forces.iter_mut().zip(&self.forces) {
+            *force -= contact;
+        }
+        Ok(self.interface.contacts().active())
+    }
+
+    fn add_tangent(&mut self, matrix: &mut BlockMatrix, tangent: Tangent) -> Result<Symmetry, PassError> {
+        self.interface.contacts().for_each_tangent(tangent, |block| {
+            matrix.add_rectangle(block.rows, block.columns, block.entries)
+        });
+        Ok(Symmetry::General)
+    }
+
+    fn begin_friction(&mut self) -> Result<(), PassError> {
+        Ok(())
+    }
+
+    fn accept(&mut self) -> Result<FrictionReport, PassError> {
+        Ok(FrictionReport::default())
+    }
+
+    fn friction_history(&self) -> FrictionHistory {
+        FrictionHistory::default()
+    }
+
+    fn set_friction_history(&mut self, _history: &FrictionHistory) -> Result<(), PassError> {
+        Ok(())
+    }
+
+    fn dissipated(&self) -> f64 {
+        0.0
+    }
+
+    fn augment(&mut self) {
+        let forces = |(k, node): (usize, &NodeContact)| if self.is_held(k) { 0.0 } else { node.force };
+        self.multipliers = self.contacts().iter().enumerate().map(forces).collect();
+    }
+
+    fn multipliers(&self) -> &[f64] {
+        &self.multipliers
+    }
+
+    fn set_multipliers(&mut self, multipliers: &[f64]) -> Result<(), ContactError> {
+        take_multipliers(&mut self.multipliers, multipliers)
+    }
+
+    fn begin(&mut self, loaded: &[u32]) -> Result<(), ContactError> {
+        self.losses.begin(self.interface.slaves().len(), loaded)
+    }
+
+    fn note(&mut self) {
+        for k in self.loaded() {
+            self.losses.note(k as usize);
+        }
+    }
+
+    fn excuse(&mut self) {
+        for (k, node) in self.interface.contacts().nodes().iter().enumerate() {
+            if let Outcome::None(reason) = node.outcome {
+                self.losses.excuse(k, reason);
+            }
+        }
+    }
+
+    fn lost(&self) -> Vec<LostContact> {
+        let judged = self.contacts().iter().enumerate().filter_map(|(k, node)| match node.outcome {
+            Outcome::None(reason) => self.losses.judge(k, node.slave, reason),
+            Outcome::Contact { .. } => None,
+        });
+        judged.collect()
+    }
+
+    fn slaves(&self) -> Box<dyn Iterator<Item = SlaveState> + '_> {
+        Box::new(self.contacts().iter().enumerate().map(|(k, contact)| {
+            let NodeContact { slave: node, outcome, gap, area, normal, force } = *contact;
+            match outcome {
+                Outcome::None(reason) => SlaveState::without(node, area, reason),
+                Outcome::Contact { fallback } => SlaveState {
+                    node,
+                    gap: Some(gap),
+                    force,
+                    normal,
+                    nodal_force: [0, 1, 2].map(|axis| self.forces[3 * node + axis]),
+                    friction: [0.0; 3],
+                    friction_state: FrictionState::Open,
+                    slip: 0.0,
+                    area,
+                    is_linear: matches!(fallback, Fallback::Linear { .. }),
+                    has_failed: false,
+                    is_held: self.is_held(k),
+                },
+            }
+        }))
+    }
+
+    fn add_nodal_forces(&self, all: &mut NodalForces) {
+        for (sum, force) in all.forces.iter_mut().zip(self.forces.as_chunks::<3>().0) {
+            for axis in 0..3 {
+                sum[axis] += force[axis];
+            }
+        }
+    }
+
+    #[cfg(test)]
+    fn mode(&self) -> Mode {
+        self.mode
+    }
+}

@@ -1,0 +1,356 @@
+//! Contact at slave nodes, from its pairing to the entries of the stiffness.
+
+use std::collections::BTreeSet;
+
+use diffuse_contact::assembly::{AssemblyError, ContactLaw, ContactView, DofMap, Tangent, add_residual};
+use diffuse_contact::friction::{Coulomb, FrictionForce, FrictionState};
+use diffuse_contact::interface::{ContactInterface, ContactRef, Contacts, FrictionReport, Outcome};
+use diffuse_contact::neighbourhood::Fallback;
+use diffuse_contact::surface::{Facet, MasterSurface};
+use diffuse_contact::{Mode, Point};
+
+use super::losses::Losses;
+use super::pass::{FrictionHistory, NodalForces, Pass, PassError, take_multipliers};
+use super::{ContactError, InteractionOptions, LostContact, SlaveState, TangentRule};
+use crate::system::{BlockMatrix, Symmetry};
+
+/// The law of all slaves' normal forces; no multipliers without augmentation.
+pub fn normal_law(penalty: f64, multipliers: &[f64]) -> ContactLaw<'_> {
+    let multipliers = (!multipliers.is_empty()).then_some(multipliers);
+    ContactLaw::penalty(penalty).with_multipliers(multipliers).with_tangent(Tangent::Exact)
+}
+
+/// Slave nodes against one master surface.
+#[derive(Debug)]
+pub struct NodePass {
+    interface: ContactInterface,
+    penalty: f64,
+    tangent: TangentRule,
+    friction: Option<Coulomb>,
+    /// Whether the tangent leaves out what is not symmetric.
+    is_symmetric: bool,
+    /// Work of friction up to the last increment, energy.
+    dissipated: f64,
+    dofs: DofMap,
+    /// λ, one per slave; none without augmentation.
+    multipliers: Vec<f64>,
+    /// Whether all axes of each node are prescribed.
+    held: Vec<bool>,
+    /// Whether lists were made anew since somebody asked.
+    is_listed_anew: bool,
+    losses: Losses,
+    /// Forces of all nodes, or the tangent of one contact.
+    values: Vec<f64>,
+}
+
+impl NodePass {
+    pub fn new(
+        options: &InteractionOptions,
+        penalty: f64,
+        master: &[Facet],
+        slave: &[Facet],
+        positions: &[Point],
+    ) -> Result<Self, ContactError> {
+        let surface = MasterSurface::new(positions, master.to_vec())
+            .map_err(|source| ContactError::Master { interface: options.name.clone(), source })?;
+        let slaves: BTreeSet<usize> = slave.iter().flat_map(|facet| facet.corners()).copied().collect();
+        let slaves: Vec<usize> = slaves.into_iter().collect();
+        let multipliers = if options.augmentation.is_some() { vec![0.0; slaves.len()] } else { Vec::new() };
+        let named = |source| ContactError::Interface { interface: options.name.clone(), source };
+        let mut interface =
+            ContactInterface::new(surface, slaves, slave, positions, options.interface).map_err(named)?;
+        if !options.symmetry.is_empty() {
+            interface.set_symmetry(&options.symmetry).map_err(named)?;
+        }
+        let friction = match options.friction.filter(|friction| friction.coefficient != 0.0) {
+            Some(friction) => {
+                interface.check_friction().map_err(named)?;
+                // Two passes have half of each other's penalty, and of a stiffness that was given.
+                let share = penalty / options.penalty;
+                let stiffness = friction.stiffness.map_or(penalty, |stiffness| share * stiffness);
+                let law = Coulomb::new(friction.coefficient, stiffness);
+                Some(
+                    law.map_err(|source| ContactError::Friction { interface: options.name.clone(), source })?,
+                )
+            }
+            None => None,
+        };
+        let dofs = DofMap::standard(positions.len());
+        let tangent = options.tangent;
+        Ok(Self {
+            interface,
+            penalty,
+            tangent,
+            friction,
+            is_symmetric: options.friction.is_some_and(|friction| friction.is_symmetric),
+            dissipated: 0.0,
+            dofs,
+            multipliers,
+            held: vec![false; positions.len()],
+            is_listed_anew: false,
+            losses: Losses::default(),
+            values: Vec::new(),
+        })
+    }
+
+    /// Whether nothing moves whatever force a contact exerts.
+    fn is_held(&self, contact: &ContactRef<'_>) -> bool {
+        self.held[contact.slave] && contact.nodes.iter().all(|&node| self.held[node as usize])
+    }
+
+    fn contacts(&self) -> &Contacts {
+        self.interface.contacts()
+    }
+
+    /// For forces: which tangent it has makes no difference.
+    fn law(&self) -> ContactLaw<'_> {
+        normal_law(self.penalty, &self.multipliers).with_friction(self.friction)
+    }
+}
+
+impl Pass for NodePass {
+    fn hold(&mut self, held: &[bool]) {
+        self.held.copy_from_slice(held);
+    }
+
+    fn begin_friction(&mut self) -> Result<(), PassError> {
+        if self.friction.is_some() && self.interface.anchors().is_none() {
+            self.accept()?;
+        }
+        Ok(())
+    }
+
+    fn accept(&mut self) -> Result<FrictionReport, PassError> {
+        let Self { interface, penalty, multipliers, friction, .. } = self;
+        let report = interface.accept(&normal_law(*penalty, multipliers).with_friction(*friction))?;
+        self.dissipated += report.dissipated;
+        Ok(report)
+    }
+
+    fn friction_history(&self) -> FrictionHistory {
+        FrictionHistory { anchors: self.interface.history(), dissipated: self.dissipated }
+    }
+
+    fn set_friction_history(&mut self, history: &FrictionHistory) -> Result<(), PassError> {
+        self.interface.set_history(&history.anchors)?;
+        self.dissipated = history.dissipated;
+        Ok(())
+    }
+
+    fn dissipated(&self) -> f64 {
+        self.dissipated
+    }
+
+    fn refresh(&mut self, positions: &[Point]) -> Result<(), PassError> {
+        self.interface.renew_pairing(positions)?;
+        Ok(())
+    }
+
+    fn take_grown(&mut self) -> bool {
+        std::mem::take(&mut self.is_listed_anew)
+    }
+
+    fn evaluate(&mut self, positions: &[Point], mode: Mode) -> Result<(), PassError> {
+        // ε N Nᵀ needs no Hessians; friction does.
+        let needs_none = self.tangent == TangentRule::GaussNewton && self.friction.is_none();
+        let mode = if needs_none { mode.min(Mode::Gradient) } else { mode };
+        let Self { interface, penalty, multipliers, is_listed_anew, .. } = self;
+        let law = normal_law(*penalty, multipliers);
+        *is_listed_anew |= interface.follow(positions)?;
+        interface.evaluate_where(mode, |k, gap, area| law.force(k, gap, area) > 0.0)?;
+        Ok(())
+    }
+
+    #[cfg(test)]
+    fn mode(&self) -> Mode {
+        self.contacts().mode()
+    }
+
+    fn add_internal_forces(&mut self, forces: &mut [f64]) -> Result<usize, PassError> {
+        self.values.clear();
+        self.values.resize(self.dofs.equations(), 0.0);
+        let mut contact_forces = std::mem::take(&mut self.values);
+        let active = add_residual(self.contacts(), &self.law(), &self.dofs, &mut contact_forces)?;
+        for (force, contact) in forces.iter_mut().zip(&contact_forces) {
+            *force -= contact;
+        }
+        self.values = contact_forces;
+        Ok(active)
+    }
+
+    /// The nodes of each paired slave's element.
+    fn cliques(&self) -> Vec<Vec<usize>> {
+        let paired = self.contacts().iter().filter(|contact| !contact.nodes.is_empty());
+        let of_element = |contact: ContactRef<'_>| {
+            let masters = contact.nodes.iter().map(|&node| node as usize);
+            std::iter::once(contact.slave).chain(masters).collect()
+        };
+        paired.map(of_element).collect()
+    }
+
+    fn add_tangent(&mut self, matrix: &mut BlockMatrix, tangent: Tangent) -> Result<Symmetry, PassError> {
+        let mut entries = std::mem::take(&mut self.values);
+        let law = ContactLaw::penalty(self.penalty).with_tangent(tangent).with_friction(self.friction);
+        let mut symmetry = Symmetry::Symmetric;
+        let mut nodes = Vec::new();
+        for (k, contact) in self.contacts().iter().enumerate() {
+            let ContactRef { slave, point, area, gradient, hessian, slip, .. } = contact;
+            // One law for one contact: with its own multiplier.
+            let law = law.with_multipliers(self.multipliers.get(k..=k));
+            if !(contact.outcome.is_contact() && law.force(0, point.gap, area) > 0.0) {
+                continue;
+            }
+            nodes.clear();
+            nodes.push(slave);
+            nodes.extend(contact.nodes.iter().map(|&node| node as usize));
+            let size = gradient.len();
+            let view = ContactView { gap: point.gap, area, gradient, hessian, slip };
+            let friction = law.friction_of(0, point.gap, area, slip);
+            let is_full = !law.is_symmetric() && friction.is_some_and(|force| force.factor_by_gap != 0.0);
+            let made = if is_full {
+                entries.resize(size * size, 0.0);
+                law.element_system(&view, &mut [], &mut entries)
+            } else {
+                entries.resize(size * (size + 1) / 2, 0.0);
+                law.element_tangent(&view, &mut entries)
+            };
+            made.map_err(|error| match error {
+                // The equation is that of the element.
+                AssemblyError::Overflow { what, equation: own } => {
+                    AssemblyError::Overflow { what, equation: 3 * nodes[own / 3] + own % 3 }
+                }
+                other => other,
+            })?;
+            match (is_full, self.is_symmetric) {
+                (false, _) => matrix.add_symmetric(&nodes, &entries, 1.0),
+                (true, true) => matrix.add_symmetric(&nodes, &symmetric_part(&entries, size), 1.0),
+                (true, false) => {
+                    matrix.add(&nodes, &entries, 1.0);
+                    symmetry = Symmetry::General;
+                }
+            }
+        }
+        self.values = entries;
+        Ok(symmetry)
+    }
+
+    fn augment(&mut self) {
+        let law = self.law();
+        let forces = |k| {
+            let contact = self.contacts().get(k);
+            let is_moved = contact.outcome.is_contact() && !self.is_held(&contact);
+            if is_moved { law.force(k, contact.point.gap, contact.area) } else { 0.0 }
+        };
+        self.multipliers = (0..self.multipliers.len()).map(forces).collect();
+    }
+
+    fn begin(&mut self, loaded: &[u32]) -> Result<(), ContactError> {
+        self.losses.begin(self.interface.slaves().len(), loaded)
+    }
+
+    fn note(&mut self) {
+        for k in self.loaded() {
+            self.losses.note(k as usize);
+        }
+    }
+
+    fn excuse(&mut self) {
+        for (k, contact) in self.interface.contacts().iter().enumerate() {
+            if let Outcome::None(reason) = contact.outcome {
+                self.losses.excuse(k, reason);
+            }
+        }
+    }
+
+    fn lost(&self) -> Vec<LostContact> {
+        let judged = self.contacts().iter().enumerate().filter_map(|(k, contact)| match contact.outcome {
+            Outcome::None(reason) => self.losses.judge(k, contact.slave, reason),
+            Outcome::Contact { .. } => None,
+        });
+        judged.collect()
+    }
+
+    fn multipliers(&self) -> &[f64] {
+        &self.multipliers
+    }
+
+    fn set_multipliers(&mut self, multipliers: &[f64]) -> Result<(), ContactError> {
+        take_multipliers(&mut self.multipliers, multipliers)
+    }
+
+    fn add_nodal_forces(&self, all: &mut NodalForces) {
+        let law = self.law();
+        for (k, contact) in
+            self.contacts().iter().enumerate().filter(|(_, contact)| contact.outcome.is_contact())
+        {
+            let force = law.force(k, contact.point.gap, contact.area);
+            let (friction, of_slip) = friction_of(&law, k, &contact);
+            let factor = friction.map_or(0.0, |friction| friction.factor);
+            let nodes = std::iter::once(contact.slave).chain(contact.nodes.iter().map(|&node| node as usize));
+            let gradients = contact.gradient.as_chunks::<3>().0;
+            for (local, (node, gradient)) in nodes.zip(gradients).enumerate() {
+                let slip = of_slip.get(local).copied().unwrap_or([0.0; 3]);
+                for axis in 0..3 {
+                    let friction = -factor * slip[axis];
+                    all.forces[node][axis] += force * gradient[axis] + friction;
+                    all.friction[node][axis] += friction;
+                }
+            }
+        }
+    }
+
+    fn slaves(&self) -> Box<dyn Iterator<Item = SlaveState> + '_> {
+        let law = self.law();
+        Box::new(self.contacts().iter().enumerate().map(move |(k, contact)| {
+            let ContactRef { slave: node, outcome, point, area, gradient, .. } = contact;
+            match outcome {
+                Outcome::Contact { fallback } => {
+                    let is_linear = matches!(fallback, Fallback::Linear { .. });
+                    let force = law.force(k, point.gap, area);
+                    let (known, of_slip) = friction_of(&law, k, &contact);
+                    let factor = known.map_or(0.0, |known| known.factor);
+                    let friction = of_slip.first().map_or([0.0; 3], |slip| slip.map(|slip| -factor * slip));
+                    let nodal_force =
+                        [0, 1, 2].map(|axis| gradient.get(axis).map_or(0.0, |n| force * n) + friction[axis]);
+                    let slipped = contact.slip.map_or(0.0, |slip| (2.0 * slip.half_square).sqrt());
+                    let slip = known.map_or(0.0, |known| known.share * slipped);
+                    let friction_state = known.map_or(FrictionState::Open, |known| known.state);
+                    let (gap, is_held) = (Some(point.gap), self.is_held(&contact));
+                    let normal = point.normal;
+                    let has_failed = false;
+                    SlaveState {
+                        node,
+                        gap,
+                        force,
+                        normal,
+                        nodal_force,
+                        friction,
+                        friction_state,
+                        slip,
+                        area,
+                        is_linear,
+                        has_failed,
+                        is_held,
+                    }
+                }
+                Outcome::None(reason) => SlaveState::without(node, area, reason),
+            }
+        }))
+    }
+}
+
+/// The friction of a contact, −c ∇q, with ∇q by node; nothing without.
+fn friction_of<'a>(
+    law: &ContactLaw<'_>,
+    k: usize,
+    contact: &ContactRef<'a>,
+) -> (Option<FrictionForce>, &'a [[f64; 3]]) {
+    let force = law.friction_of(k, contact.point.gap, contact.area, contact.slip);
+    (force, contact.slip.map_or(&[], |slip| slip.gradient.as_chunks().0))
+}
+
+/// The packed lower triangle of ½ (K + Kᵀ).
+fn symmetric_part(matrix: &[f64], size: usize) -> Vec<f64> {
+    let entry = |p: usize, q: usize| 0.5 * (matrix[p * size + q] + matrix[q * size + p]);
+    (0..size).flat_map(|p| (0..=p).map(move |q| entry(p, q))).collect()
+}

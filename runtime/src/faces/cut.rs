@@ -11,6 +11,10 @@ use crate::{Mode, Point};
 
 /// Cosine of the angle between the normals of a face and of a facet that lie over one another, at most.
 const OPPOSITE: f64 = -0.1;
+/// A quadrilateral becomes a triangle as its smallest corner goes from this part of its area to nothing.
+const SLENDER: f64 = 0.1;
+/// Of two corners the later one is smaller only below this part of the other: rounding does not decide between equal ones.
+const ALMOST: f64 = 0.99;
 /// Pieces smaller than this part of the face are rounding.
 const SMALLEST: f64 = 1e-12;
 
@@ -177,29 +181,53 @@ fn clip(piece: &mut Polygon, over: &[[f64; 2]], clipped: &mut Polygon) {
     }
 }
 
-/// Points of a convex polygon with their areas: quadrilaterals of four of its corners at a time, and a triangle if one is left.
-fn rule_on(polygon: &[[f64; 2]], rule: FaceRule) -> Vec<([f64; 2], f64)> {
-    let mut points = Vec::new();
-    let mut last = 1;
-    while last + 1 < polygon.len() {
-        if last + 2 < polygon.len() {
-            quadrilateral(
-                [polygon[0], polygon[last], polygon[last + 1], polygon[last + 2]],
-                rule,
-                &mut points,
-            );
-            last += 2;
-        } else {
-            triangle([polygon[0], polygon[last], polygon[last + 1]], rule, &mut points);
-            last += 1;
+type Weighted = Vec<([f64; 2], f64)>;
+
+/// Points of a convex polygon with their areas. They are continuous where corners appear on an edge or fall together: forces would
+/// else jump by the error of the rule whenever edges of faces and facets that lie on one another cross.
+fn rule_on(polygon: &[[f64; 2]], rule: FaceRule) -> Weighted {
+    let (mut points, mut rest) = (Weighted::new(), polygon.to_vec());
+    while rest.len() > 4 {
+        let (k, ear) = smallest_ear(&rest);
+        triangle(ear, (rule, 1.0), &mut points);
+        rest.remove(k);
+    }
+    if let [a, b, c, d] = rest[..] {
+        let (k, ear) = smallest_ear(&rest);
+        let share = (area(&ear) / (SLENDER * area(&rest))).clamp(0.0, 1.0);
+        if share > 0.0 {
+            quadrilateral([a, b, c, d], (rule, share), &mut points);
         }
+        if share < 1.0 {
+            triangle(ear, (rule, 1.0 - share), &mut points);
+            rest.remove(k);
+        }
+        if let [a, b, c] = rest[..] {
+            triangle([a, b, c], (rule, 1.0 - share), &mut points);
+        }
+    } else if let [a, b, c] = rest[..] {
+        triangle([a, b, c], (rule, 1.0), &mut points);
     }
     points
 }
 
+/// The corner whose triangle with its neighbours is the smallest, and the triangle. Of almost equal ones the first.
+fn smallest_ear(polygon: &[[f64; 2]]) -> (usize, [[f64; 2]; 3]) {
+    let count = polygon.len();
+    let ear = |k: usize| [polygon[(k + count - 1) % count], polygon[k], polygon[(k + 1) % count]];
+    let (mut best, mut least) = (0, area(&ear(0)));
+    for k in 1..count {
+        let own = area(&ear(k));
+        if own < ALMOST * least {
+            (best, least) = (k, own);
+        }
+    }
+    (best, ear(best))
+}
+
 /// The rules of degrees 2 and 4 with three and six points (Dunavant 1985), in closed form: area coordinates and weights.
-fn triangle([a, b, c]: [[f64; 2]; 3], rule: FaceRule, points: &mut Vec<([f64; 2], f64)>) {
-    let area = 0.5 * cross(minus(b, a), minus(c, a));
+fn triangle([a, b, c]: [[f64; 2]; 3], (rule, factor): (FaceRule, f64), points: &mut Weighted) {
+    let area = 0.5 * factor * cross(minus(b, a), minus(c, a));
     let mut orbit = |x: f64, weight: f64| {
         let y = 1.0 - 2.0 * x;
         for [p, q, r] in [[y, x, x], [x, y, x], [x, x, y]] {
@@ -220,7 +248,7 @@ fn triangle([a, b, c]: [[f64; 2]; 3], rule: FaceRule, points: &mut Vec<([f64; 2]
 }
 
 /// Gauss points, two or three each way.
-fn quadrilateral(corners: [[f64; 2]; 4], rule: FaceRule, points: &mut Vec<([f64; 2], f64)>) {
+fn quadrilateral(corners: [[f64; 2]; 4], (rule, factor): (FaceRule, f64), points: &mut Weighted) {
     let [two, three] = [(1.0_f64 / 3.0).sqrt(), 0.6_f64.sqrt()];
     let gauss: &[(f64, f64)] = match rule {
         FaceRule::Second => &[(-two, 1.0), (two, 1.0)],
@@ -230,7 +258,7 @@ fn quadrilateral(corners: [[f64; 2]; 4], rule: FaceRule, points: &mut Vec<([f64;
     for &(xi, first) in gauss {
         for &(eta, second) in gauss {
             let [x, y, _] = Point::from(shape.point([xi, eta]));
-            points.push(([x, y], first * second * shape.area_element([xi, eta]).norm()));
+            points.push(([x, y], factor * first * second * shape.area_element([xi, eta]).norm()));
         }
     }
 }
@@ -274,6 +302,32 @@ mod tests {
                     assert!((sum - exact(a, b)).abs() < 1e-13, "{rule:?} {a} {b}: {sum} {}", exact(a, b));
                 }
             }
+        }
+    }
+
+    /// A corner on an edge, or close to another one, changes what is integrated by as much as it changes the polygon.
+    #[test]
+    fn points_are_continuous_where_corners_appear() {
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        // Of a degree that the rule does not integrate.
+        let integral = |polygon: &[[f64; 2]], rule| -> f64 {
+            rule_on(polygon, rule).iter().map(|(x, w)| w * (3.0 * x[0] + 2.0 * x[1]).powi(6)).sum()
+        };
+        let tiny = 1e-7;
+        let on_edge = [square[0], square[1], [1.0 + tiny, 0.4], square[2], square[3]];
+        let cut_off = [square[0], [1.0 - tiny, 0.0], [1.0, tiny], square[2], square[3]];
+        let triangle = [square[0], square[1], square[2]];
+        let almost = [square[0], square[1], square[2], [1.0 - tiny, 1.0]];
+        for rule in FaceRule::ALL {
+            for (one, other) in [(&square[..], &on_edge[..]), (&square, &cut_off), (&triangle, &almost)] {
+                let [one, other] = [one, other].map(|polygon| integral(polygon, rule));
+                assert!((one - other).abs() < 1e-4 * one.abs(), "{one} {other}");
+            }
+            let split = integral(&triangle, rule) + integral(&[square[0], square[2], square[3]], rule);
+            assert!(
+                (integral(&square, rule) - split).abs() > 1e-3 * split.abs(),
+                "the rules differ elsewhere"
+            );
         }
     }
 

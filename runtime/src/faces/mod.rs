@@ -78,6 +78,9 @@ use crate::{Mode, Point};
 
 /// Nodes with less than this part of their area over the master carry nothing.
 const SMALLEST_AREA: f64 = 1e-9;
+/// Pieces stay while no node has moved farther than this part of the smallest facet: what they miss of the edges between facets is of
+/// the order of its square.
+const HELD: f64 = 1e-5;
 /// Points that one thread evaluates in a row.
 const CHUNK: usize = 256;
 
@@ -145,6 +148,12 @@ pub struct FaceInterface {
     limits: Vec<f64>,
     /// Of each face.
     cuts: Vec<FaceCut>,
+    /// Where the faces were cut, of all nodes.
+    cut_at: Option<Vec<Point>>,
+    /// What cutting gave.
+    report: FaceReport,
+    /// The smallest extent of a face or a facet in the first configuration.
+    smallest: f64,
     /// What each node has been coupled with since the last refresh.
     cliques: Vec<Vec<u32>>,
     contacts: FaceContacts,
@@ -189,6 +198,9 @@ impl FaceInterface {
                 }
             }
         }
+        let facets = (0..master.facet_count()).map(|facet| master.facet(facet));
+        let extents = facets.chain(faces.iter().copied()).map(|facet| shape(&facet, positions).extent());
+        let smallest = extents.fold(f64::INFINITY, f64::min);
         Ok(Self {
             interface: ContactInterface::new(master, Vec::new(), &[], positions, own)?,
             options,
@@ -203,6 +215,9 @@ impl FaceInterface {
             around,
             points: Vec::new(),
             limits: Vec::new(),
+            cut_at: None,
+            report: FaceReport::default(),
+            smallest,
             cuts: vec![FaceCut::default(); faces.len()],
             contacts: FaceContacts::default(),
         })
@@ -215,6 +230,7 @@ impl FaceInterface {
     /// As there.
     pub fn set_symmetry(&mut self, planes: &[SymmetryPlane]) -> Result<(), InterfaceError> {
         self.interface.set_symmetry(planes)?;
+        self.cut_at = None;
         self.points.clear();
         self.cuts.fill(FaceCut::default());
         Ok(())
@@ -258,20 +274,53 @@ impl FaceInterface {
         self.take(positions, true)
     }
 
-    /// Takes over the positions and cuts the faces anew, to be called in every iteration. What nodes couple only grows.
+    /// Takes over the positions, to be called in every iteration. Faces are cut anew unless all nodes are as good as where they were
+    /// when they were cut: near equilibrium forces are smooth functions of the positions then, and the tangent is their derivative.
+    /// What nodes couple only grows.
     ///
     /// # Errors
     /// As [`refresh`](Self::refresh).
     pub fn update(&mut self, positions: &[Point]) -> Result<FaceReport, InterfaceError> {
+        self.check_positions(positions)?;
+        if self.is_near_cut(positions) {
+            self.move_points(positions)?;
+            return Ok(FaceReport { grown: false, ..self.report });
+        }
         self.take(positions, false)
     }
 
-    fn take(&mut self, positions: &[Point], forgets: bool) -> Result<FaceReport, InterfaceError> {
+    fn check_positions(&self, positions: &[Point]) -> Result<(), InterfaceError> {
         let (found, expected) = (positions.len(), self.first.len());
         if found != expected {
             return Err(InterfaceError::WrongNumberOfPositions { found, expected });
         }
-        self.nodes.iter().try_for_each(|&node| crate::surface::check_position(positions, node))?;
+        self.master().check_positions(positions)?;
+        Ok(self.nodes.iter().try_for_each(|&node| crate::surface::check_position(positions, node))?)
+    }
+
+    /// Whether no node has moved far enough since the faces were cut for their pieces to be others.
+    fn is_near_cut(&self, positions: &[Point]) -> bool {
+        let Some(cut_at) = &self.cut_at else { return false };
+        let masters = self.master().nodes().iter().map(|&node| node as usize);
+        let moved = |node: usize| (Vector3::from(positions[node]) - Vector3::from(cut_at[node])).norm();
+        self.nodes.iter().copied().chain(masters).all(|node| moved(node) <= HELD * self.smallest)
+    }
+
+    /// All points where they are on their faces, over their facets.
+    fn move_points(&mut self, positions: &[Point]) -> Result<(), InterfaceError> {
+        let mut all = positions.to_vec();
+        for (k, cut) in self.cuts.iter().enumerate() {
+            let corners = self.faces[k].corners().len();
+            let own = self.points[cut.points.clone()].iter();
+            all.extend(own.map(|point| position(&self.skin[k], corners, point.natural, positions)));
+        }
+        self.interface.update(&all)?;
+        self.positions.copy_from_slice(positions);
+        Ok(())
+    }
+
+    fn take(&mut self, positions: &[Point], forgets: bool) -> Result<FaceReport, InterfaceError> {
+        self.check_positions(positions)?;
         let index = self.master().at(positions)?;
         let limit = |face: &Facet| {
             let extent = shape(face, positions).extent() + index.extent();
@@ -308,7 +357,9 @@ impl FaceInterface {
         self.cuts = ranges.into_par_iter().enumerate().map(|(k, points)| self.cut_of(k, points)).collect();
         let grown = self.couple(forgets);
         let faces = self.cuts.iter().filter(|cut| !cut.points.is_empty()).count();
-        Ok(FaceReport { points: self.points.len(), paired: report.paired, faces, grown })
+        self.cut_at = Some(positions.to_vec());
+        self.report = FaceReport { points: self.points.len(), paired: report.paired, faces, grown };
+        Ok(self.report)
     }
 
     /// The largest limit of the faces around a node, at the last positions.

@@ -3,16 +3,18 @@
 
 use super::carried::{Carried, carried};
 use super::cut::FacePoint;
-use super::skin::SkinFace;
-use crate::interface::ContactRef;
-use crate::surface::{Facet, Shape};
+use super::skin::Skin;
+use crate::interface::{ContactRef, back};
+use crate::surface::{Facet, Image, Shape};
 use crate::{Mode, Point};
 
 /// What a face needs to know of itself.
 pub struct FaceView<'a> {
     pub facet: &'a Facet,
     pub shape: Shape,
-    pub skin: &'a SkinFace,
+    pub skin: &'a Skin,
+    /// The face's number.
+    pub face: usize,
     /// Nodes that forces act on, ascending: those of the face and of the facets over it.
     pub rows: &'a [u32],
     /// Nodes that forces depend on, ascending.
@@ -34,8 +36,8 @@ pub struct FaceBlock {
 
 /// Where the derivatives of a point's gap and normal are found among those by all columns.
 struct Columns<'a> {
-    /// Of the skin's nodes, with what each has of the point.
-    skin: Vec<(usize, f64)>,
+    /// Of the skin's carriers, with what each has of the point.
+    skin: Vec<(usize, Option<&'a Image>, f64)>,
     /// Of the masters.
     masters: Vec<usize>,
     /// Of the face's corners.
@@ -48,12 +50,14 @@ struct Columns<'a> {
 impl Columns<'_> {
     /// Adds `factor` times a derivative by the contact's own points to one by the columns. `own`: by coordinate of slave and masters.
     fn spread(&self, own: impl Fn(usize) -> f64, factor: f64, sum: &mut [f64]) {
-        for axis in 0..3 {
-            let by_slave = factor * own(axis);
-            for &(place, weight) in &self.skin {
-                sum[3 * place + axis] += weight * by_slave;
+        let by_point = [0, 1, 2].map(|axis| factor * own(axis));
+        for &(place, image, weight) in &self.skin {
+            for (axis, value) in back(image, by_point).into_iter().enumerate() {
+                sum[3 * place + axis] += weight * value;
             }
-            for (k, &place) in self.masters.iter().enumerate() {
+        }
+        for (k, &place) in self.masters.iter().enumerate() {
+            for axis in 0..3 {
                 sum[3 * place + axis] += factor * own(3 * (k + 1) + axis);
             }
         }
@@ -91,9 +95,14 @@ impl FaceBlock {
                 .unwrap_or_else(|_| unreachable!("lists hold all nodes of their points"))
         };
         let in_columns = |node: usize| place(view.columns, node);
-        let skin = view.skin.nodes.iter().map(|&node| in_columns(node as usize));
+        let face = &view.skin.faces[view.face];
+        let weights = face.weights(view.facet.corners().len(), point.natural);
+        let skin =
+            face.carriers.iter().zip(weights).map(|(&carrier, weight)| {
+                (in_columns(carrier.node as usize), view.skin.image(carrier), weight)
+            });
         let columns = Columns {
-            skin: skin.zip(view.skin.weights(view.facet.corners().len(), point.natural)).collect(),
+            skin: skin.collect(),
             masters: contact.nodes.iter().map(|&node| in_columns(node as usize)).collect(),
             corners: view.facet.corners().iter().map(|&node| in_columns(node)).collect(),
             facet: nodes.iter().map(|&node| in_columns(node)).collect(),

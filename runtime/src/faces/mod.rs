@@ -68,7 +68,7 @@ use rayon::prelude::*;
 use block::{FaceBlock, FaceView};
 use contacts::{DirectionBlock, NodeBlock};
 use cut::{CutScratch, FacePoint, cut};
-use skin::{SkinFace, position, shape, skin};
+use skin::{Skin, shape};
 
 use crate::assembly::ContactLaw;
 use crate::interface::{ContactInterface, InterfaceError, InterfaceOptions, NoContact, Outcome, Results};
@@ -130,9 +130,7 @@ pub struct FaceInterface {
     interface: ContactInterface,
     options: FaceOptions,
     faces: Vec<Facet>,
-    skin: Vec<SkinFace>,
-    /// Points between corners without a fit.
-    straight: usize,
+    skin: Skin,
     /// Positions that areas are measured in.
     first: Vec<Point>,
     /// Of all nodes, by the last update or refresh.
@@ -189,7 +187,7 @@ impl FaceInterface {
         ContactInterface::new(master.clone(), nodes.clone(), faces, positions, own.with_areas(true))?;
         let areas = crate::surface::tributary_areas(positions, faces)?;
         let areas = nodes.iter().map(|&node| areas[node]).collect();
-        let (skin, straight) = skin(faces, positions, &own)?;
+        let skin = Skin::new(faces, positions, &own, &[])?;
         let mut around = vec![Vec::new(); nodes.len()];
         for (k, face) in faces.iter().enumerate() {
             for node in face.corners() {
@@ -206,7 +204,6 @@ impl FaceInterface {
             options,
             faces: faces.to_vec(),
             skin,
-            straight,
             first: positions.to_vec(),
             positions: positions.to_vec(),
             cliques: vec![Vec::new(); nodes.len()],
@@ -223,13 +220,16 @@ impl FaceInterface {
         })
     }
 
-    /// Makes these planes of symmetry of the master, as [`ContactInterface::set_symmetry`]. There is no contact until the next
+    /// Makes these planes of symmetry of both surfaces, as [`ContactInterface::set_symmetry`]. There is no contact until the next
     /// [`refresh`](Self::refresh) or [`update`](Self::update).
     ///
     /// # Errors
     /// As there.
     pub fn set_symmetry(&mut self, planes: &[SymmetryPlane]) -> Result<(), InterfaceError> {
+        let own = InterfaceOptions { areas: false, ..self.options.interface };
+        let skin = Skin::new(&self.faces, &self.first, &own, planes)?;
         self.interface.set_symmetry(planes)?;
+        self.skin = skin;
         self.cut_at = None;
         self.points.clear();
         self.cuts.fill(FaceCut::default());
@@ -257,7 +257,7 @@ impl FaceInterface {
     /// Middles of edges and faces where the slave's own nodes carry no fit: there its faces are as flat as their corners say.
     #[must_use]
     pub const fn straight(&self) -> usize {
-        self.straight
+        self.skin.straight
     }
 
     /// The first configuration, of all nodes.
@@ -312,7 +312,7 @@ impl FaceInterface {
         for (k, cut) in self.cuts.iter().enumerate() {
             let corners = self.faces[k].corners().len();
             let own = self.points[cut.points.clone()].iter();
-            all.extend(own.map(|point| position(&self.skin[k], corners, point.natural, positions)));
+            all.extend(own.map(|point| self.skin.position(k, corners, point.natural, positions)));
         }
         self.interface.update(&all)?;
         self.positions.copy_from_slice(positions);
@@ -340,7 +340,7 @@ impl FaceInterface {
         let mut all = positions.to_vec();
         for (k, points) in by_face.iter().enumerate() {
             let corners = self.faces[k].corners().len();
-            all.extend(points.iter().map(|point| position(&self.skin[k], corners, point.natural, positions)));
+            all.extend(points.iter().map(|point| self.skin.position(k, corners, point.natural, positions)));
         }
         let report = self.interface.pair_points(all, positions.len())?;
         self.positions.copy_from_slice(positions);
@@ -379,7 +379,7 @@ impl FaceInterface {
         });
         sort(&mut rows);
         let mut columns = rows.clone();
-        columns.extend_from_slice(&self.skin[k].nodes);
+        columns.extend(self.skin.faces[k].carriers.iter().map(|carrier| carrier.node));
         points.clone().for_each(|point| columns.extend_from_slice(self.interface.listed(point)));
         sort(&mut columns);
         FaceCut { points, rows, columns }
@@ -576,7 +576,8 @@ impl FaceInterface {
             .map(|&k| FaceView {
                 facet: &self.faces[k],
                 shape: shape(&self.faces[k], &self.positions),
-                skin: &self.skin[k],
+                skin: &self.skin,
+                face: k,
                 rows: &self.cuts[k].rows,
                 columns: &self.cuts[k].columns,
             })

@@ -5,44 +5,81 @@
 //! edges and, of a quadrilateral, its centre. The points are affine combinations of nodes, whose weights φ_k are those of the first
 //! configuration (docs/equations.md, section 18).
 
-use crate::interface::{ContactElement, ContactInterface, InterfaceError, InterfaceOptions, PairedElement};
+use crate::affine::Carrier;
+use crate::interface::{
+    ContactElement, ContactInterface, InterfaceError, InterfaceOptions, PointsWithinReach,
+};
 use crate::neighbourhood::SearchOptions;
-use crate::pairing::Pairing;
-use crate::surface::{Facet, MasterSurface, Shape};
+use crate::surface::{Facet, Image, MasterSurface, Shape, Symmetry, SymmetryPlane};
 use crate::vector::Vector3;
-use crate::{Mode, Point};
+use crate::{Basis, Mode, Point, Weight};
 
 /// Points of interpolation of a quadrilateral, of a triangle six.
 const MOST_POINTS: usize = 9;
 /// How far towards the centre of its face a point moves to be that face's and not its neighbour's, in parts of the way.
 const INWARD: f64 = 1e-6;
 
+/// All faces.
+#[derive(Clone, Debug, Default)]
+pub struct Skin {
+    pub faces: Vec<SkinFace>,
+    /// Images of nodes, where planes of symmetry are near.
+    symmetry: Symmetry,
+    /// Points without a fit, which lie in the middle between the corners.
+    pub straight: usize,
+}
+
 /// One face.
 #[derive(Clone, Debug, Default)]
 pub struct SkinFace {
-    /// Nodes that carry it, ascending.
-    pub nodes: Vec<u32>,
+    /// Nodes that carry it, and images of them, ascending.
+    pub carriers: Vec<Carrier>,
     /// What each of them has of the points of interpolation: corners, middles of edges, centre.
     terms: Vec<[f64; MOST_POINTS]>,
 }
 
 impl SkinFace {
-    /// What each node has of the point at natural coordinates.
+    /// What each carrier has of the point at natural coordinates.
     pub fn weights(&self, corners: usize, natural: [f64; 2]) -> impl Iterator<Item = f64> + '_ {
         let functions = quadratic(corners, natural);
         self.terms.iter().map(move |terms| terms.iter().zip(&functions).map(|(term, n)| term * n).sum())
     }
 
-    fn add(&mut self, node: u32, point: usize, weight: f64) {
-        let place = match self.nodes.binary_search(&node) {
+    fn add(&mut self, carrier: Carrier, point: usize, weight: f64) {
+        let place = match self.carriers.binary_search(&carrier) {
             Ok(place) => place,
             Err(place) => {
-                self.nodes.insert(place, node);
+                self.carriers.insert(place, carrier);
                 self.terms.insert(place, [0.0; MOST_POINTS]);
                 place
             }
         };
         self.terms[place][point] += weight;
+    }
+}
+
+impl Skin {
+    /// The image that a carrier is.
+    pub fn image(&self, carrier: Carrier) -> Option<&Image> {
+        carrier.image.map(|number| self.symmetry.image(number))
+    }
+
+    /// The position of a face's point.
+    pub fn position(&self, face: usize, corners: usize, natural: [f64; 2], positions: &[Point]) -> Point {
+        let face = &self.faces[face];
+        let place = |carrier: Carrier| {
+            let x = positions[carrier.node as usize];
+            Vector3::from(self.image(carrier).map_or(x, |image| image.of(x)))
+        };
+        // From the first carrier: digits are those of the face.
+        let Some(&first) = face.carriers.first() else { return [f64::NAN; 3] };
+        let origin = place(first);
+        let offset = face
+            .carriers
+            .iter()
+            .zip(face.weights(corners, natural))
+            .fold(Vector3::zeros(), |sum, (&carrier, weight)| sum + (place(carrier) - origin) * weight);
+        (origin + offset).into()
     }
 }
 
@@ -67,92 +104,105 @@ fn between(facet: &Facet) -> Vec<Vec<usize>> {
     edges.chain(centre).collect()
 }
 
-/// All faces, and how many of their points have no fit: they lie in the middle between the corners.
-pub fn skin(
-    faces: &[Facet],
-    first: &[Point],
-    options: &InterfaceOptions,
-) -> Result<(Vec<SkinFace>, usize), InterfaceError> {
-    let mean = |nodes: &[usize]| {
-        let sum = nodes.iter().fold(Vector3::zeros(), |sum, &node| sum + Vector3::from(first[node]));
-        sum * (1.0 / nodes.len() as f64)
-    };
-    let middles: Vec<Vec<usize>> = faces.iter().flat_map(between).collect();
-    let fitted = match options.element {
-        ContactElement::NodeToFacet => vec![None; middles.len()],
-        ContactElement::Diffuse { weight, .. } => {
-            let owners = faces.iter().flat_map(|face| vec![face; between(face).len()]);
-            let inside = owners.zip(&middles).map(|(face, middle)| {
-                let centre = match face {
-                    Facet::Triangle(corners) => mean(corners),
-                    Facet::Quadrilateral(corners) => mean(corners),
+impl Skin {
+    /// The faces in their first configuration.
+    pub fn new(
+        faces: &[Facet],
+        first: &[Point],
+        options: &InterfaceOptions,
+        planes: &[SymmetryPlane],
+    ) -> Result<Self, InterfaceError> {
+        let middles: Vec<Vec<usize>> = faces.iter().flat_map(between).collect();
+        let mut skin = Self::default();
+        let fitted = match options.element {
+            ContactElement::NodeToFacet => vec![None; middles.len()],
+            ContactElement::Diffuse { weight, .. } => {
+                let own = own_surface(faces, first, (options, weight), planes)?;
+                skin.symmetry = own.images();
+                let fit = |(k, middle): (usize, &Vec<usize>)| {
+                    let contact = own.contacts().get(k);
+                    let (points, basis) = own.fit(k).ok()?;
+                    let back = mean(first, middle) - Vector3::from(own.position_of(k));
+                    let foot =
+                        contact.outcome.is_contact().then(|| Vector3::from(contact.point.foot) + back)?;
+                    weights_at(&points, (weight, basis), foot)
                 };
-                let x = mean(middle);
-                x + (centre - x) * INWARD
-            });
-            let mut positions = first.to_vec();
-            positions.extend(inside.map(Point::from));
-            let element = ContactElement::diffuse(SearchOptions::domains()).with_weight(weight);
-            let options = InterfaceOptions {
-                element,
-                distance_limit: None,
-                areas: false,
-                border_tolerance: 0.5,
-                ..*options
-            };
-            let surface = MasterSurface::new(first, faces.to_vec())?;
-            let points = (first.len()..positions.len()).collect();
-            let mut own = ContactInterface::new(surface, points, &[], &positions, options)?;
-            own.refresh_pairing(&positions)?;
-            own.evaluate(Mode::Value)?;
-            let fit = |(k, middle): (usize, &Vec<usize>)| {
-                let contact = own.contacts().get(k);
-                let PairedElement::Diffuse { slave, pairing } = own.element(k).ok()? else { return None };
-                let back = mean(middle) - Vector3::from(slave);
-                let foot = contact.outcome.is_contact().then(|| Vector3::from(contact.point.foot) + back)?;
-                weights_at(&pairing, foot)
-            };
-            middles.iter().enumerate().map(fit).collect()
-        }
-    };
-    let (mut all, mut straight) = (Vec::with_capacity(faces.len()), 0);
-    let mut points = middles.iter().zip(fitted);
-    for facet in faces {
-        let mut face = SkinFace::default();
-        for (k, &corner) in facet.corners().iter().enumerate() {
-            face.add(corner as u32, k, 1.0);
-        }
-        let count = between(facet).len();
-        for (k, (middle, fit)) in points.by_ref().take(count).enumerate() {
-            let point = facet.corners().len() + k;
-            if let Some(weights) = fit {
-                weights.into_iter().for_each(|(node, weight)| face.add(node as u32, point, weight));
-            } else {
-                straight += 1;
-                middle.iter().for_each(|&node| face.add(node as u32, point, 1.0 / middle.len() as f64));
+                middles.iter().enumerate().map(fit).collect()
             }
+        };
+        let mut points = middles.iter().zip(fitted);
+        for facet in faces {
+            let mut face = SkinFace::default();
+            for (k, &corner) in facet.corners().iter().enumerate() {
+                face.add(Carrier::from(corner as u32), k, 1.0);
+            }
+            let count = between(facet).len();
+            for (k, (middle, fit)) in points.by_ref().take(count).enumerate() {
+                let point = facet.corners().len() + k;
+                if let Some(weights) = fit {
+                    weights.into_iter().for_each(|(carrier, weight)| face.add(carrier, point, weight));
+                } else {
+                    skin.straight += usize::from(options.element != ContactElement::NodeToFacet);
+                    let weight = 1.0 / middle.len() as f64;
+                    middle.iter().for_each(|&node| face.add(Carrier::from(node as u32), point, weight));
+                }
+            }
+            skin.faces.push(face);
         }
-        all.push(face);
+        Ok(skin)
     }
-    if options.element == ContactElement::NodeToFacet {
-        straight = 0;
-    }
-    Ok((all, straight))
 }
 
-/// φ_k of a fit at a place of the surface, with the nodes; `None` if the fit's equations are singular.
-fn weights_at(pairing: &Pairing, place: Vector3) -> Option<Vec<(usize, f64)>> {
-    let unit = 1.0 / pairing.support_radius;
-    let [t1, t2] = [pairing.frame.t1, pairing.frame.t2].map(Vector3::from);
-    let size = pairing.basis.size();
+fn mean(positions: &[Point], nodes: &[usize]) -> Vector3 {
+    let sum = nodes.iter().fold(Vector3::zeros(), |sum, &node| sum + Vector3::from(positions[node]));
+    sum * (1.0 / nodes.len() as f64)
+}
+
+/// The smooth surface through the faces' nodes, evaluated where points lie between corners.
+fn own_surface(
+    faces: &[Facet],
+    first: &[Point],
+    (options, weight): (&InterfaceOptions, Weight),
+    planes: &[SymmetryPlane],
+) -> Result<ContactInterface, InterfaceError> {
+    let inside = faces.iter().flat_map(|face| {
+        let centre = mean(first, face.corners());
+        between(face).into_iter().map(move |middle| {
+            let x = mean(first, &middle);
+            x + (centre - x) * INWARD
+        })
+    });
+    let mut positions = first.to_vec();
+    positions.extend(inside.map(Point::from));
+    let element = ContactElement::diffuse(SearchOptions::domains()).with_weight(weight);
+    // Feet of points on a curved border lie a little beyond its straight edges.
+    let options =
+        InterfaceOptions { element, distance_limit: None, areas: false, border_tolerance: 0.5, ..*options };
+    let surface = MasterSurface::new(first, faces.to_vec())?;
+    let points = (first.len()..positions.len()).collect();
+    let mut own = ContactInterface::new(surface, points, &[], &positions, options)?;
+    own.set_symmetry(planes)?;
+    own.refresh_pairing(&positions)?;
+    own.evaluate(Mode::Value)?;
+    Ok(own)
+}
+
+/// φ_k of a fit at a place of the surface, with the carriers; `None` if the fit's equations are singular.
+fn weights_at(
+    points: &PointsWithinReach,
+    (weight, basis): (Weight, Basis),
+    place: Vector3,
+) -> Option<Vec<(Carrier, f64)>> {
+    let unit = 1.0 / points.unit;
+    let [t1, t2] = [points.frame.t1, points.frame.t2].map(Vector3::from);
+    let size = basis.size();
     let monomials = |x: Point| {
         let offset = (Vector3::from(x) - place) * unit;
         let (a, b) = (t1.dot(&offset), t2.dot(&offset));
         [1.0, a, b, a * a, a * b, b * b]
     };
-    let rows: Vec<[f64; 6]> = pairing.positions.iter().map(|&x| monomials(x)).collect();
-    let weights: Vec<f64> =
-        pairing.material.iter().map(|node| pairing.weight.fitting(node.distance())).collect();
+    let rows: Vec<[f64; 6]> = points.positions.iter().map(|&x| monomials(x)).collect();
+    let weights: Vec<f64> = points.nodes.iter().map(|node| weight.fitting(node.distance())).collect();
     let mut matrix = [[0.0; 6]; 6];
     for (row, weight) in rows.iter().zip(&weights) {
         for i in 0..size {
@@ -164,7 +214,7 @@ fn weights_at(pairing: &Pairing, place: Vector3) -> Option<Vec<(usize, f64)>> {
     let coefficients = solve_for_first(matrix, size)?;
     let value = |row: &[f64; 6]| (0..size).map(|i| row[i] * coefficients[i]).sum::<f64>();
     let weights = rows.iter().zip(&weights).map(|(row, weight)| weight * value(row));
-    Some(pairing.masters.iter().copied().zip(weights).collect())
+    Some(points.carriers.iter().copied().zip(weights).collect())
 }
 
 /// The first column of the inverse of a symmetric positive definite matrix, by Cholesky's factors.
@@ -188,21 +238,6 @@ fn solve_for_first(mut a: [[f64; 6]; 6], size: usize) -> Option<[f64; 6]> {
         x[i] = (x[i] - (i + 1..size).map(|k| a[k][i] * x[k]).sum::<f64>()) / a[i][i];
     }
     Some(x)
-}
-
-/// The position of a face's point.
-pub fn position(face: &SkinFace, corners: usize, natural: [f64; 2], positions: &[Point]) -> Point {
-    // From the first node: digits are those of the face.
-    let Some(&first) = face.nodes.first() else { return [f64::NAN; 3] };
-    let origin = Vector3::from(positions[first as usize]);
-    let offset = face
-        .nodes
-        .iter()
-        .zip(face.weights(corners, natural))
-        .fold(Vector3::zeros(), |sum, (&node, weight)| {
-            sum + (Vector3::from(positions[node as usize]) - origin) * weight
-        });
-    (origin + offset).into()
 }
 
 /// A face as it lies.

@@ -212,7 +212,7 @@ fn add(hessian: &mut [f64], (row, column): (usize, usize), block: [[f64; 3]; 3])
 }
 
 /// Qᵀ v, or v of a node itself.
-fn back(image: Option<&Image>, v: [f64; 3]) -> [f64; 3] {
+pub fn back(image: Option<&Image>, v: [f64; 3]) -> [f64; 3] {
     match image {
         None => v,
         Some(image) => [0, 1, 2].map(|j| (0..3).map(|i| image.rows[i][j] * v[i]).sum()),

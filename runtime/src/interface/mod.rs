@@ -83,19 +83,23 @@ pub use report::{FallbackCounts, GapJump, RefreshReport, SlaveGap};
 
 pub(crate) use contacts::Results;
 use evaluate::{CHUNK, ElementScratch, Evaluator, Request};
+pub(crate) use fold::back;
 use nodal::{Nodal, symmetry_of};
 use pairings::Pairings;
 use refresh::{Compares, Refresh, RefreshScratch, SKIN};
 use scratch::Pool;
 pub(crate) use scratch::recycled;
+pub(crate) use within_reach::PointsWithinReach;
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use crate::neighbourhood::{NeighbourRule, SearchOptions};
 use crate::pairing::NearestNodes;
-use crate::surface::{Creases, Facet, MasterSurface, SymmetryPlane, check_position, tributary_areas};
-use crate::{Mode, Point};
+use crate::surface::{
+    Creases, Facet, MasterSurface, Symmetry, SymmetryPlane, check_position, tributary_areas,
+};
+use crate::{Basis, Mode, Point};
 
 /// Chunks of slaves that [`ContactInterface::for_each`] holds for each thread.
 const CHUNKS_PER_THREAD: usize = 4;
@@ -446,6 +450,26 @@ impl ContactInterface {
         self.evaluator().fill(&self.pairings, Request::all(mode), slots, &self.elements);
         range.map(|k| results.get(layout, k)).for_each(f);
         Ok(())
+    }
+
+    /// The points of the `k`-th slave's fit with nodal domains, and its basis.
+    pub(crate) fn fit(&self, k: usize) -> Result<(PointsWithinReach, Basis), NoContact> {
+        let ContactElement::Diffuse { weight, .. } = self.options.element else {
+            return Err(NoContact::NotPaired);
+        };
+        let paired = self.pairings.get(k)?;
+        let points = self.evaluator().points_within_reach(&paired, weight, &mut ElementScratch::default())?;
+        Ok((points, paired.record.basis))
+    }
+
+    /// Where the `k`-th slave is.
+    pub(crate) fn position_of(&self, k: usize) -> Point {
+        self.positions[self.pairings.layout.slave(k)]
+    }
+
+    /// The planes of symmetry with their images.
+    pub(crate) fn images(&self) -> Symmetry {
+        self.nodal.as_ref().map(|nodal| nodal.symmetry.clone()).unwrap_or_default()
     }
 
     /// Master nodes listed with the `k`-th slave.

@@ -87,6 +87,8 @@ pub struct PointsWithinReach {
     pub nodes: Vec<MaterialNode>,
     /// Their nodes, by place among the slave's.
     pub listed: Vec<u32>,
+    /// The nodes that they are, or are images of.
+    pub carriers: Vec<Carrier>,
     pub frame: Frame,
     /// What lengths are divided by.
     pub unit: f64,
@@ -188,8 +190,11 @@ impl Evaluator<'_> {
         all.clear();
         let Gathered { frame, unit, .. } = self.gather_within_reach(paired, weight, all)?;
         let listed = all.sources.iter().map(|source| source.listed).collect();
+        let carrier =
+            |&Source { listed, image }: &Source| Carrier { node: paired.masters[listed as usize], image };
+        let carriers = all.sources.iter().map(carrier).collect();
         let (positions, nodes) = (all.points.clone(), all.nodes.clone());
-        Ok(PointsWithinReach { positions, nodes, listed, frame, unit })
+        Ok(PointsWithinReach { positions, nodes, listed, carriers, frame, unit })
     }
 
     /// The element of a slave whose points were the only ones gathered.

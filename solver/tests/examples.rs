@@ -4,8 +4,11 @@
 
 use std::path::Path;
 
+use diffuse_contact::Weight;
+use diffuse_contact::faces::FaceRule;
 use diffuse_contact::interface::ContactElement;
 use diffuse_contact::neighbourhood::SearchOptions;
+use diffuse_contact_solver::contact::Integration;
 use diffuse_contact_solver::deck::{Boundary, Contact, Deck, PartSource, Reference};
 use diffuse_contact_solver::model::Motion;
 use diffuse_contact_solver::model::shape::{
@@ -59,6 +62,32 @@ fn patch_test() {
         let (uniformity, force) = pressed(&deck);
         assert!(uniformity.stress < two_pass, "{uniformity:?}");
         assert!((force / 1e4 - 1.0).abs() < 1e-5, "{force}");
+    }
+}
+
+/// Integrated over faces a uniform pressure passes, whatever the meshes, the weight, the penalty and the roles.
+#[test]
+fn patch_test_over_faces() {
+    let meshes = [([5, 5, 2], [3, 4, 2]), ([4, 4, 2], [4, 4, 2]), ([3, 3, 2], [7, 5, 2])];
+    let smooth = Weight::ALL.map(|weight| ContactElement::default().with_weight(weight));
+    let elements = smooth.into_iter().chain([ContactElement::NodeToFacet]);
+    for (element, (lower, upper)) in elements.flat_map(|element| meshes.map(|mesh| (element, mesh))) {
+        for (exchange, rule, penalty) in
+            [(false, FaceRule::Second, 5e3), (true, FaceRule::Second, 5e6), (false, FaceRule::Fourth, 5e5)]
+        {
+            let mut deck = deck("patch_test.toml", Contact::Diffuse);
+            divide(&mut deck, "lower", &lower);
+            divide(&mut deck, "upper", &upper);
+            deck.newton.tolerance = 1e-13;
+            let interface = &mut deck.interfaces[0];
+            interface.surface = interface.surface.with_element(element);
+            interface.integration = Integration::Faces(rule);
+            (interface.exchange, interface.penalty) = (exchange, penalty);
+            let (Uniformity { stress, other_stress, contact, .. }, force) = pressed(&deck);
+            let error = [stress, other_stress, contact].into_iter().fold(0.0, f64::max);
+            assert!(error < 1e-9, "{error:e} {element:?} {lower:?} {upper:?} {exchange} {penalty:e}");
+            assert!((force.abs() / 1e4 - 1.0).abs() < 1e-9, "{force}");
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use diffuse_contact::assembly::Tangent;
+use diffuse_contact::faces::FaceRule;
 use diffuse_contact::interface::{ContactElement, InterfaceOptions};
 use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact::surface::Facet;
@@ -77,6 +78,11 @@ fn variants() -> Vec<InteractionOptions> {
     let mut variants = vec![options(false, false), options(true, false), options(false, true)];
     let interface = InterfaceOptions::node_to_facet().with_areas(true);
     variants.push(InteractionOptions { interface, ..options(false, false) });
+    for (two_pass, augmented) in [(false, false), (true, false), (false, true)] {
+        let integration = Integration::Faces(FaceRule::default());
+        let interface = InterfaceOptions::default();
+        variants.push(InteractionOptions { integration, interface, ..options(two_pass, augmented) });
+    }
     variants
 }
 

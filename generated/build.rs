@@ -1,7 +1,9 @@
 //! Generates the kernels from the formulas.
 
-use diffuse_contact_codegen::expr::{Expr, Vec2, Vec3, Vector, dot};
-use diffuse_contact_codegen::{Config, ElementModel};
+mod elements;
+
+use diffuse_contact_codegen::Config;
+use elements::{carried_by_quadrilateral, carried_by_triangle, coulomb};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("cargo::rustc-check-cfg=cfg(unoptimised)");
@@ -21,88 +23,4 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let config = if cfg!(feature = "friction") { config.friction() } else { config };
     config.compile()?;
     Ok(())
-}
-
-/// The factor c of Coulomb's friction, R = −c ∇q.
-fn coulomb(m: &ElementModel<'_>) {
-    m.title("Coulomb's friction with a penalty for stick: the factor c of R = −c ∇q (docs/equations.md, section 17).");
-    let [q, pressure]: [Expr<'_>; 2] = ["half_square", "pressure"].map(|name| m.variable(name));
-    let [mu, stiffness, opening] = m.parameters(["coefficient", "stiffness", "opening"]);
-    let slip = (2.0 * q).sqrt();
-    // Of a contact that was open, the slip since the place of touch; of another all of it, to the last bit.
-    let (zero, one) = (m.sheet().zero(), m.sheet().one());
-    let share = zero.less(opening).select(pressure / (pressure + opening), one);
-    let (limit, stuck) = (mu * pressure, share * stiffness);
-    let slides = limit.less(stuck * slip);
-    m.value("share", share);
-    m.value("slides", slides.select(one, zero));
-    m.residual("factor", slides.select(limit / slip, stuck));
-}
-
-/// A unit force carried by a triangle.
-fn carried_by_triangle(m: &ElementModel<'_>) {
-    carried(m, |m, [a, b, c]: [Vec3<'_>; 3], point, direction| {
-        let [first, second] = across(b - a, c - a, direction);
-        let [xi, eta] = [first, second].map(|across| across.dot(point - a));
-        m.value("natural", Vector([xi, eta]));
-        [1.0 - xi - eta, xi, eta]
-    });
-}
-
-/// A unit force carried by a bilinear quadrilateral.
-fn carried_by_quadrilateral<'g>(m: &ElementModel<'g>) {
-    carried(m, |m, corners: [Vec3<'g>; 4], point, direction| {
-        let [a, b, c, d] = corners;
-        let [first, second] = across(0.5 * (b + c - a - d), 0.5 * (c + d - a - b), direction);
-        // From 0 at the first corner to 1: a place in the middle is no root to begin with, but for rounding.
-        let u = m.sheet().variables(["s", "t"]);
-        let beside = |u: Vec2<'g>| {
-            let x = point - combined(&corners, &bilinear(u));
-            Vector([first.dot(x), second.dot(x)])
-        };
-        let (_, place) = m.sheet().root("place", u, beside(u));
-        m.value("natural", place.map(|s| 2.0 * s - 1.0));
-        m.value("beside", beside(place));
-        m.describe(
-            "beside",
-            "How far the place is from the line, in natural coordinates: rounding, if there is one",
-        );
-        bilinear(place)
-    });
-}
-
-/// A unit force along `direction` through `point`: the parts of it that a facet's nodes carry are its shape functions where the line of
-/// the force meets it (docs/equations.md, section 18).
-fn carried<'g, const N: usize>(
-    m: &ElementModel<'g>,
-    shape_functions: impl FnOnce(&ElementModel<'g>, [Vec3<'g>; N], Vec3<'g>, Vec3<'g>) -> [Expr<'g>; N],
-) {
-    m.title("A unit force along a line, carried by the nodes of a facet that the line meets (docs/equations.md, section 18).");
-    let [point, along]: [Vec3<'_>; 2] = ["point", "along"].map(|name| m.variable(name));
-    let corners = m.variable("corners");
-    let direction = m.define("direction_of_force", along.unit());
-    let parts = shape_functions(m, corners, point, direction);
-    m.residual("direction", direction);
-    m.residual("parts", parts.map(|part| part * direction));
-    m.describe("point", "A point of the line, length");
-    m.describe("along", "Direction of the force, of any length");
-    m.describe("direction", "The force, of length 1");
-    m.describe("parts", "What each node of the facet carries of it");
-}
-
-/// The shape functions of a quadrilateral, of coordinates from 0 at the first corner to 1.
-fn bilinear(u: Vec2<'_>) -> [Expr<'_>; 4] {
-    let Vector([s, t]) = u;
-    [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t]
-}
-
-/// Two vectors across a direction that are dual to two edges.
-fn across<'g>(first: Vec3<'g>, second: Vec3<'g>, direction: Vec3<'g>) -> [Vec3<'g>; 2] {
-    let volume = direction.dot(first.cross(second));
-    [(1.0 / volume) * second.cross(direction), (1.0 / volume) * direction.cross(first)]
-}
-
-/// Σ N_k x_k
-fn combined<'g>(points: &[Vec3<'g>], weights: &[Expr<'g>]) -> Vec3<'g> {
-    Vector::from_fn(|axis| dot(points.iter().map(|x| x[axis]), weights))
 }

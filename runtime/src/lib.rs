@@ -112,6 +112,9 @@ mod pages {
     #[doc = include_str!("../../docs/how-to/rust.md")]
     pub struct Rust;
 
+    #[doc = include_str!("../../docs/how-to/pressures.md")]
+    pub struct Pressures;
+
     #[doc = include_str!("../../docs/how-to/friction.md")]
     pub struct Friction;
 

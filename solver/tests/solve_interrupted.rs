@@ -43,6 +43,14 @@ fn an_interrupted_run_is_whole_and_goes_on_to_the_same_end() {
     interrupt("solve-interrupt", &format!("{}\n[output]\nevery = 40", small_block_in(MANY)));
 }
 
+/// Where the faces are cut follows from positions: there is nothing to save.
+#[test]
+fn an_interrupted_run_over_faces_goes_on_to_the_same_end() {
+    let deck = small_block_in(MANY).replace("penalty = ", "integration = \"faces\"\npenalty = ");
+    assert!(deck.contains("faces"));
+    interrupt("solve-interrupt-faces", &format!("{deck}\n[output]\nevery = 40"));
+}
+
 /// The anchors, too, are those of the last increment that was saved.
 #[cfg(feature = "friction")]
 #[test]

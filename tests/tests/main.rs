@@ -5,6 +5,7 @@ mod custom_basis;
 mod custom_weight;
 mod deep_formulas;
 mod documents;
+mod elements;
 mod every_size;
 mod facet_lanes;
 mod facet_statuses;

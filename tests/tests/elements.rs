@@ -1,0 +1,158 @@
+//! The elements of a fixed size that the kernels are made of: emitted kernel, interpreter and automatic differentiation of models
+//! written independently.
+
+#[path = "../../generated/elements.rs"]
+mod formulas;
+
+use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
+use diffuse_contact_codegen::{ElementKernels, ElementModel, Mode};
+use diffuse_contact_kernels::{carried_by_quadrilateral, carried_by_triangle, coulomb, support};
+use num_dual::{Dual64, DualNum};
+
+/// Relative difference that is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// Entries of a value and of its Jacobian by the interpreter, at inputs in the order of their declaration.
+fn interpreted(formulas: impl FnOnce(&ElementModel<'_>), inputs: &[f64], value: &str) -> [Vec<f64>; 2] {
+    let element = ElementKernels::new("test", formulas).unwrap();
+    let mut nodes = NodeInputs::new(0);
+    let symbols = element.signature.inputs.iter().flat_map(|input| &input.symbols);
+    symbols.zip(inputs).for_each(|(name, &x)| nodes.set_element(name, x));
+    let kernel = element.kernels.iter().find(|kernel| kernel.spec.mode == Mode::Gradient).unwrap();
+    let mut interpreter = Interpreter::new(&kernel.graph, &nodes);
+    [value.to_owned(), format!("{value}_jacobian")].map(|name| {
+        let value = kernel.values.iter().find(|v| v.name == name).unwrap();
+        value.components.iter().map(|x| interpreter.element(*x)).collect()
+    })
+}
+
+/// Values of a function and their derivatives by its first `variables` arguments.
+fn by_duals(inputs: &[f64], variables: usize, f: impl Fn(&[Dual64]) -> Vec<Dual64>) -> [Vec<f64>; 2] {
+    let seeded = |variable: usize| {
+        let dual = |(k, &x): (usize, &f64)| Dual64::new(x, f64::from(u8::from(k == variable)));
+        f(&inputs.iter().enumerate().map(dual).collect::<Vec<_>>())
+    };
+    let by_variable: Vec<Vec<Dual64>> = (0..variables).map(seeded).collect();
+    let rows = 0..by_variable[0].len();
+    let jacobian = rows.flat_map(|row| by_variable.iter().map(move |values| values[row].eps)).collect();
+    [by_variable[0].iter().map(|x| x.re).collect(), jacobian]
+}
+
+fn assert_close(found: &[f64], expected: &[f64], what: &str) {
+    assert_eq!(found.len(), expected.len(), "{what}");
+    let largest = expected.iter().fold(1.0, |largest: f64, x| largest.max(x.abs()));
+    for (k, (x, y)) in found.iter().zip(expected).enumerate() {
+        assert!((x - y).abs() < ROUNDING * largest, "{what}, entry {k}: {x} {y}");
+    }
+}
+
+/// What the corners of a facet carry of a unit force, by Newton's iteration for the place and the distance along the line together.
+fn parts(x: &[Dual64], functions: impl Fn(Dual64, Dual64) -> Vec<Dual64>) -> Vec<Dual64> {
+    let number = Dual64::from;
+    let (point, along, corners) = (&x[..3], &x[3..6], &x[6..]);
+    let count = corners.len() / 3;
+    let position = |s, t| {
+        let n = functions(s, t);
+        [0, 1, 2].map(|i| (0..count).fold(number(0.0), |sum, k| sum + n[k] * corners[3 * k + i]))
+    };
+    let (mut s, mut t, mut distance) = (number(0.3), number(0.3), number(0.0));
+    for _ in 0..60 {
+        // Facets are linear in either coordinate: differences over steps of 1 are derivatives.
+        let here = position(s, t);
+        let one = number(1.0);
+        let (by_s, by_t) = (position(s + one, t), position(s, t + one));
+        let columns = [
+            [0, 1, 2].map(|i| by_s[i] - here[i]),
+            [0, 1, 2].map(|i| by_t[i] - here[i]),
+            [0, 1, 2].map(|i| -along[i]),
+        ];
+        let right = [0, 1, 2].map(|i| point[i] + distance * along[i] - here[i]);
+        let det = |a: [[Dual64; 3]; 3]| {
+            let minor = |i: usize, j: usize| a[1][i] * a[2][j] - a[1][j] * a[2][i];
+            a[0][0] * minor(1, 2) - a[0][1] * minor(0, 2) + a[0][2] * minor(0, 1)
+        };
+        let step = [0, 1, 2].map(|k| {
+            let mut replaced = columns;
+            replaced[k] = right;
+            det(replaced) / det(columns)
+        });
+        (s, t, distance) = (s + step[0], t + step[1], distance + step[2]);
+    }
+    let norm = (along[0] * along[0] + along[1] * along[1] + along[2] * along[2]).sqrt();
+    functions(s, t).into_iter().flat_map(|n| [0, 1, 2].map(|i| n * along[i] / norm)).collect()
+}
+
+fn numbers(count: usize, seed: f64) -> Vec<f64> {
+    (0..count).map(|k| (12.9898 * (k as f64 + seed)).sin()).collect()
+}
+
+/// A line above a square, all of it shaken.
+fn line_and_corners(corners: &[[f64; 3]], seed: f64) -> Vec<f64> {
+    let all = [&[[0.4, 0.3, 0.8], [0.1, -0.2, 0.9]], corners].concat();
+    let numbers = numbers(3 * all.len(), seed);
+    all.as_flattened().iter().zip(numbers).map(|(x, random)| x + 0.1 * random).collect()
+}
+
+/// Runs an emitted kernel: values and Jacobian of the parts.
+macro_rules! emitted {
+    ($kernel:ident, $inputs:expr) => {{
+        let mut inputs = $kernel::Inputs { point: [0.0; 3], along: [0.0; 3], corners: Default::default() };
+        let rows = $inputs.as_chunks::<3>().0;
+        (inputs.point, inputs.along) = (rows[0], rows[1]);
+        inputs.corners.copy_from_slice(&rows[2..]);
+        let results = $kernel::evaluate(support::Mode::Gradient, &inputs);
+        [results.values.parts.as_flattened().to_vec(), results.parts_jacobian.to_vec()]
+    }};
+}
+
+#[test]
+fn forces_carried_by_facets_have_three_witnesses() {
+    let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.1], [1.1, 1.0, 0.3], [0.0, 0.9, -0.1]];
+    for seed in [0.31, 0.57, 0.83] {
+        let inputs = line_and_corners(&square, seed);
+        let one = |x: Dual64| Dual64::from(1.0) - x;
+        let bilinear = |s: Dual64, t: Dual64| vec![one(s) * one(t), s * one(t), s * t, one(s) * t];
+        let expected = by_duals(&inputs, 18, |x| parts(x, bilinear));
+        let of_graph = interpreted(formulas::carried_by_quadrilateral, &inputs, "parts");
+        let of_kernel = emitted!(carried_by_quadrilateral, inputs);
+        for (k, what) in ["parts of a quadrilateral", "their derivatives"].into_iter().enumerate() {
+            assert_close(&of_graph[k], &expected[k], what);
+            assert_close(&of_kernel[k], &expected[k], what);
+        }
+
+        let inputs = line_and_corners(&square[..3], seed);
+        let linear = |s: Dual64, t: Dual64| vec![one(s) - t, s, t];
+        let expected = by_duals(&inputs, 15, |x| parts(x, linear));
+        let of_graph = interpreted(formulas::carried_by_triangle, &inputs, "parts");
+        let of_kernel = emitted!(carried_by_triangle, inputs);
+        for (k, what) in ["parts of a triangle", "their derivatives"].into_iter().enumerate() {
+            assert_close(&of_graph[k], &expected[k], what);
+            assert_close(&of_kernel[k], &expected[k], what);
+        }
+    }
+}
+
+/// In stick, in slip, and since the place of touch.
+#[test]
+fn the_factor_of_friction_has_three_witnesses() {
+    let [coefficient, stiffness] = [0.3, 50.0];
+    for (half_square, pressure, opening) in
+        [(1e-4, 9.0, 0.0), (2e-2, 9.0, 0.0), (2e-4, 5.0, 3.0), (1e-1, 0.2, 3.0)]
+    {
+        let inputs = [half_square, pressure, coefficient, stiffness, opening];
+        let expected = by_duals(&inputs, 2, |x| {
+            let slip = (x[0] + x[0]).sqrt();
+            let share = if opening > 0.0 { x[1] / (x[1] + x[4]) } else { Dual64::from(1.0) };
+            let (elastic, limit) = (share * x[3], x[2] * x[1]);
+            vec![if (elastic * slip).re > limit.re { limit / slip } else { elastic }]
+        });
+        let kernel = coulomb::Inputs { half_square, pressure, coefficient, stiffness, opening };
+        let results = coulomb::evaluate(support::Mode::Gradient, &kernel);
+        let of_kernel = [vec![results.values.factor], results.factor_jacobian.to_vec()];
+        let of_graph = interpreted(formulas::coulomb, &inputs, "factor");
+        for (k, what) in ["factor", "its derivatives"].into_iter().enumerate() {
+            assert_close(&of_graph[k], &expected[k], what);
+            assert_close(&of_kernel[k], &expected[k], what);
+        }
+    }
+}

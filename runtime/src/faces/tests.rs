@@ -18,7 +18,7 @@ impl Grid {
         let positions = (0..n * n).map(|k| place((k % n) as f64 * size, (k / n) as f64 * size)).collect();
         let corner = |k: usize| first + k % cells + n * (k / cells);
         let facets =
-            (0..cells * cells).map(|k| corner(k)).map(|k| Facet::Quadrilateral([k, k + 1, k + n + 1, k + n]));
+            (0..cells * cells).map(corner).map(|k| Facet::Quadrilateral([k, k + 1, k + n + 1, k + n]));
         let facets = facets.map(|facet| if from_above { facet } else { facet.flipped() }).collect();
         Self { positions, facets }
     }

@@ -21,7 +21,7 @@ pub struct NodalForces {
 /// What a pass with friction remembers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrictionHistory {
-    /// [`ContactInterface::history`]; empty before the first increment.
+    /// [`history`](diffuse_contact::interface::ContactInterface::history) of the interface; empty before the first increment.
     pub anchors: Vec<f64>,
     /// Work of friction so far, energy.
     pub dissipated: f64,

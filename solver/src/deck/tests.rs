@@ -3,13 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use diffuse_contact::faces::FaceRule;
 use diffuse_contact::interface::ContactElement;
 use diffuse_contact::neighbourhood::NeighbourRule;
 use diffuse_contact::pairing::MAX_NEIGHBOURS;
 use diffuse_contact::{FrameDerivative, Weight};
 
 use super::*;
-use crate::contact::{Augmentation, RefreshRule, TangentRule};
+use crate::contact::{Augmentation, Integration, RefreshRule, TangentRule};
 use crate::statics::{Extrapolation, NewtonSettings, TimeSettings};
 
 /// A deck that is right: a block on a rigid floor.
@@ -127,6 +128,21 @@ fn a_deck_is_read_with_its_defaults() {
     let sides = deck.sides(&model, interface).unwrap();
     assert_eq!((sides.master.len(), sides.slave.len(), sides.slave_nodes().len()), (9, 4, 9));
     assert_eq!(deck.loads(&model).unwrap()[0].facets.len(), 4);
+}
+
+#[test]
+fn contact_is_integrated_over_nodes_or_faces() {
+    for (value, expected) in [
+        ("\"nodes\"", Integration::Nodes),
+        ("\"faces\"", Integration::Faces(FaceRule::Second)),
+        ("{ over = \"nodes\" }", Integration::Nodes),
+        ("{ over = \"faces\" }", Integration::Faces(FaceRule::Second)),
+        ("{ over = \"faces\", degree = 4 }", Integration::Faces(FaceRule::Fourth)),
+    ] {
+        let text = changed("penalty = 1e5", &format!("penalty = 1e5\nintegration = {value}"));
+        assert_eq!(Deck::parse(&text).unwrap().interfaces[0].integration, expected);
+    }
+    refused("penalty = 1e5", "penalty = 1e5\nintegration = { over = \"faces\", degree = 3 }", "2 or 4");
 }
 
 #[test]
@@ -391,6 +407,22 @@ fn fields_that_do_not_go_together_are_refused() {
         "penalty = 1e5\nmethod = \"augmented-lagrangian\"",
         "[interface[1]] needs a field \"augmentation\"",
     );
+    let over_faces = |fields: &str| format!("penalty = 1e5\nintegration = \"faces\"\n{fields}");
+    refused(
+        "penalty = 1e5",
+        &over_faces("friction = 0.3"),
+        "interface[1].friction has no meaning with integration over faces",
+    );
+    refused(
+        "penalty = 1e5",
+        &over_faces("areas = true"),
+        "interface[1].areas has no meaning with integration over faces",
+    );
+    refused(
+        "penalty = 1e5",
+        "penalty = 1e5\nintegration = { over = \"nodes\", degree = 2 }",
+        "degree has no meaning with over = \"nodes\"",
+    );
     refused(
         "increment = 0.25",
         "increment = 0.25\nfixed = true\ngrowth = 2.0",
@@ -562,6 +594,7 @@ fn every_field_is_documented_and_every_documented_field_exists() {
         ("`[[interface]]`", schema::INTERFACE),
         ("`augmentation`", schema::AUGMENTATION),
         ("`friction`", schema::FRICTION),
+        ("`integration`", schema::INTEGRATION),
         ("`neighbours`", schema::NEIGHBOURS),
         ("`[time]`", schema::TIME),
         ("`[newton]`", schema::NEWTON),

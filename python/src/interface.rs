@@ -8,7 +8,9 @@ use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact::surface::SymmetryPlane;
 use diffuse_contact::{Mode, Point};
 use numpy::{PyArray1, PyArray2};
+use pyo3::PyClass;
 use pyo3::prelude::*;
+use pyo3::pyclass::boolean_struct::False;
 use pyo3::types::PyDict;
 
 use crate::arrays::{facets, indices, points, readable};
@@ -34,12 +36,12 @@ pub struct Interface {
 }
 
 /// Write access for this thread alone.
-pub fn exclusive<'py>(object: &Bound<'py, Interface>) -> PyResult<PyRefMut<'py, Interface>> {
+pub fn exclusive<'py, T: PyClass<Frozen = False>>(object: &Bound<'py, T>) -> PyResult<PyRefMut<'py, T>> {
     object.try_borrow_mut().map_err(|_| errors::busy(object.py(), "the interface"))
 }
 
 /// Read access while no thread writes.
-pub fn shared<'py>(object: &Bound<'py, Interface>) -> PyResult<PyRef<'py, Interface>> {
+pub fn shared<'py, T: PyClass>(object: &Bound<'py, T>) -> PyResult<PyRef<'py, T>> {
     object.try_borrow().map_err(|_| errors::busy(object.py(), "the interface"))
 }
 
@@ -351,7 +353,7 @@ fn fallback_name(fallback: Fallback) -> &'static str {
     }
 }
 
-fn dof_map(
+pub fn dof_map(
     py: Python<'_>,
     count: usize,
     numbers: &Bound<'_, PyArray2<i64>>,

@@ -1,8 +1,9 @@
 //! The compiled part of the Python module `diffuse_contact`.
 //!
-//! [`batch`] evaluates many elements on arrays, [`surface`] and [`interface`] wrap
-//! [`MasterSurface`](diffuse_contact::surface::MasterSurface) and
-//! [`ContactInterface`](diffuse_contact::interface::ContactInterface). What is here takes contiguous arrays of the right
+//! [`batch`] evaluates many elements on arrays. [`surface`], [`interface`] and [`faces`] wrap
+//! [`MasterSurface`](diffuse_contact::surface::MasterSurface),
+//! [`ContactInterface`](diffuse_contact::interface::ContactInterface) and
+//! [`FaceInterface`](diffuse_contact::faces::FaceInterface). What is here takes contiguous arrays of the right
 //! type and fills arrays it is given; the package around it converts what people pass, and is what people see.
 //!
 //! * No call panics on what it is given; every refusal is an exception with a stable `code` ([`errors`]).
@@ -20,6 +21,7 @@ mod arrays;
 mod assembly;
 mod batch;
 mod errors;
+mod faces;
 mod interface;
 mod options;
 mod report;
@@ -35,6 +37,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("STATUS_CODES", batch::STATUS_CODES.to_vec())?;
     module.add_class::<surface::Surface>()?;
     module.add_class::<interface::Interface>()?;
+    module.add_class::<faces::Faces>()?;
     module.add_function(wrap_pyfunction!(batch::gap_batch, module)?)?;
     module.add_function(wrap_pyfunction!(surface::tributary_areas, module)?)?;
     module.add_function(wrap_pyfunction!(options::default_options, module)?)?;

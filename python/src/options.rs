@@ -144,10 +144,11 @@ pub fn law<'a>(
     multipliers: Option<&'a [f64]>,
     tangent: &str,
 ) -> PyResult<ContactLaw<'a>> {
-    let tangents = Tangent::ALL.map(|tangent| (tangent.name(), tangent));
-    Ok(ContactLaw::penalty(penalty)
-        .with_multipliers(multipliers)
-        .with_tangent(named(py, "tangent", tangent, &tangents)?))
+    Ok(ContactLaw::penalty(penalty).with_multipliers(multipliers).with_tangent(self::tangent(py, tangent)?))
+}
+
+pub fn tangent(py: Python<'_>, name: &str) -> PyResult<Tangent> {
+    named(py, "tangent", name, &Tangent::ALL.map(|tangent| (tangent.name(), tangent)))
 }
 
 /// The name of the tangent for the next linear solution.

@@ -16,6 +16,7 @@ from ._errors import (
     InterfaceError,
     SurfaceError,
 )
+from ._faces import FaceContacts, FaceInterface, FaceReport
 from ._interface import ContactInterface, Options, adaptive_tangent
 from ._native import __version__
 from ._results import (
@@ -42,6 +43,9 @@ __all__ = [
     "CutBack",
     "DiffuseContactError",
     "ElementError",
+    "FaceContacts",
+    "FaceInterface",
+    "FaceReport",
     "FrictionReport",
     "GapBatch",
     "GapJump",

@@ -132,6 +132,27 @@ def _law(
     return _Law(penalty, multipliers, word("tangent", tangent), friction)
 
 
+def _options(owner: str, master: Any, options: dict[str, Any]) -> Options:
+    if not isinstance(master, MasterSurface):
+        raise InputError(f"master has to be a MasterSurface, not {type(master).__name__}", "wrong-type")
+    try:
+        return Options(**options)
+    except TypeError as error:
+        raise InputError(str(error).replace("Options.__init__()", owner), "unknown-option") from None
+
+
+def _equations(dofs: ArrayLike | None, equations: int | None, nodes: int) -> tuple[int, Ints] | None:
+    """Number of equations, and those of each node's axes."""
+    if dofs is None:
+        if equations is not None:
+            raise InputError("equations goes with dofs", "invalid-option")
+        return None
+    numbers = ints("dofs", dofs, nodes, 3)
+    if equations is None:
+        equations = int(numbers.max(initial=-1)) + 1
+    return count("equations", equations), numbers
+
+
 def adaptive_tangent(residual: float, force: float) -> Tangent:
     """The tangent for the next linear solution of a Newton iteration.
 
@@ -202,21 +223,9 @@ class ContactInterface:
         symmetry: Planes = (),
         **options: Any,
     ) -> None:
-        if not isinstance(master, MasterSurface):
-            raise InputError(f"master has to be a MasterSurface, not {type(master).__name__}", "wrong-type")
-        try:
-            self._options = Options(**options)
-        except TypeError as error:
-            raise InputError(str(error).replace("Options.__init__()", "ContactInterface"), "unknown-option") from None
+        self._options = _options("ContactInterface", master, options)
         positions = floats("positions", positions, "p", 3)
-        numbers = None
-        if dofs is not None:
-            dofs = ints("dofs", dofs, len(positions), 3)
-            if equations is None:
-                equations = int(dofs.max(initial=-1)) + 1
-            numbers = (count("equations", equations), dofs)
-        elif equations is not None:
-            raise InputError("equations goes with dofs", "invalid-option")
+        numbers = _equations(dofs, equations, len(positions))
         self._interface = _native.Interface(
             master._surface,
             ints("slaves", slaves, "s"),

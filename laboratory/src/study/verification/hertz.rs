@@ -1,14 +1,14 @@
 //! A cylinder and a ball on a rigid plane: the peak pressure against Hertz, at the force that the run found. And on an elastic block of
 //! the same material, whose nodes are the slaves of the curved body.
 
-use diffuse_contact_solver::deck::{Boundary, Contact, Deck, PartSource, Reference};
+use diffuse_contact_solver::deck::{Boundary, Deck, PartSource, Reference};
 use diffuse_contact_solver::model::Motion;
 use diffuse_contact_solver::model::shape::{Block, Shape};
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::{LineContact, PointContact, PressureProfile, Trace, trace};
 
 use super::plot::{Chart, Curve};
-use super::{Decks, ELEMENTS, Findings, colour, divide, outcome, percent, row};
+use super::{Decks, Findings, Way, divide, outcome, percent, row};
 use crate::study::markdown::Table;
 
 /// Cells of the body, and of an elastic floor along x and z; `None`: there is no run with one.
@@ -129,9 +129,9 @@ fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
     let mut table = Table::new(heading, columns);
     let mut curves = Vec::new();
     for exchange in [false, true] {
-        for element in ELEMENTS {
+        for way in [Way::FACETS, Way::DIFFUSE, Way::DIFFUSE_OVER_FACES] {
             for mesh in &meshes {
-                let mut deck = decks.with(element)?;
+                let mut deck = decks.by(way)?;
                 divide(&mut deck, problem.body, mesh.body);
                 let modulus = match (exchange, mesh.floor) {
                     (false, _) => MODULUS,
@@ -144,12 +144,12 @@ fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
                 let run = outcome(press(&deck, decks, problem))?;
                 let is_charted = exchange && mesh.body == problem.meshes[problem.charted].body;
                 if let (Ok(run), true) = (&run, is_charted) {
-                    curves.extend(curve(run, problem, element, modulus));
+                    curves.extend(curve(run, problem, way, modulus));
                 }
                 let figures = run.map(|run| figures(&run, problem, modulus));
                 row(
                     &mut table,
-                    [if exchange { "elastic floor" } else { problem.body }, element.name(), &mesh.name()],
+                    [if exchange { "elastic floor" } else { problem.body }, way.name(), &mesh.name()],
                     figures,
                 );
             }
@@ -237,14 +237,9 @@ fn figures(run: &Trace<Press>, problem: &Problem, modulus: f64) -> [String; 7] {
 }
 
 /// Nodal pressures over those of the closed form.
-fn curve(run: &Trace<Press>, problem: &Problem, element: Contact, modulus: f64) -> Option<Curve> {
+fn curve(run: &Trace<Press>, problem: &Problem, way: Way, modulus: f64) -> Option<Curve> {
     let (force, profile) = run.measures.last()?;
     let [half_width, peak] = (problem.exact)(*force, modulus);
     let points = profile.nodes.iter().map(|node| (node.distance / half_width, node.pressure / peak));
-    Some(Curve {
-        label: element.name().to_owned(),
-        colour: colour(element),
-        dotted: true,
-        points: points.collect(),
-    })
+    Some(Curve { label: way.name().to_owned(), colour: way.colour(), dotted: true, points: points.collect() })
 }

@@ -13,6 +13,8 @@ mod turning;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
+use diffuse_contact::faces::FaceRule;
+use diffuse_contact_solver::contact::Integration;
 use diffuse_contact_solver::deck::{Contact, Deck, DeckError};
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::statics::StaticsError;
@@ -29,6 +31,33 @@ use plot::Chart;
 
 /// Both elements, the classic one first.
 const ELEMENTS: [Contact; 2] = [Contact::NodeToFacet, Contact::Diffuse];
+
+/// An element, and what contact is integrated over.
+#[derive(Clone, Copy)]
+struct Way {
+    element: Contact,
+    over_faces: bool,
+}
+
+impl Way {
+    const FACETS: Self = Self { element: Contact::NodeToFacet, over_faces: false };
+    const DIFFUSE: Self = Self { element: Contact::Diffuse, over_faces: false };
+    const FACETS_OVER_FACES: Self = Self { over_faces: true, ..Self::FACETS };
+    const DIFFUSE_OVER_FACES: Self = Self { over_faces: true, ..Self::DIFFUSE };
+
+    const fn name(self) -> &'static str {
+        match (self.element, self.over_faces) {
+            (element, false) => element.name(),
+            (Contact::NodeToFacet, true) => "facets over faces",
+            (Contact::Diffuse | Contact::None, true) => "diffuse over faces",
+        }
+    }
+
+    /// Colours that stay apart for the colour-blind.
+    const fn colour(self) -> RGBColor {
+        if self.over_faces { RGBColor(0, 158, 115) } else { colour(self.element) }
+    }
+}
 
 /// What a problem gave.
 struct Findings {
@@ -93,6 +122,17 @@ impl Decks {
     /// The deck as it is, but with this element.
     fn with(&self, element: Contact) -> Result<Deck, DeckError> {
         Ok(Deck { contact: element, ..Deck::read(&self.path)? })
+    }
+
+    /// The deck as it is, but with this element over nodes or faces.
+    fn by(&self, way: Way) -> Result<Deck, DeckError> {
+        let mut deck = self.with(way.element)?;
+        if way.over_faces {
+            for interface in &mut deck.interfaces {
+                interface.integration = Integration::Faces(FaceRule::default());
+            }
+        }
+        Ok(deck)
     }
 
     /// What its file names are relative to.

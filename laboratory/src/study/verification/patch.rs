@@ -5,19 +5,25 @@ use diffuse_contact_solver::deck::Contact;
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::{Uniformity, trace};
 
-use super::{Decks, Findings, outcome, row};
+use super::{Decks, Findings, Way, outcome, row};
 use crate::study::markdown::Table;
 
 /// Axis and size of the deck's pressure.
 const AXIS: usize = 2;
 
-/// The element and the weight of its fit, which only the diffuse one has.
-const SURFACES: [(Contact, Weight); 4] = [
-    (Contact::NodeToFacet, Weight::Cubic),
-    (Contact::Diffuse, Weight::Cubic),
-    (Contact::Diffuse, Weight::CubicInterpolating),
-    (Contact::Diffuse, Weight::WendlandC2),
+/// The element, what it is integrated over, and the weight of its fit, which only the diffuse one has.
+const SURFACES: [(Way, Weight); 8] = [
+    (Way::FACETS, Weight::Cubic),
+    (Way::DIFFUSE, Weight::Cubic),
+    (Way::DIFFUSE, Weight::CubicInterpolating),
+    (Way::DIFFUSE, Weight::WendlandC2),
+    (Way::FACETS_OVER_FACES, Weight::Cubic),
+    (Way::DIFFUSE_OVER_FACES, Weight::Cubic),
+    (Way::DIFFUSE_OVER_FACES, Weight::CubicInterpolating),
+    (Way::DIFFUSE_OVER_FACES, Weight::WendlandC2),
 ];
+/// Of Newton's iteration: what remains is rounding.
+const TOLERANCE: f64 = 1e-12;
 
 /// Which side is slave.
 const PASSES: [(&str, bool, bool); 3] = [
@@ -40,13 +46,14 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
         "iterations",
     ];
     let mut table = Table::new(heading, columns);
-    for (element, weight) in SURFACES {
+    for (way, weight) in SURFACES {
         for (passes, exchange, two_pass) in PASSES {
             for areas in [true, false] {
-                if !areas && weight != Weight::Cubic {
+                if !areas && (way.over_faces || weight != Weight::Cubic) {
                     continue;
                 }
-                let mut deck = decks.with(element)?;
+                let mut deck = decks.by(way)?;
+                deck.newton.tolerance = TOLERANCE;
                 let pressure = deck.pressures.first().map_or(1.0, |pressure| pressure.value);
                 for interface in &mut deck.interfaces {
                     interface.surface.element = interface.surface.element.with_weight(weight);
@@ -78,8 +85,8 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                 row(
                     &mut table,
                     [
-                        element.name(),
-                        if element == Contact::Diffuse { weight.name() } else { "–" },
+                        way.name(),
+                        if way.element == Contact::Diffuse { weight.name() } else { "–" },
                         passes,
                         if areas { "yes" } else { "no" },
                     ],

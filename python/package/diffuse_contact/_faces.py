@@ -1,0 +1,215 @@
+"""Contact integrated over the slave's faces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple, NoReturn
+
+import numpy as np
+import scipy.sparse
+from numpy.typing import ArrayLike, NDArray
+
+from . import _native
+from ._arrays import Facets, Floats, Ints, Planes, count, facets, floats, new, planes, word
+from ._batch import Mode
+from ._interface import Options, Tangent, _equations, _law, _options, _vector
+from ._surface import MasterSurface
+
+
+class FaceReport(NamedTuple):
+    """What cutting the faces gave: points, those paired with masters, faces with points.
+
+    ``grown`` says whether nodes couple that did not since the last ``refresh``: the sparsity pattern is larger then.
+    """
+
+    points: int
+    paired: int
+    faces: int
+    grown: bool
+
+
+@dataclass(frozen=True)
+class FaceContacts:
+    """The contact of all s nodes of the slave's faces. Gap and normal are NaN where no facet lies over a node's faces.
+
+    Attributes:
+        gap: average gap, shape (s,), length; positive apart, negative penetrating.
+        area: area over the master in the first configuration, shape (s,), length².
+        force: pressure times area, shape (s,).
+        normal: mean unit normals of the master, shape (s, 3).
+        outcomes: ``"contact"``, or the code of the reason why there is none.
+
+    """
+
+    gap: Floats
+    area: Floats
+    force: Floats
+    normal: Floats
+    outcomes: list[str]
+
+    @property
+    def is_contact(self) -> NDArray[np.bool_]:
+        """Which nodes have a result, shape (s,)."""
+        return ~np.isnan(self.gap)
+
+    @property
+    def pressure(self) -> Floats:
+        """Force per area, shape (s,); 0 where there is no contact."""
+        return np.divide(self.force, self.area, out=np.zeros_like(self.force), where=self.area > 0.0)
+
+
+class FaceInterface:
+    """Contact integrated over the slave's faces, which passes the patch test between meshes that do not match.
+
+    Kinematics are those of the smooth surfaces of both sides, forces go by the shape functions of the faces, and
+    pressures are averaged to the slave's nodes::
+
+        ḡ_A = ∫ N_A g dA / ∫ N_A dA        p_A = max(0, λ_A / area_A − ε ḡ_A)
+
+    In a Newton iteration: ``refresh`` once an increment, then at each iteration ``update``, ``evaluate``, ``residual``
+    and ``tangent``. There is no history. Forces and moments balance; there is no energy, and the tangent is not
+    symmetric. Friction goes with ``ContactInterface``.
+
+    Args:
+        master: the master surface.
+        slave_facets: the slave's faces, as for ``MasterSurface``, counter-clockwise seen from outside; none of their
+            nodes may be on the master.
+        positions: first positions of all nodes, shape (p, 3), length.
+        degree: 2 or 4, of the polynomials integrated exactly on each piece of a face.
+        dofs: equations of the nodes' x, y and z, shape (p, 3), −1 where there is none; if left out, 3·node + axis.
+        equations: number of equations; if left out, 3p, or the largest of ``dofs`` plus 1.
+        symmetry: planes of symmetry of both surfaces, pairs of a point and the unit normal to the side of the model.
+        options: the fields of ``Options``, by keyword.
+
+    Raises:
+        InterfaceError: for faces, positions or options that are refused.
+        AssemblyError: for ``dofs`` that name an equation twice or one that does not exist.
+        InputError: for a wrong shape, type or name.
+
+    """
+
+    def __init__(
+        self,
+        master: MasterSurface,
+        slave_facets: Facets,
+        positions: ArrayLike,
+        *,
+        degree: int = 2,
+        dofs: ArrayLike | None = None,
+        equations: int | None = None,
+        symmetry: Planes = (),
+        **options: Any,
+    ) -> None:
+        self._options = _options("FaceInterface", master, options)
+        positions = floats("positions", positions, "p", 3)
+        self._faces = _native.Faces(
+            master._surface,
+            facets("slave_facets", slave_facets),
+            positions,
+            self._options,
+            count("degree", degree),
+            _equations(dofs, equations, len(positions)),
+            planes("symmetry", symmetry),
+        )
+
+    @property
+    def options(self) -> Options:
+        """The options."""
+        return self._options
+
+    @property
+    def slaves(self) -> Ints:
+        """The nodes of the slave's faces, ascending, in the order of all results, shape (s,)."""
+        return self._faces.slaves()
+
+    @property
+    def straight(self) -> int:
+        """Middles of edges and faces where the slave's own nodes carry no fit: its faces are flat there."""
+        return self._faces.straight()
+
+    @property
+    def equations(self) -> int:
+        """Number of equations: rows of residual and tangent."""
+        return self._faces.equations()
+
+    def refresh(self, positions: ArrayLike) -> FaceReport:
+        """Takes over the positions, shape (p, 3), and cuts the faces anew.
+
+        Raises:
+            InterfaceError: for another number of positions, or one that is not finite.
+
+        """
+        return FaceReport(*self._faces.take(floats("positions", positions, "p", 3), True))
+
+    def update(self, positions: ArrayLike) -> FaceReport:
+        """As ``refresh``, in every iteration: near equilibrium faces stay cut as they are.
+
+        Raises:
+            InterfaceError: for another number of positions, or one that is not finite.
+
+        """
+        return FaceReport(*self._faces.take(floats("positions", positions, "p", 3), False))
+
+    def evaluate(
+        self, penalty: float, *, multipliers: ArrayLike | None = None, mode: Mode = "hessian"
+    ) -> FaceContacts:
+        """Gaps, pressures and forces at the positions of the last update or refresh, in parallel, without the GIL.
+
+        Args:
+            penalty: ε > 0, force per length³.
+            multipliers: λ_k ≥ 0 of the augmented Lagrangian, forces, shape (s,): ``force`` of the evaluation before.
+            mode: ``"value"`` for pressures alone, ``"gradient"`` for forces and the Gauss–Newton tangent,
+                ``"hessian"`` for the exact tangent.
+
+        Raises:
+            InterfaceError: for the penalty or multipliers, or if the results do not fit into memory.
+
+        """
+        self._faces.evaluate(_law(penalty, multipliers), word("mode", mode))
+        return self.contacts
+
+    @property
+    def contacts(self) -> FaceContacts:
+        """What the last evaluation gave.
+
+        Raises:
+            InterfaceError: ``"not-evaluated"`` if positions have changed since.
+
+        """
+        gap, area, force, normal, outcomes = self._faces.nodes()
+        return FaceContacts(gap, area, force, normal.reshape(-1, 3), outcomes)
+
+    def residual(self, *, out: Floats | None = None) -> Floats:
+        """The contact forces on the nodes, shape (equations,); added to ``out`` if that is given.
+
+        Raises:
+            InterfaceError: ``"not-evaluated"``.
+            AssemblyError: if a sum overflows.
+
+        """
+        if out is None:
+            out = new("residual", self.equations)
+            out.fill(0.0)
+        self._faces.add_residual(_vector("out", out))
+        return out
+
+    def tangent(self, tangent: Tangent = "exact") -> scipy.sparse.csr_matrix:
+        """K = −∂R/∂x as scipy compressed rows, shape (equations, equations), force per length; not symmetric.
+
+        Args:
+            tangent: ``"exact"``, or ``"gauss-newton"`` without what the directions of the forces add;
+                ``adaptive_tangent`` says which.
+
+        """
+        rows, columns, values = self._faces.triplets(word("tangent", tangent))
+        size = self.equations
+        return scipy.sparse.csr_matrix((values, (rows, columns)), shape=(size, size))
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError(
+            "a FaceInterface cannot be pickled or copied: send the arrays it was made of and its options, and make one "
+            "in each process"
+        )
+
+    def __repr__(self) -> str:
+        return f"<FaceInterface of {len(self.slaves)} nodes, {self._options.element}>"

@@ -1,0 +1,181 @@
+//! `FaceInterface`: contact integrated over the slave's faces.
+
+use diffuse_contact::Point;
+use diffuse_contact::assembly::{DofMap, Tangent};
+use diffuse_contact::faces::{FaceContacts, FaceInterface, FaceOptions, FaceReport, FaceRule, NodeContact};
+use diffuse_contact::interface::InterfaceError;
+use diffuse_contact::surface::SymmetryPlane;
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+
+use crate::arrays::{facets, points, readable, slice_mut, writable};
+use crate::assembly::Law;
+use crate::errors::{self, Raise};
+use crate::interface::{dof_map, exclusive, shared};
+use crate::options::{self, Options};
+use crate::surface::Surface;
+use crate::threads;
+
+/// An interface of faces, and whether its contacts are those of the present positions.
+#[pyclass(module = "diffuse_contact._native")]
+pub struct Faces {
+    interface: FaceInterface,
+    dofs: DofMap,
+    current: bool,
+}
+
+type Numbers<'py> = Bound<'py, PyArray1<f64>>;
+type Indices<'py> = Bound<'py, PyArray1<i64>>;
+
+impl Faces {
+    fn contacts(&self, py: Python<'_>) -> PyResult<&FaceContacts> {
+        if self.current {
+            return Ok(self.interface.contacts());
+        }
+        let message = "there is no evaluation at the present positions: call evaluate() first";
+        Err(errors::exception(py, "InterfaceError", "not-evaluated", message))
+    }
+}
+
+#[pymethods]
+impl Faces {
+    /// `degree`: of the rule on each piece of a face; the rest as of `Interface`.
+    #[new]
+    #[pyo3(signature = (master, faces, positions, options, degree, equations, symmetry))]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        py: Python<'_>,
+        master: &Surface,
+        faces: &Bound<'_, PyArray2<i64>>,
+        positions: &Bound<'_, PyArray2<f64>>,
+        options: Options,
+        degree: usize,
+        equations: Option<(usize, Bound<'_, PyArray2<i64>>)>,
+        symmetry: &Bound<'_, PyArray2<f64>>,
+    ) -> PyResult<Self> {
+        let faces = facets(py, &readable(faces)?)?;
+        let positions = readable(positions)?;
+        let positions = points(py, &positions)?;
+        let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == degree).ok_or_else(|| {
+            errors::input(py, "invalid-option", &format!("degree has to be 2 or 4, not {degree}"))
+        })?;
+        let options = FaceOptions::new(options.interface(py, false)?).with_rule(rule);
+        let dofs = match equations {
+            Some((count, numbers)) => dof_map(py, count, &numbers, positions.len())?,
+            None => DofMap::standard(positions.len()),
+        };
+        let master = master.surface.clone();
+        let symmetry = readable(symmetry)?;
+        let (planes, _) = points(py, &symmetry)?.as_chunks::<2>();
+        let planes: Vec<SymmetryPlane> =
+            planes.iter().map(|&[point, normal]| SymmetryPlane { point, normal }).collect();
+        let made = threads::run(py, || {
+            let mut interface = FaceInterface::new(master, &faces, positions, options)?;
+            if !planes.is_empty() {
+                interface.set_symmetry(&planes)?;
+            }
+            Ok(interface)
+        })?;
+        let interface = made.map_err(|error: InterfaceError| error.raise(py))?;
+        Ok(Self { interface, dofs, current: false })
+    }
+
+    fn slaves<'py>(slf: &Bound<'py, Self>) -> PyResult<Indices<'py>> {
+        let this = shared(slf)?;
+        Ok(PyArray1::from_iter(slf.py(), this.interface.slaves().iter().map(|&node| node as i64)))
+    }
+
+    fn straight(slf: &Bound<'_, Self>) -> PyResult<usize> {
+        Ok(shared(slf)?.interface.straight())
+    }
+
+    /// Takes over positions; `forgets`: whether what nodes couple begins anew. Points, those with masters, faces with points, and
+    /// whether more nodes couple.
+    fn take(
+        slf: &Bound<'_, Self>,
+        positions: &Bound<'_, PyArray2<f64>>,
+        forgets: bool,
+    ) -> PyResult<(usize, usize, usize, bool)> {
+        let py = slf.py();
+        let mut this = exclusive(slf)?;
+        let positions = readable(positions)?;
+        let positions = points(py, &positions)?;
+        let interface = &mut this.interface;
+        let taken = threads::run(py, || {
+            if forgets { interface.refresh(positions) } else { interface.update(positions) }
+        })?;
+        let FaceReport { points, paired, faces, grown } = taken.map_err(|error| error.raise(py))?;
+        this.current = false;
+        Ok((points, paired, faces, grown))
+    }
+
+    fn evaluate(slf: &Bound<'_, Self>, law: Law<'_>, mode: &str) -> PyResult<()> {
+        let py = slf.py();
+        let mode = options::mode(py, mode)?;
+        let mut this = exclusive(slf)?;
+        let multipliers = law.multipliers()?;
+        let law = law.law(py, multipliers.as_ref())?;
+        this.current = false;
+        let interface = &mut this.interface;
+        let evaluated = threads::run(py, || interface.evaluate(&law, mode).map(|_| ()))?;
+        evaluated.map_err(|error| error.raise(py))?;
+        this.current = true;
+        Ok(())
+    }
+
+    /// Gap, area, force and normal of every node, and its outcome; NaN where there is no contact, but for area and force.
+    #[allow(clippy::type_complexity)]
+    fn nodes<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Numbers<'py>, Numbers<'py>, Numbers<'py>, Numbers<'py>, Vec<&'static str>)> {
+        let py = slf.py();
+        let this = shared(slf)?;
+        let nodes = this.contacts(py)?.nodes();
+        let normal = |node: &NodeContact| -> Point {
+            if node.outcome.is_contact() { node.normal } else { [f64::NAN; 3] }
+        };
+        let gap = |node: &NodeContact| if node.outcome.is_contact() { node.gap } else { f64::NAN };
+        Ok((
+            PyArray1::from_iter(py, nodes.iter().map(gap)),
+            PyArray1::from_iter(py, nodes.iter().map(|node| node.area)),
+            PyArray1::from_iter(py, nodes.iter().map(|node| node.force)),
+            PyArray1::from_vec(py, nodes.iter().flat_map(normal).collect()),
+            nodes.iter().map(|node| node.outcome.code()).collect(),
+        ))
+    }
+
+    /// Number of equations.
+    fn equations(slf: &Bound<'_, Self>) -> PyResult<usize> {
+        Ok(shared(slf)?.dofs.equations())
+    }
+
+    /// Adds the contact forces on the nodes; returns the number of nodes that carry pressure.
+    fn add_residual(slf: &Bound<'_, Self>, residual: &Bound<'_, PyArray1<f64>>) -> PyResult<usize> {
+        let py = slf.py();
+        let this = shared(slf)?;
+        let mut residual = writable(residual)?;
+        let residual = slice_mut(py, &mut residual)?;
+        let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
+        threads::run(py, || contacts.add_residual(dofs, residual))?.map_err(|error| error.raise(py))
+    }
+
+    /// Rows, columns and values of the tangent, to be summed.
+    fn triplets<'py>(
+        slf: &Bound<'py, Self>,
+        tangent: &str,
+    ) -> PyResult<(Indices<'py>, Indices<'py>, Numbers<'py>)> {
+        let py = slf.py();
+        let this = shared(slf)?;
+        let tangent: Tangent = options::tangent(py, tangent)?;
+        let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
+        let made = threads::run(py, || contacts.triplets(tangent, dofs))?;
+        let triplets = made.map_err(|error| error.raise(py))?;
+        let numbers =
+            |numbers: &[usize]| PyArray1::from_iter(py, numbers.iter().map(|&number| number as i64));
+        Ok((
+            numbers(triplets.rows()),
+            numbers(triplets.columns()),
+            PyArray1::from_slice(py, triplets.values()),
+        ))
+    }
+}

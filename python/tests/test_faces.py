@@ -1,0 +1,120 @@
+"""Contact integrated over faces: patch test, balance, tangent, refusals."""
+
+import copy
+
+import numpy as np
+import pytest
+
+import diffuse_contact as dc
+
+PENALTY = 50.0
+
+
+def grid(cells, first, place, *, up):
+    """Nodes and facets of a grid over [0, 6]², seen from above or from below."""
+    x, y = np.meshgrid(np.linspace(0.0, 6.0, cells + 1), np.linspace(0.0, 6.0, cells + 1))
+    k = np.arange(cells * cells)
+    corner = first + k % cells + (cells + 1) * (k // cells)
+    facets = np.column_stack([corner, corner + 1, corner + cells + 2, corner + cells + 1])
+    return place(x.ravel(), y.ravel()), facets if up else facets[:, ::-1]
+
+
+def pair(low, high, *, below=6, above=4):
+    masters, master = grid(below, 0, low, up=True)
+    slaves, slave = grid(above, len(masters), high, up=False)
+    return np.vstack([masters, slaves]), master, slave
+
+
+def flat(z):
+    return lambda x, y: np.column_stack([x, y, np.full_like(x, z)])
+
+
+def bumps():
+    def height(x, y):
+        return 0.3 * np.sin(0.6 * x + 0.2) * np.cos(0.5 * y)
+
+    def high(x, y):
+        x, y = 0.8 + 0.7 * x, 0.7 + 0.75 * y
+        return np.column_stack([x, y, height(x, y) - 0.12 + 0.04 * x])
+
+    return pair(lambda x, y: np.column_stack([x, y, height(x, y)]), high, below=7, above=5)
+
+
+@pytest.mark.parametrize("element", ["diffuse", "node-to-facet"])
+@pytest.mark.parametrize("degree", [2, 4])
+def test_a_uniform_pressure_arrives_at_both_sides(element, degree):
+    positions, master, slave = pair(flat(0.0), flat(-0.02))
+    faces = dc.FaceInterface(dc.MasterSurface(positions, master), slave, positions, element=element, degree=degree)
+    report = faces.refresh(positions)
+    assert report.faces == 16 and report.paired == report.points
+    contacts = faces.evaluate(PENALTY)
+    assert contacts.is_contact.all() and np.allclose(contacts.pressure, 1.0, atol=1e-12)
+    forces = faces.residual().reshape(-1, 3)
+    areas = dc.tributary_areas(positions, slave) - dc.tributary_areas(positions, master)
+    assert np.allclose(forces, np.outer(areas, [0.0, 0.0, 1.0]), atol=1e-12)
+
+
+def test_forces_balance_and_have_their_tangent():
+    positions, master, slave = bumps()
+    faces = dc.FaceInterface(dc.MasterSurface(positions, master), slave, positions)
+
+    def at(x):
+        faces.update(x)
+        contacts = faces.evaluate(PENALTY)
+        return contacts, faces.residual()
+
+    contacts, forces = at(positions)
+    assert 8 < (contacts.force > 0.0).sum() <= len(faces.slaves)
+    rows = forces.reshape(-1, 3)
+    size = np.abs(rows).sum()
+    assert np.abs(rows.sum(axis=0)).max() < 1e-13 * size
+    assert np.abs(np.cross(positions, rows).sum(axis=0)).max() < 1e-12 * size
+    tangent = faces.tangent()
+    direction = np.random.default_rng(3).uniform(-1.0, 1.0, positions.shape)
+    # Short enough for the faces to stay cut as they are.
+    ahead, behind = (at(positions + step * direction)[1] for step in (1e-6, -1e-6))
+    expected = -(ahead - behind) / 2e-6
+    assert np.allclose(tangent @ direction.ravel(), expected, atol=1e-6 * np.abs(expected).max())
+
+
+def test_multipliers_take_the_penetration_away():
+    positions, master, slave = pair(flat(0.0), flat(0.0))
+    faces = dc.FaceInterface(dc.MasterSurface(positions, master), slave, positions)
+    faces.refresh(positions)
+    force = faces.evaluate(PENALTY, multipliers=np.full(25, 2.0)).force
+    assert np.allclose(force, 2.0)
+
+
+def test_equations_may_be_any():
+    positions, master, slave = pair(flat(0.0), flat(-0.02))
+    dofs = np.full((len(positions), 3), -1)
+    dofs[49:, 2] = np.arange(25)
+    faces = dc.FaceInterface(dc.MasterSurface(positions, master), slave, positions, dofs=dofs)
+    faces.refresh(positions)
+    faces.evaluate(PENALTY)
+    assert faces.equations == 25 and np.isclose(faces.residual().sum(), 36.0)
+    assert faces.tangent("gauss-newton").shape == (25, 25)
+
+
+def test_refusals():
+    positions, master, slave = pair(flat(0.0), flat(-0.02))
+    surface = dc.MasterSurface(positions, master)
+    with pytest.raises(dc.InputError, match="2 or 4"):
+        dc.FaceInterface(surface, slave, positions, degree=3)
+    with pytest.raises(dc.InputError, match="FaceInterface"):
+        dc.FaceInterface(surface, slave, positions, degre=2)
+    with pytest.raises(dc.InterfaceError):
+        dc.FaceInterface(surface, master, positions)
+    faces = dc.FaceInterface(surface, slave, positions)
+    for call in (faces.residual, faces.tangent, lambda: faces.contacts):
+        with pytest.raises(dc.InterfaceError) as raised:
+            call()
+        assert raised.value.code == "not-evaluated"
+    with pytest.raises(dc.InterfaceError):
+        faces.update(positions[1:])
+    faces.refresh(positions)
+    with pytest.raises(dc.InterfaceError):
+        faces.evaluate(-1.0)
+    with pytest.raises(TypeError):
+        copy.copy(faces)
+    assert repr(faces) == "<FaceInterface of 25 nodes, diffuse>"

@@ -123,7 +123,7 @@ impl Faces {
         Ok(())
     }
 
-    /// Gap, area, force and normal of every node, and its outcome; NaN where there is no contact, but for area and force.
+    /// Gap, area, pressure and normal of every node, and its outcome; NaN where there is no contact, but for area and pressure.
     #[allow(clippy::type_complexity)]
     fn nodes<'py>(
         slf: &Bound<'py, Self>,
@@ -138,7 +138,7 @@ impl Faces {
         Ok((
             PyArray1::from_iter(py, nodes.iter().map(gap)),
             PyArray1::from_iter(py, nodes.iter().map(|node| node.area)),
-            PyArray1::from_iter(py, nodes.iter().map(|node| node.force)),
+            PyArray1::from_iter(py, nodes.iter().map(|node| node.pressure)),
             PyArray1::from_vec(py, nodes.iter().flat_map(normal).collect()),
             nodes.iter().map(|node| node.outcome.code()).collect(),
         ))

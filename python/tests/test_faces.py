@@ -81,8 +81,8 @@ def test_multipliers_take_the_penetration_away():
     positions, master, slave = pair(flat(0.0), flat(0.0))
     faces = dc.FaceInterface(dc.MasterSurface(positions, master), slave, positions)
     faces.refresh(positions)
-    force = faces.evaluate(PENALTY, multipliers=np.full(25, 2.0)).force
-    assert np.allclose(force, 2.0)
+    contacts = faces.evaluate(PENALTY, multipliers=np.full(25, 2.0))
+    assert np.allclose(contacts.pressure, 2.0) and np.isclose(contacts.force.sum(), 72.0)
 
 
 def test_equations_may_be_any():
@@ -115,6 +115,10 @@ def test_refusals():
     faces.refresh(positions)
     with pytest.raises(dc.InterfaceError):
         faces.evaluate(-1.0)
+    faces.evaluate(PENALTY, mode="gradient")
+    with pytest.raises(dc.AssemblyError) as raised:
+        faces.tangent()
+    assert raised.value.code == "not-derived"
     with pytest.raises(TypeError):
         copy.copy(faces)
     assert repr(faces) == "<FaceInterface of 25 nodes, diffuse>"

@@ -35,7 +35,7 @@ class FaceContacts:
     Attributes:
         gap: average gap, shape (s,), length; positive apart, negative penetrating.
         area: area over the master in the first configuration, shape (s,), length².
-        force: pressure times area, shape (s,).
+        pressure: shape (s,), force per area.
         normal: mean unit normals of the master, shape (s, 3).
         outcomes: ``"contact"``, or the code of the reason why there is none.
 
@@ -43,7 +43,7 @@ class FaceContacts:
 
     gap: Floats
     area: Floats
-    force: Floats
+    pressure: Floats
     normal: Floats
     outcomes: list[str]
 
@@ -53,9 +53,9 @@ class FaceContacts:
         return ~np.isnan(self.gap)
 
     @property
-    def pressure(self) -> Floats:
-        """Force per area, shape (s,); 0 where there is no contact."""
-        return np.divide(self.force, self.area, out=np.zeros_like(self.force), where=self.area > 0.0)
+    def force(self) -> Floats:
+        """Pressure times area, shape (s,)."""
+        return self.pressure * self.area
 
 
 class FaceInterface:
@@ -64,7 +64,7 @@ class FaceInterface:
     Kinematics are those of the smooth surfaces of both sides, forces go by the shape functions of the faces, and
     pressures are averaged to the slave's nodes::
 
-        ḡ_A = ∫ N_A g dA / ∫ N_A dA        p_A = max(0, λ_A / area_A − ε ḡ_A)
+        ḡ_A = ∫ N_A g dA / ∫ N_A dA        p_A = max(0, λ_A − ε ḡ_A)
 
     In a Newton iteration: ``refresh`` once an increment, then at each iteration ``update``, ``evaluate``, ``residual``
     and ``tangent``. There is no history. Forces and moments balance; there is no energy, and the tangent is not
@@ -157,7 +157,7 @@ class FaceInterface:
 
         Args:
             penalty: ε > 0, force per length³.
-            multipliers: λ_k ≥ 0 of the augmented Lagrangian, forces, shape (s,): ``force`` of the evaluation before.
+            multipliers: λ_k ≥ 0 of the augmented Lagrangian, shape (s,): ``pressure`` of the evaluation before.
             mode: ``"value"`` for pressures alone, ``"gradient"`` for forces and the Gauss–Newton tangent,
                 ``"hessian"`` for the exact tangent.
 
@@ -176,15 +176,15 @@ class FaceInterface:
             InterfaceError: ``"not-evaluated"`` if positions have changed since.
 
         """
-        gap, area, force, normal, outcomes = self._faces.nodes()
-        return FaceContacts(gap, area, force, normal.reshape(-1, 3), outcomes)
+        gap, area, pressure, normal, outcomes = self._faces.nodes()
+        return FaceContacts(gap, area, pressure, normal.reshape(-1, 3), outcomes)
 
     def residual(self, *, out: Floats | None = None) -> Floats:
         """The contact forces on the nodes, shape (equations,); added to ``out`` if that is given.
 
         Raises:
             InterfaceError: ``"not-evaluated"``.
-            AssemblyError: if a sum overflows.
+            AssemblyError: in value mode, or if a sum overflows.
 
         """
         if out is None:
@@ -199,6 +199,10 @@ class FaceInterface:
         Args:
             tangent: ``"exact"``, or ``"gauss-newton"`` without what the directions of the forces add;
                 ``adaptive_tangent`` says which.
+
+        Raises:
+            InterfaceError: ``"not-evaluated"``.
+            AssemblyError: if the evaluation was for fewer derivatives.
 
         """
         rows, columns, values = self._faces.triplets(word("tangent", tangent))

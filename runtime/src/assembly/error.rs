@@ -1,5 +1,7 @@
 //! Why nothing was assembled.
 
+use crate::Mode;
+
 /// Every reason for which an assembly is refused. Each carries the figures that led to it.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -61,6 +63,14 @@ pub enum AssemblyError {
     NoMasters {
         /// The element, counted from 0.
         element: usize,
+    },
+    /// Contact over faces was evaluated with fewer derivatives than this takes.
+    #[error("this takes an evaluation in {needed:?} mode; the last one was in {found:?} mode")]
+    NotDerived {
+        /// The mode that is needed.
+        needed: Mode,
+        /// That of the evaluation.
+        found: Mode,
     },
     /// A gradient or a Hessian does not have the size that follows from the number of nodes.
     #[error("the {what} of element {element} has {found} entries instead of {expected}")]
@@ -170,6 +180,7 @@ impl AssemblyError {
             Self::ForceOverflow { .. } | Self::Overflow { .. } => "overflow",
             Self::NoMasters { .. } => "no-masters",
             Self::DerivativeLength { .. } => "derivative-length",
+            Self::NotDerived { .. } => "not-derived",
             Self::UnknownNode { .. } => "unknown-node",
             Self::UnknownEquation { .. } => "unknown-equation",
             Self::SharedEquation { .. } => "shared-equation",

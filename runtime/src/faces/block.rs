@@ -30,7 +30,7 @@ pub struct FaceBlock {
     pub gradients: [Vec<f64>; 4],
     /// ∂R/∂x with the pressures held, a row per coordinate of the rows' nodes; empty below Hessian mode.
     pub directions: Vec<f64>,
-    /// Points whose line of force meets no place of their facet: they carry none.
+    /// Points whose line of force meets no place of their facet: they count for the gap, but carry no force.
     pub missed: usize,
 }
 
@@ -86,10 +86,6 @@ impl FaceBlock {
         let along = [contact.gradient[0], contact.gradient[1], contact.gradient[2]];
         let mode = if contact.hessian.is_empty() { Mode::Value } else { Mode::Gradient };
         let x: Point = view.shape.point(point.natural).into();
-        let Some(force) = carried(over, x, along, mode) else {
-            self.missed += 1;
-            return;
-        };
         let place = |list: &[u32], node: usize| {
             list.binary_search(&(node as u32))
                 .unwrap_or_else(|_| unreachable!("lists hold all nodes of their points"))
@@ -108,6 +104,13 @@ impl FaceBlock {
             facet: nodes.iter().map(|&node| in_columns(node)).collect(),
             contact,
         };
+        for (corner, &n) in functions.iter().enumerate().take(view.facet.corners().len()) {
+            columns.spread(|own| contact.gradient[own], point.weight * n, &mut self.gradients[corner]);
+        }
+        let Some(force) = carried(over, x, along, mode) else {
+            self.missed += 1;
+            return;
+        };
         // Who carries the force: +N_a of it the corners of the face, −N_k those of the facet.
         let of_face =
             view.facet.corners().iter().zip(functions).map(|(&node, n)| (place(view.rows, node), 0, n));
@@ -120,7 +123,6 @@ impl FaceBlock {
                     self.forces[corner][3 * row + axis] += weight * part * force.forces[own][axis];
                 }
             }
-            columns.spread(|own| contact.gradient[own], weight, &mut self.gradients[corner]);
         }
         let pressure: f64 = functions.iter().zip(pressures).map(|(n, p)| n * p).sum();
         if !self.directions.is_empty() && pressure != 0.0 {

@@ -1,9 +1,9 @@
 //! The contact of all slave nodes, with pressures averaged to them.
 
 use super::block::FaceBlock;
-use crate::Point;
 use crate::assembly::{AssemblyError, DofMap, Tangent, Triplets};
 use crate::interface::Outcome;
+use crate::{Mode, Point};
 
 /// The contact of one node of the slave's surface: what the points around it give on average.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,8 +18,16 @@ pub struct NodeContact {
     pub area: f64,
     /// Mean unit normal of the master; zero without contact.
     pub normal: Point,
-    /// p_A times the area, force ≥ 0.
-    pub force: f64,
+    /// p_A ≥ 0, force per area.
+    pub pressure: f64,
+}
+
+impl NodeContact {
+    /// p_A times the area over the master, force.
+    #[must_use]
+    pub fn force(&self) -> f64 {
+        self.pressure * self.area
+    }
 }
 
 /// A node that carries a pressure, with what follows from it: R = p_A F, ∂p_A/∂x = −ε G.
@@ -38,12 +46,13 @@ pub(super) struct NodeBlock {
 }
 
 /// The contact forces and the tangent of all slave faces.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct FaceContacts {
     pub(super) nodes: Vec<NodeContact>,
     pub(super) blocks: Vec<NodeBlock>,
     pub(super) directions: Vec<DirectionBlock>,
     pub(super) missed: usize,
+    pub(super) mode: Mode,
 }
 
 /// What the directions of a face's forces add to the tangent: K = −∂R/∂x with the pressures held.
@@ -63,6 +72,13 @@ pub struct TangentBlock<'a> {
     pub columns: &'a [u32],
     /// Its entries row by row, force per length.
     pub entries: &'a [f64],
+}
+
+impl Default for FaceContacts {
+    fn default() -> Self {
+        let (nodes, blocks, directions) = (Vec::new(), Vec::new(), Vec::new());
+        Self { nodes, blocks, directions, missed: 0, mode: Mode::Value }
+    }
 }
 
 impl FaceContacts {
@@ -87,14 +103,14 @@ impl FaceContacts {
     /// Adds the contact forces on the nodes to `residual`, one entry per equation. Returns the number of nodes that carry pressure.
     ///
     /// # Errors
-    /// [`AssemblyError::OutputLength`], [`AssemblyError::UnknownNode`]: `residual` is then unchanged.
+    /// [`AssemblyError::OutputLength`], [`AssemblyError::UnknownNode`], [`AssemblyError::NotDerived`]: `residual` is then unchanged.
     /// [`AssemblyError::Overflow`] if a sum is not finite; the contents of `residual` are then unspecified.
     pub fn add_residual(&self, dofs: &DofMap, residual: &mut [f64]) -> Result<usize, AssemblyError> {
         let (found, expected) = (residual.len(), dofs.equations());
         if found != expected {
             return Err(AssemblyError::OutputLength { what: "residuals", found, expected });
         }
-        self.check(dofs)?;
+        self.check(dofs, Mode::Gradient)?;
         for block in &self.blocks {
             for (node, forces) in block.nodes.iter().zip(block.forces.as_chunks::<3>().0) {
                 for (axis, force) in forces.iter().enumerate() {
@@ -109,8 +125,11 @@ impl FaceContacts {
         Ok(self.active())
     }
 
-    fn check(&self, dofs: &DofMap) -> Result<(), AssemblyError> {
+    fn check(&self, dofs: &DofMap, needed: Mode) -> Result<(), AssemblyError> {
         let nodes = dofs.nodes();
+        if self.mode < needed && self.nodes.iter().any(|node| node.pressure > 0.0) {
+            return Err(AssemblyError::NotDerived { needed, found: self.mode });
+        }
         for (element, block) in self.blocks.iter().enumerate() {
             if let Some(&node) = block.nodes.last().filter(|&&node| node as usize >= nodes) {
                 return Err(AssemblyError::UnknownNode { element, node: node as usize, nodes });
@@ -120,7 +139,7 @@ impl FaceContacts {
     }
 
     /// Hands over the tangent K = −∂R/∂x block by block, in an order that follows from the faces: ε F Gᵀ of each node that carries
-    /// pressure, and with [`Tangent::Exact`] what the directions of the forces add. It is not symmetric.
+    /// pressure, and with [`Tangent::Exact`] what the directions of the forces add, as far as the evaluation was for it. It is not symmetric.
     pub fn for_each_tangent(&self, tangent: Tangent, mut f: impl FnMut(TangentBlock<'_>)) {
         let mut entries = Vec::new();
         for block in &self.blocks {
@@ -143,9 +162,9 @@ impl FaceContacts {
     /// The tangent as triplets; zeros are left out.
     ///
     /// # Errors
-    /// [`AssemblyError::UnknownNode`], [`AssemblyError::Overflow`].
+    /// [`AssemblyError::UnknownNode`], [`AssemblyError::NotDerived`], [`AssemblyError::Overflow`].
     pub fn triplets(&self, tangent: Tangent, dofs: &DofMap) -> Result<Triplets, AssemblyError> {
-        self.check(dofs)?;
+        self.check(dofs, if tangent == Tangent::Exact { Mode::Hessian } else { Mode::Gradient })?;
         let (mut triplets, mut error) = (Triplets::new(), None);
         self.for_each_tangent(tangent, |block| {
             let width = 3 * block.columns.len();

@@ -6,8 +6,8 @@
 //!
 //! ```text
 //! ḡ_A = ∫ N_A g dA / ∫ N_A dA        p_A = max(0, λ_A − ε ḡ_A)        p = Σ N_A p_A
-//! f_a =  ∫ p N_a ν dA                on the slave face
-//! f_k = −∫ p N_k(η) ν dA             on the master facet, where the line through the face's point along ν meets it
+//! f_a =  ∫ p N_a d dA                on the slave face, d along ∂g/∂x of its point
+//! f_k = −∫ p N_k(η) d dA             on the master facet, where the line through the face's point along d meets it
 //! ```
 //!
 //! * **Balance.** Σ f = 0, and Σ x × f = 0: the points of face and facet lie on one line along the force.
@@ -16,7 +16,8 @@
 //! * **Areas** are those of the first configuration: p is force per area there.
 //! * **Tangent.** Exact but for the places of the points, which are held: what a face integrates does not depend on them to the order
 //!   of the [`FaceRule`]. It is not symmetric. The energy form of [`ContactInterface`], symmetric and conservative, stays beside it.
-//! * **No history.** Points follow from the positions: there is nothing to carry through a restart.
+//! * **No history.** Points follow from the positions of a refresh: a restart needs the first positions and the multipliers only.
+//! * **Layers.** Where facets that look at a face lie over one another, the nearest carries.
 //!
 //! ```
 //! use diffuse_contact::assembly::{ContactLaw, DofMap, Tangent};
@@ -71,15 +72,18 @@ use cut::{CutScratch, FacePoint, cut};
 use skin::{Skin, shape};
 
 use crate::assembly::ContactLaw;
-use crate::interface::{ContactInterface, InterfaceError, InterfaceOptions, NoContact, Outcome, Results};
+use crate::interface::{
+    ContactElement, ContactInterface, InterfaceError, InterfaceOptions, NoContact, Outcome, Results,
+};
+use crate::neighbourhood::{Fallback, NeighbourRule};
 use crate::surface::{Facet, MasterSurface, SymmetryPlane};
 use crate::vector::Vector3;
 use crate::{Mode, Point};
 
 /// Nodes with less than this part of their area over the master carry nothing.
 const SMALLEST_AREA: f64 = 1e-9;
-/// Pieces stay while no node has moved farther than this part of the smallest facet: what they miss of the edges between facets is of
-/// the order of its square.
+/// Pieces stay while no node has moved farther than this part of the smallest facet. What they miss of the edges between facets is of
+/// the order of its square, of the master's end of its first.
 const HELD: f64 = 1e-5;
 /// Points that one thread evaluates in a row.
 const CHUNK: usize = 256;
@@ -172,7 +176,7 @@ impl FaceInterface {
     /// into them. Faces run counter-clockwise seen from outside.
     ///
     /// # Errors
-    /// As [`ContactInterface::new`]; [`InterfaceError::Surface`] also for faces whose own smooth surface cannot be found.
+    /// As [`ContactInterface::new`]; [`InterfaceError::FacesNeedDomains`]; [`InterfaceError::Surface`] also for faces whose own smooth surface cannot be found.
     pub fn new(
         master: MasterSurface,
         faces: &[Facet],
@@ -180,6 +184,11 @@ impl FaceInterface {
         options: FaceOptions,
     ) -> Result<Self, InterfaceError> {
         let own = InterfaceOptions { areas: false, ..options.interface };
+        if let ContactElement::Diffuse { search, .. } = own.element
+            && search.rule != NeighbourRule::Domains
+        {
+            return Err(InterfaceError::FacesNeedDomains);
+        }
         let mut nodes: Vec<usize> = faces.iter().flat_map(|face| face.corners()).copied().collect();
         nodes.sort_unstable();
         nodes.dedup();
@@ -220,19 +229,23 @@ impl FaceInterface {
         })
     }
 
-    /// Makes these planes of symmetry of both surfaces, as [`ContactInterface::set_symmetry`]. There is no contact until the next
-    /// [`refresh`](Self::refresh) or [`update`](Self::update).
+    /// Makes these planes of symmetry of both surfaces, as [`ContactInterface::set_symmetry`], in the first configuration. There is no
+    /// contact until the next [`refresh`](Self::refresh) or [`update`](Self::update).
     ///
     /// # Errors
-    /// As there.
+    /// As there. The interface is then as it was.
     pub fn set_symmetry(&mut self, planes: &[SymmetryPlane]) -> Result<(), InterfaceError> {
         let own = InterfaceOptions { areas: false, ..self.options.interface };
         let skin = Skin::new(&self.faces, &self.first, &own, planes)?;
-        self.interface.set_symmetry(planes)?;
-        self.skin = skin;
+        let mut interface = ContactInterface::new(self.master().clone(), Vec::new(), &[], &self.first, own)?;
+        interface.set_symmetry(planes)?;
+        (self.skin, self.interface) = (skin, interface);
         self.cut_at = None;
         self.points.clear();
+        self.limits.clear();
         self.cuts.fill(FaceCut::default());
+        self.cliques.fill(Vec::new());
+        (self.report, self.contacts) = (FaceReport::default(), FaceContacts::default());
         Ok(())
     }
 
@@ -252,6 +265,20 @@ impl FaceInterface {
     #[must_use]
     pub fn slaves(&self) -> &[usize] {
         &self.nodes
+    }
+
+    /// ∫ N_A dA over all faces of each node in the first configuration, length².
+    #[must_use]
+    pub fn areas(&self) -> &[f64] {
+        &self.areas
+    }
+
+    /// The nodes that the faces around the `k`-th node exert forces on, as they are cut now; some may be there more than once.
+    ///
+    /// # Panics
+    /// If there is no such node.
+    pub fn carriers(&self, k: usize) -> impl Iterator<Item = u32> + '_ {
+        self.around[k].iter().flat_map(|&face| self.cuts[face as usize].rows.iter().copied())
     }
 
     /// Middles of edges and faces where the slave's own nodes carry no fit: there its faces are as flat as their corners say.
@@ -342,7 +369,8 @@ impl FaceInterface {
             let corners = self.faces[k].corners().len();
             all.extend(points.iter().map(|point| self.skin.position(k, corners, point.natural, positions)));
         }
-        let report = self.interface.pair_points(all, positions.len())?;
+        let facets: Vec<u32> = by_face.iter().flatten().map(|point| point.facet).collect();
+        let report = self.interface.pair_points(all, positions.len(), &facets)?;
         self.positions.copy_from_slice(positions);
         self.limits = limits;
         self.points = by_face.concat();
@@ -425,7 +453,7 @@ impl FaceInterface {
     }
 
     /// Gaps and pressures of all nodes by a law at the positions of the last update; with [`Mode::Gradient`] the forces and ε F Gᵀ, with
-    /// [`Mode::Hessian`] the exact tangent. The law's penalty is per area, its multipliers are forces, one per node.
+    /// [`Mode::Hessian`] the exact tangent. The law's penalty is per area, and so are its multipliers: pressures, one per node.
     ///
     /// # Errors
     /// [`InterfaceError::Law`], [`InterfaceError::FrictionOverFaces`], [`InterfaceError::OutOfMemory`].
@@ -435,7 +463,7 @@ impl FaceInterface {
             return Err(InterfaceError::FrictionOverFaces);
         }
         let nodes = self.averages(law)?;
-        let mut contacts = FaceContacts { nodes, ..FaceContacts::default() };
+        let mut contacts = FaceContacts { nodes, mode, ..FaceContacts::default() };
         if mode >= Mode::Gradient {
             self.derive(law, mode, &mut contacts)?;
         }
@@ -447,7 +475,7 @@ impl FaceInterface {
     fn averages(&self, law: &ContactLaw<'_>) -> Result<Vec<NodeContact>, InterfaceError> {
         let blank = |(k, &slave): (usize, &usize)| {
             let outcome = Outcome::None(NoContact::NothingOver { limit: self.limit_around(k) });
-            NodeContact { slave, outcome, gap: 0.0, area: 0.0, normal: [0.0; 3], force: 0.0 }
+            NodeContact { slave, outcome, gap: 0.0, area: 0.0, normal: [0.0; 3], pressure: 0.0 }
         };
         let mut nodes: Vec<NodeContact> = self.nodes.iter().enumerate().map(blank).collect();
         let mut face = 0;
@@ -465,7 +493,10 @@ impl FaceInterface {
                 match (contact.outcome, node.outcome) {
                     (Outcome::Contact { .. }, _) => {
                         let weight = point.weight * n;
-                        node.outcome = contact.outcome;
+                        // Of several the one that gave up most.
+                        if !matches!(node.outcome, Outcome::Contact { fallback: Fallback::Linear { .. } }) {
+                            node.outcome = contact.outcome;
+                        }
                         node.area += weight;
                         node.gap += weight * contact.point.gap;
                         for axis in 0..3 {
@@ -491,7 +522,7 @@ impl FaceInterface {
             node.gap /= node.area;
             let normal = Vector3::from(node.normal).try_normalize().filter(Vector3::is_finite);
             node.normal = normal.unwrap_or_default().into();
-            node.force = law.force(k, node.gap, node.area);
+            node.pressure = law.force(k, node.gap, 1.0);
         }
         Ok(nodes)
     }
@@ -506,7 +537,7 @@ impl FaceInterface {
         let pressure = |node: &usize| {
             let place = self.nodes.binary_search(node).ok()?;
             let node = &contacts.nodes[place];
-            (node.force > 0.0).then(|| node.force / node.area)
+            (node.pressure > 0.0).then_some(node.pressure)
         };
         let pressures: Vec<[f64; 4]> = self
             .faces
@@ -533,7 +564,7 @@ impl FaceInterface {
             of_face[k] = Some(block);
         }
         let carrying: Vec<(usize, NodeContact)> =
-            contacts.nodes.iter().copied().enumerate().filter(|(_, node)| node.force > 0.0).collect();
+            contacts.nodes.iter().copied().enumerate().filter(|(_, node)| node.pressure > 0.0).collect();
         contacts.blocks =
             carrying.into_par_iter().map(|(k, node)| self.node_block(k, &node, law, &of_face)).collect();
         if mode >= Mode::Hessian {
@@ -619,7 +650,7 @@ impl FaceInterface {
             forces: vec![0.0; 3 * nodes.len()],
             gradient: vec![0.0; 3 * nodes.len()],
             nodes,
-            pressure: node.force / node.area,
+            pressure: node.pressure,
             stiffness: law.penalty,
         };
         for (face, block) in faces() {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::Weight;
-use crate::assembly::{DofMap, Tangent};
+use crate::assembly::{AssemblyError, DofMap, Tangent};
 use crate::interface::ContactElement;
 
 /// Nodes and facets of a grid over [0, 6]², its nodes placed by `place`, seen from above or from below.
@@ -217,7 +217,7 @@ fn what_lies_beyond_the_master_carries_nothing() {
         let mut interface = pair.interface(element, FaceRule::Second);
         interface.refresh(&pair.positions).unwrap();
         let contacts = interface.evaluate(&ContactLaw::penalty(100.0), Mode::Gradient).unwrap();
-        let sum: f64 = contacts.nodes().iter().map(|node| node.force).sum();
+        let sum: f64 = contacts.nodes().iter().map(NodeContact::force).sum();
         assert!((sum - 18.0).abs() < 1e-10, "{sum}");
         let moment: f64 = pair.forces(contacts)[pair.first_slave..]
             .iter()
@@ -250,6 +250,62 @@ fn points_lie_on_the_slaves_own_smooth_surface() {
     let (smooth, flat) = (worst(ContactElement::default()), worst(ContactElement::NodeToFacet));
     // h²/8R is 4e-3 for faces of 0.4.
     assert!(smooth < 2e-4 && flat > 2e-3, "{smooth:e} {flat:e}");
+}
+
+/// A wall with both of its skins as master, thinner than the faces' reach: its far skin carries nothing, however deep the slave is.
+#[test]
+fn of_layers_of_the_master_the_nearest_carries() {
+    let pair = Pair::new([6, 4], false, |x, y| [x, y, 0.0], |x, y| [x, y, -0.12]);
+    // The far skin, 0.2 below and looking down, and a layer 0.8 above the near one that looks up.
+    let first = pair.positions.len();
+    let down = Grid::new(6, first, false, |x, y| [x, y, -0.2]);
+    let beyond = Grid::new(5, first + down.positions.len(), true, |x, y| [x, y, 0.8]);
+    let positions = [pair.positions.clone(), down.positions, beyond.positions].concat();
+    let master = [pair.master.clone(), down.facets, beyond.facets].concat();
+    for element in elements() {
+        let surface = MasterSurface::new(&positions, master.clone()).unwrap();
+        let options = FaceOptions::new(InterfaceOptions::default().with_element(element));
+        let mut interface = FaceInterface::new(surface, &pair.slave, &positions, options).unwrap();
+        interface.refresh(&positions).unwrap();
+        let areas = interface.areas().to_vec();
+        let contacts = interface.evaluate(&ContactLaw::penalty(1.0), Mode::Gradient).unwrap();
+        for (node, area) in contacts.nodes().iter().zip(areas) {
+            assert!(
+                (node.gap + 0.12).abs() < 1e-12 && (node.area - area).abs() < 1e-12,
+                "{node:?} {element:?}"
+            );
+        }
+        let mut forces = vec![0.0; 3 * positions.len()];
+        contacts.add_residual(&DofMap::standard(positions.len()), &mut forces).unwrap();
+        assert!(forces[3 * first..].iter().all(|&force| force == 0.0));
+    }
+}
+
+#[test]
+fn derivatives_that_were_not_evaluated_are_refused() {
+    let pair = bumps(false);
+    let mut interface = pair.interface(ContactElement::default(), FaceRule::Second);
+    interface.refresh(&pair.positions).unwrap();
+    let (law, dofs) = (ContactLaw::penalty(50.0), DofMap::standard(pair.positions.len()));
+    let refused = |found, needed| AssemblyError::NotDerived { needed, found };
+    let contacts = interface.evaluate(&law, Mode::Value).unwrap();
+    let mut forces = vec![0.0; dofs.equations()];
+    let error = contacts.add_residual(&dofs, &mut forces).unwrap_err();
+    assert_eq!(error, refused(Mode::Value, Mode::Gradient));
+    let contacts = interface.evaluate(&law, Mode::Gradient).unwrap();
+    assert!(!contacts.triplets(Tangent::GaussNewton, &dofs).unwrap().is_empty());
+    let error = contacts.triplets(Tangent::Exact, &dofs).unwrap_err();
+    assert_eq!(error, refused(Mode::Gradient, Mode::Hessian));
+}
+
+#[test]
+fn other_rules_than_domains_are_refused() {
+    let pair = bumps(false);
+    let master = MasterSurface::new(&pair.positions, pair.master.clone()).unwrap();
+    let element = ContactElement::diffuse(crate::neighbourhood::SearchOptions::default());
+    let options = FaceOptions::new(InterfaceOptions::default().with_element(element));
+    let error = FaceInterface::new(master, &pair.slave, &pair.positions, options).unwrap_err();
+    assert_eq!(error, InterfaceError::FacesNeedDomains);
 }
 
 #[test]

@@ -51,6 +51,11 @@ pub enum InterfaceError {
         "there are no kernels of friction in this build: build it with the feature \"friction\", see docs/how-to/friction.md"
     )]
     NoFrictionKernels,
+    /// Contact over faces with the diffuse element has nodal domains only: other rules would change the gap in every iteration.
+    #[error(
+        "contact integrated over faces needs the neighbour rule \"domains\", or the node-to-facet element"
+    )]
+    FacesNeedDomains,
     /// Friction, which belongs to slave nodes, with forces integrated over faces.
     #[error("friction goes with contact at slave nodes, not with contact integrated over faces")]
     FrictionOverFaces,
@@ -155,6 +160,7 @@ impl InterfaceError {
             Self::NoAnchors => "no-anchors",
             Self::NotRefreshed => "not-refreshed",
             Self::NoFrictionKernels => "no-friction-kernels",
+            Self::FacesNeedDomains => "faces-need-domains",
             Self::FrictionOverFaces => "friction-over-faces",
             Self::InvalidHistory { .. } => "invalid-history",
             Self::AnchorCount { .. } => "anchor-count",

@@ -333,7 +333,7 @@ impl ContactInterface {
             self.positions.copy_from_slice(positions);
             return Ok(report);
         }
-        self.pair(positions, false, self.compared())
+        self.pair(positions, false, self.compared(), None)
     }
 
     /// As [`refresh_pairing`](Self::refresh_pairing), but with nodal domains lists are made anew wherever everybody is: what they are then
@@ -344,7 +344,7 @@ impl ContactInterface {
     /// As [`update`](Self::update). Pairing and positions of before then stay.
     pub fn renew_pairing(&mut self, positions: &[Point]) -> Result<RefreshReport, InterfaceError> {
         self.check_positions(positions)?;
-        self.pair(positions, false, self.compared())
+        self.pair(positions, false, self.compared(), None)
     }
 
     /// As [`update`](Self::update), but with nodal domains the lists follow: if something has moved by more than half their skin they
@@ -360,7 +360,7 @@ impl ContactInterface {
             self.positions.copy_from_slice(positions);
             return Ok(false);
         }
-        self.pair(positions, true, self.compared())?;
+        self.pair(positions, true, self.compared(), None)?;
         Ok(true)
     }
 
@@ -374,6 +374,7 @@ impl ContactInterface {
         positions: &[Point],
         follows: bool,
         compares: Compares,
+        facets: Option<&[u32]>,
     ) -> Result<RefreshReport, InterfaceError> {
         // Everything that may fail comes first; nothing of `self` changes before.
         let search = match self.options.element {
@@ -409,6 +410,7 @@ impl ContactInterface {
             old: &self.pairings,
             old_creases: &self.creases,
             compares,
+            facets,
             follows,
         };
         let (pairings, report) = refresh.run(&self.refreshes, &blank);
@@ -422,19 +424,24 @@ impl ContactInterface {
         Ok(report)
     }
 
-    /// Makes other points the slaves and pairs them: those that follow the nodes in `positions`, which are checked here.
+    /// Makes other points the slaves and pairs them: those that follow the nodes in `positions`, each over its facet. On an error points
+    /// and pairing of before stay.
     pub(crate) fn pair_points(
         &mut self,
         positions: Vec<Point>,
         nodes: usize,
+        facets: &[u32],
     ) -> Result<RefreshReport, InterfaceError> {
         check_count("positions", positions.len())?;
         self.master.check_positions(&positions)?;
         (nodes..positions.len()).try_for_each(|point| check_position(&positions, point))?;
-        self.pairings = Pairings::none((nodes..positions.len()).collect(), Vec::new());
-        self.listed = None;
-        self.positions.clone_from(&positions);
-        self.pair(&positions, false, Compares::None)
+        let blank = Pairings::none((nodes..positions.len()).collect(), Vec::new());
+        let pairings = std::mem::replace(&mut self.pairings, blank);
+        let before = std::mem::replace(&mut self.positions, positions.clone());
+        let listed = self.listed.take();
+        self.pair(&positions, false, Compares::None, Some(facets)).inspect_err(|_| {
+            (self.pairings, self.positions, self.listed) = (pairings, before, listed);
+        })
     }
 
     /// Evaluates some consecutive slaves into `results` and hands them over one by one.

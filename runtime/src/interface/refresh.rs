@@ -16,7 +16,7 @@ use super::scratch::Pool;
 use super::{ContactElement, InterfaceError, NoContact};
 use crate::neighbourhood::{Fallback, NeighbourSearch, NeighbourhoodError, SearchOptions};
 use crate::pairing::NearestNodes;
-use crate::surface::{Carried, Closest, Creases, Listed, NONE, SurfaceIndex, Walk};
+use crate::surface::{Carried, Closest, Creases, Foot, Listed, NONE, SurfaceIndex, Walk};
 use crate::{Basis, Frame, Point, Weight};
 
 /// Slaves that one thread pairs in a row.
@@ -45,6 +45,8 @@ pub struct Refresh<'a> {
     /// What the old pairing has been evaluated with.
     pub old_creases: &'a Creases,
     pub compares: Compares,
+    /// The facet of each slave, where it is known: no closest one is looked for.
+    pub facets: Option<&'a [u32]>,
     /// Whether lists follow within an increment: then no slave changes to the other side of a surface.
     pub follows: bool,
 }
@@ -161,7 +163,10 @@ impl Refresh<'_> {
     fn slave(&self, k: usize, scratch: &mut RefreshScratch, chunk: &mut Chunk) {
         let node = self.old.layout.slave(k);
         let old = self.old.get(k).ok();
-        let closest = self.closest(node, scratch);
+        let closest = match self.facets {
+            Some(facets) => Ok(self.over(node, facets[k])),
+            None => self.closest(node, scratch),
+        };
         let record = match (old, closest) {
             (Some(old), Ok(closest)) if self.follows && self.is_turned(&old, &closest) => {
                 scratch.take_over(&old);
@@ -223,6 +228,13 @@ impl Refresh<'_> {
     fn old_gap(&self, old: &Paired<'_>, scratch: &mut ElementScratch) -> Option<f64> {
         let evaluator = Evaluator { creases: self.old_creases, ..self.evaluator };
         evaluator.gap(old, scratch).ok()
+    }
+
+    /// The closest point of a facet that the slave is known to lie over.
+    fn over(&self, node: usize, facet: u32) -> Closest {
+        let Foot { natural, point, distance, edges } =
+            self.index.shape(facet).closest(Vector3::from(self.evaluator.positions[node]));
+        Closest { facet, natural, point, distance, edges }
     }
 
     /// The closest facet, if it is near enough and the slave not far beyond the border.

@@ -46,7 +46,7 @@ pub use topology::MasterSurface;
 pub(crate) use border::{BorderScratch, Creases};
 pub(crate) use domains::{Carried, Listed, NodalDomains};
 pub(crate) use index::Closest;
-pub(crate) use shape::Shape;
+pub(crate) use shape::{Foot, Shape};
 pub(crate) use symmetry::{Image, Symmetry};
 pub(crate) use topology::NONE;
 pub(crate) use topology::check_position;

@@ -21,7 +21,7 @@ pub struct FacePass {
     penalty: f64,
     tangent: TangentRule,
     dofs: DofMap,
-    /// λ, one per slave; none without augmentation.
+    /// λ, one pressure per slave; none without augmentation.
     multipliers: Vec<f64>,
     /// Whether all axes of each node are prescribed.
     held: Vec<bool>,
@@ -74,7 +74,7 @@ impl FacePass {
 
     /// Whether nothing moves whatever force the faces around a node exert.
     fn is_held(&self, k: usize) -> bool {
-        self.interface.clique(k).iter().all(|&node| self.held[node as usize])
+        self.interface.carriers(k).all(|node| self.held[node as usize])
     }
 
     /// Gaps, pressures and forces by the law at the positions of the last update.
@@ -148,8 +148,8 @@ impl Pass for FacePass {
     }
 
     fn augment(&mut self) {
-        let forces = |(k, node): (usize, &NodeContact)| if self.is_held(k) { 0.0 } else { node.force };
-        self.multipliers = self.contacts().iter().enumerate().map(forces).collect();
+        let pressures = |(k, node): (usize, &NodeContact)| if self.is_held(k) { 0.0 } else { node.pressure };
+        self.multipliers = self.contacts().iter().enumerate().map(pressures).collect();
     }
 
     fn multipliers(&self) -> &[f64] {
@@ -188,9 +188,10 @@ impl Pass for FacePass {
 
     fn slaves(&self) -> Box<dyn Iterator<Item = SlaveState> + '_> {
         Box::new(self.contacts().iter().enumerate().map(|(k, contact)| {
-            let NodeContact { slave: node, outcome, gap, area, normal, force } = *contact;
+            let NodeContact { slave: node, outcome, gap, area, normal, .. } = *contact;
+            let force = contact.force();
             match outcome {
-                Outcome::None(reason) => SlaveState::without(node, area, reason),
+                Outcome::None(reason) => SlaveState::without(node, self.interface.areas()[k], reason),
                 Outcome::Contact { fallback } => SlaveState {
                     node,
                     gap: Some(gap),

@@ -257,7 +257,7 @@ pub struct SlaveState {
     pub friction_state: FrictionState,
     /// Its way from its anchor since it touched, length: of one that slides, what it slid in the increment and its elastic slip.
     pub slip: f64,
-    /// Tributary area, length²; 1 if the interface carries none.
+    /// Tributary area, length²; 1 if the interface carries none. Over faces, of a slave in contact, the part of it over the master.
     pub area: f64,
     /// Whether its masters carry no quadratic surface, so that it has the linear basis.
     pub is_linear: bool,
@@ -306,7 +306,7 @@ pub struct Interaction {
 }
 
 impl Interaction {
-    /// The nodes of `slave` against the facets of `master`; with [`two_pass`](InteractionOptions::two_pass) also the
+    /// The nodes, or the faces, of `slave` against the facets of `master`; with [`two_pass`](InteractionOptions::two_pass) also the
     /// other way round.
     ///
     /// # Errors

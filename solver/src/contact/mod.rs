@@ -1,9 +1,9 @@
 //! Contact interfaces among the solver's forces and stiffnesses.
 //!
-//! An [`Interaction`] is one pair of surfaces of the deck: one
-//! [`ContactInterface`](diffuse_contact::interface::ContactInterface), or two with the roles exchanged (two-pass). It is a
-//! host of the contact surface like any other: refresh the pairing, update the positions, evaluate, and add residual and
-//! tangent. Forces of a pair sum up to nothing.
+//! An [`Interaction`] is one pair of surfaces of the deck: one pass, or two with the roles exchanged (two-pass). A pass is a
+//! [`ContactInterface`](diffuse_contact::interface::ContactInterface) over nodes or a
+//! [`FaceInterface`](diffuse_contact::faces::FaceInterface) over faces. It is a host of the contact surface like any other: refresh,
+//! update the positions, evaluate, and add residual and tangent. Forces of a pair sum up to nothing.
 
 mod beginning;
 mod error;

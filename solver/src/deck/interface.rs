@@ -97,7 +97,7 @@ pub(super) fn interface(section: Section) -> Result<Interface, DeckError> {
     let integration =
         section.get("integration").map_or(Ok(Integration::Nodes), |field| integration(&field))?;
     if integration != Integration::Nodes {
-        section.refuse(&["areas", "friction"], "with integration over faces")?;
+        section.refuse(&["areas", "friction", "neighbours", "refresh"], "with integration over faces")?;
     }
     Ok(Interface {
         line: name.line(),

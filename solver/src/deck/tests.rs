@@ -420,6 +420,16 @@ fn fields_that_do_not_go_together_are_refused() {
     );
     refused(
         "penalty = 1e5",
+        &over_faces("refresh = \"iteration\""),
+        "interface[1].refresh has no meaning with integration over faces",
+    );
+    refused(
+        "penalty = 1e5",
+        &over_faces("neighbours = { rule = \"nearest\" }"),
+        "interface[1].neighbours has no meaning with integration over faces",
+    );
+    refused(
+        "penalty = 1e5",
         "penalty = 1e5\nintegration = { over = \"nodes\", degree = 2 }",
         "degree has no meaning with over = \"nodes\"",
     );

@@ -4,7 +4,7 @@ use diffuse_contact::FrictionState;
 use diffuse_contact::surface::tributary_areas;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::{Interaction, SlaveState};
+use crate::contact::{Integration, Interaction, SlaveState};
 use crate::model::Model;
 use crate::solid::SolidError;
 use crate::statics::{Problem, State};
@@ -179,7 +179,11 @@ impl Fields {
                 has_gap[node] = true;
             }
             self.contact_status[node] = self.contact_status[node].max(status as i32);
-            if areas[node] > 0.0 {
+            let options = interaction.options();
+            if options.integration != Integration::Nodes && !options.two_pass {
+                // The pressure itself, also where a part of the node's faces lies over the master.
+                self.contact_pressure[node] += if slave.force > 0.0 { slave.force / slave.area } else { 0.0 };
+            } else if areas[node] > 0.0 {
                 self.contact_pressure[node] += pressing(forces.forces[node], slave.normal) / areas[node];
             }
         }

@@ -42,7 +42,8 @@ impl Uniformity {
             stress,
             stress_rms: (squares / recovery.points.len() as f64).sqrt(),
             other_stress,
-            contact: contact.fold(0.0, f64::max),
+            // A deviation that is no number stays one.
+            contact: contact.fold(0.0, |most, own| if own <= most { most } else { own }),
         })
     }
 }

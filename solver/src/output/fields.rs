@@ -179,10 +179,10 @@ impl Fields {
                 has_gap[node] = true;
             }
             self.contact_status[node] = self.contact_status[node].max(status as i32);
-            let options = interaction.options();
-            if options.integration != Integration::Nodes && !options.two_pass {
-                // The pressure itself, also where a part of the node's faces lies over the master.
-                self.contact_pressure[node] += if slave.force > 0.0 { slave.force / slave.area } else { 0.0 };
+            let is_over_faces = interaction.options().integration != Integration::Nodes;
+            if is_over_faces && slave.gap.is_some() && slave.area > 0.0 {
+                // Forces of faces are only there where they lie over the master.
+                self.contact_pressure[node] += pressing(forces.forces[node], slave.normal) / slave.area;
             } else if areas[node] > 0.0 {
                 self.contact_pressure[node] += pressing(forces.forces[node], slave.normal) / areas[node];
             }

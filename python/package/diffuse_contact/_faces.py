@@ -150,9 +150,7 @@ class FaceInterface:
         """
         return FaceReport(*self._faces.take(floats("positions", positions, "p", 3), False))
 
-    def evaluate(
-        self, penalty: float, *, multipliers: ArrayLike | None = None, mode: Mode = "hessian"
-    ) -> FaceContacts:
+    def evaluate(self, penalty: float, *, multipliers: ArrayLike | None = None, mode: Mode = "hessian") -> FaceContacts:
         """Gaps, pressures and forces at the positions of the last update or refresh, in parallel, without the GIL.
 
         Args:

@@ -28,7 +28,7 @@ pub struct FaceBlock {
     pub forces: [Vec<f64>; 4],
     /// ∫ N_A ∂g/∂x dA by the columns' nodes, length².
     pub gradients: [Vec<f64>; 4],
-    /// ∂R/∂x with the pressures held, a row per coordinate of the rows' nodes; empty below Hessian mode.
+    /// −∂R/∂x with the pressures held, a row per coordinate of the rows' nodes; empty below Hessian mode.
     pub directions: Vec<f64>,
     /// Points whose line of force meets no place of their facet: they count for the gap, but carry no force.
     pub missed: usize,
@@ -171,7 +171,7 @@ impl FaceBlock {
                 for &(row, _, part) in carriers.iter().filter(|carrier| carrier.1 == own) {
                     let target = &mut self.directions[(3 * row + axis) * width..][..width];
                     for (sum, entry) in target.iter_mut().zip(&line) {
-                        *sum += load * part * entry;
+                        *sum -= load * part * entry;
                     }
                 }
             }

@@ -1,6 +1,5 @@
 //! The contact of all slave nodes, with pressures averaged to them.
 
-use super::block::FaceBlock;
 use crate::assembly::{AssemblyError, DofMap, Tangent, Triplets};
 use crate::interface::Outcome;
 use crate::{Mode, Point};
@@ -33,11 +32,13 @@ impl NodeContact {
 /// A node that carries a pressure, with what follows from it: R = p_A F, ∂p_A/∂x = −ε G.
 #[derive(Clone, Debug)]
 pub(super) struct NodeBlock {
-    /// Nodes that forces act on or depend on, ascending.
-    pub nodes: Vec<u32>,
-    /// F, force on each coordinate by unit pressure, length².
+    /// Nodes that forces act on, ascending.
+    pub rows: Vec<u32>,
+    /// Nodes that they depend on, ascending: the rows, too.
+    pub columns: Vec<u32>,
+    /// F by the rows' nodes, force by unit pressure, length².
     pub forces: Vec<f64>,
-    /// G = ∂ḡ_A/∂x.
+    /// G = ∂ḡ_A/∂x by the columns' nodes.
     pub gradient: Vec<f64>,
     /// p_A, force per area.
     pub pressure: f64,
@@ -60,7 +61,7 @@ pub struct FaceContacts {
 pub(super) struct DirectionBlock {
     pub rows: Vec<u32>,
     pub columns: Vec<u32>,
-    pub block: FaceBlock,
+    pub entries: Vec<f64>,
 }
 
 /// A part of the tangent: a dense block.
@@ -112,7 +113,7 @@ impl FaceContacts {
         }
         self.check(dofs, Mode::Gradient)?;
         for block in &self.blocks {
-            for (node, forces) in block.nodes.iter().zip(block.forces.as_chunks::<3>().0) {
+            for (node, forces) in block.rows.iter().zip(block.forces.as_chunks::<3>().0) {
                 for (axis, force) in forces.iter().enumerate() {
                     let Some(equation) = dofs.equation(*node as usize, axis) else { continue };
                     residual[equation] += block.pressure * force;
@@ -131,7 +132,7 @@ impl FaceContacts {
             return Err(AssemblyError::NotDerived { needed, found: self.mode });
         }
         for (element, block) in self.blocks.iter().enumerate() {
-            if let Some(&node) = block.nodes.last().filter(|&&node| node as usize >= nodes) {
+            if let Some(&node) = block.columns.last().filter(|&&node| node as usize >= nodes) {
                 return Err(AssemblyError::UnknownNode { element, node: node as usize, nodes });
             }
         }
@@ -148,13 +149,11 @@ impl FaceContacts {
                 let factor = block.stiffness * force;
                 block.gradient.iter().map(move |g| factor * g)
             }));
-            f(TangentBlock { rows: &block.nodes, columns: &block.nodes, entries: &entries });
+            f(TangentBlock { rows: &block.rows, columns: &block.columns, entries: &entries });
         }
         if tangent == Tangent::Exact {
-            for DirectionBlock { rows, columns, block } in &self.directions {
-                entries.clear();
-                entries.extend(block.directions.iter().map(|entry| -entry));
-                f(TangentBlock { rows, columns, entries: &entries });
+            for DirectionBlock { rows, columns, entries } in &self.directions {
+                f(TangentBlock { rows, columns, entries });
             }
         }
     }

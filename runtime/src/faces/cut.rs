@@ -108,7 +108,8 @@ pub fn cut(
     let Some(view) = View::of(face) else { return };
     let corners: Polygon = face.corners().iter().map(|&x| view.seen(x)).collect();
     let own = area(&corners);
-    let (lower, upper) = bounds(face);
+    let (lower, upper) = face.bounds();
+    let (lower, upper) = (Point::from(lower), Point::from(upper));
     let CutScratch { near, piece, clipped, layers } = scratch;
     layers.clear();
     index.facets_near(lower.map(|x| x - limit), upper.map(|x| x + limit), near);
@@ -166,14 +167,6 @@ fn distance_along(shape: &Shape, x: Vector3, along: Vector3) -> Option<f64> {
 fn contains(polygon: &[[f64; 2]], x: [f64; 2]) -> bool {
     let count = polygon.len();
     (0..count).all(|k| cross(minus(polygon[(k + 1) % count], polygon[k]), minus(x, polygon[k])) >= 0.0)
-}
-
-/// The box around a shape.
-fn bounds(shape: &Shape) -> (Point, Point) {
-    let first = shape.corners()[0];
-    let corners = shape.corners().iter();
-    let (lower, upper) = corners.fold((first, first), |(low, high), x| (low.lower(x), high.upper(x)));
-    (lower.into(), upper.into())
 }
 
 /// Area of a polygon, positive if it runs counter-clockwise.

@@ -57,6 +57,7 @@ mod block;
 mod carried;
 mod contacts;
 mod cut;
+mod evaluate;
 mod skin;
 
 pub use contacts::{FaceContacts, NodeContact, TangentBlock};
@@ -66,27 +67,21 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use block::{FaceBlock, FaceView};
-use contacts::{DirectionBlock, NodeBlock};
 use cut::{CutScratch, FacePoint, cut};
-use skin::{Skin, shape};
+use skin::Skin;
 
 use crate::assembly::ContactLaw;
 use crate::interface::{
-    ContactElement, ContactInterface, InterfaceError, InterfaceOptions, NoContact, Outcome, Results,
+    ContactElement, ContactInterface, InterfaceError, InterfaceOptions, areas_of, check_slaves,
 };
-use crate::neighbourhood::{Fallback, NeighbourRule};
-use crate::surface::{Facet, MasterSurface, SymmetryPlane};
+use crate::neighbourhood::NeighbourRule;
+use crate::surface::{Facet, MasterSurface, SymmetryPlane, shape_of};
 use crate::vector::Vector3;
 use crate::{Mode, Point};
 
-/// Nodes with less than this part of their area over the master carry nothing.
-const SMALLEST_AREA: f64 = 1e-9;
 /// Pieces stay while no node has moved farther than this part of the smallest facet. What they miss of the edges between facets is of
 /// the order of its square, of the master's end of its first.
 const HELD: f64 = 1e-5;
-/// Points that one thread evaluates in a row.
-const CHUNK: usize = 256;
 
 /// How a [`FaceInterface`] integrates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,7 +95,7 @@ pub struct FaceOptions {
 }
 
 impl FaceOptions {
-    /// With three or four points for each piece of a face.
+    /// With the rule of second degree.
     #[must_use]
     pub fn new(interface: InterfaceOptions) -> Self {
         Self { interface, rule: FaceRule::default() }
@@ -192,10 +187,8 @@ impl FaceInterface {
         let mut nodes: Vec<usize> = faces.iter().flat_map(|face| face.corners()).copied().collect();
         nodes.sort_unstable();
         nodes.dedup();
-        // As slaves the nodes are checked like others.
-        ContactInterface::new(master.clone(), nodes.clone(), faces, positions, own.with_areas(true))?;
-        let areas = crate::surface::tributary_areas(positions, faces)?;
-        let areas = nodes.iter().map(|&node| areas[node]).collect();
+        check_slaves(&master, &nodes, positions)?;
+        let areas = areas_of(&nodes, faces, positions)?;
         let skin = Skin::new(faces, positions, &own, &[])?;
         let mut around = vec![Vec::new(); nodes.len()];
         for (k, face) in faces.iter().enumerate() {
@@ -206,7 +199,7 @@ impl FaceInterface {
             }
         }
         let facets = (0..master.facet_count()).map(|facet| master.facet(facet));
-        let extents = facets.chain(faces.iter().copied()).map(|facet| shape(&facet, positions).extent());
+        let extents = facets.chain(faces.iter().copied()).map(|facet| shape_of(&facet, positions).extent());
         let smallest = extents.fold(f64::INFINITY, f64::min);
         Ok(Self {
             interface: ContactInterface::new(master, Vec::new(), &[], positions, own)?,
@@ -287,12 +280,6 @@ impl FaceInterface {
         self.skin.straight
     }
 
-    /// The first configuration, of all nodes.
-    #[must_use]
-    pub fn first_positions(&self) -> &[Point] {
-        &self.first
-    }
-
     /// Takes over the positions and cuts the faces anew. What nodes couple is forgotten and begins with these positions.
     ///
     /// # Errors
@@ -301,8 +288,8 @@ impl FaceInterface {
         self.take(positions, true)
     }
 
-    /// Takes over the positions, to be called in every iteration. Faces are cut anew unless all nodes are as good as where they were
-    /// when they were cut: near equilibrium forces are smooth functions of the positions then, and the tangent is their derivative.
+    /// Takes over the positions, to be called in every iteration. Faces are cut anew, unless all nodes have moved by less than 10⁻⁵ of
+    /// the smallest facet since. So near equilibrium forces are smooth functions of the positions, and the tangent is their derivative.
     /// What nodes couple only grows.
     ///
     /// # Errors
@@ -350,7 +337,7 @@ impl FaceInterface {
         self.check_positions(positions)?;
         let index = self.master().at(positions)?;
         let limit = |face: &Facet| {
-            let extent = shape(face, positions).extent() + index.extent();
+            let extent = shape_of(face, positions).extent() + index.extent();
             self.options.interface.distance_limit.unwrap_or(extent)
         };
         let limits: Vec<f64> = self.faces.iter().map(limit).collect();
@@ -358,8 +345,8 @@ impl FaceInterface {
             .into_par_iter()
             .map_init(CutScratch::default, |scratch, k| {
                 let mut points = Vec::new();
-                let face = shape(&self.faces[k], positions);
-                let first = shape(&self.faces[k], &self.first);
+                let face = shape_of(&self.faces[k], positions);
+                let first = shape_of(&self.faces[k], &self.first);
                 cut(&face, &first, &index, (self.options.rule, limits[k]), scratch, &mut points);
                 points
             })
@@ -437,15 +424,6 @@ impl FaceInterface {
         self.cliques.iter().map(Vec::as_slice).filter(|clique| !clique.is_empty())
     }
 
-    /// That of the `k`-th node; empty if no facet lies over its faces.
-    ///
-    /// # Panics
-    /// If there is no such node.
-    #[must_use]
-    pub fn clique(&self, k: usize) -> &[u32] {
-        &self.cliques[k]
-    }
-
     /// What the last [`evaluate`](Self::evaluate) returned; empty before.
     #[must_use]
     pub const fn contacts(&self) -> &FaceContacts {
@@ -470,217 +448,12 @@ impl FaceInterface {
         self.contacts = contacts;
         Ok(&self.contacts)
     }
-
-    /// The average gap at each node, and its pressure.
-    fn averages(&self, law: &ContactLaw<'_>) -> Result<Vec<NodeContact>, InterfaceError> {
-        let blank = |(k, &slave): (usize, &usize)| {
-            let outcome = Outcome::None(NoContact::NothingOver { limit: self.limit_around(k) });
-            NodeContact { slave, outcome, gap: 0.0, area: 0.0, normal: [0.0; 3], pressure: 0.0 }
-        };
-        let mut nodes: Vec<NodeContact> = self.nodes.iter().enumerate().map(blank).collect();
-        let mut face = 0;
-        let mut results = Results::default();
-        self.interface.evaluate_range(0..self.points.len(), Mode::Value, &mut results, |contact| {
-            let k = contact.slave - self.positions.len();
-            while !self.cuts[face].points.contains(&k) {
-                face += 1;
-            }
-            let point = &self.points[k];
-            let functions = shape(&self.faces[face], &self.positions).functions(point.natural);
-            for (corner, n) in self.faces[face].corners().iter().zip(functions) {
-                let Ok(place) = self.nodes.binary_search(corner) else { continue };
-                let node = &mut nodes[place];
-                match (contact.outcome, node.outcome) {
-                    (Outcome::Contact { .. }, _) => {
-                        let weight = point.weight * n;
-                        // Of several the one that gave up most.
-                        if !matches!(node.outcome, Outcome::Contact { fallback: Fallback::Linear { .. } }) {
-                            node.outcome = contact.outcome;
-                        }
-                        node.area += weight;
-                        node.gap += weight * contact.point.gap;
-                        for axis in 0..3 {
-                            node.normal[axis] += weight * contact.point.normal[axis];
-                        }
-                    }
-                    (reason, Outcome::None(NoContact::NothingOver { .. })) => node.outcome = reason,
-                    (Outcome::None(_), _) => {}
-                }
-            }
-        })?;
-        for (k, (node, area)) in nodes.iter_mut().zip(&self.areas).enumerate() {
-            if !(node.area > SMALLEST_AREA * area) {
-                let outcome = match node.outcome {
-                    Outcome::Contact { .. } => {
-                        Outcome::None(NoContact::NothingOver { limit: self.limit_around(k) })
-                    }
-                    reason => reason,
-                };
-                *node = NodeContact { outcome, gap: 0.0, area: 0.0, normal: [0.0; 3], ..*node };
-                continue;
-            }
-            node.gap /= node.area;
-            let normal = Vector3::from(node.normal).try_normalize().filter(Vector3::is_finite);
-            node.normal = normal.unwrap_or_default().into();
-            node.pressure = law.force(k, node.gap, 1.0);
-        }
-        Ok(nodes)
-    }
-
-    /// Forces and tangents of the faces around nodes that carry pressure.
-    fn derive(
-        &self,
-        law: &ContactLaw<'_>,
-        mode: Mode,
-        contacts: &mut FaceContacts,
-    ) -> Result<(), InterfaceError> {
-        let pressure = |node: &usize| {
-            let place = self.nodes.binary_search(node).ok()?;
-            let node = &contacts.nodes[place];
-            (node.pressure > 0.0).then_some(node.pressure)
-        };
-        let pressures: Vec<[f64; 4]> = self
-            .faces
-            .iter()
-            .map(|face| {
-                let mut own = [0.0; 4];
-                for (own, node) in own.iter_mut().zip(face.corners()) {
-                    *own = pressure(node).unwrap_or(0.0);
-                }
-                own
-            })
-            .collect();
-        let is_loaded =
-            |k: &usize| !self.cuts[*k].points.is_empty() && pressures[*k].iter().any(|&p| p > 0.0);
-        let loaded: Vec<usize> = (0..self.faces.len()).filter(is_loaded).collect();
-        let blocks: Vec<Vec<FaceBlock>> = self
-            .runs(&loaded)
-            .into_par_iter()
-            .map_init(Results::default, |results, faces| self.blocks(faces, mode, &pressures, results))
-            .collect::<Result<_, _>>()?;
-        let mut of_face: Vec<Option<FaceBlock>> = vec![None; self.faces.len()];
-        for (&k, block) in loaded.iter().zip(blocks.into_iter().flatten()) {
-            contacts.missed += block.missed;
-            of_face[k] = Some(block);
-        }
-        let carrying: Vec<(usize, NodeContact)> =
-            contacts.nodes.iter().copied().enumerate().filter(|(_, node)| node.pressure > 0.0).collect();
-        contacts.blocks =
-            carrying.into_par_iter().map(|(k, node)| self.node_block(k, &node, law, &of_face)).collect();
-        if mode >= Mode::Hessian {
-            contacts.directions = loaded
-                .iter()
-                .filter_map(|&k| {
-                    let FaceCut { rows, columns, .. } = self.cuts[k].clone();
-                    Some(DirectionBlock { rows, columns, block: of_face[k].take()? })
-                })
-                .collect();
-        }
-        Ok(())
-    }
-
-    /// Faces one after another whose points are evaluated together.
-    fn runs<'s>(&self, loaded: &'s [usize]) -> Vec<&'s [usize]> {
-        let mut count = 0;
-        loaded
-            .chunk_by(|&one, &next| {
-                count += self.cuts[one].points.len();
-                let goes_on = self.cuts[one].points.end == self.cuts[next].points.start && count < CHUNK;
-                if !goes_on {
-                    count = 0;
-                }
-                goes_on
-            })
-            .collect()
-    }
-
-    /// The sums of consecutive faces.
-    fn blocks(
-        &self,
-        faces: &[usize],
-        mode: Mode,
-        pressures: &[[f64; 4]],
-        results: &mut Results,
-    ) -> Result<Vec<FaceBlock>, InterfaceError> {
-        let views: Vec<FaceView<'_>> = faces
-            .iter()
-            .map(|&k| FaceView {
-                facet: &self.faces[k],
-                shape: shape(&self.faces[k], &self.positions),
-                skin: &self.skin,
-                face: k,
-                rows: &self.cuts[k].rows,
-                columns: &self.cuts[k].columns,
-            })
-            .collect();
-        let mut blocks: Vec<FaceBlock> = views.iter().map(|view| FaceBlock::new(view, mode)).collect();
-        let (Some(&first), Some(&last)) = (faces.first(), faces.last()) else { return Ok(blocks) };
-        let range = self.cuts[first].points.start..self.cuts[last].points.end;
-        let mut own = 0;
-        self.interface.evaluate_range(range, mode, results, |contact| {
-            let k = contact.slave - self.positions.len();
-            while !self.cuts[faces[own]].points.contains(&k) {
-                own += 1;
-            }
-            if contact.outcome.is_contact() {
-                let point = &self.points[k];
-                let facet = self.master().facet(point.facet as usize);
-                let over = shape(&facet, &self.positions);
-                let pressures = &pressures[faces[own]];
-                blocks[own].add(&views[own], point, (facet.corners(), &over), &contact, pressures);
-            }
-        })?;
-        Ok(blocks)
-    }
-
-    /// The sums of the faces around a node.
-    fn node_block(
-        &self,
-        k: usize,
-        node: &NodeContact,
-        law: &ContactLaw<'_>,
-        of_face: &[Option<FaceBlock>],
-    ) -> NodeBlock {
-        let faces = || {
-            self.around[k].iter().filter_map(|&face| Some((face as usize, of_face[face as usize].as_ref()?)))
-        };
-        let mut nodes: Vec<u32> = faces().flat_map(|(face, _)| &self.cuts[face].columns).copied().collect();
-        sort(&mut nodes);
-        let mut sums = NodeBlock {
-            forces: vec![0.0; 3 * nodes.len()],
-            gradient: vec![0.0; 3 * nodes.len()],
-            nodes,
-            pressure: node.pressure,
-            stiffness: law.penalty,
-        };
-        for (face, block) in faces() {
-            let corner = self.faces[face].corners().iter().position(|&corner| corner == node.slave);
-            let Some(corner) = corner else { continue };
-            let cut = &self.cuts[face];
-            add(&sums.nodes, &mut sums.forces, &cut.rows, &block.forces[corner], 1.0);
-            add(&sums.nodes, &mut sums.gradient, &cut.columns, &block.gradients[corner], 1.0 / node.area);
-        }
-        sums
-    }
 }
 
 /// Ascending, each once.
 fn sort(nodes: &mut Vec<u32>) {
     nodes.sort_unstable();
     nodes.dedup();
-}
-
-/// Adds a vector over some of the nodes.
-fn add(nodes: &[u32], sums: &mut [f64], own: &[u32], values: &[f64], factor: f64) {
-    let mut place = 0;
-    for (node, values) in own.iter().zip(values.as_chunks::<3>().0) {
-        while nodes[place] != *node {
-            place += 1;
-        }
-        for axis in 0..3 {
-            sums[3 * place + axis] += factor * values[axis];
-        }
-    }
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use crate::interface::{
     ContactElement, ContactInterface, InterfaceError, InterfaceOptions, PointsWithinReach,
 };
 use crate::neighbourhood::SearchOptions;
-use crate::surface::{Facet, Image, MasterSurface, Shape, Symmetry, SymmetryPlane};
+use crate::surface::{Facet, Image, MasterSurface, Symmetry, SymmetryPlane};
 use crate::vector::Vector3;
 use crate::{Basis, Mode, Point, Weight};
 
@@ -238,12 +238,4 @@ fn solve_for_first(mut a: [[f64; 6]; 6], size: usize) -> Option<[f64; 6]> {
         x[i] = (x[i] - (i + 1..size).map(|k| a[k][i] * x[k]).sum::<f64>()) / a[i][i];
     }
     Some(x)
-}
-
-/// A face as it lies.
-pub fn shape(facet: &Facet, positions: &[Point]) -> Shape {
-    match facet {
-        Facet::Triangle(corners) => Shape::Triangle(corners.map(|node| positions[node].into())),
-        Facet::Quadrilateral(corners) => Shape::Quadrilateral(corners.map(|node| positions[node].into())),
-    }
 }

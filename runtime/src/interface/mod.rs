@@ -591,7 +591,11 @@ fn check_count(what: &'static str, count: usize) -> Result<(), InterfaceError> {
 }
 
 /// Slaves exist, are named once and are no nodes of the master surface.
-fn check_slaves(master: &MasterSurface, slaves: &[usize], positions: &[Point]) -> Result<(), InterfaceError> {
+pub(crate) fn check_slaves(
+    master: &MasterSurface,
+    slaves: &[usize],
+    positions: &[Point],
+) -> Result<(), InterfaceError> {
     let count = positions.len();
     let mut is_slave = vec![false; count];
     for (index, &node) in slaves.iter().enumerate() {
@@ -609,7 +613,11 @@ fn check_slaves(master: &MasterSurface, slaves: &[usize], positions: &[Point]) -
 }
 
 /// The tributary areas of the slaves.
-fn areas_of(slaves: &[usize], facets: &[Facet], positions: &[Point]) -> Result<Vec<f64>, InterfaceError> {
+pub(crate) fn areas_of(
+    slaves: &[usize],
+    facets: &[Facet],
+    positions: &[Point],
+) -> Result<Vec<f64>, InterfaceError> {
     let areas = tributary_areas(positions, facets)?;
     let area = |&node: &usize| match areas[node] {
         area if area > 0.0 => Ok(area),

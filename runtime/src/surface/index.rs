@@ -68,12 +68,7 @@ impl<'a> SurfaceIndex<'a> {
         let boxes: Vec<Boxed> = facets
             .into_par_iter()
             .map(|facet| {
-                let corners = shape(facet);
-                let first = corners.corners()[0];
-                let (lower, upper) = corners
-                    .corners()
-                    .iter()
-                    .fold((first, first), |(low, high), x| (low.lower(x), high.upper(x)));
+                let (lower, upper) = shape(facet).bounds();
                 let bounds = AABB::from_corners(lower.into(), upper.into());
                 GeomWithData::new(Rectangle::from_aabb(bounds), facet as u32)
             })

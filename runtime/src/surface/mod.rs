@@ -49,7 +49,7 @@ pub(crate) use index::Closest;
 pub(crate) use shape::{Foot, Shape};
 pub(crate) use symmetry::{Image, Symmetry};
 pub(crate) use topology::NONE;
-pub(crate) use topology::check_position;
+pub(crate) use topology::{check_position, shape_of};
 pub(crate) use walk::Walk;
 
 /// One facet of a surface: indices of its corners in the positions of all nodes, counter-clockwise seen from

@@ -50,6 +50,12 @@ impl Shape {
         }
     }
 
+    /// The lowest and the highest corner of the box around it.
+    pub fn bounds(&self) -> (Vector3, Vector3) {
+        let first = self.corners()[0];
+        self.corners().iter().fold((first, first), |(low, high), x| (low.lower(x), high.upper(x)))
+    }
+
     /// The ends of the edge from corner `edge` to the next.
     pub fn edge(&self, edge: usize) -> [Vector3; 2] {
         let corners = self.corners();

@@ -272,7 +272,7 @@ fn corner_sines(corners: &[Vector3; 4], normal: Vector3) -> [f64; 4] {
 }
 
 /// A facet in space.
-pub(super) fn shape_of(facet: &Facet, positions: &[Point]) -> Shape {
+pub(crate) fn shape_of(facet: &Facet, positions: &[Point]) -> Shape {
     match facet {
         Facet::Triangle(corners) => Shape::Triangle(corners.map(|node| positions[node].into())),
         Facet::Quadrilateral(corners) => Shape::Quadrilateral(corners.map(|node| positions[node].into())),

@@ -20,6 +20,8 @@ pub struct Beginning {
     pub deep: usize,
     /// Slaves with the linear basis, as their masters carry no quadratic surface.
     pub linear: usize,
+    /// Edge middles and centres of slave faces where they stay flat, as the slave's nodes carry no smooth surface.
+    pub straight: usize,
 }
 
 impl Beginning {
@@ -36,6 +38,7 @@ impl Beginning {
             overlap: interaction.max_penetration(),
             deep: deep.count(),
             linear: interaction.slaves().filter(|slave| slave.is_linear).count(),
+            straight: interaction.straight(),
         }
     }
 }

@@ -11,7 +11,7 @@ use diffuse_contact::{Mode, Point};
 use super::losses::Losses;
 use super::node_pass::normal_law;
 use super::pass::{FrictionHistory, NodalForces, Pass, PassError, take_multipliers};
-use super::{ContactError, InteractionOptions, LostContact, SlaveState, TangentRule};
+use super::{ContactError, InteractionOptions, SlaveState, TangentRule};
 use crate::system::{BlockMatrix, Symmetry};
 
 /// Slave faces against one master surface.
@@ -160,30 +160,24 @@ impl Pass for FacePass {
         take_multipliers(&mut self.multipliers, multipliers)
     }
 
-    fn begin(&mut self, loaded: &[u32]) -> Result<(), ContactError> {
-        self.losses.begin(self.interface.slaves().len(), loaded)
+    fn outcomes(&self) -> Vec<(usize, Outcome)> {
+        self.contacts().iter().map(|node| (node.slave, node.outcome)).collect()
     }
 
-    fn note(&mut self) {
-        for k in self.loaded() {
-            self.losses.note(k as usize);
-        }
+    fn losses(&self) -> &Losses {
+        &self.losses
     }
 
-    fn excuse(&mut self) {
-        for (k, node) in self.interface.contacts().nodes().iter().enumerate() {
-            if let Outcome::None(reason) = node.outcome {
-                self.losses.excuse(k, reason);
-            }
-        }
+    fn losses_mut(&mut self) -> &mut Losses {
+        &mut self.losses
     }
 
-    fn lost(&self) -> Vec<LostContact> {
-        let judged = self.contacts().iter().enumerate().filter_map(|(k, node)| match node.outcome {
-            Outcome::None(reason) => self.losses.judge(k, node.slave, reason),
-            Outcome::Contact { .. } => None,
-        });
-        judged.collect()
+    fn straight(&self) -> usize {
+        self.interface.straight()
+    }
+
+    fn missed(&self) -> usize {
+        self.interface.contacts().missed()
     }
 
     fn slaves(&self) -> Box<dyn Iterator<Item = SlaveState> + '_> {

@@ -474,6 +474,14 @@ impl Interaction {
         self.passes.iter().flat_map(|pass| pass.lost())
     }
 
+    pub(super) fn straight(&self) -> usize {
+        self.passes.iter().map(|pass| pass.straight()).sum()
+    }
+
+    pub(super) fn missed(&self) -> usize {
+        self.passes.iter().map(|pass| pass.missed()).sum()
+    }
+
     pub(super) fn augment(&mut self, round: usize) {
         if self.options.augmentation.is_some_and(|augmentation| round < augmentation.max_rounds) {
             self.passes.iter_mut().for_each(|pass| pass.augment());

@@ -197,6 +197,13 @@ impl ContactSet {
         })
     }
 
+    /// Integration points of loaded faces that carry no force at the last evaluation although they have a gap: their line of force
+    /// meets no place of the facet over them.
+    #[must_use]
+    pub fn missed(&self) -> usize {
+        self.interactions.iter().map(Interaction::missed).sum()
+    }
+
     /// The multipliers of all interactions, for a restart.
     #[must_use]
     pub fn multipliers(&self) -> Vec<Vec<f64>> {

@@ -11,7 +11,7 @@ use diffuse_contact::{Mode, Point};
 
 use super::losses::Losses;
 use super::pass::{FrictionHistory, NodalForces, Pass, PassError, take_multipliers};
-use super::{ContactError, InteractionOptions, LostContact, SlaveState, TangentRule};
+use super::{ContactError, InteractionOptions, SlaveState, TangentRule};
 use crate::system::{BlockMatrix, Symmetry};
 
 /// The law of all slaves' normal forces; no multipliers without augmentation.
@@ -244,30 +244,16 @@ impl Pass for NodePass {
         self.multipliers = (0..self.multipliers.len()).map(forces).collect();
     }
 
-    fn begin(&mut self, loaded: &[u32]) -> Result<(), ContactError> {
-        self.losses.begin(self.interface.slaves().len(), loaded)
+    fn outcomes(&self) -> Vec<(usize, Outcome)> {
+        self.contacts().iter().map(|contact| (contact.slave, contact.outcome)).collect()
     }
 
-    fn note(&mut self) {
-        for k in self.loaded() {
-            self.losses.note(k as usize);
-        }
+    fn losses(&self) -> &Losses {
+        &self.losses
     }
 
-    fn excuse(&mut self) {
-        for (k, contact) in self.interface.contacts().iter().enumerate() {
-            if let Outcome::None(reason) = contact.outcome {
-                self.losses.excuse(k, reason);
-            }
-        }
-    }
-
-    fn lost(&self) -> Vec<LostContact> {
-        let judged = self.contacts().iter().enumerate().filter_map(|(k, contact)| match contact.outcome {
-            Outcome::None(reason) => self.losses.judge(k, contact.slave, reason),
-            Outcome::Contact { .. } => None,
-        });
-        judged.collect()
+    fn losses_mut(&mut self) -> &mut Losses {
+        &mut self.losses
     }
 
     fn multipliers(&self) -> &[f64] {

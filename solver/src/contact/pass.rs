@@ -3,9 +3,10 @@
 use diffuse_contact::Mode;
 use diffuse_contact::Point;
 use diffuse_contact::assembly::{AssemblyError, Tangent};
-use diffuse_contact::interface::{FrictionReport, InterfaceError};
+use diffuse_contact::interface::{FrictionReport, InterfaceError, Outcome};
 use serde::{Deserialize, Serialize};
 
+use super::losses::Losses;
 use super::{ContactError, LostContact, SlaveState};
 use crate::system::{BlockMatrix, Symmetry};
 
@@ -104,23 +105,62 @@ pub trait Pass: std::fmt::Debug {
     /// Goes on from them.
     fn set_multipliers(&mut self, multipliers: &[f64]) -> Result<(), ContactError>;
 
-    /// Begins to watch for losses; `loaded` as [`loaded`](Self::loaded) gave it.
-    fn begin(&mut self, loaded: &[u32]) -> Result<(), ContactError>;
+    /// Each slave node, and whether the last evaluation found contact for it.
+    fn outcomes(&self) -> Vec<(usize, Outcome)>;
 
-    /// Notes who carries force.
-    fn note(&mut self);
+    /// Which slaves carried force, and which need no element.
+    fn losses(&self) -> &Losses;
 
-    /// From here on who has no element need not get one.
-    fn excuse(&mut self);
-
-    /// The slaves that carried force and have no element.
-    fn lost(&self) -> Vec<LostContact>;
+    /// The same, to be changed.
+    fn losses_mut(&mut self) -> &mut Losses;
 
     /// The contact of every slave node at the last evaluation.
     fn slaves(&self) -> Box<dyn Iterator<Item = SlaveState> + '_>;
 
     /// Adds what each contact exerts on its slave and its masters at the last evaluation.
     fn add_nodal_forces(&self, all: &mut NodalForces);
+
+    /// Edge middles and centres of slave faces that have no smooth surface of their own although one is asked for.
+    fn straight(&self) -> usize {
+        0
+    }
+
+    /// Points of loaded faces that carry no force at the last evaluation although they have a gap.
+    fn missed(&self) -> usize {
+        0
+    }
+
+    /// Begins to watch for losses; `loaded` as [`loaded`](Self::loaded) gave it.
+    fn begin(&mut self, loaded: &[u32]) -> Result<(), ContactError> {
+        let slaves = self.outcomes().len();
+        self.losses_mut().begin(slaves, loaded)
+    }
+
+    /// Notes which slaves carry force.
+    fn note(&mut self) {
+        for k in self.loaded() {
+            self.losses_mut().note(k as usize);
+        }
+    }
+
+    /// From here on slaves without an element need not get one.
+    fn excuse(&mut self) {
+        for (k, (_, outcome)) in self.outcomes().into_iter().enumerate() {
+            if let Outcome::None(reason) = outcome {
+                self.losses_mut().excuse(k, reason);
+            }
+        }
+    }
+
+    /// The slaves that carried force and have no element.
+    fn lost(&self) -> Vec<LostContact> {
+        let judged =
+            self.outcomes().into_iter().enumerate().filter_map(|(k, (node, outcome))| match outcome {
+                Outcome::None(reason) => self.losses().judge(k, node, reason),
+                Outcome::Contact { .. } => None,
+            });
+        judged.collect()
+    }
 
     /// The places of the slaves that carry force, ascending.
     fn loaded(&self) -> Vec<u32> {

@@ -155,7 +155,7 @@ struct Progress {
 
 impl Watcher for Progress {
     fn start(&mut self, interfaces: &[Beginning]) {
-        for Beginning { interface, slaves, paired, overlap, deep, linear } in interfaces {
+        for Beginning { interface, slaves, paired, overlap, deep, linear, straight } in interfaces {
             say(&format!(
                 "interface `{}`: {paired} of {slaves} slaves paired, deepest overlap {overlap:.3e}",
                 shown(interface)
@@ -170,6 +170,12 @@ impl Watcher for Progress {
                 say(&format!(
                     "  warning: {linear} of {slaves} slaves have the linear basis, which is no better than facets: name the symmetry planes \
                      that the master ends in, or mesh it with three rows of nodes"
+                ));
+            }
+            if *straight > 0 {
+                say(&format!(
+                    "  warning: the slave's nodes carry no smooth surface of their own at {straight} edge middles or centres of its faces, \
+                     which are flat there"
                 ));
             }
         }
@@ -217,6 +223,12 @@ impl Watcher for Progress {
         }
         if record.lost > 0 {
             say(&format!("  warning: {} contacts that carried force lost their element", record.lost));
+        }
+        if record.missed > 0 {
+            say(&format!(
+                "  warning: {} points of loaded faces carry no force: their line of force meets no place of the facet over them",
+                record.missed
+            ));
         }
         self.control()
     }

@@ -321,6 +321,7 @@ impl<'a> Increment<'a> {
             is_short: rounds.is_short,
             active: problem.active(),
             lost: problem.contacts().lost().count(),
+            missed: problem.contacts().missed(),
             max_penetration: problem.contacts().max_penetration(),
             contact_forces: problem.contacts().forces(),
             friction,

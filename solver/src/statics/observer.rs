@@ -86,6 +86,8 @@ pub struct IncrementRecord {
     pub active: usize,
     /// Contacts that carried force in it or right before it, and ended without an element.
     pub lost: usize,
+    /// Integration points of loaded faces that have a gap but carry no force.
+    pub missed: usize,
     /// Deepest penetration, length.
     pub max_penetration: f64,
     /// Force on the slaves of each interaction.

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::element::{Element, ElementKind};
+use crate::element::{Element, ElementKind, MOST_NODES};
 use crate::error::{Fault, Problem};
 
 /// Nodes or elements that all sets of a file hold together, each as often as it is named: some hundred times what large meshes have,
@@ -23,7 +23,7 @@ pub(crate) struct Builder {
 struct TaggedElement {
     kind: ElementKind,
     tag: u64,
-    nodes: [u64; 8],
+    nodes: [u64; MOST_NODES],
     at: usize,
 }
 
@@ -52,7 +52,7 @@ impl Builder {
         &mut self,
         kind: ElementKind,
         tag: u64,
-        nodes: [u64; 8],
+        nodes: [u64; MOST_NODES],
         at: usize,
     ) -> Result<(), Fault> {
         if self.element_index.insert(tag, self.elements.len()).is_some() {
@@ -76,7 +76,7 @@ impl Builder {
     }
 
     fn resolved(&self, &TaggedElement { kind, tag, nodes, at }: &TaggedElement) -> Result<Element, Fault> {
-        let mut indices = [0; 8];
+        let mut indices = [0; MOST_NODES];
         for (i, &node) in nodes[..kind.node_count()].iter().enumerate() {
             if nodes[..i].contains(&node) {
                 return Err(Fault::new(at, Problem::RepeatedNode { element: tag, node }));

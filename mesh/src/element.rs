@@ -1,75 +1,199 @@
-//! Elements and facets: a kind and the nodes in the order that Gmsh, Abaqus and VTK share.
+//! Elements and facets: a kind and the nodes in one order, that of Abaqus and VTK.
 
-/// The kinds of element this crate knows; all are first order. Gmsh, Abaqus and VTK order their nodes alike.
+/// The most nodes of any kind.
+pub(crate) const MOST_NODES: usize = 27;
+
+/// The kinds of element this crate knows. Corners come first. Of second-order kinds a node in the middle of each edge follows, as each
+/// kind says; `a–b` is the edge between the corners a and b, counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ElementKind {
     /// A single node.
     Point1,
     /// Two nodes.
     Line2,
+    /// Two nodes and the middle.
+    Line3,
     /// Three nodes; the right-hand rule gives the normal.
     Triangle3,
+    /// A triangle and the middles of 0–1, 1–2, 2–0.
+    Triangle6,
     /// Four nodes in cyclic order; the right-hand rule gives the normal.
     Quadrilateral4,
+    /// A quadrilateral and the middles of 0–1, 1–2, 2–3, 3–0.
+    Quadrilateral8,
+    /// The same, then the centre.
+    Quadrilateral9,
     /// A base triangle, then the apex on the side of the base's normal.
     Tetrahedron4,
+    /// A tetrahedron and the middles of 0–1, 1–2, 2–0, 0–3, 1–3, 2–3.
+    Tetrahedron10,
+    /// A base triangle, then the opposite one, on the side of the base's normal, in the same sense.
+    Wedge6,
+    /// A wedge and the middles of 0–1, 1–2, 2–0, 3–4, 4–5, 5–3, 0–3, 1–4, 2–5.
+    Wedge15,
     /// A base quadrilateral, then the opposite one, on the side of the base's normal, in the same sense.
     Hexahedron8,
+    /// A hexahedron and the middles of 0–1, 1–2, 2–3, 3–0, 4–5, 5–6, 6–7, 7–4, 0–4, 1–5, 2–6, 3–7.
+    Hexahedron20,
+    /// The same, then the centres of the faces 0473, 1265, 0154, 3267, 0123, 4567, and the element's.
+    Hexahedron27,
 }
 
+/// The description of a kind.
+struct Table {
+    nodes: usize,
+    dimension: usize,
+    name: &'static str,
+    plural: &'static str,
+    /// Corners of the faces of a solid, oriented outward, in Abaqus' order `S1`, `S2`, ...
+    faces: &'static [&'static [usize]],
+    /// Ends of the edges that have a middle, in the order of these.
+    edges: &'static [[usize; 2]],
+    /// Corners around the nodes at the centres of faces, or of a quadrilateral, in the order of these after the edges' middles.
+    centres: &'static [[usize; 4]],
+}
+
+const TRIANGLE: &[[usize; 2]] = &[[0, 1], [1, 2], [2, 0]];
+const QUADRILATERAL: &[[usize; 2]] = &[[0, 1], [1, 2], [2, 3], [3, 0]];
+const TETRAHEDRON: &[[usize; 2]] = &[[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+const WEDGE: &[[usize; 2]] = &[[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]];
+const HEXAHEDRON: &[[usize; 2]] =
+    &[[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
+const HEXAHEDRON_CENTRES: &[[usize; 4]] =
+    &[[0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 2, 6, 7], [0, 1, 2, 3], [4, 5, 6, 7]];
+
 impl ElementKind {
+    const fn table(self) -> Table {
+        const fn flat(nodes: usize, dimension: usize, name: &'static str, plural: &'static str) -> Table {
+            Table { nodes, dimension, name, plural, faces: &[], edges: &[], centres: &[] }
+        }
+        const fn solid(nodes: usize, name: &'static str, plural: &'static str) -> Table {
+            flat(nodes, 3, name, plural)
+        }
+        const TETRAHEDRON_FACES: &[&[usize]] = &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]];
+        const WEDGE_FACES: &[&[usize]] =
+            &[&[0, 2, 1], &[3, 4, 5], &[0, 1, 4, 3], &[1, 2, 5, 4], &[2, 0, 3, 5]];
+        const HEXAHEDRON_FACES: &[&[usize]] =
+            &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]];
+        match self {
+            ElementKind::Point1 => flat(1, 0, "point", "points"),
+            ElementKind::Line2 => flat(2, 1, "line", "lines"),
+            ElementKind::Line3 => Table { edges: &[[0, 1]], ..flat(3, 1, "3-node line", "3-node lines") },
+            ElementKind::Triangle3 => flat(3, 2, "triangle", "triangles"),
+            ElementKind::Triangle6 => {
+                Table { edges: TRIANGLE, ..flat(6, 2, "6-node triangle", "6-node triangles") }
+            }
+            ElementKind::Quadrilateral4 => flat(4, 2, "quadrilateral", "quadrilaterals"),
+            ElementKind::Quadrilateral8 => {
+                Table { edges: QUADRILATERAL, ..flat(8, 2, "8-node quadrilateral", "8-node quadrilaterals") }
+            }
+            ElementKind::Quadrilateral9 => Table {
+                edges: QUADRILATERAL,
+                centres: &[[0, 1, 2, 3]],
+                ..flat(9, 2, "9-node quadrilateral", "9-node quadrilaterals")
+            },
+            ElementKind::Tetrahedron4 => {
+                Table { faces: TETRAHEDRON_FACES, ..solid(4, "tetrahedron", "tetrahedra") }
+            }
+            ElementKind::Tetrahedron10 => Table {
+                faces: TETRAHEDRON_FACES,
+                edges: TETRAHEDRON,
+                ..solid(10, "10-node tetrahedron", "10-node tetrahedra")
+            },
+            ElementKind::Wedge6 => Table { faces: WEDGE_FACES, ..solid(6, "wedge", "wedges") },
+            ElementKind::Wedge15 => {
+                Table { faces: WEDGE_FACES, edges: WEDGE, ..solid(15, "15-node wedge", "15-node wedges") }
+            }
+            ElementKind::Hexahedron8 => {
+                Table { faces: HEXAHEDRON_FACES, ..solid(8, "hexahedron", "hexahedra") }
+            }
+            ElementKind::Hexahedron20 => Table {
+                faces: HEXAHEDRON_FACES,
+                edges: HEXAHEDRON,
+                ..solid(20, "20-node hexahedron", "20-node hexahedra")
+            },
+            ElementKind::Hexahedron27 => Table {
+                faces: HEXAHEDRON_FACES,
+                edges: HEXAHEDRON,
+                centres: HEXAHEDRON_CENTRES,
+                ..solid(27, "27-node hexahedron", "27-node hexahedra")
+            },
+        }
+    }
+
     /// The number of nodes.
     pub const fn node_count(self) -> usize {
-        match self {
-            ElementKind::Point1 => 1,
-            ElementKind::Line2 => 2,
-            ElementKind::Triangle3 => 3,
-            ElementKind::Quadrilateral4 | ElementKind::Tetrahedron4 => 4,
-            ElementKind::Hexahedron8 => 8,
-        }
+        self.table().nodes
+    }
+
+    /// The number of corners.
+    pub const fn corner_count(self) -> usize {
+        let Table { nodes, edges, centres, .. } = self.table();
+        // The last node of 27 belongs to no face.
+        if nodes == 27 { 8 } else { nodes - edges.len() - centres.len() }
+    }
+
+    /// Whether there are nodes in the middle of edges: elements of second order.
+    pub const fn has_middles(self) -> bool {
+        !self.table().edges.is_empty()
     }
 
     /// The number of parametric dimensions, 0 to 3.
     pub const fn dimension(self) -> usize {
-        match self {
-            ElementKind::Point1 => 0,
-            ElementKind::Line2 => 1,
-            ElementKind::Triangle3 | ElementKind::Quadrilateral4 => 2,
-            ElementKind::Tetrahedron4 | ElementKind::Hexahedron8 => 3,
-        }
+        self.table().dimension
     }
 
     /// The usual word, in the singular.
     pub const fn name(self) -> &'static str {
-        match self {
-            ElementKind::Point1 => "point",
-            ElementKind::Line2 => "line",
-            ElementKind::Triangle3 => "triangle",
-            ElementKind::Quadrilateral4 => "quadrilateral",
-            ElementKind::Tetrahedron4 => "tetrahedron",
-            ElementKind::Hexahedron8 => "hexahedron",
-        }
+        self.table().name
     }
 
     pub(crate) const fn plural(self) -> &'static str {
-        match self {
-            ElementKind::Point1 => "points",
-            ElementKind::Line2 => "lines",
-            ElementKind::Triangle3 => "triangles",
-            ElementKind::Quadrilateral4 => "quadrilaterals",
-            ElementKind::Tetrahedron4 => "tetrahedra",
-            ElementKind::Hexahedron8 => "hexahedra",
-        }
+        self.table().plural
     }
 
-    /// The faces of a solid, oriented outward, in Abaqus' order `S1`, `S2`, ...; empty for other kinds.
-    pub(crate) const fn faces(self) -> &'static [&'static [usize]] {
-        match self {
-            ElementKind::Tetrahedron4 => &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]],
-            ElementKind::Hexahedron8 => {
-                &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]]
+    /// Ends of the edges that have a node in their middle, in the order of these nodes.
+    pub const fn edges(self) -> &'static [[usize; 2]] {
+        self.table().edges
+    }
+
+    /// Corners around the nodes in the centres of faces, in the order of these nodes, which follow those of the edges.
+    pub const fn centres(self) -> &'static [[usize; 4]] {
+        self.table().centres
+    }
+
+    /// Corners of the faces of a solid, oriented outward, in Abaqus' order `S1`, `S2`, ...; empty for other kinds.
+    pub const fn faces(self) -> &'static [&'static [usize]] {
+        self.table().faces
+    }
+
+    /// The flat facets that a face with these corners, or a triangle or quadrilateral itself, is made of, by local nodes. A face with
+    /// middle nodes has several: each node of it is a corner of some.
+    pub fn facets_of(self, corners: &[usize]) -> Vec<Facet> {
+        let Table { edges, centres, .. } = self.table();
+        let count = corners.len();
+        let own_corners = self.corner_count();
+        let middle = |k: usize| {
+            let ends = [corners[k], corners[(k + 1) % count]];
+            let place = edges.iter().position(|edge| *edge == ends || *edge == [ends[1], ends[0]])?;
+            Some(own_corners + place)
+        };
+        let middles: Option<Vec<usize>> = (0..count).map(middle).collect();
+        let Some(middles) = middles else { return Facet::from_nodes(corners).into_iter().collect() };
+        let place = centres.iter().position(|centre| corners.iter().all(|corner| centre.contains(corner)));
+        let centre = place.map(|place| own_corners + edges.len() + place);
+        let around = |k: usize| [middles[(k + count - 1) % count], corners[k], middles[k]];
+        match centre {
+            Some(centre) => (0..count)
+                .map(|k| {
+                    let [before, corner, after] = around(k);
+                    Facet::Quadrilateral([corner, after, centre, before])
+                })
+                .collect(),
+            None => {
+                let at_corners = (0..count).map(|k| Facet::Triangle(around(k)));
+                at_corners.chain(Facet::from_nodes(&middles)).collect()
             }
-            _ => &[],
         }
     }
 }
@@ -80,12 +204,12 @@ pub struct Element {
     kind: ElementKind,
     tag: u64,
     /// The first `kind.node_count()` count, the rest is zero.
-    nodes: [usize; 8],
+    nodes: [usize; MOST_NODES],
 }
 
 impl Element {
     /// `nodes` beyond the kind's count must be zero.
-    pub(crate) fn new(kind: ElementKind, tag: u64, nodes: [usize; 8]) -> Self {
+    pub(crate) fn new(kind: ElementKind, tag: u64, nodes: [usize; MOST_NODES]) -> Self {
         Self { kind, tag, nodes }
     }
 
@@ -104,19 +228,24 @@ impl Element {
         &self.nodes[..self.kind.node_count()]
     }
 
-    /// The element as a facet, if it is a triangle or a quadrilateral.
-    pub fn facet(&self) -> Option<Facet> {
-        match self.kind {
-            ElementKind::Triangle3 | ElementKind::Quadrilateral4 => Facet::from_nodes(self.nodes()),
-            _ => None,
+    /// The facets of a triangle or a quadrilateral: itself, or those between its nodes if it has nodes in the middle of its edges. Empty
+    /// for other kinds.
+    pub fn facets(&self) -> Vec<Facet> {
+        if self.kind.dimension() != 2 {
+            return Vec::new();
         }
+        let corners: Vec<usize> = (0..self.kind.corner_count()).collect();
+        self.numbered(self.kind.facets_of(&corners))
     }
 
-    /// The face of a solid element, outward, `number` counted from 0.
-    pub(crate) fn face(&self, number: usize) -> Option<Facet> {
-        let corners = self.kind.faces().get(number)?;
-        let nodes: Vec<usize> = corners.iter().map(|&corner| self.nodes[corner]).collect();
-        Facet::from_nodes(&nodes)
+    /// The facets of a face of a solid element, outward, `number` counted from 0; none if there is no such face.
+    pub(crate) fn face(&self, number: usize) -> Vec<Facet> {
+        let corners = self.kind.faces().get(number).copied().unwrap_or_default();
+        self.numbered(self.kind.facets_of(corners))
+    }
+
+    fn numbered(&self, facets: Vec<Facet>) -> Vec<Facet> {
+        facets.into_iter().map(|facet| facet.map(|node| self.nodes[node])).collect()
     }
 }
 
@@ -144,6 +273,14 @@ impl Facet {
         match self {
             Facet::Triangle(nodes) => nodes,
             Facet::Quadrilateral(nodes) => nodes,
+        }
+    }
+
+    /// The facet with other node indices.
+    pub fn map(self, f: impl FnMut(usize) -> usize) -> Self {
+        match self {
+            Facet::Triangle(nodes) => Facet::Triangle(nodes.map(f)),
+            Facet::Quadrilateral(nodes) => Facet::Quadrilateral(nodes.map(f)),
         }
     }
 
@@ -222,25 +359,46 @@ mod tests {
         [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
     }
 
-    /// The faces of a solid point outward if each area vector points away from the centre, and they close the
-    /// solid if the area vectors add up to zero.
-    fn assert_outward_and_closed(kind: ElementKind, points: &[[f64; 3]]) {
+    /// Nodes of a solid with straight edges, from its corners.
+    fn with_middles(kind: ElementKind, corners: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let mean = |nodes: &[usize]| -> [f64; 3] {
+            std::array::from_fn(|k| nodes.iter().map(|&i| corners[i][k]).sum::<f64>() / nodes.len() as f64)
+        };
+        let middles = kind.edges().iter().map(|ends| mean(ends));
+        let centres = kind.table().centres.iter().map(|around| mean(around));
+        let mut points: Vec<[f64; 3]> = corners.iter().copied().chain(middles).chain(centres).collect();
+        if points.len() < kind.node_count() {
+            points.push(mean(&[0, 1, 2, 3, 4, 5, 6, 7]));
+        }
+        points
+    }
+
+    /// The faces of a solid point outward if each area vector points away from the centre, and they close the solid if the area vectors
+    /// add up to zero. Each node of a face is a corner of one of its facets.
+    fn assert_outward_and_closed(kind: ElementKind, corners: &[[f64; 3]]) {
+        let points = with_middles(kind, corners);
+        assert_eq!(points.len(), kind.node_count());
         let nodes = std::array::from_fn(|i| if i < kind.node_count() { i } else { 0 });
         let element = Element::new(kind, 1, nodes);
         let mean = |indices: &[usize]| -> [f64; 3] {
             std::array::from_fn(|k| indices.iter().map(|&i| points[i][k]).sum::<f64>() / indices.len() as f64)
         };
         let centre = mean(element.nodes());
-        let mut sum = [0.0; 3];
+        let (mut sum, mut on_faces) = ([0.0; 3], std::collections::BTreeSet::new());
         for number in 0..kind.faces().len() {
-            let face = element.face(number).unwrap();
-            let area = area_vector(face, points);
-            let away = mean(face.nodes());
-            let outward: f64 = (0..3).map(|k| area[k] * (away[k] - centre[k])).sum();
-            assert!(outward > 0.0, "face {number} of {kind:?} points inward");
-            (0..3).for_each(|k| sum[k] += area[k]);
+            for facet in element.face(number) {
+                let area = area_vector(facet, &points);
+                let away = mean(facet.nodes());
+                let outward: f64 = (0..3).map(|k| area[k] * (away[k] - centre[k])).sum();
+                assert!(outward > 0.0, "face {number} of {kind:?} points inward");
+                (0..3).for_each(|k| sum[k] += area[k]);
+                on_faces.extend(facet.nodes().to_vec());
+            }
         }
-        assert_eq!(sum, [0.0; 3]);
+        assert!(sum.iter().all(|sum| sum.abs() < 1e-15), "{sum:?}");
+        let inside = usize::from(kind == ElementKind::Hexahedron27);
+        assert_eq!(on_faces.len(), kind.node_count() - inside);
+        assert!(element.face(kind.faces().len()).is_empty() && element.facets().is_empty());
     }
 
     #[test]
@@ -249,9 +407,36 @@ mod tests {
             let corner = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]][i % 4];
             [corner[0], corner[1], (i / 4) as f64]
         });
-        assert_outward_and_closed(ElementKind::Hexahedron8, &cube);
+        for kind in [ElementKind::Hexahedron8, ElementKind::Hexahedron20, ElementKind::Hexahedron27] {
+            assert_outward_and_closed(kind, &cube);
+        }
+        let wedge = [cube[0], cube[1], cube[3], cube[4], cube[5], cube[7]];
+        assert_outward_and_closed(ElementKind::Wedge6, &wedge);
+        assert_outward_and_closed(ElementKind::Wedge15, &wedge);
         let corner = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         assert_outward_and_closed(ElementKind::Tetrahedron4, &corner);
+        assert_outward_and_closed(ElementKind::Tetrahedron10, &corner);
+    }
+
+    #[test]
+    fn flat_elements_are_made_of_facets() {
+        let counts = [
+            (ElementKind::Triangle3, 1),
+            (ElementKind::Triangle6, 4),
+            (ElementKind::Quadrilateral4, 1),
+            (ElementKind::Quadrilateral8, 5),
+            (ElementKind::Quadrilateral9, 4),
+        ];
+        for (kind, count) in counts {
+            let flat = std::array::from_fn(|i| if i < kind.node_count() { i } else { 0 });
+            let facets = Element::new(kind, 1, flat).facets();
+            assert_eq!(facets.len(), count, "{kind:?}");
+            let square = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+            let points = with_middles(kind, &square[..kind.corner_count()]);
+            let area: f64 = facets.iter().map(|&facet| 0.5 * area_vector(facet, &points)[2]).sum();
+            assert!((area - if kind.corner_count() == 3 { 0.5 } else { 1.0 }).abs() < 1e-15, "{kind:?}");
+            assert!(facets.iter().all(|&facet| area_vector(facet, &points)[2] > 0.0));
+        }
     }
 
     #[test]

@@ -103,8 +103,8 @@ pub enum MeshError {
     },
 }
 
-const SUPPORTED: &str = "supported are points, 2-node lines, 3-node triangles, 4-node quadrilaterals, 4-node tetrahedra and \
-                         8-node hexahedra";
+const SUPPORTED: &str = "supported are points, lines, triangles, quadrilaterals, tetrahedra, wedges and hexahedra of first and \
+                         second order, but 18-node wedges";
 
 /// A place in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

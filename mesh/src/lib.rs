@@ -7,7 +7,7 @@
 //!   index without checking.
 //! * **Bad input is an error, never a panic** and never a huge allocation: counts in a file's header are not
 //!   trusted. A [`MeshError`] names the file, the line (or the byte, in a binary file) and what was found.
-//! * **Nothing is guessed.** What the readers do not support (second-order elements, coordinate systems, partitioned meshes) is
+//! * **Nothing is guessed.** What the readers do not support (pyramids, elements of third order, coordinate systems, partitioned meshes) is
 //!   refused by name; in an Abaqus file, which may hold much that nobody asks for, elements that are not supported are refused when
 //!   a set with one of them is asked for. What cannot matter here (materials, steps, post-processing sections) is skipped.
 //! * **Orientation is kept.** A [`Facet`] lists its nodes so that the right-hand rule gives its normal: as Gmsh

@@ -170,7 +170,8 @@ impl Mesh {
 
     /// The facets of the surface, or else of the element set, of this name.
     ///
-    /// Of an element set these are its triangles and quadrilaterals; elements of other kinds do not count.
+    /// Of an element set these are its triangles and quadrilaterals; elements of other kinds do not count. A face with nodes in the
+    /// middle of its edges counts as the facets between them.
     /// The result is never empty: a set without facets is an error.
     pub fn facets(&self, name: &str) -> Result<Vec<Facet>, MeshError> {
         self.refuse_unread(&self.unread.in_surfaces, name)?;
@@ -180,7 +181,7 @@ impl Mesh {
         self.refuse_unread(&self.unread.in_sets, name)?;
         let elements = find(&self.element_sets, name);
         let facets: Vec<Facet> =
-            elements.into_iter().flatten().filter_map(|&index| self.elements[index].facet()).collect();
+            elements.into_iter().flatten().flat_map(|&index| self.elements[index].facets()).collect();
         if facets.is_empty() {
             let holds = self.content(name).ok_or_else(|| self.unknown_set(name))?;
             return Err(MeshError::NoFacets { name: name.into(), holds });

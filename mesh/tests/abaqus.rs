@@ -282,11 +282,11 @@ fn assert_fault(from: &str, to: &str, text: &str) {
 #[test]
 fn bad_elements_and_nodes_are_found_in_their_line() {
     // Asked for, an element that is not supported is an error.
-    let unread = read(&FLAT.replace("*Element, type=C3D8R", "*Element, type=C3D20R"));
+    let unread = read(&FLAT.replace("*Element, type=C3D8R", "*Element, type=CIN3D8"));
     for set in ["Brick", "Top", "Everything", "Mixed"] {
         let error = unread.facets(set).unwrap_err().to_string();
         assert!(
-            error.contains("holds element 100 of type C3D20R, which is not supported; supported are"),
+            error.contains("holds element 100 of type CIN3D8, which is not supported; supported are"),
             "{error}"
         );
     }

@@ -35,7 +35,7 @@ fn an_instance_has_its_part_and_its_share_of_the_assembly() {
 fn an_element_that_is_not_supported_matters_where_it_is_asked_for() {
     let block = instance("block-1");
     let unread: Vec<_> = block.unread_elements().iter().map(|e| (e.tag, e.kind.as_str())).collect();
-    assert_eq!(unread, [(3, "C3D6")]);
+    assert_eq!(unread, [(3, "C3D5")]);
     for error in [
         block.elements_of("all").unwrap_err(),
         block.facets("All").unwrap_err(),
@@ -44,7 +44,7 @@ fn an_element_that_is_not_supported_matters_where_it_is_asked_for() {
         block.nodes_of("side").unwrap_err(),
     ] {
         assert!(
-            error.to_string().contains("holds element 3 of type C3D6, which is not supported"),
+            error.to_string().contains("holds element 3 of type C3D5, which is not supported"),
             "{error}"
         );
     }

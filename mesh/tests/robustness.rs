@@ -14,7 +14,7 @@ const DECK: &[u8] = b"\
 *Element, type=S4, elset=e
 1, 1, 2,
 3, 4
-*Element, type=C3D6, elset=w
+*Element, type=C3D5, elset=w
 2, 1, 2,
 3, 4
 *Nset, nset=n, generate

@@ -13,7 +13,7 @@ mod surfaces;
 use std::collections::{BTreeMap, HashMap};
 
 use crate::builder::Builder;
-use crate::element::ElementKind;
+use crate::element::{ElementKind, MOST_NODES};
 use crate::error::{Fault, Problem};
 use crate::mesh::{Mesh, Unread, UnreadElement};
 use assembly::{Bystanders, Choice, Placement};
@@ -194,7 +194,7 @@ impl Deck<'_> {
                 return Err(Fault::new(at, Problem::DuplicateElement { tag }));
             }
             if let Some(kind) = kind {
-                let mut nodes = [0; 8];
+                let mut nodes = [0; MOST_NODES];
                 for (node, field) in nodes.iter_mut().zip(&fields[1..]) {
                     *node = parse_tag(self.local(field), at, "a node number")?;
                 }
@@ -424,15 +424,26 @@ fn element_kind(name: &str) -> Option<ElementKind> {
         "C3D8" | "C3D8R" | "C3D8I" | "C3D8H" | "C3D8RH" | "C3D8IH" | "C3D8T" | "C3D8RT" => {
             ElementKind::Hexahedron8
         }
+        "C3D20" | "C3D20R" | "C3D20H" | "C3D20RH" | "C3D20T" | "C3D20RT" => ElementKind::Hexahedron20,
         "C3D4" | "C3D4H" | "C3D4T" => ElementKind::Tetrahedron4,
+        "C3D10" | "C3D10M" | "C3D10H" | "C3D10MH" | "C3D10HS" | "C3D10I" | "C3D10T" => {
+            ElementKind::Tetrahedron10
+        }
+        "C3D6" | "C3D6H" | "C3D6T" => ElementKind::Wedge6,
+        "C3D15" | "C3D15H" | "C3D15T" => ElementKind::Wedge15,
         "S4" | "S4R" | "S4RS" | "S4R5" | "R3D4" | "M3D4" | "M3D4R" | "SFM3D4" | "SFM3D4R" => {
             ElementKind::Quadrilateral4
         }
         "S3" | "S3R" | "S3RS" | "STRI3" | "R3D3" | "M3D3" | "SFM3D3" => ElementKind::Triangle3,
+        "S8R" | "S8R5" | "M3D8" | "M3D8R" | "SFM3D8" | "SFM3D8R" => ElementKind::Quadrilateral8,
+        "STRI65" | "M3D6" | "SFM3D6" => ElementKind::Triangle6,
         // What Gmsh calls the facets of a surface when it exports to Abaqus.
         "CPS4" => ElementKind::Quadrilateral4,
         "CPS3" => ElementKind::Triangle3,
+        "CPS8" => ElementKind::Quadrilateral8,
+        "CPS6" => ElementKind::Triangle6,
         "T3D2" | "B31" => ElementKind::Line2,
+        "T3D3" | "B32" => ElementKind::Line3,
         _ => return None,
     })
 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use super::SetKind;
 use super::sets::{Content, Found, Level, Member, Names, Sets};
-use crate::element::{Element, ElementKind, Facet};
+use crate::element::{Element, Facet};
 use crate::error::{Fault, Problem};
 
 /// All surfaces of a file. Those of nodes and those of faces are numbered apart.
@@ -61,10 +61,11 @@ impl Face {
         }
     }
 
-    fn facet(self, element: &Element) -> Option<Facet> {
+    /// Empty if the element has no such face.
+    fn facets(self, element: &Element) -> Vec<Facet> {
         match self {
-            Face::Positive => element.facet(),
-            Face::Negative => element.facet().map(Facet::reversed),
+            Face::Positive => element.facets(),
+            Face::Negative => element.facets().into_iter().map(Facet::reversed).collect(),
             Face::Number(number) => element.face(number),
         }
     }
@@ -116,11 +117,12 @@ impl Surfaces {
                 .map_err(|tag| missing(&self.of_faces, surface, "element", tag, at))?;
             surfaces[surface].unread = surfaces[surface].unread.or(unread);
             for index in indices {
-                let facet = face
-                    .facet(&elements[index])
-                    .ok_or_else(|| Fault::new(at, wrong_face(face, &elements[index])))?;
+                let facets = face.facets(&elements[index]);
+                if facets.is_empty() {
+                    return Err(Fault::new(at, wrong_face(face, &elements[index])));
+                }
                 if seen.insert((surface, index, face)) {
-                    surfaces[surface].facets.push(facet);
+                    surfaces[surface].facets.extend(facets);
                 }
             }
         }
@@ -182,11 +184,13 @@ fn missing(names: &Names, surface: usize, what: &str, tag: u64, at: usize) -> Fa
 }
 
 fn wrong_face(face: Face, element: &Element) -> Problem {
-    let advice = match element.kind() {
-        ElementKind::Triangle3 | ElementKind::Quadrilateral4 => "its sides are SPOS and SNEG",
-        ElementKind::Tetrahedron4 => "its faces are S1 to S4",
-        ElementKind::Hexahedron8 => "its faces are S1 to S6",
-        ElementKind::Point1 | ElementKind::Line2 => "it has no faces",
+    let kind = element.kind();
+    let advice = match (kind.dimension(), kind.faces().len()) {
+        (2, _) => "its sides are SPOS and SNEG",
+        (_, 4) => "its faces are S1 to S4",
+        (_, 5) => "its faces are S1 to S5",
+        (_, 6) => "its faces are S1 to S6",
+        _ => "it has no faces",
     };
-    Problem::WrongFace { face: face.to_string(), element: element.tag(), kind: element.kind().name(), advice }
+    Problem::WrongFace { face: face.to_string(), element: element.tag(), kind: kind.name(), advice }
 }

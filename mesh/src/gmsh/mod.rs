@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
 
 use crate::builder::{Builder, MOST_MEMBERS};
-use crate::element::{Element, ElementKind, Facet};
+use crate::element::{Element, ElementKind, Facet, MOST_NODES};
 use crate::error::{Fault, MeshError, Problem};
 use crate::mesh::{Mesh, Unread};
 use source::{Encoding, Source};
@@ -170,16 +170,20 @@ impl File {
             let dimension = source.int("the dimension of an element block's entity")?;
             let entity = source.int("the tag of an element block's entity")?;
             let at = source.at();
-            let kind = element_kind(source.int("an element type")?)
+            let (kind, order) = element_kind(source.int("an element type")?)
                 .map_err(|name| Fault::new(at, Problem::UnsupportedElement { name }))?;
             let count = source.size("the number of elements of a block")?;
             source.check_announced(count, 8 * (1 + kind.node_count() as u64), "elements")?;
             for _ in 0..count {
                 let at = source.at();
                 let tag = source.size("an element tag")?;
-                let mut nodes = [0; 8];
-                for node in &mut nodes[..kind.node_count()] {
+                let mut found = [0; MOST_NODES];
+                for node in &mut found[..kind.node_count()] {
                     *node = source.size("the tag of an element's node")?;
+                }
+                let mut nodes = found;
+                for (node, &place) in nodes.iter_mut().zip(order.unwrap_or_default()) {
+                    *node = found[place];
                 }
                 self.builder.add_element(kind, tag, nodes, at)?;
                 self.entities.push((dimension, entity));
@@ -234,9 +238,10 @@ impl File {
             set.dedup();
         }
         let surface = |(name, reversed): (String, BTreeSet<usize>)| {
-            let facets = sets[&name].iter().filter_map(|index| {
-                let facet = elements[*index].facet()?;
-                Some(if reversed.contains(index) { facet.reversed() } else { facet })
+            let facets = sets[&name].iter().flat_map(|index| {
+                let is_reversed = reversed.contains(index);
+                let facets = elements[*index].facets().into_iter();
+                facets.map(move |facet| if is_reversed { facet.reversed() } else { facet })
             });
             let facets = facets.collect();
             (name, facets)
@@ -313,30 +318,38 @@ fn check_count(what: &'static str, declared: u64, found: u64, at: usize) -> Resu
     }
 }
 
-/// The kind of a Gmsh element type, or the name of a type that is not supported.
-fn element_kind(number: i32) -> Result<ElementKind, String> {
+/// The kind of a Gmsh element type with the place of each of its nodes in Gmsh's order, if that is another than ours; or the name of a
+/// type that is not supported.
+fn element_kind(number: i32) -> Result<(ElementKind, Option<&'static [usize]>), String> {
     let name = match number {
-        15 => return Ok(ElementKind::Point1),
-        1 => return Ok(ElementKind::Line2),
-        2 => return Ok(ElementKind::Triangle3),
-        3 => return Ok(ElementKind::Quadrilateral4),
-        4 => return Ok(ElementKind::Tetrahedron4),
-        5 => return Ok(ElementKind::Hexahedron8),
-        6 => "6-node prism",
+        15 => return Ok((ElementKind::Point1, None)),
+        1 => return Ok((ElementKind::Line2, None)),
+        2 => return Ok((ElementKind::Triangle3, None)),
+        3 => return Ok((ElementKind::Quadrilateral4, None)),
+        4 => return Ok((ElementKind::Tetrahedron4, None)),
+        5 => return Ok((ElementKind::Hexahedron8, None)),
+        6 => return Ok((ElementKind::Wedge6, None)),
+        8 => return Ok((ElementKind::Line3, None)),
+        9 => return Ok((ElementKind::Triangle6, None)),
+        10 => return Ok((ElementKind::Quadrilateral9, None)),
+        11 => return Ok((ElementKind::Tetrahedron10, Some(&TETRAHEDRON10))),
+        12 => return Ok((ElementKind::Hexahedron27, Some(&HEXAHEDRON27))),
+        16 => return Ok((ElementKind::Quadrilateral8, None)),
+        17 => return Ok((ElementKind::Hexahedron20, Some(HEXAHEDRON27.split_at(20).0))),
+        18 => return Ok((ElementKind::Wedge15, Some(&WEDGE15))),
         7 => "5-node pyramid",
-        8 => "3-node second-order line",
-        9 => "6-node second-order triangle",
-        10 => "9-node second-order quadrilateral",
-        11 => "10-node second-order tetrahedron",
-        12 => "27-node second-order hexahedron",
         13 => "18-node second-order prism",
         14 => "14-node second-order pyramid",
-        16 => "8-node second-order quadrilateral",
-        17 => "20-node second-order hexahedron",
-        18 => "15-node second-order prism",
         19 => "13-node second-order pyramid",
         20..=31 | 92 | 93 => "higher-order element",
         _ => "unknown",
     };
     Err(format!("{number} ({name})"))
 }
+
+/// Where Gmsh has the nodes of a kind, in our order (Gmsh reference manual, "Node ordering").
+const TETRAHEDRON10: [usize; 10] = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8];
+const WEDGE15: [usize; 15] = [0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11];
+/// The first 20 are those of the hexahedron with as many.
+const HEXAHEDRON27: [usize; 27] =
+    [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26];

@@ -276,15 +276,24 @@ impl Field<'_> {
     }
 }
 
-/// VTK's number of a cell type; VTK orders the nodes of these as [`ElementKind`] does.
+/// VTK's number of a cell type. VTK orders the nodes of these as [`ElementKind`] does.
 fn vtk_type(kind: ElementKind) -> u8 {
     match kind {
         ElementKind::Point1 => 1,
         ElementKind::Line2 => 3,
+        ElementKind::Line3 => 21,
         ElementKind::Triangle3 => 5,
+        ElementKind::Triangle6 => 22,
         ElementKind::Quadrilateral4 => 9,
+        ElementKind::Quadrilateral8 => 23,
+        ElementKind::Quadrilateral9 => 28,
         ElementKind::Tetrahedron4 => 10,
+        ElementKind::Tetrahedron10 => 24,
+        ElementKind::Wedge6 => 13,
+        ElementKind::Wedge15 => 26,
         ElementKind::Hexahedron8 => 12,
+        ElementKind::Hexahedron20 => 25,
+        ElementKind::Hexahedron27 => 29,
     }
 }
 

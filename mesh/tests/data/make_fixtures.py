@@ -6,7 +6,8 @@
 
 `block_ascii.msh` and `block_binary.msh` are one mesh: a block of 2 x 1 x 1 with 2 x 1 x 1 hexahedra, parametric
 nodes and physical groups of every dimension, one of them reversed, one without a name. `block_gmsh.inp` is the same as
-Abaqus input. The other files are what the reader has to refuse. (`cae.inp` is written by hand.)
+Abaqus input. `serendipity.msh` and `lagrange.msh` hold one block each of tetrahedra, wedges (the first only) and hexahedra of second
+order with straight edges. The other files are what the reader has to refuse. (`cae.inp` is written by hand.)
 """
 
 import os
@@ -62,6 +63,30 @@ def block():
     gmsh.model.addPhysicalGroup(0, [1], 6, "corner")
 
 
+def second_order(name, incomplete):
+    gmsh.clear()
+    gmsh.model.add(name)
+    gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
+    for x, recombine in [(2, False), (4, True)][int(not incomplete):]:
+        base = gmsh.model.occ.addRectangle(x, 0, 0, 1, 1)
+        gmsh.model.occ.synchronize()
+        gmsh.model.mesh.setTransfiniteSurface(base)
+        if recombine:
+            gmsh.model.mesh.setRecombine(2, base)
+        gmsh.model.occ.extrude([(2, base)], 0, 0, 1, numElements=[1], recombine=True)
+    gmsh.model.occ.synchronize()
+    for _, curve in gmsh.model.getEntities(1):
+        gmsh.model.mesh.setTransfiniteCurve(curve, 2)
+    gmsh.model.mesh.generate(3)
+    gmsh.option.setNumber("Mesh.SecondOrderIncomplete", int(incomplete))
+    gmsh.model.mesh.setOrder(2)
+    for _, volume in gmsh.model.getEntities(3):
+        sides = [surface for _, surface in gmsh.model.getBoundary([(3, volume)], oriented=False)]
+        gmsh.model.addPhysicalGroup(3, [volume], volume, f"solid {volume}")
+        gmsh.model.addPhysicalGroup(2, sides, volume, f"skin {volume}")
+    write(f"{name}.msh", MshFileVersion=4.1, Binary=0, SaveParametric=0)
+
+
 def main():
     os.chdir(DIRECTORY)
     gmsh.initialize(readConfigFiles=False)
@@ -73,11 +98,13 @@ def main():
     write("block_gmsh.inp", SaveGroupsOfElements=1, SaveGroupsOfNodes=0, SaveParametric=0)
     square()
     write("version_2.msh", MshFileVersion=2.2, Binary=0, SaveParametric=0)
-    gmsh.model.mesh.setOrder(2)
-    write("second_order.msh", MshFileVersion=4.1)
+    gmsh.model.mesh.setOrder(3)
+    write("third_order.msh", MshFileVersion=4.1)
     gmsh.model.mesh.setOrder(1)
     gmsh.model.mesh.partition(2)
     write("partitioned.msh", MshFileVersion=4.1)
+    second_order("serendipity", True)
+    second_order("lagrange", False)
     gmsh.finalize()
 
 

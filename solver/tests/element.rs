@@ -1,7 +1,9 @@
-//! One hexahedron: forces, tangent, stresses.
+//! Single elements: forces, tangent, stresses.
 
-use crate::common::{body, grid, numbers};
+use crate::common::{SOLIDS, body, grid, meshed, numbers};
+use diffuse_contact_mesh::ElementKind;
 use diffuse_contact_solver::material::{Material, Plasticity, PointState};
+use diffuse_contact_solver::model::Cells;
 use diffuse_contact_solver::solid::{Order, Solid, SolidError, SolidResponse};
 
 const RUBBER: Material = Material { young: 10.0, poisson: 0.45, plasticity: None };
@@ -11,11 +13,13 @@ const SOFT_METAL: Material = Material {
     plasticity: Some(Plasticity { yield_stress: 10.0, hardening: 50.0 }),
 };
 
-/// A distorted hexahedron and a deformed state of it.
-fn distorted(material: Material, amplitude: f64) -> (Solid, Vec<[f64; 3]>) {
+/// A distorted element and a deformed state of it.
+fn distorted(kind: ElementKind, material: Material, amplitude: f64) -> (Solid, Vec<[f64; 3]>) {
     let mut next = numbers(3);
-    let (nodes, elements) = grid([1, 1, 1], |x| x.map(|x| 2.0 * x + 0.3 * next_of(x)));
-    let solid = Solid::new(&nodes, &[body(elements, material)]).unwrap();
+    let (nodes, elements) = meshed(kind, [1, 1, 1], |x| x.map(|x| 2.0 * x + 0.3 * next_of(x)));
+    let mut one = Cells::default();
+    one.push(kind, elements.get(0).nodes);
+    let solid = Solid::new(&nodes, &[body(one, material)]).unwrap();
     let deformed =
         nodes.iter().map(|x| [0, 1, 2].map(|i| 1.1 * x[(i + 1) % 3] + 5.0 + amplitude * next())).collect();
     (solid, deformed)
@@ -33,16 +37,16 @@ fn evaluate(solid: &Solid, positions: &[[f64; 3]], states: &[PointState]) -> Sol
 }
 
 /// Central differences with Richardson's extrapolation, sixth order.
-fn derivative<const N: usize>(step: f64, at: impl Fn(f64) -> [f64; N]) -> [f64; N] {
-    let central = |h: f64| {
-        let (plus, minus) = (at(h), at(-h));
-        std::array::from_fn::<f64, N, _>(|i| (plus[i] - minus[i]) / (2.0 * h))
+fn derivative(step: f64, at: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
+    let central = |h: f64| -> Vec<f64> {
+        at(h).iter().zip(at(-h)).map(|(plus, minus)| (plus - minus) / (2.0 * h)).collect()
     };
     let (d1, d2, d4) = (central(step), central(step / 2.0), central(step / 4.0));
-    std::array::from_fn(|i| {
+    let extrapolated = |i: usize| {
         let (e1, e2) = ((4.0 * d2[i] - d1[i]) / 3.0, (4.0 * d4[i] - d2[i]) / 3.0);
         (16.0 * e2 - e1) / 15.0
-    })
+    };
+    (0..d1.len()).map(extrapolated).collect()
 }
 
 fn moved(positions: &[[f64; 3]], coordinate: usize, by: f64) -> Vec<[f64; 3]> {
@@ -59,48 +63,62 @@ fn coordinates(solid: &Solid) -> Vec<usize> {
 
 #[test]
 fn forces_are_the_gradient_of_the_energy() {
-    let (solid, positions) = distorted(RUBBER, 0.25);
-    let states = solid.states();
-    let forces = evaluate(&solid, &positions, &states).forces[0];
-    let largest = forces.iter().fold(0.0, |m: f64, f| m.max(f.abs()));
-    assert!(largest > 1.0);
-    for (i, coordinate) in coordinates(&solid).into_iter().enumerate() {
-        let [numeric] =
-            derivative(1e-2, |h| [solid.stored_energy(&moved(&positions, coordinate, h), &states).unwrap()]);
-        assert!((numeric - forces[i]).abs() < 1e-9 * largest, "{i}: {numeric} {}", forces[i]);
+    for kind in SOLIDS {
+        let (solid, positions) = distorted(kind, RUBBER, 0.15);
+        let states = solid.states();
+        let forces = evaluate(&solid, &positions, &states).forces;
+        let largest = forces.iter().fold(0.0, |m: f64, f| m.max(f.abs()));
+        assert!(largest > 0.1, "{kind:?}: {largest}");
+        for (i, coordinate) in coordinates(&solid).into_iter().enumerate() {
+            let numeric = derivative(4e-3, |h| {
+                vec![solid.stored_energy(&moved(&positions, coordinate, h), &states).unwrap()]
+            });
+            let (numeric, force) = (numeric[0], forces[i]);
+            assert!((numeric - force).abs() < 2e-9 * largest, "{kind:?} {i}: {numeric} {force}");
+        }
     }
 }
 
 fn assert_tangent(solid: &Solid, positions: &[[f64; 3]], states: &[PointState], step: f64, tolerance: f64) {
-    let tangent = evaluate(solid, positions, states).tangents[0];
+    let tangent = evaluate(solid, positions, states).tangents;
     let largest = tangent.iter().fold(0.0, |m: f64, k| m.max(k.abs()));
+    let kind = solid.kind(0);
     for (j, coordinate) in coordinates(solid).into_iter().enumerate() {
-        let column =
-            derivative(step, |h| evaluate(solid, &moved(positions, coordinate, h), states).forces[0]);
-        for i in 0..24 {
+        let column = derivative(step, |h| evaluate(solid, &moved(positions, coordinate, h), states).forces);
+        for (i, numeric) in column.into_iter().enumerate() {
             // Both halves are compared: the tangent is symmetric only if the forces' derivative is.
             let (row, col) = (i.max(j), i.min(j));
             let exact = tangent[row * (row + 1) / 2 + col];
-            assert!((column[i] - exact).abs() < tolerance * largest, "({i}, {j}): {} {exact}", column[i]);
+            assert!((numeric - exact).abs() < tolerance * largest, "{kind:?} ({i}, {j}): {numeric} {exact}");
         }
     }
 }
 
 #[test]
 fn tangent_is_the_derivative_of_the_forces() {
-    let (solid, positions) = distorted(RUBBER, 0.25);
-    assert_tangent(&solid, &positions, &solid.states(), 1e-2, 1e-9);
-    let (nearly, positions) = distorted(Material { poisson: 0.4999, ..RUBBER }, 0.1);
-    assert_tangent(&nearly, &positions, &nearly.states(), 1e-2, 1e-9);
-    // At rest principal stretches are equal everywhere.
-    let (nodes, elements) = grid([1, 1, 1], |x| x);
-    let solid = Solid::new(&nodes, &[body(elements, RUBBER)]).unwrap();
-    assert_tangent(&solid, &nodes, &solid.states(), 1e-2, 1e-9);
+    for kind in SOLIDS {
+        let (solid, positions) = distorted(kind, RUBBER, 0.15);
+        assert_tangent(&solid, &positions, &solid.states(), 4e-3, 2e-9);
+        let (nearly, positions) = distorted(kind, Material { poisson: 0.4999, ..RUBBER }, 0.05);
+        assert_tangent(&nearly, &positions, &nearly.states(), 4e-3, 2e-9);
+        // At rest principal stretches are equal everywhere.
+        let (nodes, elements) = meshed(kind, [1, 1, 1], |x| x);
+        let mut one = Cells::default();
+        one.push(kind, elements.get(0).nodes);
+        let solid = Solid::new(&nodes, &[body(one, RUBBER)]).unwrap();
+        assert_tangent(&solid, &nodes, &solid.states(), 4e-3, 2e-9);
+    }
 }
 
 #[test]
 fn plastic_tangent_is_the_derivative_of_the_forces() {
-    let (solid, positions) = distorted(SOFT_METAL, 0.2);
+    for kind in [ElementKind::Hexahedron8, ElementKind::Tetrahedron10] {
+        assert_plastic_tangent(kind);
+    }
+}
+
+fn assert_plastic_tangent(kind: ElementKind) {
+    let (solid, positions) = distorted(kind, SOFT_METAL, 0.2);
     let virgin = solid.states();
     let first = evaluate(&solid, &positions, &virgin);
     assert!(first.states.iter().all(|state| state.equivalent_plastic_strain > 0.05));
@@ -121,36 +139,39 @@ fn plastic_tangent_is_the_derivative_of_the_forces() {
 /// No force and no torque on the whole, no force from a translation; a rotation of the body rotates the forces.
 #[test]
 fn rigid_motions() {
-    let (solid, positions) = distorted(RUBBER, 0.25);
-    let states = solid.states();
-    let response = evaluate(&solid, &positions, &states);
-    let (forces, tangent) = (response.forces[0], response.tangents[0]);
-    let nodes = solid.elements().next().unwrap();
-    let x: Vec<f64> = nodes.iter().flat_map(|&node| positions[node]).collect();
-    let entry = |i: usize, j: usize| tangent[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
-    let largest = tangent.iter().fold(0.0, |m: f64, k| m.max(k.abs()));
-    for axis in 0..3 {
-        let force: f64 = (0..8).map(|a| forces[3 * a + axis]).sum();
-        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-        let torque: f64 =
-            (0..8).map(|a| x[3 * a + i] * forces[3 * a + j] - x[3 * a + j] * forces[3 * a + i]).sum();
-        assert!(force.abs() < 1e-13 * largest, "{force:e}");
-        assert!(torque.abs() < 1e-12 * largest, "{torque:e}");
-        // e_axis × v
-        let turned = |v: &[f64]| -> Vec<f64> {
-            let mut w = vec![0.0; 24];
-            for a in 0..8 {
-                w[3 * a + i] = -v[3 * a + j];
-                w[3 * a + j] = v[3 * a + i];
+    for kind in SOLIDS {
+        let (solid, positions) = distorted(kind, RUBBER, 0.15);
+        let states = solid.states();
+        let response = evaluate(&solid, &positions, &states);
+        let (forces, tangent) = (&response.forces, &response.tangents);
+        let nodes = solid.elements().next().unwrap();
+        let count = nodes.len();
+        let x: Vec<f64> = nodes.iter().flat_map(|&node| positions[node]).collect();
+        let entry = |i: usize, j: usize| tangent[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
+        let largest = tangent.iter().fold(0.0, |m: f64, k| m.max(k.abs()));
+        for axis in 0..3 {
+            let force: f64 = (0..count).map(|a| forces[3 * a + axis]).sum();
+            let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+            let torque: f64 =
+                (0..count).map(|a| x[3 * a + i] * forces[3 * a + j] - x[3 * a + j] * forces[3 * a + i]).sum();
+            assert!(force.abs() < 1e-13 * largest, "{kind:?} {force:e}");
+            assert!(torque.abs() < 1e-12 * largest, "{kind:?} {torque:e}");
+            // e_axis × v
+            let turned = |v: &[f64]| -> Vec<f64> {
+                let mut w = vec![0.0; 3 * count];
+                for a in 0..count {
+                    w[3 * a + i] = -v[3 * a + j];
+                    w[3 * a + j] = v[3 * a + i];
+                }
+                w
+            };
+            let (rotation, rotated_force) = (turned(&x), turned(forces));
+            for row in 0..3 * count {
+                let translation: f64 = (0..count).map(|a| entry(row, 3 * a + axis)).sum();
+                assert!(translation.abs() < 1e-13 * largest, "{kind:?} {translation:e}");
+                let spin: f64 = (0..3 * count).map(|col| entry(row, col) * rotation[col]).sum();
+                assert!((spin - rotated_force[row]).abs() < 1e-12 * largest, "{kind:?}");
             }
-            w
-        };
-        let (rotation, rotated_force) = (turned(&x), turned(&forces));
-        for row in 0..24 {
-            let translation: f64 = (0..8).map(|a| entry(row, 3 * a + axis)).sum();
-            assert!(translation.abs() < 1e-13 * largest, "{translation:e}");
-            let spin: f64 = (0..24).map(|col| entry(row, col) * rotation[col]).sum();
-            assert!((spin - rotated_force[row]).abs() < 1e-12 * largest);
         }
     }
 }
@@ -161,7 +182,7 @@ fn a_quarter_turn_has_no_stress() {
     let solid = Solid::new(&nodes, &[body(elements, SOFT_METAL)]).unwrap();
     let turned: Vec<_> = nodes.iter().map(|x| [100.0 - x[1], x[0] - 50.0, x[2]]).collect();
     let response = evaluate(&solid, &turned, &solid.states());
-    assert!(response.forces.as_flattened().iter().all(|f| f.abs() < 1e-10));
+    assert!(response.forces.iter().all(|f| f.abs() < 1e-10));
     let recovery = solid.recover(&turned, &response.states).unwrap();
     assert!(recovery.points.iter().all(|point| point.von_mises < 1e-10));
     assert_eq!(response.states, solid.states());
@@ -172,7 +193,12 @@ fn a_quarter_turn_has_no_stress() {
 fn recovery_of_a_uniform_state() {
     let (nodes, elements) = grid([2, 1, 1], |x| [2.0 * x[0], x[1], x[2]]);
     let stiff = Material { young: 30.0, ..RUBBER };
-    let bodies = [body(vec![elements[0]], RUBBER), body(vec![elements[1]], stiff)];
+    let one = |k: usize| {
+        let mut cells = Cells::default();
+        cells.push(ElementKind::Hexahedron8, elements.get(k).nodes);
+        cells
+    };
+    let bodies = [body(one(0), RUBBER), body(one(1), stiff)];
     let solid = Solid::new(&nodes, &bodies).unwrap();
     let stretched: Vec<_> = nodes.iter().map(|x| [1.2 * x[0], 0.9 * x[1], x[2] + 0.1 * x[0]]).collect();
     let response = evaluate(&solid, &stretched, &solid.states());

@@ -1,47 +1,61 @@
-//! Bodies of hexahedra against closed forms.
+//! Bodies against closed forms.
 
-use crate::common::{Problem, grid, numbers};
+use std::collections::BTreeSet;
+
+use crate::common::{Problem, SOLIDS, grid, meshed, numbers, set_middles};
+use diffuse_contact_mesh::ElementKind;
 use diffuse_contact_solver::material::{Material, Plasticity};
 
 const STEEL: Material = Material { young: 2e5, poisson: 0.3, plasticity: None };
 const PLASTIC: Material =
     Material { plasticity: Some(Plasticity { yield_stress: 400.0, hardening: 3450.0 }), ..STEEL };
 
-/// Linear displacements on the boundary of distorted hexahedra: the same inside, and one stress everywhere.
+/// Linear displacements on the boundary of distorted elements: the same inside, and one stress everywhere.
 #[test]
 fn patch_test() {
-    for material in [STEEL, Material { poisson: 0.4999, ..STEEL }] {
-        let mut next = numbers(2);
-        let (mut nodes, elements) = grid([3, 3, 3], |x| x);
-        let inside = |x: &[f64; 3]| x.iter().all(|&x| x > 0.01 && x < 0.99);
-        for node in nodes.iter_mut().filter(|node| inside(node)) {
-            *node = node.map(|x| x + 0.12 * next());
+    for kind in SOLIDS {
+        for material in [STEEL, Material { poisson: 0.4999, ..STEEL }] {
+            patch(kind, material);
         }
-        let mut problem = Problem::new(&nodes, elements, material);
-        problem.hold([true; 3], |x| !inside(x));
-        // Strains of about a tenth.
-        let slope = [[0.1, 0.04, -0.02], [0.03, -0.06, 0.05], [0.02, 0.01, 0.08]];
-        let affine = |x: &[f64; 3]| {
-            [0, 1, 2].map(|i| x[i] + slope[i][0] * x[0] + slope[i][1] * x[1] + slope[i][2] * x[2])
-        };
-        let target: Vec<_> = nodes.iter().map(affine).collect();
-        problem.step(&target, 1e-7);
-        for (position, expected) in problem.positions.iter().zip(&target) {
-            for i in 0..3 {
-                assert!((position[i] - expected[i]).abs() < 1e-12, "{position:?} {expected:?}");
-            }
+    }
+}
+
+fn patch(kind: ElementKind, material: Material) {
+    let mut next = numbers(2);
+    let (mut nodes, elements) = meshed(kind, [3, 3, 3], |x| x);
+    let inside = |x: &[f64; 3]| x.iter().all(|&x| x > 0.01 && x < 0.99);
+    // The rule of a wedge with 15 nodes is exact for straight ones of any height, not for twisted ones.
+    let size = if kind == ElementKind::Wedge15 { [0.1, 0.0, 0.0] } else { [0.1; 3] };
+    let interior: Vec<bool> = nodes.iter().map(inside).collect();
+    for node in nodes.iter_mut().filter(|node| inside(node)) {
+        *node = [0, 1, 2].map(|i| node[i] + size[i] * next());
+    }
+    set_middles(&mut nodes, &elements);
+    let mut problem = Problem::new(&nodes, elements, material);
+    problem.prescribed.iter_mut().zip(&interior).for_each(|(held, inside)| *held = [!inside; 3]);
+    // Strains of about a tenth.
+    let slope = [[0.1, 0.04, -0.02], [0.03, -0.06, 0.05], [0.02, 0.01, 0.08]];
+    let affine =
+        |x: &[f64; 3]| [0, 1, 2].map(|i| x[i] + slope[i][0] * x[0] + slope[i][1] * x[1] + slope[i][2] * x[2]);
+    let target: Vec<_> = nodes.iter().map(affine).collect();
+    problem.step(&target, 1e-7);
+    for (position, expected) in problem.positions.iter().zip(&target) {
+        for i in 0..3 {
+            let error = (position[i] - expected[i]).abs();
+            assert!(error < 2e-12, "{kind:?} {}: {position:?} {expected:?}", material.poisson);
         }
-        let recovery = problem.solid.recover(&problem.positions, &problem.states).unwrap();
-        let first = recovery.points[0].stress;
-        let scale = recovery.points[0].von_mises;
-        assert!(scale > 1e3);
-        let nodal = &recovery.bodies[0].fields;
-        for fields in recovery.points.iter().chain(nodal) {
-            for k in 0..6 {
-                // Where the volume has to be right to 1e-14 for the pressure to be right to 1e-10.
-                let size = scale.max(first[0].abs());
-                assert!((fields.stress[k] - first[k]).abs() < 1e-10 * size, "{:?} {first:?}", fields.stress);
-            }
+    }
+    let recovery = problem.solid.recover(&problem.positions, &problem.states).unwrap();
+    let first = recovery.points[0].stress;
+    let scale = recovery.points[0].von_mises;
+    assert!(scale > 1e3);
+    let nodal = &recovery.bodies[0].fields;
+    for fields in recovery.points.iter().chain(nodal) {
+        for k in 0..6 {
+            // Where the volume has to be right to 1e-14 for the pressure to be right to 1e-10.
+            let size = scale.max(first[0].abs());
+            let error = (fields.stress[k] - first[k]).abs();
+            assert!(error < 2e-10 * size, "{kind:?}: {:?} {first:?}", fields.stress);
         }
     }
 }
@@ -78,8 +92,8 @@ fn uniaxial_plastic_tension() {
 }
 
 /// How far the tip of Cook's membrane moves in plane strain with E = 250, for a load of 100 by proportion to a small one.
-fn cook(divisions: usize, poisson: f64) -> f64 {
-    let (nodes, elements) = grid([divisions, divisions, 1], |[x, y, z]| {
+fn cook(kind: ElementKind, divisions: usize, poisson: f64) -> f64 {
+    let (nodes, elements) = meshed(kind, [divisions, divisions, 1], |[x, y, z]| {
         [48.0 * x, 44.0 * x + y * (44.0 - 28.0 * x), 48.0 / divisions as f64 * z]
     });
     let thickness = 48.0 / divisions as f64;
@@ -87,11 +101,24 @@ fn cook(divisions: usize, poisson: f64) -> f64 {
     let mut problem = Problem::new(&nodes, elements, material);
     problem.hold([true; 3], |x| x[0] == 0.0);
     problem.hold([false, false, true], |_| true);
-    let load = 0.1 * thickness / (2 * divisions) as f64;
-    for (node, x) in nodes.iter().enumerate().filter(|(_, x)| x[0] == 48.0) {
-        // Nodes at the ends of the edge carry half of the others.
-        let ends = (x[1] - 44.0).abs() < 1e-9 || (x[1] - 60.0).abs() < 1e-9;
-        problem.loads[node][1] = if ends { 0.5 * load } else { load };
+    // Shares of the edge's nodes by their distance; those in the middle of second order carry two thirds.
+    let heights: BTreeSet<i64> =
+        nodes.iter().filter(|x| x[0] == 48.0).map(|x| (1e6 * x[1]).round() as i64).collect();
+    let heights: Vec<f64> = heights.iter().map(|&y| y as f64 / 1e6).collect();
+    let count = heights.len() - 1;
+    for (k, y) in heights.iter().enumerate() {
+        let share = match (kind.has_middles(), k == 0 || k == count) {
+            (false, true) => 0.5,
+            (true, true) => 1.0 / 3.0,
+            (true, false) if k % 2 == 0 => 2.0 / 3.0,
+            (true, false) => 4.0 / 3.0,
+            (false, false) => 1.0,
+        };
+        let on = |x: &&[f64; 3]| x[0] == 48.0 && (x[1] - y).abs() < 1e-5;
+        let alike = nodes.iter().filter(on).count() as f64;
+        for (node, _) in nodes.iter().enumerate().filter(|(_, x)| on(x)) {
+            problem.loads[node][1] = 0.1 * thickness * share / (count as f64 * alike);
+        }
     }
     problem.step(&nodes, 1e-11 * material.bulk_modulus());
     let tip = nodes.iter().position(|x| x[0] == 48.0 && (x[1] - 60.0).abs() < 1e-9).unwrap();
@@ -101,7 +128,7 @@ fn cook(divisions: usize, poisson: f64) -> f64 {
 /// 7.77 is the value under refinement for an incompressible material at small strains.
 #[test]
 fn no_locking_as_the_material_becomes_incompressible() {
-    let tips = [4, 8, 16].map(|divisions| cook(divisions, 0.4999));
+    let tips = [4, 8, 16].map(|divisions| cook(ElementKind::Hexahedron8, divisions, 0.4999));
     println!("{tips:?}");
     assert!(tips[1] > 0.935 * 7.77 && tips[2] > 0.97 * 7.77 && tips[2] < 7.77, "{tips:?}");
     // Aitken's extrapolation.
@@ -109,8 +136,16 @@ fn no_locking_as_the_material_becomes_incompressible() {
     let extrapolated = tips[2] + d2 * d2 / (d1 - d2);
     assert!((extrapolated / 7.77 - 1.0).abs() < 0.01, "{extrapolated}");
     // As the limit is approached nothing changes any more.
-    let limit = cook(8, 0.499_99);
+    let limit = cook(ElementKind::Hexahedron8, 8, 0.499_99);
     assert!((limit / tips[1] - 1.0).abs() < 1e-3, "{limit} {tips:?}");
+    // Second order on meshes half as fine.
+    for (kind, least) in
+        [(ElementKind::Hexahedron20, 0.97), (ElementKind::Tetrahedron10, 0.92), (ElementKind::Wedge15, 0.92)]
+    {
+        let tip = cook(kind, 8, 0.4999) / 7.77;
+        println!("{kind:?} {tip}");
+        assert!(tip > least && tip < 1.01, "{kind:?} {tip}");
+    }
 }
 
 /// Deflection of a cantilever's tip over Timoshenko's, ν = 0.
@@ -143,6 +178,40 @@ fn bending_converges_to_beam_theory() {
     // What is left after extrapolation is the difference between beam and solid at the clamped end.
     let extrapolated = e8 - (e4 - e8) / 3.0;
     assert!(extrapolated.abs() < 2e-3, "{extrapolated}");
+}
+
+/// Deflection of a thin strip over Timoshenko's, ν = 0.3, with 40 cells along and one or two through: second order bends, and the
+/// first order of bricks and tetrahedra shows why one takes it.
+#[test]
+fn a_strip_of_second_order_bends_like_a_beam() {
+    let (length, height) = (20.0, 1.0);
+    let ratio = |kind: ElementKind, through: usize| {
+        let map = |x: [f64; 3]| [length * x[0], x[1], height * x[2]];
+        let (nodes, elements) = meshed(kind, [40, 1, through], map);
+        let mut problem = Problem::new(&nodes, elements, STEEL);
+        problem.hold([true, false, false], |x| x[0] == 0.0);
+        problem.hold([false, true, false], |x| x[0] == 0.0 && x[1] == 0.0);
+        problem.hold([false, false, true], |x| x[0] == 0.0 && x[2] == 0.0);
+        let end: Vec<usize> = (0..nodes.len()).filter(|&node| nodes[node][0] == length).collect();
+        for &node in &end {
+            problem.loads[node][2] = 0.1 / end.len() as f64;
+        }
+        problem.step(&nodes, 1e-8);
+        let moved: f64 = end.iter().map(|&node| problem.positions[node][2] - nodes[node][2]).sum();
+        let inertia = height.powi(3) / 12.0;
+        let bending = 0.1 * length.powi(3) / (3.0 * STEEL.young * inertia);
+        let shear = 0.1 * length / (5.0 / 6.0 * STEEL.shear_modulus() * height);
+        moved / end.len() as f64 / (bending + shear)
+    };
+    for kind in SOLIDS {
+        let found = [1, 2].map(|through| ratio(kind, through));
+        println!("{kind:?} {found:?}");
+        if kind.has_middles() {
+            assert!(found.iter().all(|found| (0.97..1.02).contains(found)), "{kind:?} {found:?}");
+        } else {
+            assert!(!(0.97..1.02).contains(&found[0]), "{kind:?} {found:?}");
+        }
+    }
 }
 
 /// The elastica with P L² / EI = 5: the tip moves by 0.71379 L across and 0.38763 L back.

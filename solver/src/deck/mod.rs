@@ -18,6 +18,7 @@ pub mod schema;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use diffuse_contact_mesh::ElementKind;
 use toml::de::DeTable;
 
 use crate::material::Material;
@@ -77,6 +78,8 @@ pub struct PartEntry {
     pub line: usize,
     /// Where its mesh comes from.
     pub source: PartSource,
+    /// Kind of the elements of a solid shape; hexahedra of first order for other parts, where it has no meaning.
+    pub element: ElementKind,
     /// Name of its material; `None` for a rigid part.
     pub material: Option<Reference>,
     /// Rotations that place it, one after the other.
@@ -90,13 +93,13 @@ pub struct PartEntry {
 pub enum PartSource {
     /// A parametric shape.
     Shape(Shape),
-    /// Hexahedra of a mesh file.
+    /// Solid elements of a mesh file.
     Solid {
         /// The file, relative to the deck.
         file: PathBuf,
         /// Instance in an Abaqus file, if there are several.
         instance: Option<String>,
-        /// Element set; `None` for all hexahedra.
+        /// Element set; `None` for all solid elements.
         elements: Option<String>,
     },
     /// Facets of a mesh file.

@@ -2,13 +2,15 @@
 
 use std::path::PathBuf;
 
+use diffuse_contact_mesh::ElementKind;
+
 use super::error::{DeckError, Problem};
 use super::reader::{Field, Section};
 use super::{PartEntry, PartSource, Reference, schema};
 use crate::material::{Material, Plasticity};
 use crate::model::shape::{
-    Axis, Ball, Block, Cylinder, Facets, HalfSpace, Pipe, RigidCylinder, RigidPlane, RigidSphere, RigidTorus,
-    RigidWave, Shape, Side,
+    Axis, Ball, Block, Cylinder, Facets, HalfSpace, KINDS, Pipe, RigidCylinder, RigidPlane, RigidSphere,
+    RigidTorus, RigidWave, Shape, Side,
 };
 use crate::model::{Rotation, ShapeError};
 
@@ -58,7 +60,8 @@ pub(super) fn part(name: &str, section: &Section) -> Result<PartEntry, DeckError
         (None, None) => {
             // A misspelt field comes before a missing one.
             let every = schema::SHAPES.iter().flat_map(|(_, fields)| fields.iter());
-            let known: Vec<&str> = schema::PART.iter().chain(schema::FILE).chain(every).copied().collect();
+            let own = schema::FILE.iter().chain(schema::SOLID_SHAPE);
+            let known: Vec<&str> = schema::PART.iter().chain(own).chain(every).copied().collect();
             section.clone().expect(&known)?;
             return Err(section.incomplete("either a shape or a file"));
         }
@@ -83,7 +86,19 @@ pub(super) fn part(name: &str, section: &Section) -> Result<PartEntry, DeckError
         None => Vec::new(),
     };
     let translation = section.get("translate").map_or(Ok([0.0; 3]), |field| field.vector())?;
-    Ok(PartEntry { name: name.into(), line: section.line(), source, material, rotations, translation })
+    let element = match (&source, section.get("element")) {
+        (PartSource::Shape(_), Some(field)) => field.word(&KINDS)?,
+        _ => ElementKind::Hexahedron8,
+    };
+    Ok(PartEntry {
+        name: name.into(),
+        line: section.line(),
+        source,
+        element,
+        material,
+        rotations,
+        translation,
+    })
 }
 
 /// A rotation that places a part.
@@ -124,11 +139,18 @@ fn shaped(part: &str, section: &Section, shape: &Field) -> Result<PartSource, De
         schema::SHAPES.iter().enumerate().map(|(k, (name, _))| (*name, k)).collect();
     let (name, fields) = schema::SHAPES[shape.word(&words)?];
     // `file` belongs to PART, but not beside a shape.
+    let own = if name.starts_with("rigid") { &[] } else { schema::SOLID_SHAPE };
     let known: Vec<&str> =
-        schema::PART.iter().chain(fields).copied().filter(|&field| field != "file").collect();
+        schema::PART.iter().chain(fields).chain(own).copied().filter(|&field| field != "file").collect();
     let section = section.clone().expect(&known)?;
     let shape = read_shape(name, &ShapeSection(section.clone()))?;
-    shape.check().map_err(|error| {
+    let mut steps = shape.clone();
+    if section.get("element").map_or(Ok(ElementKind::Hexahedron8), |field| field.word(&KINDS))?.has_middles()
+    {
+        // As many nodes as cells of half the size have.
+        steps.divisions_mut().iter_mut().for_each(|count| *count = count.saturating_mul(2));
+    }
+    shape.check().and_then(|()| steps.check()).map_err(|error| {
         let problem = Problem::Shape { part: part.into(), error: error.clone() };
         let field = match error {
             ShapeError::OutOfRange { field, .. } => field,

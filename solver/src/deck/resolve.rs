@@ -199,7 +199,7 @@ impl PartEntry {
         let failed = |error: ModelError| Box::new(Problem::Part { part: name(), error });
         let mut part = match &self.source {
             PartSource::Shape(shape) => {
-                shape.part().map_err(|error| Box::new(Problem::Shape { part: name(), error }))?
+                shape.part(self.element).map_err(|error| Box::new(Problem::Shape { part: name(), error }))?
             }
             PartSource::Solid { file, instance, elements } => {
                 read_solid_part(&base.join(file), instance.as_deref(), elements.as_deref()).map_err(failed)?

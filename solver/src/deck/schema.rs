@@ -17,6 +17,8 @@ pub const DECK: &[&str] = &[
 pub const MATERIAL: &[&str] = &["young", "poisson", "yield_stress", "hardening"];
 /// Fields of any part.
 pub const PART: &[&str] = &["shape", "file", "material", "translate", "rotate"];
+/// Fields of a deformable part that is a shape.
+pub const SOLID_SHAPE: &[&str] = &["element"];
 /// Fields of a part from a mesh file.
 pub const FILE: &[&str] = &["elements", "surface", "instance"];
 /// The shapes and their fields.

@@ -59,7 +59,7 @@ pub enum ModelError {
         part: String,
     },
     /// A part with elements has no material.
-    #[error("the part {part:?} has hexahedra and needs a material", part = shown(part))]
+    #[error("the part {part:?} has solid elements and needs a material", part = shown(part))]
     NoMaterial {
         /// The part.
         part: String,
@@ -100,9 +100,9 @@ pub enum ModelError {
         /// The coordinate.
         value: f64,
     },
-    /// A hexahedron is turned inside out or flat at one of its corners.
+    /// An element is turned inside out or flat at one of its corners.
     #[error(
-        "hexahedron {} of the part {part:?} is not convex: the triple product of the directions of the edges at its \
+        "element {} of the part {part:?} is not convex: the triple product of the directions of the edges at its \
          corner {} is {jacobian:e}",
         number_of(*element, *label),
         corner + 1, part = shown(part)
@@ -110,7 +110,7 @@ pub enum ModelError {
     InvertedElement {
         /// The part.
         part: String,
-        /// The hexahedron, from 0 in the order of the part.
+        /// The element, from 0 in the order of the part.
         element: usize,
         /// Its number in the mesh file, if the part is from one.
         label: Option<u64>,
@@ -122,27 +122,15 @@ pub enum ModelError {
     /// A mesh file cannot be read, or has no such set.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// A solid part of a mesh file has solids that are no hexahedra.
-    #[error(
-        "the element set {set:?} has a {kind} (element {tag}); deformable parts are made of 8-node hexahedra only", set = shown(set)
-    )]
-    UnsupportedSolid {
-        /// The element set.
-        set: String,
-        /// The kind of element.
-        kind: &'static str,
-        /// Its number in the file.
-        tag: u64,
-    },
-    /// A mesh file has no hexahedra where a solid part was asked for.
-    #[error("the mesh file has no 8-node hexahedra{}", in_set(set))]
-    NoHexahedra {
+    /// A mesh file has no solid elements where a solid part was asked for.
+    #[error("the mesh file has no solid elements{}", in_set(set))]
+    NoSolids {
         /// The element set asked for; `None` for the whole file.
         set: Option<String>,
     },
 }
 
-/// A hexahedron as messages give it: by its number in the mesh file, or counted from 1.
+/// An element as messages give it: by its number in the mesh file, or counted from 1.
 fn number_of(element: usize, label: Option<u64>) -> String {
     label.map_or_else(|| (element + 1).to_string(), |label| format!("{label} (in the mesh file)"))
 }

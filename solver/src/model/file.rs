@@ -4,16 +4,16 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use diffuse_contact::surface::Facet;
-use diffuse_contact_mesh::{self as mesh, ElementKind, Mesh};
+use diffuse_contact_mesh::{self as mesh, Mesh};
 
-use super::{ModelError, Part, skin};
+use super::{Cells, ModelError, Part};
 
-/// A deformable part: the hexahedra of an element set, or of the whole file, and of the file's sets and surfaces what lies on
+/// A deformable part: the solids of an element set, or of the whole file, and of the file's sets and surfaces what lies on
 /// them. A surface of shell elements counts if it lies on the part's skin, and is turned outward. `instance`: which one of an
 /// Abaqus file, if there are several.
 ///
 /// # Errors
-/// [`ModelError`]: the file cannot be read, there is no such set, it has solids of another kind or no hexahedra.
+/// [`ModelError`]: the file cannot be read, there is no such set, it has solids of another kind or none.
 pub fn read_solid_part(
     path: &Path,
     instance: Option<&str>,
@@ -36,29 +36,21 @@ pub fn read_solid_part(
             &all
         }
     };
-    let (mut hexahedra, mut labels) = (Vec::new(), Vec::new());
+    let (mut solids, mut labels) = (Cells::default(), Vec::new());
     for element in chosen.iter().map(|&index| &mesh.elements()[index]) {
-        match (element.kind(), <[usize; 8]>::try_from(element.nodes())) {
-            (ElementKind::Hexahedron8, Ok(nodes)) => {
-                hexahedra.push(nodes);
-                labels.push(element.tag());
-            }
-            (kind, _) if kind.dimension() == 3 => {
-                let set = elements.unwrap_or(WHOLE).into();
-                return Err(ModelError::UnsupportedSolid { set, kind: kind.name(), tag: element.tag() });
-            }
-            _ => {}
+        if element.kind().dimension() == 3 {
+            solids.push(element.kind(), element.nodes());
+            labels.push(element.tag());
         }
     }
-    if hexahedra.is_empty() {
-        return Err(ModelError::NoHexahedra { set: elements.map(String::from) });
+    if solids.is_empty() {
+        return Err(ModelError::NoSolids { set: elements.map(String::from) });
     }
-    let part = Subset::new(&mesh, hexahedra.iter().flatten().copied());
-    let elements: Vec<[usize; 8]> =
-        hexahedra.iter().map(|nodes| nodes.map(|node| part.number[node])).collect();
+    let part = Subset::new(&mesh, solids.nodes().iter().copied());
+    let elements = solids.renumbered(|node| part.number[node]);
     // A facet of the file that lies on the skin is taken as the skin has it.
     let outward: BTreeMap<Vec<usize>, Facet> =
-        skin(&elements).into_iter().map(|facet| (sorted(&facet), facet)).collect();
+        elements.skin().into_iter().map(|facet| (sorted(&facet), facet)).collect();
     let surfaces = part.surfaces(&mesh, |facet| outward.get(&sorted(&facet)).copied());
     Ok(Part { elements, labels, surfaces, ..part.into_part(&mesh) })
 }

@@ -20,7 +20,11 @@ impl Model {
         digest.size(self.bodies.len());
         for body in &self.bodies {
             digest.text(&body.name);
-            digest.indices(body.elements.as_flattened());
+            for (kind, count) in body.elements.counts() {
+                digest.text(kind.name());
+                digest.size(count);
+            }
+            digest.indices(body.elements.nodes());
         }
         digest.size(self.node_sets.len());
         for (name, nodes) in &self.node_sets {

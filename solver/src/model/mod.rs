@@ -1,12 +1,13 @@
-//! What is simulated: nodes, bodies of hexahedra, named node sets and surfaces, and how nodes are moved.
+//! What is simulated: nodes, bodies of solid elements, named node sets and surfaces, and how nodes are moved.
 //!
 //! A [`Model`] is put together from parts with [`Model::add`]. A [`Part`] comes from a parametric [`shape`] or from a
 //! mesh file; it has its own nodes, so that parts are connected by contact alone. What a model holds is sound: indices are
-//! in range, coordinates are finite, no hexahedron is turned inside out, facets point outward.
+//! in range, coordinates are finite, no element is turned inside out, facets point outward.
 //!
 //! Names: `"pipe.inner"` is the set or the surface `inner` of the part `pipe`, and `"pipe"` is all of its nodes or its whole
 //! skin.
 
+mod cells;
 mod error;
 mod file;
 mod fingerprint;
@@ -21,10 +22,11 @@ use diffuse_contact::surface::Facet;
 
 use crate::material::Material;
 
+pub use cells::{Cell, Cells};
 pub use error::{ModelError, ShapeError};
 pub use file::{read_rigid_part, read_solid_part};
 pub use motion::{Amplitude, Motion, Rotation};
-pub use part::{MAX_NODES, Part, hexahedron_faces, skin};
+pub use part::{MAX_NODES, Part};
 pub use supports::{Conflict, Support, Supports};
 
 /// A mesh with materials. Indices in it are in range.
@@ -40,13 +42,13 @@ pub struct Model {
     pub surfaces: BTreeMap<String, Vec<Facet>>,
 }
 
-/// Hexahedra of one material.
+/// Elements of one material.
 #[derive(Clone, Debug)]
 pub struct Body {
     /// Its name in the deck.
     pub name: String,
-    /// Nodes of each hexahedron: a quadrilateral, then the opposite one, on the side of the first one's normal.
-    pub elements: Vec<[usize; 8]>,
+    /// Its elements.
+    pub elements: Cells,
     /// The numbers that the mesh file gives them; none if there is no file.
     pub labels: Vec<u64>,
     /// What it is made of.
@@ -90,7 +92,7 @@ impl Model {
             self.surfaces.insert(format!("{name}.{set}"), shifted(facets, first));
         }
         if let Some(material) = material {
-            let elements = part.elements.iter().map(|element| element.map(|n| n + first)).collect();
+            let elements = part.elements.renumbered(|n| n + first);
             self.bodies.push(Body { name: name.into(), elements, labels: part.labels, material });
         }
         self.nodes.extend(part.nodes);
@@ -101,7 +103,7 @@ impl Model {
     #[must_use]
     pub fn deformable(&self) -> Vec<bool> {
         let mut deformable = vec![false; self.nodes.len()];
-        for &node in self.bodies.iter().flat_map(|body| &body.elements).flatten() {
+        for &node in self.bodies.iter().flat_map(|body| body.elements.nodes()) {
             deformable[node] = true;
         }
         deformable

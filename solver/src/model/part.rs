@@ -1,17 +1,19 @@
-//! One part before it joins a model: nodes, hexahedra or rigid facets, sets by their short names.
+//! One part before it joins a model: nodes, elements or rigid facets, sets by their short names.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use diffuse_contact::surface::Facet;
+use diffuse_contact_mesh::ElementKind;
 use nalgebra::Vector3;
 
-use super::{ModelError, Rotation};
+use super::cells::Cell;
+use super::{Cells, ModelError, Rotation};
 
 /// Nodes a model may have.
 pub const MAX_NODES: usize = 20_000_000;
 /// Coordinates stay below, where products of three lengths are finite: the bound of contact surfaces.
 pub(super) const MAX_COORDINATE: f64 = 1e75;
-/// What the triple product of the directions of the edges at a corner of a hexahedron exceeds.
+/// What the triple product of the directions of the edges at a corner of an element exceeds.
 const SMALLEST_JACOBIAN: f64 = 1e-6;
 
 /// A part. Indices are those of its own nodes.
@@ -19,9 +21,8 @@ const SMALLEST_JACOBIAN: f64 = 1e-6;
 pub struct Part {
     /// Positions, length.
     pub nodes: Vec<[f64; 3]>,
-    /// Nodes of each hexahedron: a quadrilateral, then the opposite one, on the side of the first one's normal. A part
-    /// without is rigid.
-    pub elements: Vec<[usize; 8]>,
+    /// Its elements; a part without is rigid.
+    pub elements: Cells,
     /// The numbers that the mesh file gives them; none if there is no file.
     pub labels: Vec<u64>,
     /// All facets of a rigid part, oriented outward; empty for others, whose skin follows from the elements.
@@ -50,7 +51,7 @@ impl Part {
     /// All facets of the outside: those of a rigid part, the skin of a solid.
     #[must_use]
     pub fn outside(&self) -> Vec<Facet> {
-        if self.elements.is_empty() { self.facets.clone() } else { skin(&self.elements) }
+        if self.elements.is_empty() { self.facets.clone() } else { self.elements.skin() }
     }
 
     /// Names the nodes where `belongs` holds, and the facets of `outside` all of whose corners are among them.
@@ -72,7 +73,7 @@ impl Part {
         }
         let facets = self.facets.iter().chain(self.surfaces.values().flatten());
         let named = self.node_sets.values().flatten().chain(facets.flat_map(|facet| facet.corners()));
-        if let Some(&node) = self.elements.iter().flatten().chain(named).find(|&&node| node >= count) {
+        if let Some(&node) = self.elements.nodes().iter().chain(named).find(|&&node| node >= count) {
             return Err(ModelError::NodeOutOfRange { part: part(), node, count });
         }
         for (node, position) in self.nodes.iter().enumerate() {
@@ -80,9 +81,9 @@ impl Part {
                 return Err(ModelError::NonFinitePosition { part: part(), node, value });
             }
         }
-        for (element, nodes) in self.elements.iter().enumerate() {
-            for corner in 0..8 {
-                let jacobian = corner_jacobian(nodes.map(|n| self.nodes[n]), corner);
+        for (element, cell) in self.elements.iter().enumerate() {
+            for corner in 0..cell.kind.corner_count() {
+                let jacobian = corner_jacobian(&self.nodes, cell, corner);
                 if !(jacobian > SMALLEST_JACOBIAN) {
                     let label = self.labels.get(element).copied();
                     return Err(ModelError::InvertedElement {
@@ -99,14 +100,11 @@ impl Part {
     }
 }
 
-/// Triple product of the directions of the edges that leave a corner, at most 1: positive where the map from the unit cube
+/// Triple product of the directions of the edges that leave a corner, at most 1: positive where the map from the reference element
 /// keeps its orientation.
-fn corner_jacobian(corners: [[f64; 3]; 8], corner: usize) -> f64 {
-    // The neighbours of each corner, in a right-handed order.
-    const NEIGHBOURS: [[usize; 3]; 8] =
-        [[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]];
-    let at = |n: usize| Vector3::from(corners[n]);
-    let [a, b, c] = NEIGHBOURS[corner].map(|n| at(n) - at(corner));
+fn corner_jacobian(positions: &[[f64; 3]], cell: Cell<'_>, corner: usize) -> f64 {
+    let at = |n: usize| Vector3::from(positions[cell.nodes[n]]);
+    let [a, b, c] = neighbours(cell.kind)[corner].map(|n| at(n) - at(corner));
     if [a, b, c].iter().any(|edge| edge.amax() == 0.0) {
         return 0.0;
     }
@@ -114,24 +112,11 @@ fn corner_jacobian(corners: [[f64; 3]; 8], corner: usize) -> f64 {
     a.cross(&b).dot(&c)
 }
 
-/// The faces of a hexahedron, oriented outward.
-#[must_use]
-pub fn hexahedron_faces(e: &[usize; 8]) -> [[usize; 4]; 6] {
-    [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
-        .map(|f| f.map(|n| e[n]))
-}
-
-/// The faces that belong to one hexahedron only, oriented outward, in the order of the elements.
-#[must_use]
-pub fn skin(elements: &[[usize; 8]]) -> Vec<Facet> {
-    let key = |mut face: [usize; 4]| {
-        face.sort_unstable();
-        face
-    };
-    let mut uses: HashMap<[usize; 4], u32> = HashMap::with_capacity(4 * elements.len());
-    for face in elements.iter().flat_map(hexahedron_faces) {
-        *uses.entry(key(face)).or_insert(0) += 1;
+/// The corners next to each corner, in a right-handed order.
+const fn neighbours(kind: ElementKind) -> &'static [[usize; 3]] {
+    match kind.corner_count() {
+        4 => &[[1, 2, 3], [2, 0, 3], [0, 1, 3], [0, 2, 1]],
+        6 => &[[1, 2, 3], [2, 0, 4], [0, 1, 5], [5, 4, 0], [3, 5, 1], [4, 3, 2]],
+        _ => &[[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]],
     }
-    let faces = elements.iter().flat_map(hexahedron_faces);
-    faces.filter(|&face| uses[&key(face)] == 1).map(Facet::Quadrilateral).collect()
 }

@@ -5,13 +5,27 @@ use std::path::{Path, PathBuf};
 use super::shape::{Block, RigidPlane};
 use super::*;
 use crate::material::Material;
+use diffuse_contact_mesh::ElementKind;
 
 const STEEL: Material = Material { young: 200_000.0, poisson: 0.3, plasticity: None };
 
 fn block() -> Part {
     let block =
         Block { origin: [1.0, 2.0, 3.0], size: [2.0, 3.0, 4.0], divisions: [2, 3, 1], grading: [1.0; 3] };
-    block.part().unwrap()
+    block.part(ElementKind::Hexahedron8).unwrap()
+}
+
+/// The elements with the nodes of one of them changed.
+fn with_nodes(elements: &Cells, changed: usize, change: impl Fn(&mut [usize])) -> Cells {
+    let mut cells = Cells::default();
+    for (k, cell) in elements.iter().enumerate() {
+        let mut nodes = cell.nodes.to_vec();
+        if k == changed {
+            change(&mut nodes);
+        }
+        cells.push(cell.kind, &nodes);
+    }
+    cells
 }
 
 fn plane() -> Part {
@@ -48,11 +62,7 @@ fn parts_that_are_not_sound_are_refused() {
     assert!(matches!(model.add("a", Part::default(), None), Err(ModelError::EmptyPart { .. })));
 
     let mut inverted = block();
-    for [a, b, c, d, e, f, g, h] in &mut inverted.elements[3..4] {
-        for (low, high) in [(a, e), (b, f), (c, g), (d, h)] {
-            std::mem::swap(low, high);
-        }
-    }
+    inverted.elements = with_nodes(&inverted.elements, 3, |nodes| nodes.rotate_left(4));
     let error = model.add("a", inverted, Some(STEEL)).unwrap_err();
     assert!(
         matches!(error, ModelError::InvertedElement { element: 3, corner: 0, jacobian, .. } if jacobian < 0.0)
@@ -148,6 +158,40 @@ fn a_solid_part_of_a_file_has_its_nodes_and_sets_only() {
     assert!(end.iter().all(|node| node[0] == 2.0), "{end:?}");
 }
 
+/// Elements of several kinds make one part; nodes in the middle of edges belong to its surface.
+#[test]
+fn a_part_of_a_file_may_have_elements_of_all_kinds() {
+    let path = written("solid.inp");
+    let part = read_solid_part(&path, None, None).unwrap();
+    let kinds: Vec<ElementKind> = part.elements.iter().map(|cell| cell.kind).collect();
+    assert_eq!(kinds, [ElementKind::Hexahedron8, ElementKind::Hexahedron8, ElementKind::Tetrahedron4]);
+
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../mesh/tests/data");
+    for (name, kinds) in [
+        (
+            "serendipity.msh",
+            [ElementKind::Tetrahedron10, ElementKind::Wedge15, ElementKind::Hexahedron20].as_slice(),
+        ),
+        ("lagrange.msh", &[ElementKind::Tetrahedron10, ElementKind::Hexahedron27]),
+    ] {
+        for (k, &kind) in kinds.iter().enumerate() {
+            let part = read_solid_part(&data.join(name), None, Some(&format!("solid {}", k + 1))).unwrap();
+            assert!(part.elements.iter().all(|cell| cell.kind == kind), "{kind:?}");
+            // The file's skin is all of it, and goes through all nodes of the faces.
+            let surface = &part.surfaces[&format!("skin {}", k + 1)];
+            assert_eq!(surface.len(), part.outside().len(), "{kind:?}");
+            let nodes: std::collections::BTreeSet<usize> =
+                surface.iter().flat_map(|facet| facet.corners()).copied().collect();
+            let on_skin = |node: &&[f64; 3]| {
+                let local = [node[0] - part.nodes[0][0].floor(), node[1], node[2]];
+                local.iter().any(|x| x.abs() < 1e-9 || (x - 1.0).abs() < 1e-9)
+            };
+            assert_eq!(nodes.len(), part.nodes.iter().filter(on_skin).count(), "{kind:?}");
+            Model::default().add("part", part, Some(STEEL)).unwrap();
+        }
+    }
+}
+
 #[test]
 fn a_rigid_part_of_a_file_keeps_its_orientation() {
     let part = read_rigid_part(&written("rigid.inp"), None, "PUNCH").unwrap();
@@ -161,16 +205,13 @@ fn a_rigid_part_of_a_file_keeps_its_orientation() {
 #[test]
 fn files_without_what_is_asked_for_are_refused() {
     let path = written("refused.inp");
-    let error = read_solid_part(&path, None, Some("TET")).unwrap_err();
-    assert!(matches!(error, ModelError::UnsupportedSolid { kind: "tetrahedron", tag: 5, .. }), "{error}");
-    assert!(matches!(read_solid_part(&path, None, None), Err(ModelError::UnsupportedSolid { .. })));
-    assert!(matches!(read_solid_part(&path, None, Some("LID")), Err(ModelError::NoHexahedra { .. })));
+    assert!(matches!(read_solid_part(&path, None, Some("LID")), Err(ModelError::NoSolids { .. })));
     assert!(matches!(read_solid_part(&path, None, Some("LEVT")), Err(ModelError::Mesh(_))));
     assert!(matches!(read_rigid_part(&path, None, "LEFT"), Err(ModelError::Mesh(_))));
     assert!(matches!(read_rigid_part(Path::new("/nowhere.inp"), None, "LEFT"), Err(ModelError::Mesh(_))));
 }
 
-/// What a program wrote: two bodies as instances, a reference point, a mass, a connector and a wedge.
+/// What a program wrote: two bodies as instances, a reference point, a mass, a connector and a pyramid.
 #[test]
 fn instances_of_a_file_become_parts() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../mesh/tests/data/cae.inp");
@@ -178,10 +219,10 @@ fn instances_of_a_file_become_parts() {
     assert_eq!((block.nodes.len(), block.elements.len()), (12, 2));
     assert_eq!(block.surfaces["top"].len(), 2);
     assert_eq!(block.node_sets["bottom"], [0, 1, 2, 3, 4, 5]);
-    // The wedge is in these.
+    // The pyramid is in these.
     assert!(!block.node_sets.contains_key("All") && !block.surfaces.contains_key("side"));
     let error = read_solid_part(&path, Some("block-1"), None).unwrap_err().to_string();
-    assert!(error.contains("\"the whole file\" holds element 3 of type C3D6"), "{error}");
+    assert!(error.contains("\"the whole file\" holds element 3 of type C3D5"), "{error}");
     let punch = read_rigid_part(&path, Some("punch-1"), "face").unwrap();
     assert_eq!((punch.nodes.len(), punch.facets.len()), (4, 1));
     assert!(punch.nodes.iter().all(|node| (node[2] - 2.0).abs() < 1e-12));
@@ -204,11 +245,11 @@ fn elements_are_called_by_their_part_and_their_number_in_the_file() {
     let mut flat = part.clone();
     flat.nodes[8..].iter_mut().for_each(|node| node[2] = 1.0);
     let error = Model::default().add("flat", flat, Some(STEEL)).unwrap_err().to_string();
-    assert!(error.starts_with("hexahedron 4712 (in the mesh file) of the part \"flat\""), "{error}");
+    assert!(error.starts_with("element 4712 (in the mesh file) of the part \"flat\""), "{error}");
     let mut bent = block();
-    bent.elements[3].rotate_left(4);
+    bent.elements = with_nodes(&bent.elements, 3, |nodes| nodes.rotate_left(4));
     let error = Model::default().add("bent", bent, Some(STEEL)).unwrap_err().to_string();
-    assert!(error.starts_with("hexahedron 4 of the part \"bent\""), "{error}");
+    assert!(error.starts_with("element 4 of the part \"bent\""), "{error}");
 
     let mut model = Model::default();
     model.add("made", block(), Some(STEEL)).unwrap();
@@ -228,9 +269,8 @@ fn elements_are_called_by_their_part_and_their_number_in_the_file() {
         "{}",
         error(&top)
     );
-    let last = *model.bodies[0].elements.last().unwrap();
     let count = model.bodies[0].elements.len();
-    let found = error(&last[4..]);
+    let found = error(&model.bodies[0].elements.get(count - 1).nodes[4..]);
     assert!(found.contains("of the part \"made\" is turned inside out"), "{found}");
     assert!((1..=count).any(|k| found.starts_with(&format!("element {k} of"))), "{found}");
 }

@@ -23,8 +23,8 @@ pub fn write(
     let mut parts = Vec::new();
     let mut picture = VtuFile::new().points(start);
     for (k, body) in model.bodies.iter().enumerate() {
-        for element in &body.elements {
-            picture = picture.cell(ElementKind::Hexahedron8, element);
+        for cell in body.elements.iter() {
+            picture = picture.cell(cell.kind, cell.nodes);
             parts.push(k as i32);
         }
     }

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::Fields;
-use crate::model::{Model, skin};
+use crate::model::Model;
 
-/// Faces that belong to one hexahedron only, and rigid facets.
+/// Faces that belong to one element only, and rigid facets.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Skin {
     /// Indices of the nodes in the model, ascending.
@@ -42,7 +42,7 @@ impl Skin {
         let mut corners: Vec<Vec<usize>> = Vec::new();
         let mut bodies = Vec::new();
         for (k, body) in model.bodies.iter().enumerate() {
-            let faces = skin(&body.elements);
+            let faces = body.elements.skin();
             corners.extend(faces.iter().map(|face| face.corners().to_vec()));
             bodies.resize(corners.len(), k);
         }

@@ -1,58 +1,115 @@
-//! One hexahedron.
+//! One element of any kind.
 //!
 //! Loops instead of `array::map`, which is not always inlined.
 
+use diffuse_contact_mesh::ElementKind;
 use nalgebra::{Matrix3, Vector3};
 
-use super::product::{AtPoints, Strains, product};
-use super::{COORDINATES, POINTS, SolidError, TRIANGLE, shape};
+use super::SolidError;
+use super::product::{Strains, product};
+use super::reference::{self, Reference};
 use crate::material::{Hencky, Isochoric, PointState};
 
-/// What does not change: nodes and the geometry at the start.
+/// An element of a kind with `N` nodes, `P` points of distortion and `Q` points of dilatation; with `Q` = 0 its volume as a whole is what
+/// changes the pressure. `W`: 3 N, rounded up to a multiple of eight.
 #[derive(Clone, Debug)]
-pub(super) struct Element {
-    pub nodes: [usize; 8],
-    /// Gradients of the shape functions at the integration points by reference positions, 1 per length.
-    gradients: [[Vector3<f64>; 8]; POINTS],
-    /// Reference volume that belongs to each point.
-    pub weights: [f64; POINTS],
-    /// V, their sum.
+pub(super) struct Typed<const N: usize, const P: usize, const Q: usize, const W: usize> {
+    nodes: [usize; N],
+    distortion: Points<N, P>,
+    dilatation: Points<N, Q>,
+    /// V, reference volume.
     volume: f64,
 }
 
-/// An integration point of a deformed element.
-pub(super) struct Point {
+/// Integration points of an element at the start.
+#[derive(Clone, Debug)]
+struct Points<const N: usize, const P: usize> {
+    /// Gradients of the shape functions by reference positions, 1 per length.
+    gradients: [[Vector3<f64>; N]; P],
+    /// Reference volume that belongs to each point.
+    weights: [f64; P],
+}
+
+/// What does not change: nodes and the geometry at the start.
+///
+/// Hexahedra of first order have one pressure. Where bending is not locked by shear as well, a pressure that does not follow it takes
+/// stiffness away: a wedge in one layer was half as stiff as a beam. So all others have several.
+#[derive(Clone, Debug)]
+pub(super) enum Element {
+    Tetrahedron4(Box<Typed<4, 1, 1, 16>>),
+    Tetrahedron10(Box<Typed<10, 4, 4, 32>>),
+    Wedge6(Box<Typed<6, 6, 6, 24>>),
+    Wedge15(Box<Typed<15, 9, 6, 48>>),
+    Hexahedron8(Box<Typed<8, 8, 0, 24>>),
+    Hexahedron20(Box<Typed<20, 27, 8, 64>>),
+    Hexahedron27(Box<Typed<27, 27, 8, 88>>),
+}
+
+/// The same of an element of any kind.
+macro_rules! each {
+    ($element:expr, $typed:pat => $result:expr) => {
+        match $element {
+            Element::Tetrahedron4($typed) => $result,
+            Element::Tetrahedron10($typed) => $result,
+            Element::Wedge6($typed) => $result,
+            Element::Wedge15($typed) => $result,
+            Element::Hexahedron8($typed) => $result,
+            Element::Hexahedron20($typed) => $result,
+            Element::Hexahedron27($typed) => $result,
+        }
+    };
+}
+
+/// What an element is evaluated for.
+#[derive(Clone, Copy)]
+pub(super) struct Step<'a> {
+    /// The element's place, for errors.
+    pub index: usize,
+    pub law: &'a Hencky,
+    /// Positions of all nodes.
+    pub positions: &'a [[f64; 3]],
+    /// States of the element's points at the beginning of the step.
+    pub committed: &'a [PointState],
+}
+
+/// Where the results of an element go.
+pub(super) struct Results<'a> {
+    /// Three for each node.
+    pub forces: &'a mut [f64],
+    /// One for each point.
+    pub states: &'a mut [PointState],
+    /// The lower triangle row by row; empty if it is not asked for.
+    pub tangent: &'a mut [f64],
+}
+
+/// A point of distortion of a deformed element.
+pub(super) struct Deformed {
     /// det F > 0.
     pub jacobian: f64,
-    /// Gradients of the shape functions by current positions.
-    gradients: [Vector3<f64>; 8],
     pub answer: Isochoric,
 }
 
 /// Memory of a tangent under construction.
+#[derive(Default)]
 pub(super) struct Scratch {
-    /// B of each point.
-    strains: AtPoints,
+    /// B: six rows for each point of distortion, then one for each of dilatation.
+    strains: Vec<f64>,
     /// C B times the point's volume.
-    stresses: AtPoints,
-}
-
-impl Default for Scratch {
-    fn default() -> Self {
-        Self { strains: [[[0.0; COORDINATES]; 6]; POINTS], stresses: [[[0.0; COORDINATES]; 6]; POINTS] }
-    }
-}
-
-/// The parts of the tangent that are not Bᵀ C B, by pairs of nodes a ≥ b, at a(a+1)/2 + b.
-struct Pairs {
-    /// Σ w ∇Nₐ·τ ∇N_b, on the diagonal of the pair's block.
-    geometric: [f64; 36],
-    /// Σ w J ∇Nₐ × ∇N_b, the axial vector of the pair's block of ∂²v/∂x∂x.
-    area: [Vector3<f64>; 36],
+    stresses: Vec<f64>,
+    /// By pairs of nodes a ≥ b, at a(a+1)/2 + b: Σ w ∇Nₐ·τ ∇N_b, on the diagonal of the pair's block.
+    geometric: Vec<f64>,
+    /// By pairs: Σ w J p ∇Nₐ × ∇N_b, the axial vector of the pair's block; with p = 1 for a pressure that is not known yet.
+    area: Vec<Vector3<f64>>,
 }
 
 impl Element {
-    pub fn new(positions: &[[f64; 3]], nodes: [usize; 8], index: usize) -> Result<Self, SolidError> {
+    /// An element by its nodes.
+    pub fn new(
+        kind: ElementKind,
+        positions: &[[f64; 3]],
+        nodes: &[usize],
+        index: usize,
+    ) -> Result<Self, SolidError> {
         if let Some(&node) = nodes.iter().find(|&&node| node >= positions.len()) {
             return Err(SolidError::NodeOutOfRange {
                 element: index,
@@ -61,12 +118,80 @@ impl Element {
                 count: positions.len(),
             });
         }
-        let corners = relative(positions, &nodes);
-        let mut gradients = [[Vector3::zeros(); 8]; POINTS];
-        let mut weights = [0.0; POINTS];
-        for point in 0..POINTS {
-            let natural = shape::gradients(point).map(Vector3::from);
-            let tangents = gradient(&corners, &natural);
+        let reference = Reference::of(kind);
+        macro_rules! typed {
+            ($variant:ident) => {
+                Self::$variant(Box::new(Typed::new(reference, positions, nodes, index)?))
+            };
+        }
+        Ok(match kind {
+            ElementKind::Tetrahedron4 => typed!(Tetrahedron4),
+            ElementKind::Tetrahedron10 => typed!(Tetrahedron10),
+            ElementKind::Wedge6 => typed!(Wedge6),
+            ElementKind::Wedge15 => typed!(Wedge15),
+            ElementKind::Hexahedron20 => typed!(Hexahedron20),
+            ElementKind::Hexahedron27 => typed!(Hexahedron27),
+            // Reference::of knows solids only.
+            _ => typed!(Hexahedron8),
+        })
+    }
+
+    pub fn kind(&self) -> ElementKind {
+        match self {
+            Self::Tetrahedron4(_) => ElementKind::Tetrahedron4,
+            Self::Tetrahedron10(_) => ElementKind::Tetrahedron10,
+            Self::Wedge6(_) => ElementKind::Wedge6,
+            Self::Wedge15(_) => ElementKind::Wedge15,
+            Self::Hexahedron8(_) => ElementKind::Hexahedron8,
+            Self::Hexahedron20(_) => ElementKind::Hexahedron20,
+            Self::Hexahedron27(_) => ElementKind::Hexahedron27,
+        }
+    }
+
+    pub fn nodes(&self) -> &[usize] {
+        each!(self, element => &element.nodes)
+    }
+
+    /// Number of points of distortion.
+    pub fn points(&self) -> usize {
+        each!(self, element => element.distortion.weights.len())
+    }
+
+    /// Forces, states and, if there is room for it, the tangent's lower triangle.
+    pub fn evaluate(
+        &self,
+        step: Step<'_>,
+        results: Results<'_>,
+        scratch: &mut Scratch,
+    ) -> Result<(), SolidError> {
+        each!(self, element => element.evaluate(step, results, scratch))
+    }
+
+    pub fn stored_energy(&self, step: Step<'_>) -> Result<f64, SolidError> {
+        each!(self, element => element.stored_energy(step))
+    }
+
+    /// Calls `visit` with each point of distortion and the pressure there.
+    pub fn for_each_point(
+        &self,
+        step: Step<'_>,
+        visit: impl FnMut(&Deformed, f64),
+    ) -> Result<(), SolidError> {
+        each!(self, element => element.for_each_point(Reference::of(self.kind()), step, visit))
+    }
+}
+
+impl<const N: usize, const P: usize> Points<N, P> {
+    fn new(
+        reference: &reference::Points,
+        corners: &[Vector3<f64>; N],
+        index: usize,
+    ) -> Result<Self, SolidError> {
+        let mut gradients = [[Vector3::zeros(); N]; P];
+        let mut weights = [0.0; P];
+        for point in 0..P {
+            let natural: [Vector3<f64>; N] = std::array::from_fn(|a| reference.gradients[point][a]);
+            let tangents = gradient(corners, &natural);
             let jacobian = tangents.determinant();
             let bad = || SolidError::BadElement { element: index, name: None, point, jacobian };
             if !(jacobian > 0.0 && jacobian < f64::INFINITY) {
@@ -77,62 +202,116 @@ impl Element {
             if !gradients[point].iter().all(|gradient| gradient.norm_squared().is_finite()) {
                 return Err(bad());
             }
-            weights[point] = jacobian;
+            weights[point] = reference.weights[point] * jacobian;
         }
-        Ok(Self { nodes, gradients, weights, volume: weights.iter().sum() })
+        Ok(Self { gradients, weights })
     }
 
-    /// Forces, states and, if asked for, the tangent's lower triangle.
-    #[expect(clippy::too_many_arguments, reason = "three results in slots of their own, and their inputs")]
-    pub fn evaluate(
+    /// det F, F and the gradients of the shape functions by current positions at a point.
+    #[inline]
+    fn deform(
         &self,
         index: usize,
-        law: &Hencky,
+        point: usize,
+        corners: &[Vector3<f64>; N],
+    ) -> Result<(f64, Matrix3<f64>, [Vector3<f64>; N]), SolidError> {
+        let deformation_gradient = gradient(corners, &self.gradients[point]);
+        let jacobian = deformation_gradient.determinant();
+        let inverted = || SolidError::Inverted { element: index, name: None, point, jacobian };
+        if !(jacobian > 0.0 && jacobian < f64::INFINITY) {
+            return Err(inverted());
+        }
+        let inverse = deformation_gradient.try_inverse().ok_or_else(inverted)?;
+        let mut gradients = [Vector3::zeros(); N];
+        for a in 0..N {
+            gradients[a] = inverse.tr_mul(&self.gradients[point][a]);
+        }
+        Ok((jacobian, deformation_gradient, gradients))
+    }
+}
+
+impl<const N: usize, const P: usize, const Q: usize, const W: usize> Typed<N, P, Q, W> {
+    /// Whether the pressure is that of the mean dilatation.
+    const IS_MEAN: bool = Q == 0;
+
+    fn new(
+        reference: &Reference,
         positions: &[[f64; 3]],
-        committed: &[PointState],
-        force: &mut [f64; COORDINATES],
-        states: &mut [PointState],
-        tangent: Option<&mut [f64; TRIANGLE]>,
+        nodes: &[usize],
+        index: usize,
+    ) -> Result<Self, SolidError> {
+        let own: [usize; N] = std::array::from_fn(|a| nodes[a]);
+        let corners = relative(positions, &own);
+        let distortion = Points::new(&reference.distortion, &corners, index)?;
+        let dilatation = Points::new(&reference.dilatation, &corners, index)?;
+        let volume = distortion.weights.iter().sum();
+        Ok(Self { nodes: own, distortion, dilatation, volume })
+    }
+
+    fn evaluate(
+        &self,
+        step: Step<'_>,
+        results: Results<'_>,
         scratch: &mut Scratch,
     ) -> Result<(), SolidError> {
-        let corners = relative(positions, &self.nodes);
-        let mut isochoric = [Vector3::zeros(); 8];
-        // ∂v/∂x
-        let mut by_volume = [Vector3::zeros(); 8];
+        let Results { forces: total, states, tangent } = results;
+        let with_tangent = !tangent.is_empty();
+        let corners = relative(step.positions, &self.nodes);
+        let mut isochoric = [Vector3::zeros(); N];
+        // Σ p ∂v/∂x, with p = 1 while it is not known.
+        let mut by_volume = [Vector3::zeros(); N];
         let mut current_volume = 0.0;
-        let mut pairs = Pairs { geometric: [0.0; 36], area: [Vector3::zeros(); 36] };
-        for point in 0..POINTS {
-            let deformed = self.deform(index, point, law, &corners, &committed[point])?;
-            let weight = self.weights[point];
-            let volume = weight * deformed.jacobian;
+        if with_tangent {
+            scratch.clear::<N, P, Q, W>();
+        }
+        for point in 0..P {
+            let (deformed, gradients) = self.distorted(step, point, &corners)?;
+            let weight = self.distortion.weights[point];
             let stress = deformed.answer.kirchhoff() * weight;
-            let mut forces = [Vector3::zeros(); 8];
-            for a in 0..8 {
-                forces[a] = stress * deformed.gradients[a];
+            let mut forces = [Vector3::zeros(); N];
+            for a in 0..N {
+                forces[a] = stress * gradients[a];
                 isochoric[a] += forces[a];
-                by_volume[a] += deformed.gradients[a] * volume;
             }
-            current_volume += volume;
             states[point] = deformed.answer.state;
-            if tangent.is_some() {
-                pairs.add(&deformed.gradients, &forces, volume);
-                let strains = &mut scratch.strains[point];
-                deformed.strains(strains);
-                apply(&deformed.answer, weight, strains, &mut scratch.stresses[point]);
+            let volume = weight * deformed.jacobian;
+            if Self::IS_MEAN {
+                current_volume += volume;
+                (0..N).for_each(|a| by_volume[a] += gradients[a] * volume);
+            }
+            if with_tangent {
+                scratch.add_distortion::<N, W>(point, &deformed, &gradients, &forces, weight);
+                if Self::IS_MEAN {
+                    scratch.add_area(&gradients, volume);
+                }
+            }
+        }
+        for point in 0..Q {
+            let (jacobian, _, gradients) = self.dilatation.deform(step.index, point, &corners)?;
+            let weight = self.dilatation.weights[point];
+            let volumetric = step.law.volumetric(jacobian);
+            let load = weight * jacobian * volumetric.pressure;
+            (0..N).for_each(|a| by_volume[a] += gradients[a] * load);
+            if with_tangent {
+                scratch.add_area(&gradients, load);
+                let stiffness = weight * jacobian.powi(2) * volumetric.stiffness;
+                scratch.add_dilatation::<N, W>(6 * P + point, &gradients, stiffness);
             }
         }
 
-        let volumetric = law.volumetric(current_volume / self.volume);
-        for a in 0..8 {
-            let total = isochoric[a] + by_volume[a] * volumetric.pressure;
-            force[3 * a..3 * a + 3].copy_from_slice(total.as_slice());
+        let mean = step.law.volumetric(current_volume / self.volume);
+        let pressure = if Self::IS_MEAN { mean.pressure } else { 1.0 };
+        for (total, (isochoric, by_volume)) in
+            total.as_chunks_mut::<3>().0.iter_mut().zip(isochoric.iter().zip(&by_volume))
+        {
+            *total = (isochoric + by_volume * pressure).into();
         }
-        if let Some(tangent) = tangent {
-            let mut full = product(&scratch.strains, &scratch.stresses);
-            pairs.scatter(volumetric.pressure, &mut full);
-            let stiffness = volumetric.stiffness / self.volume;
+        if with_tangent {
+            let mut full = scratch.product::<W>();
+            scratch.scatter::<N, W>(pressure, &mut full);
+            let stiffness = if Self::IS_MEAN { mean.stiffness / self.volume } else { 0.0 };
             let mut entries = tangent.iter_mut();
-            for i in 0..COORDINATES {
+            for i in 0..3 * N {
                 let factor = stiffness * by_volume[i / 3][i % 3];
                 for (j, entry) in entries.by_ref().take(i + 1).enumerate() {
                     *entry = full[i][j] + factor * by_volume[j / 3][j % 3];
@@ -142,73 +321,165 @@ impl Element {
         Ok(())
     }
 
-    pub fn stored_energy(
-        &self,
-        index: usize,
-        law: &Hencky,
-        positions: &[[f64; 3]],
-        committed: &[PointState],
-    ) -> Result<f64, SolidError> {
-        let mut isochoric = 0.0;
-        let ratio = self.for_each_point(index, law, positions, committed, |point, deformed| {
-            isochoric += self.weights[point] * deformed.answer.energy;
-        })?;
-        Ok(isochoric + self.volume * law.volumetric(ratio).energy)
+    fn stored_energy(&self, step: Step<'_>) -> Result<f64, SolidError> {
+        let (mut energy, mut current_volume) = (0.0, 0.0);
+        let corners = relative(step.positions, &self.nodes);
+        for point in 0..P {
+            let (deformed, _) = self.distorted(step, point, &corners)?;
+            current_volume += self.distortion.weights[point] * deformed.jacobian;
+            energy += self.distortion.weights[point] * deformed.answer.energy;
+        }
+        if Self::IS_MEAN {
+            return Ok(energy + self.volume * step.law.volumetric(current_volume / self.volume).energy);
+        }
+        for point in 0..Q {
+            let (jacobian, ..) = self.dilatation.deform(step.index, point, &corners)?;
+            energy += self.dilatation.weights[point] * step.law.volumetric(jacobian).energy;
+        }
+        Ok(energy)
     }
 
-    /// Calls `visit` at each point and returns θ = v/V.
-    pub fn for_each_point(
+    fn for_each_point(
         &self,
-        index: usize,
-        law: &Hencky,
-        positions: &[[f64; 3]],
-        committed: &[PointState],
-        mut visit: impl FnMut(usize, &Point),
-    ) -> Result<f64, SolidError> {
-        let corners = relative(positions, &self.nodes);
+        reference: &Reference,
+        step: Step<'_>,
+        mut visit: impl FnMut(&Deformed, f64),
+    ) -> Result<(), SolidError> {
+        let corners = relative(step.positions, &self.nodes);
+        let mut points = Vec::with_capacity(P);
         let mut current_volume = 0.0;
-        for point in 0..POINTS {
-            let deformed = self.deform(index, point, law, &corners, &committed[point])?;
-            current_volume += self.weights[point] * deformed.jacobian;
-            visit(point, &deformed);
+        for point in 0..P {
+            let (deformed, _) = self.distorted(step, point, &corners)?;
+            current_volume += self.distortion.weights[point] * deformed.jacobian;
+            points.push(deformed);
         }
-        Ok(current_volume / self.volume)
+        let mut pressures = [0.0; Q];
+        for (point, pressure) in pressures.iter_mut().enumerate() {
+            let (jacobian, ..) = self.dilatation.deform(step.index, point, &corners)?;
+            *pressure = step.law.volumetric(jacobian).pressure;
+        }
+        let mean = step.law.volumetric(current_volume / self.volume).pressure;
+        for (point, weights) in points.iter().zip(&reference.pressure) {
+            let own: f64 = weights.iter().zip(&pressures).map(|(weight, pressure)| weight * pressure).sum();
+            visit(point, if Self::IS_MEAN { mean } else { own });
+        }
+        Ok(())
     }
 
+    /// A point of distortion, with the gradients of the shape functions by current positions.
     #[inline]
-    fn deform(
+    fn distorted(
         &self,
-        element: usize,
+        step: Step<'_>,
         point: usize,
-        law: &Hencky,
-        corners: &[Vector3<f64>; 8],
-        committed: &PointState,
-    ) -> Result<Point, SolidError> {
-        let deformation_gradient = gradient(corners, &self.gradients[point]);
-        let jacobian = deformation_gradient.determinant();
-        let inverted = || SolidError::Inverted { element, name: None, point, jacobian };
-        if !(jacobian > 0.0 && jacobian < f64::INFINITY) {
-            return Err(inverted());
-        }
-        let inverse = deformation_gradient.try_inverse().ok_or_else(inverted)?;
-        let answer = law
-            .isochoric(&deformation_gradient, committed)
-            .map_err(|source| SolidError::Unresolved { element, name: None, point, source })?;
-        let mut gradients = [Vector3::zeros(); 8];
-        for a in 0..8 {
-            gradients[a] = inverse.tr_mul(&self.gradients[point][a]);
-        }
-        Ok(Point { jacobian, gradients, answer })
+        corners: &[Vector3<f64>; N],
+    ) -> Result<(Deformed, [Vector3<f64>; N]), SolidError> {
+        let (jacobian, deformation_gradient, gradients) =
+            self.distortion.deform(step.index, point, corners)?;
+        let unresolved = |source| SolidError::Unresolved { element: step.index, name: None, point, source };
+        let answer = step.law.isochoric(&deformation_gradient, &step.committed[point]).map_err(unresolved)?;
+        Ok((Deformed { jacobian, answer }, gradients))
     }
 }
 
-impl Point {
+impl Scratch {
+    /// Room for an element.
+    fn clear<const N: usize, const P: usize, const Q: usize, const W: usize>(&mut self) {
+        self.strains.resize((6 * P + Q) * W, 0.0);
+        self.stresses.resize((6 * P + Q) * W, 0.0);
+        self.geometric.clear();
+        self.geometric.resize(N * (N + 1) / 2, 0.0);
+        self.area.clear();
+        self.area.resize(N * (N + 1) / 2, Vector3::zeros());
+    }
+
+    /// Adds a point of distortion. `forces`: the point's, w τ ∇N.
+    #[inline]
+    fn add_distortion<const N: usize, const W: usize>(
+        &mut self,
+        point: usize,
+        deformed: &Deformed,
+        gradients: &[Vector3<f64>; N],
+        forces: &[Vector3<f64>; N],
+        weight: f64,
+    ) {
+        let mut pairs = self.geometric.iter_mut();
+        for a in 0..N {
+            for (gradient, geometric) in gradients[..=a].iter().zip(pairs.by_ref()) {
+                *geometric += forces[a].dot(gradient);
+            }
+        }
+        let rows = 6 * point..6 * (point + 1);
+        let strains = &mut self.strains.as_chunks_mut::<W>().0[rows.clone()];
+        deformed.strains(gradients, strains);
+        deformed.stresses(weight, strains, &mut self.stresses.as_chunks_mut::<W>().0[rows]);
+    }
+
+    /// Adds p ∂²v/∂x∂x of a point; `load`: w J p.
+    #[inline]
+    fn add_area<const N: usize>(&mut self, gradients: &[Vector3<f64>; N], load: f64) {
+        let mut pairs = self.area.iter_mut();
+        for a in 0..N {
+            let area = gradients[a] * load;
+            for (gradient, sum) in gradients[..=a].iter().zip(pairs.by_ref()) {
+                *sum += area.cross(gradient);
+            }
+        }
+    }
+
+    /// Adds a row for the dilatation of a point: w J² U″ times its square.
+    #[inline]
+    fn add_dilatation<const N: usize, const W: usize>(
+        &mut self,
+        row: usize,
+        gradients: &[Vector3<f64>; N],
+        stiffness: f64,
+    ) {
+        let strain = &mut self.strains.as_chunks_mut::<W>().0[row];
+        let stress = &mut self.stresses.as_chunks_mut::<W>().0[row];
+        for (a, gradient) in gradients.iter().enumerate() {
+            for i in 0..3 {
+                strain[3 * a + i] = gradient[i];
+                stress[3 * a + i] = stiffness * gradient[i];
+            }
+        }
+        strain[3 * N..].fill(0.0);
+        stress[3 * N..].fill(0.0);
+    }
+
+    /// Σ Bᵀ C B.
+    fn product<const W: usize>(&self) -> [[f64; W]; W] {
+        product(self.strains.as_chunks().0, self.stresses.as_chunks().0)
+    }
+
+    /// Adds what is not Bᵀ C B.
+    fn scatter<const N: usize, const W: usize>(&self, pressure: f64, full: &mut [[f64; W]; W]) {
+        let mut pairs = self.geometric.iter().zip(&self.area);
+        for a in 0..N {
+            for (b, (geometric, area)) in (0..=a).zip(pairs.by_ref()) {
+                let area = area * pressure;
+                for k in 0..3 {
+                    let (l, m) = ((k + 1) % 3, (k + 2) % 3);
+                    full[3 * a + k][3 * b + k] += geometric;
+                    full[3 * a + l][3 * b + m] += area[k];
+                    full[3 * a + m][3 * b + l] -= area[k];
+                }
+            }
+        }
+    }
+}
+
+impl Deformed {
     /// B: the strains of a unit displacement of each coordinate.
     #[inline]
-    fn strains(&self, strains: &mut Strains) {
+    fn strains<const N: usize, const W: usize>(
+        &self,
+        gradients: &[Vector3<f64>; N],
+        strains: &mut [Strains<W>],
+    ) {
         let axes = &self.answer.axes;
-        for a in 0..8 {
-            let along = axes.tr_mul(&self.gradients[a]);
+        for a in 0..N {
+            let along = axes.tr_mul(&gradients[a]);
             for i in 0..3 {
                 let column = 3 * a + i;
                 let axis = [axes[(i, 0)], axes[(i, 1)], axes[(i, 2)]];
@@ -219,51 +490,22 @@ impl Point {
                 }
             }
         }
-    }
-}
-
-/// C B, times the point's volume.
-#[inline]
-fn apply(answer: &Isochoric, weight: f64, strains: &Strains, stresses: &mut Strains) {
-    let normal = answer.normal * weight;
-    let shear = answer.shear * weight;
-    for k in 0..3 {
-        for column in 0..COORDINATES {
-            stresses[k][column] = normal[(k, 0)] * strains[0][column]
-                + normal[(k, 1)] * strains[1][column]
-                + normal[(k, 2)] * strains[2][column];
-            stresses[3 + k][column] = shear[k] * strains[3 + k][column];
+        for row in strains {
+            row[3 * N..].fill(0.0);
         }
     }
-}
 
-impl Pairs {
-    /// `forces` are the point's, w τ ∇N.
+    /// C B, times the point's volume.
     #[inline]
-    fn add(&mut self, gradients: &[Vector3<f64>; 8], forces: &[Vector3<f64>; 8], volume: f64) {
-        let mut pair = 0;
-        for a in 0..8 {
-            let area = gradients[a] * volume;
-            for b in 0..=a {
-                self.geometric[pair] += forces[a].dot(&gradients[b]);
-                self.area[pair] += area.cross(&gradients[b]);
-                pair += 1;
-            }
-        }
-    }
-
-    fn scatter(&self, pressure: f64, full: &mut [[f64; COORDINATES]; COORDINATES]) {
-        let mut pair = 0;
-        for a in 0..8 {
-            for b in 0..=a {
-                let area = self.area[pair] * pressure;
-                for k in 0..3 {
-                    let (l, m) = ((k + 1) % 3, (k + 2) % 3);
-                    full[3 * a + k][3 * b + k] += self.geometric[pair];
-                    full[3 * a + l][3 * b + m] += area[k];
-                    full[3 * a + m][3 * b + l] -= area[k];
-                }
-                pair += 1;
+    fn stresses<const W: usize>(&self, weight: f64, strains: &[Strains<W>], stresses: &mut [Strains<W>]) {
+        let normal = self.answer.normal * weight;
+        let shear = self.answer.shear * weight;
+        for k in 0..3 {
+            for column in 0..W {
+                stresses[k][column] = normal[(k, 0)] * strains[0][column]
+                    + normal[(k, 1)] * strains[1][column]
+                    + normal[(k, 2)] * strains[2][column];
+                stresses[3 + k][column] = shear[k] * strains[3 + k][column];
             }
         }
     }
@@ -272,10 +514,10 @@ impl Pairs {
 /// Positions of the nodes relative to the first: gradients do not see where the element is, and digits are kept far from
 /// the origin.
 #[inline]
-fn relative(positions: &[[f64; 3]], nodes: &[usize; 8]) -> [Vector3<f64>; 8] {
+fn relative<const N: usize>(positions: &[[f64; 3]], nodes: &[usize; N]) -> [Vector3<f64>; N] {
     let origin = Vector3::from(positions[nodes[0]]);
-    let mut corners = [Vector3::zeros(); 8];
-    for a in 0..8 {
+    let mut corners = [Vector3::zeros(); N];
+    for a in 0..N {
         corners[a] = Vector3::from(positions[nodes[a]]) - origin;
     }
     corners
@@ -283,9 +525,9 @@ fn relative(positions: &[[f64; 3]], nodes: &[usize; 8]) -> [Vector3<f64>; 8] {
 
 /// Σ xₐ ⊗ ∇Nₐ.
 #[inline]
-fn gradient(corners: &[Vector3<f64>; 8], gradients: &[Vector3<f64>; 8]) -> Matrix3<f64> {
+fn gradient<const N: usize>(corners: &[Vector3<f64>; N], gradients: &[Vector3<f64>; N]) -> Matrix3<f64> {
     let mut sum = Matrix3::zeros();
-    for a in 0..8 {
+    for a in 0..N {
         for j in 0..3 {
             for i in 0..3 {
                 sum[(i, j)] += corners[a][i] * gradients[a][j];

@@ -1,9 +1,14 @@
-//! Hexahedra with eight nodes at finite strain, free of volumetric locking.
+//! Solid elements at finite strain: tetrahedra, wedges and hexahedra of first and second order.
 //!
-//! The stored energy of an element is that of the isochoric part of the deformation gradient F at each of 2 × 2 × 2
-//! integration points, and V U(θ) of the element's volume, θ = v/V. Forces are its gradient by the positions of the nodes, so
-//! they depend on F at the points and on v alone, and the tangent is symmetric. One pressure U'(θ) an element is the mean
-//! dilatation method; it does not lock as ν → 0.5.
+//! The stored energy of an element is that of the isochoric part of the deformation gradient F at each of its integration points, and of
+//! the change of volume. Forces are its gradient by the positions of the nodes, and the tangent is symmetric.
+//!
+//! * **Hexahedra with 8 nodes**: V U(θ) of the element's volume, θ = v/V. One pressure U'(θ) an element is the mean dilatation method; it
+//!   does not lock as ν → 0.5.
+//! * **All others**: U(det F) at each point. Tetrahedra with 4 nodes and wedges with 6 lock in bending and as ν → 0.5: they fill meshes.
+//!   Those of second order do not lock in bending. Hexahedra with 20 and 27 nodes have 3 × 3 × 3 points of distortion but 2 × 2 × 2 of
+//!   dilatation (selective integration), wedges with 15 nodes 9 and 6, so that they do not lock as ν → 0.5; tetrahedra with 10 nodes have
+//!   four of both and lock little.
 //!
 //! Everything refers to the positions at the start (total description).
 
@@ -11,7 +16,7 @@ mod element;
 mod error;
 mod product;
 mod recovery;
-mod shape;
+mod reference;
 
 use std::ops::Range;
 
@@ -20,16 +25,11 @@ use rayon::prelude::*;
 pub use self::error::{ElementName, SolidError};
 pub use self::recovery::{NodalFields, PointFields, Recovery};
 
-use self::element::{Element, Scratch};
+use diffuse_contact_mesh::ElementKind;
+
+use self::element::{Element, Results, Scratch, Step};
 use crate::material::{Hencky, PointState};
 use crate::model::Body;
-
-/// Integration points of an element.
-pub const POINTS: usize = 8;
-/// Coordinates of an element's nodes: node by node, x, y, z.
-pub const COORDINATES: usize = 24;
-/// Entries of the lower triangle of an element's tangent.
-pub const TRIANGLE: usize = COORDINATES * (COORDINATES + 1) / 2;
 
 /// Elements that a thread takes at once.
 const PIECE: usize = 16;
@@ -43,12 +43,25 @@ pub enum Order {
     Tangent,
 }
 
-/// All hexahedra of a model at their positions at the start.
+/// All solid elements of a model at their positions at the start.
 #[derive(Clone, Debug)]
 pub struct Solid {
     nodes: usize,
     elements: Vec<Element>,
+    /// For each element where its numbers begin, and the end.
+    starts: Vec<Start>,
     bodies: Vec<BodyElements>,
+}
+
+/// Where the numbers of an element begin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Start {
+    /// In a list of three forces for each node of each element.
+    forces: usize,
+    /// In a list of points.
+    points: usize,
+    /// In a list of lower triangles.
+    tangents: usize,
 }
 
 #[derive(Clone, Debug)]
@@ -72,17 +85,29 @@ impl BodyElements {
 /// What [`Solid::evaluate`] found, element by element in the order of [`Solid::elements`]. Made once and used again.
 #[derive(Clone, Debug, Default)]
 pub struct SolidResponse {
-    /// Internal forces on the nodes, force: the gradient of the stored energy. At equilibrium they equal the loads.
-    pub forces: Vec<[f64; COORDINATES]>,
+    /// Internal forces, force: the gradient of the stored energy, three for each node of each element. At equilibrium their sums equal
+    /// the loads.
+    pub forces: Vec<f64>,
     /// Derivatives of the forces, force per length: the lower triangle row by row, entry (i, j ≤ i) at i(i+1)/2 + j. Empty
     /// after [`Order::Residual`].
-    pub tangents: Vec<[f64; TRIANGLE]>,
-    /// States at the end of the step, [`POINTS`] an element.
+    pub tangents: Vec<f64>,
+    /// States at the end of the step, one for each point of each element.
     pub states: Vec<PointState>,
 }
 
+/// An element with what was found for it.
+#[derive(Clone, Copy, Debug)]
+pub struct ElementResponse<'a> {
+    /// Its nodes.
+    pub nodes: &'a [usize],
+    /// Internal forces on them, three each.
+    pub forces: &'a [f64],
+    /// The lower triangle of their derivative; empty after [`Order::Residual`].
+    pub tangent: &'a [f64],
+}
+
 impl Solid {
-    /// The hexahedra of `bodies` on `nodes`, positions at the start. Nodes outside the bodies are allowed.
+    /// The elements of `bodies` on `nodes`, positions at the start. Nodes outside the bodies are allowed.
     ///
     /// # Errors
     /// A bad material, a node that is missing or not finite, an element whose Jacobian at an integration point is not positive.
@@ -96,13 +121,21 @@ impl Solid {
             let start = elements.len();
             let (name, labels) = (body.name.clone(), body.labels.clone());
             let part = BodyElements { law, elements: start..start + body.elements.len(), name, labels };
-            for corners in &body.elements {
-                let element = Element::new(nodes, *corners, elements.len());
+            for cell in body.elements.iter() {
+                let element = Element::new(cell.kind, nodes, cell.nodes, elements.len());
                 elements.push(element.map_err(|error| error.named(|element| part.name_of(element)))?);
             }
             parts.push(part);
         }
-        Ok(Self { nodes: nodes.len(), elements, bodies: parts })
+        let ends = elements.iter().scan(Start::default(), |end, element: &Element| {
+            let coordinates = 3 * element.nodes().len();
+            end.forces += coordinates;
+            end.points += element.points();
+            end.tangents += coordinates * (coordinates + 1) / 2;
+            Some(*end)
+        });
+        let starts = std::iter::once(Start::default()).chain(ends).collect();
+        Ok(Self { nodes: nodes.len(), elements, starts, bodies: parts })
     }
 
     /// Number of elements.
@@ -118,8 +151,40 @@ impl Solid {
     }
 
     /// The nodes of each element, body by body.
-    pub fn elements(&self) -> impl ExactSizeIterator<Item = &[usize; 8]> + Clone {
-        self.elements.iter().map(|element| &element.nodes)
+    pub fn elements(&self) -> impl ExactSizeIterator<Item = &[usize]> + Clone {
+        self.elements.iter().map(Element::nodes)
+    }
+
+    /// The kind of an element.
+    ///
+    /// # Panics
+    /// If there is no such element.
+    #[must_use]
+    pub fn kind(&self, element: usize) -> ElementKind {
+        self.elements[element].kind()
+    }
+
+    /// The points of an element in lists of all points.
+    ///
+    /// # Panics
+    /// If there is no such element.
+    #[must_use]
+    pub fn points(&self, element: usize) -> Range<usize> {
+        self.starts[element].points..self.starts[element + 1].points
+    }
+
+    /// What [`evaluate`](Self::evaluate) found for each element.
+    pub fn responses<'a>(&'a self, response: &'a SolidResponse) -> impl Iterator<Item = ElementResponse<'a>> {
+        let with_tangents = !response.tangents.is_empty();
+        self.elements.iter().zip(self.starts.windows(2)).map(move |(element, starts)| ElementResponse {
+            nodes: element.nodes(),
+            forces: &response.forces[starts[0].forces..starts[1].forces],
+            tangent: if with_tangents {
+                &response.tangents[starts[0].tangents..starts[1].tangents]
+            } else {
+                &[]
+            },
+        })
     }
 
     /// The elements of a body, by its index.
@@ -131,10 +196,14 @@ impl Solid {
         self.bodies[index].elements.clone()
     }
 
-    /// The states at the start, [`POINTS`] an element.
+    /// The states at the start, one for each point of each element.
     #[must_use]
     pub fn states(&self) -> Vec<PointState> {
-        vec![PointState::VIRGIN; POINTS * self.len()]
+        vec![PointState::VIRGIN; self.end().points]
+    }
+
+    fn end(&self) -> Start {
+        self.starts.last().copied().unwrap_or_default()
     }
 
     /// Forces, and on request tangents, at `positions` of all nodes, for the step from the `committed` states. The result does
@@ -151,68 +220,49 @@ impl Solid {
         out: &mut SolidResponse,
     ) -> Result<(), SolidError> {
         self.check(positions, committed)?;
-        let count = self.len();
-        out.forces.resize(count, [0.0; COORDINATES]);
-        out.states.resize(POINTS * count, PointState::VIRGIN);
-        let tangents = match order {
-            Order::Residual => 0,
-            Order::Tangent => count,
-        };
-        out.tangents.resize(tangents, [0.0; TRIANGLE]);
-
-        let pieces = out
-            .forces
-            .par_chunks_mut(PIECE)
-            .zip_eq(out.states.par_chunks_mut(PIECE * POINTS))
-            .enumerate()
-            .map(|(piece, (forces, states))| (piece * PIECE, forces, states));
-        let run = |first: usize,
-                   forces: &mut [[f64; COORDINATES]],
-                   states: &mut [PointState],
-                   tangents: Option<&mut [[f64; TRIANGLE]]>| {
-            self.evaluate_piece(first, positions, committed, forces, states, tangents)
-        };
-        let failure = match order {
-            Order::Residual => pieces
-                .map(|(first, forces, states)| run(first, forces, states, None))
-                .reduce(|| None, Option::or),
-            Order::Tangent => pieces
-                .zip_eq(out.tangents.par_chunks_mut(PIECE))
-                .map(|((first, forces, states), tangents)| run(first, forces, states, Some(tangents)))
-                .reduce(|| None, Option::or),
-        };
+        let end = self.end();
+        out.forces.resize(end.forces, 0.0);
+        out.states.resize(end.points, PointState::VIRGIN);
+        out.tangents.resize(if order == Order::Tangent { end.tangents } else { 0 }, 0.0);
+        let all = Results { forces: &mut out.forces, states: &mut out.states, tangent: &mut out.tangents };
+        let pieces = self.pieces(all);
+        let failure = pieces
+            .into_par_iter()
+            .map(|(elements, results)| self.evaluate_piece(elements, positions, committed, results).err())
+            .reduce(|| None, Option::or);
         failure.map_or(Ok(()), |error| Err(self.named(error)))
     }
 
-    /// The elements from `first` on, one after the other.
+    /// A few elements each, with the room for their results.
+    fn pieces<'a>(&self, mut rest: Results<'a>) -> Vec<(Range<usize>, Results<'a>)> {
+        let count = self.len();
+        let pieces = (0..count).step_by(PIECE).map(|first| first..count.min(first + PIECE));
+        pieces
+            .map(|elements| {
+                let piece = rest.split_off(self.starts[elements.start], self.starts[elements.end]);
+                (elements, piece)
+            })
+            .collect()
+    }
+
+    /// Some elements, one after the other.
     fn evaluate_piece(
         &self,
-        first: usize,
+        elements: Range<usize>,
         positions: &[[f64; 3]],
         committed: &[PointState],
-        forces: &mut [[f64; COORDINATES]],
-        states: &mut [PointState],
-        mut tangents: Option<&mut [[f64; TRIANGLE]]>,
-    ) -> Option<SolidError> {
+        mut rest: Results<'_>,
+    ) -> Result<(), SolidError> {
         let mut scratch = Scratch::default();
-        for (slot, force) in forces.iter_mut().enumerate() {
-            let index = first + slot;
-            let points = POINTS * index..POINTS * (index + 1);
-            let result = self.elements[index].evaluate(
-                index,
-                self.law(index),
-                positions,
-                &committed[points],
-                force,
-                &mut states[POINTS * slot..POINTS * (slot + 1)],
-                tangents.as_deref_mut().map(|tangents| &mut tangents[slot]),
-                &mut scratch,
-            );
-            if let Err(error) = result {
-                return Some(error);
-            }
+        for index in elements {
+            let results = rest.split_off(self.starts[index], self.starts[index + 1]);
+            self.elements[index].evaluate(self.step(index, positions, committed), results, &mut scratch)?;
         }
-        None
+        Ok(())
+    }
+
+    fn step<'a>(&'a self, index: usize, positions: &'a [[f64; 3]], states: &'a [PointState]) -> Step<'a> {
+        Step { index, law: self.law(index), positions, committed: &states[self.points(index)] }
     }
 
     /// The stored elastic energy of all elements, force times length.
@@ -223,8 +273,7 @@ impl Solid {
         self.check(positions, committed)?;
         let mut total = 0.0;
         for (index, element) in self.elements.iter().enumerate() {
-            let states = &committed[POINTS * index..POINTS * (index + 1)];
-            let energy = element.stored_energy(index, self.law(index), positions, states);
+            let energy = element.stored_energy(self.step(index, positions, committed));
             total += energy.map_err(|error| self.named(error))?;
         }
         Ok(total)
@@ -232,7 +281,7 @@ impl Solid {
 
     fn check(&self, positions: &[[f64; 3]], committed: &[PointState]) -> Result<(), SolidError> {
         error::check_count("positions", positions.len(), self.nodes)?;
-        error::check_count("states", committed.len(), POINTS * self.len())?;
+        error::check_count("states", committed.len(), self.end().points)?;
         error::check_finite(positions)
     }
 
@@ -249,4 +298,23 @@ impl Solid {
     fn named(&self, error: SolidError) -> SolidError {
         error.named(|element| self.body_of(element).name_of(element))
     }
+}
+
+impl<'a> Results<'a> {
+    /// Takes the part between two places from the beginning; without tangents there is none of them.
+    fn split_off(&mut self, start: Start, end: Start) -> Self {
+        let tangents = if self.tangent.is_empty() { 0 } else { end.tangents - start.tangents };
+        Self {
+            forces: take(&mut self.forces, end.forces - start.forces),
+            states: take(&mut self.states, end.points - start.points),
+            tangent: take(&mut self.tangent, tangents),
+        }
+    }
+}
+
+/// Takes the first entries off a slice.
+fn take<'a, T>(slice: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    let (first, rest) = std::mem::take(slice).split_at_mut(count);
+    *slice = rest;
+    first
 }

@@ -2,13 +2,14 @@
 
 use nalgebra::Matrix3;
 
-use super::{POINTS, Solid, SolidError, shape};
+use super::reference::Reference;
+use super::{Solid, SolidError};
 use crate::material::PointState;
 
 /// What is known of the material at an integration point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointFields {
-    /// Cauchy stress xx, yy, zz, xy, yz, xz, force per current area; its mean is the element's pressure U'(θ).
+    /// Cauchy stress xx, yy, zz, xy, yz, xz, force per current area; its mean is the pressure U' of the element or the point.
     pub stress: [f64; 6],
     /// √(3/2 s·s) of its deviator.
     pub von_mises: f64,
@@ -29,7 +30,7 @@ pub struct NodalFields {
 /// Stresses and plastic strains.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recovery {
-    /// [`POINTS`] an element, in the order of [`Solid::elements`].
+    /// One for each point of each element, in the order of [`Solid::elements`]; [`Solid::points`] finds them.
     pub points: Vec<PointFields>,
     /// One entry a body, because stresses jump where materials meet.
     pub bodies: Vec<NodalFields>,
@@ -44,17 +45,8 @@ impl Solid {
         self.check(positions, states)?;
         let mut points = Vec::with_capacity(states.len());
         for (index, element) in self.elements.iter().enumerate() {
-            let law = self.law(index);
-            let states = &states[POINTS * index..POINTS * (index + 1)];
-            let mut deviators = [Matrix3::zeros(); POINTS];
-            let mut plastic = [0.0; POINTS];
-            let ratio = element.for_each_point(index, law, positions, states, |point, deformed| {
-                deviators[point] = deformed.answer.kirchhoff() / deformed.jacobian;
-                plastic[point] = deformed.answer.state.equivalent_plastic_strain;
-            });
-            let ratio = ratio.map_err(|error| self.named(error))?;
-            let pressure = law.volumetric(ratio).pressure;
-            for (s, p) in deviators.iter().zip(plastic) {
+            let found = element.for_each_point(self.step(index, positions, states), |point, pressure| {
+                let s: Matrix3<f64> = point.answer.kirchhoff() / point.jacobian;
                 let stress = [
                     s[(0, 0)] + pressure,
                     s[(1, 1)] + pressure,
@@ -63,8 +55,9 @@ impl Solid {
                     s[(2, 1)],
                     s[(2, 0)],
                 ];
-                points.push(PointFields::new(stress, p));
-            }
+                points.push(PointFields::new(stress, point.answer.state.equivalent_plastic_strain));
+            });
+            found.map_err(|error| self.named(error))?;
         }
         let bodies = (0..self.bodies.len()).map(|body| self.average(body, &points)).collect();
         Ok(Recovery { points, bodies })
@@ -73,13 +66,13 @@ impl Solid {
     fn average(&self, body: usize, points: &[PointFields]) -> NodalFields {
         // Seven sums and a count by node; nodes of other bodies stay empty.
         let mut sums = vec![([0.0; 7], 0_u32); self.nodes];
-        let weights: [[f64; POINTS]; 8] = std::array::from_fn(shape::extrapolation);
         for index in self.body(body) {
-            let points = &points[POINTS * index..POINTS * (index + 1)];
-            for (corner, &node) in self.elements[index].nodes.iter().enumerate() {
+            let (element, points) = (&self.elements[index], &points[self.points(index)]);
+            let extrapolation = &Reference::of(element.kind()).extrapolation;
+            for (weights, &node) in extrapolation.iter().zip(element.nodes()) {
                 let (sum, count) = &mut sums[node];
                 *count += 1;
-                for (weight, point) in weights[corner].iter().zip(points) {
+                for (weight, point) in weights.iter().zip(points) {
                     for k in 0..6 {
                         sum[k] += weight * point.stress[k];
                     }

@@ -265,8 +265,8 @@ impl Problem {
         let begin = Instant::now();
         self.solid.evaluate(positions, committed, order, &mut self.response).map_err(Failure::of_solid)?;
         self.internal.fill(0.0);
-        for (nodes, forces) in self.solid.elements().zip(&self.response.forces) {
-            for (node, force) in nodes.iter().zip(forces.as_chunks::<3>().0) {
+        for element in self.solid.responses(&self.response) {
+            for (node, force) in element.nodes.iter().zip(element.forces.as_chunks::<3>().0) {
                 for axis in 0..3 {
                     self.internal[3 * node + axis] += force[axis];
                 }
@@ -330,8 +330,8 @@ impl Problem {
         let linear = Instant::now();
         self.timing.linear += linear - begin;
         matrix.clear();
-        for (nodes, tangent) in self.solid.elements().zip(&self.response.tangents) {
-            matrix.add_symmetric(nodes, tangent, 1.0);
+        for element in self.solid.responses(&self.response) {
+            matrix.add_symmetric(element.nodes, element.tangent, 1.0);
         }
         for pressure in &self.pressures {
             pressure.add_tangent(time, positions, &mut matrix);
@@ -383,7 +383,7 @@ impl Problem {
 
     /// The pattern for the pairing of the moment.
     fn new_pattern(&self) -> Arc<BlockPattern> {
-        let mut cliques: Vec<Vec<usize>> = self.solid.elements().map(|nodes| nodes.to_vec()).collect();
+        let mut cliques: Vec<Vec<usize>> = self.solid.elements().map(<[usize]>::to_vec).collect();
         let followers = self.pressures.iter().filter(|pressure| pressure.follower);
         cliques.extend(followers.flat_map(|pressure| &pressure.facets).map(|facet| facet.corners().to_vec()));
         cliques.extend(self.contacts.cliques());

@@ -1,40 +1,92 @@
-//! Blocks of hexahedra and a small Newton loop.
+//! Blocks and a small Newton loop.
 
 #![allow(dead_code, reason = "each test file uses a part")]
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use diffuse_contact_mesh::ElementKind;
 use diffuse_contact_solver::material::{Material, PointState};
-use diffuse_contact_solver::model::Body;
+use diffuse_contact_solver::model::shape::Block;
+use diffuse_contact_solver::model::{Body, Cells};
 use diffuse_contact_solver::solid::{Order, Solid, SolidResponse};
 use diffuse_contact_solver::system::{BlockMatrix, BlockPattern, DirectSolver, Equations, Method, Symmetry};
 
-/// Nodes and elements of a grid over the unit cube, mapped by `map`.
-pub fn grid(divisions: [usize; 3], map: impl Fn([f64; 3]) -> [f64; 3]) -> (Vec<[f64; 3]>, Vec<[usize; 8]>) {
-    let [nx, ny, nz] = divisions;
-    let mut nodes = Vec::new();
-    for k in 0..=nz {
-        for j in 0..=ny {
-            for i in 0..=nx {
-                nodes.push(map([i as f64 / nx as f64, j as f64 / ny as f64, k as f64 / nz as f64]));
-            }
-        }
-    }
-    let node = |i: usize, j: usize, k: usize| (k * (ny + 1) + j) * (nx + 1) + i;
-    let mut elements = Vec::new();
-    for k in 0..nz {
-        for j in 0..ny {
-            for i in 0..nx {
-                let layer = |k| [node(i, j, k), node(i + 1, j, k), node(i + 1, j + 1, k), node(i, j + 1, k)];
-                let ([a, b, c, d], [e, f, g, h]) = (layer(k), layer(k + 1));
-                elements.push([a, b, c, d, e, f, g, h]);
-            }
-        }
-    }
-    (nodes, elements)
+/// The kinds of solid element.
+pub const SOLIDS: [ElementKind; 7] = [
+    ElementKind::Tetrahedron4,
+    ElementKind::Tetrahedron10,
+    ElementKind::Wedge6,
+    ElementKind::Wedge15,
+    ElementKind::Hexahedron8,
+    ElementKind::Hexahedron20,
+    ElementKind::Hexahedron27,
+];
+
+/// Nodes and hexahedra of a grid over the unit cube, mapped by `map`.
+pub fn grid(divisions: [usize; 3], map: impl Fn([f64; 3]) -> [f64; 3]) -> (Vec<[f64; 3]>, Cells) {
+    meshed(ElementKind::Hexahedron8, divisions, map)
 }
 
-pub fn body(elements: Vec<[usize; 8]>, material: Material) -> Body {
+/// A grid of elements of any kind; the corners are mapped, nodes in the middle lie between them.
+pub fn meshed(
+    kind: ElementKind,
+    divisions: [usize; 3],
+    map: impl Fn([f64; 3]) -> [f64; 3],
+) -> (Vec<[f64; 3]>, Cells) {
+    let block = |kind| {
+        let block = Block { origin: [0.0; 3], size: [1.0; 3], divisions, grading: [1.0; 3] };
+        let part = block.part(kind).unwrap();
+        (part.nodes, part.elements)
+    };
+    let (mut nodes, cells) = match kind {
+        ElementKind::Wedge6 | ElementKind::Wedge15 => {
+            let (nodes, hexahedra) = block(ElementKind::Hexahedron27);
+            let mut wedges = Cells::default();
+            for cell in hexahedra.iter() {
+                for corners in [[0, 1, 3, 4, 5, 7], [1, 2, 3, 5, 6, 7]] {
+                    let at = |a: usize, b: usize| {
+                        let (p, q) = (nodes[cell.nodes[a]], nodes[cell.nodes[b]]);
+                        let middle = [0, 1, 2].map(|i| 0.5 * (p[i] + q[i]));
+                        let near = |n: &&usize| (0..3).all(|i| (nodes[**n][i] - middle[i]).abs() < 1e-9);
+                        *cell.nodes.iter().find(near).unwrap()
+                    };
+                    let mut own: Vec<usize> = corners.iter().map(|&k| cell.nodes[k]).collect();
+                    own.extend(kind.edges().iter().map(|&[a, b]| at(corners[a], corners[b])));
+                    wedges.push(kind, &own);
+                }
+            }
+            // Without the nodes that no wedge has.
+            let used: BTreeSet<usize> = wedges.nodes().iter().copied().collect();
+            let number: BTreeMap<usize, usize> =
+                used.iter().enumerate().map(|(k, &node)| (node, k)).collect();
+            (used.iter().map(|&node| nodes[node]).collect(), wedges.renumbered(|node| number[&node]))
+        }
+        _ => block(kind),
+    };
+    let corners: BTreeSet<usize> =
+        cells.iter().flat_map(|cell| cell.nodes[..cell.kind.corner_count()].to_vec()).collect();
+    corners.iter().for_each(|&node| nodes[node] = map(nodes[node]));
+    set_middles(&mut nodes, &cells);
+    (nodes, cells)
+}
+
+/// Puts the nodes in the middle of edges, faces and elements there.
+pub fn set_middles(nodes: &mut [[f64; 3]], cells: &Cells) {
+    for cell in cells.iter() {
+        let count = cell.kind.corner_count();
+        let all: Vec<usize> = (0..count).collect();
+        let edges = cell.kind.edges().iter().map(|ends| ends.to_vec());
+        let centres = cell.kind.centres().iter().map(|around| around.to_vec());
+        let others = edges.chain(centres).chain([all]);
+        for (&node, of) in cell.nodes[count..].iter().zip(others) {
+            let sum = |i: usize| of.iter().map(|&k| nodes[cell.nodes[k]][i]).sum::<f64>();
+            nodes[node] = [0, 1, 2].map(|i| sum(i) / of.len() as f64);
+        }
+    }
+}
+
+pub fn body(elements: Cells, material: Material) -> Body {
     Body { name: "body".into(), elements, labels: Vec::new(), material }
 }
 
@@ -51,7 +103,7 @@ pub struct Problem {
 }
 
 impl Problem {
-    pub fn new(nodes: &[[f64; 3]], elements: Vec<[usize; 8]>, material: Material) -> Self {
+    pub fn new(nodes: &[[f64; 3]], elements: Cells, material: Material) -> Self {
         let solid = Solid::new(nodes, &[body(elements, material)]).unwrap();
         let pattern = BlockPattern::new(nodes.len(), solid.elements());
         Self {
@@ -130,10 +182,10 @@ impl Problem {
     /// Loads less internal forces at the current positions.
     pub fn residual(&self) -> Vec<[f64; 3]> {
         let mut residual = self.loads.clone();
-        for (nodes, forces) in self.solid.elements().zip(&self.response.forces) {
-            for (a, &node) in nodes.iter().enumerate() {
+        for element in self.solid.responses(&self.response) {
+            for (a, &node) in element.nodes.iter().enumerate() {
                 for i in 0..3 {
-                    residual[node][i] -= forces[3 * a + i];
+                    residual[node][i] -= element.forces[3 * a + i];
                 }
             }
         }
@@ -143,8 +195,8 @@ impl Problem {
     fn assemble(&mut self) {
         self.solid.evaluate(&self.positions, &self.states, Order::Tangent, &mut self.response).unwrap();
         self.matrix.clear();
-        for (nodes, tangent) in self.solid.elements().zip(&self.response.tangents) {
-            self.matrix.add_symmetric(nodes, tangent, 1.0);
+        for element in self.solid.responses(&self.response) {
+            self.matrix.add_symmetric(element.nodes, element.tangent, 1.0);
         }
     }
 }

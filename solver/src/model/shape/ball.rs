@@ -1,8 +1,10 @@
 //! A solid ball, whole, half, quarter or eighth.
 
+use diffuse_contact_mesh::ElementKind;
+
 use super::cylinder::{core, opposite, round_point};
-use super::grading::{graded, mirrored};
-use super::lattice::ButterflyLattice;
+use super::grading::{graded_steps, mirrored};
+use super::lattice::{ButterflyLattice, steps};
 use super::{HalfSpace, divisions, kept, length, ratio};
 use crate::model::{Part, ShapeError};
 
@@ -39,13 +41,14 @@ impl Ball {
         divisions(&self.divisions, (2.0 * half + 1.0).powi(3) + (24.0 * half * half + 2.0) * layers)
     }
 
-    /// Its mesh.
-    pub fn part(&self) -> Result<Part, ShapeError> {
+    /// Its mesh of elements of a kind, tetrahedra or hexahedra; a cell is six tetrahedra.
+    pub fn part(&self, kind: ElementKind) -> Result<Part, ShapeError> {
         self.check()?;
-        let [half, layers] = self.divisions;
-        let lattice = lattice(half, layers, &self.keep);
-        let cells = self.grading.map(|ratio| graded(half, ratio));
-        let depth = graded(layers, self.layer_grading);
+        let steps = steps(kind);
+        let [half, layers] = self.divisions.map(|count| steps * count);
+        let lattice = lattice(kind, half, layers, &self.keep);
+        let cells = self.grading.map(|ratio| graded_steps(self.divisions[0], ratio, steps));
+        let depth = graded_steps(self.divisions[1], self.layer_grading, steps);
         let (mut part, places) = lattice.part(|(at, layer)| {
             let cube = std::array::from_fn(|axis| mirrored(&cells[axis], at[axis]));
             round_point::<3>(cube, self.core, depth[layer]).map(|x| self.radius * x)
@@ -62,9 +65,10 @@ impl Ball {
 }
 
 /// The lattice of a ball, or of its surface.
-pub(super) fn lattice(half: usize, layers: usize, keep: &[HalfSpace]) -> ButterflyLattice {
+pub(super) fn lattice(kind: ElementKind, half: usize, layers: usize, keep: &[HalfSpace]) -> ButterflyLattice {
     let ranges = [0, 1, 2].map(|axis| kept(keep, axis, half as i64).0);
     ButterflyLattice {
+        kind,
         low: ranges.map(|range| range[0]),
         high: ranges.map(|range| range[1]),
         half: half as i64,

@@ -1,7 +1,9 @@
-//! A box of hexahedra.
+//! A box.
 
-use super::grading::graded;
-use super::lattice::HexLattice;
+use diffuse_contact_mesh::ElementKind;
+
+use super::grading::graded_steps;
+use super::lattice::{HexLattice, steps};
 use super::{divisions, in_range, length, ratio};
 use crate::model::{Part, ShapeError};
 
@@ -29,15 +31,16 @@ impl Block {
         divisions(&self.divisions, self.divisions.iter().map(|&n| n as f64 + 1.0).product())
     }
 
-    /// Its mesh.
-    pub fn part(&self) -> Result<Part, ShapeError> {
+    /// Its mesh of elements of a kind, tetrahedra or hexahedra; a cell is six tetrahedra.
+    pub fn part(&self, kind: ElementKind) -> Result<Part, ShapeError> {
         self.check()?;
+        let steps = steps(kind);
         let ends: [Vec<f64>; 3] =
-            std::array::from_fn(|axis| graded(self.divisions[axis], self.grading[axis]));
+            std::array::from_fn(|axis| graded_steps(self.divisions[axis], self.grading[axis], steps));
         let position = |at: [usize; 3]| {
             std::array::from_fn(|axis| self.origin[axis] + self.size[axis] * ends[axis][at[axis]])
         };
-        let lattice = HexLattice { cells: self.divisions, cyclic: false };
+        let lattice = HexLattice { cells: self.divisions, cyclic: false, kind };
         Ok(lattice.part(position, [["x-", "x+"], ["y-", "y+"], ["z-", "z+"]]))
     }
 }

@@ -2,8 +2,10 @@
 
 use std::f64::consts::FRAC_PI_4;
 
-use super::grading::{graded, mirrored};
-use super::lattice::ButterflyLattice;
+use diffuse_contact_mesh::ElementKind;
+
+use super::grading::{graded_steps, mirrored};
+use super::lattice::{ButterflyLattice, steps};
 use super::{Axis, HalfSpace, divisions, in_range, kept, length, ratio};
 use crate::model::{Part, ShapeError};
 
@@ -48,22 +50,25 @@ impl Cylinder {
         divisions(&self.divisions, nodes)
     }
 
-    /// Its mesh.
-    pub fn part(&self) -> Result<Part, ShapeError> {
+    /// Its mesh of elements of a kind, tetrahedra or hexahedra; a cell is six tetrahedra.
+    pub fn part(&self, kind: ElementKind) -> Result<Part, ShapeError> {
         self.check()?;
-        let [half, layers, along] = self.divisions;
+        let steps = steps(kind);
+        let cells = self.divisions;
+        let [half, layers, along] = cells.map(|count| steps * count);
         let [u, v, axial] = [0, 1, 2].map(|k| self.axis.global(k));
         let [(range_u, cut_u), (range_v, cut_v)] = [u, v].map(|axis| kept(&self.keep, axis, half as i64));
         let lattice = ButterflyLattice {
+            kind,
             low: [range_u[0], range_v[0], 0],
             high: [range_u[1], range_v[1], along as i64],
             half: half as i64,
             round: 2,
             layers,
         };
-        let [cells_u, cells_v] = [u, v].map(|axis| graded(half, self.grading[axis]));
-        let height = graded(along, self.grading[axial]);
-        let depth = graded(layers, self.layer_grading);
+        let [cells_u, cells_v] = [u, v].map(|axis| graded_steps(cells[0], self.grading[axis], steps));
+        let height = graded_steps(cells[2], self.grading[axial], steps);
+        let depth = graded_steps(cells[1], self.layer_grading, steps);
         let (part, places) = lattice.part(|([i, j, k], layer)| {
             let across = round_point([mirrored(&cells_u, i), mirrored(&cells_v, j)], self.core, depth[layer]);
             let [x, y] = across.map(|x| self.radius * x);

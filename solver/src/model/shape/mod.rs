@@ -2,7 +2,7 @@
 //!
 //! | solid | | rigid | |
 //! | --- | --- | --- | --- |
-//! | [`Block`] | a box of graded hexahedra | [`RigidPlane`] | plane, normal +z |
+//! | [`Block`] | a box of graded cells | [`RigidPlane`] | plane, normal +z |
 //! | [`Pipe`] | a pipe, whole or a sector | [`RigidWave`] | z = a sin(2πx/λ) |
 //! | [`Cylinder`] | a full cylinder, half or quarter | [`RigidCylinder`] | cylinder, whole or a sector |
 //! | [`Ball`] | a full ball, half, quarter or eighth | [`RigidSphere`], [`RigidTorus`] | sphere and torus or parts of them |
@@ -26,6 +26,8 @@ pub use pipe::Pipe;
 pub use rigid::{Facets, RigidCylinder, RigidPlane, RigidTorus, RigidWave, Side};
 pub use rigid_sphere::RigidSphere;
 
+use diffuse_contact_mesh::ElementKind;
+
 use super::{MAX_NODES, Part, ShapeError};
 
 /// The longest length: its cube, times as many nodes as there may be, is finite.
@@ -34,6 +36,15 @@ const MAX_LENGTH: f64 = 1e50;
 const MIN_LENGTH: f64 = 1e-50;
 /// The most a size of a cell may differ from the first to the last one.
 const MAX_GRADING: f64 = 1e6;
+
+/// The kinds of element that solid shapes can be made of, with their names in decks.
+pub const KINDS: [(&str, ElementKind); 5] = [
+    ("hex8", ElementKind::Hexahedron8),
+    ("hex20", ElementKind::Hexahedron20),
+    ("hex27", ElementKind::Hexahedron27),
+    ("tet4", ElementKind::Tetrahedron4),
+    ("tet10", ElementKind::Tetrahedron10),
+];
 
 /// Any of the shapes.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,13 +77,13 @@ impl Shape {
         }
     }
 
-    /// Its mesh.
-    pub fn part(&self) -> Result<Part, ShapeError> {
+    /// Its mesh. `kind`: of a solid's elements, tetrahedra or hexahedra.
+    pub fn part(&self, kind: ElementKind) -> Result<Part, ShapeError> {
         match self {
-            Self::Block(shape) => shape.part(),
-            Self::Pipe(shape) => shape.part(),
-            Self::Cylinder(shape) => shape.part(),
-            Self::Ball(shape) => shape.part(),
+            Self::Block(shape) => shape.part(kind),
+            Self::Pipe(shape) => shape.part(kind),
+            Self::Cylinder(shape) => shape.part(kind),
+            Self::Ball(shape) => shape.part(kind),
             Self::RigidPlane(shape) => shape.part(),
             Self::RigidWave(shape) => shape.part(),
             Self::RigidCylinder(shape) => shape.part(),

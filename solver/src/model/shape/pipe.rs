@@ -1,7 +1,9 @@
 //! A pipe, whole or a sector.
 
-use super::grading::graded;
-use super::lattice::HexLattice;
+use diffuse_contact_mesh::ElementKind;
+
+use super::grading::graded_steps;
+use super::lattice::{HexLattice, steps};
 use super::{Axis, arc, divisions, in_range, length, ratio, turn};
 use crate::model::motion::sine_cosine;
 use crate::model::{Part, ShapeError};
@@ -47,13 +49,14 @@ impl Pipe {
         divisions(&self.divisions, self.divisions.iter().map(|&n| n as f64 + 1.0).product())
     }
 
-    /// Its mesh.
-    pub fn part(&self) -> Result<Part, ShapeError> {
+    /// Its mesh of elements of a kind, tetrahedra or hexahedra; a cell is six tetrahedra.
+    pub fn part(&self, kind: ElementKind) -> Result<Part, ShapeError> {
         self.check()?;
+        let steps = steps(kind);
         let whole = turn("angles", self.angles)?;
         let [around, through, along] = self.divisions;
-        let [turned, depth, height] =
-            [(around, 0), (through, 1), (along, 2)].map(|(count, k)| graded(count, self.grading[k]));
+        let [turned, depth, height] = [(around, 0), (through, 1), (along, 2)]
+            .map(|(count, k)| graded_steps(count, self.grading[k], steps));
         let directions: Vec<(f64, f64)> = turned
             .iter()
             .map(|part| sine_cosine(self.angles[0] + (self.angles[1] - self.angles[0]) * part))
@@ -63,7 +66,7 @@ impl Pipe {
             let (sine, cosine) = directions[j];
             self.axis.point([radius * cosine, radius * sine, self.length * height[k]])
         };
-        let lattice = HexLattice { cells: [through, around, along], cyclic: whole };
+        let lattice = HexLattice { cells: [through, around, along], cyclic: whole, kind };
         Ok(lattice.part(position, [["inner", "outer"], ["start", "end"], ["bottom", "top"]]))
     }
 }

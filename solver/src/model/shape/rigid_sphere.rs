@@ -1,5 +1,7 @@
 //! A rigid sphere.
 
+use diffuse_contact_mesh::ElementKind;
+
 use super::ball::lattice;
 use super::cylinder::{opposite, round_point};
 use super::grading::{graded, mirrored};
@@ -38,7 +40,7 @@ impl RigidSphere {
     pub fn part(&self) -> Result<Part, ShapeError> {
         self.check()?;
         let cells = self.grading.map(|ratio| graded(self.divisions, ratio));
-        let (part, places) = lattice(self.divisions, 0, &self.keep).rim(|at| {
+        let (part, places) = lattice(ElementKind::Hexahedron8, self.divisions, 0, &self.keep).rim(|at| {
             let cube = std::array::from_fn(|axis| mirrored(&cells[axis], at[axis]));
             round_point::<3>(cube, 1.0, 1.0).map(|x| self.radius * x)
         });

@@ -7,7 +7,7 @@ use diffuse_contact::surface::{Facet, MasterSurface};
 use nalgebra::Vector3;
 
 use super::*;
-use crate::model::Model;
+use crate::model::{Cell, Model};
 
 /// Nodes of the two-point rule on [0, 1].
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
@@ -57,12 +57,34 @@ fn flux(facet: &Facet, nodes: &[[f64; 3]]) -> f64 {
 
 /// Checks what all solids have to be, and that the volume is that of the body within `tolerance`.
 fn solid(shape: Shape, exact: f64, tolerance: f64, faces: &[&str]) -> Part {
-    let part = shape.part().unwrap();
-    let hexahedra: f64 = part.elements.iter().map(|nodes| volume(nodes.map(|n| part.nodes[n]))).sum();
+    let part = shape.part(ElementKind::Hexahedron8).unwrap();
+    let hexahedra = hexahedra(&part);
     let skin = part.outside();
     let enclosed: f64 = skin.iter().map(|facet| flux(facet, &part.nodes)).sum();
     assert!((enclosed / hexahedra - 1.0).abs() < 1e-12, "skin {enclosed}, hexahedra {hexahedra}");
     assert!((hexahedra / exact - 1.0).abs() < tolerance, "volume {hexahedra}, closed form {exact}");
+    for (name, kind) in KINDS {
+        let other = shape.part(kind).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let enclosed: f64 = other.outside().iter().map(|facet| flux(facet, &other.nodes)).sum();
+        // The facets between the nodes of second order are flat, and closer to what is round.
+        assert!(
+            (enclosed / exact - 1.0).abs() < 2.0 * tolerance,
+            "{name}: volume {enclosed}, closed form {exact}"
+        );
+        sound(other, faces);
+    }
+    sound(part, faces)
+}
+
+/// Volume of a part of trilinear hexahedra.
+fn hexahedra(part: &Part) -> f64 {
+    let corners = |cell: Cell<'_>| std::array::from_fn(|k| part.nodes[cell.nodes[k]]);
+    part.elements.iter().map(|cell| volume(corners(cell))).sum()
+}
+
+/// Checks what solids of all kinds of element have to be.
+fn sound(part: Part, faces: &[&str]) -> Part {
+    let skin = part.outside();
     assert!(edges_shared_by_two(&skin));
 
     // The named faces make up the whole skin, each facet once.
@@ -80,7 +102,7 @@ fn solid(shape: Shape, exact: f64, tolerance: f64, faces: &[&str]) -> Part {
 
 /// Checks what all rigid surfaces have to be, and the volume below them, ∫ x·n/3.
 fn rigid(shape: Shape, exact: f64, tolerance: f64, closed: bool, sets: &[&str]) -> Part {
-    let part = shape.part().unwrap();
+    let part = shape.part(ElementKind::Hexahedron8).unwrap();
     assert!(shape.is_rigid() && part.elements.is_empty());
     let enclosed: f64 = part.facets.iter().map(|facet| flux(facet, &part.nodes)).sum();
     assert!((enclosed - exact).abs() < tolerance * exact.abs().max(1.0), "{enclosed}, closed form {exact}");
@@ -226,12 +248,39 @@ fn balls_whole_half_quarter_and_eighth() {
             grading: [1.0; 3],
             layer_grading: 1.0,
         };
-        let part = ball.part().unwrap();
-        let sum: f64 = part.elements.iter().map(|nodes| volume(nodes.map(|k| part.nodes[k]))).sum();
-        PI / 6.0 - sum
+        let part = ball.part(ElementKind::Hexahedron8).unwrap();
+        PI / 6.0 - hexahedra(&part)
     };
     let order = (error(4) / error(8)).log2();
     assert!((order - 2.0).abs() < 0.1, "order {order}");
+}
+
+/// Nodes in the middle of edges lie on the curved surface, too, and elements keep their orientation at all points.
+#[test]
+fn elements_of_second_order_follow_the_curve() {
+    use crate::material::Material;
+    use crate::solid::Solid;
+    let ball = Ball {
+        radius: 2.0,
+        keep: vec![],
+        divisions: [2, 2],
+        core: 0.5,
+        grading: [1.0; 3],
+        layer_grading: 1.0,
+    };
+    for (name, kind) in KINDS {
+        let part = ball.part(kind).unwrap();
+        let outer = &part.node_sets["outer"];
+        let radius = |node: &usize| part.nodes[*node].iter().map(|x| x * x).sum::<f64>().sqrt();
+        assert!(outer.iter().all(|node| (radius(node) - 2.0).abs() < 1e-14), "{name}");
+        // The whole ball but hex20's empty places: 4³ cells of the core, 2 layers on 6 × 16 faces.
+        let cells = 4_usize.pow(3) + 2 * 6 * 16;
+        let per_cell = if kind.corner_count() == 4 { 6 } else { 1 };
+        assert_eq!(part.elements.len(), per_cell * cells, "{name}");
+        let mut model = Model::default();
+        model.add("ball", part, Some(Material { young: 1.0, poisson: 0.3, plasticity: None })).unwrap();
+        Solid::new(&model.nodes, &model.bodies).unwrap_or_else(|error| panic!("{name}: {error}"));
+    }
 }
 
 #[test]
@@ -246,8 +295,13 @@ fn round_solids_have_no_poor_cells_for_any_core() {
                 grading: [ratio; 3],
                 layer_grading: ratio,
             };
-            let part = ball.part().unwrap();
+            let part = ball.part(ElementKind::Hexahedron8).unwrap();
             part.check("ball").unwrap_or_else(|error| panic!("core {core}, grading {ratio}: {error}"));
+            for (name, kind) in KINDS {
+                let part = ball.part(kind).unwrap();
+                part.check("ball")
+                    .unwrap_or_else(|error| panic!("{name}, core {core}, grading {ratio}: {error}"));
+            }
         }
     }
 }
@@ -330,7 +384,7 @@ fn rigid_surfaces_face_the_side_that_is_touched() {
 
 /// The field and the value of the first number out of range.
 fn refused(shape: Shape) -> (&'static str, f64) {
-    match (shape.check(), shape.part().map(drop)) {
+    match (shape.check(), shape.part(ElementKind::Hexahedron8).map(drop)) {
         (Err(error), Err(again)) => {
             assert_eq!(format!("{error:?}"), format!("{again:?}"));
             match error {

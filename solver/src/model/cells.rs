@@ -1,0 +1,134 @@
+//! Solid elements of any kind, one after the other.
+
+use std::collections::HashMap;
+
+use diffuse_contact::surface::Facet;
+use diffuse_contact_mesh::{self as mesh, ElementKind};
+
+/// Solid elements: kinds of dimension three, each with as many nodes as it has.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Cells {
+    kinds: Vec<ElementKind>,
+    /// The nodes of all elements.
+    nodes: Vec<usize>,
+    /// For each element the end of its nodes.
+    ends: Vec<usize>,
+}
+
+/// One of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cell<'a> {
+    /// Its kind.
+    pub kind: ElementKind,
+    /// Its nodes in the order of the kind.
+    pub nodes: &'a [usize],
+}
+
+impl Cells {
+    /// Adds an element.
+    ///
+    /// # Panics
+    /// If the kind is no solid or has another number of nodes.
+    pub fn push(&mut self, kind: ElementKind, nodes: &[usize]) {
+        assert!(
+            kind.dimension() == 3 && nodes.len() == kind.node_count(),
+            "{kind:?} with {} nodes",
+            nodes.len()
+        );
+        self.kinds.push(kind);
+        self.nodes.extend(nodes);
+        self.ends.push(self.nodes.len());
+    }
+
+    /// Number of elements.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.kinds.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.kinds.is_empty()
+    }
+
+    /// All elements.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = Cell<'_>> + Clone {
+        (0..self.len()).map(|k| self.get(k))
+    }
+
+    /// The `k`-th element.
+    ///
+    /// # Panics
+    /// If there is no such element.
+    #[must_use]
+    pub fn get(&self, k: usize) -> Cell<'_> {
+        let start = if k == 0 { 0 } else { self.ends[k - 1] };
+        Cell { kind: self.kinds[k], nodes: &self.nodes[start..self.ends[k]] }
+    }
+
+    /// The nodes of all elements, one element after the other.
+    #[must_use]
+    pub fn nodes(&self) -> &[usize] {
+        &self.nodes
+    }
+
+    /// The kinds there are, each with its number of elements.
+    #[must_use]
+    pub fn counts(&self) -> Vec<(ElementKind, usize)> {
+        let mut kinds = self.kinds.clone();
+        kinds.sort_unstable();
+        kinds.chunk_by(|a, b| a == b).map(|alike| (alike[0], alike.len())).collect()
+    }
+
+    /// The same elements with other node indices.
+    #[must_use]
+    pub fn renumbered(&self, number: impl FnMut(usize) -> usize) -> Self {
+        Self { nodes: self.nodes.iter().copied().map(number).collect(), ..self.clone() }
+    }
+
+    /// The facets that the faces of one element only are made of, oriented outward, in the order of the elements.
+    #[must_use]
+    pub fn skin(&self) -> Vec<Facet> {
+        let mut uses: HashMap<[usize; 4], u32> = HashMap::with_capacity(4 * self.len());
+        let faces = || {
+            self.iter().flat_map(|cell| {
+                cell.kind.faces().iter().map(move |corners| (cell, *corners, cell.key(corners)))
+            })
+        };
+        for (.., key) in faces() {
+            *uses.entry(key).or_insert(0) += 1;
+        }
+        let outside = faces().filter(|(.., key)| uses[key] == 1);
+        outside.flat_map(|(cell, corners, _)| cell.facets(corners)).collect()
+    }
+}
+
+impl Cell<'_> {
+    /// What faces of two elements that touch have in common: their corners, ascending.
+    fn key(&self, corners: &[usize]) -> [usize; 4] {
+        let mut key = [usize::MAX; 4];
+        for (key, &corner) in key.iter_mut().zip(corners) {
+            *key = self.nodes[corner];
+        }
+        key.sort_unstable();
+        key
+    }
+
+    fn facets(self, corners: &[usize]) -> impl Iterator<Item = Facet> {
+        let facets = self.kind.facets_of(corners).into_iter();
+        facets.map(move |facet| match facet.map(|node| self.nodes[node]) {
+            mesh::Facet::Triangle(nodes) => Facet::Triangle(nodes),
+            mesh::Facet::Quadrilateral(nodes) => Facet::Quadrilateral(nodes),
+        })
+    }
+}
+
+impl From<Vec<[usize; 8]>> for Cells {
+    /// Hexahedra.
+    fn from(hexahedra: Vec<[usize; 8]>) -> Self {
+        let mut cells = Self::default();
+        hexahedra.iter().for_each(|nodes| cells.push(ElementKind::Hexahedron8, nodes));
+        cells
+    }
+}

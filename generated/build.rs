@@ -3,7 +3,10 @@
 mod elements;
 
 use diffuse_contact_codegen::Config;
-use elements::{carried_by_quadrilateral, carried_by_triangle, coulomb};
+use elements::{
+    carried_by_quadrilateral, carried_by_quadrilateral8, carried_by_quadrilateral9, carried_by_triangle,
+    carried_by_triangle6, coulomb,
+};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("cargo::rustc-check-cfg=cfg(unoptimised)");
@@ -19,6 +22,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .element("coulomb", coulomb)?
         .element("carried_by_triangle", carried_by_triangle)?
         .element("carried_by_quadrilateral", carried_by_quadrilateral)?
+        .element("carried_by_triangle6", carried_by_triangle6)?
+        .element("carried_by_quadrilateral8", carried_by_quadrilateral8)?
+        .element("carried_by_quadrilateral9", carried_by_quadrilateral9)?
         .support("crate::support");
     let config = if cfg!(feature = "friction") { config.friction() } else { config };
     config.compile()?;

@@ -51,6 +51,70 @@ pub fn carried_by_quadrilateral<'g>(m: &ElementModel<'g>) {
     });
 }
 
+/// A unit force carried by a quadratic triangle: corners, then the middles of its edges.
+pub fn carried_by_triangle6(m: &ElementModel<'_>) {
+    carried(m, |m, nodes: [Vec3<'_>; 6], point, direction| {
+        let [a, b, c, ..] = nodes;
+        on_curved(m, nodes, [b - a, c - a], triangle6, point, direction)
+    });
+}
+
+/// A unit force carried by a quadrilateral with the middles of its edges.
+pub fn carried_by_quadrilateral8(m: &ElementModel<'_>) {
+    carried(m, |m, nodes: [Vec3<'_>; 8], point, direction| {
+        let [a, b, c, d, ..] = nodes;
+        on_curved(
+            m,
+            nodes,
+            [0.25 * (b + c - a - d), 0.25 * (c + d - a - b)],
+            quadrilateral8,
+            point,
+            direction,
+        )
+    });
+}
+
+/// The same with its centre.
+pub fn carried_by_quadrilateral9(m: &ElementModel<'_>) {
+    carried(m, |m, nodes: [Vec3<'_>; 9], point, direction| {
+        let [a, b, c, d, ..] = nodes;
+        on_curved(
+            m,
+            nodes,
+            [0.25 * (b + c - a - d), 0.25 * (c + d - a - b)],
+            quadrilateral9,
+            point,
+            direction,
+        )
+    });
+}
+
+/// The shape functions where a line meets a curved facet; `edges`: about its tangents by the natural coordinates.
+fn on_curved<'g, const N: usize>(
+    m: &ElementModel<'g>,
+    nodes: [Vec3<'g>; N],
+    edges: [Vec3<'g>; 2],
+    functions: impl Fn(Vec2<'g>) -> [Expr<'g>; N],
+    point: Vec3<'g>,
+    direction: Vec3<'g>,
+) -> [Expr<'g>; N] {
+    let start = Vector(m.parameters(["start_xi", "start_eta"]));
+    let [first, second] = across(edges[0], edges[1], direction);
+    let step = m.sheet().variables(["s", "t"]);
+    let beside = |step: Vec2<'g>| {
+        let x = point - combined(&nodes, &functions(start + step));
+        Vector([first.dot(x), second.dot(x)])
+    };
+    let (_, step) = m.sheet().root("place", step, beside(step));
+    m.value("natural", start + step);
+    m.value("beside", beside(step));
+    m.describe(
+        "beside",
+        "How far the place is from the line, in natural coordinates: rounding, if there is one",
+    );
+    functions(start + step)
+}
+
 /// A unit force along `direction` through `point`: the parts of it that a facet's nodes carry are its shape functions where the line of
 /// the force meets it (docs/equations.md, section 18).
 fn carried<'g, const N: usize>(
@@ -74,6 +138,40 @@ fn carried<'g, const N: usize>(
 fn bilinear(u: Vec2<'_>) -> [Expr<'_>; 4] {
     let Vector([s, t]) = u;
     [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t]
+}
+
+/// The shape functions of a quadratic triangle, of two area coordinates.
+fn triangle6<'g>(u: Vec2<'g>) -> [Expr<'g>; 6] {
+    let Vector([s, t]) = u;
+    let r = 1.0 - s - t;
+    let corner = |x: Expr<'g>| x * (2.0 * x - 1.0);
+    [corner(r), corner(s), corner(t), 4.0 * r * s, 4.0 * s * t, 4.0 * t * r]
+}
+
+/// Those of a quadrilateral with the middles of its edges, of coordinates from −1 to 1.
+fn quadrilateral8(u: Vec2<'_>) -> [Expr<'_>; 8] {
+    let Vector([s, t]) = u;
+    let corner = |a: f64, b: f64| 0.25 * (1.0 + a * s) * (1.0 + b * t) * (a * s + b * t - 1.0);
+    let along_s = |b: f64| 0.5 * (1.0 - s * s) * (1.0 + b * t);
+    let along_t = |a: f64| 0.5 * (1.0 - t * t) * (1.0 + a * s);
+    [
+        corner(-1.0, -1.0),
+        corner(1.0, -1.0),
+        corner(1.0, 1.0),
+        corner(-1.0, 1.0),
+        along_s(-1.0),
+        along_t(1.0),
+        along_s(1.0),
+        along_t(-1.0),
+    ]
+}
+
+/// Those of a quadrilateral with its centre, too.
+fn quadrilateral9<'g>(u: Vec2<'g>) -> [Expr<'g>; 9] {
+    let of = |x: Expr<'g>| [0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)];
+    let [s, t] = u.0.map(of);
+    let places = [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1], [1, 1]];
+    places.map(|[i, j]| s[i] * t[j])
 }
 
 /// Two vectors across a direction that are dual to two edges.

@@ -167,24 +167,32 @@ impl ElementKind {
         self.table().faces
     }
 
+    /// The nodes of the face with these corners: the corners, the middles of its edges from the first corner on, its centre, as far as the
+    /// kind has them.
+    pub fn nodes_of(self, corners: &[usize]) -> Vec<usize> {
+        let Table { edges, centres, .. } = self.table();
+        let (count, own) = (corners.len(), self.corner_count());
+        let middles = (0..count).filter_map(|k| {
+            let ends = [corners[k], corners[(k + 1) % count]];
+            let place = edges.iter().position(|edge| *edge == ends || *edge == [ends[1], ends[0]])?;
+            Some(own + place)
+        });
+        let on_face = |centre: &[usize; 4]| corners.iter().all(|corner| centre.contains(corner));
+        let centre = if count == 4 { centres.iter().position(on_face) } else { None };
+        corners.iter().copied().chain(middles).chain(centre.map(|place| own + edges.len() + place)).collect()
+    }
+
     /// The flat facets that a face with these corners, or a triangle or quadrilateral itself, is made of, by local nodes. A face with
     /// middle nodes has several: each node of it is a corner of some.
     pub fn facets_of(self, corners: &[usize]) -> Vec<Facet> {
-        let Table { edges, centres, .. } = self.table();
-        let count = corners.len();
-        let own_corners = self.corner_count();
-        let middle = |k: usize| {
-            let ends = [corners[k], corners[(k + 1) % count]];
-            let place = edges.iter().position(|edge| *edge == ends || *edge == [ends[1], ends[0]])?;
-            Some(own_corners + place)
-        };
-        let middles: Option<Vec<usize>> = (0..count).map(middle).collect();
-        let Some(middles) = middles else { return Facet::from_nodes(corners).into_iter().collect() };
-        let place = centres.iter().position(|centre| corners.iter().all(|corner| centre.contains(corner)));
-        let centre = place.map(|place| own_corners + edges.len() + place);
+        let (nodes, count) = (self.nodes_of(corners), corners.len());
+        if nodes.len() < 2 * count {
+            return Facet::from_nodes(corners).into_iter().collect();
+        }
+        let (middles, centre) = (&nodes[count..2 * count], nodes.get(2 * count));
         let around = |k: usize| [middles[(k + count - 1) % count], corners[k], middles[k]];
         match centre {
-            Some(centre) => (0..count)
+            Some(&centre) => (0..count)
                 .map(|k| {
                     let [before, corner, after] = around(k);
                     Facet::Quadrilateral([corner, after, centre, before])
@@ -192,7 +200,7 @@ impl ElementKind {
                 .collect(),
             None => {
                 let at_corners = (0..count).map(|k| Facet::Triangle(around(k)));
-                at_corners.chain(Facet::from_nodes(&middles)).collect()
+                at_corners.chain(Facet::from_nodes(middles)).collect()
             }
         }
     }

@@ -20,7 +20,7 @@
 //!    │
 //! model/      Deck → Model: nodes, bodies, node sets, surfaces            parametric shapes and mesh files; sound, as a Mesh is
 //!    │
-//! solid/      positions, states → element forces, tangents, new states    hex8, mean dilatation; material/ is called per point
+//! solid/      positions, states → element forces, tangents, new states    tetrahedra, wedges, hexahedra; material/ is called per point
 //! contact/    positions → contact forces and tangents                     ContactInterface, penalty or augmented Lagrangian
 //!    │
 //! system/     blocks → sparse matrix → solution                           node-block pattern; faer, symbolic part reused

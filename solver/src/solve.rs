@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::contact::{ContactError, ContactSet, Interaction, InteractionOptions};
+use crate::contact::{ContactError, ContactSet, Integration, Interaction, InteractionOptions};
 use crate::deck::{Contact, Deck, DeckError, Interface};
 use crate::model::Model;
 use crate::output::{
@@ -214,7 +214,7 @@ pub fn problem(deck: &Deck, model: &Model, threads: usize) -> Result<Problem, So
         .zip(supports.supports().to_vec())
         .map(|(name, support)| SupportGroup { name, support });
     let pressures = deck.loads(model)?.into_iter().map(|load| Pressure {
-        facets: load.facets,
+        faces: model.faces_of(&load.facets),
         value: load.value,
         amplitude: load.amplitude,
         follower: load.follower,
@@ -270,7 +270,11 @@ fn interaction(
         .with_interface(interface.options(contact))
         .with_symmetry(interface.symmetry.clone())
         .with_friction(interface.friction)
-        .with_integration(interface.integration);
+        .with_integration(interface.integration)
+        .with_quadratic_faces(match interface.integration {
+            Integration::Nodes => Vec::new(),
+            Integration::Faces(_) => model.quadratic_faces(),
+        });
     Ok(Interaction::new(options, &sides.master, &sides.slave, &model.nodes)?)
 }
 

@@ -12,7 +12,7 @@ use diffuse_contact_solver::contact::Integration;
 use diffuse_contact_solver::deck::{Boundary, Contact, Deck, PartSource, Reference};
 use diffuse_contact_solver::model::Motion;
 use diffuse_contact_solver::model::shape::{
-    Axis, Block, Facets, HalfSpace, RigidCylinder, RigidSphere, Shape, Side,
+    Axis, Block, Facets, HalfSpace, KINDS, RigidCylinder, RigidSphere, Shape, Side,
 };
 use diffuse_contact_solver::solid::SolidError;
 use diffuse_contact_solver::verification::{
@@ -88,6 +88,33 @@ fn patch_test_over_faces() {
             let error = [stress, other_stress, contact].into_iter().fold(0.0, f64::max);
             assert!(error < 1e-9, "{error:e} {element:?} {lower:?} {upper:?} {exchange} {penalty:e}");
             assert!((force.abs() / 1e4 - 1.0).abs() < 1e-9, "{force}");
+        }
+    }
+}
+
+/// So do elements of all kinds: faces of second order carry forces by their own shape functions.
+#[test]
+fn patch_test_over_faces_of_all_kinds() {
+    let kinds = KINDS.map(|(_, kind)| kind);
+    for (k, upper) in kinds.into_iter().enumerate() {
+        // Against itself and against another kind.
+        for lower in [upper, kinds[(k + 1) % kinds.len()]] {
+            for (exchange, penalty) in [(false, 5e3), (true, 5e6)] {
+                let mut deck = deck("patch_test.toml", Contact::Diffuse);
+                divide(&mut deck, "lower", &[3, 3, 2]);
+                divide(&mut deck, "upper", &[2, 4, 2]);
+                for part in &mut deck.parts {
+                    part.element = if part.name == "lower" { lower } else { upper };
+                }
+                deck.newton.tolerance = 1e-13;
+                let interface = &mut deck.interfaces[0];
+                interface.integration = Integration::Faces(FaceRule::Second);
+                (interface.exchange, interface.penalty) = (exchange, penalty);
+                let (Uniformity { stress, other_stress, .. }, force) = pressed(&deck);
+                let error = stress.max(other_stress);
+                assert!(error < 1e-9, "{error:e} {upper:?} on {lower:?} {exchange} {penalty:e}");
+                assert!((force.abs() / 1e4 - 1.0).abs() < 1e-9, "{force}");
+            }
         }
     }
 }

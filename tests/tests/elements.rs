@@ -6,7 +6,10 @@ mod formulas;
 
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
 use diffuse_contact_codegen::{ElementKernels, ElementModel, Mode};
-use diffuse_contact_kernels::{carried_by_quadrilateral, carried_by_triangle, coulomb, support};
+use diffuse_contact_kernels::{
+    carried_by_quadrilateral, carried_by_quadrilateral8, carried_by_quadrilateral9, carried_by_triangle,
+    carried_by_triangle6, coulomb, support,
+};
 use num_dual::{Dual64, DualNum};
 
 /// Relative difference that is rounding.
@@ -57,13 +60,13 @@ fn parts(x: &[Dual64], functions: impl Fn(Dual64, Dual64) -> Vec<Dual64>) -> Vec
     };
     let (mut s, mut t, mut distance) = (number(0.3), number(0.3), number(0.0));
     for _ in 0..60 {
-        // Facets are linear in either coordinate: differences over steps of 1 are derivatives.
+        // Facets are at most quadratic in either coordinate: central differences are derivatives.
         let here = position(s, t);
-        let one = number(1.0);
-        let (by_s, by_t) = (position(s + one, t), position(s, t + one));
+        let half = number(0.5);
+        let difference = |after: [Dual64; 3], before: [Dual64; 3]| [0, 1, 2].map(|i| after[i] - before[i]);
         let columns = [
-            [0, 1, 2].map(|i| by_s[i] - here[i]),
-            [0, 1, 2].map(|i| by_t[i] - here[i]),
+            difference(position(s + half, t), position(s - half, t)),
+            difference(position(s, t + half), position(s, t - half)),
             [0, 1, 2].map(|i| -along[i]),
         ];
         let right = [0, 1, 2].map(|i| point[i] + distance * along[i] - here[i]);
@@ -129,6 +132,78 @@ fn forces_carried_by_facets_have_three_witnesses() {
             assert_close(&of_graph[k], &expected[k], what);
             assert_close(&of_kernel[k], &expected[k], what);
         }
+    }
+}
+
+/// Nodes of a face of second order: corners, middles of its edges, centre.
+fn with_middles(corners: &[[f64; 3]], count: usize) -> Vec<[f64; 3]> {
+    let mean = |of: &[[f64; 3]]| [0, 1, 2].map(|i| of.iter().map(|x| x[i]).sum::<f64>() / of.len() as f64);
+    let mut nodes = corners.to_vec();
+    for k in 0..corners.len() {
+        nodes.push(mean(&[corners[k], corners[(k + 1) % corners.len()]]));
+    }
+    nodes.push(mean(corners));
+    nodes.truncate(count);
+    nodes
+}
+
+#[test]
+fn forces_carried_by_faces_of_second_order_have_three_witnesses() {
+    let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.1], [1.1, 1.0, 0.3], [0.0, 0.9, -0.1]];
+    let number = Dual64::from;
+    /// Compares the witnesses of a kernel.
+    macro_rules! compare {
+        ($kernel:ident, $inputs:expr, $start:expr, $functions:expr) => {{
+            let inputs: &[f64] = $inputs;
+            let expected = by_duals(inputs, inputs.len(), |x| parts(x, $functions));
+            let all = [inputs, &$start[..]].concat();
+            let of_graph = interpreted(formulas::$kernel, &all, "parts");
+            let mut of_kernel = $kernel::Inputs {
+                point: [0.0; 3],
+                along: [0.0; 3],
+                corners: Default::default(),
+                start_xi: $start[0],
+                start_eta: $start[1],
+            };
+            let rows = inputs.as_chunks::<3>().0;
+            (of_kernel.point, of_kernel.along) = (rows[0], rows[1]);
+            of_kernel.corners.copy_from_slice(&rows[2..]);
+            let results = $kernel::evaluate(support::Mode::Gradient, &of_kernel);
+            let of_kernel = [results.values.parts.as_flattened().to_vec(), results.parts_jacobian.to_vec()];
+            for (k, what) in [stringify!($kernel), "its derivatives"].into_iter().enumerate() {
+                assert_close(&of_graph[k], &expected[k], what);
+                assert_close(&of_kernel[k], &expected[k], what);
+            }
+        }};
+    }
+    for seed in [0.31, 0.57, 0.83] {
+        let shaken = |count: usize, corners: usize| {
+            let nodes = with_middles(&square[..corners], count);
+            let all = [&[[0.4, 0.3, 0.8], [0.1, -0.2, 0.9]], &nodes[..]].concat();
+            let random = numbers(3 * all.len(), seed);
+            all.as_flattened().iter().zip(random).map(|(x, random)| x + 0.05 * random).collect::<Vec<f64>>()
+        };
+        let (one, two, four) = (number(1.0), number(2.0), number(4.0));
+        let of_triangle = |s: Dual64, t: Dual64| {
+            let r = one - s - t;
+            let corner = |x: Dual64| x * (two * x - one);
+            vec![corner(r), corner(s), corner(t), four * r * s, four * s * t, four * t * r]
+        };
+        compare!(carried_by_triangle6, &shaken(6, 3), [0.35, 0.25], of_triangle);
+        // As products of the quadratic functions of a line, of which one without a centre takes a quarter's and two quarters' share.
+        let line = |x: Dual64| [(x * x - x) / two, one - x * x, (x * x + x) / two];
+        let places = [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1], [1, 1]];
+        let nine = |s: Dual64, t: Dual64| {
+            let (of_s, of_t) = (line(s), line(t));
+            places.iter().map(|&[i, j]| of_s[i] * of_t[j]).collect::<Vec<_>>()
+        };
+        let eight = |s: Dual64, t: Dual64| {
+            let all = nine(s, t);
+            let share = |k: usize| if k < 4 { -all[8] / four } else { all[8] / two };
+            (0..8).map(|k| all[k] + share(k)).collect::<Vec<_>>()
+        };
+        compare!(carried_by_quadrilateral8, &shaken(8, 4), [-0.2, -0.4], eight);
+        compare!(carried_by_quadrilateral9, &shaken(9, 4), [-0.2, -0.4], nine);
     }
 }
 

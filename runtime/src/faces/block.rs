@@ -1,8 +1,9 @@
 //! The contribution of one slave face: forces by unit pressures of its corners, gradients of their gaps, and what the directions of the
 //! forces add to the tangent.
 
-use super::carried::{Carried, carried};
+use super::carried::Carried;
 use super::cut::FacePoint;
+use super::quadratic::{Carrying, MOST_NODES};
 use super::skin::Skin;
 use crate::interface::{ContactRef, back};
 use crate::surface::{Facet, Image, Shape};
@@ -12,6 +13,10 @@ use crate::{Mode, Point};
 pub struct FaceView<'a> {
     pub facet: &'a Facet,
     pub shape: Shape,
+    /// What carries its forces.
+    pub carrying: &'a Carrying,
+    /// Of all nodes.
+    pub positions: &'a [Point],
     pub skin: &'a Skin,
     /// The face's number.
     pub face: usize,
@@ -40,9 +45,9 @@ struct Columns<'a> {
     skin: Vec<(usize, Option<&'a Image>, f64)>,
     /// Of the masters.
     masters: Vec<usize>,
-    /// Of the face's corners.
-    corners: Vec<usize>,
-    /// Of the facet's corners.
+    /// Of the nodes that carry the face's forces.
+    face: Vec<usize>,
+    /// Of those that carry the facet's.
     facet: Vec<usize>,
     contact: &'a ContactRef<'a>,
 }
@@ -73,19 +78,24 @@ impl FaceBlock {
         Self { forces: of_corners(rows), gradients: of_corners(columns), directions, missed: 0 }
     }
 
-    /// Adds a point. `facet`: that over it, with its nodes; `pressures`: of the face's corners.
+    /// Adds a point. `over`: what carries the forces of the facet over it; `pressures`: of the face's corners.
     pub fn add(
         &mut self,
         view: &FaceView<'_>,
         point: &FacePoint,
-        (nodes, over): (&[usize], &Shape),
+        over: &Carrying,
         contact: &ContactRef<'_>,
         pressures: &[f64; 4],
     ) {
         let functions = view.shape.functions(point.natural);
         let along = [contact.gradient[0], contact.gradient[1], contact.gradient[2]];
         let mode = if contact.hessian.is_empty() { Mode::Value } else { Mode::Gradient };
-        let x: Point = view.shape.point(point.natural).into();
+        // Where the point is on what carries it.
+        let own = view.carrying.nodes();
+        let mut x = [0.0; 3];
+        for (&node, n) in own.iter().zip(point.functions) {
+            (0..3).for_each(|axis| x[axis] += n * view.positions[node][axis]);
+        }
         let place = |list: &[u32], node: usize| {
             list.binary_search(&(node as u32))
                 .unwrap_or_else(|_| unreachable!("lists hold all nodes of their points"))
@@ -100,21 +110,21 @@ impl FaceBlock {
         let columns = Columns {
             skin: skin.collect(),
             masters: contact.nodes.iter().map(|&node| in_columns(node as usize)).collect(),
-            corners: view.facet.corners().iter().map(|&node| in_columns(node)).collect(),
-            facet: nodes.iter().map(|&node| in_columns(node)).collect(),
+            face: own.iter().map(|&node| in_columns(node)).collect(),
+            facet: over.nodes().iter().map(|&node| in_columns(node)).collect(),
             contact,
         };
         for (corner, &n) in functions.iter().enumerate().take(view.facet.corners().len()) {
             columns.spread(|own| contact.gradient[own], point.weight * n, &mut self.gradients[corner]);
         }
-        let Some(force) = carried(over, x, along, mode) else {
+        let Some(force) = over.carried(view.positions, x, along, mode) else {
             self.missed += 1;
             return;
         };
-        // Who carries the force: +N_a of it the corners of the face, −N_k those of the facet.
-        let of_face =
-            view.facet.corners().iter().zip(functions).map(|(&node, n)| (place(view.rows, node), 0, n));
-        let of_facet = nodes.iter().enumerate().map(|(k, &node)| (place(view.rows, node), k + 1, -1.0));
+        // Who carries the force: +N_a of it the nodes of the face, −N_k those of the facet.
+        let of_face = own.iter().zip(point.functions).map(|(&node, n)| (place(view.rows, node), 0, n));
+        let of_facet =
+            over.nodes().iter().enumerate().map(|(k, &node)| (place(view.rows, node), k + 1, -1.0));
         let carriers: Vec<(usize, usize, f64)> = of_face.chain(of_facet).collect();
         for (corner, &n) in functions.iter().enumerate().take(view.facet.corners().len()) {
             let weight = point.weight * n;
@@ -126,7 +136,7 @@ impl FaceBlock {
         }
         let pressure: f64 = functions.iter().zip(pressures).map(|(n, p)| n * p).sum();
         if !self.directions.is_empty() && pressure != 0.0 {
-            self.add_directions(&force, &columns, &carriers, &functions, point.weight * pressure);
+            self.add_directions(&force, &columns, &carriers, &point.functions, point.weight * pressure);
         }
     }
 
@@ -136,7 +146,7 @@ impl FaceBlock {
         force: &Carried,
         columns: &Columns<'_>,
         carriers: &[(usize, usize, f64)],
-        functions: &[f64; 4],
+        functions: &[f64; MOST_NODES],
         load: f64,
     ) {
         let width = self.gradients[0].len();
@@ -153,7 +163,7 @@ impl FaceBlock {
         let count = columns.facet.len() + 1;
         for own in 0..count {
             for axis in 0..3 {
-                let by = &force.derivatives[3 * own + axis];
+                let by = force.row(3 * own + axis);
                 line.fill(0.0);
                 for (k, factor) in by[3..6].iter().enumerate() {
                     for (entry, other) in line.iter_mut().zip(&by_nodes[k * width..][..width]) {
@@ -161,7 +171,7 @@ impl FaceBlock {
                     }
                 }
                 for k in 0..3 {
-                    for (&place, n) in columns.corners.iter().zip(functions) {
+                    for (&place, n) in columns.face.iter().zip(functions) {
                         line[3 * place + k] += n * by[k];
                     }
                     for (node, &place) in columns.facet.iter().enumerate() {

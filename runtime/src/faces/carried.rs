@@ -1,56 +1,98 @@
 //! A unit force on a facet, by the generated kernels.
 
-use diffuse_contact_kernels::{carried_by_quadrilateral, carried_by_triangle};
+use diffuse_contact_kernels::{
+    carried_by_quadrilateral, carried_by_quadrilateral8, carried_by_quadrilateral9, carried_by_triangle,
+    carried_by_triangle6,
+};
 
+use super::quadratic::MOST_NODES;
 use crate::surface::Shape;
 use crate::{Mode, Point};
 
-/// A unit force along a line through a point, and what each corner of the facet carries of it: its shape function where the line meets
+/// A unit force along a line through a point, and what each node of the facet carries of it: its shape function where the line meets
 /// the facet, times the force.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Carried {
     /// Natural coordinates of the place where the line meets the facet, which may lie beyond its edges.
     pub natural: [f64; 2],
-    /// The force, then the parts of the corners; of a triangle the last is zero.
-    pub forces: [Point; 5],
-    /// By the point, the direction as it was given, and the corners: a row per entry of `forces`.
-    pub derivatives: [[f64; 18]; 15],
+    /// The force, then the parts of the nodes; zero beyond the last.
+    pub forces: [Point; 1 + MOST_NODES],
+    /// By the point, the direction as it was given, and the nodes: a row of `variables` per entry of `forces`; empty without.
+    pub derivatives: Vec<f64>,
+    /// 6 and three for each node.
+    pub variables: usize,
+}
+
+impl Carried {
+    /// The derivatives of an entry of `forces`.
+    pub fn row(&self, entry: usize) -> &[f64] {
+        &self.derivatives[entry * self.variables..][..self.variables]
+    }
+
+    /// Itself if the line meets a place of the facet.
+    fn if_met(self, beside: [f64; 2]) -> Option<Self> {
+        // The sum over all results is finite only if each is.
+        let sum: f64 = self.forces.as_flattened().iter().chain(&self.derivatives).sum();
+        let is_met = beside.iter().all(|x| x.abs() <= LARGEST_RESIDUAL)
+            && sum.is_finite()
+            && self.natural.iter().all(|x| x.abs() <= FARTHEST);
+        is_met.then_some(self)
+    }
+}
+
+/// Runs a kernel and takes its results over.
+macro_rules! run {
+    ($kernel:ident, $mode:expr, $inputs:expr, |$values:ident| $beside:expr) => {{
+        let results = $kernel::evaluate($mode, &$inputs);
+        let $values = &results.values;
+        let mut forces = [[0.0; 3]; 1 + MOST_NODES];
+        forces[0] = $values.direction;
+        forces[1..=$values.parts.len()].copy_from_slice(&$values.parts);
+        let derivatives = if $mode == Mode::Value {
+            Vec::new()
+        } else {
+            [&results.direction_jacobian[..], &results.parts_jacobian].concat()
+        };
+        let carried =
+            Carried { natural: $values.natural, forces, derivatives, variables: $kernel::VARIABLES };
+        carried.if_met($beside)
+    }};
 }
 
 /// `along`: the direction of the force, of any length. `None` if the line meets no place of the facet.
 pub fn carried(shape: &Shape, point: Point, along: Point, mode: Mode) -> Option<Carried> {
-    let mut carried = Carried { natural: [0.0; 2], forces: [[0.0; 3]; 5], derivatives: [[0.0; 18]; 15] };
-    /// Runs a kernel and takes its results over.
-    macro_rules! run {
-        ($kernel:ident, $corners:expr, |$values:ident| $is_found:expr) => {{
-            let inputs = $kernel::Inputs { point, along, corners: $corners.map(Point::from) };
-            let results = $kernel::evaluate(mode, &inputs);
-            let $values = results.values;
-            carried.natural = results.values.natural;
-            carried.forces[0] = results.values.direction;
-            carried.forces[1..=$corners.len()].copy_from_slice(&results.values.parts);
-            let rows = results.direction_jacobian.chunks_exact($kernel::VARIABLES);
-            let rows = rows.chain(results.parts_jacobian.chunks_exact($kernel::VARIABLES));
-            for (own, row) in carried.derivatives.iter_mut().zip(rows) {
-                own[..$kernel::VARIABLES].copy_from_slice(row);
-            }
-            $is_found
+    match shape {
+        Shape::Triangle(corners) => {
+            let inputs = carried_by_triangle::Inputs { point, along, corners: corners.map(Point::from) };
+            run!(carried_by_triangle, mode, inputs, |_values| [0.0; 2])
+        }
+        Shape::Quadrilateral(corners) => {
+            let inputs = carried_by_quadrilateral::Inputs { point, along, corners: corners.map(Point::from) };
+            run!(carried_by_quadrilateral, mode, inputs, |values| values.beside)
+        }
+    }
+}
+
+/// The same by 6, 8 or 9 nodes of a face of second order; `start`: natural coordinates near the place.
+pub fn carried_by_quadratic(
+    nodes: &[Point],
+    [start_xi, start_eta]: [f64; 2],
+    point: Point,
+    along: Point,
+    mode: Mode,
+) -> Option<Carried> {
+    macro_rules! by {
+        ($kernel:ident) => {{
+            let corners = std::array::from_fn(|k| nodes[k]);
+            let inputs = $kernel::Inputs { point, along, corners, start_xi, start_eta };
+            run!($kernel, mode, inputs, |values| values.beside)
         }};
     }
-    let is_found = match shape {
-        Shape::Triangle(corners) => run!(carried_by_triangle, corners, |_values| true),
-        Shape::Quadrilateral(corners) => {
-            run!(carried_by_quadrilateral, corners, |values| values
-                .beside
-                .iter()
-                .all(|x| x.abs() <= LARGEST_RESIDUAL))
-        }
-    };
-    // The sum over all results is finite only if each is.
-    let sum: f64 = carried.forces.as_flattened().iter().sum::<f64>()
-        + carried.derivatives.as_flattened().iter().sum::<f64>();
-    let is_met = is_found && sum.is_finite() && carried.natural.iter().all(|x| x.abs() <= FARTHEST);
-    is_met.then_some(carried)
+    match nodes.len() {
+        6 => by!(carried_by_triangle6),
+        8 => by!(carried_by_quadrilateral8),
+        _ => by!(carried_by_quadrilateral9),
+    }
 }
 
 /// Of the equations of the place, in natural coordinates.
@@ -115,7 +157,7 @@ mod tests {
                 for row in 0..3 * (count + 1) {
                     let [after, before] = [after, before].map(|forces| forces.as_flattened()[row]);
                     let expected = (after - before) / 2e-6;
-                    assert!((exact.derivatives[row][variable] - expected).abs() < 1e-8, "{row} {variable}");
+                    assert!((exact.row(row)[variable] - expected).abs() < 1e-8, "{row} {variable}");
                 }
             }
         }

@@ -5,6 +5,7 @@
 //! what they integrate does not change with them to the order of the rule: they are held while differentiating.
 
 use super::carried::carried;
+use super::quadratic::MOST_NODES;
 use crate::surface::{Shape, SurfaceIndex};
 use crate::vector::Vector3;
 use crate::{Mode, Point};
@@ -53,6 +54,8 @@ pub struct FacePoint {
     pub natural: [f64; 2],
     /// Its area in the first configuration, length².
     pub weight: f64,
+    /// What each node of the face, or of the face of second order that it is a part of, has of the point's force.
+    pub functions: [f64; MOST_NODES],
 }
 
 type Polygon = Vec<[f64; 2]>;
@@ -96,10 +99,12 @@ impl View {
     }
 }
 
-/// The points of a face, appended to `points`. `first`: the face in the first configuration; `limit`: the largest distance of a facet.
+/// The points of a face, appended to `points`. `first`: the face in the first configuration; `functions`: what its nodes have of a force
+/// at a place, if it can be found; `limit`: the largest distance of a facet.
 pub fn cut(
     face: &Shape,
     first: &Shape,
+    functions: impl Fn([f64; 2]) -> Option<[f64; MOST_NODES]>,
     index: &SurfaceIndex<'_>,
     (rule, limit): (FaceRule, f64),
     scratch: &mut CutScratch,
@@ -136,7 +141,8 @@ pub fn cut(
             let seen = face.area_element(natural).dot(&view.normal);
             let weight = weight * first.area_element(natural).norm() / seen;
             if distance <= limit && weight.is_finite() && weight > 0.0 {
-                points.push(FacePoint { facet, natural, weight });
+                let Some(functions) = functions(natural) else { continue };
+                points.push(FacePoint { facet, natural, weight, functions });
                 places.push((place, distance));
             }
         }
@@ -295,6 +301,10 @@ mod tests {
     use super::*;
     use crate::surface::{Facet, MasterSurface};
 
+    fn nothing(_: [f64; 2]) -> Option<[f64; MOST_NODES]> {
+        Some([0.0; MOST_NODES])
+    }
+
     #[test]
     fn rules_integrate_their_degree() {
         let pentagon = [[0.0, 0.0], [1.0, -0.2], [1.4, 0.6], [0.7, 1.2], [-0.1, 0.8]];
@@ -386,7 +396,7 @@ mod tests {
         let face = Shape::Quadrilateral(corners);
         for rule in FaceRule::ALL {
             let mut points = Vec::new();
-            cut(&face, &face, &index, (rule, 0.5), &mut CutScratch::default(), &mut points);
+            cut(&face, &face, nothing, &index, (rule, 0.5), &mut CutScratch::default(), &mut points);
             let sum: f64 = points.iter().map(|point| point.weight).sum();
             assert!((sum - face.area_vector().norm()).abs() < 1e-5, "{sum}");
             for point in &points {
@@ -395,7 +405,7 @@ mod tests {
                 assert_eq!(point.facet, cell(x[0]) + 3 * cell(x[1]));
             }
             let mut none = Vec::new();
-            cut(&face, &face, &index, (rule, 0.05), &mut CutScratch::default(), &mut none);
+            cut(&face, &face, nothing, &index, (rule, 0.05), &mut CutScratch::default(), &mut none);
             assert!(none.is_empty(), "beyond the limit");
         }
     }

@@ -154,6 +154,8 @@ impl FaceInterface {
             .map(|&k| FaceView {
                 facet: &self.faces[k],
                 shape: shape_of(&self.faces[k], &self.positions),
+                carrying: &self.carriers.faces[k],
+                positions: &self.positions,
                 skin: &self.skin,
                 face: k,
                 rows: &self.cuts[k].rows,
@@ -171,10 +173,8 @@ impl FaceInterface {
             }
             if contact.outcome.is_contact() {
                 let point = &self.points[k];
-                let facet = self.master().facet(point.facet as usize);
-                let over = shape_of(&facet, &self.positions);
-                let pressures = &pressures[faces[own]];
-                blocks[own].add(&views[own], point, (facet.corners(), &over), &contact, pressures);
+                let over = &self.carriers.facets[point.facet as usize];
+                blocks[own].add(&views[own], point, over, &contact, &pressures[faces[own]]);
             }
         })?;
         Ok(blocks)

@@ -58,16 +58,19 @@ mod carried;
 mod contacts;
 mod cut;
 mod evaluate;
+mod quadratic;
 mod skin;
 
 pub use contacts::{FaceContacts, NodeContact, TangentBlock};
 pub use cut::FaceRule;
+pub use quadratic::QuadraticFace;
 
 use std::ops::Range;
 
 use rayon::prelude::*;
 
 use cut::{CutScratch, FacePoint, cut};
+use quadratic::Carriers;
 use skin::Skin;
 
 use crate::assembly::ContactLaw;
@@ -90,7 +93,7 @@ pub struct FaceOptions {
     /// The master's element, and how points are paired with it. A distance limit of `None` is a facet's and a face's extent together.
     /// Areas are always those of the faces.
     pub interface: InterfaceOptions,
-    /// Points of each piece of a face.
+    /// Points of each piece of a face. With quadrilaterals of second order it is [`FaceRule::Fourth`] always.
     pub rule: FaceRule,
 }
 
@@ -129,6 +132,8 @@ pub struct FaceInterface {
     interface: ContactInterface,
     options: FaceOptions,
     faces: Vec<Facet>,
+    /// What carries the forces of faces and facets.
+    carriers: Carriers,
     skin: Skin,
     /// Positions that areas are measured in.
     first: Vec<Point>,
@@ -202,6 +207,7 @@ impl FaceInterface {
         let extents = facets.chain(faces.iter().copied()).map(|facet| shape_of(&facet, positions).extent());
         let smallest = extents.fold(f64::INFINITY, f64::min);
         Ok(Self {
+            carriers: Carriers::new(faces, &master, &[]),
             interface: ContactInterface::new(master, Vec::new(), &[], positions, own)?,
             options,
             faces: faces.to_vec(),
@@ -222,6 +228,18 @@ impl FaceInterface {
         })
     }
 
+    /// Makes faces of second order carry the forces on the facets that they are made of, on both sides: those whose corners are all nodes of
+    /// one face. Only so are forces in equilibrium with a uniform stress inside. There is no contact until the next [`refresh`](Self::refresh) or [`update`](Self::update).
+    ///
+    /// # Errors
+    /// [`InterfaceError::Surface`] if a node is not there: the interface is then as it was.
+    pub fn set_quadratic_faces(&mut self, faces: &[QuadraticFace]) -> Result<(), InterfaceError> {
+        quadratic::check(faces, &self.first)?;
+        self.carriers = Carriers::new(&self.faces, self.master(), faces);
+        self.forget();
+        Ok(())
+    }
+
     /// Makes these planes of symmetry of both surfaces, as [`ContactInterface::set_symmetry`], in the first configuration. There is no
     /// contact until the next [`refresh`](Self::refresh) or [`update`](Self::update).
     ///
@@ -233,13 +251,18 @@ impl FaceInterface {
         let mut interface = ContactInterface::new(self.master().clone(), Vec::new(), &[], &self.first, own)?;
         interface.set_symmetry(planes)?;
         (self.skin, self.interface) = (skin, interface);
+        self.forget();
+        Ok(())
+    }
+
+    /// No points, no contact.
+    fn forget(&mut self) {
         self.cut_at = None;
         self.points.clear();
         self.limits.clear();
         self.cuts.fill(FaceCut::default());
         self.cliques.fill(Vec::new());
         (self.report, self.contacts) = (FaceReport::default(), FaceContacts::default());
-        Ok(())
     }
 
     /// The options.
@@ -341,13 +364,15 @@ impl FaceInterface {
             self.options.interface.distance_limit.unwrap_or(extent)
         };
         let limits: Vec<f64> = self.faces.iter().map(limit).collect();
+        let rule = self.carriers.rule(self.options.rule);
         let by_face: Vec<Vec<FacePoint>> = (0..self.faces.len())
             .into_par_iter()
             .map_init(CutScratch::default, |scratch, k| {
                 let mut points = Vec::new();
                 let face = shape_of(&self.faces[k], positions);
                 let first = shape_of(&self.faces[k], &self.first);
-                cut(&face, &first, &index, (self.options.rule, limits[k]), scratch, &mut points);
+                let functions = |natural| self.carriers.faces[k].functions(&face, natural, positions);
+                cut(&face, &first, functions, &index, (rule, limits[k]), scratch, &mut points);
                 points
             })
             .collect();
@@ -387,10 +412,10 @@ impl FaceInterface {
         if points.is_empty() {
             return FaceCut::default();
         }
-        let mut rows: Vec<u32> = self.faces[k].corners().iter().map(|&node| node as u32).collect();
+        let mut rows: Vec<u32> = self.carriers.faces[k].nodes().iter().map(|&node| node as u32).collect();
         let facets = self.points[points.clone()].iter().map(|point| point.facet as usize);
         facets.for_each(|facet| {
-            rows.extend(self.master().facet(facet).corners().iter().map(|&node| node as u32))
+            rows.extend(self.carriers.facets[facet].nodes().iter().map(|&node| node as u32))
         });
         sort(&mut rows);
         let mut columns = rows.clone();

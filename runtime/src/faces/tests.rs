@@ -143,13 +143,119 @@ fn forces_and_moments_balance() {
     }
 }
 
+/// How nine nodes become faces of second order.
+#[derive(Clone, Copy, Debug)]
+enum Second {
+    Triangle6,
+    Quadrilateral8,
+    Quadrilateral9,
+}
+
+impl Second {
+    const ALL: [Self; 3] = [Self::Triangle6, Self::Quadrilateral8, Self::Quadrilateral9];
+
+    /// Facets and faces of three by three nodes, row by row, seen from above.
+    fn of(self, [a, b, c, d, e, f, g, h, i]: [usize; 9]) -> (Vec<Facet>, Vec<QuadraticFace>) {
+        let (triangle, quadrilateral) = (Facet::Triangle, Facet::Quadrilateral);
+        let face = |nodes: &[usize]| QuadraticFace::new(nodes).unwrap();
+        match self {
+            Self::Triangle6 => {
+                let lower = [[a, b, e], [b, c, f], [f, i, e], [b, f, e]].map(triangle);
+                let upper = [[a, e, d], [e, i, h], [h, g, d], [e, h, d]].map(triangle);
+                ([lower, upper].concat(), vec![face(&[a, c, i, b, f, e]), face(&[a, i, g, e, h, d])])
+            }
+            Self::Quadrilateral8 => {
+                let corners = [[a, b, d], [c, f, b], [i, h, f], [g, d, h]].map(triangle);
+                let facets = [&corners[..], &[quadrilateral([b, f, h, d])]].concat();
+                (facets, vec![face(&[a, c, i, g, b, f, h, d])])
+            }
+            Self::Quadrilateral9 => {
+                let facets = [[a, b, e, d], [b, c, f, e], [e, f, i, h], [d, e, h, g]].map(quadrilateral);
+                (facets.to_vec(), vec![face(&[a, c, i, g, b, f, h, d, e])])
+            }
+        }
+    }
+
+    /// The faces of a grid over [0, 6]² with an even number of cells.
+    fn grid(self, cells: usize, first: usize, from_above: bool) -> (Vec<Facet>, Vec<QuadraticFace>) {
+        let n = cells + 1;
+        let (mut facets, mut faces) = (Vec::new(), Vec::new());
+        for (i, j) in (0..cells / 2).flat_map(|j| (0..cells / 2).map(move |i| (2 * i, 2 * j))) {
+            let (own, of) = self.of(std::array::from_fn(|k| first + i + k % 3 + n * (j + k / 3)));
+            facets.extend(own.into_iter().map(|facet| if from_above { facet } else { facet.flipped() }));
+            faces.extend(of);
+        }
+        (facets, faces)
+    }
+}
+
+/// The bumps with faces of second order on both sides.
+fn bumps_of_second_order(second: Second) -> (Pair, Vec<QuadraticFace>) {
+    let height = |x: f64, y: f64| 0.3 * (0.6 * x + 0.2).sin() * (0.5 * y).cos();
+    let low = move |x: f64, y: f64| [x + 0.05 * (2.0 * y).sin(), y, height(x, y)];
+    let high = move |x: f64, y: f64| {
+        let (x, y) = (0.8 + 0.7 * x, 0.7 + 0.75 * y + 0.04 * (3.0 * x).sin());
+        [x, y, height(x, y) - 0.12 + 0.04 * x]
+    };
+    let mut pair = Pair::new([6, 4], false, low, high);
+    let (master, mut faces) = second.grid(6, 0, true);
+    let (slave, others) = second.grid(4, pair.first_slave, false);
+    (pair.master, pair.slave) = (master, slave);
+    faces.extend(others);
+    (pair, faces)
+}
+
+/// Curved faces carry what is on their line of force.
+#[test]
+fn forces_and_moments_of_faces_of_second_order_balance() {
+    for (element, second) in elements().into_iter().flat_map(|element| Second::ALL.map(|own| (element, own)))
+    {
+        let (pair, faces) = bumps_of_second_order(second);
+        let mut interface = pair.interface(element, FaceRule::Second);
+        let of_facets = interface.refresh(&pair.positions).map(|_| ()).and_then(|()| {
+            let contacts = interface.evaluate(&ContactLaw::penalty(50.0), Mode::Gradient)?;
+            Ok(pair.forces(contacts))
+        });
+        interface.set_quadratic_faces(&faces).unwrap();
+        interface.refresh(&pair.positions).unwrap();
+        let contacts = interface.evaluate(&ContactLaw::penalty(50.0), Mode::Gradient).unwrap();
+        assert!(contacts.active() > 8 && contacts.missed() == 0);
+        let forces = pair.forces(contacts);
+        assert_ne!(of_facets.unwrap(), forces);
+        let size: f64 = forces.iter().map(|&force| Vector3::from(force).norm()).sum();
+        let zero = Vector3::zeros();
+        let force = forces.iter().fold(zero, |sum, &force| sum + Vector3::from(force));
+        let moments = forces.iter().zip(&pair.positions);
+        let moment = moments.fold(zero, |sum, (&f, &x)| sum + Vector3::from(x).cross(&Vector3::from(f)));
+        assert!(
+            size > 5.0 && force.norm() < 1e-13 * size && moment.norm() < 1e-12 * size,
+            "{second:?} {force:?} {moment:?}"
+        );
+    }
+    let (pair, _) = bumps_of_second_order(Second::Triangle6);
+    let mut interface = pair.interface(ContactElement::default(), FaceRule::Second);
+    let beyond = QuadraticFace::new(&[0, 1, 2, 3, 4, 10_000]).unwrap();
+    assert!(matches!(interface.set_quadratic_faces(&[beyond]), Err(InterfaceError::Surface(_))));
+    assert_eq!(QuadraticFace::new(&[0, 1, 2, 3]), None);
+}
+
 /// K by the positions of all nodes, against differences of the forces with the points held.
 #[test]
 fn the_tangent_is_exact_with_the_points_held() {
-    let law = ContactLaw::penalty(50.0);
     for (element, triangles) in elements().into_iter().zip([false, true, false, true]) {
-        let pair = bumps(triangles);
+        assert_tangent(&bumps(triangles), element, &[]);
+    }
+    for second in Second::ALL {
+        let (pair, faces) = bumps_of_second_order(second);
+        assert_tangent(&pair, ContactElement::default(), &faces);
+    }
+}
+
+fn assert_tangent(pair: &Pair, element: ContactElement, faces: &[QuadraticFace]) {
+    let law = ContactLaw::penalty(50.0);
+    {
         let mut interface = pair.interface(element, FaceRule::Second);
+        interface.set_quadratic_faces(faces).unwrap();
         interface.refresh(&pair.positions).unwrap();
         let dofs = DofMap::standard(pair.positions.len());
         let size = dofs.equations();

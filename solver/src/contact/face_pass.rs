@@ -53,6 +53,9 @@ impl FacePass {
         if !options.symmetry.is_empty() {
             interface.set_symmetry(&options.symmetry).map_err(named)?;
         }
+        if !options.quadratic_faces.is_empty() {
+            interface.set_quadratic_faces(&options.quadratic_faces).map_err(named)?;
+        }
         let slaves = interface.slaves().len();
         Ok(Self {
             interface,
@@ -158,6 +161,10 @@ impl Pass for FacePass {
 
     fn set_multipliers(&mut self, multipliers: &[f64]) -> Result<(), ContactError> {
         take_multipliers(&mut self.multipliers, multipliers)
+    }
+
+    fn slave_count(&self) -> usize {
+        self.interface.slaves().len()
     }
 
     fn outcomes(&self) -> Vec<(usize, Outcome)> {

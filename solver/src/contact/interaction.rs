@@ -1,7 +1,7 @@
 //! One pair of surfaces.
 
 use diffuse_contact::assembly::Tangent;
-use diffuse_contact::faces::FaceRule;
+use diffuse_contact::faces::{FaceRule, QuadraticFace};
 use diffuse_contact::friction::FrictionState;
 use diffuse_contact::interface::{FrictionReport, InterfaceOptions, NoContact};
 use diffuse_contact::surface::{Facet, SymmetryPlane};
@@ -167,6 +167,8 @@ pub struct InteractionOptions {
     pub friction: Option<Friction>,
     /// What contact is integrated over. Over faces, which are cut in every iteration, the penalty is per area.
     pub integration: Integration,
+    /// Faces of second order that facets of either surface are parts of: over faces they carry the forces.
+    pub quadratic_faces: Vec<QuadraticFace>,
 }
 
 impl InteractionOptions {
@@ -185,6 +187,7 @@ impl InteractionOptions {
             symmetry: Vec::new(),
             friction: None,
             integration: Integration::default(),
+            quadratic_faces: Vec::new(),
         }
     }
 
@@ -234,6 +237,12 @@ impl InteractionOptions {
     #[must_use]
     pub fn with_integration(self, integration: Integration) -> Self {
         Self { integration, ..self }
+    }
+
+    /// With faces of second order.
+    #[must_use]
+    pub fn with_quadratic_faces(self, quadratic_faces: Vec<QuadraticFace>) -> Self {
+        Self { quadratic_faces, ..self }
     }
 }
 

@@ -244,6 +244,10 @@ impl Pass for NodePass {
         self.multipliers = (0..self.multipliers.len()).map(forces).collect();
     }
 
+    fn slave_count(&self) -> usize {
+        self.interface.slaves().len()
+    }
+
     fn outcomes(&self) -> Vec<(usize, Outcome)> {
         self.contacts().iter().map(|contact| (contact.slave, contact.outcome)).collect()
     }

@@ -105,6 +105,9 @@ pub trait Pass: std::fmt::Debug {
     /// Goes on from them.
     fn set_multipliers(&mut self, multipliers: &[f64]) -> Result<(), ContactError>;
 
+    /// Number of slave nodes.
+    fn slave_count(&self) -> usize;
+
     /// Each slave node, and whether the last evaluation found contact for it.
     fn outcomes(&self) -> Vec<(usize, Outcome)>;
 
@@ -132,7 +135,7 @@ pub trait Pass: std::fmt::Debug {
 
     /// Begins to watch for losses; `loaded` as [`loaded`](Self::loaded) gave it.
     fn begin(&mut self, loaded: &[u32]) -> Result<(), ContactError> {
-        let slaves = self.outcomes().len();
+        let slaves = self.slave_count();
         self.losses_mut().begin(slaves, loaded)
     }
 

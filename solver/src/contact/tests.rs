@@ -56,6 +56,7 @@ fn options(two_pass: bool, augmented: bool) -> InteractionOptions {
         symmetry: Vec::new(),
         friction: None,
         integration: Integration::Nodes,
+        quadratic_faces: Vec::new(),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use diffuse_contact::faces::QuadraticFace;
 use diffuse_contact::surface::Facet;
 use diffuse_contact_mesh::{self as mesh, ElementKind};
 
@@ -90,6 +91,21 @@ impl Cells {
     /// The facets that the faces of one element only are made of, oriented outward, in the order of the elements.
     #[must_use]
     pub fn skin(&self) -> Vec<Facet> {
+        self.outside().flat_map(|(cell, corners)| cell.facets(corners)).collect()
+    }
+
+    /// The faces of one element only that have nodes in the middle of their edges, with all of their nodes.
+    #[must_use]
+    pub fn quadratic_faces(&self) -> Vec<QuadraticFace> {
+        let faces = self.outside().filter_map(|(cell, corners)| {
+            let nodes: Vec<usize> = cell.kind.nodes_of(corners).into_iter().map(|k| cell.nodes[k]).collect();
+            QuadraticFace::new(&nodes)
+        });
+        faces.collect()
+    }
+
+    /// The faces of one element only, each with its corners in it.
+    fn outside(&self) -> impl Iterator<Item = (Cell<'_>, &'static [usize])> {
         let mut uses: HashMap<[usize; 4], u32> = HashMap::with_capacity(4 * self.len());
         let faces = || {
             self.iter().flat_map(|cell| {
@@ -99,8 +115,8 @@ impl Cells {
         for (.., key) in faces() {
             *uses.entry(key).or_insert(0) += 1;
         }
-        let outside = faces().filter(|(.., key)| uses[key] == 1);
-        outside.flat_map(|(cell, corners, _)| cell.facets(corners)).collect()
+        let outside: Vec<_> = faces().filter(|(.., key)| uses[key] == 1).collect();
+        outside.into_iter().map(|(cell, corners, _)| (cell, corners))
     }
 }
 
@@ -117,10 +133,15 @@ impl Cell<'_> {
 
     fn facets(self, corners: &[usize]) -> impl Iterator<Item = Facet> {
         let facets = self.kind.facets_of(corners).into_iter();
-        facets.map(move |facet| match facet.map(|node| self.nodes[node]) {
-            mesh::Facet::Triangle(nodes) => Facet::Triangle(nodes),
-            mesh::Facet::Quadrilateral(nodes) => Facet::Quadrilateral(nodes),
-        })
+        facets.map(move |facet| contact_facet(facet, |node| self.nodes[node]))
+    }
+}
+
+/// A facet of a mesh as one of a contact surface, with other node indices.
+pub(super) fn contact_facet(facet: mesh::Facet, number: impl FnMut(usize) -> usize) -> Facet {
+    match facet.map(number) {
+        mesh::Facet::Triangle(nodes) => Facet::Triangle(nodes),
+        mesh::Facet::Quadrilateral(nodes) => Facet::Quadrilateral(nodes),
     }
 }
 

@@ -16,9 +16,11 @@ mod part;
 pub mod shape;
 mod supports;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
+use diffuse_contact::faces::QuadraticFace;
 use diffuse_contact::surface::Facet;
+use diffuse_contact_mesh::ElementKind;
 
 use crate::material::Material;
 
@@ -109,6 +111,31 @@ impl Model {
         deformable
     }
 
+    /// The faces of the bodies' skins that have nodes in the middle of their edges.
+    #[must_use]
+    pub fn quadratic_faces(&self) -> Vec<QuadraticFace> {
+        self.bodies.iter().flat_map(|body| body.elements.quadratic_faces()).collect()
+    }
+
+    /// The faces that facets are made of, each by its nodes: a face of second order if all of its facets are there, or the facet.
+    #[must_use]
+    pub fn faces_of(&self, facets: &[Facet]) -> Vec<Vec<usize>> {
+        let mut parts: HashMap<Vec<usize>, usize> = HashMap::new();
+        let faces = self.quadratic_faces();
+        for (k, face) in faces.iter().enumerate() {
+            for facet in quadratic_facets(face) {
+                parts.insert(sorted(facet.corners()), k);
+            }
+        }
+        let of = |facet: &Facet| parts.get(&sorted(facet.corners())).copied();
+        let mut found = vec![0_usize; faces.len()];
+        facets.iter().filter_map(of).for_each(|k| found[k] += 1);
+        let is_whole = |k: &usize| found[*k] == quadratic_facets(&faces[*k]).len();
+        let whole = (0..faces.len()).filter(is_whole).map(|k| faces[k].nodes().to_vec());
+        let alone = facets.iter().filter(|facet| of(facet).is_none_or(|k| !is_whole(&k)));
+        whole.chain(alone.map(|facet| facet.corners().to_vec())).collect()
+    }
+
     /// The facets of the rigid parts, part by part.
     pub fn rigid_facets(&self) -> impl Iterator<Item = &Facet> {
         let rigid = |name: &str| self.bodies.iter().all(|body| body.name != name);
@@ -125,6 +152,24 @@ impl Model {
         parts.sort_by_key(|&(_, first)| first);
         parts
     }
+}
+
+/// The facets that a face of second order is made of.
+fn quadratic_facets(face: &QuadraticFace) -> Vec<Facet> {
+    let nodes = face.nodes();
+    let kind = match nodes.len() {
+        6 => ElementKind::Triangle6,
+        8 => ElementKind::Quadrilateral8,
+        _ => ElementKind::Quadrilateral9,
+    };
+    let corners: Vec<usize> = (0..kind.corner_count()).collect();
+    kind.facets_of(&corners).into_iter().map(|facet| cells::contact_facet(facet, |k| nodes[k])).collect()
+}
+
+fn sorted(nodes: &[usize]) -> Vec<usize> {
+    let mut nodes = nodes.to_vec();
+    nodes.sort_unstable();
+    nodes
 }
 
 /// Facets with all corners moved on.

@@ -1,5 +1,7 @@
 //! Fields at the nodes.
 
+use std::collections::HashSet;
+
 use diffuse_contact::FrictionState;
 use diffuse_contact::surface::tributary_areas;
 use serde::{Deserialize, Serialize};
@@ -87,7 +89,7 @@ pub struct Fields {
     /// Gap of slaves, length: negative where they penetrate.
     pub contact_gap: Vec<f64>,
     /// At the nodes of slave surfaces (of both surfaces, with two passes): the normal part of the contact force on the node, as it
-    /// enters equilibrium, over its tributary area at the start; force per area.
+    /// enters equilibrium, over its tributary area at the start; force per area. On faces of second order: by its average gap.
     pub contact_pressure: Vec<f64>,
     /// A [`ContactStatus`].
     pub contact_status: Vec<i32>,
@@ -163,6 +165,9 @@ impl Fields {
                 friction.add(&slave, forces.friction[slave.node], areas[slave.node]);
             }
         }
+        let is_over_faces = interaction.options().integration != Integration::Nodes;
+        let faces = &interaction.options().quadratic_faces;
+        let on_quadratic: HashSet<usize> = faces.iter().flat_map(|face| face.nodes()).copied().collect();
         for slave in interaction.slaves() {
             let node = slave.node;
             let status = match slave.gap {
@@ -179,8 +184,10 @@ impl Fields {
                 has_gap[node] = true;
             }
             self.contact_status[node] = self.contact_status[node].max(status as i32);
-            let is_over_faces = interaction.options().integration != Integration::Nodes;
-            if is_over_faces && slave.gap.is_some() && slave.area > 0.0 {
+            if is_over_faces && on_quadratic.contains(&node) {
+                // Forces of faces of second order are no pressures: corners may have none.
+                self.contact_pressure[node] += if slave.area > 0.0 { slave.force / slave.area } else { 0.0 };
+            } else if is_over_faces && slave.gap.is_some() && slave.area > 0.0 {
                 // Forces of faces are only there where they lie over the master.
                 self.contact_pressure[node] += pressing(forces.forces[node], slave.normal) / slave.area;
             } else if areas[node] > 0.0 {

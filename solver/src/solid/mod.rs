@@ -24,6 +24,7 @@ use rayon::prelude::*;
 
 pub use self::error::{ElementName, SolidError};
 pub use self::recovery::{NodalFields, PointFields, Recovery};
+pub use self::reference::{FacePoint, face_points};
 
 use diffuse_contact_mesh::ElementKind;
 

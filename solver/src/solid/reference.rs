@@ -82,6 +82,69 @@ impl Reference {
     }
 }
 
+/// An integration point of a face.
+#[derive(Clone, Debug)]
+pub struct FacePoint {
+    /// Its reference area.
+    pub weight: f64,
+    /// N, N,ξ, N,η of each node.
+    pub functions: Vec<[f64; 3]>,
+}
+
+/// The integration points of a face by its number of nodes: a triangle with 3 or 6, a quadrilateral with 4, 8 or 9.
+///
+/// # Panics
+/// For another number.
+#[must_use]
+pub fn face_points(nodes: usize) -> &'static [FacePoint] {
+    const FACES: [ElementKind; 5] = [
+        ElementKind::Triangle3,
+        ElementKind::Quadrilateral4,
+        ElementKind::Triangle6,
+        ElementKind::Quadrilateral8,
+        ElementKind::Quadrilateral9,
+    ];
+    static ALL: LazyLock<[Vec<FacePoint>; 5]> = LazyLock::new(|| FACES.map(points_of_face));
+    let place = FACES.iter().position(|kind| kind.node_count() == nodes);
+    place.map_or_else(|| panic!("no face has {nodes} nodes"), |place| &ALL[place])
+}
+
+fn points_of_face(kind: ElementKind) -> Vec<FacePoint> {
+    // The face of a solid in the plane of the first two coordinates.
+    let (is_triangle, second) = (kind.corner_count() == 3, kind.has_middles());
+    let solid = match (is_triangle, kind.node_count()) {
+        (true, 3) => ElementKind::Wedge6,
+        (true, _) => ElementKind::Wedge15,
+        (false, 4) => ElementKind::Hexahedron8,
+        (false, 8) => ElementKind::Hexahedron20,
+        (false, _) => ElementKind::Hexahedron27,
+    };
+    let mut nodes: Vec<[f64; 3]> =
+        nodes(solid)[..kind.corner_count()].iter().map(|&[x, y, _]| [x, y, 0.0]).collect();
+    let between = kind.edges().iter().map(|&[a, b]| [0, 1, 2].map(|k| 0.5 * (nodes[a][k] + nodes[b][k])));
+    let middles: Vec<[f64; 3]> = between.collect();
+    nodes.extend(middles);
+    nodes.resize(kind.node_count(), [0.0; 3]);
+    let monomials = monomials(|[a, b, c]| c == 0 && spans(solid, [a, b, 0]));
+    let coefficients = coefficients(&nodes, &monomials);
+    let line = if second { LINE3.as_slice() } else { &LINE2 };
+    let rule: Vec<([f64; 3], f64)> = if is_triangle {
+        TRIANGLE.iter().map(|&[x, y]| ([x, y, 0.0], 1.0 / 6.0)).collect()
+    } else {
+        line.iter().flat_map(|&(x, u)| line.iter().map(move |&(y, v)| ([x, y, 0.0], u * v))).collect()
+    };
+    let point = |(x, weight): ([f64; 3], f64)| {
+        let at = |node: usize| {
+            let sum = |of: &dyn Fn(&Monomial) -> f64| -> f64 {
+                monomials.iter().enumerate().map(|(k, monomial)| coefficients[(k, node)] * of(monomial)).sum()
+            };
+            [sum(&|m| value(m, &x)), sum(&|m| derivative(m, 0, &x)), sum(&|m| derivative(m, 1, &x))]
+        };
+        FacePoint { weight, functions: (0..nodes.len()).map(at).collect() }
+    };
+    rule.into_iter().map(point).collect()
+}
+
 /// Whether the shape functions of a kind span a monomial: all up to the first or the second degree in what belongs together, of which
 /// elements without nodes in the middle of faces leave out what has two squares or more.
 fn spans(kind: ElementKind, [a, b, c]: Monomial) -> bool {
@@ -149,19 +212,22 @@ fn nodes(kind: ElementKind) -> Vec<[f64; 3]> {
     nodes
 }
 
+/// Gauss' points on a line from −1 to 1: ±1/√3.
+const LINE2: [(f64, f64); 2] = [(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)];
+/// ±√(3/5) and the middle.
+const LINE3: [(f64, f64); 3] =
+    [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+/// The points of a triangle, of weight 1/6 each.
+const TRIANGLE: [[f64; 2]; 3] = [[1.0 / 6.0, 1.0 / 6.0], [2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0]];
+
 /// Natural coordinates and weights.
 type Rule = Vec<([f64; 3], f64)>;
 
 /// The points of distortion and of dilatation. On hexahedra of second order the volume is kept at 2 × 2 × 2 points: more of them lock as
 /// ν → 0.5. Distortion needs 3 × 3 × 3, since a row of elements with fewer has motions without energy.
 fn rules(kind: ElementKind) -> [Rule; 2] {
-    let two = 1.0 / 3.0_f64.sqrt();
-    let line2 = [(-two, 1.0), (two, 1.0)];
-    let three = (3.0_f64 / 5.0).sqrt();
-    let line3 = [(-three, 5.0 / 9.0), (0.0, 8.0 / 9.0), (three, 5.0 / 9.0)];
-    let triangle = [[1.0 / 6.0, 1.0 / 6.0], [2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0]];
     let over_triangle = |line: &[(f64, f64)]| -> Rule {
-        line.iter().flat_map(|&(z, w)| triangle.map(|[x, y]| ([x, y, z], w / 6.0))).collect()
+        line.iter().flat_map(|&(z, w)| TRIANGLE.map(|[x, y]| ([x, y, z], w / 6.0))).collect()
     };
     let cube = |line: &[(f64, f64)]| -> Rule {
         let count = line.len();
@@ -177,10 +243,10 @@ fn rules(kind: ElementKind) -> [Rule; 2] {
                 |k: usize| array::from_fn(|axis| if axis + 1 == k { 1.0 - 3.0 * near } else { near });
             alike((0..4).map(|k| (towards(k), 1.0 / 24.0)).collect())
         }
-        ElementKind::Wedge6 => alike(over_triangle(&line2)),
-        ElementKind::Wedge15 => [over_triangle(&line3), over_triangle(&line2)],
-        ElementKind::Hexahedron20 | ElementKind::Hexahedron27 => [cube(&line3), cube(&line2)],
-        _ => alike(cube(&line2)),
+        ElementKind::Wedge6 => alike(over_triangle(&LINE2)),
+        ElementKind::Wedge15 => [over_triangle(&LINE3), over_triangle(&LINE2)],
+        ElementKind::Hexahedron20 | ElementKind::Hexahedron27 => [cube(&LINE3), cube(&LINE2)],
+        _ => alike(cube(&LINE2)),
     }
 }
 

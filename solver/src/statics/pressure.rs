@@ -1,41 +1,37 @@
 //! Pressure on facets, dead or following them.
 
-use diffuse_contact::surface::Facet;
-
 use crate::model::Amplitude;
+use crate::solid::{FacePoint, face_points};
 use crate::system::BlockMatrix;
 
-/// A pressure on facets; positive pushes against their outward side.
+/// A pressure on faces; positive pushes against their outward side.
 #[derive(Clone, Debug)]
 pub struct Pressure {
-    /// Where it acts.
-    pub facets: Vec<Facet>,
+    /// The nodes of each face that it acts on: of a triangle 3 or 6, of a quadrilateral 4, 8 or 9.
+    pub faces: Vec<Vec<usize>>,
     /// p, force per area.
     pub value: f64,
     /// Over time.
     pub amplitude: Amplitude,
-    /// Whether it acts along the normal of the deformed facet and over its area; else those at the start.
+    /// Whether it acts along the normal of the deformed face and over its area; else those at the start.
     pub follower: bool,
 }
-
-/// Abscissa of the two-point rule; its weights are 1.
-const GAUSS: f64 = 0.577_350_269_189_625_8;
 
 impl Pressure {
     /// Adds the forces −p ∫ N_a n dA at `time`. `start`, `positions`: of all nodes.
     pub fn add_forces(&self, time: f64, start: &[[f64; 3]], positions: &[[f64; 3]], forces: &mut [f64]) {
         let factor = self.value * self.amplitude.at(time);
         let positions = if self.follower { positions } else { start };
-        for facet in &self.facets {
-            for_each_point(facet, |weight, shapes| {
-                let [along, across] = tangents(facet, shapes, positions);
+        for face in &self.faces {
+            for FacePoint { weight, functions } in face_points(face.len()) {
+                let [along, across] = tangents(face, functions, positions);
                 let normal = cross(along, across);
-                for (&node, shape) in facet.corners().iter().zip(shapes) {
+                for (&node, function) in face.iter().zip(functions) {
                     for axis in 0..3 {
-                        forces[3 * node + axis] -= factor * weight * shape[0] * normal[axis];
+                        forces[3 * node + axis] -= factor * weight * function[0] * normal[axis];
                     }
                 }
-            });
+            }
         }
     }
 
@@ -45,18 +41,18 @@ impl Pressure {
             return;
         }
         let factor = self.value * self.amplitude.at(time);
-        for facet in &self.facets {
-            for_each_point(facet, |weight, shapes| {
-                let [along, across] = tangents(facet, shapes, positions);
-                for (&row, shape) in facet.corners().iter().zip(shapes) {
-                    for (&column, other) in facet.corners().iter().zip(shapes) {
+        for face in &self.faces {
+            for FacePoint { weight, functions } in face_points(face.len()) {
+                let [along, across] = tangents(face, functions, positions);
+                for (&row, function) in face.iter().zip(functions) {
+                    for (&column, other) in face.iter().zip(functions) {
                         // d(x,ξ × x,η) = (N,ξ dx) × x,η + x,ξ × (N,η dx)
-                        let scale = factor * weight * shape[0];
+                        let scale = factor * weight * function[0];
                         let axial = [0, 1, 2].map(|k| scale * (other[2] * along[k] - other[1] * across[k]));
                         matrix.add_block(row, column, &skew(axial));
                     }
                 }
-            });
+            }
         }
     }
 
@@ -67,33 +63,13 @@ impl Pressure {
     }
 }
 
-/// Calls `f` with the weight and N, N,ξ, N,η of each corner at every integration point.
-fn for_each_point(facet: &Facet, mut f: impl FnMut(f64, &[[f64; 3]])) {
-    match facet {
-        Facet::Triangle(_) => {
-            for (a, b) in [(1.0 / 6.0, 1.0 / 6.0), (2.0 / 3.0, 1.0 / 6.0), (1.0 / 6.0, 2.0 / 3.0)] {
-                f(1.0 / 6.0, &[[1.0 - a - b, -1.0, -1.0], [a, 1.0, 0.0], [b, 0.0, 1.0]]);
-            }
-        }
-        Facet::Quadrilateral(_) => {
-            for (xi, eta) in [(-GAUSS, -GAUSS), (GAUSS, -GAUSS), (GAUSS, GAUSS), (-GAUSS, GAUSS)] {
-                let corner = |sx: f64, sy: f64| {
-                    let (u, v) = (1.0 + sx * xi, 1.0 + sy * eta);
-                    [0.25 * u * v, 0.25 * sx * v, 0.25 * sy * u]
-                };
-                f(1.0, &[corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]);
-            }
-        }
-    }
-}
-
 /// x,ξ and x,η
-fn tangents(facet: &Facet, shapes: &[[f64; 3]], positions: &[[f64; 3]]) -> [[f64; 3]; 2] {
+fn tangents(face: &[usize], functions: &[[f64; 3]], positions: &[[f64; 3]]) -> [[f64; 3]; 2] {
     [1, 2].map(|derivative| {
         let mut tangent = [0.0; 3];
-        for (&node, shape) in facet.corners().iter().zip(shapes) {
+        for (&node, function) in face.iter().zip(functions) {
             for axis in 0..3 {
-                tangent[axis] += shape[derivative] * positions[node][axis];
+                tangent[axis] += function[derivative] * positions[node][axis];
             }
         }
         tangent
@@ -121,9 +97,9 @@ mod tests {
         [[0.0, 0.0, 1.0], [2.0, 0.0, 1.0], [2.0, 1.5, 1.0], [0.0, 1.0, 1.0], [3.0, 0.5, 1.0]];
 
     fn pressure(follower: bool) -> Pressure {
-        let facets = vec![Facet::Quadrilateral([0, 1, 2, 3]), Facet::Triangle([1, 4, 2])];
+        let faces = vec![vec![0, 1, 2, 3], vec![1, 4, 2]];
         let amplitude = Amplitude::new(vec![[0.0, 0.0], [1.0, 0.5], [2.0, 3.0]]).unwrap();
-        Pressure { facets, value: 7.0, amplitude, follower }
+        Pressure { faces, value: 7.0, amplitude, follower }
     }
 
     /// Positions that bend the quadrilateral and turn both.
@@ -167,13 +143,8 @@ mod tests {
     #[test]
     fn followers_on_a_closed_surface_are_in_equilibrium() {
         let positions = deformed();
-        let facets = vec![
-            Facet::Triangle([0, 2, 1]),
-            Facet::Triangle([0, 1, 4]),
-            Facet::Triangle([1, 2, 4]),
-            Facet::Triangle([2, 0, 4]),
-        ];
-        let closed = Pressure { facets, ..pressure(true) };
+        let faces = vec![vec![0, 2, 1], vec![0, 1, 4], vec![1, 2, 4], vec![2, 0, 4]];
+        let closed = Pressure { faces, ..pressure(true) };
         let found = forces(&closed, 2.0, &positions);
         let size = found.iter().map(|f| f.abs()).fold(0.0, f64::max);
         let mut moment = [0.0; 3];
@@ -190,8 +161,7 @@ mod tests {
     #[test]
     fn tangent_of_a_follower_is_minus_the_derivative_of_its_forces() {
         let (positions, pressure) = (deformed(), pressure(true));
-        let cliques: Vec<Vec<usize>> = pressure.facets.iter().map(|facet| facet.corners().to_vec()).collect();
-        let mut matrix = BlockMatrix::new(Arc::new(BlockPattern::new(5, cliques.iter())));
+        let mut matrix = BlockMatrix::new(Arc::new(BlockPattern::new(5, pressure.faces.iter())));
         pressure.add_tangent(2.0, &positions, &mut matrix);
         // Forces are quadratic in the positions: central differences are exact but for rounding.
         let step = 1e-3;
@@ -206,6 +176,42 @@ mod tests {
                 let expected = -(after[row] - before[row]) / (2.0 * step);
                 let found = matrix.block(row / 3, column / 3).map_or(0.0, |block| block[row % 3][column % 3]);
                 assert!((found - expected).abs() < 1e-9, "{row} {column}: {found} {expected}");
+            }
+        }
+    }
+
+    /// A uniform pressure on flat faces of second order: corners of a triangle carry nothing, those of a quadrilateral are pulled.
+    #[test]
+    fn faces_of_second_order_carry_what_is_in_equilibrium_with_a_uniform_stress() {
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let sixth = 1.0 / 6.0;
+        let expected = [
+            (3, [0.0, sixth, 0.0]),
+            (4, [-1.0 / 12.0, 1.0 / 3.0, 0.0]),
+            (4, [1.0 / 36.0, 1.0 / 9.0, 4.0 / 9.0]),
+        ];
+        for (k, (corners, [corner, middle, centre])) in expected.into_iter().enumerate() {
+            let mut nodes: Vec<[f64; 3]> = square[..corners].iter().map(|[x, y]| [*x, *y, 0.0]).collect();
+            for k in 0..corners {
+                let (a, b) = (nodes[k], nodes[(k + 1) % corners]);
+                nodes.push([0, 1, 2].map(|axis| 0.5 * (a[axis] + b[axis])));
+            }
+            if k == 2 {
+                nodes.push([0.5, 0.5, 0.0]);
+            }
+            let face = Pressure { faces: vec![(0..nodes.len()).collect()], ..pressure(false) };
+            let mut found = vec![0.0; 3 * nodes.len()];
+            face.add_forces(1.0, &nodes, &nodes, &mut found);
+            for (node, force) in found.as_chunks::<3>().0.iter().enumerate() {
+                let share = if node < corners {
+                    corner
+                } else if node < 2 * corners {
+                    middle
+                } else {
+                    centre
+                };
+                assert!((force[2] + 3.5 * share).abs() < 1e-14, "{} nodes, {node}: {force:?}", nodes.len());
+                assert!(force[0].abs() + force[1].abs() < 1e-14);
             }
         }
     }

@@ -385,7 +385,7 @@ impl Problem {
     fn new_pattern(&self) -> Arc<BlockPattern> {
         let mut cliques: Vec<Vec<usize>> = self.solid.elements().map(<[usize]>::to_vec).collect();
         let followers = self.pressures.iter().filter(|pressure| pressure.follower);
-        cliques.extend(followers.flat_map(|pressure| &pressure.facets).map(|facet| facet.corners().to_vec()));
+        cliques.extend(followers.flat_map(|pressure| &pressure.faces).cloned());
         cliques.extend(self.contacts.cliques());
         Arc::new(BlockPattern::new(self.start.len(), cliques.iter()))
     }

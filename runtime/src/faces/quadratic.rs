@@ -1,0 +1,168 @@
+//! Faces with nodes in the middle of their edges.
+//!
+//! Surfaces are made of flat facets, of which a face of second order has four or five. What follows from where things lie is theirs: the
+//! gap, the pieces of a face, the pressures. Forces are those of the face itself, by all of its shape functions: only they are in
+//! equilibrium with a uniform stress inside.
+
+use std::collections::HashMap;
+
+use super::FaceRule;
+use super::carried::{Carried, carried, carried_by_quadratic};
+use crate::interface::InterfaceError;
+use crate::surface::{Facet, MasterSurface, Shape, SurfaceError, shape_of};
+use crate::vector::Vector3;
+use crate::{Mode, Point};
+
+/// The most nodes of a face.
+pub(super) const MOST_NODES: usize = 9;
+
+/// A face of second order: a triangle with 6 nodes, a quadrilateral with 8 or 9. Corners come first, then the middles of the edges from
+/// the first corner on, then the centre.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct QuadraticFace {
+    nodes: [usize; MOST_NODES],
+    count: usize,
+}
+
+impl QuadraticFace {
+    /// A face by its nodes; `None` if these are not 6, 8 or 9.
+    #[must_use]
+    pub fn new(nodes: &[usize]) -> Option<Self> {
+        let mut own = [0; MOST_NODES];
+        let is_known = matches!(nodes.len(), 6 | 8 | 9);
+        is_known.then(|| {
+            own[..nodes.len()].copy_from_slice(nodes);
+            Self { nodes: own, count: nodes.len() }
+        })
+    }
+
+    /// Its nodes.
+    #[must_use]
+    pub fn nodes(&self) -> &[usize] {
+        &self.nodes[..self.count]
+    }
+
+    /// Natural coordinates of its nodes: from 0 to 1 on a triangle, from −1 to 1 on a quadrilateral.
+    fn natural(&self) -> &'static [[f64; 2]] {
+        const TRIANGLE: [[f64; 2]; 6] =
+            [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]];
+        const QUADRILATERAL: [[f64; 2]; 9] = [
+            [-1.0, -1.0],
+            [1.0, -1.0],
+            [1.0, 1.0],
+            [-1.0, 1.0],
+            [0.0, -1.0],
+            [1.0, 0.0],
+            [0.0, 1.0],
+            [-1.0, 0.0],
+            [0.0, 0.0],
+        ];
+        if self.count == 6 { &TRIANGLE } else { &QUADRILATERAL[..self.count] }
+    }
+}
+
+/// What carries the forces of a facet: itself, or the face that it is a part of.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Carrying {
+    Facet(Facet),
+    /// The face, and where in it the facet's centre is.
+    Face(QuadraticFace, [f64; 2]),
+}
+
+impl Carrying {
+    /// The nodes that forces act on.
+    pub fn nodes(&self) -> &[usize] {
+        match self {
+            Self::Facet(facet) => facet.corners(),
+            Self::Face(face, _) => face.nodes(),
+        }
+    }
+
+    /// A unit force along a line through a point.
+    pub fn carried(&self, positions: &[Point], point: Point, along: Point, mode: Mode) -> Option<Carried> {
+        match self {
+            Self::Facet(facet) => carried(&shape_of(facet, positions), point, along, mode),
+            Self::Face(face, start) => {
+                let mut nodes = [[0.0; 3]; MOST_NODES];
+                for (x, &node) in nodes.iter_mut().zip(face.nodes()) {
+                    *x = positions[node];
+                }
+                carried_by_quadratic(&nodes[..face.count], *start, point, along, mode)
+            }
+        }
+    }
+
+    /// The shape functions of the nodes at a place of a facet, seen along the facet's normal; `None` if the face is not there.
+    pub fn functions(
+        &self,
+        facet: &Shape,
+        natural: [f64; 2],
+        positions: &[Point],
+    ) -> Option<[f64; MOST_NODES]> {
+        let mut functions = [0.0; MOST_NODES];
+        match self {
+            Self::Facet(_) => functions[..4].copy_from_slice(&facet.functions(natural)),
+            Self::Face(face, _) => {
+                let (point, along) = (facet.point(natural), facet.normal());
+                let carried = self.carried(positions, point.into(), along.into(), Mode::Value)?;
+                for (function, &part) in functions.iter_mut().zip(&carried.forces[1..=face.count]) {
+                    *function = Vector3::from(part).dot(&along);
+                }
+            }
+        }
+        Some(functions)
+    }
+}
+
+/// For each facet of both sides what carries its forces.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Carriers {
+    pub faces: Vec<Carrying>,
+    pub facets: Vec<Carrying>,
+}
+
+impl Carriers {
+    /// Looks for the face that each facet of both sides is a part of: the one that has all of its corners. Facets without one carry their
+    /// own forces.
+    pub fn new(faces: &[Facet], master: &MasterSurface, quadratic: &[QuadraticFace]) -> Self {
+        let mut around: HashMap<usize, Vec<&QuadraticFace>> = HashMap::new();
+        for face in quadratic {
+            face.nodes().iter().for_each(|&node| around.entry(node).or_default().push(face));
+        }
+        let of = |facet: Facet| {
+            let corners = facet.corners();
+            let place = |face: &QuadraticFace, node: usize| face.nodes().iter().position(|&own| own == node);
+            let found = around.get(&corners[0]).into_iter().flatten().find_map(|&face| {
+                let places: Option<Vec<usize>> = corners.iter().map(|&node| place(face, node)).collect();
+                let natural = places?.into_iter().map(|k| face.natural()[k]);
+                let sum = natural.fold([0.0; 2], |sum, x| [sum[0] + x[0], sum[1] + x[1]]);
+                Some((*face, sum.map(|x| x / corners.len() as f64)))
+            });
+            found.map_or(Carrying::Facet(facet), |(face, start)| Carrying::Face(face, start))
+        };
+        Self {
+            faces: faces.iter().map(|&face| of(face)).collect(),
+            facets: (0..master.facet_count()).map(|facet| of(master.facet(facet))).collect(),
+        }
+    }
+}
+
+impl Carriers {
+    /// The rule that a uniform pressure needs: the shape functions of quadrilaterals with 8 and 9 nodes have the third and fourth degree.
+    pub fn rule(&self, wanted: FaceRule) -> FaceRule {
+        let is_quadrilateral =
+            |carrying: &Carrying| matches!(carrying, Carrying::Face(face, _) if face.count > 6);
+        if self.faces.iter().chain(&self.facets).any(is_quadrilateral) { FaceRule::Fourth } else { wanted }
+    }
+}
+
+/// Checks that all nodes of the faces exist.
+pub(super) fn check(quadratic: &[QuadraticFace], positions: &[Point]) -> Result<(), InterfaceError> {
+    let count = positions.len();
+    for (facet, face) in quadratic.iter().enumerate() {
+        if let Some(&node) = face.nodes().iter().find(|&&node| node >= count) {
+            return Err(SurfaceError::NodeOutOfRange { facet, node, count }.into());
+        }
+    }
+    Ok(())
+}

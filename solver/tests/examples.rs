@@ -8,7 +8,7 @@ use diffuse_contact::Weight;
 use diffuse_contact::faces::FaceRule;
 use diffuse_contact::interface::ContactElement;
 use diffuse_contact::neighbourhood::SearchOptions;
-use diffuse_contact_solver::contact::Integration;
+use diffuse_contact_solver::contact::{Integration, SlaveState};
 use diffuse_contact_solver::deck::{Boundary, Contact, Deck, PartSource, Reference};
 use diffuse_contact_solver::model::Motion;
 use diffuse_contact_solver::model::shape::{
@@ -117,6 +117,32 @@ fn patch_test_over_faces_of_all_kinds() {
             }
         }
     }
+}
+
+/// Lamé's pressure and displacement on coarse rings that do not match.
+#[test]
+fn shrink_fit() {
+    let deck = deck("shrink_fit.toml", Contact::Diffuse);
+    let measured = run(&deck, |snapshot| {
+        let pressure = |slave: SlaveState| {
+            let along: f64 = (0..3).map(|axis| slave.nodal_force[axis] * slave.normal[axis]).sum();
+            along / slave.area / 40.384_615 - 1.0
+        };
+        let worst = snapshot.slaves().map(pressure).fold(0.0, |worst: f64, error| worst.max(error.abs()));
+        let radius = |x: &[f64; 3]| x[0].hypot(x[1]);
+        let outside: Vec<f64> = snapshot
+            .problem
+            .start_positions()
+            .iter()
+            .zip(&snapshot.state.positions)
+            .filter(|(start, _)| (radius(start) - 45.0).abs() < 1e-9)
+            .map(|(start, end)| radius(end) - radius(start))
+            .collect();
+        let mean = outside.iter().sum::<f64>() / outside.len() as f64;
+        Ok((worst, mean / 0.013_846_154 - 1.0))
+    });
+    let (pressure, displacement) = *measured.measures.last().unwrap();
+    assert!(pressure < 0.012 && displacement.abs() < 1e-3, "{pressure} {displacement}");
 }
 
 /// The deck of the tutorial, with the forces of its table.

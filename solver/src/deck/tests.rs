@@ -544,7 +544,7 @@ fn root() -> PathBuf {
 #[test]
 fn the_example_decks_build() {
     let expected: BTreeMap<&str, (usize, usize, usize)> = BTreeMap::from([
-        // Hexahedra, master facets and slave facets.
+        // Elements, master facets and slave facets.
         ("coaxial_cylinders", (36 * 4 + 40 * 4, 80, 72)),
         ("hertz_cylinder", (20 * 20 + 40 * 16, 40, 40)),
         ("hertz_sphere", (9 * 9 * 9 + 3 * 81 * 8, 64, 3 * 81)),
@@ -553,6 +553,7 @@ fn the_example_decks_build() {
         ("pipe_pinch_plastic", (64 + 48, 32, 24)),
         ("plate_cylinder", (100, 32, 100)),
         ("ring_block", (128 + 360, 60, 64)),
+        ("shrink_fit", (24 * 6 * 4 + 20 * 8 * 4, 80, 96)),
         ("sliding_block", (108, 150, 36)),
         ("inclined_block", (64, 65, 16)),
         ("belt", (144, 60, 144)),
@@ -568,8 +569,8 @@ fn the_example_decks_build() {
         let model = deck.model(path.parent().unwrap()).unwrap_or_else(|error| panic!("{error}"));
         assert!(!deck.title.is_empty() && deck.contact == Contact::Diffuse);
         let sides = deck.sides(&model, &deck.interfaces[0]).unwrap();
-        let hexahedra = model.bodies.iter().map(|body| body.elements.len()).sum::<usize>();
-        assert_eq!((hexahedra, sides.master.len(), sides.slave.len()), expected[name.as_str()], "{name}");
+        let elements = model.bodies.iter().map(|body| body.elements.len()).sum::<usize>();
+        assert_eq!((elements, sides.master.len(), sides.slave.len()), expected[name.as_str()], "{name}");
         found.insert(name);
     }
     assert!(expected.keys().all(|name| found.contains(*name)), "{found:?}");
@@ -616,11 +617,34 @@ fn every_field_is_documented_and_every_documented_field_exists() {
     // A plate is a box by another name.
     let shapes = schema::SHAPES.iter().filter(|(name, _)| *name != "plate");
     fields.extend(shapes.map(|&(name, fields)| (format!("`shape = \"{name}\"`"), fields)));
-    let known: BTreeMap<String, BTreeSet<String>> = fields
+    let mut known: BTreeMap<String, BTreeSet<String>> = fields
         .into_iter()
         .map(|(heading, fields)| (heading, fields.iter().map(|f| f.to_string()).collect()))
         .collect();
+    let of_parts = known.get_mut("`[parts.NAME]`").unwrap();
+    of_parts.extend(schema::SOLID_SHAPE.iter().map(|field| field.to_string()));
     assert_eq!(documented(), known);
+}
+
+/// The kind of element of a shape is one word; what has no elements of its own has none.
+#[test]
+fn shapes_are_made_of_the_kind_of_element_that_a_deck_names() {
+    let shape = |kind: &str| changed("shape = \"box\"", &format!("shape = \"box\"\nelement = \"{kind}\""));
+    let count = |kind: &str| {
+        let model = Deck::parse(&shape(kind)).unwrap().model(".").unwrap();
+        (model.bodies[0].elements.len(), model.nodes.len())
+    };
+    let (cells, nodes) = count("hex8");
+    assert_eq!((cells, nodes), {
+        let model = Deck::parse(DECK).unwrap().model(".").unwrap();
+        (model.bodies[0].elements.len(), model.nodes.len())
+    });
+    assert_eq!((count("hex20").0, count("tet10").0), (cells, 6 * cells));
+    assert_eq!(count("tet4"), (6 * cells, nodes));
+    assert!(count("hex27").1 > count("hex20").1 && count("hex27").1 == count("tet10").1);
+    refused("shape = \"box\"", "shape = \"box\"\nelement = \"hex21\"", "parts.block.element");
+    let rigid = changed("shape = \"rigid-plane\"", "shape = \"rigid-plane\"\nelement = \"hex8\"");
+    assert!(Deck::parse(&rigid).unwrap_err().to_string().contains("element"));
 }
 
 /// Squares of stresses overflow long before the moduli do.

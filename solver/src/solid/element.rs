@@ -82,6 +82,15 @@ pub(super) struct Results<'a> {
     pub tangent: &'a mut [f64],
 }
 
+/// The deformation at a point.
+struct Moved<const N: usize> {
+    /// det F > 0.
+    jacobian: f64,
+    deformation_gradient: Matrix3<f64>,
+    /// Of the shape functions by current positions.
+    gradients: [Vector3<f64>; N],
+}
+
 /// A point of distortion of a deformed element.
 pub(super) struct Deformed {
     /// det F > 0.
@@ -207,14 +216,14 @@ impl<const N: usize, const P: usize> Points<N, P> {
         Ok(Self { gradients, weights })
     }
 
-    /// det F, F and the gradients of the shape functions by current positions at a point.
+    /// The deformation at a point.
     #[inline]
     fn deform(
         &self,
         index: usize,
         point: usize,
         corners: &[Vector3<f64>; N],
-    ) -> Result<(f64, Matrix3<f64>, [Vector3<f64>; N]), SolidError> {
+    ) -> Result<Moved<N>, SolidError> {
         let deformation_gradient = gradient(corners, &self.gradients[point]);
         let jacobian = deformation_gradient.determinant();
         let inverted = || SolidError::Inverted { element: index, name: None, point, jacobian };
@@ -226,7 +235,7 @@ impl<const N: usize, const P: usize> Points<N, P> {
         for a in 0..N {
             gradients[a] = inverse.tr_mul(&self.gradients[point][a]);
         }
-        Ok((jacobian, deformation_gradient, gradients))
+        Ok(Moved { jacobian, deformation_gradient, gradients })
     }
 }
 
@@ -287,7 +296,7 @@ impl<const N: usize, const P: usize, const Q: usize, const W: usize> Typed<N, P,
             }
         }
         for point in 0..Q {
-            let (jacobian, _, gradients) = self.dilatation.deform(step.index, point, &corners)?;
+            let Moved { jacobian, gradients, .. } = self.dilatation.deform(step.index, point, &corners)?;
             let weight = self.dilatation.weights[point];
             let volumetric = step.law.volumetric(jacobian);
             let load = weight * jacobian * volumetric.pressure;
@@ -333,7 +342,7 @@ impl<const N: usize, const P: usize, const Q: usize, const W: usize> Typed<N, P,
             return Ok(energy + self.volume * step.law.volumetric(current_volume / self.volume).energy);
         }
         for point in 0..Q {
-            let (jacobian, ..) = self.dilatation.deform(step.index, point, &corners)?;
+            let Moved { jacobian, .. } = self.dilatation.deform(step.index, point, &corners)?;
             energy += self.dilatation.weights[point] * step.law.volumetric(jacobian).energy;
         }
         Ok(energy)
@@ -355,7 +364,7 @@ impl<const N: usize, const P: usize, const Q: usize, const W: usize> Typed<N, P,
         }
         let mut pressures = [0.0; Q];
         for (point, pressure) in pressures.iter_mut().enumerate() {
-            let (jacobian, ..) = self.dilatation.deform(step.index, point, &corners)?;
+            let Moved { jacobian, .. } = self.dilatation.deform(step.index, point, &corners)?;
             *pressure = step.law.volumetric(jacobian).pressure;
         }
         let mean = step.law.volumetric(current_volume / self.volume).pressure;
@@ -374,7 +383,7 @@ impl<const N: usize, const P: usize, const Q: usize, const W: usize> Typed<N, P,
         point: usize,
         corners: &[Vector3<f64>; N],
     ) -> Result<(Deformed, [Vector3<f64>; N]), SolidError> {
-        let (jacobian, deformation_gradient, gradients) =
+        let Moved { jacobian, deformation_gradient, gradients } =
             self.distortion.deform(step.index, point, corners)?;
         let unresolved = |source| SolidError::Unresolved { element: step.index, name: None, point, source };
         let answer = step.law.isochoric(&deformation_gradient, &step.committed[point]).map_err(unresolved)?;

@@ -17,7 +17,8 @@ pub(super) fn graded(count: usize, ratio: f64) -> Vec<f64> {
 /// The same with points in the middle of the cells, if there are two steps to a cell.
 pub(super) fn graded_steps(count: usize, ratio: f64, steps: usize) -> Vec<f64> {
     let ends = graded(count, ratio);
-    let middle = |k: usize| if k % 2 == 0 { ends[k / 2] } else { 0.5 * (ends[k / 2] + ends[k / 2 + 1]) };
+    let middle =
+        |k: usize| if k.is_multiple_of(2) { ends[k / 2] } else { 0.5 * (ends[k / 2] + ends[k / 2 + 1]) };
     if steps == 1 { ends } else { (0..=2 * count).map(middle).collect() }
 }
 

@@ -104,6 +104,38 @@ impl Cells {
         faces.collect()
     }
 
+    /// The first two elements that do not fit together, with what is wrong.
+    pub(super) fn misfit(&self) -> Option<(usize, usize, Misfit)> {
+        // The first element with a face, its corners there, and whether there is a second one.
+        let mut faces: HashMap<[usize; 4], (usize, &'static [usize], bool)> =
+            HashMap::with_capacity(4 * self.len());
+        let all = |cell: Cell<'_>, corners: &[usize]| {
+            let mut nodes: Vec<usize> =
+                cell.kind.nodes_of(corners).into_iter().map(|k| cell.nodes[k]).collect();
+            nodes.sort_unstable();
+            nodes
+        };
+        for (element, cell) in self.iter().enumerate() {
+            for &corners in cell.kind.faces() {
+                let Some((other, others, has_second)) = faces.get_mut(&cell.key(corners)) else {
+                    faces.insert(cell.key(corners), (element, corners, false));
+                    continue;
+                };
+                let neighbour = self.get(*other);
+                let shared =
+                    cell.corners().iter().filter(|corner| neighbour.corners().contains(corner)).count();
+                if shared > corners.len() || *has_second {
+                    return Some((*other, element, Misfit::Overlapping { shared }));
+                }
+                if all(cell, corners) != all(neighbour, others) {
+                    return Some((*other, element, Misfit::Hanging));
+                }
+                *has_second = true;
+            }
+        }
+        None
+    }
+
     /// The faces of one element only, each with its corners in it.
     fn outside(&self) -> impl Iterator<Item = (Cell<'_>, &'static [usize])> {
         let mut uses: HashMap<[usize; 4], u32> = HashMap::with_capacity(4 * self.len());
@@ -120,7 +152,20 @@ impl Cells {
     }
 }
 
+/// What is wrong with two elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Misfit {
+    /// They share more corners than those of a face, or a face with a third element.
+    Overlapping { shared: usize },
+    /// They share the corners of a face, but not its other nodes.
+    Hanging,
+}
+
 impl Cell<'_> {
+    fn corners(&self) -> &[usize] {
+        &self.nodes[..self.kind.corner_count()]
+    }
+
     /// What faces of two elements that touch have in common: their corners, ascending.
     fn key(&self, corners: &[usize]) -> [usize; 4] {
         let mut key = [usize::MAX; 4];

@@ -102,7 +102,7 @@ pub enum ModelError {
     },
     /// An element is turned inside out or flat at one of its corners.
     #[error(
-        "element {} of the part {part:?} is not convex: the triple product of the directions of the edges at its \
+        "element {} of the part {part:?} is inside out, flat or not convex: the triple product of the directions of the edges at its \
          corner {} is {jacobian:e}",
         number_of(*element, *label),
         corner + 1, part = shown(part)
@@ -118,6 +118,45 @@ pub enum ModelError {
         corner: usize,
         /// Triple product of the directions of the edges there; 1 at the corner of a cube.
         jacobian: f64,
+    },
+    /// Two elements have the same nodes, or are both on one side of a face: its nodes would count as inside.
+    #[error(
+        "elements {} and {} of the part {part:?} lie on one another: they share {shared} corners in a way that neighbours do not",
+        number_of(*element, *label),
+        number_of(*other, *other_label), part = shown(part)
+    )]
+    OverlappingElements {
+        /// The part.
+        part: String,
+        /// The element, from 0 in the order of the part.
+        element: usize,
+        /// Its number in the mesh file, if the part is from one.
+        label: Option<u64>,
+        /// The other one.
+        other: usize,
+        /// Its number in the mesh file.
+        other_label: Option<u64>,
+        /// How many corners they have in common.
+        shared: usize,
+    },
+    /// Two elements share the corners of a face, but not the nodes in the middle of its edges: the face would gape.
+    #[error(
+        "elements {} and {} of the part {part:?} share the corners of a face but not all of its other nodes: first and second order do \
+         not fit together",
+        number_of(*element, *label),
+        number_of(*other, *other_label), part = shown(part)
+    )]
+    HangingNodes {
+        /// The part.
+        part: String,
+        /// The element, from 0 in the order of the part.
+        element: usize,
+        /// Its number in the mesh file, if the part is from one.
+        label: Option<u64>,
+        /// The other one.
+        other: usize,
+        /// Its number in the mesh file.
+        other_label: Option<u64>,
     },
     /// A mesh file cannot be read, or has no such set.
     #[error(transparent)]

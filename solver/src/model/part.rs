@@ -6,7 +6,7 @@ use diffuse_contact::surface::Facet;
 use diffuse_contact_mesh::ElementKind;
 use nalgebra::Vector3;
 
-use super::cells::Cell;
+use super::cells::{Cell, Misfit};
 use super::{Cells, ModelError, Rotation};
 
 /// Nodes a model may have.
@@ -96,7 +96,26 @@ impl Part {
                 }
             }
         }
-        Ok(())
+        let label = |element: usize| self.labels.get(element).copied();
+        match self.elements.misfit() {
+            Some((other, element, misfit)) => {
+                let (label, other_label) = (label(element), label(other));
+                Err(match misfit {
+                    Misfit::Overlapping { shared } => ModelError::OverlappingElements {
+                        part: part(),
+                        element,
+                        label,
+                        other,
+                        other_label,
+                        shared,
+                    },
+                    Misfit::Hanging => {
+                        ModelError::HangingNodes { part: part(), element, label, other, other_label }
+                    }
+                })
+            }
+            None => Ok(()),
+        }
     }
 }
 

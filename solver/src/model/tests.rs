@@ -192,6 +192,36 @@ fn a_part_of_a_file_may_have_elements_of_all_kinds() {
     }
 }
 
+/// An element that is there twice would have no outside, and one of second order on one of first order a face that gapes.
+#[test]
+fn elements_that_do_not_fit_together_are_refused() {
+    let with = |order: &dyn Fn(&mut Cells, &Part)| {
+        let mut part = block();
+        let mut cells = part.elements.clone();
+        order(&mut cells, &part);
+        part.elements = cells;
+        Model::default().add("a", part, Some(STEEL)).unwrap_err()
+    };
+    let twice = with(&|cells, part| cells.push(ElementKind::Hexahedron8, part.elements.get(2).nodes));
+    assert!(
+        matches!(twice, ModelError::OverlappingElements { element: 6, other: 2, shared: 8, .. }),
+        "{twice}"
+    );
+    assert!(
+        twice.to_string().starts_with("elements 7 and 3 of the part \"a\" lie on one another"),
+        "{twice}"
+    );
+
+    let block = Block { origin: [0.0; 3], size: [1.0; 3], divisions: [2, 1, 1], grading: [1.0; 3] };
+    let mut part = block.part(ElementKind::Hexahedron20).unwrap();
+    let mut cells = Cells::default();
+    cells.push(ElementKind::Hexahedron20, part.elements.get(0).nodes);
+    cells.push(ElementKind::Hexahedron8, &part.elements.get(1).nodes[..8]);
+    part.elements = cells;
+    let error = Model::default().add("a", part, Some(STEEL)).unwrap_err();
+    assert!(matches!(error, ModelError::HangingNodes { element: 1, other: 0, .. }), "{error}");
+}
+
 #[test]
 fn a_rigid_part_of_a_file_keeps_its_orientation() {
     let part = read_rigid_part(&written("rigid.inp"), None, "PUNCH").unwrap();

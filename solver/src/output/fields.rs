@@ -186,7 +186,10 @@ impl Fields {
             self.contact_status[node] = self.contact_status[node].max(status as i32);
             if is_over_faces && on_quadratic.contains(&node) {
                 // Forces of faces of second order are no pressures: corners may have none.
-                self.contact_pressure[node] += if slave.area > 0.0 { slave.force / slave.area } else { 0.0 };
+                // With two passes a side has half of the penalty and so half of the pressure.
+                let passes = if interaction.options().two_pass { 2.0 } else { 1.0 };
+                self.contact_pressure[node] +=
+                    if slave.area > 0.0 { passes * slave.force / slave.area } else { 0.0 };
             } else if is_over_faces && slave.gap.is_some() && slave.area > 0.0 {
                 // Forces of faces are only there where they lie over the master.
                 self.contact_pressure[node] += pressing(forces.forces[node], slave.normal) / slave.area;

@@ -192,7 +192,11 @@ impl Pass for FacePass {
             let NodeContact { slave: node, outcome, gap, area, normal, .. } = *contact;
             let force = contact.force();
             match outcome {
-                Outcome::None(reason) => SlaveState::without(node, self.interface.areas()[k], reason),
+                // A node with nothing over its own facets may carry what is over others of its face.
+                Outcome::None(reason) => SlaveState {
+                    nodal_force: [0, 1, 2].map(|axis| self.forces[3 * node + axis]),
+                    ..SlaveState::without(node, self.interface.areas()[k], reason)
+                },
                 Outcome::Contact { fallback } => SlaveState {
                     node,
                     gap: Some(gap),

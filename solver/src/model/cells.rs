@@ -74,14 +74,6 @@ impl Cells {
         &self.nodes
     }
 
-    /// The kinds there are, each with its number of elements.
-    #[must_use]
-    pub fn counts(&self) -> Vec<(ElementKind, usize)> {
-        let mut kinds = self.kinds.clone();
-        kinds.sort_unstable();
-        kinds.chunk_by(|a, b| a == b).map(|alike| (alike[0], alike.len())).collect()
-    }
-
     /// The same elements with other node indices.
     #[must_use]
     pub fn renumbered(&self, number: impl FnMut(usize) -> usize) -> Self {

@@ -20,10 +20,8 @@ impl Model {
         digest.size(self.bodies.len());
         for body in &self.bodies {
             digest.text(&body.name);
-            for (kind, count) in body.elements.counts() {
-                digest.text(kind.name());
-                digest.size(count);
-            }
+            digest.size(body.elements.len());
+            body.elements.iter().for_each(|cell| digest.text(cell.kind.name()));
             digest.indices(body.elements.nodes());
         }
         digest.size(self.node_sets.len());

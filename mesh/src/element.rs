@@ -63,6 +63,17 @@ const HEXAHEDRON_CENTRES: &[[usize; 4]] =
     &[[0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 2, 6, 7], [0, 1, 2, 3], [4, 5, 6, 7]];
 
 impl ElementKind {
+    /// The solids.
+    pub const SOLIDS: [Self; 7] = [
+        Self::Tetrahedron4,
+        Self::Tetrahedron10,
+        Self::Wedge6,
+        Self::Wedge15,
+        Self::Hexahedron8,
+        Self::Hexahedron20,
+        Self::Hexahedron27,
+    ];
+
     const fn table(self) -> Table {
         const fn flat(nodes: usize, dimension: usize, name: &'static str, plural: &'static str) -> Table {
             Table { nodes, dimension, name, plural, faces: &[], edges: &[], centres: &[] }

@@ -3,6 +3,8 @@
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
+use diffuse_contact::faces::QuadraticFace;
+use diffuse_contact::surface::Facet;
 use thiserror::Error;
 
 use crate::contact::{ContactError, ContactSet, Integration, Interaction, InteractionOptions};
@@ -273,7 +275,15 @@ fn interaction(
         .with_integration(interface.integration)
         .with_quadratic_faces(match interface.integration {
             Integration::Nodes => Vec::new(),
-            Integration::Faces(_) => model.quadratic_faces(),
+            Integration::Faces(_) => {
+                let nodes = |facets: &[Facet]| facets.iter().flat_map(Facet::corners).copied().collect();
+                let sides: [HashSet<usize>; 2] = [nodes(&sides.master), nodes(&sides.slave)];
+                // A face of which only a part belongs to a side leaves its facets to themselves.
+                let is_whole = |face: &QuadraticFace| {
+                    sides.iter().any(|side| face.nodes().iter().all(|node| side.contains(node)))
+                };
+                model.quadratic_faces().into_iter().filter(is_whole).collect()
+            }
         });
     Ok(Interaction::new(options, &sides.master, &sides.slave, &model.nodes)?)
 }

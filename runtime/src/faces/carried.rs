@@ -30,19 +30,19 @@ impl Carried {
     }
 
     /// Itself if the line meets a place of the facet.
-    fn if_met(self, beside: [f64; 2]) -> Option<Self> {
+    fn if_met(self, beside: [f64; 2], farthest: f64) -> Option<Self> {
         // The sum over all results is finite only if each is.
         let sum: f64 = self.forces.as_flattened().iter().chain(&self.derivatives).sum();
         let is_met = beside.iter().all(|x| x.abs() <= LARGEST_RESIDUAL)
             && sum.is_finite()
-            && self.natural.iter().all(|x| x.abs() <= FARTHEST);
+            && self.natural.iter().all(|x| x.abs() <= farthest);
         is_met.then_some(self)
     }
 }
 
 /// Runs a kernel and takes its results over.
 macro_rules! run {
-    ($kernel:ident, $mode:expr, $inputs:expr, |$values:ident| $beside:expr) => {{
+    ($kernel:ident, $mode:expr, $inputs:expr, $farthest:expr, |$values:ident| $beside:expr) => {{
         let results = $kernel::evaluate($mode, &$inputs);
         let $values = &results.values;
         let mut forces = [[0.0; 3]; 1 + MOST_NODES];
@@ -55,7 +55,7 @@ macro_rules! run {
         };
         let carried =
             Carried { natural: $values.natural, forces, derivatives, variables: $kernel::VARIABLES };
-        carried.if_met($beside)
+        carried.if_met($beside, $farthest)
     }};
 }
 
@@ -64,11 +64,11 @@ pub fn carried(shape: &Shape, point: Point, along: Point, mode: Mode) -> Option<
     match shape {
         Shape::Triangle(corners) => {
             let inputs = carried_by_triangle::Inputs { point, along, corners: corners.map(Point::from) };
-            run!(carried_by_triangle, mode, inputs, |_values| [0.0; 2])
+            run!(carried_by_triangle, mode, inputs, FARTHEST, |_values| [0.0; 2])
         }
         Shape::Quadrilateral(corners) => {
             let inputs = carried_by_quadrilateral::Inputs { point, along, corners: corners.map(Point::from) };
-            run!(carried_by_quadrilateral, mode, inputs, |values| values.beside)
+            run!(carried_by_quadrilateral, mode, inputs, FARTHEST, |values| values.beside)
         }
     }
 }
@@ -85,7 +85,7 @@ pub fn carried_by_quadratic(
         ($kernel:ident) => {{
             let corners = std::array::from_fn(|k| nodes[k]);
             let inputs = $kernel::Inputs { point, along, corners, start_xi, start_eta };
-            run!($kernel, mode, inputs, |values| values.beside)
+            run!($kernel, mode, inputs, FARTHEST_ON_CURVED, |values| values.beside)
         }};
     }
     match nodes.len() {
@@ -99,6 +99,8 @@ pub fn carried_by_quadratic(
 const LARGEST_RESIDUAL: f64 = 1e-9;
 /// Natural coordinates beyond this belong to a line that all but misses the facet's surface.
 const FARTHEST: f64 = 3.0;
+/// On faces of second order, whose functions grow fast and whose equations have other roots out there.
+const FARTHEST_ON_CURVED: f64 = 1.5;
 
 #[cfg(test)]
 mod tests {

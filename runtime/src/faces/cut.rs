@@ -100,7 +100,7 @@ impl View {
 }
 
 /// The points of a face, appended to `points`. `first`: the face in the first configuration; `functions`: what its nodes have of a force
-/// at a place, if it can be found; `limit`: the largest distance of a facet.
+/// at a place, if it can be found; `limit`: the largest distance of a facet. Returns the number of points whose place was not found.
 pub fn cut(
     face: &Shape,
     first: &Shape,
@@ -109,8 +109,8 @@ pub fn cut(
     (rule, limit): (FaceRule, f64),
     scratch: &mut CutScratch,
     points: &mut Vec<FacePoint>,
-) {
-    let Some(view) = View::of(face) else { return };
+) -> usize {
+    let Some(view) = View::of(face) else { return 0 };
     let corners: Polygon = face.corners().iter().map(|&x| view.seen(x)).collect();
     let own = area(&corners);
     let (lower, upper) = face.bounds();
@@ -119,7 +119,7 @@ pub fn cut(
     layers.clear();
     index.facets_near(lower.map(|x| x - limit), upper.map(|x| x + limit), near);
     let start = points.len();
-    let (mut found, mut places) = (0.0, Vec::new());
+    let (mut found, mut places, mut unplaced) = (0.0, Vec::new(), 0);
     for &facet in near.iter() {
         if index.normals()[facet as usize].dot(&view.normal) > OPPOSITE {
             continue;
@@ -141,7 +141,10 @@ pub fn cut(
             let seen = face.area_element(natural).dot(&view.normal);
             let weight = weight * first.area_element(natural).norm() / seen;
             if distance <= limit && weight.is_finite() && weight > 0.0 {
-                let Some(functions) = functions(natural) else { continue };
+                let Some(functions) = functions(natural) else {
+                    unplaced += 1;
+                    continue;
+                };
                 points.push(FacePoint { facet, natural, weight, functions });
                 places.push((place, distance));
             }
@@ -161,6 +164,7 @@ pub fn cut(
             (!is_hidden).then_some(point)
         }));
     }
+    unplaced
 }
 
 /// How far a facet is from a point along a direction.

@@ -17,6 +17,8 @@
 //! * **Tangent.** Exact but for the places of the points, which are held: what a face integrates does not depend on them to the order
 //!   of the [`FaceRule`]. It is not symmetric. The energy form of [`ContactInterface`], symmetric and conservative, stays beside it.
 //! * **No history.** Points follow from the positions of a refresh: a restart needs the first positions and the multipliers only.
+//! * **Second order.** Faces of 6, 8 or 9 nodes come as flat facets between all of their nodes, for gaps, pieces and pressures. With
+//!   [`set_quadratic_faces`](FaceInterface::set_quadratic_faces) N_a and N_k are theirs as a whole.
 //! * **Layers.** Where facets that look at a face lie over one another, the nearest carries.
 //!
 //! ```
@@ -152,6 +154,8 @@ pub struct FaceInterface {
     cuts: Vec<FaceCut>,
     /// Where the faces were cut, of all nodes.
     cut_at: Option<Vec<Point>>,
+    /// Points whose place on their face of second order was not found.
+    unplaced: usize,
     /// What cutting gave.
     report: FaceReport,
     /// The smallest extent of a face or a facet in the first configuration.
@@ -221,6 +225,7 @@ impl FaceInterface {
             points: Vec::new(),
             limits: Vec::new(),
             cut_at: None,
+            unplaced: 0,
             report: FaceReport::default(),
             smallest,
             cuts: vec![FaceCut::default(); faces.len()],
@@ -365,17 +370,17 @@ impl FaceInterface {
         };
         let limits: Vec<f64> = self.faces.iter().map(limit).collect();
         let rule = self.carriers.rule(self.options.rule);
-        let by_face: Vec<Vec<FacePoint>> = (0..self.faces.len())
+        let (by_face, unplaced): (Vec<Vec<FacePoint>>, Vec<usize>) = (0..self.faces.len())
             .into_par_iter()
             .map_init(CutScratch::default, |scratch, k| {
                 let mut points = Vec::new();
                 let face = shape_of(&self.faces[k], positions);
                 let first = shape_of(&self.faces[k], &self.first);
                 let functions = |natural| self.carriers.faces[k].functions(&face, natural, positions);
-                cut(&face, &first, functions, &index, (rule, limits[k]), scratch, &mut points);
-                points
+                let unplaced = cut(&face, &first, functions, &index, (rule, limits[k]), scratch, &mut points);
+                (points, unplaced)
             })
-            .collect();
+            .unzip();
         let mut all = positions.to_vec();
         for (k, points) in by_face.iter().enumerate() {
             let corners = self.faces[k].corners().len();
@@ -385,6 +390,7 @@ impl FaceInterface {
         let report = self.interface.pair_points(all, positions.len(), &facets)?;
         self.positions.copy_from_slice(positions);
         self.limits = limits;
+        self.unplaced = unplaced.iter().sum();
         self.points = by_face.concat();
         let mut end = 0;
         let ranges: Vec<Range<usize>> = by_face
@@ -466,7 +472,7 @@ impl FaceInterface {
             return Err(InterfaceError::FrictionOverFaces);
         }
         let nodes = self.averages(law)?;
-        let mut contacts = FaceContacts { nodes, mode, ..FaceContacts::default() };
+        let mut contacts = FaceContacts { nodes, mode, missed: self.unplaced, ..FaceContacts::default() };
         if mode >= Mode::Gradient {
             self.derive(law, mode, &mut contacts)?;
         }

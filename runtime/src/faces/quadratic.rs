@@ -156,12 +156,16 @@ impl Carriers {
     }
 }
 
-/// Checks that all nodes of the faces exist.
+/// Checks that all nodes of the faces exist, and none stands twice in one.
 pub(super) fn check(quadratic: &[QuadraticFace], positions: &[Point]) -> Result<(), InterfaceError> {
     let count = positions.len();
     for (facet, face) in quadratic.iter().enumerate() {
         if let Some(&node) = face.nodes().iter().find(|&&node| node >= count) {
             return Err(SurfaceError::NodeOutOfRange { facet, node, count }.into());
+        }
+        let nodes = face.nodes();
+        if let Some(place) = (1..nodes.len()).find(|&place| nodes[..place].contains(&nodes[place])) {
+            return Err(SurfaceError::RepeatedNode { facet, node: nodes[place] }.into());
         }
     }
     Ok(())

@@ -71,6 +71,19 @@ impl Pair {
         contacts.add_residual(&DofMap::standard(self.positions.len()), &mut forces).unwrap();
         forces.as_chunks::<3>().0.to_vec()
     }
+
+    /// Forces and moments of contact add up to nothing.
+    fn assert_balance(&self, forces: &[Point]) {
+        let size: f64 = forces.iter().map(|&force| Vector3::from(force).norm()).sum();
+        let zero = Vector3::zeros();
+        let force = forces.iter().fold(zero, |sum, &force| sum + Vector3::from(force));
+        let moments = forces.iter().zip(&self.positions);
+        let moment = moments.fold(zero, |sum, (&f, &x)| sum + Vector3::from(x).cross(&Vector3::from(f)));
+        assert!(
+            size > 5.0 && force.norm() < 1e-13 * size && moment.norm() < 1e-12 * size,
+            "{force:?} {moment:?}"
+        );
+    }
 }
 
 fn elements() -> Vec<ContactElement> {
@@ -129,16 +142,7 @@ fn forces_and_moments_balance() {
             interface.refresh(&pair.positions).unwrap();
             let contacts = interface.evaluate(&ContactLaw::penalty(50.0), Mode::Gradient).unwrap();
             assert!(contacts.active() > 8 && contacts.active() < pair.positions.len() - pair.first_slave);
-            let forces = pair.forces(contacts);
-            let size: f64 = forces.iter().map(|&force| Vector3::from(force).norm()).sum();
-            let zero = Vector3::zeros();
-            let force = forces.iter().fold(zero, |sum, &force| sum + Vector3::from(force));
-            let moments = forces.iter().zip(&pair.positions);
-            let moment = moments.fold(zero, |sum, (&f, &x)| sum + Vector3::from(x).cross(&Vector3::from(f)));
-            assert!(
-                size > 5.0 && force.norm() < 1e-13 * size && moment.norm() < 1e-12 * size,
-                "{force:?} {moment:?}"
-            );
+            pair.assert_balance(&pair.forces(contacts));
         }
     }
 }
@@ -222,20 +226,14 @@ fn forces_and_moments_of_faces_of_second_order_balance() {
         assert!(contacts.active() > 8 && contacts.missed() == 0);
         let forces = pair.forces(contacts);
         assert_ne!(of_facets.unwrap(), forces);
-        let size: f64 = forces.iter().map(|&force| Vector3::from(force).norm()).sum();
-        let zero = Vector3::zeros();
-        let force = forces.iter().fold(zero, |sum, &force| sum + Vector3::from(force));
-        let moments = forces.iter().zip(&pair.positions);
-        let moment = moments.fold(zero, |sum, (&f, &x)| sum + Vector3::from(x).cross(&Vector3::from(f)));
-        assert!(
-            size > 5.0 && force.norm() < 1e-13 * size && moment.norm() < 1e-12 * size,
-            "{second:?} {force:?} {moment:?}"
-        );
+        pair.assert_balance(&forces);
     }
     let (pair, _) = bumps_of_second_order(Second::Triangle6);
     let mut interface = pair.interface(ContactElement::default(), FaceRule::Second);
     let beyond = QuadraticFace::new(&[0, 1, 2, 3, 4, 10_000]).unwrap();
     assert!(matches!(interface.set_quadratic_faces(&[beyond]), Err(InterfaceError::Surface(_))));
+    let twice = QuadraticFace::new(&[0, 1, 2, 3, 4, 1]).unwrap();
+    assert!(matches!(interface.set_quadratic_faces(&[twice]), Err(InterfaceError::Surface(_))));
     assert_eq!(QuadraticFace::new(&[0, 1, 2, 3]), None);
 }
 

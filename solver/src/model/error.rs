@@ -141,8 +141,8 @@ pub enum ModelError {
     },
     /// Two elements share the corners of a face, but not the nodes in the middle of its edges: the face would gape.
     #[error(
-        "elements {} and {} of the part {part:?} share the corners of a face but not all of its other nodes: first and second order do \
-         not fit together",
+        "elements {} and {} of the part {part:?} share the corners of a face, but one has a node in the middle of it or of an edge that \
+         the other has not",
         number_of(*element, *label),
         number_of(*other, *other_label), part = shown(part)
     )]

@@ -2,7 +2,7 @@
 //!
 //! A [`Model`] is put together from parts with [`Model::add`]. A [`Part`] comes from a parametric [`shape`] or from a
 //! mesh file; it has its own nodes, so that parts are connected by contact alone. What a model holds is sound: indices are
-//! in range, coordinates are finite, no element is turned inside out, facets point outward.
+//! in range, coordinates are finite, no element is turned inside out at its corners, facets point outward.
 //!
 //! Names: `"pipe.inner"` is the set or the surface `inner` of the part `pipe`, and `"pipe"` is all of its nodes or its whole
 //! skin.

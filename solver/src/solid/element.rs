@@ -140,8 +140,9 @@ impl Element {
             ElementKind::Wedge15 => typed!(Wedge15),
             ElementKind::Hexahedron20 => typed!(Hexahedron20),
             ElementKind::Hexahedron27 => typed!(Hexahedron27),
-            // Reference::of knows solids only.
-            _ => typed!(Hexahedron8),
+            ElementKind::Hexahedron8 => typed!(Hexahedron8),
+            // Cells are solids, and so is what Reference::of knows.
+            _ => unreachable!("{kind:?} is no solid"),
         })
     }
 
@@ -308,8 +309,8 @@ impl<const N: usize, const P: usize, const Q: usize, const W: usize> Typed<N, P,
             }
         }
 
-        let mean = step.law.volumetric(current_volume / self.volume);
-        let pressure = if Self::IS_MEAN { mean.pressure } else { 1.0 };
+        let mean = Self::IS_MEAN.then(|| step.law.volumetric(current_volume / self.volume));
+        let pressure = mean.as_ref().map_or(1.0, |mean| mean.pressure);
         for (total, (isochoric, by_volume)) in
             total.as_chunks_mut::<3>().0.iter_mut().zip(isochoric.iter().zip(&by_volume))
         {
@@ -318,7 +319,7 @@ impl<const N: usize, const P: usize, const Q: usize, const W: usize> Typed<N, P,
         if with_tangent {
             let mut full = scratch.product::<W>();
             scratch.scatter::<N, W>(pressure, &mut full);
-            let stiffness = if Self::IS_MEAN { mean.stiffness / self.volume } else { 0.0 };
+            let stiffness = mean.map_or(0.0, |mean| mean.stiffness / self.volume);
             let mut entries = tangent.iter_mut();
             for i in 0..3 * N {
                 let factor = stiffness * by_volume[i / 3][i % 3];
@@ -367,10 +368,10 @@ impl<const N: usize, const P: usize, const Q: usize, const W: usize> Typed<N, P,
             let Moved { jacobian, .. } = self.dilatation.deform(step.index, point, &corners)?;
             *pressure = step.law.volumetric(jacobian).pressure;
         }
-        let mean = step.law.volumetric(current_volume / self.volume).pressure;
+        let mean = Self::IS_MEAN.then(|| step.law.volumetric(current_volume / self.volume).pressure);
         for (point, weights) in points.iter().zip(&reference.pressure) {
             let own: f64 = weights.iter().zip(&pressures).map(|(weight, pressure)| weight * pressure).sum();
-            visit(point, if Self::IS_MEAN { mean } else { own });
+            visit(point, mean.unwrap_or(own));
         }
         Ok(())
     }

@@ -158,6 +158,52 @@ mod tests {
         }
     }
 
+    /// The same with the curved faces of a tetrahedron of second order.
+    #[test]
+    fn followers_on_curved_faces_are_in_equilibrium() {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.1, 0.0], [0.2, 1.0, 0.1], [0.1, 0.2, 1.1]];
+        let edges = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+        let mut positions = corners.to_vec();
+        for (k, [a, b]) in edges.into_iter().enumerate() {
+            let aside = 0.1 * (1.7 * k as f64).sin();
+            let middle = |axis: usize| 0.5 * (positions[a][axis] + positions[b][axis]);
+            let moved = [middle(0) + aside, middle(1) - 0.5 * aside, middle(2) + 0.7 * aside];
+            positions.push(moved);
+        }
+        let faces = [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [2, 0, 3, 6, 7, 9]]
+            .map(|face| face.to_vec());
+        let closed = Pressure { faces: faces.to_vec(), ..pressure(true) };
+        let mut found = vec![0.0; 30];
+        closed.add_forces(2.0, &positions, &positions, &mut found);
+        let size = found.iter().map(|f| f.abs()).fold(0.0, f64::max);
+        let mut moment = [0.0; 3];
+        for (x, f) in positions.iter().zip(found.as_chunks::<3>().0) {
+            let turned = cross(*x, *f);
+            (0..3).for_each(|axis| moment[axis] += turned[axis]);
+        }
+        for axis in 0..3 {
+            assert!(found.iter().skip(axis).step_by(3).sum::<f64>().abs() < 1e-13 * size);
+            assert!(moment[axis].abs() < 1e-13 * size, "{moment:?} {size}");
+        }
+        // The derivative, by differences of what is quadratic in each coordinate.
+        let mut matrix = BlockMatrix::new(Arc::new(BlockPattern::new(10, closed.faces.iter())));
+        closed.add_tangent(2.0, &positions, &mut matrix);
+        for column in 0..30 {
+            let at = |shift: f64| {
+                let (mut moved, mut forces) = (positions.clone(), vec![0.0; 30]);
+                moved[column / 3][column % 3] += shift;
+                closed.add_forces(2.0, &positions, &moved, &mut forces);
+                forces
+            };
+            let (after, before) = (at(1e-3), at(-1e-3));
+            for row in 0..30 {
+                let expected = -(after[row] - before[row]) / 2e-3;
+                let found = matrix.block(row / 3, column / 3).map_or(0.0, |block| block[row % 3][column % 3]);
+                assert!((found - expected).abs() < 1e-9, "{row} {column}: {found} {expected}");
+            }
+        }
+    }
+
     #[test]
     fn tangent_of_a_follower_is_minus_the_derivative_of_its_forces() {
         let (positions, pressure) = (deformed(), pressure(true));

@@ -13,15 +13,7 @@ use diffuse_contact_solver::solid::{Order, Solid, SolidResponse};
 use diffuse_contact_solver::system::{BlockMatrix, BlockPattern, DirectSolver, Equations, Method, Symmetry};
 
 /// The kinds of solid element.
-pub const SOLIDS: [ElementKind; 7] = [
-    ElementKind::Tetrahedron4,
-    ElementKind::Tetrahedron10,
-    ElementKind::Wedge6,
-    ElementKind::Wedge15,
-    ElementKind::Hexahedron8,
-    ElementKind::Hexahedron20,
-    ElementKind::Hexahedron27,
-];
+pub const SOLIDS: [ElementKind; 7] = ElementKind::SOLIDS;
 
 /// Nodes and hexahedra of a grid over the unit cube, mapped by `map`.
 pub fn grid(divisions: [usize; 3], map: impl Fn([f64; 3]) -> [f64; 3]) -> (Vec<[f64; 3]>, Cells) {

@@ -3,12 +3,10 @@
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-use diffuse_contact::faces::QuadraticFace;
-use diffuse_contact::surface::Facet;
 use thiserror::Error;
 
-use crate::contact::{ContactError, ContactSet, Integration, Interaction, InteractionOptions};
-use crate::deck::{Contact, Deck, DeckError, Interface};
+use crate::contact::ContactSet;
+use crate::deck::{Contact, Deck, DeckError};
 use crate::model::Model;
 use crate::output::{
     Claim, Fields, OutputError, Recorder, RecorderOptions, Summary, Watcher, names, read_json,
@@ -69,9 +67,6 @@ pub enum SolveError {
     /// Elements or materials.
     #[error(transparent)]
     Solid(#[from] crate::solid::SolidError),
-    /// Interfaces.
-    #[error(transparent)]
-    Contact(#[from] ContactError),
     /// Settings, or the state of a restart.
     #[error(transparent)]
     Statics(#[from] StaticsError),
@@ -197,7 +192,7 @@ pub fn write_report(directories: &[&Path], target: &Path) -> Result<(), OutputEr
 /// solver.
 ///
 /// # Errors
-/// [`SolveError::Solid`], [`SolveError::Contact`], [`SolveError::Deck`], [`SolveError::Statics`].
+/// [`SolveError::Solid`], [`SolveError::Deck`], [`SolveError::Statics`].
 pub fn statics(deck: &Deck, model: &Model, threads: usize) -> Result<Statics, SolveError> {
     let problem = problem(deck, model, threads)?;
     Ok(Statics::new(problem, settings(deck))?.stopping_at(deck.amplitude_times()))
@@ -206,7 +201,7 @@ pub fn statics(deck: &Deck, model: &Model, threads: usize) -> Result<Statics, So
 /// What a deck's problem is made of.
 ///
 /// # Errors
-/// [`SolveError::Solid`], [`SolveError::Contact`], [`SolveError::Deck`].
+/// [`SolveError::Solid`], [`SolveError::Deck`].
 pub fn problem(deck: &Deck, model: &Model, threads: usize) -> Result<Problem, SolveError> {
     let solid = Solid::new(&model.nodes, &model.bodies)?;
     let supports = deck.supports(model)?;
@@ -221,20 +216,12 @@ pub fn problem(deck: &Deck, model: &Model, threads: usize) -> Result<Problem, So
         amplitude: load.amplitude,
         follower: load.follower,
     });
-    let contacts = match deck.contact {
-        Contact::None => Vec::new(),
-        contact => deck
-            .interfaces
-            .iter()
-            .map(|interface| interaction(deck, model, interface, contact))
-            .collect::<Result<_, _>>()?,
-    };
     Ok(Problem::new(
         model.nodes.clone(),
         solid,
         SupportGroups::new(model.nodes.len(), groups.collect()),
         pressures.collect(),
-        ContactSet::new(contacts),
+        ContactSet::new(deck.interactions(model)?),
         threads,
     ))
 }
@@ -255,37 +242,6 @@ fn support_names(deck: &Deck) -> Vec<String> {
         names.push(name);
     }
     names
-}
-
-fn interaction(
-    deck: &Deck,
-    model: &Model,
-    interface: &Interface,
-    contact: Contact,
-) -> Result<Interaction, SolveError> {
-    let sides = deck.sides(model, interface)?;
-    let options = InteractionOptions::new(&interface.name, interface.penalty)
-        .with_augmentation(interface.augmentation)
-        .with_refresh(interface.refresh)
-        .with_tangent(interface.tangent)
-        .with_two_pass(interface.two_pass)
-        .with_interface(interface.options(contact))
-        .with_symmetry(interface.symmetry.clone())
-        .with_friction(interface.friction)
-        .with_integration(interface.integration)
-        .with_quadratic_faces(match interface.integration {
-            Integration::Nodes => Vec::new(),
-            Integration::Faces(_) => {
-                let nodes = |facets: &[Facet]| facets.iter().flat_map(Facet::corners).copied().collect();
-                let sides: [HashSet<usize>; 2] = [nodes(&sides.master), nodes(&sides.slave)];
-                // A face of which only a part belongs to a side leaves its facets to themselves.
-                let is_whole = |face: &QuadraticFace| {
-                    sides.iter().any(|side| face.nodes().iter().all(|node| side.contains(node)))
-                };
-                model.quadratic_faces().into_iter().filter(is_whole).collect()
-            }
-        });
-    Ok(Interaction::new(options, &sides.master, &sides.slave, &model.nodes)?)
 }
 
 /// How a deck's problem is solved.

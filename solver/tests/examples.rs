@@ -83,7 +83,7 @@ fn patch_test_over_faces() {
             let interface = &mut deck.interfaces[0];
             interface.surface = interface.surface.with_element(element);
             interface.integration = Integration::Faces(rule);
-            (interface.exchange, interface.penalty) = (exchange, penalty);
+            (interface.exchange, interface.penalty) = (exchange, Some(penalty));
             let (Uniformity { stress, other_stress, contact, .. }, force) = pressed(&deck);
             let error = [stress, other_stress, contact].into_iter().fold(0.0, f64::max);
             assert!(error < 1e-9, "{error:e} {element:?} {lower:?} {upper:?} {exchange} {penalty:e}");
@@ -109,7 +109,7 @@ fn patch_test_over_faces_of_all_kinds() {
                 deck.newton.tolerance = 1e-13;
                 let interface = &mut deck.interfaces[0];
                 interface.integration = Integration::Faces(FaceRule::Second);
-                (interface.exchange, interface.penalty) = (exchange, penalty);
+                (interface.exchange, interface.penalty) = (exchange, Some(penalty));
                 let (Uniformity { stress, other_stress, .. }, force) = pressed(&deck);
                 let error = stress.max(other_stress);
                 assert!(error < 1e-9, "{error:e} {upper:?} on {lower:?} {exchange} {penalty:e}");

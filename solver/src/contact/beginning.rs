@@ -1,6 +1,7 @@
 //! How the slaves of an interaction lie before the first increment.
 
 use super::Interaction;
+use crate::model::Model;
 
 /// A slave that starts deeper below its master than this part of its facets' size is more than a mesh that does not quite fit.
 const DEEP: f64 = 0.1;
@@ -10,6 +11,10 @@ const DEEP: f64 = 0.1;
 pub struct Beginning {
     /// Name of the interface in the deck.
     pub interface: String,
+    /// ε: force per length, or per length³ with areas and over faces.
+    pub penalty: f64,
+    /// Slaves that were moved onto their masters, and the longest way, length.
+    pub adjusted: (usize, f64),
     /// Slaves, of both passes if there are two.
     pub slaves: usize,
     /// Those that have a contact element.
@@ -27,11 +32,18 @@ pub struct Beginning {
 impl Beginning {
     /// `areas`: tributary areas of all nodes of slave surfaces, length²; their roots are the facets' sizes.
     #[must_use]
-    pub fn of(interaction: &Interaction, areas: &[f64]) -> Self {
+    pub fn of(interaction: &Interaction, areas: &[f64], model: &Model) -> Self {
         let is_deep = |node: usize, gap: f64| gap < -DEEP * areas.get(node).map_or(0.0, |area| area.sqrt());
         let moved = interaction.slaves().filter(|slave| !slave.is_held);
         let deep = moved.filter(|slave| slave.gap.is_some_and(|gap| is_deep(slave.node, gap)));
+        let way = |node: usize| {
+            let [from, to] = [model.adjusted.get(&node)?, &model.nodes[node]];
+            Some((0..3).map(|axis| (to[axis] - from[axis]).powi(2)).sum::<f64>().sqrt())
+        };
+        let ways: Vec<f64> = interaction.slaves().filter_map(|slave| way(slave.node)).collect();
         Self {
+            penalty: interaction.options().penalty,
+            adjusted: (ways.len(), ways.into_iter().fold(0.0, f64::max)),
             interface: interaction.options().name.clone(),
             slaves: interaction.slaves().count(),
             paired: interaction.slaves().filter(|slave| slave.gap.is_some()).count(),

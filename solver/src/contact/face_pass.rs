@@ -163,6 +163,14 @@ impl Pass for FacePass {
         take_multipliers(&mut self.multipliers, multipliers)
     }
 
+    fn multiplier_of(&self, _slave: &SlaveState, gap: f64) -> f64 {
+        self.penalty * gap
+    }
+
+    fn exchange_multipliers(&mut self, multipliers: &mut Vec<f64>) {
+        std::mem::swap(&mut self.multipliers, multipliers);
+    }
+
     fn slave_count(&self) -> usize {
         self.interface.slaves().len()
     }

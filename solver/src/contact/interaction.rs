@@ -4,7 +4,7 @@ use diffuse_contact::assembly::Tangent;
 use diffuse_contact::faces::{FaceRule, QuadraticFace};
 use diffuse_contact::friction::FrictionState;
 use diffuse_contact::interface::{FrictionReport, InterfaceOptions, NoContact};
-use diffuse_contact::surface::{Facet, SymmetryPlane};
+use diffuse_contact::surface::{Facet, SymmetryPlane, tributary_areas};
 use diffuse_contact::{Mode, Point};
 
 use super::face_pass::FacePass;
@@ -312,6 +312,10 @@ pub enum Augmented {
 pub struct Interaction {
     options: InteractionOptions,
     passes: Vec<Box<dyn Pass>>,
+    /// Mean size of the slave's facets at the start, length.
+    size: f64,
+    /// The multipliers of each pass, while others are supposed.
+    own: Option<Vec<Vec<f64>>>,
 }
 
 impl Interaction {
@@ -343,7 +347,10 @@ impl Interaction {
         } else {
             vec![pass(master, slave, penalty)?]
         };
-        Ok(Self { options, passes })
+        // The facets were checked when the passes were made.
+        let areas = tributary_areas(positions, slave).unwrap_or_default();
+        let size = (areas.iter().sum::<f64>() / slave.len().max(1) as f64).sqrt();
+        Ok(Self { options, passes, size, own: None })
     }
 
     /// The options.
@@ -494,6 +501,19 @@ impl Interaction {
     pub(super) fn augment(&mut self, round: usize) {
         if self.options.augmentation.is_some_and(|augmentation| round < augmentation.max_rounds) {
             self.passes.iter_mut().for_each(|pass| pass.augment());
+        }
+    }
+
+    /// From here on the open slaves nearest to the master push with ε g. Their tangent is that of contact, and minus their force would
+    /// pull them onto the master.
+    pub(super) fn suppose(&mut self) {
+        self.own = Some(self.passes.iter_mut().map(|pass| pass.suppose(self.size)).collect());
+    }
+
+    /// Ends what [`suppose`](Self::suppose) began.
+    pub(super) fn recall(&mut self) {
+        for (pass, mut own) in self.passes.iter_mut().zip(self.own.take().unwrap_or_default()) {
+            pass.exchange_multipliers(&mut own);
         }
     }
 

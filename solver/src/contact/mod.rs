@@ -5,6 +5,7 @@
 //! [`FaceInterface`](diffuse_contact::faces::FaceInterface) over faces. It is a host of the contact surface like any other: refresh,
 //! update the positions, evaluate, and add residual and tangent. Forces of a pair sum up to nothing.
 
+mod adjust;
 mod beginning;
 mod error;
 mod face_pass;
@@ -15,6 +16,7 @@ mod pass;
 #[cfg(test)]
 mod tests;
 
+pub use adjust::{AdjustError, adjust};
 pub use beginning::Beginning;
 pub use error::ContactError;
 pub use interaction::{
@@ -118,6 +120,25 @@ impl ContactSet {
             }
         }
         Ok(symmetry)
+    }
+
+    /// Evaluates the contacts as if the open slaves that are nearest to their masters touched them, so that a body that only contact can
+    /// hold is held: they push with ε g until [`recall`](Self::recall), which is due even after an error. Slaves farther away than the size of their facets are left out.
+    ///
+    /// # Errors
+    /// [`ContactError::Interface`].
+    pub fn suppose(&mut self, positions: &[[f64; 3]]) -> Result<(), ContactError> {
+        self.interactions.iter_mut().for_each(Interaction::suppose);
+        self.evaluate(positions, Mode::Hessian)
+    }
+
+    /// Ends what [`suppose`](Self::suppose) began, and evaluates the contacts as they are.
+    ///
+    /// # Errors
+    /// [`ContactError::Interface`].
+    pub fn recall(&mut self, positions: &[[f64; 3]]) -> Result<(), ContactError> {
+        self.interactions.iter_mut().for_each(Interaction::recall);
+        self.evaluate(positions, Mode::Hessian)
     }
 
     /// Takes the feet of all slaves with friction for their anchors where there is no history yet. To be called before the first

@@ -244,6 +244,14 @@ impl Pass for NodePass {
         self.multipliers = (0..self.multipliers.len()).map(forces).collect();
     }
 
+    fn multiplier_of(&self, slave: &SlaveState, gap: f64) -> f64 {
+        self.penalty * slave.area * gap
+    }
+
+    fn exchange_multipliers(&mut self, multipliers: &mut Vec<f64>) {
+        std::mem::swap(&mut self.multipliers, multipliers);
+    }
+
     fn slave_count(&self) -> usize {
         self.interface.slaves().len()
     }

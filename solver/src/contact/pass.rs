@@ -58,6 +58,11 @@ impl From<AssemblyError> for PassError {
     }
 }
 
+/// Slaves farther from the master than the nearest one by this part of their facets' size are not supposed to touch.
+const NEAR: f64 = 0.1;
+/// A gap that is none, over the facets' size.
+const LITTLE: f64 = 1e-12;
+
 /// One side's surface against the other's.
 pub trait Pass: std::fmt::Debug {
     /// Takes over which nodes have all axes prescribed.
@@ -104,6 +109,30 @@ pub trait Pass: std::fmt::Debug {
 
     /// Goes on from them.
     fn set_multipliers(&mut self, multipliers: &[f64]) -> Result<(), ContactError>;
+
+    /// The multiplier that a gap of this slave takes all force from.
+    fn multiplier_of(&self, slave: &SlaveState, gap: f64) -> f64;
+
+    /// Exchanges the multipliers, one per slave or none.
+    fn exchange_multipliers(&mut self, multipliers: &mut Vec<f64>);
+
+    /// Gives the open slaves that are nearest to the master, and not farther than `size`, multipliers by which they push with ε g. Returns
+    /// the multipliers of before.
+    fn suppose(&mut self, size: f64) -> Vec<f64> {
+        let gap = |slave: &SlaveState| slave.gap.filter(|_| slave.force == 0.0 && !slave.is_held);
+        let least = self.slaves().filter_map(|slave| gap(&slave)).fold(size, f64::min);
+        let mut supposed = self.multipliers().to_vec();
+        supposed.resize(self.slave_count(), 0.0);
+        for (k, slave) in self.slaves().enumerate() {
+            let Some(gap) = gap(&slave).filter(|&gap| gap < (least + NEAR * size).min(size)) else {
+                continue;
+            };
+            // A gap of nothing has a force, too small to matter: without any it would not count.
+            supposed[k] = self.multiplier_of(&slave, 2.0 * gap + LITTLE * size);
+        }
+        self.exchange_multipliers(&mut supposed);
+        supposed
+    }
 
     /// Number of slave nodes.
     fn slave_count(&self) -> usize;

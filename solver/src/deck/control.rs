@@ -110,6 +110,10 @@ pub(super) fn newton(deck: &Section) -> Result<NewtonSettings, DeckError> {
     if let Some(field) = section.get("extrapolation") {
         newton.extrapolation = field.word(&Extrapolation::ALL.map(|rule| (rule.name(), rule)))?;
     }
+    if let Some(field) = section.get("stabilisation") {
+        newton.stabilisation =
+            field.number_in("at least 0 and below 1", |value| (0.0..1.0).contains(&value))?;
+    }
     Ok(newton)
 }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use diffuse_contact_mesh::file::reason;
 use diffuse_contact_mesh::names::{self, escaped, shown};
 
+use crate::contact::{AdjustError, ContactError};
 use crate::model::{ModelError, ShapeError};
 
 /// Why a deck cannot be used. Each message is one sentence that can be shown as it stands.
@@ -217,6 +218,17 @@ pub enum Problem {
         name: String,
         /// Where the node is.
         position: [f64; 3],
+    },
+    /// An interface that cannot be made.
+    #[error(transparent)]
+    Contact(ContactError),
+    /// Slaves that cannot start in touch.
+    #[error("the interface {name:?} cannot adjust its slaves: {error}", name = shown(name))]
+    Adjust {
+        /// The interface.
+        name: String,
+        /// Why.
+        error: AdjustError,
     },
     /// There is nothing to move: no deformable part.
     #[error("the deck has no deformable part")]

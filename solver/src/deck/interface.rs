@@ -50,8 +50,9 @@ pub struct Interface {
     pub master: Vec<Reference>,
     /// Surfaces whose nodes must not penetrate it.
     pub slave: Vec<Reference>,
-    /// ε: force per penetration of a slave node; with areas pressure per penetration.
-    pub penalty: f64,
+    /// ε: force per penetration of a slave node; with areas pressure per penetration. `None`: pressure per penetration, by the stiffness
+    /// of the softer body and the size of its facets.
+    pub penalty: Option<f64>,
     /// `None`: penalty alone. Otherwise augmented Lagrangian.
     pub augmentation: Option<Augmentation>,
     /// Whether each side is slave of the other, each with half of the forces.
@@ -60,6 +61,8 @@ pub struct Interface {
     pub exchange: bool,
     /// Its contact surfaces with the diffuse element.
     pub surface: InterfaceOptions,
+    /// Slaves with a gap of at most this, either way, start in touch, length.
+    pub adjust: Option<f64>,
     /// Planes in which the master goes on as its mirror image.
     pub symmetry: Vec<SymmetryPlane>,
     /// When slaves are paired.
@@ -76,9 +79,12 @@ impl Interface {
     /// The options of its contact surfaces with this element; [`Contact::None`] has those of the diffuse element.
     #[must_use]
     pub fn options(&self, contact: Contact) -> InterfaceOptions {
+        let mut surface = self.surface;
+        // Without a penalty it is one per area.
+        surface.areas |= self.penalty.is_none() && self.integration == Integration::Nodes;
         match contact {
-            Contact::NodeToFacet => self.surface.with_element(ContactElement::NodeToFacet),
-            Contact::Diffuse | Contact::None => self.surface,
+            Contact::NodeToFacet => surface.with_element(ContactElement::NodeToFacet),
+            Contact::Diffuse | Contact::None => surface,
         }
     }
 }
@@ -104,17 +110,29 @@ pub(super) fn interface(section: Section) -> Result<Interface, DeckError> {
         name: name.text()?,
         master: references(&section.need("master")?)?,
         slave: references(&section.need("slave")?)?,
-        penalty: section.need("penalty")?.positive()?,
+        penalty: penalty(&section)?,
         augmentation: augmentation(&section)?,
         two_pass: flag("two_pass")?,
         exchange: flag("exchange")?,
         surface: surface(&section)?,
+        adjust: section.get("adjust").map(|field| field.positive()).transpose()?,
         symmetry: section.get("symmetry").map_or(Ok(Vec::new()), |field| symmetry(&field))?,
         refresh: section.get("refresh").map_or(Ok(RefreshRule::default()), |field| field.word(&refreshes))?,
         tangent: section.get("tangent").map_or(Ok(TangentRule::default()), |field| field.word(&tangents))?,
         friction: section.get("friction").map(|field| friction(&field)).transpose()?,
         integration,
     })
+}
+
+fn penalty(section: &Section) -> Result<Option<f64>, DeckError> {
+    let given = section.get("penalty").map(|field| field.positive()).transpose()?;
+    if given.is_none()
+        && let Some(areas) = section.get("areas")
+        && !areas.flag()?
+    {
+        section.refuse(&["areas"], "without penalty, which is per area then")?;
+    }
+    Ok(given)
 }
 
 fn surface(section: &Section) -> Result<InterfaceOptions, DeckError> {

@@ -7,6 +7,7 @@
 //! Any consistent units will do: a length, a force, and stresses in force per length².
 
 mod conditions;
+mod contacts;
 mod control;
 mod error;
 mod interface;

@@ -46,7 +46,8 @@ pub struct Load {
 
 impl Deck {
     /// Makes the model. Mesh files are sought beside `base`, the directory of the deck. All names of the deck are resolved, so
-    /// that what [`supports`](Self::supports), [`loads`](Self::loads) and [`sides`](Self::sides) have to say is said here.
+    /// that what [`supports`](Self::supports), [`loads`](Self::loads) and [`sides`](Self::sides) have to say is said here. Slaves that are
+    /// to start in touch are moved.
     ///
     /// # Errors
     /// [`DeckError::Invalid`].
@@ -64,6 +65,7 @@ impl Deck {
         self.supports(&model)?;
         self.loads(&model)?;
         self.interfaces.iter().try_for_each(|interface| self.sides(&model, interface).map(drop))?;
+        self.adjust(&mut model)?;
         Ok(model)
     }
 
@@ -187,7 +189,7 @@ impl Deck {
         })
     }
 
-    fn error(&self, line: usize, problem: Problem) -> DeckError {
+    pub(super) fn error(&self, line: usize, problem: Problem) -> DeckError {
         DeckError::Invalid { path: self.path.clone(), line, problem: Box::new(problem) }
     }
 }

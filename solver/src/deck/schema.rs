@@ -52,6 +52,7 @@ pub const INTERFACE: &[&str] = &[
     "slave",
     "integration",
     "penalty",
+    "adjust",
     "areas",
     "method",
     "augmentation",
@@ -81,7 +82,14 @@ pub const SYMMETRY: &[&str] = &["point", "normal"];
 /// Fields of the time.
 pub const TIME: &[&str] = &["end", "increment", "minimum", "maximum", "growth", "cutback", "fixed"];
 /// Fields of the Newton iteration.
-pub const NEWTON: &[&str] =
-    &["tolerance", "absolute", "max_iterations", "few_iterations", "line_search", "extrapolation"];
+pub const NEWTON: &[&str] = &[
+    "tolerance",
+    "absolute",
+    "max_iterations",
+    "few_iterations",
+    "line_search",
+    "extrapolation",
+    "stabilisation",
+];
 /// Fields of the output.
 pub const OUTPUT: &[&str] = &["every", "stress", "colour"];

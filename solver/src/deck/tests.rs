@@ -106,7 +106,8 @@ fn a_deck_is_read_with_its_defaults() {
             max_iterations: 20,
             few_iterations: 6,
             line_search: true,
-            extrapolation: Extrapolation::None
+            extrapolation: Extrapolation::None,
+            stabilisation: 0.0
         }
     );
     let fixed = Deck::parse(&changed("increment = 0.25", "increment = 0.25\nfixed = true")).unwrap().time;
@@ -142,6 +143,12 @@ fn contact_is_integrated_over_nodes_or_faces() {
         let text = changed("penalty = 1e5", &format!("penalty = 1e5\nintegration = {value}"));
         assert_eq!(Deck::parse(&text).unwrap().interfaces[0].integration, expected);
     }
+    refused(
+        "penalty = 1e5",
+        "areas = false",
+        "interface[1].areas has no meaning without penalty, which is per area then",
+    );
+    refused("penalty = 1e5", "adjust = 0.0", "interface[1].adjust must be positive, not 0");
     refused("penalty = 1e5", "penalty = 1e5\nintegration = { over = \"faces\", degree = 3 }", "2 or 4");
 }
 
@@ -217,7 +224,8 @@ fn every_field_is_taken() {
             max_iterations: 11,
             few_iterations: 6,
             line_search: false,
-            extrapolation: Extrapolation::Linear
+            extrapolation: Extrapolation::Linear,
+            stabilisation: 0.0
         }
     );
     assert_eq!(deck.output, Output { every: 3, stress: false, colour: Colour::Gap });

@@ -9,12 +9,15 @@ use super::Model;
 
 impl Model {
     /// A number, as 32 hexadecimal digits, that two models share only if they have the same start positions bit for bit, the
-    /// same elements and the same sets and surfaces, in the same order. It is the same on every machine. Materials are not in it.
+    /// same elements and the same sets and surfaces, in the same order. It is the same on every machine: nodes that were adjusted count
+    /// where they were. Materials are not in it.
     #[must_use]
     pub fn fingerprint(&self) -> String {
         let mut digest = Digest(SipHasher13::new());
         digest.size(self.nodes.len());
-        for coordinate in self.nodes.iter().flatten() {
+        let nodes = self.nodes.iter().enumerate();
+        let given = nodes.map(|(node, position)| self.adjusted.get(&node).unwrap_or(position));
+        for coordinate in given.flatten() {
             digest.0.write(&coordinate.to_bits().to_le_bytes());
         }
         digest.size(self.bodies.len());

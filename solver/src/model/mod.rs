@@ -42,6 +42,8 @@ pub struct Model {
     pub node_sets: BTreeMap<String, Vec<usize>>,
     /// Facets by name, oriented outward.
     pub surfaces: BTreeMap<String, Vec<Facet>>,
+    /// The nodes that [`adjust`](Self::adjust) moved, with where they were.
+    pub adjusted: BTreeMap<usize, [f64; 3]>,
 }
 
 /// Elements of one material.
@@ -99,6 +101,12 @@ impl Model {
         }
         self.nodes.extend(part.nodes);
         Ok(())
+    }
+
+    /// Moves a node before there is any strain.
+    pub fn adjust(&mut self, node: usize, position: [f64; 3]) {
+        let before = std::mem::replace(&mut self.nodes[node], position);
+        self.adjusted.entry(node).or_insert(before);
     }
 
     /// Which nodes belong to a body; the others are rigid.

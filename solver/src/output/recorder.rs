@@ -151,7 +151,7 @@ impl<'a> Recorder<'a> {
         recorder.write_state()?;
         let interactions = problem.contacts().interactions().iter();
         let beginnings: Vec<Beginning> =
-            interactions.map(|interaction| Beginning::of(interaction, &recorder.options.areas)).collect();
+            interactions.map(|own| Beginning::of(own, &recorder.options.areas, model)).collect();
         recorder.watcher.start(&beginnings);
         Ok(recorder)
     }

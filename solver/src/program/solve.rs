@@ -155,11 +155,17 @@ struct Progress {
 
 impl Watcher for Progress {
     fn start(&mut self, interfaces: &[Beginning]) {
-        for Beginning { interface, slaves, paired, overlap, deep, linear, straight } in interfaces {
+        for Beginning { interface, penalty, adjusted, slaves, paired, overlap, deep, linear, straight } in
+            interfaces
+        {
             say(&format!(
-                "interface `{}`: {paired} of {slaves} slaves paired, deepest overlap {overlap:.3e}",
+                "interface `{}`: {paired} of {slaves} slaves paired, deepest overlap {overlap:.3e}, penalty {penalty:.3e}",
                 shown(interface)
             ));
+            let (moved, way) = adjusted;
+            if *moved > 0 {
+                say(&format!("  {moved} slaves start in touch, moved by up to {way:.3e}"));
+            }
             if *deep > 0 {
                 say(&format!(
                     "  warning: {deep} slaves start deeper below the master than a tenth of their facets' size: do the parts \
@@ -223,6 +229,18 @@ impl Watcher for Progress {
         }
         if record.lost > 0 {
             say(&format!("  warning: {} contacts that carried force lost their element", record.lost));
+        }
+        if record.supposed > 0 {
+            say(&format!(
+                "  note: nothing but contact holds a body: slaves near their masters were taken to touch in {} linear solutions",
+                record.supposed
+            ));
+        }
+        if record.stabilised > 0 {
+            say(&format!(
+                "  note: nothing holds a body: {} linear solutions had the stabilisation, which no force has",
+                record.stabilised
+            ));
         }
         if record.missed > 0 {
             say(&format!(

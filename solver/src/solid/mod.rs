@@ -18,6 +18,7 @@ mod product;
 mod recovery;
 mod reference;
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -195,6 +196,17 @@ impl Solid {
     #[must_use]
     pub fn body(&self, index: usize) -> Range<usize> {
         self.bodies[index].elements.clone()
+    }
+
+    /// The bodies by their names in the deck, with their nodes.
+    #[must_use]
+    pub fn parts(&self) -> Vec<(&str, Vec<usize>)> {
+        let nodes = |body: &BodyElements| {
+            let elements = &self.elements[body.elements.clone()];
+            let nodes: BTreeSet<usize> = elements.iter().flat_map(Element::nodes).copied().collect();
+            nodes.into_iter().collect()
+        };
+        self.bodies.iter().map(|body| (body.name.as_str(), nodes(body))).collect()
     }
 
     /// The states at the start, one for each point of each element.

@@ -4,6 +4,7 @@ use diffuse_contact::interface::NoContact;
 use diffuse_contact_mesh::names::shown;
 use thiserror::Error;
 
+use super::Loose;
 use crate::contact::ContactError;
 use crate::solid::SolidError;
 use crate::system::SystemError;
@@ -35,6 +36,16 @@ pub enum StaticsError {
         minimum: f64,
         /// Why it failed.
         reason: Box<Failure>,
+    },
+    /// The stiffness is singular in equilibrium.
+    #[error("the run cannot go on from time {time}: {}{error}", all(loose))]
+    Singular {
+        /// The time that was reached.
+        time: f64,
+        /// What the linear solver says.
+        error: SystemError,
+        /// The parts that nothing holds; empty if a motion of other kind is free.
+        loose: Vec<Loose>,
     },
     /// The solid was refused.
     #[error(transparent)]
@@ -70,6 +81,11 @@ pub enum StaticsError {
     Observer(Box<dyn std::error::Error + Send + Sync>),
 }
 
+/// One sentence for each part.
+fn all(loose: &[Loose]) -> String {
+    loose.iter().map(|loose| format!("{loose}; ")).collect()
+}
+
 /// Why one increment failed.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -85,6 +101,16 @@ pub enum Failure {
     /// The residual grew beyond reason or is no number.
     #[error("the residual grew to {residual:.2e} of the forces in iteration {iteration}")]
     Diverged {
+        /// Relative residual.
+        residual: f64,
+        /// Number of the iteration.
+        iteration: usize,
+    },
+    /// Two states lead to each other, and from the middle between them back again.
+    #[error(
+        "the iteration goes back and forth between two states; the residual is {residual:.2e} of the forces in iteration {iteration}"
+    )]
+    Cycle {
         /// Relative residual.
         residual: f64,
         /// Number of the iteration.
@@ -112,8 +138,13 @@ pub enum Failure {
         count: usize,
     },
     /// The stiffness is singular.
-    #[error("{0}")]
-    Singular(SystemError),
+    #[error("{}{error}", all(loose))]
+    Singular {
+        /// What the linear solver says.
+        error: SystemError,
+        /// The parts that nothing holds; empty if a motion of other kind is free.
+        loose: Vec<Loose>,
+    },
     /// What a shorter increment does not mend.
     #[error(transparent)]
     Fatal(StaticsError),
@@ -128,10 +159,18 @@ impl From<ContactError> for Failure {
 impl Failure {
     /// A matrix that a shorter step may leave regular, or something else: with a shorter step there are as many equations, and their
     /// factors are as large.
-    pub(super) fn of_system(error: SystemError) -> Self {
+    pub(super) fn of_system(error: SystemError, loose: Vec<Loose>) -> Self {
         match error {
             SystemError::TooLarge { .. } => Self::Fatal(error.into()),
-            _ => Self::Singular(error),
+            _ => Self::Singular { error, loose },
+        }
+    }
+
+    /// A linear step from equilibrium that has no solution has none for a shorter increment either.
+    pub(super) fn in_equilibrium(self, time: f64) -> Self {
+        match self {
+            Self::Singular { error, loose } => Self::Fatal(StaticsError::Singular { time, error, loose }),
+            other => other,
         }
     }
 
@@ -154,9 +193,9 @@ mod tests {
     fn factors_that_are_too_large_are_not_tried_again() {
         let too_large = SystemError::TooLarge { equations: 201_873 };
         assert!(
-            matches!(Failure::of_system(too_large), Failure::Fatal(StaticsError::System(error)) if error == too_large)
+            matches!(Failure::of_system(too_large, Vec::new()), Failure::Fatal(StaticsError::System(error)) if error == too_large)
         );
         let singular = SystemError::Singular { equations: 3, residual: 1.0, condition: 1e20 };
-        assert!(matches!(Failure::of_system(singular), Failure::Singular(_)));
+        assert!(matches!(Failure::of_system(singular, Vec::new()), Failure::Singular { .. }));
     }
 }

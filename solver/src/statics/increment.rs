@@ -11,6 +11,8 @@ use crate::solid::Order;
 const DIVERGED: f64 = 1e6;
 /// How often a step that turns an element inside out, or takes contacts their elements, is halved.
 const HALVINGS: usize = 8;
+/// Residuals of one state, come back to, differ by less than this part.
+const SAME: f64 = 1e-3;
 
 /// An increment on its way.
 pub struct Increment<'a> {
@@ -25,6 +27,18 @@ pub struct Increment<'a> {
     iterations: usize,
     step: f64,
     rounds: Rounds,
+    cycle: Cycle,
+}
+
+/// Whether residuals come back every second time.
+#[derive(Clone, Copy, Debug, Default)]
+struct Cycle {
+    /// Where in the history to look from.
+    begin: usize,
+    /// Whether the next step is to be halved, as the middle of two states that lead to each other leads elsewhere.
+    halves: bool,
+    /// Whether that was tried.
+    is_known: bool,
 }
 
 /// How the augmentation goes.
@@ -61,6 +75,7 @@ impl<'a> Increment<'a> {
             iterations: 0,
             step: 0.0,
             rounds: Rounds::default(),
+            cycle: Cycle::default(),
         }
     }
 
@@ -93,6 +108,8 @@ impl<'a> Increment<'a> {
             } else if self.rounds.iterations >= newton.max_iterations {
                 let residual = balance.residual / balance.scale;
                 return Err(Failure::Iterations { residual, iterations: self.iterations });
+            } else {
+                self.check_cycle(balance)?;
             }
             balance = self.iterate()?;
             self.rounds.iterations += 1;
@@ -104,6 +121,20 @@ impl<'a> Increment<'a> {
     fn allowed(&self, balance: Balance) -> f64 {
         let newton = self.settings.newton;
         newton.tolerance * balance.scale + newton.absolute
+    }
+
+    /// Two rounds of two states that lead to each other: the first time a halved step follows, the second time there is no end to it.
+    fn check_cycle(&mut self, balance: Balance) -> Result<(), Failure> {
+        let begin = self.cycle.begin.max(self.rounds.begin);
+        if !comes_back(&self.history[begin..]) {
+            return Ok(());
+        }
+        if self.cycle.is_known {
+            let residual = balance.residual / balance.scale;
+            return Err(Failure::Cycle { residual, iteration: self.iterations });
+        }
+        self.cycle = Cycle { begin: self.history.len() - 1, halves: true, is_known: true };
+        Ok(())
     }
 
     /// Equilibrium without a contact that carried force on the way is another one: a shorter increment may keep the contact, unless
@@ -194,7 +225,8 @@ impl<'a> Increment<'a> {
             .into_iter()
             .map(|(freedom, target)| (freedom, target - self.positions[freedom / 3][freedom % 3]))
             .collect();
-        let step = self.linear_solution(&prescribed)?;
+        let time = self.committed.time;
+        let step = self.linear_solution(&prescribed).map_err(|failure| failure.in_equilibrium(time))?;
         let origin = self.positions.clone();
         self.advance(&origin, &step, 1.0);
         self.place_prescribed();
@@ -233,6 +265,10 @@ impl<'a> Increment<'a> {
                 self.evaluate(Order::Residual)?;
                 Ok::<f64, Failure>(slope(self.problem))
             })?;
+        }
+        if std::mem::take(&mut self.cycle.halves) {
+            self.step *= 0.5;
+            is_whole = false;
         }
         // Most steps are taken whole, and then everything is there already.
         if is_whole && !self.problem.pairs_in_iterations() {
@@ -322,6 +358,8 @@ impl<'a> Increment<'a> {
             active: problem.active(),
             lost: problem.contacts().lost().count(),
             missed: problem.contacts().missed(),
+            supposed: problem.supposed,
+            stabilised: problem.stabilised,
             max_penetration: problem.contacts().max_penetration(),
             contact_forces: problem.contacts().forces(),
             friction,
@@ -329,5 +367,44 @@ impl<'a> Increment<'a> {
             timing: problem.timing,
         };
         Ok((state, record))
+    }
+}
+
+/// Whether the last five residuals are two in turn.
+fn comes_back(history: &[IterationRecord]) -> bool {
+    let [.., a, b, c, d, e] = history else { return false };
+    let is_same = |a: &IterationRecord, b: &IterationRecord| {
+        (a.residual - b.residual).abs() <= SAME * a.residual && a.active == b.active
+    };
+    is_same(a, c) && is_same(c, e) && is_same(b, d)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn history(residuals: &[f64], active: &[usize]) -> Vec<IterationRecord> {
+        let record = |(&residual, &active): (&f64, &usize)| IterationRecord {
+            time: 1.0,
+            iteration: 0,
+            residual,
+            relative: residual,
+            excess: residual,
+            allowed: 1e-6,
+            active,
+            step: 1.0,
+        };
+        residuals.iter().zip(active).map(record).collect()
+    }
+
+    #[test]
+    fn two_rounds_of_two_states_are_a_cycle() {
+        let residuals = [7.0, 0.124, 0.899, 0.124, 0.899, 0.124];
+        assert!(comes_back(&history(&residuals, &[9, 4, 0, 4, 0, 4])));
+        assert!(!comes_back(&history(&residuals[..5], &[9, 4, 0, 4, 0])));
+        // Other contacts, or residuals that shrink.
+        assert!(!comes_back(&history(&residuals, &[9, 4, 0, 5, 0, 4])));
+        let shrinking: Vec<f64> = residuals.iter().zip(1..).map(|(r, k)| r * 0.999_f64.powi(k)).collect();
+        assert!(!comes_back(&history(&shrinking, &[9, 4, 0, 4, 0, 4])));
     }
 }

@@ -29,6 +29,8 @@
 mod error;
 mod increment;
 mod line_search;
+mod linear;
+mod loose;
 mod observer;
 mod pressure;
 mod problem;
@@ -39,6 +41,7 @@ mod supports;
 mod tests;
 
 pub use error::{Failure, StaticsError};
+pub use loose::{Loose, RigidMotion};
 pub use observer::{Control, IncrementRecord, IterationRecord, Observer, Timing};
 pub use pressure::Pressure;
 pub use problem::{Past, Problem, State};
@@ -70,8 +73,9 @@ impl Statics {
     ///
     /// # Errors
     /// [`StaticsError::Setting`].
-    pub fn new(problem: Problem, settings: Settings) -> Result<Self, StaticsError> {
+    pub fn new(mut problem: Problem, settings: Settings) -> Result<Self, StaticsError> {
         settings.check()?;
+        problem.stabilise(settings.newton.stabilisation);
         Ok(Self { problem, settings, stops: Vec::new(), effort: Effort::default() })
     }
 

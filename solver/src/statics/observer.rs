@@ -88,6 +88,10 @@ pub struct IncrementRecord {
     pub lost: usize,
     /// Integration points of loaded faces that have a gap but carry no force.
     pub missed: usize,
+    /// Linear solutions in which slaves near their masters were supposed to touch, as nothing else held a body.
+    pub supposed: usize,
+    /// Linear solutions that had the stabilisation, as the stiffness was singular.
+    pub stabilised: usize,
     /// Deepest penetration, length.
     pub max_penetration: f64,
     /// Force on the slaves of each interaction.

@@ -1,6 +1,5 @@
 //! What has to be in equilibrium, and its history.
 
-use std::sync::Arc;
 use std::time::Instant;
 
 use diffuse_contact::Mode;
@@ -10,7 +9,7 @@ use super::{Failure, Pressure, StaticsError, SupportGroups, Timing};
 use crate::contact::{ContactError, ContactSet, FrictionHistory, RefreshRule};
 use crate::material::PointState;
 use crate::solid::{Order, Solid, SolidResponse};
-use crate::system::{BlockMatrix, BlockPattern, DirectSolver, Equations, Symmetry};
+use crate::system::{BlockMatrix, DirectSolver, Equations};
 
 /// All history: an increment starts from one and ends in one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,27 +53,33 @@ pub struct Past {
 
 /// Solids, supports, loads and contacts, with forces and stiffness at the positions of the last evaluation.
 pub struct Problem {
-    start: Vec<[f64; 3]>,
-    solid: Solid,
-    supports: SupportGroups,
-    pressures: Vec<Pressure>,
-    contacts: ContactSet,
-    response: SolidResponse,
+    pub(super) start: Vec<[f64; 3]>,
+    pub(super) solid: Solid,
+    pub(super) supports: SupportGroups,
+    pub(super) pressures: Vec<Pressure>,
+    pub(super) contacts: ContactSet,
+    pub(super) response: SolidResponse,
     /// Of the solid, f_int.
     internal: Vec<f64>,
     /// Of the loads, f_ext.
     external: Vec<f64>,
     /// −Σ f_k N_k
-    contact: Vec<f64>,
+    pub(super) contact: Vec<f64>,
     active: usize,
     /// At the last evaluation.
-    balance: Balance,
+    pub(super) balance: Balance,
     /// ε |K| |x|, what rounding of the positions makes of the residual, by the last stiffness of the increment; empty before it.
-    rounding: Vec<f64>,
-    equations: Equations,
-    solver: DirectSolver,
+    pub(super) rounding: Vec<f64>,
+    /// Linear solutions of the increment for which contacts were supposed to be closed.
+    pub(super) supposed: usize,
+    /// Those that had the stabilisation.
+    pub(super) stabilised: usize,
+    /// Part of the stiffness' diagonal that is added to it.
+    pub(super) stabilisation: f64,
+    pub(super) equations: Equations,
+    pub(super) solver: DirectSolver,
     /// `None`: the pairing has changed, a new pattern is due.
-    stiffness: Option<BlockMatrix>,
+    pub(super) stiffness: Option<BlockMatrix>,
     pub(super) timing: Timing,
 }
 
@@ -127,6 +132,9 @@ impl Problem {
             active: 0,
             balance: Balance::default(),
             rounding: Vec::new(),
+            supposed: 0,
+            stabilised: 0,
+            stabilisation: 0.0,
             equations,
             solver: DirectSolver::new(threads),
             stiffness: None,
@@ -175,6 +183,7 @@ impl Problem {
     /// Goes back to the history of contact of a state: nothing of what came after it is left.
     pub(super) fn take_history(&mut self, state: &State) -> Result<(), ContactError> {
         self.rounding.clear();
+        (self.supposed, self.stabilised) = (0, 0);
         self.contacts.set_multipliers(&state.multipliers)?;
         self.contacts.set_friction_history(&state.friction)?;
         self.contacts.begin(&state.loaded)
@@ -227,6 +236,11 @@ impl Problem {
     /// the residual.
     pub fn imbalance(&self) -> impl Iterator<Item = f64> {
         self.internal.iter().zip(&self.external).zip(&self.contact).map(|((i, e), c)| i + c - e)
+    }
+
+    /// From here on this part of each diagonal entry is added to the stiffness.
+    pub(super) fn stabilise(&mut self, part: f64) {
+        self.stabilisation = part;
     }
 
     pub(super) fn response(&self) -> &SolidResponse {
@@ -312,81 +326,5 @@ impl Problem {
         let squares = |forces: &[f64]| forces.iter().map(|force| force * force).sum::<f64>();
         let scale = squares(&self.external).max(squares(&self.contact)).max(reaction);
         Balance { residual: norm(residual), scale: norm(scale), excess: norm(excess) }
-    }
-
-    /// Solves K Δx = r for the free degrees of freedom while the prescribed ones move by `prescribed`, with the stiffness at the last
-    /// evaluation, which was one of [`Order::Tangent`].
-    pub(super) fn solve(
-        &mut self,
-        time: f64,
-        positions: &[[f64; 3]],
-        prescribed: &[(usize, f64)],
-    ) -> Result<Vec<f64>, Failure> {
-        let begin = Instant::now();
-        let mut matrix = match self.stiffness.take() {
-            Some(matrix) => matrix,
-            None => BlockMatrix::new(self.new_pattern()),
-        };
-        let linear = Instant::now();
-        self.timing.linear += linear - begin;
-        matrix.clear();
-        for element in self.solid.responses(&self.response) {
-            matrix.add_symmetric(element.nodes, element.tangent, 1.0);
-        }
-        for pressure in &self.pressures {
-            pressure.add_tangent(time, positions, &mut matrix);
-        }
-        let solid = Instant::now();
-        self.timing.solid += solid - linear;
-        let of_contact =
-            self.contacts.add_tangent(&mut matrix, [self.balance.residual, self.balance.scale])?;
-        let contact = Instant::now();
-        self.timing.contact += contact - solid;
-        self.take_rounding(&matrix, positions);
-        let mut step = vec![[0.0; 3]; self.start.len()];
-        for &(freedom, change) in prescribed {
-            step[freedom / 3][freedom % 3] = change;
-        }
-        let mut right = vec![[0.0; 3]; self.start.len()];
-        matrix.multiply(&step, &mut right);
-        for (right, force) in right.as_flattened_mut().iter_mut().zip(self.imbalance()) {
-            *right = -force - *right;
-        }
-        let symmetry = if self.has_followers() { Symmetry::General } else { of_contact };
-        let mut solution = Vec::new();
-        let solved = self
-            .solver
-            .factorise(&matrix, &self.equations, symmetry)
-            .and_then(|()| self.solver.solve(&right, &mut solution));
-        self.timing.linear += contact.elapsed();
-        self.stiffness = Some(matrix);
-        solved.map_err(Failure::of_system)?;
-        for (sum, part) in step.as_flattened_mut().iter_mut().zip(solution.as_flattened()) {
-            *sum += part;
-        }
-        Ok(step.into_flattened())
-    }
-
-    /// ε |K| |x| by this stiffness.
-    fn take_rounding(&mut self, matrix: &BlockMatrix, positions: &[[f64; 3]]) {
-        let mut moduli = vec![[0.0; 3]; positions.len()];
-        matrix.multiply_moduli(positions, &mut moduli);
-        // Where it overflows it excuses nothing.
-        let rounding = |&modulus: &f64| if modulus.is_finite() { f64::EPSILON * modulus } else { 0.0 };
-        self.rounding.clear();
-        self.rounding.extend(moduli.as_flattened().iter().map(rounding));
-    }
-
-    fn has_followers(&self) -> bool {
-        self.pressures.iter().any(|pressure| pressure.follower)
-    }
-
-    /// The pattern for the pairing of the moment.
-    fn new_pattern(&self) -> Arc<BlockPattern> {
-        let mut cliques: Vec<Vec<usize>> = self.solid.elements().map(<[usize]>::to_vec).collect();
-        let followers = self.pressures.iter().filter(|pressure| pressure.follower);
-        cliques.extend(followers.flat_map(|pressure| &pressure.faces).cloned());
-        cliques.extend(self.contacts.cliques());
-        Arc::new(BlockPattern::new(self.start.len(), cliques.iter()))
     }
 }

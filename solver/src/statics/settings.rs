@@ -71,10 +71,13 @@ pub struct NewtonSettings {
     pub line_search: bool,
     /// The first guess.
     pub extrapolation: Extrapolation,
+    /// The part of each diagonal entry of the stiffness that is added to it, ≥ 0. Forces have no such part: equilibrium stays what it is, and
+    /// what no load moves stays in place.
+    pub stabilisation: f64,
 }
 
 impl Default for NewtonSettings {
-    /// 1e-6 of the forces or 1e-8, up to 20 iterations, 6 are few, with line search and without extrapolation.
+    /// 1e-6 of the forces or 1e-8, up to 20 iterations, 6 are few, with line search, without extrapolation and stabilisation.
     fn default() -> Self {
         Self {
             tolerance: 1e-6,
@@ -83,6 +86,7 @@ impl Default for NewtonSettings {
             few_iterations: 6,
             line_search: true,
             extrapolation: Extrapolation::None,
+            stabilisation: 0.0,
         }
     }
 }
@@ -123,6 +127,8 @@ impl Settings {
             absolute >= 0.0 && absolute.is_finite(),
             "at least 0 and finite",
         )?;
+        let part = newton.stabilisation;
+        within("newton.stabilisation", part, (0.0..1.0).contains(&part), "at least 0 and below 1")?;
         within("newton.max_iterations", newton.max_iterations as f64, newton.max_iterations > 0, "at least 1")
     }
 }

@@ -154,6 +154,17 @@ impl BlockMatrix {
         }
     }
 
+    /// K_ii ← K_ii + part · |K_ii|
+    pub fn add_to_diagonal(&mut self, part: f64) {
+        for node in 0..self.pattern.nodes() {
+            let Some(index) = self.pattern.block(node, node) else { continue };
+            for axis in 0..3 {
+                let entry = &mut self.blocks[index][axis][axis];
+                *entry += part * entry.abs();
+            }
+        }
+    }
+
     /// y = K x. Lists of another length than the nodes' are an error of the program.
     ///
     /// # Panics

@@ -62,7 +62,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                     if !areas {
                         // The mean area of a slave of the coarse side is 5 mm².
                         interface.surface.areas = false;
-                        interface.penalty *= 5.0;
+                        interface.penalty = interface.penalty.map(|penalty| 5.0 * penalty);
                     }
                 }
                 let run = outcome(trace(&deck, decks.base(), decks.threads, |snapshot| {

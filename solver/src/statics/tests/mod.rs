@@ -2,6 +2,7 @@
 
 mod amplitudes;
 mod contact;
+mod start;
 
 use std::path::Path;
 
@@ -507,6 +508,7 @@ fn a_body_that_nothing_holds_fails_and_says_why() {
     let mut statics = self::statics(&deck, &model);
     let start = statics.problem().start();
     let error = statics.run(start, &mut Notes::default()).unwrap_err();
-    let StaticsError::NoConvergence { reason, .. } = &error else { panic!("{error}") };
-    assert!(matches!(**reason, Failure::Singular(_)), "{error}");
+    let StaticsError::Singular { time: 0.0, loose, .. } = &error else { panic!("{error}") };
+    let motions = vec![RigidMotion::Translation([0.0, 1.0, 0.0])];
+    assert_eq!(loose[..], [Loose { part: Some("block".to_owned()), motions }], "{error}");
 }

@@ -1,0 +1,106 @@
+//! From interfaces to interactions: penalties that follow from the bodies, faces of second order, slaves that start in touch.
+
+use std::collections::HashSet;
+
+use diffuse_contact::faces::QuadraticFace;
+use diffuse_contact::surface::{Facet, tributary_areas};
+
+use super::error::{DeckError, Problem};
+use super::{Contact, Deck, Interface, Sides};
+use crate::contact::{AdjustError, ContactError, Integration, Interaction, InteractionOptions, adjust};
+use crate::model::Model;
+
+/// ε without a `penalty`, over E/h. Pressures are a few percent of E at most, so that penetrations stay below a percent of a facet.
+const PENALTY_FACTOR: f64 = 10.0;
+
+impl Deck {
+    /// The contacts of the deck's model; none with `contact = "none"`.
+    ///
+    /// # Errors
+    /// [`DeckError::Invalid`]: a side does not exist or is no surface, or an option is none.
+    pub fn interactions(&self, model: &Model) -> Result<Vec<Interaction>, DeckError> {
+        let interfaces = self.interfaces.iter().filter(|_| self.contact != Contact::None);
+        interfaces.map(|interface| self.interaction(model, interface)).collect()
+    }
+
+    fn interaction(&self, model: &Model, interface: &Interface) -> Result<Interaction, DeckError> {
+        let sides = self.sides(model, interface)?;
+        let quadratic = match interface.integration {
+            Integration::Nodes => Vec::new(),
+            Integration::Faces(_) => quadratic_faces(model, &sides),
+        };
+        let options = self
+            .options(model, interface, &sides)
+            .with_augmentation(interface.augmentation)
+            .with_refresh(interface.refresh)
+            .with_tangent(interface.tangent)
+            .with_two_pass(interface.two_pass)
+            .with_friction(interface.friction)
+            .with_integration(interface.integration)
+            .with_quadratic_faces(quadratic);
+        self.refused(interface, Interaction::new(options, &sides.master, &sides.slave, &model.nodes))
+    }
+
+    /// Penalty, element and symmetry.
+    fn options(&self, model: &Model, interface: &Interface, sides: &Sides) -> InteractionOptions {
+        let penalty = interface.penalty.unwrap_or_else(|| automatic_penalty(model, sides));
+        InteractionOptions::new(&interface.name, penalty)
+            .with_interface(interface.options(self.contact))
+            .with_symmetry(interface.symmetry.clone())
+    }
+
+    /// Moves the slaves that are to start in touch.
+    pub(super) fn adjust(&self, model: &mut Model) -> Result<(), DeckError> {
+        let interfaces = self.interfaces.iter().filter(|_| self.contact != Contact::None);
+        for (interface, limit) in interfaces.filter_map(|own| Some((own, own.adjust?))) {
+            let sides = self.sides(model, interface)?;
+            // Over nodes and in one pass: the slaves' gaps are what is closed.
+            let options = self.options(model, interface, &sides);
+            let made = Interaction::new(options, &sides.master, &sides.slave, &model.nodes);
+            let mut interaction = self.refused(interface, made)?;
+            let deformable = model.deformable();
+            match adjust(&mut interaction, &model.nodes, &deformable, limit) {
+                Ok(moved) => moved.into_iter().for_each(|(node, position)| model.adjust(node, position)),
+                Err(AdjustError::Contact(error)) => return self.refused(interface, Err(error)),
+                Err(error) => {
+                    let name = interface.name.clone();
+                    return Err(self.error(interface.line, Problem::Adjust { name, error }));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn refused<T>(&self, interface: &Interface, made: Result<T, ContactError>) -> Result<T, DeckError> {
+        made.map_err(|error| self.error(interface.line, Problem::Contact(error)))
+    }
+}
+
+/// Ten times E/h of the softer body: of all bodies under either side the least E over the size of its facets there.
+fn automatic_penalty(model: &Model, sides: &Sides) -> f64 {
+    let mut least = f64::INFINITY;
+    for body in &model.bodies {
+        let nodes: HashSet<usize> = body.elements.nodes().iter().copied().collect();
+        for side in [&sides.master, &sides.slave] {
+            let is_own = |facet: &&Facet| facet.corners().iter().all(|node| nodes.contains(node));
+            let own: Vec<Facet> = side.iter().filter(is_own).copied().collect();
+            least = least.min(body.material.young / facet_size(model, &own));
+        }
+    }
+    PENALTY_FACTOR * least
+}
+
+/// Root of the mean area of facets; 0 without any, or if they are no surface, which is told where it is made.
+fn facet_size(model: &Model, facets: &[Facet]) -> f64 {
+    let areas = tributary_areas(&model.nodes, facets).unwrap_or_default();
+    (areas.iter().sum::<f64>() / facets.len().max(1) as f64).sqrt()
+}
+
+/// The faces of second order that belong wholly to a side. Others leave their facets to themselves.
+fn quadratic_faces(model: &Model, sides: &Sides) -> Vec<QuadraticFace> {
+    let nodes = |facets: &[Facet]| facets.iter().flat_map(Facet::corners).copied().collect();
+    let sides: [HashSet<usize>; 2] = [nodes(&sides.master), nodes(&sides.slave)];
+    let is_whole =
+        |face: &QuadraticFace| sides.iter().any(|side| face.nodes().iter().all(|node| side.contains(node)));
+    model.quadratic_faces().into_iter().filter(is_whole).collect()
+}

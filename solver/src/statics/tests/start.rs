@@ -1,0 +1,269 @@
+//! Starts: bodies exactly in touch or a little apart, a penalty that nobody gave, parts that nothing holds.
+
+use super::*;
+use crate::contact::AdjustError;
+use crate::deck::{DeckError, Problem as Wrong};
+
+/// A block on another, pressed, held sideways; between them a gap.
+fn stacked(gap: f64, interface: &str, element: &str) -> String {
+    format!(
+        r#"
+[materials.soft]
+young = 1000.0
+poisson = 0.3
+[materials.stiff]
+young = 3000.0
+poisson = 0.2
+[parts.lower]
+shape = "box"
+size = [4.0, 4.0, 1.0]
+divisions = [4, 4, 1]
+material = "stiff"
+[parts.upper]
+shape = "box"
+origin = [0.0, 0.0, {:?}]
+size = [4.0, 4.0, 1.0]
+divisions = [3, 3, 1]
+element = "{element}"
+material = "soft"
+[[boundary]]
+nodes = "lower.z-"
+fix = ["z"]
+[[boundary]]
+nodes = ["lower.x-", "upper.x-"]
+fix = ["x"]
+[[boundary]]
+nodes = ["lower.y-", "upper.y-"]
+fix = ["y"]
+[[pressure]]
+surface = "upper.z+"
+value = 10.0
+[[interface]]
+name = "joint"
+master = "lower.z+"
+slave = "upper.z-"
+{interface}
+"#,
+        1.0 + gap
+    )
+}
+
+const TIME: &str = "[time]\nincrement = 1.0";
+
+/// Nothing but contact holds the upper block: it does so from the first linear solution on, whatever the gap below a facet's size.
+#[test]
+fn a_body_that_only_contact_holds_is_held() {
+    for (interface, element) in [
+        ("", "hex8"),
+        ("integration = \"faces\"", "hex8"),
+        ("integration = \"faces\"\ntwo_pass = true", "hex20"),
+    ] {
+        let heights = [0.0, 0.3, 0.5].map(|gap| {
+            let (notes, state, statics) = run(&stacked(gap, interface, element), TIME);
+            let record = &notes.increments[0];
+            assert_eq!((record.supposed, record.stabilised), (1, 0), "{gap} {interface}");
+            assert!(
+                notes.cuts.is_empty() && record.iterations <= 4,
+                "{gap} {interface}: {}",
+                record.iterations
+            );
+            let force: f64 = record.contact_forces[0][2];
+            assert!((force / 160.0 - 1.0).abs() < 1e-6, "{gap} {interface}: {force}");
+            // Multipliers that were supposed are gone.
+            assert!(statics.problem().contacts().multipliers().iter().all(Vec::is_empty));
+            state.positions.iter().map(|x| x[2]).fold(0.0, f64::max)
+        });
+        // The same end from wherever the block began.
+        assert!(heights.iter().all(|height| (height - heights[0]).abs() < 1e-7), "{interface}: {heights:?}");
+    }
+}
+
+/// A gap larger than a facet is none that contact closes, and the message says what is free.
+#[test]
+fn a_body_far_from_its_master_is_named() {
+    let (deck, model) = deck(&stacked(1.5, "", "hex8"), TIME);
+    let mut statics = statics(&deck, &model);
+    let start = statics.problem().start();
+    let mut notes = Notes::default();
+    let error = statics.run(start, &mut notes).unwrap_err();
+    assert!(notes.cuts.is_empty(), "{:?}", notes.cuts);
+    assert!(
+        error.to_string().contains("nothing holds `upper` against moving along z; the matrix"),
+        "{error}"
+    );
+}
+
+/// What is free is found for a part that turns, and for parts that hold one another.
+#[test]
+fn free_motions_are_found() {
+    let of = |text: &str| {
+        let (deck, model) = deck(text, TIME);
+        let mut statics = statics(&deck, &model);
+        let start = statics.problem().start();
+        match statics.run(start, &mut Notes::default()).unwrap_err() {
+            StaticsError::Singular { loose, .. } => loose,
+            error => panic!("{error}"),
+        }
+    };
+    let base = stacked(0.0, "", "hex8");
+    // Without its supports along x and y the upper block slides and turns on the lower one.
+    let free = base.replace("[\"lower.x-\", \"upper.x-\"]", "\"lower.x-\"");
+    let free = free.replace("[\"lower.y-\", \"upper.y-\"]", "\"lower.y-\"");
+    let text = of(&free).iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
+    assert_eq!(
+        text,
+        "nothing holds `upper` against moving along x, moving along y, turning about z through (2.0000, 2.0000, 1.5000)"
+    );
+    // Pinned along an edge, it turns about the edge.
+    let pinned =
+        base.replace("[[pressure]]", "[[boundary]]\nnodes = \"upper.z-\"\nfix = [\"z\"]\n[[pressure]]");
+    let pinned = pinned.replace("[\"lower.y-\", \"upper.y-\"]", "\"lower.y-\"");
+    let [Loose { part: Some(part), motions }] = &of(&pinned)[..] else { panic!("one part") };
+    assert_eq!((part.as_str(), &motions[..]), ("upper", &[RigidMotion::Translation([0.0, 1.0, 0.0])][..]));
+    // Each block holds the other along z, and nothing both of them.
+    let both = base.replace("nodes = \"lower.z-\"\nfix = [\"z\"]", "nodes = \"lower.x+\"\nfix = [\"x\"]");
+    let [Loose { part: None, motions }] = &of(&both)[..] else { panic!("all parts") };
+    assert_eq!(motions[..], [RigidMotion::Translation([0.0, 0.0, 1.0])]);
+}
+
+/// With a stabilisation what no load moves stays where it is, and forces are what they are without.
+#[test]
+fn stabilisation_holds_what_no_load_moves() {
+    const BLOCK: &str = r#"
+[materials.m]
+young = 1000.0
+poisson = 0.3
+[parts.floor]
+shape = "rigid-plane"
+size = [4.0, 4.0]
+divisions = [4, 4]
+translate = [-1.5, -1.5, 0.0]
+[parts.block]
+shape = "box"
+size = [1.0, 1.0, 1.0]
+divisions = [2, 2, 2]
+material = "m"
+[[boundary]]
+nodes = "floor"
+fix = ["x", "y", "z"]
+[[pressure]]
+surface = "block.z+"
+value = 100.0
+[[interface]]
+name = "joint"
+master = "floor"
+slave = "block.z-"
+[time]
+increment = 1.0
+"#;
+    let held = BLOCK.replace("[[pressure]]", "[[boundary]]\nnodes = \"block.x-\"\nfix = [\"x\"]\n[[boundary]]\nnodes = \"block.y-\"\nfix = [\"y\"]\n[[pressure]]");
+    let (notes, held, _) = run(&held, "");
+    assert_eq!(notes.increments[0].stabilised, 0);
+    for part in ["1e-8", "1e-4"] {
+        let (notes, free, _) = run(BLOCK, &format!("[newton]\nstabilisation = {part}\ntolerance = 1e-9"));
+        let record = &notes.increments[0];
+        assert!(record.stabilised > 0 && record.supposed == 1 && notes.cuts.is_empty(), "{part}");
+        let force = record.contact_forces[0];
+        assert!((force[2] - 100.0).abs() < 1e-5 && force[0].hypot(force[1]) < 1e-5, "{force:?}");
+        let widest = |state: &State, axis: usize| {
+            let xs = state.positions[25..].iter().map(|x| x[axis]);
+            xs.clone().fold(f64::MIN, f64::max) - xs.fold(f64::MAX, f64::min)
+        };
+        for axis in 0..3 {
+            let (found, expected) = (widest(&free, axis), widest(&held, axis));
+            assert!((found - expected).abs() < 1e-6, "{part} {axis}: {found} {expected}");
+        }
+        // Its centre is where it was.
+        for axis in 0..2 {
+            let centre = free.positions[25..].iter().map(|x| x[axis]).sum::<f64>() / 27.0;
+            assert!((centre - 0.5).abs() < 1e-6, "{centre}");
+        }
+    }
+}
+
+/// Ten times E/h of the softer side, per area, and what it gives is what the same number gives.
+#[test]
+fn a_penalty_follows_from_the_softer_body() {
+    let (automatic, by_itself, statics) = run(&stacked(0.0, "", "hex8"), TIME);
+    let options = statics.problem().contacts().interactions()[0].options();
+    let expected = 10.0 * 1000.0 / (4.0 / 3.0);
+    assert!((options.penalty / expected - 1.0).abs() < 1e-14, "{}", options.penalty);
+    assert!(options.interface.areas);
+    let (given, by_hand, _) =
+        run(&stacked(0.0, &format!("penalty = {:?}\nareas = true", options.penalty), "hex8"), TIME);
+    assert_eq!(by_itself.positions, by_hand.positions);
+    assert_eq!(automatic.iterations, given.iterations);
+    // p = 10 on E = 1000 of the softer block.
+    assert!(automatic.increments[0].max_penetration < 1.5e-3, "{}", automatic.increments[0].max_penetration);
+}
+
+/// A cylinder whose facets lie on both sides of the surface they are to touch starts in touch all around, without strain.
+#[test]
+fn adjusted_slaves_start_in_touch() {
+    const RINGS: &str = r#"
+[materials.m]
+young = 1000.0
+poisson = 0.3
+[parts.inner]
+shape = "pipe"
+axis = "z"
+inner_radius = 4.0
+outer_radius = 5.0
+angles = [0.0, 90.0]
+length = 1.0
+divisions = [9, 2, 2]
+material = "m"
+[parts.outer]
+shape = "pipe"
+axis = "z"
+inner_radius = 5.003
+outer_radius = 6.0
+angles = [0.0, 90.0]
+length = 1.0
+divisions = [5, 2, 2]
+material = "m"
+[[boundary]]
+nodes = "outer"
+fix = ["x", "y", "z"]
+[[interface]]
+name = "fit"
+master = "outer.inner"
+slave = "inner.outer"
+symmetry = ["x", "y"]
+adjust = 0.02
+"#;
+    let given = deck(&RINGS.replace("adjust = 0.02", ""), TIME).1;
+    let (deck, model) = deck(RINGS, TIME);
+    assert!(
+        model.adjusted.len() == 30
+            && model.adjusted.iter().all(|(&node, before)| given.nodes[node] == *before)
+    );
+    let way = model
+        .adjusted
+        .iter()
+        .map(|(&node, x)| (model.nodes[node][0] - x[0]).hypot(model.nodes[node][1] - x[1]));
+    let way = way.fold(0.0, f64::max);
+    assert!((1e-3..1e-2).contains(&way), "{way}");
+    // A restart finds the model it was begun with, whatever the last digits of the adjusted nodes.
+    assert_eq!(model.fingerprint(), given.fingerprint());
+    let mut statics = statics(&deck, &model);
+    let start = statics.problem().start();
+    statics.look_at_contacts(&start).unwrap();
+    let contacts = statics.problem().contacts();
+    let gaps: Vec<f64> = contacts.interactions()[0].slaves().map(|slave| slave.gap.unwrap()).collect();
+    assert!(gaps.len() == 30 && gaps.iter().all(|gap| gap.abs() < 1e-10), "{gaps:?}");
+    let solid = statics.problem().solid();
+    let energy = solid.stored_energy(&start.positions, &solid.states()).unwrap();
+    assert!(energy.abs() < 1e-20, "{energy}");
+    // Nothing is that near.
+    let far = RINGS.replace("adjust = 0.02", "adjust = 1e-4");
+    assert!(Deck::parse(&far).unwrap().model("").unwrap().adjusted.is_empty());
+}
+
+#[test]
+fn rigid_slaves_are_not_adjusted() {
+    let text = PRESSED.replace("penalty = 2000.0", "penalty = 2000.0\nadjust = 10.0\nexchange = true");
+    let error = Deck::parse(&format!("{text}\n{TIME}")).unwrap().model("").unwrap_err();
+    let DeckError::Invalid { problem, .. } = &error else { panic!("{error}") };
+    assert!(matches!(**problem, Wrong::Adjust { error: AdjustError::Rigid { .. }, .. }), "{error}");
+}

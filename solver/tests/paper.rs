@@ -54,7 +54,7 @@ impl Course {
 
     /// Force between the bodies at the end, along the y-axis.
     fn force(&self) -> f64 {
-        self.records.last().unwrap().contact_forces[0][1].abs()
+        self.records.last().unwrap().contacts[0].force[1].abs()
     }
 
     /// How far loaded nodes are inside and outside the true cylinder of `plate_cylinder` at most.
@@ -103,7 +103,7 @@ fn the_elastic_pinch_takes_hardly_more_than_three_iterations_an_increment() {
     // The same pipe under the same plate.
     assert!((diffuse.force() / facets.force() - 1.0).abs() < 0.02, "{} {}", diffuse.force(), facets.force());
     // Thin-ring theory for a quarter of a ring between smooth plates: F = E I δ / (r³ (π/4 − 2/π)), I = b t³ / 12.
-    let first = diffuse.records[0].contact_forces[0][1].abs();
+    let first = diffuse.records[0].contacts[0].force[1].abs();
     let rigidity = 200_000.0 * 20.0 * 10_f64.powi(3) / 12.0;
     let ring =
         rigidity * 2.5 / (95_f64.powi(3) * (std::f64::consts::FRAC_PI_4 - std::f64::consts::FRAC_2_PI));

@@ -37,8 +37,10 @@ impl Beginning {
         let moved = interaction.slaves().filter(|slave| !slave.is_held);
         let deep = moved.filter(|slave| slave.gap.is_some_and(|gap| is_deep(slave.node, gap)));
         let way = |node: usize| {
-            let [from, to] = [model.adjusted.get(&node)?, &model.nodes[node]];
-            Some((0..3).map(|axis| (to[axis] - from[axis]).powi(2)).sum::<f64>().sqrt())
+            let adjusted = model.adjusted.get(&node)?;
+            let (from, to) = (&adjusted.before, &model.nodes[node]);
+            (adjusted.interface == interaction.options().name)
+                .then(|| (0..3).map(|axis| (to[axis] - from[axis]).powi(2)).sum::<f64>().sqrt())
         };
         let ways: Vec<f64> = interaction.slaves().filter_map(|slave| way(slave.node)).collect();
         Self {

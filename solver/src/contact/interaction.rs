@@ -1,5 +1,7 @@
 //! One pair of surfaces.
 
+use std::collections::HashMap;
+
 use diffuse_contact::assembly::Tangent;
 use diffuse_contact::faces::{FaceRule, QuadraticFace};
 use diffuse_contact::friction::FrictionState;
@@ -314,6 +316,8 @@ pub struct Interaction {
     passes: Vec<Box<dyn Pass>>,
     /// Mean size of the slave's facets at the start, length.
     size: f64,
+    /// Tributary areas of its nodes at the start, length².
+    areas: HashMap<usize, f64>,
     /// The multipliers of each pass, while others are supposed.
     own: Option<Vec<Vec<f64>>>,
 }
@@ -350,7 +354,8 @@ impl Interaction {
         // The facets were checked when the passes were made.
         let areas = tributary_areas(positions, slave).unwrap_or_default();
         let size = (areas.iter().sum::<f64>() / slave.len().max(1) as f64).sqrt();
-        Ok(Self { options, passes, size, own: None })
+        let areas = areas.into_iter().enumerate().filter(|&(_, area)| area > 0.0).collect();
+        Ok(Self { options, passes, size, areas, own: None })
     }
 
     /// The options.
@@ -541,18 +546,13 @@ impl Interaction {
         moved.filter_map(|slave| slave.gap).map(|gap| -gap).fold(0.0, f64::max)
     }
 
-    /// Sum of the contact forces on the slaves of the first pass less those of the second: what the master's surface exerts on the
-    /// slave's, exactly as it enters equilibrium.
-    pub(super) fn force(&self) -> [f64; 3] {
-        let mut sum = [0.0; 3];
-        for (sign, pass) in [1.0, -1.0].into_iter().zip(&self.passes) {
-            for slave in pass.slaves() {
-                for axis in 0..3 {
-                    sum[axis] += sign * slave.nodal_force[axis];
-                }
-            }
-        }
-        sum
+    pub(super) fn passes(&self) -> impl Iterator<Item = &dyn Pass> {
+        self.passes.iter().map(AsRef::as_ref)
+    }
+
+    /// Area that belongs to a slave of the first pass at the start, length².
+    pub(super) fn tributary_area(&self, node: usize) -> f64 {
+        self.areas.get(&node).copied().unwrap_or(0.0)
     }
 
     /// Does the same with each pass; an error gets the interaction's name.

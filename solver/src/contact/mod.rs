@@ -13,6 +13,7 @@ mod interaction;
 mod losses;
 mod node_pass;
 mod pass;
+mod resultant;
 #[cfg(test)]
 mod tests;
 
@@ -25,6 +26,7 @@ pub use interaction::{
 };
 pub use losses::LostContact;
 pub use pass::{FrictionHistory, NodalForces};
+pub use resultant::Resultant;
 
 use diffuse_contact::Mode;
 use diffuse_contact::interface::FrictionReport;
@@ -269,10 +271,10 @@ impl ContactSet {
         Ok(())
     }
 
-    /// Sum of the contact forces on the slaves of each interaction.
+    /// What each interaction exerts in all.
     #[must_use]
-    pub fn forces(&self) -> Vec<[f64; 3]> {
-        self.interactions.iter().map(Interaction::force).collect()
+    pub fn resultants(&self, positions: &[[f64; 3]]) -> Vec<Resultant> {
+        self.interactions.iter().map(|interaction| interaction.resultant(positions)).collect()
     }
 
     /// Deepest penetration of any slave at the last evaluation, as [`Interaction::max_penetration`], length; 0 without any.

@@ -1,5 +1,6 @@
 //! Contact forces and stiffnesses as the solver adds them up.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use diffuse_contact::assembly::Tangent;
@@ -115,12 +116,47 @@ fn the_force_on_the_slave_is_that_of_its_nodes() {
     assert_eq!(slaves.iter().filter(|slave| slave.force > 0.0).count(), active);
     for axis in 0..3 {
         let sum: f64 = slaves.iter().map(|slave| -forces[3 * slave.node + axis]).sum();
-        assert!((set.forces()[0][axis] - sum).abs() < 1e-10, "{:?} {sum}", set.forces());
+        let found = set.resultants(&nodes)[0].force[axis];
+        assert!((found - sum).abs() < 1e-10, "{found} {sum}");
     }
     let deepest =
         slaves.iter().filter_map(|slave| slave.gap).fold(0.0, |deepest: f64, gap| deepest.max(-gap));
     assert_eq!(set.max_penetration(), deepest);
-    assert!(set.forces()[0][2] > 0.0);
+    assert!(set.resultants(&nodes)[0].force[2] > 0.0);
+}
+
+/// Force, moment and centre are those of the forces on one side, in one pass and in two; areas are those of the nodes that carry force.
+#[test]
+fn resultants_are_those_of_the_slaves_side() {
+    let (_, master, slave) = bed();
+    let on = |facets: &[Facet]| facets.iter().flat_map(Facet::corners).copied().collect::<BTreeSet<usize>>();
+    for options in variants() {
+        let name = format!("{options:?}");
+        let (mut set, nodes) = contacts(options);
+        let (forces, _) = forces(&mut set, &nodes, Mode::Gradient);
+        let found = set.resultants(&nodes)[0];
+        // In equilibrium of all contact the rest is on the other side.
+        let force = |node: usize| [0, 1, 2].map(|axis| -forces[3 * node + axis]);
+        let side = on(&slave);
+        for axis in 0..3 {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            let sum: f64 = side.iter().map(|&node| force(node)[axis]).sum();
+            let turn =
+                |node: usize| nodes[node][next] * force(node)[last] - nodes[node][last] * force(node)[next];
+            let moment: f64 = side.iter().map(|&node| turn(node)).sum();
+            assert!((found.force[axis] - sum).abs() < 1e-10 * (1.0 + sum.abs()), "{found:?} {sum} {name}");
+            assert!(
+                (found.moment[axis] - moment).abs() < 1e-10 * (1.0 + moment.abs()),
+                "{found:?} {moment} {name}"
+            );
+        }
+        // Forces push upwards from within the slave's outline.
+        assert!(
+            found.centre[0] > 1.2 && found.centre[0] < 3.7 && found.centre[1] > 1.1 && found.centre[1] < 3.5
+        );
+        assert!(found.area > 0.0 && found.area < 2.5 * 2.4 * 1.01, "{}", found.area);
+        assert!(on(&master).is_disjoint(&side));
+    }
 }
 
 #[test]

@@ -10,8 +10,8 @@ use super::{Contact, Deck, Interface, Sides};
 use crate::contact::{AdjustError, ContactError, Integration, Interaction, InteractionOptions, adjust};
 use crate::model::Model;
 
-/// ε without a `penalty`, over E/h. Pressures are a few percent of E at most, so that penetrations stay below a percent of a facet.
-const PENALTY_FACTOR: f64 = 10.0;
+/// ε without a `penalty`, over E/h. Pressures are a few percent of E at most, so that penetrations stay about a percent of a facet.
+const PENALTY_FACTOR: f64 = 5.0;
 
 impl Deck {
     /// The contacts of the deck's model; none with `contact = "none"`.
@@ -60,7 +60,9 @@ impl Deck {
             let mut interaction = self.refused(interface, made)?;
             let deformable = model.deformable();
             match adjust(&mut interaction, &model.nodes, &deformable, limit) {
-                Ok(moved) => moved.into_iter().for_each(|(node, position)| model.adjust(node, position)),
+                Ok(moved) => {
+                    moved.into_iter().for_each(|(node, to)| model.adjust(node, to, &interface.name));
+                }
                 Err(AdjustError::Contact(error)) => return self.refused(interface, Err(error)),
                 Err(error) => {
                     let name = interface.name.clone();
@@ -76,7 +78,7 @@ impl Deck {
     }
 }
 
-/// Ten times E/h of the softer body: of all bodies under either side the least E over the size of its facets there.
+/// Five times E/h of the softer body: of all bodies under either side the least E over the size of its facets there.
 fn automatic_penalty(model: &Model, sides: &Sides) -> f64 {
     let mut least = f64::INFINITY;
     for body in &model.bodies {

@@ -16,7 +16,8 @@ impl Model {
         let mut digest = Digest(SipHasher13::new());
         digest.size(self.nodes.len());
         let nodes = self.nodes.iter().enumerate();
-        let given = nodes.map(|(node, position)| self.adjusted.get(&node).unwrap_or(position));
+        let given =
+            nodes.map(|(node, position)| self.adjusted.get(&node).map_or(position, |node| &node.before));
         for coordinate in given.flatten() {
             digest.0.write(&coordinate.to_bits().to_le_bytes());
         }

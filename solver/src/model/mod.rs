@@ -42,8 +42,17 @@ pub struct Model {
     pub node_sets: BTreeMap<String, Vec<usize>>,
     /// Facets by name, oriented outward.
     pub surfaces: BTreeMap<String, Vec<Facet>>,
-    /// The nodes that [`adjust`](Self::adjust) moved, with where they were.
-    pub adjusted: BTreeMap<usize, [f64; 3]>,
+    /// The nodes that [`adjust`](Self::adjust) moved.
+    pub adjusted: BTreeMap<usize, AdjustedNode>,
+}
+
+/// A node that was moved before there was any strain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AdjustedNode {
+    /// Where it was, length.
+    pub before: [f64; 3],
+    /// The interface whose master it touches now.
+    pub interface: String,
 }
 
 /// Elements of one material.
@@ -103,10 +112,11 @@ impl Model {
         Ok(())
     }
 
-    /// Moves a node before there is any strain.
-    pub fn adjust(&mut self, node: usize, position: [f64; 3]) {
-        let before = std::mem::replace(&mut self.nodes[node], position);
-        self.adjusted.entry(node).or_insert(before);
+    /// Moves a node onto the master of an interface, before there is any strain.
+    pub fn adjust(&mut self, node: usize, position: [f64; 3], interface: &str) {
+        let last = std::mem::replace(&mut self.nodes[node], position);
+        let before = self.adjusted.get(&node).map_or(last, |earlier| earlier.before);
+        self.adjusted.insert(node, AdjustedNode { before, interface: interface.to_owned() });
     }
 
     /// Which nodes belong to a body; the others are rigid.

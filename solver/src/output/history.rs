@@ -63,6 +63,9 @@ pub(super) fn header(problem: &Problem) -> String {
         let name = column_name(&interaction.options().name);
         let _ = write!(line, ",stuck:{name},sliding:{name},unanchored:{name},dissipated:{name}");
     }
+    for interaction in problem.contacts().interactions() {
+        let _ = write!(line, ",contact_area:{}", column_name(&interaction.options().name));
+    }
     let mut vector = |what: &str, name: &str| {
         let name = column_name(name);
         for axis in ["x", "y", "z"] {
@@ -71,6 +74,8 @@ pub(super) fn header(problem: &Problem) -> String {
     };
     for interaction in problem.contacts().interactions() {
         vector("contact_force", &interaction.options().name);
+        vector("contact_moment", &interaction.options().name);
+        vector("contact_centre", &interaction.options().name);
     }
     for group in problem.supports().groups() {
         vector("displacement", &group.name);
@@ -98,12 +103,17 @@ pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> S
         let FrictionReport { stuck, sliding, unanchored, .. } = friction;
         let _ = write!(line, ",{stuck},{sliding},{unanchored},{:?}", interaction.dissipated());
     }
+    for contact in &record.contacts {
+        let _ = write!(line, ",{:?}", contact.area);
+    }
     let mut vector = |values: [f64; 3]| {
         for value in values {
             let _ = write!(line, ",{value:?}");
         }
     };
-    record.contact_forces.iter().for_each(|&force| vector(force));
+    for contact in &record.contacts {
+        [contact.force, contact.moment, contact.centre].into_iter().for_each(&mut vector);
+    }
     for (group, &reaction) in problem.supports().groups().iter().zip(&record.reactions) {
         vector(group.displacement(record.time, problem.start_positions()));
         vector(reaction);

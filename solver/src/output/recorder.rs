@@ -365,7 +365,7 @@ impl<'a> Recorder<'a> {
         self.max_penetration_ever = self.max_penetration_ever.max(record.max_penetration);
         self.shortcomings[0] += usize::from(record.is_short);
         self.shortcomings[1] += record.lost;
-        let sum = |axis: usize| record.contact_forces.iter().map(|force| force[axis]).sum();
+        let sum = |axis: usize| record.contacts.iter().map(|contact| contact.force[axis]).sum();
         self.contact = (record.max_penetration, [0, 1, 2].map(sum));
         self.timing = record.timing;
         Ok(())

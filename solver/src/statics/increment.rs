@@ -361,7 +361,7 @@ impl<'a> Increment<'a> {
             supposed: problem.supposed,
             stabilised: problem.stabilised,
             max_penetration: problem.contacts().max_penetration(),
-            contact_forces: problem.contacts().forces(),
+            contacts: problem.contacts().resultants(&state.positions),
             friction,
             reactions: groups.map(|group| problem.supports().sum(group, &imbalance)).collect(),
             timing: problem.timing,

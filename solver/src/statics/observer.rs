@@ -5,6 +5,7 @@ use std::time::Duration;
 use diffuse_contact::interface::FrictionReport;
 
 use super::{Failure, Problem, State};
+use crate::contact::Resultant;
 
 /// Whether to go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,8 +95,8 @@ pub struct IncrementRecord {
     pub stabilised: usize,
     /// Deepest penetration, length.
     pub max_penetration: f64,
-    /// Force on the slaves of each interaction.
-    pub contact_forces: Vec<[f64; 3]>,
+    /// What each interaction exerts on its slaves.
+    pub contacts: Vec<Resultant>,
     /// What friction did in each interaction that has any.
     pub friction: Vec<Option<FrictionReport>>,
     /// Force that each support group exerts on the nodes it moves.

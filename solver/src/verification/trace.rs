@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use crate::contact::SlaveState;
+use crate::contact::{Resultant, SlaveState};
 use crate::deck::Deck;
 use crate::solid::SolidError;
 use crate::solve::{SolveError, statics};
@@ -41,7 +41,7 @@ impl Snapshot<'_> {
     #[must_use]
     pub fn contact_force(&self) -> [f64; 3] {
         let mut sum = [0.0; 3];
-        for force in &self.record.contact_forces {
+        for Resultant { force, .. } in &self.record.contacts {
             (0..3).for_each(|axis| sum[axis] += force[axis]);
         }
         sum

@@ -24,7 +24,7 @@ fn no_point_is_stepped_over() {
         let base = pressed("[[0, 0], [0.05, 1], [0.1, 0]]");
         let (notes, _, _) = run(&base, &format!("[time]\nend = 0.3\nincrement = 0.1{fixed}"));
         assert_close(&times(&notes), &[0.05, 0.1, 0.2, 0.3]);
-        let forces: Vec<f64> = notes.increments.iter().map(|record| record.contact_forces[0][2]).collect();
+        let forces: Vec<f64> = notes.increments.iter().map(|record| record.contacts[0].force[2]).collect();
         // Pressure 20 on an area of 2.
         assert!((forces[0] - 40.0).abs() < 1e-3, "{forces:?}");
         assert!(forces[1..].iter().all(|force| force.abs() < 1e-3), "{forces:?}");

@@ -18,7 +18,7 @@ fn the_augmented_lagrangian_reduces_penetration_and_keeps_the_force() {
         // Half of p A, then all of it.
         let load = 40.0 * augmented.time;
         for record in [plain, augmented] {
-            let force = record.contact_forces[0];
+            let force = record.contacts[0].force;
             assert!((force[2] - load).abs() < 1e-4 * load, "{force:?} {load}");
         }
     }
@@ -53,7 +53,7 @@ fn the_augmented_lagrangian_closes_gaps_after_unloading() {
     let (notes, _, statics) = run(&unloaded, "[time]\nincrement = 0.5");
     let last = notes.increments.last().unwrap();
     assert!(!last.is_short && last.augmentations > 0);
-    assert!((last.contact_forces[0][2] - 2.0).abs() < 1e-3, "{:?}", last.contact_forces);
+    assert!((last.contacts[0].force[2] - 2.0).abs() < 1e-3, "{:?}", last.contacts);
     let interaction = &statics.problem().contacts().interactions()[0];
     let loaded: Vec<_> = interaction.slaves().filter(|slave| slave.force > 0.0).collect();
     assert!(loaded.len() > 4 && loaded.iter().all(|slave| slave.gap.unwrap().abs() <= 1e-5), "{loaded:?}");
@@ -103,7 +103,7 @@ fn two_passes_share_the_force_and_lose_none_of_it() {
     let (one, ..) = run(&deformable, time);
     let (two, state, statics) = run(&deformable.replace("penalty =", "two_pass = true\npenalty ="), time);
     for notes in [&one, &two] {
-        let force = notes.increments.last().unwrap().contact_forces[0];
+        let force = notes.increments.last().unwrap().contacts[0].force;
         assert!((force[2] - 40.0).abs() < 1e-3 && force[0].abs() < 1e-2, "{force:?}");
     }
     assert_eq!(state.multipliers.len(), 2);
@@ -128,11 +128,11 @@ fn a_pairing_per_iteration_belongs_to_the_end_of_the_increment() {
             &format!("penalty = 2000.0\n{HULL_LAYERS}\nrefresh = \"{refresh}\""),
         );
         let (_, state, mut statics) = run(&base, more);
-        let forces = statics.problem.contacts().forces();
+        let forces = statics.problem.contacts().resultants(&state.positions);
         let problem = &mut statics.problem;
         problem.refresh(RefreshRule::Increment, &state.positions).unwrap();
         problem.evaluate(state.time, &state.positions, &state.points, Order::Residual).unwrap();
-        (forces, problem.contacts().forces())
+        (forces, problem.contacts().resultants(&state.positions))
     };
     let (before, after) = at_end("iteration");
     assert_eq!(before, after);

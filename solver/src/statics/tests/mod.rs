@@ -231,7 +231,7 @@ fn an_increment_has_converged_when_the_rule_says_so() {
     // Reactions and contact forces are in equilibrium.
     let sum: [f64; 3] = [0, 1, 2].map(|axis| record.reactions.iter().map(|reaction| reaction[axis]).sum());
     assert!(size(sum) < 1e-4 * size(record.reactions[0]), "{sum:?} {:?}", record.reactions);
-    let apart: [f64; 3] = [0, 1, 2].map(|axis| record.contact_forces[0][axis] + record.reactions[1][axis]);
+    let apart: [f64; 3] = [0, 1, 2].map(|axis| record.contacts[0].force[axis] + record.reactions[1][axis]);
     assert!(size(apart) < 1e-4 * size(record.reactions[1]), "{record:?}");
 }
 
@@ -453,7 +453,7 @@ rotate = { axis = [1.0, 0.2, 0.3], point = [10.0, 0.0, 0.0], degrees = 40.0 }
     let (notes, ..) =
         run(&with_tool, "[time]\nincrement = 0.5\n[newton]\ntolerance = 1e-14\nabsolute = 1e-6");
     for record in &notes.increments {
-        let (force, load) = (record.contact_forces[0][2], 40.0 * record.time);
+        let (force, load) = (record.contacts[0].force[2], 40.0 * record.time);
         assert!((force - load).abs() < 1e-5, "{force} {load}");
         let last = record.history.last().unwrap();
         // Without the tool's rounding nothing would be left.

@@ -3,6 +3,7 @@
 use super::*;
 use crate::contact::AdjustError;
 use crate::deck::{DeckError, Problem as Wrong};
+use crate::model::AdjustedNode;
 
 /// A block on another, pressed, held sideways; between them a gap.
 fn stacked(gap: f64, interface: &str, element: &str) -> String {
@@ -67,7 +68,7 @@ fn a_body_that_only_contact_holds_is_held() {
                 "{gap} {interface}: {}",
                 record.iterations
             );
-            let force: f64 = record.contact_forces[0][2];
+            let force: f64 = record.contacts[0].force[2];
             assert!((force / 160.0 - 1.0).abs() < 1e-6, "{gap} {interface}: {force}");
             // Multipliers that were supposed are gone.
             assert!(statics.problem().contacts().multipliers().iter().all(Vec::is_empty));
@@ -163,7 +164,7 @@ increment = 1.0
         let (notes, free, _) = run(BLOCK, &format!("[newton]\nstabilisation = {part}\ntolerance = 1e-9"));
         let record = &notes.increments[0];
         assert!(record.stabilised > 0 && record.supposed == 1 && notes.cuts.is_empty(), "{part}");
-        let force = record.contact_forces[0];
+        let force = record.contacts[0].force;
         assert!((force[2] - 100.0).abs() < 1e-5 && force[0].hypot(force[1]) < 1e-5, "{force:?}");
         let widest = |state: &State, axis: usize| {
             let xs = state.positions[25..].iter().map(|x| x[axis]);
@@ -181,12 +182,12 @@ increment = 1.0
     }
 }
 
-/// Ten times E/h of the softer side, per area, and what it gives is what the same number gives.
+/// Five times E/h of the softer side, per area, and what it gives is what the same number gives.
 #[test]
 fn a_penalty_follows_from_the_softer_body() {
     let (automatic, by_itself, statics) = run(&stacked(0.0, "", "hex8"), TIME);
     let options = statics.problem().contacts().interactions()[0].options();
-    let expected = 10.0 * 1000.0 / (4.0 / 3.0);
+    let expected = 5.0 * 1000.0 / (4.0 / 3.0);
     assert!((options.penalty / expected - 1.0).abs() < 1e-14, "{}", options.penalty);
     assert!(options.interface.areas);
     let (given, by_hand, _) =
@@ -194,7 +195,7 @@ fn a_penalty_follows_from_the_softer_body() {
     assert_eq!(by_itself.positions, by_hand.positions);
     assert_eq!(automatic.iterations, given.iterations);
     // p = 10 on E = 1000 of the softer block.
-    assert!(automatic.increments[0].max_penetration < 1.5e-3, "{}", automatic.increments[0].max_penetration);
+    assert!(automatic.increments[0].max_penetration < 3e-3, "{}", automatic.increments[0].max_penetration);
 }
 
 /// A cylinder whose facets lie on both sides of the surface they are to touch starts in touch all around, without strain.
@@ -236,12 +237,11 @@ adjust = 0.02
     let (deck, model) = deck(RINGS, TIME);
     assert!(
         model.adjusted.len() == 30
-            && model.adjusted.iter().all(|(&node, before)| given.nodes[node] == *before)
+            && model.adjusted.iter().all(|(&node, before)| given.nodes[node] == before.before)
     );
-    let way = model
-        .adjusted
-        .iter()
-        .map(|(&node, x)| (model.nodes[node][0] - x[0]).hypot(model.nodes[node][1] - x[1]));
+    let way = model.adjusted.iter().map(|(&node, AdjustedNode { before: x, .. })| {
+        (model.nodes[node][0] - x[0]).hypot(model.nodes[node][1] - x[1])
+    });
     let way = way.fold(0.0, f64::max);
     assert!((1e-3..1e-2).contains(&way), "{way}");
     // A restart finds the model it was begun with, whatever the last digits of the adjusted nodes.

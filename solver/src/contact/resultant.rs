@@ -1,0 +1,57 @@
+//! What an interaction exerts in all.
+
+use diffuse_contact::Point;
+
+use super::{Integration, Interaction, SlaveState};
+
+/// The contact of a pair of surfaces as one force.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Resultant {
+    /// What the master's surface exerts on the slave's, force, exactly as it enters equilibrium.
+    pub force: Point,
+    /// Its moment about the origin, force · length.
+    pub moment: Point,
+    /// Area of the slave that carries force, length²: of its nodes at the start, over faces the part of them over the master.
+    pub area: f64,
+    /// Where the normal forces act on the slave: Σ f x / Σ f. The origin without any.
+    pub centre: Point,
+}
+
+impl Interaction {
+    /// Forces of the last evaluation, at the positions it was for.
+    #[must_use]
+    pub fn resultant(&self, positions: &[Point]) -> Resultant {
+        let mut sum = Resultant::default();
+        let mut normal = 0.0;
+        for (sign, pass) in [1.0, -1.0].into_iter().zip(self.passes()) {
+            for slave in pass.slaves() {
+                let (x, force) = (positions[slave.node], slave.nodal_force.map(|f| sign * f));
+                for axis in 0..3 {
+                    let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+                    sum.force[axis] += force[axis];
+                    sum.moment[axis] += x[next] * force[last] - x[last] * force[next];
+                    // The second pass has its points on the same surface in contact.
+                    sum.centre[axis] += slave.force * x[axis];
+                }
+                normal += slave.force;
+                if sign > 0.0 {
+                    sum.area += self.loaded_area(&slave);
+                }
+            }
+        }
+        if normal > 0.0 {
+            sum.centre = sum.centre.map(|moment| moment / normal);
+        }
+        sum
+    }
+
+    /// The area of a slave that carries force.
+    fn loaded_area(&self, slave: &SlaveState) -> f64 {
+        let has_force = slave.force > 0.0;
+        match self.options().integration {
+            Integration::Nodes if has_force => self.tributary_area(slave.node),
+            Integration::Faces(_) if has_force => slave.area,
+            _ => 0.0,
+        }
+    }
+}

@@ -54,8 +54,11 @@ fn assert_drawn(dom: &str, runs: usize, surfaces: bool) {
         assert!(plot.contains("class=\"main-svg\""), "{id}");
     }
     assert!(tag(dom, "shape").contains("data-drawn="), "{}", tag(dom, "shape"));
-    assert_eq!(dom.contains("id=\"surfaces\""), surfaces);
+    for id in ["surfaces", "contact"] {
+        assert_eq!(dom.contains(&format!("id=\"{id}\"")), surfaces, "{id}");
+    }
     if surfaces {
+        assert!(tag(dom, "contact").contains(&format!("data-drawn=\"{runs}\"")), "{}", tag(dom, "contact"));
         assert!(tag(dom, "surfaces").contains("data-drawn="), "{}", tag(dom, "surfaces"));
     }
     // The script's own text mentions NaN; what it wrote does not.
@@ -83,7 +86,8 @@ fn both_elements_are_drawn_together() {
     if let Some(dom) = opened(&scratch, &page) {
         assert_drawn(&dom, 2, true);
         assert!(dom.contains("Block &amp; &lt;wave&gt;</h1>"));
-        for word in ["diffuse", "node-to-facet", "reaction x, force", "displacement x, length"] {
+        let words = ["diffuse", "node-to-facet", "reaction x, force", "displacement x, length", "CSV", "PNG"];
+        for word in words {
             assert!(dom.contains(word), "{word}");
         }
     }
@@ -102,7 +106,22 @@ fn a_run_without_a_finished_increment_has_a_report() {
         assert_drawn(&dom, 1, true);
         assert!(dom.contains("diffuse ended early: no convergence after time 0"));
         assert!(dom.contains("no finished increment"));
+        // Its iterations, where it was left, and who is out of balance there.
+        assert!(tag(&dom, "failed").contains("data-drawn=\"1\""), "{}", tag(&dom, "failed"));
+        let worst = &dom[dom.find("id=\"worst\"").unwrap()..];
+        let worst = &worst[..worst.find("</table>").unwrap()];
+        assert!(worst.matches("<tr>").count() == 11 && worst.contains("<td>block</td>"), "{worst}");
+        assert!(dom.contains(", failed</span>"));
     }
+    let failed: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(Path::new(&out).join("failed.json")).unwrap()).unwrap();
+    let size = |node: &serde_json::Value| {
+        let force = node["residual"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap());
+        force.map(|x| x * x).sum::<f64>()
+    };
+    let sizes: Vec<f64> = failed["worst"].as_array().unwrap().iter().map(size).collect();
+    assert!(sizes.len() == 10 && sizes.is_sorted_by(|a, b| a >= b) && sizes[9] > 0.0, "{sizes:?}");
+    assert!(!failed["residuals"].as_array().unwrap().is_empty() && failed["frame"].is_object());
 }
 
 #[test]

@@ -1,5 +1,8 @@
 //! How the slaves of an interaction lie before the first increment.
 
+use diffuse_contact_mesh::names::shown;
+use serde::{Deserialize, Serialize};
+
 use super::Interaction;
 use crate::model::Model;
 
@@ -7,7 +10,7 @@ use crate::model::Model;
 const DEEP: f64 = 0.1;
 
 /// The slaves of an interaction at the last evaluation, which is that of the start.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Beginning {
     /// Name of the interface in the deck.
     pub interface: String,
@@ -54,5 +57,34 @@ impl Beginning {
             linear: interaction.slaves().filter(|slave| slave.is_linear).count(),
             straight: interaction.straight(),
         }
+    }
+
+    /// What may be wrong with the start, in sentences.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let Self { interface, slaves, deep, linear, straight, .. } = self;
+        let mut warnings = Vec::new();
+        let mut warn = |count: &usize, what: &str| {
+            if *count > 0 {
+                warnings.push(format!("interface `{}`: {count} {what}", shown(interface)));
+            }
+        };
+        warn(
+            deep,
+            "slaves start deeper below the master than a tenth of their facets' size: do the parts overlap, or does the master face \
+             the wrong way?",
+        );
+        warn(
+            linear,
+            &format!(
+                "of {slaves} slaves have the linear basis, which is no better than facets: name the symmetry planes that the master \
+                 ends in, or mesh it with three rows of nodes"
+            ),
+        );
+        warn(
+            straight,
+            "edge middles or centres of the slave's faces are flat: its nodes carry no smooth surface of their own there",
+        );
+        warnings
     }
 }

@@ -11,6 +11,8 @@ pub struct Resultant {
     pub force: Point,
     /// Its moment about the origin, force · length.
     pub moment: Point,
+    /// Sum of the moduli of the normal forces, force: over the area it is the mean pressure.
+    pub normal: f64,
     /// Area of the slave that carries force, length²: of its nodes at the start, over faces the part of them over the master.
     pub area: f64,
     /// Where the normal forces act on the slave: Σ f x / Σ f. The origin without any.
@@ -22,7 +24,6 @@ impl Interaction {
     #[must_use]
     pub fn resultant(&self, positions: &[Point]) -> Resultant {
         let mut sum = Resultant::default();
-        let mut normal = 0.0;
         for (sign, pass) in [1.0, -1.0].into_iter().zip(self.passes()) {
             for slave in pass.slaves() {
                 let (x, force) = (positions[slave.node], slave.nodal_force.map(|f| sign * f));
@@ -33,14 +34,14 @@ impl Interaction {
                     // The second pass has its points on the same surface in contact.
                     sum.centre[axis] += slave.force * x[axis];
                 }
-                normal += slave.force;
+                sum.normal += slave.force;
                 if sign > 0.0 {
                     sum.area += self.loaded_area(&slave);
                 }
             }
         }
-        if normal > 0.0 {
-            sum.centre = sum.centre.map(|moment| moment / normal);
+        if sum.normal > 0.0 {
+            sum.centre = sum.centre.map(|moment| moment / sum.normal);
         }
         sum
     }

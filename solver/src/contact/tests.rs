@@ -154,6 +154,7 @@ fn resultants_are_those_of_the_slaves_side() {
         assert!(
             found.centre[0] > 1.2 && found.centre[0] < 3.7 && found.centre[1] > 1.1 && found.centre[1] < 3.5
         );
+        assert!(found.normal > found.force[2] * (1.0 - 1e-12), "{found:?}");
         assert!(found.area > 0.0 && found.area < 2.5 * 2.4 * 1.01, "{}", found.area);
         assert!(on(&master).is_disjoint(&side));
     }

@@ -9,11 +9,13 @@ mod eigen;
 mod hencky;
 mod state;
 
+use serde::{Deserialize, Serialize};
+
 pub use hencky::{Hencky, Isochoric, Unresolved, Volumetric};
 pub use state::PointState;
 
 /// Constants of an isotropic material.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Material {
     /// Young's modulus E, force per area.
     pub young: f64,
@@ -24,7 +26,7 @@ pub struct Material {
 }
 
 /// Von Mises plasticity with linear isotropic hardening: the yield stress is σ_y + H p.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plasticity {
     /// σ_y, force per area.
     pub yield_stress: f64,

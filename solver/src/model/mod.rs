@@ -154,11 +154,11 @@ impl Model {
         whole.chain(alone.map(|facet| facet.corners().to_vec())).collect()
     }
 
-    /// The facets of the rigid parts, part by part.
-    pub fn rigid_facets(&self) -> impl Iterator<Item = &Facet> {
-        let rigid = |name: &str| self.bodies.iter().all(|body| body.name != name);
-        let parts = self.parts().into_iter().filter(move |&(name, _)| rigid(name));
-        parts.flat_map(|(name, _)| &self.surfaces[name])
+    /// The rigid parts with their facets, in the order of their nodes.
+    pub fn rigid_parts(&self) -> impl Iterator<Item = (&str, &[Facet])> {
+        let is_rigid = |name: &str| self.bodies.iter().all(|body| body.name != name);
+        let parts = self.parts().into_iter().filter(move |&(name, _)| is_rigid(name));
+        parts.map(|(name, _)| (name, &self.surfaces[name][..]))
     }
 
     /// The parts by name with their first node, in the order of their nodes.

@@ -10,8 +10,15 @@ use serde::Serialize;
 use super::{OutputError, names};
 
 /// Files of a directory of results besides those in its folders; the deck, which may be the user's own, is not among them.
-const FILES: [&str; 6] =
-    [names::STATE, names::SUMMARY, names::HISTORY, names::ITERATIONS, names::SERIES, names::REPORT];
+const FILES: [&str; 7] = [
+    names::STATE,
+    names::SUMMARY,
+    names::HISTORY,
+    names::ITERATIONS,
+    names::SERIES,
+    names::FAILED,
+    names::REPORT,
+];
 
 /// Where results are written.
 #[derive(Clone, Debug)]
@@ -122,7 +129,7 @@ impl Directory {
     /// Takes back what was written after increment `last`, and how the run ended: its last picture too, if it was not the turn of
     /// this increment, that is, if `every` does not divide its number.
     pub fn rewind(&self, last: usize, every: usize) -> Result<(), OutputError> {
-        self.remove([names::SUMMARY, names::REPORT].map(|name| self.path(name)))?;
+        self.remove([names::SUMMARY, names::FAILED, names::REPORT].map(|name| self.path(name)))?;
         self.remove(self.numbered(|number| number > last || !number.is_multiple_of(every)))
     }
 

@@ -13,8 +13,7 @@ use crate::contact::Interaction;
 use crate::statics::{IncrementRecord, IterationRecord, Problem};
 
 /// Columns of `history.csv` before those of interactions and supports.
-const COLUMNS: &str =
-    "increment,time,length,iterations,augmentations,short,active,lost,max_penetration,wall_s";
+const COLUMNS: &str = "increment,time,length,iterations,augmentations,short,active,lost,missed,supposed,stabilised,max_penetration,wall_s";
 /// Columns of `iterations.csv`.
 pub(super) const ITERATION_COLUMNS: &str = "increment,iteration,time,residual,relative,active,step";
 
@@ -64,7 +63,8 @@ pub(super) fn header(problem: &Problem) -> String {
         let _ = write!(line, ",stuck:{name},sliding:{name},unanchored:{name},dissipated:{name}");
     }
     for interaction in problem.contacts().interactions() {
-        let _ = write!(line, ",contact_area:{}", column_name(&interaction.options().name));
+        let name = column_name(&interaction.options().name);
+        let _ = write!(line, ",contact_area:{name},contact_normal_force:{name}");
     }
     let mut vector = |what: &str, name: &str| {
         let name = column_name(name);
@@ -87,7 +87,7 @@ pub(super) fn header(problem: &Problem) -> String {
 /// The line of an increment.
 pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> String {
     let mut line = format!(
-        "{},{:?},{:?},{},{},{},{},{},{:?},{:?}",
+        "{},{:?},{:?},{},{},{},{},{},{},{},{},{:?},{:?}",
         record.number,
         record.time,
         record.length,
@@ -96,6 +96,9 @@ pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> S
         u8::from(record.is_short),
         record.active,
         record.lost,
+        record.missed,
+        record.supposed,
+        record.stabilised,
         record.max_penetration,
         wall_s
     );
@@ -104,7 +107,7 @@ pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> S
         let _ = write!(line, ",{stuck},{sliding},{unanchored},{:?}", interaction.dissipated());
     }
     for contact in &record.contacts {
-        let _ = write!(line, ",{:?}", contact.area);
+        let _ = write!(line, ",{:?},{:?}", contact.area, contact.normal);
     }
     let mut vector = |values: [f64; 3]| {
         for value in values {

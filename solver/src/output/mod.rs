@@ -9,6 +9,7 @@
 //! | `skins/*.json` | the skin of the bodies with the same fields, for the report |
 //! | `state.json` | what a restart goes on from |
 //! | `summary.json` | how the run ended |
+//! | `failed.json` | of a run that ended early the increment that failed: residuals, worst nodes, shape |
 //!
 //! **An increment is on disk before the next begins**: pictures and tables first, then `state.json`, which takes the place of its
 //! predecessor in one step. So whatever stops the run, `state.json` is whole, and every increment it counts is there; a restart
@@ -21,6 +22,7 @@ use serde::Deserialize;
 
 mod directory;
 mod error;
+mod failed;
 mod fields;
 mod history;
 mod picture;
@@ -33,11 +35,12 @@ mod tests;
 
 pub use directory::Claim;
 pub use error::OutputError;
+pub use failed::{Failed, WorstNode};
 pub use fields::{ContactStatus, Fields, SlaveFields, Stresses};
 pub use history::{History, HistoryRow, read_history};
 pub use recorder::{Recorder, RecorderOptions, SKIN, Saved, Watcher};
 pub use skin::{Skin, SkinFrame};
-pub use summary::Summary;
+pub use summary::{PartSummary, Summary};
 
 /// Reads a document of a directory of results.
 pub(crate) fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, OutputError> {
@@ -78,6 +81,8 @@ pub mod names {
     pub const STATE: &str = "state.json";
     /// How the run ended.
     pub const SUMMARY: &str = "summary.json";
+    /// The increment that the run ended with, if it failed.
+    pub const FAILED: &str = "failed.json";
     /// The report.
     pub const REPORT: &str = "report.html";
 }

@@ -28,7 +28,7 @@ pub fn write(
             parts.push(k as i32);
         }
     }
-    for facet in model.rigid_facets() {
+    for facet in model.rigid_parts().flat_map(|(_, facets)| facets) {
         let kind = match facet.corners().len() {
             3 => ElementKind::Triangle3,
             _ => ElementKind::Quadrilateral4,

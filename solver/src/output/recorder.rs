@@ -9,12 +9,19 @@ use diffuse_contact_kernels::support::Isa;
 use serde::{Deserialize, Serialize};
 
 use super::directory::Directory;
-use super::{Fields, OutputError, Skin, SkinFrame, SlaveFields, Summary, history, names, picture, seal};
+use super::{
+    Failed, Fields, OutputError, Skin, SkinFrame, SlaveFields, Summary, history, names, picture, seal,
+};
 use crate::contact::Beginning;
 use crate::deck::{Colour, Output};
 use crate::model::Model;
 use crate::report::{self, SURFACES, SurfaceSample};
-use crate::statics::{Control, Failure, IncrementRecord, IterationRecord, Observer, Problem, State, Timing};
+use crate::statics::{
+    Control, FailedIncrement, Failure, IncrementRecord, IterationRecord, Observer, Problem, State, Timing,
+};
+
+/// Columns of the history whose sums are in the summary.
+const SHORTCOMINGS: [&str; 5] = ["short", "lost", "missed", "supposed", "stabilised"];
 
 /// What is written, and where.
 #[derive(Clone, Debug)]
@@ -87,6 +94,9 @@ pub struct Saved {
     /// Names of the interfaces that carried force at the end of some increment.
     #[serde(default)]
     carried: BTreeSet<String>,
+    /// How the interfaces lay at the start.
+    #[serde(default)]
+    beginnings: Vec<Beginning>,
 }
 
 /// The same while it is written.
@@ -97,6 +107,7 @@ struct Saving<'a> {
     state: &'a State,
     pending: Option<&'a SlaveFields>,
     carried: &'a BTreeSet<String>,
+    beginnings: &'a [Beginning],
 }
 
 /// Writes results to a directory.
@@ -112,8 +123,12 @@ pub struct Recorder<'a> {
     /// Seconds of earlier runs.
     earlier_s: f64,
     max_penetration_ever: f64,
-    /// Increments whose augmentation fell short, and contacts lost.
-    shortcomings: [usize; 2],
+    /// Sums of the columns of [`SHORTCOMINGS`].
+    shortcomings: [usize; 5],
+    /// How the interfaces lay at the start.
+    beginnings: Vec<Beginning>,
+    /// The last try, if it failed.
+    failed: Option<Failed>,
     /// Deepest penetration and sum of the contact forces at the end of the last increment.
     contact: (f64, [f64; 3]),
     timing: Timing,
@@ -148,11 +163,11 @@ impl<'a> Recorder<'a> {
         directory.write_json(&format!("{}/{SKIN}", names::SKINS), skin)?;
         let fields = Fields::of(problem, state, &options.areas);
         recorder.show(fields, problem)?;
-        recorder.write_state()?;
         let interactions = problem.contacts().interactions().iter();
-        let beginnings: Vec<Beginning> =
+        recorder.beginnings =
             interactions.map(|own| Beginning::of(own, &recorder.options.areas, model)).collect();
-        recorder.watcher.start(&beginnings);
+        recorder.write_state()?;
+        recorder.watcher.start(&recorder.beginnings);
         Ok(recorder)
     }
 
@@ -213,7 +228,7 @@ impl<'a> Recorder<'a> {
         saved: Saved,
         watcher: &'a mut dyn Watcher,
     ) -> Result<Self, OutputError> {
-        let Saved { state, pending, carried, instructions, .. } = saved;
+        let Saved { state, pending, carried, instructions, beginnings, .. } = saved;
         if !instructions.is_empty() && instructions != self::instructions() {
             watcher.other_instructions(&instructions, self::instructions());
         }
@@ -233,11 +248,12 @@ impl<'a> Recorder<'a> {
             .collect();
         let mut recorder = Self::new(directory, options, model, state, watcher);
         (recorder.series, recorder.pending, recorder.carried) = (series, pending, carried);
+        recorder.beginnings = beginnings;
         picture::write_series(&recorder.directory, &recorder.series)?;
         let penetrations = history.rows.iter().map(|row| history.value(row, "max_penetration"));
         recorder.max_penetration_ever = penetrations.fold(0.0, f64::max);
-        let sum = |column| history.rows.iter().map(|row| history.value(row, column) as usize).sum();
-        recorder.shortcomings = [sum("short"), sum("lost")];
+        let sum = |column: &str| history.rows.iter().map(|row| history.value(row, column) as usize).sum();
+        recorder.shortcomings = SHORTCOMINGS.map(sum);
         if let Some(last) = history.rows.last() {
             recorder.earlier_s = history.value(last, "wall_s");
             recorder.contact = (history.value(last, "max_penetration"), history.contact_force(last));
@@ -262,7 +278,9 @@ impl<'a> Recorder<'a> {
             begin: Instant::now(),
             earlier_s: 0.0,
             max_penetration_ever: 0.0,
-            shortcomings: [0; 2],
+            shortcomings: [0; 5],
+            beginnings: Vec::new(),
+            failed: None,
             contact: (0.0, [0.0; 3]),
             timing: Timing::default(),
             state,
@@ -299,19 +317,31 @@ impl<'a> Recorder<'a> {
             self.show(slaves.at(problem.start_positions(), &self.state), problem)?;
         }
         self.directory.write_json(&format!("{}/{SURFACES}", names::SKINS), &surfaces)?;
+        if let Some(failed) = &self.failed {
+            self.directory.write_json(names::FAILED, failed)?;
+        }
         let run = self.begin.elapsed().as_secs_f64();
         let share = |time: Duration| time.as_secs_f64() / run.max(f64::MIN_POSITIVE);
         summary.time = self.state.time;
         summary.increments = self.state.increments;
         summary.wall_s = self.wall_s();
         summary.max_penetration_ever = self.max_penetration_ever;
-        [summary.augmentations_short, summary.contacts_lost] = self.shortcomings;
+        [
+            summary.augmentations_short,
+            summary.contacts_lost,
+            summary.points_missed,
+            summary.solutions_supposed,
+            summary.solutions_stabilised,
+        ] = self.shortcomings;
         (summary.max_penetration, summary.contact_force) = self.contact;
         let is_begun = summary.increments > 0;
         let interfaces =
             problem.contacts().interactions().iter().map(|interaction| &interaction.options().name);
         summary.interfaces_without_force =
             interfaces.filter(|&name| is_begun && !self.carried.contains(name)).cloned().collect();
+        summary.interfaces.clone_from(&self.beginnings);
+        let at_start = self.beginnings.iter().flat_map(Beginning::warnings);
+        summary.warnings = at_start.chain(summary.shortcomings()).collect();
         summary.contact_share = share(self.timing.contact);
         summary.pairing_share = share(self.timing.pairing);
         summary.linear_share = share(self.timing.linear);
@@ -363,8 +393,9 @@ impl<'a> Recorder<'a> {
             return Err(error);
         }
         self.max_penetration_ever = self.max_penetration_ever.max(record.max_penetration);
-        self.shortcomings[0] += usize::from(record.is_short);
-        self.shortcomings[1] += record.lost;
+        let own =
+            [usize::from(record.is_short), record.lost, record.missed, record.supposed, record.stabilised];
+        self.shortcomings.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
         let sum = |axis: usize| record.contacts.iter().map(|contact| contact.force[axis]).sum();
         self.contact = (record.max_penetration, [0, 1, 2].map(sum));
         self.timing = record.timing;
@@ -387,9 +418,16 @@ impl<'a> Recorder<'a> {
     }
 
     fn write_state(&self) -> Result<(), OutputError> {
-        let Self { fingerprint, state, pending, carried, .. } = self;
+        let Self { fingerprint, state, pending, carried, beginnings, .. } = self;
         let instructions = instructions();
-        let saving = Saving { model: fingerprint, instructions, state, pending: pending.as_ref(), carried };
+        let saving = Saving {
+            model: fingerprint,
+            instructions,
+            state,
+            pending: pending.as_ref(),
+            carried,
+            beginnings,
+        };
         self.directory.write(names::STATE, |writer| {
             writer.write_all(seal::sealed(&serde_json::to_string(&saving)?).as_bytes())
         })
@@ -478,8 +516,10 @@ impl Observer for Recorder<'_> {
         self.watcher.iteration(record);
     }
 
-    fn cut_back(&mut self, end: f64, length: f64, reason: &Failure) -> Control {
-        self.watcher.cut_back(end, length, reason)
+    fn cut_back(&mut self, failed: &FailedIncrement<'_>, problem: &Problem) -> Control {
+        let Self { model, skin, options, state, .. } = self;
+        self.failed = Some(Failed::of(failed, problem, model, skin, &options.areas, state));
+        self.watcher.cut_back(failed.end, failed.length, failed.reason)
     }
 
     fn increment(
@@ -489,6 +529,7 @@ impl Observer for Recorder<'_> {
         problem: &Problem,
     ) -> Result<Control, Box<dyn std::error::Error + Send + Sync>> {
         self.save(record, state, problem)?;
+        self.failed = None;
         Ok(self.watcher.increment(record))
     }
 }

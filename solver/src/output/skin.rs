@@ -14,10 +14,12 @@ pub struct Skin {
     pub nodes: Vec<usize>,
     /// Corners of each face, three or four, as places in `nodes`.
     pub faces: Vec<Vec<usize>>,
-    /// Index of each face's body; the number of bodies for rigid facets.
-    pub bodies: Vec<usize>,
-    /// Names of the bodies, then "rigid".
+    /// Index of each face's part among the names.
+    pub parts: Vec<usize>,
+    /// Names of the deformable parts, then of the rigid ones.
     pub names: Vec<String>,
+    /// Number of deformable parts.
+    pub deformable: usize,
     /// Name of the field that is shown first.
     pub shown: String,
 }
@@ -40,15 +42,17 @@ impl Skin {
     #[must_use]
     pub fn of(model: &Model, shown: &str) -> Self {
         let mut corners: Vec<Vec<usize>> = Vec::new();
-        let mut bodies = Vec::new();
+        let mut parts = Vec::new();
         for (k, body) in model.bodies.iter().enumerate() {
             let faces = body.elements.skin();
             corners.extend(faces.iter().map(|face| face.corners().to_vec()));
-            bodies.resize(corners.len(), k);
+            parts.resize(corners.len(), k);
         }
-        for facet in model.rigid_facets() {
-            corners.push(facet.corners().to_vec());
-            bodies.push(model.bodies.len());
+        let mut names: Vec<String> = model.bodies.iter().map(|body| body.name.clone()).collect();
+        for (name, facets) in model.rigid_parts() {
+            corners.extend(facets.iter().map(|facet| facet.corners().to_vec()));
+            parts.resize(corners.len(), names.len());
+            names.push(name.to_owned());
         }
         let mut nodes: Vec<usize> = corners.iter().flatten().copied().collect();
         nodes.sort_unstable();
@@ -59,8 +63,7 @@ impl Skin {
         }
         let faces =
             corners.into_iter().map(|face| face.into_iter().map(|node| place[node]).collect()).collect();
-        let names = model.bodies.iter().map(|body| body.name.clone()).chain(["rigid".to_owned()]).collect();
-        Self { nodes, faces, bodies, names, shown: shown.to_owned() }
+        Self { nodes, faces, parts, names, deformable: model.bodies.len(), shown: shown.to_owned() }
     }
 
     /// The skin's part of positions and fields.

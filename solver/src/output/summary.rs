@@ -1,8 +1,11 @@
 //! How a run ended, in a few numbers.
 
+use diffuse_contact_mesh::names::shown;
 use serde::{Deserialize, Serialize};
 
+use crate::contact::Beginning;
 use crate::deck::Deck;
+use crate::material::Material;
 use crate::model::Model;
 use crate::statics::Effort;
 
@@ -29,9 +32,27 @@ pub struct Summary {
     /// Contacts that carried force and ended an increment without an element, over all increments.
     #[serde(default)]
     pub contacts_lost: usize,
+    /// Points of loaded faces that carried no force although they had a gap, over all increments.
+    #[serde(default)]
+    pub points_missed: usize,
+    /// Linear solutions in which slaves near their masters were taken to touch, over all increments.
+    #[serde(default)]
+    pub solutions_supposed: usize,
+    /// Linear solutions with stabilisation, over all increments.
+    #[serde(default)]
+    pub solutions_stabilised: usize,
     /// Interfaces that carried no force at the end of any increment.
     #[serde(default)]
     pub interfaces_without_force: Vec<String>,
+    /// How the slaves of each interface lay at the start, with its penalty.
+    #[serde(default)]
+    pub interfaces: Vec<Beginning>,
+    /// What the model is made of.
+    #[serde(default)]
+    pub parts: Vec<PartSummary>,
+    /// What may be wrong with the start, and what went wrong on the way, in sentences.
+    #[serde(default)]
+    pub warnings: Vec<String>,
     /// Deepest penetration at the end, length.
     pub max_penetration: f64,
     /// Deepest penetration at the end of any increment, length.
@@ -52,6 +73,19 @@ pub struct Summary {
     pub size: [usize; 2],
 }
 
+/// A part of the model.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PartSummary {
+    /// Its name in the deck.
+    pub name: String,
+    /// Its nodes.
+    pub nodes: usize,
+    /// Its elements; 0 if it is rigid.
+    pub elements: usize,
+    /// Its material; `None` if it is rigid.
+    pub material: Option<Material>,
+}
+
 impl Summary {
     /// That of a deck's run before its first increment.
     #[must_use]
@@ -61,6 +95,7 @@ impl Summary {
             title: deck.title.clone(),
             element: deck.contact.name().to_owned(),
             size: [model.nodes.len(), elements],
+            parts: parts(model),
             ..Self::default()
         }
     }
@@ -70,4 +105,49 @@ impl Summary {
         self.cutbacks = effort.cutbacks;
         self.newton_iterations = effort.iterations;
     }
+
+    /// What went wrong on the way, in sentences.
+    #[must_use]
+    pub fn shortcomings(&self) -> Vec<String> {
+        let increments = self.increments;
+        let counted = [
+            (
+                self.augmentations_short,
+                format!(
+                    "of {increments} increments ended their rounds of augmentation before the tolerance was met: a stiffer penalty or more \
+                     rounds (augmentation.max) help"
+                ),
+            ),
+            (
+                self.contacts_lost,
+                "contacts that carried force lost their element; contact_status is 4 there".to_owned(),
+            ),
+            (
+                self.points_missed,
+                "points of loaded faces carried no force: their line of force met no place of the facet over them".to_owned(),
+            ),
+            (
+                self.solutions_stabilised,
+                "linear solutions had the stabilisation; no force has it".to_owned(),
+            ),
+        ];
+        let counted = counted.into_iter().filter(|&(count, _)| count > 0);
+        let idle = self.interfaces_without_force.iter().map(|interface| {
+            format!("the interface `{}` never carried force at the end of an increment", shown(interface))
+        });
+        counted.map(|(count, what)| format!("{count} {what}")).chain(idle).collect()
+    }
+}
+
+fn parts(model: &Model) -> Vec<PartSummary> {
+    let part = |(name, _): (&str, usize)| {
+        let body = model.bodies.iter().find(|body| body.name == name);
+        PartSummary {
+            name: name.to_owned(),
+            nodes: model.node_sets.get(name).map_or(0, Vec::len),
+            elements: body.map_or(0, |body| body.elements.len()),
+            material: body.map(|body| body.material),
+        }
+    };
+    model.parts().into_iter().map(part).collect()
 }

@@ -155,9 +155,8 @@ struct Progress {
 
 impl Watcher for Progress {
     fn start(&mut self, interfaces: &[Beginning]) {
-        for Beginning { interface, penalty, adjusted, slaves, paired, overlap, deep, linear, straight } in
-            interfaces
-        {
+        for beginning in interfaces {
+            let Beginning { interface, penalty, adjusted, slaves, paired, overlap, .. } = beginning;
             say(&format!(
                 "interface `{}`: {paired} of {slaves} slaves paired, deepest overlap {overlap:.3e}, penalty {penalty:.3e}",
                 shown(interface)
@@ -166,24 +165,7 @@ impl Watcher for Progress {
             if *moved > 0 {
                 say(&format!("  {moved} slaves start in touch, moved by up to {way:.3e}"));
             }
-            if *deep > 0 {
-                say(&format!(
-                    "  warning: {deep} slaves start deeper below the master than a tenth of their facets' size: do the parts \
-                     overlap, or does the master face the wrong way?"
-                ));
-            }
-            if *linear > 0 {
-                say(&format!(
-                    "  warning: {linear} of {slaves} slaves have the linear basis, which is no better than facets: name the symmetry planes \
-                     that the master ends in, or mesh it with three rows of nodes"
-                ));
-            }
-            if *straight > 0 {
-                say(&format!(
-                    "  warning: the slave's nodes carry no smooth surface of their own at {straight} edge middles or centres of its faces, \
-                     which are flat there"
-                ));
-            }
+            beginning.warnings().iter().for_each(|warning| say(&format!("  warning: {warning}")));
         }
     }
 
@@ -223,9 +205,7 @@ impl Watcher for Progress {
             record.number, record.time, record.iterations, record.active, record.max_penetration
         ));
         if record.is_short {
-            say(&format!(
-                "  warning: the rounds of augmentation are over, the tolerance is not met; {SHORT_OF_ROUNDS}"
-            ));
+            say("  warning: the rounds of augmentation are over, the tolerance is not met");
         }
         if record.lost > 0 {
             say(&format!("  warning: {} contacts that carried force lost their element", record.lost));
@@ -251,9 +231,6 @@ impl Watcher for Progress {
         self.control()
     }
 }
-
-/// What mends an augmentation that ends before its tolerance is met.
-const SHORT_OF_ROUNDS: &str = "a stiffer penalty or more rounds (augmentation.max) help";
 
 /// What decided that an increment is in equilibrium: the residual, force, beside what it may be by both tolerances, or the rounding of
 /// the positions that makes it larger.
@@ -289,21 +266,5 @@ fn tell(summary: &Summary, out: &Path) {
         summary.wall_s,
         out.join(names::REPORT).display()
     ));
-    let (short, lost) = (summary.augmentations_short, summary.contacts_lost);
-    if short > 0 {
-        say(&format!(
-            "warning: in {short} increments the augmentation ended before its tolerance was met; {SHORT_OF_ROUNDS}"
-        ));
-    }
-    if lost > 0 {
-        say(&format!(
-            "warning: {lost} contacts that carried force lost their element; contact_status is 4 there"
-        ));
-    }
-    for interface in &summary.interfaces_without_force {
-        say(&format!(
-            "warning: the interface `{}` never carried force at the end of an increment",
-            shown(interface)
-        ));
-    }
+    summary.shortcomings().iter().for_each(|warning| say(&format!("warning: {warning}")));
 }

@@ -19,7 +19,7 @@ pub use surface::{SurfaceSample, sample_surfaces};
 
 use shown::{Frame, Surface};
 
-use crate::output::{OutputError, SKIN, Skin, SkinFrame, Summary, names, read_history, read_json};
+use crate::output::{Failed, OutputError, SKIN, Skin, SkinFrame, Summary, names, read_history, read_json};
 
 /// What the page is made of.
 const PAGE: &str = include_str!("page.html");
@@ -39,6 +39,8 @@ struct Run {
     skin: Skin,
     frames: Vec<Frame>,
     surfaces: Vec<Surface>,
+    /// The increment that it ended with, if that failed.
+    failed: Option<Failed>,
     /// What is not shown.
     notes: Vec<String>,
 }
@@ -120,7 +122,10 @@ fn read_run(directory: &Path, runs: usize) -> Result<Run, OutputError> {
     let mut notes = Vec::new();
     let surfaces = shown::surfaces(&read_surfaces(&skins.join(SURFACES))?, runs, &mut notes);
     let (skin, frames) = read_frames(&skins, read_skin(&skins.join(SKIN))?, runs, &mut notes)?;
+    let failed = directory.join(names::FAILED);
+    let failed = if failed.exists() { Some(read_failed(&failed, &skin)?) } else { None };
     Ok(Run {
+        failed,
         label: String::new(),
         summary: read_json(&directory.join(names::SUMMARY))?,
         history,
@@ -130,6 +135,14 @@ fn read_run(directory: &Path, runs: usize) -> Result<Run, OutputError> {
         surfaces,
         notes,
     })
+}
+
+/// The shape is left out where that of the run is.
+fn read_failed(path: &Path, skin: &Skin) -> Result<Failed, OutputError> {
+    let mut failed: Failed = read_json(path)?;
+    let fits = |frame: &SkinFrame| frame.positions.len() == skin.nodes.len();
+    failed.frame = failed.frame.filter(fits);
+    Ok(failed)
 }
 
 /// Name of the file of sampled surfaces, in the folder of skins.
@@ -148,9 +161,9 @@ fn read_skin(path: &Path) -> Result<Skin, OutputError> {
             format!("a face has a corner that is none of the {} nodes", skin.nodes.len()),
         ));
     }
-    if skin.faces.len() != skin.bodies.len() {
-        let (faces, bodies) = (skin.faces.len(), skin.bodies.len());
-        return Err(inconsistent(path, format!("{faces} faces, but {bodies} numbers of their bodies")));
+    if skin.faces.len() != skin.parts.len() {
+        let (faces, parts) = (skin.faces.len(), skin.parts.len());
+        return Err(inconsistent(path, format!("{faces} faces, but {parts} numbers of their parts")));
     }
     Ok(skin)
 }

@@ -60,13 +60,7 @@ function summary() {
     element("state").append(line);
   }
   for (const run of runs) {
-    const { augmentations_short: short, contacts_lost: lost, interfaces_without_force: idle } = run.summary;
-    const warnings = [
-      short > 0 && `rounds of augmentation were over before the tolerance was met in ${short} of ${run.summary.increments} increments`,
-      lost > 0 && `${lost} contacts that carried force lost their element (contact_status 4)`,
-      idle.length > 0 && `interfaces that never carried force: ${idle.join(", ")}`,
-    ];
-    for (const warning of warnings.filter(Boolean)) {
+    for (const warning of run.summary.warnings) {
       const line = document.createElement("div");
       line.className = "bad";
       line.textContent = `${run.label}: ${warning}`;
@@ -87,14 +81,28 @@ function summary() {
     ["share of pairing", (run) => `${(100 * run.summary.pairing_share).toFixed(1)} %`],
     ["nodes, elements", (run) => run.summary.size.join(", ")],
   ];
-  element("summary").replaceChildren(...rows.map(([name, value], k) => {
+  table("summary", rows.map(([name, value]) => [name, ...runs.map(value)]));
+  const material = ({ young, poisson, plasticity: yields }) =>
+    `E ${precise(young)}, ν ${precise(poisson)}${yields ? `, yield stress ${precise(yields.yield_stress)}, hardening ${precise(yields.hardening)}` : ""}`;
+  // Runs of one page have the same mesh, or parts of their own names.
+  const parts = new Map(runs.flatMap((run) => run.summary.parts.map((part) => [part.name, part])));
+  const interfaces = runs[0].summary.interfaces.map((each) => [each.interface, "", "", `penalty ${precise(each.penalty)}${each.adjusted[0] > 0 ? `, ${each.adjusted[0]} of ${each.slaves} slaves moved into touch` : ""}`]);
+  table("parts", [
+    ["part or interface", "nodes", "elements", "what it is"],
+    ...[...parts.values()].map((part) => [part.name, part.nodes, part.elements || "", part.material ? material(part.material) : "rigid"]),
+    ...interfaces,
+  ]);
+}
+
+// Rows of cells, the first of them the head.
+function table(id, rows) {
+  element(id).replaceChildren(...rows.map((cells, k) => {
     const row = document.createElement("tr");
-    const cell = (text) => {
+    row.append(...cells.map((text) => {
       const made = document.createElement(k === 0 ? "th" : "td");
       made.textContent = text;
       return made;
-    };
-    row.append(cell(name), ...runs.map((run) => cell(value(run))));
+    }));
     return row;
   }));
 }
@@ -112,11 +120,49 @@ function force() {
   const axis = "xyz"[element("axis").value];
   const moved = (run) => run.history[`displacement_${axis}:${name}`] || [];
   const moves = runs.some((run) => moved(run).some((x) => x !== 0));
+  // Towards where it goes from left to right.
+  const far = most(runs.flatMap(moved), 0);
+  const sign = -least(runs.flatMap(moved), 0) > far ? -1 : 1;
+  const along = sign < 0 ? `−${axis}` : axis;
+  const signed = (values) => values.map((value) => sign * value);
   const traces = runs.map((run, k) => ({
-    x: moves ? moved(run) : run.history.time, y: run.history[`reaction_${axis}:${name}`] || [],
+    x: moves ? signed(moved(run)) : run.history.time, y: signed(run.history[`reaction_${axis}:${name}`] || []),
     name: run.label, mode: "lines+markers", marker: { size: 5 }, line: { color: colours[k % colours.length], dash: k ? "dash" : "solid" },
   }));
-  return draw("force", traces, layout(traces, { text: moves ? labelled("displacement", axis) : "time" }, { text: labelled("reaction", axis) }));
+  return draw("force", traces, layout(traces, { text: moves ? labelled("displacement", along) : "time" }, { text: labelled("reaction", along) }));
+}
+
+// What interfaces exert over time: of each a line for each run.
+const quantities = [
+  ["mean pressure, force / length²", (at) => at("area").map((area, k) => (area > 0 ? at("normal_force")[k] / area : 0))],
+  ["area, length²", (at) => at("area")],
+  ...["x", "y", "z"].map((axis) => [`force ${axis}, force`, (at) => at(`force_${axis}`)]),
+  ...["x", "y", "z"].map((axis) => [`moment about ${axis} through the origin, force · length`, (at) => at(`moment_${axis}`)]),
+  ...["x", "y", "z"].map((axis) => [`centre of pressure ${axis}, length`, (at) => at(`centre_${axis}`).map((x, k) => (at("area")[k] > 0 ? x : null))]),
+];
+const interfacesOf = (run) => Object.keys(run.history).filter((key) => key.startsWith("contact_area:")).map((key) => key.slice(13));
+
+function contact() {
+  const [title, values] = quantities[element("quantity").value];
+  const traces = runs.flatMap((run, r) => interfacesOf(run).map((name, k) => ({
+    x: run.history.time, y: values((what) => run.history[`contact_${what}:${name}`] || []), name: runs.length > 1 ? `${name} (${run.label})` : name,
+    mode: "lines+markers", marker: { size: 5 }, line: { color: colours[k % colours.length], dash: r ? "dash" : "solid" },
+  })));
+  return draw("contact", traces, layout(traces, { text: "time" }, { text: title }));
+}
+
+// Where a run that ended early got stuck.
+function failed() {
+  const traces = failures.map((run, k) => ({
+    x: run.failed.residuals.map((_, i) => i), y: run.failed.residuals.map((r) => (r > 0 ? r : null)), name: run.label, mode: "lines+markers", line: { color: colours[k % colours.length] },
+  }));
+  element("failed-reason").textContent = failures.map((run) => `${run.label}: from ${precise(run.failed.time - run.failed.length)} to ${precise(run.failed.time)}: ${run.failed.reason}`).join(" · ");
+  const point = (x) => `(${x.map(precise).join(", ")})`;
+  table("worst", [
+    ["part", "node", "position", "residual, force"],
+    ...failures.flatMap((run) => run.failed.worst.map((node) => [node.part, node.node, point(node.position), point(node.residual)])),
+  ]);
+  return draw("failed", traces, layout(traces, { text: "iteration" }, { text: "residual over forces", more: { type: "log", dtick: 1 } }));
 }
 
 function iterations() {
@@ -169,8 +215,9 @@ const unit = (a) => a.map((x) => x / Math.sqrt(dot(a, a)));
 // What of a scene is in view from the bottom to its top, in plotly's units, with a margin.
 const VIEW = 1.6;
 
-// A scene that holds all points and fills the element, seen along its shortest side, y up unless that is the side.
-function scene(id, points, revision) {
+// A scene that holds all points and fills the element, the axis of the load up if there is one. It is seen along its shortest side, but not
+// along the load; without a load y is up unless that is the side.
+function scene(id, points, revision, load) {
   const bounds = [0, 1, 2].map((axis) => {
     const values = points.map((p) => p[axis]);
     return [least(values, Infinity), most(values, -Infinity)];
@@ -178,8 +225,9 @@ function scene(id, points, revision) {
   const largest = most(bounds.map(([low, high]) => high - low), 1e-300);
   const margin = 0.03 * largest;
   const sides = bounds.map(([low, high]) => (high - low + 2 * margin) / largest);
-  const depth = sides.indexOf(Math.min(...sides));
-  const up = depth === 1 ? 2 : 1;
+  const shortest = [0, 1, 2].filter((axis) => axis !== load).sort((a, b) => sides[a] - sides[b])[0];
+  const depth = load === undefined ? sides.indexOf(Math.min(...sides)) : shortest;
+  const up = load === undefined ? (depth === 1 ? 2 : 1) : load;
   const right = 3 - depth - up;
   const along = (weights) => Object.fromEntries(["x", "y", "z"].map((name, axis) => [name, weights[axis]]));
   const direction = [0, 0, 0];
@@ -204,33 +252,78 @@ function scene(id, points, revision) {
   };
 }
 
+// Frames of a run; that of the increment that failed is the last.
+const framesOf = (run) => (run.failed && run.failed.frame ? [...run.frames, run.failed.frame] : run.frames);
+
+// How a part is shown: a click leads to the next state.
+const states = ["shown", "faded", "hidden"];
+const partStates = {};
+
+function partList(run) {
+  element("part-list").replaceChildren(...run.skin.names.map((name) => {
+    const button = document.createElement("button");
+    button.className = "part";
+    button.textContent = name;
+    partStates[name] = partStates[name] || "shown";
+    button.dataset.state = partStates[name];
+    button.addEventListener("click", () => {
+      partStates[name] = states[(states.indexOf(partStates[name]) + 1) % states.length];
+      button.dataset.state = partStates[name];
+      shape();
+    });
+    return button;
+  }));
+}
+
+// Whether a face lies on the side of the clipping plane that is shown.
+function clipped(points, bounds) {
+  const axis = element("clip").value - 1;
+  if (axis < 0) return () => true;
+  const [low, high] = bounds[axis];
+  const limit = low + (element("clip-at").value / 100) * (high - low) * (1 + 1e-9);
+  return (face) => face.reduce((sum, corner) => sum + points[corner][axis], 0) <= limit * face.length;
+}
+
 function shape() {
   const run = shapes[element("run").value];
-  const frames = run.frames;
+  const frames = framesOf(run);
   element("frame").max = frames.length - 1;
   const frame = frames[Math.min(element("frame").value, frames.length - 1)];
-  element("frame-label").textContent = precise(frame.time);
+  element("frame-label").textContent = `${precise(frame.time)}${run.failed && frame === run.failed.frame ? ", failed" : ""}`;
   const field = fieldNames[element("field").value];
   const points = frame.positions;
-  const rigid = run.skin.names.length - 1;
-  const solid = run.skin.faces.filter((_, k) => run.skin.bodies[k] !== rigid);
-  const stiff = run.skin.faces.filter((_, k) => run.skin.bodies[k] === rigid);
-  const values = frame.fields[field];
-  const range = run.frames.map((each) => each.fields[field]);
+  const all = frames.flatMap((each) => each.positions);
+  const bounds = [0, 1, 2].map((axis) => [least(all.map((p) => p[axis]), Infinity), most(all.map((p) => p[axis]), -Infinity)]);
+  const isKept = clipped(points, bounds);
+  const state = (k) => partStates[run.skin.names[run.skin.parts[k]]] || "shown";
+  const faces = (deformable, wanted) => run.skin.faces.filter((face, k) => run.skin.parts[k] < run.skin.deformable === deformable && state(k) === wanted && isKept(face));
+  // A run that failed may have no stresses where it was left.
+  const values = frame.fields[field] || points.map(() => 0);
+  const range = frames.map((each) => each.fields[field] || []);
   const low = least(range.map((each) => least(each, 0)), 0);
   const high = most(range.map((each) => most(each, 0)), low);
   const common = { x: points.map((p) => p[0]), y: points.map((p) => p[1]), z: points.map((p) => p[2]), type: "mesh3d", hoverinfo: "text", flatshading: true, lighting: { ambient: 0.75, diffuse: 0.5, specular: 0.05 } };
-  const traces = [Object.assign({}, common, triangles(solid), {
+  const coloured = (list, more) => Object.assign({}, common, triangles(list), {
     intensity: values, cmin: low, cmax: high > low ? high : low + 1, colorscale: "Viridis", colorbar: { title: { text: labelled(field), side: "right" }, thickness: 14, exponentformat: "power" },
     text: values.map((value, k) => `node ${run.skin.nodes[k]}<br>${words[field] || field} ${precise(value)}`),
-  })];
-  if (stiff.length > 0) {
-    traces.push(Object.assign({}, common, triangles(stiff), { color: "#b8c4ce", opacity: 0.6, hoverinfo: "skip" }));
-  }
+  }, more);
+  const solid = faces(true, "shown");
+  const traces = [coloured(solid, {})];
+  const add = (list, more) => { if (list.length > 0) traces.push(Object.assign({}, common, triangles(list), { hoverinfo: "skip" }, more)); };
+  const faded = faces(true, "faded");
+  if (faded.length > 0) traces.push(coloured(faded, { opacity: 0.25, showscale: false }));
+  add(faces(false, "shown"), { color: "#b8c4ce", opacity: 0.6 });
+  add(faces(false, "faded"), { color: "#b8c4ce", opacity: 0.15 });
   if (element("edges").checked) {
-    traces.push(Object.assign({ type: "scatter3d", mode: "lines", line: { color: "#33414d", width: 1.5 }, hoverinfo: "skip" }, outline(run.skin.faces, points)));
+    const visible = run.skin.faces.filter((face, k) => state(k) !== "hidden" && isKept(face));
+    traces.push(Object.assign({ type: "scatter3d", mode: "lines", line: { color: "#33414d", width: 1.5 }, hoverinfo: "skip" }, outline(visible, points)));
   }
-  return draw("shape", traces, scene("shape", frames.flatMap((each) => each.positions), `shape ${element("run").value}`));
+  const corners = [...new Set(solid.flat())];
+  const at = (k) => `${precise(values[k])} at node ${run.skin.nodes[k]} (${points[k].map(precise).join(", ")})`;
+  const lowest = corners.reduce((a, b) => (values[b] < values[a] ? b : a), corners[0]);
+  const highest = corners.reduce((a, b) => (values[b] > values[a] ? b : a), corners[0]);
+  element("extremes").textContent = corners.length > 0 ? `${words[field] || field} of the parts shown: least ${at(lowest)}, largest ${at(highest)}.` : "";
+  return draw("shape", traces, scene("shape", all, `shape ${element("run").value}`, loadAxis));
 }
 
 function surfaces() {
@@ -268,12 +361,18 @@ summary();
 const supportNames = supports();
 options("support", supportNames);
 const axisSelect = options("axis", ["x", "y", "z"]);
+// A load along z has shapes with z up.
+let loadAxis;
 if (supportNames.length > 0) {
   // The axis along which the first support moves or carries most.
   const size = (what) => ["x", "y", "z"].map((axis) => most(runs[0].history[`${what}_${axis}:${supportNames[0]}`].map(Math.abs), 0));
   const sizes = size("displacement").some((x) => x > 0) ? size("displacement") : size("reaction");
   axisSelect.value = sizes.indexOf(Math.max(...sizes));
+  if (Math.max(...sizes) > 0 && axisSelect.value === "2") loadAxis = 2;
 }
+options("quantity", quantities.map(([name]) => name));
+options("clip", ["no", "x", "y", "z"]);
+const failures = runs.filter((run) => run.failed);
 // Some are too large for a page.
 const shapes = runs.filter((run) => run.frames.length > 0);
 options("run", shapes.map((run) => run.label));
@@ -282,8 +381,10 @@ const fieldNames = shapes.length === 0 ? [] : Object.keys(shapes[0].frames[0].fi
 const fieldSelect = options("field", fieldNames.map((name) => words[name] || name));
 if (shapes.length > 0) {
   fieldSelect.value = Math.max(0, fieldNames.indexOf(shapes[0].skin.shown));
-  element("frame").max = most(shapes.map((run) => run.frames.length - 1), 0);
+  element("frame").max = most(shapes.map((run) => framesOf(run).length - 1), 0);
   element("frame").value = element("frame").max;
+  partList(shapes[0]);
+  element("run").addEventListener("change", () => partList(shapes[element("run").value]));
 }
 element("notes").textContent = runs.flatMap((run) => run.notes.map((note) => (runs.length > 1 ? `${run.label}: ${note}` : note))).join(" ");
 element("increment").max = most(runs.flatMap((run) => run.history.increment), 1);
@@ -296,12 +397,49 @@ options("surface", surfaceList.map(([r, k]) => (runs.length > 1 ? `${runs[r].sur
 
 for (const [id, redraw, event] of [
   ["support", force, "change"], ["axis", force, "change"], ["increment", convergence, "input"], ["run", shape, "change"],
-  ["field", shape, "change"], ["frame", shape, "input"], ["edges", shape, "change"], ["surface", surfaces, "change"],
+  ["quantity", contact, "change"], ["clip", shape, "change"], ["clip-at", shape, "input"], ["field", shape, "change"], ["frame", shape, "input"], ["edges", shape, "change"], ["surface", surfaces, "change"],
   ["show-flat", surfaces, "change"], ["show-smooth", surfaces, "change"],
 ]) {
   element(id).addEventListener(event, redraw);
 }
+// What a plot shows, as a picture or as columns.
+function saved(name, type, text) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type }));
+  link.download = name;
+  link.click();
+  URL.revokeObjectURL(link.href);
+}
+
+function csv(id) {
+  const quoted = (text) => `"${String(text).replaceAll('"', '""')}"`;
+  if (id === "shape") {
+    const run = shapes[element("run").value];
+    const frames = framesOf(run);
+    const frame = frames[Math.min(element("frame").value, frames.length - 1)];
+    const rows = frame.positions.map((p, k) => [run.skin.nodes[k], ...p, ...fieldNames.map((name) => (frame.fields[name] || [])[k] ?? "")]);
+    return [["node", "x", "y", "z", ...fieldNames], ...rows].map((row) => row.join(",")).join("\n");
+  }
+  const lines = element(id).data.filter((trace) => trace.type !== "mesh3d");
+  const rows = lines.flatMap((trace) => trace.x.map((x, k) => [quoted(trace.name || id), x ?? "", trace.y[k] ?? "", ...(trace.z ? [trace.z[k] ?? ""] : [])]));
+  return [["line", "x", "y", ...(lines[0] && lines[0].z ? ["z"] : [])], ...rows].map((row) => row.join(",")).join("\n");
+}
+
+for (const place of document.querySelectorAll(".export")) {
+  const id = place.dataset.plot;
+  const button = (text, action) => {
+    const made = document.createElement("button");
+    made.textContent = text;
+    made.addEventListener("click", action);
+    return made;
+  };
+  const picture = () => Plotly.downloadImage(id, { format: "png", filename: id, width: element(id).clientWidth, height: element(id).clientHeight, scale: 2 });
+  place.append(button("CSV", () => saved(`${id}.csv`, "text/csv", csv(id))), button("PNG", picture));
+}
+
 const drawn = [iterations(), convergence(), force()];
+if (runs.some((run) => interfacesOf(run).length > 0)) drawn.push(contact()); else element("contact-section").remove();
+if (failures.length > 0) drawn.push(failed()); else element("failed-section").remove();
 if (shapes.length > 0) drawn.push(shape()); else element("shape-section").remove();
 if (surfaceList.length > 0) drawn.push(surfaces()); else element("surface-section").remove();
 Promise.all(drawn).then(() => { document.body.dataset.ready = "true"; });

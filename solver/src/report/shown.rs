@@ -136,7 +136,7 @@ mod tests {
 
     fn skin(nodes: usize) -> Skin {
         let faces = (0..nodes).map(|k| vec![k, (k + 1) % nodes, (k + 2) % nodes, (k + 3) % nodes]).collect();
-        Skin { nodes: (0..nodes).collect(), faces, bodies: vec![0; nodes], ..Skin::default() }
+        Skin { nodes: (0..nodes).collect(), faces, parts: vec![0; nodes], ..Skin::default() }
     }
 
     #[test]

@@ -317,6 +317,11 @@ impl<'a> Increment<'a> {
         }
     }
 
+    /// The residuals and the positions where it was left.
+    pub fn left(self) -> (Vec<IterationRecord>, Vec<[f64; 3]>) {
+        (self.history, self.positions)
+    }
+
     /// Linear solutions so far.
     pub fn iterations(&self) -> usize {
         self.iterations

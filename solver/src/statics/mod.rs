@@ -42,7 +42,7 @@ mod tests;
 
 pub use error::{Failure, StaticsError};
 pub use loose::{Loose, RigidMotion};
-pub use observer::{Control, IncrementRecord, IterationRecord, Observer, Timing};
+pub use observer::{Control, FailedIncrement, IncrementRecord, IterationRecord, Observer, Timing};
 pub use pressure::Pressure;
 pub use problem::{Past, Problem, State};
 pub use settings::{Extrapolation, NewtonSettings, Settings, TimeSettings};
@@ -148,6 +148,7 @@ impl Statics {
             let mut increment = Increment::new(&mut self.problem, &self.settings, &state, end, is_shortest);
             let outcome = increment.solve(observer);
             let iterations = state.iterations + increment.iterations();
+            let (history, positions) = increment.left();
             self.effort = Effort { iterations, cutbacks: state.cutbacks };
             match outcome {
                 Ok((mut next, record)) => {
@@ -174,7 +175,9 @@ impl Statics {
                     self.effort.cutbacks += 1;
                     // The last increment may be shorter than was planned.
                     let length = end - state.time;
-                    let control = observer.cut_back(end, length, &failure);
+                    let (reason, history, positions) = (&failure, &history[..], &positions[..]);
+                    let failed = FailedIncrement { end, length, reason, history, positions };
+                    let control = observer.cut_back(&failed, &self.problem);
                     state.length = time.cut(length);
                     if state.length < time.minimum {
                         return Err(StaticsError::NoConvergence {

@@ -23,10 +23,10 @@ pub trait Observer {
         let _ = record;
     }
 
-    /// An increment to time `end`, `length` long, failed and is tried again with a shorter one, unless this stops the run or there
-    /// is no shorter one.
-    fn cut_back(&mut self, end: f64, length: f64, reason: &Failure) -> Control {
-        let _ = (end, length, reason);
+    /// An increment failed and is tried again with a shorter one, unless this stops the run or there is no shorter one; `problem` holds forces
+    /// and contacts at its last evaluation.
+    fn cut_back(&mut self, failed: &FailedIncrement<'_>, problem: &Problem) -> Control {
+        let _ = (failed, problem);
         Control::Continue
     }
 
@@ -40,6 +40,21 @@ pub trait Observer {
         state: &State,
         problem: &Problem,
     ) -> Result<Control, Box<dyn std::error::Error + Send + Sync>>;
+}
+
+/// An increment that failed.
+#[derive(Clone, Copy, Debug)]
+pub struct FailedIncrement<'a> {
+    /// The time at which it would have ended.
+    pub end: f64,
+    /// Its length.
+    pub length: f64,
+    /// Why it failed.
+    pub reason: &'a Failure,
+    /// Its residuals.
+    pub history: &'a [IterationRecord],
+    /// Positions where it was left, length.
+    pub positions: &'a [[f64; 3]],
 }
 
 /// A residual.

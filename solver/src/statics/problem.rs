@@ -243,6 +243,12 @@ impl Problem {
         self.stabilisation = part;
     }
 
+    /// Plastic states of the points at the last evaluation.
+    #[must_use]
+    pub fn last_points(&self) -> &[PointState] {
+        &self.response.states
+    }
+
     pub(super) fn response(&self) -> &SolidResponse {
         &self.response
     }

@@ -31,9 +31,9 @@ impl Observer for Notes {
         self.iterations.push(*record);
     }
 
-    fn cut_back(&mut self, end: f64, length: f64, reason: &Failure) -> Control {
-        self.cuts.push((end, length));
-        self.reasons.push(format!("{reason:?}"));
+    fn cut_back(&mut self, failed: &FailedIncrement<'_>, _: &Problem) -> Control {
+        self.cuts.push((failed.end, failed.length));
+        self.reasons.push(format!("{:?}", failed.reason));
         if self.stop_at_cut { Control::Stop } else { Control::Continue }
     }
 

@@ -1,0 +1,101 @@
+//! The increment that a run ended with: where it got stuck.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Fields, Skin, SkinFrame};
+use crate::model::Model;
+use crate::statics::{FailedIncrement, Problem, State};
+
+/// Nodes that are named.
+const WORST: usize = 10;
+
+/// `failed.json`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Failed {
+    /// Time at which it would have ended.
+    pub time: f64,
+    /// Its length.
+    pub length: f64,
+    /// Why it failed, in a sentence.
+    pub reason: String,
+    /// Its residuals over the forces, as far as they are numbers.
+    pub residuals: Vec<f64>,
+    /// The nodes with the largest residuals at its last evaluation, the worst first.
+    pub worst: Vec<WorstNode>,
+    /// The skin where it was left; `None` if a position is no number.
+    pub frame: Option<SkinFrame>,
+}
+
+/// A node that is out of balance.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct WorstNode {
+    /// Its part in the deck.
+    pub part: String,
+    /// Its number in the results, from 0.
+    pub node: usize,
+    /// Where it was left, length.
+    pub position: [f64; 3],
+    /// What is left of the forces on it where nothing is prescribed, force.
+    pub residual: [f64; 3],
+}
+
+impl Failed {
+    /// `areas`: those of the slave nodes at the start; `committed`: where the increment began.
+    pub(super) fn of(
+        failed: &FailedIncrement<'_>,
+        problem: &Problem,
+        model: &Model,
+        skin: &Skin,
+        areas: &[f64],
+        committed: &State,
+    ) -> Self {
+        let positions = failed.positions;
+        let is_finite = positions.iter().flatten().all(|x| x.is_finite());
+        let frame = is_finite.then(|| {
+            let points = problem.last_points().to_vec();
+            let state = State { positions: positions.to_vec(), points, ..committed.clone() };
+            let mut fields = Fields::of(problem, &state, areas);
+            // Without stresses where there are none.
+            let _ = fields.recover(problem, &state);
+            let mut frame = skin.frame(committed.increments + 1, failed.end, positions, &fields);
+            frame
+                .fields
+                .values_mut()
+                .flatten()
+                .filter(|value| !value.is_finite())
+                .for_each(|value| *value = 0.0);
+            frame
+        });
+        let relative = failed.history.iter().map(|record| record.relative);
+        Self {
+            time: failed.end,
+            length: failed.length,
+            reason: failed.reason.to_string(),
+            residuals: relative.filter(|residual| residual.is_finite()).collect(),
+            worst: worst(problem, model, positions),
+            frame,
+        }
+    }
+}
+
+fn worst(problem: &Problem, model: &Model, positions: &[[f64; 3]]) -> Vec<WorstNode> {
+    let forces: Vec<f64> = problem
+        .imbalance()
+        .enumerate()
+        .map(|(freedom, force)| if problem.supports().is_free(freedom) { -force } else { 0.0 })
+        .collect();
+    let size = |force: &[f64; 3]| force.iter().map(|f| f * f).sum::<f64>();
+    let is_known = |&(node, force): &(usize, [f64; 3])| {
+        size(&force).is_finite() && size(&force) > 0.0 && positions[node].iter().all(|x| x.is_finite())
+    };
+    let mut nodes: Vec<(usize, [f64; 3])> =
+        forces.as_chunks::<3>().0.iter().copied().enumerate().filter(is_known).collect();
+    nodes.sort_by(|(_, a), (_, b)| size(b).total_cmp(&size(a)));
+    let parts = model.parts();
+    let part = |node: usize| {
+        let at = parts.partition_point(|&(_, first)| first <= node);
+        at.checked_sub(1).map_or_else(String::new, |at| parts[at].0.to_owned())
+    };
+    let named = |(node, residual)| WorstNode { part: part(node), node, position: positions[node], residual };
+    nodes.into_iter().take(WORST).map(named).collect()
+}

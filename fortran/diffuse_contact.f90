@@ -57,6 +57,12 @@ module diffuse_contact
         integer(c_int32_t) :: rebuilt = 0
     end type
 
+    !> What the cutting of the faces gave.
+    type, bind(c) :: dc_faces_report
+        integer(c_size_t) :: size = 32
+        integer(c_int32_t) :: points = 0, paired = 0, faces = 0, straight = 0, grown = 0, reserved = 0
+    end type
+
     !> The contact of one slave.
     type, bind(c) :: dc_contact_data
         integer(c_int32_t) :: node = 0, master_count = 0, outcome = 0, fallback = 0
@@ -375,6 +381,126 @@ module diffuse_contact
             integer(c_int32_t), value :: mode
             type(dc_point), intent(inout) :: point
             real(c_double), intent(inout), optional :: gradient(*), hessian(*)
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_create(positions, node_count, facets, facet_count, slave_facets, slave_facet_count, options, &
+                degree, faces) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t, dc_options
+            real(c_double), intent(in) :: positions(*)
+            integer(c_size_t), value :: node_count, facet_count, slave_facet_count
+            integer(c_int32_t), intent(in) :: facets(*), slave_facets(*)
+            type(dc_options), intent(in), optional :: options
+            integer(c_int32_t), value :: degree
+            type(c_ptr), intent(out) :: faces
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_destroy(faces) bind(c) result(status)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: faces
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_counts(faces, node_count, slave_count) bind(c) result(status)
+            import :: c_int, c_ptr, c_size_t
+            type(c_ptr), value :: faces
+            integer(c_size_t), intent(out), optional :: node_count, slave_count
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_slaves(faces, slaves, slave_count) bind(c) result(status)
+            import :: c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: faces
+            integer(c_int32_t), intent(inout) :: slaves(*)
+            integer(c_size_t), value :: slave_count
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_set_symmetry(faces, planes, plane_count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t
+            type(c_ptr), value :: faces
+            real(c_double), intent(in), optional :: planes(*)
+            integer(c_size_t), value :: plane_count
+            integer(c_int) :: status
+        end function
+
+        function dc_flat_facets(quadratic, face_count, nodes_per_face, facets, facet_capacity) bind(c) result(status)
+            import :: c_int, c_int32_t, c_size_t
+            integer(c_int32_t), intent(in) :: quadratic(*)
+            integer(c_size_t), value :: face_count, nodes_per_face, facet_capacity
+            integer(c_int32_t), intent(inout) :: facets(*)
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_add_quadratic(faces, quadratic, face_count, nodes_per_face) bind(c) result(status)
+            import :: c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: faces
+            integer(c_int32_t), intent(in) :: quadratic(*)
+            integer(c_size_t), value :: face_count, nodes_per_face
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_set_equations(faces, equations, node_count, equation_count) bind(c) result(status)
+            import :: c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: faces
+            integer(c_int32_t), intent(in), optional :: equations(*)
+            integer(c_size_t), value :: node_count, equation_count
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_refresh(faces, positions, node_count, report) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t, dc_faces_report
+            type(c_ptr), value :: faces
+            real(c_double), intent(in) :: positions(*)
+            integer(c_size_t), value :: node_count
+            type(dc_faces_report), intent(inout), optional :: report
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_update(faces, positions, node_count, report) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t, dc_faces_report
+            type(c_ptr), value :: faces
+            real(c_double), intent(in) :: positions(*)
+            integer(c_size_t), value :: node_count
+            type(dc_faces_report), intent(inout), optional :: report
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_evaluate(faces, law, mode) bind(c) result(status)
+            import :: c_int, c_int32_t, c_ptr, dc_law
+            type(c_ptr), value :: faces
+            type(dc_law), intent(in) :: law
+            integer(c_int32_t), value :: mode
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_contacts(faces, outcomes, gaps, pressures, areas, normals, slave_count) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: faces
+            integer(c_int32_t), intent(inout), optional :: outcomes(*)
+            real(c_double), intent(inout), optional :: gaps(*), pressures(*), areas(*), normals(*)
+            integer(c_size_t), value :: slave_count
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_residual(faces, residual, equation_count, active_count, missed_count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t
+            type(c_ptr), value :: faces
+            real(c_double), intent(inout) :: residual(*)
+            integer(c_size_t), value :: equation_count
+            integer(c_size_t), intent(out), optional :: active_count, missed_count
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_triplets(faces, tangent, rows, columns, values, capacity, count) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: faces
+            integer(c_int32_t), value :: tangent
+            integer(c_int32_t), intent(inout), optional :: rows(*), columns(*)
+            real(c_double), intent(inout), optional :: values(*)
+            integer(c_size_t), value :: capacity
+            integer(c_size_t), intent(out) :: count
             integer(c_int) :: status
         end function
 

@@ -13,6 +13,9 @@
  *     dc_accept                   with friction: the increment has converged
  *     dc_destroy
  *
+ * dc_faces_create, dc_faces_refresh, dc_faces_update, dc_faces_evaluate, dc_faces_residual, dc_faces_triplets: the same with contact
+ * integrated over the slave's faces, which passes the patch test.
+ *
  * dc_pair, dc_gap, dc_gap_batch and dc_element_system serve single elements without an interface.
  *
  * Every call that can fail returns a dc_status; dc_message() is the sentence to it. The library copies what it is given and fills
@@ -203,6 +206,10 @@ typedef enum dc_triangle {
     DC_LOWER = 1,
 } dc_triangle;
 
+// Contact over the faces of a slave: a master surface, slave faces, and the points that they are cut into. One thread at a time may use
+// it, any thread; a second one gets DC_BUSY.
+typedef struct dc_faces dc_faces;
+
 // A contact interface: a master surface, slave nodes and their pairing. One thread at a time may use it, any thread; a
 // second one gets DC_BUSY.
 typedef struct dc_interface dc_interface;
@@ -358,6 +365,24 @@ typedef struct dc_law {
     // Tangential stiffness of contacts that stick, in the unit of the penalty; 0 for that of the penalty.
     double tangential_stiffness;
 } dc_law;
+
+// What the cutting of the faces gave.
+typedef struct dc_faces_report {
+    // sizeof(dc_faces_report), set by the caller.
+    size_t size;
+    // Integration points.
+    int32_t points;
+    // Of these: paired with masters.
+    int32_t paired;
+    // Faces with points.
+    int32_t faces;
+    // Middles of edges and faces where the slave's own nodes carry no smooth surface: its faces are flat there.
+    int32_t straight;
+    // Whether nodes couple that did not since the last dc_faces_refresh, so that a sparsity pattern of before is too small: 0 or 1.
+    int32_t grown;
+    // 0.
+    int32_t reserved;
+} dc_faces_report;
 
 // What stays fixed for one slave until it is paired anew.
 typedef struct dc_pairing {
@@ -730,6 +755,155 @@ enum dc_status dc_pattern_fill(struct dc_pattern *pattern,
                                double *values,
                                size_t entry_count,
                                size_t *active_count);
+
+// Makes an object for contact over faces and writes its handle. Everything is copied.
+//
+// `positions`: x, y, z of all `node_count` nodes in the first configuration; indices count from 0. `facets`: the master surface,
+// `slave_facets`: the faces of the slave, none of their nodes on the master; of both 4 nodes for each facet, counter-clockwise
+// seen from outside, the fourth -1 for a triangle. `options`: NULL for the defaults; `rule` has to be DC_DOMAINS, `areas` and
+// `cutback_penetration` have no meaning. `degree`: 2 or 4, of the polynomials that are integrated exactly on each piece of a face.
+//
+// On failure the handle is NULL.
+//
+// # Safety
+// The arrays have the given lengths, `options` as many bytes as its field `size` says.
+enum dc_status dc_faces_create(const double *positions,
+                               size_t node_count,
+                               const int32_t *facets,
+                               size_t facet_count,
+                               const int32_t *slave_facets,
+                               size_t slave_facet_count,
+                               const struct dc_options *options,
+                               int32_t degree,
+                               struct dc_faces **faces);
+
+// Destroys it. NULL is DC_OK, a handle that was destroyed before is DC_BAD_HANDLE.
+enum dc_status dc_faces_destroy(struct dc_faces *faces);
+
+// Numbers of nodes and of slave nodes, those of the slave facets. Either may be NULL.
+//
+// # Safety
+// Each is NULL or may be written.
+enum dc_status dc_faces_counts(struct dc_faces *faces, size_t *node_count, size_t *slave_count);
+
+// The slave nodes, ascending: the order of results and multipliers.
+//
+// # Safety
+// `slaves` has `slave_count` entries.
+enum dc_status dc_faces_slaves(struct dc_faces *faces, int32_t *slaves, size_t slave_count);
+
+// As dc_set_symmetry, for both surfaces, in the first configuration. There is no contact until the next dc_faces_refresh.
+//
+// # Safety
+// `planes` has 6 `plane_count` entries.
+enum dc_status dc_faces_set_symmetry(struct dc_faces *faces,
+                                     const double *planes,
+                                     size_t plane_count);
+
+// The flat facets between all nodes of faces of second order, as dc_faces_create takes them: 4 for each face with 6 nodes, 5 for one
+// with 8, 4 for one with 9. `quadratic`: `nodes_per_face` nodes for each face, corners counter-clockwise seen from outside, then the middles
+// of the edges from the first corner on, then the centre. `facets` has room for `facet_capacity` facets of 4 nodes.
+//
+// # Safety
+// The arrays have the given lengths.
+enum dc_status dc_flat_facets(const int32_t *quadratic,
+                              size_t face_count,
+                              size_t nodes_per_face,
+                              int32_t *facets,
+                              size_t facet_capacity);
+
+// Makes faces of second order carry the forces on the facets that they are made of, on both sides: by all of their shape functions, so
+// that a uniform pressure is in equilibrium with a uniform stress inside. `quadratic` as in dc_flat_facets. A call for each
+// number of nodes adds to those before. There is no contact until the next dc_faces_refresh.
+//
+// # Safety
+// `quadratic` has `face_count` times `nodes_per_face` entries.
+enum dc_status dc_faces_add_quadratic(struct dc_faces *faces,
+                                      const int32_t *quadratic,
+                                      size_t face_count,
+                                      size_t nodes_per_face);
+
+// As dc_set_equations.
+//
+// # Safety
+// `equations` is NULL or has 3 `node_count` entries.
+enum dc_status dc_faces_set_equations(struct dc_faces *faces,
+                                      const int32_t *equations,
+                                      size_t node_count,
+                                      size_t equation_count);
+
+// Takes over the positions and cuts the faces anew. Call it once an increment. `report` may be NULL; its field `size` has to be set.
+//
+// # Safety
+// `positions` has 3 `node_count` entries; `report` is NULL or has as many bytes as its field `size` says.
+enum dc_status dc_faces_refresh(struct dc_faces *faces,
+                                const double *positions,
+                                size_t node_count,
+                                struct dc_faces_report *report);
+
+// As dc_faces_refresh, in every iteration: near equilibrium faces stay cut as they are, and the pattern does not shrink.
+//
+// # Safety
+// As dc_faces_refresh.
+enum dc_status dc_faces_update(struct dc_faces *faces,
+                               const double *positions,
+                               size_t node_count,
+                               struct dc_faces_report *report);
+
+// Gaps, pressures and forces at the positions of the last dc_faces_update or dc_faces_refresh, in parallel. The penalty of `law` is per
+// area, its multipliers are pressures, one for each slave node; it must have no friction, its tangent is not looked at. `mode` is a dc_mode:
+// DC_GRADIENT for forces and e F G^T, DC_HESSIAN for the exact tangent. The result does not depend on the number of threads, bit for bit.
+//
+// # Safety
+// `law` is a dc_law with its `size` set, its multipliers have their number.
+enum dc_status dc_faces_evaluate(struct dc_faces *faces,
+                                 const struct dc_law *law,
+                                 int32_t mode);
+
+// Contact of all slave nodes, one entry each: `outcomes` dc_outcome; `gaps` the average gap, length; `pressures` max(0, lambda - e g),
+// force per area, which are the multipliers of the next round of the augmented Lagrangian; `areas` over the master in the first
+// configuration, length^2; `normals` the mean unit normal of the master, 3 numbers each. Where nothing lies over a node gap and normal
+// are 0. Each may be NULL.
+//
+// # Safety
+// The arrays have `slave_count` entries, `normals` three times as many.
+enum dc_status dc_faces_contacts(struct dc_faces *faces,
+                                 int32_t *outcomes,
+                                 double *gaps,
+                                 double *pressures,
+                                 double *areas,
+                                 double *normals,
+                                 size_t slave_count);
+
+// Adds the contact forces R on the nodes to `residual`, one entry per equation, as dc_residual does. `active_count`, the number of
+// slave nodes that carry pressure, and `missed_count`, points of loaded faces that carry no force as their line of force meets no place
+// of the facet over them, may be NULL.
+//
+// DC_OVERFLOW if a sum is not finite: the residual then holds anything, and has to be made anew.
+//
+// # Safety
+// `residual` has `equation_count` entries.
+enum dc_status dc_faces_residual(struct dc_faces *faces,
+                                 double *residual,
+                                 size_t equation_count,
+                                 size_t *active_count,
+                                 size_t *missed_count);
+
+// The tangent K = -dR/dx as triplets, counted from 0, all of it, for it is not symmetric; entries of the same place are to be summed.
+// `tangent` is a dc_tangent: DC_GAUSS_NEWTON leaves out what the directions of the forces add. Writes their number to `count`. If the
+// arrays are shorter, or NULL, that is all it does: call it with `capacity` 0 first.
+//
+// DC_BAD_SIZE if there is not room for all, and `capacity` is not 0; `count` is there even so.
+//
+// # Safety
+// The arrays have `capacity` entries each; `count` may be written.
+enum dc_status dc_faces_triplets(struct dc_faces *faces,
+                                 int32_t tangent,
+                                 int32_t *rows,
+                                 int32_t *columns,
+                                 double *values,
+                                 size_t capacity,
+                                 size_t *count);
 
 // Which of the candidates take part in the fit around a slave: the neighbour search of the options, as an interface does
 // it, but without facets, so without sharp edges, borders and domains of influence: DC_DOMAINS, the default rule, is DC_HULL_LAYERS

@@ -1,8 +1,8 @@
 //! Residual and triplets of an interface.
 
-use runtime::assembly::add_residual;
+use runtime::assembly::{Triplets, add_residual};
 
-use crate::border::{self, disjoint, sums, target, wanted};
+use crate::border::{self, Target, disjoint, sums, target, wanted};
 use crate::choice;
 use crate::interface::{dc_interface, with};
 use crate::law::{self, dc_law};
@@ -82,29 +82,42 @@ pub unsafe extern "C" fn dc_triplets(
             let filling = &mut *triplets;
             threads::run(|| filling.fill(contacts, &law, dofs, triangle))??;
             index("equations", state.dofs.equations())?;
-            let length = triplets.len();
-            let arrays = [
-                border::written("rows", rows, capacity),
-                border::written("columns", columns, capacity),
-                border::written("values", values, capacity),
-                count.span(),
-            ];
-            disjoint(arrays)?;
-            // SAFETY: as the caller promises.
-            unsafe { count.write([length]) };
-            if capacity == 0 {
-                return Ok(());
-            }
-            let rows = wanted("rows", rows, capacity, length)?;
-            let columns = wanted("columns", columns, capacity, length)?;
-            let values = wanted("values", values, capacity, length)?;
             // SAFETY: as the caller promises; the law's multipliers are not looked at any more.
-            unsafe {
-                rows.write(triplets.rows().iter().map(|&row| row as i32));
-                columns.write(triplets.columns().iter().map(|&column| column as i32));
-                values.write(triplets.values().iter().copied());
-            }
-            Ok(())
+            unsafe { write(triplets, (rows, columns, values), capacity, count) }
         })
     })
+}
+
+/// Writes triplets and their number; nothing but the number without capacity.
+///
+/// # Safety
+/// The arrays have `capacity` entries.
+pub unsafe fn write(
+    triplets: &Triplets,
+    (rows, columns, values): (*mut i32, *mut i32, *mut f64),
+    capacity: usize,
+    count: Target<usize>,
+) -> Result<(), Failure> {
+    let length = triplets.len();
+    disjoint([
+        border::written("rows", rows, capacity),
+        border::written("columns", columns, capacity),
+        border::written("values", values, capacity),
+        count.span(),
+    ])?;
+    // SAFETY: as the caller promises.
+    unsafe { count.write([length]) };
+    if capacity == 0 {
+        return Ok(());
+    }
+    let rows = wanted("rows", rows, capacity, length)?;
+    let columns = wanted("columns", columns, capacity, length)?;
+    let values = wanted("values", values, capacity, length)?;
+    // SAFETY: as the caller promises.
+    unsafe {
+        rows.write(triplets.rows().iter().map(|&row| row as i32));
+        columns.write(triplets.columns().iter().map(|&column| column as i32));
+        values.write(triplets.values().iter().copied());
+    }
+    Ok(())
 }

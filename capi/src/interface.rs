@@ -86,7 +86,7 @@ impl State {
 ///
 /// # Safety
 /// As [`input`].
-unsafe fn points<'a>(positions: *const f64, nodes: usize) -> Result<&'a [Point], Failure> {
+pub unsafe fn points<'a>(positions: *const f64, nodes: usize) -> Result<&'a [Point], Failure> {
     let too_many = || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {nodes} nodes"));
     let count = nodes.checked_mul(3).ok_or_else(too_many)?;
     // SAFETY: as the caller promises.
@@ -95,7 +95,7 @@ unsafe fn points<'a>(positions: *const f64, nodes: usize) -> Result<&'a [Point],
 }
 
 /// Facets from rows of four nodes.
-fn facets_of(rows: &[i32]) -> Result<Vec<Facet>, Failure> {
+pub fn facets_of(rows: &[i32]) -> Result<Vec<Facet>, Failure> {
     let (rows, _) = rows.as_chunks::<4>();
     let node = |facet: usize, node: i32| {
         usize::try_from(node).map_err(|_| {
@@ -118,10 +118,69 @@ fn facets_of(rows: &[i32]) -> Result<Vec<Facet>, Failure> {
 ///
 /// # Safety
 /// As [`input`].
-unsafe fn facet_rows<'a>(name: &str, rows: *const i32, count: usize) -> Result<&'a [i32], Failure> {
+pub unsafe fn facet_rows<'a>(name: &str, rows: *const i32, count: usize) -> Result<&'a [i32], Failure> {
     let too_many = || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {count} {name}"));
     // SAFETY: as the caller promises.
     unsafe { input(name, rows, count.checked_mul(4).ok_or_else(too_many)?) }
+}
+
+/// Planes of symmetry, 6 numbers each.
+///
+/// # Safety
+/// As [`input`].
+pub unsafe fn symmetry_planes(planes: *const f64, plane_count: usize) -> Result<Vec<SymmetryPlane>, Failure> {
+    let too_many = || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {plane_count} planes"));
+    let count = plane_count.checked_mul(6).ok_or_else(too_many)?;
+    // SAFETY: as the caller promises.
+    let (rows, _) = unsafe { input("planes", planes, count)? }.as_chunks::<6>();
+    let plane = |&[x, y, z, a, b, c]: &[f64; 6]| SymmetryPlane { point: [x, y, z], normal: [a, b, c] };
+    let mut planes = reserve("planes", rows.len())?;
+    planes.extend(rows.iter().map(plane));
+    Ok(planes)
+}
+
+/// The equations of so many nodes.
+///
+/// # Safety
+/// As [`input`].
+pub unsafe fn equations_of(
+    equations: *const i32,
+    (node_count, equation_count): (usize, usize),
+    nodes: usize,
+) -> Result<DofMap, Failure> {
+    if equations.is_null() {
+        if (node_count, equation_count) != (0, 0) {
+            let message = format!(
+                "bad-pointer: equations is NULL, which goes with no counts, not with {node_count} nodes and \
+                 {equation_count} equations"
+            );
+            return Err(Failure::new(DC_BAD_POINTER, message));
+        }
+        return Ok(DofMap::standard(nodes));
+    }
+    if node_count != nodes {
+        let message = format!("bad-size: equations of {node_count} nodes, but there are {nodes}");
+        return Err(Failure::new(DC_BAD_SIZE, message));
+    }
+    // SAFETY: as the caller promises.
+    let numbers = unsafe { input("equations", equations, 3 * node_count)? };
+    if let Some((place, number)) = numbers.iter().enumerate().find(|(_, number)| **number < -1) {
+        let message =
+            format!("unknown-equation: axis {} of node {} has equation {number}", place % 3, place / 3);
+        return Err(Failure::new(DC_OUT_OF_RANGE, message));
+    }
+    let (rows, _) = numbers.as_chunks::<3>();
+    let rows = rows.iter().map(|row| row.map(|number| usize::try_from(number).ok()));
+    Ok(DofMap::new(equation_count, rows)?)
+}
+
+/// Whether nodes can be named by the indices of C.
+pub fn check_nodes(count: usize) -> Result<(), Failure> {
+    if i32::try_from(count).is_err() {
+        let message = format!("too-many: {count} nodes are more than 32-bit indices can name");
+        return Err(Failure::new(DC_TOO_LARGE, message));
+    }
+    Ok(())
 }
 
 /// Makes an interface and writes its handle. Everything is copied.
@@ -175,10 +234,7 @@ fn create(
     slave_facets: &[i32],
     options: &dc_options,
 ) -> Result<State, Failure> {
-    if i32::try_from(positions.len()).is_err() {
-        let message = format!("too-many: {} nodes are more than 32-bit indices can name", positions.len());
-        return Err(Failure::new(DC_TOO_LARGE, message));
-    }
+    check_nodes(positions.len())?;
     let index = |(k, &node): (usize, &i32)| {
         usize::try_from(node).map_err(|_| {
             Failure::new(DC_OUT_OF_RANGE, format!("slave-out-of-range: slave {k} is node {node}"))
@@ -253,15 +309,8 @@ pub unsafe extern "C" fn dc_set_symmetry(
 ) -> dc_status {
     border::call(|| {
         with(interface, |state| {
-            let too_many =
-                || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {plane_count} planes"));
-            let count = plane_count.checked_mul(6).ok_or_else(too_many)?;
             // SAFETY: as the caller promises.
-            let (rows, _) = unsafe { input("planes", planes, count)? }.as_chunks::<6>();
-            let plane =
-                |&[x, y, z, a, b, c]: &[f64; 6]| SymmetryPlane { point: [x, y, z], normal: [a, b, c] };
-            let mut planes = reserve("planes", rows.len())?;
-            planes.extend(rows.iter().map(plane));
+            let planes = unsafe { symmetry_planes(planes, plane_count)? };
             let interface = &mut state.interface;
             threads::run(|| interface.set_symmetry(&planes))??;
             state.evaluated = false;
@@ -514,35 +563,9 @@ pub unsafe extern "C" fn dc_set_equations(
 ) -> dc_status {
     border::call(|| {
         with(interface, |state| {
-            if equations.is_null() {
-                if (node_count, equation_count) != (0, 0) {
-                    let message = format!(
-                        "bad-pointer: equations is NULL, which goes with no counts, not with {node_count} nodes and \
-                         {equation_count} equations"
-                    );
-                    return Err(Failure::new(DC_BAD_POINTER, message));
-                }
-                state.dofs = Arc::new(DofMap::standard(state.nodes));
-                return Ok(());
-            }
-            if node_count != state.nodes {
-                let message =
-                    format!("bad-size: equations of {node_count} nodes, but there are {}", state.nodes);
-                return Err(Failure::new(DC_BAD_SIZE, message));
-            }
             // SAFETY: as the caller promises.
-            let numbers = unsafe { input("equations", equations, 3 * node_count)? };
-            if let Some((place, number)) = numbers.iter().enumerate().find(|(_, number)| **number < -1) {
-                let message = format!(
-                    "unknown-equation: axis {} of node {} has equation {number}",
-                    place % 3,
-                    place / 3
-                );
-                return Err(Failure::new(DC_OUT_OF_RANGE, message));
-            }
-            let (rows, _) = numbers.as_chunks::<3>();
-            let rows = rows.iter().map(|row| row.map(|number| usize::try_from(number).ok()));
-            state.dofs = Arc::new(DofMap::new(equation_count, rows)?);
+            let dofs = unsafe { equations_of(equations, (node_count, equation_count), state.nodes)? };
+            state.dofs = Arc::new(dofs);
             Ok(())
         })
     })

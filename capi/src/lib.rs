@@ -24,6 +24,7 @@
 //! | `interface` | create and destroy, update, refresh, freeze, evaluate |
 //! | `contacts`, `cutback` | results of an evaluation, the cut-back hint |
 //! | `assembly`, `pattern` | residual, triplets, compressed rows |
+//! | `faces` | contact over the slave's faces, an object of its own |
 //! | `element`, `batch`, `neighbours` | without interface: gap, force and stiffness, pairing |
 //!
 //! * **Ownership.** The library keeps copies of its input and fills arrays of the caller. No pointer into the library is handed out, except
@@ -56,6 +57,7 @@ mod choice;
 mod contacts;
 mod cutback;
 mod element;
+mod faces;
 mod friction;
 mod interface;
 mod law;

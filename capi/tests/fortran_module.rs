@@ -43,7 +43,7 @@ fn kind(ctype: &str) -> String {
 fn passed(name: &str, ctype: &str) -> Passed {
     let stars = ctype.matches('*').count();
     let base = kind(&ctype.replace('*', ""));
-    let is_handle = base == "dc_interface" || base == "dc_pattern";
+    let is_handle = base == "dc_interface" || base == "dc_pattern" || base == "dc_faces";
     let (kind, by_value) = match (stars, is_handle) {
         (0, _) => (base, true),
         (1, true) => ("c_ptr".into(), true),

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// In the order in which the header has them.
-const SOURCES: [&str; 14] = [
+const SOURCES: [&str; 15] = [
     "status",
     "outcome",
     "choice",
@@ -15,6 +15,7 @@ const SOURCES: [&str; 14] = [
     "friction",
     "assembly",
     "pattern",
+    "faces",
     "neighbours",
     "element",
     "batch",

@@ -1,6 +1,7 @@
 //! Slices of arrays. The Python part passes contiguous arrays of the right type, which is checked here once more.
 
 use diffuse_contact::Point;
+use diffuse_contact::faces::QuadraticFace;
 use diffuse_contact::surface::Facet;
 use numpy::{Element, PyArray, PyArrayMethods, PyReadonlyArray, PyReadwriteArray};
 use pyo3::prelude::*;
@@ -64,6 +65,20 @@ pub fn indices<D: numpy::ndarray::Dimension>(
         })
     };
     slice(py, array)?.iter().map(index).collect()
+}
+
+/// Rows of 6, 8 or 9 nodes.
+pub fn quadratic_faces(
+    py: Python<'_>,
+    array: &PyReadonlyArray<'_, i64, numpy::ndarray::Ix2>,
+) -> PyResult<Vec<QuadraticFace>> {
+    let width = array.as_array().ncols();
+    let nodes = indices(py, "quadratic", array)?;
+    let face = |row: &[usize]| {
+        let message = format!("quadratic: faces have 6, 8 or 9 nodes, not {width}");
+        QuadraticFace::new(row).ok_or_else(|| errors::input(py, "wrong-shape", &message))
+    };
+    nodes.chunks(width.max(1)).map(face).collect()
 }
 
 /// Rows of four corners, the last one −1 for a triangle.

@@ -2,19 +2,32 @@
 
 use diffuse_contact::Point;
 use diffuse_contact::assembly::{DofMap, Tangent};
-use diffuse_contact::faces::{FaceContacts, FaceInterface, FaceOptions, FaceReport, FaceRule, NodeContact};
+use diffuse_contact::faces::{
+    FaceContacts, FaceInterface, FaceOptions, FaceReport, FaceRule, NodeContact, QuadraticFace,
+};
 use diffuse_contact::interface::InterfaceError;
-use diffuse_contact::surface::SymmetryPlane;
+use diffuse_contact::surface::{Facet, SymmetryPlane};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::{facets, points, readable, slice_mut, writable};
+use crate::arrays::{facets, points, quadratic_faces, readable, slice_mut, writable};
 use crate::assembly::Law;
 use crate::errors::{self, Raise};
 use crate::interface::{dof_map, exclusive, shared};
 use crate::options::{self, Options};
 use crate::surface::Surface;
 use crate::threads;
+
+/// The flat facets of faces of second order: rows of four corners, the last one −1 for a triangle.
+#[pyfunction]
+pub fn flat_facets<'py>(py: Python<'py>, faces: &Bound<'py, PyArray2<i64>>) -> PyResult<Indices<'py>> {
+    let faces = quadratic_faces(py, &readable(faces)?)?;
+    let row = |facet: Facet| match facet {
+        Facet::Triangle([a, b, c]) => [a as i64, b as i64, c as i64, -1],
+        Facet::Quadrilateral(corners) => corners.map(|node| node as i64),
+    };
+    Ok(PyArray1::from_iter(py, faces.iter().flat_map(QuadraticFace::facets).flat_map(row)))
+}
 
 /// An interface of faces, and whether its contacts are those of the present positions.
 #[pyclass(module = "diffuse_contact._native")]
@@ -41,7 +54,7 @@ impl Faces {
 impl Faces {
     /// `degree`: of the rule on each piece of a face; the rest as of `Interface`.
     #[new]
-    #[pyo3(signature = (master, faces, positions, options, degree, equations, symmetry))]
+    #[pyo3(signature = (master, faces, positions, options, degree, equations, symmetry, quadratic))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -52,6 +65,7 @@ impl Faces {
         degree: usize,
         equations: Option<(usize, Bound<'_, PyArray2<i64>>)>,
         symmetry: &Bound<'_, PyArray2<f64>>,
+        quadratic: Vec<Bound<'_, PyArray2<i64>>>,
     ) -> PyResult<Self> {
         let faces = facets(py, &readable(faces)?)?;
         let positions = readable(positions)?;
@@ -69,8 +83,15 @@ impl Faces {
         let (planes, _) = points(py, &symmetry)?.as_chunks::<2>();
         let planes: Vec<SymmetryPlane> =
             planes.iter().map(|&[point, normal]| SymmetryPlane { point, normal }).collect();
+        let mut curved = Vec::new();
+        for rows in &quadratic {
+            curved.extend(quadratic_faces(py, &readable(rows)?)?);
+        }
         let made = threads::run(py, || {
             let mut interface = FaceInterface::new(master, &faces, positions, options)?;
+            if !curved.is_empty() {
+                interface.set_quadratic_faces(&curved)?;
+            }
             if !planes.is_empty() {
                 interface.set_symmetry(&planes)?;
             }

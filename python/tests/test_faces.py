@@ -54,6 +54,80 @@ def test_a_uniform_pressure_arrives_at_both_sides(element, degree):
     assert np.allclose(forces, np.outer(areas, [0.0, 0.0, 1.0]), atol=1e-12)
 
 
+def quadratic_grid(cells, first, height, *, kind):
+    """Nodes and faces of second order over [0, 6]²: a lattice of twice the cells, seen from above."""
+    side = 2 * cells + 1
+    x, y = np.meshgrid(np.linspace(0.0, 6.0, side), np.linspace(0.0, 6.0, side))
+    k = np.arange(cells * cells)
+    corner = first + 2 * (k % cells) + 2 * side * (k // cells)
+    at = lambda i, j: corner + i + side * j
+    nine = np.column_stack(
+        [at(0, 0), at(2, 0), at(2, 2), at(0, 2), at(1, 0), at(2, 1), at(1, 2), at(0, 1), at(1, 1)]
+    )
+    if kind == 6:
+        lower = nine[:, [0, 1, 3, 4, 8, 7]]
+        upper = nine[:, [2, 3, 1, 6, 8, 5]]
+        faces = np.concatenate([lower, upper])
+    else:
+        faces = nine[:, :kind]
+    return np.column_stack([x.ravel(), y.ravel(), np.full(x.size, height)]), faces
+
+
+def turned(faces):
+    """The same faces seen from the other side."""
+    order = {6: [0, 2, 1, 5, 4, 3], 8: [0, 3, 2, 1, 7, 6, 5, 4], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}
+    return faces[:, order[faces.shape[1]]]
+
+
+@pytest.mark.parametrize(("below", "above"), [(6, 6), (8, 9), (9, 6), (6, 8)])
+def test_faces_of_second_order_carry_by_their_own_functions(below, above):
+    masters, master = quadratic_grid(3, 0, 0.0, kind=below)
+    slaves, slave = quadratic_grid(2, len(masters), -0.02, kind=above)
+    slave = turned(slave)
+    # A lattice has nodes in the middle of cells that faces of 8 nodes do not use.
+    used = np.zeros(len(masters) + len(slaves), dtype=bool)
+    used[master.ravel()] = used[slave.ravel()] = True
+    number = np.cumsum(used) - 1
+    positions, master, slave = np.vstack([masters, slaves])[used], number[master], number[slave]
+    flat = dc.flat_facets(slave)
+    assert len(flat) == len(slave) * {6: 4, 8: 5, 9: 4}[above]
+    surface = dc.MasterSurface(positions, dc.flat_facets(master))
+    faces = dc.FaceInterface(surface, flat, positions, quadratic=[master, slave])
+    faces.refresh(positions)
+    contacts = faces.evaluate(PENALTY)
+    assert np.allclose(contacts.pressure, 1.0, atol=1e-11)
+    forces = faces.residual().reshape(-1, 3)[:, 2]
+    # ∫ N dA over a cell: of corners, middles and centre.
+    shares = {6: (0.0, 1 / 3, None), 8: (-1 / 12, 1 / 3, None), 9: (1 / 36, 1 / 9, 4 / 9)}
+    expected = np.zeros(len(positions))
+    for side, sign, cells in [(master, -1.0, 3), (slave, 1.0, 2)]:
+        kind = side.shape[1]
+        corner, middle, centre = shares[kind]
+        area = (6.0 / cells) ** 2 * (0.5 if kind == 6 else 1.0)
+        corners = 3 if kind == 6 else 4
+        for column in range(kind):
+            share = corner if column < corners else middle if column < 2 * corners else centre
+            np.add.at(expected, side[:, column], sign * share * area)
+    assert np.allclose(forces, expected, atol=1e-11)
+
+
+def test_faces_of_second_order_are_checked():
+    positions, faces = quadratic_grid(2, 0, 0.0, kind=9)
+    with pytest.raises(dc.InputError, match="shape"):
+        dc.flat_facets(faces[:, :7])
+    with pytest.raises(dc.InputError, match="negative"):
+        dc.flat_facets(-faces - 1)
+    slaves, slave = quadratic_grid(1, len(positions), 1.0, kind=9)
+    both, slave = np.vstack([positions, slaves]), turned(slave)
+    surface = dc.MasterSurface(both, dc.flat_facets(faces))
+    with pytest.raises(dc.InterfaceError):
+        dc.FaceInterface(surface, dc.flat_facets(slave), both, quadratic=slave + 100)
+    twice = slave.copy()
+    twice[0, 8] = twice[0, 0]
+    with pytest.raises(dc.InterfaceError):
+        dc.FaceInterface(surface, dc.flat_facets(slave), both, quadratic=[twice])
+
+
 def test_forces_balance_and_have_their_tangent():
     positions, master, slave = bumps()
     faces = dc.FaceInterface(dc.MasterSurface(positions, master), slave, positions)

@@ -4,6 +4,7 @@ mod agreement;
 mod cutback;
 mod defaults;
 mod domains;
+mod faces;
 #[cfg(feature = "friction")]
 mod friction;
 mod fuzz;

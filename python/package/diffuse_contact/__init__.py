@@ -16,7 +16,7 @@ from ._errors import (
     InterfaceError,
     SurfaceError,
 )
-from ._faces import FaceContacts, FaceInterface, FaceReport
+from ._faces import FaceContacts, FaceInterface, FaceReport, flat_facets
 from ._interface import ContactInterface, Options, adaptive_tangent
 from ._native import __version__
 from ._results import (
@@ -60,6 +60,7 @@ __all__ = [
     "SurfaceError",
     "__version__",
     "adaptive_tangent",
+    "flat_facets",
     "gap",
     "set_threads",
     "thread_count",

@@ -118,6 +118,20 @@ def facets(what: str, values: Facets) -> Ints:
     return np.ascontiguousarray(array)
 
 
+def quadratic(what: str, values: Any) -> list[Ints]:
+    """Faces of second order: one array of shape (f, 6), (f, 8) or (f, 9), or several."""
+    try:
+        is_one = isinstance(values, np.ndarray) or (len(values) > 0 and np.ndim(values[0]) == 1)
+        arrays = [values] if is_one else list(values)
+    except TypeError as error:
+        raise InputError(f"{what}: faces are arrays of nodes ({error})", "wrong-shape") from None
+    faces = [_array(what, array) for array in arrays]
+    for array in faces:
+        if array.ndim != 2 or array.shape[1] not in (6, 8, 9):
+            raise InputError(f"{what}: the shape has to be (f, 6), (f, 8) or (f, 9), not {array.shape}", "wrong-shape")
+    return [ints(what, array, "f", array.shape[1]) for array in faces]
+
+
 def _padded(what: str, row: Sequence[int]) -> list[int]:
     corners = list(row)
     if len(corners) not in (3, 4):

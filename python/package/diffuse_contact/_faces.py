@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, NoReturn
 
@@ -9,11 +10,29 @@ import numpy as np
 import scipy.sparse
 from numpy.typing import ArrayLike, NDArray
 
-from . import _native
+from . import _arrays, _native
 from ._arrays import Facets, Floats, Ints, Planes, count, facets, floats, new, planes, word
 from ._batch import Mode
 from ._interface import Options, Tangent, _equations, _law, _options, _vector
 from ._surface import MasterSurface
+
+
+def flat_facets(faces: ArrayLike) -> Ints:
+    """The flat facets between all nodes of faces of second order, shape (m, 4), the last node −1 for triangles.
+
+    A face of 6 nodes has 4 facets, one of 8 has 5, one of 9 has 4. They are the facets of ``MasterSurface`` and of
+    ``FaceInterface``; ``quadratic`` makes the faces carry the forces on them.
+
+    Args:
+        faces: nodes, shape (f, 6), (f, 8) or (f, 9): corners counter-clockwise seen from outside, then the middles of
+            the edges from the first corner on, then the centre.
+
+    Raises:
+        InputError: for another shape or a negative node.
+
+    """
+    rows = [_native.flat_facets(array).reshape(-1, 4) for array in _arrays.quadratic("faces", faces)]
+    return np.concatenate(rows) if rows else np.empty((0, 4), dtype=np.int64)
 
 
 class FaceReport(NamedTuple):
@@ -79,6 +98,8 @@ class FaceInterface:
         dofs: equations of the nodes' x, y and z, shape (p, 3), −1 where there is none; if left out, 3·node + axis.
         equations: number of equations; if left out, 3p, or the largest of ``dofs`` plus 1.
         symmetry: planes of symmetry of both surfaces, pairs of a point and the unit normal to the side of the model.
+        quadratic: faces of second order of either side, an array as for ``flat_facets`` or several. They carry the
+            forces on their flat facets by all of their shape functions.
         options: the fields of ``Options``, by keyword.
 
     Raises:
@@ -98,6 +119,7 @@ class FaceInterface:
         dofs: ArrayLike | None = None,
         equations: int | None = None,
         symmetry: Planes = (),
+        quadratic: ArrayLike | Sequence[ArrayLike] = (),
         **options: Any,
     ) -> None:
         self._options = _options("FaceInterface", master, options)
@@ -110,6 +132,7 @@ class FaceInterface:
             count("degree", degree),
             _equations(dofs, equations, len(positions)),
             planes("symmetry", symmetry),
+            _arrays.quadratic("quadratic", quadratic),
         )
 
     @property

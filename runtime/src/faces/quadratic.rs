@@ -42,6 +42,24 @@ impl QuadraticFace {
         &self.nodes[..self.count]
     }
 
+    /// The flat facets between all of its nodes, oriented as it is: a triangle at each corner and what the middles enclose, or four
+    /// quadrilaterals around the centre.
+    #[must_use]
+    pub fn facets(&self) -> Vec<Facet> {
+        let corners = if self.count == 6 { 3 } else { 4 };
+        let (corner, middle) = self.nodes[..2 * corners].split_at(corners);
+        let before = |k: usize| middle[(k + corners - 1) % corners];
+        if self.count == 9 {
+            let centre = self.nodes[8];
+            return (0..4).map(|k| Facet::Quadrilateral([corner[k], middle[k], centre, before(k)])).collect();
+        }
+        let inner = match *middle {
+            [a, b, c, d] => Facet::Quadrilateral([a, b, c, d]),
+            _ => Facet::Triangle([middle[0], middle[1], middle[2]]),
+        };
+        (0..corners).map(|k| Facet::Triangle([before(k), corner[k], middle[k]])).chain([inner]).collect()
+    }
+
     /// Natural coordinates of its nodes: from 0 to 1 on a triangle, from −1 to 1 on a quadrilateral.
     fn natural(&self) -> &'static [[f64; 2]] {
         const TRIANGLE: [[f64; 2]; 6] =

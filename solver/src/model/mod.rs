@@ -20,7 +20,6 @@ use std::collections::{BTreeMap, HashMap};
 
 use diffuse_contact::faces::QuadraticFace;
 use diffuse_contact::surface::Facet;
-use diffuse_contact_mesh::ElementKind;
 
 use crate::material::Material;
 
@@ -141,14 +140,14 @@ impl Model {
         let mut parts: HashMap<Vec<usize>, usize> = HashMap::new();
         let faces = self.quadratic_faces();
         for (k, face) in faces.iter().enumerate() {
-            for facet in quadratic_facets(face) {
+            for facet in face.facets() {
                 parts.insert(sorted(facet.corners()), k);
             }
         }
         let of = |facet: &Facet| parts.get(&sorted(facet.corners())).copied();
         let mut found = vec![0_usize; faces.len()];
         facets.iter().filter_map(of).for_each(|k| found[k] += 1);
-        let is_whole = |k: &usize| found[*k] == quadratic_facets(&faces[*k]).len();
+        let is_whole = |k: &usize| found[*k] == faces[*k].facets().len();
         let whole = (0..faces.len()).filter(is_whole).map(|k| faces[k].nodes().to_vec());
         let alone = facets.iter().filter(|facet| of(facet).is_none_or(|k| !is_whole(&k)));
         whole.chain(alone.map(|facet| facet.corners().to_vec())).collect()
@@ -170,18 +169,6 @@ impl Model {
         parts.sort_by_key(|&(_, first)| first);
         parts
     }
-}
-
-/// The facets that a face of second order is made of.
-fn quadratic_facets(face: &QuadraticFace) -> Vec<Facet> {
-    let nodes = face.nodes();
-    let kind = match nodes.len() {
-        6 => ElementKind::Triangle6,
-        8 => ElementKind::Quadrilateral8,
-        _ => ElementKind::Quadrilateral9,
-    };
-    let corners: Vec<usize> = (0..kind.corner_count()).collect();
-    kind.facets_of(&corners).into_iter().map(|facet| cells::contact_facet(facet, |k| nodes[k])).collect()
 }
 
 fn sorted(nodes: &[usize]) -> Vec<usize> {

@@ -1,0 +1,534 @@
+//! Contact integrated over the slave's faces: an object of its own.
+
+use std::mem::offset_of;
+
+use runtime::assembly::DofMap;
+use runtime::faces::{
+    FaceContacts, FaceInterface, FaceOptions, FaceReport, FaceRule, NodeContact, QuadraticFace,
+};
+use runtime::surface::{Facet, MasterSurface};
+
+use crate::assembly::{index, write};
+use crate::border::{self, Versioned, disjoint, input, reserve, roomy, sized_target, sums, target, wanted};
+use crate::choice;
+use crate::interface::{check_nodes, equations_of, facet_rows, facets_of, points, symmetry_planes};
+use crate::law::{self, dc_law};
+use crate::options::dc_options;
+use crate::outcome;
+use crate::registry::Registry;
+use crate::status::{DC_BAD_OPTION, DC_BAD_SIZE, DC_NOT_EVALUATED, DC_OUT_OF_RANGE, Failure, dc_status};
+use crate::threads;
+
+/// Contact over the faces of a slave: a master surface, slave faces, and the points that they are cut into. One thread at a time may use
+/// it, any thread; a second one gets DC_BUSY.
+pub struct dc_faces;
+
+#[derive(Debug)]
+struct State {
+    interface: FaceInterface,
+    dofs: DofMap,
+    nodes: usize,
+    /// Faces of second order so far, of all calls.
+    quadratic: Vec<QuadraticFace>,
+    evaluated: bool,
+}
+
+static FACES: Registry<State> = Registry::new("faces", 3);
+
+fn with(handle: *mut dc_faces, work: impl FnOnce(&mut State) -> Result<(), Failure>) -> Result<(), Failure> {
+    FACES.with(handle.addr(), work)
+}
+
+impl State {
+    fn contacts(&self) -> Result<&FaceContacts, Failure> {
+        if self.evaluated {
+            return Ok(self.interface.contacts());
+        }
+        let message =
+            "not-evaluated: call dc_faces_evaluate, after each dc_faces_update and dc_faces_refresh";
+        Err(Failure::new(DC_NOT_EVALUATED, message))
+    }
+
+    fn expect_slaves(&self, found: usize) -> Result<(), Failure> {
+        let expected = self.interface.slaves().len();
+        if found == expected {
+            return Ok(());
+        }
+        Err(Failure::new(DC_BAD_SIZE, format!("bad-size: {found} entries for {expected} slave nodes")))
+    }
+}
+
+/// Makes an object for contact over faces and writes its handle. Everything is copied.
+///
+/// `positions`: x, y, z of all `node_count` nodes in the first configuration; indices count from 0. `facets`: the master surface,
+/// `slave_facets`: the faces of the slave, none of their nodes on the master; of both 4 nodes for each facet, counter-clockwise
+/// seen from outside, the fourth -1 for a triangle. `options`: NULL for the defaults; `rule` has to be DC_DOMAINS, `areas` and
+/// `cutback_penetration` have no meaning. `degree`: 2 or 4, of the polynomials that are integrated exactly on each piece of a face.
+///
+/// On failure the handle is NULL.
+///
+/// # Safety
+/// The arrays have the given lengths, `options` as many bytes as its field `size` says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_create(
+    positions: *const f64,
+    node_count: usize,
+    facets: *const i32,
+    facet_count: usize,
+    slave_facets: *const i32,
+    slave_facet_count: usize,
+    options: *const dc_options,
+    degree: i32,
+    faces: *mut *mut dc_faces,
+) -> dc_status {
+    border::call(|| {
+        // SAFETY: as the caller promises.
+        unsafe { target("faces", faces, 1)?.write([std::ptr::null_mut()]) };
+        // SAFETY: as the caller promises.
+        let (positions, master, slave, options) = unsafe {
+            (
+                points(positions, node_count)?,
+                facet_rows("facets", facets, facet_count)?,
+                facet_rows("slave_facets", slave_facets, slave_facet_count)?,
+                dc_options::read(options)?,
+            )
+        };
+        check_nodes(positions.len())?;
+        let wanted = usize::try_from(degree).unwrap_or(0);
+        let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == wanted).ok_or_else(|| {
+            Failure::new(DC_BAD_OPTION, format!("invalid-option: degree has to be 2 or 4, not {degree}"))
+        })?;
+        let options = FaceOptions::new(options.interface()?).with_rule(rule);
+        let (master, slave) = (facets_of(master)?, facets_of(slave)?);
+        let interface = threads::run(|| -> Result<FaceInterface, Failure> {
+            Ok(FaceInterface::new(MasterSurface::new(positions, master)?, &slave, positions, options)?)
+        })??;
+        let made = FACES.insert(State {
+            interface,
+            dofs: DofMap::standard(positions.len()),
+            nodes: positions.len(),
+            quadratic: Vec::new(),
+            evaluated: false,
+        })?;
+        // SAFETY: as the caller promises.
+        unsafe { target("faces", faces, 1)?.write([std::ptr::without_provenance_mut(made)]) };
+        Ok(())
+    })
+}
+
+/// Destroys it. NULL is DC_OK, a handle that was destroyed before is DC_BAD_HANDLE.
+#[unsafe(no_mangle)]
+pub extern "C" fn dc_faces_destroy(faces: *mut dc_faces) -> dc_status {
+    border::call(|| if faces.is_null() { Ok(()) } else { FACES.remove(faces.addr()) })
+}
+
+/// Numbers of nodes and of slave nodes, those of the slave facets. Either may be NULL.
+///
+/// # Safety
+/// Each is NULL or may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_counts(
+    faces: *mut dc_faces,
+    node_count: *mut usize,
+    slave_count: *mut usize,
+) -> dc_status {
+    border::call(|| {
+        with(faces, |state| {
+            let nodes = wanted("node_count", node_count, 1, 1)?;
+            let slaves = wanted("slave_count", slave_count, 1, 1)?;
+            disjoint([nodes.span(), slaves.span()])?;
+            // SAFETY: as the caller promises.
+            unsafe {
+                nodes.write([state.nodes]);
+                slaves.write([state.interface.slaves().len()]);
+            }
+            Ok(())
+        })
+    })
+}
+
+/// The slave nodes, ascending: the order of results and multipliers.
+///
+/// # Safety
+/// `slaves` has `slave_count` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_slaves(
+    faces: *mut dc_faces,
+    slaves: *mut i32,
+    slave_count: usize,
+) -> dc_status {
+    border::call(|| {
+        with(faces, |state| {
+            state.expect_slaves(slave_count)?;
+            let slaves = target("slaves", slaves, slave_count)?;
+            // SAFETY: as the caller promises.
+            unsafe { slaves.write(state.interface.slaves().iter().map(|&node| node as i32)) };
+            Ok(())
+        })
+    })
+}
+
+/// As dc_set_symmetry, for both surfaces, in the first configuration. There is no contact until the next dc_faces_refresh.
+///
+/// # Safety
+/// `planes` has 6 `plane_count` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_set_symmetry(
+    faces: *mut dc_faces,
+    planes: *const f64,
+    plane_count: usize,
+) -> dc_status {
+    border::call(|| {
+        with(faces, |state| {
+            // SAFETY: as the caller promises.
+            let planes = unsafe { symmetry_planes(planes, plane_count)? };
+            let interface = &mut state.interface;
+            threads::run(|| interface.set_symmetry(&planes))??;
+            state.evaluated = false;
+            Ok(())
+        })
+    })
+}
+
+/// Faces of 6, 8 or 9 nodes.
+///
+/// # Safety
+/// As [`input`].
+unsafe fn quadratic_faces(
+    rows: *const i32,
+    face_count: usize,
+    nodes_per_face: usize,
+) -> Result<Vec<QuadraticFace>, Failure> {
+    if !matches!(nodes_per_face, 6 | 8 | 9) {
+        let message = format!("bad-size: faces of second order have 6, 8 or 9 nodes, not {nodes_per_face}");
+        return Err(Failure::new(DC_BAD_SIZE, message));
+    }
+    let too_many = || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {face_count} faces"));
+    let count = face_count.checked_mul(nodes_per_face).ok_or_else(too_many)?;
+    // SAFETY: as the caller promises.
+    let numbers = unsafe { input("faces", rows, count)? };
+    let mut made = reserve("faces", face_count)?;
+    for (k, row) in numbers.chunks(nodes_per_face).enumerate() {
+        let mut nodes = [0; 9];
+        for (node, &number) in nodes.iter_mut().zip(row) {
+            *node = usize::try_from(number).map_err(|_| {
+                Failure::new(DC_OUT_OF_RANGE, format!("node-out-of-range: face {k} has node {number}"))
+            })?;
+        }
+        made.extend(QuadraticFace::new(&nodes[..nodes_per_face]));
+    }
+    Ok(made)
+}
+
+/// The flat facets between all nodes of faces of second order, as dc_faces_create takes them: 4 for each face with 6 nodes, 5 for one
+/// with 8, 4 for one with 9. `quadratic`: `nodes_per_face` nodes for each face, corners counter-clockwise seen from outside, then the middles
+/// of the edges from the first corner on, then the centre. `facets` has room for `facet_capacity` facets of 4 nodes.
+///
+/// # Safety
+/// The arrays have the given lengths.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_flat_facets(
+    quadratic: *const i32,
+    face_count: usize,
+    nodes_per_face: usize,
+    facets: *mut i32,
+    facet_capacity: usize,
+) -> dc_status {
+    border::call(|| {
+        // SAFETY: as the caller promises.
+        let faces = unsafe { quadratic_faces(quadratic, face_count, nodes_per_face)? };
+        let row = |facet: Facet| match facet {
+            Facet::Triangle([a, b, c]) => [a as i32, b as i32, c as i32, -1],
+            Facet::Quadrilateral(corners) => corners.map(|node| node as i32),
+        };
+        let rows: Vec<i32> = faces.iter().flat_map(QuadraticFace::facets).flat_map(row).collect();
+        let room = facet_capacity.saturating_mul(4);
+        disjoint([
+            border::read("quadratic", quadratic, face_count * nodes_per_face),
+            border::written("facets", facets, room),
+        ])?;
+        let facets = roomy("facets", facets, room, rows.len())?;
+        // SAFETY: as the caller promises.
+        unsafe { facets.write(rows) };
+        Ok(())
+    })
+}
+
+/// Makes faces of second order carry the forces on the facets that they are made of, on both sides: by all of their shape functions, so
+/// that a uniform pressure is in equilibrium with a uniform stress inside. `quadratic` as in dc_flat_facets. A call for each
+/// number of nodes adds to those before. There is no contact until the next dc_faces_refresh.
+///
+/// # Safety
+/// `quadratic` has `face_count` times `nodes_per_face` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_add_quadratic(
+    faces: *mut dc_faces,
+    quadratic: *const i32,
+    face_count: usize,
+    nodes_per_face: usize,
+) -> dc_status {
+    border::call(|| {
+        with(faces, |state| {
+            // SAFETY: as the caller promises.
+            let more = unsafe { quadratic_faces(quadratic, face_count, nodes_per_face)? };
+            let mut all = reserve("faces", state.quadratic.len() + more.len())?;
+            all.extend_from_slice(&state.quadratic);
+            all.extend(more);
+            state.interface.set_quadratic_faces(&all)?;
+            state.quadratic = all;
+            state.evaluated = false;
+            Ok(())
+        })
+    })
+}
+
+/// As dc_set_equations.
+///
+/// # Safety
+/// `equations` is NULL or has 3 `node_count` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_set_equations(
+    faces: *mut dc_faces,
+    equations: *const i32,
+    node_count: usize,
+    equation_count: usize,
+) -> dc_status {
+    border::call(|| {
+        with(faces, |state| {
+            // SAFETY: as the caller promises.
+            state.dofs = unsafe { equations_of(equations, (node_count, equation_count), state.nodes)? };
+            Ok(())
+        })
+    })
+}
+
+/// What the cutting of the faces gave.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct dc_faces_report {
+    /// sizeof(dc_faces_report), set by the caller.
+    pub size: usize,
+    /// Integration points.
+    pub points: i32,
+    /// Of these: paired with masters.
+    pub paired: i32,
+    /// Faces with points.
+    pub faces: i32,
+    /// Middles of edges and faces where the slave's own nodes carry no smooth surface: its faces are flat there.
+    pub straight: i32,
+    /// Whether nodes couple that did not since the last dc_faces_refresh, so that a sparsity pattern of before is too small: 0 or 1.
+    pub grown: i32,
+    /// 0.
+    pub reserved: i32,
+}
+
+// SAFETY: numbers, the first one is the size.
+unsafe impl Versioned for dc_faces_report {
+    const NAME: &'static str = "dc_faces_report";
+    const FIRST: usize = offset_of!(Self, reserved) + 4;
+}
+
+/// Takes over the positions and cuts the faces anew. Call it once an increment. `report` may be NULL; its field `size` has to be set.
+///
+/// # Safety
+/// `positions` has 3 `node_count` entries; `report` is NULL or has as many bytes as its field `size` says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_refresh(
+    faces: *mut dc_faces,
+    positions: *const f64,
+    node_count: usize,
+    report: *mut dc_faces_report,
+) -> dc_status {
+    // SAFETY: as the caller promises.
+    unsafe { take(faces, positions, node_count, report, true) }
+}
+
+/// As dc_faces_refresh, in every iteration: near equilibrium faces stay cut as they are, and the pattern does not shrink.
+///
+/// # Safety
+/// As dc_faces_refresh.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_update(
+    faces: *mut dc_faces,
+    positions: *const f64,
+    node_count: usize,
+    report: *mut dc_faces_report,
+) -> dc_status {
+    // SAFETY: as the caller promises.
+    unsafe { take(faces, positions, node_count, report, false) }
+}
+
+/// # Safety
+/// As [`dc_faces_refresh`].
+unsafe fn take(
+    faces: *mut dc_faces,
+    positions: *const f64,
+    node_count: usize,
+    report: *mut dc_faces_report,
+    is_refresh: bool,
+) -> dc_status {
+    border::call(|| {
+        with(faces, |state| {
+            // SAFETY: as the caller promises.
+            let positions = unsafe { points(positions, node_count)? };
+            // SAFETY: as the caller promises.
+            let report = if report.is_null() { None } else { Some(unsafe { sized_target(report)? }) };
+            if let Some(report) = &report {
+                let given = border::read("positions", positions.as_ptr(), positions.len());
+                disjoint([given, report.span()])?;
+            }
+            let interface = &mut state.interface;
+            let FaceReport { points, paired, faces, grown } = threads::run(|| {
+                if is_refresh { interface.refresh(positions) } else { interface.update(positions) }
+            })??;
+            state.evaluated = false;
+            let count = |x: usize| i32::try_from(x).unwrap_or(i32::MAX);
+            if let Some(report) = report {
+                // SAFETY: as the caller promises.
+                unsafe {
+                    report.write(&dc_faces_report {
+                        size: size_of::<dc_faces_report>(),
+                        points: count(points),
+                        paired: count(paired),
+                        faces: count(faces),
+                        straight: count(state.interface.straight()),
+                        grown: i32::from(grown),
+                        reserved: 0,
+                    });
+                }
+            }
+            Ok(())
+        })
+    })
+}
+
+/// Gaps, pressures and forces at the positions of the last dc_faces_update or dc_faces_refresh, in parallel. The penalty of `law` is per
+/// area, its multipliers are pressures, one for each slave node; it must have no friction, its tangent is not looked at. `mode` is a dc_mode:
+/// DC_GRADIENT for forces and e F G^T, DC_HESSIAN for the exact tangent. The result does not depend on the number of threads, bit for bit.
+///
+/// # Safety
+/// `law` is a dc_law with its `size` set, its multipliers have their number.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_evaluate(faces: *mut dc_faces, law: *const dc_law, mode: i32) -> dc_status {
+    border::call(|| {
+        let mode = choice::mode(mode)?;
+        with(faces, |state| {
+            // SAFETY: as the caller promises.
+            let law = unsafe { law::read(law)? };
+            state.evaluated = false;
+            let interface = &mut state.interface;
+            threads::run(|| interface.evaluate(&law, mode).map(drop))??;
+            state.evaluated = true;
+            Ok(())
+        })
+    })
+}
+
+/// Contact of all slave nodes, one entry each: `outcomes` dc_outcome; `gaps` the average gap, length; `pressures` max(0, lambda - e g),
+/// force per area, which are the multipliers of the next round of the augmented Lagrangian; `areas` over the master in the first
+/// configuration, length^2; `normals` the mean unit normal of the master, 3 numbers each. Where nothing lies over a node gap and normal
+/// are 0. Each may be NULL.
+///
+/// # Safety
+/// The arrays have `slave_count` entries, `normals` three times as many.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_contacts(
+    faces: *mut dc_faces,
+    outcomes: *mut i32,
+    gaps: *mut f64,
+    pressures: *mut f64,
+    areas: *mut f64,
+    normals: *mut f64,
+    slave_count: usize,
+) -> dc_status {
+    border::call(|| {
+        with(faces, |state| {
+            state.expect_slaves(slave_count)?;
+            let nodes = state.contacts()?.nodes();
+            let outcomes = wanted("outcomes", outcomes, slave_count, slave_count)?;
+            let gaps = wanted("gaps", gaps, slave_count, slave_count)?;
+            let pressures = wanted("pressures", pressures, slave_count, slave_count)?;
+            let areas = wanted("areas", areas, slave_count, slave_count)?;
+            let three = slave_count.saturating_mul(3);
+            let normals = wanted("normals", normals, three, three)?;
+            disjoint([outcomes.span(), gaps.span(), pressures.span(), areas.span(), normals.span()])?;
+            let gap = |node: &NodeContact| if node.outcome.is_contact() { node.gap } else { 0.0 };
+            // SAFETY: as the caller promises.
+            unsafe {
+                outcomes.write(nodes.iter().map(|node| outcome::of(&node.outcome) as i32));
+                gaps.write(nodes.iter().map(gap));
+                pressures.write(nodes.iter().map(|node| node.pressure));
+                areas.write(nodes.iter().map(|node| node.area));
+                normals.write(nodes.iter().flat_map(|node| node.normal));
+            }
+            Ok(())
+        })
+    })
+}
+
+/// Adds the contact forces R on the nodes to `residual`, one entry per equation, as dc_residual does. `active_count`, the number of
+/// slave nodes that carry pressure, and `missed_count`, points of loaded faces that carry no force as their line of force meets no place
+/// of the facet over them, may be NULL.
+///
+/// DC_OVERFLOW if a sum is not finite: the residual then holds anything, and has to be made anew.
+///
+/// # Safety
+/// `residual` has `equation_count` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_residual(
+    faces: *mut dc_faces,
+    residual: *mut f64,
+    equation_count: usize,
+    active_count: *mut usize,
+    missed_count: *mut usize,
+) -> dc_status {
+    border::call(|| {
+        with(faces, |state| {
+            let contacts = state.contacts()?;
+            let active_count = wanted("active_count", active_count, 1, 1)?;
+            let missed_count = wanted("missed_count", missed_count, 1, 1)?;
+            let whole = border::written("residual", residual, equation_count);
+            disjoint([whole, active_count.span(), missed_count.span()])?;
+            // SAFETY: as the caller promises; nothing overlaps.
+            let residual = unsafe { sums("residual", residual, equation_count)? };
+            let active = threads::run(|| contacts.add_residual(&state.dofs, residual))??;
+            // SAFETY: as the caller promises.
+            unsafe {
+                active_count.write([active]);
+                missed_count.write([contacts.missed()]);
+            }
+            Ok(())
+        })
+    })
+}
+
+/// The tangent K = -dR/dx as triplets, counted from 0, all of it, for it is not symmetric; entries of the same place are to be summed.
+/// `tangent` is a dc_tangent: DC_GAUSS_NEWTON leaves out what the directions of the forces add. Writes their number to `count`. If the
+/// arrays are shorter, or NULL, that is all it does: call it with `capacity` 0 first.
+///
+/// DC_BAD_SIZE if there is not room for all, and `capacity` is not 0; `count` is there even so.
+///
+/// # Safety
+/// The arrays have `capacity` entries each; `count` may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_triplets(
+    faces: *mut dc_faces,
+    tangent: i32,
+    rows: *mut i32,
+    columns: *mut i32,
+    values: *mut f64,
+    capacity: usize,
+    count: *mut usize,
+) -> dc_status {
+    border::call(|| {
+        let tangent = choice::tangent(tangent)?;
+        with(faces, |state| {
+            let contacts = state.contacts()?;
+            let count = target("count", count, 1)?;
+            let triplets = threads::run(|| contacts.triplets(tangent, &state.dofs))??;
+            index("equations", state.dofs.equations())?;
+            // SAFETY: as the caller promises.
+            unsafe { write(&triplets, (rows, columns, values), capacity, count) }
+        })
+    })
+}

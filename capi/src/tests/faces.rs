@@ -1,0 +1,253 @@
+//! Contact over faces: the numbers of the runtime bit for bit, and calls that are refused.
+
+use std::ptr::{null, null_mut};
+
+use runtime::Mode;
+use runtime::assembly::{ContactLaw, DofMap, Tangent};
+use runtime::faces::{FaceInterface, FaceOptions, FaceRule, QuadraticFace};
+use runtime::interface::InterfaceOptions;
+use runtime::surface::{Facet, MasterSurface};
+
+use super::message;
+use crate::faces::*;
+use crate::law::dc_law;
+use crate::status::{
+    DC_BAD_HANDLE, DC_BAD_OPTION, DC_BAD_POINTER, DC_BAD_SIZE, DC_BAD_SURFACE, DC_NOT_EVALUATED, DC_OK,
+    DC_OUT_OF_RANGE, dc_status,
+};
+
+/// A bumpy lattice of 9 × 9 nodes below a coarser one of 5 × 5, which dips into it, each by faces of 9 nodes.
+struct Pair {
+    positions: Vec<f64>,
+    master: Vec<i32>,
+    slave: Vec<i32>,
+}
+
+impl Pair {
+    fn new() -> Self {
+        let height = |x: f64, y: f64| 0.1 * (0.7 * x).sin() * (0.9 * y).cos();
+        let mut positions = Vec::new();
+        for k in 0..81 {
+            let (x, y) = (0.5 * f64::from(k % 9), 0.5 * f64::from(k / 9));
+            positions.extend([x, y, height(x, y)]);
+        }
+        for k in 0..25 {
+            let (x, y) = (0.6 + 0.7 * f64::from(k % 5), 0.5 + 0.7 * f64::from(k / 5));
+            positions.extend([x, y, height(x, y) - 0.02 + 0.01 * x]);
+        }
+        let nine = |first: i32, side: i32, i: i32, j: i32, is_up: bool| {
+            let at = |a: i32, b: i32| first + 2 * i + a + side * (2 * j + b);
+            let [c, d] = if is_up { [1, 3] } else { [3, 1] };
+            let corners = [at(0, 0), at(2, 0), at(2, 2), at(0, 2)];
+            let middles = [at(1, 0), at(2, 1), at(1, 2), at(0, 1)];
+            // Seen from the other side corners and middles run the other way round.
+            let [m0, m1, m2, m3] = if is_up { [0, 1, 2, 3] } else { [3, 2, 1, 0] };
+            let corners = [corners[0], corners[c], corners[2], corners[d]];
+            [corners, [middles[m0], middles[m1], middles[m2], middles[m3]]]
+                .concat()
+                .into_iter()
+                .chain([at(1, 1)])
+                .collect::<Vec<i32>>()
+        };
+        let faces = |first: i32, side: i32, cells: i32, is_up: bool| {
+            (0..cells * cells).flat_map(|k| nine(first, side, k % cells, k / cells, is_up)).collect()
+        };
+        Self { positions, master: faces(0, 9, 4, true), slave: faces(81, 5, 2, false) }
+    }
+
+    fn nodes(&self) -> usize {
+        self.positions.len() / 3
+    }
+
+    fn make(&self, degree: i32) -> (dc_status, *mut dc_faces) {
+        let (master, slave) = (flat(&self.master), flat(&self.slave));
+        let mut handle = std::ptr::dangling_mut();
+        // SAFETY: the arrays have the lengths given.
+        let status = unsafe {
+            dc_faces_create(
+                self.positions.as_ptr(),
+                self.nodes(),
+                master.as_ptr(),
+                master.len() / 4,
+                slave.as_ptr(),
+                slave.len() / 4,
+                null(),
+                degree,
+                &mut handle,
+            )
+        };
+        assert_eq!(status == DC_OK, !handle.is_null());
+        (status, handle)
+    }
+}
+
+fn flat(faces: &[i32]) -> Vec<i32> {
+    let mut facets = vec![7; faces.len() / 9 * 16];
+    // SAFETY: the arrays have the lengths given.
+    let status =
+        unsafe { dc_flat_facets(faces.as_ptr(), faces.len() / 9, 9, facets.as_mut_ptr(), facets.len() / 4) };
+    assert_eq!(status, DC_OK);
+    facets
+}
+
+fn law(multipliers: &[f64]) -> dc_law {
+    dc_law {
+        size: size_of::<dc_law>(),
+        penalty: 300.0,
+        multipliers: if multipliers.is_empty() { null() } else { multipliers.as_ptr() },
+        multiplier_count: multipliers.len(),
+        tangent: 0,
+        reserved: 0,
+        friction: 0.0,
+        tangential_stiffness: 0.0,
+    }
+}
+
+#[test]
+fn faces_give_what_the_runtime_gives() {
+    let pair = Pair::new();
+    let (positions, _) = pair.positions.as_chunks::<3>();
+    let quadratic = |rows: &[i32]| -> Vec<QuadraticFace> {
+        let row = |row: &[i32; 9]| QuadraticFace::new(&row.map(|node| node as usize)).unwrap();
+        rows.as_chunks::<9>().0.iter().map(row).collect()
+    };
+    let (master, slave) = (quadratic(&pair.master), quadratic(&pair.slave));
+    let facets =
+        |faces: &[QuadraticFace]| faces.iter().flat_map(QuadraticFace::facets).collect::<Vec<Facet>>();
+    let surface = MasterSurface::new(positions, facets(&master)).unwrap();
+    let options = FaceOptions::new(InterfaceOptions::default()).with_rule(FaceRule::Fourth);
+    let mut expected = FaceInterface::new(surface, &facets(&slave), positions, options).unwrap();
+    expected.set_quadratic_faces(&[master, slave].concat()).unwrap();
+    let report = expected.refresh(positions).unwrap();
+
+    let (status, handle) = pair.make(4);
+    assert_eq!(status, DC_OK, "{}", message());
+    let multipliers: Vec<f64> = (0..25).map(|k| 0.1 * f64::from(k)).collect();
+    let (slaves, dofs) = (expected.slaves().to_vec(), DofMap::standard(pair.nodes()));
+    let own_law = ContactLaw::penalty(300.0).with_multipliers(Some(&multipliers));
+    let expected = expected.evaluate(&own_law, Mode::Hessian).unwrap();
+    // SAFETY: the arrays have the lengths given.
+    unsafe {
+        assert_eq!(dc_faces_add_quadratic(handle, pair.master.as_ptr(), 16, 9), DC_OK);
+        assert_eq!(dc_faces_add_quadratic(handle, pair.slave.as_ptr(), 4, 9), DC_OK);
+        let mut found = dc_faces_report { size: size_of::<dc_faces_report>(), ..std::mem::zeroed() };
+        assert_eq!(dc_faces_refresh(handle, pair.positions.as_ptr(), pair.nodes(), &mut found), DC_OK);
+        assert_eq!(found.points as usize, report.points);
+        assert_eq!((found.paired as usize, found.faces as usize), (report.paired, report.faces));
+        let (mut nodes, mut count) = (0, 0);
+        assert_eq!(dc_faces_counts(handle, &mut nodes, &mut count), DC_OK);
+        assert_eq!((nodes, count), (pair.nodes(), 25));
+        let mut own = vec![0; count];
+        assert_eq!(dc_faces_slaves(handle, own.as_mut_ptr(), count), DC_OK);
+        assert!(own.iter().zip(&slaves).all(|(own, node)| *own as usize == *node));
+
+        assert_eq!(dc_faces_evaluate(handle, &law(&multipliers), 2), DC_OK, "{}", message());
+        let (mut outcomes, mut gaps, mut pressures) = (vec![9; 25], vec![0.0; 25], vec![0.0; 25]);
+        let (mut areas, mut normals) = (vec![0.0; 25], vec![0.0; 75]);
+        let status = dc_faces_contacts(
+            handle,
+            outcomes.as_mut_ptr(),
+            gaps.as_mut_ptr(),
+            pressures.as_mut_ptr(),
+            areas.as_mut_ptr(),
+            normals.as_mut_ptr(),
+            25,
+        );
+        assert_eq!(status, DC_OK);
+        for (k, node) in expected.nodes().iter().enumerate() {
+            assert_eq!((outcomes[k], gaps[k], areas[k]), (0, node.gap, node.area));
+            assert_eq!((pressures[k], &normals[3 * k..3 * k + 3]), (node.pressure, &node.normal[..]));
+        }
+        assert!(pressures.iter().filter(|&&pressure| pressure > 0.0).count() > 10);
+
+        let size = 3 * pair.nodes();
+        let (mut residual, mut sum) = (vec![0.0; size], vec![0.0; size]);
+        let (mut active, mut missed) = (0, 9);
+        let status = dc_faces_residual(handle, residual.as_mut_ptr(), size, &mut active, &mut missed);
+        assert_eq!((status, missed), (DC_OK, expected.missed()));
+        assert_eq!(active, expected.add_residual(&dofs, &mut sum).unwrap());
+        assert_eq!(residual, sum);
+
+        for (tangent, own) in [(0, Tangent::Exact), (1, Tangent::GaussNewton)] {
+            let triplets = expected.triplets(own, &dofs).unwrap();
+            let mut count = 0;
+            let status =
+                dc_faces_triplets(handle, tangent, null_mut(), null_mut(), null_mut(), 0, &mut count);
+            assert_eq!((status, count), (DC_OK, triplets.len()));
+            let (mut rows, mut columns, mut values) = (vec![0; count], vec![0; count], vec![0.0; count]);
+            let status = dc_faces_triplets(
+                handle,
+                tangent,
+                rows.as_mut_ptr(),
+                columns.as_mut_ptr(),
+                values.as_mut_ptr(),
+                count,
+                &mut count,
+            );
+            assert_eq!(status, DC_OK);
+            assert_eq!(values, triplets.values());
+            assert!(rows.iter().zip(triplets.rows()).all(|(found, row)| *found as usize == *row));
+            assert!(columns.iter().zip(triplets.columns()).all(|(found, column)| *found as usize == *column));
+        }
+    }
+    assert_eq!(dc_faces_destroy(handle), DC_OK);
+}
+
+#[test]
+fn faces_refuse_what_is_none() {
+    let pair = Pair::new();
+    assert_eq!(pair.make(3).0, DC_BAD_OPTION);
+    assert!(message().contains("degree has to be 2 or 4, not 3"));
+    let (_, handle) = pair.make(2);
+    let size = 3 * pair.nodes();
+    let mut residual = vec![0.0; size];
+    // SAFETY: the arrays have the lengths given, or are refused.
+    unsafe {
+        let none = |status: dc_status| assert_eq!(status, DC_NOT_EVALUATED, "{}", message());
+        none(dc_faces_residual(handle, residual.as_mut_ptr(), size, null_mut(), null_mut()));
+        assert_eq!(dc_faces_refresh(handle, pair.positions.as_ptr(), 5, null_mut()), DC_BAD_SIZE);
+        assert_eq!(dc_faces_refresh(handle, pair.positions.as_ptr(), pair.nodes(), null_mut()), DC_OK);
+        assert_eq!(dc_faces_evaluate(handle, null(), 2), DC_BAD_POINTER);
+        assert_eq!(dc_faces_evaluate(handle, &law(&[0.1; 3]), 2), DC_BAD_SIZE, "{}", message());
+        assert_eq!(dc_faces_evaluate(handle, &law(&[-1.0; 25]), 2), DC_BAD_OPTION, "{}", message());
+        assert_eq!(dc_faces_evaluate(handle, &law(&[]), 7), DC_BAD_OPTION);
+        assert_eq!(dc_faces_evaluate(handle, &dc_law { friction: 0.3, ..law(&[]) }, 2), DC_BAD_OPTION);
+        none(dc_faces_residual(handle, residual.as_mut_ptr(), size, null_mut(), null_mut()));
+        assert_eq!(dc_faces_evaluate(handle, &law(&[]), 1), DC_OK);
+        let residual = residual.as_mut_ptr();
+        assert_eq!(dc_faces_residual(handle, residual, size - 1, null_mut(), null_mut()), DC_BAD_SIZE);
+        assert_eq!(dc_faces_residual(handle, null_mut(), size, null_mut(), null_mut()), DC_BAD_POINTER);
+        let mut count = 0;
+        let triplets = |count| dc_faces_triplets(handle, 0, null_mut(), null_mut(), null_mut(), 0, count);
+        // The exact tangent needs more than the gradient.
+        none(triplets(&mut count));
+        assert_eq!(
+            dc_faces_triplets(handle, 9, null_mut(), null_mut(), null_mut(), 0, &mut count),
+            DC_BAD_OPTION
+        );
+        // Positions of the moment have no results yet.
+        assert_eq!(dc_faces_update(handle, pair.positions.as_ptr(), pair.nodes(), null_mut()), DC_OK);
+        none(dc_faces_contacts(handle, null_mut(), null_mut(), null_mut(), null_mut(), null_mut(), 25));
+
+        let faces = pair.master.as_ptr();
+        assert_eq!(dc_faces_add_quadratic(handle, faces, 16, 7), DC_BAD_SIZE);
+        assert_eq!(dc_faces_add_quadratic(handle, null(), 16, 9), DC_BAD_POINTER);
+        let outside = [1000; 9];
+        assert_eq!(dc_faces_add_quadratic(handle, outside.as_ptr(), 1, 9), DC_OUT_OF_RANGE);
+        let negative = [-1; 9];
+        assert_eq!(dc_faces_add_quadratic(handle, negative.as_ptr(), 1, 9), DC_OUT_OF_RANGE);
+        let twice = [0; 6];
+        assert_eq!(dc_faces_add_quadratic(handle, twice.as_ptr(), 1, 6), DC_BAD_SURFACE, "{}", message());
+        let mut facets = [0; 12];
+        assert_eq!(dc_flat_facets(faces, 1, 9, facets.as_mut_ptr(), 3), DC_BAD_SIZE);
+        assert_eq!(dc_flat_facets(faces, 1, 9, null_mut(), 4), DC_BAD_POINTER);
+        let plane = [0.0, 0.0, 0.0, 2.0, 0.0, 0.0];
+        assert_eq!(dc_faces_set_symmetry(handle, plane.as_ptr(), 1), DC_BAD_SURFACE, "{}", message());
+        assert_eq!(dc_faces_set_equations(handle, null(), 3, 9), DC_BAD_POINTER);
+    }
+    assert_eq!(dc_faces_destroy(null_mut()), DC_OK);
+    assert_eq!(dc_faces_destroy(handle), DC_OK);
+    assert_eq!(dc_faces_destroy(handle), DC_BAD_HANDLE);
+    // SAFETY: refused.
+    assert_eq!(unsafe { dc_faces_counts(handle, null_mut(), null_mut()) }, DC_BAD_HANDLE);
+}

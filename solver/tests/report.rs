@@ -111,7 +111,6 @@ fn a_run_without_a_finished_increment_has_a_report() {
         let worst = &dom[dom.find("id=\"worst\"").unwrap()..];
         let worst = &worst[..worst.find("</table>").unwrap()];
         assert!(worst.matches("<tr>").count() == 11 && worst.contains("<td>block</td>"), "{worst}");
-        assert!(dom.contains(", failed</span>"));
     }
     let failed: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(Path::new(&out).join("failed.json")).unwrap()).unwrap();

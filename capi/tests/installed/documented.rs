@@ -5,15 +5,16 @@ use std::process::Command;
 
 use crate::support::{Installed, c_compiler, has, root, run};
 
-/// The code block of the language's page, and the one that follows: what it prints.
-fn block(language: &str) -> (String, String) {
+/// A code block of the language's page, counted from 0, and the one that follows: what it prints.
+fn block(language: &str, number: usize) -> (String, String) {
     let page = std::fs::read_to_string(root().join(format!("docs/how-to/{language}.md"))).expect("the page");
     let after = |text: &str, fence: &str| {
         let start = text.find(fence).unwrap_or_else(|| panic!("a block {fence}")) + fence.len();
         text[start..].to_owned()
     };
     let end = |text: &str| text[..text.find("```").expect("the end of a block")].to_owned();
-    let rest = after(&page, &format!("```{language}\n"));
+    let fence = format!("```{language}\n");
+    let rest = (0..=number).fold(page, |rest, _| after(&rest, &fence));
     let program = end(&rest);
     (program, end(&after(&rest, "```text\n")))
 }
@@ -23,21 +24,24 @@ fn written(path: &Path, text: &str) {
 }
 
 #[test]
-fn the_c_program_prints_what_the_page_says() {
+fn the_c_programs_print_what_the_page_says() {
     if !has("pkg-config") {
         return;
     }
     let installed = Installed::new("documented-c");
-    let (program, prints) = block("c");
-    let source = installed.prefix.join("program.c");
-    written(&source, &program);
-    let mut command = Command::new(c_compiler());
-    command
-        .args(["-std=c11", "-Wall", "-Wextra", "-Werror", "-o"])
-        .arg(installed.prefix.join("program"))
-        .arg(&source);
-    run(command.args(installed.flags(&["--cflags", "--libs"])).arg("-lm"));
-    assert_eq!(run(&mut installed.program("program")), prints);
+    // A node on a spring; contact over faces.
+    for number in [0, 1] {
+        let (program, prints) = block("c", number);
+        let source = installed.prefix.join("program.c");
+        written(&source, &program);
+        let mut command = Command::new(c_compiler());
+        command
+            .args(["-std=c11", "-Wall", "-Wextra", "-Werror", "-o"])
+            .arg(installed.prefix.join("program"))
+            .arg(&source);
+        run(command.args(installed.flags(&["--cflags", "--libs"])).arg("-lm"));
+        assert_eq!(run(&mut installed.program("program")), prints);
+    }
 }
 
 #[test]
@@ -65,7 +69,7 @@ fn the_fortran_program_prints_what_the_page_says() {
         return;
     }
     let installed = Installed::new("documented-fortran");
-    let (program, prints) = block("fortran");
+    let (program, prints) = block("fortran", 0);
     let source = installed.prefix.join("program.f90");
     written(&source, &program);
     let mut command = Command::new("gfortran");

@@ -4,22 +4,24 @@ use diffuse_contact::{Mode, Point};
 use thiserror::Error;
 
 use super::{ContactError, Interaction, SlaveState};
+use crate::solid::SolidError;
 
 /// A slave follows the fit of its own masters: each round leaves a small part of the gap.
 const ROUNDS: usize = 30;
-/// A gap is closed when it is below this part of the limit.
+/// A gap is closed when it is below this part of the limit, or what the last digits of positions make of it.
 const CLOSED: f64 = 1e-9;
+const LAST_DIGITS: f64 = 64.0 * f64::EPSILON;
 
 /// Why slaves cannot start in touch.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum AdjustError {
     /// Contact could not be evaluated.
     #[error(transparent)]
     Contact(#[from] ContactError),
-    /// The slaves within reach belong to a rigid part, whose shape is given.
+    /// The slaves within reach belong to a rigid part, whose shape is given, or are prescribed.
     #[error(
-        "{count} slaves lie within {limit:e} of the master, but all of them are rigid: exchange master and slave"
+        "{count} slaves lie within {limit:e} of the master, but none of them can be moved: they are rigid or prescribed; exchange master and slave"
     )]
     Rigid {
         /// How many.
@@ -27,6 +29,17 @@ pub enum AdjustError {
         /// The largest distance either way, length.
         limit: f64,
     },
+    /// Slaves would move far beyond what a mesh leaves open.
+    #[error("the limit of {limit:e} is more than a quarter of {size:e}, the mean size of the slave's facets")]
+    Far {
+        /// The limit, length.
+        limit: f64,
+        /// The size, length.
+        size: f64,
+    },
+    /// An element does not stand that its nodes are moved.
+    #[error(transparent)]
+    Solid(#[from] SolidError),
     /// A slave has left its master on its way.
     #[error("slave node {node} has no gap where it is moved to")]
     Lost {
@@ -51,9 +64,13 @@ pub enum AdjustError {
 pub fn adjust(
     interaction: &mut Interaction,
     start: &[Point],
-    movable: &[bool],
+    free: &[[bool; 3]],
     limit: f64,
 ) -> Result<Vec<(usize, Point)>, AdjustError> {
+    let size = interaction.facet_size();
+    if !(limit <= 0.25 * size) {
+        return Err(AdjustError::Far { limit, size });
+    }
     let mut positions = start.to_vec();
     let mut moved: Option<Vec<bool>> = None;
     for _ in 0..ROUNDS {
@@ -68,7 +85,8 @@ pub fn adjust(
             })
             .collect();
         let count = near.len();
-        let near: Vec<SlaveState> = near.into_iter().filter(|slave| movable[slave.node]).collect();
+        let near: Vec<SlaveState> =
+            near.into_iter().filter(|slave| free[slave.node].contains(&true)).collect();
         if near.is_empty() && count > 0 {
             return Err(AdjustError::Rigid { count, limit });
         }
@@ -77,13 +95,17 @@ pub fn adjust(
             near.iter().for_each(|slave| moved[slave.node] = true);
             moved
         });
-        let mut largest: f64 = 0.0;
+        let (mut largest, mut size): (f64, f64) = (0.0, 0.0);
         for slave in &near {
             let Some(gap) = slave.gap else { return Err(AdjustError::Lost { node: slave.node }) };
             largest = largest.max(gap.abs());
-            (0..3).for_each(|axis| positions[slave.node][axis] -= gap * slave.normal[axis]);
+            let position = &mut positions[slave.node];
+            for axis in (0..3).filter(|&axis| free[slave.node][axis]) {
+                position[axis] -= gap * slave.normal[axis];
+            }
+            size = position.iter().fold(size, |size, x| size.max(x.abs()));
         }
-        if largest <= CLOSED * limit {
+        if largest <= (CLOSED * limit).max(LAST_DIGITS * size) {
             return Ok(near.iter().map(|slave| (slave.node, positions[slave.node])).collect());
         }
     }

@@ -16,8 +16,8 @@ pub struct Beginning {
     pub interface: String,
     /// ε: force per length, or per length³ with areas and over faces.
     pub penalty: f64,
-    /// Slaves that were moved onto their masters, and the longest way, length.
-    pub adjusted: (usize, f64),
+    /// Slaves that were moved onto their masters, and the longest way, length; `None` if that was not asked for.
+    pub adjusted: Option<(usize, f64)>,
     /// Slaves, of both passes if there are two.
     pub slaves: usize,
     /// Those that have a contact element.
@@ -48,7 +48,10 @@ impl Beginning {
         let ways: Vec<f64> = interaction.slaves().filter_map(|slave| way(slave.node)).collect();
         Self {
             penalty: interaction.options().penalty,
-            adjusted: (ways.len(), ways.into_iter().fold(0.0, f64::max)),
+            adjusted: interaction
+                .options()
+                .adjust
+                .map(|_| (ways.len(), ways.into_iter().fold(0.0, f64::max))),
             interface: interaction.options().name.clone(),
             slaves: interaction.slaves().count(),
             paired: interaction.slaves().filter(|slave| slave.gap.is_some()).count(),

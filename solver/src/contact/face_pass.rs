@@ -163,6 +163,10 @@ impl Pass for FacePass {
         take_multipliers(&mut self.multipliers, multipliers)
     }
 
+    fn masters(&self) -> &[u32] {
+        self.interface.master().nodes()
+    }
+
     fn multiplier_of(&self, _slave: &SlaveState, gap: f64) -> f64 {
         self.penalty * gap
     }

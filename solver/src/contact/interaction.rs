@@ -171,6 +171,8 @@ pub struct InteractionOptions {
     pub integration: Integration,
     /// Faces of second order that facets of either surface are parts of: over faces they carry the forces.
     pub quadratic_faces: Vec<QuadraticFace>,
+    /// The gap up to which slaves were moved into touch before the start, length; only told on.
+    pub adjust: Option<f64>,
 }
 
 impl InteractionOptions {
@@ -190,7 +192,14 @@ impl InteractionOptions {
             friction: None,
             integration: Integration::default(),
             quadratic_faces: Vec::new(),
+            adjust: None,
         }
+    }
+
+    /// With slaves that were adjusted, or without.
+    #[must_use]
+    pub fn with_adjust(self, adjust: Option<f64>) -> Self {
+        Self { adjust, ..self }
     }
 
     /// With augmentation, or without.
@@ -314,12 +323,12 @@ pub enum Augmented {
 pub struct Interaction {
     options: InteractionOptions,
     passes: Vec<Box<dyn Pass>>,
-    /// Mean size of the slave's facets at the start, length.
-    size: f64,
-    /// Tributary areas of its nodes at the start, length².
+    /// Mean size of the slaves' facets of each pass at the start, length.
+    sizes: Vec<f64>,
+    /// Tributary areas of the nodes of both sides at the start, length².
     areas: HashMap<usize, f64>,
-    /// The multipliers of each pass, while others are supposed.
-    own: Option<Vec<Vec<f64>>>,
+    /// The multipliers of each pass from before others were supposed.
+    before: Vec<Vec<f64>>,
 }
 
 impl Interaction {
@@ -351,11 +360,14 @@ impl Interaction {
         } else {
             vec![pass(master, slave, penalty)?]
         };
-        // The facets were checked when the passes were made.
-        let areas = tributary_areas(positions, slave).unwrap_or_default();
-        let size = (areas.iter().sum::<f64>() / slave.len().max(1) as f64).sqrt();
-        let areas = areas.into_iter().enumerate().filter(|&(_, area)| area > 0.0).collect();
-        Ok(Self { options, passes, size, areas, own: None })
+        let (mut sizes, mut areas) = (Vec::new(), HashMap::new());
+        for side in [slave, master] {
+            // The facets were checked when the passes were made.
+            let of_nodes = tributary_areas(positions, side).unwrap_or_default();
+            sizes.push((of_nodes.iter().sum::<f64>() / side.len().max(1) as f64).sqrt());
+            areas.extend(of_nodes.into_iter().enumerate().filter(|&(_, area)| area > 0.0));
+        }
+        Ok(Self { options, passes, sizes, areas, before: Vec::new() })
     }
 
     /// The options.
@@ -437,9 +449,8 @@ impl Interaction {
     pub(super) fn add_tangent(
         &mut self,
         matrix: &mut BlockMatrix,
-        [residual, force]: [f64; 2],
+        tangent: Tangent,
     ) -> Result<Symmetry, ContactError> {
-        let tangent = self.options.tangent.at(residual, force);
         let mut symmetry = Symmetry::Symmetric;
         self.each(|pass| {
             if pass.add_tangent(matrix, tangent)? == Symmetry::General {
@@ -509,16 +520,21 @@ impl Interaction {
         }
     }
 
-    /// From here on the open slaves nearest to the master push with ε g. Their tangent is that of contact, and minus their force would
-    /// pull them onto the master.
-    pub(super) fn suppose(&mut self) {
-        self.own = Some(self.passes.iter_mut().map(|pass| pass.suppose(self.size)).collect());
+    /// From here on the open slaves of these parts that are nearest to the master push with ε g. Their tangent is that of contact, and
+    /// minus their force would pull them onto the master.
+    pub(super) fn suppose(&mut self, parts: &[Vec<bool>]) {
+        for (pass, size) in self.passes.iter_mut().zip(&self.sizes) {
+            let supposed = parts.iter().fold(Vec::new(), |all, part| pass.supposed(part, *size, all));
+            let mut multipliers = if supposed.is_empty() { pass.multipliers().to_vec() } else { supposed };
+            pass.exchange_multipliers(&mut multipliers);
+            self.before.push(multipliers);
+        }
     }
 
     /// Ends what [`suppose`](Self::suppose) began.
     pub(super) fn recall(&mut self) {
-        for (pass, mut own) in self.passes.iter_mut().zip(self.own.take().unwrap_or_default()) {
-            pass.exchange_multipliers(&mut own);
+        for (pass, mut before) in self.passes.iter_mut().zip(self.before.drain(..)) {
+            pass.exchange_multipliers(&mut before);
         }
     }
 
@@ -550,7 +566,12 @@ impl Interaction {
         self.passes.iter().map(AsRef::as_ref)
     }
 
-    /// Area that belongs to a slave of the first pass at the start, length².
+    /// Mean size of the slave's facets at the start, length.
+    pub(super) fn facet_size(&self) -> f64 {
+        self.sizes[0]
+    }
+
+    /// Area that belongs to a slave at the start, length².
     pub(super) fn tributary_area(&self, node: usize) -> f64 {
         self.areas.get(&node).copied().unwrap_or(0.0)
     }

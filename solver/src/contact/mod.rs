@@ -29,6 +29,7 @@ pub use pass::{FrictionHistory, NodalForces};
 pub use resultant::Resultant;
 
 use diffuse_contact::Mode;
+use diffuse_contact::assembly::Tangent;
 use diffuse_contact::interface::FrictionReport;
 
 use crate::system::{BlockMatrix, Symmetry};
@@ -106,7 +107,7 @@ impl ContactSet {
     }
 
     /// Adds the contact tangents to a stiffness whose pattern holds the [`cliques`](Self::cliques),
-    /// at a state with these norms of the residual and of the forces. Returns whether they are symmetric.
+    /// at a state with these norms of the residual and of the forces, or all with the same tangent. Returns whether they are symmetric.
     ///
     /// # Errors
     /// [`ContactError::Assembly`].
@@ -114,23 +115,31 @@ impl ContactSet {
         &mut self,
         matrix: &mut BlockMatrix,
         norms: [f64; 2],
+        tangent: Option<Tangent>,
     ) -> Result<Symmetry, ContactError> {
         let mut symmetry = Symmetry::Symmetric;
         for interaction in &mut self.interactions {
-            if interaction.add_tangent(matrix, norms)? == Symmetry::General {
+            let [residual, force] = norms;
+            let tangent = tangent.unwrap_or_else(|| interaction.options().tangent.at(residual, force));
+            if interaction.add_tangent(matrix, tangent)? == Symmetry::General {
                 symmetry = Symmetry::General;
             }
         }
         Ok(symmetry)
     }
 
-    /// Evaluates the contacts as if the open slaves that are nearest to their masters touched them, so that a body that only contact can
-    /// hold is held: they push with ε g until [`recall`](Self::recall), which is due even after an error. Slaves farther away than the size of their facets are left out.
+    /// Evaluates the contacts as if open slaves touched, so that a part that only contact can hold is held: they push with ε g until
+    /// [`recall`](Self::recall), which is due even after an error. `parts`: the nodes of each part that is to be held. Of its slaves, and of those that
+    /// face it, the ones nearest to their masters are meant, and none farther away than the size of its facets.
     ///
     /// # Errors
     /// [`ContactError::Interface`].
-    pub fn suppose(&mut self, positions: &[[f64; 3]]) -> Result<(), ContactError> {
-        self.interactions.iter_mut().for_each(Interaction::suppose);
+    pub(crate) fn suppose(
+        &mut self,
+        positions: &[[f64; 3]],
+        parts: &[Vec<bool>],
+    ) -> Result<(), ContactError> {
+        self.interactions.iter_mut().for_each(|interaction| interaction.suppose(parts));
         self.evaluate(positions, Mode::Hessian)
     }
 
@@ -138,7 +147,7 @@ impl ContactSet {
     ///
     /// # Errors
     /// [`ContactError::Interface`].
-    pub fn recall(&mut self, positions: &[[f64; 3]]) -> Result<(), ContactError> {
+    pub(crate) fn recall(&mut self, positions: &[[f64; 3]]) -> Result<(), ContactError> {
         self.interactions.iter_mut().for_each(Interaction::recall);
         self.evaluate(positions, Mode::Hessian)
     }

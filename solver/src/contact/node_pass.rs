@@ -244,6 +244,10 @@ impl Pass for NodePass {
         self.multipliers = (0..self.multipliers.len()).map(forces).collect();
     }
 
+    fn masters(&self) -> &[u32] {
+        self.interface.master().nodes()
+    }
+
     fn multiplier_of(&self, slave: &SlaveState, gap: f64) -> f64 {
         self.penalty * slave.area * gap
     }

@@ -60,7 +60,7 @@ impl From<AssemblyError> for PassError {
 
 /// Slaves farther from the master than the nearest one by this part of their facets' size are not supposed to touch.
 const NEAR: f64 = 0.1;
-/// A gap that is none, over the facets' size.
+/// Added to the gap of a slave that is supposed to touch, over the facets' size: without any force it would not count.
 const LITTLE: f64 = 1e-12;
 
 /// One side's surface against the other's.
@@ -116,22 +116,30 @@ pub trait Pass: std::fmt::Debug {
     /// Exchanges the multipliers, one per slave or none.
     fn exchange_multipliers(&mut self, multipliers: &mut Vec<f64>);
 
-    /// Gives the open slaves that are nearest to the master, and not farther than `size`, multipliers by which they push with ε g. Returns
-    /// the multipliers of before.
-    fn suppose(&mut self, size: f64) -> Vec<f64> {
-        let gap = |slave: &SlaveState| slave.gap.filter(|_| slave.force == 0.0 && !slave.is_held);
+    /// The nodes of the master.
+    fn masters(&self) -> &[u32];
+
+    /// Multipliers by which the open slaves of a part, and those that face it, push with ε g, if they are nearest to the master and not
+    /// farther than `size`; `others` or its own for other slaves. Empty if there are none, and no `others`.
+    fn supposed(&self, part: &[bool], size: f64, others: Vec<f64>) -> Vec<f64> {
+        let faces_part = self.masters().iter().any(|&node| part[node as usize]);
+        let gap = |slave: &SlaveState| {
+            let is_open = slave.force == 0.0 && !slave.is_held && (faces_part || part[slave.node]);
+            slave.gap.filter(|_| is_open)
+        };
         let least = self.slaves().filter_map(|slave| gap(&slave)).fold(size, f64::min);
-        let mut supposed = self.multipliers().to_vec();
-        supposed.resize(self.slave_count(), 0.0);
+        let mut multipliers = others;
         for (k, slave) in self.slaves().enumerate() {
             let Some(gap) = gap(&slave).filter(|&gap| gap < (least + NEAR * size).min(size)) else {
                 continue;
             };
-            // A gap of nothing has a force, too small to matter: without any it would not count.
-            supposed[k] = self.multiplier_of(&slave, 2.0 * gap + LITTLE * size);
+            if multipliers.is_empty() {
+                multipliers.extend_from_slice(self.multipliers());
+                multipliers.resize(self.slave_count(), 0.0);
+            }
+            multipliers[k] = self.multiplier_of(&slave, 2.0 * gap + LITTLE * size);
         }
-        self.exchange_multipliers(&mut supposed);
-        supposed
+        multipliers
     }
 
     /// Number of slave nodes.

@@ -13,7 +13,8 @@ pub struct Resultant {
     pub moment: Point,
     /// Sum of the moduli of the normal forces, force: over the area it is the mean pressure.
     pub normal: f64,
-    /// Area of the slave that carries force, length²: of its nodes at the start, over faces the part of them over the master.
+    /// Area of the slave that carries force, length²: of its nodes at the start, over faces the part of them over the master. With two passes
+    /// that of the larger side.
     pub area: f64,
     /// Where the normal forces act on the slave: Σ f x / Σ f. The origin without any.
     pub centre: Point,
@@ -25,6 +26,7 @@ impl Interaction {
     pub fn resultant(&self, positions: &[Point]) -> Resultant {
         let mut sum = Resultant::default();
         for (sign, pass) in [1.0, -1.0].into_iter().zip(self.passes()) {
+            let mut area = 0.0;
             for slave in pass.slaves() {
                 let (x, force) = (positions[slave.node], slave.nodal_force.map(|f| sign * f));
                 for axis in 0..3 {
@@ -35,10 +37,10 @@ impl Interaction {
                     sum.centre[axis] += slave.force * x[axis];
                 }
                 sum.normal += slave.force;
-                if sign > 0.0 {
-                    sum.area += self.loaded_area(&slave);
-                }
+                area += self.loaded_area(&slave);
             }
+            // In two passes both sides carry force, but at the beginning of contact.
+            sum.area = sum.area.max(area);
         }
         if sum.normal > 0.0 {
             sum.centre = sum.centre.map(|moment| moment / sum.normal);

@@ -58,6 +58,7 @@ fn options(two_pass: bool, augmented: bool) -> InteractionOptions {
         friction: None,
         integration: Integration::Nodes,
         quadratic_faces: Vec::new(),
+        adjust: None,
     }
 }
 
@@ -173,7 +174,7 @@ fn the_stiffness_is_the_derivative_of_the_forces_with_the_pairing_held() {
             forces(&mut set, &nodes, Mode::Hessian);
         }
         let mut matrix = BlockMatrix::new(pattern);
-        set.add_tangent(&mut matrix, [0.0; 2]).unwrap();
+        set.add_tangent(&mut matrix, [0.0; 2], None).unwrap();
         assert!(at_start.iter().any(|&force| force != 0.0));
         let size = matrix.entries().iter().fold(0.0, |size: f64, entry| size.max(entry.abs()));
         let step = 1e-6;
@@ -338,7 +339,7 @@ fn tangent_at(tangent: TangentRule, residual: f64) -> (Vec<f64>, Mode) {
     let mode = set.interactions()[0].mode();
     let pattern = Arc::new(BlockPattern::new(nodes.len(), set.cliques().collect::<Vec<_>>().iter()));
     let mut matrix = BlockMatrix::new(pattern);
-    set.add_tangent(&mut matrix, [residual, 2.0]).unwrap();
+    set.add_tangent(&mut matrix, [residual, 2.0], None).unwrap();
     (matrix.entries().to_vec(), mode)
 }
 

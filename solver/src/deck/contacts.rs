@@ -9,6 +9,7 @@ use super::error::{DeckError, Problem};
 use super::{Contact, Deck, Interface, Sides};
 use crate::contact::{AdjustError, ContactError, Integration, Interaction, InteractionOptions, adjust};
 use crate::model::Model;
+use crate::solid::Solid;
 
 /// ε without a `penalty`, over E/h. Pressures are a few percent of E at most, so that penetrations stay about a percent of a facet.
 const PENALTY_FACTOR: f64 = 5.0;
@@ -37,7 +38,8 @@ impl Deck {
             .with_two_pass(interface.two_pass)
             .with_friction(interface.friction)
             .with_integration(interface.integration)
-            .with_quadratic_faces(quadratic);
+            .with_quadratic_faces(quadratic)
+            .with_adjust(interface.adjust);
         self.refused(interface, Interaction::new(options, &sides.master, &sides.slave, &model.nodes))
     }
 
@@ -58,19 +60,26 @@ impl Deck {
             let options = self.options(model, interface, &sides);
             let made = Interaction::new(options, &sides.master, &sides.slave, &model.nodes);
             let mut interaction = self.refused(interface, made)?;
-            let deformable = model.deformable();
-            match adjust(&mut interaction, &model.nodes, &deformable, limit) {
-                Ok(moved) => {
-                    moved.into_iter().for_each(|(node, to)| model.adjust(node, to, &interface.name));
-                }
+            let (deformable, supports) = (model.deformable(), self.supports(model)?);
+            let is_free = |node: usize, axis| deformable[node] && supports.motion(node, axis).is_none();
+            let free: Vec<[bool; 3]> =
+                (0..model.nodes.len()).map(|node| [0, 1, 2].map(|axis| is_free(node, axis))).collect();
+            let moved = match adjust(&mut interaction, &model.nodes, &free, limit) {
+                Ok(moved) => moved,
                 Err(AdjustError::Contact(error)) => return self.refused(interface, Err(error)),
-                Err(error) => {
-                    let name = interface.name.clone();
-                    return Err(self.error(interface.line, Problem::Adjust { name, error }));
-                }
-            }
+                Err(error) => return Err(self.unadjusted(interface, error)),
+            };
+            moved.into_iter().for_each(|(node, to)| model.adjust(node, to, &interface.name));
+            // Of elements that this turned inside out the mesh is not to blame.
+            Solid::new(&model.nodes, &model.bodies)
+                .map_err(|error| self.unadjusted(interface, AdjustError::Solid(error)))?;
         }
         Ok(())
+    }
+
+    fn unadjusted(&self, interface: &Interface, error: AdjustError) -> DeckError {
+        let name = interface.name.clone();
+        self.error(interface.line, Problem::Adjust { name, error })
     }
 
     fn refused<T>(&self, interface: &Interface, made: Result<T, ContactError>) -> Result<T, DeckError> {
@@ -78,7 +87,7 @@ impl Deck {
     }
 }
 
-/// Five times E/h of the softer body: of all bodies under either side the least E over the size of its facets there.
+/// Five times the least E/h of all bodies under either side, h the size of its facets there.
 fn automatic_penalty(model: &Model, sides: &Sides) -> f64 {
     let mut least = f64::INFINITY;
     for body in &model.bodies {

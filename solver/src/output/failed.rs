@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Fields, Skin, SkinFrame};
+use super::{Fields, RecorderOptions, Skin, SkinFrame};
 use crate::model::Model;
 use crate::statics::{FailedIncrement, Problem, State};
 
@@ -18,8 +18,8 @@ pub struct Failed {
     pub length: f64,
     /// Why it failed, in a sentence.
     pub reason: String,
-    /// Its residuals over the forces, as far as they are numbers.
-    pub residuals: Vec<f64>,
+    /// Its residuals over the forces; `None` where that is no number, as without any force.
+    pub residuals: Vec<Option<f64>>,
     /// The nodes with the largest residuals at its last evaluation, the worst first.
     pub worst: Vec<WorstNode>,
     /// The skin where it was left; `None` if a position is no number.
@@ -40,13 +40,13 @@ pub struct WorstNode {
 }
 
 impl Failed {
-    /// `areas`: those of the slave nodes at the start; `committed`: where the increment began.
+    /// `committed`: where the increment began.
     pub(super) fn of(
         failed: &FailedIncrement<'_>,
         problem: &Problem,
         model: &Model,
         skin: &Skin,
-        areas: &[f64],
+        options: &RecorderOptions,
         committed: &State,
     ) -> Self {
         let positions = failed.positions;
@@ -54,16 +54,13 @@ impl Failed {
         let frame = is_finite.then(|| {
             let points = problem.last_points().to_vec();
             let state = State { positions: positions.to_vec(), points, ..committed.clone() };
-            let mut fields = Fields::of(problem, &state, areas);
-            // Without stresses where there are none.
-            let _ = fields.recover(problem, &state);
+            let mut fields = Fields::of(problem, &state, &options.areas);
+            if options.output.stress {
+                // An element that is inside out has none: then the field is left out.
+                let _ = fields.recover(problem, &state);
+            }
             let mut frame = skin.frame(committed.increments + 1, failed.end, positions, &fields);
-            frame
-                .fields
-                .values_mut()
-                .flatten()
-                .filter(|value| !value.is_finite())
-                .for_each(|value| *value = 0.0);
+            frame.fields.retain(|_, values| values.iter().all(|value| value.is_finite()));
             frame
         });
         let relative = failed.history.iter().map(|record| record.relative);
@@ -71,7 +68,9 @@ impl Failed {
             time: failed.end,
             length: failed.length,
             reason: failed.reason.to_string(),
-            residuals: relative.filter(|residual| residual.is_finite()).collect(),
+            residuals: relative
+                .map(|residual| Some(residual).filter(|residual| residual.is_finite()))
+                .collect(),
             worst: worst(problem, model, positions),
             frame,
         }

@@ -516,10 +516,13 @@ impl Observer for Recorder<'_> {
         self.watcher.iteration(record);
     }
 
-    fn cut_back(&mut self, failed: &FailedIncrement<'_>, problem: &Problem) -> Control {
+    fn failed(&mut self, failed: &FailedIncrement<'_>, problem: &Problem) {
         let Self { model, skin, options, state, .. } = self;
-        self.failed = Some(Failed::of(failed, problem, model, skin, &options.areas, state));
-        self.watcher.cut_back(failed.end, failed.length, failed.reason)
+        self.failed = Some(Failed::of(failed, problem, model, skin, options, state));
+    }
+
+    fn cut_back(&mut self, end: f64, length: f64, reason: &Failure) -> Control {
+        self.watcher.cut_back(end, length, reason)
     }
 
     fn increment(

@@ -38,7 +38,7 @@ pub struct Summary {
     /// Linear solutions in which slaves near their masters were taken to touch, over all increments.
     #[serde(default)]
     pub solutions_supposed: usize,
-    /// Linear solutions with stabilisation, over all increments.
+    /// Linear solutions in which nothing but the stabilisation held a part, over all increments.
     #[serde(default)]
     pub solutions_stabilised: usize,
     /// Interfaces that carried no force at the end of any increment.
@@ -125,10 +125,6 @@ impl Summary {
             (
                 self.points_missed,
                 "points of loaded faces carried no force: their line of force met no place of the facet over them".to_owned(),
-            ),
-            (
-                self.solutions_stabilised,
-                "linear solutions had the stabilisation; no force has it".to_owned(),
             ),
         ];
         let counted = counted.into_iter().filter(|&(count, _)| count > 0);

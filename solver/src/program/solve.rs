@@ -161,9 +161,8 @@ impl Watcher for Progress {
                 "interface `{}`: {paired} of {slaves} slaves paired, deepest overlap {overlap:.3e}, penalty {penalty:.3e}",
                 shown(interface)
             ));
-            let (moved, way) = adjusted;
-            if *moved > 0 {
-                say(&format!("  {moved} slaves start in touch, moved by up to {way:.3e}"));
+            if let Some((moved, way)) = adjusted {
+                say(&format!("  {moved} slaves were moved into touch, by up to {way:.3e}"));
             }
             beginning.warnings().iter().for_each(|warning| say(&format!("  warning: {warning}")));
         }
@@ -212,13 +211,13 @@ impl Watcher for Progress {
         }
         if record.supposed > 0 {
             say(&format!(
-                "  note: nothing but contact holds a body: slaves near their masters were taken to touch in {} linear solutions",
+                "  note: nothing but contact can hold a body: slaves near their masters were taken to touch in {} linear solutions",
                 record.supposed
             ));
         }
         if record.stabilised > 0 {
             say(&format!(
-                "  note: nothing holds a body: {} linear solutions had the stabilisation, which no force has",
+                "  note: nothing but the stabilisation holds a body in {} linear solutions",
                 record.stabilised
             ));
         }

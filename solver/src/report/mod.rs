@@ -140,8 +140,11 @@ fn read_run(directory: &Path, runs: usize) -> Result<Run, OutputError> {
 /// The shape is left out where that of the run is.
 fn read_failed(path: &Path, skin: &Skin) -> Result<Failed, OutputError> {
     let mut failed: Failed = read_json(path)?;
-    let fits = |frame: &SkinFrame| frame.positions.len() == skin.nodes.len();
-    failed.frame = failed.frame.filter(fits);
+    let fits = |frame: &SkinFrame| {
+        let lengths = frame.fields.values().map(Vec::len).chain([frame.positions.len()]);
+        lengths.into_iter().all(|length| length == skin.nodes.len())
+    };
+    failed.frame = failed.frame.filter(fits).map(shown::short);
     Ok(failed)
 }
 

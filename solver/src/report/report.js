@@ -15,6 +15,8 @@ const units = {
 };
 const words = { von_mises: "von Mises stress", plastic_strain: "equivalent plastic strain", contact_pressure: "contact pressure", contact_gap: "contact gap", contact_slip: "way from the anchor" };
 const labelled = (name, axis) => `${words[name] || name}${axis ? ` ${axis}` : ""}${units[name] ? `, ${units[name]}` : ""}`;
+// Plots take names for markup.
+const plain = (text) => String(text).replaceAll("&", "&amp;").replaceAll("<", "&lt;");
 const least = (values, start) => values.reduce((a, b) => (b < a ? b : a), start);
 const most = (values, start) => values.reduce((a, b) => (b > a ? b : a), start);
 
@@ -84,14 +86,14 @@ function summary() {
   table("summary", rows.map(([name, value]) => [name, ...runs.map(value)]));
   const material = ({ young, poisson, plasticity: yields }) =>
     `E ${precise(young)}, ν ${precise(poisson)}${yields ? `, yield stress ${precise(yields.yield_stress)}, hardening ${precise(yields.hardening)}` : ""}`;
-  // Runs of one page have the same mesh, or parts of their own names.
-  const parts = new Map(runs.flatMap((run) => run.summary.parts.map((part) => [part.name, part])));
-  const interfaces = runs[0].summary.interfaces.map((each) => [each.interface, "", "", `penalty ${precise(each.penalty)}${each.adjusted[0] > 0 ? `, ${each.adjusted[0]} of ${each.slaves} slaves moved into touch` : ""}`]);
-  table("parts", [
-    ["part or interface", "nodes", "elements", "what it is"],
-    ...[...parts.values()].map((part) => [part.name, part.nodes, part.elements || "", part.material ? material(part.material) : "rigid"]),
-    ...interfaces,
-  ]);
+  const parts = (run) => [
+    ...run.summary.parts.map((part) => [part.name, part.nodes, part.elements || "", part.material ? material(part.material) : "rigid"]),
+    ...run.summary.interfaces.map((each) => [each.interface, "", "", `penalty ${precise(each.penalty)}${each.adjusted ? `, ${each.adjusted[0]} of ${each.slaves} slaves moved into touch` : ""}`]),
+  ];
+  // Runs of the same mesh share their lines.
+  const seen = new Set();
+  const lines = runs.flatMap((run) => parts(run).filter((line) => !seen.has(line.join("\n")) && seen.add(line.join("\n"))));
+  table("parts", [["part or interface", "nodes", "elements", "what it is"], ...lines]);
 }
 
 // Rows of cells, the first of them the head.
@@ -127,7 +129,7 @@ function force() {
   const signed = (values) => values.map((value) => sign * value);
   const traces = runs.map((run, k) => ({
     x: moves ? signed(moved(run)) : run.history.time, y: signed(run.history[`reaction_${axis}:${name}`] || []),
-    name: run.label, mode: "lines+markers", marker: { size: 5 }, line: { color: colours[k % colours.length], dash: k ? "dash" : "solid" },
+    name: plain(run.label), mode: "lines+markers", marker: { size: 5 }, line: { color: colours[k % colours.length], dash: k ? "dash" : "solid" },
   }));
   return draw("force", traces, layout(traces, { text: moves ? labelled("displacement", along) : "time" }, { text: labelled("reaction", along) }));
 }
@@ -145,8 +147,8 @@ const interfacesOf = (run) => Object.keys(run.history).filter((key) => key.start
 function contact() {
   const [title, values] = quantities[element("quantity").value];
   const traces = runs.flatMap((run, r) => interfacesOf(run).map((name, k) => ({
-    x: run.history.time, y: values((what) => run.history[`contact_${what}:${name}`] || []), name: runs.length > 1 ? `${name} (${run.label})` : name,
-    mode: "lines+markers", marker: { size: 5 }, line: { color: colours[k % colours.length], dash: r ? "dash" : "solid" },
+    x: run.history.time, y: values((what) => run.history[`contact_${what}:${name}`] || []), name: plain(runs.length > 1 ? `${name} (${run.label})` : name),
+    mode: "lines+markers", marker: { size: 5 }, line: { color: colours[(k + r * interfacesOf(run).length) % colours.length], dash: r ? "dash" : "solid" },
   })));
   return draw("contact", traces, layout(traces, { text: "time" }, { text: title }));
 }
@@ -154,13 +156,13 @@ function contact() {
 // Where a run that ended early got stuck.
 function failed() {
   const traces = failures.map((run, k) => ({
-    x: run.failed.residuals.map((_, i) => i), y: run.failed.residuals.map((r) => (r > 0 ? r : null)), name: run.label, mode: "lines+markers", line: { color: colours[k % colours.length] },
+    x: run.failed.residuals.map((_, i) => i), y: run.failed.residuals.map((r) => (r > 0 ? r : null)), name: plain(run.label), mode: "lines+markers", line: { color: colours[k % colours.length] },
   }));
   element("failed-reason").textContent = failures.map((run) => `${run.label}: from ${precise(run.failed.time - run.failed.length)} to ${precise(run.failed.time)}: ${run.failed.reason}`).join(" · ");
   const point = (x) => `(${x.map(precise).join(", ")})`;
   table("worst", [
     ["part", "node", "position", "residual, force"],
-    ...failures.flatMap((run) => run.failed.worst.map((node) => [node.part, node.node, point(node.position), point(node.residual)])),
+    ...failures.flatMap((run) => run.failed.worst.map((node) => [failures.length > 1 ? `${node.part} (${run.label})` : node.part, node.node, point(node.position), point(node.residual)])),
   ]);
   return draw("failed", traces, layout(traces, { text: "iteration" }, { text: "residual over forces", more: { type: "log", dtick: 1 } }));
 }
@@ -168,7 +170,7 @@ function failed() {
 function iterations() {
   element("totals").textContent = runs.map((run) => `${run.label}: ${run.history.iterations.reduce((a, b) => a + b, 0)} in finished increments`).join(" · ");
   const traces = runs.map((run, k) => ({
-    x: run.history.time, y: run.history.iterations, name: run.label, mode: "lines+markers",
+    x: run.history.time, y: run.history.iterations, name: plain(run.label), mode: "lines+markers",
     line: { shape: "hvh", color: colours[k % colours.length] }, marker: { size: 5 },
   }));
   return draw("iterations", traces, layout(traces, { text: "time" }, { text: "iterations", more: { rangemode: "tozero" } }));
@@ -180,7 +182,7 @@ function convergence() {
   const traces = runs.map((run, k) => {
     // The first residual is that before the prescribed nodes move.
     const residuals = (run.residuals[number] || []).slice(1);
-    return { x: residuals.map((_, i) => i + 1), y: residuals.map((r) => (r > 0 ? r : null)), name: run.label, mode: "lines+markers", line: { color: colours[k % colours.length] } };
+    return { x: residuals.map((_, i) => i + 1), y: residuals.map((r) => (r > 0 ? r : null)), name: plain(run.label), mode: "lines+markers", line: { color: colours[k % colours.length] } };
   });
   const count = most(traces.map((trace) => trace.x.length), 0);
   const x = { text: "linear solutions", more: { dtick: Math.ceil(count / 12) || 1 } };
@@ -257,18 +259,18 @@ const framesOf = (run) => (run.failed && run.failed.frame ? [...run.frames, run.
 
 // How a part is shown: a click leads to the next state.
 const states = ["shown", "faded", "hidden"];
-const partStates = {};
+const partStates = new Map();
 
 function partList(run) {
   element("part-list").replaceChildren(...run.skin.names.map((name) => {
     const button = document.createElement("button");
     button.className = "part";
     button.textContent = name;
-    partStates[name] = partStates[name] || "shown";
-    button.dataset.state = partStates[name];
+    button.dataset.state = partStates.get(name) || states[0];
     button.addEventListener("click", () => {
-      partStates[name] = states[(states.indexOf(partStates[name]) + 1) % states.length];
-      button.dataset.state = partStates[name];
+      const state = states[(states.indexOf(button.dataset.state) + 1) % states.length];
+      partStates.set(name, state);
+      button.dataset.state = state;
       shape();
     });
     return button;
@@ -292,14 +294,15 @@ function shape() {
   element("frame-label").textContent = `${precise(frame.time)}${run.failed && frame === run.failed.frame ? ", failed" : ""}`;
   const field = fieldNames[element("field").value];
   const points = frame.positions;
-  const all = frames.flatMap((each) => each.positions);
+  // Where an increment failed nodes may be anywhere: axes and colours are those of what has converged.
+  const all = run.frames.flatMap((each) => each.positions);
   const bounds = [0, 1, 2].map((axis) => [least(all.map((p) => p[axis]), Infinity), most(all.map((p) => p[axis]), -Infinity)]);
   const isKept = clipped(points, bounds);
-  const state = (k) => partStates[run.skin.names[run.skin.parts[k]]] || "shown";
+  const state = (k) => partStates.get(run.skin.names[run.skin.parts[k]]) || states[0];
   const faces = (deformable, wanted) => run.skin.faces.filter((face, k) => run.skin.parts[k] < run.skin.deformable === deformable && state(k) === wanted && isKept(face));
-  // A run that failed may have no stresses where it was left.
-  const values = frame.fields[field] || points.map(() => 0);
-  const range = frames.map((each) => each.fields[field] || []);
+  const known = frame.fields[field];
+  const values = known || points.map(() => 0);
+  const range = run.frames.map((each) => each.fields[field]);
   const low = least(range.map((each) => least(each, 0)), 0);
   const high = most(range.map((each) => most(each, 0)), low);
   const common = { x: points.map((p) => p[0]), y: points.map((p) => p[1]), z: points.map((p) => p[2]), type: "mesh3d", hoverinfo: "text", flatshading: true, lighting: { ambient: 0.75, diffuse: 0.5, specular: 0.05 } };
@@ -322,7 +325,8 @@ function shape() {
   const at = (k) => `${precise(values[k])} at node ${run.skin.nodes[k]} (${points[k].map(precise).join(", ")})`;
   const lowest = corners.reduce((a, b) => (values[b] < values[a] ? b : a), corners[0]);
   const highest = corners.reduce((a, b) => (values[b] > values[a] ? b : a), corners[0]);
-  element("extremes").textContent = corners.length > 0 ? `${words[field] || field} of the parts shown: least ${at(lowest)}, largest ${at(highest)}.` : "";
+  if (!known) element("extremes").textContent = `There is no ${words[field] || field} where the increment was left.`;
+  else element("extremes").textContent = corners.length > 0 ? `${words[field] || field} of the parts shown: least ${at(lowest)}, largest ${at(highest)}.` : "";
   return draw("shape", traces, scene("shape", all, `shape ${element("run").value}`, loadAxis));
 }
 
@@ -382,7 +386,8 @@ const fieldSelect = options("field", fieldNames.map((name) => words[name] || nam
 if (shapes.length > 0) {
   fieldSelect.value = Math.max(0, fieldNames.indexOf(shapes[0].skin.shown));
   element("frame").max = most(shapes.map((run) => framesOf(run).length - 1), 0);
-  element("frame").value = element("frame").max;
+  // At first the last one that has converged.
+  element("frame").value = shapes[0].frames.length - 1;
   partList(shapes[0]);
   element("run").addEventListener("change", () => partList(shapes[element("run").value]));
 }
@@ -422,7 +427,9 @@ function csv(id) {
   }
   const lines = element(id).data.filter((trace) => trace.type !== "mesh3d");
   const rows = lines.flatMap((trace) => trace.x.map((x, k) => [quoted(trace.name || id), x ?? "", trace.y[k] ?? "", ...(trace.z ? [trace.z[k] ?? ""] : [])]));
-  return [["line", "x", "y", ...(lines[0] && lines[0].z ? ["z"] : [])], ...rows].map((row) => row.join(",")).join("\n");
+  const { xaxis, yaxis } = element(id).layout;
+  const titles = xaxis ? [xaxis.title.text, yaxis.title.text] : ["x", "y", "z"];
+  return [["line", ...titles.map(quoted)], ...rows].map((row) => row.join(",")).join("\n");
 }
 
 for (const place of document.querySelectorAll(".export")) {

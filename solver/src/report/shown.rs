@@ -48,11 +48,17 @@ fn bytes(document: &impl Serialize) -> usize {
     serde_json::to_vec(document).map_or(0, |text| text.len())
 }
 
+/// A frame in as many digits as one sees.
+pub fn short(mut frame: SkinFrame) -> SkinFrame {
+    frame.positions = rounded_points(&frame.positions);
+    frame.fields.values_mut().flatten().for_each(|value| *value = rounded(*value));
+    frame
+}
+
 impl Frame {
-    fn of(SkinFrame { increment, time, positions, fields }: SkinFrame) -> Self {
-        let fields =
-            fields.into_iter().map(|(name, values)| (name, values.into_iter().map(rounded).collect()));
-        Self { increment, time, positions: rounded_points(&positions), fields: fields.collect() }
+    fn of(frame: SkinFrame) -> Self {
+        let SkinFrame { increment, time, positions, fields } = short(frame);
+        Self { increment, time, positions, fields }
     }
 }
 

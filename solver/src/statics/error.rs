@@ -37,7 +37,7 @@ pub enum StaticsError {
         /// Why it failed.
         reason: Box<Failure>,
     },
-    /// The stiffness is singular in equilibrium.
+    /// A part is loose, and no contact carries force that could hold it.
     #[error("the run cannot go on from time {time}: {}{error}", all(loose))]
     Singular {
         /// The time that was reached.
@@ -81,9 +81,11 @@ pub enum StaticsError {
     Observer(Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// One sentence for each part.
+/// A clause for each part, and what may help.
 fn all(loose: &[Loose]) -> String {
-    loose.iter().map(|loose| format!("{loose}; ")).collect()
+    let parts: String = loose.iter().map(|loose| format!("{loose}; ")).collect();
+    let help = "supports, contact closer than a facet's size, or, where no load acts along that, `stabilisation` hold it; ";
+    if parts.is_empty() { parts } else { parts + help }
 }
 
 /// Why one increment failed.
@@ -166,10 +168,12 @@ impl Failure {
         }
     }
 
-    /// A linear step from equilibrium that has no solution has none for a shorter increment either.
-    pub(super) fn in_equilibrium(self, time: f64) -> Self {
+    /// Where nothing but the bodies themselves could hold a part that is loose, a shorter increment does not mend it.
+    pub(super) fn without_contact(self, time: f64) -> Self {
         match self {
-            Self::Singular { error, loose } => Self::Fatal(StaticsError::Singular { time, error, loose }),
+            Self::Singular { error, loose } if !loose.is_empty() => {
+                Self::Fatal(StaticsError::Singular { time, error, loose })
+            }
             other => other,
         }
     }

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use diffuse_contact::assembly::Tangent;
+
 use super::loose::{Loose, loose_parts};
 use super::{Failure, Problem};
 use crate::system::{BlockMatrix, BlockPattern, Symmetry, SystemError};
@@ -21,49 +23,83 @@ impl Problem {
     /// Solves K Δx = r for the free degrees of freedom while the prescribed ones move by `prescribed`, with the stiffness at the last
     /// evaluation, which was one of [`Order::Tangent`](crate::solid::Order::Tangent).
     ///
-    /// If it is singular, slaves near their masters are supposed to touch them, if contact holds something then that nothing else does. The
-    /// stabilisation, if there is any, is added in any case. Neither changes a force: they are gone in equilibrium.
+    /// Where nothing holds a part, slaves near their masters are supposed to touch, if that holds it. The stabilisation, if there is any,
+    /// is added in any case. Neither changes a force: they are gone in equilibrium.
     pub(super) fn solve(
         &mut self,
         time: f64,
         positions: &[[f64; 3]],
         prescribed: &[(usize, f64)],
     ) -> Result<Vec<f64>, Failure> {
-        let mut system = self.assemble(time, positions)?;
+        let mut system = self.assemble(time, positions, None)?;
         self.take_rounding(&system.matrix, positions);
-        let mut solved = self.solve_system(&system, prescribed);
-        if is_singular(&solved) && self.supposed < MOST_SUPPOSED {
-            let free = self.free_motions(&system, positions);
+        let is_stabilised = self.stabilisation > 0.0;
+        // A motion that costs next to nothing goes anywhere long before its stiffness counts as singular: there is no trying without.
+        let plain = if is_stabilised { None } else { Some(self.solve_system(&system, prescribed)) };
+        if let Some(solved) = plain
+            && !matches!(solved, Err(SystemError::Singular { .. }))
+        {
             self.stiffness = Some(system.matrix);
-            let closed = self.closed(time, positions);
-            self.contacts.recall(positions)?;
+            return solved.map_err(|error| Failure::of_system(error, Vec::new()));
+        }
+        let mut loose = self.loose(&system, positions);
+        let is_due = !(is_stabilised && loose.is_empty());
+        if is_due && !self.is_in_vain && self.supposed < MOST_SUPPOSED {
+            self.stiffness = Some(system.matrix);
+            let closed = self.closed(time, positions, &loose);
+            self.contacts.recall(positions).map_err(Failure::Contact)?;
             system = closed?;
-            solved = self.solve_system(&system, prescribed);
-            if solved.is_ok() || self.free_motions(&system, positions) < free {
+            let held = self.loose(&system, positions);
+            if motions(&held) < motions(&loose) || loose.is_empty() && !is_stabilised {
                 self.supposed += 1;
+                loose = held;
             } else {
-                // They hold nothing.
+                // They hold nothing, and will not in this increment.
+                self.is_in_vain = true;
                 self.stiffness = Some(system.matrix);
-                system = self.assemble(time, positions)?;
+                system = self.assemble(time, positions, None)?;
             }
         }
-        // A motion that costs next to nothing goes anywhere long before its stiffness counts as singular.
-        if self.stabilisation > 0.0 {
+        if is_stabilised {
             system.matrix.add_to_diagonal(self.stabilisation);
-            solved = self.solve_system(&system, prescribed);
-            self.stabilised += usize::from(solved.is_ok());
+            self.stabilised += usize::from(!loose.is_empty());
         }
-        let solved = solved.map_err(|error| Failure::of_system(error, self.loose(&system, positions)));
+        let solved = self.solve_system(&system, prescribed);
+        // Of the next matrix of this pattern nothing is known from this one.
+        self.solver.forget();
         self.stiffness = Some(system.matrix);
-        solved
+        solved.map_err(|error| Failure::of_system(error, loose))
     }
 
-    /// With contacts that are supposed to be closed: what they push with is what has to pull them onto their masters.
-    fn closed(&mut self, time: f64, positions: &[[f64; 3]]) -> Result<LinearSystem, Failure> {
-        self.contacts.suppose(positions)?;
+    /// Whether the stiffness is the same for a shorter increment: no force of contact or of a follower is in it.
+    pub(super) fn is_of_the_bodies_alone(&self) -> bool {
+        self.active() == 0 && !self.pressures.iter().any(|pressure| pressure.follower)
+    }
+
+    /// With contacts of loose parts that are supposed to be closed: what they push with is what has to pull them onto their masters.
+    fn closed(
+        &mut self,
+        time: f64,
+        positions: &[[f64; 3]],
+        loose: &[Loose],
+    ) -> Result<LinearSystem, Failure> {
+        let parts = self.solid.parts();
+        let mut masks: Vec<Vec<bool>> = Vec::new();
+        for loose in loose {
+            let mut mask = vec![false; positions.len()];
+            let own = parts.iter().filter(|(name, _)| loose.parts.iter().any(|part| part == name));
+            own.flat_map(|(_, nodes)| nodes).for_each(|&node| mask[node] = true);
+            masks.push(mask);
+        }
+        if masks.is_empty() {
+            // What is free is no rigid motion: any contact may hold it.
+            masks.push(vec![true; positions.len()]);
+        }
+        self.contacts.suppose(positions, &masks).map_err(Failure::Contact)?;
         let mut pushed = vec![0.0; self.contact.len()];
-        self.contacts.add_internal_forces(&mut pushed)?;
-        let mut system = self.assemble(time, positions)?;
+        self.contacts.add_internal_forces(&mut pushed).map_err(Failure::Contact)?;
+        // Without the curvature of forces that are not there.
+        let mut system = self.assemble(time, positions, Some(Tangent::GaussNewton))?;
         let pull = self.contact.iter().zip(&pushed).map(|(own, pushed)| own - pushed);
         system.imbalance.iter_mut().zip(pull).for_each(|(force, pull)| *force += pull);
         Ok(system)
@@ -74,13 +110,13 @@ impl Problem {
         loose_parts(&system.matrix, &self.equations, positions, &self.solid.parts())
     }
 
-    /// How many rigid motions are free.
-    fn free_motions(&self, system: &LinearSystem, positions: &[[f64; 3]]) -> usize {
-        self.loose(system, positions).iter().map(|loose| loose.motions.len()).sum()
-    }
-
-    /// The stiffness of everything at the last evaluation.
-    fn assemble(&mut self, time: f64, positions: &[[f64; 3]]) -> Result<LinearSystem, Failure> {
+    /// The stiffness of everything at the last evaluation, contacts with this tangent or with their own.
+    fn assemble(
+        &mut self,
+        time: f64,
+        positions: &[[f64; 3]],
+        tangent: Option<Tangent>,
+    ) -> Result<LinearSystem, Failure> {
         let begin = Instant::now();
         let mut matrix = match self.stiffness.take() {
             Some(matrix) => matrix,
@@ -98,7 +134,7 @@ impl Problem {
         let solid = Instant::now();
         self.timing.solid += solid - linear;
         let norms = [self.balance.residual, self.balance.scale];
-        let of_contact = self.contacts.add_tangent(&mut matrix, norms)?;
+        let of_contact = self.contacts.add_tangent(&mut matrix, norms, tangent)?;
         self.timing.contact += solid.elapsed();
         let has_followers = self.pressures.iter().any(|pressure| pressure.follower);
         let symmetry = if has_followers { Symmetry::General } else { of_contact };
@@ -154,6 +190,6 @@ impl Problem {
     }
 }
 
-fn is_singular<T>(solved: &Result<T, SystemError>) -> bool {
-    matches!(solved, Err(SystemError::Singular { .. }))
+fn motions(loose: &[Loose]) -> usize {
+    loose.iter().map(|loose| loose.motions.len()).sum()
 }

@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 
 use diffuse_contact_mesh::names::{list, shown};
-use nalgebra::{Matrix6, SymmetricEigen, Vector3, Vector6};
+use nalgebra::{Dyn, Matrix6, OMatrix, SymmetricEigen, U6, Vector3, Vector6};
 
 use crate::system::{BlockMatrix, Equations};
 
@@ -12,11 +12,11 @@ const NOTHING: f64 = 1e-11;
 /// An entry of a motion that is none.
 const ROUNDING: f64 = 1e-6;
 
-/// A part that nothing holds.
+/// A part that nothing holds, or several that hold one another and nothing else does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loose {
-    /// Its name in the deck; `None`: all parts together, each of which holds the others.
-    pub part: Option<String>,
+    /// Their names in the deck.
+    pub parts: Vec<String>,
     /// The motions that are free.
     pub motions: Vec<RigidMotion>,
 }
@@ -32,16 +32,17 @@ pub enum RigidMotion {
         axis: [f64; 3],
         /// The point.
         point: [f64; 3],
+        /// The way along the axis, length per radian: of a screw it is not 0.
+        pitch: f64,
     },
 }
 
 impl Display for Loose {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let motions = list(self.motions.iter().map(RigidMotion::to_string));
-        match &self.part {
-            Some(part) => write!(f, "nothing holds `{}` against {motions}", shown(part)),
-            None => write!(f, "nothing holds all parts together against {motions}"),
-        }
+        let together = if self.parts.len() > 1 { " together" } else { "" };
+        let parts = list(self.parts.iter().map(|part| format!("`{}`", shown(part))));
+        write!(f, "nothing holds {parts}{together} against {motions}")
     }
 }
 
@@ -49,8 +50,15 @@ impl Display for RigidMotion {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
             Self::Translation(direction) => write!(f, "moving along {}", Direction(*direction)),
-            Self::Rotation { axis, point: [x, y, z] } => {
-                write!(f, "turning about {} through ({x:.4}, {y:.4}, {z:.4})", Direction(*axis))
+            Self::Rotation { axis, point, pitch } => {
+                // Without the sign of a zero.
+                let [x, y, z] = point.map(|x| (x * 1e4).round() / 1e4 + 0.0);
+                write!(f, "turning about {} through ({x}, {y}, {z})", Direction(*axis))?;
+                if *pitch != 0.0 {
+                    write!(f, " while moving along it by {pitch:.3} a radian")
+                } else {
+                    Ok(())
+                }
             }
         }
     }
@@ -69,23 +77,47 @@ impl Display for Direction {
     }
 }
 
-/// The parts of which the stiffness resists some rigid motion with nothing; if there is none, all of them together.
+/// The parts of which the stiffness resists some rigid motion with nothing; if there is none, the groups of parts that are coupled.
 pub fn loose_parts(
     matrix: &BlockMatrix,
     equations: &Equations,
     positions: &[[f64; 3]],
     parts: &[(&str, Vec<usize>)],
 ) -> Vec<Loose> {
-    let find = |part: Option<&str>, nodes: &[usize]| {
-        let motions = free_motions(matrix, equations, positions, nodes);
-        (!motions.is_empty()).then(|| Loose { part: part.map(str::to_owned), motions })
+    let find = |group: &[usize]| {
+        let nodes: Vec<usize> = group.iter().flat_map(|&part| &parts[part].1).copied().collect();
+        let motions = free_motions(matrix, equations, positions, &nodes);
+        let parts = group.iter().map(|&part| parts[part].0.to_owned()).collect();
+        (!motions.is_empty()).then_some(Loose { parts, motions })
     };
-    let found: Vec<Loose> = parts.iter().filter_map(|(name, nodes)| find(Some(name), nodes)).collect();
-    if !found.is_empty() {
-        return found;
+    let alone: Vec<Loose> = (0..parts.len()).filter_map(|part| find(&[part])).collect();
+    if !alone.is_empty() {
+        return alone;
     }
-    let all: Vec<usize> = parts.iter().flat_map(|(_, nodes)| nodes).copied().collect();
-    find(None, &all).into_iter().collect()
+    groups(matrix, parts).iter().filter(|group| group.len() > 1).filter_map(|group| find(group)).collect()
+}
+
+/// Parts that have a stiffness between their nodes, of contact, in groups.
+fn groups(matrix: &BlockMatrix, parts: &[(&str, Vec<usize>)]) -> Vec<Vec<usize>> {
+    let pattern = matrix.pattern();
+    let mut part_of = vec![None; pattern.nodes()];
+    for (part, (_, nodes)) in parts.iter().enumerate() {
+        nodes.iter().for_each(|&node| part_of[node] = Some(part));
+    }
+    // The least part of each group, by the parts.
+    let mut group: Vec<usize> = (0..parts.len()).collect();
+    for node in 0..pattern.nodes() {
+        for &other in pattern.row(node) {
+            let (Some(a), Some(b)) = (part_of[node], part_of[other as usize]) else { continue };
+            let is_coupled =
+                || matrix.block(node, other as usize).is_some_and(|block| *block != [[0.0; 3]; 3]);
+            if group[a] != group[b] && is_coupled() {
+                let (least, last) = (group[a].min(group[b]), group[a].max(group[b]));
+                group.iter_mut().filter(|group| **group == last).for_each(|group| *group = least);
+            }
+        }
+    }
+    (0..parts.len()).map(|least| (0..parts.len()).filter(|&part| group[part] == least).collect()).collect()
 }
 
 /// The rigid motions of some nodes that cost no force.
@@ -97,8 +129,12 @@ fn free_motions(
 ) -> Vec<RigidMotion> {
     let at = |node: usize| Vector3::from(positions[node]);
     let centre = nodes.iter().map(|&node| at(node)).sum::<Vector3<f64>>() / nodes.len().max(1) as f64;
-    let mode = |k: usize| {
-        let mut mode = vec![[0.0; 3]; positions.len()];
+    let dot = |a: &[[f64; 3]], b: &[[f64; 3]]| -> f64 {
+        nodes.iter().map(|&n| Vector3::from(a[n]).dot(&Vector3::from(b[n]))).sum()
+    };
+    let mut sizes = [0.0; 6];
+    let mut modes: [Vec<[f64; 3]>; 6] = std::array::from_fn(|_| vec![[0.0; 3]; positions.len()]);
+    for (k, mode) in modes.iter_mut().enumerate() {
         let axis = Vector3::ith(k % 3, 1.0);
         for &node in nodes {
             let moved = if k < 3 { axis } else { axis.cross(&(at(node) - centre)) };
@@ -106,46 +142,51 @@ fn free_motions(
                 mode[node][i] = moved[i];
             }
         }
-        mode
-    };
-    let modes: [Vec<[f64; 3]>; 6] = std::array::from_fn(mode);
-    let dot = |a: &[[f64; 3]], b: &[[f64; 3]]| -> f64 {
-        nodes.iter().map(|&n| Vector3::from(a[n]).dot(&Vector3::from(b[n]))).sum()
-    };
+        sizes[k] = dot(mode, mode).sqrt();
+        // One that is held as a whole stays nothing.
+        let factor = if sizes[k] > 0.0 { 1.0 / sizes[k] } else { 0.0 };
+        mode.iter_mut().flatten().for_each(|x| *x *= factor);
+    }
+    // Where much is prescribed, modes may be the same motion of what is free.
     let mut product = vec![[0.0; 3]; positions.len()];
-    // Each mode is scaled by the moduli of what it sums up.
-    let scales: [f64; 6] = std::array::from_fn(|k| {
-        matrix.multiply_moduli(&modes[k], &mut product);
-        nodes
-            .iter()
-            .map(|&n| (0..3).map(|i| modes[k][n][i].abs() * product[n][i]).sum::<f64>())
-            .sum::<f64>()
-            .sqrt()
-    });
-    let mut reduced = Matrix6::zeros();
+    let (mut gram, mut stiffness, mut largest) = (Matrix6::zeros(), Matrix6::zeros(), 0.0_f64);
     for column in 0..6 {
-        if scales[column] == 0.0 {
-            // Held as a whole.
-            reduced[(column, column)] = 1.0;
-            continue;
-        }
+        matrix.multiply_moduli(&modes[column], &mut product);
+        let moduli =
+            nodes.iter().map(|&n| (0..3).map(|i| modes[column][n][i].abs() * product[n][i]).sum::<f64>());
+        largest = largest.max(moduli.sum());
         matrix.multiply(&modes[column], &mut product);
-        for row in (0..6).filter(|&row| scales[row] > 0.0) {
-            reduced[(row, column)] = dot(&modes[row], &product) / (scales[row] * scales[column]);
+        for row in 0..6 {
+            gram[(row, column)] = dot(&modes[row], &modes[column]);
+            stiffness[(row, column)] = dot(&modes[row], &product);
         }
     }
-    let eigen = SymmetricEigen::new(0.5 * (reduced + reduced.transpose()));
-    let free = (0..6).filter(|&k| eigen.eigenvalues[k].abs() < NOTHING);
-    let mut free: Vec<Vector6<f64>> = free.map(|k| eigen.eigenvectors.column(k).into()).collect();
+    if !(largest > 0.0 && largest.is_finite()) {
+        return Vec::new();
+    }
+    let distinct = SymmetricEigen::new(gram);
+    let basis: Vec<Vector6<f64>> = (0..6)
+        .filter(|&k| distinct.eigenvalues[k] > ROUNDING)
+        .map(|k| distinct.eigenvectors.column(k) / distinct.eigenvalues[k].sqrt())
+        .collect();
+    let basis = OMatrix::<f64, U6, Dyn>::from_columns(&basis);
+    let reduced = basis.transpose() * (0.5 * (stiffness + stiffness.transpose())) * &basis;
+    let eigen = SymmetricEigen::new(reduced);
+    let is_free = |k: &usize| eigen.eigenvalues[*k].abs() < NOTHING * largest;
+    let mut free: Vec<Vector6<f64>> =
+        (0..basis.ncols()).filter(is_free).map(|k| &basis * eigen.eigenvectors.column(k)).collect();
     reduce(&mut free);
     let motion = |vector: &Vector6<f64>| {
-        let of = |k: usize| if scales[k] > 0.0 { vector[k] / scales[k] } else { 0.0 };
+        let of = |k: usize| if sizes[k] > 0.0 { vector[k] / sizes[k] } else { 0.0 };
         let (along, about) = (Vector3::new(of(0), of(1), of(2)), Vector3::new(of(3), of(4), of(5)));
         if (3..6).all(|k| vector[k].abs() < ROUNDING) {
             return RigidMotion::Translation(direction(along));
         }
         let point = centre + about.cross(&along) / about.norm_squared();
-        RigidMotion::Rotation { axis: direction(about), point: point.into() }
+        let pitch = along.dot(&about) / about.norm_squared();
+        let extent = nodes.iter().map(|&node| (at(node) - centre).norm()).fold(0.0, f64::max);
+        let pitch = if pitch.abs() < ROUNDING * extent { 0.0 } else { pitch };
+        RigidMotion::Rotation { axis: direction(about), point: point.into(), pitch }
     };
     free.iter().map(motion).collect()
 }

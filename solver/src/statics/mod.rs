@@ -165,8 +165,14 @@ impl Statics {
                         Control::Stop => break,
                     }
                 }
-                Err(Failure::Fatal(error)) => return Err(error),
                 Err(failure) => {
+                    let (reason, history, positions) = (&failure, &history[..], &positions[..]);
+                    let failed =
+                        FailedIncrement { end, length: end - state.time, reason, history, positions };
+                    observer.failed(&failed, &self.problem);
+                    if let Failure::Fatal(error) = failure {
+                        return Err(error);
+                    }
                     // Of the failed try only its price is kept.
                     state.iterations = iterations;
                     state.cutbacks += 1;
@@ -175,9 +181,7 @@ impl Statics {
                     self.effort.cutbacks += 1;
                     // The last increment may be shorter than was planned.
                     let length = end - state.time;
-                    let (reason, history, positions) = (&failure, &history[..], &positions[..]);
-                    let failed = FailedIncrement { end, length, reason, history, positions };
-                    let control = observer.cut_back(&failed, &self.problem);
+                    let control = observer.cut_back(end, length, &failure);
                     state.length = time.cut(length);
                     if state.length < time.minimum {
                         return Err(StaticsError::NoConvergence {

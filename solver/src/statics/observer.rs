@@ -23,10 +23,16 @@ pub trait Observer {
         let _ = record;
     }
 
-    /// An increment failed and is tried again with a shorter one, unless this stops the run or there is no shorter one; `problem` holds forces
-    /// and contacts at its last evaluation.
-    fn cut_back(&mut self, failed: &FailedIncrement<'_>, problem: &Problem) -> Control {
+    /// An increment failed; `problem` holds forces and contacts at its last evaluation. It is told before [`cut_back`](Self::cut_back), and when it
+    /// ends the run.
+    fn failed(&mut self, failed: &FailedIncrement<'_>, problem: &Problem) {
         let _ = (failed, problem);
+    }
+
+    /// An increment to time `end`, `length` long, failed and is tried again with a shorter one, unless this stops the run or there
+    /// is no shorter one.
+    fn cut_back(&mut self, end: f64, length: f64, reason: &Failure) -> Control {
+        let _ = (end, length, reason);
         Control::Continue
     }
 
@@ -106,7 +112,7 @@ pub struct IncrementRecord {
     pub missed: usize,
     /// Linear solutions in which slaves near their masters were supposed to touch, as nothing else held a body.
     pub supposed: usize,
-    /// Linear solutions that had the stabilisation, as the stiffness was singular.
+    /// Linear solutions in which nothing but the stabilisation held a part.
     pub stabilised: usize,
     /// Deepest penetration, length.
     pub max_penetration: f64,

@@ -72,7 +72,9 @@ pub struct Problem {
     pub(super) rounding: Vec<f64>,
     /// Linear solutions of the increment for which contacts were supposed to be closed.
     pub(super) supposed: usize,
-    /// Those that had the stabilisation.
+    /// Whether to suppose contacts has held nothing in the increment.
+    pub(super) is_in_vain: bool,
+    /// Linear solutions in which nothing but the stabilisation held a part.
     pub(super) stabilised: usize,
     /// Part of the stiffness' diagonal that is added to it.
     pub(super) stabilisation: f64,
@@ -133,6 +135,7 @@ impl Problem {
             balance: Balance::default(),
             rounding: Vec::new(),
             supposed: 0,
+            is_in_vain: false,
             stabilised: 0,
             stabilisation: 0.0,
             equations,
@@ -183,7 +186,7 @@ impl Problem {
     /// Goes back to the history of contact of a state: nothing of what came after it is left.
     pub(super) fn take_history(&mut self, state: &State) -> Result<(), ContactError> {
         self.rounding.clear();
-        (self.supposed, self.stabilised) = (0, 0);
+        (self.supposed, self.is_in_vain, self.stabilised) = (0, false, 0);
         self.contacts.set_multipliers(&state.multipliers)?;
         self.contacts.set_friction_history(&state.friction)?;
         self.contacts.begin(&state.loaded)

@@ -89,6 +89,11 @@ impl DirectSolver {
         Self { threads, ..Self::default() }
     }
 
+    /// Treats the next matrix as one of a new structure when it looks for singular ones.
+    pub fn forget(&mut self) {
+        self.is_probed = false;
+    }
+
     /// Factorises the part of `matrix` that belongs to the free equations.
     ///
     /// # Errors

@@ -7,7 +7,7 @@ use crate::contact::{Resultant, SlaveState};
 use crate::deck::Deck;
 use crate::solid::SolidError;
 use crate::solve::{SolveError, statics};
-use crate::statics::{Control, FailedIncrement, IncrementRecord, Observer, Problem, State};
+use crate::statics::{Control, Failure, IncrementRecord, Observer, Problem, State};
 
 /// The end of an increment.
 #[derive(Clone, Copy)]
@@ -90,7 +90,7 @@ struct Tracer<T, F> {
 }
 
 impl<T, F: FnMut(&Snapshot<'_>) -> Result<T, SolidError>> Observer for Tracer<T, F> {
-    fn cut_back(&mut self, _: &FailedIncrement<'_>, _: &Problem) -> Control {
+    fn cut_back(&mut self, _: f64, _: f64, _: &Failure) -> Control {
         self.cutbacks += 1;
         Control::Continue
     }

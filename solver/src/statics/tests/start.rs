@@ -88,10 +88,7 @@ fn a_body_far_from_its_master_is_named() {
     let mut notes = Notes::default();
     let error = statics.run(start, &mut notes).unwrap_err();
     assert!(notes.cuts.is_empty(), "{:?}", notes.cuts);
-    assert!(
-        error.to_string().contains("nothing holds `upper` against moving along z; the matrix"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("nothing holds `upper` against moving along z; supports"), "{error}");
 }
 
 /// What is free is found for a part that turns, and for parts that hold one another.
@@ -113,18 +110,89 @@ fn free_motions_are_found() {
     let text = of(&free).iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
     assert_eq!(
         text,
-        "nothing holds `upper` against moving along x, moving along y, turning about z through (2.0000, 2.0000, 1.5000)"
+        "nothing holds `upper` against moving along x, moving along y, turning about z through (2, 2, 1.5)"
     );
     // Pinned along an edge, it turns about the edge.
     let pinned =
         base.replace("[[pressure]]", "[[boundary]]\nnodes = \"upper.z-\"\nfix = [\"z\"]\n[[pressure]]");
     let pinned = pinned.replace("[\"lower.y-\", \"upper.y-\"]", "\"lower.y-\"");
-    let [Loose { part: Some(part), motions }] = &of(&pinned)[..] else { panic!("one part") };
-    assert_eq!((part.as_str(), &motions[..]), ("upper", &[RigidMotion::Translation([0.0, 1.0, 0.0])][..]));
+    let [Loose { parts, motions }] = &of(&pinned)[..] else { panic!("one part") };
+    assert_eq!(
+        (&parts[..], &motions[..]),
+        (&["upper".to_owned()][..], &[RigidMotion::Translation([0.0, 1.0, 0.0])][..])
+    );
     // Each block holds the other along z, and nothing both of them.
     let both = base.replace("nodes = \"lower.z-\"\nfix = [\"z\"]", "nodes = \"lower.x+\"\nfix = [\"x\"]");
-    let [Loose { part: None, motions }] = &of(&both)[..] else { panic!("all parts") };
+    let [Loose { parts, motions }] = &of(&both)[..] else { panic!("both parts") };
+    assert_eq!(parts[..], ["lower".to_owned(), "upper".to_owned()]);
     assert_eq!(motions[..], [RigidMotion::Translation([0.0, 0.0, 1.0])]);
+}
+
+/// Blocks at `places` with a free motion each, on one rigid floor and one interface.
+fn scattered(blocks: &[(&str, [f64; 3])], more: &str) -> String {
+    let mut text = "[materials.m]\nyoung = 1000.0\npoisson = 0.3\n[parts.floor]\nshape = \"rigid-plane\"\nsize = [20.0, 4.0]\n\
+                    divisions = [20, 4]\ntranslate = [-1.0, -1.0, 0.0]\n[[boundary]]\nnodes = \"floor\"\nfix = [\"x\", \"y\", \"z\"]\n"
+        .to_owned();
+    for (name, [x, y, z]) in blocks {
+        text += &format!(
+            "[parts.{name}]\nshape = \"box\"\norigin = [{x:?}, {y:?}, {z:?}]\nsize = [1.0, 1.0, 1.0]\ndivisions = [1, 1, 1]\n\
+             material = \"m\"\n"
+        );
+    }
+    text + more
+}
+
+/// Each loose part is held by its own slaves, however near those of others are; parts that are held keep their gaps.
+#[test]
+fn every_loose_part_finds_its_own_contact() {
+    let mut more = String::new();
+    for name in ["near", "far", "held"] {
+        more += &format!("[[boundary]]\nnodes = [\"{name}.x-\", \"{name}.x+\"]\nfix = [\"x\"]\n");
+        more += &format!("[[boundary]]\nnodes = [\"{name}.y-\", \"{name}.y+\"]\nfix = [\"y\"]\n");
+        more += &format!("[[pressure]]\nsurface = \"{name}.z+\"\nvalue = 1.0\n");
+    }
+    more += "[[boundary]]\nnodes = \"held.z-\"\nfix = [\"z\"]\n[[interface]]\nname = \"joint\"\nmaster = \"floor\"\n\
+             slave = [\"near.z-\", \"far.z-\", \"held.z-\"]\n";
+    let blocks = [("near", [0.0, 0.0, 0.1]), ("far", [4.0, 0.0, 0.7]), ("held", [8.0, 0.0, 0.05])];
+    let (notes, state, _) = run(&scattered(&blocks, &more), TIME);
+    let record = &notes.increments[0];
+    assert!(record.supposed == 1 && notes.cuts.is_empty() && record.iterations <= 4, "{record:?}");
+    let lowest =
+        |range: std::ops::Range<usize>| state.positions[range].iter().map(|x| x[2]).fold(9.0, f64::min);
+    let floor = 21 * 5;
+    for block in 0..2 {
+        let height = lowest(floor + 8 * block..floor + 8 * (block + 1));
+        assert!(height < 0.0 && height > -1e-3, "{block}: {height}");
+    }
+    assert!((lowest(floor + 16..floor + 24) - 0.05).abs() < 1e-12);
+}
+
+/// Only what is free is named: not a part that is held as far as it has free nodes, and parts that hold one another as one.
+#[test]
+fn parts_that_are_held_are_not_named() {
+    let text = |more: &str| scattered(&[("held", [0.0, 0.0, 5.0]), ("loose", [4.0, 0.0, 5.0])], more);
+    // Of `held` only the nodes at one end move, and only along y.
+    let held = "[[boundary]]\nnodes = \"held.x-\"\nfix = [\"x\", \"y\", \"z\"]\n[[boundary]]\nnodes = \"held.x+\"\nfix = [\"x\", \"z\"]\n";
+    let (deck, model) = deck(&text(held), TIME);
+    let mut statics = statics(&deck, &model);
+    let start = statics.problem().start();
+    let StaticsError::Singular { loose, .. } = statics.run(start, &mut Notes::default()).unwrap_err() else {
+        panic!("singular")
+    };
+    assert_eq!((loose.len(), &loose[0].parts[..]), (1, &["loose".to_owned()][..]), "{loose:?}");
+    assert_eq!(loose[0].motions.len(), 6);
+}
+
+/// A screw is told from a turn.
+#[test]
+fn a_screw_has_a_pitch() {
+    let turn = RigidMotion::Rotation { axis: [0.0, 0.0, 1.0], point: [0.5, -0.0, 0.0], pitch: 0.0 };
+    assert_eq!(turn.to_string(), "turning about z through (0.5, 0, 0)");
+    let screw = RigidMotion::Rotation { axis: [0.6, 0.0, 0.8], point: [0.5, 0.0, 0.0], pitch: 0.25 };
+    assert_eq!(
+        screw.to_string(),
+        "turning about (0.600, 0.000, 0.800) through (0.5, 0, 0) while moving along it by 0.250 a radian"
+    );
 }
 
 /// With a stabilisation what no load moves stays where it is, and forces are what they are without.
@@ -255,6 +323,10 @@ adjust = 0.02
     let solid = statics.problem().solid();
     let energy = solid.stored_energy(&start.positions, &solid.states()).unwrap();
     assert!(energy.abs() < 1e-20, "{energy}");
+    // Farther than a mesh leaves open.
+    let far = format!("{}\n{TIME}", RINGS.replace("adjust = 0.02", "adjust = 0.4"));
+    let error = Deck::parse(&far).unwrap().model("").unwrap_err().to_string();
+    assert!(error.contains("the limit of 4e-1 is more than a quarter of"), "{error}");
     // Nothing is that near.
     let far = format!("{}\n{TIME}", RINGS.replace("adjust = 0.02", "adjust = 1e-4"));
     assert!(Deck::parse(&far).unwrap().model("").unwrap().adjusted.is_empty());
@@ -262,7 +334,7 @@ adjust = 0.02
 
 #[test]
 fn rigid_slaves_are_not_adjusted() {
-    let text = PRESSED.replace("penalty = 2000.0", "penalty = 2000.0\nadjust = 10.0\nexchange = true");
+    let text = PRESSED.replace("penalty = 2000.0", "penalty = 2000.0\nadjust = 0.15\nexchange = true");
     let error = Deck::parse(&format!("{text}\n{TIME}")).unwrap().model("").unwrap_err();
     let DeckError::Invalid { problem, .. } = &error else { panic!("{error}") };
     assert!(matches!(**problem, Wrong::Adjust { error: AdjustError::Rigid { .. }, .. }), "{error}");

@@ -60,10 +60,11 @@ def quadratic_grid(cells, first, height, *, kind):
     x, y = np.meshgrid(np.linspace(0.0, 6.0, side), np.linspace(0.0, 6.0, side))
     k = np.arange(cells * cells)
     corner = first + 2 * (k % cells) + 2 * side * (k // cells)
-    at = lambda i, j: corner + i + side * j
-    nine = np.column_stack(
-        [at(0, 0), at(2, 0), at(2, 2), at(0, 2), at(1, 0), at(2, 1), at(1, 2), at(0, 1), at(1, 1)]
-    )
+
+    def at(i, j):
+        return corner + i + side * j
+
+    nine = np.column_stack([at(0, 0), at(2, 0), at(2, 2), at(0, 2), at(1, 0), at(2, 1), at(1, 2), at(0, 1), at(1, 1)])
     if kind == 6:
         lower = nine[:, [0, 1, 3, 4, 8, 7]]
         upper = nine[:, [2, 3, 1, 6, 8, 5]]

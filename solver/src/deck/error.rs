@@ -205,6 +205,19 @@ pub enum Problem {
         /// The surface.
         name: String,
     },
+    /// A surface of a mesh file lies inside its part in places.
+    #[error(
+        "{inner} of the {count} facets of the surface {name:?} are not on the skin of its part, where alone something can touch or \
+         press it", name = shown(name)
+    )]
+    InnerFacets {
+        /// The surface.
+        name: String,
+        /// How many are not on the skin.
+        inner: usize,
+        /// How many there are.
+        count: usize,
+    },
     /// Both sides of an interface are rigid.
     #[error("both sides of the interface {name:?} are rigid", name = shown(name))]
     RigidInterface {

@@ -117,6 +117,7 @@ impl Deck {
         let deformable = model.deformable();
         let mut loads = Vec::new();
         for pressure in &self.pressures {
+            let all = self.facets(model, &pressure.surfaces)?;
             for name in &pressure.surfaces {
                 let facets = self.find(&model.surfaces, "surface", name)?;
                 if facets.iter().flat_map(Facet::corners).any(|&node| !deformable[node]) {
@@ -125,7 +126,7 @@ impl Deck {
                 }
             }
             loads.push(Load {
-                facets: self.facets(model, &pressure.surfaces)?,
+                facets: all,
                 value: pressure.value,
                 follower: pressure.follower,
                 amplitude: pressure.amplitude.clone(),
@@ -162,10 +163,15 @@ impl Deck {
     /// The facets of several surfaces, each facet once, in the order of the names.
     ///
     /// # Errors
-    /// [`DeckError::Invalid`] for a surface that does not exist.
+    /// [`DeckError::Invalid`] for a surface that does not exist, or has facets inside its part.
     pub fn facets(&self, model: &Model, names: &[Reference]) -> Result<Vec<Facet>, DeckError> {
         let (mut facets, mut known) = (Vec::new(), HashSet::new());
         for name in names {
+            if let Some(&inner) = model.inner_facets.get(&name.name) {
+                let count = inner + model.surfaces.get(&name.name).map_or(0, Vec::len);
+                let problem = Problem::InnerFacets { name: name.name.clone(), inner, count };
+                return Err(self.error(name.line, problem));
+            }
             let surface = self.find(&model.surfaces, "surface", name)?;
             facets.extend(surface.iter().filter(|&&facet| known.insert(facet)));
         }

@@ -700,3 +700,48 @@ fn sets_are_found_in_other_letter_case() {
     assert_eq!(deck.supports(&model).unwrap(), Deck::parse(DECK).unwrap().supports(&model).unwrap());
     refused("\"block.z+\"", "\"Block.z+\"", "no node set is named \"Block.z+\"");
 }
+
+/// What a mesh file counts to a surface although it lies inside the part would carry neither contact nor pressure.
+#[test]
+fn surfaces_with_facets_inside_their_part_are_refused() {
+    const MESH: &str = "\
+*NODE
+1, 0, 0, 0
+2, 1, 0, 0
+3, 1, 1, 0
+4, 0, 1, 0
+5, 0, 0, 1
+6, 1, 0, 1
+7, 1, 1, 1
+8, 0, 1, 1
+9, 2, 0, 0
+10, 2, 1, 0
+11, 2, 0, 1
+12, 2, 1, 1
+*ELEMENT, TYPE=C3D8, ELSET=ALL
+1, 1, 2, 3, 4, 5, 6, 7, 8
+2, 2, 9, 10, 3, 6, 11, 12, 7
+*SURFACE, NAME=BOTH, TYPE=ELEMENT
+1, S2
+1, S4
+*SURFACE, NAME=WITHIN, TYPE=ELEMENT
+1, S4
+";
+    let directory = std::env::temp_dir().join(format!("diffuse-contact-deck-{}", std::process::id()));
+    std::fs::create_dir_all(&directory).unwrap();
+    std::fs::write(directory.join("two.inp"), MESH).unwrap();
+    let deck = |surface: &str| {
+        let text = format!(
+            "[materials.m]\nyoung = 1.0\npoisson = 0.3\n[parts.two]\nfile = \"two.inp\"\nmaterial = \"m\"\n[[boundary]]\n\
+             nodes = \"two\"\nfix = [\"x\"]\n[[pressure]]\nsurface = \"two.{surface}\"\nvalue = 1.0\n[time]\nincrement = 1.0\n"
+        );
+        Deck::parse(&text).unwrap().model(&directory).map(drop).unwrap_err().to_string()
+    };
+    assert!(
+        deck("BOTH").contains("line 11: 1 of the 2 facets of the surface \"two.BOTH\" are not on the skin"),
+        "{}",
+        deck("BOTH")
+    );
+    assert!(deck("WITHIN").contains("1 of the 1 facets of the surface"), "{}", deck("WITHIN"));
+    std::fs::remove_dir_all(&directory).unwrap();
+}

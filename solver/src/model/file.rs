@@ -51,8 +51,8 @@ pub fn read_solid_part(
     // A facet of the file that lies on the skin is taken as the skin has it.
     let outward: BTreeMap<Vec<usize>, Facet> =
         elements.skin().into_iter().map(|facet| (sorted(&facet), facet)).collect();
-    let surfaces = part.surfaces(&mesh, |facet| outward.get(&sorted(&facet)).copied());
-    Ok(Part { elements, labels, surfaces, ..part.into_part(&mesh) })
+    let (surfaces, inner_facets) = part.surfaces(&mesh, |facet| outward.get(&sorted(&facet)).copied());
+    Ok(Part { elements, labels, surfaces, inner_facets, ..part.into_part(&mesh) })
 }
 
 /// A rigid part: the triangles and quadrilaterals of a surface or an element set, oriented as in the file, and of the file's
@@ -66,7 +66,8 @@ pub fn read_rigid_part(path: &Path, instance: Option<&str>, surface: &str) -> Re
     let part = Subset::new(&mesh, chosen.iter().flat_map(mesh::Facet::nodes).copied());
     let facets: Vec<Facet> = chosen.iter().filter_map(|facet| part.facet(facet)).collect();
     let own: BTreeMap<Vec<usize>, Facet> = facets.iter().map(|&facet| (sorted(&facet), facet)).collect();
-    let surfaces = part.surfaces(&mesh, |facet| own.get(&sorted(&facet)).copied());
+    // Facets between its nodes that are none of its own belong to other surfaces.
+    let (surfaces, _) = part.surfaces(&mesh, |facet| own.get(&sorted(&facet)).copied());
     Ok(Part { facets, surfaces, ..part.into_part(&mesh) })
 }
 
@@ -111,17 +112,26 @@ impl Subset {
         (!own.contains(&usize::MAX)).then_some(own)
     }
 
-    /// The file's surfaces as far as `own` knows their facets; those of which nothing is left do not count.
-    fn surfaces(&self, mesh: &Mesh, own: impl Fn(Facet) -> Option<Facet>) -> BTreeMap<String, Vec<Facet>> {
-        let mut surfaces = BTreeMap::new();
+    /// The file's surfaces as far as `own` knows their facets; those of which nothing is left do not count. Beside them the numbers of facets
+    /// that lie between the part's nodes and are not known.
+    fn surfaces(
+        &self,
+        mesh: &Mesh,
+        own: impl Fn(Facet) -> Option<Facet>,
+    ) -> (BTreeMap<String, Vec<Facet>>, BTreeMap<String, usize>) {
+        let (mut surfaces, mut others) = (BTreeMap::new(), BTreeMap::new());
         for name in mesh.set_names() {
             let Ok(facets) = mesh.facets(name) else { continue };
-            let found: Vec<Facet> = facets.iter().filter_map(|f| self.facet(f)).filter_map(&own).collect();
+            let within: Vec<Facet> = facets.iter().filter_map(|facet| self.facet(facet)).collect();
+            let found: Vec<Facet> = within.iter().copied().filter_map(&own).collect();
+            if within.len() > found.len() {
+                others.insert(name.to_string(), within.len() - found.len());
+            }
             if !found.is_empty() {
                 surfaces.insert(name.to_string(), found);
             }
         }
-        surfaces
+        (surfaces, others)
     }
 
     /// Nodes and node sets; sets of which nothing is left do not count.

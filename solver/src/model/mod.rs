@@ -41,6 +41,8 @@ pub struct Model {
     pub node_sets: BTreeMap<String, Vec<usize>>,
     /// Facets by name, oriented outward.
     pub surfaces: BTreeMap<String, Vec<Facet>>,
+    /// Numbers of facets that a mesh file counts to a surface although they are not on its part's skin.
+    pub inner_facets: BTreeMap<String, usize>,
     /// The nodes that [`adjust`](Self::adjust) moved.
     pub adjusted: BTreeMap<usize, AdjustedNode>,
 }
@@ -102,6 +104,9 @@ impl Model {
         }
         for (set, facets) in part.surfaces {
             self.surfaces.insert(format!("{name}.{set}"), shifted(facets, first));
+        }
+        for (set, count) in part.inner_facets {
+            self.inner_facets.insert(format!("{name}.{set}"), count);
         }
         if let Some(material) = material {
             let elements = part.elements.renumbered(|n| n + first);

@@ -31,6 +31,8 @@ pub struct Part {
     pub node_sets: BTreeMap<String, Vec<usize>>,
     /// Facets by name, oriented outward.
     pub surfaces: BTreeMap<String, Vec<Facet>>,
+    /// Numbers of facets that a mesh file counts to a surface although they are not on the part's skin.
+    pub inner_facets: BTreeMap<String, usize>,
 }
 
 impl Part {

@@ -1,9 +1,11 @@
 //! Slaves that start in touch: moved onto the master before there is any strain.
 
+use std::collections::BTreeSet;
+
 use diffuse_contact::{Mode, Point};
 use thiserror::Error;
 
-use super::{ContactError, Interaction, SlaveState};
+use super::{ContactError, Interaction};
 use crate::solid::SolidError;
 
 /// A slave follows the fit of its own masters: each round leaves a small part of the gap.
@@ -21,7 +23,8 @@ pub enum AdjustError {
     Contact(#[from] ContactError),
     /// The slaves within reach belong to a rigid part, whose shape is given, or are prescribed.
     #[error(
-        "{count} slaves lie within {limit:e} of the master, but none of them can be moved: they are rigid or prescribed; exchange master and slave"
+        "{count} slaves lie within {limit:e} of the master, but none of them can be moved: they are rigid or prescribed; exchange \
+         master and slave"
     )]
     Rigid {
         /// How many.
@@ -56,8 +59,8 @@ pub enum AdjustError {
     },
 }
 
-/// New positions of the slaves whose gap is at most `limit` either way: along the normal at their foot onto the surface. `movable`: whether
-/// a node belongs to a deformable body.
+/// New positions of the slaves whose gap is at most `limit` either way: along the normal at their foot onto the surface, but not along
+/// axes that are not `free`.
 ///
 /// # Errors
 /// [`AdjustError`].
@@ -71,46 +74,42 @@ pub fn adjust(
     if !(limit <= 0.25 * size) {
         return Err(AdjustError::Far { limit, size });
     }
+    evaluate(interaction, start)?;
+    let nodes = within(interaction, free, limit)?;
     let mut positions = start.to_vec();
-    let mut moved: Option<Vec<bool>> = None;
+    let mut worst = (0, 0.0);
     for _ in 0..ROUNDS {
-        interaction.refresh(&positions)?;
-        interaction.evaluate(&positions, Mode::Value)?;
-        let near: Vec<SlaveState> = interaction
-            .slaves()
-            .filter(|slave| match &moved {
-                // Who moves is decided at the start.
-                Some(moved) => moved[slave.node],
-                None => slave.gap.is_some_and(|gap| gap.abs() <= limit),
-            })
-            .collect();
-        let count = near.len();
-        let near: Vec<SlaveState> =
-            near.into_iter().filter(|slave| free[slave.node].contains(&true)).collect();
-        if near.is_empty() && count > 0 {
-            return Err(AdjustError::Rigid { count, limit });
-        }
-        moved.get_or_insert_with(|| {
-            let mut moved = vec![false; start.len()];
-            near.iter().for_each(|slave| moved[slave.node] = true);
-            moved
-        });
-        let (mut largest, mut size): (f64, f64) = (0.0, 0.0);
-        for slave in &near {
-            let Some(gap) = slave.gap else { return Err(AdjustError::Lost { node: slave.node }) };
-            largest = largest.max(gap.abs());
-            let position = &mut positions[slave.node];
-            for axis in (0..3).filter(|&axis| free[slave.node][axis]) {
-                position[axis] -= gap * slave.normal[axis];
+        let (mut extent, mut largest): (f64, f64) = (0.0, 0.0);
+        for slave in interaction.slaves().filter(|slave| nodes.contains(&slave.node)) {
+            let node = slave.node;
+            let Some(gap) = slave.gap else { return Err(AdjustError::Lost { node }) };
+            if gap.abs() >= largest {
+                (largest, worst) = (gap.abs(), (node, gap));
             }
-            size = position.iter().fold(size, |size, x| size.max(x.abs()));
+            for axis in (0..3).filter(|&axis| free[node][axis]) {
+                positions[node][axis] -= gap * slave.normal[axis];
+            }
+            extent = positions[node].iter().fold(extent, |extent, x| extent.max(x.abs()));
         }
-        if largest <= (CLOSED * limit).max(LAST_DIGITS * size) {
-            return Ok(near.iter().map(|slave| (slave.node, positions[slave.node])).collect());
+        if largest <= (CLOSED * limit).max(LAST_DIGITS * extent) {
+            return Ok(nodes.into_iter().map(|node| (node, positions[node])).collect());
         }
+        evaluate(interaction, &positions)?;
     }
-    let open = interaction.slaves().filter(|slave| moved.as_ref().is_some_and(|moved| moved[slave.node]));
-    let worst = open.max_by(|a, b| a.gap.unwrap_or(0.0).abs().total_cmp(&b.gap.unwrap_or(0.0).abs()));
-    let (node, gap) = worst.map_or((0, 0.0), |slave| (slave.node, slave.gap.unwrap_or(0.0)));
+    let (node, gap) = worst;
     Err(AdjustError::Open { node, gap })
+}
+
+fn evaluate(interaction: &mut Interaction, positions: &[Point]) -> Result<(), ContactError> {
+    interaction.refresh(positions)?;
+    interaction.evaluate(positions, Mode::Value)
+}
+
+/// The slave nodes within the limit that can be moved.
+fn within(interaction: &Interaction, free: &[[bool; 3]], limit: f64) -> Result<BTreeSet<usize>, AdjustError> {
+    let near = interaction.slaves().filter(|slave| slave.gap.is_some_and(|gap| gap.abs() <= limit));
+    let near: BTreeSet<usize> = near.map(|slave| slave.node).collect();
+    let count = near.len();
+    let movable: BTreeSet<usize> = near.into_iter().filter(|&node| free[node].contains(&true)).collect();
+    if movable.is_empty() && count > 0 { Err(AdjustError::Rigid { count, limit }) } else { Ok(movable) }
 }

@@ -128,9 +128,9 @@ impl ContactSet {
         Ok(symmetry)
     }
 
-    /// Evaluates the contacts as if open slaves touched, so that a part that only contact can hold is held: they push with ε g until
-    /// [`recall`](Self::recall), which is due even after an error. `parts`: the nodes of each part that is to be held. Of its slaves, and of those that
-    /// face it, the ones nearest to their masters are meant, and none farther away than the size of its facets.
+    /// Evaluates the contacts as if open slaves touched, so that a part that only contact can hold is held. They push with ε g until
+    /// [`recall`](Self::recall), which is due even after an error. `parts`: the nodes of each part that is to be held. Of its slaves, and
+    /// of those that face it, the ones nearest to their masters are meant, and none farther away than the size of its facets.
     ///
     /// # Errors
     /// [`ContactError::Interface`].

@@ -13,8 +13,8 @@ pub struct Resultant {
     pub moment: Point,
     /// Sum of the moduli of the normal forces, force: over the area it is the mean pressure.
     pub normal: f64,
-    /// Area of the slave that carries force, length²: of its nodes at the start, over faces the part of them over the master. With two passes
-    /// that of the larger side.
+    /// Area of the slave that carries force, length²: of its nodes at the start, over faces the part of them over the master. With two
+    /// passes that of the larger side.
     pub area: f64,
     /// Where the normal forces act on the slave: Σ f x / Σ f. The origin without any.
     pub centre: Point,

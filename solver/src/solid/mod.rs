@@ -18,7 +18,7 @@ mod product;
 mod recovery;
 mod reference;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -106,6 +106,31 @@ pub struct ElementResponse<'a> {
     pub forces: &'a [f64],
     /// The lower triangle of their derivative; empty after [`Order::Residual`].
     pub tangent: &'a [f64],
+}
+
+/// The nodes of elements, ascending, apart where no chain of shared nodes leads from one to another.
+fn pieces(elements: &[Element]) -> Vec<Vec<usize>> {
+    let used: BTreeSet<usize> = elements.iter().flat_map(Element::nodes).copied().collect();
+    // From each node a way down to the least one of its piece.
+    let mut towards: Vec<usize> = (0..used.last().map_or(0, |last| last + 1)).collect();
+    let least = |towards: &mut Vec<usize>, mut node: usize| {
+        while towards[node] != node {
+            towards[node] = towards[towards[node]];
+            node = towards[node];
+        }
+        node
+    };
+    for element in elements {
+        for pair in element.nodes().windows(2) {
+            let (a, b) = (least(&mut towards, pair[0]), least(&mut towards, pair[1]));
+            towards[a.max(b)] = a.min(b);
+        }
+    }
+    let mut pieces: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for node in used {
+        pieces.entry(least(&mut towards, node)).or_default().push(node);
+    }
+    pieces.into_values().collect()
 }
 
 impl Solid {
@@ -198,15 +223,20 @@ impl Solid {
         self.bodies[index].elements.clone()
     }
 
-    /// The bodies by their names in the deck, with their nodes.
+    /// What elements hold together: the bodies by their names in the deck, with their nodes. Pieces of a body that share no node are parts of
+    /// their own, named by a node of theirs.
     #[must_use]
-    pub fn parts(&self) -> Vec<(&str, Vec<usize>)> {
-        let nodes = |body: &BodyElements| {
-            let elements = &self.elements[body.elements.clone()];
-            let nodes: BTreeSet<usize> = elements.iter().flat_map(Element::nodes).copied().collect();
-            nodes.into_iter().collect()
-        };
-        self.bodies.iter().map(|body| (body.name.as_str(), nodes(body))).collect()
+    pub fn parts(&self) -> Vec<(String, Vec<usize>)> {
+        let mut parts = Vec::new();
+        for body in &self.bodies {
+            let pieces = pieces(&self.elements[body.elements.clone()]);
+            let is_one = pieces.len() == 1;
+            parts.extend(pieces.into_iter().map(|nodes| {
+                let name = body.name.clone();
+                (if is_one { name } else { format!("{name}, the piece of node {}", nodes[0]) }, nodes)
+            }));
+        }
+        parts
     }
 
     /// The states at the start, one for each point of each element.

@@ -15,7 +15,7 @@ const ROUNDING: f64 = 1e-6;
 /// A part that nothing holds, or several that hold one another and nothing else does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loose {
-    /// Their names in the deck.
+    /// Their names in the deck, with a node of pieces that are not connected.
     pub parts: Vec<String>,
     /// The motions that are free.
     pub motions: Vec<RigidMotion>,
@@ -82,12 +82,12 @@ pub fn loose_parts(
     matrix: &BlockMatrix,
     equations: &Equations,
     positions: &[[f64; 3]],
-    parts: &[(&str, Vec<usize>)],
+    parts: &[(String, Vec<usize>)],
 ) -> Vec<Loose> {
     let find = |group: &[usize]| {
         let nodes: Vec<usize> = group.iter().flat_map(|&part| &parts[part].1).copied().collect();
         let motions = free_motions(matrix, equations, positions, &nodes);
-        let parts = group.iter().map(|&part| parts[part].0.to_owned()).collect();
+        let parts = group.iter().map(|&part| parts[part].0.clone()).collect();
         (!motions.is_empty()).then_some(Loose { parts, motions })
     };
     let alone: Vec<Loose> = (0..parts.len()).filter_map(|part| find(&[part])).collect();
@@ -98,7 +98,7 @@ pub fn loose_parts(
 }
 
 /// Parts that have a stiffness between their nodes, of contact, in groups.
-fn groups(matrix: &BlockMatrix, parts: &[(&str, Vec<usize>)]) -> Vec<Vec<usize>> {
+fn groups(matrix: &BlockMatrix, parts: &[(String, Vec<usize>)]) -> Vec<Vec<usize>> {
     let pattern = matrix.pattern();
     let mut part_of = vec![None; pattern.nodes()];
     for (part, (_, nodes)) in parts.iter().enumerate() {

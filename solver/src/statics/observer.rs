@@ -23,8 +23,8 @@ pub trait Observer {
         let _ = record;
     }
 
-    /// An increment failed; `problem` holds forces and contacts at its last evaluation. It is told before [`cut_back`](Self::cut_back), and when it
-    /// ends the run.
+    /// An increment failed; `problem` holds forces and contacts at its last evaluation. It is told before
+    /// [`cut_back`](Self::cut_back), and when it ends the run.
     fn failed(&mut self, failed: &FailedIncrement<'_>, problem: &Problem) {
         let _ = (failed, problem);
     }

@@ -71,8 +71,8 @@ pub struct NewtonSettings {
     pub line_search: bool,
     /// The first guess.
     pub extrapolation: Extrapolation,
-    /// The part of each diagonal entry of the stiffness that is added to it, ≥ 0. Forces have no such part: equilibrium stays what it is, and
-    /// what no load moves stays in place.
+    /// The part of each diagonal entry of the stiffness that is added to it, ≥ 0. Forces have no such part: equilibrium stays what it
+    /// is, and what no load moves stays in place.
     pub stabilisation: f64,
 }
 

@@ -183,6 +183,38 @@ fn parts_that_are_held_are_not_named() {
     assert_eq!(loose[0].motions.len(), 6);
 }
 
+/// Elements of a part that share no node with the others are named by a node.
+#[test]
+fn pieces_of_a_part_are_told_apart() {
+    let directory = std::env::temp_dir().join(format!("diffuse-contact-pieces-{}", std::process::id()));
+    std::fs::create_dir_all(&directory).unwrap();
+    let mut mesh = "*NODE\n".to_owned();
+    for (first, x) in [(1, 0.0), (9, 5.0)] {
+        for (k, [a, b, c]) in
+            [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]
+                .into_iter()
+                .enumerate()
+        {
+            mesh += &format!("{}, {}, {b}, {c}\n", first + k, x + f64::from(a));
+        }
+    }
+    mesh += "*ELEMENT, TYPE=C3D8, ELSET=ALL\n1, 1, 2, 3, 4, 5, 6, 7, 8\n2, 9, 10, 11, 12, 13, 14, 15, 16\n*NSET, NSET=HELD\n1, 4, 5, 8\n";
+    std::fs::write(directory.join("two.inp"), mesh).unwrap();
+    let text = format!(
+        "[materials.m]\nyoung = 1.0\npoisson = 0.3\n[parts.two]\nfile = \"two.inp\"\nmaterial = \"m\"\n[[boundary]]\n\
+         nodes = \"two.HELD\"\nfix = [\"x\", \"y\", \"z\"]\n{TIME}"
+    );
+    let deck = Deck::parse(&text).unwrap();
+    let mut statics = statics(&deck, &deck.model(&directory).unwrap());
+    let start = statics.problem().start();
+    let StaticsError::Singular { loose, .. } = statics.run(start, &mut Notes::default()).unwrap_err() else {
+        panic!("singular")
+    };
+    std::fs::remove_dir_all(&directory).unwrap();
+    assert_eq!((loose.len(), loose[0].motions.len()), (1, 6));
+    assert_eq!(loose[0].parts, ["two, the piece of node 8"]);
+}
+
 /// A screw is told from a turn.
 #[test]
 fn a_screw_has_a_pitch() {

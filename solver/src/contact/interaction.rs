@@ -257,6 +257,11 @@ impl InteractionOptions {
     }
 }
 
+/// Root of the mean area of facets, of which nodes have these tributary areas; 0 without any.
+pub(crate) fn facet_size(areas: &[f64], facets: &[Facet]) -> f64 {
+    (areas.iter().sum::<f64>() / facets.len().max(1) as f64).sqrt()
+}
+
 /// Contact of one slave node at the last evaluation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlaveState {
@@ -364,7 +369,7 @@ impl Interaction {
         for side in [slave, master] {
             // The facets were checked when the passes were made.
             let of_nodes = tributary_areas(positions, side).unwrap_or_default();
-            sizes.push((of_nodes.iter().sum::<f64>() / side.len().max(1) as f64).sqrt());
+            sizes.push(facet_size(&of_nodes, side));
             areas.extend(of_nodes.into_iter().enumerate().filter(|&(_, area)| area > 0.0));
         }
         Ok(Self { options, passes, sizes, areas, before: Vec::new() })

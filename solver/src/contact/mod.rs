@@ -20,6 +20,7 @@ mod tests;
 pub use adjust::{AdjustError, adjust};
 pub use beginning::Beginning;
 pub use error::ContactError;
+pub(crate) use interaction::facet_size;
 pub use interaction::{
     Augmentation, Augmented, Friction, Integration, Interaction, InteractionOptions, RefreshRule, SlaveState,
     TangentRule,

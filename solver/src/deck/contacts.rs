@@ -7,7 +7,9 @@ use diffuse_contact::surface::{Facet, tributary_areas};
 
 use super::error::{DeckError, Problem};
 use super::{Contact, Deck, Interface, Sides};
-use crate::contact::{AdjustError, ContactError, Integration, Interaction, InteractionOptions, adjust};
+use crate::contact::{
+    AdjustError, ContactError, Integration, Interaction, InteractionOptions, adjust, facet_size,
+};
 use crate::model::Model;
 use crate::solid::Solid;
 
@@ -95,16 +97,12 @@ fn automatic_penalty(model: &Model, sides: &Sides) -> f64 {
         for side in [&sides.master, &sides.slave] {
             let is_own = |facet: &&Facet| facet.corners().iter().all(|node| nodes.contains(node));
             let own: Vec<Facet> = side.iter().filter(is_own).copied().collect();
-            least = least.min(body.material.young / facet_size(model, &own));
+            // Facets that are no surface are refused where it is made.
+            let areas = tributary_areas(&model.nodes, &own).unwrap_or_default();
+            least = least.min(body.material.young / facet_size(&areas, &own));
         }
     }
     PENALTY_FACTOR * least
-}
-
-/// Root of the mean area of facets; 0 without any, or if they are no surface, which is told where it is made.
-fn facet_size(model: &Model, facets: &[Facet]) -> f64 {
-    let areas = tributary_areas(&model.nodes, facets).unwrap_or_default();
-    (areas.iter().sum::<f64>() / facets.len().max(1) as f64).sqrt()
 }
 
 /// The faces of second order that belong wholly to a side. Others leave their facets to themselves.

@@ -95,7 +95,6 @@ pub struct Saved {
     #[serde(default)]
     carried: BTreeSet<String>,
     /// How the interfaces lay at the start.
-    #[serde(default)]
     beginnings: Vec<Beginning>,
 }
 

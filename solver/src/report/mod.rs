@@ -1,8 +1,8 @@
 //! `report.html`: what a run did, in one page that needs nothing else.
 //!
 //! The page holds its data as JSON, the script that draws it (`report.js`) and plotly.js. It shows force over displacement,
-//! iterations per increment, the convergence of each increment, the deformed shape in three dimensions, and the smooth master
-//! surface over its facets. With several directories of results, such as those of both elements on one mesh, they are drawn
+//! iterations per increment, the convergence of each increment, contact over time, where a run failed, the deformed shape in
+//! three dimensions, and the smooth master surface over its facets. With several directories of results they are drawn
 //! together. Shapes and surfaces take up to about 8 MB of it; what is left out for that is said in the page.
 
 mod shown;

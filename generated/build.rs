@@ -5,7 +5,7 @@ mod elements;
 use diffuse_contact_codegen::Config;
 use elements::{
     carried_by_quadrilateral, carried_by_quadrilateral8, carried_by_quadrilateral9, carried_by_triangle,
-    carried_by_triangle6, coulomb,
+    carried_by_triangle6, coulomb, direction, traction,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -20,6 +20,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .share_kernels()
         .facets()
         .element("coulomb", coulomb)?
+        .element("traction", traction)?
+        .element("direction", direction)?
         .element("carried_by_triangle", carried_by_triangle)?
         .element("carried_by_quadrilateral", carried_by_quadrilateral)?
         .element("carried_by_triangle6", carried_by_triangle6)?

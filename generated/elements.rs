@@ -7,6 +7,27 @@ use diffuse_contact_codegen::expr::{Expr, Vec2, Vec3, Vector, dot};
 pub fn coulomb(m: &ElementModel<'_>) {
     m.title("Coulomb's friction with a penalty for stick: the factor c of R = −c ∇q (docs/equations.md, section 17).");
     let [q, pressure]: [Expr<'_>; 2] = ["half_square", "pressure"].map(|name| m.variable(name));
+    let factor = friction_factor(m, q, pressure);
+    m.residual("factor", factor);
+}
+
+/// The traction −c P_n d of Coulomb's friction, for a way d and a normal n of any length.
+pub fn traction(m: &ElementModel<'_>) {
+    m.title("Traction −c P_n d of Coulomb's friction over faces (docs/equations.md, section 18).");
+    let [way, normal]: [Vec3<'_>; 2] = ["way", "normal"].map(|name| m.variable(name));
+    let pressure = m.variable("pressure");
+    let slip = m.define("slip", way - (way.dot(normal) / normal.dot(normal)) * normal);
+    let factor = friction_factor(m, 0.5 * slip.dot(slip), pressure);
+    m.value("slip", slip);
+    m.residual("traction", -(factor * slip));
+    m.describe("way", "From the anchor to the slave's point, length");
+    m.describe("normal", "Normal of the master, of any length");
+    m.describe("slip", "P_n d, length");
+    m.describe("traction", "Friction on the slave, force per area");
+}
+
+/// The factor c of a half square of the slip and a pressure, with the parameters of the law.
+fn friction_factor<'g>(m: &ElementModel<'g>, q: Expr<'g>, pressure: Expr<'g>) -> Expr<'g> {
     let [mu, stiffness, opening] = m.parameters(["coefficient", "stiffness", "opening"]);
     let slip = (2.0 * q).sqrt();
     // Of a contact that was open, the slip since the place of touch; of another all of it, to the last bit.
@@ -16,24 +37,31 @@ pub fn coulomb(m: &ElementModel<'_>) {
     let slides = limit.less(stuck * slip);
     m.value("share", share);
     m.value("slides", slides.select(one, zero));
-    m.residual("factor", slides.select(limit / slip, stuck));
+    slides.select(limit / slip, stuck)
 }
 
-/// A unit force carried by a triangle.
+/// The unit vector along another one.
+pub fn direction(m: &ElementModel<'_>) {
+    m.title("The unit vector along another one.");
+    let along: Vec3<'_> = m.variable("along");
+    m.residual("direction", along.unit());
+}
+
+/// A force carried by a triangle.
 pub fn carried_by_triangle(m: &ElementModel<'_>) {
-    carried(m, |m, [a, b, c]: [Vec3<'_>; 3], point, direction| {
-        let [first, second] = across(b - a, c - a, direction);
+    carried(m, |m, [a, b, c]: [Vec3<'_>; 3], point, force| {
+        let [first, second] = across(b - a, c - a, force);
         let [xi, eta] = [first, second].map(|across| across.dot(point - a));
         m.value("natural", Vector([xi, eta]));
         [1.0 - xi - eta, xi, eta]
     });
 }
 
-/// A unit force carried by a bilinear quadrilateral.
+/// A force carried by a bilinear quadrilateral.
 pub fn carried_by_quadrilateral<'g>(m: &ElementModel<'g>) {
-    carried(m, |m, corners: [Vec3<'g>; 4], point, direction| {
+    carried(m, |m, corners: [Vec3<'g>; 4], point, force| {
         let [a, b, c, d] = corners;
-        let [first, second] = across(0.5 * (b + c - a - d), 0.5 * (c + d - a - b), direction);
+        let [first, second] = across(0.5 * (b + c - a - d), 0.5 * (c + d - a - b), force);
         // From 0 at the first corner to 1: a place in the middle is no root to begin with, but for rounding.
         let u = m.sheet().variables(["s", "t"]);
         let beside = |u: Vec2<'g>| {
@@ -51,41 +79,27 @@ pub fn carried_by_quadrilateral<'g>(m: &ElementModel<'g>) {
     });
 }
 
-/// A unit force carried by a quadratic triangle: corners, then the middles of its edges.
+/// A force carried by a quadratic triangle: corners, then the middles of its edges.
 pub fn carried_by_triangle6(m: &ElementModel<'_>) {
-    carried(m, |m, nodes: [Vec3<'_>; 6], point, direction| {
+    carried(m, |m, nodes: [Vec3<'_>; 6], point, force| {
         let [a, b, c, ..] = nodes;
-        on_curved(m, nodes, [b - a, c - a], triangle6, point, direction)
+        on_curved(m, nodes, [b - a, c - a], triangle6, point, force)
     });
 }
 
-/// A unit force carried by a quadrilateral with the middles of its edges.
+/// A force carried by a quadrilateral with the middles of its edges.
 pub fn carried_by_quadrilateral8(m: &ElementModel<'_>) {
-    carried(m, |m, nodes: [Vec3<'_>; 8], point, direction| {
+    carried(m, |m, nodes: [Vec3<'_>; 8], point, force| {
         let [a, b, c, d, ..] = nodes;
-        on_curved(
-            m,
-            nodes,
-            [0.25 * (b + c - a - d), 0.25 * (c + d - a - b)],
-            quadrilateral8,
-            point,
-            direction,
-        )
+        on_curved(m, nodes, [0.25 * (b + c - a - d), 0.25 * (c + d - a - b)], quadrilateral8, point, force)
     });
 }
 
 /// The same with its centre.
 pub fn carried_by_quadrilateral9(m: &ElementModel<'_>) {
-    carried(m, |m, nodes: [Vec3<'_>; 9], point, direction| {
+    carried(m, |m, nodes: [Vec3<'_>; 9], point, force| {
         let [a, b, c, d, ..] = nodes;
-        on_curved(
-            m,
-            nodes,
-            [0.25 * (b + c - a - d), 0.25 * (c + d - a - b)],
-            quadrilateral9,
-            point,
-            direction,
-        )
+        on_curved(m, nodes, [0.25 * (b + c - a - d), 0.25 * (c + d - a - b)], quadrilateral9, point, force)
     });
 }
 
@@ -115,22 +129,19 @@ fn on_curved<'g, const N: usize>(
     functions(start + step)
 }
 
-/// A unit force along `direction` through `point`: the parts of it that a facet's nodes carry are its shape functions where the line of
-/// the force meets it (docs/equations.md, section 18).
+/// A force through `point`: the parts of it that a facet's nodes carry are its shape functions where the line of the force meets it
+/// (docs/equations.md, section 18).
 fn carried<'g, const N: usize>(
     m: &ElementModel<'g>,
     shape_functions: impl FnOnce(&ElementModel<'g>, [Vec3<'g>; N], Vec3<'g>, Vec3<'g>) -> [Expr<'g>; N],
 ) {
-    m.title("A unit force along a line, carried by the nodes of a facet that the line meets (docs/equations.md, section 18).");
-    let [point, along]: [Vec3<'_>; 2] = ["point", "along"].map(|name| m.variable(name));
+    m.title("A force along its line, carried by the nodes of a facet that the line meets (docs/equations.md, section 18).");
+    let [point, force]: [Vec3<'_>; 2] = ["point", "force"].map(|name| m.variable(name));
     let corners = m.variable("corners");
-    let direction = m.define("direction_of_force", along.unit());
-    let parts = shape_functions(m, corners, point, direction);
-    m.residual("direction", direction);
-    m.residual("parts", parts.map(|part| part * direction));
+    let parts = shape_functions(m, corners, point, force);
+    m.residual("parts", parts.map(|part| part * force));
     m.describe("point", "A point of the line, length");
-    m.describe("along", "Direction of the force, of any length");
-    m.describe("direction", "The force, of length 1");
+    m.describe("force", "The force: the line's direction");
     m.describe("parts", "What each node of the facet carries of it");
 }
 
@@ -174,7 +185,7 @@ fn quadrilateral9<'g>(u: Vec2<'g>) -> [Expr<'g>; 9] {
     places.map(|[i, j]| s[i] * t[j])
 }
 
-/// Two vectors across a direction that are dual to two edges.
+/// Two vectors across a direction of any length that are dual to two edges.
 fn across<'g>(first: Vec3<'g>, second: Vec3<'g>, direction: Vec3<'g>) -> [Vec3<'g>; 2] {
     let volume = direction.dot(first.cross(second));
     [(1.0 / volume) * second.cross(direction), (1.0 / volume) * direction.cross(first)]

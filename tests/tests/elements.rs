@@ -8,7 +8,7 @@ use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
 use diffuse_contact_codegen::{ElementKernels, ElementModel, Mode};
 use diffuse_contact_kernels::{
     carried_by_quadrilateral, carried_by_quadrilateral8, carried_by_quadrilateral9, carried_by_triangle,
-    carried_by_triangle6, coulomb, support,
+    carried_by_triangle6, coulomb, direction, support, traction,
 };
 use num_dual::{Dual64, DualNum};
 
@@ -49,10 +49,10 @@ fn assert_close(found: &[f64], expected: &[f64], what: &str) {
     }
 }
 
-/// What the corners of a facet carry of a unit force, by Newton's iteration for the place and the distance along the line together.
+/// What the corners of a facet carry of a force, by Newton's iteration for the place and the distance along the line together.
 fn parts(x: &[Dual64], functions: impl Fn(Dual64, Dual64) -> Vec<Dual64>) -> Vec<Dual64> {
     let number = Dual64::from;
-    let (point, along, corners) = (&x[..3], &x[3..6], &x[6..]);
+    let (point, force, corners) = (&x[..3], &x[3..6], &x[6..]);
     let count = corners.len() / 3;
     let position = |s, t| {
         let n = functions(s, t);
@@ -67,9 +67,9 @@ fn parts(x: &[Dual64], functions: impl Fn(Dual64, Dual64) -> Vec<Dual64>) -> Vec
         let columns = [
             difference(position(s + half, t), position(s - half, t)),
             difference(position(s, t + half), position(s, t - half)),
-            [0, 1, 2].map(|i| -along[i]),
+            [0, 1, 2].map(|i| -force[i]),
         ];
-        let right = [0, 1, 2].map(|i| point[i] + distance * along[i] - here[i]);
+        let right = [0, 1, 2].map(|i| point[i] + distance * force[i] - here[i]);
         let det = |a: [[Dual64; 3]; 3]| {
             let minor = |i: usize, j: usize| a[1][i] * a[2][j] - a[1][j] * a[2][i];
             a[0][0] * minor(1, 2) - a[0][1] * minor(0, 2) + a[0][2] * minor(0, 1)
@@ -81,8 +81,7 @@ fn parts(x: &[Dual64], functions: impl Fn(Dual64, Dual64) -> Vec<Dual64>) -> Vec
         });
         (s, t, distance) = (s + step[0], t + step[1], distance + step[2]);
     }
-    let norm = (along[0] * along[0] + along[1] * along[1] + along[2] * along[2]).sqrt();
-    functions(s, t).into_iter().flat_map(|n| [0, 1, 2].map(|i| n * along[i] / norm)).collect()
+    functions(s, t).into_iter().flat_map(|n| [0, 1, 2].map(|i| n * force[i])).collect()
 }
 
 fn numbers(count: usize, seed: f64) -> Vec<f64> {
@@ -99,9 +98,9 @@ fn line_and_corners(corners: &[[f64; 3]], seed: f64) -> Vec<f64> {
 /// Runs an emitted kernel: values and Jacobian of the parts.
 macro_rules! emitted {
     ($kernel:ident, $inputs:expr) => {{
-        let mut inputs = $kernel::Inputs { point: [0.0; 3], along: [0.0; 3], corners: Default::default() };
+        let mut inputs = $kernel::Inputs { point: [0.0; 3], force: [0.0; 3], corners: Default::default() };
         let rows = $inputs.as_chunks::<3>().0;
-        (inputs.point, inputs.along) = (rows[0], rows[1]);
+        (inputs.point, inputs.force) = (rows[0], rows[1]);
         inputs.corners.copy_from_slice(&rows[2..]);
         let results = $kernel::evaluate(support::Mode::Gradient, &inputs);
         [results.values.parts.as_flattened().to_vec(), results.parts_jacobian.to_vec()]
@@ -160,13 +159,13 @@ fn forces_carried_by_faces_of_second_order_have_three_witnesses() {
             let of_graph = interpreted(formulas::$kernel, &all, "parts");
             let mut of_kernel = $kernel::Inputs {
                 point: [0.0; 3],
-                along: [0.0; 3],
+                force: [0.0; 3],
                 corners: Default::default(),
                 start_xi: $start[0],
                 start_eta: $start[1],
             };
             let rows = inputs.as_chunks::<3>().0;
-            (of_kernel.point, of_kernel.along) = (rows[0], rows[1]);
+            (of_kernel.point, of_kernel.force) = (rows[0], rows[1]);
             of_kernel.corners.copy_from_slice(&rows[2..]);
             let results = $kernel::evaluate(support::Mode::Gradient, &of_kernel);
             let of_kernel = [results.values.parts.as_flattened().to_vec(), results.parts_jacobian.to_vec()];
@@ -229,5 +228,61 @@ fn the_factor_of_friction_has_three_witnesses() {
             assert_close(&of_graph[k], &expected[k], what);
             assert_close(&of_kernel[k], &expected[k], what);
         }
+    }
+}
+
+/// −c P_n d with a factor of its own, in stick, in slip, since the place of touch, and without any slip.
+#[test]
+fn the_traction_over_faces_has_three_witnesses() {
+    let [coefficient, stiffness] = [0.3, 50.0];
+    for (way, pressure, opening) in [
+        ([0.01, -0.02, 0.3], 9.0, 0.0),
+        ([0.2, 0.1, 0.3], 9.0, 0.0),
+        ([0.01, 0.02, -0.1], 5.0, 3.0),
+        ([0.4, -0.2, 0.1], 0.2, 3.0),
+        ([0.0; 3], 9.0, 0.0),
+    ] {
+        let normal = [0.2, -0.3, 1.7];
+        let inputs = [&way[..], &normal, &[pressure, coefficient, stiffness, opening]].concat();
+        let expected = by_duals(&inputs, 7, |x| {
+            let (d, n) = (&x[..3], &x[3..6]);
+            let norm = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
+            let n = [0, 1, 2].map(|i| n[i] / norm);
+            // P d = (n × d) × n
+            let cross = |a: [Dual64; 3], b: [Dual64; 3]| {
+                [0, 1, 2].map(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
+            };
+            let slip = cross(cross(n, [d[0], d[1], d[2]]), n);
+            let share = if opening > 0.0 { x[6] / (x[6] + opening) } else { Dual64::from(1.0) };
+            let (elastic, limit) = (share * stiffness, x[6] * coefficient);
+            let square = slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2];
+            let slides = elastic.re * square.re.sqrt() > limit.re;
+            let factor = if slides { limit / square.sqrt() } else { elastic };
+            slip.map(|slip| -factor * slip).to_vec()
+        });
+        let kernel = traction::Inputs { way, normal, pressure, coefficient, stiffness, opening };
+        let results = traction::evaluate(support::Mode::Gradient, &kernel);
+        let of_kernel = [results.values.traction.to_vec(), results.traction_jacobian.to_vec()];
+        let of_graph = interpreted(formulas::traction, &inputs, "traction");
+        for (k, what) in ["traction", "its derivatives"].into_iter().enumerate() {
+            assert_close(&of_graph[k], &expected[k], what);
+            assert_close(&of_kernel[k], &expected[k], what);
+        }
+    }
+}
+
+#[test]
+fn the_unit_vector_has_three_witnesses() {
+    let along = [0.3, -1.2, 0.7];
+    let expected = by_duals(&along, 3, |x| {
+        let norm = (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]).sqrt();
+        x.iter().map(|x| x / norm).collect()
+    });
+    let results = direction::evaluate(support::Mode::Gradient, &direction::Inputs { along });
+    let of_kernel = [results.values.direction.to_vec(), results.direction_jacobian.to_vec()];
+    let of_graph = interpreted(formulas::direction, &along, "direction");
+    for (k, what) in ["direction", "its derivatives"].into_iter().enumerate() {
+        assert_close(&of_graph[k], &expected[k], what);
+        assert_close(&of_kernel[k], &expected[k], what);
     }
 }

@@ -1,12 +1,13 @@
-//! The contribution of one slave face: forces by unit pressures of its corners, gradients of their gaps, and what the directions of the
-//! forces add to the tangent.
+//! The contribution of one slave face: forces by unit pressures and tractions of its corners, gradients of their gaps, and what the
+//! directions of the forces add to the tangent.
 
-use super::carried::Carried;
+use super::carried::{Carried, direction_along};
 use super::cut::FacePoint;
 use super::quadratic::{Carrying, MOST_NODES};
 use super::skin::Skin;
 use crate::interface::{ContactRef, back};
 use crate::surface::{Facet, Image, Shape};
+use crate::vector::Vector3;
 use crate::{Mode, Point};
 
 /// What a face needs to know of itself.
@@ -24,6 +25,28 @@ pub struct FaceView<'a> {
     pub rows: &'a [u32],
     /// Nodes that forces depend on, ascending.
     pub columns: &'a [u32],
+    pub load: FaceLoad,
+}
+
+/// What the corners of a face carry.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FaceLoad {
+    /// Force per area.
+    pub pressures: [f64; 4],
+    /// Friction, force per area; `None` if no corner has a history of it.
+    pub tractions: Option<[Point; 4]>,
+}
+
+impl FaceLoad {
+    /// The pressure at a point with these shape functions, and the traction over it.
+    fn at(&self, functions: &[f64; 4]) -> (f64, Option<Vector3>) {
+        let pressure: f64 = functions.iter().zip(&self.pressures).map(|(n, p)| n * p).sum();
+        let traction = self.tractions.filter(|_| pressure > 0.0).map(|tractions| {
+            let sum = functions.iter().zip(tractions);
+            sum.fold(Vector3::zeros(), |sum, (&n, t)| sum + Vector3::from(t) * (n / pressure))
+        });
+        (pressure, traction)
+    }
 }
 
 /// The sums over a face's points.
@@ -31,9 +54,13 @@ pub struct FaceView<'a> {
 pub struct FaceBlock {
     /// By unit pressure of each corner: what it exerts on the rows' nodes, length².
     pub forces: [Vec<f64>; 4],
+    /// By each component of the traction of each corner: the same; empty without friction.
+    pub friction: [[Vec<f64>; 3]; 4],
     /// ∫ N_A ∂g/∂x dA by the columns' nodes, length².
     pub gradients: [Vec<f64>; 4],
-    /// −∂R/∂x with the pressures held, a row per coordinate of the rows' nodes; empty below Hessian mode.
+    /// ∂/∂x of ∫ N_A ∂g/∂x_s dA, x_s the points of the slave: three rows by the columns' nodes, length; empty without friction.
+    pub normals: [Vec<f64>; 4],
+    /// −∂R/∂x with pressures and tractions held, a row per coordinate of the rows' nodes; empty below Hessian mode.
     pub directions: Vec<f64>,
     /// Points whose line of force meets no place of their facet: they count for the gap, but carry no force.
     pub missed: usize,
@@ -49,7 +76,20 @@ struct Columns<'a> {
     face: Vec<usize>,
     /// Of those that carry the facet's.
     facet: Vec<usize>,
-    contact: &'a ContactRef<'a>,
+}
+
+/// A force with its derivatives, and those of its line.
+struct Line<'a> {
+    force: &'a Carried,
+    /// Of the direction, by ∂g/∂x of the slave.
+    by_along: &'a [Point; 3],
+    /// ∂g/∂x of the slave by the columns: three rows.
+    along_by_nodes: &'a [f64],
+}
+
+/// An entry of a packed symmetric matrix.
+fn contact_entry(hessian: &[f64], i: usize, j: usize) -> f64 {
+    if i >= j { hessian[i * (i + 1) / 2 + j] } else { hessian[j * (j + 1) / 2 + i] }
 }
 
 impl Columns<'_> {
@@ -75,27 +115,24 @@ impl FaceBlock {
         let (rows, columns) = (3 * view.rows.len(), 3 * view.columns.len());
         let of_corners = |count: usize| std::array::from_fn(|_| vec![0.0; count]);
         let directions = if mode >= Mode::Hessian { vec![0.0; rows * columns] } else { Vec::new() };
-        Self { forces: of_corners(rows), gradients: of_corners(columns), directions, missed: 0 }
+        let mut block =
+            Self { forces: of_corners(rows), gradients: of_corners(columns), directions, ..Self::default() };
+        if view.load.tractions.is_some() {
+            block.friction = std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; rows]));
+            if mode >= Mode::Hessian {
+                block.normals = of_corners(3 * columns);
+            }
+        }
+        block
     }
 
-    /// Adds a point. `over`: what carries the forces of the facet over it; `pressures`: of the face's corners.
-    pub fn add(
-        &mut self,
-        view: &FaceView<'_>,
-        point: &FacePoint,
-        over: &Carrying,
-        contact: &ContactRef<'_>,
-        pressures: &[f64; 4],
-    ) {
+    /// Adds a point. `over`: what carries the forces of the facet over it.
+    pub fn add(&mut self, view: &FaceView<'_>, point: &FacePoint, over: &Carrying, contact: &ContactRef<'_>) {
         let functions = view.shape.functions(point.natural);
         let along = [contact.gradient[0], contact.gradient[1], contact.gradient[2]];
-        let mode = if contact.hessian.is_empty() { Mode::Value } else { Mode::Gradient };
         // Where the point is on what carries it.
         let own = view.carrying.nodes();
-        let mut x = [0.0; 3];
-        for (&node, n) in own.iter().zip(point.functions) {
-            (0..3).for_each(|axis| x[axis] += n * view.positions[node][axis]);
-        }
+        let x = view.carrying.point(&point.functions, view.positions);
         let place = |list: &[u32], node: usize| {
             list.binary_search(&(node as u32))
                 .unwrap_or_else(|_| unreachable!("lists hold all nodes of their points"))
@@ -112,12 +149,17 @@ impl FaceBlock {
             masters: contact.nodes.iter().map(|&node| in_columns(node as usize)).collect(),
             face: own.iter().map(|&node| in_columns(node)).collect(),
             facet: over.nodes().iter().map(|&node| in_columns(node)).collect(),
-            contact,
         };
         for (corner, &n) in functions.iter().enumerate().take(view.facet.corners().len()) {
             columns.spread(|own| contact.gradient[own], point.weight * n, &mut self.gradients[corner]);
         }
-        let Some(force) = over.carried(view.positions, x, along, mode) else {
+        let (direction, by_along) = direction_along(along);
+        let (pressure, traction) = view.load.at(&functions);
+        let (needs_hessian, is_moved) = (!self.directions.is_empty(), traction.is_some());
+        let mode = if needs_hessian || is_moved { Mode::Gradient } else { Mode::Value };
+        // A pressure of one, and the traction that goes with it.
+        let load = traction.map_or(direction, |traction| (Vector3::from(direction) + traction).into());
+        let Some(force) = over.carried(view.positions, x, load, mode) else {
             self.missed += 1;
             return;
         };
@@ -130,43 +172,58 @@ impl FaceBlock {
             let weight = point.weight * n;
             for &(row, own, part) in &carriers {
                 for axis in 0..3 {
-                    self.forces[corner][3 * row + axis] += weight * part * force.forces[own][axis];
+                    // Forces are linear in a traction and a pressure that grow together, not in either of them.
+                    let by_pressure = if is_moved {
+                        let by = &force.row(3 * own + axis)[3..6];
+                        for (sums, by) in self.friction[corner].iter_mut().zip(by) {
+                            sums[3 * row + axis] += weight * part * by;
+                        }
+                        by.iter().zip(direction).map(|(by, d)| by * d).sum()
+                    } else {
+                        force.forces[own][axis]
+                    };
+                    self.forces[corner][3 * row + axis] += weight * part * by_pressure;
                 }
             }
         }
-        let pressure: f64 = functions.iter().zip(pressures).map(|(n, p)| n * p).sum();
-        if !self.directions.is_empty() && pressure != 0.0 {
-            self.add_directions(&force, &columns, &carriers, &point.functions, point.weight * pressure);
+        if !needs_hessian {
+            return;
+        }
+        // The direction is along ∂g/∂x of the slave: its derivatives are the slave's rows of M.
+        let width = self.gradients[0].len();
+        let mut by_nodes = vec![0.0; 3 * width];
+        for (axis, row) in by_nodes.chunks_exact_mut(width.max(1)).enumerate() {
+            columns.spread(|own| contact_entry(contact.hessian, axis, own), 1.0, row);
+        }
+        for (sums, n) in self.normals.iter_mut().zip(functions) {
+            sums.iter_mut().zip(&by_nodes).for_each(|(sum, by)| *sum += point.weight * n * by);
+        }
+        if pressure != 0.0 {
+            let of_line = Line { force: &force, by_along: &by_along, along_by_nodes: &by_nodes };
+            self.add_directions(of_line, &columns, &carriers, &point.functions, point.weight * pressure);
         }
     }
 
     /// The chain rule: the forces by point, direction and facet; point and direction by the nodes.
     fn add_directions(
         &mut self,
-        force: &Carried,
+        line_of_force: Line<'_>,
         columns: &Columns<'_>,
         carriers: &[(usize, usize, f64)],
         functions: &[f64; MOST_NODES],
         load: f64,
     ) {
         let width = self.gradients[0].len();
-        let hessian = columns.contact.hessian;
-        let entry = |i: usize, j: usize| {
-            if i >= j { hessian[i * (i + 1) / 2 + j] } else { hessian[j * (j + 1) / 2 + i] }
-        };
-        // The direction is ∂g/∂x of the slave: its derivatives are the slave's rows of M.
-        let mut by_nodes = vec![0.0; 3 * width];
-        for axis in 0..3 {
-            columns.spread(|own| entry(axis, own), 1.0, &mut by_nodes[axis * width..][..width]);
-        }
+        let Line { force, by_along, along_by_nodes } = line_of_force;
         let mut line = vec![0.0; width];
         let count = columns.facet.len() + 1;
         for own in 0..count {
             for axis in 0..3 {
                 let by = force.row(3 * own + axis);
                 line.fill(0.0);
-                for (k, factor) in by[3..6].iter().enumerate() {
-                    for (entry, other) in line.iter_mut().zip(&by_nodes[k * width..][..width]) {
+                for k in 0..3 {
+                    let factor: f64 = (0..3).map(|j| by[3 + j] * by_along[j][k]).sum();
+                    for (entry, other) in line.iter_mut().zip(&along_by_nodes[k * width..][..width]) {
                         *entry += factor * other;
                     }
                 }

@@ -1,23 +1,23 @@
-//! A unit force on a facet, by the generated kernels.
+//! A force on a facet, by the generated kernels.
 
 use diffuse_contact_kernels::{
     carried_by_quadrilateral, carried_by_quadrilateral8, carried_by_quadrilateral9, carried_by_triangle,
-    carried_by_triangle6,
+    carried_by_triangle6, direction,
 };
 
 use super::quadratic::MOST_NODES;
 use crate::surface::Shape;
 use crate::{Mode, Point};
 
-/// A unit force along a line through a point, and what each node of the facet carries of it: its shape function where the line meets
-/// the facet, times the force.
+/// A force through a point, and what each node of the facet carries of it: its shape function where the line of the force meets the
+/// facet, times the force.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Carried {
     /// Natural coordinates of the place where the line meets the facet, which may lie beyond its edges.
     pub natural: [f64; 2],
     /// The force, then the parts of the nodes; zero beyond the last.
     pub forces: [Point; 1 + MOST_NODES],
-    /// By the point, the direction as it was given, and the nodes: a row of `variables` per entry of `forces`; empty without.
+    /// By the point, the force, and the nodes: a row of `variables` per component of `forces`; empty without.
     pub derivatives: Vec<f64>,
     /// 6 and three for each node.
     pub variables: usize,
@@ -46,12 +46,14 @@ macro_rules! run {
         let results = $kernel::evaluate($mode, &$inputs);
         let $values = &results.values;
         let mut forces = [[0.0; 3]; 1 + MOST_NODES];
-        forces[0] = $values.direction;
+        forces[0] = $inputs.force;
         forces[1..=$values.parts.len()].copy_from_slice(&$values.parts);
         let derivatives = if $mode == Mode::Value {
             Vec::new()
         } else {
-            [&results.direction_jacobian[..], &results.parts_jacobian].concat()
+            let mut by_itself = [[0.0; $kernel::VARIABLES]; 3];
+            (0..3).for_each(|axis| by_itself[axis][3 + axis] = 1.0);
+            [by_itself.as_flattened(), &results.parts_jacobian].concat()
         };
         let carried =
             Carried { natural: $values.natural, forces, derivatives, variables: $kernel::VARIABLES };
@@ -59,15 +61,15 @@ macro_rules! run {
     }};
 }
 
-/// `along`: the direction of the force, of any length. `None` if the line meets no place of the facet.
-pub fn carried(shape: &Shape, point: Point, along: Point, mode: Mode) -> Option<Carried> {
+/// `None` if the line of the force meets no place of the facet.
+pub fn carried(shape: &Shape, point: Point, force: Point, mode: Mode) -> Option<Carried> {
     match shape {
         Shape::Triangle(corners) => {
-            let inputs = carried_by_triangle::Inputs { point, along, corners: corners.map(Point::from) };
+            let inputs = carried_by_triangle::Inputs { point, force, corners: corners.map(Point::from) };
             run!(carried_by_triangle, mode, inputs, FARTHEST, |_values| [0.0; 2])
         }
         Shape::Quadrilateral(corners) => {
-            let inputs = carried_by_quadrilateral::Inputs { point, along, corners: corners.map(Point::from) };
+            let inputs = carried_by_quadrilateral::Inputs { point, force, corners: corners.map(Point::from) };
             run!(carried_by_quadrilateral, mode, inputs, FARTHEST, |values| values.beside)
         }
     }
@@ -78,13 +80,13 @@ pub fn carried_by_quadratic(
     nodes: &[Point],
     [start_xi, start_eta]: [f64; 2],
     point: Point,
-    along: Point,
+    force: Point,
     mode: Mode,
 ) -> Option<Carried> {
     macro_rules! by {
         ($kernel:ident) => {{
             let corners = std::array::from_fn(|k| nodes[k]);
-            let inputs = $kernel::Inputs { point, along, corners, start_xi, start_eta };
+            let inputs = $kernel::Inputs { point, force, corners, start_xi, start_eta };
             run!($kernel, mode, inputs, FARTHEST_ON_CURVED, |values| values.beside)
         }};
     }
@@ -93,6 +95,13 @@ pub fn carried_by_quadratic(
         8 => by!(carried_by_quadrilateral8),
         _ => by!(carried_by_quadrilateral9),
     }
+}
+
+/// The unit vector along another one, and its derivatives by it, a row per component.
+pub fn direction_along(along: Point) -> (Point, [Point; 3]) {
+    let direction::Results { values, direction_jacobian: by, .. } =
+        direction::evaluate(Mode::Gradient, &direction::Inputs { along });
+    (values.direction, [0, 1, 2].map(|i| [0, 1, 2].map(|j| by[3 * i + j])))
 }
 
 /// Of the equations of the place, in natural coordinates.
@@ -121,8 +130,8 @@ mod tests {
     fn the_corners_carry_the_force_on_its_line() {
         for shape in shapes() {
             let carried = carried(&shape, POINT, ALONG, Mode::Value).unwrap();
-            let force = Vector3::from(carried.forces[0]);
-            assert!((force.norm() - 1.0).abs() < 1e-15);
+            let force = Vector3::from(ALONG);
+            assert_eq!(carried.forces[0], ALONG);
             let parts = carried.forces[1..].iter().map(|&part| Vector3::from(part));
             let sum = parts.clone().fold(Vector3::zeros(), |sum, part| sum + part);
             let moment = shape

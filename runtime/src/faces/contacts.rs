@@ -1,7 +1,8 @@
 //! The contact of all slave nodes, with pressures averaged to them.
 
 use crate::assembly::{AssemblyError, DofMap, Tangent, Triplets};
-use crate::interface::Outcome;
+use crate::friction::FrictionState;
+use crate::interface::{NoContact, Outcome};
 use crate::{Mode, Point};
 
 /// The contact of one node of the slave's surface: what the points around it give on average.
@@ -19,9 +20,30 @@ pub struct NodeContact {
     pub normal: Point,
     /// p_A ≥ 0, force per area.
     pub pressure: f64,
+    /// t_A, friction on the slave, force per area; zero without friction or before there is a history.
+    pub friction: Point,
+    /// Stick, slip or neither.
+    pub friction_state: FrictionState,
+    /// How far it slid since its anchor or its place of touch, length.
+    pub slip: f64,
 }
 
 impl NodeContact {
+    /// Without contact, for this reason.
+    pub(super) const fn without(slave: usize, reason: NoContact) -> Self {
+        Self {
+            slave,
+            outcome: Outcome::None(reason),
+            gap: 0.0,
+            area: 0.0,
+            normal: [0.0; 3],
+            pressure: 0.0,
+            friction: [0.0; 3],
+            friction_state: FrictionState::Open,
+            slip: 0.0,
+        }
+    }
+
     /// p_A times the area over the master, force.
     #[must_use]
     pub fn force(&self) -> f64 {
@@ -29,7 +51,7 @@ impl NodeContact {
     }
 }
 
-/// A node that carries a pressure, with what follows from it: R = p_A F, ∂p_A/∂x = −ε G.
+/// A node that carries a pressure, with what follows from it: R = p_A F + Σ t_i W_i, ∂p_A/∂x = −ε G.
 #[derive(Clone, Debug)]
 pub(super) struct NodeBlock {
     /// Nodes that forces act on, ascending.
@@ -44,6 +66,34 @@ pub(super) struct NodeBlock {
     pub pressure: f64,
     /// ε, force per length³.
     pub stiffness: f64,
+    /// With a traction.
+    pub friction: Option<FrictionBlock>,
+}
+
+/// The traction of a node.
+#[derive(Clone, Debug)]
+pub(super) struct FrictionBlock {
+    /// t_A, force per area.
+    pub traction: Point,
+    /// W_i by the rows' nodes: force by each component of the traction, length².
+    pub forces: [Vec<f64>; 3],
+    /// ∂t_i/∂x by the columns' nodes, force per length³.
+    pub gradients: [Vec<f64>; 3],
+}
+
+impl NodeBlock {
+    /// What it exerts on a coordinate of its rows' nodes.
+    pub fn force(&self, row: usize) -> f64 {
+        let normal = self.pressure * self.forces[row];
+        self.friction.as_ref().map_or(normal, |friction| normal + friction.force(row))
+    }
+}
+
+impl FrictionBlock {
+    /// What the traction exerts on a coordinate of the rows' nodes.
+    pub fn force(&self, row: usize) -> f64 {
+        (0..3).map(|axis| self.traction[axis] * self.forces[axis][row]).sum()
+    }
 }
 
 /// The contact forces and the tangent of all slave faces.
@@ -102,6 +152,17 @@ impl FaceContacts {
         self.missed
     }
 
+    /// Hands over what friction alone exerts on each node, several times for a node that several slaves act on; nothing without
+    /// derivatives.
+    pub fn for_each_friction(&self, mut f: impl FnMut(u32, Point)) {
+        for block in &self.blocks {
+            let Some(friction) = &block.friction else { continue };
+            for (place, &node) in block.rows.iter().enumerate() {
+                f(node, [0, 1, 2].map(|axis| friction.force(3 * place + axis)));
+            }
+        }
+    }
+
     /// Adds the contact forces on the nodes to `residual`, one entry per equation. Returns the number of nodes that carry pressure.
     ///
     /// # Errors
@@ -114,10 +175,10 @@ impl FaceContacts {
         }
         self.check(dofs, Mode::Gradient)?;
         for block in &self.blocks {
-            for (node, forces) in block.rows.iter().zip(block.forces.as_chunks::<3>().0) {
-                for (axis, force) in forces.iter().enumerate() {
+            for (node, place) in block.rows.iter().zip(0..) {
+                for axis in 0..3 {
                     let Some(equation) = dofs.equation(*node as usize, axis) else { continue };
-                    residual[equation] += block.pressure * force;
+                    residual[equation] += block.force(3 * place + axis);
                     if !residual[equation].is_finite() {
                         return Err(AssemblyError::Overflow { what: "residuals", equation });
                     }
@@ -140,8 +201,9 @@ impl FaceContacts {
         Ok(())
     }
 
-    /// Hands over the tangent K = −∂R/∂x block by block, in an order that follows from the faces: ε F Gᵀ of each node that carries
-    /// pressure, and with [`Tangent::Exact`] what the directions of the forces add, as far as the evaluation was for it. It is not symmetric.
+    /// Hands over the tangent K = −∂R/∂x block by block, in an order that follows from the faces: ε F Gᵀ − Σ W_i ∂t_i/∂x of each node that
+    /// carries pressure, and with [`Tangent::Exact`] what the directions of the forces add, as far as the evaluation was for it. It is not
+    /// symmetric.
     pub fn for_each_tangent(&self, tangent: Tangent, mut f: impl FnMut(TangentBlock<'_>)) {
         let mut entries = Vec::new();
         for block in &self.blocks {
@@ -150,6 +212,13 @@ impl FaceContacts {
                 let factor = block.stiffness * force;
                 block.gradient.iter().map(move |g| factor * g)
             }));
+            if let Some(friction) = &block.friction {
+                for (forces, gradient) in friction.forces.iter().zip(&friction.gradients) {
+                    for (row, force) in entries.chunks_exact_mut(gradient.len().max(1)).zip(forces) {
+                        row.iter_mut().zip(gradient).for_each(|(entry, by)| *entry -= force * by);
+                    }
+                }
+            }
             f(TangentBlock { rows: &block.rows, columns: &block.columns, entries: &entries });
         }
         if tangent == Tangent::Exact {

@@ -2,38 +2,64 @@
 
 use rayon::prelude::*;
 
-use super::block::{FaceBlock, FaceView};
-use super::contacts::{DirectionBlock, FaceContacts, NodeBlock, NodeContact};
+use super::block::{FaceBlock, FaceLoad, FaceView};
+use super::contacts::{DirectionBlock, FaceContacts, FrictionBlock, NodeBlock, NodeContact};
+use super::cut::FacePoint;
+use super::friction::Track;
+use super::friction::Traction;
 use super::{FaceCut, FaceInterface, sort};
 use crate::Mode;
 use crate::assembly::ContactLaw;
-use crate::interface::{InterfaceError, NoContact, Outcome, Results};
+use crate::interface::{ContactRef, InterfaceError, NoContact, Outcome, Results};
 use crate::neighbourhood::Fallback;
-use crate::surface::shape_of;
+use crate::surface::{Facet, shape_of};
 use crate::vector::Vector3;
 
 /// Nodes with less than this part of their area over the master carry nothing.
 const SMALLEST_AREA: f64 = 1e-9;
 /// Points that one thread evaluates in a row.
 const CHUNK: usize = 256;
+/// Points whose results are held at once.
+const AT_ONCE: usize = 1 << 16;
 
 impl FaceInterface {
-    /// The average gap at each node, and its pressure.
-    pub(super) fn averages(&self, law: &ContactLaw<'_>) -> Result<Vec<NodeContact>, InterfaceError> {
-        let blank = |(k, &slave): (usize, &usize)| {
-            let outcome = Outcome::None(NoContact::NothingOver { limit: self.limit_around(k) });
-            NodeContact { slave, outcome, gap: 0.0, area: 0.0, normal: [0.0; 3], pressure: 0.0 }
-        };
-        let mut nodes: Vec<NodeContact> = self.nodes.iter().enumerate().map(blank).collect();
+    /// Hands over each point with the number of its face, the shape functions of the face's corners, and its contact.
+    pub(super) fn for_each_point(
+        &self,
+        mode: Mode,
+        mut f: impl FnMut(usize, &FacePoint, [f64; 4], &ContactRef<'_>),
+    ) -> Result<(), InterfaceError> {
         let mut face = 0;
         let mut results = Results::default();
-        self.interface.evaluate_range(0..self.points.len(), Mode::Value, &mut results, |contact| {
-            let k = contact.slave - self.positions.len();
-            while !self.cuts[face].points.contains(&k) {
-                face += 1;
-            }
-            let point = &self.points[k];
-            let functions = shape_of(&self.faces[face], &self.positions).functions(point.natural);
+        let count = self.points.len();
+        for start in (0..count).step_by(AT_ONCE) {
+            let range = start..(start + AT_ONCE).min(count);
+            self.interface.evaluate_range(range, mode, &mut results, |contact| {
+                let k = contact.slave - self.positions.len();
+                while !self.cuts[face].points.contains(&k) {
+                    face += 1;
+                }
+                let point = &self.points[k];
+                let functions = shape_of(&self.faces[face], &self.positions).functions(point.natural);
+                f(face, point, functions, &contact);
+            })?;
+        }
+        Ok(())
+    }
+
+    /// The average gap at each node, and its pressure; with friction in the law also the average of ∂g/∂x of the points.
+    pub(super) fn averages(
+        &self,
+        law: &ContactLaw<'_>,
+    ) -> Result<(Vec<NodeContact>, Vec<Vector3>), InterfaceError> {
+        let blank = |(k, &slave): (usize, &usize)| {
+            NodeContact::without(slave, NoContact::NothingOver { limit: self.limit_around(k) })
+        };
+        let mut nodes: Vec<NodeContact> = self.nodes.iter().enumerate().map(blank).collect();
+        let (mode, normals) =
+            if law.friction.is_some() { (Mode::Gradient, nodes.len()) } else { (Mode::Value, 0) };
+        let mut normals = vec![Vector3::zeros(); normals];
+        self.for_each_point(mode, |face, point, functions, contact| {
             for (corner, n) in self.faces[face].corners().iter().zip(functions) {
                 let Ok(place) = self.nodes.binary_search(corner) else { continue };
                 let node = &mut nodes[place];
@@ -48,6 +74,9 @@ impl FaceInterface {
                         node.gap += weight * contact.point.gap;
                         for axis in 0..3 {
                             node.normal[axis] += weight * contact.point.normal[axis];
+                        }
+                        if let (Some(normal), &[a, b, c, ..]) = (normals.get_mut(place), contact.gradient) {
+                            *normal += Vector3::from([a, b, c]) * weight;
                         }
                     }
                     (reason, Outcome::None(NoContact::NothingOver { .. })) => node.outcome = reason,
@@ -66,12 +95,15 @@ impl FaceInterface {
                 *node = NodeContact { outcome, gap: 0.0, area: 0.0, normal: [0.0; 3], ..*node };
                 continue;
             }
+            if let Some(normal) = normals.get_mut(k) {
+                *normal = *normal / node.area;
+            }
             node.gap /= node.area;
             let normal = Vector3::from(node.normal).try_normalize().filter(Vector3::is_finite);
             node.normal = normal.unwrap_or_default().into();
             node.pressure = law.force(k, node.gap, 1.0);
         }
-        Ok(nodes)
+        Ok((nodes, normals))
     }
 
     /// Forces and tangents of the faces around nodes that carry pressure.
@@ -79,31 +111,28 @@ impl FaceInterface {
         &self,
         law: &ContactLaw<'_>,
         mode: Mode,
+        tractions: &[Option<Traction>],
         contacts: &mut FaceContacts,
     ) -> Result<(), InterfaceError> {
-        let pressure = |node: &usize| {
-            let place = self.nodes.binary_search(node).ok()?;
-            let node = &contacts.nodes[place];
-            (node.pressure > 0.0).then_some(node.pressure)
-        };
-        let pressures: Vec<[f64; 4]> = self
-            .faces
-            .iter()
-            .map(|face| {
-                let mut own = [0.0; 4];
-                for (own, node) in own.iter_mut().zip(face.corners()) {
-                    *own = pressure(node).unwrap_or(0.0);
+        let load = |face: &Facet| {
+            let mut load = FaceLoad::default();
+            for (corner, node) in face.corners().iter().enumerate() {
+                let Ok(place) = self.nodes.binary_search(node) else { continue };
+                load.pressures[corner] = contacts.nodes[place].pressure;
+                if let Some(Some(traction)) = tractions.get(place) {
+                    load.tractions.get_or_insert_default()[corner] = traction.value;
                 }
-                own
-            })
-            .collect();
+            }
+            load
+        };
+        let loads: Vec<FaceLoad> = self.faces.iter().map(load).collect();
         let is_loaded =
-            |k: &usize| !self.cuts[*k].points.is_empty() && pressures[*k].iter().any(|&p| p > 0.0);
+            |k: &usize| !self.cuts[*k].points.is_empty() && loads[*k].pressures.iter().any(|&p| p > 0.0);
         let loaded: Vec<usize> = (0..self.faces.len()).filter(is_loaded).collect();
         let blocks: Vec<Vec<FaceBlock>> = self
             .runs(&loaded)
             .into_par_iter()
-            .map_init(Results::default, |results, faces| self.blocks(faces, mode, &pressures, results))
+            .map_init(Results::default, |results, faces| self.blocks(faces, mode, &loads, results))
             .collect::<Result<_, _>>()?;
         let mut of_face: Vec<Option<FaceBlock>> = vec![None; self.faces.len()];
         for (&k, block) in loaded.iter().zip(blocks.into_iter().flatten()) {
@@ -112,8 +141,13 @@ impl FaceInterface {
         }
         let carrying: Vec<(usize, NodeContact)> =
             contacts.nodes.iter().copied().enumerate().filter(|(_, node)| node.pressure > 0.0).collect();
-        contacts.blocks =
-            carrying.into_par_iter().map(|(k, node)| self.node_block(k, &node, law, &of_face)).collect();
+        contacts.blocks = carrying
+            .into_par_iter()
+            .map(|(k, node)| {
+                let traction = tractions.get(k).and_then(Option::as_ref);
+                self.node_block(k, &node, law, traction, &of_face)
+            })
+            .collect();
         if mode >= Mode::Hessian {
             contacts.directions = loaded
                 .iter()
@@ -146,7 +180,7 @@ impl FaceInterface {
         &self,
         faces: &[usize],
         mode: Mode,
-        pressures: &[[f64; 4]],
+        loads: &[FaceLoad],
         results: &mut Results,
     ) -> Result<Vec<FaceBlock>, InterfaceError> {
         let views: Vec<FaceView<'_>> = faces
@@ -160,6 +194,7 @@ impl FaceInterface {
                 face: k,
                 rows: &self.cuts[k].rows,
                 columns: &self.cuts[k].columns,
+                load: loads[k],
             })
             .collect();
         let mut blocks: Vec<FaceBlock> = views.iter().map(|view| FaceBlock::new(view, mode)).collect();
@@ -174,7 +209,7 @@ impl FaceInterface {
             if contact.outcome.is_contact() {
                 let point = &self.points[k];
                 let over = &self.carriers.facets[point.facet as usize];
-                blocks[own].add(&views[own], point, over, &contact, &pressures[faces[own]]);
+                blocks[own].add(&views[own], point, over, &contact);
             }
         })?;
         Ok(blocks)
@@ -186,6 +221,7 @@ impl FaceInterface {
         k: usize,
         node: &NodeContact,
         law: &ContactLaw<'_>,
+        traction: Option<&Traction>,
         of_face: &[Option<FaceBlock>],
     ) -> NodeBlock {
         let faces = || {
@@ -196,21 +232,57 @@ impl FaceInterface {
             sort(&mut nodes);
             nodes
         };
-        let (rows, columns) = (all(|cut| &cut.rows), all(|cut| &cut.columns));
+        let (rows, mut columns) = (all(|cut| &cut.rows), all(|cut| &cut.columns));
+        let track = self.tracks.as_ref().and_then(|tracks| tracks[k].as_ref()).filter(|_| traction.is_some());
+        columns.extend(track.into_iter().flat_map(Track::terms).map(|(node, _)| node));
+        sort(&mut columns);
+        let of = |count: usize| vec![0.0; 3 * count];
         let mut sums = NodeBlock {
-            forces: vec![0.0; 3 * rows.len()],
-            gradient: vec![0.0; 3 * columns.len()],
+            forces: of(rows.len()),
+            gradient: of(columns.len()),
+            friction: traction.map(|traction| FrictionBlock {
+                traction: traction.value,
+                forces: std::array::from_fn(|_| of(rows.len())),
+                gradients: std::array::from_fn(|_| of(columns.len())),
+            }),
             rows,
             columns,
             pressure: node.pressure,
             stiffness: law.penalty,
         };
+        // ∂n/∂x, three rows.
+        let mut normals = vec![of(sums.columns.len()); if traction.is_some() { 3 } else { 0 }];
         for (face, block) in faces() {
             let corner = self.faces[face].corners().iter().position(|&corner| corner == node.slave);
             let Some(corner) = corner else { continue };
             let cut = &self.cuts[face];
             add(&sums.rows, &mut sums.forces, &cut.rows, &block.forces[corner], 1.0);
             add(&sums.columns, &mut sums.gradient, &cut.columns, &block.gradients[corner], 1.0 / node.area);
+            if let Some(friction) = &mut sums.friction {
+                for (sum, own) in friction.forces.iter_mut().zip(&block.friction[corner]) {
+                    add(&sums.rows, sum, &cut.rows, own, 1.0);
+                }
+                let own = block.normals[corner].chunks_exact((3 * cut.columns.len()).max(1));
+                for (sum, own) in normals.iter_mut().zip(own) {
+                    add(&sums.columns, sum, &cut.columns, own, 1.0 / node.area);
+                }
+            }
+        }
+        if let (Some(friction), Some(traction), Some(track)) = (&mut sums.friction, traction, track) {
+            // The chain rule: the traction by pressure, normal and way; those by the nodes.
+            for (i, row) in friction.gradients.iter_mut().enumerate() {
+                let by_gap = -law.penalty * traction.by_pressure[i];
+                row.iter_mut().zip(&sums.gradient).for_each(|(sum, by)| *sum += by_gap * by);
+                for (factor, by) in traction.by_normal[i].iter().zip(&normals) {
+                    row.iter_mut().zip(by).for_each(|(sum, by)| *sum += factor * by);
+                }
+                for (node, weight) in track.terms() {
+                    let Ok(place) = sums.columns.binary_search(&node) else { continue };
+                    for axis in 0..3 {
+                        row[3 * place + axis] += weight * traction.by_way[i][axis];
+                    }
+                }
+            }
         }
         sums
     }

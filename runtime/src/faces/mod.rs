@@ -16,7 +16,8 @@
 //! * **Areas** are those of the first configuration: p is force per area there.
 //! * **Tangent.** Exact but for the places of the points, which are held: what a face integrates does not depend on them to the order
 //!   of the [`FaceRule`]. It is not symmetric. The energy form of [`ContactInterface`], symmetric and conservative, stays beside it.
-//! * **No history.** Points follow from the positions of a refresh: a restart needs the first positions and the multipliers only.
+//! * **History.** Without friction there is none: points follow from the positions of a refresh. A restart needs the first positions and the
+//!   multipliers. Friction remembers for each node what it stuck to: [`history`](FaceInterface::history).
 //! * **Second order.** Faces of 6, 8 or 9 nodes come as flat facets between all of their nodes, for gaps, pieces and pressures. With
 //!   [`set_quadratic_faces`](FaceInterface::set_quadratic_faces) N_a and N_k are theirs as a whole.
 //! * **Layers.** Where facets that look at a face lie over one another, the nearest carries.
@@ -60,6 +61,7 @@ mod carried;
 mod contacts;
 mod cut;
 mod evaluate;
+mod friction;
 mod quadratic;
 mod skin;
 
@@ -72,6 +74,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use cut::{CutScratch, FacePoint, cut};
+use friction::Track;
 use quadratic::Carriers;
 use skin::Skin;
 
@@ -162,6 +165,8 @@ pub struct FaceInterface {
     smallest: f64,
     /// What each node has been coupled with since the last refresh.
     cliques: Vec<Vec<u32>>,
+    /// The history of friction, one entry per node; `None` before a state was accepted.
+    tracks: Option<Vec<Option<Track>>>,
     contacts: FaceContacts,
 }
 
@@ -229,6 +234,7 @@ impl FaceInterface {
             report: FaceReport::default(),
             smallest,
             cuts: vec![FaceCut::default(); faces.len()],
+            tracks: None,
             contacts: FaceContacts::default(),
         })
     }
@@ -433,9 +439,11 @@ impl FaceInterface {
 
     /// Nodes that the faces around each node couple; whether there are new ones.
     fn couple(&mut self, forgets: bool) -> bool {
-        let Self { cliques, around, cuts, .. } = self;
-        let grown = cliques.par_iter_mut().zip(around).map(|(clique, around)| {
-            let mut nodes: Vec<u32> = Vec::new();
+        let Self { cliques, around, cuts, tracks, .. } = self;
+        let grown = cliques.par_iter_mut().zip(around).enumerate().map(|(k, (clique, around))| {
+            let track = tracks.as_ref().and_then(|tracks| tracks[k].as_ref());
+            let mut nodes: Vec<u32> =
+                track.into_iter().flat_map(Track::terms).map(|(node, _)| node).collect();
             around.iter().for_each(|&face| nodes.extend_from_slice(&cuts[face as usize].columns));
             sort(&mut nodes);
             let is_new = nodes.iter().any(|node| clique.binary_search(node).is_err());
@@ -465,16 +473,14 @@ impl FaceInterface {
     /// [`Mode::Hessian`] the exact tangent. The law's penalty is per area, and so are its multipliers: pressures, one per node.
     ///
     /// # Errors
-    /// [`InterfaceError::Law`], [`InterfaceError::FrictionOverFaces`], [`InterfaceError::OutOfMemory`].
+    /// [`InterfaceError::Law`], [`InterfaceError::OutOfMemory`].
     pub fn evaluate(&mut self, law: &ContactLaw<'_>, mode: Mode) -> Result<&FaceContacts, InterfaceError> {
         law.validate(self.nodes.len())?;
-        if law.friction.is_some() {
-            return Err(InterfaceError::FrictionOverFaces);
-        }
-        let nodes = self.averages(law)?;
+        let (mut nodes, normals) = self.averages(law)?;
+        let tractions = self.tractions(law, &mut nodes, &normals);
         let mut contacts = FaceContacts { nodes, mode, missed: self.unplaced, ..FaceContacts::default() };
         if mode >= Mode::Gradient {
-            self.derive(law, mode, &mut contacts)?;
+            self.derive(law, mode, &tractions, &mut contacts)?;
         }
         self.contacts = contacts;
         Ok(&self.contacts)

@@ -96,16 +96,25 @@ impl Carrying {
         }
     }
 
-    /// A unit force along a line through a point.
-    pub fn carried(&self, positions: &[Point], point: Point, along: Point, mode: Mode) -> Option<Carried> {
+    /// Where the nodes' shape functions of a place have it.
+    pub fn point(&self, functions: &[f64; MOST_NODES], positions: &[Point]) -> Point {
+        let mut x = [0.0; 3];
+        for (&node, n) in self.nodes().iter().zip(functions) {
+            (0..3).for_each(|axis| x[axis] += n * positions[node][axis]);
+        }
+        x
+    }
+
+    /// A force through a point.
+    pub fn carried(&self, positions: &[Point], point: Point, force: Point, mode: Mode) -> Option<Carried> {
         match self {
-            Self::Facet(facet) => carried(&shape_of(facet, positions), point, along, mode),
+            Self::Facet(facet) => carried(&shape_of(facet, positions), point, force, mode),
             Self::Face(face, start) => {
                 let mut nodes = [[0.0; 3]; MOST_NODES];
                 for (x, &node) in nodes.iter_mut().zip(face.nodes()) {
                     *x = positions[node];
                 }
-                carried_by_quadratic(&nodes[..face.count], *start, point, along, mode)
+                carried_by_quadratic(&nodes[..face.count], *start, point, force, mode)
             }
         }
     }

@@ -64,6 +64,11 @@ impl Skin {
         carrier.image.map(|number| self.symmetry.image(number))
     }
 
+    /// The direction without what points out of the planes of symmetry that hold `point`.
+    pub fn within_planes(&self, point: Point, direction: Vector3) -> Vector3 {
+        self.symmetry.within_planes(point, direction)
+    }
+
     /// The position of a face's point.
     pub fn position(&self, face: usize, corners: usize, natural: [f64; 2], positions: &[Point]) -> Point {
         let face = &self.faces[face];

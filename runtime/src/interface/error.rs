@@ -56,9 +56,6 @@ pub enum InterfaceError {
         "contact integrated over faces needs the neighbour rule \"domains\", or the node-to-facet element"
     )]
     FacesNeedDomains,
-    /// Friction, which belongs to slave nodes, with forces integrated over faces.
-    #[error("friction goes with contact at slave nodes, not with contact integrated over faces")]
-    FrictionOverFaces,
     /// The numbers of a saved history of friction are none.
     #[error("number {place} of the history of friction is none of a history")]
     InvalidHistory {
@@ -161,7 +158,6 @@ impl InterfaceError {
             Self::NotRefreshed => "not-refreshed",
             Self::NoFrictionKernels => "no-friction-kernels",
             Self::FacesNeedDomains => "faces-need-domains",
-            Self::FrictionOverFaces => "friction-over-faces",
             Self::InvalidHistory { .. } => "invalid-history",
             Self::AnchorCount { .. } => "anchor-count",
             Self::ForeignCarrier { .. } => "foreign-carrier",

@@ -73,6 +73,7 @@ mod scratch;
 mod within_reach;
 
 pub use anchors::{Anchor, FrictionReport};
+pub(crate) use anchors::{from_numbers, to_numbers};
 pub use contacts::{ContactRef, Contacts};
 pub use cutback::{Cutback, CutbackHint};
 pub use element::PairedElement;

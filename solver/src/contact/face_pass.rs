@@ -1,15 +1,15 @@
 //! Contact over the slave's faces, from its points to the entries of the stiffness.
 
-use diffuse_contact::assembly::{DofMap, Tangent};
+use diffuse_contact::assembly::{ContactLaw, DofMap, Tangent};
 use diffuse_contact::faces::{FaceInterface, FaceOptions, FaceRule, NodeContact};
-use diffuse_contact::friction::FrictionState;
-use diffuse_contact::interface::{FrictionReport, InterfaceError, Outcome};
+use diffuse_contact::friction::Coulomb;
+use diffuse_contact::interface::{FrictionReport, Outcome};
 use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
 use super::losses::Losses;
-use super::node_pass::normal_law;
+use super::node_pass::{friction_law, normal_law};
 use super::pass::{FrictionHistory, NodalForces, Pass, PassError, take_multipliers};
 use super::{ContactError, InteractionOptions, SlaveState, TangentRule};
 use crate::system::{BlockMatrix, Symmetry};
@@ -20,6 +20,10 @@ pub struct FacePass {
     interface: FaceInterface,
     penalty: f64,
     tangent: TangentRule,
+    /// Its stiffness is per area.
+    friction: Option<Coulomb>,
+    /// Work of friction up to the last increment, energy.
+    dissipated: f64,
     dofs: DofMap,
     /// λ, one pressure per slave; none without augmentation.
     multipliers: Vec<f64>,
@@ -45,9 +49,6 @@ impl FacePass {
         let surface = MasterSurface::new(positions, master.to_vec())
             .map_err(|source| ContactError::Master { interface: options.name.clone(), source })?;
         let named = |source| ContactError::Interface { interface: options.name.clone(), source };
-        if options.friction.is_some_and(|friction| friction.coefficient != 0.0) {
-            return Err(named(InterfaceError::FrictionOverFaces));
-        }
         let face_options = FaceOptions::new(options.interface).with_rule(rule);
         let mut interface = FaceInterface::new(surface, slave, positions, face_options).map_err(named)?;
         if !options.symmetry.is_empty() {
@@ -61,6 +62,8 @@ impl FacePass {
             interface,
             penalty,
             tangent: options.tangent,
+            friction: friction_law(options, penalty)?,
+            dissipated: 0.0,
             dofs: DofMap::standard(positions.len()),
             multipliers: if options.augmentation.is_some() { vec![0.0; slaves] } else { Vec::new() },
             held: vec![false; positions.len()],
@@ -82,12 +85,17 @@ impl FacePass {
 
     /// Gaps, pressures and forces by the law at the positions of the last update.
     fn apply_law(&mut self) -> Result<(), PassError> {
-        let law = normal_law(self.penalty, &self.multipliers);
+        let law = law(self.penalty, &self.multipliers, self.friction);
         let contacts = self.interface.evaluate(&law, self.mode)?;
         self.forces.fill(0.0);
         contacts.add_residual(&self.dofs, &mut self.forces)?;
         Ok(())
     }
+}
+
+/// Penalty and multipliers are per area.
+fn law(penalty: f64, multipliers: &[f64], friction: Option<Coulomb>) -> ContactLaw<'_> {
+    normal_law(penalty, multipliers).with_friction(friction)
 }
 
 impl Pass for FacePass {
@@ -131,23 +139,30 @@ impl Pass for FacePass {
     }
 
     fn begin_friction(&mut self) -> Result<(), PassError> {
+        if self.friction.is_some() && self.interface.history().is_empty() {
+            self.accept()?;
+        }
         Ok(())
     }
 
     fn accept(&mut self) -> Result<FrictionReport, PassError> {
-        Ok(FrictionReport::default())
+        let report = self.interface.accept(&law(self.penalty, &self.multipliers, self.friction))?;
+        self.dissipated += report.dissipated;
+        Ok(report)
     }
 
     fn friction_history(&self) -> FrictionHistory {
-        FrictionHistory::default()
+        FrictionHistory { anchors: self.interface.history(), dissipated: self.dissipated }
     }
 
-    fn set_friction_history(&mut self, _history: &FrictionHistory) -> Result<(), PassError> {
+    fn set_friction_history(&mut self, history: &FrictionHistory) -> Result<(), PassError> {
+        self.interface.set_history(&history.anchors)?;
+        self.dissipated = history.dissipated;
         Ok(())
     }
 
     fn dissipated(&self) -> f64 {
-        0.0
+        self.dissipated
     }
 
     fn augment(&mut self) {
@@ -201,7 +216,9 @@ impl Pass for FacePass {
 
     fn slaves(&self) -> Box<dyn Iterator<Item = SlaveState> + '_> {
         Box::new(self.contacts().iter().enumerate().map(|(k, contact)| {
-            let NodeContact { slave: node, outcome, gap, area, normal, .. } = *contact;
+            let NodeContact {
+                slave: node, outcome, gap, area, normal, friction, friction_state, slip, ..
+            } = *contact;
             let force = contact.force();
             match outcome {
                 // A node with nothing over its own facets may carry what is over others of its face.
@@ -215,9 +232,9 @@ impl Pass for FacePass {
                     force,
                     normal,
                     nodal_force: [0, 1, 2].map(|axis| self.forces[3 * node + axis]),
-                    friction: [0.0; 3],
-                    friction_state: FrictionState::Open,
-                    slip: 0.0,
+                    friction: friction.map(|traction| traction * area),
+                    friction_state,
+                    slip,
                     area,
                     is_linear: matches!(fallback, Fallback::Linear { .. }),
                     has_failed: false,
@@ -233,6 +250,10 @@ impl Pass for FacePass {
                 sum[axis] += force[axis];
             }
         }
+        self.interface.contacts().for_each_friction(|node, force| {
+            let sum = &mut all.friction[node as usize];
+            (0..3).for_each(|axis| sum[axis] += force[axis]);
+        });
     }
 
     #[cfg(test)]

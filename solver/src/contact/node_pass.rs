@@ -20,6 +20,18 @@ pub fn normal_law(penalty: f64, multipliers: &[f64]) -> ContactLaw<'_> {
     ContactLaw::penalty(penalty).with_multipliers(multipliers).with_tangent(Tangent::Exact)
 }
 
+/// The friction of a pass with this penalty; none for a coefficient of 0.
+pub fn friction_law(options: &InteractionOptions, penalty: f64) -> Result<Option<Coulomb>, ContactError> {
+    let Some(friction) = options.friction.filter(|friction| friction.coefficient != 0.0) else {
+        return Ok(None);
+    };
+    // Two passes have half of each other's penalty, and of a stiffness that was given.
+    let share = penalty / options.penalty;
+    let stiffness = friction.stiffness.map_or(penalty, |stiffness| share * stiffness);
+    let law = Coulomb::new(friction.coefficient, stiffness);
+    law.map(Some).map_err(|source| ContactError::Friction { interface: options.name.clone(), source })
+}
+
 /// Slave nodes against one master surface.
 #[derive(Debug)]
 pub struct NodePass {
@@ -62,19 +74,10 @@ impl NodePass {
         if !options.symmetry.is_empty() {
             interface.set_symmetry(&options.symmetry).map_err(named)?;
         }
-        let friction = match options.friction.filter(|friction| friction.coefficient != 0.0) {
-            Some(friction) => {
-                interface.check_friction().map_err(named)?;
-                // Two passes have half of each other's penalty, and of a stiffness that was given.
-                let share = penalty / options.penalty;
-                let stiffness = friction.stiffness.map_or(penalty, |stiffness| share * stiffness);
-                let law = Coulomb::new(friction.coefficient, stiffness);
-                Some(
-                    law.map_err(|source| ContactError::Friction { interface: options.name.clone(), source })?,
-                )
-            }
-            None => None,
-        };
+        let friction = friction_law(options, penalty)?;
+        if friction.is_some() {
+            interface.check_friction().map_err(named)?;
+        }
         let dofs = DofMap::standard(positions.len());
         let tangent = options.tangent;
         Ok(Self {

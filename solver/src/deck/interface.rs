@@ -103,7 +103,10 @@ pub(super) fn interface(section: Section) -> Result<Interface, DeckError> {
     let integration =
         section.get("integration").map_or(Ok(Integration::Nodes), |field| integration(&field))?;
     if integration != Integration::Nodes {
-        section.refuse(&["areas", "friction", "neighbours", "refresh"], "with integration over faces")?;
+        section.refuse(&["areas", "neighbours", "refresh"], "with integration over faces")?;
+        if let Some(Ok(friction)) = section.get("friction").map(|field| field.section()) {
+            friction.refuse(&["symmetric"], "with integration over faces")?;
+        }
     }
     Ok(Interface {
         line: name.line(),

@@ -418,8 +418,8 @@ fn fields_that_do_not_go_together_are_refused() {
     let over_faces = |fields: &str| format!("penalty = 1e5\nintegration = \"faces\"\n{fields}");
     refused(
         "penalty = 1e5",
-        &over_faces("friction = 0.3"),
-        "interface[1].friction has no meaning with integration over faces",
+        &over_faces("friction = { coefficient = 0.3, symmetric = true }"),
+        "interface[1].friction.symmetric has no meaning with integration over faces",
     );
     refused(
         "penalty = 1e5",

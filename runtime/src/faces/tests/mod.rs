@@ -1,5 +1,7 @@
 //! Forces, balance and tangent of contact over faces.
 
+mod friction;
+
 use super::*;
 use crate::Weight;
 use crate::assembly::{AssemblyError, DofMap, Tangent};
@@ -410,16 +412,6 @@ fn other_rules_than_domains_are_refused() {
     let options = FaceOptions::new(InterfaceOptions::default().with_element(element));
     let error = FaceInterface::new(master, &pair.slave, &pair.positions, options).unwrap_err();
     assert_eq!(error, InterfaceError::FacesNeedDomains);
-}
-
-#[test]
-fn friction_is_refused() {
-    let pair = bumps(false);
-    let mut interface = pair.interface(ContactElement::default(), FaceRule::Second);
-    interface.refresh(&pair.positions).unwrap();
-    let friction = crate::Coulomb::new(0.2, 10.0).unwrap();
-    let law = ContactLaw::penalty(50.0).with_friction(Some(friction));
-    assert_eq!(interface.evaluate(&law, Mode::Gradient).unwrap_err(), InterfaceError::FrictionOverFaces);
 }
 
 /// Whatever came before, results are those of the positions.

@@ -33,6 +33,7 @@ module diffuse_contact
         enumerator :: DC_CO_MOVING = 0, DC_HELD, DC_GIVEN
         enumerator :: DC_HULL_LAYERS = 0, DC_HULL_RADIUS, DC_NEAREST, DC_DOMAINS
         enumerator :: DC_LINEAR = 1, DC_QUADRATIC
+        enumerator :: DC_OPEN = 0, DC_STICK, DC_SLIP
         enumerator :: DC_EXACT = 0, DC_GAUSS_NEWTON
         enumerator :: DC_FULL = 0, DC_LOWER
     end enum
@@ -481,6 +482,45 @@ module diffuse_contact
             integer(c_int32_t), intent(inout), optional :: outcomes(*)
             real(c_double), intent(inout), optional :: gaps(*), pressures(*), areas(*), normals(*)
             integer(c_size_t), value :: slave_count
+            integer(c_int) :: status
+        end function
+
+        !> Friction of all slave nodes, of the last evaluation.
+        function dc_faces_friction(faces, states, tractions, slips, slave_count) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: faces
+            integer(c_int32_t), intent(inout), optional :: states(*)
+            real(c_double), intent(inout), optional :: tractions(*), slips(*)
+            integer(c_size_t), value :: slave_count
+            integer(c_int) :: status
+        end function
+
+        !> With friction: the positions of the moment are the end of an increment.
+        function dc_faces_accept(faces, law, stuck_count, sliding_count, unanchored_count, dissipated) &
+                bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t, dc_law
+            type(c_ptr), value :: faces
+            type(dc_law), intent(in) :: law
+            integer(c_size_t), intent(out), optional :: stuck_count, sliding_count, unanchored_count
+            real(c_double), intent(out), optional :: dissipated
+            integer(c_int) :: status
+        end function
+
+        !> Numbers for a restart; without history count gets how many there are.
+        function dc_faces_history(faces, history, capacity, count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t
+            type(c_ptr), value :: faces
+            real(c_double), intent(inout), optional :: history(*)
+            integer(c_size_t), value :: capacity
+            integer(c_size_t), intent(out) :: count
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_set_history(faces, history, count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t
+            type(c_ptr), value :: faces
+            real(c_double), intent(in), optional :: history(*)
+            integer(c_size_t), value :: count
             integer(c_int) :: status
         end function
 

@@ -13,8 +13,8 @@
  *     dc_accept                   with friction: the increment has converged
  *     dc_destroy
  *
- * dc_faces_create, dc_faces_refresh, dc_faces_update, dc_faces_evaluate, dc_faces_residual, dc_faces_triplets: the same with contact
- * integrated over the slave's faces, which passes the patch test.
+ * dc_faces_create, dc_faces_refresh, dc_faces_update, dc_faces_evaluate, dc_faces_residual, dc_faces_triplets, dc_faces_accept: the same
+ * with contact integrated over the slave's faces, which passes the patch test.
  *
  * dc_pair, dc_gap, dc_gap_batch and dc_element_system serve single elements without an interface.
  *
@@ -190,6 +190,16 @@ typedef enum dc_basis {
     DC_QUADRATIC = 2,
 } dc_basis;
 
+// What a contact with friction does.
+typedef enum dc_friction_state {
+    // There is no pressure, or no friction.
+    DC_OPEN = 0,
+    // The traction is below friction x pressure.
+    DC_STICK = 1,
+    // The traction is friction x pressure, against the slip.
+    DC_SLIP = 2,
+} dc_friction_state;
+
 // Which tangent is assembled.
 typedef enum dc_tangent {
     // K = e N N^T - f M, the exact derivative of the force; indefinite in general. See dc_adaptive_tangent.
@@ -343,9 +353,8 @@ typedef struct dc_contact {
 //     K = e N N^T - f M         = -dR/dx
 //
 // With friction R has the traction besides, at most friction x f and against the slip, and K its derivative, which is not symmetric
-// where contacts slide or have just closed. Call dc_accept before the first increment and after each that has converged: else contacts
-// that carry force are refused with DC_NOT_EVALUATED.
-//
+// where contacts slide or have just closed. Call dc_accept, or dc_faces_accept, before the first increment and after each that has
+// converged: else contacts that carry force are refused with DC_NOT_EVALUATED.
 typedef struct dc_law {
     // sizeof(dc_law), set by the caller.
     size_t size;
@@ -359,8 +368,8 @@ typedef struct dc_law {
     int32_t tangent;
     // 0.
     int32_t reserved;
-    // Coefficient of Coulomb's friction; 0 for none. Friction needs DC_DIFFUSE with DC_DOMAINS, and a library that was built with it: see
-    // dc_accept. dc_element_system refuses it.
+    // Coefficient of Coulomb's friction; 0 for none. Over faces it needs nothing else. At nodes it needs DC_DIFFUSE with DC_DOMAINS, and a
+    // library that was built with it: see dc_accept. dc_element_system refuses it.
     double friction;
     // Tangential stiffness of contacts that stick, in the unit of the penalty; 0 for that of the penalty.
     double tangential_stiffness;
@@ -646,8 +655,7 @@ int32_t dc_adaptive_tangent(double residual,
 
 // Accepts the positions of the last dc_update, dc_follow or dc_refresh as the end of an increment: friction of the next one is measured
 // from there. Call it once before the first increment, after dc_refresh, and then after each that has converged, with the multipliers it
-// was solved with. Until then nothing of
-// the history changes, so that an increment may be tried again. It ends the evaluation: call dc_evaluate again. Nothing happens if the law
+// was solved with. Until then nothing of the history changes, so that an increment may be tried again. It ends the evaluation: call dc_evaluate again. Nothing happens if the law
 // has no friction.
 //
 // `stuck_count` and `sliding_count` get the numbers of slaves that stick and that slide, `unanchored_count` that of slaves that carry
@@ -851,8 +859,8 @@ enum dc_status dc_faces_update(struct dc_faces *faces,
                                struct dc_faces_report *report);
 
 // Gaps, pressures and forces at the positions of the last dc_faces_update or dc_faces_refresh, in parallel. The penalty of `law` is per
-// area, its multipliers are pressures, one for each slave node; it must have no friction, its tangent is not looked at. `mode` is a dc_mode:
-// DC_GRADIENT for forces and e F G^T, DC_HESSIAN for the exact tangent. The result does not depend on the number of threads, bit for bit.
+// area, its multipliers are pressures, one for each slave node; its tangent is not looked at. `mode` is a dc_mode: DC_GRADIENT for forces
+// and e F G^T, DC_HESSIAN for the exact tangent. A law with friction needs dc_faces_accept before nodes carry pressure: DC_NOT_EVALUATED. The result does not depend on the number of threads, bit for bit.
 //
 // # Safety
 // `law` is a dc_law with its `size` set, its multipliers have their number.
@@ -874,6 +882,45 @@ enum dc_status dc_faces_contacts(struct dc_faces *faces,
                                  double *areas,
                                  double *normals,
                                  size_t slave_count);
+
+// Friction of all slave nodes, of the last evaluation, one entry each: `states` dc_friction_state; `tractions` on the slave, force per area,
+// 3 numbers each; `slips` since the place of touch or the last accepted state, length. Each may be NULL.
+//
+// # Safety
+// The arrays have `slave_count` entries, `tractions` three times as many.
+enum dc_status dc_faces_friction(struct dc_faces *faces,
+                                 int32_t *states,
+                                 double *tractions,
+                                 double *slips,
+                                 size_t slave_count);
+
+// As dc_accept, of the positions of the last dc_faces_refresh or dc_faces_update: call it once before the first increment, after
+// dc_faces_refresh, and then after each that has converged. `unanchored_count` gets the number of nodes that carry pressure without
+// friction, as nothing lay over them at the end of the increment before. Every build of the library has it.
+//
+// # Safety
+// `law` as in dc_faces_evaluate; the others are NULL or may be written.
+enum dc_status dc_faces_accept(struct dc_faces *faces,
+                               const struct dc_law *law,
+                               size_t *stuck_count,
+                               size_t *sliding_count,
+                               size_t *unanchored_count,
+                               double *dissipated);
+
+// As dc_history.
+//
+// # Safety
+// `history` is NULL or has `capacity` entries; `count` may be written.
+enum dc_status dc_faces_history(struct dc_faces *faces, double *history, size_t capacity, size_t *count);
+
+// Goes on from numbers that dc_faces_history gave, bit for bit; NULL and 0 for none. If they are others than the present ones there is no
+// contact until the next dc_faces_refresh.
+//
+// # Safety
+// `history` has `count` entries.
+enum dc_status dc_faces_set_history(struct dc_faces *faces,
+                                    const double *history,
+                                    size_t count);
 
 // Adds the contact forces R on the nodes to `residual`, one entry per equation, as dc_residual does. `active_count`, the number of
 // slave nodes that carry pressure, and `missed_count`, points of loaded faces that carry no force as their line of force meets no place

@@ -1,7 +1,7 @@
 //! Named numbers. C passes them as `int32_t`: a number without name is refused, it is no undefined behaviour.
 
 use runtime::assembly::{Tangent, Triangle};
-use runtime::{Basis, FrameDerivative, Mode, Weight};
+use runtime::{Basis, FrameDerivative, FrictionState, Mode, Weight};
 
 use crate::status::{DC_BAD_OPTION, Failure};
 
@@ -70,6 +70,17 @@ pub enum dc_basis {
     DC_LINEAR = 1,
     /// 1, a, b, a^2, a b, b^2: at least 6 masters.
     DC_QUADRATIC = 2,
+}
+
+/// What a contact with friction does.
+#[repr(C)]
+pub enum dc_friction_state {
+    /// There is no pressure, or no friction.
+    DC_OPEN = 0,
+    /// The traction is below friction x pressure.
+    DC_STICK = 1,
+    /// The traction is friction x pressure, against the slip.
+    DC_SLIP = 2,
 }
 
 /// Which tangent is assembled.
@@ -172,6 +183,14 @@ pub fn tangent_number(tangent: Tangent) -> i32 {
     (match tangent {
         Tangent::Exact => dc_tangent::DC_EXACT,
         Tangent::GaussNewton => dc_tangent::DC_GAUSS_NEWTON,
+    }) as i32
+}
+
+pub fn friction_state(state: FrictionState) -> i32 {
+    (match state {
+        FrictionState::Open => dc_friction_state::DC_OPEN,
+        FrictionState::Stick => dc_friction_state::DC_STICK,
+        FrictionState::Slip => dc_friction_state::DC_SLIP,
     }) as i32
 }
 

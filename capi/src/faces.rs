@@ -11,6 +11,7 @@ use runtime::surface::{Facet, MasterSurface};
 use crate::assembly::{index, write};
 use crate::border::{self, Versioned, disjoint, input, reserve, roomy, sized_target, sums, target, wanted};
 use crate::choice;
+use crate::friction::{Accepted, write_history};
 use crate::interface::{check_nodes, equations_of, facet_rows, facets_of, points, symmetry_planes};
 use crate::law::{self, dc_law};
 use crate::options::dc_options;
@@ -403,8 +404,8 @@ unsafe fn take(
 }
 
 /// Gaps, pressures and forces at the positions of the last dc_faces_update or dc_faces_refresh, in parallel. The penalty of `law` is per
-/// area, its multipliers are pressures, one for each slave node; it must have no friction, its tangent is not looked at. `mode` is a dc_mode:
-/// DC_GRADIENT for forces and e F G^T, DC_HESSIAN for the exact tangent. The result does not depend on the number of threads, bit for bit.
+/// area, its multipliers are pressures, one for each slave node; its tangent is not looked at. `mode` is a dc_mode: DC_GRADIENT for forces
+/// and e F G^T, DC_HESSIAN for the exact tangent. A law with friction needs dc_faces_accept before nodes carry pressure: DC_NOT_EVALUATED. The result does not depend on the number of threads, bit for bit.
 ///
 /// # Safety
 /// `law` is a dc_law with its `size` set, its multipliers have their number.
@@ -461,6 +462,108 @@ pub unsafe extern "C" fn dc_faces_contacts(
                 areas.write(nodes.iter().map(|node| node.area));
                 normals.write(nodes.iter().flat_map(|node| node.normal));
             }
+            Ok(())
+        })
+    })
+}
+
+/// Friction of all slave nodes, of the last evaluation, one entry each: `states` dc_friction_state; `tractions` on the slave, force per area,
+/// 3 numbers each; `slips` since the place of touch or the last accepted state, length. Each may be NULL.
+///
+/// # Safety
+/// The arrays have `slave_count` entries, `tractions` three times as many.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_friction(
+    faces: *mut dc_faces,
+    states: *mut i32,
+    tractions: *mut f64,
+    slips: *mut f64,
+    slave_count: usize,
+) -> dc_status {
+    border::call(|| {
+        with(faces, |state| {
+            state.expect_slaves(slave_count)?;
+            let nodes = state.contacts()?.nodes();
+            let states = wanted("states", states, slave_count, slave_count)?;
+            let three = slave_count.saturating_mul(3);
+            let tractions = wanted("tractions", tractions, three, three)?;
+            let slips = wanted("slips", slips, slave_count, slave_count)?;
+            disjoint([states.span(), tractions.span(), slips.span()])?;
+            // SAFETY: as the caller promises.
+            unsafe {
+                states.write(nodes.iter().map(|node| choice::friction_state(node.friction_state)));
+                tractions.write(nodes.iter().flat_map(|node| node.friction));
+                slips.write(nodes.iter().map(|node| node.slip));
+            }
+            Ok(())
+        })
+    })
+}
+
+/// As dc_accept, of the positions of the last dc_faces_refresh or dc_faces_update: call it once before the first increment, after
+/// dc_faces_refresh, and then after each that has converged. `unanchored_count` gets the number of nodes that carry pressure without
+/// friction, as nothing lay over them at the end of the increment before. Every build of the library has it.
+///
+/// # Safety
+/// `law` as in dc_faces_evaluate; the others are NULL or may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_accept(
+    faces: *mut dc_faces,
+    law: *const dc_law,
+    stuck_count: *mut usize,
+    sliding_count: *mut usize,
+    unanchored_count: *mut usize,
+    dissipated: *mut f64,
+) -> dc_status {
+    border::call(|| {
+        with(faces, |state| {
+            let slave_count = state.interface.slaves().len();
+            let contacts = &mut state.interface;
+            let accepted = Accepted { stuck_count, sliding_count, unanchored_count, dissipated };
+            // SAFETY: as the caller promises.
+            let has_friction = unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? };
+            state.evaluated &= !has_friction;
+            Ok(())
+        })
+    })
+}
+
+/// As dc_history.
+///
+/// # Safety
+/// `history` is NULL or has `capacity` entries; `count` may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_history(
+    faces: *mut dc_faces,
+    history: *mut f64,
+    capacity: usize,
+    count: *mut usize,
+) -> dc_status {
+    border::call(|| {
+        with(faces, |state| {
+            // SAFETY: as the caller promises.
+            unsafe { write_history(state.interface.history(), history, capacity, count) }
+        })
+    })
+}
+
+/// Goes on from numbers that dc_faces_history gave, bit for bit; NULL and 0 for none. If they are others than the present ones there is no
+/// contact until the next dc_faces_refresh.
+///
+/// # Safety
+/// `history` has `count` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_set_history(
+    faces: *mut dc_faces,
+    history: *const f64,
+    count: usize,
+) -> dc_status {
+    border::call(|| {
+        with(faces, |state| {
+            // SAFETY: as the caller promises.
+            let numbers = unsafe { input("history", history, count)? };
+            state.interface.set_history(numbers)?;
+            state.evaluated = false;
             Ok(())
         })
     })

@@ -1,17 +1,79 @@
-//! The history of friction.
+//! The history of friction, of interfaces and of contact over faces.
 
-use runtime::interface::FrictionReport;
+use runtime::assembly::ContactLaw;
+use runtime::interface::{FrictionReport, InterfaceError};
 
 use crate::border::{self, disjoint, input, target, wanted};
 use crate::interface::{dc_interface, with};
 use crate::law::{self, dc_law};
-use crate::status::dc_status;
+use crate::status::{Failure, dc_status};
 use crate::threads;
+
+/// What accepting a state writes; each may be NULL.
+pub struct Accepted {
+    pub stuck_count: *mut usize,
+    pub sliding_count: *mut usize,
+    pub unanchored_count: *mut usize,
+    pub dissipated: *mut f64,
+}
+
+impl Accepted {
+    /// Accepts a state of `slave_count` slaves and writes what came of it. Whether the law has friction.
+    ///
+    /// # Safety
+    /// `law` as in [`law::read`]; the others are NULL or may be written.
+    pub unsafe fn write(
+        self,
+        law: *const dc_law,
+        slave_count: usize,
+        accept: impl FnOnce(&ContactLaw<'_>) -> Result<FrictionReport, InterfaceError> + Send,
+    ) -> Result<bool, Failure> {
+        let stuck_count = wanted("stuck_count", self.stuck_count, 1, 1)?;
+        let sliding_count = wanted("sliding_count", self.sliding_count, 1, 1)?;
+        let unanchored_count = wanted("unanchored_count", self.unanchored_count, 1, 1)?;
+        let dissipated = wanted("dissipated", self.dissipated, 1, 1)?;
+        // SAFETY: as the caller promises.
+        let multipliers = unsafe { law::span(law)? };
+        let counts = [stuck_count.span(), sliding_count.span(), unanchored_count.span()];
+        disjoint([multipliers, counts[0], counts[1], counts[2], dissipated.span()])?;
+        // SAFETY: as the caller promises; nothing overlaps.
+        let law = unsafe { law::read(law)? };
+        law.validate(slave_count)?;
+        let report = threads::run(|| accept(&law))??;
+        // SAFETY: as the caller promises.
+        unsafe {
+            stuck_count.write([report.stuck]);
+            sliding_count.write([report.sliding]);
+            unanchored_count.write([report.unanchored]);
+            dissipated.write([report.dissipated]);
+        }
+        Ok(law.friction.is_some())
+    }
+}
+
+/// Writes how many numbers a history has and, where there is room, the numbers.
+///
+/// # Safety
+/// `history` is NULL or has `capacity` entries; `count` may be written.
+pub unsafe fn write_history(
+    numbers: Vec<f64>,
+    history: *mut f64,
+    capacity: usize,
+    count: *mut usize,
+) -> Result<(), Failure> {
+    let count = target("count", count, 1)?;
+    disjoint([border::written("history", history, capacity), count.span()])?;
+    // SAFETY: as the caller promises.
+    unsafe { count.write([numbers.len()]) };
+    let history = wanted("history", history, capacity, numbers.len())?;
+    // SAFETY: as the caller promises.
+    unsafe { history.write(numbers) };
+    Ok(())
+}
 
 /// Accepts the positions of the last dc_update, dc_follow or dc_refresh as the end of an increment: friction of the next one is measured
 /// from there. Call it once before the first increment, after dc_refresh, and then after each that has converged, with the multipliers it
-/// was solved with. Until then nothing of
-/// the history changes, so that an increment may be tried again. It ends the evaluation: call dc_evaluate again. Nothing happens if the law
+/// was solved with. Until then nothing of the history changes, so that an increment may be tried again. It ends the evaluation: call dc_evaluate again. Nothing happens if the law
 /// has no friction.
 ///
 /// `stuck_count` and `sliding_count` get the numbers of slaves that stick and that slide, `unanchored_count` that of slaves that carry
@@ -33,28 +95,12 @@ pub unsafe extern "C" fn dc_accept(
 ) -> dc_status {
     border::call(|| {
         with(interface, |state| {
-            let stuck_count = wanted("stuck_count", stuck_count, 1, 1)?;
-            let sliding_count = wanted("sliding_count", sliding_count, 1, 1)?;
-            let unanchored_count = wanted("unanchored_count", unanchored_count, 1, 1)?;
-            let dissipated = wanted("dissipated", dissipated, 1, 1)?;
-            // SAFETY: as the caller promises.
-            let multipliers = unsafe { law::span(law)? };
-            let counts = [stuck_count.span(), sliding_count.span(), unanchored_count.span()];
-            disjoint([multipliers, counts[0], counts[1], counts[2], dissipated.span()])?;
-            // SAFETY: as the caller promises; nothing overlaps.
-            let law = unsafe { law::read(law)? };
-            law.validate(state.interface.slaves().len())?;
+            let slave_count = state.interface.slaves().len();
             let contacts = &mut state.interface;
-            let report: FrictionReport = threads::run(|| contacts.accept(&law))??;
-            if law.friction.is_some() {
-                state.end_evaluation();
-            }
+            let accepted = Accepted { stuck_count, sliding_count, unanchored_count, dissipated };
             // SAFETY: as the caller promises.
-            unsafe {
-                stuck_count.write([report.stuck]);
-                sliding_count.write([report.sliding]);
-                unanchored_count.write([report.unanchored]);
-                dissipated.write([report.dissipated]);
+            if unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? } {
+                state.end_evaluation();
             }
             Ok(())
         })
@@ -75,15 +121,8 @@ pub unsafe extern "C" fn dc_history(
 ) -> dc_status {
     border::call(|| {
         with(interface, |state| {
-            let numbers = state.interface.history();
-            let count = target("count", count, 1)?;
-            disjoint([border::written("history", history, capacity), count.span()])?;
             // SAFETY: as the caller promises.
-            unsafe { count.write([numbers.len()]) };
-            let history = wanted("history", history, capacity, numbers.len())?;
-            // SAFETY: as the caller promises.
-            unsafe { history.write(numbers) };
-            Ok(())
+            unsafe { write_history(state.interface.history(), history, capacity, count) }
         })
     })
 }

@@ -16,9 +16,8 @@ use crate::status::Failure;
 ///     K = e N N^T - f M         = -dR/dx
 ///
 /// With friction R has the traction besides, at most friction x f and against the slip, and K its derivative, which is not symmetric
-/// where contacts slide or have just closed. Call dc_accept before the first increment and after each that has converged: else contacts
-/// that carry force are refused with DC_NOT_EVALUATED.
-///
+/// where contacts slide or have just closed. Call dc_accept, or dc_faces_accept, before the first increment and after each that has
+/// converged: else contacts that carry force are refused with DC_NOT_EVALUATED.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct dc_law {
@@ -34,8 +33,8 @@ pub struct dc_law {
     pub tangent: i32,
     /// 0.
     pub reserved: i32,
-    /// Coefficient of Coulomb's friction; 0 for none. Friction needs DC_DIFFUSE with DC_DOMAINS, and a library that was built with it: see
-    /// dc_accept. dc_element_system refuses it.
+    /// Coefficient of Coulomb's friction; 0 for none. Over faces it needs nothing else. At nodes it needs DC_DIFFUSE with DC_DOMAINS, and a
+    /// library that was built with it: see dc_accept. dc_element_system refuses it.
     pub friction: f64,
     /// Tangential stiffness of contacts that stick, in the unit of the penalty; 0 for that of the penalty.
     pub tangential_stiffness: f64,

@@ -10,7 +10,7 @@ use diffuse_contact::surface::{Facet, SymmetryPlane};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::{facets, points, quadratic_faces, readable, slice_mut, writable};
+use crate::arrays::{facets, points, quadratic_faces, readable, slice, slice_mut, writable};
 use crate::assembly::Law;
 use crate::errors::{self, Raise};
 use crate::interface::{dof_map, exclusive, shared};
@@ -142,6 +142,48 @@ impl Faces {
         evaluated.map_err(|error| error.raise(py))?;
         this.current = true;
         Ok(())
+    }
+
+    /// As [`Interface::accept`](crate::interface::Interface).
+    fn accept(slf: &Bound<'_, Self>, law: Law<'_>) -> PyResult<(usize, usize, usize, f64)> {
+        let py = slf.py();
+        let mut this = exclusive(slf)?;
+        let multipliers = law.multipliers()?;
+        let law = law.law(py, multipliers.as_ref())?;
+        let interface = &mut this.interface;
+        let report = threads::run(py, || interface.accept(&law))?.map_err(|error| error.raise(py))?;
+        this.current &= law.friction.is_none();
+        Ok((report.stuck, report.sliding, report.unanchored, report.dissipated))
+    }
+
+    /// The history of friction as plain numbers.
+    fn history<'py>(slf: &Bound<'py, Self>) -> PyResult<Numbers<'py>> {
+        Ok(PyArray1::from_vec(slf.py(), shared(slf)?.interface.history()))
+    }
+
+    /// Goes on from such numbers.
+    fn set_history(slf: &Bound<'_, Self>, history: &Bound<'_, PyArray1<f64>>) -> PyResult<()> {
+        let py = slf.py();
+        let mut this = exclusive(slf)?;
+        let history = readable(history)?;
+        let history = slice(py, &history)?;
+        this.interface.set_history(history).map_err(|error| error.raise(py))?;
+        this.current = false;
+        Ok(())
+    }
+
+    /// Traction, state and slip of every node.
+    fn friction<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Numbers<'py>, Vec<&'static str>, Numbers<'py>)> {
+        let py = slf.py();
+        let this = shared(slf)?;
+        let nodes = this.contacts(py)?.nodes();
+        Ok((
+            PyArray1::from_vec(py, nodes.iter().flat_map(|node| node.friction).collect()),
+            nodes.iter().map(|node| node.friction_state.name()).collect(),
+            PyArray1::from_iter(py, nodes.iter().map(|node| node.slip)),
+        ))
     }
 
     /// Gap, area, pressure and normal of every node, and its outcome; NaN where there is no contact, but for area and pressure.

@@ -152,6 +152,82 @@ def test_forces_balance_and_have_their_tangent():
     assert np.allclose(tangent @ direction.ravel(), expected, atol=1e-6 * np.abs(expected).max())
 
 
+FRICTION = (0.3, 25.0)
+
+
+def started(element="diffuse"):
+    """Flat faces that have touched, and the positions after the slave has slid along x."""
+    positions, master, slave = pair(flat(0.0), flat(-0.02))
+    faces = dc.FaceInterface(dc.MasterSurface(positions, master), slave, positions, element=element)
+    faces.refresh(positions)
+    faces.accept(PENALTY, friction=FRICTION)
+    moved = positions.copy()
+    moved[faces.slaves, 0] += 0.05
+    return faces, positions, moved
+
+
+@pytest.mark.parametrize("element", ["diffuse", "node-to-facet"])
+def test_friction_is_against_the_slip(element):
+    faces, _, moved = started(element)
+    faces.update(moved)
+    assert not faces.evaluate(PENALTY).friction.any()
+    contacts = faces.evaluate(PENALTY, friction=FRICTION)
+    inside = np.abs(moved[faces.slaves, :2] - 3.0).max(axis=1) < 1.6
+    assert np.allclose(contacts.friction[inside], [-0.3, 0.0, 0.0], atol=1e-12)
+    assert np.allclose(contacts.slip[inside], 0.05) and set(contacts.friction_states) == {"slip"}
+    forces = faces.residual().reshape(-1, 3)
+    size = np.abs(forces).sum()
+    assert np.abs(forces.sum(axis=0)).max() < 1e-13 * size
+    assert np.abs(np.cross(moved, forces).sum(axis=0)).max() < 1e-12 * size
+    report = faces.accept(PENALTY, friction=FRICTION)
+    assert (report.stuck, report.sliding, report.unanchored) == (0, 25, 0)
+    assert report.dissipated > 0.0
+    with pytest.raises(dc.InterfaceError):
+        faces.residual()
+
+
+def test_the_tangent_with_friction_is_the_derivative():
+    faces, positions, moved = started()
+    moved = 0.6 * moved + 0.4 * positions
+    moved[faces.slaves, 2] += 0.004 * moved[faces.slaves, 0]
+
+    def at(x):
+        faces.update(x)
+        states = set(faces.evaluate(PENALTY, friction=FRICTION).friction_states)
+        return states, faces.residual()
+
+    faces.refresh(moved)
+    assert at(moved)[0] >= {"slip"}
+    tangent = faces.tangent()
+    direction = np.random.default_rng(3).uniform(-1.0, 1.0, positions.shape)
+    ahead, behind = (at(moved + step * direction)[1] for step in (1e-6, -1e-6))
+    expected = -(ahead - behind) / 2e-6
+    assert np.allclose(tangent @ direction.ravel(), expected, atol=1e-6 * np.abs(expected).max())
+
+
+def test_a_history_goes_on_elsewhere():
+    faces, positions, moved = started()
+    faces.update(moved)
+    faces.accept(PENALTY, friction=FRICTION)
+    other, _, _ = started()
+    other.history = faces.history
+    forces = []
+    for own in (faces, other):
+        own.refresh(1.2 * moved - 0.2 * positions)
+        own.evaluate(PENALTY, friction=FRICTION)
+        forces.append(own.residual())
+    assert np.array_equal(*forces)
+    with pytest.raises(dc.InterfaceError) as raised:
+        other.history = [0.5]
+    assert raised.value.code == "invalid-history"
+    other.history = []
+    assert other.history.size == 0
+    other.refresh(moved)
+    with pytest.raises(dc.InterfaceError) as raised:
+        other.evaluate(PENALTY, friction=FRICTION)
+    assert raised.value.code == "no-slip"
+
+
 def test_multipliers_take_the_penetration_away():
     positions, master, slave = pair(flat(0.0), flat(0.0))
     faces = dc.FaceInterface(dc.MasterSurface(positions, master), slave, positions)

@@ -3,121 +3,238 @@
 use std::path::Path;
 
 use diffuse_contact::FrictionState;
+use diffuse_contact_solver::contact::SlaveState;
 use diffuse_contact_solver::deck::{Contact, Deck};
-use diffuse_contact_solver::verification::{Snapshot, Trace, trace};
+use diffuse_contact_solver::verification::{LineContact, Snapshot, Trace, trace};
 
 fn deck(name: &str) -> Deck {
     Deck::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(name)).unwrap()
 }
 
-fn run<T>(deck: &Deck, mut measure: impl FnMut(&Snapshot<'_>) -> T) -> Trace<T> {
-    trace(deck, Path::new(""), 1, |snapshot| Ok(measure(snapshot))).unwrap()
+fn on_facets(name: &str) -> Deck {
+    Deck { contact: Contact::NodeToFacet, ..deck(name) }
 }
 
-/// F/G = (tan α + μ)/(1 − μ tan α).
-#[test]
-fn a_block_slides_up_a_plane() {
-    let deck = deck("inclined_block.toml");
-    let run = run(&deck, |snapshot| {
-        let all_slide = snapshot.slaves().all(|slave| slave.friction_state == FrictionState::Slip);
-        (all_slide, -snapshot.contact_force()[0] / snapshot.contact_force()[2])
-    });
-    let &(all_slide, ratio) = run.measures.last().unwrap();
-    assert!(all_slide);
-    let exact = (0.1 + 0.3) / (1.0 - 0.3 * 0.1);
-    assert!((ratio / exact - 1.0).abs() < 1e-8, "{ratio} {exact}");
-    // With two passes each has half of the forces. The block's own face, a master now, is not quite flat.
-    let mut both = deck.clone();
-    both.interfaces[0].two_pass = true;
-    let both = run_ratio(&both);
-    assert!((both / exact - 1.0).abs() < 3e-4, "{both} {exact}");
-    // Without friction the push has to hold the slope's part of the weight only.
-    let mut deck = deck;
-    deck.interfaces[0].friction = None;
-    assert!((run_ratio(&deck) / 0.1 - 1.0).abs() < 1e-6);
+fn run<T>(deck: &Deck, mut measure: impl FnMut(&Snapshot<'_>) -> T) -> Trace<T> {
+    let run = trace(deck, Path::new(""), 1, |snapshot| Ok(measure(snapshot))).unwrap();
+    println!("{} iterations, {} cut-backs", run.iterations, run.cutbacks);
+    run
 }
+
+/// Whether all slaves that carry force slide.
+fn all_slide(snapshot: &Snapshot<'_>) -> bool {
+    let mut loaded = snapshot.slaves().filter(|slave| slave.force > 0.0).peekable();
+    loaded.peek().is_some() && loaded.all(|slave| slave.friction_state == FrictionState::Slip)
+}
+
+/// F/G of the inclined block when it slides.
+const INCLINED: f64 = (0.1 + 0.3) / (1.0 - 0.3 * 0.1);
 
 /// Horizontal over vertical contact force at the end.
-fn run_ratio(deck: &Deck) -> f64 {
-    let run = run(deck, |snapshot| -snapshot.contact_force()[0] / snapshot.contact_force()[2]);
-    *run.measures.last().unwrap()
+fn inclined(deck: &Deck) -> f64 {
+    let run = run(deck, |snapshot| {
+        let [along, _, up] = snapshot.contact_force();
+        (all_slide(snapshot), -along / up)
+    });
+    let &(all_slide, ratio) = run.measures.last().unwrap();
+    assert!(all_slide || deck.interfaces[0].friction.is_none());
+    println!("F/G {ratio}");
+    ratio
 }
 
-/// T2/T1 = exp(μ θ r_i/r_m), on facets of 10°.
+/// F/G = (tan α + μ)/(1 − μ tan α), whatever the surface and the roles.
 #[test]
-fn a_belt_slides_over_a_drum() {
-    let run = run(&deck("belt.toml"), |snapshot| snapshot.contact_force());
+fn a_block_slides_up_a_plane() {
+    let block = deck("inclined_block.toml");
+    for deck in [&block, &on_facets("inclined_block.toml")] {
+        let ratio = inclined(deck);
+        assert!((ratio / INCLINED - 1.0).abs() < 1e-8, "{ratio} {INCLINED}");
+    }
+    let mut both = block.clone();
+    both.interfaces[0].two_pass = true;
+    let ratio = inclined(&both);
+    assert!((ratio / INCLINED - 1.0).abs() < 1e-3, "{ratio} {INCLINED}");
+    // Without friction the push has to hold the slope's part of the weight only.
+    let mut smooth = block;
+    smooth.interfaces[0].friction = None;
+    let ratio = inclined(&smooth);
+    assert!((ratio / 0.1 - 1.0).abs() < 1e-6, "{ratio}");
+}
+
+/// While all slide at a constant push, its work lifts the weight and is dissipated.
+#[test]
+fn the_work_of_the_push_is_dissipated() {
+    let mut deck = deck("inclined_block.toml");
+    deck.newton.tolerance = 1e-12;
+    let run = run(&deck, |snapshot| {
+        let dissipated: f64 = snapshot
+            .problem
+            .contacts()
+            .interactions()
+            .iter()
+            .map(|interaction| interaction.dissipated())
+            .sum();
+        let [along, _, up] = snapshot.contact_force();
+        let node = snapshot.slaves().next().unwrap().node;
+        let [x, _, z] = snapshot.state.positions[node];
+        (all_slide(snapshot), [-along * x + up * z, dissipated], [along, up], [x, z])
+    });
+    let sliding: Vec<_> = run.measures.iter().filter(|measure| measure.0).collect();
+    assert!(sliding.len() >= 10, "{}", sliding.len());
+    for pair in sliding.windows(2) {
+        let [(_, [_, before], _, from), (_, [_, after], [along, up], to)] = pair else { unreachable!() };
+        // The contact force is on the block, against its motion.
+        let work = -along * (to[0] - from[0]) - up * (to[1] - from[1]);
+        assert!((work / (after - before) - 1.0).abs() < 1e-6, "{work} {}", after - before);
+    }
+}
+
+/// T2/T1 of the belt at the end over exp(μ θ r_i/r_m), less one.
+fn belt(deck: &Deck) -> f64 {
+    let run = run(deck, |snapshot| snapshot.contact_force());
     let &[pulled, held, _] = run.measures.last().unwrap();
     let exact = (0.3 * std::f64::consts::FRAC_PI_2 * 9.9999 / 10.0249).exp();
     let ratio = pulled / held;
-    println!("{ratio} for {exact}");
-    assert!((ratio / exact - 1.0).abs() < 0.005, "{ratio} {exact}");
+    println!("T2/T1 {ratio} for {exact}");
+    ratio / exact - 1.0
 }
 
-const SHAFT: &str = r#"
-[materials.bush]
-young = 1000.0
-poisson = 0.3
-
-[parts.bush]
-shape = "pipe"
-inner_radius = 9.99
-outer_radius = 14.0
-length = 2.0
-divisions = [60, 2, 2]
-material = "bush"
-
-[parts.shaft]
-shape = "rigid-cylinder"
-radius = 10.0
-length = 4.0
-divisions = [40, 6]
-translate = [0.0, 0.0, -1.0]
-
-[[boundary]]
-nodes = "bush.outer"
-fix = ["x", "y", "z"]
-
-[[boundary]]
-nodes = "shaft"
-rotate = { axis = [0.0, 0.0, 1.0], point = [0.0, 0.0, 0.0], degrees = 12.0 }
-
-[[interface]]
-name = "fit"
-master = "shaft"
-slave = "bush.inner"
-penalty = 1e4
-areas = true
-friction = 0.2
-
-[time]
-increment = 0.05
-fixed = true
-"#;
-
-/// Torque over μ N r, with 40 facets around, over more than a facet.
+/// On facets of 10°.
 #[test]
-fn a_shaft_turns_in_a_bush() {
-    let run = run(&Deck::parse(SHAFT).unwrap(), |snapshot| {
+fn a_belt_slides_over_a_drum() {
+    let error = belt(&deck("belt.toml"));
+    assert!(error.abs() < 0.005, "{error}");
+}
+
+/// Smallest and largest torque over μ N r of the increments in which all slide.
+fn shaft(deck: &Deck) -> [f64; 2] {
+    let run = run(deck, |snapshot| {
         let pressed: f64 = snapshot.slaves().map(|slave| slave.force).sum();
         let torque = snapshot.moment("shaft", [0.0; 3]).unwrap()[2];
-        let slides = snapshot.slaves().all(|slave| slave.friction_state == FrictionState::Slip);
-        (slides, torque / (0.2 * pressed * 10.0))
+        (all_slide(snapshot), torque / (0.2 * pressed * 10.0))
     });
-    let sliding: Vec<f64> =
-        run.measures.iter().filter(|(slides, _)| *slides).map(|(_, ratio)| *ratio).collect();
-    assert!(sliding.len() >= 15, "{}", sliding.len());
-    let largest = sliding.iter().copied().fold(f64::MIN, f64::max);
-    let smallest = sliding.iter().copied().fold(f64::MAX, f64::min);
-    println!("torque from {smallest} to {largest} of μ N r");
-    assert!((largest - 1.0).abs() < 0.01 && (smallest - 1.0).abs() < 0.01, "{smallest} {largest}");
-    assert!(largest - smallest < 0.005, "{smallest} {largest}");
+    let sliding = run.measures.iter().filter(|(slides, _)| *slides).map(|(_, ratio)| *ratio);
+    assert!(sliding.clone().count() >= 15, "{}", sliding.count());
+    let range = sliding.fold([f64::MAX, f64::MIN], |[low, high], ratio| [low.min(ratio), high.max(ratio)]);
+    println!("torque over μ N r {range:?}");
+    range
 }
 
+/// Over more than a facet of the shaft.
 #[test]
-fn a_facet_has_no_friction_yet_and_says_so() {
-    let mut deck = deck("inclined_block.toml");
-    deck.contact = Contact::NodeToFacet;
-    let refused = trace(&deck, Path::new(""), 1, |_| Ok(())).unwrap_err();
-    assert!(refused.to_string().contains("friction needs the diffuse element"), "{refused}");
+fn a_shaft_turns_in_a_bush() {
+    let [low, high] = shaft(&deck("shaft_in_bush.toml"));
+    assert!((low - 1.0).abs() < 0.01 && (high - 1.0).abs() < 0.01, "{low} {high}");
+    assert!(high - low < 0.001, "{low} {high}");
+}
+
+/// Lamé's pressure times area and coefficient; and it comes out.
+#[test]
+fn a_press_fit_is_pushed_out() {
+    let mut deck = deck("press_fit.toml");
+    let push = |deck: &Deck| {
+        let run = run(deck, |snapshot| snapshot.contact_force()[2].abs());
+        assert_eq!(run.cutbacks, 0);
+        (run.measures.iter().copied().fold(0.0, f64::max), *run.measures.last().unwrap())
+    };
+    deck.time.end = 0.2;
+    let exact = 0.1 * 40.384_615 * 150.0 * std::f64::consts::PI;
+    let (largest, _) = push(&deck);
+    println!("push {largest} for {exact}");
+    assert!((largest / exact - 1.0).abs() < 0.01, "{largest} {exact}");
+    deck.time.end = 1.0;
+    for (part, divisions) in [("inner", [12, 3, 2]), ("outer", [10, 4, 2])] {
+        deck.shape_mut(part).unwrap().divisions_mut().copy_from_slice(&divisions);
+    }
+    assert_eq!(push(&deck).1, 0.0);
+}
+
+/// The middle sticks as far as Cattaneo and Mindlin say, and the traction is theirs.
+#[test]
+fn cylinders_stick_in_the_middle() {
+    let run = run(&deck("cattaneo_mindlin.toml"), |snapshot| {
+        let force = snapshot.contact_force();
+        let nodes: Vec<(f64, SlaveState)> = snapshot
+            .slaves()
+            .filter(|slave| slave.force > 0.0)
+            .map(|slave| (snapshot.problem.start_positions()[slave.node][0], slave))
+            .collect();
+        (force, nodes)
+    });
+    let (force, nodes) = run.measures.last().unwrap();
+    let [pushed, _, pressed] = force.map(|sum| sum.abs() / 0.5);
+    let line = LineContact { force: pressed, radius: 4.0, modulus: 200.0 / (2.0 * (1.0 - 0.09)) };
+    let (b, p0) = (line.half_width(), line.peak_pressure());
+    let c = b * (1.0 - pushed / (0.2 * pressed)).sqrt();
+    let arc = |x: f64, half: f64| (half * half - x * x).max(0.0).sqrt();
+    let (mut error, mut norm, mut sticking, mut sliding) = (0.0, 0.0, 0.0_f64, f64::MAX);
+    let (mut pressure_error, mut pressure_norm) = (0.0, 0.0);
+    for (x, slave) in nodes {
+        let exact = 0.2 * p0 / b * (arc(*x, b) - arc(*x, c));
+        let found = slave.friction[0].abs() / slave.area;
+        error += slave.area * (found - exact).powi(2);
+        norm += slave.area * exact.powi(2);
+        pressure_error += slave.area * (slave.force / slave.area - p0 / b * arc(*x, b)).powi(2);
+        pressure_norm += slave.area * (p0 / b * arc(*x, b)).powi(2);
+        match slave.friction_state {
+            FrictionState::Stick => sticking = sticking.max(x.abs()),
+            _ => sliding = sliding.min(x.abs()),
+        }
+        println!(
+            "{x:9.5} p {:9.5} {:9.5} q {found:9.5} {exact:9.5} {:?}",
+            slave.force / slave.area,
+            p0 / b * arc(*x, b),
+            slave.friction_state
+        );
+    }
+    let l2 = |error: f64, norm: f64| (error / norm).sqrt();
+    println!("P {pressed} Q {pushed} b {b} c {c} c/b {} stick to {sticking} slip from {sliding}", c / b);
+    println!("traction {} pressure {}", l2(error, norm), l2(pressure_error, pressure_norm));
+}
+
+/// The same with forces at the slave's nodes.
+#[cfg(feature = "friction")]
+mod over_nodes {
+    use diffuse_contact_solver::contact::Integration;
+
+    use super::*;
+
+    fn deck(name: &str) -> Deck {
+        let mut deck = super::deck(name);
+        let interface = &mut deck.interfaces[0];
+        interface.integration = Integration::Nodes;
+        interface.surface.areas = true;
+        deck
+    }
+
+    #[test]
+    fn a_block_slides_up_a_plane() {
+        let mut deck = deck("inclined_block.toml");
+        let ratio = inclined(&deck);
+        assert!((ratio / INCLINED - 1.0).abs() < 1e-8, "{ratio} {INCLINED}");
+        // With two passes each has half of the forces. The block's own face, a master now, is not quite flat.
+        deck.interfaces[0].two_pass = true;
+        let ratio = inclined(&deck);
+        assert!((ratio / INCLINED - 1.0).abs() < 3e-4, "{ratio} {INCLINED}");
+    }
+
+    #[test]
+    fn a_belt_slides_over_a_drum() {
+        let error = belt(&deck("belt.toml"));
+        assert!(error.abs() < 0.005, "{error}");
+    }
+
+    #[test]
+    fn a_shaft_turns_in_a_bush() {
+        let [low, high] = shaft(&deck("shaft_in_bush.toml"));
+        assert!((low - 1.0).abs() < 0.01 && (high - 1.0).abs() < 0.01, "{low} {high}");
+        assert!(high - low < 0.005, "{low} {high}");
+    }
+
+    #[test]
+    fn a_facet_has_no_friction_yet_and_says_so() {
+        let deck = Deck { contact: Contact::NodeToFacet, ..deck("inclined_block.toml") };
+        let refused = trace(&deck, Path::new(""), 1, |_| Ok(())).unwrap_err();
+        assert!(refused.to_string().contains("friction needs the diffuse element"), "{refused}");
+    }
 }

@@ -9,7 +9,6 @@ mod common;
 mod decks;
 mod element;
 mod examples;
-#[cfg(feature = "friction")]
 mod friction;
 mod output;
 mod paper;

@@ -51,13 +51,15 @@ fn an_interrupted_run_over_faces_goes_on_to_the_same_end() {
     interrupt("solve-interrupt-faces", &format!("{deck}\n[output]\nevery = 40"));
 }
 
-/// The anchors, too, are those of the last increment that was saved.
-#[cfg(feature = "friction")]
+/// The history of friction, too, is that of the last increment that was saved.
 #[test]
 fn an_interrupted_run_with_friction_goes_on_to_the_same_end() {
     let deck = include_str!("../../examples/inclined_block.toml");
     let increment = format!("increment = {}\nfixed = true", 1.0 / MANY as f64);
-    interrupt("solve-interrupt-friction", &deck.replace("increment = 0.05", &increment));
+    let faces = deck.replace("increment = 0.05", &increment);
+    interrupt("solve-interrupt-friction", &faces);
+    #[cfg(feature = "friction")]
+    interrupt("solve-interrupt-friction-nodes", &faces.replace("integration = \"faces\"", "areas = true"));
 }
 
 fn interrupt(name: &str, text: &str) {

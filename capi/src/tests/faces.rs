@@ -5,6 +5,7 @@ use std::ptr::{null, null_mut};
 use runtime::Mode;
 use runtime::assembly::{ContactLaw, DofMap, Tangent};
 use runtime::faces::{FaceInterface, FaceOptions, FaceRule, QuadraticFace};
+use runtime::friction::Coulomb;
 use runtime::interface::InterfaceOptions;
 use runtime::surface::{Facet, MasterSurface};
 
@@ -211,7 +212,16 @@ fn faces_refuse_what_is_none() {
         assert_eq!(dc_faces_evaluate(handle, &law(&[0.1; 3]), 2), DC_BAD_SIZE, "{}", message());
         assert_eq!(dc_faces_evaluate(handle, &law(&[-1.0; 25]), 2), DC_BAD_OPTION, "{}", message());
         assert_eq!(dc_faces_evaluate(handle, &law(&[]), 7), DC_BAD_OPTION);
-        assert_eq!(dc_faces_evaluate(handle, &dc_law { friction: 0.3, ..law(&[]) }, 2), DC_BAD_OPTION);
+        // Friction begins with a state that was accepted.
+        let with_friction = dc_law { friction: 0.3, ..law(&[]) };
+        assert_eq!(dc_faces_evaluate(handle, &with_friction, 2), DC_NOT_EVALUATED, "{}", message());
+        assert!(message().starts_with("no-slip: "), "{}", message());
+        let accept = |law| dc_faces_accept(handle, law, null_mut(), null_mut(), null_mut(), null_mut());
+        assert_eq!(accept(null()), DC_BAD_POINTER);
+        assert_eq!(accept(&dc_law { friction: -0.3, ..law(&[]) }), DC_BAD_OPTION);
+        assert_eq!(dc_faces_set_history(handle, [0.5].as_ptr(), 1), DC_BAD_OPTION);
+        assert!(message().starts_with("invalid-history: "), "{}", message());
+        none(dc_faces_friction(handle, null_mut(), null_mut(), null_mut(), 25));
         none(dc_faces_residual(handle, residual.as_mut_ptr(), size, null_mut(), null_mut()));
         assert_eq!(dc_faces_evaluate(handle, &law(&[]), 1), DC_OK);
         let residual = residual.as_mut_ptr();
@@ -250,4 +260,102 @@ fn faces_refuse_what_is_none() {
     assert_eq!(dc_faces_destroy(handle), DC_BAD_HANDLE);
     // SAFETY: refused.
     assert_eq!(unsafe { dc_faces_counts(handle, null_mut(), null_mut()) }, DC_BAD_HANDLE);
+}
+
+/// Results and the history are those of the runtime bit for bit, and go on in another object.
+#[test]
+fn faces_have_friction() {
+    let pair = Pair::new();
+    let (positions, _) = pair.positions.as_chunks::<3>();
+    let rows = |faces: &[i32]| -> Vec<Facet> {
+        let facets = flat(faces);
+        facets
+            .as_chunks::<4>()
+            .0
+            .iter()
+            .map(|row| Facet::Quadrilateral(row.map(|node| node as usize)))
+            .collect()
+    };
+    let surface = MasterSurface::new(positions, rows(&pair.master)).unwrap();
+    let options = FaceOptions::new(InterfaceOptions::default()).with_rule(FaceRule::Second);
+    let mut expected = FaceInterface::new(surface, &rows(&pair.slave), positions, options).unwrap();
+    let own_law = ContactLaw::penalty(300.0).with_friction(Some(Coulomb::new(0.3, 300.0).unwrap()));
+    let law = dc_law { friction: 0.3, ..law(&[]) };
+    let moved: Vec<f64> = pair
+        .positions
+        .iter()
+        .enumerate()
+        .map(|(k, x)| x + 0.002 * f64::from(k >= 243 && k % 3 == 0))
+        .collect();
+    let (moved_points, _) = moved.as_chunks::<3>();
+    expected.refresh(positions).unwrap();
+    expected.accept(&own_law).unwrap();
+    expected.refresh(moved_points).unwrap();
+    let nodes = expected.evaluate(&own_law, Mode::Hessian).unwrap().nodes().to_vec();
+    let report = expected.accept(&own_law).unwrap();
+
+    let size = moved.len();
+    let refresh = |handle, positions: &[f64]| {
+        // SAFETY: the array has the length given.
+        assert_eq!(unsafe { dc_faces_refresh(handle, positions.as_ptr(), pair.nodes(), null_mut()) }, DC_OK);
+    };
+    let forces = |handle| {
+        let mut forces = vec![0.0; size];
+        // SAFETY: the array has the length given.
+        unsafe {
+            assert_eq!(dc_faces_evaluate(handle, &law, 2), DC_OK, "{}", message());
+            assert_eq!(dc_faces_residual(handle, forces.as_mut_ptr(), size, null_mut(), null_mut()), DC_OK);
+        }
+        forces
+    };
+    let (_, handle) = pair.make(2);
+    refresh(handle, &pair.positions);
+    let mut count = 9;
+    // SAFETY: the arrays have the lengths given.
+    unsafe {
+        assert_eq!(dc_faces_history(handle, null_mut(), 0, &mut count), DC_OK);
+        assert_eq!(count, 0);
+        assert_eq!(dc_faces_accept(handle, &law, null_mut(), null_mut(), null_mut(), null_mut()), DC_OK);
+        refresh(handle, &moved);
+        forces(handle);
+        let (mut states, mut tractions, mut slips) = (vec![9; 25], vec![9.0; 75], vec![9.0; 25]);
+        let (a, b, c) = (states.as_mut_ptr(), tractions.as_mut_ptr(), slips.as_mut_ptr());
+        assert_eq!(dc_faces_friction(handle, a, b, c, 24), DC_BAD_SIZE);
+        assert_eq!(dc_faces_friction(handle, a, b, c, 25), DC_OK);
+        for (k, node) in nodes.iter().enumerate() {
+            assert_eq!(
+                (states[k], slips[k]),
+                (crate::choice::friction_state(node.friction_state), node.slip)
+            );
+            assert_eq!(tractions[3 * k..3 * k + 3], node.friction);
+        }
+        assert!(states.contains(&1) && states.contains(&2), "{states:?}");
+        let (mut stuck, mut sliding, mut unanchored, mut dissipated) = (9, 9, 9, 0.0);
+        let status =
+            dc_faces_accept(handle, &law, &mut stuck, &mut sliding, &mut unanchored, &mut dissipated);
+        assert_eq!(status, DC_OK);
+        assert_eq!((stuck, sliding, unanchored), (report.stuck, report.sliding, report.unanchored));
+        assert_eq!(dissipated, report.dissipated);
+        assert!(dissipated > 0.0);
+        assert_eq!(dc_faces_residual(handle, [].as_mut_ptr(), 0, null_mut(), null_mut()), DC_NOT_EVALUATED);
+        assert_eq!(dc_faces_history(handle, null_mut(), 0, &mut count), DC_OK);
+    }
+    let mut history = vec![0.0; count];
+    // SAFETY: the arrays have the lengths given.
+    unsafe {
+        assert_eq!(dc_faces_history(handle, history.as_mut_ptr(), count - 1, &mut count), DC_BAD_SIZE);
+        assert_eq!(dc_faces_history(handle, history.as_mut_ptr(), count, &mut count), DC_OK);
+    }
+    assert_eq!(history, expected.history());
+    let further: Vec<f64> = pair.positions.iter().zip(&moved).map(|(x, y)| 1.5 * y - 0.5 * x).collect();
+    refresh(handle, &further);
+    let found = forces(handle);
+    assert_eq!(dc_faces_destroy(handle), DC_OK);
+
+    let (_, handle) = pair.make(2);
+    // SAFETY: the array has the length given.
+    assert_eq!(unsafe { dc_faces_set_history(handle, history.as_ptr(), count) }, DC_OK);
+    refresh(handle, &further);
+    assert_eq!(forces(handle), found);
+    assert_eq!(dc_faces_destroy(handle), DC_OK);
 }

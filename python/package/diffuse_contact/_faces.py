@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from . import _arrays, _native
 from ._arrays import Facets, Floats, Ints, Planes, count, facets, floats, new, planes, word
 from ._batch import Mode
-from ._interface import Options, Tangent, _equations, _law, _options, _vector
+from ._interface import Friction, Options, Tangent, _equations, _law, _options, _vector
+from ._results import FrictionReport
 from ._surface import MasterSurface
 
 
@@ -57,6 +58,9 @@ class FaceContacts:
         pressure: shape (s,), force per area.
         normal: mean unit normals of the master, shape (s, 3).
         outcomes: ``"contact"``, or the code of the reason why there is none.
+        friction: tractions on the slave, shape (s, 3), force per area; 0 without friction.
+        friction_states: ``"open"``, ``"stick"`` or ``"slip"``.
+        slip: since the place of touch or the last accepted state, shape (s,), length.
 
     """
 
@@ -65,6 +69,9 @@ class FaceContacts:
     pressure: Floats
     normal: Floats
     outcomes: list[str]
+    friction: Floats
+    friction_states: list[str]
+    slip: Floats
 
     @property
     def is_contact(self) -> NDArray[np.bool_]:
@@ -86,8 +93,8 @@ class FaceInterface:
         ḡ_A = ∫ N_A g dA / ∫ N_A dA        p_A = max(0, λ_A − ε ḡ_A)
 
     In a Newton iteration: ``refresh`` once an increment, then at each iteration ``update``, ``evaluate``, ``residual``
-    and ``tangent``. There is no history. Forces and moments balance; there is no energy, and the tangent is not
-    symmetric. Friction goes with ``ContactInterface``.
+    and ``tangent``. With friction ``accept`` each increment that has converged: that is all of the history. Forces and
+    moments balance; there is no energy, and the tangent is not symmetric.
 
     Args:
         master: the master surface.
@@ -173,21 +180,73 @@ class FaceInterface:
         """
         return FaceReport(*self._faces.take(floats("positions", positions, "p", 3), False))
 
-    def evaluate(self, penalty: float, *, multipliers: ArrayLike | None = None, mode: Mode = "hessian") -> FaceContacts:
+    def evaluate(
+        self,
+        penalty: float,
+        *,
+        multipliers: ArrayLike | None = None,
+        friction: Friction | None = None,
+        mode: Mode = "hessian",
+    ) -> FaceContacts:
         """Gaps, pressures and forces at the positions of the last update or refresh, in parallel, without the GIL.
 
         Args:
             penalty: ε > 0, force per length³.
             multipliers: λ_k ≥ 0 of the augmented Lagrangian, shape (s,): ``pressure`` of the evaluation before.
+            friction: coefficient of Coulomb's friction, or with it the stiffness of contacts that stick, in the unit
+                of the penalty, which it is by default. It needs ``accept`` before the first increment.
             mode: ``"value"`` for pressures alone, ``"gradient"`` for forces and the Gauss–Newton tangent,
                 ``"hessian"`` for the exact tangent.
 
         Raises:
-            InterfaceError: for the penalty or multipliers, or if the results do not fit into memory.
+            InterfaceError: for the penalty or multipliers, or if the results do not fit into memory; ``"no-slip"`` for
+                friction before the first ``accept``.
+            AssemblyError: for a coefficient or a stiffness that is none.
 
         """
-        self._faces.evaluate(_law(penalty, multipliers), word("mode", mode))
+        self._faces.evaluate(_law(penalty, multipliers, friction=friction), word("mode", mode))
         return self.contacts
+
+    def accept(
+        self,
+        penalty: float,
+        *,
+        friction: Friction,
+        multipliers: ArrayLike | None = None,
+    ) -> FrictionReport:
+        """Accepts the present positions as the end of an increment: friction of the next one is measured from there.
+
+        To be called once before the first increment, after a refresh, and then after each that has converged. Until
+        then nothing of the history changes, so that an increment may be tried again. It ends the evaluation.
+
+        Args:
+            penalty: as for ``evaluate``.
+            friction: as for ``evaluate``.
+            multipliers: as for ``evaluate``: those that the increment was solved with.
+
+        Raises:
+            InterfaceError: for a penalty or multipliers that are none; ``"not-refreshed"`` before the first refresh.
+            AssemblyError: for a coefficient or a stiffness that is none.
+
+        """
+        return FrictionReport(*self._faces.accept(_law(penalty, multipliers, friction=friction)))
+
+    @property
+    def history(self) -> Floats:
+        """The history of friction as plain numbers, shape (h,), for a restart; empty before the first ``accept``.
+
+        Set it to go on from there, bit for bit. If it is another one, there is no contact until the next refresh.
+
+        Raises:
+            InterfaceError: when set, ``"invalid-history"``, ``"anchor-count"``, ``"invalid-opening"`` or
+                ``"foreign-carrier"`` for numbers that are no history of this interface.
+
+        """
+        return self._faces.history()
+
+    @history.setter
+    def history(self, history: ArrayLike) -> None:
+        self._faces.set_history(floats("history", history, "h"))
 
     @property
     def contacts(self) -> FaceContacts:
@@ -198,7 +257,10 @@ class FaceInterface:
 
         """
         gap, area, pressure, normal, outcomes = self._faces.nodes()
-        return FaceContacts(gap, area, pressure, normal.reshape(-1, 3), outcomes)
+        friction, states, slip = self._faces.friction()
+        return FaceContacts(
+            gap, area, pressure, normal.reshape(-1, 3), outcomes, friction.reshape(-1, 3), states, slip
+        )
 
     def residual(self, *, out: Floats | None = None) -> Floats:
         """The contact forces on the nodes, shape (equations,); added to ``out`` if that is given.

@@ -15,7 +15,7 @@ use diffuse_contact_kernels::traction;
 use super::contacts::NodeContact;
 use super::quadratic::Carrying;
 use super::{FaceInterface, sort};
-use crate::assembly::ContactLaw;
+use crate::assembly::{AssemblyError, ContactLaw};
 use crate::friction::{Coulomb, FrictionForce, FrictionState, NormalForce};
 use crate::interface::{Anchor, FrictionReport, InterfaceError, from_numbers, to_numbers};
 use crate::vector::Vector3;
@@ -66,23 +66,30 @@ pub(super) struct Traction {
 impl FaceInterface {
     /// The traction of each node that carries pressure and has a history; empty without friction. Notes them with the nodes. `normals`: of
     /// the nodes, of any length.
+    ///
+    /// # Errors
+    /// [`AssemblyError::NoSlip`] if a node carries pressure before any state was accepted.
     pub(super) fn tractions(
         &self,
         law: &ContactLaw<'_>,
         nodes: &mut [NodeContact],
         normals: &[Vector3],
-    ) -> Vec<Option<Traction>> {
-        let (Some(friction), Some(tracks)) = (law.friction, &self.tracks) else { return Vec::new() };
+    ) -> Result<Vec<Option<Traction>>, AssemblyError> {
+        let Some(friction) = law.friction else { return Ok(Vec::new()) };
+        let Some(tracks) = &self.tracks else {
+            let loaded = nodes.iter().position(|node| node.pressure > 0.0);
+            return loaded.map_or(Ok(Vec::new()), |element| Err(AssemblyError::NoSlip { element }));
+        };
         let all = nodes.iter_mut().zip(normals).zip(tracks);
-        all.map(|((node, &normal), track)| {
+        let tractions = all.map(|((node, &normal), track)| {
             let track = track.as_ref().filter(|_| node.pressure > 0.0)?;
             let found = self.traction(law, &friction, node, normal, track);
             node.friction = found.value;
             node.friction_state = found.force.state;
             node.slip = found.force.share * found.slip.norm();
             Some(found)
-        })
-        .collect()
+        });
+        Ok(tractions.collect())
     }
 
     fn traction(

@@ -473,11 +473,12 @@ impl FaceInterface {
     /// [`Mode::Hessian`] the exact tangent. The law's penalty is per area, and so are its multipliers: pressures, one per node.
     ///
     /// # Errors
-    /// [`InterfaceError::Law`], [`InterfaceError::OutOfMemory`].
+    /// [`InterfaceError::Law`], [`InterfaceError::OutOfMemory`]. A law with friction needs a state that was [accepted](Self::accept) before
+    /// nodes carry pressure.
     pub fn evaluate(&mut self, law: &ContactLaw<'_>, mode: Mode) -> Result<&FaceContacts, InterfaceError> {
         law.validate(self.nodes.len())?;
         let (mut nodes, normals) = self.averages(law)?;
-        let tractions = self.tractions(law, &mut nodes, &normals);
+        let tractions = self.tractions(law, &mut nodes, &normals)?;
         let mut contacts = FaceContacts { nodes, mode, missed: self.unplaced, ..FaceContacts::default() };
         if mode >= Mode::Gradient {
             self.derive(law, mode, &tractions, &mut contacts)?;

@@ -173,9 +173,7 @@ impl Faces {
     }
 
     /// Traction, state and slip of every node.
-    fn friction<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Numbers<'py>, Vec<&'static str>, Numbers<'py>)> {
+    fn friction<'py>(slf: &Bound<'py, Self>) -> PyResult<(Numbers<'py>, Vec<&'static str>, Numbers<'py>)> {
         let py = slf.py();
         let this = shared(slf)?;
         let nodes = this.contacts(py)?.nodes();

@@ -258,9 +258,7 @@ class FaceInterface:
         """
         gap, area, pressure, normal, outcomes = self._faces.nodes()
         friction, states, slip = self._faces.friction()
-        return FaceContacts(
-            gap, area, pressure, normal.reshape(-1, 3), outcomes, friction.reshape(-1, 3), states, slip
-        )
+        return FaceContacts(gap, area, pressure, normal.reshape(-1, 3), outcomes, friction.reshape(-1, 3), states, slip)
 
     def residual(self, *, out: Floats | None = None) -> Floats:
         """The contact forces on the nodes, shape (equations,); added to ``out`` if that is given.

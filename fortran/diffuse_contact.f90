@@ -77,7 +77,7 @@ module diffuse_contact
         type(c_ptr) :: multipliers = c_null_ptr
         integer(c_size_t) :: multiplier_count = 0
         integer(c_int32_t) :: tangent = DC_EXACT, reserved = 0
-        real(c_double) :: friction = 0, tangential_stiffness = 0
+        real(c_double) :: friction = 0, tangential_stiffness = 0, shear_limit = 0
     end type
 
     !> What stays fixed for one slave until it is paired anew.

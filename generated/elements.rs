@@ -19,6 +19,7 @@ pub fn traction(m: &ElementModel<'_>) {
     let slip = m.define("slip", way - (way.dot(normal) / normal.dot(normal)) * normal);
     let factor = friction_factor(m, 0.5 * slip.dot(slip), pressure);
     m.value("slip", slip);
+    m.value("factor", factor);
     m.residual("traction", -(factor * slip));
     m.describe("way", "From the anchor to the slave's point, length");
     m.describe("normal", "Normal of the master, of any length");
@@ -28,12 +29,14 @@ pub fn traction(m: &ElementModel<'_>) {
 
 /// The factor c of a half square of the slip and a pressure, with the parameters of the law.
 fn friction_factor<'g>(m: &ElementModel<'g>, q: Expr<'g>, pressure: Expr<'g>) -> Expr<'g> {
-    let [mu, stiffness, opening] = m.parameters(["coefficient", "stiffness", "opening"]);
+    let [mu, stiffness, opening, largest] =
+        m.parameters(["coefficient", "stiffness", "opening", "shear_limit"]);
     let slip = (2.0 * q).sqrt();
     // Of a contact that was open, the slip since the place of touch; of another all of it, to the last bit.
     let (zero, one) = (m.sheet().zero(), m.sheet().one());
     let share = zero.less(opening).select(pressure / (pressure + opening), one);
-    let (limit, stuck) = (mu * pressure, share * stiffness);
+    let (strength, stuck) = (mu * pressure, share * stiffness);
+    let limit = strength.less(largest).select(strength, largest);
     let slides = limit.less(stuck * slip);
     m.value("share", share);
     m.value("slides", slides.select(one, zero));

@@ -38,6 +38,8 @@ pub struct dc_law {
     pub friction: f64,
     /// Tangential stiffness of contacts that stick, in the unit of the penalty; 0 for that of the penalty.
     pub tangential_stiffness: f64,
+    /// Traction that no contact exceeds, in the unit of the pressure: contacts slide at min(friction x f, shear_limit). 0 for none.
+    pub shear_limit: f64,
 }
 
 // SAFETY: numbers and an address; the first one is the size.
@@ -60,6 +62,7 @@ unsafe fn structure(law: *const dc_law) -> Result<dc_law, Failure> {
         reserved: 0,
         friction: 0.0,
         tangential_stiffness: 0.0,
+        shear_limit: 0.0,
     };
     // SAFETY: as the caller promises.
     let law = unsafe { read_sized(law, || defaults)? };
@@ -91,7 +94,8 @@ pub unsafe fn read<'a>(law: *const dc_law) -> Result<ContactLaw<'a>, Failure> {
     } else {
         let given = law.tangential_stiffness;
         let stiffness = if given == 0.0 { law.penalty } else { given };
-        Some(Coulomb::new(law.friction, stiffness)?)
+        let limit = Some(law.shear_limit).filter(|limit| *limit != 0.0);
+        Some(Coulomb::new(law.friction, stiffness)?.with_shear_limit(limit)?)
     };
     Ok(ContactLaw::penalty(law.penalty)
         .with_friction(friction)

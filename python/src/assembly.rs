@@ -10,14 +10,14 @@ use crate::errors::Raise;
 use crate::interface::{Interface, exclusive, shared};
 use crate::{errors, options, threads};
 
-/// Penalty, multipliers (one per slave), the name of the tangent, and coefficient and stiffness of friction: attributes of the Python
+/// Penalty, multipliers (one per slave), the name of the tangent, and coefficient, stiffness and shear limit of friction: attributes of the Python
 /// object `_Law`.
 #[derive(FromPyObject)]
 pub struct Law<'py> {
     penalty: f64,
     multipliers: Option<Bound<'py, PyArray1<f64>>>,
     tangent: String,
-    friction: Option<(f64, f64)>,
+    friction: Option<(f64, f64, Option<f64>)>,
 }
 
 impl<'py> Law<'py> {
@@ -32,8 +32,9 @@ impl<'py> Law<'py> {
     ) -> PyResult<ContactLaw<'a>> {
         let multipliers = multipliers.map(|array| slice(py, array)).transpose()?;
         let law = options::law(py, self.penalty, multipliers, &self.tangent)?;
-        let Some((coefficient, stiffness)) = self.friction else { return Ok(law) };
+        let Some((coefficient, stiffness, limit)) = self.friction else { return Ok(law) };
         let friction = Coulomb::new(coefficient, stiffness)
+            .and_then(|friction| friction.with_shear_limit(limit))
             .map_err(|error| errors::exception(py, "AssemblyError", error.code(), &error.to_string()))?;
         Ok(law.with_friction(Some(friction)))
     }

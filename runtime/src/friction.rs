@@ -9,27 +9,31 @@
 //! slip:                   c = μ p / s,   s = √(2q)
 //! ```
 //!
+//! A law with a shear limit slides at min(μ p, τ) instead of μ p: metals yield below the surface before high pressures make it stick.
+//!
 //! w is the part of the slip since the place of touch: 1 for a contact that was closed when the last step was accepted. One that
 //! was open by g₀ has slid from its foot of then to its foot of now while the gap went from g₀ to the present one. It touched at
 //! 1 − w of the way: w = p/(p + ε g₀). Friction begins with the pressure, without a jump.
 //!
 //! q does not change under rigid motions of slave, masters and anchor together: the forces balance, and so do their moments.
 
-use diffuse_contact_kernels::coulomb;
+use diffuse_contact_kernels::{coulomb, traction};
 
-use crate::{ElementError, Mode, Slip};
+use crate::{ElementError, Mode, Point, Slip};
 
 /// Coulomb's law with a penalty for stick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coulomb {
     coefficient: f64,
     stiffness: f64,
+    /// τ; the largest number for none.
+    shear_limit: f64,
 }
 
 /// What a contact with friction does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum FrictionState {
-    /// No pressure: no friction.
+    /// No pressure, or no history yet: no friction.
     #[default]
     Open,
     /// The traction is below μ p.
@@ -66,6 +70,12 @@ pub enum FrictionError {
         /// ε_T.
         value: f64,
     },
+    /// τ is not positive.
+    #[error("the shear limit has to be a positive number, not {value}")]
+    InvalidShearLimit {
+        /// τ.
+        value: f64,
+    },
 }
 
 impl FrictionError {
@@ -75,6 +85,7 @@ impl FrictionError {
         match self {
             Self::InvalidCoefficient { .. } => "invalid-friction-coefficient",
             Self::InvalidStiffness { .. } => "invalid-friction-stiffness",
+            Self::InvalidShearLimit { .. } => "invalid-shear-limit",
         }
     }
 }
@@ -117,7 +128,20 @@ impl Coulomb {
         if !(stiffness > 0.0 && stiffness.is_finite()) {
             return Err(FrictionError::InvalidStiffness { value: stiffness });
         }
-        Ok(Self { coefficient, stiffness })
+        Ok(Self { coefficient, stiffness, shear_limit: f64::MAX })
+    }
+
+    /// The law with a traction τ > 0 that no contact exceeds, in the unit of the pressure: contacts slide at min(μ p, τ). `None`: without.
+    ///
+    /// # Errors
+    /// [`FrictionError::InvalidShearLimit`].
+    pub fn with_shear_limit(self, limit: Option<f64>) -> Result<Self, FrictionError> {
+        let shear_limit = limit.unwrap_or(f64::MAX);
+        if shear_limit > 0.0 && shear_limit.is_finite() {
+            Ok(Self { shear_limit, ..self })
+        } else {
+            Err(FrictionError::InvalidShearLimit { value: shear_limit })
+        }
     }
 
     /// μ
@@ -132,10 +156,41 @@ impl Coulomb {
         self.stiffness
     }
 
-    /// The law of a slave with this tributary area, whose stiffness is one per area.
+    /// τ, if there is a limit.
+    #[must_use]
+    pub fn shear_limit(&self) -> Option<f64> {
+        Some(self.shear_limit).filter(|limit| *limit < f64::MAX)
+    }
+
+    /// The law of a slave with this tributary area, whose stiffness and shear limit are per area.
     #[must_use]
     pub fn over(&self, area: f64) -> Self {
-        Self { stiffness: self.stiffness * area, ..*self }
+        let limit = self.shear_limit().map_or(f64::MAX, |limit| limit * area);
+        Self { stiffness: self.stiffness * area, shear_limit: limit, ..*self }
+    }
+
+    /// t_A and its derivatives over faces, for a way and a normal of any length (docs/equations.md, section 18), and what becomes of
+    /// the slip.
+    pub(crate) fn traction(
+        &self,
+        (way, normal): (Point, Point),
+        pressure: f64,
+        opening: f64,
+    ) -> (traction::Results, Sliding) {
+        let Self { coefficient, stiffness, shear_limit } = *self;
+        let inputs = traction::Inputs { way, normal, pressure, coefficient, stiffness, opening, shear_limit };
+        let results = traction::evaluate(Mode::Gradient, &inputs);
+        let traction::Values { factor, share, slides, .. } = results.values;
+        (results, self.sliding(factor, share, slides))
+    }
+
+    fn sliding(&self, factor: f64, share: f64, slides: f64) -> Sliding {
+        let (state, kept) = if slides > 0.0 {
+            (FrictionState::Slip, factor / self.stiffness)
+        } else {
+            (FrictionState::Stick, share)
+        };
+        Sliding { state, factor, share, kept }
     }
 
     /// The friction of a contact with this normal force and this half square q ≥ 0 of the slip. Without normal force, or with μ = 0,
@@ -151,20 +206,17 @@ impl Coulomb {
         if !(normal.force > 0.0) {
             return FrictionForce::NONE;
         }
-        let Self { coefficient, stiffness } = *self;
+        let Self { coefficient, stiffness, shear_limit } = *self;
         if coefficient * normal.force == 0.0 {
             return FrictionForce { state: FrictionState::Slip, kept: 0.0, ..FrictionForce::NONE };
         }
         let opening = normal.stiffness * opening;
-        let inputs = coulomb::Inputs { half_square, pressure: normal.force, coefficient, stiffness, opening };
+        let pressure = normal.force;
+        let inputs = coulomb::Inputs { half_square, pressure, coefficient, stiffness, opening, shear_limit };
         let coulomb::Results { values, factor_jacobian: [by_half_square, by_pressure] } =
             coulomb::evaluate(Mode::Gradient, &inputs);
         let coulomb::Values { factor, share, slides, .. } = values;
-        let (state, kept) = if slides > 0.0 {
-            (FrictionState::Slip, factor / stiffness)
-        } else {
-            (FrictionState::Stick, share)
-        };
+        let Sliding { state, kept, .. } = self.sliding(factor, share, slides);
         FrictionForce {
             state,
             factor,
@@ -172,6 +224,28 @@ impl Coulomb {
             factor_by_gap: -normal.stiffness * by_pressure,
             share,
             kept,
+        }
+    }
+}
+
+/// What a contact does with its slip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Sliding {
+    pub state: FrictionState,
+    /// c, force per length, with areas per area.
+    pub factor: f64,
+    /// w
+    pub share: f64,
+    /// 1 − θ
+    pub kept: f64,
+}
+
+impl Sliding {
+    /// As [`FrictionForce::dissipated`], with areas per area.
+    pub fn dissipated(&self, slip: f64) -> f64 {
+        match self.state {
+            FrictionState::Slip => self.factor * slip * (self.share - self.kept) * slip,
+            FrictionState::Open | FrictionState::Stick => 0.0,
         }
     }
 }
@@ -190,10 +264,8 @@ impl FrictionForce {
     /// touch has lost to the anchor.
     #[must_use]
     pub fn dissipated(&self, slip: f64) -> f64 {
-        match self.state {
-            FrictionState::Slip => self.factor * slip * (self.share - self.kept) * slip,
-            FrictionState::Open | FrictionState::Stick => 0.0,
-        }
+        let Self { state, factor, share, kept, .. } = *self;
+        Sliding { state, factor, share, kept }.dissipated(slip)
     }
 
     /// R = −c ∇q, the force on slave, masters and anchor, 3(n+2) entries.
@@ -259,6 +331,27 @@ mod tests {
             assert!((force.factor * slip - traction).abs() < 1e-14, "{slip}");
             // An accepted step leaves a slip whose traction is the same.
             assert!((law.stiffness() * force.kept * slip - traction).abs() < 1e-14, "{slip}");
+        }
+    }
+
+    #[test]
+    fn a_shear_limit_is_no_function_of_the_pressure() {
+        let law = Coulomb::new(0.3, 100.0).unwrap().with_shear_limit(Some(2.0)).unwrap();
+        assert_eq!((law.shear_limit(), law.over(3.0).shear_limit()), (Some(2.0), Some(6.0)));
+        let at = |pressure: f64, slip: f64| {
+            law.force(NormalForce { force: pressure, ..NORMAL }, 0.5 * slip * slip)
+        };
+        for (pressure, slip, traction) in
+            [(5.0, 0.1, 1.5), (10.0, 0.1, 2.0), (1e6, 0.1, 2.0), (1e6, 0.01, 1.0)]
+        {
+            assert!((at(pressure, slip).factor * slip - traction).abs() < 1e-14, "{pressure}");
+        }
+        assert_eq!(at(10.0, 0.1).factor_by_gap, 0.0);
+        assert!(at(5.0, 0.1).factor_by_gap < 0.0);
+        assert_eq!(Coulomb::new(0.3, 100.0).unwrap().over(2.0).shear_limit(), None);
+        for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let refused = law.with_shear_limit(Some(value)).unwrap_err();
+            assert_eq!(refused.code(), "invalid-shear-limit");
         }
     }
 

@@ -206,21 +206,26 @@ fn forces_carried_by_faces_of_second_order_have_three_witnesses() {
     }
 }
 
-/// In stick, in slip, and since the place of touch.
+/// In stick, in slip, at the shear limit, and since the place of touch.
 #[test]
 fn the_factor_of_friction_has_three_witnesses() {
     let [coefficient, stiffness] = [0.3, 50.0];
-    for (half_square, pressure, opening) in
-        [(1e-4, 9.0, 0.0), (2e-2, 9.0, 0.0), (2e-4, 5.0, 3.0), (1e-1, 0.2, 3.0)]
-    {
-        let inputs = [half_square, pressure, coefficient, stiffness, opening];
+    for (half_square, pressure, opening, shear_limit) in [
+        (1e-4, 9.0, 0.0, f64::MAX),
+        (2e-2, 9.0, 0.0, f64::MAX),
+        (2e-2, 9.0, 0.0, 2.0),
+        (2e-4, 5.0, 3.0, f64::MAX),
+        (1e-1, 0.2, 3.0, 1.0),
+    ] {
+        let inputs = [half_square, pressure, coefficient, stiffness, opening, shear_limit];
         let expected = by_duals(&inputs, 2, |x| {
             let slip = (x[0] + x[0]).sqrt();
             let share = if opening > 0.0 { x[1] / (x[1] + x[4]) } else { Dual64::from(1.0) };
             let (elastic, limit) = (share * x[3], x[2] * x[1]);
+            let limit = if limit.re < shear_limit { limit } else { Dual64::from(shear_limit) };
             vec![if (elastic * slip).re > limit.re { limit / slip } else { elastic }]
         });
-        let kernel = coulomb::Inputs { half_square, pressure, coefficient, stiffness, opening };
+        let kernel = coulomb::Inputs { half_square, pressure, coefficient, stiffness, opening, shear_limit };
         let results = coulomb::evaluate(support::Mode::Gradient, &kernel);
         let of_kernel = [vec![results.values.factor], results.factor_jacobian.to_vec()];
         let of_graph = interpreted(formulas::coulomb, &inputs, "factor");
@@ -235,15 +240,16 @@ fn the_factor_of_friction_has_three_witnesses() {
 #[test]
 fn the_traction_over_faces_has_three_witnesses() {
     let [coefficient, stiffness] = [0.3, 50.0];
-    for (way, pressure, opening) in [
-        ([0.01, -0.02, 0.3], 9.0, 0.0),
-        ([0.2, 0.1, 0.3], 9.0, 0.0),
-        ([0.01, 0.02, -0.1], 5.0, 3.0),
-        ([0.4, -0.2, 0.1], 0.2, 3.0),
-        ([0.0; 3], 9.0, 0.0),
+    for (way, pressure, opening, shear_limit) in [
+        ([0.01, -0.02, 0.3], 9.0, 0.0, f64::MAX),
+        ([0.2, 0.1, 0.3], 9.0, 0.0, f64::MAX),
+        ([0.2, 0.1, 0.3], 9.0, 0.0, 2.0),
+        ([0.01, 0.02, -0.1], 5.0, 3.0, f64::MAX),
+        ([0.4, -0.2, 0.1], 0.2, 3.0, 1.0),
+        ([0.0; 3], 9.0, 0.0, f64::MAX),
     ] {
         let normal = [0.2, -0.3, 1.7];
-        let inputs = [&way[..], &normal, &[pressure, coefficient, stiffness, opening]].concat();
+        let inputs = [&way[..], &normal, &[pressure, coefficient, stiffness, opening, shear_limit]].concat();
         let expected = by_duals(&inputs, 7, |x| {
             let (d, n) = (&x[..3], &x[3..6]);
             let norm = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
@@ -255,12 +261,13 @@ fn the_traction_over_faces_has_three_witnesses() {
             let slip = cross(cross(n, [d[0], d[1], d[2]]), n);
             let share = if opening > 0.0 { x[6] / (x[6] + opening) } else { Dual64::from(1.0) };
             let (elastic, limit) = (share * stiffness, x[6] * coefficient);
+            let limit = if limit.re < shear_limit { limit } else { Dual64::from(shear_limit) };
             let square = slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2];
             let slides = elastic.re * square.re.sqrt() > limit.re;
             let factor = if slides { limit / square.sqrt() } else { elastic };
             slip.map(|slip| -factor * slip).to_vec()
         });
-        let kernel = traction::Inputs { way, normal, pressure, coefficient, stiffness, opening };
+        let kernel = traction::Inputs { way, normal, pressure, coefficient, stiffness, opening, shear_limit };
         let results = traction::evaluate(support::Mode::Gradient, &kernel);
         let of_kernel = [results.values.traction.to_vec(), results.traction_jacobian.to_vec()];
         let of_graph = interpreted(formulas::traction, &inputs, "traction");

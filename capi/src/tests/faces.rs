@@ -101,6 +101,7 @@ fn law(multipliers: &[f64]) -> dc_law {
         reserved: 0,
         friction: 0.0,
         tangential_stiffness: 0.0,
+        shear_limit: 0.0,
     }
 }
 
@@ -219,6 +220,7 @@ fn faces_refuse_what_is_none() {
         let accept = |law| dc_faces_accept(handle, law, null_mut(), null_mut(), null_mut(), null_mut());
         assert_eq!(accept(null()), DC_BAD_POINTER);
         assert_eq!(accept(&dc_law { friction: -0.3, ..law(&[]) }), DC_BAD_OPTION);
+        assert_eq!(accept(&dc_law { shear_limit: -1.0, ..with_friction }), DC_BAD_OPTION);
         assert_eq!(dc_faces_set_history(handle, [0.5].as_ptr(), 1), DC_BAD_OPTION);
         assert!(message().starts_with("invalid-history: "), "{}", message());
         none(dc_faces_friction(handle, null_mut(), null_mut(), null_mut(), 25));

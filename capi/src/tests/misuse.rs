@@ -30,6 +30,7 @@ pub const LAW: dc_law = dc_law {
     reserved: 0,
     friction: 0.0,
     tangential_stiffness: 0.0,
+    shear_limit: 0.0,
 };
 
 /// Refuses a changed mesh.

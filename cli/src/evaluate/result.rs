@@ -378,7 +378,8 @@ fn slip_output(slip: Slip) -> Result<SlipOutput, ElementError> {
 /// Friction under the penalty's force p = ⟨−ε g⟩.
 fn friction(slip: &Slip, law: FrictionInput, penalty: f64) -> Result<FrictionOutput, Refusal> {
     let normal = NormalForce { force: (-penalty * slip.contact.gap).max(0.0), stiffness: penalty };
-    let force = Coulomb::new(law.coefficient, law.stiffness)?.force(normal, slip.half_square);
+    let coulomb = Coulomb::new(law.coefficient, law.stiffness)?.with_shear_limit(law.shear_limit)?;
+    let force = coulomb.force(normal, slip.half_square);
     force.check()?;
     let (residual, tangent) = (force.contact_force(slip), force.tangent(slip));
     finite("friction force", &residual)?;

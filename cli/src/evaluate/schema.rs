@@ -90,6 +90,8 @@ pub struct FrictionInput {
     pub coefficient: f64,
     /// Tangential stiffness ε_T > 0, force per length.
     pub stiffness: f64,
+    /// Force τ > 0 that no contact exceeds.
+    pub shear_limit: Option<f64>,
 }
 
 impl ElementInput {

@@ -194,7 +194,8 @@ class FaceInterface:
             penalty: ε > 0, force per length³.
             multipliers: λ_k ≥ 0 of the augmented Lagrangian, shape (s,): ``pressure`` of the evaluation before.
             friction: coefficient of Coulomb's friction, or with it the stiffness of contacts that stick, in the unit
-                of the penalty, which it is by default. It needs ``accept`` before the first increment.
+                of the penalty, which it is by default, and the traction that no contact exceeds. It needs ``accept``
+                before the first increment.
             mode: ``"value"`` for pressures alone, ``"gradient"`` for forces and the Gauss–Newton tangent,
                 ``"hessian"`` for the exact tangent.
 

@@ -45,7 +45,7 @@ from ._results import (
 from ._surface import MasterSurface
 
 Tangent = Literal["exact", "gauss-newton"]
-Friction = float | tuple[float, float]
+Friction = float | tuple[float, float] | tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ class _Law:
     penalty: float
     multipliers: Floats | None
     tangent: str
-    friction: tuple[float, float] | None
+    friction: tuple[float, float, float | None] | None
 
 
 def _law(
@@ -127,9 +127,15 @@ def _law(
         multipliers = floats("multipliers", multipliers, "s")
     penalty = number("penalty", penalty)
     if friction is not None:
-        coefficient, stiffness = friction if isinstance(friction, tuple) else (friction, penalty)
-        friction = (number("friction", coefficient), number("stiffness", stiffness))
-    return _Law(penalty, multipliers, word("tangent", tangent), friction)
+        coefficient, stiffness, *limit = friction if isinstance(friction, tuple) else (friction, penalty)
+        shear_limit = number("shear_limit", limit[0]) if limit else None
+        return _Law(
+            penalty,
+            multipliers,
+            word("tangent", tangent),
+            (number("friction", coefficient), number("stiffness", stiffness), shear_limit),
+        )
+    return _Law(penalty, multipliers, word("tangent", tangent), None)
 
 
 def _options(owner: str, master: Any, options: dict[str, Any]) -> Options:
@@ -416,7 +422,8 @@ class ContactInterface:
             penalty: ε > 0, force per length, or per length³ if contacts carry areas.
             multipliers: λ ≥ 0, one force per slave, for the augmented Lagrangian.
             friction: coefficient of Coulomb's friction, or with it the stiffness of contacts that stick, in the unit
-                of the penalty, which it is by default. It needs ``accept`` before the first increment.
+                of the penalty, which it is by default, and the traction that no contact exceeds. It needs ``accept``
+                before the first increment.
             out: a float64 vector to add to, which is returned.
 
         Raises:

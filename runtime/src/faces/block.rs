@@ -43,7 +43,7 @@ impl FaceLoad {
         let pressure: f64 = functions.iter().zip(&self.pressures).map(|(n, p)| n * p).sum();
         let traction = self.tractions.filter(|_| pressure > 0.0).map(|tractions| {
             let sum = functions.iter().zip(tractions);
-            sum.fold(Vector3::zeros(), |sum, (&n, t)| sum + Vector3::from(t) * (n / pressure))
+            sum.fold(Vector3::zeros(), |sum, (&n, t)| sum + Vector3::from(t) * n) / pressure
         });
         (pressure, traction)
     }
@@ -157,6 +157,15 @@ impl FaceBlock {
         let (pressure, traction) = view.load.at(&functions);
         let (needs_hessian, is_moved) = (!self.directions.is_empty(), traction.is_some());
         let mode = if needs_hessian || is_moved { Mode::Gradient } else { Mode::Value };
+        // The direction is along ∂g/∂x of the slave: its derivatives are the slave's rows of M.
+        let width = self.gradients[0].len();
+        let mut by_nodes = vec![0.0; if needs_hessian { 3 * width } else { 0 }];
+        for (axis, row) in by_nodes.chunks_exact_mut(width.max(1)).enumerate() {
+            columns.spread(|own| contact_entry(contact.hessian, axis, own), 1.0, row);
+        }
+        for (sums, n) in self.normals.iter_mut().zip(functions) {
+            sums.iter_mut().zip(&by_nodes).for_each(|(sum, by)| *sum += point.weight * n * by);
+        }
         // A pressure of one, and the traction that goes with it.
         let load = traction.map_or(direction, |traction| (Vector3::from(direction) + traction).into());
         let Some(force) = over.carried(view.positions, x, load, mode) else {
@@ -186,19 +195,7 @@ impl FaceBlock {
                 }
             }
         }
-        if !needs_hessian {
-            return;
-        }
-        // The direction is along ∂g/∂x of the slave: its derivatives are the slave's rows of M.
-        let width = self.gradients[0].len();
-        let mut by_nodes = vec![0.0; 3 * width];
-        for (axis, row) in by_nodes.chunks_exact_mut(width.max(1)).enumerate() {
-            columns.spread(|own| contact_entry(contact.hessian, axis, own), 1.0, row);
-        }
-        for (sums, n) in self.normals.iter_mut().zip(functions) {
-            sums.iter_mut().zip(&by_nodes).for_each(|(sum, by)| *sum += point.weight * n * by);
-        }
-        if pressure != 0.0 {
+        if needs_hessian && pressure != 0.0 {
             let of_line = Line { force: &force, by_along: &by_along, along_by_nodes: &by_nodes };
             self.add_directions(of_line, &columns, &carriers, &point.functions, point.weight * pressure);
         }

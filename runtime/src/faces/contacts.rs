@@ -77,8 +77,10 @@ pub(super) struct FrictionBlock {
     pub traction: Point,
     /// W_i by the rows' nodes: force by each component of the traction, length².
     pub forces: [Vec<f64>; 3],
-    /// ∂t_i/∂x by the columns' nodes, force per length³.
+    /// ∂t_i/∂x by the columns' nodes with the normal held, force per length³.
     pub gradients: [Vec<f64>; 3],
+    /// What turning of the normal adds to them; empty below Hessian mode.
+    pub turning: [Vec<f64>; 3],
 }
 
 impl NodeBlock {
@@ -202,8 +204,8 @@ impl FaceContacts {
     }
 
     /// Hands over the tangent K = −∂R/∂x block by block, in an order that follows from the faces: ε F Gᵀ − Σ W_i ∂t_i/∂x of each node that
-    /// carries pressure, and with [`Tangent::Exact`] what the directions of the forces add, as far as the evaluation was for it. It is not
-    /// symmetric.
+    /// carries pressure, and with [`Tangent::Exact`] what turning of normals and of the directions of the forces adds, as far as the
+    /// evaluation was for it. It is not symmetric.
     pub fn for_each_tangent(&self, tangent: Tangent, mut f: impl FnMut(TangentBlock<'_>)) {
         let mut entries = Vec::new();
         for block in &self.blocks {
@@ -213,7 +215,9 @@ impl FaceContacts {
                 block.gradient.iter().map(move |g| factor * g)
             }));
             if let Some(friction) = &block.friction {
-                for (forces, gradient) in friction.forces.iter().zip(&friction.gradients) {
+                let turning = friction.turning.iter().filter(|_| tangent == Tangent::Exact);
+                let held = friction.forces.iter().zip(&friction.gradients);
+                for (forces, gradient) in held.chain(friction.forces.iter().zip(turning)) {
                     for (row, force) in entries.chunks_exact_mut(gradient.len().max(1)).zip(forces) {
                         row.iter_mut().zip(gradient).for_each(|(entry, by)| *entry -= force * by);
                     }

@@ -145,7 +145,7 @@ impl FaceInterface {
             .into_par_iter()
             .map(|(k, node)| {
                 let traction = tractions.get(k).and_then(Option::as_ref);
-                self.node_block(k, &node, law, traction, &of_face)
+                self.node_block(k, &node, law, mode, traction, &of_face)
             })
             .collect();
         if mode >= Mode::Hessian {
@@ -161,7 +161,7 @@ impl FaceInterface {
     }
 
     /// Faces one after another whose points are evaluated together.
-    fn runs<'s>(&self, loaded: &'s [usize]) -> Vec<&'s [usize]> {
+    pub(super) fn runs<'s>(&self, loaded: &'s [usize]) -> Vec<&'s [usize]> {
         let mut count = 0;
         loaded
             .chunk_by(|&one, &next| {
@@ -198,7 +198,22 @@ impl FaceInterface {
             })
             .collect();
         let mut blocks: Vec<FaceBlock> = views.iter().map(|view| FaceBlock::new(view, mode)).collect();
-        let (Some(&first), Some(&last)) = (faces.first(), faces.last()) else { return Ok(blocks) };
+        self.for_each_contact_of(faces, mode, results, |own, point, contact| {
+            let over = &self.carriers.facets[point.facet as usize];
+            blocks[own].add(&views[own], point, over, contact);
+        })?;
+        Ok(blocks)
+    }
+
+    /// Hands over the points of consecutive faces that have a contact, each with its face's place in the list.
+    pub(super) fn for_each_contact_of(
+        &self,
+        faces: &[usize],
+        mode: Mode,
+        results: &mut Results,
+        mut f: impl FnMut(usize, &FacePoint, &ContactRef<'_>),
+    ) -> Result<(), InterfaceError> {
+        let (Some(&first), Some(&last)) = (faces.first(), faces.last()) else { return Ok(()) };
         let range = self.cuts[first].points.start..self.cuts[last].points.end;
         let mut own = 0;
         self.interface.evaluate_range(range, mode, results, |contact| {
@@ -207,12 +222,9 @@ impl FaceInterface {
                 own += 1;
             }
             if contact.outcome.is_contact() {
-                let point = &self.points[k];
-                let over = &self.carriers.facets[point.facet as usize];
-                blocks[own].add(&views[own], point, over, &contact);
+                f(own, &self.points[k], &contact);
             }
-        })?;
-        Ok(blocks)
+        })
     }
 
     /// The sums of the faces around a node.
@@ -221,6 +233,7 @@ impl FaceInterface {
         k: usize,
         node: &NodeContact,
         law: &ContactLaw<'_>,
+        mode: Mode,
         traction: Option<&Traction>,
         of_face: &[Option<FaceBlock>],
     ) -> NodeBlock {
@@ -244,6 +257,7 @@ impl FaceInterface {
                 traction: traction.value,
                 forces: std::array::from_fn(|_| of(rows.len())),
                 gradients: std::array::from_fn(|_| of(columns.len())),
+                turning: Default::default(),
             }),
             rows,
             columns,
@@ -251,7 +265,8 @@ impl FaceInterface {
             stiffness: law.penalty,
         };
         // ∂n/∂x, three rows.
-        let mut normals = vec![of(sums.columns.len()); if traction.is_some() { 3 } else { 0 }];
+        let turns = traction.is_some() && mode >= Mode::Hessian;
+        let mut normals = vec![of(sums.columns.len()); if turns { 3 } else { 0 }];
         for (face, block) in faces() {
             let corner = self.faces[face].corners().iter().position(|&corner| corner == node.slave);
             let Some(corner) = corner else { continue };
@@ -273,11 +288,17 @@ impl FaceInterface {
             for (i, row) in friction.gradients.iter_mut().enumerate() {
                 let by_gap = -law.penalty * traction.by_pressure[i];
                 row.iter_mut().zip(&sums.gradient).for_each(|(sum, by)| *sum += by_gap * by);
-                for (factor, by) in traction.by_normal[i].iter().zip(&normals) {
-                    row.iter_mut().zip(by).for_each(|(sum, by)| *sum += factor * by);
+                if turns {
+                    let row = &mut friction.turning[i];
+                    *row = of(sums.columns.len());
+                    for (factor, by) in traction.by_normal[i].iter().zip(&normals) {
+                        row.iter_mut().zip(by).for_each(|(sum, by)| *sum += factor * by);
+                    }
                 }
                 for (node, weight) in track.terms() {
-                    let Ok(place) = sums.columns.binary_search(&node) else { continue };
+                    let Ok(place) = sums.columns.binary_search(&node) else {
+                        unreachable!("columns have all nodes of the history")
+                    };
                     for axis in 0..3 {
                         row[3 * place + axis] += weight * traction.by_way[i][axis];
                     }

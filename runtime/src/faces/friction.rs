@@ -10,14 +10,16 @@
 //! nodes of both sides have moved since. It turns with the bodies. c is the factor of [`Coulomb`](crate::Coulomb), n the mean normal of the
 //! node's points (docs/equations.md, section 18).
 
-use diffuse_contact_kernels::traction;
+use rayon::prelude::*;
 
 use super::contacts::NodeContact;
 use super::quadratic::Carrying;
 use super::{FaceInterface, sort};
+use crate::affine::Carrier;
 use crate::assembly::{AssemblyError, ContactLaw};
-use crate::friction::{Coulomb, FrictionForce, FrictionState, NormalForce};
-use crate::interface::{Anchor, FrictionReport, InterfaceError, from_numbers, to_numbers};
+use crate::friction::{Coulomb, FrictionState, Sliding};
+use crate::interface::{Anchor, FrictionReport, InterfaceError, Results, from_numbers, to_numbers};
+use crate::surface::shape_of;
 use crate::vector::Vector3;
 use crate::{AffinePoint, Mode, Point};
 
@@ -60,7 +62,17 @@ pub(super) struct Traction {
     pub by_pressure: Point,
     /// P_n d, length.
     slip: Vector3,
-    force: FrictionForce,
+    sliding: Sliding,
+}
+
+/// What the points of a face have of x_A and y_A of its corners.
+struct FaceTrack {
+    /// ∫ N_A dA
+    totals: [f64; 4],
+    /// Of x_A by the nodes of the cut's rows.
+    own: [Vec<f64>; 4],
+    /// Of y_A.
+    over: [Vec<f64>; 4],
 }
 
 impl FaceInterface {
@@ -68,7 +80,8 @@ impl FaceInterface {
     /// the nodes, of any length.
     ///
     /// # Errors
-    /// [`AssemblyError::NoSlip`] if a node carries pressure before any state was accepted.
+    /// [`AssemblyError::NoSlip`] if a node carries pressure before any state was accepted; [`AssemblyError::InvalidSlip`] for a
+    /// traction that is not finite.
     pub(super) fn tractions(
         &self,
         law: &ContactLaw<'_>,
@@ -81,37 +94,40 @@ impl FaceInterface {
             return loaded.map_or(Ok(Vec::new()), |element| Err(AssemblyError::NoSlip { element }));
         };
         let all = nodes.iter_mut().zip(normals).zip(tracks);
-        let tractions = all.map(|((node, &normal), track)| {
-            let track = track.as_ref().filter(|_| node.pressure > 0.0)?;
-            let found = self.traction(law, &friction, node, normal, track);
+        let tractions = all.enumerate().map(|(k, ((node, &normal), track))| {
+            let Some(track) = track.as_ref().filter(|_| node.pressure > 0.0) else { return Ok(None) };
+            let found = self.traction(law, &friction, (k, node), normal, track)?;
             node.friction = found.value;
-            node.friction_state = found.force.state;
-            node.slip = found.force.share * found.slip.norm();
-            Some(found)
+            node.friction_state = found.sliding.state;
+            node.slip = found.sliding.share * found.slip.norm();
+            Ok(Some(found))
         });
-        Ok(tractions.collect())
+        tractions.collect()
     }
 
     fn traction(
         &self,
         law: &ContactLaw<'_>,
         friction: &Coulomb,
-        node: &NodeContact,
+        (element, node): (usize, &NodeContact),
         normal: Vector3,
         track: &Track,
-    ) -> Traction {
+    ) -> Result<Traction, AssemblyError> {
         // In a plane of symmetry, what the images of a node's faces have beyond it takes away what points out of it.
         let within = |x: Vector3| self.skin.within_planes(self.first[node.slave], x);
         let (way, normal) = (within(track.way(&self.positions)), within(normal));
-        let inputs = traction::Inputs {
-            way: way.into(),
-            normal: normal.into(),
-            pressure: node.pressure,
-            coefficient: friction.coefficient(),
-            stiffness: friction.stiffness(),
-            opening: law.penalty * track.anchor.opening,
-        };
-        let results = traction::evaluate(Mode::Gradient, &inputs);
+        let opening = track.anchor.opening;
+        let (results, sliding) =
+            friction.traction((way.into(), normal.into()), node.pressure, law.penalty * opening);
+        let slip = Vector3::from(results.values.slip);
+        let numbers = results.values.traction.iter().chain(&results.traction_jacobian);
+        if !numbers.chain([&sliding.kept]).all(|x| x.is_finite()) {
+            return Err(AssemblyError::InvalidSlip {
+                element,
+                half_square: 0.5 * slip.norm_squared(),
+                opening,
+            });
+        }
         let row = |i: usize, first: usize| -> Point {
             let row = &results.traction_jacobian[7 * i..][..7];
             let by = |axis: usize| {
@@ -120,16 +136,14 @@ impl FaceInterface {
             };
             [0, 1, 2].map(by)
         };
-        let slip = Vector3::from(results.values.slip);
-        let of_law = NormalForce { force: node.pressure, stiffness: law.penalty };
-        Traction {
+        Ok(Traction {
             value: results.values.traction,
             by_way: [0, 1, 2].map(|i| row(i, 0)),
             by_normal: [0, 1, 2].map(|i| row(i, 3)),
             by_pressure: [0, 1, 2].map(|i| results.traction_jacobian[7 * i + 6]),
             slip,
-            force: friction.force_since(of_law, 0.5 * slip.norm_squared(), track.anchor.opening),
-        }
+            sliding,
+        })
     }
 
     /// Accepts the state at the positions of the moment as the end of a step: friction of the next one is measured from here. Without
@@ -161,17 +175,18 @@ impl FaceInterface {
             let is_open = !(node.pressure > 0.0);
             let closed = old.filter(|_| !is_open);
             report.unanchored += usize::from(!is_open && closed.is_none());
-            let traction = closed.map(|old| self.traction(law, &friction, node, normals[k], old));
-            if let Some(Traction { force, slip, .. }) = &traction {
-                report.stuck += usize::from(force.state == FrictionState::Stick);
-                report.sliding += usize::from(force.state == FrictionState::Slip);
-                report.dissipated += node.area * force.dissipated(slip.norm());
+            let traction = closed.map(|old| self.traction(law, &friction, (k, node), normals[k], old));
+            let traction = traction.transpose()?;
+            if let Some(Traction { sliding, slip, .. }) = &traction {
+                report.stuck += usize::from(sliding.state == FrictionState::Stick);
+                report.sliding += usize::from(sliding.state == FrictionState::Slip);
+                report.dissipated += node.area * sliding.dissipated(slip.norm());
             }
             let track = match (closed, &traction) {
-                (Some(old), Some(Traction { force, .. })) if force.kept == 1.0 => old.clone(),
+                (Some(old), Some(Traction { sliding, .. })) if sliding.kept == 1.0 => old.clone(),
                 (old, traction) => {
                     let (kept, slip) =
-                        traction.as_ref().map_or((0.0, Vector3::zeros()), |of| (of.force.kept, of.slip));
+                        traction.as_ref().map_or((0.0, Vector3::zeros()), |of| (of.sliding.kept, of.slip));
                     let drawn = old.map_or(present.clone(), |old| old.towards(&present, 1.0 - kept));
                     let opening = if is_open { node.gap.max(0.0) } else { 0.0 };
                     drawn.with_slip(slip * kept, normals[k], &self.positions).with_opening(opening)
@@ -185,38 +200,79 @@ impl FaceInterface {
 
     /// x_A and y_A of all nodes, as the faces are cut now.
     fn present_tracks(&self) -> Result<Vec<Option<Track>>, InterfaceError> {
-        type Terms = Vec<(u32, f64)>;
-        let mut sums: Vec<(f64, Terms, Terms)> = vec![Default::default(); self.nodes.len()];
-        self.for_each_point(Mode::Gradient, |face, point, functions, contact| {
-            if !contact.outcome.is_contact() {
-                return;
-            }
+        let cut: Vec<usize> = (0..self.faces.len()).filter(|&k| !self.cuts[k].points.is_empty()).collect();
+        let tracks: Vec<Vec<FaceTrack>> = self
+            .runs(&cut)
+            .into_par_iter()
+            .map_init(Results::default, |results, faces| self.face_tracks(faces, results))
+            .collect::<Result<_, _>>()?;
+        let mut of_face: Vec<Option<FaceTrack>> = (0..self.faces.len()).map(|_| None).collect();
+        cut.into_iter().zip(tracks.into_iter().flatten()).for_each(|(k, track)| of_face[k] = Some(track));
+        let around = self.nodes.par_iter().zip(&self.around);
+        Ok(around.map(|(&node, around)| self.track_of(node, around, &of_face)).collect())
+    }
+
+    /// The sums of consecutive faces.
+    fn face_tracks(&self, faces: &[usize], results: &mut Results) -> Result<Vec<FaceTrack>, InterfaceError> {
+        let blank = |&k: &usize| {
+            let of_corners = || std::array::from_fn(|_| vec![0.0; self.cuts[k].rows.len()]);
+            FaceTrack { totals: [0.0; 4], own: of_corners(), over: of_corners() }
+        };
+        let mut tracks: Vec<FaceTrack> = faces.iter().map(blank).collect();
+        self.for_each_contact_of(faces, Mode::Gradient, results, |k, point, contact| {
+            let face = faces[k];
             let own: &Carrying = &self.carriers.faces[face];
             let over: &Carrying = &self.carriers.facets[point.facet as usize];
             let x = own.point(&point.functions, &self.positions);
             let [a, b, c, ..] = *contact.gradient else { return };
             let Some(along) = Vector3::from([a, b, c]).try_normalize() else { return };
             let Some(carried) = over.carried(&self.positions, x, along.into(), Mode::Value) else { return };
-            for (corner, n) in self.faces[face].corners().iter().zip(functions) {
-                let Ok(place) = self.nodes.binary_search(corner) else { continue };
-                let (total, of_slave, of_master) = &mut sums[place];
+            let rows = &self.cuts[face].rows;
+            let place = |node: usize| {
+                rows.binary_search(&(node as u32))
+                    .unwrap_or_else(|_| unreachable!("rows hold all nodes of their points"))
+            };
+            let functions = shape_of(&self.faces[face], &self.positions).functions(point.natural);
+            for (corner, n) in functions.into_iter().enumerate().take(self.faces[face].corners().len()) {
                 let weight = point.weight * n;
-                *total += weight;
-                let nodes = own.nodes().iter().zip(point.functions);
-                of_slave.extend(nodes.map(|(&node, n)| (node as u32, weight * n)));
-                let nodes = over.nodes().iter().zip(&carried.forces[1..]);
-                let part = |part: Point| weight * Vector3::from(part).dot(&along);
-                of_master.extend(nodes.map(|(&node, &force)| (node as u32, part(force))));
+                tracks[k].totals[corner] += weight;
+                for (&node, part) in own.nodes().iter().zip(point.functions) {
+                    tracks[k].own[corner][place(node)] += weight * part;
+                }
+                for (&node, &force) in over.nodes().iter().zip(&carried.forces[1..]) {
+                    tracks[k].over[corner][place(node)] += weight * Vector3::from(force).dot(&along);
+                }
             }
         })?;
-        let point = |terms: Terms, total: f64| {
+        Ok(tracks)
+    }
+
+    /// The sums of the faces around a node; `None` if nothing lies over them.
+    fn track_of(&self, node: usize, around: &[u32], of_face: &[Option<FaceTrack>]) -> Option<Track> {
+        let (mut total, mut own, mut over) = (0.0, Vec::new(), Vec::new());
+        for &face in around {
+            let Some(track) = &of_face[face as usize] else { continue };
+            let Some(corner) = self.faces[face as usize].corners().iter().position(|&own| own == node) else {
+                continue;
+            };
+            let rows = &self.cuts[face as usize].rows;
+            let terms = |weights: &[f64]| -> Vec<(u32, f64)> {
+                rows.iter().copied().zip(weights.iter().copied()).filter(|term| term.1 != 0.0).collect()
+            };
+            total += track.totals[corner];
+            own.extend(terms(&track.own[corner]));
+            over.extend(terms(&track.over[corner]));
+        }
+        let point = |terms: Vec<(u32, f64)>| {
             AffinePoint::new(terms.into_iter().map(|(node, weight)| (node, weight / total))).ok()
         };
-        let tracks = sums.into_iter().map(|(total, own, of_master)| {
-            let anchor = Anchor { point: point(of_master, total)?, opening: 0.0 };
-            Some(Track { own: point(own, total)?, anchor })
-        });
-        Ok(tracks.collect())
+        Some(Track { own: point(own)?, anchor: Anchor { point: point(over)?, opening: 0.0 } })
+    }
+
+    /// Whether a state was [accepted](Self::accept) since the history began.
+    #[must_use]
+    pub const fn has_history(&self) -> bool {
+        self.tracks.is_some()
     }
 
     /// The history of friction as plain numbers, for a restart; empty before a state was [accepted](Self::accept).
@@ -248,28 +304,48 @@ impl FaceInterface {
 
     fn tracks_of(&self, history: &[f64]) -> Result<Vec<Option<Track>>, InterfaceError> {
         let points = from_numbers(history).map_err(|place| InterfaceError::InvalidHistory { place })?;
-        let (found, expected) = (points.len().div_ceil(2), self.nodes.len());
-        if found != expected || points.len() % 2 != 0 {
+        let (pairs, rest) = points.as_chunks::<2>();
+        if !rest.is_empty() {
+            return Err(InterfaceError::InvalidHistory { place: history.len() });
+        }
+        let (found, expected) = (pairs.len(), self.nodes.len());
+        if found != expected {
             return Err(InterfaceError::AnchorCount { found, expected });
         }
-        let carriers = self.carriers.faces.iter().chain(&self.carriers.facets);
-        let mut known: Vec<u32> = carriers.flat_map(|own| own.nodes()).map(|&node| node as u32).collect();
-        sort(&mut known);
-        let track = |(index, pair): (usize, &[Option<Anchor>; 2])| {
-            let [Some(own), Some(anchor)] = pair else { return Ok(None) };
-            if !(anchor.opening >= 0.0 && anchor.opening.is_finite()) {
-                return Err(InterfaceError::InvalidOpening { index, value: anchor.opening });
-            }
-            let mut terms = own.point.terms().iter().chain(anchor.point.terms());
-            let is_foreign = |(carrier, _): &&(crate::affine::Carrier, f64)| {
-                carrier.image.is_some() || known.binary_search(&carrier.node).is_err()
-            };
-            match terms.find(is_foreign) {
-                Some(&(carrier, _)) => Err(InterfaceError::ForeignCarrier { index, node: carrier.node }),
-                None => Ok(Some(Track { own: own.point.clone(), anchor: anchor.clone() })),
-            }
+        let known = |carriers: &[Carrying]| {
+            let mut nodes: Vec<u32> =
+                carriers.iter().flat_map(|own| own.nodes()).map(|&node| node as u32).collect();
+            sort(&mut nodes);
+            nodes
         };
-        points.as_chunks::<2>().0.iter().enumerate().map(track).collect()
+        let (of_faces, of_facets) = (known(&self.carriers.faces), known(&self.carriers.facets));
+        let track = |(index, pair): (usize, &[Option<Anchor>; 2])| {
+            let (own, anchor) = match pair {
+                [Some(own), Some(anchor)] => (own, anchor),
+                [None, None] => return Ok(None),
+                _ => {
+                    let place = to_numbers(&points[..2 * index + 1]).len();
+                    return Err(InterfaceError::InvalidHistory { place });
+                }
+            };
+            for (opening, is_sound) in
+                [(own.opening, own.opening == 0.0), (anchor.opening, anchor.opening >= 0.0)]
+            {
+                if !(is_sound && opening.is_finite()) {
+                    return Err(InterfaceError::InvalidOpening { index, value: opening });
+                }
+            }
+            for (point, known) in [(&own.point, &of_faces), (&anchor.point, &of_facets)] {
+                let is_foreign = |(carrier, _): &&(Carrier, f64)| {
+                    carrier.image.is_some() || known.binary_search(&carrier.node).is_err()
+                };
+                if let Some(&(Carrier { node, .. }, _)) = point.terms().iter().find(is_foreign) {
+                    return Err(InterfaceError::ForeignCarrier { index, node });
+                }
+            }
+            Ok(Some(Track { own: own.point.clone(), anchor: anchor.clone() }))
+        };
+        pairs.iter().enumerate().map(track).collect()
     }
 }
 

@@ -240,19 +240,21 @@ impl FaceInterface {
     }
 
     /// Makes faces of second order carry the forces on the facets that they are made of, on both sides: those whose corners are all nodes of
-    /// one face. Only so are forces in equilibrium with a uniform stress inside. There is no contact until the next [`refresh`](Self::refresh) or [`update`](Self::update).
+    /// one face. Only so are forces in equilibrium with a uniform stress inside. The history of friction ends, and there is no contact until the
+    /// next [`refresh`](Self::refresh) or [`update`](Self::update).
     ///
     /// # Errors
     /// [`InterfaceError::Surface`] if a node is not there: the interface is then as it was.
     pub fn set_quadratic_faces(&mut self, faces: &[QuadraticFace]) -> Result<(), InterfaceError> {
         quadratic::check(faces, &self.first)?;
         self.carriers = Carriers::new(&self.faces, self.master(), faces);
+        self.tracks = None;
         self.forget();
         Ok(())
     }
 
-    /// Makes these planes of symmetry of both surfaces, as [`ContactInterface::set_symmetry`], in the first configuration. There is no
-    /// contact until the next [`refresh`](Self::refresh) or [`update`](Self::update).
+    /// Makes these planes of symmetry of both surfaces, as [`ContactInterface::set_symmetry`], in the first configuration. The history of
+    /// friction ends, and there is no contact until the next [`refresh`](Self::refresh) or [`update`](Self::update).
     ///
     /// # Errors
     /// As there. The interface is then as it was.
@@ -262,6 +264,7 @@ impl FaceInterface {
         let mut interface = ContactInterface::new(self.master().clone(), Vec::new(), &[], &self.first, own)?;
         interface.set_symmetry(planes)?;
         (self.skin, self.interface) = (skin, interface);
+        self.tracks = None;
         self.forget();
         Ok(())
     }

@@ -10,7 +10,7 @@ use crate::interface::{
     ContactElement, ContactInterface, InterfaceError, InterfaceOptions, PointsWithinReach,
 };
 use crate::neighbourhood::SearchOptions;
-use crate::surface::{Facet, Image, MasterSurface, Symmetry, SymmetryPlane};
+use crate::surface::{Facet, Image, MasterSurface, Symmetry, SymmetryPlane, shape_of};
 use crate::vector::Vector3;
 use crate::{Basis, Mode, Point, Weight};
 
@@ -120,7 +120,11 @@ impl Skin {
         let middles: Vec<Vec<usize>> = faces.iter().flat_map(between).collect();
         let mut skin = Self::default();
         let fitted = match options.element {
-            ContactElement::NodeToFacet => vec![None; middles.len()],
+            ContactElement::NodeToFacet => {
+                let extents = faces.iter().map(|face| shape_of(face, first).extent());
+                skin.symmetry = Symmetry::of_planes(planes, extents.fold(0.0, f64::max));
+                vec![None; middles.len()]
+            }
             ContactElement::Diffuse { weight, .. } => {
                 let own = own_surface(faces, first, (options, weight), planes)?;
                 skin.symmetry = own.images();

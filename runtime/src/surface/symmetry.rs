@@ -139,6 +139,11 @@ impl Symmetry {
         Ok(Self { planes: planes.to_vec(), images: all, reach, tolerance: ON_PLANE * reach })
     }
 
+    /// The planes alone, for points of a surface of this size: there are no images.
+    pub fn of_planes(planes: &[SymmetryPlane], size: f64) -> Self {
+        Self { planes: planes.to_vec(), images: Vec::new(), reach: size, tolerance: ON_PLANE * size }
+    }
+
     pub fn is_none(&self) -> bool {
         self.planes.is_empty()
     }
@@ -195,10 +200,16 @@ impl Symmetry {
     /// The direction without what points out of the planes that hold `point`: that of the surface with its images there.
     pub fn within_planes(&self, point: Point, direction: Vector3) -> Vector3 {
         let holding = self.planes.iter().filter(|plane| plane.distance(point).abs() <= self.tolerance);
-        holding.fold(direction, |direction, plane| {
-            let normal = Vector3::from(plane.normal);
-            direction - normal * normal.dot(&direction)
-        })
+        // Planes meet at any whole part of 180°: their normals are made orthogonal first.
+        let mut axes: Vec<Vector3> = Vec::new();
+        let without = |axes: &[Vector3], x: Vector3| axes.iter().fold(x, |x, axis| x - *axis * axis.dot(&x));
+        for plane in holding {
+            let rest = without(&axes, Vector3::from(plane.normal));
+            if rest.norm() > SAME_IMAGE {
+                axes.push(rest.normalize());
+            }
+        }
+        without(&axes, direction)
     }
 
     /// Whether both ends of an edge lie in one of the planes: the surface does not end there.
@@ -217,6 +228,21 @@ mod tests {
         symmetry.images_near(node, centre, reach, |_, x| all.push(x));
         all.sort_by(|x, y| x.partial_cmp(y).unwrap());
         all
+    }
+
+    #[test]
+    fn directions_lie_in_all_planes_that_hold_a_point() {
+        let (sin, cos) = 1.1_f64.sin_cos();
+        let planes = [
+            SymmetryPlane::across(0, [0.0; 3]),
+            SymmetryPlane { point: [0.0; 3], normal: [cos, sin, 0.0] },
+            SymmetryPlane::across(0, [5.0, 0.0, 0.0]),
+        ];
+        let symmetry = Symmetry::of_planes(&planes, 1.0);
+        let at = |point: Point| symmetry.within_planes(point, Vector3::from([0.3, -0.7, 0.2]));
+        assert!((at([0.0, 0.0, 4.0]) - Vector3::from([0.0, 0.0, 0.2])).norm() < 1e-15);
+        assert_eq!(at([0.0, 2.0, 4.0]), Vector3::from([0.0, -0.7, 0.2]));
+        assert_eq!(at([3.0, 2.0, 4.0]), Vector3::from([0.3, -0.7, 0.2]));
     }
 
     #[test]

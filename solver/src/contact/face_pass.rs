@@ -139,7 +139,7 @@ impl Pass for FacePass {
     }
 
     fn begin_friction(&mut self) -> Result<(), PassError> {
-        if self.friction.is_some() && self.interface.history().is_empty() {
+        if self.friction.is_some() && !self.interface.has_history() {
             self.accept()?;
         }
         Ok(())

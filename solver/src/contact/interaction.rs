@@ -120,6 +120,8 @@ pub struct Friction {
     pub coefficient: f64,
     /// ε_T, force per slip of a slave node that sticks, with areas force per area and slip; `None`: as large as the penalty.
     pub stiffness: Option<f64>,
+    /// τ > 0, which no slave node exceeds, force, with areas and over faces force per area; `None`: none.
+    pub shear_limit: Option<f64>,
     /// Whether the tangent leaves out what is not symmetric: linear systems are solved in half of the time, and it takes more of them.
     pub is_symmetric: bool,
 }
@@ -128,13 +130,19 @@ impl Friction {
     /// With this coefficient, a stiffness as large as the penalty, and the exact tangent.
     #[must_use]
     pub const fn new(coefficient: f64) -> Self {
-        Self { coefficient, stiffness: None, is_symmetric: false }
+        Self { coefficient, stiffness: None, shear_limit: None, is_symmetric: false }
     }
 
     /// With this tangential stiffness, or the penalty's.
     #[must_use]
     pub const fn with_stiffness(self, stiffness: Option<f64>) -> Self {
         Self { stiffness, ..self }
+    }
+
+    /// With this shear limit, or none.
+    #[must_use]
+    pub const fn with_shear_limit(self, shear_limit: Option<f64>) -> Self {
+        Self { shear_limit, ..self }
     }
 
     /// With the symmetric part of the tangent only, or all of it.

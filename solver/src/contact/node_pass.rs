@@ -25,10 +25,11 @@ pub fn friction_law(options: &InteractionOptions, penalty: f64) -> Result<Option
     let Some(friction) = options.friction.filter(|friction| friction.coefficient != 0.0) else {
         return Ok(None);
     };
-    // Two passes have half of each other's penalty, and of a stiffness that was given.
+    // Two passes have half of each other's penalty, and of a stiffness and a limit that were given.
     let share = penalty / options.penalty;
     let stiffness = friction.stiffness.map_or(penalty, |stiffness| share * stiffness);
-    let law = Coulomb::new(friction.coefficient, stiffness);
+    let limit = friction.shear_limit.map(|limit| share * limit);
+    let law = Coulomb::new(friction.coefficient, stiffness).and_then(|law| law.with_shear_limit(limit));
     law.map(Some).map_err(|source| ContactError::Friction { interface: options.name.clone(), source })
 }
 

@@ -186,8 +186,9 @@ fn friction(field: &Field) -> Result<Friction, DeckError> {
     let section = section.expect(schema::FRICTION)?;
     let stiffness = section.get("stiffness").map(|field| field.positive()).transpose()?;
     let is_symmetric = section.get("symmetric").map_or(Ok(false), |field| field.flag())?;
+    let limit = section.get("shear_limit").map(|field| field.positive()).transpose()?;
     let friction = Friction::new(coefficient(&section.need("coefficient")?)?);
-    Ok(friction.with_stiffness(stiffness).with_symmetric_tangent(is_symmetric))
+    Ok(friction.with_stiffness(stiffness).with_shear_limit(limit).with_symmetric_tangent(is_symmetric))
 }
 
 /// `"nodes"` or `"faces"`, or a table with the degree of the faces' rule.

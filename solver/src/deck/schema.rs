@@ -72,7 +72,7 @@ pub const INTERFACE: &[&str] = &[
 /// Fields of an augmentation.
 pub const AUGMENTATION: &[&str] = &["max", "tolerance"];
 /// Fields of friction.
-pub const FRICTION: &[&str] = &["coefficient", "stiffness", "symmetric"];
+pub const FRICTION: &[&str] = &["coefficient", "stiffness", "shear_limit", "symmetric"];
 /// Fields of an integration.
 pub const INTEGRATION: &[&str] = &["over", "degree"];
 /// Fields of the neighbour search.

@@ -66,39 +66,81 @@ fn forces_and_moments_balance_with_friction() {
 fn the_tangent_with_friction_is_exact_with_the_points_held() {
     for (element, triangles) in elements().into_iter().zip([false, true, false, true]) {
         let pair = bumps(triangles);
-        assert_tangent(&pair, interface(&pair, element, &[]));
+        assert_tangent_at(&pair, &mut interface(&pair, element, &[]), &law(), &moved(&pair, 1.0), 19);
     }
     for second in Second::ALL {
         let (pair, faces) = bumps_of_second_order(second);
-        assert_tangent(&pair, interface(&pair, ContactElement::default(), &faces));
+        let mut own = interface(&pair, ContactElement::default(), &faces);
+        assert_tangent_at(&pair, &mut own, &law(), &moved(&pair, 1.0), 19);
     }
 }
 
-fn assert_tangent(pair: &Pair, mut interface: FaceInterface) {
-    let positions = moved(pair, 1.0);
-    let dofs = DofMap::standard(positions.len());
-    let size = dofs.equations();
-    let mut dense = vec![0.0; size * size];
-    let contacts = interface.evaluate(&law(), Mode::Hessian).unwrap();
-    for (row, column, value) in contacts.triplets(Tangent::Exact, &dofs).unwrap().iter() {
-        dense[row * size + column] += value;
+/// Slaves that stick to what they have left: the history has nodes that nothing else couples.
+#[test]
+fn the_tangent_reaches_to_where_slaves_stuck() {
+    let law = ContactLaw::penalty(50.0).with_friction(Some(Coulomb::new(100.0, 0.5).unwrap()));
+    let flat = |z: f64| move |x: f64, y: f64| [x, y, z];
+    let pair = Pair::new([8, 4], false, flat(0.0), |x, y| [0.4 * x, 1.0 + 0.4 * y, -0.02 + 0.003 * x]);
+    for element in [ContactElement::default(), ContactElement::NodeToFacet] {
+        let mut own = pair.interface(element, FaceRule::Second);
+        own.refresh(&pair.positions).unwrap();
+        own.accept(&law).unwrap();
+        let first = pair.first_slave;
+        let slid: Vec<Point> = (0..pair.positions.len())
+            .map(|k| {
+                let [x, y, z] = pair.positions[k];
+                if k < first { [x, y, z] } else { [x + 3.4, y, z] }
+            })
+            .collect();
+        own.refresh(&slid).unwrap();
+        let nodes = own.evaluate(&law, Mode::Value).unwrap().nodes();
+        assert!(nodes.iter().all(|node| node.friction_state == FrictionState::Stick));
+        assert_tangent_at(&pair, &mut own, &law, &slid, 5);
+        // One that forgot them when it was refreshed couples less.
+        own.set_history(&[]).unwrap();
+        own.refresh(&slid).unwrap();
+        assert!(own.cliques().flatten().all(|&node| node as usize >= first || slid[node as usize][0] > 0.0));
     }
-    let largest = dense.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
-    for column in (0..size).step_by(19) {
-        let mut at = |step: f64| {
-            let mut positions = positions.clone();
-            positions[column / 3][column % 3] += step;
-            interface.move_points(&positions).unwrap();
-            let forces = pair.forces(interface.evaluate(&law(), Mode::Gradient).unwrap());
-            forces.as_flattened().to_vec()
-        };
-        let (after, before) = (at(1e-6), at(-1e-6));
-        for row in 0..size {
-            let expected = -(after[row] - before[row]) / 2e-6;
-            let found = dense[row * size + column];
-            assert!((found - expected).abs() < 2e-7 * largest, "{row} {column}: {found} {expected}");
-        }
-    }
+}
+
+/// A step that is given up leaves no trace.
+#[test]
+fn a_step_that_is_given_up_changes_nothing() {
+    let pair = bumps(false);
+    let mut own = interface(&pair, ContactElement::default(), &[]);
+    let expected = pair.forces(own.evaluate(&law(), Mode::Gradient).unwrap());
+    let history = own.history();
+    own.update(&moved(&pair, 4.0)).unwrap();
+    assert_ne!(pair.forces(own.evaluate(&law(), Mode::Gradient).unwrap()), expected);
+    own.refresh(&moved(&pair, 1.0)).unwrap();
+    assert_eq!(pair.forces(own.evaluate(&law(), Mode::Gradient).unwrap()), expected);
+    assert_eq!(own.history(), history);
+}
+
+/// Without what turns it is the same whatever the evaluation was for.
+#[test]
+fn the_tangent_of_gauss_and_newton_does_not_depend_on_the_mode() {
+    let pair = bumps(false);
+    let mut own = interface(&pair, ContactElement::default(), &[]);
+    let dofs = DofMap::standard(pair.positions.len());
+    let mut of = |mode| own.evaluate(&law(), mode).unwrap().triplets(Tangent::GaussNewton, &dofs).unwrap();
+    let (short, long) = (of(Mode::Gradient), of(Mode::Hessian));
+    assert_eq!((short.rows(), short.columns(), short.values()), (long.rows(), long.columns(), long.values()));
+    assert!(!short.is_empty());
+}
+
+/// Slaves slide at a limit that no pressure raises.
+#[test]
+fn a_shear_limit_is_kept() {
+    let pair = bumps(false);
+    let mut own = interface(&pair, ContactElement::default(), &[]);
+    let limited = Coulomb::new(0.3, STIFFNESS).unwrap().with_shear_limit(Some(0.5)).unwrap();
+    let law = ContactLaw::penalty(50.0).with_friction(Some(limited));
+    let nodes = own.evaluate(&law, Mode::Value).unwrap().nodes().to_vec();
+    let sizes = nodes.iter().map(|node| Vector3::from(node.friction).norm());
+    assert!(sizes.clone().all(|size| size < 0.5 + 1e-14));
+    assert!(sizes.zip(&nodes).filter(|(size, node)| *size > 0.5 - 1e-14 && node.pressure > 2.0).count() > 4);
+    assert_tangent_at(&pair, &mut own, &law, &moved(&pair, 1.0), 37);
 }
 
 /// Uniform pressure and traction arrive at both sides, away from the edges of the master.
@@ -137,14 +179,15 @@ fn a_uniform_traction_arrives_at_both_sides() {
     }
 }
 
-/// Both bodies turned by 90° with their history: so are the forces.
+/// Both bodies turned with their history: so are the forces.
 #[test]
 fn forces_turn_with_the_bodies() {
     for element in elements() {
         let pair = bumps(false);
         let mut interface = interface(&pair, element, &[]);
         let expected = pair.forces(interface.evaluate(&law(), Mode::Gradient).unwrap());
-        let turn = |[x, y, z]: Point| [-y, x, z];
+        // About an axis of no symmetry, by 120°, then about z by 90°.
+        let turn = |[x, y, z]: Point| [-x, z, y];
         let turned: Vec<Point> = moved(&pair, 1.0).into_iter().map(turn).collect();
         interface.refresh(&turned).unwrap();
         let forces = pair.forces(interface.evaluate(&law(), Mode::Gradient).unwrap());
@@ -159,9 +202,11 @@ fn forces_turn_with_the_bodies() {
 /// An accepted step keeps the tractions; what slid is work; and what was saved goes on bit for bit.
 #[test]
 fn an_accepted_step_leaves_the_tractions_of_its_end() {
-    for element in elements() {
-        let pair = bumps(false);
-        let mut own = interface(&pair, element, &[]);
+    let of_second_order =
+        Second::ALL.map(|second| (ContactElement::default(), bumps_of_second_order(second)));
+    let of_first = elements().into_iter().map(|element| (element, (bumps(false), Vec::new())));
+    for (element, (pair, faces)) in of_first.chain(of_second_order) {
+        let mut own = interface(&pair, element, &faces);
         let expected = own.evaluate(&law(), Mode::Value).unwrap().nodes().to_vec();
         let slid: f64 = expected
             .iter()
@@ -182,6 +227,7 @@ fn an_accepted_step_leaves_the_tractions_of_its_end() {
 
         let history = own.history();
         let mut other = pair.interface(element, FaceRule::Second);
+        other.set_quadratic_faces(&faces).unwrap();
         other.set_history(&history).unwrap();
         assert_eq!(other.history(), history);
         for interface in [&mut own, &mut other] {
@@ -190,6 +236,8 @@ fn an_accepted_step_leaves_the_tractions_of_its_end() {
             interface.refresh(&moved(&pair, 2.0)).unwrap();
             interface.evaluate(&law(), Mode::Gradient).unwrap();
         }
+        let now = Pair { positions: moved(&pair, 2.0), master: Vec::new(), slave: Vec::new(), ..pair };
+        now.assert_balance(&pair.forces(own.contacts()));
         assert_eq!(own.history(), other.history());
         assert_eq!(pair.forces(own.contacts()), pair.forces(other.contacts()));
     }
@@ -210,6 +258,19 @@ fn histories_of_others_are_refused() {
     };
     let first = history.iter().position(|&x| x != -1.0).unwrap();
     assert!(matches!(refused(&|numbers| numbers[first] = 0.5), InterfaceError::InvalidHistory { .. }));
+    // Half of a pair; a pair of which one is gone.
+    let error = refused(&|numbers| numbers.extend([-1.0]));
+    assert_eq!(error, InterfaceError::InvalidHistory { place: history.len() + 1 });
+    let end = first + 2 + 3 * history[first] as usize;
+    let error = refused(&|numbers| {
+        numbers.splice(first..end, [-1.0]);
+    });
+    assert_eq!(error, InterfaceError::InvalidHistory { place: first + 1 });
+    let error = refused(&|numbers| numbers[first + 1] = 0.5);
+    assert!(matches!(error, InterfaceError::InvalidOpening { value: 0.5, .. }));
+    // A master where a slave has to be.
+    let error = refused(&|numbers| numbers[first + 2] = 0.0);
+    assert!(matches!(error, InterfaceError::ForeignCarrier { node: 0, .. }));
     let error = refused(&|numbers| numbers.extend([-1.0, -1.0]));
     assert_eq!(error, InterfaceError::AnchorCount { found: slaves + 1, expected: slaves });
     let error = refused(&|numbers| numbers[first + 2] = 1e6);
@@ -223,27 +284,33 @@ fn histories_of_others_are_refused() {
 fn tractions_stay_within_planes_of_symmetry() {
     let bowl = |sign: f64, depth: f64| move |x: f64, y: f64| [x, y, sign * 0.02 * (x * x + y * y) - depth];
     let pair = Pair::new([6, 5], false, bowl(1.0, 0.0), bowl(1.0, 0.02));
-    let mut own = pair.interface(ContactElement::default(), FaceRule::Second);
-    own.set_symmetry(&[SymmetryPlane::across(0, [0.0; 3])]).unwrap();
-    own.refresh(&pair.positions).unwrap();
-    own.accept(&law()).unwrap();
-    // Stretched along x, so that faces beside the plane slide away from it, and moved along it.
-    let stretched: Vec<Point> = (0..pair.positions.len())
-        .map(|k| {
-            let [x, y, z] = pair.positions[k];
-            if k < pair.first_slave { [x, y, z] } else { [1.01 * x, y + 0.005, z] }
-        })
-        .collect();
-    own.refresh(&stretched).unwrap();
-    let contacts = own.evaluate(&law(), Mode::Value).unwrap();
-    let (mut there, mut elsewhere) = (0, 0);
-    for node in contacts.nodes().iter().filter(|node| node.friction_state != FrictionState::Open) {
-        if pair.positions[node.slave][0] == 0.0 {
-            assert!(node.friction[0].abs() < 1e-14 && node.friction[1] < -0.1, "{node:?}");
-            there += 1;
-        } else {
-            elsewhere += usize::from(node.friction[0] < -0.1);
+    for element in elements() {
+        let mut own = pair.interface(element, FaceRule::Second);
+        own.set_symmetry(&[SymmetryPlane::across(0, [0.0; 3])]).unwrap();
+        own.refresh(&pair.positions).unwrap();
+        own.accept(&law()).unwrap();
+        // Stretched along x, so that faces beside the plane slide away from it, and moved along it.
+        let stretched: Vec<Point> = (0..pair.positions.len())
+            .map(|k| {
+                let [x, y, z] = pair.positions[k];
+                if k < pair.first_slave { [x, y, z] } else { [1.01 * x, y + 0.005, z] }
+            })
+            .collect();
+        own.refresh(&stretched).unwrap();
+        let contacts = own.evaluate(&law(), Mode::Value).unwrap();
+        let (mut there, mut elsewhere) = (0, 0);
+        for node in contacts.nodes().iter().filter(|node| node.friction_state != FrictionState::Open) {
+            if pair.positions[node.slave][0] == 0.0 {
+                assert!(node.friction[0].abs() < 1e-14 && node.friction[1] < -0.1, "{node:?} {element:?}");
+                there += 1;
+            } else {
+                elsewhere += usize::from(node.friction[0] < -0.1);
+            }
         }
+        assert!(there > 3 && elsewhere > 10, "{there} {elsewhere}");
+        assert_tangent_at(&pair, &mut own, &law(), &stretched, 29);
+        // The history is that of the planes of then.
+        own.set_symmetry(&[]).unwrap();
+        assert!(!own.has_history());
     }
-    assert!(there > 3 && elsewhere > 10, "{there} {elsewhere}");
 }

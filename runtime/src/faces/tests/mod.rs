@@ -252,37 +252,46 @@ fn the_tangent_is_exact_with_the_points_held() {
 }
 
 fn assert_tangent(pair: &Pair, element: ContactElement, faces: &[QuadraticFace]) {
-    let law = ContactLaw::penalty(50.0);
-    {
-        let mut interface = pair.interface(element, FaceRule::Second);
-        interface.set_quadratic_faces(faces).unwrap();
-        interface.refresh(&pair.positions).unwrap();
-        let dofs = DofMap::standard(pair.positions.len());
-        let size = dofs.equations();
-        let mut dense = vec![0.0; size * size];
-        let contacts = interface.evaluate(&law, Mode::Hessian).unwrap();
-        for (row, column, value) in contacts.triplets(Tangent::Exact, &dofs).unwrap().iter() {
-            dense[row * size + column] += value;
-        }
-        let largest = dense.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
-        assert!(largest > 1.0);
-        for column in (0..size).step_by(7) {
-            let mut at = |step: f64| {
-                let mut moved = pair.positions.clone();
-                moved[column / 3][column % 3] += step;
-                interface.move_points(&moved).unwrap();
-                let forces = pair.forces(interface.evaluate(&law, Mode::Gradient).unwrap());
-                forces.as_flattened().to_vec()
-            };
-            let (after, before) = (at(1e-6), at(-1e-6));
-            for row in 0..size {
-                let expected = -(after[row] - before[row]) / 2e-6;
-                let found = dense[row * size + column];
-                assert!(
-                    (found - expected).abs() < 2e-7 * largest,
-                    "{row} {column}: {found} {expected} {element:?}"
-                );
-            }
+    let mut interface = pair.interface(element, FaceRule::Second);
+    interface.set_quadratic_faces(faces).unwrap();
+    interface.refresh(&pair.positions).unwrap();
+    assert_tangent_at(pair, &mut interface, &ContactLaw::penalty(50.0), &pair.positions, 7);
+}
+
+/// Of every so many columns. All blocks lie within what the interface says that couples.
+fn assert_tangent_at(
+    pair: &Pair,
+    interface: &mut FaceInterface,
+    law: &ContactLaw<'_>,
+    positions: &[Point],
+    every: usize,
+) {
+    let dofs = DofMap::standard(positions.len());
+    let size = dofs.equations();
+    let mut dense = vec![0.0; size * size];
+    let contacts = interface.evaluate(law, Mode::Hessian).unwrap().clone();
+    contacts.for_each_tangent(Tangent::Exact, |block| {
+        let holds = |clique: &[u32]| block.columns.iter().all(|node| clique.binary_search(node).is_ok());
+        assert!(interface.cliques().any(holds));
+    });
+    for (row, column, value) in contacts.triplets(Tangent::Exact, &dofs).unwrap().iter() {
+        dense[row * size + column] += value;
+    }
+    let largest = dense.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    assert!(largest > 1.0);
+    for column in (0..size).step_by(every) {
+        let mut at = |step: f64| {
+            let mut moved = positions.to_vec();
+            moved[column / 3][column % 3] += step;
+            interface.move_points(&moved).unwrap();
+            let forces = pair.forces(interface.evaluate(law, Mode::Gradient).unwrap());
+            forces.as_flattened().to_vec()
+        };
+        let (after, before) = (at(1e-6), at(-1e-6));
+        for row in 0..size {
+            let expected = -(after[row] - before[row]) / 2e-6;
+            let found = dense[row * size + column];
+            assert!((found - expected).abs() < 2e-7 * largest, "{row} {column}: {found} {expected}");
         }
     }
 }

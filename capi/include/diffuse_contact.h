@@ -373,6 +373,8 @@ typedef struct dc_law {
     double friction;
     // Tangential stiffness of contacts that stick, in the unit of the penalty; 0 for that of the penalty.
     double tangential_stiffness;
+    // Traction that no contact exceeds, in the unit of the pressure: contacts slide at min(friction x f, shear_limit). 0 for none.
+    double shear_limit;
 } dc_law;
 
 // What the cutting of the faces gave.

@@ -205,6 +205,17 @@ def test_the_tangent_with_friction_is_the_derivative():
     assert np.allclose(tangent @ direction.ravel(), expected, atol=1e-6 * np.abs(expected).max())
 
 
+def test_a_shear_limit_is_kept():
+    faces, _, moved = started()
+    faces.update(moved)
+    contacts = faces.evaluate(PENALTY, friction=(*FRICTION, 0.1))
+    inside = np.abs(moved[faces.slaves, :2] - 3.0).max(axis=1) < 1.6
+    assert np.allclose(contacts.friction[inside], [-0.1, 0.0, 0.0], atol=1e-12)
+    with pytest.raises(dc.AssemblyError) as raised:
+        faces.evaluate(PENALTY, friction=(*FRICTION, -0.1))
+    assert raised.value.code == "invalid-shear-limit"
+
+
 def test_a_history_goes_on_elsewhere():
     faces, positions, moved = started()
     faces.update(moved)

@@ -15,7 +15,7 @@
 //!   "weight": "cubic",
 //!   "penalty": 1.0,
 //!   "anchor": [0.05, 0.2, 0.0],
-//!   "friction": {"coefficient": 0.3, "stiffness": 1.0}
+//!   "friction": {"coefficient": 0.3, "stiffness": 1.0, "shear_limit": 2.0}   // the limit may be left out
 //! }]}
 //! ```
 //!

@@ -565,6 +565,9 @@ fn the_example_decks_build() {
         ("sliding_block", (108, 150, 36)),
         ("inclined_block", (64, 65, 16)),
         ("belt", (144, 60, 144)),
+        ("cattaneo_mindlin", (6400 + 5472, 160, 144)),
+        ("press_fit", (24 * 6 * 2 + 20 * 8 * 2, 40, 48)),
+        ("shaft_in_bush", (120, 160, 60)),
     ]);
     let mut found = BTreeSet::new();
     for entry in std::fs::read_dir(root().join("examples")).unwrap() {

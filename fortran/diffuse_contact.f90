@@ -72,7 +72,7 @@ module diffuse_contact
 
     !> The law of contact. multipliers is c_loc of an array, or c_null_ptr; friction is the coefficient, 0 for none.
     type, bind(c) :: dc_law
-        integer(c_size_t) :: size = 56
+        integer(c_size_t) :: size = 64
         real(c_double) :: penalty = 0
         type(c_ptr) :: multipliers = c_null_ptr
         integer(c_size_t) :: multiplier_count = 0

@@ -21,7 +21,7 @@ use crate::statics::{
 };
 
 /// Columns of the history whose sums are in the summary.
-const SHORTCOMINGS: [&str; 5] = ["short", "lost", "missed", "supposed", "stabilised"];
+const SHORTCOMINGS: [&str; 6] = ["short", "lost", "missed", "unanchored", "supposed", "stabilised"];
 
 /// What is written, and where.
 #[derive(Clone, Debug)]
@@ -123,7 +123,7 @@ pub struct Recorder<'a> {
     earlier_s: f64,
     max_penetration_ever: f64,
     /// Sums of the columns of [`SHORTCOMINGS`].
-    shortcomings: [usize; 5],
+    shortcomings: [usize; 6],
     /// How the interfaces lay at the start.
     beginnings: Vec<Beginning>,
     /// The last try, if it failed.
@@ -329,6 +329,7 @@ impl<'a> Recorder<'a> {
             summary.augmentations_short,
             summary.contacts_lost,
             summary.points_missed,
+            summary.slaves_unanchored,
             summary.solutions_supposed,
             summary.solutions_stabilised,
         ] = self.shortcomings;
@@ -392,8 +393,14 @@ impl<'a> Recorder<'a> {
             return Err(error);
         }
         self.max_penetration_ever = self.max_penetration_ever.max(record.max_penetration);
-        let own =
-            [usize::from(record.is_short), record.lost, record.missed, record.supposed, record.stabilised];
+        let own = [
+            usize::from(record.is_short),
+            record.lost,
+            record.missed,
+            record.unanchored(),
+            record.supposed,
+            record.stabilised,
+        ];
         self.shortcomings.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
         let sum = |axis: usize| record.contacts.iter().map(|contact| contact.force[axis]).sum();
         self.contact = (record.max_penetration, [0, 1, 2].map(sum));

@@ -35,6 +35,9 @@ pub struct Summary {
     /// Points of loaded faces that carried no force although they had a gap, over all increments.
     #[serde(default)]
     pub points_missed: usize,
+    /// Slaves that carried force without friction although their interface has it, over all increments.
+    #[serde(default)]
+    pub slaves_unanchored: usize,
     /// Linear solutions in which slaves near their masters were taken to touch, over all increments.
     #[serde(default)]
     pub solutions_supposed: usize,
@@ -125,6 +128,12 @@ impl Summary {
             (
                 self.points_missed,
                 "points of loaded faces carried no force: their line of force met no place of the facet over them".to_owned(),
+            ),
+            (
+                self.slaves_unanchored,
+                "slaves carried force without friction for an increment: they had no gap at the end of the one before; a larger \
+                 distance_limit or shorter increments help"
+                    .to_owned(),
             ),
         ];
         let counted = counted.into_iter().filter(|&(count, _)| count > 0);

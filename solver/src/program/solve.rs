@@ -227,6 +227,12 @@ impl Watcher for Progress {
                 record.missed
             ));
         }
+        if record.unanchored() > 0 {
+            say(&format!(
+                "  warning: {} slaves carry force without friction: they had no gap at the end of the increment before",
+                record.unanchored()
+            ));
+        }
         self.control()
     }
 }

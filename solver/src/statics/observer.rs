@@ -126,6 +126,14 @@ pub struct IncrementRecord {
     pub timing: Timing,
 }
 
+impl IncrementRecord {
+    /// Slaves that carry force without friction although their interaction has it: they had no gap at the end of the increment before.
+    #[must_use]
+    pub fn unanchored(&self) -> usize {
+        self.friction.iter().flatten().map(|friction| friction.unanchored).sum()
+    }
+}
+
 /// Where the time went.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Timing {

@@ -131,22 +131,25 @@ pub enum VerificationProblem {
     SlidingBlock,
     /// A ring pressed on a block
     RingBlock,
+    /// Two cylinders that stick in the middle, with friction
+    CattaneoMindlin,
 }
 
 impl VerificationProblem {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::PatchTest,
         Self::HertzCylinder,
         Self::HertzSphere,
         Self::CoaxialCylinders,
         Self::SlidingBlock,
         Self::RingBlock,
+        Self::CattaneoMindlin,
     ];
 
     /// Whether it is also solved on meshes that take minutes.
     pub const fn has_fine_meshes(self) -> bool {
-        matches!(self, Self::HertzCylinder | Self::HertzSphere)
+        matches!(self, Self::HertzCylinder | Self::HertzSphere | Self::CattaneoMindlin)
     }
 
     /// Name of its deck.
@@ -158,6 +161,7 @@ impl VerificationProblem {
             Self::CoaxialCylinders => "coaxial_cylinders",
             Self::SlidingBlock => "sliding_block",
             Self::RingBlock => "ring_block",
+            Self::CattaneoMindlin => "cattaneo_mindlin",
         }
     }
 }

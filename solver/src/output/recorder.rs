@@ -123,7 +123,7 @@ pub struct Recorder<'a> {
     earlier_s: f64,
     max_penetration_ever: f64,
     /// Sums of the columns of [`SHORTCOMINGS`].
-    shortcomings: [usize; 6],
+    shortcomings: [usize; SHORTCOMINGS.len()],
     /// How the interfaces lay at the start.
     beginnings: Vec<Beginning>,
     /// The last try, if it failed.
@@ -277,7 +277,7 @@ impl<'a> Recorder<'a> {
             begin: Instant::now(),
             earlier_s: 0.0,
             max_penetration_ever: 0.0,
-            shortcomings: [0; 5],
+            shortcomings: [0; SHORTCOMINGS.len()],
             beginnings: Vec::new(),
             failed: None,
             contact: (0.0, [0.0; 3]),

@@ -4,6 +4,7 @@
 //! | --- | --- | --- |
 //! | [`Uniformity`] | stress and contact pressure of a patch test | uniform |
 //! | [`LineContact`], [`PointContact`], [`PressureProfile`] | a cylinder or a ball on a plane | Hertz |
+//! | [`PartialSlip`], [`TractionProfile`] | cylinders that stick in the middle | Cattaneo and Mindlin |
 //! | [`Snapshot::moment`] | two rings turned in one another without friction | none |
 //! | [`Oscillation`] | the force on what slides over a surface of revolution | constant |
 //!
@@ -11,11 +12,13 @@
 //! study verification` prints them.
 
 mod hertz;
+mod mindlin;
 mod oscillation;
 mod patch;
 mod trace;
 
 pub use hertz::{LineContact, NodalPressure, PointContact, PressureProfile};
+pub use mindlin::{NodalTraction, PartialSlip, TractionProfile};
 pub use oscillation::Oscillation;
 pub use patch::Uniformity;
 pub use trace::{Snapshot, Trace, trace};

@@ -4,6 +4,7 @@
 //! the master. Penalty, increments and tolerance are those of the deck for both elements.
 
 mod hertz;
+mod mindlin;
 mod patch;
 mod plot;
 mod ring;
@@ -98,6 +99,7 @@ pub fn run(arguments: &VerificationArguments) -> Result<(), CliError> {
                 VerificationProblem::CoaxialCylinders => turning::study(&decks),
                 VerificationProblem::SlidingBlock => sliding::study(&decks),
                 VerificationProblem::RingBlock => ring::study(&decks),
+                VerificationProblem::CattaneoMindlin => mindlin::study(&decks),
             };
             let Findings { tables, charts } = findings.map_err(of_deck)?;
             if let (Some(path), false) = (picture(problem), charts.is_empty()) {

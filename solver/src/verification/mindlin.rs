@@ -1,0 +1,158 @@
+//! Two cylinders pressed together and pushed tangentially, less than it takes to slide: Cattaneo and Mindlin, and the tractions that a run
+//! finds.
+
+use diffuse_contact::friction::FrictionState;
+
+use super::{LineContact, Snapshot};
+
+/// A line contact whose middle sticks. The bodies are of one material, so that pressing them causes no traction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PartialSlip {
+    /// The contact without friction.
+    pub line: LineContact,
+    /// Coefficient of friction μ.
+    pub coefficient: f64,
+    /// Tangential force Q < μ P per length of the cylinder, force per length.
+    pub push: f64,
+}
+
+impl PartialSlip {
+    /// c = a √(1 − Q/(μ P)), length.
+    #[must_use]
+    pub fn half_width(&self) -> f64 {
+        self.line.half_width() * (1.0 - self.push / (self.coefficient * self.line.force)).sqrt()
+    }
+
+    /// q = μ p₀/a (√(a² − x²) − √(c² − x²)) at a distance from the middle, force per area; roots of negative numbers are 0.
+    #[must_use]
+    pub fn traction(&self, x: f64) -> f64 {
+        let (a, c) = (self.line.half_width(), self.half_width());
+        let arc = |half: f64| (half * half - x * x).max(0.0).sqrt();
+        self.coefficient * self.line.peak_pressure() / a * (arc(a) - arc(c))
+    }
+}
+
+/// A slave node that carries pressure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodalTraction {
+    /// Its place along the push at the start, length.
+    pub place: f64,
+    /// Its area, length².
+    pub area: f64,
+    /// Pressure, force per area.
+    pub pressure: f64,
+    /// Friction against the push over the area, force per area.
+    pub traction: f64,
+    /// Whether it sticks.
+    pub sticks: bool,
+}
+
+/// The tractions of a contact across its middle at x = 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TractionProfile {
+    /// All slaves that carry pressure, by place.
+    pub nodes: Vec<NodalTraction>,
+}
+
+impl TractionProfile {
+    /// The tractions along an axis, 0 to 2, of a run with one interface.
+    #[must_use]
+    pub fn of(snapshot: &Snapshot<'_>, axis: usize) -> Self {
+        let positions = snapshot.problem.start_positions();
+        let interactions = snapshot.problem.contacts().interactions();
+        let forces =
+            interactions.iter().map(|interaction| interaction.nodal_forces(positions.len()).friction);
+        let friction =
+            |node: usize, all: &[Vec<[f64; 3]>]| all.iter().map(|own| own[node][axis]).sum::<f64>();
+        let forces: Vec<Vec<[f64; 3]>> = forces.collect();
+        let mut nodes: Vec<NodalTraction> = snapshot
+            .slaves()
+            .filter(|slave| slave.force > 0.0)
+            .map(|slave| NodalTraction {
+                place: positions[slave.node][axis],
+                area: slave.area,
+                pressure: slave.force / slave.area,
+                traction: -friction(slave.node, &forces) / slave.area,
+                sticks: slave.friction_state == FrictionState::Stick,
+            })
+            .collect();
+        nodes.sort_by(|one, other| one.place.total_cmp(&other.place));
+        Self { nodes }
+    }
+
+    /// Deviation from the closed form over it, in the mean square.
+    #[must_use]
+    pub fn deviation(&self, exact: &PartialSlip) -> f64 {
+        let sum = |term: &dyn Fn(&NodalTraction) -> f64| -> f64 {
+            self.nodes.iter().map(|node| node.area * term(node).powi(2)).sum()
+        };
+        let error = sum(&|node| node.traction - exact.traction(node.place));
+        (error / sum(&|node| exact.traction(node.place))).sqrt()
+    }
+
+    /// The largest place that sticks and the smallest that slides, length.
+    #[must_use]
+    pub fn border(&self) -> [f64; 2] {
+        let places = |sticks: bool| {
+            self.nodes.iter().filter(move |node| node.sticks == sticks).map(|node| node.place.abs())
+        };
+        [places(true).fold(0.0, f64::max), places(false).fold(f64::INFINITY, f64::min)]
+    }
+
+    /// c by the tractions of the nodes within 0.9 of the closed form's c: where contacts stick, 1 − q/(μ p) = √(c² − x²)/√(a² − x²).
+    /// NaN without such nodes.
+    #[must_use]
+    pub fn half_width(&self, exact: &PartialSlip) -> f64 {
+        let (a, c) = (exact.line.half_width(), exact.half_width());
+        let squares = self.nodes.iter().filter(|node| node.place.abs() < 0.9 * c).map(|node| {
+            let rest = 1.0 - node.traction / (exact.coefficient * node.pressure);
+            rest * rest * (a * a - node.place * node.place) + node.place * node.place
+        });
+        let (count, sum) = squares.fold((0.0, 0.0), |(count, sum), square| (count + 1.0, sum + square));
+        (sum / count).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EXACT: PartialSlip = PartialSlip {
+        line: LineContact { force: 10.0, radius: 4.0, modulus: 200.0 / 1.82 },
+        coefficient: 0.2,
+        push: 0.936,
+    };
+
+    /// Figures of NAFEMS' benchmark of this contact; tractions add up to the push.
+    #[test]
+    fn tractions_balance_the_push() {
+        let (a, c) = (EXACT.line.half_width(), EXACT.half_width());
+        assert!((a - 0.6808).abs() < 1e-4 && (c / a - 0.7294).abs() < 1e-4, "{a} {c}");
+        let count = 100_000;
+        let step = 2.0 * a / f64::from(count);
+        let sum: f64 = (0..count).map(|k| EXACT.traction((f64::from(k) + 0.5) * step - a) * step).sum();
+        assert!((sum / EXACT.push - 1.0).abs() < 1e-6, "{sum}");
+    }
+
+    #[test]
+    fn the_closed_form_is_found_again() {
+        let a = EXACT.line.half_width();
+        let pressure = |x: f64| EXACT.line.peak_pressure() * (1.0 - x * x / (a * a)).sqrt();
+        let node = |k: i32| {
+            let place = a * f64::from(k) / 20.0;
+            NodalTraction {
+                place,
+                area: 0.1,
+                pressure: pressure(place),
+                traction: EXACT.traction(place),
+                sticks: place.abs() < EXACT.half_width(),
+            }
+        };
+        let profile = TractionProfile { nodes: (-19..20).map(node).collect() };
+        assert!(profile.deviation(&EXACT) < 1e-14);
+        assert!((profile.half_width(&EXACT) / EXACT.half_width() - 1.0).abs() < 1e-12);
+        let [sticks, slides] = profile.border();
+        assert!(sticks < EXACT.half_width() && slides > EXACT.half_width());
+        assert!(TractionProfile { nodes: Vec::new() }.half_width(&EXACT).is_nan());
+    }
+}

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use diffuse_contact::FrictionState;
+use diffuse_contact_mesh::ElementKind;
 use diffuse_contact_solver::deck::{Contact, Deck};
+use diffuse_contact_solver::output::Fields;
 use diffuse_contact_solver::statics::TimeSettings;
 use diffuse_contact_solver::verification::{
     LineContact, PartialSlip, Snapshot, Trace, TractionProfile, trace,
@@ -78,6 +80,32 @@ fn a_block_slides_up_a_plane() {
     smooth.interfaces[0].friction = None;
     let ratio = inclined(&smooth);
     assert!((ratio / 0.1 - 1.0).abs() < 1e-6, "{ratio}");
+}
+
+/// At each node that slides friction is μ times the pressure, also in the pictures, and of elements of second order.
+#[test]
+fn pictures_have_friction_by_pressure() {
+    for kind in [ElementKind::Hexahedron8, ElementKind::Hexahedron20, ElementKind::Tetrahedron10] {
+        let mut deck = block();
+        deck.parts.iter_mut().filter(|part| part.name == "block").for_each(|part| part.element = kind);
+        deck.time.end = 0.3;
+        let model = deck.model(Path::new("")).unwrap();
+        let sides = deck.sides(&model, &deck.interfaces[0]).unwrap();
+        let areas = Fields::slave_areas(&model, &[sides.slave]);
+        let run = run(&deck, |snapshot| {
+            let fields = Fields::of(snapshot.problem, snapshot.state, &areas);
+            let friction = fields.friction.unwrap();
+            let nodes = snapshot.slaves().filter(|slave| slave.force > 0.0).map(|slave| slave.node);
+            let size = |[x, y, z]: [f64; 3]| (x * x + y * y + z * z).sqrt();
+            let pairs = nodes.map(|node| (fields.contact_pressure[node], size(friction.traction[node])));
+            pairs.collect::<Vec<_>>()
+        });
+        let nodes = run.measures.last().unwrap();
+        assert!(nodes.len() > 8);
+        for (pressure, friction) in nodes {
+            assert!((friction / (0.3 * pressure) - 1.0).abs() < 1e-3, "{kind:?}: {friction} {pressure}");
+        }
+    }
 }
 
 /// While all slide at a constant push, its work lifts the weight and is dissipated.

@@ -48,7 +48,7 @@ pub enum InterfaceError {
     NotRefreshed,
     /// The kernels of friction were not compiled in.
     #[error(
-        "there are no kernels of friction in this build: build it with the feature \"friction\", see docs/how-to/friction.md"
+        "this build has no kernels of friction over nodes: integrate contact over faces, or build it with the feature \"friction\", see docs/how-to/friction.md"
     )]
     NoFrictionKernels,
     /// Contact over faces with the diffuse element has nodal domains only: other rules would change the gap in every iteration.

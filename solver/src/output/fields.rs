@@ -32,7 +32,8 @@ pub enum ContactStatus {
 pub struct FrictionFields {
     /// Way from the anchor since the slave touched, length: of one that slides, what it slid in the increment and its elastic slip.
     pub slip: Vec<f64>,
-    /// At the nodes of slave surfaces: friction on the node over its tributary area at the start, force per area.
+    /// At the nodes of slave surfaces: friction on the node over its tributary area at the start, over faces over the part of it over the
+    /// master; force per area. On faces of second order: by its average slip.
     pub traction: Vec<[f64; 3]>,
     /// 0 open or no slave, 1 stick, 2 slip.
     pub status: Vec<i32>,
@@ -159,15 +160,26 @@ impl Fields {
 
     fn add_contact(&mut self, interaction: &Interaction, areas: &[f64], has_gap: &mut [bool]) {
         let forces = interaction.nodal_forces(areas.len());
-        if interaction.options().friction.is_some() {
-            let friction = self.friction.get_or_insert_with(|| FrictionFields::zero(areas.len()));
-            for slave in interaction.slaves() {
-                friction.add(&slave, forces.friction[slave.node], areas[slave.node]);
-            }
-        }
         let is_over_faces = interaction.options().integration != Integration::Nodes;
         let faces = &interaction.options().quadratic_faces;
         let on_quadratic: HashSet<usize> = faces.iter().flat_map(|face| face.nodes()).copied().collect();
+        // With two passes a side has half of the penalty and so half of pressure and friction.
+        let passes = if interaction.options().two_pass { 2.0 } else { 1.0 };
+        if interaction.options().friction.is_some() {
+            let friction = self.friction.get_or_insert_with(|| FrictionFields::zero(areas.len()));
+            for slave in interaction.slaves() {
+                let node = slave.node;
+                // As of pressures below.
+                let (force, area) = if is_over_faces && on_quadratic.contains(&node) {
+                    (slave.friction.map(|force| passes * force), slave.area)
+                } else if is_over_faces && slave.gap.is_some() {
+                    (forces.friction[node], slave.area)
+                } else {
+                    (forces.friction[node], areas[node])
+                };
+                friction.add(&slave, force, area);
+            }
+        }
         for slave in interaction.slaves() {
             let node = slave.node;
             let status = match slave.gap {
@@ -186,8 +198,6 @@ impl Fields {
             self.contact_status[node] = self.contact_status[node].max(status as i32);
             if is_over_faces && on_quadratic.contains(&node) {
                 // Forces of faces of second order are no pressures: corners may have none.
-                // With two passes a side has half of the penalty and so half of the pressure.
-                let passes = if interaction.options().two_pass { 2.0 } else { 1.0 };
                 self.contact_pressure[node] +=
                     if slave.area > 0.0 { passes * slave.force / slave.area } else { 0.0 };
             } else if is_over_faces && slave.gap.is_some() && slave.area > 0.0 {

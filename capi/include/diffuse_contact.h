@@ -657,7 +657,8 @@ int32_t dc_adaptive_tangent(double residual,
 
 // Accepts the positions of the last dc_update, dc_follow or dc_refresh as the end of an increment: friction of the next one is measured
 // from there. Call it once before the first increment, after dc_refresh, and then after each that has converged, with the multipliers it
-// was solved with. Until then nothing of the history changes, so that an increment may be tried again. It ends the evaluation: call dc_evaluate again. Nothing happens if the law
+// was solved with. Until then nothing of the history changes, so that an increment may be tried again.
+// It ends the evaluation: call dc_evaluate again. Nothing happens if the law
 // has no friction.
 //
 // `stuck_count` and `sliding_count` get the numbers of slaves that stick and that slide, `unanchored_count` that of slaves that carry
@@ -802,7 +803,8 @@ enum dc_status dc_faces_counts(struct dc_faces *faces, size_t *node_count, size_
 // `slaves` has `slave_count` entries.
 enum dc_status dc_faces_slaves(struct dc_faces *faces, int32_t *slaves, size_t slave_count);
 
-// As dc_set_symmetry, for both surfaces, in the first configuration. There is no contact until the next dc_faces_refresh.
+// As dc_set_symmetry, for both surfaces, in the first configuration. The history of friction ends, and there is no contact until the next
+// dc_faces_refresh.
 //
 // # Safety
 // `planes` has 6 `plane_count` entries.
@@ -824,7 +826,7 @@ enum dc_status dc_flat_facets(const int32_t *quadratic,
 
 // Makes faces of second order carry the forces on the facets that they are made of, on both sides: by all of their shape functions, so
 // that a uniform pressure is in equilibrium with a uniform stress inside. `quadratic` as in dc_flat_facets. A call for each
-// number of nodes adds to those before. There is no contact until the next dc_faces_refresh.
+// number of nodes adds to those before. The history of friction ends, and there is no contact until the next dc_faces_refresh.
 //
 // # Safety
 // `quadratic` has `face_count` times `nodes_per_face` entries.
@@ -862,7 +864,8 @@ enum dc_status dc_faces_update(struct dc_faces *faces,
 
 // Gaps, pressures and forces at the positions of the last dc_faces_update or dc_faces_refresh, in parallel. The penalty of `law` is per
 // area, its multipliers are pressures, one for each slave node; its tangent is not looked at. `mode` is a dc_mode: DC_GRADIENT for forces
-// and e F G^T, DC_HESSIAN for the exact tangent. A law with friction needs dc_faces_accept before nodes carry pressure: DC_NOT_EVALUATED. The result does not depend on the number of threads, bit for bit.
+// and e F G^T, DC_HESSIAN for the exact tangent. A law with friction needs dc_faces_accept before nodes carry pressure: DC_NOT_EVALUATED.
+// The result does not depend on the number of threads, bit for bit.
 //
 // # Safety
 // `law` is a dc_law with its `size` set, its multipliers have their number.

@@ -169,7 +169,8 @@ pub unsafe extern "C" fn dc_faces_slaves(
     })
 }
 
-/// As dc_set_symmetry, for both surfaces, in the first configuration. There is no contact until the next dc_faces_refresh.
+/// As dc_set_symmetry, for both surfaces, in the first configuration. The history of friction ends, and there is no contact until the next
+/// dc_faces_refresh.
 ///
 /// # Safety
 /// `planes` has 6 `plane_count` entries.
@@ -257,7 +258,7 @@ pub unsafe extern "C" fn dc_flat_facets(
 
 /// Makes faces of second order carry the forces on the facets that they are made of, on both sides: by all of their shape functions, so
 /// that a uniform pressure is in equilibrium with a uniform stress inside. `quadratic` as in dc_flat_facets. A call for each
-/// number of nodes adds to those before. There is no contact until the next dc_faces_refresh.
+/// number of nodes adds to those before. The history of friction ends, and there is no contact until the next dc_faces_refresh.
 ///
 /// # Safety
 /// `quadratic` has `face_count` times `nodes_per_face` entries.
@@ -405,7 +406,8 @@ unsafe fn take(
 
 /// Gaps, pressures and forces at the positions of the last dc_faces_update or dc_faces_refresh, in parallel. The penalty of `law` is per
 /// area, its multipliers are pressures, one for each slave node; its tangent is not looked at. `mode` is a dc_mode: DC_GRADIENT for forces
-/// and e F G^T, DC_HESSIAN for the exact tangent. A law with friction needs dc_faces_accept before nodes carry pressure: DC_NOT_EVALUATED. The result does not depend on the number of threads, bit for bit.
+/// and e F G^T, DC_HESSIAN for the exact tangent. A law with friction needs dc_faces_accept before nodes carry pressure: DC_NOT_EVALUATED.
+/// The result does not depend on the number of threads, bit for bit.
 ///
 /// # Safety
 /// `law` is a dc_law with its `size` set, its multipliers have their number.

@@ -73,7 +73,8 @@ pub unsafe fn write_history(
 
 /// Accepts the positions of the last dc_update, dc_follow or dc_refresh as the end of an increment: friction of the next one is measured
 /// from there. Call it once before the first increment, after dc_refresh, and then after each that has converged, with the multipliers it
-/// was solved with. Until then nothing of the history changes, so that an increment may be tried again. It ends the evaluation: call dc_evaluate again. Nothing happens if the law
+/// was solved with. Until then nothing of the history changes, so that an increment may be tried again.
+/// It ends the evaluation: call dc_evaluate again. Nothing happens if the law
 /// has no friction.
 ///
 /// `stuck_count` and `sliding_count` get the numbers of slaves that stick and that slide, `unanchored_count` that of slaves that carry

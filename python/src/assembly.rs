@@ -10,8 +10,8 @@ use crate::errors::Raise;
 use crate::interface::{Interface, exclusive, shared};
 use crate::{errors, options, threads};
 
-/// Penalty, multipliers (one per slave), the name of the tangent, and coefficient, stiffness and shear limit of friction: attributes of the Python
-/// object `_Law`.
+/// Penalty, multipliers (one per slave), the name of the tangent, and coefficient, stiffness and shear limit of friction: attributes
+/// of the Python object `_Law`.
 #[derive(FromPyObject)]
 pub struct Law<'py> {
     penalty: f64,

@@ -64,7 +64,7 @@ fn a_block_slides_up_a_plane() {
     let mut both = block.clone();
     both.interfaces[0].two_pass = true;
     let ratio = inclined(&both);
-    assert!((ratio / INCLINED - 1.0).abs() < 1e-3, "{ratio} {INCLINED}");
+    assert!((ratio / INCLINED - 1.0).abs() < 3e-4, "{ratio} {INCLINED}");
     // A limit below μ p: F cos α = G sin α + τ A.
     let mut limited = block.clone();
     let friction = limited.interfaces[0].friction.unwrap().with_shear_limit(Some(0.4));

@@ -5,7 +5,7 @@
 pub mod spring {
     use ::diffuse_contact_kernels::support::{Isa, Lane, Mode, Vector, WithLanes};
     use ::diffuse_contact_kernels::support::packed_row;
-    /// Whether the kernels are compiled with optimisation. Without, what is inlined for vectors takes much stack.
+    /// Whether the kernels are compiled with optimisation. Without, they are compiled number by number only.
     const OPTIMISED: bool = true;
     /// Number of variables: entries of a gradient.
     pub const VARIABLES: usize = 6;
@@ -297,7 +297,12 @@ pub mod spring {
     /// If there are not as many results as inputs.
     pub fn batch(isa: Isa, mode: Mode, inputs: &[Inputs<f64>], results: &mut [Results]) {
         assert_eq!(inputs.len(), results.len(), "as many results as inputs");
-        isa.run(Elements { mode, inputs, results });
+        let elements = Elements { mode, inputs, results };
+        if OPTIMISED {
+            isa.run(elements);
+        } else {
+            elements.run::<f64>();
+        }
     }
     struct Elements<'a> {
         mode: Mode,

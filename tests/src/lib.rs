@@ -14,7 +14,7 @@ pub use difference::{
 };
 pub use facet::{FacetCase, facet_cases};
 pub use geometry::{Random, add, cross, dot, length, scale, turn, turned_rows, turned_vector};
-pub use shapes::{Found, GAP_KERNELS, GapKernels, Kernel, output_sizes, with_large_stack};
+pub use shapes::{Found, GAP_KERNELS, GapKernels, Kernel, instructions, output_sizes};
 
 /// Kernels that the build script generated for weights of its own.
 pub mod weights {
@@ -22,6 +22,7 @@ pub mod weights {
 }
 
 /// Kernels that the build script generated for bases of its own.
+#[cfg(feature = "bases")]
 pub mod bases {
     include!(concat!(env!("OUT_DIR"), "/bases/diffuse_contact_kernels.rs"));
 }

@@ -201,16 +201,9 @@ fn room(mode: Mode, case: &Case, spare: usize) -> [Guarded; 2] {
     output_sizes(mode, case).map(|needed| Guarded::new(needed, spare))
 }
 
-/// Runs a test on a stack that is large enough. Not optimised, kernels over the widest vectors take up to 2.5 MiB: every
-/// intermediate value has a place of its own. Threads have 2 MiB.
-///
-/// # Panics
-/// If `run` does.
-pub fn with_large_stack<R: Send>(run: impl FnOnce() -> R + Send) -> R {
-    std::thread::scope(|scope| {
-        let thread = std::thread::Builder::new().stack_size(16 << 20).spawn_scoped(scope, run);
-        thread.expect("a thread").join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-    })
+/// The instructions that the kernels are compiled for: without optimisation numbers only.
+pub fn instructions() -> impl Iterator<Item = Isa> {
+    Isa::available().filter(|isa| Cubic::OPTIMISED || *isa == Isa::SCALAR)
 }
 
 /// Numbers before and after a slice: the widest vectors have eight.

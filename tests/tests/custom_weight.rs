@@ -81,8 +81,7 @@ fn a_batch_of_elements_with_a_weight_of_ones_own() {
     }
 }
 
-/// Kernels made in a crate that is not optimised, as this one by default, are not run with vectors: their frames would
-/// not fit on the stack of a thread. How the crate `diffuse-contact-kernels` is compiled makes no difference.
+/// Kernels made in a crate that is not optimised, as this one by default, are compiled without vectors. How the crate `diffuse-contact-kernels` is compiled makes no difference.
 #[test]
 fn unoptimised_kernels_are_run_number_by_number() {
     let is_optimised = env!("KERNELS_OPT_LEVEL") != "0";

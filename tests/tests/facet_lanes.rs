@@ -3,8 +3,8 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use diffuse_contact_kernels::facet::quadrilateral_hessian;
-use diffuse_contact_kernels::support::{FacetInputs, FacetValues, Isa, Lane, Status, Vector, WithLanes};
-use diffuse_contact_tests::FacetCase;
+use diffuse_contact_kernels::support::{FacetInputs, FacetValues, Lane, Status, Vector, WithLanes};
+use diffuse_contact_tests::{FacetCase, instructions};
 
 /// Four numbers, one element each.
 #[derive(Clone, Copy, Debug)]
@@ -187,7 +187,7 @@ fn facets_converge_each_in_its_own_lane() {
 #[test]
 fn facets_in_vectors_of_the_machine_are_what_they_are_alone() {
     let cases = cases();
-    for isa in Isa::available() {
+    for isa in instructions() {
         let found = isa.run(Vectors(&cases));
         assert_eq!(found.len(), isa.width());
         for (k, found) in found.iter().enumerate() {

@@ -14,8 +14,8 @@ use diffuse_contact_kernels::support::{
     BatchElement, ElementInputs, FrameRule, GapValues, Isa, Masters, Status, Workspace,
 };
 use diffuse_contact_tests::{
-    Case, Found, GAP_KERNELS, GapKernels, Kernel, Quadric, add, assert_same_gap, fixed, output_sizes,
-    with_large_stack,
+    Case, Found, GAP_KERNELS, GapKernels, Kernel, Quadric, add, assert_same_gap, fixed, instructions,
+    output_sizes,
 };
 use proptest::prelude::*;
 
@@ -136,83 +136,77 @@ fn assert_agrees(found: &Found, expected: &Found, case: &Case) {
 
 #[test]
 fn shapes_and_instructions_agree() {
-    with_large_stack(|| {
-        let mut workspace = Workspace::default();
-        for (set, kernel) in kernels() {
-            for n in COUNTS.into_iter().filter(|n| *n >= kernel.0.size()) {
-                let cases = [1000, 2000, 3000].map(|seed| sound(&set, kernel, n, seed));
-                let expected = cases.each_ref().map(|case| set.single(Isa::SCALAR, kernel, case, 0));
-                for isa in Isa::available() {
-                    // Slices may be longer than needed.
-                    let spare = n % 2 * 5;
-                    let together = set.batch(isa, kernel, &cases.each_ref(), &mut workspace, spare);
-                    for ((case, in_batch), expected) in cases.iter().zip(&together).zip(&expected) {
-                        assert_agrees(in_batch, expected, case);
-                        assert_agrees(&set.single(isa, kernel, case, spare), expected, case);
-                    }
+    let mut workspace = Workspace::default();
+    for (set, kernel) in kernels() {
+        for n in COUNTS.into_iter().filter(|n| *n >= kernel.0.size()) {
+            let cases = [1000, 2000, 3000].map(|seed| sound(&set, kernel, n, seed));
+            let expected = cases.each_ref().map(|case| set.single(Isa::SCALAR, kernel, case, 0));
+            for isa in instructions() {
+                // Slices may be longer than needed.
+                let spare = n % 2 * 5;
+                let together = set.batch(isa, kernel, &cases.each_ref(), &mut workspace, spare);
+                for ((case, in_batch), expected) in cases.iter().zip(&together).zip(&expected) {
+                    assert_agrees(in_batch, expected, case);
+                    assert_agrees(&set.single(isa, kernel, case, spare), expected, case);
                 }
             }
         }
-    });
+    }
 }
 
 #[test]
 fn statuses_do_not_depend_on_shape_and_instructions() {
-    with_large_stack(|| {
-        let mut workspace = Workspace::default();
-        for (set, kernel) in kernels() {
-            for n in [6, 9, 14] {
-                for (case, is_expected) in bad(kernel.0, n) {
-                    let expected = set.single(Isa::SCALAR, kernel, &case, 0);
-                    // Not all of these frames are average planes, which a frame that moves has to be.
-                    let is_expected = kernel.1 != FrameRule::Frozen || is_expected(&expected.status());
-                    assert!(is_expected, "{} {kernel:?} {expected:?}", set.weight);
-                    for isa in Isa::available() {
-                        let single = set.single(isa, kernel, &case, 3);
-                        let [in_batch] = &set.batch(isa, kernel, &[&case], &mut workspace, 3)[..] else {
-                            panic!("one element")
-                        };
-                        for found in [&single, in_batch] {
-                            assert_eq!(
-                                discriminant(&found.status()),
-                                discriminant(&expected.status()),
-                                "{} {kernel:?} {isa}: {found:?}, number by number {expected:?}",
-                                set.weight
-                            );
-                        }
+    let mut workspace = Workspace::default();
+    for (set, kernel) in kernels() {
+        for n in [6, 9, 14] {
+            for (case, is_expected) in bad(kernel.0, n) {
+                let expected = set.single(Isa::SCALAR, kernel, &case, 0);
+                // Not all of these frames are average planes, which a frame that moves has to be.
+                let is_expected = kernel.1 != FrameRule::Frozen || is_expected(&expected.status());
+                assert!(is_expected, "{} {kernel:?} {expected:?}", set.weight);
+                for isa in instructions() {
+                    let single = set.single(isa, kernel, &case, 3);
+                    let [in_batch] = &set.batch(isa, kernel, &[&case], &mut workspace, 3)[..] else {
+                        panic!("one element")
+                    };
+                    for found in [&single, in_batch] {
+                        assert_eq!(
+                            discriminant(&found.status()),
+                            discriminant(&expected.status()),
+                            "{} {kernel:?} {isa}: {found:?}, number by number {expected:?}",
+                            set.weight
+                        );
                     }
                 }
             }
         }
-    });
+    }
 }
 
 /// A bowl whose centre of curvature the slave is on, or beyond. On it, rounding decides whether the iteration finds the
 /// multiple root; a result there is none.
 #[test]
 fn no_result_on_and_beyond_a_centre_of_curvature() {
-    with_large_stack(|| {
-        let bowl = Quadric([0.0, 0.0, 0.0, 0.4, 0.0, 0.4]);
-        let kernel = (Basis::Quadratic, FrameRule::Frozen, Mode::Hessian);
-        for isa in Isa::available() {
-            for set in GAP_KERNELS {
-                for n in [9, 12, 17] {
-                    let [centre, beyond] = [1.25, 1.6].map(|d| Case::on_quadric(&bowl, [0.0; 2], d, n, 10));
-                    let in_batch = set.batch(isa, kernel, &[&beyond, &centre], &mut Workspace::default(), 0);
-                    let single = [&beyond, &centre].map(|case| set.single(isa, kernel, case, 0));
-                    for found in [&in_batch[..], &single] {
-                        let [beyond, centre] = [&found[0], &found[1]].map(Found::status);
-                        let place = format!("{} {isa}, {n} nodes: {beyond:?}, {centre:?}", set.weight);
-                        assert!(matches!(beyond, Status::BeyondCentreOfCurvature { .. }), "{place}");
-                        assert_ne!(centre, Status::Ok, "{place}");
-                        if set.weight == "cubic" && n == 9 {
-                            assert!(matches!(centre, Status::CentreOfCurvature { .. }), "{place}");
-                        }
+    let bowl = Quadric([0.0, 0.0, 0.0, 0.4, 0.0, 0.4]);
+    let kernel = (Basis::Quadratic, FrameRule::Frozen, Mode::Hessian);
+    for isa in instructions() {
+        for set in GAP_KERNELS {
+            for n in [9, 12, 17] {
+                let [centre, beyond] = [1.25, 1.6].map(|d| Case::on_quadric(&bowl, [0.0; 2], d, n, 10));
+                let in_batch = set.batch(isa, kernel, &[&beyond, &centre], &mut Workspace::default(), 0);
+                let single = [&beyond, &centre].map(|case| set.single(isa, kernel, case, 0));
+                for found in [&in_batch[..], &single] {
+                    let [beyond, centre] = [&found[0], &found[1]].map(Found::status);
+                    let place = format!("{} {isa}, {n} nodes: {beyond:?}, {centre:?}", set.weight);
+                    assert!(matches!(beyond, Status::BeyondCentreOfCurvature { .. }), "{place}");
+                    assert_ne!(centre, Status::Ok, "{place}");
+                    if set.weight == "cubic" && n == 9 {
+                        assert!(matches!(centre, Status::CentreOfCurvature { .. }), "{place}");
                     }
                 }
             }
         }
-    });
+    }
 }
 
 /// Each element of a batch is, bit for bit, what it is alone.
@@ -243,106 +237,96 @@ fn alone(set: &GapKernels, isa: Isa, kernel: Kernel, cases: &[Case]) -> Vec<Foun
 
 #[test]
 fn neighbours_make_no_difference() {
-    with_large_stack(|| {
-        // Used again and again, with whatever the last kernel left in it.
-        let mut workspace = Workspace::default();
-        for isa in Isa::available() {
-            for (set, kernel) in kernels() {
-                let n = if kernel.2 == Mode::Hessian { 7 } else { 10 };
-                let cases = mixture(&set, kernel, n, 2 * isa.width() + 1);
-                let alone = alone(&set, isa, kernel, &cases);
-                let sound = alone.iter().step_by(2).all(|found| found.status() == Status::Ok);
-                assert!(sound, "{} {kernel:?} {isa}", set.weight);
-                let (cases, alone): (Vec<&Case>, Vec<&Found>) = cases.iter().zip(&alone).unzip();
-                assert_independent(&set, isa, kernel, &cases, &alone, &mut workspace);
-            }
+    // Used again and again, with whatever the last kernel left in it.
+    let mut workspace = Workspace::default();
+    for isa in instructions() {
+        for (set, kernel) in kernels() {
+            let n = if kernel.2 == Mode::Hessian { 7 } else { 10 };
+            let cases = mixture(&set, kernel, n, 2 * isa.width() + 1);
+            let alone = alone(&set, isa, kernel, &cases);
+            let sound = alone.iter().step_by(2).all(|found| found.status() == Status::Ok);
+            assert!(sound, "{} {kernel:?} {isa}", set.weight);
+            let (cases, alone): (Vec<&Case>, Vec<&Found>) = cases.iter().zip(&alone).unzip();
+            assert_independent(&set, isa, kernel, &cases, &alone, &mut workspace);
         }
-    });
+    }
 }
 
 #[test]
 fn batches_of_any_size_are_their_elements_wherever_these_are() {
-    with_large_stack(|| {
-        let mut workspace = Workspace::default();
-        for isa in Isa::available() {
-            for (set, kernel) in [
-                (GAP_KERNELS[0], (Basis::Quadratic, FrameRule::Frozen, Mode::Hessian)),
-                (GAP_KERNELS[1], (Basis::Linear, FrameRule::CoMoving, Mode::Gradient)),
-            ] {
-                let cases = mixture(&set, kernel, 6, 2 * isa.width() + 1);
-                let alone = alone(&set, isa, kernel, &cases);
-                let (mut cases, mut alone): (Vec<&Case>, Vec<&Found>) = cases.iter().zip(&alone).unzip();
-                for size in 0..=cases.len() {
-                    cases.rotate_left(1);
-                    alone.rotate_left(1);
-                    assert_independent(&set, isa, kernel, &cases[..size], &alone, &mut workspace);
-                }
+    let mut workspace = Workspace::default();
+    for isa in instructions() {
+        for (set, kernel) in [
+            (GAP_KERNELS[0], (Basis::Quadratic, FrameRule::Frozen, Mode::Hessian)),
+            (GAP_KERNELS[1], (Basis::Linear, FrameRule::CoMoving, Mode::Gradient)),
+        ] {
+            let cases = mixture(&set, kernel, 6, 2 * isa.width() + 1);
+            let alone = alone(&set, isa, kernel, &cases);
+            let (mut cases, mut alone): (Vec<&Case>, Vec<&Found>) = cases.iter().zip(&alone).unzip();
+            for size in 0..=cases.len() {
+                cases.rotate_left(1);
+                alone.rotate_left(1);
+                assert_independent(&set, isa, kernel, &cases[..size], &alone, &mut workspace);
             }
         }
-    });
+    }
 }
 
 /// Numbers of Newton iterations differ, and nobody waits for the others or goes on after the end.
 #[test]
 fn lanes_converge_each_in_its_own_time() {
-    with_large_stack(|| {
-        let flat = Case::on_quadric(&Quadric([0.0; 6]), [0.0; 2], 0.25, 9, 1);
-        let bowl = Quadric([0.1, 0.5, -0.3, 0.5, 0.4, -0.3]);
-        let curved = Case::on_quadric(&bowl, [0.2, -0.1], 0.6, 9, 2);
-        let cases = [&flat, &Case::random(9, Basis::Quadratic, 1), &curved];
-        let kernel = (Basis::Quadratic, FrameRule::Frozen, Mode::Hessian);
-        for isa in Isa::available() {
-            let found = GAP_KERNELS[0].batch(isa, kernel, &cases, &mut Workspace::default(), 0);
-            assert!(found.iter().all(|found| found.status() == Status::Ok));
-            let iterations: Vec<f64> = found.iter().map(|found| found.values.foot_iterations).collect();
-            // On a flat surface the start is the foot, but for rounding.
-            assert!(iterations[0] <= 2.0, "{iterations:?}");
-            assert!(iterations[0] < iterations[1] && iterations[1] < iterations[2], "{iterations:?}");
-            for (case, found) in cases.into_iter().zip(&found) {
-                let alone = GAP_KERNELS[0].batch(isa, kernel, &[case], &mut Workspace::default(), 0);
-                assert_eq!(found.bits(), alone[0].bits());
-            }
+    let flat = Case::on_quadric(&Quadric([0.0; 6]), [0.0; 2], 0.25, 9, 1);
+    let bowl = Quadric([0.1, 0.5, -0.3, 0.5, 0.4, -0.3]);
+    let curved = Case::on_quadric(&bowl, [0.2, -0.1], 0.6, 9, 2);
+    let cases = [&flat, &Case::random(9, Basis::Quadratic, 1), &curved];
+    let kernel = (Basis::Quadratic, FrameRule::Frozen, Mode::Hessian);
+    for isa in instructions() {
+        let found = GAP_KERNELS[0].batch(isa, kernel, &cases, &mut Workspace::default(), 0);
+        assert!(found.iter().all(|found| found.status() == Status::Ok));
+        let iterations: Vec<f64> = found.iter().map(|found| found.values.foot_iterations).collect();
+        // On a flat surface the start is the foot, but for rounding.
+        assert!(iterations[0] <= 2.0, "{iterations:?}");
+        assert!(iterations[0] < iterations[1] && iterations[1] < iterations[2], "{iterations:?}");
+        for (case, found) in cases.into_iter().zip(&found) {
+            let alone = GAP_KERNELS[0].batch(isa, kernel, &[case], &mut Workspace::default(), 0);
+            assert_eq!(found.bits(), alone[0].bits());
         }
-    });
+    }
 }
 
 #[test]
 fn masters_may_be_named_by_their_places() {
-    with_large_stack(|| {
-        let kernel = (Basis::Quadratic, FrameRule::Frozen, Mode::Hessian);
-        let case = Case::random(11, Basis::Quadratic, 3);
-        // All positions, backwards and with others in between.
-        let elsewhere = [f64::NAN; 3];
-        let positions: Vec<[f64; 3]> =
-            case.masters.iter().rev().flat_map(|position| [elsewhere, *position]).collect();
-        let nodes: Vec<u32> = (0..11).map(|k| 2 * (10 - k) + 1).collect();
-        let inputs = ElementInputs {
-            masters: Masters::Indexed { positions: &positions, nodes: &nodes },
-            ..case.inputs()
-        };
-        let [freedoms, packed] = output_sizes(Mode::Hessian, &case);
-        for isa in Isa::available() {
-            for set in GAP_KERNELS {
-                let (mut gradient, mut hessian) = (vec![f64::NAN; freedoms], vec![f64::NAN; packed]);
-                let values = set.run_single(isa, kernel, &inputs, &mut gradient, &mut hessian);
-                let found = Found { values, gradient, hessian };
-                assert_eq!(found.bits(), set.single(isa, kernel, &case, 0).bits(), "{} {isa}", set.weight);
+    let kernel = (Basis::Quadratic, FrameRule::Frozen, Mode::Hessian);
+    let case = Case::random(11, Basis::Quadratic, 3);
+    // All positions, backwards and with others in between.
+    let elsewhere = [f64::NAN; 3];
+    let positions: Vec<[f64; 3]> =
+        case.masters.iter().rev().flat_map(|position| [elsewhere, *position]).collect();
+    let nodes: Vec<u32> = (0..11).map(|k| 2 * (10 - k) + 1).collect();
+    let inputs =
+        ElementInputs { masters: Masters::Indexed { positions: &positions, nodes: &nodes }, ..case.inputs() };
+    let [freedoms, packed] = output_sizes(Mode::Hessian, &case);
+    for isa in instructions() {
+        for set in GAP_KERNELS {
+            let (mut gradient, mut hessian) = (vec![f64::NAN; freedoms], vec![f64::NAN; packed]);
+            let values = set.run_single(isa, kernel, &inputs, &mut gradient, &mut hessian);
+            let found = Found { values, gradient, hessian };
+            assert_eq!(found.bits(), set.single(isa, kernel, &case, 0).bits(), "{} {isa}", set.weight);
 
-                let (mut gradient, mut hessian) = (vec![f64::NAN; freedoms], vec![f64::NAN; packed]);
-                let mut elements = [BatchElement {
-                    inputs,
-                    values: GapValues::NONE,
-                    gradient: &mut gradient,
-                    hessian: &mut hessian,
-                }];
-                let mut workspace = Workspace::default();
-                set.run_batch(isa, kernel, &mut elements, &mut workspace);
-                let found = Found { values: elements[0].values, gradient, hessian };
-                let expected = set.batch(isa, kernel, &[&case], &mut workspace, 0);
-                assert_eq!(found.bits(), expected[0].bits(), "{} {isa}", set.weight);
-            }
+            let (mut gradient, mut hessian) = (vec![f64::NAN; freedoms], vec![f64::NAN; packed]);
+            let mut elements = [BatchElement {
+                inputs,
+                values: GapValues::NONE,
+                gradient: &mut gradient,
+                hessian: &mut hessian,
+            }];
+            let mut workspace = Workspace::default();
+            set.run_batch(isa, kernel, &mut elements, &mut workspace);
+            let found = Found { values: elements[0].values, gradient, hessian };
+            let expected = set.batch(isa, kernel, &[&case], &mut workspace, 0);
+            assert_eq!(found.bits(), expected[0].bits(), "{} {isa}", set.weight);
         }
-    });
+    }
 }
 
 /// Numbers a slice is too short by.
@@ -350,66 +334,62 @@ const MISSING: [[usize; 2]; 3] = [[1, 0], [0, 1], [1, 1]];
 
 #[test]
 fn slices_that_are_too_short_are_a_panic() {
-    with_large_stack(|| {
-        let panics = |run: &mut dyn FnMut()| catch_unwind(AssertUnwindSafe(run)).is_err();
-        let case = Case::random(9, Basis::Quadratic, 1);
-        for isa in Isa::available() {
-            for (set, kernel) in kernels().filter(|(_, kernel)| kernel.0 == Basis::Quadratic) {
-                let [gradients, hessians] = output_sizes(kernel.2, &case);
-                for missing in MISSING {
-                    if missing[0] > gradients || missing[1] > hessians {
-                        continue;
-                    }
-                    let mut gradient = vec![0.0; gradients - missing[0]];
-                    let mut hessian = vec![0.0; hessians - missing[1]];
-                    assert!(
-                        panics(&mut || {
-                            set.run_single(isa, kernel, &case.inputs(), &mut gradient, &mut hessian);
-                        }),
-                        "{} {kernel:?} {isa}",
-                        set.weight
-                    );
-                    // The short one is neither the first nor the last of its vector.
-                    let count = 2 * isa.width() + 1;
-                    let mut room = vec![(vec![0.0; gradients], vec![0.0; hessians]); count];
-                    let short = isa.width() + isa.width() / 2;
-                    room[short].0.truncate(gradients - missing[0]);
-                    room[short].1.truncate(hessians - missing[1]);
-                    let mut elements: Vec<BatchElement<'_>> = room
-                        .iter_mut()
-                        .map(|(gradient, hessian)| BatchElement {
-                            inputs: case.inputs(),
-                            values: GapValues::NONE,
-                            gradient,
-                            hessian,
-                        })
-                        .collect();
-                    assert!(
-                        panics(&mut || set.run_batch(isa, kernel, &mut elements, &mut Workspace::default())),
-                        "{} {kernel:?} {isa}",
-                        set.weight
-                    );
+    let panics = |run: &mut dyn FnMut()| catch_unwind(AssertUnwindSafe(run)).is_err();
+    let case = Case::random(9, Basis::Quadratic, 1);
+    for isa in instructions() {
+        for (set, kernel) in kernels().filter(|(_, kernel)| kernel.0 == Basis::Quadratic) {
+            let [gradients, hessians] = output_sizes(kernel.2, &case);
+            for missing in MISSING {
+                if missing[0] > gradients || missing[1] > hessians {
+                    continue;
                 }
+                let mut gradient = vec![0.0; gradients - missing[0]];
+                let mut hessian = vec![0.0; hessians - missing[1]];
+                assert!(
+                    panics(&mut || {
+                        set.run_single(isa, kernel, &case.inputs(), &mut gradient, &mut hessian);
+                    }),
+                    "{} {kernel:?} {isa}",
+                    set.weight
+                );
+                // The short one is neither the first nor the last of its vector.
+                let count = 2 * isa.width() + 1;
+                let mut room = vec![(vec![0.0; gradients], vec![0.0; hessians]); count];
+                let short = isa.width() + isa.width() / 2;
+                room[short].0.truncate(gradients - missing[0]);
+                room[short].1.truncate(hessians - missing[1]);
+                let mut elements: Vec<BatchElement<'_>> = room
+                    .iter_mut()
+                    .map(|(gradient, hessian)| BatchElement {
+                        inputs: case.inputs(),
+                        values: GapValues::NONE,
+                        gradient,
+                        hessian,
+                    })
+                    .collect();
+                assert!(
+                    panics(&mut || set.run_batch(isa, kernel, &mut elements, &mut Workspace::default())),
+                    "{} {kernel:?} {isa}",
+                    set.weight
+                );
             }
         }
-    });
+    }
 }
 
 #[test]
 fn elements_of_different_numbers_of_nodes_are_a_panic() {
-    with_large_stack(|| {
-        let kernel = (Basis::Quadratic, FrameRule::Frozen, Mode::Value);
-        let cases = [7, 7, 8].map(|n| Case::random(n, Basis::Quadratic, 1));
-        for isa in Isa::available() {
-            for order in [[0, 1, 2], [2, 0, 1]] {
-                let run = || {
-                    let cases = order.map(|k| &cases[k]);
-                    GAP_KERNELS[0].batch(isa, kernel, &cases, &mut Workspace::default(), 0)
-                };
-                assert!(catch_unwind(run).is_err(), "{isa}");
-            }
+    let kernel = (Basis::Quadratic, FrameRule::Frozen, Mode::Value);
+    let cases = [7, 7, 8].map(|n| Case::random(n, Basis::Quadratic, 1));
+    for isa in instructions() {
+        for order in [[0, 1, 2], [2, 0, 1]] {
+            let run = || {
+                let cases = order.map(|k| &cases[k]);
+                GAP_KERNELS[0].batch(isa, kernel, &cases, &mut Workspace::default(), 0)
+            };
+            assert!(catch_unwind(run).is_err(), "{isa}");
         }
-    });
+    }
 }
 
 #[test]
@@ -457,7 +437,7 @@ proptest! {
                 }
             })
             .collect();
-        with_large_stack(|| batch_is_its_elements(&set, kernel, &cases));
+        batch_is_its_elements(&set, kernel, &cases);
     }
 }
 
@@ -466,7 +446,7 @@ proptest! {
 fn batch_is_its_elements(set: &GapKernels, kernel: Kernel, cases: &[Case]) {
     let number_by_number: Vec<Found> =
         cases.iter().map(|case| set.single(Isa::SCALAR, kernel, case, 0)).collect();
-    for isa in Isa::available() {
+    for isa in instructions() {
         let alone = alone(set, isa, kernel, cases);
         let all: Vec<&Case> = cases.iter().collect();
         assert_independent(

@@ -1,6 +1,7 @@
 //! All tests but that of allocations, which is a program of its own.
 
 mod codegen_output;
+#[cfg(feature = "bases")]
 mod custom_basis;
 mod custom_weight;
 mod deep_formulas;

@@ -83,7 +83,7 @@ pub fn emit_element(
             use #support::{Isa, Lane, Mode, Vector, WithLanes};
             #(use #support::#others;)*
 
-            /// Whether the kernels are compiled with optimisation. Without, what is inlined for vectors takes much stack.
+            /// Whether the kernels are compiled with optimisation. Without, they are compiled number by number only.
             const OPTIMISED: bool = #optimised;
 
             #types
@@ -384,7 +384,13 @@ fn runners(signature: &Signature, last: Mode) -> TokenStream {
         /// If there are not as many results as inputs.
         pub fn batch(isa: Isa, mode: Mode, inputs: &[Inputs<f64>], results: &mut [Results]) {
             assert_eq!(inputs.len(), results.len(), "as many results as inputs");
-            isa.run(Elements { mode, inputs, results });
+            let elements = Elements { mode, inputs, results };
+            // What a constant rules out is not compiled.
+            if OPTIMISED {
+                isa.run(elements);
+            } else {
+                elements.run::<f64>();
+            }
         }
 
         struct Elements<'a> {

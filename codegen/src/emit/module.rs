@@ -78,7 +78,7 @@ fn basis_constant(basis: Basis) -> proc_macro2::Ident {
 pub fn emit_single(spec: &KernelSpec, support: &syn::Path) -> (String, EmittedKernel) {
     let kernel = emit_kernel(spec);
     let tokens = &kernel.tokens;
-    let gap = gap_kernel(&kernel);
+    let gap = gap_kernel(&kernel, true);
     let text = format(&quote! {
         use #support::*;
         #tokens
@@ -234,7 +234,7 @@ fn camel_case(name: &str) -> String {
 }
 
 fn basis_module(weight: &Weight, basis: Basis, options: EmitOptions<'_>) -> Result<TokenStream, TooLong> {
-    let EmitOptions { support, friction, .. } = options;
+    let EmitOptions { support, friction, optimised, .. } = options;
     let module = format_ident!("{}", basis.name());
     let mut kernels = Vec::new();
     let specs = KernelSpec::all(basis, weight).into_iter();
@@ -244,7 +244,7 @@ fn basis_module(weight: &Weight, basis: Basis, options: EmitOptions<'_>) -> Resu
             let (weight, function) = (weight.name().to_owned(), function_name(&spec).to_string());
             return Err(TooLong { weight, function, statements: kernel.statements });
         }
-        kernels.extend(gap_kernel(&kernel));
+        kernels.extend(gap_kernel(&kernel, optimised));
         kernels.extend(scalar_kernel(&spec));
         kernels.push(kernel.tokens);
     }
@@ -297,8 +297,8 @@ fn scalar_name(spec: &KernelSpec) -> proc_macro2::Ident {
     format_ident!("{}_by_number", function_name(spec))
 }
 
-/// A kernel for the gap as a type.
-fn gap_kernel(kernel: &EmittedKernel) -> Option<TokenStream> {
+/// A kernel for the gap as a type. Without optimisation it is compiled once, number by number.
+fn gap_kernel(kernel: &EmittedKernel, optimised: bool) -> Option<TokenStream> {
     let spec = &kernel.spec;
     if !spec.output.has_gap() {
         return None;
@@ -309,7 +309,7 @@ fn gap_kernel(kernel: &EmittedKernel) -> Option<TokenStream> {
     let arguments = derivative_arguments(spec.mode);
     let mode = format_ident!("{}", camel_case(spec.mode.name()));
     let doc = format!(" [`{function}`]");
-    let widths = format_ident!("{}", widths(spec));
+    let widths = format_ident!("{}", if optimised { widths(spec) } else { "One" });
     let is_material = spec.frame == FrameRule::Material;
     let has_anchor = spec.output == Output::Slip;
     let parameter = |name: &str, is_used: bool| {

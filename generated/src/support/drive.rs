@@ -143,10 +143,12 @@ pub fn single<K: GapKernel>(
         hessian: &mut hessian[..hessians],
         kernel: PhantomData,
     };
-    if matches!(K::WIDTHS, Widths::FourAndOne | Widths::One) {
-        return code.run::<f64>();
+    // Constants, not patterns: what a constant rules out is not compiled.
+    if const { matches!(K::WIDTHS, Widths::FourAndOne | Widths::One) } {
+        code.run::<f64>()
+    } else {
+        isa.run_four(code).unwrap_or_else(|code| code.run::<f64>())
     }
-    isa.run_four(code).unwrap_or_else(|code| code.run::<f64>())
 }
 
 struct SingleElement<'a, K> {
@@ -224,10 +226,12 @@ pub fn batch<K: GapKernel>(
         "elements of as many nodes"
     );
     let code = Elements::<K> { elements, weight_number, workspace, kernel: PhantomData };
-    let left = match K::WIDTHS {
-        Widths::Every => isa.run_vectors(code),
-        Widths::Four | Widths::FourAndOne => isa.run_four(code),
-        Widths::One => Err(code),
+    let left = if const { matches!(K::WIDTHS, Widths::Every) } {
+        isa.run_vectors(code)
+    } else if const { matches!(K::WIDTHS, Widths::One) } {
+        Err(code)
+    } else {
+        isa.run_four(code)
     };
     if let Err(Elements { elements, .. }) = left {
         for BatchElement { inputs, values, gradient, hessian } in elements {

@@ -26,7 +26,7 @@ pub trait KernelSet {
     /// The bases there are kernels for. Any other gives values of which none is a number.
     const BASES: &'static [Basis];
 
-    /// Whether the kernels were compiled with optimisation. Without, what is inlined for vectors takes megabytes of stack.
+    /// Whether the kernels were compiled with optimisation. Without, they are compiled number by number only.
     const OPTIMISED: bool;
 
     /// The instructions to run these kernels with: the widest that the machine has, or without optimisation one number

@@ -124,8 +124,8 @@ impl Isa {
 
     /// The widest that this machine has, unless [`prefer`](Self::prefer) or the environment variable
     /// `DIFFUSE_CONTACT_ISA`, read once, names another one that it has. Where this crate is compiled without
-    /// optimisation, one number at a time: nothing is gained by vectors there, and what is inlined for them takes
-    /// megabytes of stack. Kernels of a crate of one's own may be compiled otherwise than this one:
+    /// optimisation, one number at a time: its kernels are compiled for nothing else there. Kernels of a crate of one's own may be
+    /// compiled otherwise than this one:
     /// [`KernelSet::best_isa`](super::KernelSet::best_isa).
     #[must_use]
     pub fn best() -> Self {

@@ -21,7 +21,7 @@ module diffuse_contact
         enumerator :: DC_CONTACT = 0, DC_NOT_PAIRED, DC_TOO_FAR, DC_NO_CANDIDATE, DC_ILL_CONDITIONED, DC_BEYOND_BORDER, &
             DC_SINGULAR_FIT, DC_FOOT_DIVERGED, DC_FOOT_OUTSIDE, DC_CENTRE_OF_CURVATURE, &
             DC_BEYOND_CENTRE_OF_CURVATURE, DC_NO_AVERAGE_PLANE, DC_AMBIGUOUS_OUTWARD, DC_DEGENERATE_FACET, &
-            DC_ELEMENT_OVERFLOW, DC_REFUSED, DC_NOT_MATERIAL_PLACE
+            DC_ELEMENT_OVERFLOW, DC_REFUSED, DC_NOT_MATERIAL_PLACE, DC_BEYOND_WINDOW
     end enum
 
     ! dc_fallback, dc_mode, dc_element_kind, dc_weight, dc_frame, dc_rule, dc_basis, dc_tangent, dc_triangle

@@ -117,9 +117,7 @@ typedef enum dc_outcome {
     DC_REFUSED = 15,
     // With DC_DOMAINS: no place of the slave among the first positions of the masters was found, as near its centre of curvature.
     DC_NOT_MATERIAL_PLACE = 16,
-    /**
-     * The slave has a window of the master only, and its result may depend on what is not in it: make a new window.
-     */
+    // The slave has a window of the master only, and its result may depend on what is not in it: make a new window.
     DC_BEYOND_WINDOW = 17,
 } dc_outcome;
 

@@ -3,11 +3,11 @@
 !! Names and arguments are those of C. Handles are type(c_ptr). Indices of nodes and slaves count from 0, as in C. Arguments that may
 !! be NULL in C are optional. dc_text() is dc_message() as a Fortran string.
 module diffuse_contact
-    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_int, c_int32_t, c_null_ptr, c_ptr, c_size_t
+    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_int, c_int32_t, c_int64_t, c_null_ptr, c_ptr, c_size_t
     implicit none
     public
 
-    private :: c_char, c_double, c_f_pointer, c_int, c_int32_t, c_null_ptr, c_ptr, c_size_t, length_of
+    private :: c_char, c_double, c_f_pointer, c_int, c_int32_t, c_int64_t, c_null_ptr, c_ptr, c_size_t, length_of
 
     ! dc_status
     enum, bind(c)
@@ -21,7 +21,7 @@ module diffuse_contact
         enumerator :: DC_CONTACT = 0, DC_NOT_PAIRED, DC_TOO_FAR, DC_NO_CANDIDATE, DC_ILL_CONDITIONED, DC_BEYOND_BORDER, &
             DC_SINGULAR_FIT, DC_FOOT_DIVERGED, DC_FOOT_OUTSIDE, DC_CENTRE_OF_CURVATURE, &
             DC_BEYOND_CENTRE_OF_CURVATURE, DC_NO_AVERAGE_PLANE, DC_AMBIGUOUS_OUTWARD, DC_DEGENERATE_FACET, &
-            DC_ELEMENT_OVERFLOW, DC_REFUSED, DC_NOT_MATERIAL_PLACE
+            DC_ELEMENT_OVERFLOW, DC_REFUSED, DC_NOT_MATERIAL_PLACE, DC_BEYOND_WINDOW
     end enum
 
     ! dc_fallback, dc_mode, dc_element_kind, dc_weight, dc_frame, dc_rule, dc_basis, dc_tangent, dc_triangle
@@ -326,6 +326,68 @@ module diffuse_contact
             real(c_double), intent(inout), optional :: values(*)
             integer(c_size_t), value :: capacity
             integer(c_size_t), intent(out) :: count
+            integer(c_int) :: status
+        end function
+
+        function dc_window_create(interface, boxes, box_count, skin, window) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t
+            type(c_ptr), value :: interface
+            real(c_double), intent(in) :: boxes(*)
+            integer(c_size_t), value :: box_count
+            real(c_double), value :: skin
+            type(c_ptr), intent(out) :: window
+            integer(c_int) :: status
+        end function
+
+        function dc_window_destroy(window) bind(c) result(status)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: window
+            integer(c_int) :: status
+        end function
+
+        function dc_window_counts(window, node_count, facet_count, integer_count, real_count) bind(c) result(status)
+            import :: c_int, c_ptr, c_size_t
+            type(c_ptr), value :: window
+            integer(c_size_t), intent(out), optional :: node_count, facet_count, integer_count, real_count
+            integer(c_int) :: status
+        end function
+
+        function dc_window_names(window, nodes, node_count, facets, facet_count) bind(c) result(status)
+            import :: c_int, c_int64_t, c_ptr, c_size_t
+            type(c_ptr), value :: window
+            integer(c_int64_t), intent(out), optional :: nodes(*), facets(*)
+            integer(c_size_t), value :: node_count, facet_count
+            integer(c_int) :: status
+        end function
+
+        function dc_window_numbers(window, integers, integer_count, reals, real_count) bind(c) result(status)
+            import :: c_double, c_int, c_int64_t, c_ptr, c_size_t
+            type(c_ptr), value :: window
+            integer(c_int64_t), intent(out) :: integers(*)
+            integer(c_size_t), value :: integer_count, real_count
+            real(c_double), intent(out) :: reals(*)
+            integer(c_int) :: status
+        end function
+
+        function dc_window_from_numbers(integers, integer_count, reals, real_count, window) bind(c) result(status)
+            import :: c_double, c_int, c_int64_t, c_ptr, c_size_t
+            integer(c_int64_t), intent(in) :: integers(*)
+            integer(c_size_t), value :: integer_count, real_count
+            real(c_double), intent(in) :: reals(*)
+            type(c_ptr), intent(out) :: window
+            integer(c_int) :: status
+        end function
+
+        function dc_create_in_window(window, positions, node_count, slaves, slave_count, slave_facets, slave_facet_count, &
+                options, interface) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t, dc_options
+            type(c_ptr), value :: window
+            real(c_double), intent(in) :: positions(*)
+            integer(c_int32_t), intent(in) :: slaves(*)
+            integer(c_int32_t), intent(in), optional :: slave_facets(*)
+            integer(c_size_t), value :: node_count, slave_count, slave_facet_count
+            type(dc_options), intent(in), optional :: options
+            type(c_ptr), intent(out) :: interface
             integer(c_int) :: status
         end function
 

@@ -117,6 +117,8 @@ typedef enum dc_outcome {
     DC_REFUSED = 15,
     // With DC_DOMAINS: no place of the slave among the first positions of the masters was found, as near its centre of curvature.
     DC_NOT_MATERIAL_PLACE = 16,
+    // The slave has a window of the master only, and its result may depend on what is not in it: make a new window.
+    DC_BEYOND_WINDOW = 17,
 } dc_outcome;
 
 // What the neighbour search had to give up for a contact.
@@ -226,6 +228,9 @@ typedef struct dc_interface dc_interface;
 
 // The places of the tangent's entries, for a pairing. One thread at a time may use it, any thread.
 typedef struct dc_pattern dc_pattern;
+
+// What some slaves can need of a master surface, by the numbers of the whole. One thread at a time may use it, any thread.
+typedef struct dc_window dc_window;
 
 // How an interface pairs and evaluates. Set `size`, call dc_options_default, change what is to be different:
 //
@@ -766,6 +771,81 @@ enum dc_status dc_pattern_fill(struct dc_pattern *pattern,
                                double *values,
                                size_t entry_count,
                                size_t *active_count);
+
+// Cuts a window out of the master surface of an interface, at the positions of its last dc_update or dc_refresh: what slaves in
+// `box_count` boxes can need of it, 6 numbers each: lowest and highest x, y, z. The window holds while no node of the master has moved by more than
+// `skin`. It needs DC_DOMAINS, else DC_BAD_OPTION; so it is for boxes that are none and for an interface that has a window only.
+//
+// Boxes reach beyond the slaves by distance_limit, and by what slaves move until the next window. On failure the handle is NULL.
+//
+// # Safety
+// `boxes` has 6 `box_count` entries, `window` may be written.
+enum dc_status dc_window_create(struct dc_interface *interface,
+                                const double *boxes,
+                                size_t box_count,
+                                double skin,
+                                struct dc_window **window);
+
+// Destroys a window. NULL is DC_OK. Interfaces made of it stay.
+enum dc_status dc_window_destroy(struct dc_window *window);
+
+// Numbers of nodes and facets of a window, and of the integers and floating-point numbers of dc_window_numbers. Each may be NULL.
+//
+// # Safety
+// Each is NULL or may be written.
+enum dc_status dc_window_counts(struct dc_window *window,
+                                size_t *node_count,
+                                size_t *facet_count,
+                                size_t *integer_count,
+                                size_t *real_count);
+
+// Numbers of its nodes and of its facets in the whole surface, ascending. Either may be NULL.
+//
+// # Safety
+// The arrays have the given lengths.
+enum dc_status dc_window_names(struct dc_window *window,
+                               int64_t *nodes,
+                               size_t node_count,
+                               int64_t *facets,
+                               size_t facet_count);
+
+// The window as plain numbers, to be sent: dc_window_from_numbers makes the same one of them. dc_window_counts tells how many they are.
+//
+// # Safety
+// The arrays have the given lengths.
+enum dc_status dc_window_numbers(struct dc_window *window,
+                                 int64_t *integers,
+                                 size_t integer_count,
+                                 double *reals,
+                                 size_t real_count);
+
+// Makes a window of the numbers of dc_window_numbers; DC_BAD_OPTION for others. On failure the handle is NULL.
+//
+// # Safety
+// The arrays have the given lengths, `window` may be written.
+enum dc_status dc_window_from_numbers(const int64_t *integers,
+                                      size_t integer_count,
+                                      const double *reals,
+                                      size_t real_count,
+                                      struct dc_window **window);
+
+// Makes an interface of slaves that know a window of the master only. As dc_create, but the first nodes are those of the window, in the order
+// of dc_window_names, where they were when it was made; slaves come after them. Planes of symmetry come with the window. Weight, basis and
+// feature angle have to be those that it was made with, else DC_BAD_OPTION.
+//
+// Results are those of an interface with the whole surface, bit for bit, or the outcome DC_BEYOND_WINDOW. dc_set_symmetry is refused.
+//
+// # Safety
+// As dc_create.
+enum dc_status dc_create_in_window(struct dc_window *window,
+                                   const double *positions,
+                                   size_t node_count,
+                                   const int32_t *slaves,
+                                   size_t slave_count,
+                                   const int32_t *slave_facets,
+                                   size_t slave_facet_count,
+                                   const struct dc_options *options,
+                                   struct dc_interface **interface);
 
 // Makes an object for contact over faces and writes its handle. Everything is copied.
 //

@@ -37,6 +37,7 @@ pub unsafe trait Plain: Copy {}
 // SAFETY: numbers.
 unsafe impl Plain for f64 {}
 unsafe impl Plain for i32 {}
+unsafe impl Plain for i64 {}
 unsafe impl Plain for usize {}
 // SAFETY: a handle is a number, which nobody follows.
 unsafe impl<T> Plain for *mut T {}

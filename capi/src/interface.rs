@@ -31,9 +31,9 @@ pub struct State {
     pub dofs: Arc<DofMap>,
     pub hint: Hint,
     pub triplets: Triplets,
-    nodes: usize,
-    frozen: bool,
-    evaluated: bool,
+    pub(crate) nodes: usize,
+    pub(crate) frozen: bool,
+    pub(crate) evaluated: bool,
 }
 
 static INTERFACES: Registry<State> = Registry::new("interface", 1);
@@ -44,6 +44,25 @@ pub fn with(
     work: impl FnOnce(&mut State) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     INTERFACES.with(handle.addr(), work)
+}
+
+/// The handle of a new interface.
+pub fn insert(state: State) -> Result<usize, Failure> {
+    INTERFACES.insert(state)
+}
+
+/// Slave nodes.
+pub fn slaves_of(slaves: &[i32]) -> Result<Vec<usize>, Failure> {
+    let index = |(k, &node): (usize, &i32)| {
+        usize::try_from(node).map_err(|_| {
+            Failure::new(DC_OUT_OF_RANGE, format!("slave-out-of-range: slave {k} is node {node}"))
+        })
+    };
+    let mut nodes = reserve("slaves", slaves.len())?;
+    for slave in slaves.iter().enumerate() {
+        nodes.push(index(slave)?);
+    }
+    Ok(nodes)
 }
 
 impl State {
@@ -235,29 +254,13 @@ fn create(
     options: &dc_options,
 ) -> Result<State, Failure> {
     check_nodes(positions.len())?;
-    let index = |(k, &node): (usize, &i32)| {
-        usize::try_from(node).map_err(|_| {
-            Failure::new(DC_OUT_OF_RANGE, format!("slave-out-of-range: slave {k} is node {node}"))
-        })
-    };
-    let mut nodes = reserve("slaves", slaves.len())?;
-    for slave in slaves.iter().enumerate() {
-        nodes.push(index(slave)?);
-    }
+    let nodes = slaves_of(slaves)?;
     let slave_facets = facets_of(slave_facets)?;
     let hint = Hint::new(options.cutback_penetration, nodes.len())?;
     let options = options.interface()?;
     let master = MasterSurface::new(positions, facets_of(master)?)?;
     let interface = ContactInterface::new(master, nodes, &slave_facets, positions, options)?;
-    Ok(State {
-        interface,
-        dofs: Arc::new(DofMap::standard(positions.len())),
-        hint,
-        triplets: Triplets::new(),
-        nodes: positions.len(),
-        frozen: false,
-        evaluated: false,
-    })
+    Ok(State::new(interface, positions.len(), hint))
 }
 
 /// Destroys an interface. NULL is DC_OK, a handle that was destroyed before is DC_BAD_HANDLE.

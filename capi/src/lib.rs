@@ -24,6 +24,7 @@
 //! | `interface` | create and destroy, update, refresh, freeze, evaluate |
 //! | `contacts`, `cutback` | results of an evaluation, the cut-back hint |
 //! | `assembly`, `pattern` | residual, triplets, compressed rows |
+//! | `window` | windows of a surface |
 //! | `faces` | contact over the slave's faces, an object of its own |
 //! | `element`, `batch`, `neighbours` | without interface: gap, force and stiffness, pairing |
 //!
@@ -70,6 +71,7 @@ mod registry;
 mod status;
 mod threads;
 mod version;
+mod window;
 
 #[cfg(test)]
 mod tests;

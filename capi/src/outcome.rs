@@ -43,6 +43,8 @@ pub enum dc_outcome {
     DC_REFUSED = 15,
     /// With DC_DOMAINS: no place of the slave among the first positions of the masters was found, as near its centre of curvature.
     DC_NOT_MATERIAL_PLACE = 16,
+    /// The slave has a window of the master only, and its result may depend on what is not in it: make a new window.
+    DC_BEYOND_WINDOW = 17,
 }
 
 /// What the neighbour search had to give up for a contact.
@@ -57,7 +59,7 @@ pub enum dc_fallback {
 }
 
 /// Outcomes by their stable code.
-const OUTCOMES: [(&CStr, dc_outcome); 17] = [
+const OUTCOMES: [(&CStr, dc_outcome); 18] = [
     (c"contact", dc_outcome::DC_CONTACT),
     (c"not-paired", dc_outcome::DC_NOT_PAIRED),
     (c"too-far", dc_outcome::DC_TOO_FAR),
@@ -75,6 +77,7 @@ const OUTCOMES: [(&CStr, dc_outcome); 17] = [
     (c"overflow", dc_outcome::DC_ELEMENT_OVERFLOW),
     (c"refused", dc_outcome::DC_REFUSED),
     (c"not-material-place", dc_outcome::DC_NOT_MATERIAL_PLACE),
+    (c"beyond-window", dc_outcome::DC_BEYOND_WINDOW),
 ];
 
 /// The outcome with a stable code of the runtime; that of refused input for any other.

@@ -5,7 +5,7 @@ use runtime::assembly::AssemblyError;
 use runtime::friction::FrictionError;
 use runtime::interface::InterfaceError;
 use runtime::neighbourhood::NeighbourhoodError;
-use runtime::surface::SurfaceError;
+use runtime::surface::{SurfaceError, WindowError};
 
 use crate::message;
 
@@ -104,6 +104,12 @@ impl From<InterfaceError> for Failure {
         let otherwise =
             if matches!(error, InterfaceError::Surface(_)) { DC_BAD_SURFACE } else { DC_BAD_OPTION };
         Self::new(status_of(error.code(), otherwise), coded(error.code(), &error))
+    }
+}
+
+impl From<WindowError> for Failure {
+    fn from(error: WindowError) -> Self {
+        Self::new(DC_BAD_OPTION, coded(error.code(), &error))
     }
 }
 

@@ -30,6 +30,7 @@ fn kind(ctype: &str) -> String {
     match ctype.trim() {
         "double" => "c_double".into(),
         "int32_t" => "c_int32_t".into(),
+        "int64_t" => "c_int64_t".into(),
         "size_t" => "c_size_t".into(),
         "char" => "c_char".into(),
         "dc_status" => "c_int".into(),
@@ -43,7 +44,8 @@ fn kind(ctype: &str) -> String {
 fn passed(name: &str, ctype: &str) -> Passed {
     let stars = ctype.matches('*').count();
     let base = kind(&ctype.replace('*', ""));
-    let is_handle = base == "dc_interface" || base == "dc_pattern" || base == "dc_faces";
+    let is_handle =
+        base == "dc_interface" || base == "dc_pattern" || base == "dc_faces" || base == "dc_window";
     let (kind, by_value) = match (stars, is_handle) {
         (0, _) => (base, true),
         (1, true) => ("c_ptr".into(), true),

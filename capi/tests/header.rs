@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// In the order in which the header has them.
-const SOURCES: [&str; 15] = [
+const SOURCES: [&str; 16] = [
     "status",
     "outcome",
     "choice",
@@ -15,6 +15,7 @@ const SOURCES: [&str; 15] = [
     "friction",
     "assembly",
     "pattern",
+    "window",
     "faces",
     "neighbours",
     "element",

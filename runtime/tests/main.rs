@@ -21,3 +21,4 @@ mod neighbourhood_fits;
 mod neighbourhood_layers;
 mod regularity;
 mod surface;
+mod windows;

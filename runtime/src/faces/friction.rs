@@ -283,7 +283,7 @@ impl FaceInterface {
             [Some(Anchor { point: own.clone(), opening: 0.0 }), Some(anchor.clone())]
         };
         self.tracks.as_deref().map_or_else(Vec::new, |tracks| {
-            to_numbers(&tracks.iter().flat_map(point).collect::<Vec<Option<Anchor>>>())
+            to_numbers(&tracks.iter().flat_map(point).collect::<Vec<Option<Anchor>>>(), f64::from)
         })
     }
 
@@ -303,7 +303,8 @@ impl FaceInterface {
     }
 
     fn tracks_of(&self, history: &[f64]) -> Result<Vec<Option<Track>>, InterfaceError> {
-        let points = from_numbers(history).map_err(|place| InterfaceError::InvalidHistory { place })?;
+        let points = from_numbers(history, |number| u32::try_from(number).ok());
+        let points = points.map_err(|place| InterfaceError::InvalidHistory { place })?;
         let (pairs, rest) = points.as_chunks::<2>();
         if !rest.is_empty() {
             return Err(InterfaceError::InvalidHistory { place: history.len() });
@@ -324,7 +325,7 @@ impl FaceInterface {
                 [Some(own), Some(anchor)] => (own, anchor),
                 [None, None] => return Ok(None),
                 _ => {
-                    let place = to_numbers(&points[..2 * index + 1]).len();
+                    let place = to_numbers(&points[..2 * index + 1], f64::from).len();
                     return Err(InterfaceError::InvalidHistory { place });
                 }
             };

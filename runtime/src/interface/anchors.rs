@@ -18,6 +18,7 @@ use super::{ContactElement, ContactInterface, InterfaceError, NoContact};
 use crate::affine::Carrier;
 use crate::assembly::ContactLaw;
 use crate::friction::{Coulomb, FrictionState};
+use crate::surface::window::LARGEST_NUMBER;
 use crate::surface::{MasterSurface, NONE, Symmetry};
 use crate::{AffinePoint, Backend, ContactPoint, Gap, Generated, Mode, Point, Weight};
 
@@ -31,8 +32,8 @@ pub struct Anchor {
 }
 
 /// Anchors as plain numbers, slave after slave: the number of carriers and the opening, then node, number of the image (−1: none)
-/// and weight of each carrier; −1 for a slave without an anchor.
-pub fn to_numbers(anchors: &[Option<Anchor>]) -> Vec<f64> {
+/// and weight of each carrier; −1 for a slave without an anchor. `number_of`: what a node is called.
+pub fn to_numbers(anchors: &[Option<Anchor>], number_of: impl Fn(u32) -> f64) -> Vec<f64> {
     let mut numbers = Vec::new();
     for anchor in anchors {
         let Some(Anchor { point, opening }) = anchor else {
@@ -41,20 +42,24 @@ pub fn to_numbers(anchors: &[Option<Anchor>]) -> Vec<f64> {
         };
         numbers.extend([point.terms().len() as f64, *opening]);
         for &(Carrier { node, image }, weight) in point.terms() {
-            numbers.extend([f64::from(node), image.map_or(-1.0, f64::from), weight]);
+            numbers.extend([number_of(node), image.map_or(-1.0, f64::from), weight]);
         }
     }
     numbers
 }
 
 /// What [`to_numbers`] made numbers of. The error is the place of a number that is none of a history; of weights that do not add up to
-/// one it is the first.
-pub fn from_numbers(numbers: &[f64]) -> Result<Vec<Option<Anchor>>, usize> {
-    let index = |place: usize| {
+/// one it is the first. `node_of`: the node of a number, if there is one.
+pub fn from_numbers(
+    numbers: &[f64],
+    node_of: impl Fn(u64) -> Option<u32>,
+) -> Result<Vec<Option<Anchor>>, usize> {
+    let number = |place: usize| {
         let value = numbers.get(place).copied().ok_or(place)?;
-        let is_index = value >= 0.0 && value <= f64::from(u32::MAX) && value.fract() == 0.0;
-        if is_index { Ok(value as u32) } else { Err(place) }
+        let is_number = value >= 0.0 && value < LARGEST_NUMBER as f64 && value.fract() == 0.0;
+        if is_number { Ok(value as u64) } else { Err(place) }
     };
+    let index = |place: usize| u32::try_from(number(place)?).map_err(|_| place);
     let mut anchors = Vec::new();
     let mut place = 0;
     while place < numbers.len() {
@@ -70,7 +75,8 @@ pub fn from_numbers(numbers: &[f64]) -> Result<Vec<Option<Anchor>>, usize> {
         for at in (0..count).map(|k| start + 3 * k) {
             let image = if numbers.get(at + 1) == Some(&-1.0) { None } else { Some(index(at + 1)?) };
             let weight = numbers.get(at + 2).copied().filter(|weight| weight.is_finite()).ok_or(at + 2)?;
-            terms.push((Carrier { node: index(at)?, image }, weight));
+            let node = node_of(number(at)?).ok_or(at)?;
+            terms.push((Carrier { node, image }, weight));
         }
         // Of weights that do not add up to one any may be wrong.
         let point = AffinePoint::new(terms).map_err(|_| start + 2)?;
@@ -78,6 +84,26 @@ pub fn from_numbers(numbers: &[f64]) -> Result<Vec<Option<Anchor>>, usize> {
         place = start + 3 * count;
     }
     Ok(anchors)
+}
+
+/// The numbers of each slave in a [history](ContactInterface::history): one after another they are the history again. So histories go with
+/// slaves from one interface to another.
+///
+/// # Errors
+/// [`InterfaceError::InvalidHistory`].
+pub fn split_history(history: &[f64]) -> Result<Vec<&[f64]>, InterfaceError> {
+    let mut parts = Vec::new();
+    let (mut rest, mut place) = (history, 0);
+    while let Some(&count) = rest.first() {
+        let length = if count == -1.0 { 1.0 } else { 2.0 + 3.0 * count };
+        if !(length >= 1.0 && length <= rest.len() as f64 && length.fract() == 0.0) {
+            return Err(InterfaceError::InvalidHistory { place });
+        }
+        let (own, after) = rest.split_at(length as usize);
+        parts.push(own);
+        (rest, place) = (after, place + own.len());
+    }
+    Ok(parts)
 }
 
 /// The slip of one slave at an evaluation.
@@ -222,22 +248,34 @@ impl ContactInterface {
         if Cubic::FRICTION { Ok(()) } else { Err(InterfaceError::NoFrictionKernels) }
     }
 
-    /// The history of friction as plain numbers, for a restart; empty before a state was [accepted](Self::accept).
+    /// The history of friction as plain numbers, for a restart; empty before a state was [accepted](Self::accept). Nodes have their numbers
+    /// in the whole surface, in an interface of a [window](crate::surface::window), too: histories go with slaves from window to window,
+    /// [slave by slave](super::split_history).
     #[must_use]
     pub fn history(&self) -> Vec<f64> {
-        self.anchors.as_deref().map_or_else(Vec::new, to_numbers)
+        self.anchors.as_deref().map_or_else(Vec::new, |anchors| {
+            to_numbers(anchors, |node| match &self.known {
+                Some(known) => known.number_of(node).map_or(f64::NAN, |number| number as f64),
+                None => f64::from(node),
+            })
+        })
     }
 
     /// Goes on from a [`history`](Self::history), bit for bit; no numbers are no history. If it is another one than the present, all
     /// pairings end: refresh them.
     ///
     /// # Errors
-    /// [`InterfaceError::InvalidHistory`], and as [`set_anchors`](Self::set_anchors). The history of before then stays.
+    /// [`InterfaceError::InvalidHistory`], also for a node that is not in the window of this interface; and as
+    /// [`set_anchors`](Self::set_anchors). The history of before then stays.
     pub fn set_history(&mut self, history: &[f64]) -> Result<(), InterfaceError> {
         if history.is_empty() {
             return self.set_anchors(None);
         }
-        let anchors = from_numbers(history).map_err(|place| InterfaceError::InvalidHistory { place })?;
+        let anchors = from_numbers(history, |number| match &self.known {
+            Some(known) => known.node_of(number),
+            None => u32::try_from(number).ok(),
+        });
+        let anchors = anchors.map_err(|place| InterfaceError::InvalidHistory { place })?;
         self.set_anchors(Some(anchors))
     }
 

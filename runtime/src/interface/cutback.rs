@@ -25,7 +25,7 @@ pub struct CutbackHint {
 /// has opened.
 ///
 /// A slave *penetrated* if its gap was negative when it last had one: evaluations and refreshes in which its element has no result leave
-/// that as it is, so that a hint does not depend on how often it is asked for. Outcomes that are no failure of the element (not paired, too
+/// that as it is, so that a hint does not depend on how often it is asked for. Outcomes that are no failure of the element, nor of the window (not paired, too
 /// far, no candidate, beyond the border) end it.
 ///
 /// ```
@@ -57,7 +57,7 @@ impl Cutback {
         for (penetrated, contact) in self.penetrated.iter_mut().zip(contacts.iter()) {
             match contact.outcome {
                 Outcome::Contact { .. } => *penetrated = contact.point.gap < 0.0,
-                Outcome::None(NoContact::Element { .. }) => {}
+                Outcome::None(NoContact::Element { .. } | NoContact::BeyondWindow { .. }) => {}
                 Outcome::None(_) => *penetrated = false,
             }
         }

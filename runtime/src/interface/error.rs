@@ -3,7 +3,7 @@
 use crate::ElementError;
 use crate::assembly::AssemblyError;
 use crate::neighbourhood::NeighbourhoodError;
-use crate::surface::SurfaceError;
+use crate::surface::{SurfaceError, WindowError};
 
 /// Every reason for which an interface cannot be made, paired or evaluated. That a single slave has no contact
 /// is none of them, but an [`Outcome`](super::Outcome).
@@ -88,6 +88,21 @@ pub enum InterfaceError {
         /// The gap it gives.
         value: f64,
     },
+    /// The window of a surface is none, or not for these options.
+    #[error(transparent)]
+    Window(#[from] WindowError),
+    /// An option that domains of influence depend on is another one than the window was made with.
+    #[error("the {what} is not that with which the domains of the window were found")]
+    OtherThanWindow {
+        /// `"weight"`, `"basis"` or `"feature angle"`.
+        what: &'static str,
+    },
+    /// An interface of a window is asked for what takes the whole surface.
+    #[error("{what} takes the whole surface, and this is a window of it")]
+    InWindow {
+        /// What.
+        what: &'static str,
+    },
     /// A law that is none.
     #[error(transparent)]
     Law(#[from] AssemblyError),
@@ -162,6 +177,9 @@ impl InterfaceError {
             Self::AnchorCount { .. } => "anchor-count",
             Self::ForeignCarrier { .. } => "foreign-carrier",
             Self::InvalidOpening { .. } => "invalid-opening",
+            Self::Window(error) => error.code(),
+            Self::OtherThanWindow { .. } => "other-than-window",
+            Self::InWindow { .. } => "in-window",
             Self::Law(error) => error.code(),
             Self::TooMany { .. } => "too-many",
             Self::SlaveOutOfRange { .. } => "slave-out-of-range",

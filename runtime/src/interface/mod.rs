@@ -23,6 +23,8 @@
 //!   that is most of the far side, and the search may also take nodes far away to surround the slave where the near
 //!   ones are cut off: the fit then is over a support many facets wide, smooth across the slit. A support radius
 //!   that large, or a fallback, shows in the pairing; finer facets around the end of the slit make it small.
+//! * **Windows.** Where nobody holds the whole master surface, an interface has a [window](crate::surface::window) of it:
+//!   [`in_window`](ContactInterface::in_window).
 //! * **Threads.** Results and reports are the same, bit for bit, for any number of threads. Work is done in the
 //!   current rayon pool.
 //! * **Memory.** Results lie in buffers that are reused: after the first evaluation none is allocated per
@@ -67,12 +69,14 @@ mod nodal;
 mod options;
 mod outcome;
 mod pairings;
+mod part;
 mod refresh;
 mod report;
 mod scratch;
+mod window;
 mod within_reach;
 
-pub use anchors::{Anchor, FrictionReport};
+pub use anchors::{Anchor, FrictionReport, split_history};
 pub(crate) use anchors::{from_numbers, to_numbers};
 pub use contacts::{ContactRef, Contacts};
 pub use cutback::{Cutback, CutbackHint};
@@ -80,6 +84,7 @@ pub use element::PairedElement;
 pub use error::InterfaceError;
 pub use options::{ContactElement, InterfaceOptions};
 pub use outcome::{NoContact, Outcome};
+pub use part::{PartDemands, PartFacets, SurfacePart};
 pub use report::{FallbackCounts, GapJump, RefreshReport, SlaveGap};
 
 pub(crate) use contacts::Results;
@@ -90,6 +95,7 @@ use pairings::Pairings;
 use refresh::{Compares, Refresh, RefreshScratch, SKIN};
 use scratch::Pool;
 pub(crate) use scratch::recycled;
+use window::Knowledge;
 pub(crate) use within_reach::PointsWithinReach;
 
 use std::ops::Range;
@@ -97,6 +103,7 @@ use std::sync::Arc;
 
 use crate::neighbourhood::{NeighbourRule, SearchOptions};
 use crate::pairing::NearestNodes;
+use crate::surface::window::Known;
 use crate::surface::{
     Creases, Facet, MasterSurface, Symmetry, SymmetryPlane, check_position, tributary_areas,
 };
@@ -128,6 +135,8 @@ pub struct ContactInterface {
     listed: Option<Listed>,
     /// Where each slave stuck, once a state with friction has been accepted.
     anchors: Option<Vec<Option<Anchor>>>,
+    /// If there is a window of the surface only.
+    known: Option<Known>,
     contacts: Contacts,
     elements: Pool<ElementScratch>,
     refreshes: Pool<RefreshScratch>,
@@ -154,6 +163,22 @@ impl ContactInterface {
         options: InterfaceOptions,
     ) -> Result<Self, InterfaceError> {
         options.check()?;
+        if master.is_part() {
+            return Err(InterfaceError::InWindow { what: "a new interface" });
+        }
+        let mut interface = Self::without_domains(master, slaves, slave_facets, positions, options)?;
+        interface.find_domains()?;
+        Ok(interface)
+    }
+
+    /// An interface without domains; the options have been checked.
+    fn without_domains(
+        master: MasterSurface,
+        slaves: Vec<usize>,
+        slave_facets: &[Facet],
+        positions: &[Point],
+        options: InterfaceOptions,
+    ) -> Result<Self, InterfaceError> {
         check_count("positions", positions.len())?;
         check_count("slaves", slaves.len())?;
         check_slaves(&master, &slaves, positions)?;
@@ -166,6 +191,7 @@ impl ContactInterface {
             nodal: None,
             listed: None,
             anchors: None,
+            known: None,
             positions: positions.to_vec(),
             master,
             options,
@@ -174,7 +200,6 @@ impl ContactInterface {
             refreshes: Pool::default(),
         };
         interface.update(positions)?;
-        interface.find_domains()?;
         Ok(interface)
     }
 
@@ -187,8 +212,10 @@ impl ContactInterface {
     ///
     /// # Errors
     /// [`InterfaceError::Surface`] for planes that cannot be planes of symmetry; [`InterfaceError::NoSymmetry`] if masters are
-    /// found by a rule without domains of influence. Planes and pairing of before then stay.
+    /// found by a rule without domains of influence; [`InterfaceError::InWindow`] where the planes are those of a window. Planes and
+    /// pairing of before then stay.
     pub fn set_symmetry(&mut self, planes: &[SymmetryPlane]) -> Result<(), InterfaceError> {
+        self.check_whole("finding domains of influence")?;
         if let ContactElement::Diffuse { search, .. } = self.options.element
             && search.rule != NeighbourRule::Domains
             && !planes.is_empty()
@@ -230,8 +257,10 @@ impl ContactInterface {
     /// in a deformed configuration, as after a restart, domains are those of the first one then, bit for bit.
     ///
     /// # Errors
-    /// [`InterfaceError::WrongNumberOfPositions`], [`InterfaceError::Surface`].
+    /// [`InterfaceError::WrongNumberOfPositions`], [`InterfaceError::Surface`]; [`InterfaceError::InWindow`] where they are those of a
+    /// window.
     pub fn set_first_positions(&mut self, positions: &[Point]) -> Result<(), InterfaceError> {
+        self.check_whole("finding domains of influence")?;
         let nodes = self.master.nodes();
         let (found, expected) = (positions.len(), nodes.len());
         if found != expected {
@@ -413,6 +442,7 @@ impl ContactInterface {
             compares,
             facets,
             follows,
+            knowledge: self.known.as_ref().map(|known| Knowledge::new(known, positions)),
         };
         let (pairings, report) = refresh.run(&self.refreshes, &blank);
         let report = RefreshReport { rebuilt: true, ..report };

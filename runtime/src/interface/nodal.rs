@@ -2,11 +2,9 @@
 
 use super::{ContactElement, InterfaceError, InterfaceOptions};
 use crate::neighbourhood::NeighbourRule;
-use crate::surface::{Creases, MasterSurface, NONE, NodalDomains, SurfaceIndex, Symmetry, SymmetryPlane};
+use crate::surface::window::Extents;
+use crate::surface::{Creases, NONE, NodalDomains, SurfaceIndex, Symmetry, SymmetryPlane};
 use crate::{Basis, MaterialDomain, Weight};
-
-/// Images of the surface are kept as far from it as so many of its largest facets.
-const IMAGES_REACH: f64 = 8.0;
 
 /// Nodal domains, the sheets they belong to, and what they were found from.
 #[derive(Clone, Debug)]
@@ -15,8 +13,10 @@ pub struct Nodal {
     pub symmetry: Symmetry,
     /// Where sheets end.
     pub creases: Creases,
-    weight: Weight,
-    basis: Basis,
+    pub weight: Weight,
+    pub basis: Basis,
+    /// Of the surface where its planes of symmetry were given.
+    pub extents: Extents,
 }
 
 impl Nodal {
@@ -33,10 +33,11 @@ impl Nodal {
         if search.rule != NeighbourRule::Domains {
             return Ok(None);
         }
-        let symmetry = symmetry_of(index, planes)?;
+        let extents = Extents::of(index);
+        let symmetry = Symmetry::of_surface(planes, &extents)?;
         let creases = Creases::new(index, options.feature_angle_degrees.to_radians(), &symmetry);
         let domains = NodalDomains::new(index, &creases, &symmetry, weight, search.basis);
-        Ok(Some(Self { domains, symmetry, creases, weight, basis: search.basis }))
+        Ok(Some(Self { domains, symmetry, creases, weight, basis: search.basis, extents }))
     }
 
     /// That of a node of the surface, or of its image with this number.
@@ -53,18 +54,5 @@ impl Nodal {
 
 /// The planes with the images near a surface.
 pub fn symmetry_of(index: &SurfaceIndex<'_>, planes: &[SymmetryPlane]) -> Result<Symmetry, InterfaceError> {
-    if planes.is_empty() {
-        return Ok(Symmetry::default());
-    }
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for x in index.positions() {
-        for axis in 0..3 {
-            low[axis] = low[axis].min(x[axis]);
-            high[axis] = high[axis].max(x[axis]);
-        }
-    }
-    let surface: &MasterSurface = index.surface();
-    let largest =
-        (0..surface.facet_count()).map(|facet| index.shape(facet as u32).extent()).fold(0.0, f64::max);
-    Ok(Symmetry::new(planes, IMAGES_REACH * largest, [low, high])?)
+    Ok(Symmetry::of_surface(planes, &Extents::of(index))?)
 }

@@ -26,10 +26,23 @@ pub enum NoContact {
     /// The closest facet is farther away than the distance limit.
     #[error("the closest facet is {distance:e} away, beyond the limit of {limit:e}")]
     TooFar {
-        /// Distance from the closest facet.
+        /// Distance from the closest facet; infinite where that is not in the window that the slave knows.
         distance: f64,
         /// The limit.
         limit: f64,
+    },
+    /// The slave has a [window](crate::surface::window) of the surface only, and its result may depend on what is not in it: a ball that
+    /// has to be known around the slave leaves the boxes of the window. Make a new one.
+    #[error(
+        "the surface has to be known within {needed:e} of the slave, but the window holds that within {known:e} only"
+    )]
+    BeyondWindow {
+        /// Radius of the ball that has to be known: the distance of the closest facet in the window, or the limit of the distance if that
+        /// is smaller, length; infinite for an empty window without a limit.
+        needed: f64,
+        /// Radius of the ball around the slave that is, length; negative outside of the boxes; minus infinity where a node of the window
+        /// has moved by more than its skin.
+        known: f64,
     },
     /// No facet lies over the faces around the node, seen along their normals, within the limit: contact over faces only.
     #[error("no facet of the master lies over the faces around the node within {limit:e}")]
@@ -85,6 +98,7 @@ impl NoContact {
         match self {
             Self::NotPaired => "not-paired",
             Self::TooFar { .. } => "too-far",
+            Self::BeyondWindow { .. } => "beyond-window",
             Self::NothingOver { .. } => "nothing-over",
             Self::NoCandidate { .. } => "no-candidate",
             Self::BeyondBorder { .. } => "beyond-border",

@@ -13,6 +13,7 @@ use super::nodal::Nodal;
 use super::pairings::{Lists, Paired, Pairings, Record};
 use super::report::RefreshReport;
 use super::scratch::Pool;
+use super::window::Knowledge;
 use super::{ContactElement, InterfaceError, NoContact};
 use crate::neighbourhood::{Fallback, NeighbourSearch, NeighbourhoodError, SearchOptions};
 use crate::pairing::NearestNodes;
@@ -49,6 +50,8 @@ pub struct Refresh<'a> {
     pub facets: Option<&'a [u32]>,
     /// Whether lists follow within an increment: then no slave changes to the other side of a surface.
     pub follows: bool,
+    /// What is known, where there is a window of the surface only.
+    pub knowledge: Option<Knowledge<'a>>,
 }
 
 /// Memory of one thread, kept from one refresh to the next.
@@ -241,8 +244,13 @@ impl Refresh<'_> {
     fn closest(&self, node: usize, scratch: &mut RefreshScratch) -> Result<Closest, NoContact> {
         let slave = self.evaluator.positions[node];
         let Evaluator { creases, options, .. } = self.evaluator;
-        // Positions have been checked, so that there is a closest facet.
-        let closest = self.index.closest_among_ties(slave, &mut scratch.ties).ok_or(NoContact::NotPaired)?;
+        let closest = match self.knowledge {
+            Some(knowledge) => {
+                knowledge.check(self.index, slave, options.distance_limit, &mut scratch.ties)?
+            }
+            // Positions have been checked, so that there is a closest facet.
+            None => self.index.closest_among_ties(slave, &mut scratch.ties).ok_or(NoContact::NotPaired)?,
+        };
         if let Some(limit) = options.distance_limit
             && closest.distance > limit
         {

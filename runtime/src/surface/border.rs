@@ -37,7 +37,7 @@ pub struct BorderScratch {
 
 impl Creases {
     /// Of the surface as it is now; `feature_angle` in radians. An edge in a symmetry plane is no border: the surface goes on as its
-    /// image.
+    /// image. Nor is one at which a part of a surface is cut.
     pub fn new(index: &SurfaceIndex<'_>, feature_angle: f64, symmetry: &Symmetry) -> Self {
         let smallest = (feature_angle + ANGLE_TOLERANCE).min(std::f64::consts::PI).cos();
         let (surface, normals) = (index.surface(), index.normals());
@@ -45,7 +45,8 @@ impl Creases {
             let ends = |edge: usize, other: u32| {
                 if other == NONE {
                     let shape = index.shape(facet as u32);
-                    return !symmetry.holds_edge(shape.edge(edge).map(Point::from));
+                    return !surface.is_cut(facet, edge)
+                        && !symmetry.holds_edge(shape.edge(edge).map(Point::from));
                 }
                 !(normals[facet].dot(&normals[other as usize]) >= smallest)
             };
@@ -53,6 +54,16 @@ impl Creases {
             edges.map(|(edge, &other)| u8::from(ends(edge, other)) << edge).sum()
         };
         Self { ends: (0..surface.facet_count()).into_par_iter().map(of_facet).collect() }
+    }
+
+    /// Of facets for which it is known: bit k for the edge from corner k to the next.
+    pub fn given(ends: Vec<u8>) -> Self {
+        Self { ends }
+    }
+
+    /// Bit k if the patch ends at the edge from corner k to the next.
+    pub fn of_facet(&self, facet: usize) -> u8 {
+        self.ends[facet]
     }
 
     /// Whether the patch ends at this edge.

@@ -76,7 +76,7 @@ pub(crate) enum Carried {
 }
 
 impl Carried {
-    const fn of(number: u8) -> Self {
+    pub const fn of(number: u8) -> Self {
         match number {
             0 => Self::Nothing,
             1 => Self::Linear,
@@ -97,6 +97,8 @@ struct Centre {
 /// Memory of one thread.
 #[derive(Default)]
 struct Scratch {
+    /// Whether what was found may depend on what is not there.
+    is_open: bool,
     walk: Walk,
     found: Vec<(u32, f64)>,
     /// The cells of the nodes around a facet, and of their images.
@@ -120,27 +122,40 @@ struct Near {
     distance: f64,
 }
 
-impl NodalDomains {
-    /// The domains for this surface as it is, in parallel; the same for any number of threads.
-    pub fn new(
-        index: &SurfaceIndex<'_>,
-        creases: &Creases,
-        symmetry: &Symmetry,
-        weight: Weight,
-        basis: Basis,
-    ) -> Self {
-        let surface = index.surface();
-        let cells = cells(index, symmetry);
+/// Sheets in their first configuration, of a whole surface or of a part.
+#[derive(Clone, Copy)]
+pub(crate) struct Sheets<'a> {
+    pub index: &'a SurfaceIndex<'a>,
+    pub creases: &'a Creases,
+    pub symmetry: &'a Symmetry,
+    /// Of a part of a surface: by place whether all facets at the node are there, and domains of it follow from the part.
+    pub complete: Option<&'a [bool]>,
+}
+
+/// What the fits at the centres of some facets ask for. Of several parts the largest factors and the least bases count, in any order.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Demands {
+    /// By place among the nodes of the surface; 0 where no fit takes the node.
+    pub factors: Vec<f64>,
+    /// Of each facet of the surface.
+    pub bases: Vec<Carried>,
+    /// Facets whose fits may depend on what is not there.
+    pub open: Vec<u32>,
+}
+
+impl Sheets<'_> {
+    /// What the centres ask for that these facets look after, in parallel.
+    pub fn demands(&self, cells: &[MaterialDomain], weight: Weight, basis: Basis, facets: &[u32]) -> Demands {
+        let surface = self.index.surface();
         let factors: Vec<AtomicU64> = (0..surface.nodes().len()).map(|_| AtomicU64::new(0)).collect();
         let bases: Vec<AtomicU8> =
             (0..surface.facet_count()).map(|_| AtomicU8::new(Carried::Quadratic as u8)).collect();
-        let facets: Vec<u32> = (0..surface.facet_count() as u32).collect();
-        facets.par_iter().with_min_len(CHUNK).for_each_init(Scratch::default, |scratch, &facet| {
-            let extent = index.shape(facet).extent();
-            scratch.gather(index, creases, symmetry, (&cells, facet), FIRST_REACH * extent);
-            for centre in centres(index, creases, facet) {
-                let (factor, carried) =
-                    factor_at(index, creases, symmetry, (weight, basis), &centre, (&cells, scratch));
+        let of_facet = |scratch: &mut Scratch, &facet: &u32| {
+            let extent = self.index.shape(facet).extent();
+            scratch.is_open = false;
+            scratch.gather(self, (cells, facet), FIRST_REACH * extent);
+            for centre in centres(self.index, self.creases, facet) {
+                let (factor, carried) = factor_at(self, (weight, basis), &centre, (cells, scratch));
                 // Largest and smallest do not depend on the order in which they come; the bits of positive numbers are
                 // ordered like them.
                 for node in scratch.nodes.iter().filter(|node| node.distance < factor) {
@@ -150,19 +165,65 @@ impl NodalDomains {
                     bases[facet as usize].fetch_min(carried as u8, Ordering::Relaxed);
                 }
             }
-        });
-        let bases = bases.into_iter().map(|carried| Carried::of(carried.into_inner())).collect();
-        let factors = factors.into_iter().map(|bits| f64::from_bits(bits.into_inner()));
-        let domains: Vec<MaterialDomain> =
-            factors.zip(&cells).map(|(factor, domain)| domain.times(MORE * factor)).collect();
+            scratch.is_open.then_some(facet)
+        };
+        let open: Vec<Option<u32>> =
+            facets.par_iter().with_min_len(CHUNK).map_init(Scratch::default, of_facet).collect();
+        Demands {
+            factors: factors.into_iter().map(|bits| f64::from_bits(bits.into_inner())).collect(),
+            bases: bases.into_iter().map(|carried| Carried::of(carried.into_inner())).collect(),
+            open: open.into_iter().flatten().collect(),
+        }
+    }
+
+    /// Per node its position and the metric of its cells.
+    pub fn cells(&self) -> Vec<MaterialDomain> {
+        cells(self.index, self.symmetry)
+    }
+
+    /// The lists of these facets, and those of them whose list may depend on what is not there.
+    pub fn lists(&self, domains: &[MaterialDomain], facets: &[u32]) -> (Vec<Vec<Listed>>, Vec<u32>) {
         let extents: Vec<f64> = domains.par_iter().map(MaterialDomain::extent).collect();
-        let lists: Vec<Vec<Listed>> = facets
+        let lists: Vec<(Vec<Listed>, bool)> = facets
             .par_iter()
             .with_min_len(CHUNK)
             .map_init(Scratch::default, |scratch, &facet| {
-                list(index, creases, symmetry, (&domains, &extents), facet, scratch)
+                scratch.is_open = false;
+                (list(self, (domains, &extents), facet, scratch), scratch.is_open)
             })
             .collect();
+        let open = facets.iter().zip(&lists).filter(|(_, list)| list.1).map(|(facet, _)| *facet).collect();
+        (lists.into_iter().map(|list| list.0).collect(), open)
+    }
+
+    /// Whether nodes that a walk has found may not be all, or not what they are.
+    fn is_open(&self, walk: &Walk, found: &[(u32, f64)]) -> bool {
+        self.complete.is_some_and(|complete| {
+            walk.met_cut() || found.iter().any(|&(place, _)| !complete[place as usize])
+        })
+    }
+}
+
+impl NodalDomains {
+    /// The domains for this surface as it is, in parallel; the same for any number of threads.
+    pub fn new(
+        index: &SurfaceIndex<'_>,
+        creases: &Creases,
+        symmetry: &Symmetry,
+        weight: Weight,
+        basis: Basis,
+    ) -> Self {
+        let sheets = Sheets { index, creases, symmetry, complete: None };
+        let cells = sheets.cells();
+        let facets: Vec<u32> = (0..index.surface().facet_count() as u32).collect();
+        let Demands { factors, bases, .. } = sheets.demands(&cells, weight, basis, &facets);
+        let domains = grown(&cells, &factors);
+        let (lists, _) = sheets.lists(&domains, &facets);
+        Self::given(domains, bases, &lists)
+    }
+
+    /// With domains by place, and bases and lists by facet.
+    pub fn given(domains: Vec<MaterialDomain>, bases: Vec<Carried>, lists: &[Vec<Listed>]) -> Self {
         let ends = lists
             .iter()
             .scan(0, |end, list| {
@@ -171,6 +232,12 @@ impl NodalDomains {
             })
             .collect();
         Self { domains, bases, listed: lists.concat(), ends }
+    }
+
+    /// Whether lists name no image from this number on; else the place of one that does among those listed.
+    pub fn check_images(&self, count: u32) -> Result<(), usize> {
+        let is_image = |listed: &Listed| listed.image == NONE || listed.image < count;
+        self.listed.iter().position(|listed| !is_image(listed)).map_or(Ok(()), Err)
     }
 
     /// That of the node at a place.
@@ -193,6 +260,11 @@ impl NodalDomains {
     pub fn carried(&self, facet: u32) -> Carried {
         self.bases[facet as usize]
     }
+}
+
+/// The domains of cells with these factors; a metric of zeros where no fit takes the node.
+pub(crate) fn grown(cells: &[MaterialDomain], factors: &[f64]) -> Vec<MaterialDomain> {
+    factors.iter().zip(cells).map(|(factor, domain)| domain.times(MORE * factor)).collect()
 }
 
 impl Symmetry {
@@ -313,14 +385,13 @@ impl MaterialDomain {
 
 /// The nodes of the facet's sheet whose domains, with a margin, reach it, and their images.
 fn list(
-    index: &SurfaceIndex<'_>,
-    creases: &Creases,
-    symmetry: &Symmetry,
+    sheets: &Sheets<'_>,
     (domains, extents): (&[MaterialDomain], &[f64]),
     facet: u32,
     scratch: &mut Scratch,
 ) -> Vec<Listed> {
-    let Scratch { walk, found, .. } = scratch;
+    let Sheets { index, creases, symmetry, .. } = *sheets;
+    let Scratch { walk, found, is_open, .. } = scratch;
     let shape = index.shape(facet);
     let corners = shape.corners();
     let middle = corners.iter().copied().sum::<Vector3>() / corners.len() as f64;
@@ -336,6 +407,7 @@ fn list(
     loop {
         walk.start(index, facet, middle.into());
         walk.nodes_within(index, creases, reach, found);
+        *is_open |= sheets.is_open(walk, found);
         let longest = found.iter().map(|&(place, _)| extents[place as usize]).fold(0.0, f64::max);
         let needed = (1.0 + MARGIN) * longest + shape.extent();
         if needed <= reach {
@@ -410,9 +482,7 @@ fn fan(index: &SurfaceIndex<'_>, creases: &Creases, facet: u32, corner: u32) -> 
 
 /// s(c), and what the nodes within reach of it carry. `scratch.nodes` are those that were looked at.
 fn factor_at(
-    index: &SurfaceIndex<'_>,
-    creases: &Creases,
-    symmetry: &Symmetry,
+    sheets: &Sheets<'_>,
     (weight, basis): (Weight, Basis),
     centre: &Centre,
     (cells, scratch): (&[MaterialDomain], &mut Scratch),
@@ -422,14 +492,14 @@ fn factor_at(
         if basis == Basis::Linear { &[Carried::Linear][..] } else { &[Carried::Quadratic, Carried::Linear] };
     loop {
         // Beyond this a node that is not among those gathered might be within reach.
-        let complete = scratch.look(centre, symmetry);
+        let complete = scratch.look(centre, sheets.symmetry);
         let count = scratch.nodes.len();
         let is_all = count == last;
         for &carried in wanted {
             let largest =
                 if carried == Carried::Quadratic || is_all || count > MOST_NODES { complete } else { 0.0 };
             let widest = scratch.nodes.last().map_or(0.0, |farthest| WIDEST * farthest.distance);
-            let largest = if is_all && symmetry.is_none() { widest } else { largest.min(widest) };
+            let largest = if is_all && sheets.symmetry.is_none() { widest } else { largest.min(widest) };
             if let Some(factor) = smallest_factor(&scratch.nodes, weight, carried, largest) {
                 return (factor, carried);
             }
@@ -438,26 +508,21 @@ fn factor_at(
             return (0.0, Carried::Nothing);
         }
         last = count;
-        scratch.gather(index, creases, symmetry, (cells, centre.facet), 1.5 * scratch.reach);
+        scratch.gather(sheets, (cells, centre.facet), 1.5 * scratch.reach);
     }
 }
 
 impl Scratch {
     /// Gathers the nodes of the facet's sheet within reach of its middle, with their images.
-    fn gather(
-        &mut self,
-        index: &SurfaceIndex<'_>,
-        creases: &Creases,
-        symmetry: &Symmetry,
-        (cells, facet): (&[MaterialDomain], u32),
-        reach: f64,
-    ) {
+    fn gather(&mut self, sheets: &Sheets<'_>, (cells, facet): (&[MaterialDomain], u32), reach: f64) {
+        let Sheets { index, creases, symmetry, .. } = *sheets;
         let shape = index.shape(facet);
         let corners = shape.corners();
         self.middle = corners.iter().copied().sum::<Vector3>() / corners.len() as f64;
         let from = Point::from(self.middle);
         self.walk.start(index, facet, from);
         self.walk.nodes_within(index, creases, reach, &mut self.found);
+        self.is_open |= sheets.is_open(&self.walk, &self.found);
         self.around.clear();
         for &(place, _) in &self.found {
             let domain = &cells[place as usize];

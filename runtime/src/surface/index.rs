@@ -110,7 +110,8 @@ impl<'a> SurfaceIndex<'a> {
         let facet = found.facet as usize;
         let on_border = ties.iter().any(|tie| {
             let mut across = self.surface.across(tie.facet as usize).iter().enumerate();
-            across.any(|(edge, &other)| other == NONE && tie.edges >> edge & 1 == 1)
+            let is_border = |edge, other| other == NONE && !self.surface.is_cut(tie.facet as usize, edge);
+            across.any(|(edge, &other)| is_border(edge, other) && tie.edges >> edge & 1 == 1)
         });
         let Closest { natural, distance, .. } = found;
         Some(ClosestPoint { facet, point: found.point.into(), natural, distance, on_border })

@@ -10,6 +10,7 @@
 //!   feature angle. What lies beyond a sharper edge, or on the far face of a thin plate, takes no part in a fit.
 //! * Border: a point is beyond the border if the closest point of the surface lies on an edge that ends the
 //!   patch, and the point lies farther out than that in the plane of the facet.
+//! * [`window`]: what some slaves can need of a surface, where nobody holds the whole.
 //! * [`tributary_areas`]: the area that belongs to each slave node.
 //!
 //! ```
@@ -36,20 +37,22 @@ mod shape;
 mod symmetry;
 mod topology;
 mod walk;
+pub mod window;
 
 pub use area::tributary_areas;
 pub use error::SurfaceError;
 pub use index::{ClosestPoint, SurfaceIndex};
 pub use symmetry::SymmetryPlane;
 pub use topology::MasterSurface;
+pub use window::{Window, WindowError};
 
 pub(crate) use border::{BorderScratch, Creases};
-pub(crate) use domains::{Carried, Listed, NodalDomains};
+pub(crate) use domains::{Carried, Demands, Listed, NodalDomains, Sheets, grown};
 pub(crate) use index::Closest;
 pub(crate) use shape::{Foot, Shape};
 pub(crate) use symmetry::{Image, Symmetry};
 pub(crate) use topology::NONE;
-pub(crate) use topology::{check_position, shape_of};
+pub(crate) use topology::{check_facets, check_position, shape_of};
 pub(crate) use walk::Walk;
 
 /// One facet of a surface: indices of its corners in the positions of all nodes, counter-clockwise seen from

@@ -1,9 +1,12 @@
 //! Symmetry planes: the master surface goes on beyond them as its own mirror image.
 
 use super::SurfaceError;
+use super::window::Extents;
 use crate::Point;
 use crate::vector::Vector3;
 
+/// Images of the surface are kept as far from it as so many of its largest facets.
+const IMAGES_REACH: f64 = 8.0;
 /// Images that a set of planes may have within reach.
 const MOST_IMAGES: usize = 512;
 /// Two images are one if they differ by less than this, in rotation and, over the largest radius, in translation.
@@ -137,6 +140,17 @@ impl Symmetry {
         }
         all.remove(0);
         Ok(Self { planes: planes.to_vec(), images: all, reach, tolerance: ON_PLANE * reach })
+    }
+
+    /// The planes with the images near a whole surface.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of_surface(planes: &[SymmetryPlane], extents: &Extents) -> Result<Self, SurfaceError> {
+        if planes.is_empty() {
+            return Ok(Self::default());
+        }
+        Self::new(planes, IMAGES_REACH * extents.facet, [extents.low, extents.high])
     }
 
     /// The planes alone, for points of a surface of this size: there are no images.

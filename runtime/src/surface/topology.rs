@@ -33,6 +33,8 @@ pub struct MasterSurface {
     offsets: Vec<u32>,
     /// Facets at each node, ascending.
     facets_of_nodes: Vec<u32>,
+    /// Per facet, bit k where it is not known what lies across the edge from corner k to the next; none of a whole surface.
+    cut: Vec<u8>,
 }
 
 /// An edge as one facet runs through it, ordered by its ends.
@@ -63,7 +65,27 @@ impl MasterSurface {
         drop(facets);
         let neighbours = connect(&nodes, &corners)?;
         let (offsets, facets_of_nodes) = invert(nodes.len(), &corners);
-        Ok(Self { nodes, corners, neighbours, offsets, facets_of_nodes })
+        Ok(Self { nodes, corners, neighbours, offsets, facets_of_nodes, cut: Vec::new() })
+    }
+
+    /// A part of a surface that has been checked, whose nodes are the first positions. `is_border` tells whether the whole surface ends
+    /// at an edge of a facet that no other facet of the part has: elsewhere the part is cut. There may be no facet.
+    pub(crate) fn part(
+        nodes: usize,
+        corners: Vec<[u32; 4]>,
+        is_border: impl Fn(usize, usize) -> bool,
+    ) -> Result<Self, SurfaceError> {
+        let nodes: Vec<u32> = (0..nodes as u32).collect();
+        let neighbours = connect(&nodes, &corners)?;
+        let (offsets, facets_of_nodes) = invert(nodes.len(), &corners);
+        let mut surface = Self { nodes, corners, neighbours, offsets, facets_of_nodes, cut: Vec::new() };
+        let of_facet = |facet: usize| {
+            let edges = surface.across(facet).iter().enumerate();
+            let cut = edges.map(|(edge, &other)| u8::from(other == NONE && !is_border(facet, edge)) << edge);
+            cut.sum()
+        };
+        surface.cut = (0..surface.facet_count()).map(of_facet).collect();
+        Ok(surface)
     }
 
     /// All facets seen from the other side: for a mesh whose corners run clockwise seen from outside.
@@ -105,7 +127,7 @@ impl MasterSurface {
         }
     }
 
-    /// The facets across the edges of a facet, in the order of its edges; `None` at a border.
+    /// The facets across the edges of a facet, in the order of its edges; `None` at a border, and where a part of a surface is cut.
     ///
     /// # Panics
     /// If there is no such facet.
@@ -125,16 +147,37 @@ impl MasterSurface {
         &self.facets_of_nodes[self.offsets[place] as usize..self.offsets[place + 1] as usize]
     }
 
-    /// The edges that belong to one facet only, as that facet runs through them.
+    /// The edges that belong to one facet only, as that facet runs through them. Those at which a part of a surface is cut are none.
     pub fn border_edges(&self) -> impl Iterator<Item = [usize; 2]> {
+        self.single_edges(false)
+    }
+
+    /// The edges at which a part of a surface is cut, as its facet runs through them: it is not known what lies across. None of a whole
+    /// surface.
+    pub fn cut_edges(&self) -> impl Iterator<Item = [usize; 2]> {
+        self.single_edges(true)
+    }
+
+    fn single_edges(&self, cut: bool) -> impl Iterator<Item = [usize; 2]> {
         (0..self.facet_count()).flat_map(move |facet| {
             let corners = self.corners_of(facet);
             let count = corners.len();
             let node = |place: u32| self.nodes[place as usize] as usize;
             (0..count)
-                .filter(move |&edge| self.neighbours[facet][edge] == NONE)
+                .filter(move |&edge| self.neighbours[facet][edge] == NONE && self.is_cut(facet, edge) == cut)
                 .map(move |edge| [node(corners[edge]), node(corners[(edge + 1) % count])])
         })
+    }
+
+    /// Whether this is a part of a surface, as a [`Window`](super::Window) holds it.
+    #[must_use]
+    pub const fn is_part(&self) -> bool {
+        !self.cut.is_empty() || self.corners.is_empty()
+    }
+
+    /// Whether it is not known what lies across an edge.
+    pub(crate) fn is_cut(&self, facet: usize, edge: usize) -> bool {
+        self.cut.get(facet).is_some_and(|cut| cut >> edge & 1 == 1)
     }
 
     /// Outward normals of the nodes, in the order of [`nodes`](Self::nodes): the sum of the area vectors of the
@@ -176,7 +219,7 @@ impl MasterSurface {
         &corners[..if corners[3] == NONE { 3 } else { 4 }]
     }
 
-    /// The facets across its edges, [`NONE`] at a border.
+    /// The facets across its edges, [`NONE`] at a border and where it is cut.
     pub(crate) fn across(&self, facet: usize) -> &[u32] {
         &self.neighbours[facet][..self.corners_of(facet).len()]
     }
@@ -206,7 +249,7 @@ pub(crate) fn check_position(positions: &[Point], node: usize) -> Result<(), Sur
 }
 
 /// Checks each facet by itself.
-pub(super) fn check_facets(positions: &[Point], facets: &[Facet]) -> Result<(), SurfaceError> {
+pub(crate) fn check_facets(positions: &[Point], facets: &[Facet]) -> Result<(), SurfaceError> {
     let most = NONE as usize;
     for (what, count, most) in [("nodes", positions.len(), most), ("facets", facets.len(), most / 4)] {
         if count >= most {

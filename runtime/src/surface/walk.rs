@@ -34,6 +34,8 @@ pub struct Walk {
     next: BinaryHeap<Reverse<(u64, u32)>>,
     /// Facets stepped on for the nodes within a reach.
     stepped: Vec<u32>,
+    /// Whether a facet was stepped on that the surface is cut at.
+    met_cut: bool,
     from: Vector3,
     up: Vector3,
 }
@@ -51,10 +53,16 @@ impl Walk {
         }
         self.next.clear();
         self.level = 0;
+        self.met_cut = false;
         self.from = slave.into();
         self.up = index.normals()[facet as usize];
         self.seen[facet as usize] = self.generation;
         self.next.push(Reverse((0, facet)));
+    }
+
+    /// Whether what was found since the start may depend on what lies beyond a cut.
+    pub const fn met_cut(&self) -> bool {
+        self.met_cut
     }
 
     /// Whether the node at `place` belongs to the patch: whether it is reached over facets none of which is
@@ -121,6 +129,7 @@ impl Walk {
             }
         }
         for (edge, &other) in surface.across(facet).iter().enumerate() {
+            self.met_cut |= other == NONE && surface.is_cut(facet, edge);
             let seen = |other: u32| self.seen[other as usize] == self.generation;
             if other == NONE || creases.ends_at(facet, edge) || seen(other) {
                 continue;

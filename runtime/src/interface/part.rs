@@ -1,0 +1,299 @@
+//! Domains of influence where nobody holds the whole surface.
+
+use super::{InterfaceError, InterfaceOptions};
+use crate::surface::window::{
+    Box3, Extents, LARGEST_NUMBER, Setup, Sheet, Window, WindowError, check_boxes, widened,
+};
+use crate::surface::{
+    Carried, Creases, Demands, Facet, MasterSurface, NONE, NodalDomains, Sheets, Symmetry, SymmetryPlane,
+    check_facets, grown, shape_of,
+};
+use crate::{MaterialDomain, Point};
+
+/// Facets of a surface around those that a rank owns, in their first positions.
+#[derive(Clone, Copy, Debug)]
+pub struct PartFacets<'a> {
+    /// First positions of the nodes, length.
+    pub positions: &'a [Point],
+    /// Their numbers in the whole surface, each once, in any order.
+    pub node_numbers: &'a [u64],
+    /// Facets, with corners by place among the positions.
+    pub facets: &'a [Facet],
+    /// Their numbers in the whole surface, each once, in any order.
+    pub facet_numbers: &'a [u64],
+    /// Which of them the rank owns. Each facet of the whole surface is owned by one rank.
+    pub owned: &'a [bool],
+    /// Everything of the whole surface that meets this box is among the facets.
+    pub known: Box3,
+    /// Of the whole surface: those of all parts [joined](Extents::joined).
+    pub extents: Extents,
+}
+
+/// What the fits at the facets of a rank ask of domains, by numbers of the whole surface. Other ranks with the same nodes and facets have
+/// to know.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PartDemands {
+    /// Nodes, ascending, …
+    pub nodes: Vec<u64>,
+    /// … and the factors of their domains: the largest of all ranks is that of the node.
+    pub factors: Vec<f64>,
+    /// Facets whose fits do not carry the quadratic basis, ascending, …
+    pub facets: Vec<u64>,
+    /// … and what they carry, 1 for the linear basis and 0 for nothing: the least of all ranks counts.
+    pub bases: Vec<u8>,
+}
+
+/// A part of a surface that windows are cut from. See [`surface::window`](crate::surface::window).
+///
+/// ```text
+/// new      facets around the own ones                    → demands of the fits at the own facets
+/// settle   demands of all ranks with nodes in this part  → domains, lists of the own facets
+/// window   boxes of another rank's slaves                → what they can need of the own facets
+/// ```
+#[derive(Debug)]
+pub struct SurfacePart {
+    surface: MasterSurface,
+    setup: Setup,
+    symmetry: Symmetry,
+    creases: Creases,
+    cells: Vec<MaterialDomain>,
+    /// Places of the own facets.
+    own: Vec<u32>,
+    /// By place, whether all facets at the node are here.
+    complete: Vec<bool>,
+    demands: Demands,
+    domains: Option<NodalDomains>,
+    /// By place, ascending.
+    node_numbers: Vec<u64>,
+    facet_numbers: Vec<u64>,
+    /// Where the node of a place is among the caller's.
+    nodes: Vec<usize>,
+    callers: usize,
+}
+
+impl PartFacets<'_> {
+    /// Of the own facets alone, for the extents of the whole.
+    #[must_use]
+    pub fn own_extents(&self) -> Extents {
+        let own = self.facets.iter().zip(self.owned).filter(|(_, owned)| **owned);
+        own.fold(Extents::NONE, |all, (facet, _)| {
+            let corners = facet.corners().iter().filter_map(|&node| self.positions.get(node).copied());
+            let all = corners.fold(all, |all, x| all.joined(Extents { low: x, high: x, facet: 0.0 }));
+            let is_there = facet.corners().iter().all(|&node| node < self.positions.len());
+            let facet = if is_there { shape_of(facet, self.positions).extent() } else { 0.0 };
+            all.joined(Extents { facet, ..Extents::NONE })
+        })
+    }
+
+    fn check(&self) -> Result<(), InterfaceError> {
+        let counts = [
+            (self.node_numbers.len(), self.positions.len(), "numbers of nodes"),
+            (self.facet_numbers.len(), self.facets.len(), "numbers of facets"),
+            (self.owned.len(), self.facets.len(), "owned facets"),
+        ];
+        for (found, expected, what) in counts {
+            if found != expected {
+                return Err(WindowError::Invalid { what, place: found.min(expected) }.into());
+            }
+        }
+        check_boxes(&[self.known], 0.0)?;
+        Ok(check_facets(self.positions, self.facets)?)
+    }
+}
+
+/// Places in ascending order of their numbers, which are different and not too large.
+fn in_order(numbers: &[u64], what: &'static str) -> Result<Vec<usize>, WindowError> {
+    let mut order: Vec<usize> = (0..numbers.len()).collect();
+    order.sort_unstable_by_key(|&k| numbers[k]);
+    let invalid = |place| Err(WindowError::Invalid { what, place });
+    if let Some(pair) = order.windows(2).find(|pair| numbers[pair[0]] == numbers[pair[1]]) {
+        return invalid(pair[1]);
+    }
+    match order.last() {
+        Some(&place) if numbers[place] >= LARGEST_NUMBER => invalid(place),
+        _ => Ok(order),
+    }
+}
+
+impl SurfacePart {
+    /// Finds what the fits at the own facets ask of domains. `planes` of symmetry; of the options those of domains count: weight, basis
+    /// and feature angle.
+    ///
+    /// # Errors
+    /// [`InterfaceError::Window`]: [`WindowError::TooNarrow`] if the fits of an own facet may depend on what does not meet the known box,
+    /// [`WindowError::Invalid`] for numbers that are none, [`WindowError::NeedsDomains`], [`WindowError::InvalidBox`].
+    /// [`InterfaceError::Surface`] for facets that are no surface, named by their place by number, and for the planes.
+    pub fn new(
+        part: &PartFacets<'_>,
+        options: &InterfaceOptions,
+        planes: &[SymmetryPlane],
+    ) -> Result<Self, InterfaceError> {
+        options.check()?;
+        let setup = Setup::new(options, planes, part.extents)?;
+        part.check()?;
+        let nodes = in_order(part.node_numbers, "node")?;
+        let facets = in_order(part.facet_numbers, "facet")?;
+        let mut places = vec![NONE; nodes.len()];
+        nodes.iter().enumerate().for_each(|(place, &node)| places[node] = place as u32);
+        let positions: Vec<Point> = nodes.iter().map(|&node| part.positions[node]).collect();
+        let [low, high] = part.known;
+        let is_known = |x: &Point| (0..3).all(|k| low[k] <= x[k] && x[k] <= high[k]);
+        let complete: Vec<bool> = positions.iter().map(is_known).collect();
+        let corners = |&facet: &usize| {
+            let mut own = [NONE; 4];
+            for (own, &node) in own.iter_mut().zip(part.facets[facet].corners()) {
+                *own = places[node];
+            }
+            own
+        };
+        let corners: Vec<[u32; 4]> = facets.iter().map(corners).collect();
+        // All facets at a node in the box are here, so that an edge with such an end is no cut.
+        let is_border = |facet: usize, edge: usize| {
+            let count = if corners[facet][3] == NONE { 3 } else { 4 };
+            let ends = [corners[facet][edge], corners[facet][(edge + 1) % count]];
+            ends.iter().any(|&place| complete[place as usize])
+        };
+        let surface = MasterSurface::part(positions.len(), corners.clone(), is_border)?;
+        let symmetry = Symmetry::of_surface(planes, &part.extents)?;
+        let index = surface.at(&positions)?;
+        let creases = Creases::new(&index, options.feature_angle_degrees.to_radians(), &symmetry);
+        let sheets =
+            Sheets { index: &index, creases: &creases, symmetry: &symmetry, complete: Some(&complete) };
+        let own = (0..facets.len()).filter(|&place| part.owned[facets[place]]).map(|place| place as u32);
+        let own: Vec<u32> = own.collect();
+        let cells = sheets.cells();
+        let demands = sheets.demands(&cells, setup.weight, setup.basis, &own);
+        let made = Self {
+            cells,
+            demands,
+            own,
+            node_numbers: nodes.iter().map(|&node| part.node_numbers[node]).collect(),
+            facet_numbers: facets.iter().map(|&facet| part.facet_numbers[facet]).collect(),
+            callers: nodes.len(),
+            nodes,
+            setup,
+            creases,
+            symmetry,
+            complete,
+            domains: None,
+            surface,
+        };
+        made.check_width(&made.demands.open)?;
+        Ok(made)
+    }
+
+    fn check_width(&self, open: &[u32]) -> Result<(), WindowError> {
+        match open.first() {
+            None => Ok(()),
+            Some(&facet) => {
+                let facet = self.facet_numbers[facet as usize];
+                Err(WindowError::TooNarrow { count: open.len(), facet })
+            }
+        }
+    }
+
+    /// What other ranks have to know: of the nodes and facets of this part, which may be theirs, too.
+    #[must_use]
+    pub fn demands(&self) -> PartDemands {
+        let Demands { factors, bases, .. } = &self.demands;
+        let mut all = PartDemands::default();
+        for (&number, &factor) in self.node_numbers.iter().zip(factors).filter(|(_, factor)| **factor > 0.0) {
+            all.nodes.push(number);
+            all.factors.push(factor);
+        }
+        let carried = self.facet_numbers.iter().zip(bases);
+        for (&number, &carried) in carried.filter(|(_, carried)| **carried != Carried::Quadratic) {
+            all.facets.push(number);
+            all.bases.push(carried as u8);
+        }
+        all
+    }
+
+    /// Takes over what other ranks ask for, all those whose known boxes meet that of this part, and finds the lists of the own facets. What
+    /// concerns nodes and facets that are not here is left out. To be called once.
+    ///
+    /// # Errors
+    /// [`WindowError::TooNarrow`] if a list may depend on what does not meet the known box; [`WindowError::Invalid`] for demands that are
+    /// none.
+    pub fn settle(&mut self, others: &[PartDemands]) -> Result<(), InterfaceError> {
+        let mut demands = self.demands.clone();
+        for PartDemands { nodes, factors, facets, bases } in others {
+            if nodes.len() != factors.len() || facets.len() != bases.len() {
+                return Err(WindowError::Invalid { what: "length of demands", place: 0 }.into());
+            }
+            if let Some(place) = factors.iter().position(|factor| !(*factor >= 0.0 && factor.is_finite())) {
+                return Err(WindowError::Invalid { what: "factor", place }.into());
+            }
+            for (number, &factor) in nodes.iter().zip(factors) {
+                if let Ok(place) = self.node_numbers.binary_search(number) {
+                    demands.factors[place] = demands.factors[place].max(factor);
+                }
+            }
+            for (number, &carried) in facets.iter().zip(bases) {
+                if let Ok(place) = self.facet_numbers.binary_search(number) {
+                    demands.bases[place] = demands.bases[place].min(Carried::of(carried));
+                }
+            }
+        }
+        let positions: Vec<Point> = self.cells.iter().map(|cell| cell.position).collect();
+        let index = self.surface.at(&positions)?;
+        let sheets = Sheets {
+            index: &index,
+            creases: &self.creases,
+            symmetry: &self.symmetry,
+            complete: Some(&self.complete),
+        };
+        let domains = grown(&self.cells, &demands.factors);
+        let (found, mut open) = sheets.lists(&domains, &self.own);
+        let mut lists = vec![Vec::new(); self.surface.facet_count()];
+        for (&facet, list) in self.own.iter().zip(found) {
+            // The facets at listed nodes are known with all that lies across their edges.
+            let around = list.iter().flat_map(|own| self.surface.facets_of_place(own.place as usize));
+            let mut corners = around.flat_map(|&facet| self.surface.corners_of(facet as usize));
+            if !corners.all(|&place| self.complete[place as usize]) {
+                open.push(facet);
+            }
+            lists[facet as usize] = list;
+        }
+        open.sort_unstable();
+        open.dedup();
+        self.check_width(&open)?;
+        self.domains = Some(NodalDomains::given(domains, demands.bases, &lists));
+        Ok(())
+    }
+
+    /// What slaves in these boxes can need of the own facets, as [`ContactInterface::window`](super::ContactInterface::window). Positions
+    /// are those of the moment, in the order of the [`PartFacets`]; only those of the corners of own facets are looked at.
+    ///
+    /// # Errors
+    /// [`InterfaceError::Window`] for boxes that are none, and before [`settle`](Self::settle);
+    /// [`InterfaceError::WrongNumberOfPositions`].
+    pub fn window(&self, positions: &[Point], boxes: &[Box3], skin: f64) -> Result<Window, InterfaceError> {
+        check_boxes(boxes, skin)?;
+        let (found, expected) = (positions.len(), self.callers);
+        if found != expected {
+            return Err(InterfaceError::WrongNumberOfPositions { found, expected });
+        }
+        let Some(domains) = &self.domains else {
+            return Err(WindowError::Invalid { what: "domain", place: 0 }.into());
+        };
+        let boxes_with_skin: Vec<Box3> = boxes.iter().map(|own| widened(*own, skin)).collect();
+        let is_near = |facet: u32| {
+            let x = |place: u32| positions[self.nodes[place as usize]];
+            let (lower, upper) = self.surface.shape_by(facet as usize, x).bounds();
+            let (lower, upper) = (Point::from(lower), Point::from(upper));
+            let meets = |[low, high]: &Box3| (0..3).all(|k| low[k] <= upper[k] && lower[k] <= high[k]);
+            boxes_with_skin.iter().any(meets)
+        };
+        let core = self.own.iter().copied().filter(|&facet| is_near(facet)).collect();
+        let sheet = Sheet {
+            surface: &self.surface,
+            domains,
+            creases: &self.creases,
+            setup: &self.setup,
+            node_number: &|place| self.node_numbers[place as usize],
+            facet_number: &|facet| self.facet_numbers[facet as usize],
+        };
+        Ok(sheet.window(core, boxes, skin))
+    }
+}

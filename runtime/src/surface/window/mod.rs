@@ -1,0 +1,493 @@
+//! Windows of a surface: what some slaves can need of it, where nobody holds the whole.
+//!
+//! A code that is distributed over ranks gives each rank a window for its slaves. There is no communication in here: windows are made
+//! of plain numbers, and the host carries these.
+//!
+//! ```text
+//! first positions   each rank: its facets and those around them → SurfacePart → Demands of the fits at its facets
+//!                   host: the demands of all ranks with the same nodes → SurfacePart::settle                    once
+//! now and then      host: all ranks tell boxes around their slaves (boxes_around)
+//!                   the owners of facets in a box: SurfacePart::window(boxes, skin) → numbers → the rank of the slaves
+//!                   there: Window::joined of what comes → ContactInterface::in_window
+//! each iteration    host: positions of the window's nodes; refresh, follow, evaluate as ever
+//! ```
+//!
+//! Who has the whole surface in one place makes the same windows with
+//! [`ContactInterface::window`](crate::interface::ContactInterface::window).
+//!
+//! # What a result depends on, and why a window gives the same bits
+//!
+//! * **Closest facet, ties, limit of the distance, the way beyond a border at a refresh**: all facets as near to the slave as the
+//!   closest one, at the positions of the moment. They have to be in the window: a slave knows of everything within a ball around it if
+//!   that lies in one of the window's boxes. Facets that meet a box, with the skin around it, are the *core* of the window.
+//! * **Listed nodes**: the domains that reach the closest facet in the first configuration. They are found once, by the owner of the
+//!   facet, and travel with it: so do domains, the basis that fits carry there, and where sheets end. None of them is
+//!   found again in a window.
+//! * **Border of the patch**: the facets at listed nodes. All of them are in the window, with all their corners, around its core.
+//! * **Order**: ties go to the lower number, sums run through nodes in ascending order. A window keeps the order of the numbers of the
+//!   whole surface.
+//! * **Whole surface**: images in planes of symmetry, their numbers and tolerances follow from the [`Extents`] of the whole, which
+//!   travel with the window.
+//!
+//! So a slave's pairing, gap, N and M are those of the whole surface, bit for bit, or it has the outcome
+//! [`BeyondWindow`](crate::interface::NoContact::BeyondWindow). That says that a ball around the slave as large as the distance of the
+//! closest facet known (the limit of the distance, where that is smaller) leaves the boxes, or that the window is older than its skin.
+//! There is no other number.
+//!
+//! The width that follows: boxes reach beyond the slaves by the limit of the distance, or by the largest distance of a slave from the
+//! surface, and by as much as slaves are to move until windows are made anew. Around the core there are as many facets as domains of
+//! influence reach, 2 to 4 on a regular mesh.
+//!
+//! Domains themselves depend on more, once: the fits at the centres of a facet take the nodes of its sheet within 3.5 of its extents,
+//! and 1.5 times as far until they carry the basis; its list takes a walk as far as the longest domain met reaches. A [`SurfacePart`](crate::interface::SurfacePart)
+//! says for which of its facets it was not wide enough.
+//!
+//! # Borders
+//!
+//! An edge that only one facet of the window has is a border if the whole surface ends there. Else the window is *cut* there:
+//! [`MasterSurface::cut_edges`]. A cut is no border, and no result depends on it.
+
+mod boxes;
+mod numbers;
+
+pub use boxes::boxes_around;
+
+use super::domains::NodalDomains;
+use super::topology::NONE;
+use super::{Carried, Creases, Listed, MasterSurface, SurfaceError, SurfaceIndex, SymmetryPlane};
+use crate::vector::Vector3;
+use crate::{Basis, MaterialDomain, Point, Weight};
+
+/// A box: its lowest and its highest corner.
+pub type Box3 = [Point; 2];
+
+/// Numbers of nodes and facets stay below this: they are exact as floating-point numbers, too.
+pub const LARGEST_NUMBER: u64 = 1 << 53;
+
+/// Rounding, and facets that have grown since the first configuration, in the ball that a slave looks at.
+const BALL_MARGIN: f64 = 1e-6;
+
+/// Why numbers are no window, or windows do not go together.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WindowError {
+    /// A number is out of its range, or an order is not kept.
+    #[error("{what} {place} of the window is none")]
+    Invalid {
+        /// What the number should be.
+        what: &'static str,
+        /// Its place among those.
+        place: usize,
+    },
+    /// Two windows have the same node or facet with other data: they are of different surfaces, or of different options.
+    #[error("two windows differ in {what} {number}")]
+    Differs {
+        /// What they differ in.
+        what: &'static str,
+        /// Its number.
+        number: u64,
+    },
+    /// A facet that slaves may be closest to has not all that it needs around it.
+    #[error("facet {facet} of the window needs all facets at node {node}, and one of them is not there")]
+    Incomplete {
+        /// The facet's number.
+        facet: u64,
+        /// The node's number.
+        node: u64,
+    },
+    /// The facets are no surface; they are named by their place in the window.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// A box is none, or the skin is negative: a number of them is not finite, or a lowest corner is above the highest.
+    #[error("box {place} is none, or the skin {skin} is negative or not finite")]
+    InvalidBox {
+        /// Which.
+        place: usize,
+        /// The skin.
+        skin: f64,
+    },
+    /// Windows are for slaves whose masters are found by domains of influence.
+    #[error(
+        "windows need the diffuse element with the neighbour rule \"domains\", not facets or another rule"
+    )]
+    NeedsDomains,
+    /// A part of a surface was not wide enough around some of its facets.
+    #[error(
+        "the part of the surface does not reach far enough around {count} of its own facets, such as facet {facet}"
+    )]
+    TooNarrow {
+        /// How many.
+        count: usize,
+        /// The number of one.
+        facet: u64,
+    },
+}
+
+impl WindowError {
+    /// Stable machine-readable code.
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::Invalid { .. } => "invalid-window",
+            Self::Differs { .. } => "different-windows",
+            Self::Incomplete { .. } => "incomplete-window",
+            Self::Surface(error) => error.code(),
+            Self::InvalidBox { .. } => "invalid-box",
+            Self::NeedsDomains => "window-needs-domains",
+            Self::TooNarrow { .. } => "part-too-narrow",
+        }
+    }
+}
+
+/// How large a whole surface is in its first configuration. Of several parts they are [joined](Self::joined), in any order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extents {
+    /// Lowest coordinates of a node, length.
+    pub low: Point,
+    /// Highest coordinates, length.
+    pub high: Point,
+    /// Largest extent of a facet: of the coordinate differences of its corners from the first one, length.
+    pub facet: f64,
+}
+
+impl Extents {
+    /// Of nothing.
+    pub const NONE: Self = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3], facet: 0.0 };
+
+    /// Of a surface at these positions.
+    pub(crate) fn of(index: &SurfaceIndex<'_>) -> Self {
+        let mut all = Self::NONE;
+        for x in index.positions() {
+            for axis in 0..3 {
+                all.low[axis] = all.low[axis].min(x[axis]);
+                all.high[axis] = all.high[axis].max(x[axis]);
+            }
+        }
+        let facets = 0..index.surface().facet_count() as u32;
+        all.facet = facets.map(|facet| index.shape(facet).extent()).fold(0.0, f64::max);
+        all
+    }
+
+    /// Those of two parts together.
+    #[must_use]
+    pub fn joined(self, other: Self) -> Self {
+        Self {
+            low: [0, 1, 2].map(|axis| self.low[axis].min(other.low[axis])),
+            high: [0, 1, 2].map(|axis| self.high[axis].max(other.high[axis])),
+            facet: self.facet.max(other.facet),
+        }
+    }
+}
+
+/// What domains of influence were found with.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Setup {
+    pub weight: Weight,
+    pub basis: Basis,
+    pub feature_angle_degrees: f64,
+    pub planes: Vec<SymmetryPlane>,
+    pub extents: Extents,
+}
+
+/// What some slaves can need of a surface, by the numbers of the whole. See [the module](self).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Window {
+    pub(crate) setup: Setup,
+    boxes: Vec<Box3>,
+    skin: f64,
+    /// By ascending number.
+    nodes: Vec<WindowNode>,
+    /// By ascending number.
+    facets: Vec<WindowFacet>,
+    /// Lists of the core's facets, one after another, by place among the nodes.
+    listed: Vec<Listed>,
+}
+
+/// A node of a window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct WindowNode {
+    number: u64,
+    domain: MaterialDomain,
+}
+
+/// A facet of a window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct WindowFacet {
+    number: u64,
+    /// By place among the nodes; the fourth of a triangle is [`NONE`].
+    corners: [u32; 4],
+    /// Bit k where the whole surface ends at the edge from corner k to the next.
+    borders: u8,
+    /// Bit k where the sheet ends there.
+    ends: u8,
+    /// Of a facet of the core what fits carry there, and how many nodes are listed.
+    core: Option<(Carried, u32)>,
+}
+
+/// All that a window is cut from.
+pub(crate) struct Sheet<'a> {
+    pub surface: &'a MasterSurface,
+    pub domains: &'a NodalDomains,
+    pub creases: &'a Creases,
+    pub setup: &'a Setup,
+    pub node_number: &'a dyn Fn(u32) -> u64,
+    pub facet_number: &'a dyn Fn(u32) -> u64,
+}
+
+impl Sheet<'_> {
+    /// The window with this core: the facets that meet one of the boxes, with a skin around them.
+    pub fn window(&self, mut core: Vec<u32>, boxes: &[Box3], skin: f64) -> Window {
+        let surface = self.surface;
+        sort(&mut core);
+        let mut facets = core.clone();
+        for &facet in &core {
+            let listed = self.domains.listed(facet).iter();
+            facets.extend(listed.flat_map(|listed| surface.facets_of_place(listed.place as usize)));
+        }
+        sort(&mut facets);
+        let mut places: Vec<u32> =
+            facets.iter().flat_map(|&facet| surface.corners_of(facet as usize)).copied().collect();
+        sort(&mut places);
+        let place_of = |place: &u32| places.binary_search(place).map_or(NONE, |place| place as u32);
+        let nodes = places.iter().map(|&place| WindowNode {
+            number: (self.node_number)(place),
+            domain: *self.domains.domain(place as usize),
+        });
+        let mut listed = Vec::new();
+        let facet = |&facet: &u32| {
+            let mut corners = [NONE; 4];
+            for (own, place) in corners.iter_mut().zip(surface.corners_of(facet as usize)) {
+                *own = place_of(place);
+            }
+            let edges = surface.across(facet as usize).iter().enumerate();
+            let is_border = |edge, other| other == NONE && !surface.is_cut(facet as usize, edge);
+            let core = core.binary_search(&facet).is_ok().then(|| {
+                let list = self.domains.listed(facet);
+                listed.extend(list.iter().map(|own| Listed { place: place_of(&own.place), ..*own }));
+                (self.domains.carried(facet), list.len() as u32)
+            });
+            WindowFacet {
+                number: (self.facet_number)(facet),
+                corners,
+                borders: edges.map(|(edge, &other)| u8::from(is_border(edge, other)) << edge).sum(),
+                ends: self.creases.of_facet(facet as usize),
+                core,
+            }
+        };
+        let facets = facets.iter().map(facet).collect();
+        let nodes = nodes.collect();
+        let (setup, boxes) = (self.setup.clone(), boxes.to_vec());
+        Window { setup, boxes, skin, nodes, facets, listed }
+    }
+}
+
+/// A box with a skin around it.
+pub(crate) fn widened([low, high]: Box3, skin: f64) -> Box3 {
+    [low.map(|x| x - skin), high.map(|x| x + skin)]
+}
+
+/// Whether these are boxes and a skin.
+pub(crate) fn check_boxes(boxes: &[Box3], skin: f64) -> Result<(), WindowError> {
+    let is_box = |[low, high]: &Box3| {
+        low.iter().zip(high).all(|(low, high)| low.is_finite() && high.is_finite() && low <= high)
+    };
+    let is_skin = skin >= 0.0 && skin.is_finite();
+    let place = if is_skin { boxes.iter().position(|own| !is_box(own)) } else { Some(0) };
+    place.map_or(Ok(()), |place| Err(WindowError::InvalidBox { place, skin }))
+}
+
+/// Ascending, each once.
+fn sort<T: Ord>(numbers: &mut Vec<T>) {
+    numbers.sort_unstable();
+    numbers.dedup();
+}
+
+impl Window {
+    /// Numbers of its nodes in the whole surface, ascending. An [interface](crate::interface::ContactInterface::in_window) of the window
+    /// has them first among its nodes, in this order.
+    pub fn nodes(&self) -> impl ExactSizeIterator<Item = u64> + '_ {
+        self.nodes.iter().map(|node| node.number)
+    }
+
+    /// Numbers of its facets in the whole surface, ascending.
+    pub fn facets(&self) -> impl ExactSizeIterator<Item = u64> + '_ {
+        self.facets.iter().map(|facet| facet.number)
+    }
+
+    /// Its boxes: everything that meets them is known, while no node of the whole surface has moved by more than the
+    /// [skin](Self::skin) since the window was made.
+    #[must_use]
+    pub fn boxes(&self) -> &[Box3] {
+        &self.boxes
+    }
+
+    /// How far nodes of the surface may move before the window is to be made anew, length.
+    #[must_use]
+    pub const fn skin(&self) -> f64 {
+        self.skin
+    }
+
+    /// First positions of its nodes.
+    pub fn first_positions(&self) -> impl ExactSizeIterator<Item = Point> + '_ {
+        self.nodes.iter().map(|node| node.domain.position)
+    }
+
+    /// Windows for the same slaves from the owners of several parts of the surface, as one. The boxes and the skin have to be the same.
+    ///
+    /// # Errors
+    /// [`WindowError::Differs`] for windows of different surfaces, options, boxes or skins; [`WindowError::Invalid`] without a window.
+    pub fn joined(windows: &[Self]) -> Result<Self, WindowError> {
+        let [first, others @ ..] = windows else {
+            return Err(WindowError::Invalid { what: "part", place: 0 });
+        };
+        for (number, other) in (1..).zip(others) {
+            if other.setup != first.setup {
+                return Err(WindowError::Differs { what: "the options of part", number });
+            }
+            if (&other.boxes, other.skin) != (&first.boxes, first.skin) {
+                return Err(WindowError::Differs { what: "the boxes of part", number });
+            }
+        }
+        let mut nodes: Vec<WindowNode> = windows.iter().flat_map(|window| &window.nodes).copied().collect();
+        nodes.sort_by_key(|node| node.number);
+        let differing = nodes.windows(2).find(|pair| pair[0].number == pair[1].number && pair[0] != pair[1]);
+        if let Some(pair) = differing {
+            return Err(WindowError::Differs { what: "node", number: pair[0].number });
+        }
+        nodes.dedup_by_key(|node| node.number);
+        let places: Vec<Vec<u32>> = windows
+            .iter()
+            .map(|window| {
+                let place = |node: &WindowNode| {
+                    nodes.binary_search_by_key(&node.number, |node| node.number).map_or(NONE, |k| k as u32)
+                };
+                window.nodes.iter().map(place).collect()
+            })
+            .collect();
+        // A facet with its list, by which window has it.
+        let mut facets: Vec<(WindowFacet, usize, &[Listed])> = Vec::new();
+        for (own, window) in windows.iter().enumerate() {
+            for (facet, list) in window.facets_with_lists() {
+                let corners = facet
+                    .corners
+                    .map(|corner| if corner == NONE { NONE } else { places[own][corner as usize] });
+                facets.push((WindowFacet { corners, ..*facet }, own, list));
+            }
+        }
+        // Those of a core come first.
+        facets.sort_by_key(|(facet, own, _)| (facet.number, facet.core.is_none(), *own));
+        for pair in facets.windows(2) {
+            let [(one, ..), (two, ..)] = pair else { continue };
+            let is_same = WindowFacet { core: None, ..*one } == WindowFacet { core: None, ..*two }
+                && (two.core.is_none() || one.core == two.core);
+            if one.number == two.number && !is_same {
+                return Err(WindowError::Differs { what: "facet", number: one.number });
+            }
+        }
+        facets.dedup_by_key(|(facet, ..)| facet.number);
+        let listed = facets.iter().flat_map(|(_, own, list)| {
+            list.iter().map(|listed| Listed { place: places[*own][listed.place as usize], ..*listed })
+        });
+        let listed = listed.collect();
+        let facets = facets.into_iter().map(|(facet, ..)| facet).collect();
+        let (setup, boxes, skin) = (first.setup.clone(), first.boxes.clone(), first.skin);
+        Ok(Self { setup, boxes, skin, nodes, facets, listed })
+    }
+
+    /// Each facet with its list, which is empty outside of the core.
+    fn facets_with_lists(&self) -> impl Iterator<Item = (&WindowFacet, &[Listed])> {
+        self.facets.iter().scan(&self.listed[..], |rest, facet| {
+            let count = facet.core.map_or(0, |(_, count)| count as usize);
+            let (list, after) = rest.split_at(count);
+            *rest = after;
+            Some((facet, list))
+        })
+    }
+
+    /// The surface, with its domains and where sheets end.
+    ///
+    /// # Errors
+    /// [`WindowError::Surface`], [`WindowError::Incomplete`].
+    pub(crate) fn surface(&self) -> Result<(MasterSurface, NodalDomains, Creases), WindowError> {
+        let corners = self.facets.iter().map(|facet| facet.corners).collect();
+        let is_border = |facet: usize, edge: usize| self.facets[facet].borders >> edge & 1 == 1;
+        let surface = MasterSurface::part(self.nodes.len(), corners, is_border)?;
+        let mut is_cut = vec![false; self.nodes.len()];
+        surface.cut_edges().flatten().for_each(|node| is_cut[node] = true);
+        for (facet, list) in self.facets_with_lists() {
+            if let Some(listed) = list.iter().find(|listed| is_cut[listed.place as usize]) {
+                let node = self.nodes[listed.place as usize].number;
+                return Err(WindowError::Incomplete { facet: facet.number, node });
+            }
+        }
+        let domains = self.nodes.iter().map(|node| node.domain).collect();
+        let carried = |facet: &WindowFacet| facet.core.map_or(Carried::Nothing, |(carried, _)| carried);
+        let bases = self.facets.iter().map(carried).collect();
+        let lists: Vec<Vec<Listed>> = self.facets_with_lists().map(|(_, list)| list.to_vec()).collect();
+        let creases = Creases::given(self.facets.iter().map(|facet| facet.ends).collect());
+        Ok((surface, NodalDomains::given(domains, bases, &lists), creases))
+    }
+
+    /// What an interface of this window, made at these positions, knows of.
+    pub(crate) fn known(&self, positions: &[Point]) -> Known {
+        Known {
+            boxes: self.boxes.clone(),
+            skin: self.skin,
+            margin: BALL_MARGIN * self.setup.extents.facet,
+            is_core: self.facets.iter().map(|facet| facet.core.is_some()).collect(),
+            numbers: self.nodes().collect(),
+            start: positions[..self.nodes.len()].to_vec(),
+        }
+    }
+}
+
+/// What is known where there is a window only.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Known {
+    boxes: Vec<Box3>,
+    skin: f64,
+    /// What is added to the radius of a ball, length.
+    margin: f64,
+    /// Of each facet.
+    is_core: Vec<bool>,
+    /// Of the nodes in the whole surface, ascending.
+    numbers: Vec<u64>,
+    /// Of the nodes, when the window was made.
+    start: Vec<Point>,
+}
+
+impl Known {
+    /// Whether no node of the window has moved by more than its skin.
+    pub fn holds_at(&self, positions: &[Point]) -> bool {
+        let moved = |(x, start): (&Point, &Point)| (Vector3::from(*x) - Vector3::from(*start)).norm();
+        self.start.iter().zip(positions).all(|(start, x)| moved((x, start)) <= self.skin)
+    }
+
+    /// The radius of the ball around a slave that everything has to be known in, for a closest facet at this distance.
+    pub fn needed(&self, distance: f64) -> f64 {
+        distance + BALL_MARGIN * distance + self.margin
+    }
+
+    /// The radius of the largest ball around a point that lies in one of the boxes; negative outside of all.
+    pub fn around(&self, point: Point) -> f64 {
+        let within = |[low, high]: &Box3| {
+            (0..3).map(|k| (point[k] - low[k]).min(high[k] - point[k])).fold(f64::INFINITY, f64::min)
+        };
+        self.boxes.iter().map(within).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Whether slaves may be closest to this facet.
+    pub fn is_core(&self, facet: u32) -> bool {
+        self.is_core[facet as usize]
+    }
+
+    /// The number of a node in the whole surface.
+    pub fn number_of(&self, node: u32) -> Option<u64> {
+        self.numbers.get(node as usize).copied()
+    }
+
+    /// The node with this number.
+    pub fn node_of(&self, number: u64) -> Option<u32> {
+        self.numbers.binary_search(&number).ok().map(|place| place as u32)
+    }
+}

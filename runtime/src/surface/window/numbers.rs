@@ -1,0 +1,176 @@
+//! Windows as plain numbers, for a host to send.
+
+use super::{
+    Box3, Carried, Extents, LARGEST_NUMBER, Listed, MaterialDomain, NONE, Setup, SymmetryPlane, Window,
+    WindowError, WindowFacet, WindowNode, check_boxes,
+};
+use crate::{Basis, Point, Weight};
+
+/// Of the integers: what they are, so that others are refused.
+const MAGIC: i64 = 0x0064_6377_696e_0001;
+/// Integers before those of nodes.
+const HEADER: usize = 8;
+/// Integers of a facet: number, corners, bits, length of its list.
+const FACET: usize = 7;
+/// Bits of a facet.
+const ENDS: u32 = 4;
+const CARRIED: u32 = 8;
+const IS_CORE: i64 = 1 << 10;
+/// An image in the number of a listed node; 0: the node itself.
+const IMAGE: u32 = 32;
+/// Numbers before those of planes, and of a node.
+const REALS: usize = 9;
+const NODE: usize = 9;
+const BOX: usize = 6;
+
+impl Window {
+    /// The window as integers and floating-point numbers, from which [`from_numbers`](Self::from_numbers) makes the same one. About 60
+    /// bytes for each node, 50 for each facet and 150 for each facet of the core.
+    #[must_use]
+    pub fn to_numbers(&self) -> (Vec<i64>, Vec<f64>) {
+        let Setup { weight, basis, feature_angle_degrees, planes, extents } = &self.setup;
+        let weight = Weight::ALL.iter().position(|known| known == weight).unwrap_or(0) as i64;
+        let counts = [planes.len(), self.boxes.len(), self.nodes.len(), self.facets.len(), self.listed.len()];
+        let mut integers = vec![MAGIC, weight, basis.size() as i64];
+        integers.extend(counts.map(|count| count as i64));
+        integers.extend(self.nodes.iter().map(|node| node.number as i64));
+        for WindowFacet { number, corners, borders, ends, core } in &self.facets {
+            let corner = |&corner: &u32| if corner == NONE { -1 } else { i64::from(corner) };
+            integers.push(*number as i64);
+            integers.extend(corners.iter().map(corner));
+            let (carried, count) =
+                core.map_or((0, 0), |(carried, count)| (IS_CORE | (carried as i64) << CARRIED, count));
+            integers.extend([i64::from(*borders) | i64::from(*ends) << ENDS | carried, i64::from(count)]);
+        }
+        integers.extend(self.listed.iter().map(|listed| {
+            let image = if listed.image == NONE { 0 } else { i64::from(listed.image) + 1 };
+            i64::from(listed.place) | image << IMAGE
+        }));
+        let mut reals = vec![*feature_angle_degrees];
+        reals.extend(extents.low.iter().chain(&extents.high));
+        reals.extend([extents.facet, self.skin]);
+        reals.extend(planes.iter().flat_map(|plane| plane.point.into_iter().chain(plane.normal)));
+        reals.extend(self.boxes.as_flattened().as_flattened());
+        let node = |node: &WindowNode| {
+            let MaterialDomain { position: [x, y, z], metric: [a, b, c, d, e, f] } = node.domain;
+            [x, y, z, a, b, c, d, e, f]
+        };
+        reals.extend(self.nodes.iter().flat_map(node));
+        (integers, reals)
+    }
+
+    /// The window that [`to_numbers`](Self::to_numbers) made numbers of.
+    ///
+    /// # Errors
+    /// [`WindowError::Invalid`] for numbers that are none of a window, [`WindowError::InvalidBox`].
+    pub fn from_numbers(integers: &[i64], reals: &[f64]) -> Result<Self, WindowError> {
+        let invalid = |what, place| WindowError::Invalid { what, place };
+        let Some((header, mut rest)) = integers.split_at_checked(HEADER) else {
+            return Err(invalid("integer", integers.len()));
+        };
+        let weight = usize::try_from(header[1]).ok().and_then(|weight| Weight::ALL.get(weight));
+        let basis = [Basis::Linear, Basis::Quadratic].into_iter().find(|own| own.size() as i64 == header[2]);
+        let (MAGIC, Some(&weight), Some(basis)) = (header[0], weight, basis) else {
+            return Err(invalid("integer", 0));
+        };
+        let mut counts = [0; 5];
+        for (count, (place, &number)) in counts.iter_mut().zip(header.iter().enumerate().skip(3)) {
+            // More than there are numbers are none, so that no product below is too large.
+            let most = integers.len() + reals.len();
+            let number = usize::try_from(number).ok().filter(|&number| number <= most);
+            *count = number.ok_or(invalid("integer", place))?;
+        }
+        let [planes, boxes, nodes, facets, listed] = counts;
+        if rest.len() != nodes + FACET * facets + listed {
+            return Err(invalid("integer", integers.len()));
+        }
+        if reals.len() != REALS + BOX * planes + BOX * boxes + NODE * nodes {
+            return Err(invalid("floating-point number", reals.len()));
+        }
+        if let Some(place) = reals.iter().position(|x| !x.is_finite())
+            && !(1..REALS - 1).contains(&place)
+        {
+            return Err(invalid("floating-point number", place));
+        }
+        let mut take = |count: usize| {
+            let (own, after) = rest.split_at(count);
+            rest = after;
+            own
+        };
+        let numbers = take(nodes);
+        check_ascending("node", numbers.iter().copied())?;
+        let rows = take(FACET * facets).as_chunks::<FACET>().0;
+        check_ascending("facet", rows.iter().map(|row| row[0]))?;
+        let facets = rows.iter().enumerate().map(|(k, row)| facet_of(row, nodes).ok_or(invalid("facet", k)));
+        let facets = facets.collect::<Result<Vec<WindowFacet>, WindowError>>()?;
+        let list = take(listed).iter().enumerate();
+        let list = list.map(|(k, &number)| listed_of(number, nodes).ok_or(invalid("listed node", k)));
+        let list = list.collect::<Result<Vec<Listed>, WindowError>>()?;
+        let counted: usize = facets.iter().filter_map(|facet| facet.core).map(|core| core.1 as usize).sum();
+        if counted != listed {
+            return Err(invalid("list", facets.len()));
+        }
+        let (reals, mut rest) = reals.split_at(REALS);
+        let mut take = |count: usize| {
+            let (own, after) = rest.split_at(count);
+            rest = after;
+            own
+        };
+        let plane = |&[x, y, z, a, b, c]: &[f64; BOX]| SymmetryPlane { point: [x, y, z], normal: [a, b, c] };
+        let planes = take(BOX * planes).as_chunks().0.iter().map(plane).collect();
+        let own = |&[x, y, z, a, b, c]: &[f64; BOX]| [[x, y, z], [a, b, c]];
+        let boxes: Vec<Box3> = take(BOX * boxes).as_chunks().0.iter().map(own).collect();
+        let skin = reals[REALS - 1];
+        check_boxes(&boxes, skin)?;
+        let node = |(&number, &[x, y, z, a, b, c, d, e, f]): (&i64, &[f64; NODE])| WindowNode {
+            number: number as u64,
+            domain: MaterialDomain { position: [x, y, z], metric: [a, b, c, d, e, f] },
+        };
+        let nodes = numbers.iter().zip(take(NODE * nodes).as_chunks().0).map(node).collect();
+        let point = |k: usize| -> Point { [reals[k], reals[k + 1], reals[k + 2]] };
+        let extents = Extents { low: point(1), high: point(4), facet: reals[7] };
+        let setup = Setup { weight, basis, feature_angle_degrees: reals[0], planes, extents };
+        Ok(Self { setup, boxes, skin, nodes, facets, listed: list })
+    }
+}
+
+fn check_ascending(what: &'static str, numbers: impl Iterator<Item = i64>) -> Result<(), WindowError> {
+    let mut least = 0;
+    for (place, number) in numbers.enumerate() {
+        if number < least || number as u64 >= LARGEST_NUMBER {
+            return Err(WindowError::Invalid { what, place });
+        }
+        least = number + 1;
+    }
+    Ok(())
+}
+
+fn facet_of(&[number, a, b, c, d, bits, count]: &[i64; FACET], nodes: usize) -> Option<WindowFacet> {
+    let corner = |corner: i64| usize::try_from(corner).ok().filter(|&k| k < nodes).map(|k| k as u32);
+    let corners = [corner(a)?, corner(b)?, corner(c)?, if d == -1 { NONE } else { corner(d)? }];
+    let is_repeated = (0..4).any(|k| corners[..k].contains(&corners[k]));
+    if is_repeated || !(0..IS_CORE << 1).contains(&bits) {
+        return None;
+    }
+    let count = u32::try_from(count).ok()?;
+    let carried = match bits >> CARRIED & 3 {
+        0 => Carried::Nothing,
+        1 => Carried::Linear,
+        2 => Carried::Quadratic,
+        _ => return None,
+    };
+    let core = (bits & IS_CORE != 0).then_some((carried, count));
+    if core.is_none() && count != 0 {
+        return None;
+    }
+    let (borders, ends) = ((bits & 15) as u8, (bits >> ENDS & 15) as u8);
+    Some(WindowFacet { number: number as u64, corners, borders, ends, core })
+}
+
+fn listed_of(number: i64, nodes: usize) -> Option<Listed> {
+    let number = u64::try_from(number).ok()?;
+    let (place, image) = (number & u64::from(u32::MAX), number >> IMAGE);
+    let place = usize::try_from(place).ok().filter(|&place| place < nodes)? as u32;
+    let image = if image == 0 { NONE } else { u32::try_from(image - 1).ok()? };
+    Some(Listed { place, image })
+}

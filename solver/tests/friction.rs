@@ -67,7 +67,7 @@ fn a_block_slides_up_a_plane() {
     assert!((ratio / INCLINED - 1.0).abs() < 3e-4, "{ratio} {INCLINED}");
     // A limit below μ p: F cos α = G sin α + τ A.
     let mut limited = block.clone();
-    let friction = limited.interfaces[0].friction.unwrap().with_shear_limit(Some(0.4));
+    let friction = limited.interfaces[0].friction.clone().unwrap().with_shear_limit(Some(0.4));
     limited.interfaces[0].friction = Some(friction);
     let ratio = inclined(&limited);
     // F/G from G = 10 and A = 4: shear over pressure is 1.6/p A, with p A = G cos α + F sin α.

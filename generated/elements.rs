@@ -61,7 +61,7 @@ pub fn interpolated(m: &ElementModel<'_>) {
     let [x_0, x_1, y_0, y_1] = m.parameters(["first_x", "last_x", "first_y", "last_y"]);
     let corners: [Expr<'_>; 4] = m.parameters(["value_00", "value_10", "value_11", "value_01"]);
     let place = Vector([(x - x_0) / (x_1 - x_0), (y - y_0) / (y_1 - y_0)]);
-    m.residual("value", dot(corners, &bilinear(place)));
+    m.residual("value", dot(corners, bilinear(place)));
 }
 
 /// The factor c of Coulomb's friction, R = −c ∇q.

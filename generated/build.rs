@@ -5,7 +5,8 @@ mod elements;
 use diffuse_contact_codegen::Config;
 use elements::{
     carried_by_quadrilateral, carried_by_quadrilateral8, carried_by_quadrilateral9, carried_by_triangle,
-    carried_by_triangle6, coulomb, direction, traction,
+    carried_by_triangle6, coulomb, coulomb_sliding, decaying_coefficient, direction, interpolated, traction,
+    traction_sliding,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -21,6 +22,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .facets()
         .element("coulomb", coulomb)?
         .element("traction", traction)?
+        .element("coulomb_sliding", coulomb_sliding)?
+        .element("traction_sliding", traction_sliding)?
+        .element("decaying_coefficient", decaying_coefficient)?
+        .element("interpolated", interpolated)?
         .element("direction", direction)?
         .element("carried_by_triangle", carried_by_triangle)?
         .element("carried_by_quadrilateral", carried_by_quadrilateral)?

@@ -3,6 +3,67 @@
 use diffuse_contact_codegen::ElementModel;
 use diffuse_contact_codegen::expr::{Expr, Vec2, Vec3, Vector, dot};
 
+/// The factor c of a contact that slides at a coefficient of pressure and slip rate.
+pub fn coulomb_sliding(m: &ElementModel<'_>) {
+    m.title(
+        "Coulomb's friction that slides at a coefficient of its own: the factor c of R = −c ∇q (docs/equations.md, section 17).",
+    );
+    let [q, pressure]: [Expr<'_>; 2] = ["half_square", "pressure"].map(|name| m.variable(name));
+    let factor = sliding_factor(m, q, pressure);
+    m.residual("factor", factor);
+}
+
+/// The traction of a node of the faces that slides at such a coefficient.
+pub fn traction_sliding(m: &ElementModel<'_>) {
+    m.title("Traction −c P_n d over faces that slides at a coefficient of its own (docs/equations.md, section 18).");
+    let [way, normal]: [Vec3<'_>; 2] = ["way", "normal"].map(|name| m.variable(name));
+    let pressure = m.variable("pressure");
+    let slip = m.define("slip", way - (way.dot(normal) / normal.dot(normal)) * normal);
+    let factor = sliding_factor(m, 0.5 * slip.dot(slip), pressure);
+    m.value("factor", factor);
+    m.residual("traction", -(factor * slip));
+}
+
+/// The factor c at a coefficient that is known with its derivatives at the pressure and the slip rate of the contact. The rate
+/// depends on the traction, which is the root of a linear equation.
+fn sliding_factor<'g>(m: &ElementModel<'g>, q: Expr<'g>, pressure: Expr<'g>) -> Expr<'g> {
+    let [mu, by_pressure, by_rate] =
+        m.parameters(["coefficient", "coefficient_by_pressure", "coefficient_by_rate"]);
+    let [at_pressure, at_rate] = m.parameters(["at_pressure", "at_rate"]);
+    let [stiffness, opening, duration] = m.parameters(["stiffness", "opening", "duration"]);
+    let slip = (2.0 * q).sqrt();
+    let share = share_in_touch(m, pressure, opening);
+    // t = μ p with the rate (w s − t/ε_T)/Δt.
+    let rate_if_free = share * slip / duration;
+    let held = mu + by_pressure * (pressure - at_pressure) + by_rate * (rate_if_free - at_rate);
+    let strength = pressure * held / (1.0 + pressure * by_rate / (stiffness * duration));
+    strength / slip
+}
+
+/// The part w of the slip since the place of touch: all of it, to the last bit, of a contact that was closed.
+fn share_in_touch<'g>(m: &ElementModel<'g>, pressure: Expr<'g>, opening: Expr<'g>) -> Expr<'g> {
+    let (zero, one) = (m.sheet().zero(), m.sheet().one());
+    zero.less(opening).select(pressure / (pressure + opening), one)
+}
+
+/// A coefficient of friction that decays with the slip rate.
+pub fn decaying_coefficient(m: &ElementModel<'_>) {
+    m.title("A coefficient of friction that decays exponentially from rest to fast sliding.");
+    let rate: Expr<'_> = m.variable("rate");
+    let [at_rest, in_motion, decay] = m.parameters(["at_rest", "in_motion", "decay"]);
+    m.residual("coefficient", in_motion + (at_rest - in_motion) * (-(decay * rate)).exp());
+}
+
+/// A cell of a table of two numbers.
+pub fn interpolated(m: &ElementModel<'_>) {
+    m.title("Bilinear interpolation in a cell of a table.");
+    let [x, y]: [Expr<'_>; 2] = ["x", "y"].map(|name| m.variable(name));
+    let [x_0, x_1, y_0, y_1] = m.parameters(["first_x", "last_x", "first_y", "last_y"]);
+    let corners: [Expr<'_>; 4] = m.parameters(["value_00", "value_10", "value_11", "value_01"]);
+    let place = Vector([(x - x_0) / (x_1 - x_0), (y - y_0) / (y_1 - y_0)]);
+    m.residual("value", dot(corners, bilinear(place)));
+}
+
 /// The factor c of Coulomb's friction, R = −c ∇q.
 pub fn coulomb(m: &ElementModel<'_>) {
     m.title("Coulomb's friction with a penalty for stick: the factor c of R = −c ∇q (docs/equations.md, section 17).");
@@ -32,9 +93,8 @@ fn friction_factor<'g>(m: &ElementModel<'g>, q: Expr<'g>, pressure: Expr<'g>) ->
     let [mu, stiffness, opening, largest] =
         m.parameters(["coefficient", "stiffness", "opening", "shear_limit"]);
     let slip = (2.0 * q).sqrt();
-    // Of a contact that was open, the slip since the place of touch; of another all of it, to the last bit.
     let (zero, one) = (m.sheet().zero(), m.sheet().one());
-    let share = zero.less(opening).select(pressure / (pressure + opening), one);
+    let share = share_in_touch(m, pressure, opening);
     let (strength, stuck) = (mu * pressure, share * stiffness);
     let limit = strength.less(largest).select(strength, largest);
     let slides = limit.less(stuck * slip);

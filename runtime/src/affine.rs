@@ -98,10 +98,16 @@ impl AffinePoint {
     /// (1 − t) of this point and t of the other one.
     #[must_use]
     pub fn towards(&self, other: &Self, t: f64) -> Self {
-        let part = |point: &Self, factor: f64| -> Vec<(Carrier, f64)> {
-            point.terms.iter().map(|&(carrier, weight)| (carrier, factor * weight)).collect()
+        Self::combined(&[(self, 1.0 - t), (other, t)])
+    }
+
+    /// Σ f_k p_k of points p_k with factors f_k that add up to 1.
+    #[must_use]
+    pub(crate) fn combined(points: &[(&Self, f64)]) -> Self {
+        let part = |&(point, factor): &(&Self, f64)| {
+            point.terms.iter().map(move |&(carrier, weight)| (carrier, factor * weight)).collect::<Vec<_>>()
         };
-        Self::of(collected(part(self, 1.0 - t).into_iter().chain(part(other, t))))
+        Self::of(collected(points.iter().flat_map(part)))
     }
 }
 

@@ -359,7 +359,7 @@ fn what_is_no_history_is_refused() {
     let kept = pressed.interface.anchors().unwrap().to_vec();
     let anchor = |carrier: Carrier| {
         let point = AffinePoint::new([(carrier, 1.0)]).unwrap();
-        Some(vec![Some(Anchor { point, opening: 0.0 }), None, None, None, None])
+        Some(vec![Some(Anchor { point, ..Anchor::default() }), None, None, None, None])
     };
     let opened = |opening: f64| {
         let mut anchors = kept.clone();
@@ -436,4 +436,66 @@ fn a_symmetric_tangent_is_symmetric() {
             assert!((matrix[p][q] - matrix[q][p]).abs() < 1e-10);
         }
     }
+}
+
+/// Rounds of augmentation with the motion given: tractions rise by ε_T s each time, up to μ p.
+#[test]
+fn augmented_friction_forgets_its_stiffness_and_is_accepted_or_rolled_back() {
+    let friction = Coulomb::new(0.3, STIFFNESS).unwrap().with_augmentation(true);
+    let law = ContactLaw::penalty(PENALTY).with_friction(Some(friction));
+    let pressed = || {
+        let mut pressed = Pressed { law, ..Pressed::new(0.3, Weight::Cubic, &[]) };
+        pressed.slide_and_deform([2e-3, 1e-3, 0.0]);
+        pressed
+    };
+    let mut own = pressed();
+    let (history, forces) = (own.interface.history(), own.forces());
+    let first: Vec<Point> = (0..4).map(|k| own.traction(k)).collect();
+    let errors = own.interface.slip_errors(&law).unwrap();
+    for (traction, error) in first.iter().zip(&errors) {
+        assert!((length(*traction) / (STIFFNESS * error) - 1.0).abs() < 0.02, "{traction:?} {error}");
+    }
+    own.interface.augment(&law, |k| k != 1).unwrap();
+    assert_eq!(own.interface.history(), history);
+    for (k, before) in first.iter().enumerate() {
+        let after = own.traction(k);
+        let factor = if k == 1 { 1.0 } else { 2.0 };
+        let error = distance(after, before.map(|x| factor * x));
+        assert!(error < 0.02 * length(*before), "{k} {after:?} {before:?}");
+    }
+    assert_tangent(&mut own, true);
+    own.slide([0.0; 3]);
+    // Up to the limit, where nothing is left to do.
+    for _ in 0..20 {
+        own.interface.augment(&law, |_| true).unwrap();
+    }
+    for k in 0..4 {
+        let ratio = length(own.traction(k)) / own.normal_force(k);
+        assert!((ratio - 0.3).abs() < 0.003, "{ratio}");
+    }
+    assert!(own.interface.slip_errors(&law).unwrap().iter().all(|&error| error < 1e-5));
+    assert_balance(&mut own);
+
+    // Rolled back, the step begins anew, bit for bit.
+    let mut other = pressed();
+    other.interface.augment(&law, |_| true).unwrap();
+    other.interface.roll_back();
+    other.interface.refresh_pairing(&other.positions).unwrap();
+    assert_eq!(other.forces(), forces);
+    // Accepted and saved, it goes on.
+    let report = own.accept();
+    assert!(report.sliding >= 4, "{report:?}");
+    let history = own.interface.history();
+    other.interface.set_history(&history).unwrap();
+    other.positions = own.positions.clone();
+    other.interface.refresh_pairing(&other.positions).unwrap();
+    for interface in [&mut own, &mut other] {
+        interface.slide([-1e-3, 0.0, 0.0]);
+        interface.interface.augment(&law, |_| true).unwrap();
+    }
+    assert_eq!(own.forces(), other.forces());
+    assert!(own.accept().stuck >= 4 && other.accept().stuck >= 4);
+    assert_eq!(own.interface.history(), other.interface.history());
+    let plain = ContactLaw::penalty(PENALTY).with_friction(Coulomb::new(0.3, STIFFNESS).ok());
+    assert_eq!(own.interface.slip_errors(&plain).unwrap_err().code(), "no-augmentation");
 }

@@ -67,7 +67,7 @@ fn a_block_slides_up_a_plane() {
     assert!((ratio / INCLINED - 1.0).abs() < 3e-4, "{ratio} {INCLINED}");
     // A limit below μ p: F cos α = G sin α + τ A.
     let mut limited = block.clone();
-    let friction = limited.interfaces[0].friction.unwrap().with_shear_limit(Some(0.4));
+    let friction = limited.interfaces[0].friction.clone().unwrap().with_shear_limit(Some(0.4));
     limited.interfaces[0].friction = Some(friction);
     let ratio = inclined(&limited);
     // F/G from G = 10 and A = 4: shear over pressure is 1.6/p A, with p A = G cos α + F sin α.
@@ -80,6 +80,57 @@ fn a_block_slides_up_a_plane() {
     smooth.interfaces[0].friction = None;
     let ratio = inclined(&smooth);
     assert!((ratio / 0.1 - 1.0).abs() < 1e-6, "{ratio}");
+}
+
+/// The block with this friction, as a deck has it, moved so far along x until t = 1.
+fn block_with(friction: &str, way: &str) -> Deck {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/inclined_block.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let text = text.replace("friction = 0.3", &format!("friction = {friction}"));
+    let mut deck = Deck::parse(&text.replace("translate = [1.0,", &format!("translate = [{way},"))).unwrap();
+    divide(&mut deck, "block", &[4, 1, 2]);
+    deck
+}
+
+/// The block slides at a constant rate, and μ is that of the rate.
+#[test]
+fn a_block_slides_with_friction_of_its_rate() {
+    // 1/0.9 along x, by cos α along the slope.
+    let rate = (1.0 + 0.01_f64).sqrt() / 0.9;
+    let decaying = 0.2 + 0.1 * (-0.7 * rate).exp();
+    let tabulated = 0.35 - 0.1 * rate / 2.0;
+    for (coefficient, mu) in [
+        ("{ static = 0.3, kinetic = 0.2, decay = 0.7 }", decaying),
+        ("{ rates = [0.0, 2.0], values = [0.35, 0.25] }", tabulated),
+        ("{ pressures = [0.0, 9.0], rates = [0.0, 2.0], values = [[0.35, 0.25], [0.35, 0.25]] }", tabulated),
+    ] {
+        let ratio = inclined(&block_with(&format!("{{ coefficient = {coefficient} }}"), "1.0"));
+        let exact = (0.1 + mu) / (1.0 - 0.1 * mu);
+        assert!((ratio / exact - 1.0).abs() < 1e-6, "{ratio} {exact}");
+    }
+}
+
+/// A block that is moved too little to slide: without augmentation it creeps by its elastic slip, with it the forces are those of one that
+/// sticks, whatever the tangential stiffness.
+#[test]
+fn augmented_friction_sticks_whatever_its_stiffness() {
+    let measure = |stiffness: &str, augmentation: &str| {
+        let friction = format!("{{ coefficient = 0.3, stiffness = {stiffness}{augmentation} }}");
+        let mut deck = block_with(&friction, "2e-3");
+        deck.time.end = 0.3;
+        let run = run(&deck, |snapshot| {
+            let error = snapshot.problem.contacts().interactions()[0].slip_error().unwrap();
+            (error, snapshot.contact_force()[0])
+        });
+        *run.measures.last().unwrap()
+    };
+    let augmentation = ", augmentation = { tolerance = 1e-8, max = 60 }";
+    let [soft, stiff] = ["1e4", "1e5"].map(|stiffness| measure(stiffness, augmentation));
+    assert!(soft.0 <= 1e-8 && stiff.0 <= 1e-8, "{soft:?} {stiff:?}");
+    assert!((soft.1 / stiff.1 - 1.0).abs() < 1e-3, "{soft:?} {stiff:?}");
+    let creeping = measure("1e4", "");
+    println!("{soft:?} {stiff:?} {creeping:?}");
+    assert!((creeping.1 / stiff.1 - 1.0).abs() > 1e-2, "{creeping:?} {stiff:?}");
 }
 
 /// At each node that slides friction is μ times the pressure, also in the pictures, and of elements of second order.

@@ -8,7 +8,8 @@ use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
 use diffuse_contact_codegen::{ElementKernels, ElementModel, Mode};
 use diffuse_contact_kernels::{
     carried_by_quadrilateral, carried_by_quadrilateral8, carried_by_quadrilateral9, carried_by_triangle,
-    carried_by_triangle6, coulomb, direction, support, traction,
+    carried_by_triangle6, coulomb, coulomb_sliding, decaying_coefficient, direction, interpolated, support,
+    traction, traction_sliding,
 };
 use num_dual::{Dual64, DualNum};
 
@@ -275,6 +276,133 @@ fn the_traction_over_faces_has_three_witnesses() {
             assert_close(&of_graph[k], &expected[k], what);
             assert_close(&of_kernel[k], &expected[k], what);
         }
+    }
+}
+
+/// The traction t = μ(p, v) p with v = (w s − t/ε_T)/Δt, for a μ that is linear in both, by fixed-point iteration.
+fn sliding_strength(
+    slip: Dual64,
+    pressure: Dual64,
+    [mu, by_p, by_v, p_0, v_0]: [f64; 5],
+    law: [f64; 3],
+) -> Dual64 {
+    let [stiffness, opening, duration] = law;
+    let share = if opening > 0.0 { pressure / (pressure + opening) } else { Dual64::from(1.0) };
+    let mut strength = pressure * mu;
+    for _ in 0..200 {
+        let rate = (share * slip - strength / stiffness) / duration;
+        strength = pressure * (Dual64::from(mu) + (pressure - p_0) * by_p + (rate - v_0) * by_v);
+    }
+    strength
+}
+
+#[test]
+fn sliding_at_a_coefficient_that_varies_has_three_witnesses() {
+    for (half_square, way, pressure, opening) in
+        [(2e-2, [0.2, 0.1, 0.3], 9.0, 0.0), (0.3, [-0.4, 0.5, 0.1], 4.0, 3.0)]
+    {
+        let normal = [0.2, -0.3, 1.7];
+        let model = [0.3, -0.01, -0.2, 8.7, 0.4];
+        let law = [50.0, opening, 0.7];
+        let [coefficient, coefficient_by_pressure, coefficient_by_rate, at_pressure, at_rate] = model;
+        let [stiffness, opening, duration] = law;
+        let inputs = [&[half_square, pressure][..], &model, &law].concat();
+        let expected = by_duals(&inputs, 2, |x| {
+            let slip = (x[0] + x[0]).sqrt();
+            vec![sliding_strength(slip, x[1], model, law) / slip]
+        });
+        let kernel = coulomb_sliding::Inputs {
+            half_square,
+            pressure,
+            coefficient,
+            coefficient_by_pressure,
+            coefficient_by_rate,
+            at_pressure,
+            at_rate,
+            stiffness,
+            opening,
+            duration,
+        };
+        let results = coulomb_sliding::evaluate(support::Mode::Gradient, &kernel);
+        let of_kernel = [vec![results.values.factor], results.factor_jacobian.to_vec()];
+        let of_graph = interpreted(formulas::coulomb_sliding, &inputs, "factor");
+        for (k, what) in ["factor", "its derivatives"].into_iter().enumerate() {
+            assert_close(&of_graph[k], &expected[k], what);
+            assert_close(&of_kernel[k], &expected[k], what);
+        }
+
+        let inputs = [&way[..], &normal, &[pressure], &model, &law].concat();
+        let expected = by_duals(&inputs, 7, |x| {
+            let dot = |a: &[Dual64], b: &[Dual64]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+            let (d, n) = (&x[..3], &x[3..6]);
+            let along = dot(d, n) / dot(n, n);
+            let slip: Vec<Dual64> = (0..3).map(|i| d[i] - along * n[i]).collect();
+            let length = dot(&slip, &slip).sqrt();
+            let strength = sliding_strength(length, x[6], model, law);
+            slip.iter().map(|&slip| -strength * slip / length).collect()
+        });
+        let kernel = traction_sliding::Inputs {
+            way,
+            normal,
+            pressure,
+            coefficient,
+            coefficient_by_pressure,
+            coefficient_by_rate,
+            at_pressure,
+            at_rate,
+            stiffness,
+            opening,
+            duration,
+        };
+        let results = traction_sliding::evaluate(support::Mode::Gradient, &kernel);
+        let of_kernel = [results.values.traction.to_vec(), results.traction_jacobian.to_vec()];
+        let of_graph = interpreted(formulas::traction_sliding, &inputs, "traction");
+        for (k, what) in ["traction", "its derivatives"].into_iter().enumerate() {
+            assert_close(&of_graph[k], &expected[k], what);
+            assert_close(&of_kernel[k], &expected[k], what);
+        }
+    }
+}
+
+#[test]
+fn coefficients_and_tables_have_three_witnesses() {
+    let [rate, at_rest, in_motion, decay] = [0.7, 0.5, 0.2, 1.3];
+    let inputs = [rate, at_rest, in_motion, decay];
+    let expected = by_duals(&inputs, 1, |x| vec![x[2] + (x[1] - x[2]) / (x[3] * x[0]).exp()]);
+    let kernel = decaying_coefficient::Inputs { rate, at_rest, in_motion, decay };
+    let results = decaying_coefficient::evaluate(support::Mode::Gradient, &kernel);
+    let of_kernel = [vec![results.values.coefficient], results.coefficient_jacobian.to_vec()];
+    let of_graph = interpreted(formulas::decaying_coefficient, &inputs, "coefficient");
+    for k in 0..2 {
+        assert_close(&of_graph[k], &expected[k], "decaying coefficient");
+        assert_close(&of_kernel[k], &expected[k], "decaying coefficient");
+    }
+    let inputs = [1.3, 0.4, 1.0, 3.0, -1.0, 2.0, 0.5, 0.7, -0.2, 0.9];
+    let expected = by_duals(&inputs, 2, |x| {
+        // Along y at both ends, then along x.
+        let s = (x[1] - x[4]) / (x[5] - x[4]);
+        let [first, last] = [x[6] + (x[9] - x[6]) * s, x[7] + (x[8] - x[7]) * s];
+        vec![first + (last - first) * (x[0] - x[2]) / (x[3] - x[2])]
+    });
+    let [x, y, first_x, last_x, first_y, last_y, value_00, value_10, value_11, value_01] = inputs;
+    let kernel = interpolated::Inputs {
+        x,
+        y,
+        first_x,
+        last_x,
+        first_y,
+        last_y,
+        value_00,
+        value_10,
+        value_11,
+        value_01,
+    };
+    let results = interpolated::evaluate(support::Mode::Gradient, &kernel);
+    let of_kernel = [vec![results.values.value], results.value_jacobian.to_vec()];
+    let of_graph = interpreted(formulas::interpolated, &inputs, "value");
+    for k in 0..2 {
+        assert_close(&of_graph[k], &expected[k], "table");
+        assert_close(&of_kernel[k], &expected[k], "table");
     }
 }
 

@@ -58,6 +58,29 @@ pub enum AssemblyError {
         /// Its gap.
         gap: f64,
     },
+    /// A normal law of the caller's own gave what is no pressure.
+    #[error(
+        "the normal law gave element {element} at the gap {gap:e} the pressure {pressure}, by the gap {by_gap}: both have to be finite"
+    )]
+    InvalidPressure {
+        /// The element, counted from 0.
+        element: usize,
+        /// Its gap.
+        gap: f64,
+        /// p.
+        pressure: f64,
+        /// ∂p/∂g.
+        by_gap: f64,
+    },
+    /// A normal law of the caller's own and multipliers of the augmented Lagrangian at once.
+    #[error("a normal law of one's own takes no multipliers")]
+    MultipliersOfOwnLaw,
+    /// Numbers that are no table.
+    #[error("number {place} of the table is not finite, does not ascend, is missing or too many")]
+    InvalidTable {
+        /// The place of the first such number, in gaps and pressures one after another.
+        place: usize,
+    },
     /// An element has contact but no master nodes.
     #[error("element {element} has contact but no master nodes")]
     NoMasters {
@@ -136,6 +159,9 @@ pub enum AssemblyError {
         /// How many; `usize::MAX` also stands for more.
         count: usize,
     },
+    /// A round of augmentation by a law that has none.
+    #[error("the law has no augmentation of friction")]
+    NoAugmentation,
     /// The law has friction, but the elements come without slips.
     #[error("the law has friction, but element {element} has no slip: accept a state before the first step")]
     NoSlip {
@@ -144,7 +170,7 @@ pub enum AssemblyError {
     },
     /// The friction of an element is not finite.
     #[error(
-        "the friction of element {element} is not finite: half the square of its slip is {half_square}, it was open by {opening}"
+        "the friction of element {element} is not finite: half the square of its slip is {half_square}, it was open by {opening}; a coefficient of one's own has to be finite and not negative"
     )]
     InvalidSlip {
         /// The element, counted from 0.
@@ -178,6 +204,9 @@ impl AssemblyError {
             Self::InvalidGap { .. } => "invalid-gap",
             Self::InvalidArea { .. } => "invalid-area",
             Self::ForceOverflow { .. } | Self::Overflow { .. } => "overflow",
+            Self::InvalidPressure { .. } => "invalid-pressure",
+            Self::MultipliersOfOwnLaw => "multipliers-of-own-law",
+            Self::InvalidTable { .. } => "invalid-table",
             Self::NoMasters { .. } => "no-masters",
             Self::DerivativeLength { .. } => "derivative-length",
             Self::NotDerived { .. } => "not-derived",
@@ -187,6 +216,7 @@ impl AssemblyError {
             Self::OutputLength { .. } => "output-length",
             Self::PatternMismatch { .. } => "pattern-mismatch",
             Self::TooLarge { .. } => "too-large",
+            Self::NoAugmentation => "no-augmentation",
             Self::NoSlip { .. } => "no-slip",
             Self::InvalidSlip { .. } => "invalid-slip",
             Self::Unsymmetric => "unsymmetric",

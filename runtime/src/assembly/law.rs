@@ -1,6 +1,6 @@
 //! From the gap to force and stiffness.
 
-use super::{AssemblyError, ContactView, ElementView, Elements, SlipView};
+use super::{AssemblyError, ContactView, ElementView, Elements, NormalLaw, SlipView};
 use crate::friction::{Coulomb, FrictionForce, NormalForce};
 
 /// Which tangent is assembled.
@@ -60,7 +60,9 @@ impl Tangent {
     }
 }
 
-/// The law of contact: penalty or augmented Lagrangian, with or without friction.
+/// The law of contact: a normal law (penalty, augmented Lagrangian, or a [`NormalLaw`] of the user's own) and friction (none, or
+/// [`Coulomb`] with a constant or a [`FrictionCoefficient`](crate::friction::FrictionCoefficient) of the user's own). It is the same over
+/// nodes and over faces, where contact forces are pressures.
 ///
 /// Contact force of element k, with ε_k = penalty × area_k:
 ///
@@ -70,37 +72,61 @@ impl Tangent {
 /// K_k = ε_k N_k N_kᵀ − f_k M_k = −∂R_k/∂x; ε (g M + N Nᵀ) for λ = 0 (eq. 43)
 /// ```
 ///
+/// With a [`NormalLaw`] f_k = area_k p(g_k), and −area_k p′(g_k) stands in the place of ε_k.
+///
 /// An element with f_k ≤ 0 contributes nothing. At f_k = 0 exactly, such as a touching node with λ = 0, that is no force
 /// and, of the two one-sided tangents, the one of the open side: zero.
 ///
 /// With friction each element that carries force adds −c_k ∇q_k to R_k, see [`Coulomb`], and its derivative to K_k. K_k is then not
 /// symmetric where the contact slides, and where it has closed since the last accepted step. Of that derivative
 /// [`Tangent::GaussNewton`] keeps c ∇²q + ∂c/∂q ∇q ∇qᵀ, which is symmetric.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct ContactLaw<'a> {
-    /// Penalty ε_n > 0: force per length, or force per length³ if the elements carry areas.
+    /// Penalty ε_n > 0: force per length, or force per length³ if the elements carry areas. With a normal law of one's own it only
+    /// estimates where a contact that closes in a step has touched: about the stiffness of that law in contact.
     pub penalty: f64,
+    /// The normal law, if it is not the penalty's. It takes no multipliers.
+    pub normal: Option<&'a dyn NormalLaw>,
     /// Multipliers λ_k ≥ 0 of the augmented Lagrangian, one contact force per element; `None` for λ = 0.
     pub multipliers: Option<&'a [f64]>,
     /// Which tangent is assembled.
     pub tangent: Tangent,
     /// Friction: the elements have to come with their slips.
-    pub friction: Option<Coulomb>,
+    pub friction: Option<Coulomb<'a>>,
+}
+
+impl PartialEq for ContactLaw<'_> {
+    /// Normal laws and coefficients of one's own are the same if they are one in memory.
+    fn eq(&self, other: &Self) -> bool {
+        let normal = match (self.normal, other.normal) {
+            (Some(one), Some(other)) => std::ptr::addr_eq(one, other),
+            (None, None) => true,
+            _ => false,
+        };
+        let rest = |law: &Self| (law.penalty, law.multipliers, law.tangent, law.friction);
+        normal && rest(self) == rest(other)
+    }
 }
 
 impl<'a> ContactLaw<'a> {
     /// The penalty law with the exact tangent.
     #[must_use]
     pub const fn penalty(penalty: f64) -> Self {
-        Self { penalty, multipliers: None, tangent: Tangent::Exact, friction: None }
+        Self { penalty, normal: None, multipliers: None, tangent: Tangent::Exact, friction: None }
+    }
+
+    /// With this normal law, or the penalty's.
+    #[must_use]
+    pub const fn with_normal(self, normal: Option<&'a dyn NormalLaw>) -> Self {
+        Self { normal, ..self }
     }
 
     /// With friction, or without. The tangential stiffness is one per area where the elements carry areas. A coefficient of 0 is no
     /// friction.
     #[must_use]
-    pub fn with_friction(self, friction: Option<Coulomb>) -> Self {
-        Self { friction: friction.filter(|friction| friction.coefficient() > 0.0), ..self }
+    pub fn with_friction(self, friction: Option<Coulomb<'a>>) -> Self {
+        Self { friction: friction.filter(|friction| !friction.is_none()), ..self }
     }
 
     /// Whether tangents are symmetric.
@@ -122,13 +148,16 @@ impl<'a> ContactLaw<'a> {
     }
 
     /// Contact force max(0, λ_k − ε_k g) of element `k` at the gap `gap`; with λ ← force it is also the update of the
-    /// augmented Lagrangian.
+    /// augmented Lagrangian. With a normal law of one's own area times its pressure, if that is positive.
     ///
     /// # Panics
     /// If there are multipliers, but none for `k`.
     #[must_use]
     pub fn force(&self, k: usize, gap: f64, area: f64) -> f64 {
-        (self.multiplier(k) - self.penalty * area * gap).max(0.0)
+        match self.normal {
+            None => (self.multiplier(k) - self.penalty * area * gap).max(0.0),
+            Some(normal) => (area * normal.pressure(k, gap).pressure).max(0.0),
+        }
     }
 
     /// The normal force of element `k` at the gap `gap`, and −∂f/∂g.
@@ -136,8 +165,38 @@ impl<'a> ContactLaw<'a> {
     /// # Panics
     /// If there are multipliers, but none for `k`.
     #[must_use]
-    pub fn normal(&self, k: usize, gap: f64, area: f64) -> NormalForce {
-        NormalForce { force: self.force(k, gap, area), stiffness: self.penalty * area }
+    pub fn normal_force(&self, k: usize, gap: f64, area: f64) -> NormalForce {
+        match self.normal {
+            None => NormalForce { force: self.force(k, gap, area), stiffness: self.penalty * area },
+            Some(normal) => {
+                let at = normal.pressure(k, gap);
+                NormalForce { force: (area * at.pressure).max(0.0), stiffness: -area * at.by_gap }
+            }
+        }
+    }
+
+    /// The same of a gap and an area that are numbers, and of a law that may be none.
+    pub(crate) fn checked_normal_force(
+        &self,
+        k: usize,
+        gap: f64,
+        area: f64,
+    ) -> Result<NormalForce, AssemblyError> {
+        let found = match self.normal {
+            None => self.normal_force(k, gap, area),
+            Some(normal) => {
+                let at = normal.pressure(k, gap);
+                if !(at.pressure.is_finite() && at.by_gap.is_finite()) {
+                    let (pressure, by_gap) = (at.pressure, at.by_gap);
+                    return Err(AssemblyError::InvalidPressure { element: k, gap, pressure, by_gap });
+                }
+                NormalForce { force: (area * at.pressure).max(0.0), stiffness: -area * at.by_gap }
+            }
+        };
+        if found.stiffness.is_finite() && found.force.is_finite() {
+            return Ok(found);
+        }
+        Err(AssemblyError::ForceOverflow { element: k, penalty: self.penalty, area, gap })
     }
 
     /// The friction of element `k` with this slip; `None` without friction, and before there is an anchor.
@@ -150,15 +209,26 @@ impl<'a> ContactLaw<'a> {
         slip: Option<SlipView<'_>>,
     ) -> Option<FrictionForce> {
         let slip = slip.filter(|slip| !slip.gradient.is_empty())?;
-        let friction = self.friction?.over(area);
-        Some(friction.force_since(self.normal(k, gap, area), slip.half_square, slip.opening))
+        self.friction_by(self.normal_force(k, gap, area), area, (slip.half_square, slip.opening))
+    }
+
+    /// The friction of an element with this normal force, half square of its slip, and the gap that it was open by.
+    pub(crate) fn friction_by(
+        &self,
+        normal: NormalForce,
+        area: f64,
+        (half_square, opening): (f64, f64),
+    ) -> Option<FrictionForce> {
+        let opening = self.penalty * area * opening;
+        Some(self.friction?.over(area).force_since(normal, half_square, opening))
     }
 
     /// Checks the penalty, and that there are no multipliers or one that is finite and not negative for each of `elements`
     /// elements.
     ///
     /// # Errors
-    /// [`AssemblyError::InvalidPenalty`], [`AssemblyError::MultiplierCount`], [`AssemblyError::InvalidMultiplier`].
+    /// [`AssemblyError::InvalidPenalty`], [`AssemblyError::MultiplierCount`], [`AssemblyError::InvalidMultiplier`],
+    /// [`AssemblyError::MultipliersOfOwnLaw`].
     pub fn validate(&self, elements: usize) -> Result<(), AssemblyError> {
         self.check(elements)?;
         (0..elements).try_for_each(|k| self.check_multiplier(k))
@@ -172,6 +242,9 @@ impl<'a> ContactLaw<'a> {
     pub(super) fn check(&self, elements: usize) -> Result<(), AssemblyError> {
         if !(self.penalty > 0.0 && self.penalty.is_finite()) {
             return Err(AssemblyError::InvalidPenalty { value: self.penalty });
+        }
+        if self.normal.is_some() && self.multipliers.is_some() {
+            return Err(AssemblyError::MultipliersOfOwnLaw);
         }
         match self.multipliers {
             Some(multipliers) if multipliers.len() != elements => {
@@ -217,12 +290,8 @@ impl<'a> ContactLaw<'a> {
         if !(contact.area >= 0.0 && contact.area.is_finite()) {
             return Err(AssemblyError::InvalidArea { element: k, value: contact.area });
         }
-        let force = self.force(k, contact.gap, contact.area);
-        if !((self.penalty * contact.area).is_finite() && force.is_finite()) {
-            let (penalty, area, gap) = (self.penalty, contact.area, contact.gap);
-            return Err(AssemblyError::ForceOverflow { element: k, penalty, area, gap });
-        }
-        if !(force > 0.0) {
+        let normal = self.checked_normal_force(k, contact.gap, contact.area)?;
+        if !(normal.force > 0.0) {
             return Ok(());
         }
         let length = |what, found, expected| {
@@ -245,8 +314,8 @@ impl<'a> ContactLaw<'a> {
         if needs == Needs::Tangent {
             length("Hessian of the slip", slip.hessian.len(), packed)?;
         }
-        let friction = self.friction_of(k, contact.gap, contact.area, contact.slip);
         let SlipView { half_square, opening, .. } = slip;
+        let friction = self.friction_by(normal, contact.area, (half_square, opening));
         let is_finite = half_square.is_finite() && friction.is_none_or(|force| force.check().is_ok());
         let invalid = AssemblyError::InvalidSlip { element: k, half_square, opening };
         if is_finite { Ok(()) } else { Err(invalid) }
@@ -260,18 +329,21 @@ impl<'a> ContactLaw<'a> {
 
     /// What an element with these contact quantities contributes.
     pub(super) fn active_contact<'e>(&self, k: usize, contact: &ContactView<'e>) -> Option<Active<'e>> {
-        let force = self.force(k, contact.gap, contact.area);
+        let normal @ NormalForce { force, stiffness } = self.normal_force(k, contact.gap, contact.area);
+        if !(force > 0.0) {
+            return None;
+        }
         let hessian = match self.tangent {
             Tangent::Exact => Some(contact.hessian),
             Tangent::GaussNewton => None,
         };
-        let stiffness = self.penalty * contact.area;
-        let friction = self.friction_of(k, contact.gap, contact.area, contact.slip);
-        let friction = friction.zip(contact.slip).map(|(force, slip)| {
+        let tracked = contact.slip.filter(|slip| !slip.gradient.is_empty());
+        let friction = tracked.and_then(|slip| {
+            let force = self.friction_by(normal, contact.area, (slip.half_square, slip.opening))?;
             let factor_by_gap = if self.is_symmetric() { 0.0 } else { force.factor_by_gap };
-            ActiveFriction { force: FrictionForce { factor_by_gap, ..force }, slip }
+            Some(ActiveFriction { force: FrictionForce { factor_by_gap, ..force }, slip })
         });
-        (force > 0.0).then_some(Active { force, stiffness, gradient: contact.gradient, hessian, friction })
+        Some(Active { force, stiffness, gradient: contact.gradient, hessian, friction })
     }
 }
 

@@ -20,6 +20,8 @@ pub struct NodeContact {
     pub normal: Point,
     /// p_A ≥ 0, force per area.
     pub pressure: f64,
+    /// −∂p_A/∂ḡ_A of a node in contact, force per length³: the penalty, but for a normal law of one's own.
+    pub stiffness: f64,
     /// t_A, friction on the slave, force per area; zero without friction or before there is a history.
     pub friction: Point,
     /// Stick, slip or neither.
@@ -38,6 +40,7 @@ impl NodeContact {
             area: 0.0,
             normal: [0.0; 3],
             pressure: 0.0,
+            stiffness: 0.0,
             friction: [0.0; 3],
             friction_state: FrictionState::Open,
             slip: 0.0,

@@ -101,7 +101,8 @@ impl FaceInterface {
             node.gap /= node.area;
             let normal = Vector3::from(node.normal).try_normalize().filter(Vector3::is_finite);
             node.normal = normal.unwrap_or_default().into();
-            node.pressure = law.force(k, node.gap, 1.0);
+            let normal_force = law.checked_normal_force(k, node.gap, 1.0)?;
+            (node.pressure, node.stiffness) = (normal_force.force, normal_force.stiffness);
         }
         Ok((nodes, normals))
     }
@@ -109,7 +110,6 @@ impl FaceInterface {
     /// Forces and tangents of the faces around nodes that carry pressure.
     pub(super) fn derive(
         &self,
-        law: &ContactLaw<'_>,
         mode: Mode,
         tractions: &[Option<Traction>],
         contacts: &mut FaceContacts,
@@ -145,7 +145,7 @@ impl FaceInterface {
             .into_par_iter()
             .map(|(k, node)| {
                 let traction = tractions.get(k).and_then(Option::as_ref);
-                self.node_block(k, &node, law, mode, traction, &of_face)
+                self.node_block(k, &node, mode, traction, &of_face)
             })
             .collect();
         if mode >= Mode::Hessian {
@@ -232,7 +232,6 @@ impl FaceInterface {
         &self,
         k: usize,
         node: &NodeContact,
-        law: &ContactLaw<'_>,
         mode: Mode,
         traction: Option<&Traction>,
         of_face: &[Option<FaceBlock>],
@@ -246,7 +245,8 @@ impl FaceInterface {
             nodes
         };
         let (rows, mut columns) = (all(|cut| &cut.rows), all(|cut| &cut.columns));
-        let track = self.tracks.as_ref().and_then(|tracks| tracks[k].as_ref()).filter(|_| traction.is_some());
+        let track = self.present_history().and_then(|tracks| tracks[k].as_ref());
+        let track = track.filter(|_| traction.is_some());
         columns.extend(track.into_iter().flat_map(Track::terms).map(|(node, _)| node));
         sort(&mut columns);
         let of = |count: usize| vec![0.0; 3 * count];
@@ -262,7 +262,7 @@ impl FaceInterface {
             rows,
             columns,
             pressure: node.pressure,
-            stiffness: law.penalty,
+            stiffness: node.stiffness,
         };
         // ∂n/∂x, three rows.
         let turns = traction.is_some() && mode >= Mode::Hessian;
@@ -286,7 +286,7 @@ impl FaceInterface {
         if let (Some(friction), Some(traction), Some(track)) = (&mut sums.friction, traction, track) {
             // The chain rule: the traction by pressure, normal and way; those by the nodes.
             for (i, row) in friction.gradients.iter_mut().enumerate() {
-                let by_gap = -law.penalty * traction.by_pressure[i];
+                let by_gap = -node.stiffness * traction.by_pressure[i];
                 row.iter_mut().zip(&sums.gradient).for_each(|(sum, by)| *sum += by_gap * by);
                 if turns {
                     let row = &mut friction.turning[i];

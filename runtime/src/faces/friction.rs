@@ -17,7 +17,7 @@ use super::quadratic::Carrying;
 use super::{FaceInterface, sort};
 use crate::affine::Carrier;
 use crate::assembly::{AssemblyError, ContactLaw};
-use crate::friction::{Coulomb, FrictionState, Sliding};
+use crate::friction::{Coulomb, FaceTraction, FrictionState, Sliding};
 use crate::interface::{Anchor, FrictionReport, InterfaceError, Results, from_numbers, to_numbers};
 use crate::surface::shape_of;
 use crate::vector::Vector3;
@@ -40,6 +40,12 @@ impl Track {
     pub fn terms(&self) -> impl Iterator<Item = (u32, f64)> + '_ {
         let own = self.own.terms().iter().map(|&(carrier, weight)| (carrier.node, weight));
         own.chain(self.anchor.point.terms().iter().map(|&(carrier, weight)| (carrier.node, -weight)))
+    }
+
+    /// Nodes that augmentation within the step may couple.
+    pub fn nodes(&self) -> impl Iterator<Item = u32> + '_ {
+        let origin = self.anchor.origin.iter().flat_map(AffinePoint::terms);
+        self.terms().map(|(node, _)| node).chain(origin.map(|&(carrier, _)| carrier.node))
     }
 
     /// d
@@ -89,7 +95,7 @@ impl FaceInterface {
         normals: &[Vector3],
     ) -> Result<Vec<Option<Traction>>, AssemblyError> {
         let Some(friction) = law.friction else { return Ok(Vec::new()) };
-        let Some(tracks) = &self.tracks else {
+        let Some(tracks) = self.present_history() else {
             let loaded = nodes.iter().position(|node| node.pressure > 0.0);
             return loaded.map_or(Ok(Vec::new()), |element| Err(AssemblyError::NoSlip { element }));
         };
@@ -108,19 +114,19 @@ impl FaceInterface {
     fn traction(
         &self,
         law: &ContactLaw<'_>,
-        friction: &Coulomb,
+        friction: &Coulomb<'_>,
         (element, node): (usize, &NodeContact),
         normal: Vector3,
         track: &Track,
     ) -> Result<Traction, AssemblyError> {
         // In a plane of symmetry, what the images of a node's faces have beyond it takes away what points out of it.
-        let within = |x: Vector3| self.skin.within_planes(self.first[node.slave], x);
+        let within = |x| self.within_planes(node, x);
         let (way, normal) = (within(track.way(&self.positions)), within(normal));
         let opening = track.anchor.opening;
-        let (results, sliding) =
+        let FaceTraction { slip, traction, jacobian, sliding } =
             friction.traction((way.into(), normal.into()), node.pressure, law.penalty * opening);
-        let slip = Vector3::from(results.values.slip);
-        let numbers = results.values.traction.iter().chain(&results.traction_jacobian);
+        let slip = Vector3::from(slip);
+        let numbers = traction.iter().chain(&jacobian);
         if !numbers.chain([&sliding.kept]).all(|x| x.is_finite()) {
             return Err(AssemblyError::InvalidSlip {
                 element,
@@ -129,7 +135,7 @@ impl FaceInterface {
             });
         }
         let row = |i: usize, first: usize| -> Point {
-            let row = &results.traction_jacobian[7 * i..][..7];
+            let row = &jacobian[7 * i..][..7];
             let by = |axis: usize| {
                 let unit = within(Vector3::axis(axis));
                 (0..3).map(|j| row[first + j] * unit[j]).sum()
@@ -137,10 +143,10 @@ impl FaceInterface {
             [0, 1, 2].map(by)
         };
         Ok(Traction {
-            value: results.values.traction,
+            value: traction,
             by_way: [0, 1, 2].map(|i| row(i, 0)),
             by_normal: [0, 1, 2].map(|i| row(i, 3)),
-            by_pressure: [0, 1, 2].map(|i| results.traction_jacobian[7 * i + 6]),
+            by_pressure: [0, 1, 2].map(|i| jacobian[7 * i + 6]),
             slip,
             sliding,
         })
@@ -161,12 +167,13 @@ impl FaceInterface {
         if self.cut_at.is_none() {
             return Err(InterfaceError::NotRefreshed);
         }
+        let history = self.present_history();
         let (mut nodes, normals) = self.averages(law)?;
         let present = self.present_tracks()?;
         let mut report = FrictionReport::default();
         let mut tracks = Vec::with_capacity(nodes.len());
         for (k, (node, present)) in nodes.iter_mut().zip(present).enumerate() {
-            let old = self.tracks.as_ref().and_then(|tracks| tracks[k].as_ref());
+            let old = history.and_then(|tracks| tracks[k].as_ref());
             let Some(present) = present.filter(|_| node.outcome.is_contact()) else {
                 report.dropped += usize::from(old.is_some_and(|old| old.anchor.opening == 0.0));
                 tracks.push(None);
@@ -182,20 +189,114 @@ impl FaceInterface {
                 report.sliding += usize::from(sliding.state == FrictionState::Slip);
                 report.dissipated += node.area * sliding.dissipated(slip.norm());
             }
+            let is_augmented = friction.is_augmented();
             let track = match (closed, &traction) {
-                (Some(old), Some(Traction { sliding, .. })) if sliding.kept == 1.0 => old.clone(),
+                (Some(old), Some(Traction { sliding, .. })) if sliding.kept == 1.0 => {
+                    old.clone().with_origin(old.anchor.origin.clone().filter(|_| is_augmented))
+                }
                 (old, traction) => {
                     let (kept, slip) =
                         traction.as_ref().map_or((0.0, Vector3::zeros()), |of| (of.sliding.kept, of.slip));
                     let drawn = old.map_or(present.clone(), |old| old.towards(&present, 1.0 - kept));
                     let opening = if is_open { node.gap.max(0.0) } else { 0.0 };
-                    drawn.with_slip(slip * kept, normals[k], &self.positions).with_opening(opening)
+                    let slides = traction.as_ref().is_some_and(|of| of.sliding.state == FrictionState::Slip);
+                    // Where it sticks from now on: without any slip.
+                    let stuck = || drawn.clone().with_slip(Vector3::zeros(), normals[k], &self.positions);
+                    let origin = (slides && is_augmented).then(|| stuck().anchor.point);
+                    let drawn = drawn.with_slip(slip * kept, normals[k], &self.positions);
+                    drawn.with_opening(opening).with_origin(origin)
                 }
             };
             tracks.push(Some(track));
         }
         self.tracks = Some(tracks);
+        self.augmented = None;
         Ok(report)
+    }
+
+    /// The history that friction is measured from: that of the last accepted step, or what augmentation made of it.
+    pub(super) fn present_history(&self) -> Option<&[Option<Track>]> {
+        self.augmented.as_deref().or(self.tracks.as_deref())
+    }
+
+    /// What planes of symmetry leave of a vector of a node.
+    fn within_planes(&self, node: &NodeContact, x: Vector3) -> Vector3 {
+        self.skin.within_planes(self.first[node.slave], x)
+    }
+
+    /// A round of Uzawa's iteration for friction, as [`ContactInterface::augment`](crate::ContactInterface::augment): tractions become
+    /// multipliers. Nodes of which `moves` says no stay as they are.
+    ///
+    /// # Errors
+    /// As [`accept`](Self::accept); [`AssemblyError::NoAugmentation`] for a law without
+    /// [augmentation](crate::Coulomb::with_augmentation). Nothing is changed then.
+    pub fn augment(
+        &mut self,
+        law: &ContactLaw<'_>,
+        moves: impl Fn(usize) -> bool,
+    ) -> Result<(), InterfaceError> {
+        let (tracks, _) = self.augmented(law, moves)?;
+        if let Some(tracks) = tracks {
+            self.augmented = Some(tracks);
+        }
+        Ok(())
+    }
+
+    /// How far each node is from Coulomb's law without ε_T, length, as
+    /// [`ContactInterface::slip_errors`](crate::ContactInterface::slip_errors).
+    ///
+    /// # Errors
+    /// As [`augment`](Self::augment).
+    pub fn slip_errors(&self, law: &ContactLaw<'_>) -> Result<Vec<f64>, InterfaceError> {
+        self.augmented(law, |_| true).map(|(_, errors)| errors)
+    }
+
+    /// Forgets what [`augment`](Self::augment) did since the last accepted step. If that is anything, there is no contact until the next
+    /// [`refresh`](Self::refresh).
+    pub fn roll_back(&mut self) {
+        if self.augmented.take().is_some() {
+            self.forget();
+        }
+    }
+
+    #[allow(clippy::type_complexity)]
+    fn augmented(
+        &self,
+        law: &ContactLaw<'_>,
+        moves: impl Fn(usize) -> bool,
+    ) -> Result<(Option<Vec<Option<Track>>>, Vec<f64>), InterfaceError> {
+        let Some(friction) = law.friction.filter(Coulomb::is_augmented) else {
+            return Err(AssemblyError::NoAugmentation.into());
+        };
+        law.validate(self.nodes.len())?;
+        let (nodes, normals) = self.averages(law)?;
+        let mut errors = vec![0.0; nodes.len()];
+        let (Some(committed), Some(present)) = (&self.tracks, self.present_history()) else {
+            return Ok((None, errors));
+        };
+        let mut tracks = committed.clone();
+        for (k, node) in nodes.iter().enumerate().filter(|(_, node)| node.pressure > 0.0) {
+            let Some(old) = &present[k] else { continue };
+            if !moves(k) {
+                tracks[k] = Some(old.clone());
+                continue;
+            }
+            let Traction { slip, sliding, .. } = self.traction(law, &friction, (k, node), normals[k], old)?;
+            let stuck = old.clone().at_origin();
+            let normal = self.within_planes(node, normals[k]);
+            let way = self.within_planes(node, stuck.way(&self.positions));
+            let along = normal.try_normalize().unwrap_or_default();
+            let since_stuck = way - along * along.dot(&way);
+            errors[k] = sliding.error(slip, since_stuck);
+            let slid = since_stuck * sliding.share;
+            let with_slip = |track: Track, slip: Vector3| track.with_slip(slip, normals[k], &self.positions);
+            // From the place of touch on the contact is one that was closed.
+            let stuck = if sliding.share == 1.0 { stuck } else { with_slip(stuck, slid) };
+            let origin = Some(stuck.anchor.point.clone());
+            let next = with_slip(stuck, slid + slip * sliding.kept);
+            tracks[k] = Some(next.with_opening(0.0).with_origin(origin));
+        }
+        Ok((Some(tracks), errors))
     }
 
     /// x_A and y_A of all nodes, as the faces are cut now.
@@ -266,7 +367,7 @@ impl FaceInterface {
         let point = |terms: Vec<(u32, f64)>| {
             AffinePoint::new(terms.into_iter().map(|(node, weight)| (node, weight / total))).ok()
         };
-        Some(Track { own: point(own)?, anchor: Anchor { point: point(over)?, opening: 0.0 } })
+        Some(Track { own: point(own)?, anchor: Anchor { point: point(over)?, ..Anchor::default() } })
     }
 
     /// Whether a state was [accepted](Self::accept) since the history began.
@@ -280,7 +381,7 @@ impl FaceInterface {
     pub fn history(&self) -> Vec<f64> {
         let point = |track: &Option<Track>| {
             let Some(Track { own, anchor }) = track else { return [None, None] };
-            [Some(Anchor { point: own.clone(), opening: 0.0 }), Some(anchor.clone())]
+            [Some(Anchor { point: own.clone(), ..Anchor::default() }), Some(anchor.clone())]
         };
         self.tracks.as_deref().map_or_else(Vec::new, |tracks| {
             to_numbers(&tracks.iter().flat_map(point).collect::<Vec<Option<Anchor>>>(), f64::from)
@@ -295,7 +396,7 @@ impl FaceInterface {
     /// [`InterfaceError::ForeignCarrier`]. The history of before then stays.
     pub fn set_history(&mut self, history: &[f64]) -> Result<(), InterfaceError> {
         let tracks = if history.is_empty() { None } else { Some(self.tracks_of(history)?) };
-        if self.tracks != tracks {
+        if self.tracks != tracks || self.augmented.is_some() {
             self.forget();
             self.tracks = tracks;
         }
@@ -329,6 +430,10 @@ impl FaceInterface {
                     return Err(InterfaceError::InvalidHistory { place });
                 }
             };
+            if own.origin.is_some() {
+                let place = to_numbers(&points[..2 * index]).len();
+                return Err(InterfaceError::InvalidHistory { place });
+            }
             for (opening, is_sound) in
                 [(own.opening, own.opening == 0.0), (anchor.opening, anchor.opening >= 0.0)]
             {
@@ -336,7 +441,8 @@ impl FaceInterface {
                     return Err(InterfaceError::InvalidOpening { index, value: opening });
                 }
             }
-            for (point, known) in [(&own.point, &of_faces), (&anchor.point, &of_facets)] {
+            let origin = (anchor.stuck_at(), &of_facets);
+            for (point, known) in [(&own.point, &of_faces), (&anchor.point, &of_facets), origin] {
                 let is_foreign = |(carrier, _): &&(Carrier, f64)| {
                     carrier.image.is_some() || known.binary_search(&carrier.node).is_err()
                 };
@@ -354,7 +460,21 @@ impl Track {
     /// (1 − t) of this and t of another one.
     fn towards(&self, other: &Self, t: f64) -> Self {
         let point = self.anchor.point.towards(&other.anchor.point, t);
-        Self { own: self.own.towards(&other.own, t), anchor: Anchor { point, ..self.anchor } }
+        let opening = self.anchor.opening;
+        Self { own: self.own.towards(&other.own, t), anchor: Anchor { point, opening, origin: None } }
+    }
+
+    fn with_origin(mut self, origin: Option<AffinePoint>) -> Self {
+        self.anchor.origin = origin;
+        self
+    }
+
+    /// Measured from where it stuck.
+    fn at_origin(mut self) -> Self {
+        if let Some(origin) = self.anchor.origin.take() {
+            self.anchor.point = origin;
+        }
+        self
     }
 
     fn with_opening(mut self, opening: f64) -> Self {

@@ -167,6 +167,8 @@ pub struct FaceInterface {
     cliques: Vec<Vec<u32>>,
     /// The history of friction, one entry per node; `None` before a state was accepted.
     tracks: Option<Vec<Option<Track>>>,
+    /// What augmentation made of it since.
+    augmented: Option<Vec<Option<Track>>>,
     contacts: FaceContacts,
 }
 
@@ -235,6 +237,7 @@ impl FaceInterface {
             smallest,
             cuts: vec![FaceCut::default(); faces.len()],
             tracks: None,
+            augmented: None,
             contacts: FaceContacts::default(),
         })
     }
@@ -272,6 +275,7 @@ impl FaceInterface {
     /// No points, no contact.
     fn forget(&mut self) {
         self.cut_at = None;
+        self.augmented = None;
         self.points.clear();
         self.limits.clear();
         self.cuts.fill(FaceCut::default());
@@ -442,11 +446,11 @@ impl FaceInterface {
 
     /// Nodes that the faces around each node couple; whether there are new ones.
     fn couple(&mut self, forgets: bool) -> bool {
-        let Self { cliques, around, cuts, tracks, .. } = self;
+        let Self { cliques, around, cuts, tracks, augmented, .. } = self;
         let grown = cliques.par_iter_mut().zip(around).enumerate().map(|(k, (clique, around))| {
-            let track = tracks.as_ref().and_then(|tracks| tracks[k].as_ref());
-            let mut nodes: Vec<u32> =
-                track.into_iter().flat_map(Track::terms).map(|(node, _)| node).collect();
+            let tracks =
+                [&*tracks, &*augmented].into_iter().flatten().filter_map(|tracks| tracks[k].as_ref());
+            let mut nodes: Vec<u32> = tracks.flat_map(Track::nodes).collect();
             around.iter().for_each(|&face| nodes.extend_from_slice(&cuts[face as usize].columns));
             sort(&mut nodes);
             let is_new = nodes.iter().any(|node| clique.binary_search(node).is_err());
@@ -484,7 +488,7 @@ impl FaceInterface {
         let tractions = self.tractions(law, &mut nodes, &normals)?;
         let mut contacts = FaceContacts { nodes, mode, missed: self.unplaced, ..FaceContacts::default() };
         if mode >= Mode::Gradient {
-            self.derive(law, mode, &tractions, &mut contacts)?;
+            self.derive(mode, &tractions, &mut contacts)?;
         }
         self.contacts = contacts;
         Ok(&self.contacts)

@@ -1,7 +1,7 @@
 //! The history of friction: where each slave stuck to the master.
 //!
 //! An anchor changes only when a step is [accepted](super::ContactInterface::accept): until then a host may go back to where it
-//! began and try again. Its nodes are listed with the slave's masters, so that derivatives by the anchor become derivatives by listed
+//! began and try again. What [augmentation](super::ContactInterface::augment) makes of the anchors within a step is kept beside them. Its nodes are listed with the slave's masters, so that derivatives by the anchor become derivatives by listed
 //! nodes, and the assembly of forces and tangents has no more to know.
 
 use std::ops::AddAssign;
@@ -16,11 +16,12 @@ use super::pairings::{Paired, Pairings};
 use super::scratch::Pool;
 use super::{ContactElement, ContactInterface, InterfaceError, NoContact};
 use crate::affine::Carrier;
-use crate::assembly::ContactLaw;
-use crate::friction::{Coulomb, FrictionState};
+use crate::assembly::{AssemblyError, ContactLaw};
+use crate::friction::{Coulomb, FrictionForce, FrictionState};
 use crate::surface::window::LARGEST_NUMBER;
 use crate::surface::{MasterSurface, NONE, Symmetry};
-use crate::{AffinePoint, Backend, ContactPoint, Gap, Generated, Mode, Point, Weight};
+use crate::vector::Vector3;
+use crate::{AffinePoint, Backend, ContactPoint, Gap, Generated, Mode, Point, Slip, Weight};
 
 /// Where a slave was on the master when the last step was accepted.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,23 +30,46 @@ pub struct Anchor {
     pub point: AffinePoint,
     /// The gap if the contact was open, length; else 0. The slip of a contact that closes begins at the place of touch.
     pub opening: f64,
+    /// With augmentation: where the slave stuck. The way from here to `point` is the tangential multiplier over ε_T. `None`: at `point`.
+    pub origin: Option<AffinePoint>,
+}
+
+impl Anchor {
+    /// Where the slave stuck.
+    pub(crate) fn stuck_at(&self) -> &AffinePoint {
+        self.origin.as_ref().unwrap_or(&self.point)
+    }
+
+    fn carriers(&self) -> impl Iterator<Item = Carrier> + '_ {
+        let origin = self.origin.iter().flat_map(AffinePoint::terms);
+        self.point.terms().iter().chain(origin).map(|&(carrier, _)| carrier)
+    }
 }
 
 /// Anchors as plain numbers, slave after slave: the number of carriers and the opening, then node, number of the image (−1: none)
-/// and weight of each carrier; −1 for a slave without an anchor. `number_of`: what a node is called.
+/// and weight of each carrier; −1 for a slave without an anchor. Before an anchor with an origin there are −2 and the origin: the number
+/// of its carriers, and the carriers. `number_of`: what a node is called.
 pub fn to_numbers(anchors: &[Option<Anchor>], number_of: impl Fn(u32) -> f64) -> Vec<f64> {
     let mut numbers = Vec::new();
     for anchor in anchors {
-        let Some(Anchor { point, opening }) = anchor else {
+        let Some(Anchor { point, opening, origin }) = anchor else {
             numbers.push(-1.0);
             continue;
         };
-        numbers.extend([point.terms().len() as f64, *opening]);
-        for &(Carrier { node, image }, weight) in point.terms() {
-            numbers.extend([number_of(node), image.map_or(-1.0, f64::from), weight]);
+        if let Some(origin) = origin {
+            numbers.extend([-2.0, origin.terms().len() as f64]);
+            push_terms(origin, &number_of, &mut numbers);
         }
+        numbers.extend([point.terms().len() as f64, *opening]);
+        push_terms(point, &number_of, &mut numbers);
     }
     numbers
+}
+
+fn push_terms(point: &AffinePoint, number_of: impl Fn(u32) -> f64, numbers: &mut Vec<f64>) {
+    for &(Carrier { node, image }, weight) in point.terms() {
+        numbers.extend([number_of(node), image.map_or(-1.0, f64::from), weight]);
+    }
 }
 
 /// What [`to_numbers`] made numbers of. The error is the place of a number that is none of a history; of weights that do not add up to
@@ -60,17 +84,7 @@ pub fn from_numbers(
         if is_number { Ok(value as u64) } else { Err(place) }
     };
     let index = |place: usize| u32::try_from(number(place)?).map_err(|_| place);
-    let mut anchors = Vec::new();
-    let mut place = 0;
-    while place < numbers.len() {
-        if numbers[place] == -1.0 {
-            anchors.push(None);
-            place += 1;
-            continue;
-        }
-        let count = index(place)? as usize;
-        let opening = numbers.get(place + 1).copied().ok_or(place + 1)?;
-        let start = place + 2;
+    let point = |start: usize, count: usize| {
         let mut terms = Vec::new();
         for at in (0..count).map(|k| start + 3 * k) {
             let image = if numbers.get(at + 1) == Some(&-1.0) { None } else { Some(index(at + 1)?) };
@@ -79,9 +93,26 @@ pub fn from_numbers(
             terms.push((Carrier { node, image }, weight));
         }
         // Of weights that do not add up to one any may be wrong.
-        let point = AffinePoint::new(terms).map_err(|_| start + 2)?;
-        anchors.push(Some(Anchor { point, opening }));
-        place = start + 3 * count;
+        AffinePoint::new(terms).map_err(|_| start + 2)
+    };
+    let mut anchors = Vec::new();
+    let mut place = 0;
+    while place < numbers.len() {
+        if numbers[place] == -1.0 {
+            anchors.push(None);
+            place += 1;
+            continue;
+        }
+        let mut origin = None;
+        if numbers[place] == -2.0 {
+            let count = index(place + 1)? as usize;
+            origin = Some(point(place + 2, count)?);
+            place += 2 + 3 * count;
+        }
+        let count = index(place)? as usize;
+        let opening = numbers.get(place + 1).copied().ok_or(place + 1)?;
+        anchors.push(Some(Anchor { point: point(place + 2, count)?, opening, origin }));
+        place += 2 + 3 * count;
     }
     Ok(anchors)
 }
@@ -94,8 +125,17 @@ pub fn from_numbers(
 pub fn split_history(history: &[f64]) -> Result<Vec<&[f64]>, InterfaceError> {
     let mut parts = Vec::new();
     let (mut rest, mut place) = (history, 0);
-    while let Some(&count) = rest.first() {
-        let length = if count == -1.0 { 1.0 } else { 2.0 + 3.0 * count };
+    // A count that is missing is none of a length.
+    let terms = |count: Option<&f64>| 2.0 + 3.0 * count.copied().unwrap_or(f64::NAN);
+    while let Some(&first) = rest.first() {
+        let length = if first == -1.0 {
+            1.0
+        } else if first == -2.0 {
+            let origin = terms(rest.get(1));
+            origin + terms(rest.get(origin as usize))
+        } else {
+            terms(Some(&first))
+        };
         if !(length >= 1.0 && length <= rest.len() as f64 && length.fract() == 0.0) {
             return Err(InterfaceError::InvalidHistory { place });
         }
@@ -181,7 +221,7 @@ pub fn check_anchors(
         if !(anchor.opening >= 0.0 && anchor.opening.is_finite()) {
             return Err(InterfaceError::InvalidOpening { index, value: anchor.opening });
         }
-        for &(Carrier { node, image }, _) in anchor.point.terms() {
+        for Carrier { node, image } in anchor.carriers() {
             let is_there = image.is_none_or(|number| number < symmetry.count());
             if !is_there || surface.nodes().binary_search(&node).is_err() {
                 return Err(InterfaceError::ForeignCarrier { index, node });
@@ -191,17 +231,16 @@ pub fn check_anchors(
     Ok(())
 }
 
-/// Nodes that carry the anchor of a slave and are not among its masters join them, without a place: they take no part in its fit.
-pub fn list_carriers(
-    anchor: Option<&Anchor>,
+/// Nodes that carry anchors of a slave and are not among its masters join them, without a place: they take no part in its fit.
+pub fn list_carriers<'a>(
+    anchors: impl IntoIterator<Item = &'a Anchor>,
     masters: &mut Vec<u32>,
     places: &mut Vec<u32>,
     images: &mut [u32],
 ) {
-    let Some(anchor) = anchor else { return };
-    for (Carrier { node, .. }, _) in anchor.point.terms() {
-        if let Err(place) = masters.binary_search(node) {
-            masters.insert(place, *node);
+    for Carrier { node, .. } in anchors.into_iter().flat_map(Anchor::carriers) {
+        if let Err(place) = masters.binary_search(&node) {
+            masters.insert(place, node);
             places.insert(place, NONE);
             for [listed, _] in images.as_chunks_mut::<2>().0 {
                 *listed += u32::from(*listed as usize >= place);
@@ -224,8 +263,7 @@ impl ContactInterface {
     /// before the first refresh. The history then stays.
     pub fn accept(&mut self, law: &ContactLaw<'_>) -> Result<FrictionReport, InterfaceError> {
         let Some(friction) = law.friction else { return Ok(FrictionReport::default()) };
-        self.check_friction()?;
-        law.validate(self.slaves().len())?;
+        self.check_accepted(law)?;
         let is_refreshed =
             self.pairings.records.iter().any(|record| !matches!(record, Err(NoContact::NotPaired)));
         if !is_refreshed {
@@ -233,7 +271,73 @@ impl ContactInterface {
         }
         let (anchors, report) = self.evaluator().accept(&self.pairings, law, &friction, &self.elements)?;
         self.anchors = Some(anchors);
+        self.augmented = None;
         Ok(report)
+    }
+
+    fn check_accepted(&self, law: &ContactLaw<'_>) -> Result<(), InterfaceError> {
+        self.check_friction()?;
+        law.validate(self.slaves().len())?;
+        Ok(())
+    }
+
+    /// A round of Uzawa's iteration for friction: the traction of each slave that carries force becomes its multiplier, so that the next
+    /// equilibrium has less slip where it sticks, and a traction that is closer to opposite where it slides. To be called in an
+    /// equilibrium whose [`slip_errors`](Self::slip_errors) are too large, with the law that it was solved with; then evaluate again. Slaves
+    /// of which `moves` says no stay as they are: there no multiplier can help.
+    ///
+    /// The multipliers are part of the step on its way. [`accept`](Self::accept) takes them over, [`roll_back`](Self::roll_back) forgets them.
+    ///
+    /// # Errors
+    /// As [`accept`](Self::accept); [`AssemblyError::NoAugmentation`] for a law without
+    /// [augmentation](crate::Coulomb::with_augmentation). Nothing is changed then.
+    pub fn augment(
+        &mut self,
+        law: &ContactLaw<'_>,
+        moves: impl Fn(usize) -> bool + Sync,
+    ) -> Result<(), InterfaceError> {
+        let (anchors, _) = self.augmented(law, moves)?;
+        if let Some(anchors) = anchors {
+            self.augmented = Some(anchors);
+        }
+        Ok(())
+    }
+
+    /// How far each slave is from Coulomb's law without ε_T, length: its slip in the step where it sticks, and what of it is not along the
+    /// traction where it slides; 0 without force or anchor.
+    ///
+    /// # Errors
+    /// As [`augment`](Self::augment).
+    pub fn slip_errors(&self, law: &ContactLaw<'_>) -> Result<Vec<f64>, InterfaceError> {
+        self.augmented(law, |_| true).map(|(_, errors)| errors)
+    }
+
+    /// Forgets what [`augment`](Self::augment) did since the last accepted step. If that is anything, all pairings end: refresh them.
+    pub fn roll_back(&mut self) {
+        if self.augmented.take().is_some() {
+            self.end_pairings();
+        }
+    }
+
+    /// The anchors of now with another round, and the errors.
+    #[allow(clippy::type_complexity)]
+    fn augmented(
+        &self,
+        law: &ContactLaw<'_>,
+        moves: impl Fn(usize) -> bool + Sync,
+    ) -> Result<(Option<Vec<Option<Anchor>>>, Vec<f64>), InterfaceError> {
+        if !law.friction.is_some_and(|friction| friction.is_augmented()) {
+            return Err(AssemblyError::NoAugmentation.into());
+        }
+        self.check_accepted(law)?;
+        let Some(committed) = &self.anchors else { return Ok((None, vec![0.0; self.slaves().len()])) };
+        let rounds = self.evaluator().augment(&self.pairings, law, moves, &self.elements)?;
+        let errors = rounds.iter().map(|round| round.as_ref().map_or(0.0, |round| round.error)).collect();
+        let next = rounds.into_iter().zip(committed).map(|(round, committed)| match round {
+            Some(Round { anchor: Some(anchor), .. }) => Some(anchor),
+            _ => committed.clone(),
+        });
+        Ok((Some(next.collect()), errors))
     }
 
     /// Whether there can be friction.
@@ -279,6 +383,11 @@ impl ContactInterface {
         self.set_anchors(Some(anchors))
     }
 
+    /// The anchors that friction is measured from: those of the last accepted step, or what augmentation made of them.
+    pub(super) fn present_anchors(&self) -> Option<&[Option<Anchor>]> {
+        self.augmented.as_deref().or(self.anchors.as_deref())
+    }
+
     /// The history of friction, one entry per slave; `None` before a state was [accepted](Self::accept).
     #[must_use]
     pub fn anchors(&self) -> Option<&[Option<Anchor>]> {
@@ -297,8 +406,9 @@ impl ContactInterface {
             let Some(nodal) = &self.nodal else { return Err(InterfaceError::NoAnchors) };
             check_anchors(anchors, self.slaves().len(), &self.master, &nodal.symmetry)?;
         }
-        if self.anchors != anchors {
+        if self.anchors != anchors || self.augmented.is_some() {
             self.anchors = anchors;
+            self.augmented = None;
             self.end_pairings();
         }
         Ok(())
@@ -309,6 +419,12 @@ impl Evaluator<'_> {
     /// The anchor of a slave, if it has one.
     pub fn anchor(&self, k: usize) -> Option<&Anchor> {
         self.anchors.and_then(|anchors| anchors[k].as_ref())
+    }
+
+    /// The same, and that of the last accepted step, which a contact that opens goes back to.
+    pub fn anchors_of(&self, k: usize) -> impl Iterator<Item = &Anchor> {
+        let committed = self.committed.and_then(|anchors| anchors[k].as_ref());
+        self.anchor(k).into_iter().chain(committed)
     }
 
     /// Where an anchor is now.
@@ -333,21 +449,10 @@ impl Evaluator<'_> {
         &self,
         pairings: &Pairings,
         law: &ContactLaw<'_>,
-        friction: &Coulomb,
+        friction: &Coulomb<'_>,
         pool: &Pool<ElementScratch>,
     ) -> Result<(Vec<Option<Anchor>>, FrictionReport), InterfaceError> {
-        let ContactElement::Diffuse { weight, .. } = self.options.element else {
-            return Err(InterfaceError::NoAnchors);
-        };
-        let accepted: Vec<Option<Accepted>> = pairings
-            .all()
-            .into_par_iter()
-            .map(|k| {
-                pool.with(ElementScratch::default, |scratch| {
-                    self.accept_one(pairings, k, weight, law, friction, scratch)
-                })
-            })
-            .collect();
+        let accepted = self.of_all(pairings, law, pool, |slave| accept_one(slave, friction))?;
         let mut report = FrictionReport::default();
         for (k, one) in accepted.iter().enumerate() {
             let was_closed = self.anchor(k).is_some_and(|anchor| anchor.opening == 0.0);
@@ -356,48 +461,142 @@ impl Evaluator<'_> {
         Ok((accepted.into_iter().map(|one| Some(one?.anchor)).collect(), report))
     }
 
-    /// `None` without contact.
-    fn accept_one(
+    /// A round of augmentation; `None` without contact.
+    fn augment(
+        &self,
+        pairings: &Pairings,
+        law: &ContactLaw<'_>,
+        moves: impl Fn(usize) -> bool + Sync,
+        pool: &Pool<ElementScratch>,
+    ) -> Result<Vec<Option<Round>>, InterfaceError> {
+        self.of_all(pairings, law, pool, |slave| self.augment_one(slave, &moves))
+    }
+
+    /// Something of each slave with contact.
+    fn of_all<T: Send>(
+        &self,
+        pairings: &Pairings,
+        law: &ContactLaw<'_>,
+        pool: &Pool<ElementScratch>,
+        f: impl Fn(&Sticking<'_>) -> Option<T> + Sync,
+    ) -> Result<Vec<Option<T>>, InterfaceError> {
+        let ContactElement::Diffuse { weight, .. } = self.options.element else {
+            return Err(InterfaceError::NoAnchors);
+        };
+        let all = pairings.all().into_par_iter();
+        all.map(|k| {
+            pool.with(ElementScratch::default, |scratch| self.of_one(pairings, k, weight, law, scratch, &f))
+        })
+        .collect()
+    }
+
+    fn of_one<T>(
         &self,
         pairings: &Pairings,
         k: usize,
         weight: Weight,
         law: &ContactLaw<'_>,
-        friction: &Coulomb,
         scratch: &mut ElementScratch,
-    ) -> Option<Accepted> {
-        let paired = pairings.get(k).ok()?;
+        f: impl Fn(&Sticking<'_>) -> Option<T>,
+    ) -> Result<Option<T>, InterfaceError> {
+        let Ok(paired) = pairings.get(k) else { return Ok(None) };
         let ElementScratch { within_reach: all, border, .. } = scratch;
         all.clear();
-        let found = self.gather_within_reach(&paired, weight, all).ok()?;
+        let Ok(found) = self.gather_within_reach(&paired, weight, all) else { return Ok(None) };
         let old = self.anchor(k);
         let from = old.map_or(self.positions[paired.slave], |old| self.anchor_position(old));
-        let slip =
-            Generated.slip(&self.element_of(&paired, all, &found, weight), from, Mode::Gradient).ok()?;
+        let element = self.element_of(&paired, all, &found, weight);
+        let Ok(slip) = Generated.slip(&element, from, Mode::Gradient) else { return Ok(None) };
         let Gap { gap, foot, normal, .. } = slip.contact;
-        self.within_border(&paired, Ok(ContactPoint { gap, foot, normal }), border).ok()?;
+        if self.within_border(&paired, Ok(ContactPoint { gap, foot, normal }), border).is_err() {
+            return Ok(None);
+        }
         let area = pairings.layout.area(k);
-        let normal = law.normal(k, gap, area);
-        let force = old.map(|old| friction.over(area).force_since(normal, slip.half_square, old.opening));
-        let kept = force.map_or(0.0, |force| force.kept);
-        let is_open = !(normal.force > 0.0);
-        let point = match old {
-            Some(old) if kept == 1.0 && !is_open => old.point.clone(),
-            _ => {
-                let carriers = all.sources.iter().map(|source| Carrier {
-                    node: paired.masters[source.listed as usize],
-                    image: source.image,
-                });
-                // The weights add up to one but for rounding: the check of it finds what is no number.
-                let foot = AffinePoint::new(carriers.zip(slip.foot_weights.iter().copied())).ok()?;
-                old.filter(|_| !is_open).map_or(foot.clone(), |old| old.point.towards(&foot, 1.0 - kept))
-            }
-        };
-        Some(Accepted {
-            anchor: Anchor { point, opening: if is_open { gap.max(0.0) } else { 0.0 } },
-            state: force.map(|force| force.state),
-            is_open,
-            dissipated: force.map_or(0.0, |force| force.dissipated(slip.length())),
-        })
+        let pressed = law.checked_normal_force(k, gap, area)?;
+        let force = old.and_then(|old| law.friction_by(pressed, area, (slip.half_square, old.opening)));
+        if let (Some(force), Some(old)) = (force, old)
+            && force.check().is_err()
+        {
+            let (half_square, opening) = (slip.half_square, old.opening);
+            return Err(AssemblyError::InvalidSlip { element: k, half_square, opening }.into());
+        }
+        let carriers = all
+            .sources
+            .iter()
+            .map(|source| Carrier { node: paired.masters[source.listed as usize], image: source.image });
+        let terms = carriers.zip(slip.foot_weights.iter().copied()).collect();
+        Ok(f(&Sticking { k, old, is_open: !(pressed.force > 0.0), force, slip: &slip, terms }))
     }
+
+    /// The next anchor of a slave in an equilibrium that is not the last one of its step.
+    fn augment_one(&self, slave: &Sticking<'_>, moves: impl Fn(usize) -> bool) -> Option<Round> {
+        let (Some(old), Some(force), false) = (slave.old, slave.force, slave.is_open) else { return None };
+        if !moves(slave.k) {
+            return Some(Round { anchor: Some(old.clone()), error: 0.0 });
+        }
+        let foot = slave.foot()?;
+        let Gap { foot: at, normal, .. } = slave.slip.contact;
+        let (at, normal) = (Vector3::from(at), Vector3::from(normal));
+        let slip_from = |point: &AffinePoint| {
+            let way = at - Vector3::from(point.position(|carrier| self.place_of(carrier)));
+            way - normal * normal.dot(&way)
+        };
+        let sliding = force.sliding();
+        let error = sliding.error(slip_from(&old.point), slip_from(old.stuck_at()));
+        // From the place of touch on the contact is one that was closed.
+        let origin = old.stuck_at().towards(&foot, 1.0 - sliding.share);
+        let parts = [(&origin, 1.0), (&old.point, sliding.kept), (&foot, -sliding.kept)];
+        let point = AffinePoint::combined(&parts);
+        Some(Round { anchor: Some(Anchor { point, opening: 0.0, origin: Some(origin) }), error })
+    }
+}
+
+/// A slave with contact at the end of a step, or of a round of it.
+struct Sticking<'a> {
+    k: usize,
+    old: Option<&'a Anchor>,
+    is_open: bool,
+    force: Option<FrictionForce>,
+    slip: &'a Slip,
+    /// The foot's carriers and weights.
+    terms: Vec<(Carrier, f64)>,
+}
+
+impl Sticking<'_> {
+    /// The weights add up to one but for rounding: the check of it finds what is no number.
+    fn foot(&self) -> Option<AffinePoint> {
+        AffinePoint::new(self.terms.iter().copied()).ok()
+    }
+}
+
+/// What a round of augmentation makes of a slave.
+struct Round {
+    /// `None`: the anchor of the last accepted step.
+    anchor: Option<Anchor>,
+    /// Length.
+    error: f64,
+}
+
+fn accept_one(slave: &Sticking<'_>, friction: &Coulomb<'_>) -> Option<Accepted> {
+    let &Sticking { old, is_open, force, slip, .. } = slave;
+    let kept = force.map_or(0.0, |force| force.kept);
+    let (point, origin) = match old {
+        Some(old) if kept == 1.0 && !is_open => {
+            (old.point.clone(), old.origin.clone().filter(|_| friction.is_augmented()))
+        }
+        _ => {
+            let foot = slave.foot()?;
+            let slides = force.is_some_and(|force| force.state == FrictionState::Slip);
+            let origin = (slides && friction.is_augmented()).then(|| foot.clone());
+            let drawn = old.filter(|_| !is_open).map(|old| old.point.towards(&foot, 1.0 - kept));
+            (drawn.unwrap_or(foot), origin)
+        }
+    };
+    let gap = slip.contact.gap;
+    Some(Accepted {
+        anchor: Anchor { point, opening: if is_open { gap.max(0.0) } else { 0.0 }, origin },
+        state: force.map(|force| force.state),
+        is_open,
+        dissipated: force.map_or(0.0, |force| force.dissipated(slip.length())),
+    })
 }

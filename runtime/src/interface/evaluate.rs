@@ -38,6 +38,8 @@ pub struct Evaluator<'a> {
     pub nodal: Option<&'a Nodal>,
     /// Where slaves stuck, if slips are tracked.
     pub anchors: Option<&'a [Option<Anchor>]>,
+    /// Those of the last accepted step.
+    pub committed: Option<&'a [Option<Anchor>]>,
 }
 
 /// What is asked of an evaluation.

@@ -137,6 +137,8 @@ pub struct ContactInterface {
     anchors: Option<Vec<Option<Anchor>>>,
     /// If there is a window of the surface only.
     known: Option<Known>,
+    /// What augmentation made of them since.
+    augmented: Option<Vec<Option<Anchor>>>,
     contacts: Contacts,
     elements: Pool<ElementScratch>,
     refreshes: Pool<RefreshScratch>,
@@ -192,6 +194,7 @@ impl ContactInterface {
             listed: None,
             anchors: None,
             known: None,
+            augmented: None,
             positions: positions.to_vec(),
             master,
             options,
@@ -228,7 +231,7 @@ impl ContactInterface {
         self.nodal = Nodal::new(&index, &self.options, planes)?;
         self.planes = planes.to_vec();
         // Anchors name images by number.
-        self.anchors = None;
+        (self.anchors, self.augmented) = (None, None);
         self.end_pairings();
         Ok(())
     }
@@ -431,7 +434,8 @@ impl ContactInterface {
             positions,
             options: &self.options,
             nodal: self.nodal.as_ref(),
-            anchors: self.anchors.as_deref(),
+            anchors: self.present_anchors(),
+            committed: self.anchors.as_deref(),
         };
         let refresh = Refresh {
             index: &index,
@@ -546,8 +550,9 @@ impl ContactInterface {
 
     fn evaluator(&self) -> Evaluator<'_> {
         let Self { master, options, positions, creases, nodal, anchors, .. } = self;
-        let (nodal, anchors) = (nodal.as_ref(), anchors.as_deref());
-        Evaluator { surface: master, creases, positions, options, nodal, anchors }
+        let (nodal, committed) = (nodal.as_ref(), anchors.as_deref());
+        let anchors = self.present_anchors();
+        Evaluator { surface: master, creases, positions, options, nodal, anchors, committed }
     }
 
     /// The contact of every slave at the positions of the last [`update`](Self::update) or
@@ -582,10 +587,21 @@ impl ContactInterface {
 
     fn evaluate_as(&mut self, request: Request<'_>) -> Result<&Contacts, InterfaceError> {
         let Self {
-            master, options, positions, creases, nodal, anchors, pairings, contacts, elements, ..
+            master,
+            options,
+            positions,
+            creases,
+            nodal,
+            anchors,
+            augmented,
+            pairings,
+            contacts,
+            elements,
+            ..
         } = self;
-        let (nodal, anchors) = (nodal.as_ref(), anchors.as_deref());
-        let evaluator = Evaluator { surface: master, creases, positions, options, nodal, anchors };
+        let (nodal, committed) = (nodal.as_ref(), anchors.as_deref());
+        let anchors = augmented.as_deref().or(committed);
+        let evaluator = Evaluator { surface: master, creases, positions, options, nodal, anchors, committed };
         let slots = contacts.start(&pairings.layout, request.mode, anchors.is_some())?;
         evaluator.fill(pairings, request, slots, elements);
         Ok(contacts)

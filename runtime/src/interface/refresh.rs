@@ -316,7 +316,7 @@ impl Refresh<'_> {
         closest: &Closest,
         scratch: &mut RefreshScratch,
     ) -> Result<Record, NoContact> {
-        let (node, anchor) = (self.old.layout.slave(k), self.evaluator.anchor(k));
+        let node = self.old.layout.slave(k);
         let Evaluator { surface, creases, options, .. } = self.evaluator;
         let RefreshScratch { masters, places, images, patch, element, .. } = scratch;
         let Closest { facet, .. } = *closest;
@@ -356,7 +356,7 @@ impl Refresh<'_> {
             }
         }
         creases.patch_with_end(surface, facet, masters, patch);
-        list_carriers(anchor, masters, places, images);
+        list_carriers(self.evaluator.anchors_of(k), masters, places, images);
         Ok(Record { support_radius: shortest, basis, fallback, facet })
     }
 }

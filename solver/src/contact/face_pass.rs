@@ -2,15 +2,14 @@
 
 use diffuse_contact::assembly::{ContactLaw, DofMap, Tangent};
 use diffuse_contact::faces::{FaceInterface, FaceOptions, FaceRule, NodeContact};
-use diffuse_contact::friction::Coulomb;
 use diffuse_contact::interface::{FrictionReport, Outcome};
 use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
 use super::losses::Losses;
-use super::node_pass::{friction_law, normal_law};
-use super::pass::{FrictionHistory, NodalForces, Pass, PassError, take_multipliers};
+use super::node_pass::normal_law;
+use super::pass::{FrictionHistory, NodalForces, Pass, PassError, PassFriction, take_multipliers};
 use super::{ContactError, InteractionOptions, SlaveState, TangentRule};
 use crate::system::{BlockMatrix, Symmetry};
 
@@ -21,7 +20,7 @@ pub struct FacePass {
     penalty: f64,
     tangent: TangentRule,
     /// Its stiffness is per area.
-    friction: Option<Coulomb>,
+    friction: Option<PassFriction>,
     /// Work of friction up to the last increment, energy.
     dissipated: f64,
     dofs: DofMap,
@@ -62,7 +61,7 @@ impl FacePass {
             interface,
             penalty,
             tangent: options.tangent,
-            friction: friction_law(options, penalty)?,
+            friction: PassFriction::new(options, penalty)?,
             dissipated: 0.0,
             dofs: DofMap::standard(positions.len()),
             multipliers: if options.augmentation.is_some() { vec![0.0; slaves] } else { Vec::new() },
@@ -85,7 +84,7 @@ impl FacePass {
 
     /// Gaps, pressures and forces by the law at the positions of the last update.
     fn apply_law(&mut self) -> Result<(), PassError> {
-        let law = law(self.penalty, &self.multipliers, self.friction);
+        let law = law(self.penalty, &self.multipliers, self.friction.as_ref());
         let contacts = self.interface.evaluate(&law, self.mode)?;
         self.forces.fill(0.0);
         contacts.add_residual(&self.dofs, &mut self.forces)?;
@@ -94,8 +93,8 @@ impl FacePass {
 }
 
 /// Penalty and multipliers are per area.
-fn law(penalty: f64, multipliers: &[f64], friction: Option<Coulomb>) -> ContactLaw<'_> {
-    normal_law(penalty, multipliers).with_friction(friction)
+fn law<'a>(penalty: f64, multipliers: &'a [f64], friction: Option<&'a PassFriction>) -> ContactLaw<'a> {
+    normal_law(penalty, multipliers).with_friction(friction.map(PassFriction::law))
 }
 
 impl Pass for FacePass {
@@ -146,7 +145,8 @@ impl Pass for FacePass {
     }
 
     fn accept(&mut self) -> Result<FrictionReport, PassError> {
-        let report = self.interface.accept(&law(self.penalty, &self.multipliers, self.friction))?;
+        let law = law(self.penalty, &self.multipliers, self.friction.as_ref());
+        let report = self.interface.accept(&law)?;
         self.dissipated += report.dissipated;
         Ok(report)
     }
@@ -168,6 +168,25 @@ impl Pass for FacePass {
     fn augment(&mut self) {
         let pressures = |(k, node): (usize, &NodeContact)| if self.is_held(k) { 0.0 } else { node.pressure };
         self.multipliers = self.contacts().iter().enumerate().map(pressures).collect();
+    }
+
+    fn lasts(&mut self, duration: f64) {
+        self.friction.iter_mut().for_each(|friction| friction.duration = duration);
+    }
+
+    fn slip_error(&self) -> Result<f64, PassError> {
+        let Some(friction) = self.friction.as_ref().filter(|friction| friction.is_augmented()) else {
+            return Ok(0.0);
+        };
+        let errors = self.interface.slip_errors(&law(self.penalty, &self.multipliers, Some(friction)))?;
+        let moved = errors.into_iter().enumerate().filter(|&(k, _)| !self.is_held(k));
+        Ok(moved.map(|(_, error)| error).fold(0.0, f64::max))
+    }
+
+    fn augment_friction(&mut self) -> Result<(), PassError> {
+        let moves: Vec<bool> = (0..self.slave_count()).map(|k| !self.is_held(k)).collect();
+        let law = law(self.penalty, &self.multipliers, self.friction.as_ref());
+        Ok(self.interface.augment(&law, |k| moves[k])?)
     }
 
     fn multipliers(&self) -> &[f64] {

@@ -1,10 +1,11 @@
 //! One pair of surfaces.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use diffuse_contact::assembly::Tangent;
 use diffuse_contact::faces::{FaceRule, QuadraticFace};
-use diffuse_contact::friction::FrictionState;
+use diffuse_contact::friction::{DecayingCoefficient, FrictionState, TabulatedCoefficient};
 use diffuse_contact::interface::{FrictionReport, InterfaceOptions, NoContact};
 use diffuse_contact::surface::{Facet, SymmetryPlane, tributary_areas};
 use diffuse_contact::{Mode, Point};
@@ -88,11 +89,12 @@ impl TangentRule {
 }
 
 /// Rounds of Uzawa's iteration: when an increment has converged, λ ← max(0, λ − ε g), and it is solved again, until every contact
-/// that carries force is closed and no other one penetrates.
+/// that carries force is closed and no other one penetrates. Those of friction: tractions become multipliers, until slips are those that
+/// Coulomb's law allows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Augmentation {
-    /// |g| of contacts that carry force, and −g of others, that ends the rounds, length.
+    /// |g| of contacts that carry force, and −g of others, that ends the rounds, length; of friction the slip that should not be.
     pub tolerance: f64,
     /// Most rounds in an increment, at least 1.
     pub max_rounds: usize,
@@ -112,42 +114,61 @@ impl Augmentation {
     }
 }
 
+/// μ
+#[derive(Clone, Debug, PartialEq)]
+pub enum Coefficient {
+    /// The same for all contacts, ≥ 0; 0 is no friction.
+    Constant(f64),
+    /// It decays from rest to fast sliding.
+    Decaying(DecayingCoefficient),
+    /// By pressure and slip rate.
+    Tabulated(Arc<TabulatedCoefficient>),
+}
+
 /// Coulomb friction between two surfaces.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Friction {
-    /// μ ≥ 0; 0 is no friction.
-    pub coefficient: f64,
+    /// μ
+    pub coefficient: Coefficient,
     /// ε_T, force per slip of a slave node that sticks, with areas force per area and slip; `None`: as large as the penalty.
     pub stiffness: Option<f64>,
     /// τ > 0, which no slave node exceeds, force, with areas and over faces force per area; `None`: none.
     pub shear_limit: Option<f64>,
     /// Whether the tangent leaves out what is not symmetric: linear systems are solved in half of the time, and it takes more of them.
     pub is_symmetric: bool,
+    /// Rounds that take the slip of slaves that stick away; `None`: they creep by their elastic slip.
+    pub augmentation: Option<Augmentation>,
 }
 
 impl Friction {
-    /// With this coefficient, a stiffness as large as the penalty, and the exact tangent.
+    /// With this coefficient, a stiffness as large as the penalty, the exact tangent, and without augmentation.
     #[must_use]
-    pub const fn new(coefficient: f64) -> Self {
-        Self { coefficient, stiffness: None, shear_limit: None, is_symmetric: false }
+    pub const fn new(coefficient: Coefficient) -> Self {
+        Self { coefficient, stiffness: None, shear_limit: None, is_symmetric: false, augmentation: None }
+    }
+
+    /// With augmentation, or without.
+    #[must_use]
+    pub fn with_augmentation(self, augmentation: Option<Augmentation>) -> Self {
+        Self { augmentation, ..self }
     }
 
     /// With this tangential stiffness, or the penalty's.
     #[must_use]
-    pub const fn with_stiffness(self, stiffness: Option<f64>) -> Self {
+    pub fn with_stiffness(self, stiffness: Option<f64>) -> Self {
         Self { stiffness, ..self }
     }
 
     /// With this shear limit, or none.
     #[must_use]
-    pub const fn with_shear_limit(self, shear_limit: Option<f64>) -> Self {
+    pub fn with_shear_limit(self, shear_limit: Option<f64>) -> Self {
         Self { shear_limit, ..self }
     }
 
     /// With the symmetric part of the tangent only, or all of it.
     #[must_use]
-    pub const fn with_symmetric_tangent(self, is_symmetric: bool) -> Self {
+    pub fn with_symmetric_tangent(self, is_symmetric: bool) -> Self {
         Self { is_symmetric, ..self }
     }
 }
@@ -429,7 +450,7 @@ impl Interaction {
 
     /// Accepts the last evaluation as the end of an increment; what friction did in it.
     pub(super) fn accept(&mut self) -> Result<Option<FrictionReport>, ContactError> {
-        let mut sum = self.options.friction.map(|_| FrictionReport::default());
+        let mut sum = self.options.friction.as_ref().map(|_| FrictionReport::default());
         self.each(|pass| {
             let report = pass.accept()?;
             if let Some(sum) = &mut sum {
@@ -475,13 +496,33 @@ impl Interaction {
     }
 
     /// What is there to do after so many rounds.
-    pub(super) fn augmented(&self, round: usize) -> Augmented {
-        match self.options.augmentation {
-            Some(augmentation) if self.gap_error() > augmentation.tolerance => {
-                if round < augmentation.max_rounds { Augmented::Due } else { Augmented::Short }
-            }
-            _ => Augmented::Met,
-        }
+    pub(super) fn augmented(&self, round: usize) -> Result<Augmented, ContactError> {
+        let judge = |augmentation: Augmentation, error: f64| match error <= augmentation.tolerance {
+            true => Augmented::Met,
+            false if round < augmentation.max_rounds => Augmented::Due,
+            false => Augmented::Short,
+        };
+        let normal = self.options.augmentation.map(|augmentation| judge(augmentation, self.gap_error()));
+        let of_friction = match self.friction_augmentation() {
+            Some(augmentation) => Some(judge(augmentation, self.slip_error()?)),
+            None => None,
+        };
+        Ok(normal.max(of_friction).unwrap_or(Augmented::Met))
+    }
+
+    fn friction_augmentation(&self) -> Option<Augmentation> {
+        self.options.friction.as_ref().and_then(|friction| friction.augmentation)
+    }
+
+    /// How far the contacts are from Coulomb's law without an elastic slip, length: the largest slip of those that stick, and part across
+    /// the traction of those that slide. Those that can move nothing are left out; 0 without augmentation of friction.
+    ///
+    /// # Errors
+    /// [`ContactError`].
+    pub fn slip_error(&self) -> Result<f64, ContactError> {
+        let named = |error: PassError| error.of(&self.options.name);
+        let mut errors = self.passes.iter().map(|pass| pass.slip_error().map_err(named));
+        errors.try_fold(0.0, |largest: f64, error| Ok(largest.max(error?)))
     }
 
     /// How far the contacts are from f ≥ 0, g ≥ 0, f g = 0, length: the largest |g| of those that carry force and −g of the
@@ -527,10 +568,20 @@ impl Interaction {
         self.passes.iter().map(|pass| pass.missed()).sum()
     }
 
-    pub(super) fn augment(&mut self, round: usize) {
-        if self.options.augmentation.is_some_and(|augmentation| round < augmentation.max_rounds) {
+    pub(super) fn augment(&mut self, round: usize) -> Result<(), ContactError> {
+        let goes_on = |augmentation: Augmentation| round < augmentation.max_rounds;
+        // With the multipliers of the equilibrium: before they are updated.
+        if self.friction_augmentation().is_some_and(goes_on) {
+            self.each(|pass| pass.augment_friction())?;
+        }
+        if self.options.augmentation.is_some_and(goes_on) {
             self.passes.iter_mut().for_each(|pass| pass.augment());
         }
+        Ok(())
+    }
+
+    pub(super) fn lasts(&mut self, duration: f64) {
+        self.passes.iter_mut().for_each(|pass| pass.lasts(duration));
     }
 
     /// From here on the open slaves of these parts that are nearest to the master push with ε g. Their tangent is that of contact, and

@@ -22,8 +22,8 @@ pub use beginning::Beginning;
 pub use error::ContactError;
 pub(crate) use interaction::facet_size;
 pub use interaction::{
-    Augmentation, Augmented, Friction, Integration, Interaction, InteractionOptions, RefreshRule, SlaveState,
-    TangentRule,
+    Augmentation, Augmented, Coefficient, Friction, Integration, Interaction, InteractionOptions,
+    RefreshRule, SlaveState, TangentRule,
 };
 pub use losses::LostContact;
 pub use pass::{FrictionHistory, NodalForces};
@@ -184,17 +184,26 @@ impl ContactSet {
         self.for_each_with(history, Interaction::set_friction_history)
     }
 
-    /// Updates the multipliers of the augmented Lagrangian interactions if another round is [`Due`](Augmented::Due) for one of them.
-    /// Otherwise, with all gaps within their tolerances or all rounds over, the multipliers stay.
-    pub fn augment(&mut self, round: usize) -> Augmented {
-        let of_each = self.interactions.iter().map(|interaction| interaction.augmented(round));
-        let augmented = of_each.max().unwrap_or(Augmented::Met);
-        if augmented == Augmented::Due {
-            for interaction in &mut self.interactions {
-                interaction.augment(round);
-            }
+    /// Updates the multipliers of the augmented Lagrangian interactions, normal and tangential, if another round is
+    /// [`Due`](Augmented::Due) for one of them. Otherwise, with all gaps and slips within their tolerances or all rounds over, the
+    /// multipliers stay.
+    ///
+    /// # Errors
+    /// [`ContactError::Interface`].
+    pub fn augment(&mut self, round: usize) -> Result<Augmented, ContactError> {
+        let mut augmented = Augmented::Met;
+        for interaction in &self.interactions {
+            augmented = augmented.max(interaction.augmented(round)?);
         }
-        augmented
+        if augmented == Augmented::Due {
+            self.interactions.iter_mut().try_for_each(|interaction| interaction.augment(round))?;
+        }
+        Ok(augmented)
+    }
+
+    /// Tells how long the increment lasts that is to be solved: slip rates are by this time.
+    pub fn lasts(&mut self, duration: f64) {
+        self.interactions.iter_mut().for_each(|interaction| interaction.lasts(duration));
     }
 
     /// The slaves of each pass that carry force, by their places in it: like the multipliers a part of the history.

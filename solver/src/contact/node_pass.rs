@@ -3,14 +3,14 @@
 use std::collections::BTreeSet;
 
 use diffuse_contact::assembly::{AssemblyError, ContactLaw, ContactView, DofMap, Tangent, add_residual};
-use diffuse_contact::friction::{Coulomb, FrictionForce, FrictionState};
+use diffuse_contact::friction::{FrictionForce, FrictionState};
 use diffuse_contact::interface::{ContactInterface, ContactRef, Contacts, FrictionReport, Outcome};
 use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
 use super::losses::Losses;
-use super::pass::{FrictionHistory, NodalForces, Pass, PassError, take_multipliers};
+use super::pass::{FrictionHistory, NodalForces, Pass, PassError, PassFriction, take_multipliers};
 use super::{ContactError, InteractionOptions, SlaveState, TangentRule};
 use crate::system::{BlockMatrix, Symmetry};
 
@@ -20,26 +20,13 @@ pub fn normal_law(penalty: f64, multipliers: &[f64]) -> ContactLaw<'_> {
     ContactLaw::penalty(penalty).with_multipliers(multipliers).with_tangent(Tangent::Exact)
 }
 
-/// The friction of a pass with this penalty; none for a coefficient of 0.
-pub fn friction_law(options: &InteractionOptions, penalty: f64) -> Result<Option<Coulomb>, ContactError> {
-    let Some(friction) = options.friction.filter(|friction| friction.coefficient != 0.0) else {
-        return Ok(None);
-    };
-    // Two passes have half of each other's penalty, and of a stiffness and a limit that were given.
-    let share = penalty / options.penalty;
-    let stiffness = friction.stiffness.map_or(penalty, |stiffness| share * stiffness);
-    let limit = friction.shear_limit.map(|limit| share * limit);
-    let law = Coulomb::new(friction.coefficient, stiffness).and_then(|law| law.with_shear_limit(limit));
-    law.map(Some).map_err(|source| ContactError::Friction { interface: options.name.clone(), source })
-}
-
 /// Slave nodes against one master surface.
 #[derive(Debug)]
 pub struct NodePass {
     interface: ContactInterface,
     penalty: f64,
     tangent: TangentRule,
-    friction: Option<Coulomb>,
+    friction: Option<PassFriction>,
     /// Whether the tangent leaves out what is not symmetric.
     is_symmetric: bool,
     /// Work of friction up to the last increment, energy.
@@ -75,7 +62,7 @@ impl NodePass {
         if !options.symmetry.is_empty() {
             interface.set_symmetry(&options.symmetry).map_err(named)?;
         }
-        let friction = friction_law(options, penalty)?;
+        let friction = PassFriction::new(options, penalty)?;
         if friction.is_some() {
             interface.check_friction().map_err(named)?;
         }
@@ -86,7 +73,7 @@ impl NodePass {
             penalty,
             tangent,
             friction,
-            is_symmetric: options.friction.is_some_and(|friction| friction.is_symmetric),
+            is_symmetric: options.friction.as_ref().is_some_and(|friction| friction.is_symmetric),
             dissipated: 0.0,
             dofs,
             multipliers,
@@ -108,7 +95,11 @@ impl NodePass {
 
     /// For forces: which tangent it has makes no difference.
     fn law(&self) -> ContactLaw<'_> {
-        normal_law(self.penalty, &self.multipliers).with_friction(self.friction)
+        self.with_friction(normal_law(self.penalty, &self.multipliers))
+    }
+
+    fn with_friction<'a>(&'a self, law: ContactLaw<'a>) -> ContactLaw<'a> {
+        law.with_friction(self.friction.as_ref().map(PassFriction::law))
     }
 }
 
@@ -126,7 +117,8 @@ impl Pass for NodePass {
 
     fn accept(&mut self) -> Result<FrictionReport, PassError> {
         let Self { interface, penalty, multipliers, friction, .. } = self;
-        let report = interface.accept(&normal_law(*penalty, multipliers).with_friction(*friction))?;
+        let friction = friction.as_ref().map(PassFriction::law);
+        let report = interface.accept(&normal_law(*penalty, multipliers).with_friction(friction))?;
         self.dissipated += report.dissipated;
         Ok(report)
     }
@@ -194,7 +186,7 @@ impl Pass for NodePass {
 
     fn add_tangent(&mut self, matrix: &mut BlockMatrix, tangent: Tangent) -> Result<Symmetry, PassError> {
         let mut entries = std::mem::take(&mut self.values);
-        let law = ContactLaw::penalty(self.penalty).with_tangent(tangent).with_friction(self.friction);
+        let law = self.with_friction(ContactLaw::penalty(self.penalty).with_tangent(tangent));
         let mut symmetry = Symmetry::Symmetric;
         let mut nodes = Vec::new();
         for (k, contact) in self.contacts().iter().enumerate() {
@@ -246,6 +238,27 @@ impl Pass for NodePass {
             if is_moved { law.force(k, contact.point.gap, contact.area) } else { 0.0 }
         };
         self.multipliers = (0..self.multipliers.len()).map(forces).collect();
+    }
+
+    fn lasts(&mut self, duration: f64) {
+        self.friction.iter_mut().for_each(|friction| friction.duration = duration);
+    }
+
+    fn slip_error(&self) -> Result<f64, PassError> {
+        if !self.friction.as_ref().is_some_and(PassFriction::is_augmented) {
+            return Ok(0.0);
+        }
+        let errors = self.interface.slip_errors(&self.law())?;
+        let moved = errors.into_iter().enumerate().filter(|&(k, _)| !self.is_held(&self.contacts().get(k)));
+        Ok(moved.map(|(_, error)| error).fold(0.0, f64::max))
+    }
+
+    fn augment_friction(&mut self) -> Result<(), PassError> {
+        let moves: Vec<bool> = self.contacts().iter().map(|contact| !self.is_held(&contact)).collect();
+        let Self { interface, penalty, multipliers, friction, .. } = self;
+        let friction = friction.as_ref().map(PassFriction::law);
+        let law = normal_law(*penalty, multipliers).with_friction(friction);
+        Ok(interface.augment(&law, |k| moves[k])?)
     }
 
     fn masters(&self) -> &[u32] {

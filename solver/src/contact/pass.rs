@@ -3,11 +3,12 @@
 use diffuse_contact::Mode;
 use diffuse_contact::Point;
 use diffuse_contact::assembly::{AssemblyError, Tangent};
+use diffuse_contact::friction::{Coulomb, FrictionError};
 use diffuse_contact::interface::{FrictionReport, InterfaceError, Outcome};
 use serde::{Deserialize, Serialize};
 
 use super::losses::Losses;
-use super::{ContactError, LostContact, SlaveState};
+use super::{Coefficient, ContactError, Friction, InteractionOptions, LostContact, SlaveState};
 use crate::system::{BlockMatrix, Symmetry};
 
 /// What contact exerts on each node, as slave and as master, in all passes.
@@ -26,6 +27,58 @@ pub struct FrictionHistory {
     pub anchors: Vec<f64>,
     /// Work of friction so far, energy.
     pub dissipated: f64,
+}
+
+/// The friction of a pass.
+#[derive(Clone, Debug)]
+pub struct PassFriction {
+    coefficient: Coefficient,
+    /// ε_T, over faces per area.
+    stiffness: f64,
+    shear_limit: Option<f64>,
+    is_augmented: bool,
+    /// How long the increment lasts.
+    pub duration: f64,
+}
+
+impl PassFriction {
+    /// Of a pass with this penalty; none for a coefficient of 0.
+    pub fn new(options: &InteractionOptions, penalty: f64) -> Result<Option<Self>, ContactError> {
+        let is_some = |friction: &&Friction| friction.coefficient != Coefficient::Constant(0.0);
+        let Some(friction) = options.friction.as_ref().filter(is_some) else { return Ok(None) };
+        // Two passes have half of each other's penalty, and of a stiffness and a limit that were given.
+        let share = penalty / options.penalty;
+        let made = Self {
+            coefficient: friction.coefficient.clone(),
+            stiffness: friction.stiffness.map_or(penalty, |stiffness| share * stiffness),
+            shear_limit: friction.shear_limit.map(|limit| share * limit),
+            is_augmented: friction.augmentation.is_some(),
+            duration: 1.0,
+        };
+        match made.checked() {
+            Ok(_) => Ok(Some(made)),
+            Err(source) => Err(ContactError::Friction { interface: options.name.clone(), source }),
+        }
+    }
+
+    fn checked(&self) -> Result<Coulomb<'_>, FrictionError> {
+        let variable = |law| Coulomb::variable(law, self.duration, self.stiffness);
+        let law = match &self.coefficient {
+            &Coefficient::Constant(coefficient) => Coulomb::new(coefficient, self.stiffness),
+            Coefficient::Decaying(law) => variable(law),
+            Coefficient::Tabulated(law) => variable(law.as_ref()),
+        }?;
+        Ok(law.with_shear_limit(self.shear_limit)?.with_augmentation(self.is_augmented))
+    }
+
+    /// The law, which was checked when this was made.
+    pub fn law(&self) -> Coulomb<'_> {
+        self.checked().unwrap_or_else(|error| unreachable!("{error}"))
+    }
+
+    pub const fn is_augmented(&self) -> bool {
+        self.is_augmented
+    }
 }
 
 /// A step of a pass that failed.
@@ -103,6 +156,15 @@ pub trait Pass: std::fmt::Debug {
 
     /// λ ← max(0, λ − ε g), but where nothing can move: there no multiplier closes the gap.
     fn augment(&mut self);
+
+    /// How long the increment lasts that is to be solved.
+    fn lasts(&mut self, duration: f64);
+
+    /// The slip that Coulomb's law does not allow, of slaves that can move, length; 0 without augmentation of friction.
+    fn slip_error(&self) -> Result<f64, PassError>;
+
+    /// Tractions become multipliers, but where nothing can move.
+    fn augment_friction(&mut self) -> Result<(), PassError>;
 
     /// λ, one per slave; none without augmentation.
     fn multipliers(&self) -> &[f64];

@@ -170,7 +170,7 @@ fn the_stiffness_is_the_derivative_of_the_forces_with_the_pairing_held() {
         let pattern = Arc::new(BlockPattern::new(nodes.len(), set.cliques().collect::<Vec<_>>().iter()));
         if set.multipliers().iter().any(|pass| !pass.is_empty()) {
             // With multipliers that are not zero. Then they are held.
-            assert_eq!(set.augment(0), Augmented::Due);
+            assert_eq!(set.augment(0).unwrap(), Augmented::Due);
             forces(&mut set, &nodes, Mode::Hessian);
         }
         let mut matrix = BlockMatrix::new(pattern);
@@ -199,7 +199,7 @@ fn the_stiffness_is_the_derivative_of_the_forces_with_the_pairing_held() {
 fn multipliers_taken_out_and_put_back_change_nothing() {
     let (mut set, mut nodes) = contacts(options(true, true));
     forces(&mut set, &nodes, Mode::Gradient);
-    set.augment(0);
+    set.augment(0).unwrap();
     let slide = |nodes: &mut [Point]| nodes[36..].iter_mut().for_each(|x| x[0] += 0.15);
     slide(&mut nodes);
     set.refresh(RefreshRule::Increment, &nodes).unwrap();
@@ -228,16 +228,16 @@ fn augmenting_ends_when_penetrations_are_small_or_rounds_are_over() {
     let (mut set, nodes) = contacts(options(false, true));
     let (_, active) = forces(&mut set, &nodes, Mode::Gradient);
     let before: Vec<f64> = set.interactions()[0].slaves().map(|slave| slave.force).collect();
-    assert_eq!(set.augment(0), Augmented::Due);
+    assert_eq!(set.augment(0).unwrap(), Augmented::Due);
     assert_eq!(set.multipliers()[0], before);
     assert_eq!(before.iter().filter(|&&force| force > 0.0).count(), active);
-    assert_eq!(set.augment(5), Augmented::Short, "rounds are over");
+    assert_eq!(set.augment(5).unwrap(), Augmented::Short, "rounds are over");
     assert_eq!(set.multipliers()[0], before);
     let mut apart = nodes.clone();
     apart[36..].iter_mut().for_each(|x| x[2] += 1.0);
     forces(&mut set, &apart, Mode::Gradient);
     assert!(set.interactions()[0].slaves().all(|slave| slave.force == 0.0));
-    assert_eq!(set.augment(1), Augmented::Met, "nothing penetrates");
+    assert_eq!(set.augment(1).unwrap(), Augmented::Met, "nothing penetrates");
 }
 
 /// Force across an open gap is as wrong as a penetration.
@@ -245,7 +245,7 @@ fn augmenting_ends_when_penetrations_are_small_or_rounds_are_over() {
 fn augmenting_goes_on_while_a_contact_pulled_open_carries_force() {
     let (mut set, mut nodes) = contacts(options(false, true));
     forces(&mut set, &nodes, Mode::Gradient);
-    set.augment(0);
+    set.augment(0).unwrap();
     let lambda: f64 = set.multipliers()[0].iter().fold(0.0, |most, &force| most.max(force));
     // To half of the gap at which the largest multiplier's force is gone.
     let gaps: Vec<_> = set.interactions()[0].slaves().map(|slave| (slave.node, slave.gap)).collect();
@@ -260,7 +260,7 @@ fn augmenting_goes_on_while_a_contact_pulled_open_carries_force() {
     let worst = open.iter().filter_map(|slave| slave.gap).fold(0.0, f64::max);
     assert_eq!(interaction.gap_error(), worst);
     let mut rounds = 0;
-    while set.augment(rounds) == Augmented::Due {
+    while set.augment(rounds).unwrap() == Augmented::Due {
         rounds += 1;
         forces(&mut set, &nodes, Mode::Gradient);
     }
@@ -277,12 +277,12 @@ fn contacts_that_move_nothing_are_not_augmented() {
     let mut held = vec![true; nodes.len()];
     set.hold(&held);
     assert!(set.interactions()[0].slaves().any(|slave| slave.force > 0.0 && slave.is_held));
-    assert_eq!((set.max_penetration(), set.augment(0)), (0.0, Augmented::Met));
+    assert_eq!((set.max_penetration(), set.augment(0).unwrap()), (0.0, Augmented::Met));
     // One master that can give way is enough for the slaves around it.
     held[14] = false;
     set.hold(&held);
     assert!(set.max_penetration() > 0.0 && set.max_penetration() <= deepest);
-    assert_eq!(set.augment(0), Augmented::Due);
+    assert_eq!(set.augment(0).unwrap(), Augmented::Due);
     let slaves: Vec<_> = set.interactions()[0].slaves().collect();
     for (slave, &multiplier) in slaves.iter().zip(&set.multipliers()[0]) {
         assert_eq!(multiplier > 0.0, slave.force > 0.0 && !slave.is_held);

@@ -38,7 +38,7 @@ impl Deck {
             .with_refresh(interface.refresh)
             .with_tangent(interface.tangent)
             .with_two_pass(interface.two_pass)
-            .with_friction(interface.friction)
+            .with_friction(interface.friction.clone())
             .with_integration(interface.integration)
             .with_quadratic_faces(quadratic)
             .with_adjust(interface.adjust);

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use diffuse_contact::friction::FrictionError;
 use diffuse_contact_mesh::file::reason;
 use diffuse_contact_mesh::names::{self, escaped, shown};
 
@@ -47,6 +48,9 @@ impl DeckError {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
+    /// A coefficient of friction that is none.
+    #[error("{0}")]
+    Coefficient(FrictionError),
     /// Not TOML.
     #[error("not valid TOML: {message}")]
     Syntax {

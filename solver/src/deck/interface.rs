@@ -1,6 +1,9 @@
 //! `contact` and `[[interface]]`.
 
+use std::sync::Arc;
+
 use diffuse_contact::faces::FaceRule;
+use diffuse_contact::friction::{DecayingCoefficient, TabulatedCoefficient};
 use diffuse_contact::interface::{ContactElement, InterfaceOptions};
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
 use diffuse_contact::pairing::{DEFAULT_NEIGHBOURS, MAX_NEIGHBOURS};
@@ -11,7 +14,7 @@ use super::conditions::references;
 use super::error::{DeckError, Problem};
 use super::reader::{Field, Section, Source};
 use super::{Reference, schema};
-use crate::contact::{Augmentation, Friction, Integration, RefreshRule, TangentRule};
+use crate::contact::{Augmentation, Coefficient, Friction, Integration, RefreshRule, TangentRule};
 
 /// The element of every interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -171,24 +174,74 @@ fn augmentation(section: &Section) -> Result<Option<Augmentation>, DeckError> {
         section.refuse(&["augmentation"], "without method = \"augmented-lagrangian\"")?;
         return Ok(None);
     }
-    let section = section.need("augmentation")?.section()?.expect(schema::AUGMENTATION)?;
+    rounds(&section.need("augmentation")?).map(Some)
+}
+
+/// A tolerance, and how many rounds there are at most.
+fn rounds(field: &Field) -> Result<Augmentation, DeckError> {
+    let section = field.section()?.expect(schema::AUGMENTATION)?;
     let mut augmentation = Augmentation::new(section.need("tolerance")?.positive()?);
     if let Some(field) = section.get("max") {
         augmentation.max_rounds = field.positive_count()?;
     }
-    Ok(Some(augmentation))
+    Ok(augmentation)
 }
 
 /// A coefficient, or a table with one.
 fn friction(field: &Field) -> Result<Friction, DeckError> {
-    let coefficient = |field: &Field| field.number_in("at least 0", |value| value >= 0.0);
-    let Ok(section) = field.section() else { return Ok(Friction::new(coefficient(field)?)) };
+    let Ok(section) = field.section() else { return Ok(Friction::new(constant(field)?)) };
     let section = section.expect(schema::FRICTION)?;
     let stiffness = section.get("stiffness").map(|field| field.positive()).transpose()?;
     let is_symmetric = section.get("symmetric").map_or(Ok(false), |field| field.flag())?;
     let limit = section.get("shear_limit").map(|field| field.positive()).transpose()?;
-    let friction = Friction::new(coefficient(&section.need("coefficient")?)?);
-    Ok(friction.with_stiffness(stiffness).with_shear_limit(limit).with_symmetric_tangent(is_symmetric))
+    let augmentation = section.get("augmentation").map(|field| rounds(&field)).transpose()?;
+    let friction = Friction::new(coefficient(&section.need("coefficient")?)?)
+        .with_stiffness(stiffness)
+        .with_shear_limit(limit)
+        .with_augmentation(augmentation);
+    Ok(friction.with_symmetric_tangent(is_symmetric))
+}
+
+fn constant(field: &Field) -> Result<Coefficient, DeckError> {
+    Ok(Coefficient::Constant(field.number_in("at least 0", |value| value >= 0.0)?))
+}
+
+/// A number, what it decays from and to, or a table of pressures and slip rates.
+fn coefficient(field: &Field) -> Result<Coefficient, DeckError> {
+    let Ok(section) = field.section() else { return constant(field) };
+    let section = section.expect(schema::COEFFICIENT)?;
+    let refused = |error| field.error(Problem::Coefficient(error));
+    if section.get("values").is_none() {
+        section.refuse(&["pressures", "rates"], "without values")?;
+        let number = |name| section.need(name)?.number();
+        let law = DecayingCoefficient::new(number("static")?, number("kinetic")?, number("decay")?);
+        return Ok(Coefficient::Decaying(law.map_err(refused)?));
+    }
+    section.refuse(&["static", "kinetic", "decay"], "beside values")?;
+    let axis = |name: &str| section.get(name).map_or(Ok(vec![0.0]), |field| numbers(&field));
+    let (pressures, rates) = (axis("pressures")?, axis("rates")?);
+    let values = section.need("values")?;
+    let rows = values.list("a list of numbers, or of one row for each pressure")?;
+    let values = match rows.first() {
+        Some(row) if row.is_list() => {
+            let mut all = Vec::new();
+            for row in &rows {
+                let row_values = numbers(row)?;
+                if row_values.len() != rates.len() {
+                    return Err(row.wrong_type(format!("{} numbers, one for each rate", rates.len())));
+                }
+                all.extend(row_values);
+            }
+            all
+        }
+        _ => numbers(&values)?,
+    };
+    let law = TabulatedCoefficient::new(&pressures, &rates, &values).map_err(refused)?;
+    Ok(Coefficient::Tabulated(Arc::new(law)))
+}
+
+fn numbers(field: &Field) -> Result<Vec<f64>, DeckError> {
+    field.list("a list of numbers")?.iter().map(Field::number).collect()
 }
 
 /// `"nodes"` or `"faces"`, or a table with the degree of the faces' rule.

@@ -72,7 +72,9 @@ pub const INTERFACE: &[&str] = &[
 /// Fields of an augmentation.
 pub const AUGMENTATION: &[&str] = &["max", "tolerance"];
 /// Fields of friction.
-pub const FRICTION: &[&str] = &["coefficient", "stiffness", "shear_limit", "symmetric"];
+pub const FRICTION: &[&str] = &["coefficient", "stiffness", "shear_limit", "symmetric", "augmentation"];
+/// Fields of a coefficient of friction that varies.
+pub const COEFFICIENT: &[&str] = &["static", "kinetic", "decay", "pressures", "rates", "values"];
 /// Fields of an integration.
 pub const INTEGRATION: &[&str] = &["over", "degree"];
 /// Fields of the neighbour search.

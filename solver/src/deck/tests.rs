@@ -616,6 +616,7 @@ fn every_field_is_documented_and_every_documented_field_exists() {
         ("`[[interface]]`", schema::INTERFACE),
         ("`augmentation`", schema::AUGMENTATION),
         ("`friction`", schema::FRICTION),
+        ("`coefficient`", schema::COEFFICIENT),
         ("`integration`", schema::INTEGRATION),
         ("`neighbours`", schema::NEIGHBOURS),
         ("`[time]`", schema::TIME),

@@ -84,6 +84,7 @@ impl<'a> Increment<'a> {
         let newton = self.settings.newton;
         self.problem.take_history(self.committed)?;
         self.problem.refresh(RefreshRule::Increment, &self.positions)?;
+        self.problem.contacts_mut().lasts(self.end - self.committed.time);
         self.problem.contacts_mut().begin_friction()?;
         let mut balance = match self.extrapolate()? {
             Some(balance) => balance,
@@ -152,7 +153,7 @@ impl<'a> Increment<'a> {
     /// In equilibrium: begins another round of augmentation, or tells that there is none to come.
     fn augment(&mut self, observer: &mut dyn Observer) -> Result<bool, Failure> {
         self.rounds.longest = self.rounds.longest.max(self.rounds.iterations);
-        let augmented = self.problem.contacts_mut().augment(self.rounds.count);
+        let augmented = self.problem.contacts_mut().augment(self.rounds.count)?;
         if augmented != Augmented::Due {
             self.rounds.is_short = augmented == Augmented::Short;
             return Ok(true);

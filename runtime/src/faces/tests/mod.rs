@@ -1,6 +1,7 @@
 //! Forces, balance and tangent of contact over faces.
 
 mod friction;
+mod law;
 
 use super::*;
 use crate::Weight;

@@ -10,6 +10,8 @@
 //! ```
 //!
 //! A law with a shear limit slides at min(μ p, τ) instead of μ p: metals yield below the surface before high pressures make it stick.
+//! μ may be a [`FrictionCoefficient`] of pressure and slip rate. The rate is that of what slides, v = (w s − c s/ε_T)/Δt: the traction is
+//! the root of an equation, and its derivatives are those of the root.
 //!
 //! w is the part of the slip since the place of touch: 1 for a contact that was closed when the last step was accepted. One that
 //! was open by g₀ has slid from its foot of then to its foot of now while the gap went from g₀ to the present one. It touched at
@@ -17,17 +19,52 @@
 //!
 //! q does not change under rigid motions of slave, masters and anchor together: the forces balance, and so do their moments.
 
-use diffuse_contact_kernels::{coulomb, traction};
+mod coefficient;
 
+use diffuse_contact_kernels::{coulomb, coulomb_sliding, traction, traction_sliding};
+
+pub use coefficient::{CoefficientValue, DecayingCoefficient, FrictionCoefficient, TabulatedCoefficient};
+
+use coefficient::{AtRate, SlipRate};
+
+use crate::vector::Vector3;
 use crate::{ElementError, Mode, Point, Slip};
 
 /// Coulomb's law with a penalty for stick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coulomb {
-    coefficient: f64,
+pub struct Coulomb<'a> {
+    coefficient: Coefficient<'a>,
     stiffness: f64,
     /// τ; the largest number for none.
     shear_limit: f64,
+    is_augmented: bool,
+}
+
+/// μ
+#[derive(Clone, Copy, Debug)]
+enum Coefficient<'a> {
+    Constant(f64),
+    Variable {
+        law: &'a dyn FrictionCoefficient,
+        /// Δt
+        duration: f64,
+        /// What forces are divided by to be pressures.
+        area: f64,
+    },
+}
+
+impl PartialEq for Coefficient<'_> {
+    /// Two laws are the same if they are one in memory.
+    fn eq(&self, other: &Self) -> bool {
+        match (*self, *other) {
+            (Self::Constant(one), Self::Constant(other)) => one == other,
+            (
+                Self::Variable { law, duration, area },
+                Self::Variable { law: other, duration: other_duration, area: other_area },
+            ) => std::ptr::addr_eq(law, other) && (duration, area) == (other_duration, other_area),
+            _ => false,
+        }
+    }
 }
 
 /// What a contact with friction does.
@@ -70,6 +107,24 @@ pub enum FrictionError {
         /// ε_T.
         value: f64,
     },
+    /// The duration of a step is not positive.
+    #[error("the duration of a step has to be a positive number, not {value}")]
+    InvalidDuration {
+        /// Δt.
+        value: f64,
+    },
+    /// The decay of a coefficient is negative or not a number.
+    #[error("the decay of the coefficient of friction has to be a number that is not negative, not {value}")]
+    InvalidDecay {
+        /// β.
+        value: f64,
+    },
+    /// Numbers that are no table.
+    #[error("number {place} of the table is not finite, does not ascend, is missing or too many")]
+    InvalidTable {
+        /// The place of the first such number, in pressures, rates and coefficients one after another.
+        place: usize,
+    },
     /// τ is not positive.
     #[error("the shear limit has to be a positive number, not {value}")]
     InvalidShearLimit {
@@ -86,6 +141,9 @@ impl FrictionError {
             Self::InvalidCoefficient { .. } => "invalid-friction-coefficient",
             Self::InvalidStiffness { .. } => "invalid-friction-stiffness",
             Self::InvalidShearLimit { .. } => "invalid-shear-limit",
+            Self::InvalidDuration { .. } => "invalid-duration",
+            Self::InvalidDecay { .. } => "invalid-decay",
+            Self::InvalidTable { .. } => "invalid-table",
         }
     }
 }
@@ -116,19 +174,51 @@ pub struct FrictionForce {
     pub kept: f64,
 }
 
-impl Coulomb {
+/// Whether it is one.
+fn check_coefficient(value: f64) -> Result<(), FrictionError> {
+    let is_sound = value >= 0.0 && value.is_finite();
+    if is_sound { Ok(()) } else { Err(FrictionError::InvalidCoefficient { value }) }
+}
+
+fn check_stiffness(value: f64) -> Result<(), FrictionError> {
+    let is_sound = value > 0.0 && value.is_finite();
+    if is_sound { Ok(()) } else { Err(FrictionError::InvalidStiffness { value }) }
+}
+
+impl<'a> Coulomb<'a> {
     /// The law with the coefficient of friction μ ≥ 0 and the tangential stiffness ε_T > 0, force per length.
     ///
     /// # Errors
     /// [`FrictionError`].
     pub fn new(coefficient: f64, stiffness: f64) -> Result<Self, FrictionError> {
-        if !(coefficient >= 0.0 && coefficient.is_finite()) {
-            return Err(FrictionError::InvalidCoefficient { value: coefficient });
+        check_coefficient(coefficient)?;
+        check_stiffness(stiffness)?;
+        Ok(Self {
+            coefficient: Coefficient::Constant(coefficient),
+            stiffness,
+            shear_limit: f64::MAX,
+            is_augmented: false,
+        })
+    }
+
+    /// The law with a coefficient of pressure and slip rate in a step that lasts `duration` > 0, and the tangential stiffness ε_T > 0.
+    ///
+    /// Where μ falls with the rate so fast that p |∂μ/∂v| > ε_T `duration`, the elastic slip snaps: a contact that begins to slide
+    /// then loses traction at once.
+    ///
+    /// # Errors
+    /// [`FrictionError::InvalidDuration`], [`FrictionError::InvalidStiffness`].
+    pub fn variable(
+        coefficient: &'a dyn FrictionCoefficient,
+        duration: f64,
+        stiffness: f64,
+    ) -> Result<Self, FrictionError> {
+        if !(duration > 0.0 && duration.is_finite()) {
+            return Err(FrictionError::InvalidDuration { value: duration });
         }
-        if !(stiffness > 0.0 && stiffness.is_finite()) {
-            return Err(FrictionError::InvalidStiffness { value: stiffness });
-        }
-        Ok(Self { coefficient, stiffness, shear_limit: f64::MAX })
+        check_stiffness(stiffness)?;
+        let coefficient = Coefficient::Variable { law: coefficient, duration, area: 1.0 };
+        Ok(Self { coefficient, stiffness, shear_limit: f64::MAX, is_augmented: false })
     }
 
     /// The law with a traction τ > 0 that no contact exceeds, in the unit of the pressure: contacts slide at min(μ p, τ). `None`: without.
@@ -144,10 +234,23 @@ impl Coulomb {
         }
     }
 
-    /// μ
+    /// Whether the history notes where contacts really stuck, so that [`augment`](crate::ContactInterface::augment) can take away what
+    /// they creep by ε_T, or not. Tractions are the same.
     #[must_use]
-    pub const fn coefficient(&self) -> f64 {
-        self.coefficient
+    pub const fn with_augmentation(self, is_augmented: bool) -> Self {
+        Self { is_augmented, ..self }
+    }
+
+    /// Whether contacts may be augmented.
+    #[must_use]
+    pub const fn is_augmented(&self) -> bool {
+        self.is_augmented
+    }
+
+    /// Whether μ is 0 whatever the contact does.
+    #[must_use]
+    pub fn is_none(&self) -> bool {
+        matches!(self.coefficient, Coefficient::Constant(0.0))
     }
 
     /// ε_T, force per length.
@@ -166,7 +269,32 @@ impl Coulomb {
     #[must_use]
     pub fn over(&self, area: f64) -> Self {
         let limit = self.shear_limit().map_or(f64::MAX, |limit| limit * area);
-        Self { stiffness: self.stiffness * area, shear_limit: limit, ..*self }
+        let coefficient = match self.coefficient {
+            Coefficient::Variable { law, duration, area: before } => {
+                Coefficient::Variable { law, duration, area: area * before }
+            }
+            constant @ Coefficient::Constant(_) => constant,
+        };
+        Self { coefficient, stiffness: self.stiffness * area, shear_limit: limit, ..*self }
+    }
+
+    /// μ of a contact that sticks, with this normal force.
+    fn coefficient_of_rest(&self, pressure: f64) -> f64 {
+        match self.coefficient {
+            Coefficient::Constant(coefficient) => coefficient,
+            Coefficient::Variable { law, area, .. } => law.coefficient(pressure / area, 0.0).or_nan().value,
+        }
+    }
+
+    /// μ, with derivatives by the normal force, and the rate of a contact that slides by w s; `None` for a constant coefficient.
+    fn sliding_coefficient(&self, pressure: f64, slip: f64) -> Option<(AtRate, f64)> {
+        let Coefficient::Variable { law, duration, area } = self.coefficient else { return None };
+        let (stiffness, limit) = (self.stiffness, self.shear_limit);
+        let found = SlipRate { slip, pressure, stiffness, limit, duration }.find(|rate| {
+            let by_area = law.coefficient(pressure / area, rate).or_nan();
+            CoefficientValue { by_pressure: by_area.by_pressure / area, ..by_area }
+        });
+        Some((found, duration))
     }
 
     /// t_A and its derivatives over faces, for a way and a normal of any length (docs/equations.md, section 18), and what becomes of
@@ -176,12 +304,53 @@ impl Coulomb {
         (way, normal): (Point, Point),
         pressure: f64,
         opening: f64,
-    ) -> (traction::Results, Sliding) {
-        let Self { coefficient, stiffness, shear_limit } = *self;
-        let inputs = traction::Inputs { way, normal, pressure, coefficient, stiffness, opening, shear_limit };
-        let results = traction::evaluate(Mode::Gradient, &inputs);
-        let traction::Values { factor, share, slides, .. } = results.values;
-        (results, self.sliding(factor, share, slides))
+    ) -> FaceTraction {
+        let Self { stiffness, shear_limit, .. } = *self;
+        let at = |coefficient: f64| {
+            let inputs =
+                traction::Inputs { way, normal, pressure, coefficient, stiffness, opening, shear_limit };
+            traction::evaluate(Mode::Gradient, &inputs)
+        };
+        let made = |results: &traction::Results| {
+            let traction::Values { slip, traction, factor, share, slides } = results.values;
+            let sliding = self.sliding(factor, share, slides);
+            FaceTraction { slip, traction, jacobian: results.traction_jacobian, sliding }
+        };
+        let coefficient = self.coefficient_of_rest(pressure);
+        let mut at_rest = made(&at(coefficient));
+        if coefficient.is_nan() {
+            at_rest.traction = [f64::NAN; 3];
+        }
+        let FaceTraction { slip, sliding, .. } = at_rest;
+        if sliding.state == FrictionState::Stick {
+            return at_rest;
+        }
+        let slid = sliding.share * Vector3::from(slip).norm();
+        let Some((AtRate { coefficient: found, rate }, duration)) = self.sliding_coefficient(pressure, slid)
+        else {
+            return at_rest;
+        };
+        if found.value * pressure >= shear_limit {
+            return made(&at(found.value));
+        }
+        let results = traction_sliding::evaluate(
+            Mode::Gradient,
+            &traction_sliding::Inputs {
+                way,
+                normal,
+                pressure,
+                coefficient: found.value,
+                coefficient_by_pressure: found.by_pressure,
+                coefficient_by_rate: found.by_rate,
+                at_pressure: pressure,
+                at_rate: rate,
+                stiffness,
+                opening,
+                duration,
+            },
+        );
+        let sliding = self.sliding(results.values.factor, sliding.share, 1.0);
+        FaceTraction { slip, traction: results.values.traction, jacobian: results.traction_jacobian, sliding }
     }
 
     fn sliding(&self, factor: f64, share: f64, slides: f64) -> Sliding {
@@ -200,22 +369,58 @@ impl Coulomb {
         self.force_since(normal, half_square, 0.0)
     }
 
-    /// The same of a contact that was open by the gap `opening` ≥ 0 when the last step was accepted, and had its anchor in its foot.
+    /// The same of a contact that was open when the last step was accepted, and had its anchor in its foot. `opening` ≥ 0 is the
+    /// force that the gap of then would make, ε g₀.
     #[must_use]
     pub fn force_since(&self, normal: NormalForce, half_square: f64, opening: f64) -> FrictionForce {
         if !(normal.force > 0.0) {
             return FrictionForce::NONE;
         }
-        let Self { coefficient, stiffness, shear_limit } = *self;
-        if coefficient * normal.force == 0.0 {
+        let Self { stiffness, shear_limit, .. } = *self;
+        let pressure = normal.force;
+        let at_rest = self.coefficient_of_rest(pressure);
+        if self.is_constant() && at_rest * pressure == 0.0 {
             return FrictionForce { state: FrictionState::Slip, kept: 0.0, ..FrictionForce::NONE };
         }
-        let opening = normal.stiffness * opening;
-        let pressure = normal.force;
-        let inputs = coulomb::Inputs { half_square, pressure, coefficient, stiffness, opening, shear_limit };
-        let coulomb::Results { values, factor_jacobian: [by_half_square, by_pressure] } =
-            coulomb::evaluate(Mode::Gradient, &inputs);
-        let coulomb::Values { factor, share, slides, .. } = values;
+        if at_rest.is_nan() {
+            return FrictionForce { factor: f64::NAN, ..FrictionForce::NONE };
+        }
+        let at = |coefficient: f64| {
+            let inputs =
+                coulomb::Inputs { half_square, pressure, coefficient, stiffness, opening, shear_limit };
+            coulomb::evaluate(Mode::Gradient, &inputs)
+        };
+        let mut results = at(at_rest);
+        let coulomb::Values { share, slides, .. } = results.values;
+        let slid = share * (2.0 * half_square).sqrt();
+        if slides > 0.0
+            && let Some((AtRate { coefficient: found, rate }, duration)) =
+                self.sliding_coefficient(pressure, slid)
+        {
+            if found.value * pressure >= shear_limit {
+                results = at(found.value);
+            } else {
+                let sliding = coulomb_sliding::evaluate(
+                    Mode::Gradient,
+                    &coulomb_sliding::Inputs {
+                        half_square,
+                        pressure,
+                        coefficient: found.value,
+                        coefficient_by_pressure: found.by_pressure,
+                        coefficient_by_rate: found.by_rate,
+                        at_pressure: pressure,
+                        at_rate: rate,
+                        stiffness,
+                        opening,
+                        duration,
+                    },
+                );
+                results.values.factor = sliding.values.factor;
+                results.factor_jacobian = sliding.factor_jacobian;
+            }
+        }
+        let [by_half_square, by_pressure] = results.factor_jacobian;
+        let factor = results.values.factor;
         let Sliding { state, kept, .. } = self.sliding(factor, share, slides);
         FrictionForce {
             state,
@@ -226,6 +431,22 @@ impl Coulomb {
             kept,
         }
     }
+
+    const fn is_constant(&self) -> bool {
+        matches!(self.coefficient, Coefficient::Constant(_))
+    }
+}
+
+/// The friction of a node of the faces.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FaceTraction {
+    /// P_n d, length.
+    pub slip: Point,
+    /// t_A, force per area.
+    pub traction: Point,
+    /// Its rows by way, normal and pressure, 3 × 7.
+    pub jacobian: [f64; 21],
+    pub sliding: Sliding,
 }
 
 /// What a contact does with its slip.
@@ -241,6 +462,18 @@ pub(crate) struct Sliding {
 }
 
 impl Sliding {
+    /// By how much the slip since where the contact stuck is none that the traction allows, length: all of it in stick, and what is not
+    /// along the traction in slip. `elastic`: the slip that the law has.
+    pub fn error(&self, elastic: Vector3, since_stuck: Vector3) -> f64 {
+        let slid = since_stuck * self.share;
+        let along = match self.state {
+            FrictionState::Slip => elastic.try_normalize(),
+            FrictionState::Open | FrictionState::Stick => None,
+        };
+        let allowed = along.map_or(Vector3::zeros(), |along| along * along.dot(&slid).max(0.0));
+        (slid - allowed).norm()
+    }
+
     /// As [`FrictionForce::dissipated`], with areas per area.
     pub fn dissipated(&self, slip: f64) -> f64 {
         match self.state {
@@ -264,8 +497,12 @@ impl FrictionForce {
     /// touch has lost to the anchor.
     #[must_use]
     pub fn dissipated(&self, slip: f64) -> f64 {
+        self.sliding().dissipated(slip)
+    }
+
+    pub(crate) const fn sliding(&self) -> Sliding {
         let Self { state, factor, share, kept, .. } = *self;
-        Sliding { state, factor, share, kept }.dissipated(slip)
+        Sliding { state, factor, share, kept }
     }
 
     /// R = −c ∇q, the force on slave, masters and anchor, 3(n+2) entries.
@@ -363,7 +600,7 @@ mod tests {
         for (q, opening) in [(q, 0.0), (0.01 * q, 0.05)] {
             let at = |gap: f64, q: f64| {
                 let normal = NormalForce { force: NORMAL.force - NORMAL.stiffness * gap, ..NORMAL };
-                law.force_since(normal, q, opening)
+                law.force_since(normal, q, NORMAL.stiffness * opening)
             };
             let force = at(0.0, q);
             let by_q = (at(0.0, q + h).factor - at(0.0, q - h).factor) / (2.0 * h);
@@ -389,7 +626,7 @@ mod tests {
         let law = Coulomb::new(0.3, 100.0).unwrap();
         // 10 of force at a stiffness of 400: 0.025 deep, and open by 0.075 before. A quarter of the way was in touch.
         for (slip, state, traction) in [(0.1, FrictionState::Stick, 2.5), (0.2, FrictionState::Slip, 3.0)] {
-            let force = law.force_since(NORMAL, 0.5 * slip * slip, 0.075);
+            let force = law.force_since(NORMAL, 0.5 * slip * slip, 30.0);
             assert!((force.share - 0.25).abs() < 1e-15);
             assert_eq!(force.state, state);
             assert!((force.factor * slip - traction).abs() < 1e-14, "{slip}");
@@ -400,7 +637,7 @@ mod tests {
         }
         // At the touch there is no friction.
         let touch = NormalForce { force: 1e-9, ..NORMAL };
-        assert!(law.force_since(touch, 0.5, 0.075).factor < 1e-8);
+        assert!(law.force_since(touch, 0.5, 30.0).factor < 1e-8);
     }
 
     #[test]

@@ -55,7 +55,7 @@ pub use dofs::DofMap;
 pub use elements::{ContactView, ElementView, Elements, SlipView};
 pub use error::AssemblyError;
 pub use law::{ContactLaw, Tangent};
-pub use pattern::CsrPattern;
+pub use pattern::{CsrIndex, CsrMap, CsrPattern};
 pub use residual::add_residual;
 pub use triplets::{Triangle, Triplets};
 

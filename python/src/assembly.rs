@@ -84,10 +84,12 @@ impl Interface {
         let py = slf.py();
         let mut this = exclusive(slf)?;
         this.make_pattern(py)?;
-        let numbers =
-            |numbers: &[usize]| PyArray1::from_iter(py, numbers.iter().map(|&number| number as i64));
-        let Some(pattern) = &this.pattern else { return Ok((numbers(&[0]), numbers(&[]))) };
-        Ok((numbers(pattern.row_offsets()), numbers(pattern.columns())))
+        let (offsets, columns) =
+            this.pattern.as_ref().map_or((&[0_usize][..], &[][..]), |all| (all.row_offsets(), all.columns()));
+        Ok((
+            PyArray1::from_iter(py, offsets.iter().map(|&offset| offset as i64)),
+            PyArray1::from_iter(py, columns.iter().map(|&column| i64::from(column))),
+        ))
     }
 
     /// Number of entries of the union pattern.

@@ -2,7 +2,7 @@
 
 use crate::assembly_cases::{Case, Dense, cylinder};
 use diffuse_contact::assembly::{
-    AssemblyError, ContactLaw, ContactView, CsrPattern, DofMap, ElementView, Elements, Tangent, Triangle,
+    AssemblyError, ContactLaw, ContactView, CsrMap, CsrPattern, DofMap, ElementView, Tangent, Triangle,
     Triplets, add_residual,
 };
 use diffuse_contact::{Generated, Mode};
@@ -13,7 +13,7 @@ fn dense(pattern: &CsrPattern, values: &[f64]) -> Vec<Vec<f64>> {
     let mut matrix = vec![vec![0.0; pattern.equations()]; pattern.equations()];
     for (row, entries) in matrix.iter_mut().enumerate() {
         for k in pattern.row_offsets()[row]..pattern.row_offsets()[row + 1] {
-            entries[pattern.columns()[k]] = values[k];
+            entries[pattern.columns()[k] as usize] = values[k];
         }
     }
     matrix
@@ -45,7 +45,7 @@ fn compare_with_dense(case: &Case, law: &ContactLaw<'_>, dofs: &DofMap) {
         assert!(columns.windows(2).all(|pair| pair[0] < pair[1]));
         for column in 0..dofs.equations() {
             let there = expected.coupled[row][column];
-            assert_eq!(columns.binary_search(&column).is_ok(), there);
+            assert_eq!(columns.binary_search(&(column as u32)).is_ok(), there);
             assert_eq!(pattern.position(row, column).is_some(), there);
             places += usize::from(there);
         }
@@ -138,7 +138,7 @@ fn the_number_of_threads_changes_no_bit() {
     let (offsets, columns, values) = &results[0];
     for row in 0..dofs.equations() {
         for k in offsets[row]..offsets[row + 1] {
-            assert_eq!(values[k], expected.tangent[row][columns[k]].to_bits());
+            assert_eq!(values[k], expected.tangent[row][columns[k] as usize].to_bits());
         }
     }
 }
@@ -186,7 +186,7 @@ fn real_elements_are_in_equilibrium_and_their_tangent_is_the_derivative() {
     let stiffness = values.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
     for row in 0..dofs.equations() {
         let entries = pattern.row_offsets()[row]..pattern.row_offsets()[row + 1];
-        let product: f64 = entries.map(|k| values[k] * direction[pattern.columns()[k]]).sum();
+        let product: f64 = entries.map(|k| values[k] * direction[pattern.columns()[k] as usize]).sum();
         let difference = -(ahead[row] - behind[row]) / (2.0 * step);
         assert!((product - difference).abs() < 1e-7 * stiffness, "{row}: {product} and {difference}");
     }
@@ -250,28 +250,102 @@ fn a_pattern_serves_as_long_as_the_nodes_stay() {
     assert_eq!(before, bits(&values), "a refusal changes nothing");
 }
 
-/// The documented formula, for a pattern without constraints.
+/// The documented sum, for a pattern without constraints.
 #[test]
 fn a_pattern_takes_the_memory_that_is_documented() {
-    let case = Case::with_distinct_nodes(60, 25, 9, 11);
-    let dofs = DofMap::standard(60);
+    let case = Case::with_distinct_nodes(600, 250, 9, 11);
+    let dofs = DofMap::standard(600);
     let pattern = CsrPattern::union(case.views().as_slice(), &dofs).unwrap();
-    let paired: Vec<usize> = case.elements.iter().map(|element| element.masters.len()).collect();
-    let occurring =
-        (0..60).filter(|node| pattern.row_offsets()[3 * node] < pattern.row_offsets()[3 * node + 1]);
-    let (e, r, c, m) = (pattern.entries(), 180, 60, occurring.count());
-    let per_element = |&masters: &usize| {
-        let n = if masters == 0 { 0 } else { masters + 1 };
-        4 * n * n + 12 * n + 16
-    };
-    let expected = 8 * e
-        + 8 * (r + 1)
-        + 12 * (e / 9)
-        + 16 * (c + 1)
-        + 16 * m
-        + paired.iter().map(per_element).sum::<usize>()
-        + 16;
-    assert_eq!(pattern.memory(), expected);
+    let (e, r) = (pattern.entries(), pattern.equations());
+    assert_eq!(pattern.memory(), 4 * e + 8 * (r + 1) + pattern.map().memory());
+    let nodes_of = |masters: usize| if masters == 0 { 0 } else { masters + 1 };
+    let nodes: usize = case.elements.iter().map(|element| nodes_of(element.masters.len())).sum();
+    let most = 12 * nodes + 8 * (e / 9) + 150 * 600 + 8 * 251;
+    assert!(pattern.map().memory() <= most, "{} of at most {most}", pattern.map().memory());
+}
+
+/// A host's matrix: the entries of the pattern, an equation that no node has, and a full row and column beside them.
+fn host_matrix(pattern: &CsrPattern) -> (Vec<i64>, Vec<i32>) {
+    let equations = pattern.equations();
+    let (mut offsets, mut columns) = (vec![0], Vec::new());
+    for row in 0..equations {
+        let own = pattern.row_offsets()[row]..pattern.row_offsets()[row + 1];
+        let mut of_row: Vec<i32> = pattern.columns()[own].iter().map(|&column| column as i32).collect();
+        if row % 5 == 0 {
+            of_row.extend(0..equations as i32);
+        }
+        of_row.push((7 * row % equations) as i32);
+        of_row.sort_unstable();
+        of_row.dedup();
+        columns.extend(of_row);
+        offsets.push(columns.len() as i64);
+    }
+    (offsets, columns)
+}
+
+proptest! {
+    #[test]
+    fn a_matrix_of_the_host_gets_the_entries_of_the_pattern(case in any_case(), numbering in 0..3, seed: u64) {
+        let dofs = match numbering {
+            0 => DofMap::standard(case.nodes),
+            1 => DofMap::numbering(case.nodes, |node, axis| (seed >> ((3 * node + axis) % 64)) & 1 == 0).unwrap(),
+            _ => case.scattered_equations(seed),
+        };
+        let (views, law) = (case.views(), ContactLaw::penalty(2.0));
+        let elements = views.as_slice();
+        let pattern = CsrPattern::union(elements, &dofs).unwrap();
+        let mut expected = vec![0.0; pattern.entries()];
+        let active = pattern.fill(elements, &law, &mut expected).unwrap();
+        let (offsets, columns) = host_matrix(&pattern);
+        let map = CsrMap::within(elements, &dofs, &offsets, &columns).unwrap();
+        prop_assert_eq!((map.equations(), map.entries()), (dofs.equations(), columns.len()));
+        let mut values = vec![0.0; columns.len()];
+        prop_assert_eq!(map.add(elements, &law, &mut values), Ok(active));
+        for row in 0..dofs.equations() {
+            for k in offsets[row] as usize..offsets[row + 1] as usize {
+                let own = pattern.position(row, columns[k] as usize).map_or(0.0, |entry| expected[entry]);
+                prop_assert_eq!(values[k], own);
+            }
+        }
+        // Without one of the entries it is refused, with its place.
+        if pattern.entries() > 0 {
+            let lost = seed as usize % pattern.entries();
+            let row = pattern.row_offsets().partition_point(|&offset| offset <= lost) - 1;
+            let column = pattern.columns()[lost] as usize;
+            let own = offsets[row] as usize..offsets[row + 1] as usize;
+            let place = own.start + columns[own].binary_search(&(column as i32)).unwrap();
+            let (mut columns, mut offsets) = (columns, offsets);
+            columns.remove(place);
+            offsets[row + 1..].iter_mut().for_each(|offset| *offset -= 1);
+            let error = CsrMap::within(elements, &dofs, &offsets, &columns).unwrap_err();
+            prop_assert_eq!(error, AssemblyError::MissingEntry { row, column });
+        }
+    }
+}
+
+#[test]
+fn what_is_no_matrix_is_refused() {
+    let views = [
+        ElementView { slave: 0, masters: &[], contact: None },
+        ElementView { slave: 0, masters: &[1], contact: None },
+    ];
+    let (elements, dofs) = (views.as_slice(), DofMap::from_first(3, [None, Some(0)]).unwrap());
+    let sound = ([0, 3, 6, 9], [0, 1, 2, 0, 1, 2, 0, 1, 2]);
+    assert!(CsrMap::within(elements, &dofs, &sound.0, &sound.1).is_ok());
+    let refused =
+        |offsets: &[i32], columns: &[i32]| CsrMap::within(elements, &dofs, offsets, columns).unwrap_err();
+    let short = AssemblyError::OutputLength { what: "row offsets", found: 3, expected: 4 };
+    assert_eq!(refused(&sound.0[..3], &sound.1), short);
+    for (offsets, row) in
+        [([1, 3, 6, 9], 0), ([0, 3, 2, 9], 1), ([0, 3, 6, 8], 2), ([0, 3, -6, 9], 1), ([0, 30, 6, 9], 0)]
+    {
+        assert_eq!(refused(&offsets, &sound.1), AssemblyError::InvalidRow { row });
+    }
+    for (place, column) in [(1, 0), (4, 2), (8, 3), (0, -1)] {
+        let mut columns = sound.1;
+        columns[place] = column;
+        assert_eq!(refused(&sound.0, &columns), AssemblyError::InvalidRow { row: place / 3 });
+    }
 }
 
 #[test]
@@ -421,20 +495,6 @@ fn sums_that_leave_the_range_of_numbers_are_refused() {
 
 #[test]
 fn what_does_not_fit_into_memory_is_refused() {
-    /// One element with very many nodes; its pairs alone would take 2⁵⁰ bytes.
-    struct Star(Vec<u32>);
-    impl Elements for Star {
-        fn len(&self) -> usize {
-            1
-        }
-        fn element(&self, _: usize) -> ElementView<'_> {
-            ElementView { slave: 0, masters: &self.0, contact: None }
-        }
-    }
-    let star = Star(vec![0; (1 << 24) - 1]);
-    let error = CsrPattern::union(&star, &DofMap::standard(1)).unwrap_err();
-    assert_eq!(error, AssemblyError::TooLarge { what: "pairs of nodes", count: 1 << 48 });
-
     let none: &[ElementView<'_>] = &[];
     let error = CsrPattern::union(none, &DofMap::standard(usize::MAX)).unwrap_err();
     assert_eq!(error, AssemblyError::TooLarge { what: "nodes", count: usize::MAX / 3 });

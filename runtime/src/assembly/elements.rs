@@ -16,6 +16,12 @@ pub trait Elements: Sync {
 
     /// The element `k < len()`. It has to be the same each time it is asked for.
     fn element(&self, k: usize) -> ElementView<'_>;
+
+    /// A number that only lists with the same nodes in the same order share, if that is known: a map of their entries then need not
+    /// compare them.
+    fn stamp(&self) -> Option<u64> {
+        None
+    }
 }
 
 /// One element: its nodes, and its contact quantities if it has any.

@@ -138,11 +138,11 @@ pub enum AssemblyError {
     /// The slice to add to has the wrong length.
     #[error("the {what} have {found} entries instead of {expected}")]
     OutputLength {
-        /// `"residuals"` or `"values"`.
+        /// `"residuals"`, `"values"` or `"row offsets"`.
         what: &'static str,
         /// Its length.
         found: usize,
-        /// Number of equations, or of entries of the pattern.
+        /// Number of equations, or of entries of the pattern; of row offsets one more than equations.
         expected: usize,
     },
     /// The elements are not those of the pattern: other nodes, or another number of elements.
@@ -150,6 +150,23 @@ pub enum AssemblyError {
     PatternMismatch {
         /// The first element that differs, counted from 0.
         element: usize,
+    },
+    /// The matrix of a host is none: its row offsets do not begin with 0, do not ascend or do not end with the number of its
+    /// columns, or the columns of a row do not ascend or are none of its equations.
+    #[error(
+        "row {row} of the matrix: row offsets have to ascend from 0 to the number of entries, and columns within a row"
+    )]
+    InvalidRow {
+        /// The first such row that was looked at.
+        row: usize,
+    },
+    /// The matrix of a host has no entry where elements have one.
+    #[error("the matrix has no entry in row {row}, column {column}, where contact has one")]
+    MissingEntry {
+        /// The row.
+        row: usize,
+        /// The column.
+        column: usize,
     },
     /// An array cannot be allocated, or its indices do not fit their type.
     #[error("{count} {what} are more than fit into memory or into their index")]
@@ -215,6 +232,8 @@ impl AssemblyError {
             Self::SharedEquation { .. } => "shared-equation",
             Self::OutputLength { .. } => "output-length",
             Self::PatternMismatch { .. } => "pattern-mismatch",
+            Self::InvalidRow { .. } => "invalid-row",
+            Self::MissingEntry { .. } => "missing-entry",
             Self::TooLarge { .. } => "too-large",
             Self::NoAugmentation => "no-augmentation",
             Self::NoSlip { .. } => "no-slip",

@@ -401,6 +401,25 @@ impl Active<'_> {
         normal + force.tangent_entry([own, other], second, self.gradient[q])
     }
 
+    /// Rows of the element's node `a` and columns of its node `b`: the same numbers as [`tangent`](Self::tangent).
+    #[inline]
+    pub fn block(&self, a: usize, b: usize) -> [[f64; 3]; 3] {
+        let (Some(hessian), None, false) = (self.hessian, &self.friction, a == b) else {
+            return [0, 1, 2].map(|i| [0, 1, 2].map(|j| self.tangent(3 * a + i, 3 * b + j)));
+        };
+        let of_node = |node: usize| -> &[f64; 3] { &self.gradient.as_chunks().0[node] };
+        let (own, other) = (of_node(a), of_node(b));
+        // Rows of the lower triangle, of the later node.
+        let (later, earlier) = if a > b { (a, b) } else { (b, a) };
+        let lower = [0, 1, 2].map(|i| {
+            let row = 3 * later + i;
+            hessian[row * (row + 1) / 2 + 3 * earlier..].first_chunk::<3>().copied().unwrap_or_default()
+        });
+        let second = |i: usize, j: usize| if a > b { lower[i][j] } else { lower[j][i] };
+        let entry = |i: usize, j: usize| self.stiffness * (own[i] * other[j]) - self.force * second(i, j);
+        [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)))
+    }
+
     /// Entries (p, 0) … (p, p) of the tangent, and whether all are finite. The same numbers as [`tangent`](Self::tangent).
     pub fn tangent_row(&self, p: usize, row: &mut [f64]) -> bool {
         if self.friction.is_some() {

@@ -58,7 +58,7 @@ pub use error::AssemblyError;
 pub use law::{ContactLaw, Tangent};
 pub(crate) use normal::Table;
 pub use normal::{NormalLaw, NormalPressure, TabulatedPressure};
-pub use pattern::CsrPattern;
+pub use pattern::{CsrIndex, CsrMap, CsrPattern};
 pub use residual::add_residual;
 pub use triplets::{Triangle, Triplets};
 

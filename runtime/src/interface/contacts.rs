@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::anchors::Tracked;
 use super::{InterfaceError, Outcome};
@@ -104,6 +105,10 @@ impl Elements for Contacts {
         let contact = outcome.is_contact().then_some(contact);
         ElementView { slave, masters: nodes, contact }
     }
+
+    fn stamp(&self) -> Option<u64> {
+        Some(self.layout.stamp)
+    }
 }
 
 /// Who is paired with whom, and where the numbers of each slave lie.
@@ -117,7 +122,12 @@ pub struct Layout {
     offsets: Vec<usize>,
     /// Where its Hessian begins.
     hessians: Vec<usize>,
+    /// No other layout of the process has this number.
+    stamp: u64,
 }
+
+/// How many layouts there have been.
+static LAYOUTS: AtomicU64 = AtomicU64::new(0);
 
 impl Layout {
     /// `lengths` are the numbers of masters of the slaves, one after another in `masters`.
@@ -138,7 +148,14 @@ impl Layout {
             offsets.push(offset);
             hessians.push(hessian);
         }
-        Self { slaves, areas, masters, offsets, hessians }
+        let stamp = LAYOUTS.fetch_add(1, Ordering::Relaxed);
+        Self { slaves, areas, masters, offsets, hessians, stamp }
+    }
+
+    /// Whether it has the same lists of nodes.
+    pub fn is_same(&self, other: &Self) -> bool {
+        (&self.slaves, &self.offsets, &self.masters) == (&other.slaves, &other.offsets, &other.masters)
+            && self.areas == other.areas
     }
 
     pub fn len(&self) -> usize {

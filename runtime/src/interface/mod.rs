@@ -93,8 +93,7 @@ pub(crate) use fold::back;
 use nodal::{Nodal, symmetry_of};
 use pairings::Pairings;
 use refresh::{Compares, Refresh, RefreshScratch, SKIN};
-use scratch::Pool;
-pub(crate) use scratch::recycled;
+pub(crate) use scratch::{Pool, recycled};
 use window::Knowledge;
 pub(crate) use within_reach::PointsWithinReach;
 
@@ -448,7 +447,11 @@ impl ContactInterface {
             follows,
             knowledge: self.known.as_ref().map(|known| Knowledge::new(known, positions)),
         };
-        let (pairings, report) = refresh.run(&self.refreshes, &blank);
+        let (mut pairings, report) = refresh.run(&self.refreshes, &blank);
+        if pairings.layout.is_same(&self.pairings.layout) {
+            // Maps of entries know the lists by the number of their layout.
+            pairings.layout = Arc::clone(&self.pairings.layout);
+        }
         let report = RefreshReport { rebuilt: true, ..report };
         self.pairings = pairings;
         self.creases = creases;

@@ -431,7 +431,7 @@ impl FaceInterface {
                 }
             };
             if own.origin.is_some() {
-                let place = to_numbers(&points[..2 * index]).len();
+                let place = to_numbers(&points[..2 * index], f64::from).len();
                 return Err(InterfaceError::InvalidHistory { place });
             }
             for (opening, is_sound) in

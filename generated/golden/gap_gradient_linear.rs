@@ -415,7 +415,7 @@ impl GapKernel for GapGradient {
         inputs: &Inputs<'_, E, T>,
         scratch: &mut [T],
         gradients: &mut [S::Output],
-        _: &mut [S::Output],
+        _: Second<'_, S::Output>,
     ) -> GapValues<E> {
         gap_gradient::<E, T, S>(inputs, scratch, gradients)
     }

@@ -84,7 +84,7 @@ impl Generated {
         slots: impl IntoIterator<Item = GapSlot<'a>>,
         scratch: &mut BatchScratch,
     ) -> Vec<Result<ContactPoint, ElementError>> {
-        gap_batch(self, elements, mode, slots, scratch)
+        gap_batch(self, elements, Asked::Mode(mode), slots, scratch)
     }
 }
 
@@ -103,8 +103,17 @@ impl<K: KernelSet> GeneratedWith<K> {
         slots: impl IntoIterator<Item = GapSlot<'a>>,
         scratch: &mut BatchScratch,
     ) -> Vec<Result<ContactPoint, ElementError>> {
-        gap_batch(self, elements, mode, slots, scratch)
+        gap_batch(self, elements, Asked::Mode(mode), slots, scratch)
     }
+}
+
+/// Which derivatives are asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Asked {
+    /// Those of a mode.
+    Mode(Mode),
+    /// N, and the factors of M in its place; of elements without a slip.
+    Factors,
 }
 
 /// The kernel sets of a backend.
@@ -117,7 +126,7 @@ pub(crate) trait KernelSets {
         &self,
         weight: Weight,
         has_slip: bool,
-        kernel: (Basis, FrameRule, Mode),
+        kernel: (Basis, FrameRule, Asked),
         elements: &mut [BatchElement<'_>],
         workspace: &mut Workspace,
     );
@@ -132,7 +141,7 @@ impl KernelSets for Generated {
         &self,
         weight: Weight,
         has_slip: bool,
-        kernel: (Basis, FrameRule, Mode),
+        kernel: (Basis, FrameRule, Asked),
         elements: &mut [BatchElement<'_>],
         workspace: &mut Workspace,
     ) {
@@ -149,19 +158,23 @@ impl<K: KernelSet> KernelSets for GeneratedWith<K> {
         &self,
         _: Weight,
         has_slip: bool,
-        kernel: (Basis, FrameRule, Mode),
+        kernel: (Basis, FrameRule, Asked),
         elements: &mut [BatchElement<'_>],
         workspace: &mut Workspace,
     ) {
-        let batch = if has_slip { K::slip_batch } else { K::gap_batch };
-        batch(K::best_isa(), kernel, elements, workspace);
+        let (isa, (basis, frame, asked)) = (K::best_isa(), kernel);
+        match asked {
+            Asked::Mode(mode) if has_slip => K::slip_batch(isa, (basis, frame, mode), elements, workspace),
+            Asked::Mode(mode) => K::gap_batch(isa, (basis, frame, mode), elements, workspace),
+            Asked::Factors => K::gap_factors_batch(isa, (basis, frame), elements, workspace),
+        }
     }
 }
 
-fn gap_batch<'a>(
+pub(crate) fn gap_batch<'a>(
     sets: &impl KernelSets,
     elements: &[Element<'_>],
-    mode: Mode,
+    asked: Asked,
     slots: impl IntoIterator<Item = GapSlot<'a>>,
     scratch: &mut BatchScratch,
 ) -> Vec<Result<ContactPoint, ElementError>> {
@@ -183,7 +196,7 @@ fn gap_batch<'a>(
         });
     }
     assert!(slots.next().is_none(), "a slot for each element");
-    evaluate(sets, mode, &mut waiting, scratch, |index, element| {
+    evaluate(sets, asked, &mut waiting, scratch, |index, element| {
         results[index] = contact_point(&element.values)
     });
     scratch.waiting = recycled(waiting);
@@ -213,7 +226,7 @@ pub(crate) struct Waiting<'a, 's> {
 /// Evaluates the elements, which need no further check, and hands over each with its place among them.
 pub(crate) fn evaluate<'a>(
     sets: &impl KernelSets,
-    mode: Mode,
+    asked: Asked,
     waiting: &mut [Waiting<'a, 'a>],
     scratch: &mut BatchScratch,
     mut result: impl FnMut(usize, &mut BatchElement<'a>),
@@ -236,7 +249,7 @@ pub(crate) fn evaluate<'a>(
                 let GapSlot { gradient, hessian } = std::mem::take(&mut waiting[index].slot);
                 BatchElement { inputs: waiting[index].inputs, values: GapValues::NONE, gradient, hessian }
             }));
-            sets.run(weight, has_slip, (basis, frame, mode), &mut elements, workspace);
+            sets.run(weight, has_slip, (basis, frame, asked), &mut elements, workspace);
             for (element, &(_, index)) in elements.iter_mut().zip(group) {
                 result(index, element);
             }

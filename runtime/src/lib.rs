@@ -78,11 +78,12 @@ pub mod material;
 pub mod neighbourhood;
 pub mod output;
 pub mod pairing;
+pub mod product;
 pub mod surface;
 mod vector;
 
 pub use affine::AffinePoint;
-pub use assembly::{ContactLaw, CsrPattern, DofMap, Triplets, add_residual};
+pub use assembly::{ContactLaw, CsrPattern, DofMap, TangentOperator, Triplets, add_residual};
 pub use backend::Backend;
 pub use batch::{BatchScratch, GapSlot};
 pub use diffuse_contact_kernels::support::{Basis, CustomBasis, Domains, MaterialNode, Mode};
@@ -95,6 +96,7 @@ pub use generated::{Generated, GeneratedWith};
 pub use interface::{ContactInterface, InterfaceOptions};
 pub use material::{MaterialDomain, MaterialPlace};
 pub use output::{Coefficients, ContactPoint, Gap, Slip, Surface, SymmetricMatrix};
+pub use product::{GapFactors, HessianFactors, HessianForm};
 pub use surface::{Facet, MasterSurface};
 
 /// A point or a vector in global axes, in the length unit of the mesh.

@@ -7,7 +7,7 @@ use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
 
 /// Slaves about a wavy master, some beyond its border and some far above; enough for several chunks.
-fn scene(options: InterfaceOptions) -> Scene {
+pub(crate) fn scene(options: InterfaceOptions) -> Scene {
     let height = |x: f64, y: f64| (0.4 * x).sin() * (0.3 * y).cos();
     let mesh = Mesh::grid([30, 30], [false; 2], |s, t| {
         let [x, y] = [10.0 * s, 10.0 * t];
@@ -23,7 +23,7 @@ fn scene(options: InterfaceOptions) -> Scene {
     mesh.paired(&slaves, options)
 }
 
-fn variants() -> [InterfaceOptions; 4] {
+pub(crate) fn variants() -> [InterfaceOptions; 4] {
     let base = InterfaceOptions::default().with_distance_limit(Some(5.0));
     let with = |weight, frame| {
         // Domains of influence have frames that move.

@@ -19,6 +19,7 @@ mod interface_where;
 mod neighbourhood_cases;
 mod neighbourhood_fits;
 mod neighbourhood_layers;
+mod operator;
 mod regularity;
 mod surface;
 mod windows;

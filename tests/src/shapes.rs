@@ -4,7 +4,8 @@ use diffuse_contact::{Basis, Gap, Mode, SymmetricMatrix};
 use diffuse_contact_kernels::cubic::Cubic;
 use diffuse_contact_kernels::cubic_interpolating::CubicInterpolating;
 use diffuse_contact_kernels::support::{
-    BatchElement, ElementInputs, FrameRule, GapValues, Isa, KernelSet, Status, Workspace, packed_row,
+    BatchElement, ElementInputs, FormRows, FrameRule, GapValues, Isa, KernelSet, Status, Workspace,
+    packed_row,
 };
 use diffuse_contact_kernels::wendland_c2::WendlandC2;
 
@@ -16,6 +17,10 @@ pub type Kernel = (Basis, FrameRule, Mode);
 
 type Single = fn(Isa, Kernel, &ElementInputs<'_>, &mut [f64], &mut [f64]) -> GapValues<f64>;
 type Batch = fn(Isa, Kernel, &mut [BatchElement<'_>], &mut Workspace);
+/// Which kernel gives factors.
+type Factored = (Basis, FrameRule);
+type SingleFactors = fn(Isa, Factored, &ElementInputs<'_>, &mut [f64], &mut [f64]) -> GapValues<f64>;
+type BatchFactors = fn(Isa, Factored, &mut [BatchElement<'_>], &mut Workspace);
 
 /// The kernels for the gap of one weight, whatever their type.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +29,9 @@ pub struct GapKernels {
     pub weight: &'static str,
     single: Single,
     batch: Batch,
+    form: fn(Factored, usize) -> FormRows,
+    single_factors: SingleFactors,
+    batch_factors: BatchFactors,
 }
 
 /// The built-in weights and two of one's own: an expansion with a formula beyond it, and two branches.
@@ -48,7 +56,58 @@ pub struct Found {
 
 impl GapKernels {
     const fn of<K: KernelSet>(weight: &'static str) -> Self {
-        Self { weight, single: K::gap, batch: K::gap_batch }
+        Self {
+            weight,
+            single: K::gap,
+            batch: K::gap_batch,
+            form: K::gap_form,
+            single_factors: K::gap_factors,
+            batch_factors: K::gap_factors_batch,
+        }
+    }
+
+    /// The form of M of an element.
+    #[must_use]
+    pub fn form(&self, (basis, frame, _): Kernel, case: &Case) -> FormRows {
+        (self.form)((basis, frame), case.masters.len())
+    }
+
+    /// One element by itself, with the factors of M in the place of M. Slices are longer than needed by `spare` numbers.
+    ///
+    /// # Panics
+    /// If something is not written, or written that should not be.
+    #[track_caller]
+    #[must_use]
+    pub fn single_factors(&self, isa: Isa, kernel: Kernel, case: &Case, spare: usize) -> Found {
+        let [mut gradient, mut factors] = self.room_of_factors(kernel, case, spare);
+        let (basis, frame, _) = kernel;
+        let (inputs, numbers) = (case.inputs(), factors.numbers_mut());
+        let values = (self.single_factors)(isa, (basis, frame), &inputs, gradient.numbers_mut(), numbers);
+        Found { values, gradient: gradient.written(), hessian: factors.written() }
+    }
+
+    /// Elements side by side, with the factors of M in the place of M. Slices are longer than needed by `spare` numbers.
+    ///
+    /// # Panics
+    /// If something is not written, or written that should not be.
+    #[track_caller]
+    #[must_use]
+    pub fn batch_factors(
+        &self,
+        isa: Isa,
+        kernel: Kernel,
+        cases: &[&Case],
+        workspace: &mut Workspace,
+        spare: usize,
+    ) -> Vec<Found> {
+        let rooms = cases.iter().map(|case| self.room_of_factors(kernel, case, spare)).collect();
+        let (basis, frame, _) = kernel;
+        in_batch(cases, rooms, |elements| (self.batch_factors)(isa, (basis, frame), elements, workspace))
+    }
+
+    fn room_of_factors(&self, kernel: Kernel, case: &Case, spare: usize) -> [Guarded; 2] {
+        let needed = [freedoms(case), self.form(kernel, case).factors()];
+        needed.map(|needed| Guarded::new(needed, spare))
     }
 
     /// One element by itself. Slices are longer than needed by `spare` numbers.
@@ -78,27 +137,8 @@ impl GapKernels {
         workspace: &mut Workspace,
         spare: usize,
     ) -> Vec<Found> {
-        let mut rooms: Vec<[Guarded; 2]> = cases.iter().map(|case| room(kernel.2, case, spare)).collect();
-        let mut elements: Vec<BatchElement<'_>> = cases
-            .iter()
-            .zip(&mut rooms)
-            .map(|(case, [gradient, hessian])| BatchElement {
-                inputs: case.inputs(),
-                values: GapValues::NONE,
-                gradient: gradient.numbers_mut(),
-                hessian: hessian.numbers_mut(),
-            })
-            .collect();
-        (self.batch)(isa, kernel, &mut elements, workspace);
-        let values: Vec<GapValues<f64>> = elements.iter().map(|element| element.values).collect();
-        let found = values.into_iter().zip(rooms);
-        found
-            .map(|(values, [gradient, hessian])| Found {
-                values,
-                gradient: gradient.written(),
-                hessian: hessian.written(),
-            })
-            .collect()
+        let rooms = cases.iter().map(|case| room(kernel.2, case, spare)).collect();
+        in_batch(cases, rooms, |elements| (self.batch)(isa, kernel, elements, workspace))
     }
 
     /// Elements side by side, with slices as they are.
@@ -123,6 +163,35 @@ impl GapKernels {
     ) -> GapValues<f64> {
         (self.single)(isa, kernel, inputs, gradient, hessian)
     }
+}
+
+/// Elements that something evaluates side by side.
+#[track_caller]
+fn in_batch(
+    cases: &[&Case],
+    mut rooms: Vec<[Guarded; 2]>,
+    evaluate: impl FnOnce(&mut [BatchElement<'_>]),
+) -> Vec<Found> {
+    let mut elements: Vec<BatchElement<'_>> = cases
+        .iter()
+        .zip(&mut rooms)
+        .map(|(case, [gradient, hessian])| BatchElement {
+            inputs: case.inputs(),
+            values: GapValues::NONE,
+            gradient: gradient.numbers_mut(),
+            hessian: hessian.numbers_mut(),
+        })
+        .collect();
+    evaluate(&mut elements);
+    let values: Vec<GapValues<f64>> = elements.iter().map(|element| element.values).collect();
+    let found = values.into_iter().zip(rooms);
+    found
+        .map(|(values, [gradient, hessian])| Found {
+            values,
+            gradient: gradient.written(),
+            hessian: hessian.written(),
+        })
+        .collect()
 }
 
 impl Found {

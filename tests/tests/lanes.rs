@@ -22,8 +22,8 @@ use proptest::prelude::*;
 /// Largest difference between shapes and instructions, see above.
 const TOLERANCE: f64 = 1e-12;
 
-const BASES: [Basis; 2] = [Basis::Quadratic, Basis::Linear];
-const FRAMES: [FrameRule; 3] = [FrameRule::Frozen, FrameRule::CoMoving, FrameRule::Material];
+pub(crate) const BASES: [Basis; 2] = [Basis::Quadratic, Basis::Linear];
+pub(crate) const FRAMES: [FrameRule; 3] = [FrameRule::Frozen, FrameRule::CoMoving, FrameRule::Material];
 const MODES: [Mode; 3] = [Mode::Value, Mode::Gradient, Mode::Hessian];
 /// Around multiples of 2, 4 and 8, and larger ones.
 const COUNTS: [usize; 18] = [3, 4, 5, 6, 7, 8, 9, 11, 12, 13, 15, 16, 17, 20, 23, 24, 25, 30];
@@ -38,7 +38,7 @@ fn kernels() -> impl Iterator<Item = (GapKernels, Kernel)> {
 }
 
 /// In a frame that the rule allows.
-fn with_frame(case: Case, frame: FrameRule) -> Case {
+pub(crate) fn with_frame(case: Case, frame: FrameRule) -> Case {
     match frame {
         FrameRule::Frozen => case,
         FrameRule::CoMoving => case.co_moving(),
@@ -55,7 +55,7 @@ fn is_well_conditioned(values: &GapValues<f64>) -> bool {
 }
 
 /// The first well-conditioned element from `seed` on.
-fn sound(set: &GapKernels, (basis, frame, _): Kernel, n: usize, seed: u64) -> Case {
+pub(crate) fn sound(set: &GapKernels, (basis, frame, _): Kernel, n: usize, seed: u64) -> Case {
     let cases = (seed..seed + 500).map(|seed| with_frame(Case::random(n, basis, seed), frame));
     let is_sound = |case: &Case| {
         is_well_conditioned(&set.single(Isa::SCALAR, (basis, frame, Mode::Value), case, 0).values)

@@ -16,6 +16,7 @@ mod friction;
 mod identities;
 mod lanes;
 mod node_below_slave;
+mod products;
 mod scales;
 mod statuses;
 mod weights;

@@ -25,6 +25,8 @@ pub struct EmittedKernel {
     pub counts: KernelCounts,
     /// Statements of the function.
     pub statements: usize,
+    /// Rows of the first Hessian's form, if there is one: those that differ between nodes, and those that are the same for all.
+    pub form: Option<[usize; 2]>,
 }
 
 /// Lowers, schedules and writes a kernel.
@@ -87,7 +89,7 @@ impl<'a, S> FunctionWriter<'a, S> {
             "inputs",
             "scratch",
             "gradients",
-            "hessians",
+            "second",
             "count",
             "freedoms",
             "packed",
@@ -185,7 +187,7 @@ impl FunctionWriter<'_> {
         let has_gradients = !self.program.kernel.gradients.is_empty();
         let has_hessians = !self.program.kernel.hessians.is_empty();
         let gradients = has_gradients.then(|| quote!(gradients: &mut [S::Output],));
-        let hessians = has_hessians.then(|| quote!(hessians: &mut [S::Output],));
+        let second = has_hessians.then(|| quote!(mut second: Second<'_, S::Output>,));
         let nodes = if kept.is_empty() && !has_hessians {
             quote!(let _ = scratch;)
         } else {
@@ -203,10 +205,8 @@ impl FunctionWriter<'_> {
             }
         };
         let forms = self.forms();
-        let (many_gradients, many_hessians) =
-            (self.program.kernel.gradients.len() > 1, self.program.kernel.hessians.len() > 1);
-        let freedoms = (many_gradients || many_hessians).then(|| quote!(let freedoms = 3 * (count + 1);));
-        let packed = many_hessians.then(|| quote!(let packed = packed_row(freedoms);));
+        let many_gradients = self.program.kernel.gradients.len() > 1;
+        let freedoms = many_gradients.then(|| quote!(let freedoms = 3 * (count + 1);));
         let tokens = quote! {
             #kept_module
 
@@ -216,12 +216,11 @@ impl FunctionWriter<'_> {
                 inputs: &Inputs<'_, E, T>,
                 scratch: &mut [T],
                 #gradients
-                #hessians
+                #second
             ) -> #returned<E> {
                 #nodes
                 let count = inputs.count;
                 #freedoms
-                #packed
                 #forms
                 #inputs
                 #(#phases)*
@@ -230,7 +229,8 @@ impl FunctionWriter<'_> {
                 #values
             }
         };
-        EmittedKernel { spec: spec.clone(), tokens, counts: self.counts, statements: self.statements }
+        let form = self.program.forms.first().map(|rows| [rows.varying.len(), rows.constant.len()]);
+        EmittedKernel { spec: spec.clone(), tokens, counts: self.counts, statements: self.statements, form }
     }
 
     /// `let`s for the inputs of element scope.
@@ -420,12 +420,14 @@ impl FunctionWriter<'_> {
         })
     }
 
-    /// Writes the Hessians from their forms.
+    /// Finishes the forms of the Hessians: as products, or as they are.
     fn updates(&mut self) -> TokenStream {
         let program = self.program;
         let updates = program.forms.iter().enumerate().map(|(hessian, rows)| {
             let (form, name) = (form_name(hessian), rows_name(hessian));
-            let offset = times_offset(hessian, &quote!(packed));
+            let data = &program.kernel.hessians[hessian].1;
+            let own = (0..3).flat_map(|row| data.slave[row][..=row].to_vec());
+            let slave_own: Vec<TokenStream> = own.map(|x| self.writer.used(x)).collect();
             let mut row = |x: &[ExprId; 3]| {
                 let entries = x.map(|x| self.writer.used(x));
                 quote!([#(#entries),*])
@@ -437,10 +439,8 @@ impl FunctionWriter<'_> {
             self.counts.node += per_node;
             self.counts.pair += per_pair;
             let not_finite = not_finite_name(hessian);
-            let mut size = quote!(packed_row(3 * count + 3));
             let mut point = TokenStream::new();
             if let Some((c, own)) = &rows.point {
-                size = quote!(packed_row(3 * count + 6));
                 let c = c.iter().enumerate().map(|(k, c)| {
                     let (place, entries) = (2 * k, row(c));
                     quote!(S::keep_point_rows(#form, #name, #place, [E::ZERO; 3], #entries);)
@@ -451,12 +451,13 @@ impl FunctionWriter<'_> {
             }
             quote! {
                 #point
-                let #not_finite = S::multiply_form(
+                let #not_finite = S::finish_form(
                     #form,
                     #name,
+                    [#(#slave_own),*],
                     &[#(#slave),*],
                     &[#(#constant),*],
-                    &mut hessians[#offset 0..#offset #size],
+                    &mut second,
                 );
             }
         });
@@ -466,7 +467,7 @@ impl FunctionWriter<'_> {
         quote!(#(#updates)*)
     }
 
-    /// The slave's parts of gradients and Hessians.
+    /// The slave's parts of gradients.
     fn element_outputs(&mut self) -> TokenStream {
         let kernel = &self.program.kernel;
         let mut all = Vec::new();
@@ -479,16 +480,6 @@ impl FunctionWriter<'_> {
             for (axis, &x) in gradient.point.iter().flatten().enumerate() {
                 let value = self.writer.used(x);
                 all.push(quote!(gradients[#offset freedoms + #axis] = S::element_output(#value);));
-            }
-        }
-        for (k, (_, hessian)) in kernel.hessians.iter().enumerate() {
-            let offset = times_offset(k, &quote!(packed));
-            for row in 0..3 {
-                for (column, &x) in hessian.slave[row][..=row].iter().enumerate() {
-                    let value = self.writer.used(x);
-                    let place = row * (row + 1) / 2 + column;
-                    all.push(quote!(hessians[#offset #place] = S::element_output(#value);));
-                }
             }
         }
         self.counts.element += self.writer.take_counts();
@@ -610,7 +601,7 @@ impl FunctionWriter<'_> {
         if !kernel.hessians.is_empty() {
             let names: Vec<&str> = kernel.hessians.iter().map(|(name, _)| *name).collect();
             lines.push(format!(
-                " `hessians`: {} × the packed lower triangle of 3(n+1) rows, of {}.",
+                " `second`: {} × the packed lower triangle of 3(n+1) rows, or its factors, of {}.",
                 names.len(),
                 names.join(", ")
             ));

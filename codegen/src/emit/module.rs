@@ -259,11 +259,11 @@ fn basis_module(weight: &Weight, basis: Basis, options: EmitOptions<'_>) -> Resu
 }
 
 /// Derivatives of a mode, as arguments.
-fn derivative_arguments(mode: Mode) -> TokenStream {
+fn derivative_arguments(mode: Mode, second: &TokenStream) -> TokenStream {
     match mode {
         Mode::Value => quote!(),
         Mode::Gradient => quote!(gradients),
-        Mode::Hessian => quote!(gradients, hessians),
+        Mode::Hessian => quote!(gradients, #second),
     }
 }
 
@@ -274,7 +274,7 @@ fn scalar_kernel(spec: &KernelSpec) -> Option<TokenStream> {
     }
     let (function, name, kept) = (function_name(spec), scalar_name(spec), kept_name(spec));
     let values = values_name(spec.output);
-    let arguments = derivative_arguments(spec.mode);
+    let arguments = derivative_arguments(spec.mode, &quote!(Second::new(SecondKind::Hessians, hessians)));
     let gradients = (spec.mode >= Mode::Gradient).then(|| quote!(gradients: &mut [f64],));
     let hessians = (spec.mode >= Mode::Hessian).then(|| quote!(hessians: &mut [f64],));
     let doc = format!(" [`{function}`] of one element, number by number.");
@@ -306,7 +306,7 @@ fn gap_kernel(kernel: &EmittedKernel, optimised: bool) -> Option<TokenStream> {
     let function = function_name(spec);
     let name = format_ident!("{}", camel_case(&function.to_string()));
     let kept = kept_name(spec);
-    let arguments = derivative_arguments(spec.mode);
+    let arguments = derivative_arguments(spec.mode, &quote!(second));
     let mode = format_ident!("{}", camel_case(spec.mode.name()));
     let doc = format!(" [`{function}`]");
     let widths = format_ident!("{}", if optimised { widths(spec) } else { "One" });
@@ -317,7 +317,8 @@ fn gap_kernel(kernel: &EmittedKernel, optimised: bool) -> Option<TokenStream> {
         if is_used { quote!(#name) } else { quote!(_) }
     };
     let gradients = parameter("gradients", spec.mode >= Mode::Gradient);
-    let hessians = parameter("hessians", spec.mode >= Mode::Hessian);
+    let second = parameter("second", spec.mode >= Mode::Hessian);
+    let form = kernel.form.map(|[varying, constant]| quote!(const FORM: [usize; 2] = [#varying, #constant];));
     Some(quote! {
         #[doc = #doc]
         #[derive(Clone, Copy, Debug)]
@@ -329,13 +330,14 @@ fn gap_kernel(kernel: &EmittedKernel, optimised: bool) -> Option<TokenStream> {
             const ANCHOR: bool = #has_anchor;
             const KEPT: usize = #kept::COUNT;
             const WIDTHS: Widths = Widths::#widths;
+            #form
 
             #[inline(always)]
             fn evaluate<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
                 inputs: &Inputs<'_, E, T>,
                 scratch: &mut [T],
                 #gradients: &mut [S::Output],
-                #hessians: &mut [S::Output],
+                #second: Second<'_, S::Output>,
             ) -> GapValues<E> {
                 #function::<E, T, S>(inputs, scratch, #arguments)
             }
@@ -382,7 +384,7 @@ fn scalar_method(
             let spec =
                 KernelSpec { output, mode, basis, weight: weight.clone(), frame: FrameRule::Frozen };
             let name = scalar_name(&spec);
-            let arguments = derivative_arguments(mode);
+            let arguments = derivative_arguments(mode, &quote!(hessians));
             let mode_name = format_ident!("{}", camel_case(mode.name()));
             quote! {
                 (#pattern, Mode::#mode_name) #condition => #place::#module::#name(inputs, #number, #arguments),
@@ -412,25 +414,13 @@ fn gap_methods(
     place: &TokenStream,
     bases: &[Basis],
 ) -> TokenStream {
-    let kernels: Vec<(TokenStream, TokenStream)> = bases
-        .iter()
-        .flat_map(|&basis| {
-            let (pattern, condition) = basis_pattern(basis);
-            let module = format_ident!("{}", basis.name());
-            let specs = KernelSpec::all(basis, weight).into_iter().filter(move |spec| spec.output == output);
-            specs.map(move |spec| {
-                let frame = match spec.frame {
-                    FrameRule::Frozen => quote!(FrameRule::Frozen),
-                    FrameRule::CoMoving => quote!(FrameRule::CoMoving),
-                    FrameRule::Material => quote!(FrameRule::Material),
-                };
-                let mode = format_ident!("{}", camel_case(spec.mode.name()));
-                let name = format_ident!("{}", camel_case(&function_name(&spec).to_string()));
-                (quote!((#pattern, #frame, Mode::#mode) #condition), quote!(#place::#module::#name))
-            })
-        })
-        .collect();
-    let (patterns, types): (Vec<TokenStream>, Vec<TokenStream>) = kernels.into_iter().unzip();
+    let kernels = gap_kernels(output, weight, place, bases).into_iter().map(|kernel| {
+        let GapKernelName { basis, condition, frame, mode, name } = kernel;
+        let mode = format_ident!("{}", camel_case(mode.name()));
+        (quote!((#basis, #frame, Mode::#mode) #condition), name)
+    });
+    let (patterns, types): (Vec<TokenStream>, Vec<TokenStream>) = kernels.unzip();
+    let factors = (output == Output::Gap).then(|| factor_methods((weight, number), place, bases));
     let (one, many) = (format_ident!("{}", output.name()), format_ident!("{}_batch", output.name()));
     quote! {
         fn #one(
@@ -440,8 +430,9 @@ fn gap_methods(
             gradient: &mut [f64],
             hessian: &mut [f64],
         ) -> GapValues<f64> {
+            let second = Second::new(SecondKind::Hessians, hessian);
             match kernel {
-                #(#patterns => single::<#types>(isa, #number, inputs, gradient, hessian),)*
+                #(#patterns => single::<#types>(isa, #number, inputs, gradient, second),)*
                 (Basis::Custom(_), _, _) => GapValues::NONE,
             }
         }
@@ -453,9 +444,84 @@ fn gap_methods(
             workspace: &mut Workspace,
         ) {
             match kernel {
-                #(#patterns => batch::<#types>(isa, #number, elements, workspace),)*
+                #(#patterns => batch::<#types>(isa, #number, SecondKind::Hessians, elements, workspace),)*
                 (Basis::Custom(_), _, _) => elements.iter_mut().for_each(|element| element.values = GapValues::NONE),
             }
         }
+
+        #factors
     }
+}
+
+/// The methods of `KernelSet` for the factors of the gap's Hessian: the same kernels as for the Hessian itself.
+fn factor_methods((weight, number): (&Weight, usize), place: &TokenStream, bases: &[Basis]) -> TokenStream {
+    let kernels = gap_kernels(Output::Gap, weight, place, bases).into_iter();
+    let kernels = kernels.filter(|kernel| kernel.mode == Mode::Hessian).map(|kernel| {
+        let GapKernelName { basis, condition, frame, name, .. } = kernel;
+        (quote!((#basis, #frame) #condition), name)
+    });
+    let (patterns, types): (Vec<TokenStream>, Vec<TokenStream>) = kernels.unzip();
+    quote! {
+        fn gap_form((basis, frame): (Basis, FrameRule), count: usize) -> FormRows {
+            let [varying, constant] = match (basis, frame) {
+                #(#patterns => <#types as GapKernel>::FORM,)*
+                (Basis::Custom(_), _) => [0, 0],
+            };
+            FormRows { varying, constant, count }
+        }
+
+        fn gap_factors(
+            isa: Isa,
+            (basis, frame): (Basis, FrameRule),
+            inputs: &ElementInputs<'_>,
+            gradient: &mut [f64],
+            factors: &mut [f64],
+        ) -> GapValues<f64> {
+            let second = Second::new(SecondKind::Factors, factors);
+            match (basis, frame) {
+                #(#patterns => single::<#types>(isa, #number, inputs, gradient, second),)*
+                (Basis::Custom(_), _) => GapValues::NONE,
+            }
+        }
+
+        fn gap_factors_batch(
+            isa: Isa,
+            (basis, frame): (Basis, FrameRule),
+            elements: &mut [BatchElement<'_>],
+            workspace: &mut Workspace,
+        ) {
+            match (basis, frame) {
+                #(#patterns => batch::<#types>(isa, #number, SecondKind::Factors, elements, workspace),)*
+                (Basis::Custom(_), _) => elements.iter_mut().for_each(|element| element.values = GapValues::NONE),
+            }
+        }
+    }
+}
+
+/// A kernel for the gap by its type, and the patterns that choose it.
+struct GapKernelName {
+    basis: TokenStream,
+    condition: Option<TokenStream>,
+    frame: TokenStream,
+    mode: Mode,
+    name: TokenStream,
+}
+
+fn gap_kernels(output: Output, weight: &Weight, place: &TokenStream, bases: &[Basis]) -> Vec<GapKernelName> {
+    let of_basis = |&basis: &Basis| {
+        let module = format_ident!("{}", basis.name());
+        let specs = KernelSpec::all(basis, weight).into_iter().filter(move |spec| spec.output == output);
+        specs.map(move |spec| {
+            let (basis, condition) = basis_pattern(basis);
+            let frame = match spec.frame {
+                FrameRule::Frozen => quote!(FrameRule::Frozen),
+                FrameRule::CoMoving => quote!(FrameRule::CoMoving),
+                FrameRule::Material => quote!(FrameRule::Material),
+            };
+            let name = format_ident!("{}", camel_case(&function_name(&spec).to_string()));
+            let name = quote!(#place::#module::#name);
+            GapKernelName { basis, condition, frame, mode: spec.mode, name }
+        })
+    };
+    bases.iter().flat_map(of_basis).collect()
 }

@@ -5,8 +5,8 @@ use std::marker::PhantomData;
 
 use super::simd::{Block, Vector};
 use super::{
-    Batch, ElementInputs, GapValues, Inputs, Isa, Lane, MATERIAL_VALUES, Mode, NODE_VALUES, Shape, Single,
-    WithLanes, packed_row,
+    Batch, ElementInputs, FormRows, GapValues, Inputs, Isa, Lane, MATERIAL_VALUES, Mode, NODE_VALUES, Second,
+    SecondKind, Shape, Single, WithLanes, packed_row,
 };
 
 /// A generated kernel for the gap.
@@ -21,17 +21,19 @@ pub trait GapKernel {
     const KEPT: usize;
     /// What it is compiled for: less saves time and room.
     const WIDTHS: Widths;
+    /// Rows of the form of the gap's Hessian, as of [`FormRows`](super::FormRows): varying and constant ones.
+    const FORM: [usize; 2] = [0, 0];
 
     /// Evaluates the elements of a [`Shape`].
     ///
     /// `scratch`: [`KEPT`](Self::KEPT) values for each vector of nodes and one more, two with an anchor, of any content. `gradients` and
-    /// `hessians`: N, 3(n+1) entries, and the packed lower triangle of M, with what comes after them; empty if it does not compute
-    /// them.
+    /// `second`: N, 3(n+1) entries, and the packed lower triangle of M or its factors, with what comes after them; empty if it does not
+    /// compute them.
     fn evaluate<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
         inputs: &Inputs<'_, E, T>,
         scratch: &mut [T],
         gradients: &mut [S::Output],
-        hessians: &mut [S::Output],
+        second: Second<'_, S::Output>,
     ) -> GapValues<E>;
 }
 
@@ -72,7 +74,7 @@ pub struct BatchElement<'a> {
     pub values: GapValues<f64>,
     /// N, 3(n+1) entries ordered slave, master 1, …, master n, and what a kernel with an anchor has besides.
     pub gradient: &'a mut [f64],
-    /// M, packed lower triangle of 3(n+1) rows, and the same.
+    /// M, packed lower triangle of 3(n+1) rows, and the same; or the factors of M, if these are asked for.
     pub hessian: &'a mut [f64],
 }
 
@@ -88,7 +90,7 @@ const fn scratch_vectors<K: GapKernel>(vectors: usize) -> usize {
 
 /// Entries of the gradients and of the packed Hessians that a kernel computes, see [`KernelSet::gap`](super::KernelSet::gap) and
 /// [`KernelSet::slip`](super::KernelSet::slip).
-const fn sizes<K: GapKernel>(nodes: usize) -> (usize, usize) {
+const fn sizes<K: GapKernel>(nodes: usize, kind: SecondKind) -> (usize, usize) {
     let freedoms = 3 * (nodes + 1);
     let with_anchor = freedoms + 3;
     let (gradients, hessians) = if K::ANCHOR {
@@ -96,11 +98,19 @@ const fn sizes<K: GapKernel>(nodes: usize) -> (usize, usize) {
     } else {
         (freedoms, packed_row(freedoms))
     };
-    match K::MODE {
-        Mode::Value => (0, 0),
-        Mode::Gradient => (gradients, 0),
-        Mode::Hessian => (gradients, hessians),
+    match (K::MODE, kind) {
+        (Mode::Value, _) => (0, 0),
+        (Mode::Gradient, _) => (gradients, 0),
+        (Mode::Hessian, SecondKind::Hessians) => (gradients, hessians),
+        (Mode::Hessian, SecondKind::Factors) => (gradients, form::<K>(nodes).factors()),
     }
+}
+
+/// The form of the gap's Hessian.
+const fn form<K: GapKernel>(nodes: usize) -> FormRows {
+    assert!(!K::ANCHOR, "no factors of a slip's Hessian");
+    let [varying, constant] = K::FORM;
+    FormRows { varying, constant, count: nodes }
 }
 
 /// Runs a kernel of any output for one element, number by number. `kept`: values it keeps of a node between its loops.
@@ -133,14 +143,16 @@ pub fn single<K: GapKernel>(
     weight_number: usize,
     inputs: &ElementInputs<'_>,
     gradient: &mut [f64],
-    hessian: &mut [f64],
+    second: Second<'_, f64>,
 ) -> GapValues<f64> {
-    let (gradients, hessians) = sizes::<K>(inputs.masters.len());
+    let kind = second.kind();
+    let (gradients, hessians) = sizes::<K>(inputs.masters.len(), kind);
     let code = SingleElement::<K> {
         inputs,
         weight_number,
         gradient: &mut gradient[..gradients],
-        hessian: &mut hessian[..hessians],
+        kind,
+        second: &mut second.into_target()[..hessians],
         kernel: PhantomData,
     };
     // Constants, not patterns: what a constant rules out is not compiled.
@@ -155,7 +167,8 @@ struct SingleElement<'a, K> {
     inputs: &'a ElementInputs<'a>,
     weight_number: usize,
     gradient: &'a mut [f64],
-    hessian: &'a mut [f64],
+    kind: SecondKind,
+    second: &'a mut [f64],
     kernel: PhantomData<K>,
 }
 
@@ -164,7 +177,7 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
 
     #[inline(always)]
     fn run<T: Vector>(self) -> GapValues<f64> {
-        let Self { inputs, weight_number, gradient, hessian, .. } = self;
+        let Self { inputs, weight_number, gradient, kind, second, .. } = self;
         let count = inputs.masters.len();
         let vectors = count.div_ceil(T::WIDTH);
         let read = material_values::<K>();
@@ -188,7 +201,8 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
             }
         }
         let inputs = Inputs::gather(|_| inputs, weight_number, masters, material);
-        let values = K::evaluate::<T::Scalar, T, Single<T>>(&inputs, scratch, gradient, hessian).lane(0);
+        let second = Second::new(kind, second);
+        let values = K::evaluate::<T::Scalar, T, Single<T>>(&inputs, scratch, gradient, second).lane(0);
         BLOCKS.set(blocks);
         values
     }
@@ -216,6 +230,7 @@ fn memory(count: usize) -> Vec<Block> {
 pub fn batch<K: GapKernel>(
     isa: Isa,
     weight_number: usize,
+    kind: SecondKind,
     elements: &mut [BatchElement<'_>],
     workspace: &mut Workspace,
 ) {
@@ -225,7 +240,7 @@ pub fn batch<K: GapKernel>(
         elements.iter().all(|element| element.inputs.masters.len() == count),
         "elements of as many nodes"
     );
-    let code = Elements::<K> { elements, weight_number, workspace, kernel: PhantomData };
+    let code = Elements::<K> { elements, weight_number, kind, workspace, kernel: PhantomData };
     let left = if const { matches!(K::WIDTHS, Widths::Every) } {
         isa.run_vectors(code)
     } else if const { matches!(K::WIDTHS, Widths::One) } {
@@ -235,7 +250,8 @@ pub fn batch<K: GapKernel>(
     };
     if let Err(Elements { elements, .. }) = left {
         for BatchElement { inputs, values, gradient, hessian } in elements {
-            *values = single::<K>(isa, weight_number, inputs, gradient, hessian);
+            let second = Second::new(kind, hessian);
+            *values = single::<K>(isa, weight_number, inputs, gradient, second);
         }
     }
 }
@@ -243,6 +259,7 @@ pub fn batch<K: GapKernel>(
 struct Elements<'a, 'e, K> {
     elements: &'a mut [BatchElement<'e>],
     weight_number: usize,
+    kind: SecondKind,
     workspace: &'a mut Workspace,
     kernel: PhantomData<K>,
 }
@@ -253,7 +270,7 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
     #[inline(always)]
     fn run<T: Vector>(self) {
         let count = self.elements[0].inputs.masters.len();
-        let (gradients, hessians) = sizes::<K>(count);
+        let (gradients, hessians) = sizes::<K>(count, self.kind);
         let read = material_values::<K>();
         let needed =
             (NODE_VALUES + read) * count + K::KEPT * scratch_vectors::<K>(count) + gradients + hessians;
@@ -280,7 +297,8 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
             }
             let of = |lane: usize| &elements[lane.min(last)].inputs;
             let inputs = Inputs::gather(of, self.weight_number, masters, material);
-            let values = K::evaluate::<T, T, Batch<T>>(&inputs, scratch, gradient, hessian);
+            let second = Second::new(self.kind, &mut hessian[..]);
+            let values = K::evaluate::<T, T, Batch<T>>(&inputs, scratch, gradient, second);
             for (lane, element) in elements.iter_mut().enumerate() {
                 element.values = values.lane(lane);
             }

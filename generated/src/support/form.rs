@@ -25,6 +25,20 @@ impl FormRows {
     /// Room for a node's own block: three rows of four.
     pub const OWN: usize = 12;
 
+    /// Numbers of the [factors](super::Second) that a form leaves.
+    #[inline(always)]
+    #[must_use]
+    pub const fn factors(self) -> usize {
+        self.node_factors() * self.count + 3 * self.constant
+    }
+
+    /// Those of one node.
+    #[inline(always)]
+    #[must_use]
+    pub(super) const fn node_factors(self) -> usize {
+        3 * self.varying + 6
+    }
+
     const fn all(self) -> usize {
         self.varying + self.constant
     }
@@ -126,6 +140,28 @@ pub(super) mod batch {
             }
         }
         not_finite
+    }
+
+    /// Writes the factors.
+    #[inline(always)]
+    pub fn write_factors<T: Lane>(form: &[T], rows: FormRows, constant: &[[T; 3]], target: &mut [T]) {
+        let (size, own) = (node_length(rows), 3 * rows.varying);
+        for node in 0..rows.count {
+            let form = &form[size * (node + 1)..][..size];
+            let target = &mut target[rows.node_factors() * node..][..rows.node_factors()];
+            for row in 0..rows.varying {
+                for axis in 0..3 {
+                    target[rows.varying * axis + row] = form[3 * row + axis];
+                }
+            }
+            let block = &form[own..own + 6];
+            write([block[0], block[1], block[2], block[3], block[4], block[5]], target, own);
+        }
+        for row in 0..constant.len() {
+            for axis in 0..3 {
+                target[rows.node_factors() * rows.count + rows.constant * axis + row] = constant[row][axis];
+            }
+        }
     }
 
     /// start + Σ cᵀb + bᵀc
@@ -270,6 +306,37 @@ pub(super) mod single {
             }
         }
         not_finite.sum()
+    }
+
+    /// Writes the factors.
+    #[inline(always)]
+    pub fn write_factors<T: Vector>(
+        form: &[f64],
+        rows: FormRows,
+        constant: &[[T::Scalar; 3]],
+        target: &mut [f64],
+    ) {
+        let stride = stride::<T>(rows);
+        let (form, own) = form.split_at(stride * rows.all());
+        for node in 0..rows.count {
+            let target = &mut target[rows.node_factors() * node..][..rows.node_factors()];
+            for row in 0..rows.varying {
+                for axis in 0..3 {
+                    target[rows.varying * axis + row] = form[stride * row + 3 * (node + 1) + axis];
+                }
+            }
+            let own = &own[OWN * (node + 1)..][..OWN];
+            for (k, place) in [0, 4, 5, 8, 9, 10].into_iter().enumerate() {
+                target[3 * rows.varying + k] = own[place];
+            }
+        }
+        for row in 0..constant.len() {
+            let [x, y, z] = &constant[row];
+            let values = [x.lane(0), y.lane(0), z.lane(0)];
+            for axis in 0..3 {
+                target[rows.node_factors() * rows.count + rows.constant * axis + row] = values[axis];
+            }
+        }
     }
 
     /// Rows of one node.
@@ -425,6 +492,18 @@ mod tests {
             }
         }
 
+        /// Of each node the rows by axes and its own block, then the constant rows.
+        fn check_factors(&self, factors: &[f64]) {
+            let FormRows { varying, constant, count } = self.rows;
+            let rows = |from: usize, length: usize, node: usize| {
+                (0..3).flat_map(move |axis| (from..from + length).map(move |row| self.entry(row, node, axis)))
+            };
+            let nodes = (1..=count)
+                .flat_map(|node| rows(0, varying, node).chain(LOWER.map(|(i, j)| self.own(node, i, j))));
+            let expected: Vec<f64> = nodes.chain(rows(varying, constant, 1)).collect();
+            assert_eq!(factors, expected, "{:?}", self.rows);
+        }
+
         fn slave<E: Lane>(&self) -> Vec<[E; 3]> {
             (0..self.rows.all()).map(|row| [0, 1, 2].map(|axis| E::splat(self.entry(row, 0, axis)))).collect()
         }
@@ -461,6 +540,9 @@ mod tests {
                 }
                 single::keep_own(&mut form, rows, vector, case.own_of::<T>(node));
             }
+            let mut factors = vec![f64::NAN; rows.factors()];
+            single::write_factors::<T>(&form, rows, &case.constant::<T::Scalar>(), &mut factors);
+            case.check_factors(&factors);
             let mut hessian = vec![f64::NAN; size + 1];
             let (slave, constant) = (case.slave::<T::Scalar>(), case.constant::<T::Scalar>());
             let sum = single::multiply::<T>(&mut form, rows, &slave, &constant, &mut hessian[..size]);
@@ -493,6 +575,12 @@ mod tests {
                     }
                     let own = LOWER.map(|(i, j)| T::from_fn(|lane| case_of(lane).own(node + 1, i, j)));
                     batch::keep_own(form, rows, node, own);
+                }
+                let mut factors = vec![T::ZERO; rows.factors()];
+                batch::write_factors(form, rows, &case.constant(), &mut factors);
+                for lane in 0..T::WIDTH {
+                    let factors: Vec<f64> = factors.iter().map(|x| x.lane(lane)).collect();
+                    case_of(lane).check_factors(&factors);
                 }
                 let sum = batch::multiply(form, rows, &case.slave(), &case.constant(), &mut rest[..size]);
                 for lane in 0..T::WIDTH {

@@ -1,8 +1,8 @@
 //! The generated kernels of a weight behind one trait.
 
 use super::{
-    Basis, BatchElement, CoefficientsValues, ElementInputs, FrameRule, GapValues, Isa, Mode, SurfaceValues,
-    Workspace,
+    Basis, BatchElement, CoefficientsValues, ElementInputs, FormRows, FrameRule, GapValues, Isa, Mode,
+    SurfaceValues, Workspace,
 };
 
 /// The generated kernels of one weight.
@@ -106,6 +106,32 @@ pub trait KernelSet {
     fn gap_batch(
         isa: Isa,
         kernel: (Basis, FrameRule, Mode),
+        elements: &mut [BatchElement<'_>],
+        workspace: &mut Workspace,
+    );
+
+    /// The rows of the form that M of an element with `count` nodes has: how many numbers its [factors](FormRows::factors) are, and what
+    /// [multiplies](FormRows::multiply_factors) them.
+    #[must_use]
+    fn gap_form(kernel: (Basis, FrameRule), count: usize) -> FormRows;
+
+    /// As [`gap`](Self::gap) in [`Mode::Hessian`], with the factors of M in the place of M: the same kernel up to the products.
+    fn gap_factors(
+        isa: Isa,
+        kernel: (Basis, FrameRule),
+        inputs: &ElementInputs<'_>,
+        gradient: &mut [f64],
+        factors: &mut [f64],
+    ) -> GapValues<f64>;
+
+    /// As [`gap_factors`](Self::gap_factors), for elements of the same number of nodes, with the factors in the place of
+    /// [`BatchElement::hessian`].
+    ///
+    /// # Panics
+    /// Also if the numbers of nodes differ.
+    fn gap_factors_batch(
+        isa: Isa,
+        kernel: (Basis, FrameRule),
         elements: &mut [BatchElement<'_>],
         workspace: &mut Workspace,
     );

@@ -2,10 +2,10 @@
 
 use std::marker::PhantomData;
 
-use super::Lane;
 use super::form::write;
 use super::form::{FormRows, batch, single};
 use super::simd::Vector;
+use super::{Lane, Second, SecondKind, packed_row};
 
 /// A layout of elements and nodes.
 ///
@@ -80,6 +80,47 @@ pub trait Shape {
 
     /// Writes a number of each node of a vector to its place among those of all.
     fn write_values(value: Self::Node, vector: usize, target: &mut [Self::Output]);
+
+    /// Writes what is asked for of a form: the packed Hessian, or the factors it is made of. `own`: the slave's own block, lower
+    /// triangle; `slave` and `constant` as for [`multiply_form`](Self::multiply_form), which says what is returned.
+    ///
+    /// # Panics
+    /// If a slice is shorter than `rows` says.
+    #[inline(always)]
+    fn finish_form(
+        form: &mut [Self::Output],
+        rows: FormRows,
+        own: [Self::Element; 6],
+        slave: &[[Self::Element; 3]],
+        constant: &[[Self::Element; 3]],
+        second: &mut Second<'_, Self::Output>,
+    ) -> Self::Element {
+        match second.kind() {
+            SecondKind::Hessians => {
+                let target = second.next(packed_row(3 * (rows.count + 1)));
+                for k in 0..6 {
+                    target[k] = Self::element_output(own[k]);
+                }
+                Self::multiply_form(form, rows, slave, constant, target)
+            }
+            // Every factor is in the slave's rows and its own block, which the checksum has.
+            SecondKind::Factors => {
+                Self::write_factors(form, rows, constant, second.next(rows.factors()));
+                Self::Element::ZERO
+            }
+        }
+    }
+
+    /// Writes the factors of a form. `constant`: a node's part of the rows that are the same for all.
+    ///
+    /// # Panics
+    /// If a slice is shorter than `rows` says.
+    fn write_factors(
+        form: &[Self::Output],
+        rows: FormRows,
+        constant: &[[Self::Element; 3]],
+        target: &mut [Self::Output],
+    );
 
     /// Writes the packed Hessian of a form, but for the slave's own block. `slave`: its part of all rows; `constant`: a
     /// node's part of those that are the same for all. Returns 0 if every entry written is finite, else NaN.
@@ -179,6 +220,11 @@ impl<T: Lane> Shape for Batch<T> {
     #[inline(always)]
     fn write_values(value: T, vector: usize, target: &mut [T]) {
         target[vector] = value;
+    }
+
+    #[inline(always)]
+    fn write_factors(form: &[T], rows: FormRows, constant: &[[T; 3]], target: &mut [T]) {
+        batch::write_factors(form, rows, constant, target);
     }
 
     #[inline(always)]
@@ -282,6 +328,11 @@ impl<T: Vector> Shape for Single<T> {
         for k in 0..T::WIDTH.min(target.len() - place) {
             target[place + k] = value.lane(k);
         }
+    }
+
+    #[inline(always)]
+    fn write_factors(form: &[f64], rows: FormRows, constant: &[[T::Scalar; 3]], target: &mut [f64]) {
+        single::write_factors::<T>(form, rows, constant, target);
     }
 
     #[inline(always)]

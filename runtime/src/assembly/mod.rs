@@ -7,6 +7,7 @@
 //! * [`add_residual`] adds the contact forces to a vector.
 //! * [`Triplets`] lists the entries of the tangent, for solvers that sort and sum themselves.
 //! * [`CsrPattern`] is built once for a pairing and then filled at every iteration, in parallel.
+//! * [`TangentOperator`] multiplies the tangent of an interface with vectors, without making it.
 //! * [`Tangent::adaptive`] says which tangent the next linear solution had better have.
 //! * [`ContactLaw::element_system`] makes residual and dense tangent of one element by itself,
 //!   [`ContactLaw::element_tangent`] the tangent's lower triangle.
@@ -47,6 +48,7 @@ mod elements;
 mod error;
 mod law;
 mod normal;
+mod operator;
 mod pattern;
 mod residual;
 mod single;
@@ -58,6 +60,7 @@ pub use error::AssemblyError;
 pub use law::{ContactLaw, Tangent};
 pub(crate) use normal::Table;
 pub use normal::{NormalLaw, NormalPressure, TabulatedPressure};
+pub use operator::TangentOperator;
 pub use pattern::{CsrIndex, CsrMap, CsrPattern};
 pub use residual::add_residual;
 pub use triplets::{Triangle, Triplets};

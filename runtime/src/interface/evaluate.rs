@@ -10,7 +10,7 @@ use super::pairings::{Paired, Pairings};
 use super::scratch::{Pool, recycled};
 use super::within_reach::WithinReach;
 use super::{ContactElement, InterfaceOptions, NoContact, Outcome};
-use crate::batch::{BatchScratch, GapSlot, Waiting, contact_point, evaluate};
+use crate::batch::{Asked, BatchScratch, GapSlot, Waiting, contact_point, evaluate};
 use crate::element::nearest_in_plane;
 use crate::generated::frame_rule;
 use crate::neighbourhood::Fallback;
@@ -100,7 +100,7 @@ pub struct ElementScratch {
     /// Facets around it.
     patch: Vec<u32>,
     pub border: BorderScratch,
-    batch: BatchScratch,
+    pub batch: BatchScratch,
     lists: Lists,
     pub within_reach: WithinReach,
     /// Which slots are evaluated.
@@ -287,7 +287,7 @@ impl Evaluator<'_> {
         }
         let mut results = recycled(std::mem::take(&mut lists.results));
         results.resize(places.len(), Err(NoContact::NotPaired));
-        evaluate(&Generated, mode, &mut waiting, batch, |index, element| {
+        evaluate(&Generated, Asked::Mode(mode), &mut waiting, batch, |index, element| {
             let (place, paired) = &places[index];
             let point = match tests {
                 Border::Tested => self.within_border(paired, contact_point(&element.values), border),
@@ -330,7 +330,7 @@ impl Evaluator<'_> {
     }
 
     /// What a kernel reads of a paired slave.
-    fn inputs<'s>(&'s self, paired: &Paired<'s>, frame: &Frame, weight: Weight) -> ElementInputs<'s> {
+    pub fn inputs<'s>(&'s self, paired: &Paired<'s>, frame: &Frame, weight: Weight) -> ElementInputs<'s> {
         let slave = self.positions[paired.slave];
         let support_radius = paired.record.support_radius;
         let pole = match weight {
@@ -464,7 +464,7 @@ impl Evaluator<'_> {
 
     /// The frame of a diffuse element: the one that is held, or the average plane of the masters, outward where the
     /// slave's facet is now.
-    fn current_frame(&self, paired: &Paired<'_>) -> Result<Frame, NoContact> {
+    pub fn current_frame(&self, paired: &Paired<'_>) -> Result<Frame, NoContact> {
         if let Some(frame) = paired.frame {
             return Ok(*frame);
         }

@@ -65,6 +65,7 @@ mod element;
 mod error;
 mod evaluate;
 mod fold;
+mod linearise;
 mod nodal;
 mod options;
 mod outcome;
@@ -90,6 +91,7 @@ pub use report::{FallbackCounts, GapJump, RefreshReport, SlaveGap};
 pub(crate) use contacts::Results;
 use evaluate::{CHUNK, ElementScratch, Evaluator, Request};
 pub(crate) use fold::back;
+pub(crate) use linearise::{LinearContacts, SecondForm};
 use nodal::{Nodal, symmetry_of};
 use pairings::Pairings;
 use refresh::{Compares, Refresh, RefreshScratch, SKIN};
@@ -515,6 +517,11 @@ impl ContactInterface {
     /// The planes of symmetry with their images.
     pub(crate) fn images(&self) -> Symmetry {
         self.nodal.as_ref().map(|nodal| nodal.symmetry.clone()).unwrap_or_default()
+    }
+
+    /// Q of each image behind planes of symmetry, x' = Q x + t.
+    pub(crate) fn rotations(&self) -> Vec<[[f64; 3]; 3]> {
+        self.images().rotations().collect()
     }
 
     /// Master nodes listed with the `k`-th slave.

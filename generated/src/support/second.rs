@@ -1,0 +1,300 @@
+//! Second derivatives of an element, as a Hessian or as the factors it is made of, and the product of factors with a vector.
+//!
+//! A Hessian of 3(n+1) rows has low rank off its diagonal, M = Σ cᵀb + bᵀc plus the nodes' own blocks, and is invariant under
+//! translations. So of v only the differences from the slave's part count, and the slave's part of M v is the negative sum of the nodes':
+//! the factors are those of the nodes. They take 3 r + 6 numbers for each node, r rows, where the packed Hessian takes 9/2 n, and the
+//! product 6 r + 9 multiplications instead of 9 n.
+//!
+//! # Order
+//! For each node the x of all rows b₀, c₀, b₁, c₁, …, their y, their z; then the lower triangle of its own block. At the end x, y
+//! and z of the rows that are the same for all nodes.
+
+use super::form::write;
+use super::simd::{Vector, WithLanes};
+use super::{FormRows, Isa};
+
+/// What is asked for of a second derivative.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SecondKind {
+    /// Packed lower triangles.
+    Hessians,
+    /// The factors that these are made of.
+    Factors,
+}
+
+/// Where second derivatives go, one after another.
+#[derive(Debug)]
+pub struct Second<'a, O> {
+    kind: SecondKind,
+    target: &'a mut [O],
+    written: usize,
+}
+
+impl<'a, O> Second<'a, O> {
+    /// To be written to `target`.
+    #[inline(always)]
+    #[must_use]
+    pub const fn new(kind: SecondKind, target: &'a mut [O]) -> Self {
+        Self { kind, target, written: 0 }
+    }
+
+    /// What is asked for.
+    #[inline(always)]
+    #[must_use]
+    pub const fn kind(&self) -> SecondKind {
+        self.kind
+    }
+
+    /// The place of the next one.
+    ///
+    /// # Panics
+    /// If it is too short.
+    #[inline(always)]
+    pub fn next(&mut self, length: usize) -> &mut [O] {
+        let start = self.written;
+        self.written += length;
+        &mut self.target[start..start + length]
+    }
+
+    /// All of it.
+    #[inline(always)]
+    pub(super) fn into_target(self) -> &'a mut [O] {
+        self.target
+    }
+}
+
+/// Most vectors of rows whose sums stay in registers.
+const GROUP: usize = 4;
+/// Rows of the largest basis with its outer unknowns, in full vectors.
+const MOST_ROWS: usize = 64;
+
+impl FormRows {
+    /// `product` = M v from the factors of M. Both have 3(n+1) entries, the slave's first. `isa`: [`Isa::best`] unless there is
+    /// a reason for another.
+    ///
+    /// # Panics
+    /// If a slice is shorter than the rows say, or there are more than 64 rows.
+    pub fn multiply_factors(self, isa: Isa, factors: &[f64], v: &[f64], product: &mut [f64]) {
+        let freedoms = 3 * (self.count + 1);
+        let code = Product {
+            rows: self,
+            factors: &factors[..self.factors()],
+            v: &v[..freedoms],
+            product: &mut product[..freedoms],
+        };
+        isa.run_four(code).unwrap_or_else(|code| code.run::<f64>());
+    }
+
+    /// The diagonal of M from its factors, 3(n+1) entries.
+    ///
+    /// # Panics
+    /// If a slice is shorter than the rows say.
+    pub fn factors_diagonal(self, factors: &[f64], diagonal: &mut [f64]) {
+        let constant = &factors[self.node_factors() * self.count..];
+        let pairs = |rows: &[f64]| 2.0 * rows.chunks_exact(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
+        let mut sums = vec![0.0; 3 * (self.varying + self.constant)];
+        let mut own_sum = [0.0; 3];
+        for node in 0..self.count {
+            let factors = &factors[self.node_factors() * node..][..self.node_factors()];
+            let own = &factors[3 * self.varying..];
+            for axis in 0..3 {
+                let rows = &factors[self.varying * axis..][..self.varying];
+                let same = &constant[self.constant * axis..][..self.constant];
+                let block = own[[0, 2, 5][axis]];
+                diagonal[3 * (node + 1) + axis] = block + pairs(rows) + pairs(same);
+                own_sum[axis] += block;
+                let sums = &mut sums[(self.varying + self.constant) * axis..];
+                for (sum, row) in sums.iter_mut().zip(rows.iter().chain(same)) {
+                    *sum += row;
+                }
+            }
+        }
+        for axis in 0..3 {
+            let all = self.varying + self.constant;
+            diagonal[axis] = own_sum[axis] + pairs(&sums[all * axis..][..all]);
+        }
+    }
+}
+
+struct Product<'a> {
+    rows: FormRows,
+    factors: &'a [f64],
+    v: &'a [f64],
+    product: &'a mut [f64],
+}
+
+impl WithLanes for Product<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<T: Vector>(self) {
+        let Self { rows, factors, v, product } = self;
+        let slave = [v[0], v[1], v[2]];
+        for node in 0..rows.count {
+            for axis in 0..3 {
+                product[3 * (node + 1) + axis] = v[3 * (node + 1) + axis] - slave[axis];
+            }
+        }
+        // Products of the rows with v, those of b where those of c belong and the other way round.
+        assert!(rows.varying <= MOST_ROWS, "{} rows", rows.varying);
+        let mut swapped = [0.0; MOST_ROWS + GROUP];
+        let mut first = 0;
+        while first < rows.varying {
+            let vectors = (rows.varying - first).div_ceil(T::WIDTH);
+            first += T::WIDTH
+                * match vectors {
+                    1 => sums::<T, 1>(rows, factors, product, first, &mut swapped),
+                    2 => sums::<T, 2>(rows, factors, product, first, &mut swapped),
+                    3 => sums::<T, 3>(rows, factors, product, first, &mut swapped),
+                    _ => sums::<T, GROUP>(rows, factors, product, first, &mut swapped),
+                };
+        }
+        for place in rows.varying..rows.varying + GROUP {
+            swapped[place] = 0.0;
+        }
+        for pair in 0..rows.varying / 2 {
+            swapped.swap(2 * pair, 2 * pair + 1);
+        }
+        let same = same_for_all(rows, factors, product);
+        let mut total = [0.0; 3];
+        for node in 0..rows.count {
+            let factors = &factors[rows.node_factors() * node..];
+            let own = &factors[3 * rows.varying..][..6];
+            let place = 3 * (node + 1);
+            let [x, y, z] = [product[place], product[place + 1], product[place + 2]];
+            let mut block = [T::ZERO; 3];
+            let mut row = 0;
+            while row < rows.varying {
+                let other = T::load(&swapped, row);
+                for axis in 0..3 {
+                    block[axis] = T::load(factors, rows.varying * axis + row).mul_add(other, block[axis]);
+                }
+                row += T::WIDTH;
+            }
+            let own = [
+                own[0] * x + own[1] * y + own[3] * z,
+                own[1] * x + own[2] * y + own[4] * z,
+                own[3] * x + own[4] * y + own[5] * z,
+            ];
+            for axis in 0..3 {
+                let entry = block[axis].sum() + (own[axis] + same[axis]);
+                product[place + axis] = entry;
+                total[axis] -= entry;
+            }
+        }
+        write(total, product, 0);
+    }
+}
+
+/// Products with v, of which the differences from the slave's part stand in `differences`, of some vectors of rows from `first` on. The
+/// last vector may reach beyond the rows, into numbers of the same node. Returns the number of vectors.
+#[inline(always)]
+fn sums<T: Vector, const VECTORS: usize>(
+    rows: FormRows,
+    factors: &[f64],
+    differences: &[f64],
+    first: usize,
+    target: &mut [f64],
+) -> usize {
+    let mut sums = [T::ZERO; VECTORS];
+    for node in 0..rows.count {
+        let factors = &factors[rows.node_factors() * node..];
+        for axis in 0..3 {
+            let difference = T::splat(differences[3 * (node + 1) + axis]);
+            for k in 0..VECTORS {
+                let row = T::load(factors, rows.varying * axis + first + T::WIDTH * k);
+                sums[k] = row.mul_add(difference, sums[k]);
+            }
+        }
+    }
+    for k in 0..VECTORS {
+        sums[k].store(target, first + T::WIDTH * k);
+    }
+    VECTORS
+}
+
+/// What rows that are the same for all nodes bring to each.
+#[inline(always)]
+fn same_for_all(rows: FormRows, factors: &[f64], differences: &[f64]) -> [f64; 3] {
+    let mut same = [0.0; 3];
+    if rows.constant == 0 {
+        return same;
+    }
+    let constant = &factors[rows.node_factors() * rows.count..];
+    let mut sum = [0.0; 3];
+    for node in 0..rows.count {
+        for axis in 0..3 {
+            sum[axis] += differences[3 * (node + 1) + axis];
+        }
+    }
+    let entry = |row: usize, axis: usize| constant[rows.constant * axis + row];
+    for row in 0..rows.constant {
+        let along = entry(row, 0) * sum[0] + entry(row, 1) * sum[1] + entry(row, 2) * sum[2];
+        for axis in 0..3 {
+            same[axis] += entry(row ^ 1, axis) * along;
+        }
+    }
+    same
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbers(count: usize, seed: usize) -> Vec<f64> {
+        (0..count).map(|k| ((7 * k + 13 * seed) % 17) as f64 - 8.0).collect()
+    }
+
+    /// Entry (3 i + a, 3 j + b) of M, from factors.
+    fn entry(rows: FormRows, factors: &[f64], [i, j]: [usize; 2], [a, b]: [usize; 2]) -> f64 {
+        if i == 0 || j == 0 {
+            // −Σ over the nodes.
+            let nodes = |k: usize| if k == 0 { 1..=rows.count } else { k..=k };
+            let sign = if (i == 0) == (j == 0) { 1.0 } else { -1.0 };
+            let pairs = nodes(i).flat_map(|i| nodes(j).map(move |j| [i, j]));
+            return sign * pairs.map(|pair| entry(rows, factors, pair, [a, b])).sum::<f64>();
+        }
+        let node = |k: usize| &factors[rows.node_factors() * (k - 1)..];
+        let same = &factors[rows.node_factors() * rows.count..];
+        let products = |x: &[f64], y: &[f64], count: usize| -> f64 {
+            (0..count).map(|row| x[count * a + row] * y[count * b + (row ^ 1)]).sum()
+        };
+        let own = if i == j {
+            node(i)[3 * rows.varying + super::super::packed_row(a.max(b)) + a.min(b)]
+        } else {
+            0.0
+        };
+        products(node(i), node(j), rows.varying) + products(same, same, rows.constant) + own
+    }
+
+    #[test]
+    fn factors_times_a_vector_are_the_hessian_times_the_vector() {
+        for (varying, constant) in
+            [(0, 0), (2, 0), (6, 2), (8, 0), (12, 0), (14, 2), (16, 4), (18, 0), (38, 2), (64, 0)]
+        {
+            for count in [1, 2, 3, 7, 12] {
+                let rows = FormRows { varying, constant, count };
+                let freedoms = 3 * (count + 1);
+                // Behind the factors nothing may be read, and nothing be written behind the product.
+                let factors = numbers(rows.factors(), 1);
+                let v = numbers(freedoms, 2);
+                let place = |k: usize| (k / 3, k % 3);
+                let at = |p: usize, q: usize| {
+                    let ((i, a), (j, b)) = (place(p), place(q));
+                    entry(rows, &factors, [i, j], [a, b])
+                };
+                let expected: Vec<f64> =
+                    (0..freedoms).map(|p| (0..freedoms).map(|q| at(p, q) * v[q]).sum()).collect();
+                for isa in Isa::available() {
+                    let mut product = vec![f64::NAN; freedoms];
+                    rows.multiply_factors(isa, &factors, &v, &mut product);
+                    // Whole numbers: any order of additions gives the same.
+                    assert_eq!(product, expected, "{rows:?} {isa}");
+                }
+                let mut diagonal = vec![f64::NAN; freedoms];
+                rows.factors_diagonal(&factors, &mut diagonal);
+                assert_eq!(diagonal, (0..freedoms).map(|p| at(p, p)).collect::<Vec<_>>(), "{rows:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,468 @@
+//! The tangent as an operator: K v without K.
+//!
+//! What is held of a contact is N and the factors of M: 45 numbers for each of its points with a frame that is held, about 60 with the
+//! default options. M itself is never there, nor a pattern. A product reads the numbers once. Where positions or forces change, another
+//! operator is made.
+
+use std::fmt;
+
+use rayon::prelude::*;
+
+use super::law::Needs;
+use super::{AssemblyError, ContactLaw, ContactView, DofMap, Tangent, reserve};
+use crate::affine::Carrier;
+use crate::interface::{ContactInterface, InterfaceError, LinearContacts, SecondForm};
+
+/// Where there is no equation, or no image.
+const NONE: usize = usize::MAX;
+
+/// The tangent of an interface at the positions it was made for, K = Σ (ε N Nᵀ − f M) over the contacts that carry force.
+///
+/// ```
+/// use diffuse_contact::assembly::{ContactLaw, DofMap, TangentOperator};
+/// use diffuse_contact::{ContactInterface, Facet, InterfaceOptions, MasterSurface};
+///
+/// // 8 × 8 master facets in the plane z = 0, outside above, and one slave node 0.1 deep.
+/// let mut positions: Vec<[f64; 3]> = (0..81).map(|k| [f64::from(k % 9), f64::from(k / 9), 0.0]).collect();
+/// let facets = (0..64).map(|k| k % 8 + 9 * (k / 8)).map(|k| Facet::Quadrilateral([k, k + 1, k + 10, k + 9]));
+/// let master = MasterSurface::new(&positions, facets.collect())?;
+/// positions.push([4.2, 3.9, -0.1]);
+/// let mut interface = ContactInterface::new(master, vec![81], &[], &positions, InterfaceOptions::default())?;
+/// interface.refresh_pairing(&positions)?;
+///
+/// let dofs = DofMap::standard(82);
+/// let mut tangent = TangentOperator::new(&interface, &ContactLaw::penalty(1e3), &dofs)?;
+/// assert_eq!(tangent.contacts(), 1);
+/// // The slave moves along z by 1: ε on the slave, −ε on the masters together.
+/// let (mut v, mut product) = (vec![0.0; 246], vec![0.0; 246]);
+/// v[3 * 81 + 2] = 1.0;
+/// tangent.add_product(&v, &mut product)?;
+/// assert!((product[3 * 81 + 2] - 1e3).abs() < 1e-9);
+/// assert!(product.iter().skip(2).step_by(3).sum::<f64>().abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone)]
+pub struct TangentOperator {
+    equations: usize,
+    /// The equations of each node that takes part.
+    nodes: Vec<[usize; 3]>,
+    parts: Vec<Part>,
+    /// Q of the images behind planes of symmetry, x' = Q x + t.
+    rotations: Vec<[[f64; 3]; 3]>,
+    /// Where the uses of each node begin, …
+    starts: Vec<usize>,
+    /// … and where its contributions are, in the order of the contacts.
+    uses: Vec<usize>,
+    /// Memory of a product: v of the nodes, what each point of each contact contributes, and the sums.
+    moves: Vec<[f64; 3]>,
+    contributions: Vec<[f64; 3]>,
+    sums: Vec<[f64; 3]>,
+}
+
+/// Contacts that one thread multiplies in a row.
+#[derive(Clone)]
+struct Part {
+    contacts: Vec<Contact>,
+    /// Slave and points of each contact, by place among the nodes that take part.
+    nodes: Vec<u32>,
+    /// The image each of them is, if there is any.
+    images: Vec<usize>,
+    gradients: Vec<f64>,
+    seconds: Vec<f64>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Contact {
+    /// ε, force per length.
+    stiffness: f64,
+    /// f, force.
+    force: f64,
+    /// Slave and points.
+    nodes: usize,
+    gradient: usize,
+    second: SecondForm,
+    second_start: usize,
+}
+
+impl TangentOperator {
+    /// The tangent of an interface by a law, at the positions of its last update, as an operator over the equations of `dofs`. Only what
+    /// carries force is derived.
+    ///
+    /// # Errors
+    /// [`AssemblyError::NoOperator`] for a law with friction, every reason for which the law is refused, and
+    /// [`AssemblyError::UnknownNode`], as [`InterfaceError::Law`]; [`InterfaceError::OutOfMemory`].
+    pub fn new(
+        interface: &ContactInterface,
+        law: &ContactLaw<'_>,
+        dofs: &DofMap,
+    ) -> Result<Self, InterfaceError> {
+        if law.friction.is_some() {
+            return Err(AssemblyError::NoOperator.into());
+        }
+        law.validate(interface.slaves().len())?;
+        let with_second = law.tangent == Tangent::Exact;
+        let found = interface.linearise(with_second, |k, gap, area| law.force(k, gap, area) > 0.0)?;
+        let rotations = interface.rotations();
+        let mut numbering = Numbering::new(dofs)?;
+        let mut parts = Vec::with_capacity(found.len());
+        for contacts in found {
+            parts.push(Part::new(contacts, interface.slaves(), law, &mut numbering)?);
+        }
+        Ok(Self::of(parts, numbering, rotations)?)
+    }
+
+    fn of(
+        parts: Vec<Part>,
+        numbering: Numbering<'_>,
+        rotations: Vec<[[f64; 3]; 3]>,
+    ) -> Result<Self, AssemblyError> {
+        let Numbering { dofs, equations: nodes, .. } = numbering;
+        let points = parts.iter().map(|part| part.nodes.len()).sum();
+        let mut starts = reserve("nodes", nodes.len() + 1)?;
+        starts.resize(nodes.len() + 1, 0);
+        for &node in parts.iter().flat_map(|part| &part.nodes) {
+            starts[node as usize + 1] += 1;
+        }
+        for node in 0..nodes.len() {
+            starts[node + 1] += starts[node];
+        }
+        let mut uses = reserve("points", points)?;
+        uses.resize(points, 0);
+        let mut next = starts.clone();
+        for (place, &node) in parts.iter().flat_map(|part| &part.nodes).enumerate() {
+            uses[next[node as usize]] = place;
+            next[node as usize] += 1;
+        }
+        let zeros = |what, count| -> Result<Vec<[f64; 3]>, AssemblyError> {
+            let mut zeros = reserve(what, count)?;
+            zeros.resize(count, [0.0; 3]);
+            Ok(zeros)
+        };
+        let (moves, sums) = (zeros("nodes", nodes.len())?, zeros("nodes", nodes.len())?);
+        let contributions = zeros("points", points)?;
+        let equations = dofs.equations();
+        Ok(Self { equations, nodes, parts, rotations, starts, uses, moves, contributions, sums })
+    }
+
+    /// Number of equations: rows and columns.
+    #[must_use]
+    pub const fn equations(&self) -> usize {
+        self.equations
+    }
+
+    /// Number of contacts that carry force.
+    #[must_use]
+    pub fn contacts(&self) -> usize {
+        self.parts.iter().map(|part| part.contacts.len()).sum()
+    }
+
+    /// Memory of the operator, bytes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let part = |part: &Part| {
+            8 * (part.gradients.capacity() + part.seconds.capacity() + part.images.capacity())
+                + 4 * part.nodes.capacity()
+                + size_of::<Contact>() * part.contacts.capacity()
+        };
+        let nodes = self.nodes.capacity() + self.moves.capacity() + self.sums.capacity();
+        self.parts.iter().map(part).sum::<usize>()
+            + 24 * (nodes + self.contributions.capacity())
+            + 8 * (self.starts.capacity() + self.uses.capacity())
+    }
+
+    /// Adds K v to `product`: one entry per equation. Every sum is formed in the order of the contacts: the result is the same for any
+    /// number of threads, bit for bit. It differs from that of the assembled matrix by rounding.
+    ///
+    /// # Errors
+    /// [`AssemblyError::OutputLength`]; `product` is then unchanged. [`AssemblyError::Overflow`] if an entry is not finite; its contents
+    /// are then unspecified.
+    pub fn add_product(&mut self, v: &[f64], product: &mut [f64]) -> Result<(), AssemblyError> {
+        self.check_length("entries of v", v.len())?;
+        self.check_length("products", product.len())?;
+        let entry = |&equation: &usize| if equation == NONE { 0.0 } else { v[equation] };
+        self.moves
+            .par_iter_mut()
+            .zip(&self.nodes)
+            .with_min_len(MIN_NODES)
+            .for_each(|(moves, equations)| *moves = equations.each_ref().map(entry));
+        let (moves, rotations) = (&self.moves, &self.rotations);
+        let slots = split(&self.parts, &mut self.contributions);
+        slots.into_par_iter().for_each(|(part, target)| part.multiply(moves, rotations, target));
+        self.add_sums("products", product)
+    }
+
+    /// Adds the diagonal of K to `diagonal`: one entry per equation.
+    ///
+    /// # Errors
+    /// As [`add_product`](Self::add_product).
+    pub fn add_diagonal(&mut self, diagonal: &mut [f64]) -> Result<(), AssemblyError> {
+        self.check_length("diagonal entries", diagonal.len())?;
+        let rotations = &self.rotations;
+        let slots = split(&self.parts, &mut self.contributions);
+        slots.into_par_iter().for_each(|(part, target)| part.diagonal(rotations, target));
+        self.add_sums("diagonal entries", diagonal)
+    }
+
+    fn check_length(&self, what: &'static str, found: usize) -> Result<(), AssemblyError> {
+        let expected = self.equations;
+        if found == expected { Ok(()) } else { Err(AssemblyError::OutputLength { what, found, expected }) }
+    }
+
+    /// Adds what all points contribute.
+    fn add_sums(&mut self, what: &'static str, target: &mut [f64]) -> Result<(), AssemblyError> {
+        let Self { starts, uses, contributions, sums, nodes, .. } = self;
+        sums.par_iter_mut().enumerate().with_min_len(MIN_NODES).for_each(|(node, sum)| {
+            *sum = [0.0; 3];
+            for &place in &uses[starts[node]..starts[node + 1]] {
+                for (sum, x) in sum.iter_mut().zip(contributions[place]) {
+                    *sum += x;
+                }
+            }
+        });
+        for (equations, sum) in nodes.iter().zip(sums) {
+            for (&equation, x) in equations.iter().zip(sum) {
+                if equation == NONE {
+                    continue;
+                }
+                target[equation] += *x;
+                if !target[equation].is_finite() {
+                    return Err(AssemblyError::Overflow { what, equation });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Debug for TangentOperator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (equations, contacts) = (self.equations, self.contacts());
+        write!(
+            f,
+            "TangentOperator {{ equations: {equations}, contacts: {contacts}, bytes: {} }}",
+            self.bytes()
+        )
+    }
+}
+
+/// Nodes that one thread works on at least.
+const MIN_NODES: usize = 1024;
+
+/// Each part with the places of what its points contribute.
+fn split<'a>(
+    parts: &'a [Part],
+    mut contributions: &'a mut [[f64; 3]],
+) -> Vec<(&'a Part, &'a mut [[f64; 3]])> {
+    let front = |part: &'a Part| (part, contributions.split_off_mut(..part.nodes.len()).unwrap_or_default());
+    parts.iter().map(front).collect()
+}
+
+/// Gives the nodes that take part consecutive numbers.
+struct Numbering<'a> {
+    dofs: &'a DofMap,
+    /// Of all nodes, or `u32::MAX`.
+    numbers: Vec<u32>,
+    /// Of those that take part.
+    equations: Vec<[usize; 3]>,
+}
+
+impl<'a> Numbering<'a> {
+    fn new(dofs: &'a DofMap) -> Result<Self, AssemblyError> {
+        let mut numbers = reserve("nodes", dofs.nodes())?;
+        numbers.resize(dofs.nodes(), u32::MAX);
+        Ok(Self { dofs, numbers, equations: Vec::new() })
+    }
+
+    fn number(&mut self, element: usize, node: usize) -> Result<u32, AssemblyError> {
+        let nodes = self.numbers.len();
+        let Some(number) = self.numbers.get_mut(node) else {
+            return Err(AssemblyError::UnknownNode { element, node, nodes });
+        };
+        if *number == u32::MAX {
+            // An interface has fewer nodes than u32 has numbers.
+            *number = self.equations.len() as u32;
+            self.equations.push(self.dofs.of_node(node).map(|equation| equation.unwrap_or(NONE)));
+        }
+        Ok(*number)
+    }
+}
+
+impl Part {
+    fn new(
+        found: LinearContacts,
+        slaves: &[usize],
+        law: &ContactLaw<'_>,
+        numbering: &mut Numbering<'_>,
+    ) -> Result<Self, AssemblyError> {
+        let LinearContacts { contacts: all, points, gradients, seconds } = found;
+        let mut contacts = reserve("contacts", all.len())?;
+        let mut nodes = reserve("points", points.len() + all.len())?;
+        let mut images = Vec::new();
+        let mut rest = &points[..];
+        for contact in all {
+            let (own, others) = rest.split_at(contact.points);
+            rest = others;
+            let (k, freedoms) = (contact.index, 3 * (own.len() + 1));
+            if contact.gap.is_nan() {
+                continue;
+            }
+            let gradient = &gradients[contact.gradient..][..freedoms];
+            let view =
+                ContactView { gap: contact.gap, area: contact.area, gradient, hessian: &[], slip: None };
+            law.check_contact(k, &view, freedoms, Needs::Residual)?;
+            let force = law.force(k, contact.gap, contact.area);
+            if !(force > 0.0) {
+                continue;
+            }
+            contacts.push(Contact {
+                stiffness: law.penalty * contact.area,
+                force,
+                nodes: own.len() + 1,
+                gradient: contact.gradient,
+                second: contact.second,
+                second_start: contact.second_start,
+            });
+            nodes.push(numbering.number(k, slaves[k])?);
+            for &Carrier { node, image } in own {
+                nodes.push(numbering.number(k, node as usize)?);
+                if let Some(image) = image {
+                    images.resize(nodes.len() - 1, NONE);
+                    images.push(image as usize);
+                }
+            }
+        }
+        Ok(Self { contacts, nodes, images, gradients, seconds })
+    }
+
+    /// The contacts with where their points begin.
+    fn placed(&self) -> impl Iterator<Item = (usize, &Contact)> {
+        self.contacts.iter().scan(0, |start, contact| {
+            let own = *start;
+            *start += contact.nodes;
+            Some((own, contact))
+        })
+    }
+
+    /// Room for a vector over the freedoms of any contact.
+    fn room(&self) -> Vec<f64> {
+        vec![0.0; 3 * self.contacts.iter().map(|contact| contact.nodes).max().unwrap_or(0)]
+    }
+
+    /// Q of the point at a place, if it is an image.
+    fn rotation<'r>(&self, rotations: &'r [[[f64; 3]; 3]], place: usize) -> Option<&'r [[f64; 3]; 3]> {
+        self.images.get(place).and_then(|&image| rotations.get(image))
+    }
+
+    /// What each point contributes to K v, v given for all nodes.
+    fn multiply(&self, moves: &[[f64; 3]], rotations: &[[[f64; 3]; 3]], target: &mut [[f64; 3]]) {
+        let (mut v, mut product) = (self.room(), self.room());
+        for (start, contact) in self.placed() {
+            let freedoms = 3 * contact.nodes;
+            for (k, v) in v[..freedoms].as_chunks_mut::<3>().0.iter_mut().enumerate() {
+                let node = moves[self.nodes[start + k] as usize];
+                *v = forth(self.rotation(rotations, start + k), node);
+            }
+            self.element(contact, &v[..freedoms], &mut product[..freedoms]);
+            for (k, product) in product[..freedoms].as_chunks::<3>().0.iter().enumerate() {
+                target[start + k] = back(self.rotation(rotations, start + k), *product);
+            }
+        }
+    }
+
+    /// (ε N Nᵀ − f M) v of one contact.
+    fn element(&self, contact: &Contact, v: &[f64], product: &mut [f64]) {
+        let gradient = &self.gradients[contact.gradient..][..v.len()];
+        let second = &self.seconds[contact.second_start..];
+        match contact.second {
+            SecondForm::None => product.fill(0.0),
+            SecondForm::Factors(form) => form.multiply(second, v, product),
+            SecondForm::Packed => multiply_packed(second, v, product),
+        }
+        let along: f64 = gradient.iter().zip(v).map(|(n, v)| n * v).sum();
+        let along = contact.stiffness * along;
+        for (entry, n) in product.iter_mut().zip(gradient) {
+            *entry = along * n - contact.force * *entry;
+        }
+    }
+
+    /// What each point contributes to the diagonal of K.
+    fn diagonal(&self, rotations: &[[[f64; 3]; 3]], target: &mut [[f64; 3]]) {
+        let (mut v, mut product) = (self.room(), self.room());
+        for (start, contact) in self.placed() {
+            let nodes = &self.nodes[start..][..contact.nodes];
+            let freedoms = 3 * contact.nodes;
+            let (v, product) = (&mut v[..freedoms], &mut product[..freedoms]);
+            self.element_diagonal(contact, product);
+            for (k, entries) in product.as_chunks::<3>().0.iter().enumerate() {
+                target[start + k] = *entries;
+            }
+            // Of a node that takes part more than once, or as an image, the entries are those of products with its own moves.
+            for k in 1..nodes.len() {
+                let same = || (0..nodes.len()).filter(|&other| nodes[other] == nodes[k]);
+                let is_plain = same().count() == 1 && self.rotation(rotations, start + k).is_none();
+                if is_plain {
+                    continue;
+                }
+                let first = same().next() == Some(k);
+                target[start + k] = [0.0; 3];
+                for axis in (0..3).filter(|_| first) {
+                    let mut unit = [0.0; 3];
+                    unit[axis] = 1.0;
+                    v.fill(0.0);
+                    for place in same() {
+                        let moved = forth(self.rotation(rotations, start + place), unit);
+                        v[3 * place..][..3].copy_from_slice(&moved);
+                    }
+                    self.element(contact, v, product);
+                    for place in same() {
+                        let own = [0, 1, 2].map(|axis| product[3 * place + axis]);
+                        target[start + k][axis] += back(self.rotation(rotations, start + place), own)[axis];
+                    }
+                }
+            }
+        }
+    }
+
+    fn element_diagonal(&self, contact: &Contact, diagonal: &mut [f64]) {
+        let gradient = &self.gradients[contact.gradient..][..diagonal.len()];
+        let second = &self.seconds[contact.second_start..];
+        match contact.second {
+            SecondForm::None => diagonal.fill(0.0),
+            SecondForm::Factors(form) => form.diagonal(second, diagonal),
+            SecondForm::Packed => {
+                for (row, entry) in diagonal.iter_mut().enumerate() {
+                    *entry = second[row * (row + 1) / 2 + row];
+                }
+            }
+        }
+        for (entry, n) in diagonal.iter_mut().zip(gradient) {
+            *entry = contact.stiffness * (n * n) - contact.force * *entry;
+        }
+    }
+}
+
+/// `product` = M v of a packed lower triangle.
+fn multiply_packed(packed: &[f64], v: &[f64], product: &mut [f64]) {
+    product.fill(0.0);
+    let mut start = 0;
+    for row in 0..v.len() {
+        let entries = &packed[start..=start + row];
+        start += row + 1;
+        let mut sum = entries[row] * v[row];
+        for column in 0..row {
+            sum += entries[column] * v[column];
+            product[column] += entries[column] * v[row];
+        }
+        product[row] += sum;
+    }
+}
+
+/// Q v
+fn forth(rotation: Option<&[[f64; 3]; 3]>, v: [f64; 3]) -> [f64; 3] {
+    rotation.map_or(v, |q| q.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2]))
+}
+
+/// Qᵀ v
+fn back(rotation: Option<&[[f64; 3]; 3]>, v: [f64; 3]) -> [f64; 3] {
+    rotation.map_or(v, |q| [0, 1, 2].map(|j| q[0][j] * v[0] + q[1][j] * v[1] + q[2][j] * v[2]))
+}

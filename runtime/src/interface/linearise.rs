@@ -1,0 +1,222 @@
+//! The contacts that carry force with N and the factors of M, for products that need no matrix.
+
+use std::ops::Range;
+
+use diffuse_contact_kernels::support::KernelSet;
+use rayon::prelude::*;
+
+use super::contacts::Results;
+use super::evaluate::{CHUNK, ElementScratch, Evaluator, Request};
+use super::pairings::Pairings;
+use super::{ContactElement, ContactInterface, InterfaceError};
+use crate::affine::Carrier;
+use crate::batch::{Asked, GapSlot, Waiting, contact_point, evaluate};
+use crate::generated::{frame_rule, with_kernels};
+use crate::product::HessianForm;
+use crate::{Generated, Mode, Weight};
+
+/// How the second derivatives of a contact are held.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum SecondForm {
+    /// They are not.
+    None,
+    /// As factors.
+    Factors(HessianForm),
+    /// As a packed lower triangle: of a facet, whose few nodes make it smaller than factors would be.
+    Packed,
+}
+
+/// A contact that carries force.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LinearContact {
+    /// Its slave, by place among the slaves.
+    pub index: usize,
+    pub gap: f64,
+    pub area: f64,
+    /// Number of its points; they follow those of the contact before.
+    pub points: usize,
+    /// Where its gradient begins.
+    pub gradient: usize,
+    pub second: SecondForm,
+    /// Where its second derivatives begin.
+    pub second_start: usize,
+}
+
+/// The contacts of some consecutive slaves.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LinearContacts {
+    pub contacts: Vec<LinearContact>,
+    /// The points of all contacts: nodes, or images of nodes.
+    pub points: Vec<Carrier>,
+    /// N by slave and points.
+    pub gradients: Vec<f64>,
+    pub seconds: Vec<f64>,
+}
+
+impl LinearContacts {
+    fn allocate(&mut self, gradients: usize, seconds: usize) -> Result<(), InterfaceError> {
+        for (numbers, length) in [(&mut self.gradients, gradients), (&mut self.seconds, seconds)] {
+            let failed = |_| InterfaceError::OutOfMemory { numbers: length };
+            numbers.try_reserve_exact(length).map_err(failed)?;
+            numbers.resize(length, 0.0);
+        }
+        Ok(())
+    }
+}
+
+impl ContactInterface {
+    /// The contacts for which `is_loaded` holds, of the index of the slave, its gap and its tributary area, at the positions of the last
+    /// update: some hundred slaves in each part, in their order. The same for any number of threads.
+    pub(crate) fn linearise(
+        &self,
+        with_second: bool,
+        is_loaded: impl Fn(usize, f64, f64) -> bool + Sync,
+    ) -> Result<Vec<LinearContacts>, InterfaceError> {
+        let all = self.pairings.all();
+        let starts: Vec<usize> = all.clone().step_by(CHUNK).collect();
+        let of_range =
+            |start: usize| self.linearise_range(start..all.end.min(start + CHUNK), with_second, &is_loaded);
+        starts.into_par_iter().map(of_range).collect()
+    }
+
+    fn linearise_range(
+        &self,
+        range: Range<usize>,
+        with_second: bool,
+        is_loaded: &impl Fn(usize, f64, f64) -> bool,
+    ) -> Result<LinearContacts, InterfaceError> {
+        let (pairings, evaluator) = (&self.pairings, self.evaluator());
+        let mut results = Results::default();
+        let slots = results.start(&pairings.layout, range.clone(), Mode::Value, false)?;
+        evaluator.fill(pairings, Request::all(Mode::Value), slots, &self.elements);
+        let loaded: Vec<usize> = range
+            .filter(|&k| {
+                let contact = results.get(&pairings.layout, k);
+                contact.outcome.is_contact() && is_loaded(k, contact.point.gap, contact.area)
+            })
+            .collect();
+        let work = |scratch: &mut ElementScratch| match self.options.element {
+            ContactElement::Diffuse { weight, .. } => {
+                evaluator.linear_fits(pairings, &loaded, weight, with_second, scratch)
+            }
+            ContactElement::NodeToFacet => evaluator.linear_facets(pairings, &loaded, with_second, scratch),
+        };
+        self.elements.with(ElementScratch::default, work)
+    }
+}
+
+impl Evaluator<'_> {
+    /// Diffuse elements, those with the same number of points side by side. Feet have met the border before.
+    fn linear_fits(
+        &self,
+        pairings: &Pairings,
+        loaded: &[usize],
+        weight: Weight,
+        with_second: bool,
+        scratch: &mut ElementScratch,
+    ) -> Result<LinearContacts, InterfaceError> {
+        let ElementScratch { within_reach, batch, .. } = scratch;
+        within_reach.clear();
+        for &k in loaded.iter().filter(|_| self.nodal.is_some()) {
+            let found =
+                pairings.get(k).and_then(|paired| self.gather_within_reach(&paired, weight, within_reach));
+            within_reach.elements.push(found);
+        }
+        let within_reach = &*within_reach;
+        let mut found = LinearContacts::default();
+        let mut kernels = Vec::with_capacity(loaded.len());
+        let (mut gradients, mut seconds) = (0, 0);
+        for (place, &index) in loaded.iter().enumerate() {
+            let Ok(paired) = pairings.get(index) else { continue };
+            let (derivative, inputs) = if self.nodal.is_some() {
+                let Ok(own) = &within_reach.elements[place] else { continue };
+                let sources = within_reach.sources[own.range.clone()].iter();
+                found.points.extend(sources.map(|source| Carrier {
+                    node: paired.masters[source.listed as usize],
+                    image: source.image,
+                }));
+                (own.frame.derivative, within_reach.inputs(self, &paired, own, weight))
+            } else {
+                let Ok(frame) = self.current_frame(&paired) else { continue };
+                found.points.extend(paired.masters.iter().map(|&node| Carrier::from(node)));
+                (frame.derivative, self.inputs(&paired, &frame, weight))
+            };
+            let (basis, points) = (paired.record.basis, inputs.masters.len());
+            let frame = frame_rule(derivative, &inputs.domains);
+            let form = with_kernels!(weight, K => HessianForm::new(K::gap_form((basis, frame), points)));
+            let second = if with_second { SecondForm::Factors(form) } else { SecondForm::None };
+            found.contacts.push(LinearContact {
+                index,
+                gap: f64::NAN,
+                area: pairings.layout.area(index),
+                points,
+                gradient: gradients,
+                second,
+                second_start: seconds,
+            });
+            gradients += 3 * (points + 1);
+            seconds += if with_second { form.numbers() } else { 0 };
+            kernels.push((frame, basis, inputs));
+        }
+        found.allocate(gradients, seconds)?;
+        let LinearContacts { contacts, gradients, seconds, .. } = &mut found;
+        let (mut free_gradients, mut free_seconds) = (&mut gradients[..], &mut seconds[..]);
+        let mut waiting: Vec<Waiting<'_, '_>> = Vec::with_capacity(contacts.len());
+        for (contact, (frame, basis, inputs)) in contacts.iter().zip(kernels) {
+            let second = match contact.second {
+                SecondForm::Factors(form) => form.numbers(),
+                SecondForm::None | SecondForm::Packed => 0,
+            };
+            let gradient = free_gradients.split_off_mut(..3 * (contact.points + 1)).unwrap_or_default();
+            let hessian = free_seconds.split_off_mut(..second).unwrap_or_default();
+            let slot = GapSlot { gradient, hessian };
+            waiting.push(Waiting { weight, frame, basis, inputs, has_slip: false, slot, is_sound: true });
+        }
+        let asked = if with_second { Asked::Factors } else { Asked::Mode(Mode::Gradient) };
+        evaluate(&Generated, asked, &mut waiting, batch, |place, element| {
+            // Without a result it stays a NaN, which carries no force.
+            if let Ok(point) = contact_point(&element.values) {
+                contacts[place].gap = point.gap;
+            }
+        });
+        drop(waiting);
+        Ok(found)
+    }
+
+    /// Elements of a node and a facet, one after another.
+    fn linear_facets(
+        &self,
+        pairings: &Pairings,
+        loaded: &[usize],
+        with_second: bool,
+        scratch: &mut ElementScratch,
+    ) -> Result<LinearContacts, InterfaceError> {
+        let mut found = LinearContacts::default();
+        let (mode, second) = match with_second {
+            true => (Mode::Hessian, SecondForm::Packed),
+            false => (Mode::Gradient, SecondForm::None),
+        };
+        let freedoms = |points: usize| 3 * (points + 1);
+        let numbers = |points: usize| {
+            let packed = freedoms(points) * (freedoms(points) + 1) / 2;
+            if with_second { packed } else { 0 }
+        };
+        let points = |k: usize| pairings.layout.masters(k).len();
+        let gradients = loaded.iter().map(|&k| freedoms(points(k))).sum();
+        found.allocate(gradients, loaded.iter().map(|&k| numbers(points(k))).sum())?;
+        let (mut gradient, mut second_start) = (0, 0);
+        for &index in loaded {
+            let Ok(paired) = pairings.get(index) else { continue };
+            let points = paired.masters.len();
+            let own_gradient = &mut found.gradients[gradient..][..freedoms(points)];
+            let own_second = &mut found.seconds[second_start..][..numbers(points)];
+            let point = self.element(&paired, mode, own_gradient, own_second, scratch);
+            let (gap, area) = (point.map_or(f64::NAN, |point| point.gap), pairings.layout.area(index));
+            found.points.extend(paired.masters.iter().map(|&node| Carrier::from(node)));
+            found.contacts.push(LinearContact { index, gap, area, points, gradient, second, second_start });
+            gradient += freedoms(points);
+            second_start += numbers(points);
+        }
+        Ok(found)
+    }
+}

@@ -166,7 +166,7 @@ fn interface(side: usize) -> Result<(), Failure> {
         for (row, entry) in expected.iter_mut().enumerate() {
             let range = pattern.row_offsets()[row]..pattern.row_offsets()[row + 1];
             let entries = values[range.clone()].iter().zip(&pattern.columns()[range]);
-            *entry = entries.map(|(value, &column)| value * v[column]).sum();
+            *entry = entries.map(|(value, &column)| value * v[column as usize]).sum();
         }
         best = best.min(start.elapsed().as_secs_f64());
     }

@@ -3,7 +3,7 @@
 use diffuse_contact::ad::Ad;
 use diffuse_contact::{Backend, Basis, Generated, Mode, SymmetricMatrix, Weight};
 use diffuse_contact_kernels::support::{FrameRule, Isa, Workspace};
-use diffuse_contact_tests::{Case, Found, GAP_KERNELS, largest, with_large_stack};
+use diffuse_contact_tests::{Case, Found, GAP_KERNELS, instructions, largest};
 
 use crate::lanes::{BASES, FRAMES, sound, with_frame};
 
@@ -31,66 +31,62 @@ fn difference(found: &[f64], matrix: &SymmetricMatrix, v: &[f64]) -> f64 {
 
 #[test]
 fn factors_times_a_vector_are_the_hessian_times_it() {
-    with_large_stack(|| {
-        let mut workspace = Workspace::default();
-        let kernels = BASES.into_iter().flat_map(|basis| FRAMES.map(|frame| (basis, frame, Mode::Hessian)));
-        for (set, kernel) in GAP_KERNELS.into_iter().flat_map(|set| kernels.clone().map(move |k| (set, k))) {
-            for n in [kernel.0.size(), 9, 13] {
-                let cases = [1000, 2000].map(|seed| sound(&set, kernel, n, seed));
-                let both = cases.each_ref();
-                for isa in Isa::available() {
-                    let matrices = set.batch(isa, kernel, &both, &mut workspace, 0);
-                    let factors = set.batch_factors(isa, kernel, &both, &mut workspace, n % 2 * 5);
-                    let alone = both.map(|case| {
-                        (set.single(isa, kernel, case, 0), set.single_factors(isa, kernel, case, n % 2 * 5))
-                    });
-                    let pairs = matrices.iter().zip(&factors).chain(alone.iter().map(|(x, y)| (x, y)));
-                    for ((of_matrix, of_factors), case) in pairs.zip(both.iter().cycle()) {
-                        // One kernel up to the products.
-                        let values = |found: &Found| {
-                            let values = found.values;
-                            (values.gap, values.foot, values.normal, found.gradient.clone())
-                        };
-                        assert_eq!(values(of_matrix), values(of_factors));
-                        assert_eq!(of_matrix.status(), of_factors.status());
-                        let matrix = of_matrix.gap(case).hessian;
-                        let rows = set.form(kernel, case);
-                        let v = vector(matrix.size(), n);
-                        let mut found = vec![f64::NAN; v.len()];
-                        rows.multiply_factors(isa, &of_factors.hessian, &v, &mut found);
-                        let worst = difference(&found, &matrix, &v);
-                        assert!(worst < TOLERANCE, "{} {kernel:?} {n} {isa}: {worst:e}", set.weight);
-                        // Translations change nothing, not even a bit.
-                        let together: Vec<f64> = (0..v.len()).map(|k| [0.3, -0.7, 1.1][k % 3]).collect();
-                        rows.multiply_factors(isa, &of_factors.hessian, &together, &mut found);
-                        assert!(found.iter().all(|x| *x == 0.0), "{found:?}");
-                        rows.factors_diagonal(&of_factors.hessian, &mut found);
-                        let entries: Vec<f64> = (0..v.len()).map(|k| found[k] - matrix.get(k, k)).collect();
-                        assert!(largest(&entries) < TOLERANCE * largest(matrix.packed()));
-                    }
+    let mut workspace = Workspace::default();
+    let kernels = BASES.into_iter().flat_map(|basis| FRAMES.map(|frame| (basis, frame, Mode::Hessian)));
+    for (set, kernel) in GAP_KERNELS.into_iter().flat_map(|set| kernels.clone().map(move |k| (set, k))) {
+        for n in [kernel.0.size(), 9, 13] {
+            let cases = [1000, 2000].map(|seed| sound(&set, kernel, n, seed));
+            let both = cases.each_ref();
+            for isa in instructions() {
+                let matrices = set.batch(isa, kernel, &both, &mut workspace, 0);
+                let factors = set.batch_factors(isa, kernel, &both, &mut workspace, n % 2 * 5);
+                let alone = both.map(|case| {
+                    (set.single(isa, kernel, case, 0), set.single_factors(isa, kernel, case, n % 2 * 5))
+                });
+                let pairs = matrices.iter().zip(&factors).chain(alone.iter().map(|(x, y)| (x, y)));
+                for ((of_matrix, of_factors), case) in pairs.zip(both.iter().cycle()) {
+                    // One kernel up to the products.
+                    let values = |found: &Found| {
+                        let values = found.values;
+                        (values.gap, values.foot, values.normal, found.gradient.clone())
+                    };
+                    assert_eq!(values(of_matrix), values(of_factors));
+                    assert_eq!(of_matrix.status(), of_factors.status());
+                    let matrix = of_matrix.gap(case).hessian;
+                    let rows = set.form(kernel, case);
+                    let v = vector(matrix.size(), n);
+                    let mut found = vec![f64::NAN; v.len()];
+                    rows.multiply_factors(isa, &of_factors.hessian, &v, &mut found);
+                    let worst = difference(&found, &matrix, &v);
+                    assert!(worst < TOLERANCE, "{} {kernel:?} {n} {isa}: {worst:e}", set.weight);
+                    // Translations change nothing, not even a bit.
+                    let together: Vec<f64> = (0..v.len()).map(|k| [0.3, -0.7, 1.1][k % 3]).collect();
+                    rows.multiply_factors(isa, &of_factors.hessian, &together, &mut found);
+                    assert!(found.iter().all(|x| *x == 0.0), "{found:?}");
+                    rows.factors_diagonal(&of_factors.hessian, &mut found);
+                    let entries: Vec<f64> = (0..v.len()).map(|k| found[k] - matrix.get(k, k)).collect();
+                    assert!(largest(&entries) < TOLERANCE * largest(matrix.packed()));
                 }
             }
         }
-    });
+    }
 }
 
 #[test]
 fn products_are_those_of_automatic_differentiation() {
-    with_large_stack(|| {
-        let weights = [Weight::Cubic, Weight::CubicInterpolating, Weight::WendlandC2];
-        for (set, weight) in GAP_KERNELS.into_iter().zip(weights) {
-            for (basis, frame) in BASES.into_iter().flat_map(|basis| FRAMES.map(|frame| (basis, frame))) {
-                let case = sound(&set, (basis, frame, Mode::Hessian), 8, 400).with_weight(weight);
-                let matrix = Ad.gap(&case.element(), Mode::Hessian).unwrap().hessian;
-                let factors = Generated.gap_factors(&case.element()).unwrap();
-                let v = vector(matrix.size(), 3);
-                let mut found = vec![f64::NAN; v.len()];
-                factors.hessian.multiply(&v, &mut found);
-                let worst = difference(&found, &matrix, &v);
-                assert!(worst < OF_AD, "{weight:?} {basis:?} {frame:?}: {worst:e}");
-            }
+    let weights = [Weight::Cubic, Weight::CubicInterpolating, Weight::WendlandC2];
+    for (set, weight) in GAP_KERNELS.into_iter().zip(weights) {
+        for (basis, frame) in BASES.into_iter().flat_map(|basis| FRAMES.map(|frame| (basis, frame))) {
+            let case = sound(&set, (basis, frame, Mode::Hessian), 8, 400).with_weight(weight);
+            let matrix = Ad.gap(&case.element(), Mode::Hessian).unwrap().hessian;
+            let factors = Generated.gap_factors(&case.element()).unwrap();
+            let v = vector(matrix.size(), 3);
+            let mut found = vec![f64::NAN; v.len()];
+            factors.hessian.multiply(&v, &mut found);
+            let worst = difference(&found, &matrix, &v);
+            assert!(worst < OF_AD, "{weight:?} {basis:?} {frame:?}: {worst:e}");
         }
-    });
+    }
 }
 
 /// An element without a result has no factors: the checksum says so although nothing is multiplied.

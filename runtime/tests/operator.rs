@@ -30,9 +30,9 @@ fn assembled(
     for row in 0..v.len() {
         for place in pattern.row_offsets()[row]..pattern.row_offsets()[row + 1] {
             let (column, value) = (pattern.columns()[place], values[place]);
-            all[0][row] += value * v[column];
-            all[1][row] += (value * v[column]).abs();
-            if column == row {
+            all[0][row] += value * v[column as usize];
+            all[1][row] += (value * v[column as usize]).abs();
+            if column as usize == row {
                 all[2][row] += value;
             }
         }

@@ -1,4 +1,4 @@
-//! A fixed amount of work for counting instructions: `instructions SHAPE ISA NODES ROUNDS` evaluates gap, N and M of
+//! A fixed amount of work for counting instructions: `instructions SHAPE ISA NODES ROUNDS` evaluates gap, N and M, with a frame that moves, of
 //! the same 16 elements so many times over, `single` one after another or `batch` all at once. With 0 rounds it makes the elements and warms up only, so that the difference of
 //! two runs is the kernel alone. Exits with 2 on whatever goes wrong.
 //!
@@ -38,7 +38,7 @@ fn work(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let elements = Elements::new(nodes.parse()?, ELEMENTS)?;
     let contender = CONTENDERS
         .iter()
-        .find(|contender| contender.kernel == kernel && contender.output == Output::GapHessian)
+        .find(|contender| contender.kernel == kernel && contender.output == Output::GapCoMovingHessian)
         .ok_or("no such contender")?;
     let mut run = (contender.prepare)(&elements, isa).ok_or("not compiled for this number of nodes")?;
     run.run(ELEMENTS)?;

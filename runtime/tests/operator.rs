@@ -1,6 +1,9 @@
 //! K v without K, against the assembled K.
 
-use diffuse_contact::assembly::{AssemblyError, ContactLaw, CsrPattern, DofMap, Tangent, TangentOperator};
+use diffuse_contact::assembly::{
+    AssemblyError, ContactLaw, CsrPattern, DofMap, NormalLaw, NormalPressure, TabulatedPressure, Tangent,
+    TangentOperator,
+};
 use diffuse_contact::interface::{ContactElement, ContactInterface, InterfaceError, InterfaceOptions};
 use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact::surface::SymmetryPlane;
@@ -69,6 +72,10 @@ fn products_are_those_of_the_assembled_tangent() {
         let multipliers: Vec<f64> = (0..700).map(|k| f64::from(k % 5) * 0.01).collect();
         let law = ContactLaw::penalty(1.5);
         check(&mut scene, &law, &DofMap::standard(nodes), &format!("variant {number}"));
+        // A law of one's own is as stiff as its table is steep.
+        let stiffer = TabulatedPressure::new(&[-1.0, -0.05, 0.0, 1.0], &[4.0, 0.1, 0.0, 0.0]).unwrap();
+        let own = law.with_normal(Some(&stiffer));
+        check(&mut scene, &own, &held, &format!("variant {number}, a law of one's own"));
         let law = law.with_multipliers(Some(&multipliers));
         check(&mut scene, &law, &held, &format!("variant {number}, multipliers"));
         let law = law.with_tangent(Tangent::GaussNewton);
@@ -122,12 +129,27 @@ fn the_number_of_threads_makes_no_difference() {
     assert_eq!(products(1), products(3));
 }
 
+/// A law with a hole.
+#[derive(Debug)]
+struct NoNumber;
+
+impl NormalLaw for NoNumber {
+    fn pressure(&self, _slave: usize, _gap: f64) -> NormalPressure {
+        NormalPressure { pressure: f64::NAN, by_gap: 0.0 }
+    }
+}
+
 #[test]
 fn what_cannot_be_multiplied_is_refused() {
     let scene = scene(InterfaceOptions::default());
     let nodes = scene.positions.len();
     let dofs = DofMap::standard(nodes);
     let law = ContactLaw::penalty(1.0);
+    let refused = TangentOperator::new(&scene.interface, &law.with_normal(Some(&NoNumber)), &dofs);
+    assert!(
+        matches!(refused, Err(InterfaceError::Law(AssemblyError::InvalidPressure { .. }))),
+        "{refused:?}"
+    );
     let operator = |law: &ContactLaw<'_>, dofs: &DofMap| TangentOperator::new(&scene.interface, law, dofs);
     let friction = law.with_friction(Some(Coulomb::new(0.3, 1.0).unwrap()));
     let refused = |result: Result<TangentOperator, InterfaceError>| result.unwrap_err().code();

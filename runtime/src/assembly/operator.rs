@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::law::Needs;
 use super::{AssemblyError, ContactLaw, ContactView, DofMap, Tangent, reserve};
 use crate::affine::Carrier;
+use crate::friction::NormalForce;
 use crate::interface::{ContactInterface, InterfaceError, LinearContacts, SecondForm};
 
 /// Where there is no equation, or no image.
@@ -73,7 +74,7 @@ struct Part {
 
 #[derive(Clone, Copy, Debug)]
 struct Contact {
-    /// ε, force per length.
+    /// −∂f/∂g, force per length: of a penalty ε.
     stiffness: f64,
     /// f, force.
     force: f64,
@@ -101,7 +102,9 @@ impl TangentOperator {
         }
         law.validate(interface.slaves().len())?;
         let with_second = law.tangent == Tangent::Exact;
-        let found = interface.linearise(with_second, |k, gap, area| law.force(k, gap, area) > 0.0)?;
+        // A contact that the law has no number for is looked at again, and refused.
+        let carries = |k, gap, area| law.checked_normal_force(k, gap, area).map_or(true, |at| at.force > 0.0);
+        let found = interface.linearise(with_second, carries)?;
         let rotations = interface.rotations();
         let mut numbering = Numbering::new(dofs)?;
         let mut parts = Vec::with_capacity(found.len());
@@ -310,12 +313,12 @@ impl Part {
             let view =
                 ContactView { gap: contact.gap, area: contact.area, gradient, hessian: &[], slip: None };
             law.check_contact(k, &view, freedoms, Needs::Residual)?;
-            let force = law.force(k, contact.gap, contact.area);
+            let NormalForce { force, stiffness } = law.normal_force(k, contact.gap, contact.area);
             if !(force > 0.0) {
                 continue;
             }
             contacts.push(Contact {
-                stiffness: law.penalty * contact.area,
+                stiffness,
                 force,
                 nodes: own.len() + 1,
                 gradient: contact.gradient,

@@ -576,7 +576,7 @@ impl ContactInterface {
 
     /// As [`evaluate`](Self::evaluate), but with derivatives only where `is_loaded` says so of the index of a slave, its gap and its
     /// tributary area; the gradient and the Hessian of others are empty. With the forces of a
-    /// [`ContactLaw`](crate::assembly::ContactLaw), `|k, gap, area| law.force(k, gap, area) > 0.0`, residual and tangent by this
+    /// [`ContactLaw`](crate::assembly::ContactLaw), `|k, gap, area| law.normal_force(k, gap, area).force > 0.0`, residual and tangent by this
     /// law are those of all contacts, bit for bit: nothing else is read for them.
     ///
     /// All gaps are evaluated first, in [`Mode::Value`], so where most contacts carry force this takes longer. What is

@@ -128,7 +128,7 @@ fn plates_on_one_another_touch_the_next_and_no_other() {
             if x.abs() > 3.0 || y.abs() > 3.0 {
                 continue;
             }
-            let is_outside = z < -0.05 || z > 0.41;
+            let is_outside = !(-0.05..=0.41).contains(&z);
             assert_eq!(gap.is_none(), is_outside, "{x} {y} {z} {gap:?}");
             assert!(gap.is_none_or(|gap| (gap + 0.02).abs() < 1e-9), "{z} {gap:?}");
         }

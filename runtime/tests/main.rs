@@ -21,5 +21,6 @@ mod neighbourhood_fits;
 mod neighbourhood_layers;
 mod operator;
 mod regularity;
+mod self_contact;
 mod surface;
 mod windows;

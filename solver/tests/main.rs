@@ -17,6 +17,7 @@ mod report;
 #[cfg(feature = "program")]
 #[path = "../../program/tests/runs.rs"]
 mod runs;
+mod self_contact;
 mod solid;
 #[cfg(feature = "program")]
 mod solve;

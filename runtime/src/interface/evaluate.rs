@@ -14,7 +14,7 @@ use crate::batch::{Asked, BatchScratch, GapSlot, Waiting, contact_point, evaluat
 use crate::element::nearest_in_plane;
 use crate::generated::frame_rule;
 use crate::neighbourhood::Fallback;
-use crate::surface::{BorderScratch, Creases, MasterSurface, Shape, Symmetry};
+use crate::surface::{BorderScratch, Creases, MasterSurface, OwnSurface, Shape, Symmetry};
 use crate::{
     ContactPoint, Domains, Element, ElementError, FacetElement, Frame, FrameDerivative, Generated, Mode,
     Point, Weight,
@@ -40,6 +40,8 @@ pub struct Evaluator<'a> {
     pub anchors: Option<&'a [Option<Anchor>]>,
     /// Those of the last accepted step.
     pub committed: Option<&'a [Option<Anchor>]>,
+    /// What slaves may touch, if the surface is in contact with itself.
+    pub own: Option<&'a OwnSurface>,
 }
 
 /// What is asked of an evaluation.
@@ -424,6 +426,12 @@ impl Evaluator<'_> {
         point: Result<ContactPoint, ElementError>,
         border: &mut BorderScratch,
     ) -> Result<ContactPoint, NoContact> {
+        // The fit over a facet in front may lead back to the slave's own place.
+        if let (Some(own), Ok(found)) = (self.own, &point)
+            && !OwnSurface::faces(self.surface, self.positions, paired.slave, found.normal.into())
+        {
+            return Err(NoContact::NothingOver { limit: own.limit() });
+        }
         if !paired.patch.is_empty() {
             let slave = self.positions[paired.slave];
             let mut beyond_border =

@@ -106,7 +106,7 @@ use crate::neighbourhood::{NeighbourRule, SearchOptions};
 use crate::pairing::NearestNodes;
 use crate::surface::window::Known;
 use crate::surface::{
-    Creases, Facet, MasterSurface, Symmetry, SymmetryPlane, check_position, tributary_areas,
+    Creases, Facet, MasterSurface, OwnSurface, Symmetry, SymmetryPlane, check_position, tributary_areas,
 };
 use crate::{Basis, Mode, Point};
 
@@ -140,6 +140,8 @@ pub struct ContactInterface {
     known: Option<Known>,
     /// What augmentation made of them since.
     augmented: Option<Vec<Option<Anchor>>>,
+    /// What slaves may touch, if the surface is in contact with itself.
+    own: Option<OwnSurface>,
     contacts: Contacts,
     elements: Pool<ElementScratch>,
     refreshes: Pool<RefreshScratch>,
@@ -185,6 +187,54 @@ impl ContactInterface {
         check_count("positions", positions.len())?;
         check_count("slaves", slaves.len())?;
         check_slaves(&master, &slaves, positions)?;
+        Self::build(master, slaves, slave_facets, positions, options)
+    }
+
+    /// A surface in contact with itself, without a pairing: every node of it is a slave, and may touch every facet that faces it, is
+    /// far along the skin and lies in front of it. The surface may be the skins of several bodies, which then touch one another and
+    /// themselves, without roles. Where that is so, closed skins are best: then the back of every wall is known.
+    ///
+    /// * A facet **faces** a node if their normals are more than 96° apart, at the positions of a refresh.
+    /// * It is **far along the skin** if at least three facets lie between them, and no fit over it has the node.
+    /// * It is **not its back**: in the first configuration it does not lie right behind the node, within 1.5 thicknesses of the body.
+    /// * It lies **in front** of a node if the node is above it, or below it by at most half of the thickness of the body, that at the
+    ///   node or that at the facet. The thickness is that of the first configuration, and unbounded where the surface has no other side.
+    ///
+    /// Facets farther away than the distance limit, by default two mean extents of a facet, are none of them. A slave without any has
+    /// [`NoContact::NothingOver`].
+    ///
+    /// Both sides of a contact carry slaves. With ε from the one and ε from the other the stiffness is 2ε: give the law half of the
+    /// penalty. The energy is then ½ (½ ε Σ A g²) of either side, force and tangent are its exact derivatives, and no side has a role.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), but for what concerns slaves; [`InterfaceError::InWindow`] for a window of a surface.
+    pub fn self_contact(
+        surface: MasterSurface,
+        positions: &[Point],
+        options: InterfaceOptions,
+    ) -> Result<Self, InterfaceError> {
+        options.check()?;
+        if surface.is_part() {
+            return Err(InterfaceError::InWindow { what: "a new interface" });
+        }
+        check_count("positions", positions.len())?;
+        let own = OwnSurface::new(&surface.at(positions)?, options.distance_limit);
+        let slaves = surface.nodes().iter().map(|&node| node as usize).collect();
+        let facets: Vec<Facet> = (0..surface.facet_count()).map(|facet| surface.facet(facet)).collect();
+        let mut interface = Self::build(surface, slaves, &facets, positions, options)?;
+        interface.find_domains()?;
+        interface.own = Some(own);
+        Ok(interface)
+    }
+
+    /// Everything has been checked.
+    fn build(
+        master: MasterSurface,
+        slaves: Vec<usize>,
+        slave_facets: &[Facet],
+        positions: &[Point],
+        options: InterfaceOptions,
+    ) -> Result<Self, InterfaceError> {
         let areas = if options.areas { areas_of(&slaves, slave_facets, positions)? } else { Vec::new() };
         let pairings = Pairings::none(slaves, areas);
         let mut interface = Self {
@@ -196,6 +246,7 @@ impl ContactInterface {
             anchors: None,
             known: None,
             augmented: None,
+            own: None,
             positions: positions.to_vec(),
             master,
             options,
@@ -277,6 +328,9 @@ impl ContactInterface {
         let index = self.master.at(&all)?;
         if let Some(nodal) = &mut self.nodal {
             nodal.renew(&index);
+        }
+        if let Some(own) = &mut self.own {
+            *own = OwnSurface::new(&index, self.options.distance_limit);
         }
         self.listed = None;
         Ok(())
@@ -437,6 +491,7 @@ impl ContactInterface {
             nodal: self.nodal.as_ref(),
             anchors: self.present_anchors(),
             committed: self.anchors.as_deref(),
+            own: self.own.as_ref(),
         };
         let refresh = Refresh {
             index: &index,
@@ -545,6 +600,8 @@ impl ContactInterface {
             self.master.nodes().iter().map(|&node| square(node as usize)).fold(0.0, f64::max).sqrt();
         let paired = |k: usize| self.pairings.get(k).ok().map(|paired| paired.record.support_radius);
         let smallest = self.pairings.all().filter_map(paired).fold(f64::INFINITY, f64::min);
+        // Where nothing was near enough it comes near by no less than the limit.
+        let smallest = self.own.as_ref().map_or(smallest, |own| smallest.min(own.limit()));
         let stays = |k: usize| {
             // A slave without a list may get one.
             let shortest = paired(k).unwrap_or(smallest);
@@ -559,10 +616,10 @@ impl ContactInterface {
     }
 
     fn evaluator(&self) -> Evaluator<'_> {
-        let Self { master, options, positions, creases, nodal, anchors, .. } = self;
-        let (nodal, committed) = (nodal.as_ref(), anchors.as_deref());
+        let Self { master, options, positions, creases, nodal, anchors, own, .. } = self;
+        let (nodal, committed, own) = (nodal.as_ref(), anchors.as_deref(), own.as_ref());
         let anchors = self.present_anchors();
-        Evaluator { surface: master, creases, positions, options, nodal, anchors, committed }
+        Evaluator { surface: master, creases, positions, options, nodal, anchors, committed, own }
     }
 
     /// The contact of every slave at the positions of the last [`update`](Self::update) or
@@ -604,14 +661,16 @@ impl ContactInterface {
             nodal,
             anchors,
             augmented,
+            own,
             pairings,
             contacts,
             elements,
             ..
         } = self;
-        let (nodal, committed) = (nodal.as_ref(), anchors.as_deref());
+        let (nodal, committed, own) = (nodal.as_ref(), anchors.as_deref(), own.as_ref());
         let anchors = augmented.as_deref().or(committed);
-        let evaluator = Evaluator { surface: master, creases, positions, options, nodal, anchors, committed };
+        let evaluator =
+            Evaluator { surface: master, creases, positions, options, nodal, anchors, committed, own };
         let slots = contacts.start(&pairings.layout, request.mode, anchors.is_some())?;
         evaluator.fill(pairings, request, slots, elements);
         Ok(contacts)

@@ -44,10 +44,11 @@ pub enum NoContact {
         /// has moved by more than its skin.
         known: f64,
     },
-    /// No facet lies over the faces around the node, seen along their normals, within the limit: contact over faces only.
+    /// No facet lies over the faces around the node, seen along their normals, within the limit; of a surface in contact with itself,
+    /// none that the node may touch.
     #[error("no facet of the master lies over the faces around the node within {limit:e}")]
     NothingOver {
-        /// The largest of the limits of those faces, length.
+        /// The limit, over faces the largest of those faces, length.
         limit: f64,
     },
     /// No set of master nodes on the slave's side of sharp edges carries a fit.

@@ -168,10 +168,10 @@ impl Refresh<'_> {
         let old = self.old.get(k).ok();
         let closest = match self.facets {
             Some(facets) => Ok(self.over(node, facets[k])),
-            None => self.closest(node, scratch),
+            None => self.closest(node, old.as_ref().filter(|_| self.follows), scratch),
         };
         let record = match (old, closest) {
-            (Some(old), Ok(closest)) if self.follows && self.is_turned(&old, &closest) => {
+            (Some(old), closest) if self.follows && self.keeps(&old, closest.ok().as_ref()) => {
                 scratch.take_over(&old);
                 Ok(*old.record)
             }
@@ -220,11 +220,18 @@ impl Refresh<'_> {
         chunk.ends.push(chunk.masters.len());
     }
 
-    /// Whether the closest facet looks away from that of the pairing.
-    fn is_turned(&self, old: &Paired<'_>, closest: &Closest) -> bool {
-        let [before, now] =
-            [old.record.facet, closest.facet].map(|facet| self.index.normals()[facet as usize]);
-        before.dot(&now) < 0.0
+    /// Whether a slave stays with its pairing within an increment: where the closest facet looks away from that of the pairing. A slave
+    /// of a surface in contact with itself also does where it lies so deep below its facet that none is a candidate.
+    fn keeps(&self, old: &Paired<'_>, closest: Option<&Closest>) -> bool {
+        let before = self.index.normals()[old.record.facet as usize];
+        match closest {
+            Some(closest) => before.dot(&self.index.normals()[closest.facet as usize]) < 0.0,
+            None => {
+                let foot = self.over(old.slave, old.record.facet);
+                let offset = Vector3::from(self.evaluator.positions[old.slave]) - foot.point;
+                self.evaluator.own.is_some() && before.dot(&offset) < 0.0
+            }
+        }
     }
 
     /// The gap by the old pairing and the creases of before, if there is one.
@@ -240,16 +247,26 @@ impl Refresh<'_> {
         Closest { facet, natural, point, distance, edges }
     }
 
-    /// The closest facet, if it is near enough and the slave not far beyond the border.
-    fn closest(&self, node: usize, scratch: &mut RefreshScratch) -> Result<Closest, NoContact> {
+    /// The closest facet, if it is near enough and the slave not far beyond the border. `old`: the pairing that the slave follows.
+    fn closest(
+        &self,
+        node: usize,
+        old: Option<&Paired<'_>>,
+        scratch: &mut RefreshScratch,
+    ) -> Result<Closest, NoContact> {
         let slave = self.evaluator.positions[node];
-        let Evaluator { creases, options, .. } = self.evaluator;
-        let closest = match self.knowledge {
-            Some(knowledge) => {
-                knowledge.check(self.index, slave, options.distance_limit, &mut scratch.ties)?
+        let Evaluator { creases, options, own, surface, nodal, .. } = self.evaluator;
+        let ties = &mut scratch.ties;
+        let own = own.map(|own| (own, surface.nodes().binary_search(&(node as u32))));
+        let closest = match (own, self.knowledge) {
+            (Some((own, Ok(place))), _) => {
+                let (domains, before) = (nodal.map(|nodal| &nodal.domains), old.map(|old| old.record.facet));
+                let found = own.closest(self.index, domains, place, before, ties);
+                found.ok_or(NoContact::NothingOver { limit: own.limit() })?
             }
+            (_, Some(knowledge)) => knowledge.check(self.index, slave, options.distance_limit, ties)?,
             // Positions have been checked, so that there is a closest facet.
-            None => self.index.closest_among_ties(slave, &mut scratch.ties).ok_or(NoContact::NotPaired)?,
+            _ => self.index.closest_among_ties(slave, ties).ok_or(NoContact::NotPaired)?,
         };
         if let Some(limit) = options.distance_limit
             && closest.distance > limit

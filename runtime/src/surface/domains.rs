@@ -256,6 +256,11 @@ impl NodalDomains {
         &self.listed[start..self.ends[facet as usize]]
     }
 
+    /// Whether a slave whose closest facet this is may need the node at a place, or an image of it.
+    pub fn lists(&self, facet: u32, place: u32) -> bool {
+        self.listed(facet).binary_search_by_key(&place, |listed| listed.place).is_ok()
+    }
+
     /// What the nodes around a facet carry.
     pub fn carried(&self, facet: u32) -> Carried {
         self.bases[facet as usize]

@@ -3,7 +3,7 @@
 use crate::vector::Vector3;
 use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{AABB, RTree};
+use rstar::{AABB, RTree, SelectionFunction};
 
 use super::shape::Foot;
 use super::topology::{LARGEST, NONE};
@@ -16,6 +16,30 @@ const TIE: f64 = 1e-9;
 
 /// A facet's bounding box and its index.
 type Boxed = GeomWithData<Rectangle<Point>, u32>;
+
+/// The boxes that a ray meets, a little larger than they are.
+struct Along {
+    from: Vector3,
+    along: Vector3,
+    margin: f64,
+}
+
+impl SelectionFunction<Boxed> for Along {
+    fn should_unpack_parent(&self, envelope: &AABB<Point>) -> bool {
+        let (lower, upper) = (envelope.lower(), envelope.upper());
+        let (mut first, mut last) = (0.0_f64, f64::INFINITY);
+        for axis in 0..3 {
+            let ways = [lower[axis] - self.margin, upper[axis] + self.margin]
+                .map(|end| (end - self.from[axis]) / self.along[axis]);
+            // Not a number: along a side of the box, which then is no bound.
+            if !ways[0].is_nan() && !ways[1].is_nan() {
+                first = first.max(ways[0].min(ways[1]));
+                last = last.min(ways[0].max(ways[1]));
+            }
+        }
+        first <= last
+    }
+}
 
 /// A [`MasterSurface`] at given positions.
 #[derive(Debug)]
@@ -119,6 +143,18 @@ impl<'a> SurfaceIndex<'a> {
 
     /// The closest point; `ties` gets the facets that share it, in ascending order.
     pub(crate) fn closest_among_ties(&self, point: Point, ties: &mut Vec<Closest>) -> Option<Closest> {
+        self.closest_where(point, f64::INFINITY, ties, |_, _| true)
+    }
+
+    /// The same among the facets that `may` says so of, first without and then with the closest point of the facet, and that are no
+    /// farther away than the limit.
+    pub(crate) fn closest_where(
+        &self,
+        point: Point,
+        limit: f64,
+        ties: &mut Vec<Closest>,
+        may: impl Fn(u32, Option<&Foot>) -> bool,
+    ) -> Option<Closest> {
         ties.clear();
         if !point.iter().all(|x| x.abs() <= LARGEST) {
             return None;
@@ -127,11 +163,14 @@ impl<'a> SurfaceIndex<'a> {
         let mut least = f64::INFINITY;
         let reach = |least: f64| least + TIE * (least + self.extent);
         for (boxed, square) in self.tree.nearest_neighbor_iter_with_distance_2(point) {
-            if square.sqrt() > reach(least) {
+            if square.sqrt() > reach(least).min(limit) {
                 break;
             }
+            if !may(boxed.data, None) {
+                continue;
+            }
             let foot = self.shape(boxed.data).closest(x);
-            if foot.distance <= reach(least) {
+            if foot.distance <= reach(least).min(limit) && may(boxed.data, Some(&foot)) {
                 let Foot { natural, point, distance, edges } = foot;
                 ties.push(Closest { facet: boxed.data, natural, point, distance, edges });
                 least = least.min(foot.distance);
@@ -153,6 +192,13 @@ impl<'a> SurfaceIndex<'a> {
         let bounds = AABB::from_corners(lower, upper);
         found.extend(self.tree.locate_in_envelope_intersecting(bounds).map(|boxed| boxed.data));
         found.sort_unstable();
+    }
+
+    /// Hands over the facets whose boxes lie along a direction, in no order.
+    pub(crate) fn for_each_along(&self, from: Vector3, along: Vector3, mut f: impl FnMut(u32)) {
+        let margin = TIE * self.extent;
+        let boxes = self.tree.locate_with_selection_function(Along { from, along, margin });
+        boxes.for_each(|boxed| f(boxed.data));
     }
 
     /// The largest extent of a facet.

@@ -190,6 +190,8 @@ pub struct InteractionOptions {
     pub tangent: TangentRule,
     /// Whether the surfaces are also paired the other way round.
     pub two_pass: bool,
+    /// Whether master and slave are one surface, in contact with itself. Its nodes get half of the penalty each, as those of two passes.
+    pub self_contact: bool,
     /// Element and pairing.
     pub interface: InterfaceOptions,
     /// Planes in which the master goes on as its mirror image.
@@ -216,6 +218,7 @@ impl InteractionOptions {
             refresh: RefreshRule::default(),
             tangent: TangentRule::default(),
             two_pass: false,
+            self_contact: false,
             interface: InterfaceOptions::default(),
             symmetry: Vec::new(),
             friction: None,
@@ -253,6 +256,12 @@ impl InteractionOptions {
     #[must_use]
     pub fn with_two_pass(self, two_pass: bool) -> Self {
         Self { two_pass, ..self }
+    }
+
+    /// With one surface in contact with itself, or with two.
+    #[must_use]
+    pub fn with_self_contact(self, self_contact: bool) -> Self {
+        Self { self_contact, ..self }
     }
 
     /// With this element and pairing.
@@ -367,7 +376,7 @@ pub struct Interaction {
 
 impl Interaction {
     /// The nodes, or the faces, of `slave` against the facets of `master`; with [`two_pass`](InteractionOptions::two_pass) also the
-    /// other way round.
+    /// other way round. With [`self_contact`](InteractionOptions::self_contact) the nodes of `master` against its own facets.
     ///
     /// # Errors
     /// [`ContactError::Penalty`], [`ContactError::Master`], [`ContactError::Interface`].
@@ -389,7 +398,9 @@ impl Interaction {
                 }
             })
         };
-        let passes = if options.two_pass {
+        let passes = if options.self_contact {
+            vec![pass(master, master, 0.5 * penalty)?]
+        } else if options.two_pass {
             vec![pass(master, slave, 0.5 * penalty)?, pass(slave, master, 0.5 * penalty)?]
         } else {
             vec![pass(master, slave, penalty)?]

@@ -53,12 +53,17 @@ impl NodePass {
     ) -> Result<Self, ContactError> {
         let surface = MasterSurface::new(positions, master.to_vec())
             .map_err(|source| ContactError::Master { interface: options.name.clone(), source })?;
-        let slaves: BTreeSet<usize> = slave.iter().flat_map(|facet| facet.corners()).copied().collect();
-        let slaves: Vec<usize> = slaves.into_iter().collect();
-        let multipliers = if options.augmentation.is_some() { vec![0.0; slaves.len()] } else { Vec::new() };
         let named = |source| ContactError::Interface { interface: options.name.clone(), source };
-        let mut interface =
-            ContactInterface::new(surface, slaves, slave, positions, options.interface).map_err(named)?;
+        let made = if options.self_contact {
+            ContactInterface::self_contact(surface, positions, options.interface)
+        } else {
+            let slaves: BTreeSet<usize> = slave.iter().flat_map(|facet| facet.corners()).copied().collect();
+            let slaves = slaves.into_iter().collect();
+            ContactInterface::new(surface, slaves, slave, positions, options.interface)
+        };
+        let mut interface = made.map_err(named)?;
+        let count = interface.slaves().len();
+        let multipliers = if options.augmentation.is_some() { vec![0.0; count] } else { Vec::new() };
         if !options.symmetry.is_empty() {
             interface.set_symmetry(&options.symmetry).map_err(named)?;
         }

@@ -7,14 +7,15 @@ use super::{Integration, Interaction, SlaveState};
 /// The contact of a pair of surfaces as one force.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Resultant {
-    /// What the master's surface exerts on the slave's, force, exactly as it enters equilibrium.
+    /// What the master's surface exerts on the slave's, force, exactly as it enters equilibrium. What a surface exerts on itself is
+    /// nothing, but for what planes of symmetry carry.
     pub force: Point,
     /// Its moment about the origin, force · length.
     pub moment: Point,
     /// Sum of the moduli of the normal forces, force: over the area it is the mean pressure.
     pub normal: f64,
     /// Area of the slave that carries force, length²: of its nodes at the start, over faces the part of them over the master. With two
-    /// passes that of the larger side.
+    /// passes that of the larger side, in contact of a surface with itself the mean of both.
     pub area: f64,
     /// Where the normal forces act on the slave: Σ f x / Σ f. The origin without any.
     pub centre: Point,
@@ -41,6 +42,9 @@ impl Interaction {
             }
             // In two passes both sides carry force, but at the beginning of contact.
             sum.area = sum.area.max(area);
+        }
+        if self.options().self_contact {
+            sum.area *= 0.5;
         }
         if sum.normal > 0.0 {
             sum.centre = sum.centre.map(|moment| moment / sum.normal);

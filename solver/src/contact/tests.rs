@@ -53,6 +53,7 @@ fn options(two_pass: bool, augmented: bool) -> InteractionOptions {
         refresh: RefreshRule::Increment,
         tangent: TangentRule::Exact,
         two_pass,
+        self_contact: false,
         interface: hull_layers(),
         symmetry: Vec::new(),
         friction: None,

@@ -38,6 +38,7 @@ impl Deck {
             .with_refresh(interface.refresh)
             .with_tangent(interface.tangent)
             .with_two_pass(interface.two_pass)
+            .with_self_contact(interface.self_contact)
             .with_friction(interface.friction.clone())
             .with_integration(interface.integration)
             .with_quadratic_faces(quadratic)

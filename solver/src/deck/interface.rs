@@ -53,6 +53,8 @@ pub struct Interface {
     pub master: Vec<Reference>,
     /// Surfaces whose nodes must not penetrate it.
     pub slave: Vec<Reference>,
+    /// Whether master and slave are the same surfaces, in contact with themselves and with one another.
+    pub self_contact: bool,
     /// ε: force per penetration of a slave node; with areas pressure per penetration. `None`: pressure per penetration, by the stiffness
     /// of the softer body and the size of its facets.
     pub penalty: Option<f64>,
@@ -111,11 +113,23 @@ pub(super) fn interface(section: Section) -> Result<Interface, DeckError> {
             friction.refuse(&["symmetric"], "with integration over faces")?;
         }
     }
+    let own = section.get("self");
+    if own.is_some() {
+        section.refuse(&["master", "slave", "two_pass", "exchange", "adjust"], "with self")?;
+        if integration != Integration::Nodes {
+            section.refuse(&["integration"], "over faces with self")?;
+        }
+    }
+    let [master, slave] = ["master", "slave"].map(|side| match &own {
+        Some(own) => references(own),
+        None => references(&section.need(side)?),
+    });
     Ok(Interface {
         line: name.line(),
         name: name.text()?,
-        master: references(&section.need("master")?)?,
-        slave: references(&section.need("slave")?)?,
+        master: master?,
+        slave: slave?,
+        self_contact: own.is_some(),
         penalty: penalty(&section)?,
         augmentation: augmentation(&section)?,
         two_pass: flag("two_pass")?,

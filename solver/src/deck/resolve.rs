@@ -17,7 +17,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// The two sides of an interface, exchanged if the deck says so.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sides {
-    /// Facets that carry the contact surface.
+    /// Facets that carry the contact surface; in contact of surfaces with themselves also the slave's.
     pub master: Vec<Facet>,
     /// Facets whose nodes must not penetrate it.
     pub slave: Vec<Facet>,
@@ -149,7 +149,7 @@ impl Deck {
         }
         let (masters, slaves) = (nodes_of(&sides.master), nodes_of(&sides.slave));
         let name = || interface.name.clone();
-        if let Some(&node) = masters.intersection(&slaves).next() {
+        if let Some(&node) = masters.intersection(&slaves).next().filter(|_| !interface.self_contact) {
             let problem = Problem::SharedNode { name: name(), position: model.nodes[node] };
             return Err(self.error(interface.line, problem));
         }

@@ -50,6 +50,7 @@ pub const INTERFACE: &[&str] = &[
     "name",
     "master",
     "slave",
+    "self",
     "integration",
     "penalty",
     "adjust",

@@ -568,6 +568,7 @@ fn the_example_decks_build() {
         ("cattaneo_mindlin", (6400 + 5472, 160, 144)),
         ("press_fit", (24 * 6 * 2 + 20 * 8 * 2, 40, 48)),
         ("shaft_in_bush", (120, 160, 60)),
+        ("squeezed_tube", (48, 72, 24)),
     ]);
     let mut found = BTreeSet::new();
     for entry in std::fs::read_dir(root().join("examples")).unwrap() {
@@ -585,6 +586,25 @@ fn the_example_decks_build() {
         found.insert(name);
     }
     assert!(expected.keys().all(|name| found.contains(*name)), "{found:?}");
+}
+
+/// A surface in contact with itself has no roles, and is integrated over nodes.
+#[test]
+fn self_stands_in_place_of_master_and_slave() {
+    let text = std::fs::read_to_string(root().join("examples/squeezed_tube.toml")).unwrap();
+    let own = "self = [\"tube.inner\", \"tube.outer\"]\n";
+    let deck = Deck::parse(&text).unwrap();
+    let (model, walls) = (deck.model(root()).unwrap(), &deck.interfaces[2]);
+    let sides = deck.sides(&model, walls).unwrap();
+    assert!(walls.self_contact && sides.master == sides.slave && sides.master.len() == 48);
+    for more in
+        ["master = \"below\"", "slave = \"tube.outer\"", "two_pass = true", "exchange = true", "adjust = 0.1"]
+    {
+        let error = Deck::parse(&text.replace(own, &format!("{own}{more}\n"))).unwrap_err().to_string();
+        assert!(error.contains("with self"), "{error}");
+    }
+    let faces = Deck::parse(&text.replace(own, &format!("{own}integration = \"faces\"\n")));
+    assert!(faces.unwrap_err().to_string().contains("over faces with self"));
 }
 
 /// The fields in the first columns of the tables below each heading of docs/how-to/decks.md.

@@ -164,7 +164,8 @@ impl Fields {
         let faces = &interaction.options().quadratic_faces;
         let on_quadratic: HashSet<usize> = faces.iter().flat_map(|face| face.nodes()).copied().collect();
         // With two passes a side has half of the penalty and so half of pressure and friction.
-        let passes = if interaction.options().two_pass { 2.0 } else { 1.0 };
+        let has_halves = interaction.options().two_pass || interaction.options().self_contact;
+        let passes = if has_halves { 2.0 } else { 1.0 };
         if interaction.options().friction.is_some() {
             let friction = self.friction.get_or_insert_with(|| FrictionFields::zero(areas.len()));
             for slave in interaction.slaves() {

@@ -1,0 +1,257 @@
+//! Contact of a surface with itself: which facets a node of it may touch.
+//!
+//! The nearest facets of a node are its own, and behind it lies the other side of the body. Neither can ever touch it. So a facet is a
+//! candidate of a node only where
+//!
+//! * **it faces the node**: their normals are opposite;
+//! * **it is far along the skin**: at least [`RINGS`] facets lie between them, and no fit over the facet has the node itself;
+//! * **it is not its back**: in the first configuration it does not lie right behind the node, up to [`BEHIND`] thicknesses of the body;
+//! * **it is in front**: the node lies above the facet, or below it by no more than [`DEPTH`] of the thickness of the body, at the node
+//!   and at the facet.
+//!
+//! Rings and thickness are those of the first configuration, too. In trial states of an iteration a wall may be squeezed to a part of its
+//! thickness: what is its back cannot follow from positions of the moment.
+
+use rayon::prelude::*;
+
+use super::index::Closest;
+use super::shape::Foot;
+use super::topology::NONE;
+use super::{MasterSurface, NodalDomains, Shape, SurfaceIndex};
+use crate::Point;
+use crate::vector::Vector3;
+
+/// Cosine of the angle between the normals of a node and of a facet that it may touch, at most.
+const OPPOSITE: f64 = -0.1;
+/// Facets between a node and one that it may touch, along the skin.
+const RINGS: usize = 3;
+/// As far behind a node, in thicknesses of the body, a facet is its back, if it is also no farther aside than one thickness or this many
+/// extents of the facet.
+const BEHIND: f64 = 1.5;
+const ASIDE: f64 = 3.0;
+/// How deep a node may lie below a facet, in parts of the thickness of the body. At its whole thickness the facet is its own back.
+const DEPTH: f64 = 0.5;
+/// Facets that are farther away are no candidates unless another limit is asked for, in mean extents of a facet.
+const REACH: f64 = 2.0;
+/// A way through the body as short as this part of a facet's extent ends on the node's own facets.
+const NOWHERE: f64 = 1e-9;
+/// How far beyond a facet's edge a way through the body still meets it, in natural coordinates: none slips through between two.
+const ON_EDGE: f64 = 1e-9;
+
+/// What the nodes of a surface may touch of it.
+#[derive(Clone, Debug)]
+pub(crate) struct OwnSurface {
+    /// Facets near each node along the skin, by place, ascending.
+    near: Vec<Vec<u32>>,
+    /// Each node in the first configuration, by place.
+    first: Vec<First>,
+    /// The connected part of the surface that each facet belongs to.
+    parts: Vec<u32>,
+    /// The largest distance of a candidate, length.
+    limit: f64,
+}
+
+/// A node in the first configuration.
+#[derive(Clone, Copy, Debug)]
+struct First {
+    position: Vector3,
+    /// Outward, of length one.
+    normal: Vector3,
+    /// Of the body below it, length; infinite where the surface has no other side.
+    thickness: f64,
+    /// The connected part of the surface that its other side belongs to, if it has one, else its own.
+    back: u32,
+}
+
+impl OwnSurface {
+    /// With the surface as it is at the index for its first configuration.
+    pub fn new(index: &SurfaceIndex<'_>, limit: Option<f64>) -> Self {
+        let surface = index.surface();
+        let places = 0..surface.nodes().len();
+        let extents = (0..surface.facet_count()).map(|facet| index.shape(facet as u32).extent());
+        let mean = extents.sum::<f64>() / surface.facet_count() as f64;
+        let parts = connected_parts(surface);
+        Self {
+            near: places.clone().into_par_iter().map(|place| facets_around(surface, place)).collect(),
+            first: places.into_par_iter().map(|place| First::of(index, &parts, place)).collect(),
+            parts,
+            limit: limit.unwrap_or(REACH * mean),
+        }
+    }
+
+    /// The largest distance of a candidate, length.
+    pub const fn limit(&self) -> f64 {
+        self.limit
+    }
+
+    /// The closest of the facets that a node may touch; `ties` gets those that share the closest point. `before`: a facet that it
+    /// touched a moment ago. It may lie deeper below the facets around this one.
+    pub fn closest(
+        &self,
+        index: &SurfaceIndex<'_>,
+        domains: Option<&NodalDomains>,
+        place: usize,
+        before: Option<u32>,
+        ties: &mut Vec<Closest>,
+    ) -> Option<Closest> {
+        let surface = index.surface();
+        let (point, normals) = (index.positions()[place], index.normals());
+        let normal = normal_at(surface, place, |facet| index.shape(facet));
+        let (near, x) = (&self.near[place], Vector3::from(point));
+        let may_touch = |facet: u32| {
+            normals[facet as usize].dot(&normal) <= OPPOSITE
+                && near.binary_search(&facet).is_err()
+                && !self.is_back(surface, place, facet)
+                && !domains.is_some_and(|domains| domains.lists(facet, place as u32))
+        };
+        let around = |facet: u32| {
+            let corners = |facet: u32| surface.corners_of(facet as usize);
+            before.is_some_and(|before| corners(before).iter().any(|place| corners(facet).contains(place)))
+        };
+        let is_in_front = |facet: u32, foot: &Foot| {
+            let height = normals[facet as usize].dot(&(x - foot.point));
+            height >= -self.depth(surface, place, facet) || around(facet)
+        };
+        index.closest_where(point, self.limit, ties, |facet, foot| match foot {
+            None => may_touch(facet),
+            Some(foot) => is_in_front(facet, foot),
+        })
+    }
+
+    /// The nodes of a facet in the first configuration.
+    fn corners<'s>(
+        &'s self,
+        surface: &'s MasterSurface,
+        facet: u32,
+    ) -> impl ExactSizeIterator<Item = &'s First> + Clone {
+        surface.corners_of(facet as usize).iter().map(|&corner| &self.first[corner as usize])
+    }
+
+    /// How deep a node may lie below a facet.
+    fn depth(&self, surface: &MasterSurface, place: usize, facet: u32) -> f64 {
+        let thickness = self.corners(surface, facet).map(|corner| corner.thickness);
+        DEPTH * thickness.fold(self.first[place].thickness, f64::min)
+    }
+
+    /// Whether a facet lies right behind a node.
+    fn is_back(&self, surface: &MasterSurface, place: usize, facet: u32) -> bool {
+        let First { position, normal, thickness, back } = self.first[place];
+        if self.parts[facet as usize] != back {
+            return false;
+        }
+        let corners = self.corners(surface, facet);
+        let thickness = if thickness.is_finite() {
+            thickness
+        } else {
+            // Its way misses the other side, as at a rim.
+            corners.clone().map(|corner| corner.thickness).fold(thickness, f64::min)
+        };
+        if !thickness.is_finite() {
+            return false;
+        }
+        let count = corners.len() as f64;
+        let centre = corners.clone().map(|corner| corner.position).sum::<Vector3>() / count;
+        let extent = corners.map(|corner| (corner.position - centre).largest()).fold(0.0, f64::max) * 2.0;
+        let offset = position - centre;
+        let behind = offset.dot(&normal);
+        let aside = (offset - normal * behind).norm();
+        behind > 0.0 && behind <= BEHIND * thickness && aside <= thickness.max(ASIDE * extent)
+    }
+
+    /// Whether a surface with this normal can be one that the node touches, at these positions of all nodes.
+    pub fn faces(surface: &MasterSurface, positions: &[Point], node: usize, normal: Vector3) -> bool {
+        let Ok(place) = surface.nodes().binary_search(&(node as u32)) else { return true };
+        normal_at(surface, place, |facet| surface.shape(facet as usize, positions)).dot(&normal) < 0.0
+    }
+}
+
+/// The number of the connected part that each facet belongs to.
+fn connected_parts(surface: &MasterSurface) -> Vec<u32> {
+    let mut parts = vec![NONE; surface.facet_count()];
+    let mut next = Vec::new();
+    for start in 0..surface.facet_count() {
+        if parts[start] != NONE {
+            continue;
+        }
+        parts[start] = start as u32;
+        next.push(start);
+        while let Some(facet) = next.pop() {
+            for &other in surface.across(facet) {
+                if other != NONE && parts[other as usize] == NONE {
+                    parts[other as usize] = start as u32;
+                    next.push(other as usize);
+                }
+            }
+        }
+    }
+    parts
+}
+
+/// The unit normal of the node at a place; zero if it has none.
+fn normal_at(surface: &MasterSurface, place: usize, shape: impl Fn(u32) -> Shape) -> Vector3 {
+    let sum: Vector3 = surface.facets_of_place(place).iter().map(|&facet| shape(facet).area_vector()).sum();
+    sum.try_normalize().filter(Vector3::is_finite).unwrap_or_default()
+}
+
+/// The facets within so many rings around a node, ascending.
+fn facets_around(surface: &MasterSurface, place: usize) -> Vec<u32> {
+    let mut facets: Vec<u32> = surface.facets_of_place(place).to_vec();
+    for _ in 1..RINGS {
+        let corners = facets.iter().flat_map(|&facet| surface.corners_of(facet as usize));
+        let mut next: Vec<u32> =
+            corners.flat_map(|&corner| surface.facets_of_place(corner as usize)).copied().collect();
+        next.sort_unstable();
+        next.dedup();
+        facets = next;
+    }
+    facets
+}
+
+impl First {
+    /// The thickness is the way through the body, against the normal, to the nearest facet that looks the other way. One of the node's
+    /// own part comes before others, which may belong to a body that overlaps.
+    fn of(index: &SurfaceIndex<'_>, parts: &[u32], place: usize) -> Self {
+        let surface = index.surface();
+        let normal = normal_at(surface, place, |facet| index.shape(facet));
+        let (position, along) = (Vector3::from(index.positions()[place]), normal * -1.0);
+        let own = surface.facets_of_place(place).first().map_or(0, |&facet| parts[facet as usize]);
+        let mut found = (true, f64::INFINITY, own);
+        index.for_each_along(position, along, |facet| {
+            let is_opposite = index.normals()[facet as usize].dot(&normal) <= OPPOSITE;
+            if is_opposite && !surface.facets_of_place(place).contains(&facet) {
+                let shape = index.shape(facet);
+                let way = way_to(&shape, position, along).filter(|way| *way > NOWHERE * shape.extent());
+                let part = parts[facet as usize];
+                let is_nearer = |way: &f64| (part != own, *way) < (found.0, found.1);
+                if let Some(way) = way.filter(is_nearer) {
+                    found = (part != own, way, part);
+                }
+            }
+        });
+        let (_, thickness, back) = found;
+        Self { position, normal, thickness, back }
+    }
+}
+
+/// How far a facet is along a direction, if it lies there; a quadrilateral is taken for two triangles.
+fn way_to(shape: &Shape, from: Vector3, along: Vector3) -> Option<f64> {
+    match *shape {
+        Shape::Triangle([a, b, c]) => way_to_triangle([a, b, c], from, along),
+        Shape::Quadrilateral([a, b, c, d]) => {
+            way_to_triangle([a, b, c], from, along).or_else(|| way_to_triangle([a, c, d], from, along))
+        }
+    }
+}
+
+fn way_to_triangle([a, b, c]: [Vector3; 3], from: Vector3, along: Vector3) -> Option<f64> {
+    let (first, second) = (b - a, c - a);
+    let across = along.cross(&second);
+    let volume = first.dot(&across);
+    let offset = from - a;
+    let xi = offset.dot(&across) / volume;
+    let turned = offset.cross(&first);
+    let eta = along.dot(&turned) / volume;
+    let is_inside = xi >= -ON_EDGE && eta >= -ON_EDGE && xi + eta <= 1.0 + ON_EDGE;
+    // Neither holds of NaN, where the direction lies in the plane.
+    is_inside.then(|| second.dot(&turned) / volume)
+}

@@ -1,0 +1,74 @@
+//! Surfaces in contact with themselves and with one another, without roles.
+
+use std::path::Path;
+
+use diffuse_contact_solver::deck::{Contact, Deck};
+use diffuse_contact_solver::verification::trace;
+
+/// Runs a deck; increment by increment the normal force of its last interface, the deepest penetration, and where that interface
+/// carries force.
+fn run(deck: &Deck) -> Vec<(f64, f64, Vec<usize>)> {
+    let run = trace(deck, Path::new(""), 1, |snapshot| {
+        let force = snapshot.record.contacts.last().map_or(0.0, |contact| contact.normal);
+        let interaction = snapshot.problem.contacts().interactions().last().unwrap();
+        let loaded = interaction.slaves().filter(|slave| slave.force > 0.0).map(|slave| slave.node);
+        Ok((force, snapshot.record.max_penetration, loaded.collect()))
+    });
+    let run = run.unwrap();
+    println!("{} increments, {} iterations, {} cut-backs", run.measures.len(), run.iterations, run.cutbacks);
+    run.measures
+}
+
+/// The walls of a tube meet, push one another apart, and penetrate by less than a hundredth of an element.
+#[test]
+fn walls_of_a_squeezed_tube_touch_one_another() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/squeezed_tube.toml");
+    let cell = std::f64::consts::PI * 9.0 / 24.0;
+    for contact in [Contact::Diffuse, Contact::NodeToFacet] {
+        let deck = Deck { contact, ..Deck::read(&path).unwrap() };
+        let run = run(&deck);
+        let (last, before) = run.split_last().unwrap();
+        assert!(before.iter().all(|(force, ..)| *force == 0.0));
+        assert!(last.0 > 1.0, "{last:?}");
+        assert!(run.iter().all(|(_, depth, _)| *depth < 0.01 * cell), "{run:?}");
+        let model = deck.model(Path::new("")).unwrap();
+        let inner = |&node: &usize| {
+            let [_, y, z] = model.nodes[node];
+            (y.hypot(z) - 9.0).abs() < 1e-9
+        };
+        assert!(last.2.iter().all(inner), "{last:?}");
+    }
+}
+
+/// Three rings with cores that are moved: one list of surfaces, each of which meets the other two.
+#[test]
+fn three_bodies_meet_without_roles() {
+    let ring = |name: &str, y: f64, z: f64| {
+        format!(
+            "[parts.{name}]\nshape = \"pipe\"\naxis = \"x\"\ninner_radius = 3.0\nouter_radius = 4.0\nlength = 1.0\n\
+             divisions = [24, 1, 1]\nmaterial = \"rubber\"\ntranslate = [0.0, {y}, {z}]\n"
+        )
+    };
+    // Gaps of 0.02 between all of them.
+    let height = 8.02 * 60f64.to_radians().sin();
+    let rings = [ring("left", -4.01, 0.0), ring("right", 4.01, 0.0), ring("top", 0.0, height)].concat();
+    let deck = format!(
+        "[materials.rubber]\nyoung = 1000.0\npoisson = 0.3\n{rings}\
+         [[boundary]]\nnodes = [\"left.bottom\", \"left.top\", \"right.bottom\", \"right.top\", \"top.bottom\", \"top.top\"]\nfix = [\"x\"]\n\
+         [[boundary]]\nnodes = [\"left.inner\", \"right.inner\"]\nfix = [\"y\", \"z\"]\n\
+         [[boundary]]\nnodes = \"top.inner\"\ntranslate = [\"free\", 0.0, -0.1]\n\
+         [[interface]]\nname = \"rings\"\nself = [\"left.outer\", \"right.outer\", \"top.outer\"]\n\
+         symmetry = [{{ point = [0, 0, 0], normal = [1, 0, 0] }}, {{ point = [1, 0, 0], normal = [-1, 0, 0] }}]\n\
+         [time]\nincrement = 0.25\n"
+    );
+    let deck = Deck::parse_named(&deck, Path::new("rings")).unwrap();
+    let run = run(&deck);
+    let (force, depth, loaded) = run.last().unwrap();
+    let cell = std::f64::consts::TAU * 4.0 / 24.0;
+    assert!(*force > 1.0 && *depth < 0.01 * cell, "{force} {depth}");
+    let model = deck.model(Path::new("")).unwrap();
+    for part in ["left", "right", "top"] {
+        let own = loaded.iter().filter(|node| model.node_sets[part].contains(node)).count();
+        assert!(own > 0, "{part} {loaded:?}");
+    }
+}

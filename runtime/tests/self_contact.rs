@@ -2,6 +2,7 @@
 
 use diffuse_contact::assembly::{ContactLaw, DofMap, Tangent};
 use diffuse_contact::interface::{ContactInterface, InterfaceOptions, NoContact, Outcome};
+use diffuse_contact::surface::window::boxes_around;
 use diffuse_contact::surface::{Facet, MasterSurface, SymmetryPlane};
 use diffuse_contact::{Mode, Point};
 
@@ -291,4 +292,23 @@ fn what_is_no_surface_is_refused_and_no_slaves_are_named() {
     let interface =
         ContactInterface::self_contact(surface, &mesh.positions, InterfaceOptions::default()).unwrap();
     assert_eq!(interface.slaves().len(), mesh.positions.len());
+}
+
+/// A window has neither what is near along the skin nor what is a node's back. An interface in one would pair a node with itself.
+#[test]
+fn there_is_no_window_of_a_surface_in_contact_with_itself() {
+    let mesh = hairpin(8.0, 1.0, 22);
+    let interface = paired(&mesh, InterfaceOptions::default());
+    let boxes = boxes_around(&mesh.positions, 1.0, 4);
+    assert_eq!(interface.window(&boxes, 0.1).unwrap_err().code(), "self-contact");
+    let lone = vec![[50.0; 3]];
+    let positions = [&mesh.positions[..], &lone].concat();
+    let other = ContactInterface::new(
+        mesh.surface(),
+        vec![mesh.positions.len()],
+        &[],
+        &positions,
+        InterfaceOptions::default(),
+    );
+    assert!(other.unwrap().window(&boxes, 0.1).is_ok());
 }

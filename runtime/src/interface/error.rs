@@ -103,6 +103,14 @@ pub enum InterfaceError {
         /// What.
         what: &'static str,
     },
+    /// A surface in contact with itself is asked for what only an interface with slaves of its own has.
+    #[error(
+        "{what} takes slaves that are no nodes of the surface, and this surface is in contact with itself"
+    )]
+    SelfContact {
+        /// What.
+        what: &'static str,
+    },
     /// A law that is none.
     #[error(transparent)]
     Law(#[from] AssemblyError),
@@ -180,6 +188,7 @@ impl InterfaceError {
             Self::Window(error) => error.code(),
             Self::OtherThanWindow { .. } => "other-than-window",
             Self::InWindow { .. } => "in-window",
+            Self::SelfContact { .. } => "self-contact",
             Self::Law(error) => error.code(),
             Self::TooMany { .. } => "too-many",
             Self::SlaveOutOfRange { .. } => "slave-out-of-range",

@@ -50,9 +50,13 @@ impl ContactInterface {
     ///
     /// # Errors
     /// [`InterfaceError::Window`] for boxes that are none, and without domains of influence; [`InterfaceError::InWindow`] for an
-    /// interface that has a window only.
+    /// interface that has a window only; [`InterfaceError::SelfContact`] for a surface in contact with itself: what is near a node along
+    /// the skin, and what is its back, is not in a window.
     pub fn window(&self, boxes: &[Box3], skin: f64) -> Result<Window, InterfaceError> {
         self.check_whole("a window of it")?;
+        if self.own.is_some() {
+            return Err(InterfaceError::SelfContact { what: "a window of it" });
+        }
         check_boxes(boxes, skin)?;
         let Some(nodal) = &self.nodal else { return Err(WindowError::NeedsDomains.into()) };
         let setup = Setup::new(&self.options, &self.planes, nodal.extents)?;

@@ -116,8 +116,7 @@ pub(super) fn newton(deck: &Section) -> Result<NewtonSettings, DeckError> {
             field.number_in("at least 0 and below 1", |value| (0.0..1.0).contains(&value))?;
     }
     if let Some(field) = section.get("linear_solver") {
-        newton.linear_solver =
-            field.word(&LinearSolverChoice::ALL.map(|choice| (choice.name(), choice)))?;
+        newton.linear_solver = field.word(&LinearSolverChoice::ALL.map(|choice| (choice.name(), choice)))?;
     }
     Ok(newton)
 }

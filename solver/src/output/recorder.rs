@@ -21,8 +21,16 @@ use crate::statics::{
 };
 
 /// Columns of the history whose sums are in the summary.
-const SUMS: [&str; 8] =
-    ["short", "lost", "missed", "unanchored", "supposed", "stabilised", "linear_iterations", "direct_instead"];
+const SUMS: [&str; 8] = [
+    "short",
+    "lost",
+    "missed",
+    "unanchored",
+    "supposed",
+    "stabilised",
+    "linear_iterations",
+    "direct_instead",
+];
 
 /// What is written, and where.
 #[derive(Clone, Debug)]

@@ -54,7 +54,8 @@ impl Problem {
     /// evaluation, which was one of [`Order::Tangent`](crate::solid::Order::Tangent).
     ///
     /// Where nothing holds a part, slaves near their masters are supposed to touch, if that holds it. The stabilisation, if there is any,
-    /// is added in any case. An iterative solution leaves a residual of at most `tolerance` of the right-hand side. Neither changes a force: they are gone in equilibrium.
+    /// is added in any case. An iterative solution leaves a residual of at most `tolerance` of the
+    /// right-hand side. None of it changes a force: it is gone in equilibrium.
     pub(super) fn solve(
         &mut self,
         time: f64,
@@ -109,12 +110,7 @@ impl Problem {
     }
 
     /// With contacts of loose parts that are supposed to be closed: what they push with is what has to pull them onto their masters.
-    fn closed(
-        &mut self,
-        time: f64,
-        positions: &[[f64; 3]],
-        loose: &[Loose],
-    ) -> Result<Assembled, Failure> {
+    fn closed(&mut self, time: f64, positions: &[[f64; 3]], loose: &[Loose]) -> Result<Assembled, Failure> {
         let parts = self.solid.parts();
         let mut masks: Vec<Vec<bool>> = Vec::new();
         for loose in loose {

@@ -45,7 +45,9 @@ mod tests;
 
 pub use error::{Failure, StaticsError};
 pub use loose::{Loose, RigidMotion};
-pub use observer::{Control, FailedIncrement, IncrementRecord, IterationRecord, LinearEffort, Observer, Timing};
+pub use observer::{
+    Control, FailedIncrement, IncrementRecord, IterationRecord, LinearEffort, Observer, Timing,
+};
 pub use pressure::Pressure;
 pub use problem::{Past, Problem, State};
 pub use settings::{Extrapolation, NewtonSettings, Settings, TimeSettings};

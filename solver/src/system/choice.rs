@@ -4,7 +4,7 @@ use super::{
     BlockMatrix, DirectSolver, Equations, Geometry, Method, Symmetry, SystemError, solve_iteratively,
 };
 
-/// From so many equations on the iterative solver is the quicker one; docs/solver.md has the measurements.
+/// From so many equations on the choice by size is iterative: of solids with edges of like length the factors are the slower way by then.
 const ITERATIVE_FROM: usize = 40_000;
 /// Up to so many equations a system that was not solved iteratively is solved directly: its factors fit into a few gigabytes.
 const DIRECT_UP_TO: usize = 250_000;
@@ -12,7 +12,7 @@ const DIRECT_UP_TO: usize = 250_000;
 /// What a deck asks for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LinearSolverChoice {
-    /// The one that is quicker for so many equations.
+    /// By the number of equations; factors for a matrix that is not symmetric as long as they fit into a few gigabytes.
     #[default]
     Auto,
     /// Sparse factors, exact to rounding: their memory grows faster than the number of equations.
@@ -88,7 +88,7 @@ impl LinearSolver {
         self.choice = choice;
     }
 
-    /// Whether systems of so many equations are solved iteratively.
+    /// Whether symmetric systems of so many equations are solved iteratively.
     #[must_use]
     pub fn is_iterative(&self, equations: &Equations) -> bool {
         match self.choice {
@@ -116,13 +116,15 @@ impl LinearSolver {
         solution: &mut Vec<[f64; 3]>,
     ) -> Result<LinearReport, SystemError> {
         let &LinearSystem { matrix, equations, symmetry, geometry } = system;
-        if !self.is_iterative(equations) {
+        // Restarted GMRES may stand still where contact is stiff and has friction.
+        let is_better_direct = self.choice == LinearSolverChoice::Auto
+            && symmetry == Symmetry::General
+            && equations.len() <= DIRECT_UP_TO;
+        if is_better_direct || !self.is_iterative(equations) {
             return self.solve_directly(system, rhs, solution).map(LinearReport::Direct);
         }
         match solve_iteratively(matrix, equations, symmetry, geometry, rhs, tolerance, solution) {
-            Ok(report) => {
-                Ok(LinearReport::Iterative { iterations: report.iterations, bytes: report.bytes })
-            }
+            Ok(report) => Ok(LinearReport::Iterative { iterations: report.iterations, bytes: report.bytes }),
             Err(SystemError::NotConverged { iterations, .. }) if equations.len() <= DIRECT_UP_TO => {
                 self.solve_directly(system, rhs, solution)?;
                 Ok(LinearReport::Instead { iterations })

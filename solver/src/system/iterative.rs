@@ -94,7 +94,12 @@ pub fn solve_iteratively(
     };
     if !(report.residual <= 2.0 * tolerance) {
         let IterativeReport { residual, iterations, .. } = report;
-        return Err(SystemError::NotConverged { equations: equations.len(), residual, iterations, tolerance });
+        return Err(SystemError::NotConverged {
+            equations: equations.len(),
+            residual,
+            iterations,
+            tolerance,
+        });
     }
     *x = system.x;
     Ok(report)

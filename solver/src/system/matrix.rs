@@ -228,7 +228,12 @@ impl BlockMatrix {
                 for (i, j) in (0..9).map(|k| (k / 3, k % 3)) {
                     let (equation, other) = (equations.number(row, i), equations.number(column, j));
                     if let (Some(equation), Some(_), false) = (equation, other, block[i][j].is_finite()) {
-                        return Some(SystemError::NotFinite { equation, node: row, axis: i, value: block[i][j] });
+                        return Some(SystemError::NotFinite {
+                            equation,
+                            node: row,
+                            axis: i,
+                            value: block[i][j],
+                        });
                     }
                 }
             }

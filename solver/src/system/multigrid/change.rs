@@ -48,7 +48,8 @@ impl Change {
             starts.push(starts[starts.len() - 1] + matrix.starts[node + 1] - matrix.starts[node]);
         }
         let slaves = Slaves { matrix, saved, starts, active };
-        let has_contact: Vec<bool> = (0..saved.nodes.len()).map(|k| slaves.own(k) != Matrix3::zeros()).collect();
+        let has_contact: Vec<bool> =
+            (0..saved.nodes.len()).map(|k| slaves.own(k) != Matrix3::zeros()).collect();
         let place = |node: usize| saved.nodes.binary_search(&(node as u32)).ok().filter(|&k| has_contact[k]);
         let made: Vec<_> = (0..saved.nodes.len())
             .into_par_iter()

@@ -99,12 +99,8 @@ impl<const N: usize> Level<N> {
         let product = operator.matrix.product(own.view());
         let matrix = own.view().transposed().view().product(product.view());
         drop(product);
-        let coarse = Coarse {
-            matrix,
-            modes: coarse_modes,
-            active: coarse_active,
-            links: links.of(&aggregates),
-        };
+        let coarse =
+            Coarse { matrix, modes: coarse_modes, active: coarse_active, links: links.of(&aggregates) };
         let restriction = prolongation.view().transposed();
         (Self { active: active.to_vec(), smoother, prolongation, restriction }, coarse)
     }

@@ -101,9 +101,8 @@ impl Multigrid {
             clear_inactive(&fine.active, &mut own);
             own
         });
-        let x = fine.cycle(&operator, own.as_deref().unwrap_or(right), |right| {
-            descend(coarse, bottom, right)
-        })?;
+        let x =
+            fine.cycle(&operator, own.as_deref().unwrap_or(right), |right| descend(coarse, bottom, right))?;
         Ok(match operator.change {
             Some((forward, _)) => {
                 let mut own = vec![[0.0; 3]; x.len()];

@@ -41,7 +41,9 @@ impl<const N: usize> Smoother<N> {
 
     fn largest_eigenvalue(&self, active: &[[bool; N]], operator: &impl Operator<N>) -> f64 {
         let start = |node: usize| {
-            std::array::from_fn(|i| if active[node][i] { crate::system::irregular(node * N + i) } else { 0.0 })
+            std::array::from_fn(
+                |i| if active[node][i] { crate::system::irregular(node * N + i) } else { 0.0 },
+            )
         };
         let mut x: Vec<[f64; N]> = (0..active.len()).map(start).collect();
         let mut product = vec![[0.0; N]; x.len()];

@@ -122,7 +122,8 @@ impl<'a, const R: usize, const C: usize> View<'a, R, C> {
     pub fn product<const D: usize>(&self, other: View<'_, C, D>) -> Sparse<R, D> {
         let chunks = self.height().div_ceil(CHUNK);
         let parts: Vec<_> = (0..chunks).into_par_iter().map(|chunk| self.product_of(chunk, other)).collect();
-        let mut product = Sparse { starts: vec![0], columns: Vec::new(), blocks: Vec::new(), width: other.width };
+        let mut product =
+            Sparse { starts: vec![0], columns: Vec::new(), blocks: Vec::new(), width: other.width };
         let total = parts.iter().map(|(_, columns, _)| columns.len()).sum();
         product.starts.reserve_exact(self.height());
         product.columns.reserve_exact(total);
@@ -263,7 +264,8 @@ mod tests {
 
     #[test]
     fn sums_do_not_depend_on_the_number_of_threads() {
-        let a: Vec<[f64; 3]> = (0..5 * CHUNK + 7).map(|k| [(k as f64).sin(), 1.0 / (k + 1) as f64, 0.1]).collect();
+        let a: Vec<[f64; 3]> =
+            (0..5 * CHUNK + 7).map(|k| [(k as f64).sin(), 1.0 / (k + 1) as f64, 0.1]).collect();
         let with = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| norm(&a))

@@ -91,10 +91,7 @@ impl<const N: usize> Level<N> {
         let (tentative, coarse_modes, coarse_active) = tentative(&aggregates, active, modes);
         let prolongation = smoothed(operator, &smoother, tentative);
         // From here on in the matrix's own unknowns.
-        let own = match operator.change {
-            None => None,
-            Some((forward, _)) => Some(forward.product(prolongation.view())),
-        };
+        let own = operator.change.map(|(forward, _)| forward.product(prolongation.view()));
         let own = own.as_ref().unwrap_or(&prolongation);
         let product = operator.matrix.product(own.view());
         let matrix = own.view().transposed().view().product(product.view());

@@ -4,6 +4,7 @@ use super::error::DeckError;
 use super::reader::Section;
 use super::schema;
 use crate::statics::{Extrapolation, NewtonSettings, TimeSettings};
+use crate::system::LinearSolverChoice;
 
 /// What is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,6 +114,9 @@ pub(super) fn newton(deck: &Section) -> Result<NewtonSettings, DeckError> {
     if let Some(field) = section.get("stabilisation") {
         newton.stabilisation =
             field.number_in("at least 0 and below 1", |value| (0.0..1.0).contains(&value))?;
+    }
+    if let Some(field) = section.get("linear_solver") {
+        newton.linear_solver = field.word(&LinearSolverChoice::ALL.map(|choice| (choice.name(), choice)))?;
     }
     Ok(newton)
 }

@@ -93,6 +93,7 @@ pub const NEWTON: &[&str] = &[
     "line_search",
     "extrapolation",
     "stabilisation",
+    "linear_solver",
 ];
 /// Fields of the output.
 pub const OUTPUT: &[&str] = &["every", "stress", "colour"];

@@ -12,6 +12,7 @@ use diffuse_contact::{FrameDerivative, Weight};
 use super::*;
 use crate::contact::{Augmentation, Integration, RefreshRule, TangentRule};
 use crate::statics::{Extrapolation, NewtonSettings, TimeSettings};
+use crate::system::LinearSolverChoice;
 
 /// A deck that is right: a block on a rigid floor.
 const DECK: &str = r#"
@@ -107,7 +108,8 @@ fn a_deck_is_read_with_its_defaults() {
             few_iterations: 6,
             line_search: true,
             extrapolation: Extrapolation::None,
-            stabilisation: 0.0
+            stabilisation: 0.0,
+            linear_solver: LinearSolverChoice::Auto
         }
     );
     let fixed = Deck::parse(&changed("increment = 0.25", "increment = 0.25\nfixed = true")).unwrap().time;
@@ -225,7 +227,8 @@ fn every_field_is_taken() {
             few_iterations: 6,
             line_search: false,
             extrapolation: Extrapolation::Linear,
-            stabilisation: 0.0
+            stabilisation: 0.0,
+            linear_solver: LinearSolverChoice::Auto
         }
     );
     assert_eq!(deck.output, Output { every: 3, stress: false, colour: Colour::Gap });

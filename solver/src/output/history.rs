@@ -13,7 +13,7 @@ use crate::contact::Interaction;
 use crate::statics::{IncrementRecord, IterationRecord, Problem};
 
 /// Columns of `history.csv` before those of interactions and supports.
-const COLUMNS: &str = "increment,time,length,iterations,augmentations,short,active,lost,missed,unanchored,supposed,stabilised,max_penetration,wall_s";
+const COLUMNS: &str = "increment,time,length,iterations,augmentations,short,active,lost,missed,unanchored,supposed,stabilised,linear_iterations,direct_instead,max_penetration,wall_s";
 /// Columns of `iterations.csv`.
 pub(super) const ITERATION_COLUMNS: &str = "increment,iteration,time,residual,relative,active,step";
 
@@ -87,7 +87,7 @@ pub(super) fn header(problem: &Problem) -> String {
 /// The line of an increment.
 pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> String {
     let mut line = format!(
-        "{},{:?},{:?},{},{},{},{},{},{},{},{},{},{:?},{:?}",
+        "{},{:?},{:?},{},{},{},{},{},{},{},{},{},{},{},{:?},{:?}",
         record.number,
         record.time,
         record.length,
@@ -100,6 +100,8 @@ pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> S
         record.unanchored(),
         record.supposed,
         record.stabilised,
+        record.linear.iterations,
+        record.linear.direct_instead,
         record.max_penetration,
         wall_s
     );

@@ -21,7 +21,16 @@ use crate::statics::{
 };
 
 /// Columns of the history whose sums are in the summary.
-const SHORTCOMINGS: [&str; 6] = ["short", "lost", "missed", "unanchored", "supposed", "stabilised"];
+const SUMS: [&str; 8] = [
+    "short",
+    "lost",
+    "missed",
+    "unanchored",
+    "supposed",
+    "stabilised",
+    "linear_iterations",
+    "direct_instead",
+];
 
 /// What is written, and where.
 #[derive(Clone, Debug)]
@@ -122,8 +131,8 @@ pub struct Recorder<'a> {
     /// Seconds of earlier runs.
     earlier_s: f64,
     max_penetration_ever: f64,
-    /// Sums of the columns of [`SHORTCOMINGS`].
-    shortcomings: [usize; SHORTCOMINGS.len()],
+    /// Sums of the columns of [`SUMS`].
+    sums: [usize; SUMS.len()],
     /// How the interfaces lay at the start.
     beginnings: Vec<Beginning>,
     /// The last try, if it failed.
@@ -131,6 +140,8 @@ pub struct Recorder<'a> {
     /// Deepest penetration and sum of the contact forces at the end of the last increment.
     contact: (f64, [f64; 3]),
     timing: Timing,
+    /// The most memory of an iterative linear solution of this run, bytes.
+    linear_bytes: usize,
     /// The last state that is on disk.
     state: State,
     /// For the picture of the last increment, if it was not its turn.
@@ -252,7 +263,7 @@ impl<'a> Recorder<'a> {
         let penetrations = history.rows.iter().map(|row| history.value(row, "max_penetration"));
         recorder.max_penetration_ever = penetrations.fold(0.0, f64::max);
         let sum = |column: &str| history.rows.iter().map(|row| history.value(row, column) as usize).sum();
-        recorder.shortcomings = SHORTCOMINGS.map(sum);
+        recorder.sums = SUMS.map(sum);
         if let Some(last) = history.rows.last() {
             recorder.earlier_s = history.value(last, "wall_s");
             recorder.contact = (history.value(last, "max_penetration"), history.contact_force(last));
@@ -277,11 +288,12 @@ impl<'a> Recorder<'a> {
             begin: Instant::now(),
             earlier_s: 0.0,
             max_penetration_ever: 0.0,
-            shortcomings: [0; SHORTCOMINGS.len()],
+            sums: [0; SUMS.len()],
             beginnings: Vec::new(),
             failed: None,
             contact: (0.0, [0.0; 3]),
             timing: Timing::default(),
+            linear_bytes: 0,
             state,
             pending: None,
             carried: BTreeSet::new(),
@@ -332,7 +344,9 @@ impl<'a> Recorder<'a> {
             summary.slaves_unanchored,
             summary.solutions_supposed,
             summary.solutions_stabilised,
-        ] = self.shortcomings;
+            summary.linear_iterations,
+            summary.solutions_direct_instead,
+        ] = self.sums;
         (summary.max_penetration, summary.contact_force) = self.contact;
         let is_begun = summary.increments > 0;
         let interfaces =
@@ -342,6 +356,7 @@ impl<'a> Recorder<'a> {
         summary.interfaces.clone_from(&self.beginnings);
         let at_start = self.beginnings.iter().flat_map(Beginning::warnings);
         summary.warnings = at_start.chain(summary.shortcomings()).collect();
+        summary.linear_bytes = self.linear_bytes;
         summary.contact_share = share(self.timing.contact);
         summary.pairing_share = share(self.timing.pairing);
         summary.linear_share = share(self.timing.linear);
@@ -400,11 +415,14 @@ impl<'a> Recorder<'a> {
             record.unanchored(),
             record.supposed,
             record.stabilised,
+            record.linear.iterations,
+            record.linear.direct_instead,
         ];
-        self.shortcomings.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        self.sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
         let sum = |axis: usize| record.contacts.iter().map(|contact| contact.force[axis]).sum();
         self.contact = (record.max_penetration, [0, 1, 2].map(sum));
         self.timing = record.timing;
+        self.linear_bytes = self.linear_bytes.max(record.linear.bytes);
         Ok(())
     }
 

@@ -44,6 +44,15 @@ pub struct Summary {
     /// Linear solutions in which nothing but the stabilisation held a part, over all increments.
     #[serde(default)]
     pub solutions_stabilised: usize,
+    /// Iterations of all iterative linear solutions of finished increments.
+    #[serde(default)]
+    pub linear_iterations: usize,
+    /// Linear solutions by factors since the iterative one did not converge, over all increments.
+    #[serde(default)]
+    pub solutions_direct_instead: usize,
+    /// The most memory of matrix, preconditioner and vectors of an iterative linear solution in the last run, bytes; 0 if there was none.
+    #[serde(default)]
+    pub linear_bytes: usize,
     /// Interfaces that carried no force at the end of any increment.
     #[serde(default)]
     pub interfaces_without_force: Vec<String>,
@@ -133,6 +142,12 @@ impl Summary {
                 self.slaves_unanchored,
                 "slaves carried force without friction for an increment: they had no gap at the end of the one before; a larger \
                  distance_limit or shorter increments help"
+                    .to_owned(),
+            ),
+            (
+                self.solutions_direct_instead,
+                "linear systems were solved directly: the iterative solution did not converge; newton.linear_solver = \"direct\" saves the \
+                 time that it takes in vain"
                     .to_owned(),
             ),
         ];

@@ -221,6 +221,19 @@ impl Watcher for Progress {
                 record.stabilised
             ));
         }
+        if record.linear.bytes > 0 {
+            say(&format!(
+                "  linear solver: {} iterations, {:.2} GB",
+                record.linear.iterations,
+                record.linear.bytes as f64 / 1e9
+            ));
+        }
+        if record.linear.direct_instead > 0 {
+            say(&format!(
+                "  warning: {} linear systems were solved directly: the iterative solution did not converge",
+                record.linear.direct_instead
+            ));
+        }
         if record.missed > 0 {
             say(&format!(
                 "  warning: {} points of loaded faces carry no force: their line of force meets no place of the facet over them",

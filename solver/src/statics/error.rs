@@ -147,6 +147,9 @@ pub enum Failure {
         /// The parts that nothing holds; empty if a motion of other kind is free.
         loose: Vec<Loose>,
     },
+    /// A linear system was not solved iteratively, and is too large for factors.
+    #[error(transparent)]
+    Unsolved(SystemError),
     /// What a shorter increment does not mend.
     #[error(transparent)]
     Fatal(StaticsError),
@@ -164,6 +167,7 @@ impl Failure {
     pub(super) fn of_system(error: SystemError, loose: Vec<Loose>) -> Self {
         match error {
             SystemError::TooLarge { .. } => Self::Fatal(error.into()),
+            SystemError::NotConverged { .. } => Self::Unsolved(error),
             _ => Self::Singular { error, loose },
         }
     }

@@ -9,6 +9,12 @@ use crate::solid::Order;
 
 /// The residual that counts as divergence, relative to the largest of the first two of the increment, or of the round.
 const DIVERGED: f64 = 1e6;
+/// The relative residual of the linear solution that takes prescribed nodes along, if it is iterative: its right-hand side is the resistance
+/// of the elements beside them, which is much more than the forces.
+const PREDICTION: f64 = 1e-6;
+/// Bounds of the relative residual of an iterative solution of a Newton step.
+const LOOSEST: f64 = 1e-3;
+const TIGHTEST: f64 = 1e-9;
 /// How often a step that turns an element inside out, or takes contacts their elements, is halved.
 const HALVINGS: usize = 8;
 /// Residuals of one state, come back to, differ by less than this part.
@@ -227,7 +233,7 @@ impl<'a> Increment<'a> {
             .into_iter()
             .map(|(freedom, target)| (freedom, target - self.positions[freedom / 3][freedom % 3]))
             .collect();
-        let step = self.linear_solution(&prescribed)?;
+        let step = self.linear_solution(&prescribed, PREDICTION)?;
         let origin = self.positions.clone();
         self.advance(&origin, &step, 1.0);
         self.place_prescribed();
@@ -249,7 +255,7 @@ impl<'a> Increment<'a> {
 
     /// A Newton step, as far along as the line search says.
     fn iterate(&mut self) -> Result<Balance, Failure> {
-        let step = self.linear_solution(&[])?;
+        let step = self.linear_solution(&[], self.forcing())?;
         let slope = |problem: &Problem| -> f64 {
             -problem.imbalance().zip(&step).map(|(force, step)| force * step).sum::<f64>()
         };
@@ -303,14 +309,27 @@ impl<'a> Increment<'a> {
         self.evaluate(Order::Tangent).map(|balance| (length, balance))
     }
 
-    fn linear_solution(&mut self, prescribed: &[(usize, f64)]) -> Result<Vec<f64>, Failure> {
+    fn linear_solution(&mut self, prescribed: &[(usize, f64)], tolerance: f64) -> Result<Vec<f64>, Failure> {
         self.iterations += 1;
         let is_alone = self.problem.is_of_the_bodies_alone();
-        let solved = self.problem.solve(self.end, &self.positions, prescribed);
+        let solved = self.problem.solve(self.end, &self.positions, prescribed, tolerance);
         // Neither at the start nor with contacts that were supposed does a shorter increment hold what is loose.
         let is_final = is_alone && (self.iterations == 1 || self.problem.supposed > 0);
         let time = self.committed.time;
         solved.map_err(|failure| if is_final { failure.without_contact(time) } else { failure })
+    }
+
+    /// The residual, relative to the right-hand side, that an iterative solution of a Newton step may leave: one that shrinks with the square of
+    /// what the last step gained keeps the convergence quadratic. More than a tenth of what is allowed in equilibrium is of no use.
+    fn forcing(&self) -> f64 {
+        let round = &self.history[self.rounds.begin..];
+        let gain = match round {
+            [.., before, last] if before.residual > 0.0 => last.residual / before.residual,
+            _ => 1.0,
+        };
+        let enough = round.last().map_or(0.0, |last| 0.1 * last.allowed / last.residual);
+        let forcing = (0.9 * gain * gain).min(LOOSEST).max(enough).max(TIGHTEST);
+        if forcing.is_finite() { forcing.min(0.1) } else { LOOSEST }
     }
 
     /// x ← origin + factor · step
@@ -371,6 +390,7 @@ impl<'a> Increment<'a> {
             missed: problem.contacts().missed(),
             supposed: problem.supposed,
             stabilised: problem.stabilised,
+            linear: problem.linear,
             max_penetration: problem.contacts().max_penetration(),
             contacts: problem.contacts().resultants(&state.positions),
             friction,

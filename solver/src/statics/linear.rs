@@ -6,17 +6,47 @@ use std::time::Instant;
 use diffuse_contact::assembly::Tangent;
 
 use super::loose::{Loose, loose_parts};
-use super::{Failure, Problem};
-use crate::system::{BlockMatrix, BlockPattern, Symmetry, SystemError};
+use super::{Failure, LinearEffort, Problem};
+use crate::system::{
+    BlockMatrix, BlockPattern, Geometry, LinearReport, LinearSystem, SavedRows, Symmetry, SystemError,
+};
 
 /// Linear solutions of an increment for which contacts may be supposed to be closed.
 const MOST_SUPPOSED: usize = 4;
 
 /// K Δx = −imbalance.
-struct LinearSystem {
+struct Assembled {
     matrix: BlockMatrix,
     symmetry: Symmetry,
+    /// Rows of the slaves without contact, if the solution is iterative.
+    slaves: SavedRows,
     imbalance: Vec<f64>,
+}
+
+/// What a linear solution is asked for.
+#[derive(Clone, Copy)]
+struct Step<'a> {
+    positions: &'a [[f64; 3]],
+    /// Changes of prescribed degrees of freedom.
+    prescribed: &'a [(usize, f64)],
+    tolerance: f64,
+}
+
+impl LinearEffort {
+    /// With another solution.
+    fn take(&mut self, report: &LinearReport) {
+        match *report {
+            LinearReport::Iterative { iterations, bytes } => {
+                self.iterations += iterations;
+                self.bytes = self.bytes.max(bytes);
+            }
+            LinearReport::Instead { iterations } => {
+                self.iterations += iterations;
+                self.direct_instead += 1;
+            }
+            LinearReport::Direct(_) => {}
+        }
+    }
 }
 
 impl Problem {
@@ -24,18 +54,21 @@ impl Problem {
     /// evaluation, which was one of [`Order::Tangent`](crate::solid::Order::Tangent).
     ///
     /// Where nothing holds a part, slaves near their masters are supposed to touch, if that holds it. The stabilisation, if there is any,
-    /// is added in any case. Neither changes a force: they are gone in equilibrium.
+    /// is added in any case. An iterative solution leaves a residual of at most `tolerance` of the
+    /// right-hand side. None of it changes a force: it is gone in equilibrium.
     pub(super) fn solve(
         &mut self,
         time: f64,
         positions: &[[f64; 3]],
         prescribed: &[(usize, f64)],
+        tolerance: f64,
     ) -> Result<Vec<f64>, Failure> {
+        let step = Step { positions, prescribed, tolerance };
         let mut system = self.assemble(time, positions, None)?;
         self.take_rounding(&system.matrix, positions);
         let is_stabilised = self.stabilisation > 0.0;
         // A motion that costs next to nothing goes anywhere long before its stiffness counts as singular: there is no trying without.
-        let plain = if is_stabilised { None } else { Some(self.solve_system(&system, prescribed)) };
+        let plain = if is_stabilised { None } else { Some(self.solve_system(&system, step)) };
         if let Some(solved) = plain
             && !matches!(solved, Err(SystemError::Singular { .. }))
         {
@@ -64,7 +97,7 @@ impl Problem {
             system.matrix.add_to_diagonal(self.stabilisation);
             self.stabilised += usize::from(!loose.is_empty());
         }
-        let solved = self.solve_system(&system, prescribed);
+        let solved = self.solve_system(&system, step);
         // Of the next matrix of this pattern nothing is known from this one.
         self.solver.forget();
         self.stiffness = Some(system.matrix);
@@ -77,12 +110,7 @@ impl Problem {
     }
 
     /// With contacts of loose parts that are supposed to be closed: what they push with is what has to pull them onto their masters.
-    fn closed(
-        &mut self,
-        time: f64,
-        positions: &[[f64; 3]],
-        loose: &[Loose],
-    ) -> Result<LinearSystem, Failure> {
+    fn closed(&mut self, time: f64, positions: &[[f64; 3]], loose: &[Loose]) -> Result<Assembled, Failure> {
         let parts = self.solid.parts();
         let mut masks: Vec<Vec<bool>> = Vec::new();
         for loose in loose {
@@ -106,7 +134,7 @@ impl Problem {
     }
 
     /// The parts that nothing holds.
-    fn loose(&self, system: &LinearSystem, positions: &[[f64; 3]]) -> Vec<Loose> {
+    fn loose(&self, system: &Assembled, positions: &[[f64; 3]]) -> Vec<Loose> {
         loose_parts(&system.matrix, &self.equations, positions, &self.solid.parts())
     }
 
@@ -116,7 +144,7 @@ impl Problem {
         time: f64,
         positions: &[[f64; 3]],
         tangent: Option<Tangent>,
-    ) -> Result<LinearSystem, Failure> {
+    ) -> Result<Assembled, Failure> {
         let begin = Instant::now();
         let mut matrix = match self.stiffness.take() {
             Some(matrix) => matrix,
@@ -133,19 +161,22 @@ impl Problem {
         }
         let solid = Instant::now();
         self.timing.solid += solid - linear;
+        let is_iterative = self.solver.is_iterative(&self.equations);
+        let slaves = if is_iterative { self.contacts.slave_nodes() } else { Vec::new() };
+        let slaves = matrix.rows_of(slaves);
         let norms = [self.balance.residual, self.balance.scale];
         let of_contact = self.contacts.add_tangent(&mut matrix, norms, tangent)?;
         self.timing.contact += solid.elapsed();
         let has_followers = self.pressures.iter().any(|pressure| pressure.follower);
         let symmetry = if has_followers { Symmetry::General } else { of_contact };
-        Ok(LinearSystem { matrix, symmetry, imbalance: self.imbalance().collect() })
+        Ok(Assembled { matrix, symmetry, slaves, imbalance: self.imbalance().collect() })
     }
 
     /// The step of all degrees of freedom, the prescribed ones among them.
     fn solve_system(
         &mut self,
-        system: &LinearSystem,
-        prescribed: &[(usize, f64)],
+        system: &Assembled,
+        Step { positions, prescribed, tolerance }: Step<'_>,
     ) -> Result<Vec<f64>, SystemError> {
         let begin = Instant::now();
         let mut step = vec![[0.0; 3]; self.start.len()];
@@ -158,12 +189,16 @@ impl Problem {
             *right = -force - *right;
         }
         let mut solution = Vec::new();
-        let solved = self
-            .solver
-            .factorise(&system.matrix, &self.equations, system.symmetry)
-            .and_then(|()| self.solver.solve(&right, &mut solution));
+        let links = match &mut self.links {
+            Some(links) => links,
+            none => none.insert(BlockPattern::new(self.start.len(), self.solid.elements())),
+        };
+        let geometry = Geometry { positions, links, slaves: &system.slaves };
+        let Assembled { matrix, symmetry, .. } = system;
+        let whole = LinearSystem { matrix, equations: &self.equations, symmetry: *symmetry, geometry };
+        let solved = self.solver.solve(&whole, &right, tolerance, &mut solution);
         self.timing.linear += begin.elapsed();
-        solved?;
+        self.linear.take(&solved?);
         for (sum, part) in step.as_flattened_mut().iter_mut().zip(solution.as_flattened()) {
             *sum += part;
         }
@@ -182,11 +217,11 @@ impl Problem {
 
     /// The pattern for the pairing of the moment.
     fn new_pattern(&self) -> Arc<BlockPattern> {
-        let mut cliques: Vec<Vec<usize>> = self.solid.elements().map(<[usize]>::to_vec).collect();
         let followers = self.pressures.iter().filter(|pressure| pressure.follower);
-        cliques.extend(followers.flat_map(|pressure| &pressure.faces).cloned());
-        cliques.extend(self.contacts.cliques());
-        Arc::new(BlockPattern::new(self.start.len(), cliques.iter()))
+        let faces = followers.flat_map(|pressure| &pressure.faces).map(Vec::as_slice);
+        let of_contact: Vec<Vec<usize>> = self.contacts.cliques().collect();
+        let cliques = self.solid.elements().chain(faces).chain(of_contact.iter().map(Vec::as_slice));
+        Arc::new(BlockPattern::new(self.start.len(), cliques))
     }
 }
 

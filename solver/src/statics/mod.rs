@@ -17,6 +17,9 @@
 //! the positions makes of each component of r, ε the machine's, so that no stiff part excuses a soft one; F is the largest of the norms of
 //! external forces, reactions and contact forces of the moment. The same rule holds for every element.
 //!
+//! **Linear solutions** of large problems are iterative, as accurate as Newton's method has use for: the residual may be 0.9 (‖r‖ / ‖r before‖)²
+//! of r, by S. C. Eisenstat and H. F. Walker (SIAM Journal on Scientific Computing 17, 1996, 16–32), between bounds.
+//!
 //! **Line search**: if the slope Δx·r changes its sign over a full step and is not below 0.8 of what it was, s is sought by
 //! regula falsi between 0.1 and 1; of the steps tried the one with the smallest slope is taken. A slope that keeps its sign says
 //! that no shorter step is better. A Newton step that turns an element inside out is halved first, the linear prediction is not.
@@ -42,7 +45,9 @@ mod tests;
 
 pub use error::{Failure, StaticsError};
 pub use loose::{Loose, RigidMotion};
-pub use observer::{Control, FailedIncrement, IncrementRecord, IterationRecord, Observer, Timing};
+pub use observer::{
+    Control, FailedIncrement, IncrementRecord, IterationRecord, LinearEffort, Observer, Timing,
+};
 pub use pressure::Pressure;
 pub use problem::{Past, Problem, State};
 pub use settings::{Extrapolation, NewtonSettings, Settings, TimeSettings};
@@ -76,6 +81,7 @@ impl Statics {
     pub fn new(mut problem: Problem, settings: Settings) -> Result<Self, StaticsError> {
         settings.check()?;
         problem.stabilise(settings.newton.stabilisation);
+        problem.choose(settings.newton.linear_solver);
         Ok(Self { problem, settings, stops: Vec::new(), effort: Effort::default() })
     }
 

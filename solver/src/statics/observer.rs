@@ -122,6 +122,8 @@ pub struct IncrementRecord {
     pub friction: Vec<Option<FrictionReport>>,
     /// Force that each support group exerts on the nodes it moves.
     pub reactions: Vec<[f64; 3]>,
+    /// What its iterative linear solutions took.
+    pub linear: LinearEffort,
     /// Time spent so far in the whole run.
     pub timing: Timing,
 }
@@ -132,6 +134,17 @@ impl IncrementRecord {
     pub fn unanchored(&self) -> usize {
         self.friction.iter().flatten().map(|friction| friction.unanchored).sum()
     }
+}
+
+/// What the iterative linear solutions of an increment took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LinearEffort {
+    /// Iterations of all of them, also in vain.
+    pub iterations: usize,
+    /// Systems that were solved directly since the iterative solution did not converge.
+    pub direct_instead: usize,
+    /// The most memory that matrix, preconditioner and vectors took, bytes; 0 if all were solved directly.
+    pub bytes: usize,
 }
 
 /// Where the time went.

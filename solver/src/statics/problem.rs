@@ -5,11 +5,11 @@ use std::time::Instant;
 use diffuse_contact::Mode;
 use serde::{Deserialize, Serialize};
 
-use super::{Failure, Pressure, StaticsError, SupportGroups, Timing};
+use super::{Failure, LinearEffort, Pressure, StaticsError, SupportGroups, Timing};
 use crate::contact::{ContactError, ContactSet, FrictionHistory, RefreshRule};
 use crate::material::PointState;
 use crate::solid::{Order, Solid, SolidResponse};
-use crate::system::{BlockMatrix, DirectSolver, Equations};
+use crate::system::{BlockMatrix, BlockPattern, Equations, LinearSolver, LinearSolverChoice};
 
 /// All history: an increment starts from one and ends in one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -79,7 +79,11 @@ pub struct Problem {
     /// Part of the stiffness' diagonal that is added to it.
     pub(super) stabilisation: f64,
     pub(super) equations: Equations,
-    pub(super) solver: DirectSolver,
+    pub(super) solver: LinearSolver,
+    /// Of the linear solutions of the increment.
+    pub(super) linear: LinearEffort,
+    /// Pairs of nodes that share an element, once they were asked for.
+    pub(super) links: Option<BlockPattern>,
     /// `None`: the pairing has changed, a new pattern is due.
     pub(super) stiffness: Option<BlockMatrix>,
     pub(super) timing: Timing,
@@ -139,7 +143,9 @@ impl Problem {
             stabilised: 0,
             stabilisation: 0.0,
             equations,
-            solver: DirectSolver::new(threads),
+            solver: LinearSolver::new(LinearSolverChoice::default(), threads),
+            linear: LinearEffort::default(),
+            links: None,
             stiffness: None,
             timing: Timing::default(),
         }
@@ -187,6 +193,7 @@ impl Problem {
     pub(super) fn take_history(&mut self, state: &State) -> Result<(), ContactError> {
         self.rounding.clear();
         (self.supposed, self.is_in_vain, self.stabilised) = (0, false, 0);
+        self.linear = LinearEffort::default();
         self.contacts.set_multipliers(&state.multipliers)?;
         self.contacts.set_friction_history(&state.friction)?;
         self.contacts.begin(&state.loaded)
@@ -244,6 +251,11 @@ impl Problem {
     /// From here on this part of each diagonal entry is added to the stiffness.
     pub(super) fn stabilise(&mut self, part: f64) {
         self.stabilisation = part;
+    }
+
+    /// From here on linear systems are solved so.
+    pub(super) fn choose(&mut self, choice: LinearSolverChoice) {
+        self.solver.choose(choice);
     }
 
     /// Plastic states of the points at the last evaluation.

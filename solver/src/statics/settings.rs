@@ -1,6 +1,7 @@
 //! How increments and iterations go.
 
 use super::{State, StaticsError};
+use crate::system::LinearSolverChoice;
 
 /// All settings of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,10 +75,13 @@ pub struct NewtonSettings {
     /// The part of each diagonal entry of the stiffness that is added to it, ≥ 0. Forces have no such part: equilibrium stays what it
     /// is, and what no load moves stays in place.
     pub stabilisation: f64,
+    /// How linear systems are solved.
+    pub linear_solver: LinearSolverChoice,
 }
 
 impl Default for NewtonSettings {
-    /// 1e-6 of the forces or 1e-8, up to 20 iterations, 6 are few, with line search, without extrapolation and stabilisation.
+    /// 1e-6 of the forces or 1e-8, up to 20 iterations, 6 are few, with line search, without extrapolation and stabilisation; the linear
+    /// solver by the size.
     fn default() -> Self {
         Self {
             tolerance: 1e-6,
@@ -87,6 +91,7 @@ impl Default for NewtonSettings {
             line_search: true,
             extrapolation: Extrapolation::None,
             stabilisation: 0.0,
+            linear_solver: LinearSolverChoice::Auto,
         }
     }
 }

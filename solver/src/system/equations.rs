@@ -70,6 +70,22 @@ impl Equations {
         (node as usize, axis as usize)
     }
 
+    /// Whether each (node, axis) is free.
+    pub(super) fn free(&self) -> Vec<[bool; 3]> {
+        self.numbers.iter().map(|axes| axes.map(|number| number != PRESCRIBED)).collect()
+    }
+
+    /// Sets to 0 what is prescribed.
+    pub(super) fn clear_prescribed(&self, vector: &mut [[f64; 3]]) {
+        for (numbers, values) in self.numbers.iter().zip(vector) {
+            for axis in 0..3 {
+                if numbers[axis] == PRESCRIBED {
+                    values[axis] = 0.0;
+                }
+            }
+        }
+    }
+
     /// The free part of a vector over all nodes.
     pub(super) fn gather(&self, vector: &[[f64; 3]], free: &mut Vec<f64>) {
         free.clear();

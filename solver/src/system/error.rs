@@ -41,6 +41,21 @@ pub enum SystemError {
         /// A lower bound of ‖K‖ ‖K⁻¹‖ in the maximum norm; infinite if a pivot is zero.
         condition: f64,
     },
+    /// The iterative solution did not get as far as it should.
+    #[error(
+        "the iterative solution of {equations} equations is at a relative residual of {residual:.1e} after {iterations} iterations, \
+         {tolerance:.1e} was asked for"
+    )]
+    NotConverged {
+        /// Number of equations.
+        equations: usize,
+        /// ‖b − K x‖ / ‖b‖
+        residual: f64,
+        /// Iterations made.
+        iterations: usize,
+        /// The residual asked for.
+        tolerance: f64,
+    },
     /// The factors do not fit into memory, or their indices into 32 bits.
     #[error("the factors of {equations} equations are too large for this machine")]
     TooLarge {

@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use super::BlockPattern;
+use rayon::prelude::*;
+
+use super::multigrid::{SavedRows, View};
+use super::{BlockPattern, Equations, SystemError};
 
 /// A 3 × 3 block for each pair of nodes of a pattern, [row axis][column axis]. Both halves are stored.
 #[derive(Clone, Debug)]
@@ -172,17 +175,7 @@ impl BlockMatrix {
     pub fn multiply(&self, x: &[[f64; 3]], y: &mut [[f64; 3]]) {
         assert_eq!(x.len(), self.pattern.nodes(), "entries of x");
         assert_eq!(y.len(), self.pattern.nodes(), "entries of y");
-        for (node, result) in y.iter_mut().enumerate() {
-            let blocks = &self.blocks[self.pattern.start(node)..];
-            let mut sum = [0.0; 3];
-            for (block, &column) in blocks.iter().zip(self.pattern.row(node)) {
-                let x = x[column as usize];
-                for i in 0..3 {
-                    sum[i] += block[i][0] * x[0] + block[i][1] * x[1] + block[i][2] * x[2];
-                }
-            }
-            *result = sum;
-        }
+        self.view().multiply(x, y);
     }
 
     /// y = |K| |x|, the moduli entry by entry.
@@ -192,16 +185,61 @@ impl BlockMatrix {
     pub fn multiply_moduli(&self, x: &[[f64; 3]], y: &mut [[f64; 3]]) {
         assert_eq!(x.len(), self.pattern.nodes(), "entries of x");
         assert_eq!(y.len(), self.pattern.nodes(), "entries of y");
-        for (node, result) in y.iter_mut().enumerate() {
-            let blocks = &self.blocks[self.pattern.start(node)..];
+        let view = self.view();
+        y.par_iter_mut().enumerate().with_min_len(1024).for_each(|(node, result)| {
             let mut sum = [0.0; 3];
-            for (block, &column) in blocks.iter().zip(self.pattern.row(node)) {
-                let x = x[column as usize].map(f64::abs);
+            for (column, block) in view.row(node) {
+                let x = x[column].map(f64::abs);
                 for i in 0..3 {
                     sum[i] += block[i][0].abs() * x[0] + block[i][1].abs() * x[1] + block[i][2].abs() * x[2];
                 }
             }
             *result = sum;
-        }
+        });
+    }
+
+    /// Its rows of some nodes, given in ascending order.
+    #[must_use]
+    pub fn rows_of(&self, nodes: Vec<u32>) -> SavedRows {
+        let of_node = |&node: &u32| {
+            let start = self.pattern.start(node as usize);
+            &self.blocks[start..start + self.pattern.row(node as usize).len()]
+        };
+        let blocks = nodes.iter().flat_map(of_node).copied().collect();
+        SavedRows { nodes, blocks }
+    }
+
+    /// Compressed rows.
+    pub(super) fn view(&self) -> View<'_, 3, 3> {
+        let (starts, columns) = self.pattern.rows();
+        View { starts, columns, blocks: &self.blocks, width: self.pattern.nodes() }
+    }
+
+    /// Memory with the pattern's, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        self.blocks.len() * (size_of::<[[f64; 3]; 3]>() + 4) + (self.pattern.nodes() + 1) * size_of::<usize>()
+    }
+
+    /// Finds an entry among the free equations that is not finite, the first by rows.
+    pub(super) fn check_finite(&self, equations: &Equations) -> Result<(), SystemError> {
+        let view = self.view();
+        let find = |row: usize| {
+            for (column, block) in view.row(row) {
+                for (i, j) in (0..9).map(|k| (k / 3, k % 3)) {
+                    let (equation, other) = (equations.number(row, i), equations.number(column, j));
+                    if let (Some(equation), Some(_), false) = (equation, other, block[i][j].is_finite()) {
+                        return Some(SystemError::NotFinite {
+                            equation,
+                            node: row,
+                            axis: i,
+                            value: block[i][j],
+                        });
+                    }
+                }
+            }
+            None
+        };
+        let nodes = 0..self.pattern.nodes();
+        nodes.into_par_iter().with_min_len(1024).find_map_first(find).map_or(Ok(()), Err)
     }
 }

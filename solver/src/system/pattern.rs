@@ -80,6 +80,11 @@ impl BlockPattern {
         &self.columns[self.starts[node]..self.starts[node + 1]]
     }
 
+    /// Where the row of each node begins, and the end; the second nodes.
+    pub(super) fn rows(&self) -> (&[usize], &[u32]) {
+        (&self.starts, &self.columns)
+    }
+
     /// Index of the first block of a row.
     pub(super) fn start(&self, node: usize) -> usize {
         self.starts[node]

@@ -394,7 +394,7 @@ fn probe(equations: usize) -> Vec<f64> {
 }
 
 /// A number in [−1, 1) without visible order, always the same for the same index.
-fn irregular(index: usize) -> f64 {
+pub(super) fn irregular(index: usize) -> f64 {
     let mut bits = (index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

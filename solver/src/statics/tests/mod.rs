@@ -2,6 +2,7 @@
 
 mod amplitudes;
 mod contact;
+mod linear;
 mod start;
 
 use std::path::Path;

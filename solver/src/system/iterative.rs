@@ -1,0 +1,250 @@
+//! Krylov's methods for the free equations, preconditioned by [`Multigrid`].
+
+use super::multigrid::{Geometry, Multigrid, add_scaled, dot, norm, scale_and_add};
+use super::{BlockMatrix, Equations, Symmetry, SystemError};
+
+/// Most iterations, of both methods together.
+const MAX_ITERATIONS: usize = 500;
+/// Directions that GMRES keeps before it starts again.
+const RESTART: usize = 60;
+/// GMRES has to gain at least this factor in a cycle.
+const GAIN: f64 = 0.9;
+
+/// How an iterative solution went.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IterativeReport {
+    /// ‖b − K x‖ / ‖b‖ in the Euclidean norm.
+    pub residual: f64,
+    /// Iterations, of conjugate gradients and GMRES together.
+    pub iterations: usize,
+    /// Whether GMRES was used: the matrix is not symmetric, or not definite.
+    pub general: bool,
+    /// Levels of the preconditioner.
+    pub levels: usize,
+    /// Memory of the matrix, the preconditioner and the vectors, bytes.
+    pub bytes: usize,
+}
+
+/// A system on its way.
+struct System<'a> {
+    matrix: &'a BlockMatrix,
+    equations: &'a Equations,
+    preconditioner: Multigrid,
+    x: Vec<[f64; 3]>,
+    residual: Vec<[f64; 3]>,
+    /// The norm that the residual has to reach.
+    target: f64,
+    iterations: usize,
+}
+
+/// Solves K x = b for the free equations to a residual of `tolerance` ‖b‖. Conjugate gradients are tried where K is symmetric; where it is
+/// not, or shows not to be definite, GMRES goes on. `rhs` and `x` are over all nodes; prescribed ones are not read, and 0 in `x`.
+///
+/// # Errors
+/// An entry that is not finite; a preconditioner that is singular; [`SystemError::NotConverged`].
+pub fn solve_iteratively(
+    matrix: &BlockMatrix,
+    equations: &Equations,
+    symmetry: Symmetry,
+    geometry: Geometry<'_>,
+    rhs: &[[f64; 3]],
+    tolerance: f64,
+    x: &mut Vec<[f64; 3]>,
+) -> Result<IterativeReport, SystemError> {
+    let nodes = matrix.pattern().nodes();
+    for (what, given) in [("nodes with equations", equations.nodes()), ("right-hand sides", rhs.len())] {
+        if given != nodes {
+            return Err(SystemError::WrongCount { what, given, expected: nodes });
+        }
+    }
+    matrix.check_finite(equations)?;
+    let mut residual = rhs.to_vec();
+    equations.clear_prescribed(&mut residual);
+    if let Some(free) = residual.as_flattened().iter().position(|value| !value.is_finite()) {
+        let (node, axis, value) = (free / 3, free % 3, residual[free / 3][free % 3]);
+        let equation = equations.number(node, axis).unwrap_or(0);
+        return Err(SystemError::NotFinite { equation, node, axis, value });
+    }
+    let scale = norm(&residual);
+    x.clear();
+    x.resize(nodes, [0.0; 3]);
+    if scale == 0.0 || equations.is_empty() {
+        return Ok(IterativeReport { residual: 0.0, iterations: 0, general: false, levels: 0, bytes: 0 });
+    }
+    let preconditioner = Multigrid::new(matrix, equations, symmetry, geometry)?;
+    let target = tolerance * scale;
+    let mut system =
+        System { matrix, equations, preconditioner, x: std::mem::take(x), residual, target, iterations: 0 };
+    let is_done = symmetry == Symmetry::Symmetric && system.conjugate_gradients()?;
+    if !is_done {
+        system.gmres()?;
+    }
+    // What the methods carry along has drifted.
+    let mut product = vec![[0.0; 3]; nodes];
+    system.multiply(&system.x, &mut product);
+    system.residual.copy_from_slice(rhs);
+    equations.clear_prescribed(&mut system.residual);
+    add_scaled(&mut system.residual, -1.0, &product);
+    let report = IterativeReport {
+        residual: norm(&system.residual) / scale,
+        iterations: system.iterations,
+        general: !is_done,
+        levels: system.preconditioner.levels(),
+        bytes: matrix.bytes() + system.preconditioner.bytes() + system.bytes(!is_done),
+    };
+    if !(report.residual <= 2.0 * tolerance) {
+        let IterativeReport { residual, iterations, .. } = report;
+        return Err(SystemError::NotConverged {
+            equations: equations.len(),
+            residual,
+            iterations,
+            tolerance,
+        });
+    }
+    *x = system.x;
+    Ok(report)
+}
+
+impl System<'_> {
+    /// y = K x among the free equations.
+    fn multiply(&self, x: &[[f64; 3]], y: &mut [[f64; 3]]) {
+        self.matrix.multiply(x, y);
+        self.equations.clear_prescribed(y);
+    }
+
+    /// r ← r − K Δx for a step Δx, which is added to x.
+    fn take(&mut self, step: &[[f64; 3]]) {
+        add_scaled(&mut self.x, 1.0, step);
+        let mut product = vec![[0.0; 3]; step.len()];
+        self.multiply(step, &mut product);
+        add_scaled(&mut self.residual, -1.0, &product);
+    }
+
+    /// Whether the residual is small enough; else the matrix is not definite, or there are no more iterations. Leaves the best there is.
+    fn conjugate_gradients(&mut self) -> Result<bool, SystemError> {
+        let mut direction: Vec<[f64; 3]> = Vec::new();
+        let mut product = vec![[0.0; 3]; self.x.len()];
+        let mut before = 0.0;
+        while self.iterations < MAX_ITERATIONS {
+            if norm(&self.residual) <= self.target {
+                return Ok(true);
+            }
+            let z = self.preconditioner.apply(self.matrix, &self.residual)?;
+            let now = dot(&self.residual, &z);
+            if direction.is_empty() {
+                direction = z;
+            } else {
+                scale_and_add(&mut direction, now / before, &z);
+            }
+            self.multiply(&direction, &mut product);
+            let curvature = dot(&direction, &product);
+            if !(now > 0.0 && curvature > 0.0) {
+                return Ok(false);
+            }
+            let length = now / curvature;
+            add_scaled(&mut self.x, length, &direction);
+            add_scaled(&mut self.residual, -length, &product);
+            before = now;
+            self.iterations += 1;
+        }
+        Ok(false)
+    }
+}
+
+/// The least squares problem of GMRES, kept triangular by rotations.
+#[derive(Default)]
+struct LeastSquares {
+    /// Columns of the triangle.
+    columns: Vec<Vec<f64>>,
+    rotations: Vec<[f64; 2]>,
+    right: Vec<f64>,
+}
+
+impl LeastSquares {
+    /// With another column; the norm of the residual then.
+    fn push(&mut self, mut column: Vec<f64>, below: f64) -> f64 {
+        for (k, &[c, s]) in self.rotations.iter().enumerate() {
+            let (a, b) = (column[k], column[k + 1]);
+            (column[k], column[k + 1]) = (c * a + s * b, c * b - s * a);
+        }
+        let last = column.len() - 1;
+        let size = column[last].hypot(below);
+        let [c, s] = if size > 0.0 { [column[last] / size, below / size] } else { [1.0, 0.0] };
+        column[last] = size;
+        self.columns.push(column);
+        self.rotations.push([c, s]);
+        let right = self.right[last];
+        self.right[last] = c * right;
+        self.right.push(-s * right);
+        (s * right).abs()
+    }
+
+    /// The coefficients of the directions.
+    fn solution(&self) -> Vec<f64> {
+        let count = self.columns.len();
+        let mut y = self.right[..count].to_vec();
+        for k in (0..count).rev() {
+            let pivot = self.columns[k][k];
+            y[k] = if pivot == 0.0 { 0.0 } else { y[k] / pivot };
+            let value = y[k];
+            (0..k).for_each(|row| y[row] -= self.columns[k][row] * value);
+        }
+        y
+    }
+}
+
+impl System<'_> {
+    /// With the preconditioner on the right, so that the residual it minimises is that of the equations. Leaves the best there is.
+    fn gmres(&mut self) -> Result<(), SystemError> {
+        loop {
+            let before = norm(&self.residual);
+            if before <= self.target || self.iterations >= MAX_ITERATIONS || !before.is_finite() {
+                return Ok(());
+            }
+            self.gmres_cycle(before)?;
+            if !(norm(&self.residual) < GAIN * before) {
+                return Ok(());
+            }
+        }
+    }
+
+    fn gmres_cycle(&mut self, size: f64) -> Result<(), SystemError> {
+        let mut least = LeastSquares { right: vec![size], ..LeastSquares::default() };
+        let mut directions = vec![scaled(&self.residual, 1.0 / size)];
+        let mut product = vec![[0.0; 3]; self.x.len()];
+        while self.iterations < MAX_ITERATIONS && least.columns.len() < RESTART {
+            let z = self.preconditioner.apply(self.matrix, &directions[directions.len() - 1])?;
+            self.multiply(&z, &mut product);
+            let mut column = Vec::with_capacity(directions.len());
+            for direction in &directions {
+                let part = dot(direction, &product);
+                add_scaled(&mut product, -part, direction);
+                column.push(part);
+            }
+            let below = norm(&product);
+            self.iterations += 1;
+            let reached = least.push(column, below);
+            if !(reached > self.target && below > 0.0) {
+                break;
+            }
+            directions.push(scaled(&product, 1.0 / below));
+        }
+        let mut sum = vec![[0.0; 3]; self.x.len()];
+        for (factor, direction) in least.solution().iter().zip(&directions) {
+            add_scaled(&mut sum, *factor, direction);
+        }
+        let step = self.preconditioner.apply(self.matrix, &sum)?;
+        self.take(&step);
+        Ok(())
+    }
+
+    /// Memory of the vectors, bytes.
+    fn bytes(&self, general: bool) -> usize {
+        let vectors = if general { RESTART.min(self.iterations) + 5 } else { 5 };
+        vectors * self.x.len() * size_of::<[f64; 3]>()
+    }
+}
+
+fn scaled(x: &[[f64; 3]], factor: f64) -> Vec<[f64; 3]> {
+    x.iter().map(|x| x.map(|x| factor * x)).collect()
+}

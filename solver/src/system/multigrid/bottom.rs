@@ -1,0 +1,110 @@
+//! The coarsest level, solved directly.
+
+use faer::Par;
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+
+use super::level::MODES;
+use super::sparse::Sparse;
+use crate::system::factor::{GeneralFactor, SymmetricFactor};
+use crate::system::{Symmetry, SystemError};
+
+/// A pivot below this part of its diagonal entry is zero to rounding: a rigid motion costs nothing.
+const SMALL_PIVOT: f64 = 1e-12;
+
+/// Factors of the coarsest matrix.
+pub struct Bottom {
+    factor: Factor,
+    /// The unknowns: node and mode of each.
+    places: Vec<(u32, u8)>,
+    nodes: usize,
+    equations: usize,
+}
+
+enum Factor {
+    Symmetric(SymmetricFactor),
+    General(GeneralFactor),
+}
+
+impl Bottom {
+    /// Factorises. `equations`: those of the finest level, for messages.
+    ///
+    /// # Errors
+    /// A pivot that is zero to rounding; factors that do not fit into memory.
+    pub fn new(
+        matrix: &Sparse<MODES, MODES>,
+        active: &[[bool; MODES]],
+        symmetry: Symmetry,
+        equations: usize,
+    ) -> Result<Self, SystemError> {
+        let mut numbers = vec![[u32::MAX; MODES]; active.len()];
+        let mut places = Vec::new();
+        for (node, axes) in active.iter().enumerate() {
+            for mode in (0..MODES).filter(|&mode| axes[mode]) {
+                numbers[node][mode] = places.len() as u32;
+                places.push((node as u32, mode as u8));
+            }
+        }
+        // Columns of the matrix are rows of its transpose.
+        let transposed = matrix.view().transposed();
+        let (mut starts, mut rows, mut values) = (vec![0_u32], Vec::new(), Vec::new());
+        let mut diagonal = vec![0.0; places.len()];
+        for (column, &(node, mode)) in places.iter().enumerate() {
+            for (other, block) in transposed.view().row(node as usize) {
+                for (axis, &row) in numbers[other].iter().enumerate().filter(|&(_, &row)| row != u32::MAX) {
+                    rows.push(row);
+                    values.push(block[mode as usize][axis]);
+                    if row as usize == column {
+                        diagonal[column] = block[mode as usize][axis];
+                    }
+                }
+            }
+            starts.push(rows.len() as u32);
+        }
+        let too_large = SystemError::TooLarge { equations };
+        let size = places.len();
+        let symbolic = SymbolicSparseColMatRef::new_checked(size, size, &starts, None, &rows);
+        let csc = SparseColMatRef::new(symbolic, &values[..]);
+        let factor = match symmetry {
+            Symmetry::Symmetric => {
+                let mut factor = SymmetricFactor::new(symbolic).map_err(|_| too_large)?;
+                factor.factorise(csc, Par::Seq).map_err(|_| too_large)?;
+                let pivot = factor.smallest_pivot(&diagonal);
+                if size > 0 && !(pivot > SMALL_PIVOT) {
+                    return Err(SystemError::Singular { equations, residual: 1.0, condition: 1.0 / pivot });
+                }
+                Factor::Symmetric(factor)
+            }
+            Symmetry::General => {
+                let mut factor = GeneralFactor::new(symbolic).map_err(|_| too_large)?;
+                factor.factorise(csc, Par::Seq).map_err(|error| match error {
+                    faer::sparse::linalg::LuError::SymbolicSingular { .. } => {
+                        SystemError::Singular { equations, residual: 1.0, condition: f64::INFINITY }
+                    }
+                    faer::sparse::linalg::LuError::Generic(_) => too_large,
+                })?;
+                Factor::General(factor)
+            }
+        };
+        Ok(Self { factor, places, nodes: active.len(), equations })
+    }
+
+    /// The solution. Memory for it was there when the factors were made.
+    ///
+    /// # Errors
+    /// No memory.
+    pub fn solve(&mut self, right: &[[f64; MODES]]) -> Result<Vec<[f64; MODES]>, SystemError> {
+        let too_large = SystemError::TooLarge { equations: self.equations };
+        let mut x: Vec<f64> =
+            self.places.iter().map(|&(node, mode)| right[node as usize][mode as usize]).collect();
+        match &mut self.factor {
+            Factor::Symmetric(factor) => factor.solve(&mut x, Par::Seq),
+            Factor::General(factor) => factor.solve(&mut x, Par::Seq),
+        }
+        .map_err(|_| too_large)?;
+        let mut solution = vec![[0.0; MODES]; self.nodes];
+        for (&(node, mode), value) in self.places.iter().zip(x) {
+            solution[node as usize][mode as usize] = value;
+        }
+        Ok(solution)
+    }
+}

@@ -1,0 +1,252 @@
+//! Blocks of linear elasticity, alone and one on the other, iteratively and directly.
+
+use std::sync::Arc;
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::system::{
+    BlockMatrix, BlockPattern, Equations, Geometry, IterativeReport, LinearReport, LinearSolver,
+    LinearSolverChoice, LinearSystem, SavedRows, Symmetry, SystemError, irregular, solve_iteratively,
+};
+
+const LAMBDA: f64 = 576.9;
+const MU: f64 = 384.6;
+
+/// A system with all that belongs to it.
+struct Example {
+    matrix: BlockMatrix,
+    links: BlockPattern,
+    positions: Vec<[f64; 3]>,
+    slaves: SavedRows,
+    equations: Equations,
+    symmetry: Symmetry,
+}
+
+/// Stiffness between two corners of a cube with edges of length h, by corner; 2 × 2 × 2 points of Gauss.
+fn stiffness(h: f64) -> Vec<Vec<Matrix3<f64>>> {
+    let corner = |a: usize| [0, 1, 2].map(|i| if (a >> i) & 1 == 1 { 1.0 } else { -1.0 });
+    let gradient = |a: usize, point: [f64; 3]| {
+        let one = |i: usize| 1.0 + corner(a)[i] * point[i];
+        Vector3::from_fn(|i, _| corner(a)[i] * one((i + 1) % 3) * one((i + 2) % 3) / (4.0 * h))
+    };
+    let points = (0..8).map(|q| corner(q).map(|x| x / 3.0_f64.sqrt()));
+    let pair = |a: usize, b: usize| {
+        let at = |point| {
+            let (a, b) = (gradient(a, point), gradient(b, point));
+            LAMBDA * a * b.transpose() + MU * (b * a.transpose() + a.dot(&b) * Matrix3::identity())
+        };
+        points.clone().map(at).sum::<Matrix3<f64>>() * (h.powi(3) / 8.0)
+    };
+    (0..8).map(|a| (0..8).map(|b| pair(a, b)).collect()).collect()
+}
+
+/// Nodes and elements of a unit cube of n × n × n cells, added to those there are.
+fn cube(n: usize, origin: [f64; 3], positions: &mut Vec<[f64; 3]>, cells: &mut Vec<Vec<usize>>) {
+    let first = positions.len();
+    let size = n + 1;
+    for k in 0..size.pow(3) {
+        let place = [k % size, k / size % size, k / size / size];
+        positions.push([0, 1, 2].map(|i| origin[i] + place[i] as f64 / n as f64));
+    }
+    for k in 0..n.pow(3) {
+        let base = first + k % n + size * (k / n % n) + size * size * (k / n / n);
+        let corner = |a: usize| base + (a & 1) + size * (a >> 1 & 1) + size * size * (a >> 2);
+        cells.push((0..8).map(corner).collect());
+    }
+}
+
+/// Two cubes, the upper one pressed on the lower one by contacts of this stiffness; with friction μ between them. The lower one's bottom
+/// is held if `is_held`, and the sides of the upper one's top.
+fn stacked(n: usize, penalty: f64, friction: f64, is_held: bool) -> Example {
+    let (mut positions, mut cells) = (Vec::new(), Vec::new());
+    let size = n + 1;
+    cube(n, [0.0; 3], &mut positions, &mut cells);
+    let lower = positions.len();
+    // No node lies on another one.
+    let shift = 0.3 / n as f64;
+    cube(n, [shift, shift, 1.0], &mut positions, &mut cells);
+    let mut contacts = Vec::new();
+    for k in 0..n * n {
+        let (i, j) = (k % n, k / n);
+        let master = size * size * n + i + size * j;
+        let weights = [0.49, 0.21, 0.21, 0.09];
+        let masters = [master, master + 1, master + size, master + size + 1];
+        let mut nodes = vec![(lower + i + size * j, 1.0)];
+        nodes.extend(masters.into_iter().zip(weights.map(|weight| -weight)));
+        contacts.push(nodes);
+    }
+    let cliques: Vec<Vec<usize>> =
+        contacts.iter().map(|nodes| nodes.iter().map(|&(node, _)| node).collect()).collect();
+    let pattern = BlockPattern::new(positions.len(), cells.iter().chain(&cliques));
+    let mut matrix = BlockMatrix::new(Arc::new(pattern));
+    add_elements(&mut matrix, &cells, n);
+    let slaves = matrix.rows_of(cliques.iter().map(|nodes| nodes[0] as u32).collect());
+    for (a, b) in
+        contacts.iter().flat_map(|nodes| nodes.iter().flat_map(|a| nodes.iter().map(move |b| (a, b))))
+    {
+        let mut block = [[0.0; 3]; 3];
+        block[2][2] = penalty * a.1 * b.1;
+        block[0][2] = friction * block[2][2];
+        matrix.add_block(a.0, b.0, &block);
+    }
+    let is_end = |z: f64| z == 0.0 || (z - 2.0).abs() < 1e-12;
+    let prescribed: Vec<[bool; 3]> = positions
+        .iter()
+        .map(|&[_, _, z]| [is_held && is_end(z), is_held && is_end(z), is_held && z == 0.0])
+        .collect();
+    Example {
+        matrix,
+        links: BlockPattern::new(positions.len(), cells.iter()),
+        positions,
+        slaves,
+        equations: Equations::new(&prescribed),
+        symmetry: if friction == 0.0 { Symmetry::Symmetric } else { Symmetry::General },
+    }
+}
+
+/// A cube whose bottom is held.
+fn block(n: usize) -> Example {
+    let (mut positions, mut cells) = (Vec::new(), Vec::new());
+    cube(n, [0.0; 3], &mut positions, &mut cells);
+    let mut matrix = BlockMatrix::new(Arc::new(BlockPattern::new(positions.len(), cells.iter())));
+    add_elements(&mut matrix, &cells, n);
+    let prescribed: Vec<[bool; 3]> = positions.iter().map(|&[_, _, z]| [z == 0.0; 3]).collect();
+    Example {
+        matrix,
+        links: BlockPattern::new(positions.len(), cells.iter()),
+        slaves: SavedRows::default(),
+        equations: Equations::new(&prescribed),
+        positions,
+        symmetry: Symmetry::Symmetric,
+    }
+}
+
+fn add_elements(matrix: &mut BlockMatrix, cells: &[Vec<usize>], n: usize) {
+    let stiffness = stiffness(1.0 / n as f64);
+    for cell in cells {
+        for (a, b) in (0..64).map(|k| (k / 8, k % 8)) {
+            let block = &stiffness[a][b];
+            matrix.add_block(cell[a], cell[b], &[0, 1, 2].map(|i| [0, 1, 2].map(|j| block[(i, j)])));
+        }
+    }
+}
+
+impl Example {
+    fn rhs(&self) -> Vec<[f64; 3]> {
+        (0..self.positions.len()).map(|node| [0, 1, 2].map(|i| irregular(3 * node + i))).collect()
+    }
+
+    fn geometry(&self) -> Geometry<'_> {
+        Geometry { positions: &self.positions, links: &self.links, slaves: &self.slaves }
+    }
+
+    fn iterative(&self, tolerance: f64) -> Result<(IterativeReport, Vec<[f64; 3]>), SystemError> {
+        let Self { matrix, equations, symmetry, .. } = self;
+        let mut x = Vec::new();
+        let report =
+            solve_iteratively(matrix, equations, *symmetry, self.geometry(), &self.rhs(), tolerance, &mut x)?;
+        Ok((report, x))
+    }
+
+    fn solve(
+        &self,
+        choice: LinearSolverChoice,
+        tolerance: f64,
+    ) -> Result<(LinearReport, Vec<[f64; 3]>), SystemError> {
+        let Self { matrix, equations, symmetry, .. } = self;
+        let system = LinearSystem { matrix, equations, symmetry: *symmetry, geometry: self.geometry() };
+        let mut x = Vec::new();
+        let report = LinearSolver::new(choice, 1).solve(&system, &self.rhs(), tolerance, &mut x)?;
+        Ok((report, x))
+    }
+
+    /// Iterations, after the solution was compared with that of factors.
+    fn compared(&self) -> IterativeReport {
+        let (report, x) = self.iterative(1e-11).unwrap();
+        assert!(report.residual <= 2e-11, "{report:?}");
+        let (how, exact) = self.solve(LinearSolverChoice::Direct, f64::NAN).unwrap();
+        assert!(matches!(how, LinearReport::Direct(_)));
+        let largest = exact.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        for (x, exact) in x.as_flattened().iter().zip(exact.as_flattened()) {
+            assert!((x - exact).abs() <= 1e-7 * largest, "{x} {exact} {report:?}");
+        }
+        report
+    }
+}
+
+#[test]
+fn stiff_contact_takes_hardly_more_iterations() {
+    let alone = block(6).compared();
+    let [soft, stiff] = [1e3, 1e5].map(|penalty| stacked(6, penalty, 0.0, true).compared());
+    for report in [alone, soft, stiff] {
+        assert!(!report.general && report.levels >= 2 && report.bytes > 0, "{report:?}");
+    }
+    assert!(2 * stiff.iterations <= 3 * soft.iterations, "{soft:?} {stiff:?}");
+}
+
+#[test]
+fn an_unsymmetric_system_is_solved_by_whichever_way_is_reported() {
+    for penalty in [1e3, 1e5] {
+        let example = stacked(5, penalty, 0.3, true);
+        let (report, x) = example.solve(LinearSolverChoice::Iterative, 1e-8).unwrap();
+        assert!(!matches!(report, LinearReport::Direct(_)), "{report:?}");
+        let mut product = vec![[0.0; 3]; x.len()];
+        example.matrix.multiply(&x, &mut product);
+        let (mut left, mut whole) = (0.0_f64, 0.0_f64);
+        for (node, (b, product)) in example.rhs().iter().zip(&product).enumerate() {
+            for axis in (0..3).filter(|&axis| example.equations.number(node, axis).is_some()) {
+                left += (b[axis] - product[axis]).powi(2);
+                whole += b[axis].powi(2);
+            }
+        }
+        assert!(left.sqrt() <= 2.1e-8 * whole.sqrt(), "{report:?}");
+        let (by_size, _) = example.solve(LinearSolverChoice::Auto, 1e-8).unwrap();
+        assert!(matches!(by_size, LinearReport::Direct(_)), "{by_size:?}");
+    }
+}
+
+#[test]
+fn iterations_hardly_grow_with_the_number_of_equations() {
+    let [coarse, middle, fine] = [5, 10, 20].map(|n| block(n).iterative(1e-8).unwrap().0);
+    assert!(2 * middle.iterations <= 3 * coarse.iterations.max(8), "{coarse:?} {middle:?}");
+    assert!(2 * fine.iterations <= 3 * middle.iterations, "{middle:?} {fine:?}");
+    assert!(fine.levels > coarse.levels, "{fine:?}");
+}
+
+#[test]
+fn bodies_that_nothing_holds_have_a_singular_matrix() {
+    let loose = stacked(5, 1e3, 0.0, false);
+    let error = loose.solve(LinearSolverChoice::Iterative, 1e-8).unwrap_err();
+    assert!(matches!(error, SystemError::Singular { .. }), "{error}");
+}
+
+#[test]
+fn the_bits_are_the_same_with_any_number_of_threads() {
+    let example = stacked(7, 1e4, 0.0, true);
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| example.iterative(1e-6)).unwrap()
+    };
+    let (one, two) = (with(1), with(2));
+    assert_eq!(one.0, two.0);
+    assert_eq!(one.1, two.1);
+}
+
+#[test]
+fn what_is_not_reached_is_an_error_and_then_solved_directly() {
+    let example = stacked(3, 1e4, 0.3, true);
+    let error = example.iterative(1e-30).unwrap_err();
+    let SystemError::NotConverged { iterations, residual, tolerance, .. } = error else { panic!("{error}") };
+    assert!(iterations > 0 && residual > tolerance && tolerance == 1e-30);
+    let (report, x) = example.solve(LinearSolverChoice::Iterative, 1e-30).unwrap();
+    assert_eq!(report, LinearReport::Instead { iterations });
+    assert_eq!(x, example.solve(LinearSolverChoice::Direct, 1e-30).unwrap().1);
+}
+
+#[test]
+fn a_number_that_is_not_finite_is_refused() {
+    let mut example = block(3);
+    example.matrix.add_block(40, 41, &[[0.0, f64::NAN, 0.0], [0.0; 3], [0.0; 3]]);
+    let error = example.iterative(1e-6).unwrap_err();
+    assert!(matches!(error, SystemError::NotFinite { node: 40, axis: 0, .. }), "{error}");
+}

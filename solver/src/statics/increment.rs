@@ -13,7 +13,7 @@ const DIVERGED: f64 = 1e6;
 /// of the elements beside them, which is much more than the forces.
 const PREDICTION: f64 = 1e-6;
 /// Bounds of the relative residual of an iterative solution of a Newton step.
-const LOOSEST: f64 = 1e-3;
+const LOOSEST: f64 = 1e-5;
 const TIGHTEST: f64 = 1e-9;
 /// How often a step that turns an element inside out, or takes contacts their elements, is halved.
 const HALVINGS: usize = 8;

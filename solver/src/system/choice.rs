@@ -5,7 +5,7 @@ use super::{
 };
 
 /// From so many equations on the choice by size is iterative: of solids with edges of like length the factors are the slower way by then.
-const ITERATIVE_FROM: usize = 40_000;
+const ITERATIVE_FROM: usize = 20_000;
 /// Up to so many equations a system that was not solved iteratively is solved directly: its factors fit into a few gigabytes.
 const DIRECT_UP_TO: usize = 250_000;
 

@@ -33,3 +33,47 @@ fn a_continued_run_with_the_iterative_solver_has_the_same_bits() {
     let continued = statics(&deck, &model).run(notes.states[0].clone(), &mut Notes::default()).unwrap();
     assert_eq!(continued, end);
 }
+
+/// The example of two blocks, small, with other lines in the interface and the material.
+fn two_blocks(solver: &str, interface: &str, material: &str) -> (Notes, State) {
+    let mut text = include_str!("../../../../examples/two_blocks.toml").to_owned();
+    for (line, own) in [
+        ("divisions = [14, 14, 7]", "divisions = [7, 7, 3]"),
+        ("divisions = [10, 10, 5]", "divisions = [4, 4, 2]"),
+        ("penalty = 1e7 ", &format!("{interface}\n#")),
+        ("\nareas = true\n\n", "\n\n"),
+        ("poisson = 0.3", &format!("poisson = 0.3\n{material}")),
+        ("linear_solver = \"auto\"\n\n", &format!("linear_solver = \"{solver}\"\n\n")),
+    ] {
+        assert!(text.contains(line), "{line}");
+        text = text.replace(line, own);
+    }
+    let (notes, state, _) = run(&text, "");
+    (notes, state)
+}
+
+#[test]
+fn every_kind_of_contact_and_yielding_lead_where_factors_do() {
+    let cases = [
+        ("areas = true\npenalty = 1e7", ""),
+        ("areas = true\npenalty = 1e9", ""),
+        ("areas = true\ntwo_pass = true\npenalty = 1e6", ""),
+        ("integration = \"faces\"\npenalty = 1e6", ""),
+        ("integration = \"faces\"\npenalty = 1e6\nfriction = 0.3", ""),
+        ("areas = true\npenalty = 1e7", "yield_stress = 150.0\nhardening = 1000.0"),
+    ];
+    for (interface, material) in cases {
+        let (direct, expected) = two_blocks("direct", interface, material);
+        let (iterative, found) = two_blocks("iterative", interface, material);
+        let (direct, iterative) = (&direct.increments[0], &iterative.increments[0]);
+        assert_eq!(direct.linear, LinearEffort::default());
+        assert!(iterative.linear.iterations > 0 && iterative.linear.direct_instead == 0, "{interface}");
+        assert_eq!(direct.active, iterative.active, "{interface} {material}");
+        let yielded = expected.points.iter().any(|point| point.equivalent_plastic_strain > 0.0);
+        assert_eq!(yielded, !material.is_empty());
+        let pairs = expected.positions.as_flattened().iter().zip(found.positions.as_flattened());
+        let error = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        // The upper block moves down by 0.02, to a tolerance of 1e-6 of the forces.
+        assert!(error < 1e-6, "{error:e}: {interface} {material}");
+    }
+}

@@ -572,6 +572,7 @@ fn the_example_decks_build() {
         ("press_fit", (24 * 6 * 2 + 20 * 8 * 2, 40, 48)),
         ("shaft_in_bush", (120, 160, 60)),
         ("squeezed_tube", (48, 72, 24)),
+        ("two_blocks", (14 * 14 * 7 + 10 * 10 * 5, 196, 100)),
     ]);
     let mut found = BTreeSet::new();
     for entry in std::fs::read_dir(root().join("examples")).unwrap() {

@@ -10,7 +10,7 @@ use diffuse_contact_kernels::cubic::Cubic;
 use diffuse_contact_kernels::support::KernelSet;
 use rayon::prelude::*;
 
-use super::evaluate::{ElementScratch, Evaluator};
+use super::evaluator::{ElementScratch, Evaluator};
 use super::fold::{AnchorSource, Source};
 use super::pairings::{Paired, Pairings};
 use super::scratch::Pool;

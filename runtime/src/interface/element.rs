@@ -1,6 +1,6 @@
 //! One element of an interface, taken out.
 
-use super::evaluate::{ElementScratch, Evaluator};
+use super::evaluator::{ElementScratch, Evaluator};
 use super::pairings::Paired;
 use super::{ContactElement, NoContact};
 use crate::Point;

@@ -6,7 +6,7 @@ use diffuse_contact_kernels::support::KernelSet;
 use rayon::prelude::*;
 
 use super::contacts::Results;
-use super::evaluate::{CHUNK, ElementScratch, Evaluator, Request};
+use super::evaluator::{CHUNK, ElementScratch, Evaluator, Request};
 use super::pairings::Pairings;
 use super::{ContactElement, ContactInterface, InterfaceError};
 use crate::affine::Carrier;

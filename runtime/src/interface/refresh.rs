@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::anchors::list_carriers;
 use super::contacts::Layout;
-use super::evaluate::{ElementScratch, Evaluator};
+use super::evaluator::{ElementScratch, Evaluator};
 use super::nodal::Nodal;
 use super::pairings::{Lists, Paired, Pairings, Record};
 use super::report::RefreshReport;

@@ -5,7 +5,7 @@ use std::ops::Range;
 use diffuse_contact_kernels::support::{ElementInputs, Masters};
 
 use super::NoContact;
-use super::evaluate::{ElementScratch, Evaluator};
+use super::evaluator::{ElementScratch, Evaluator};
 use super::fold::Source;
 use super::pairings::{Paired, Record};
 use crate::affine::Carrier;

@@ -1,0 +1,185 @@
+//! Slaves and masters paired anew, and lists of nodes that follow the positions.
+
+use std::sync::Arc;
+
+use super::create::check_count;
+use super::evaluator::Evaluator;
+use super::nodal::symmetry_of;
+use super::pairings::Pairings;
+use super::refresh::{Compares, Refresh, RefreshScratch, SKIN};
+use super::window::Knowledge;
+use super::{ContactElement, ContactInterface, InterfaceError, Listed, RefreshReport};
+use crate::Point;
+use crate::neighbourhood::SearchOptions;
+use crate::pairing::NearestNodes;
+use crate::surface::{Creases, check_position};
+
+impl ContactInterface {
+    /// Takes over the positions and pairs every slave anew; with nodal domains lists of nodes stay while nobody has moved by more
+    /// than half their skin.
+    ///
+    /// With nodal domains every node of the slave's sheet is listed that may come within reach, and a refresh changes no gap.
+    ///
+    /// By the other rules a slave is paired with the masters that the neighbour search finds among the nodes on its side of sharp
+    /// edges: those reached from the closest facet over facets that meet in no edge sharper than the feature
+    /// angle, that do not turn away from it by 89° or more, and that are no farther from the slave than the
+    /// node itself. If they do not carry the quadratic basis the search takes more, then the linear basis; else
+    /// there is no candidate.
+    ///
+    /// # Errors
+    /// As [`update`](Self::update). Pairing and positions of before then stay.
+    pub fn refresh_pairing(&mut self, positions: &[Point]) -> Result<RefreshReport, InterfaceError> {
+        self.check_positions(positions)?;
+        if let Some(report) = self.kept_lists(positions) {
+            self.positions.copy_from_slice(positions);
+            return Ok(report);
+        }
+        self.pair(positions, false, self.compared(), None)
+    }
+
+    /// As [`refresh_pairing`](Self::refresh_pairing), but with nodal domains lists are made anew wherever everybody is: what they are then
+    /// follows from these positions alone. A run that has to go on from a saved state as if it had never stopped calls it at the
+    /// beginning of its increments.
+    ///
+    /// # Errors
+    /// As [`update`](Self::update). Pairing and positions of before then stay.
+    pub fn renew_pairing(&mut self, positions: &[Point]) -> Result<RefreshReport, InterfaceError> {
+        self.check_positions(positions)?;
+        self.pair(positions, false, self.compared(), None)
+    }
+
+    /// As [`update`](Self::update), but with nodal domains the lists follow: if something has moved by more than half their skin they
+    /// are made anew, which changes no gap. Returns whether they were: a pattern made for the old ones is no longer theirs. To be
+    /// called in every iteration.
+    ///
+    /// # Errors
+    /// As [`update`](Self::update).
+    pub fn follow(&mut self, positions: &[Point]) -> Result<bool, InterfaceError> {
+        self.check_positions(positions)?;
+        let is_current = self.listed.is_none() || self.kept_lists(positions).is_some();
+        if is_current {
+            self.positions.copy_from_slice(positions);
+            return Ok(false);
+        }
+        self.pair(positions, true, self.compared(), None)?;
+        Ok(true)
+    }
+
+    const fn compared(&self) -> Compares {
+        if self.nodal.is_some() { Compares::GainedAndLost } else { Compares::All }
+    }
+
+    /// Pairs every slave at positions that have been checked. `follows`: whether lists follow within an increment.
+    fn pair(
+        &mut self,
+        positions: &[Point],
+        follows: bool,
+        compares: Compares,
+        facets: Option<&[u32]>,
+    ) -> Result<RefreshReport, InterfaceError> {
+        // Everything that may fail comes first; nothing of `self` changes before.
+        let search = match self.options.element {
+            ContactElement::Diffuse { search, .. } if self.nodal.is_none() => search,
+            _ => SearchOptions::default(),
+        };
+        let blank = RefreshScratch::new(search)?;
+        let index = self.master.at(positions)?;
+        let cloud = match self.options.element {
+            ContactElement::Diffuse { .. } if self.nodal.is_none() => index.positions().to_vec(),
+            _ => Vec::new(),
+        };
+        let cloud = NearestNodes::new(cloud).map_err(InterfaceError::MasterNodes)?;
+        let creases = match &self.nodal {
+            Some(nodal) => nodal.creases.clone(),
+            None => {
+                let symmetry = symmetry_of(&index, &self.planes)?;
+                Creases::new(&index, self.options.feature_angle_degrees.to_radians(), &symmetry)
+            }
+        };
+        let evaluator = Evaluator {
+            surface: &self.master,
+            creases: &creases,
+            positions,
+            options: &self.options,
+            nodal: self.nodal.as_ref(),
+            anchors: self.present_anchors(),
+            committed: self.anchors.as_deref(),
+            own: self.own.as_ref(),
+        };
+        let refresh = Refresh {
+            index: &index,
+            cloud: &cloud,
+            evaluator,
+            old: &self.pairings,
+            old_creases: &self.creases,
+            compares,
+            facets,
+            follows,
+            knowledge: self.known.as_ref().map(|known| Knowledge::new(known, positions)),
+        };
+        let (mut pairings, report) = refresh.run(&self.refreshes, &blank);
+        if pairings.layout.is_same(&self.pairings.layout) {
+            // Maps of entries know the lists by the number of their layout.
+            pairings.layout = Arc::clone(&self.pairings.layout);
+        }
+        let report = RefreshReport { rebuilt: true, ..report };
+        self.pairings = pairings;
+        self.creases = creases;
+        self.positions.copy_from_slice(positions);
+        if self.nodal.is_some() {
+            self.listed = Some(Listed { positions: positions.to_vec(), report: report.clone() });
+        }
+        Ok(report)
+    }
+
+    /// Makes other points the slaves and pairs them: those that follow the nodes in `positions`, each over its facet. On an error points
+    /// and pairing of before stay.
+    pub(crate) fn pair_points(
+        &mut self,
+        positions: Vec<Point>,
+        nodes: usize,
+        facets: &[u32],
+    ) -> Result<RefreshReport, InterfaceError> {
+        check_count("positions", positions.len())?;
+        self.master.check_positions(&positions)?;
+        (nodes..positions.len()).try_for_each(|point| check_position(&positions, point))?;
+        let blank = Pairings::none((nodes..positions.len()).collect(), Vec::new());
+        let pairings = std::mem::replace(&mut self.pairings, blank);
+        let before = std::mem::replace(&mut self.positions, positions.clone());
+        let listed = self.listed.take();
+        self.pair(&positions, false, Compares::None, Some(facets)).inspect_err(|_| {
+            (self.pairings, self.positions, self.listed) = (pairings, before, listed);
+        })
+    }
+
+    /// The report of a refresh that leaves the lists of nodal domains as they are, as nobody has moved by more than half the skin,
+    /// master and slave together.
+    fn kept_lists(&self, positions: &[Point]) -> Option<RefreshReport> {
+        let listed = self.listed.as_ref()?;
+        // Frames that are held are those of the last refresh.
+        if !self.pairings.frames.is_empty() {
+            return None;
+        }
+        let square = |node: usize| {
+            let [a, b, c] = [0, 1, 2].map(|axis| positions[node][axis] - listed.positions[node][axis]);
+            a * a + b * b + c * c
+        };
+        let masters =
+            self.master.nodes().iter().map(|&node| square(node as usize)).fold(0.0, f64::max).sqrt();
+        let paired = |k: usize| self.pairings.get(k).ok().map(|paired| paired.record.support_radius);
+        let smallest = self.pairings.all().filter_map(paired).fold(f64::INFINITY, f64::min);
+        // Where nothing was near enough it comes near by no less than the limit.
+        let smallest = self.own.as_ref().map_or(smallest, |own| smallest.min(own.limit()));
+        let stays = |k: usize| {
+            // A slave without a list may get one.
+            let shortest = paired(k).unwrap_or(smallest);
+            masters + square(self.pairings.layout.slave(k)).sqrt() <= 0.5 * SKIN * shortest
+        };
+        self.pairings.all().all(stays).then(|| {
+            let paired = listed.report.paired;
+            let without = listed.report.without.clone();
+            let fallbacks = listed.report.fallbacks;
+            RefreshReport { paired, kept: paired, without, fallbacks, ..RefreshReport::default() }
+        })
+    }
+}

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Runs the tests of the hosts: hosts/run.sh [scikit-fem] [dolfinx], without arguments all of them. Makes a virtual environment for each
-# under the target directory and installs the Python module into it. dolfinx needs Debian's packages: see dolfinx/README.md.
+# under the target directory and installs the Python module into it,
+# from the file DIFFUSE_CONTACT_WHEEL if there is one. dolfinx needs Debian's packages: see dolfinx/README.md.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -19,6 +20,6 @@ for host in "$@"; do
     fi
     environment=$environments/$host
     "$python" -m venv "${options[@]}" "$environment"
-    "$environment/bin/pip" install --quiet ./python "pytest>=8" "${packages[@]}"
+    "$environment/bin/pip" install --quiet "${DIFFUSE_CONTACT_WHEEL:-./python}" "pytest>=8" "${packages[@]}"
     "$environment/bin/python" -m pytest -p no:cacheprovider "hosts/$host"
 done

@@ -8,8 +8,9 @@
 use std::error::Error;
 use std::process::ExitCode;
 
-use diffuse_contact_benches::contender::{GENERATED_BATCH, GENERATED_SINGLE};
-use diffuse_contact_benches::{CONTENDERS, Elements, Output, isa_named};
+use diffuse_contact_benches::batch::GapInBatches;
+use diffuse_contact_benches::generated::GapOneByOne;
+use diffuse_contact_benches::{Elements, Output, Run, isa_named};
 
 /// Elements of a round.
 const ELEMENTS: usize = 16;
@@ -29,18 +30,13 @@ fn work(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let [shape, isa, nodes, rounds] = arguments else {
         return Err("usage: instructions SHAPE ISA NODES ROUNDS".into());
     };
-    let kernel = match shape.as_str() {
-        "single" => GENERATED_SINGLE,
-        "batch" => GENERATED_BATCH,
+    let (isa, output) = (isa_named(isa)?, Output::GapCoMovingHessian);
+    let elements = Elements::new(nodes.parse()?, ELEMENTS)?;
+    let mut run: Box<dyn Run> = match shape.as_str() {
+        "single" => Box::new(GapOneByOne::new(&elements, output, isa)),
+        "batch" => Box::new(GapInBatches::new(&elements, output, isa)),
         _ => return Err(format!("the shapes are single and batch, not {shape}").into()),
     };
-    let isa = isa_named(isa)?;
-    let elements = Elements::new(nodes.parse()?, ELEMENTS)?;
-    let contender = CONTENDERS
-        .iter()
-        .find(|contender| contender.kernel == kernel && contender.output == Output::GapCoMovingHessian)
-        .ok_or("no such contender")?;
-    let mut run = (contender.prepare)(&elements, isa).ok_or("not compiled for this number of nodes")?;
     run.run(ELEMENTS)?;
     for _ in 0..rounds.parse::<usize>()? {
         run.run(ELEMENTS)?;

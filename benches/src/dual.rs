@@ -9,7 +9,8 @@ use nalgebra::{Const, U1};
 use num_dual::{Dual2SVec64, DualNum, HyperDual64};
 
 use crate::Elements;
-use crate::contender::{OneByOne, Run};
+use crate::contender::Run;
+use crate::one_by_one::OneByOne;
 
 /// Most Newton iterations for the foot on reals.
 const MOST_ITERATIONS: usize = 50;

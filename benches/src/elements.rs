@@ -2,8 +2,7 @@
 
 use std::f64::consts::PI;
 
-use diffuse_contact::ad::Ad;
-use diffuse_contact::{Backend, Basis, Element, ElementError, Frame, Mode, Point, Weight};
+use diffuse_contact::{Backend, Basis, Element, ElementError, Frame, Generated, Mode, Point, Weight};
 
 use crate::Random;
 
@@ -152,8 +151,8 @@ impl Elements {
         let element =
             Element::new(slave, &masters, frame, support_radius).with_basis(basis).with_weight(weight);
         // By the backend that uses no vectors, so that the elements are the same on every machine.
-        Ad.gap(&element, Mode::Value)?;
-        Ad.gap(&element.with_frame(frame.frozen()), Mode::Value)?;
+        Generated.gap(&element, Mode::Value)?;
+        Generated.gap(&element.with_frame(frame.frozen()), Mode::Value)?;
         self.slaves.push(slave);
         self.masters.extend_from_slice(&masters);
         self.frames.push(frame);

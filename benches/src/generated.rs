@@ -1,7 +1,6 @@
 //! The generated kernels one element at a time as contenders, and how many operations they do.
 
 use diffuse_contact::{Basis, Element, Mode};
-use diffuse_contact_codegen as codegen;
 use diffuse_contact_kernels::cubic::Cubic;
 use diffuse_contact_kernels::support::{
     ElementInputs, FrameRule, GapValues, Isa, KernelSet, Masters, Status, SurfaceValues,
@@ -153,12 +152,14 @@ impl Run for SurfaceOneByOne<'_> {
     }
 }
 
+#[cfg(feature = "rivals")]
 /// Operations of the generated kernel for one element: fused multiply-adds, and whatever else counts like one (an
 /// unpaired addition, a division, a root, a choice). The foot's equations count as often as these elements evaluate
 /// them on average.
 #[must_use]
 pub fn operations(output: Output, elements: &Elements) -> f64 {
     use codegen::{FrameRule, Mode, Output as Kernel};
+    use diffuse_contact_codegen as codegen;
     let (kernel, mode, frame) = match output {
         Output::GapGradient => (Kernel::Gap, Mode::Gradient, FrameRule::Frozen),
         Output::GapHessian => (Kernel::Gap, Mode::Hessian, FrameRule::Frozen),

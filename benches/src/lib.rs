@@ -13,6 +13,7 @@
 //! | `generated.rs` | the generated kernels one element at a time, and their operation counts |
 //! | `batch.rs` | the generated kernels for many elements at once |
 //! | `by_hand/` | the element written by hand with nalgebra |
+//! | `one_by_one.rs` | those that take one element after another |
 //! | `dual.rs` | the element over the dual numbers of num-dual |
 //! | `peak.rs` | the fused multiply-adds a second that the machine can do |
 //! | `tetrahedron.rs` | a solid element from its energy and by hand, of `benches/tetrahedron.rs` |
@@ -20,20 +21,33 @@
 #![forbid(unsafe_code)]
 
 pub mod batch;
+#[cfg(feature = "rivals")]
 pub mod by_hand;
 pub mod contender;
+#[cfg(feature = "rivals")]
 pub mod dual;
 pub mod elements;
 pub mod generated;
+#[cfg(feature = "rivals")]
 pub mod measure;
+#[cfg(feature = "rivals")]
+mod one_by_one;
 pub mod peak;
 pub mod random;
+#[cfg(feature = "rivals")]
 pub mod report;
+#[cfg(feature = "rivals")]
 pub mod tetrahedron;
 
-pub use contender::{CONTENDERS, Contender, Evaluation, NoResult, Output, Run};
+#[cfg(feature = "rivals")]
+pub use contender::CONTENDERS;
+pub use contender::{Contender, Evaluation, NoResult, Output, Run};
 pub use elements::{Elements, ElementsError};
-pub use generated::{UnknownIsa, isa_named, operations};
+#[cfg(feature = "rivals")]
+pub use generated::operations;
+pub use generated::{UnknownIsa, isa_named};
+#[cfg(feature = "rivals")]
 pub use measure::{MeasureError, Plan, measure};
 pub use random::Random;
+#[cfg(feature = "rivals")]
 pub use report::Report;

@@ -48,7 +48,7 @@
 //! * **Inlining.** Everything a job calls with vectors has to be inlined into it, or it is compiled for the baseline and passes vectors
 //!   through memory. Kernels are `#[inline(always)]`, and `support` has loops where `array::map` or `array::from_fn`, which are not always
 //!   inlined, would read better.
-//! * **Unoptimised**, a kernel is compiled once, for one element number by number: vectors take five times as long to compile and gain
+//! * **At optimisation level 0 or 1** a kernel is compiled once, for one element number by number: vectors take five times as long to compile and gain
 //!   nothing. `KernelSet::best_isa` is scalar there: `Config::compile` notes Cargo's `OPT_LEVEL` in each `KernelSet`, as kernels of one's
 //!   own weight are compiled in one's own crate.
 //! * **Bits.** Neighbours in a batch make no difference to an element. Shapes and instructions differ by rounding.

@@ -23,7 +23,8 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix3, Matrix6x3, SMatrix, Vector3, Vector6
 use fit::{Node, cholesky, foot, inverse, moments};
 
 use crate::Elements;
-use crate::contender::{OneByOne, Run};
+use crate::contender::Run;
+use crate::one_by_one::OneByOne;
 
 /// a b + c, fused where the compiler may use the instruction: elsewhere that would be a call.
 #[inline(always)]

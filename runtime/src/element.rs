@@ -12,24 +12,41 @@ use crate::{Basis, Domains, ElementError, Frame, FrameDerivative, MaterialNode, 
 pub enum Weight {
     /// 1 − 3r² + 2r³ inside the support radius, 0 outside (Chamoret et al. 2008, eq. 14).
     #[default]
-    Cubic,
+    Cubic = 0,
     /// ω/(1 − ω) with ω the cubic weight (Chamoret et al. 2008, eq. 16): infinite at a node, so that the surface
-    /// passes through the master nodes.
-    CubicInterpolating,
+    /// passes through the master nodes. With the Cargo feature `interpolating`, which is on by default.
+    #[cfg(feature = "interpolating")]
+    CubicInterpolating = 1,
     /// (1 − r)⁴ (1 + 4r) inside the support radius, 0 outside (Wendland 1995): twice differentiable at r = 1, where
     /// the cubic weight's second derivative jumps.
-    WendlandC2,
+    WendlandC2 = 2,
 }
 
 impl Weight {
     /// All weights.
+    #[cfg(feature = "interpolating")]
     pub const ALL: [Self; 3] = [Self::Cubic, Self::CubicInterpolating, Self::WendlandC2];
+
+    /// All weights.
+    #[cfg(not(feature = "interpolating"))]
+    pub const ALL: [Self; 2] = [Self::Cubic, Self::WendlandC2];
+
+    /// Whether the surface passes through the master nodes.
+    #[must_use]
+    pub const fn is_interpolating(self) -> bool {
+        match self {
+            #[cfg(feature = "interpolating")]
+            Self::CubicInterpolating => true,
+            Self::Cubic | Self::WendlandC2 => false,
+        }
+    }
 
     /// Name in input and output files.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Cubic => "cubic",
+            #[cfg(feature = "interpolating")]
             Self::CubicInterpolating => "cubic-interpolating",
             Self::WendlandC2 => "wendland-c2",
         }

@@ -50,6 +50,7 @@ macro_rules! with_kernels {
                 type $kernels = diffuse_contact_kernels::cubic::Cubic;
                 $call
             }
+            #[cfg(feature = "interpolating")]
             Weight::CubicInterpolating => {
                 type $kernels = diffuse_contact_kernels::cubic_interpolating::CubicInterpolating;
                 $call

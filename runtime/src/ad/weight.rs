@@ -71,13 +71,15 @@ impl RadialWeight for Weight {
     fn evaluate<D: DualNum<Primitive = f64> + Copy>(&self, r: D) -> D {
         match self {
             // 1 − 3r² + 2r³ (Chamoret et al. 2008, eq. 14)
-            Self::Cubic | Self::CubicInterpolating => r * r * (r * 2.0 - 3.0) + 1.0,
+            Self::Cubic => r * r * (r * 2.0 - 3.0) + 1.0,
+            #[cfg(feature = "interpolating")]
+            Self::CubicInterpolating => Self::Cubic.evaluate(r),
             Self::WendlandC2 => (-r + 1.0).powi(4) * (r * 4.0 + 1.0),
         }
     }
 
     fn is_interpolating(&self) -> bool {
-        *self == Self::CubicInterpolating
+        Self::is_interpolating(*self)
     }
 }
 

@@ -335,11 +335,10 @@ impl Evaluator<'_> {
     pub fn inputs<'s>(&'s self, paired: &Paired<'s>, frame: &Frame, weight: Weight) -> ElementInputs<'s> {
         let slave = self.positions[paired.slave];
         let support_radius = paired.record.support_radius;
-        let pole = match weight {
-            Weight::CubicInterpolating => {
-                nearest_in_plane(slave, self.masters(paired), frame, |_| support_radius)
-            }
-            Weight::Cubic | Weight::WendlandC2 => 0,
+        let pole = if weight.is_interpolating() {
+            nearest_in_plane(slave, self.masters(paired), frame, |_| support_radius)
+        } else {
+            0
         };
         ElementInputs {
             slave,

@@ -61,10 +61,7 @@ impl WithinReach {
         let slave = evaluator.positions[paired.slave];
         let Gathered { frame, range, unit } = element;
         let (points, nodes) = (&self.points[range.clone()], &self.nodes[range.clone()]);
-        let pole = match weight {
-            Weight::CubicInterpolating => nearest_in_material(nodes),
-            Weight::Cubic | Weight::WendlandC2 => 0,
-        };
+        let pole = if weight.is_interpolating() { nearest_in_material(nodes) } else { 0 };
         ElementInputs {
             slave,
             masters: Masters::Positions(points),

@@ -29,7 +29,7 @@ impl Window {
     #[must_use]
     pub fn to_numbers(&self) -> (Vec<i64>, Vec<f64>) {
         let Setup { weight, basis, feature_angle_degrees, planes, extents } = &self.setup;
-        let weight = Weight::ALL.iter().position(|known| known == weight).unwrap_or(0) as i64;
+        let weight = *weight as i64;
         let counts = [planes.len(), self.boxes.len(), self.nodes.len(), self.facets.len(), self.listed.len()];
         let mut integers = vec![MAGIC, weight, basis.size() as i64];
         integers.extend(counts.map(|count| count as i64));
@@ -68,9 +68,9 @@ impl Window {
         let Some((header, mut rest)) = integers.split_at_checked(HEADER) else {
             return Err(invalid("integer", integers.len()));
         };
-        let weight = usize::try_from(header[1]).ok().and_then(|weight| Weight::ALL.get(weight));
+        let weight = Weight::ALL.into_iter().find(|&weight| weight as i64 == header[1]);
         let basis = [Basis::Linear, Basis::Quadratic].into_iter().find(|own| own.size() as i64 == header[2]);
-        let (MAGIC, Some(&weight), Some(basis)) = (header[0], weight, basis) else {
+        let (MAGIC, Some(weight), Some(basis)) = (header[0], weight, basis) else {
             return Err(invalid("integer", 0));
         };
         let mut counts = [0; 5];

@@ -400,6 +400,6 @@ fn the_golden_element_is_what_the_generator_emits() {
     assert!(
         text == golden,
         "the emitted text has changed; refresh the excerpt and review the difference:\n    \
-         UPDATE_GOLDEN=1 cargo test -p diffuse-contact-codegen --test element"
+         UPDATE_GOLDEN=1 cargo test -p diffuse-contact-codegen --test all -- golden"
     );
 }

@@ -211,7 +211,7 @@ fn the_golden_header_is_what_the_generator_emits() {
     assert!(
         text == golden,
         "the emitted text has changed; refresh the excerpt and review the difference:\n    \
-         UPDATE_GOLDEN=1 cargo test -p diffuse-contact-codegen --test element_c"
+         UPDATE_GOLDEN=1 cargo test -p diffuse-contact-codegen --test all -- golden"
     );
     assert_eq!(Mode::ALL.map(|mode| text.contains(&format!("spring_{}_batch", mode.name()))), [true; 3]);
 }

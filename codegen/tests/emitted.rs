@@ -94,7 +94,7 @@ fn every_kernel_is_emitted_byte_for_byte() {
         found == stored,
         "the emitted text has changed, {} pieces of {}, of which the first are\n    {}\n\
          EMITTED_TEXT=<folder> writes it, to compare it with that of before. Where the change is meant, refresh the hashes:\n    \
-         UPDATE_EMITTED=1 cargo test -p diffuse-contact-codegen --test emitted",
+         UPDATE_EMITTED=1 cargo test -p diffuse-contact-codegen --test all -- emitted",
         changed.len(),
         found.lines().count(),
         changed.iter().take(12).copied().collect::<Vec<_>>().join("\n    ")

@@ -23,6 +23,6 @@ fn the_golden_excerpt_is_what_the_generator_emits() {
     assert!(
         text == golden,
         "the emitted text has changed; refresh the excerpt and review the difference:\n    \
-         UPDATE_GOLDEN=1 cargo test -p diffuse-contact-codegen --test golden"
+         UPDATE_GOLDEN=1 cargo test -p diffuse-contact-codegen --test all -- golden"
     );
 }

@@ -1,0 +1,9 @@
+//! The tests of the public interface.
+
+mod element;
+mod element_c;
+mod element_points;
+mod emitted;
+mod formulas;
+mod golden;
+mod operations;

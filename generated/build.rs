@@ -5,8 +5,8 @@ mod elements;
 use diffuse_contact_codegen::Config;
 use elements::{
     carried_by_quadrilateral, carried_by_quadrilateral8, carried_by_quadrilateral9, carried_by_triangle,
-    carried_by_triangle6, coulomb, coulomb_sliding, decaying_coefficient, direction, interpolated, traction,
-    traction_sliding,
+    carried_by_triangle6, coulomb, coulomb_sliding, decaying_coefficient, direction, foot_of_gap,
+    interpolated, traction, traction_sliding,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -28,6 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .element("decaying_coefficient", decaying_coefficient)?
         .element("interpolated", interpolated)?
         .element("direction", direction)?
+        .element("foot_of_gap", foot_of_gap)?
         .element("carried_by_triangle", carried_by_triangle)?
         .element("carried_by_quadrilateral", carried_by_quadrilateral)?
         .element("carried_by_triangle6", carried_by_triangle6)?

@@ -110,6 +110,15 @@ pub fn direction(m: &ElementModel<'_>) {
     m.residual("direction", along.unit());
 }
 
+/// The foot of a gap.
+pub fn foot_of_gap(m: &ElementModel<'_>) {
+    m.title("The foot x^d = x^c − g ν of a gap (Chamoret et al. 2008, eq. 19).");
+    let slave: Vec3<'_> = m.variable("slave");
+    let gap: Expr<'_> = m.variable("gap");
+    let normal: Vec3<'_> = m.variable("normal");
+    m.residual("foot", slave - gap * normal);
+}
+
 /// A force carried by a triangle.
 pub fn carried_by_triangle(m: &ElementModel<'_>) {
     carried(m, |m, [a, b, c]: [Vec3<'_>; 3], point, force| {

@@ -53,6 +53,11 @@ pub fn lower<S: Clone>(kernel: &Kernel<S>) -> Kernel<S> {
         })
         .collect();
     let node_values = kernel.node_values.iter().map(|&(name, x)| (name, lowering.lower(x))).collect();
+    let combinations = kernel
+        .combinations
+        .iter()
+        .map(|(name, all)| (*name, all.iter().map(|&x| lowering.lower(x)).collect()))
+        .collect();
     Kernel {
         spec: kernel.spec.clone(),
         graph: lowering.target,
@@ -60,6 +65,7 @@ pub fn lower<S: Clone>(kernel: &Kernel<S>) -> Kernel<S> {
         gradients,
         hessians,
         node_values,
+        combinations,
         equations: kernel.equations.clone(),
     }
 }

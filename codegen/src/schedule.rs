@@ -60,13 +60,17 @@ impl FormRows {
             (c.clone(), [xx, yx, yy, zx, zy, zz])
         });
         let mut rows = Self { point, ..Self::default() };
-        for LowRankTerm { b, c } in &form.terms {
-            let is_constant =
-                form.point.is_none() && b[0].iter().chain(&c[0]).all(|&x| graph.scope(x) == Scope::Element);
+        for term in &form.terms {
+            let is_constant = Self::is_constant(graph, form, term);
             let list = if is_constant { &mut rows.constant } else { &mut rows.varying };
-            list.extend([*b, *c]);
+            list.extend([term.b, term.c]);
         }
         rows
+    }
+
+    /// Whether the rows of a term are the same for all nodes.
+    fn is_constant(graph: &Graph, form: &LowRankForm, LowRankTerm { b, c, .. }: &LowRankTerm) -> bool {
+        form.point.is_none() && b[0].iter().chain(&c[0]).all(|&x| graph.scope(x) == Scope::Element)
     }
 }
 
@@ -127,6 +131,9 @@ pub struct Program<S = KernelSpec> {
     pub phases: Vec<Phase>,
     /// Rows of the Hessians' forms.
     pub forms: Vec<FormRows>,
+    /// Coefficients of the kernel's combinations for the terms in the order of the rows, and what is computed for them only: a segment of
+    /// its own.
+    pub combinations: (Vec<Statement>, Vec<Vec<ExprId>>),
     /// Bodies of the roots' equations: statements for residuals and Jacobian.
     pub roots: HashMap<RootId, Vec<Statement>>,
     /// How expressions are written.
@@ -227,11 +234,40 @@ impl<'a, S: Clone> Scheduler<'a, S> {
         let mut layout = Layout::default();
 
         self.schedule_nodes(&mut phases, &mut layout);
-        let roots = self.schedule_elements(&mut phases, &mut layout);
+        let combinations = self.combinations();
+        let of_combinations = self.only_of_combinations(&combinations);
+        let roots = self.schedule_elements(&mut phases, (&combinations, &of_combinations), &mut layout);
+        let results = combinations.concat();
+        let own = self.lay_out(&of_combinations, &results, &HashSet::new(), &mut layout);
+        let combinations = (own, combinations);
         while phases.last().is_some_and(|p| p.statements.is_empty() && p.nodes.is_empty()) {
             phases.pop();
         }
-        Program { kernel: self.kernel.clone(), phases, forms: self.forms, roots, layout }
+        Program { kernel: self.kernel.clone(), phases, forms: self.forms, combinations, roots, layout }
+    }
+
+    /// Coefficients of the combinations, those for varying terms first.
+    fn combinations(&self) -> Vec<Vec<ExprId>> {
+        let Some((_, hessian)) = self.kernel.hessians.first() else { return Vec::new() };
+        let mut order: Vec<usize> = (0..hessian.form.terms.len()).collect();
+        order.sort_by_key(|&k| FormRows::is_constant(self.graph, &hessian.form, &hessian.form.terms[k]));
+        let sorted = |(_, all): &(_, Vec<ExprId>)| order.iter().map(|&k| all[k]).collect();
+        self.kernel.combinations.iter().map(sorted).collect()
+    }
+
+    /// What is needed for combinations only, operands first.
+    fn only_of_combinations(&self, combinations: &[Vec<ExprId>]) -> Vec<ExprId> {
+        let of_results: HashSet<ExprId> = self.reachable.iter().copied().collect();
+        let members = self.members(&combinations.concat(), |x| !of_results.contains(&x));
+        for &x in &members {
+            let is_straight =
+                !matches!(self.graph.op(x), Op::Sum(_) | Op::RootValue(..) | Op::RootFigure(..));
+            assert!(
+                is_straight && self.graph.scope(x) == Scope::Element,
+                "a combination needs a loop or a root of its own"
+            );
+        }
+        members
     }
 
     fn schedule_nodes(&self, phases: &mut [Phase], layout: &mut Layout) {
@@ -294,6 +330,7 @@ impl<'a, S: Clone> Scheduler<'a, S> {
     fn schedule_elements(
         &self,
         phases: &mut [Phase],
+        (combinations, of_combinations): (&[Vec<ExprId>], &[ExprId]),
         layout: &mut Layout,
     ) -> HashMap<RootId, Vec<Statement>> {
         let is_element = |x: ExprId| self.graph.scope(x) == Scope::Element;
@@ -316,6 +353,10 @@ impl<'a, S: Clone> Scheduler<'a, S> {
                 }
             }
         }
+        let own: HashSet<ExprId> = of_combinations.iter().copied().collect();
+        let of_own = of_combinations.iter().flat_map(|&x| self.graph.operands(x));
+        let used = of_own.chain(combinations.concat()).filter(|x| !own.contains(x));
+        external.extend(used.map(|x| self.without_sign(x)));
         let mut roots = HashMap::new();
         let results = self.element_results();
         for (phase, members) in phases.iter_mut().zip(&members) {

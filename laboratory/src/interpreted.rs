@@ -8,8 +8,8 @@
 use std::sync::OnceLock;
 
 use diffuse_contact::{
-    Backend, Coefficients, Domains, Element, ElementError, FrameDerivative, Gap, Mode, Point, Slip, Surface,
-    SymmetricMatrix,
+    Backend, Coefficients, ContactPoint, Domains, Element, ElementError, FootDerivatives, FrameDerivative,
+    Gap, Mode, Point, Slip, Surface, SymmetricMatrix,
 };
 use diffuse_contact_codegen::graph::ExprId;
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
@@ -174,6 +174,33 @@ impl Backend for Interpreted {
         Ok(gap)
     }
 
+    fn foot_derivatives(&self, element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
+        element.validate_with(|r| self.fitting_weight(r))?;
+        let inputs = inputs(element, [0.0; 2]);
+        let mut evaluation = self.evaluation(Output::Gap, element, Mode::Hessian, &inputs)?;
+        let Gap { gap, foot, normal, .. } = evaluation.contact(element)?;
+        let gradient = evaluation.gradients().pop().unwrap_or_default();
+        let by_height = evaluation.combination("height");
+        let along = |by: &[f64; 3]| by.iter().zip(element.frame.normal).map(|(x, n)| x * n).sum();
+        let weights = by_height[1..].iter().map(along).collect();
+        let by_normal =
+            ["normal_x", "normal_y", "normal_z"].map(|name| evaluation.combination(name).concat());
+        // x^d = x^c − g ν, by the rule of products.
+        let by_foot = (0..3).flat_map(|axis| {
+            let entry = |k: usize| {
+                let of_slave = f64::from(u8::from(k == axis));
+                of_slave - normal[axis] * gradient[k] - gap * by_normal[axis][k]
+            };
+            (0..gradient.len()).map(entry).collect::<Vec<_>>()
+        });
+        Ok(FootDerivatives {
+            point: ContactPoint { gap, foot, normal },
+            weights,
+            foot: by_foot.collect(),
+            normal: by_normal.concat(),
+        })
+    }
+
     fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {
         element.validate_with(|r| self.fitting_weight(r))?;
         let mut inputs = inputs(element, [0.0; 2]);
@@ -278,6 +305,29 @@ impl Evaluation<'_> {
         }
         entries.extend(gradient.point.into_iter().flatten().map(|x| self.interpreter.element(x)));
         entries
+    }
+
+    /// A derivative that is combined from the Hessian's rows, by slave and masters.
+    fn combination(&mut self, name: &str) -> Vec<[f64; 3]> {
+        let kernel = self.kernel;
+        let found = kernel.combinations.iter().find(|(other, _)| *other == name);
+        let (_, coefficients) = found.unwrap_or_else(|| panic!("no combination is named {name}"));
+        let terms = &kernel.hessians[0].1.form.terms;
+        let mut all = vec![[0.0; 3]];
+        for node in 0..self.count {
+            let mut entries = [0.0; 3];
+            for (term, &coefficient) in terms.iter().zip(coefficients) {
+                let coefficient = self.interpreter.element(coefficient);
+                for (entry, b) in entries.iter_mut().zip(term.b[0]) {
+                    *entry += coefficient * self.interpreter.node(b, node);
+                }
+            }
+            for axis in 0..3 {
+                all[0][axis] -= entries[axis];
+            }
+            all.push(entries);
+        }
+        all
     }
 
     /// The first of the kernel's results of node scope.

@@ -1,6 +1,6 @@
 //! The one trait behind which the element is evaluated, whatever computes it.
 
-use crate::{Coefficients, Element, ElementError, Gap, Mode, Point, Slip, Surface};
+use crate::{Coefficients, Element, ElementError, FootDerivatives, Gap, Mode, Point, Slip, Surface};
 
 /// Something that evaluates the element: the generated kernels, or automatic differentiation.
 ///
@@ -27,7 +27,13 @@ pub trait Backend: Sync {
     /// Every reason for which the element has no gap; see [`ElementError`].
     fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError>;
 
-    /// The same with the slip from an anchor: q, ∇q and ∇²q with respect to the 3(n+2) coordinates of slave, masters and anchor, and the
+    /// The foot with the masters' weights in it, and first derivatives of foot and normal.
+    ///
+    /// # Errors
+    /// Every reason for which the element has no gap; see [`ElementError`].
+    fn foot_derivatives(&self, element: &Element<'_>) -> Result<FootDerivatives, ElementError>;
+
+    /// Gap and normal with the slip from an anchor: q, ∇q and ∇²q with respect to the 3(n+2) coordinates of slave, masters and anchor, and the
     /// masters' weights in the foot. `anchor` is where the anchor is today, global axes, length.
     ///
     /// # Errors

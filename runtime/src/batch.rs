@@ -1,7 +1,7 @@
 //! Many elements at once: those with the same kernel and number of nodes are evaluated side by side.
 
 use diffuse_contact_kernels::support::{
-    Basis, BatchElement, ElementInputs, FrameRule, GapValues, KernelSet, Workspace,
+    Basis, BatchElement, ElementInputs, FrameRule, GapValues, KernelSet, SecondKind, Workspace,
 };
 
 use crate::generated::{frame_rule, inputs, validate, with_kernels};
@@ -112,8 +112,8 @@ impl<K: KernelSet> GeneratedWith<K> {
 pub(crate) enum Asked {
     /// Those of a mode.
     Mode(Mode),
-    /// N, and the factors of M in its place; of elements without a slip.
-    Factors,
+    /// N, and factors in the place of M; of elements without a slip.
+    Factors(SecondKind),
 }
 
 /// The kernel sets of a backend.
@@ -166,7 +166,7 @@ impl<K: KernelSet> KernelSets for GeneratedWith<K> {
         match asked {
             Asked::Mode(mode) if has_slip => K::slip_batch(isa, (basis, frame, mode), elements, workspace),
             Asked::Mode(mode) => K::gap_batch(isa, (basis, frame, mode), elements, workspace),
-            Asked::Factors => K::gap_factors_batch(isa, (basis, frame), elements, workspace),
+            Asked::Factors(kind) => K::gap_factors_batch(isa, (basis, frame), kind, elements, workspace),
         }
     }
 }

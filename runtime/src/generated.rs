@@ -4,10 +4,11 @@ use std::marker::PhantomData;
 
 use diffuse_contact_kernels::support::{ElementInputs, FrameRule, GapValues, KernelSet, Masters, packed_row};
 
+use crate::foot;
 use crate::output::SymmetricMatrix;
 use crate::{
-    Backend, Coefficients, ContactPoint, Domains, Element, ElementError, FrameDerivative, Gap, Mode, Point,
-    Slip, Surface, Weight,
+    Backend, Coefficients, ContactPoint, Domains, Element, ElementError, FootDerivatives, FrameDerivative,
+    Gap, Mode, Point, Slip, Surface, Weight,
 };
 
 /// Evaluates elements with the kernels that the build script of `diffuse-contact-kernels` generated.
@@ -78,6 +79,10 @@ impl Backend for Generated {
         with_kernels!(element.weight, K => GeneratedWith::<K>::new().gap(element, mode))
     }
 
+    fn foot_derivatives(&self, element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
+        foot::of_element(element)
+    }
+
     fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {
         with_kernels!(element.weight, K => GeneratedWith::<K>::new().slip(element, anchor, mode))
     }
@@ -135,6 +140,10 @@ impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
             gradient: buffers.gradients().pop().unwrap_or_default(),
             hessian: buffers.hessians().pop().unwrap_or_default(),
         })
+    }
+
+    fn foot_derivatives(&self, element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
+        foot::of_element_with::<K>(element)
     }
 
     fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {

@@ -70,6 +70,7 @@ pub mod element;
 pub mod error;
 pub mod faces;
 pub mod facet;
+pub mod foot;
 pub mod frame;
 pub mod friction;
 pub mod generated;
@@ -90,6 +91,7 @@ pub use diffuse_contact_kernels::support::{Basis, CustomBasis, Domains, Material
 pub use element::{Element, Weight};
 pub use error::ElementError;
 pub use facet::{FacetElement, FacetPoint};
+pub use foot::{FootDerivatives, FootSlot};
 pub use frame::{Frame, FrameDerivative};
 pub use friction::{Coulomb, FrictionState};
 pub use generated::{Generated, GeneratedWith};

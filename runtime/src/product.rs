@@ -23,7 +23,7 @@
 //! # Ok::<(), diffuse_contact::ElementError>(())
 //! ```
 
-use diffuse_contact_kernels::support::{FormRows, Isa, KernelSet};
+use diffuse_contact_kernels::support::{FormRows, Isa, KernelSet, SecondKind};
 
 use crate::batch::{Asked, gap_batch};
 use crate::generated::{frame_rule, inputs, validate, with_kernels};
@@ -56,6 +56,10 @@ impl HessianForm {
     pub(crate) fn of<K: KernelSet>(element: &Element<'_>) -> Self {
         let frame = frame_rule(element.frame.derivative, &element.domains);
         Self(K::gap_form((element.basis, frame), element.masters.len()))
+    }
+
+    pub(crate) const fn rows(self) -> FormRows {
+        self.0
     }
 
     pub(crate) const fn new(rows: FormRows) -> Self {
@@ -154,7 +158,7 @@ impl Generated {
         slots: impl IntoIterator<Item = GapSlot<'a>>,
         scratch: &mut BatchScratch,
     ) -> Vec<Result<ContactPoint, ElementError>> {
-        gap_batch(self, elements, Asked::Factors, slots, scratch)
+        gap_batch(self, elements, Asked::Factors(SecondKind::Factors), slots, scratch)
     }
 }
 
@@ -168,7 +172,8 @@ impl<K: KernelSet> GeneratedWith<K> {
         let (mut gradient, mut numbers) = (vec![0.0; form.degrees_of_freedom()], vec![0.0; form.numbers()]);
         let kernel = (element.basis, frame_rule(element.frame.derivative, &element.domains));
         let inputs = inputs::<K>(element, [0.0; 2]);
-        let values = K::gap_factors(K::best_isa(), kernel, &inputs, &mut gradient, &mut numbers);
+        let values =
+            K::gap_factors(K::best_isa(), kernel, SecondKind::Factors, &inputs, &mut gradient, &mut numbers);
         ElementError::check(values.status())?;
         let point = ContactPoint { gap: values.gap, foot: values.foot, normal: values.normal };
         Ok(GapFactors { point, gradient, hessian: HessianFactors { form, numbers } })
@@ -196,6 +201,6 @@ impl<K: KernelSet> GeneratedWith<K> {
         slots: impl IntoIterator<Item = GapSlot<'a>>,
         scratch: &mut BatchScratch,
     ) -> Vec<Result<ContactPoint, ElementError>> {
-        gap_batch(self, elements, Asked::Factors, slots, scratch)
+        gap_batch(self, elements, Asked::Factors(SecondKind::Factors), slots, scratch)
     }
 }

@@ -4,8 +4,8 @@ use diffuse_contact::{Basis, Gap, Mode, SymmetricMatrix};
 use diffuse_contact_kernels::cubic::Cubic;
 use diffuse_contact_kernels::cubic_interpolating::CubicInterpolating;
 use diffuse_contact_kernels::support::{
-    BatchElement, ElementInputs, FormRows, FrameRule, GapValues, Isa, KernelSet, Status, Workspace,
-    packed_row,
+    BatchElement, ElementInputs, FormRows, FrameRule, GapValues, Isa, KernelSet, SecondKind, Status,
+    Workspace, packed_row,
 };
 use diffuse_contact_kernels::wendland_c2::WendlandC2;
 
@@ -19,8 +19,9 @@ type Single = fn(Isa, Kernel, &ElementInputs<'_>, &mut [f64], &mut [f64]) -> Gap
 type Batch = fn(Isa, Kernel, &mut [BatchElement<'_>], &mut Workspace);
 /// Which kernel gives factors.
 type Factored = (Basis, FrameRule);
-type SingleFactors = fn(Isa, Factored, &ElementInputs<'_>, &mut [f64], &mut [f64]) -> GapValues<f64>;
-type BatchFactors = fn(Isa, Factored, &mut [BatchElement<'_>], &mut Workspace);
+type SingleFactors =
+    fn(Isa, Factored, SecondKind, &ElementInputs<'_>, &mut [f64], &mut [f64]) -> GapValues<f64>;
+type BatchFactors = fn(Isa, Factored, SecondKind, &mut [BatchElement<'_>], &mut Workspace);
 
 /// The kernels for the gap of one weight, whatever their type.
 #[derive(Clone, Copy, Debug)]
@@ -82,7 +83,14 @@ impl GapKernels {
         let [mut gradient, mut factors] = self.room_of_factors(kernel, case, spare);
         let (basis, frame, _) = kernel;
         let (inputs, numbers) = (case.inputs(), factors.numbers_mut());
-        let values = (self.single_factors)(isa, (basis, frame), &inputs, gradient.numbers_mut(), numbers);
+        let values = (self.single_factors)(
+            isa,
+            (basis, frame),
+            SecondKind::Factors,
+            &inputs,
+            gradient.numbers_mut(),
+            numbers,
+        );
         Found { values, gradient: gradient.written(), hessian: factors.written() }
     }
 
@@ -102,7 +110,9 @@ impl GapKernels {
     ) -> Vec<Found> {
         let rooms = cases.iter().map(|case| self.room_of_factors(kernel, case, spare)).collect();
         let (basis, frame, _) = kernel;
-        in_batch(cases, rooms, |elements| (self.batch_factors)(isa, (basis, frame), elements, workspace))
+        in_batch(cases, rooms, |elements| {
+            (self.batch_factors)(isa, (basis, frame), SecondKind::Factors, elements, workspace)
+        })
     }
 
     fn room_of_factors(&self, kernel: Kernel, case: &Case, spare: usize) -> [Guarded; 2] {

@@ -8,8 +8,8 @@ use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
 use diffuse_contact_codegen::{ElementKernels, ElementModel, Mode};
 use diffuse_contact_kernels::{
     carried_by_quadrilateral, carried_by_quadrilateral8, carried_by_quadrilateral9, carried_by_triangle,
-    carried_by_triangle6, coulomb, coulomb_sliding, decaying_coefficient, direction, interpolated, support,
-    traction, traction_sliding,
+    carried_by_triangle6, coulomb, coulomb_sliding, decaying_coefficient, direction, foot_of_gap,
+    interpolated, support, traction, traction_sliding,
 };
 use num_dual::{Dual64, DualNum};
 
@@ -417,6 +417,21 @@ fn the_unit_vector_has_three_witnesses() {
     let of_kernel = [results.values.direction.to_vec(), results.direction_jacobian.to_vec()];
     let of_graph = interpreted(formulas::direction, &along, "direction");
     for (k, what) in ["direction", "its derivatives"].into_iter().enumerate() {
+        assert_close(&of_graph[k], &expected[k], what);
+        assert_close(&of_kernel[k], &expected[k], what);
+    }
+}
+
+#[test]
+fn the_foot_of_a_gap_with_its_derivatives() {
+    let inputs = [0.3, -1.7, 2.1, -0.4, 0.36, 0.48, 0.8];
+    let expected = by_duals(&inputs, 7, |x| (0..3).map(|k| x[k] + x[3] * -x[4 + k]).collect());
+    let [x, y, z, gap, a, b, c] = inputs;
+    let of = foot_of_gap::Inputs { slave: [x, y, z], gap, normal: [a, b, c] };
+    let results = foot_of_gap::evaluate(support::Mode::Gradient, &of);
+    let of_kernel = [results.values.foot.to_vec(), results.foot_jacobian.to_vec()];
+    let of_graph = interpreted(formulas::foot_of_gap, &inputs, "foot");
+    for (k, what) in ["foot", "its derivatives"].into_iter().enumerate() {
         assert_close(&of_graph[k], &expected[k], what);
         assert_close(&of_kernel[k], &expected[k], what);
     }

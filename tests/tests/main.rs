@@ -11,6 +11,7 @@ mod every_size;
 mod facet_lanes;
 mod facet_statuses;
 mod facets;
+mod foot;
 #[cfg(feature = "friction")]
 mod friction;
 mod identities;

@@ -176,6 +176,7 @@ impl FunctionWriter<'_> {
         let inputs = self.inputs();
         let phases: Vec<TokenStream> = (0..self.program.phases.len()).map(|k| self.phase(k)).collect();
         let outputs = self.element_outputs();
+        let combinations = self.combinations();
         let updates = self.updates();
         let values = self.values();
         let kept = self.kept();
@@ -225,6 +226,7 @@ impl FunctionWriter<'_> {
                 #inputs
                 #(#phases)*
                 #outputs
+                #combinations
                 #updates
                 #values
             }
@@ -465,6 +467,31 @@ impl FunctionWriter<'_> {
         self.counts.element += self.writer.take_counts();
         self.statements += updates.len();
         quote!(#(#updates)*)
+    }
+
+    /// What is combined from the first Hessian's rows, if it is asked for. Its operations are not counted.
+    fn combinations(&mut self) -> Option<TokenStream> {
+        let program = self.program;
+        let (statements, combinations) = &program.combinations;
+        if combinations.is_empty() {
+            return None;
+        }
+        let body = self.statements(statements);
+        let coefficients: Vec<TokenStream> =
+            combinations.iter().flatten().map(|&x| self.writer.used(x)).collect();
+        let normal = AXES.map(|axis| format_ident!("normal_{axis}"));
+        self.statements += coefficients.len() + normal.len();
+        let _ = self.writer.take_counts();
+        Some(quote! {
+            if second.kind() == SecondKind::FactorsAndFoot {
+                #body
+                let foot = [#(#coefficients,)* #(#normal),*];
+                let target = second.last(foot.len());
+                for k in 0..foot.len() {
+                    target[k] = S::element_output(foot[k]);
+                }
+            }
+        })
     }
 
     /// The slave's parts of gradients.

@@ -473,11 +473,12 @@ fn factor_methods((weight, number): (&Weight, usize), place: &TokenStream, bases
         fn gap_factors(
             isa: Isa,
             (basis, frame): (Basis, FrameRule),
+            kind: SecondKind,
             inputs: &ElementInputs<'_>,
             gradient: &mut [f64],
             factors: &mut [f64],
         ) -> GapValues<f64> {
-            let second = Second::new(SecondKind::Factors, factors);
+            let second = Second::new(kind, factors);
             match (basis, frame) {
                 #(#patterns => single::<#types>(isa, #number, inputs, gradient, second),)*
                 (Basis::Custom(_), _) => GapValues::NONE,
@@ -487,11 +488,12 @@ fn factor_methods((weight, number): (&Weight, usize), place: &TokenStream, bases
         fn gap_factors_batch(
             isa: Isa,
             (basis, frame): (Basis, FrameRule),
+            kind: SecondKind,
             elements: &mut [BatchElement<'_>],
             workspace: &mut Workspace,
         ) {
             match (basis, frame) {
-                #(#patterns => batch::<#types>(isa, #number, SecondKind::Factors, elements, workspace),)*
+                #(#patterns => batch::<#types>(isa, #number, kind, elements, workspace),)*
                 (Basis::Custom(_), _) => elements.iter_mut().for_each(|element| element.values = GapValues::NONE),
             }
         }

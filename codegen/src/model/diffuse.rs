@@ -4,7 +4,7 @@
 //! radius R, so that the moment matrix has entries of order one in any length unit; outputs carry their units
 //! again. "[Tn]" are formulas of `docs/equations.md`. All derivatives in here are asked from the derivative engine.
 
-use super::average_plane::AveragePlane;
+use super::average_plane::{AveragePlane, turned_back};
 use super::basis::Basis;
 use super::kernel::FrameRule;
 use super::material::Material;
@@ -88,6 +88,15 @@ pub(super) struct Contact<'g> {
     pub distance: Expr<'g>,
     pub determinant: Expr<'g>,
     pub trace: Expr<'g>,
+}
+
+/// First derivatives of a quantity at the foot.
+pub(super) struct FootQuantity<'g> {
+    pub name: &'static str,
+    /// By the unknowns.
+    pub by_alpha: Vec<Expr<'g>>,
+    /// By those of the plane, of which the turn turns the frame; none of a quantity with the plane held.
+    pub by_theta: Option<Vec<Expr<'g>>>,
 }
 
 impl<'g> Diffuse<'g> {
@@ -438,6 +447,41 @@ impl<'g> Diffuse<'g> {
             trace: J.trace().at(&at_foot),
             distance: foot.dot(foot).sqrt(),
         }
+    }
+
+    /// The normal ν in global axes, and the height of the surface over the foot with the foot held, whose derivative along n̂ is φ [T15].
+    #[expect(non_snake_case, reason = "the paper's symbol")]
+    pub fn foot_quantities(&self, at: &AtFoot<'g>) -> Vec<FootQuantity<'g>> {
+        let &AtFoot { ref fit, delta, surface, equations, jacobian: J, .. } = at;
+        let outer = self.plane.as_ref().map_or(&[][..], |plane| &plane.block.unknowns);
+        let at_foot = [delta.set_to(Vector::zero(self.sheet())), self.values()].concat();
+        let follower = |&alpha: &Expr<'g>| {
+            let mut follower = Follower::new(alpha);
+            follower.follow(delta.set_to(J.solve(-equations.by(alpha))));
+            follower
+        };
+        let followers: Vec<Follower<'g>> = fit.problem.unknowns().iter().map(follower).collect();
+
+        let n = Vector([-surface.slopes[0], -surface.slopes[1], self.sheet().one()]);
+        let normal = n * (1.0 / n.dot(n).sqrt());
+        // The frame turns with the plane.
+        let normal = match *outer {
+            [theta_1, theta_2, ..] => turned_back(Vector([-theta_1, -theta_2]), normal),
+            _ => normal,
+        };
+        let global = |local: Vec3<'g>| self.to_global(local.at(&at_foot).0);
+        let by_alpha: Vec<Vec3<'g>> =
+            followers.iter().map(|by| global(normal.map(|x| by.total_derivative(x)))).collect();
+        let by_theta: Vec<Vec3<'g>> =
+            outer.iter().map(|&theta| global(normal.map(|x| x.by(theta)))).collect();
+        let component = |all: &[Vec3<'g>], axis: usize| all.iter().map(|x| x[axis]).collect();
+        let normal = ["normal_x", "normal_y", "normal_z"].into_iter().enumerate().map(|(axis, name)| {
+            let (by_alpha, by_theta) = (component(&by_alpha, axis), Some(component(&by_theta, axis)));
+            FootQuantity { name, by_alpha, by_theta }
+        });
+        let height = self.support_radius * surface.value;
+        let by_alpha = followers.iter().map(|by| height.by(by.parameter()).at(&at_foot)).collect();
+        normal.chain([FootQuantity { name: "height", by_alpha, by_theta: None }]).collect()
     }
 
     /// The surface at u + δ as a function of the variables δ.

@@ -456,6 +456,7 @@ impl ElementKernels {
             gradients: Vec::new(),
             hessians: Vec::new(),
             node_values: Vec::new(),
+            combinations: Vec::new(),
             equations: Vec::new(),
         };
         let kernels: Vec<Kernel<ElementSpec>> = by_mode.into_iter().map(kernel).collect();

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::basis::{Basis, MOST_COEFFICIENTS};
-use super::diffuse::{Diffuse, Equation};
+use super::diffuse::{Diffuse, Equation, FootQuantity};
 use super::weight::Weight;
 use crate::expr::{Expr, Sheet, System, Vector, total};
 use crate::graph::{ExprId, Graph, Scope};
@@ -152,6 +152,9 @@ pub struct Kernel<S = KernelSpec> {
     pub hessians: Vec<(&'static str, Hessian)>,
     /// Results of node scope, named.
     pub node_values: Vec<(&'static str, ExprId)>,
+    /// First derivatives that only a caller who asks for them gets, as combinations of rows b of the first Hessian's terms: a coefficient
+    /// for each term.
+    pub combinations: Vec<(&'static str, Vec<ExprId>)>,
     /// The formulas behind it.
     pub equations: Vec<Equation>,
 }
@@ -212,8 +215,8 @@ impl<S> Kernel<S> {
             formulas(sheet, &spec, &mut results);
             results.checksum(sheet);
         });
-        let Results { values, gradients, hessians, node_values, equations } = results;
-        Self { spec, graph, values, gradients, hessians, node_values, equations }
+        let Results { values, gradients, hessians, node_values, combinations, equations } = results;
+        Self { spec, graph, values, gradients, hessians, node_values, combinations, equations }
     }
 }
 
@@ -224,6 +227,7 @@ pub(super) struct Results {
     gradients: Vec<(&'static str, Gradient)>,
     hessians: Vec<(&'static str, Hessian)>,
     node_values: Vec<(&'static str, ExprId)>,
+    combinations: Vec<(&'static str, Vec<ExprId>)>,
     equations: Vec<Equation>,
 }
 
@@ -298,6 +302,13 @@ impl Results {
             ]);
         } else {
             self.derivatives(spec.mode, problem, &[("gap", contact.functional)], 1);
+            if let Some((_, hessian)) = self.hessians.first() {
+                let quantities = model.foot_quantities(&at_foot).into_iter();
+                let combination = |FootQuantity { name, by_alpha, by_theta }: FootQuantity<'_>| {
+                    (name, problem.combination(hessian, (&by_alpha, by_theta.as_deref())))
+                };
+                self.combinations = quantities.map(combination).collect();
+            }
         }
         self.pivot_ratio(system);
         if let Some(plane) = model.plane() {

@@ -7,6 +7,8 @@ use crate::graph::{ExprId, Scope};
 /// One of the products a Hessian is made of off its diagonal: cᵢᵀ bⱼ + bᵢᵀ cⱼ for the row i and the column j.
 #[derive(Clone, Copy, Debug)]
 pub struct LowRankTerm {
+    /// Its place among all products, those that vanish included.
+    pub row: usize,
     /// Rows b of a node and of the slave.
     pub b: [[ExprId; 3]; 2],
     /// Rows c of a node and of the slave.
@@ -48,6 +50,7 @@ impl LowRankForm {
         };
         let products: Vec<usize> = (0..node.b.len()).filter(|&k| !vanishes(k)).collect();
         let term = |&k: &usize| LowRankTerm {
+            row: k,
             b: [node.b[k].ids(), slave.b[k].ids()],
             c: [node.c[k].ids(), slave.c[k].ids()],
         };
@@ -63,6 +66,7 @@ impl LowRankForm {
     pub fn map(&self, mut new: impl FnMut(ExprId) -> ExprId) -> Self {
         let own = self.own.map(|row| row.map(&mut new));
         let terms = self.terms.iter().map(|term| LowRankTerm {
+            row: term.row,
             b: term.b.map(|row| row.map(&mut new)),
             c: term.c.map(|row| row.map(&mut new)),
         });

@@ -2,6 +2,7 @@
 //! common factors, small linear systems.
 
 mod chain;
+mod combination;
 mod coordinates;
 mod elimination;
 mod factors;

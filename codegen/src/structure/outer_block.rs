@@ -93,8 +93,7 @@ impl<'g> NodeProblem<'g> {
         let follower = self.coordinates.follower(theta);
         let name = theta.symbol_name();
         let by_theta = follower.total_derivative(lagrangian.inner).named(&format!("lagrangian_{of}_{name}"));
-        let residual_change = self.sums_of_changes(&self.block.residual, &follower);
-        let unknowns = system.solve_bound(&residual_change, &format!("alpha_{name}"));
+        let unknowns = self.change_of_unknowns(theta);
         let mut change = self.sums_of_changes(by_unknowns, &follower);
         if let Some(point) = &functional.point {
             for (change, &first) in change.iter_mut().zip(&point.by_unknowns) {
@@ -109,6 +108,12 @@ impl<'g> NodeProblem<'g> {
             .collect();
         let adjoint = system.solve_bound(&adjoint_change, &format!("lambda_{of}_{name}"));
         Motion { follower, lagrangian: by_theta, point, change, adjoint_change, unknowns, adjoint }
+    }
+
+    /// Z, the change of the unknowns of interest with an outer one.
+    pub(super) fn change_of_unknowns(&self, theta: Expr<'g>) -> Vec<Expr<'g>> {
+        let change = self.sums_of_changes(&self.block.residual, &self.coordinates.follower(theta));
+        self.system().solve_bound(&change, &format!("alpha_{}", theta.symbol_name()))
     }
 
     /// Σ dv/dθ over the nodes for a vector v of the residuals' length, θ moving what the coordinates say.

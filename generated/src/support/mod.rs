@@ -5,6 +5,7 @@
 mod descent;
 mod drive;
 mod facet;
+mod foot;
 mod form;
 mod inputs;
 mod lane;
@@ -19,6 +20,7 @@ mod values;
 pub use descent::TwoVariables;
 pub use drive::{BatchElement, GapKernel, Widths, Workspace, batch, scalar, single};
 pub use facet::{AREA_TOLERANCE, FacetInputs, FacetValues, first_entries};
+pub use foot::AtFoot;
 pub use form::FormRows;
 pub use inputs::{Domains, ElementInputs, Inputs, MATERIAL_VALUES, Masters, MaterialNode, NODE_VALUES};
 pub use lane::Lane;

@@ -20,6 +20,8 @@ pub enum SecondKind {
     Hessians,
     /// The factors that these are made of.
     Factors,
+    /// The factors, and what makes the first derivatives at the foot of them: see [`FormRows::foot_derivatives`].
+    FactorsAndFoot,
 }
 
 /// Where second derivatives go, one after another.
@@ -54,6 +56,16 @@ impl<'a, O> Second<'a, O> {
         let start = self.written;
         self.written += length;
         &mut self.target[start..start + length]
+    }
+
+    /// The last numbers of all.
+    ///
+    /// # Panics
+    /// If there are fewer.
+    #[inline(always)]
+    pub fn last(&mut self, length: usize) -> &mut [O] {
+        let start = self.target.len() - length;
+        &mut self.target[start..]
     }
 
     /// All of it.

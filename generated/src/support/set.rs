@@ -2,7 +2,7 @@
 
 use super::{
     Basis, BatchElement, CoefficientsValues, ElementInputs, FormRows, FrameRule, GapValues, Isa, Mode,
-    SurfaceValues, Workspace,
+    SecondKind, SurfaceValues, Workspace,
 };
 
 /// The generated kernels of one weight.
@@ -115,16 +115,17 @@ pub trait KernelSet {
     #[must_use]
     fn gap_form(kernel: (Basis, FrameRule), count: usize) -> FormRows;
 
-    /// As [`gap`](Self::gap) in [`Mode::Hessian`], with the factors of M in the place of M: the same kernel up to the products.
+    /// As [`gap`](Self::gap) in [`Mode::Hessian`], with what `kind` says in the place of M: the same kernel up to the products.
     fn gap_factors(
         isa: Isa,
         kernel: (Basis, FrameRule),
+        kind: SecondKind,
         inputs: &ElementInputs<'_>,
         gradient: &mut [f64],
         factors: &mut [f64],
     ) -> GapValues<f64>;
 
-    /// As [`gap_factors`](Self::gap_factors), for elements of the same number of nodes, with the factors in the place of
+    /// As [`gap_factors`](Self::gap_factors), for elements of the same number of nodes, with these numbers in the place of
     /// [`BatchElement::hessian`].
     ///
     /// # Panics
@@ -132,6 +133,7 @@ pub trait KernelSet {
     fn gap_factors_batch(
         isa: Isa,
         kernel: (Basis, FrameRule),
+        kind: SecondKind,
         elements: &mut [BatchElement<'_>],
         workspace: &mut Workspace,
     );

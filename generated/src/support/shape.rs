@@ -104,7 +104,7 @@ pub trait Shape {
                 Self::multiply_form(form, rows, slave, constant, target)
             }
             // Every factor is in the slave's rows and its own block, which the checksum has.
-            SecondKind::Factors => {
+            SecondKind::Factors | SecondKind::FactorsAndFoot => {
                 Self::write_factors(form, rows, constant, second.next(rows.factors()));
                 Self::Element::ZERO
             }

@@ -7,7 +7,9 @@
 //! the normal have no such bound: the largest entry alone counts. Each coefficient, each slope's gradient and each
 //! Hessian is a part of its own, since units and sizes differ; a block has the largest difference of its parts.
 
-use diffuse_contact::{Backend, Coefficients, ElementError, Gap, Mode, Slip, Surface, SymmetricMatrix};
+use diffuse_contact::{
+    Backend, Coefficients, ElementError, FootDerivatives, Gap, Mode, Slip, Surface, SymmetricMatrix,
+};
 use diffuse_contact_codegen::{FrameRule, Output};
 
 use super::elements::RandomElement;
@@ -62,7 +64,7 @@ const fn block(subject: Subject, name: &'static str) -> Block {
 }
 
 /// All blocks, in the order of the report.
-pub const BLOCKS: [Block; 48] = [
+pub const BLOCKS: [Block; 57] = [
     block(COEFFICIENTS, "α"),
     block(COEFFICIENTS, "∂α/∂x"),
     block(COEFFICIENTS, "∂²α/∂x²"),
@@ -78,18 +80,27 @@ pub const BLOCKS: [Block; 48] = [
     block(GAP, "α"),
     block(GAP, "N"),
     block(GAP, "M"),
+    block(GAP, "φ"),
+    block(GAP, "∂x^d/∂x"),
+    block(GAP, "∂ν/∂x"),
     block(CO_MOVING_GAP, "g"),
     block(CO_MOVING_GAP, "foot"),
     block(CO_MOVING_GAP, "ν"),
     block(CO_MOVING_GAP, "α"),
     block(CO_MOVING_GAP, "N"),
     block(CO_MOVING_GAP, "M"),
+    block(CO_MOVING_GAP, "φ"),
+    block(CO_MOVING_GAP, "∂x^d/∂x"),
+    block(CO_MOVING_GAP, "∂ν/∂x"),
     block(MATERIAL_GAP, "g"),
     block(MATERIAL_GAP, "foot"),
     block(MATERIAL_GAP, "ν"),
     block(MATERIAL_GAP, "α"),
     block(MATERIAL_GAP, "N"),
     block(MATERIAL_GAP, "M"),
+    block(MATERIAL_GAP, "φ"),
+    block(MATERIAL_GAP, "∂x^d/∂x"),
+    block(MATERIAL_GAP, "∂ν/∂x"),
     block(SLIP, "g"),
     block(SLIP, "N"),
     block(SLIP, "M"),
@@ -170,6 +181,9 @@ impl Blocks {
             Output::Gap => of_gap(&backend.gap(&element, mode)?, element.slave, radius),
             Output::Slip => of_slip(&backend.slip(&element, random.anchor, mode)?, radius),
         };
+        if subject.output == Output::Gap && mode == Mode::Hessian {
+            parts.extend(of_foot(&backend.foot_derivatives(&element)?));
+        }
         parts.retain(|(_, parts)| parts.iter().any(|part| !part.entries.is_empty()));
         Ok(Self { subject, parts })
     }
@@ -216,6 +230,14 @@ fn of_gap(gap: &Gap, slave: [f64; 3], radius: f64) -> Vec<Named> {
         ("α", values(&gap.coefficients, radius)),
         ("N", vec![Part::unscaled(&gap.gradient)]),
         ("M", vec![hessian(&gap.hessian)]),
+    ]
+}
+
+fn of_foot(at_foot: &FootDerivatives) -> Vec<Named> {
+    vec![
+        ("φ", vec![Part::unscaled(&at_foot.weights)]),
+        ("∂x^d/∂x", vec![Part::unscaled(&at_foot.foot)]),
+        ("∂ν/∂x", vec![Part::unscaled(&at_foot.normal)]),
     ]
 }
 

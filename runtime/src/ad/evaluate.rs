@@ -11,7 +11,8 @@ use super::plane::{AveragePlane, Turn};
 use super::{RadialWeight, coordinates_of, finite};
 use crate::generated::check_anchor;
 use crate::{
-    Basis, Coefficients, Domains, Element, ElementError, FrameDerivative, Gap, Mode, Point, Slip, Surface,
+    Basis, Coefficients, ContactPoint, Domains, Element, ElementError, FootDerivatives, FrameDerivative, Gap,
+    Mode, Point, Slip, Surface,
 };
 
 /// [`Backend::coefficients`](crate::Backend::coefficients).
@@ -82,6 +83,27 @@ pub(super) fn slip<W: RadialWeight>(
         gradient: slip.gradients.into_iter().next().unwrap_or_default(),
         hessian: slip.hessians.into_iter().next().unwrap_or_default(),
         foot_weights,
+    })
+}
+
+/// [`Backend::foot_derivatives`](crate::Backend::foot_derivatives).
+pub(super) fn foot_derivatives<W: RadialWeight>(
+    model: Model<'_, W>,
+) -> Result<FootDerivatives, ElementError> {
+    let element = model.element;
+    let (contact, quantity) = at_foot(model, Mode::Gradient)?;
+    let weights = quantity.foot_weights()?;
+    let mut all = differentiate(&FootQuantity(quantity), element, Mode::Gradient)?;
+    for k in 0..3 {
+        all.scale(k, element.support_radius, 1)?;
+        all.scale(3 + k, element.support_radius, 0)?;
+    }
+    let (foot, normal) = all.gradients.split_at(3);
+    Ok(FootDerivatives {
+        point: ContactPoint { gap: contact.gap, foot: contact.foot, normal: contact.normal },
+        weights,
+        foot: foot.concat(),
+        normal: normal.concat(),
     })
 }
 
@@ -193,6 +215,31 @@ impl<W: RadialWeight> Quantity for GapQuantity<'_, W> {
         let (polynomial, _) = self.fit(coordinates)?;
         let u = self.foot.propagate(&polynomial);
         Ok(vec![polynomial.gap(u)])
+    }
+}
+
+/// The foot over R and the normal, in global axes, as functions of the coordinates.
+struct FootQuantity<'a, W>(GapQuantity<'a, W>);
+
+impl<W: RadialWeight> Quantity for FootQuantity<'_, W> {
+    fn evaluate<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<Vec<D>, ElementError> {
+        let Self(contact) = self;
+        let (polynomial, turn) = contact.fit(coordinates)?;
+        let u = contact.foot.propagate(&polynomial);
+        let [f_1, f_2] = polynomial.slopes(u);
+        let length = (f_1 * f_1 + f_2 * f_2 + 1.0).sqrt();
+        let nu = [-f_1 / length, -f_2 / length, length.recip()];
+        let element = contact.model.element;
+        // The turn leads into the frame that has moved, its transpose back.
+        let global = |local: [D; 3]| -> [D; 3] {
+            let held: [D; 3] =
+                std::array::from_fn(|k| (0..3).map(|row| turn[row][k] * local[row]).sum::<D>());
+            let rows = element.frame.rows();
+            std::array::from_fn(|k| (0..3).map(|row| held[row] * rows[row][k]).sum::<D>())
+        };
+        let from_slave = global([u[0], u[1], polynomial.value(u)]);
+        let foot = (0..3).map(|k| coordinates[0][k] / element.support_radius + from_slave[k]);
+        Ok(foot.chain(global(nu)).collect())
     }
 }
 

@@ -9,7 +9,7 @@ use num_dual::Dual;
 use super::drive::{Quantity, differentiate_at};
 use super::model::Scalar;
 use super::{Ad, finite};
-use crate::{ContactPoint, ElementError, FacetElement, FacetPoint, Gap, Mode, Point};
+use crate::{ContactPoint, ElementError, FacetElement, FacetPoint, FootDerivatives, Gap, Mode, Point};
 
 /// Steps of the descent after which it gives up.
 const MAX_ITERATIONS: usize = 200;
@@ -65,6 +65,33 @@ impl Ad {
             gradient: gap.gradients.into_iter().next().unwrap_or_default(),
             hessian: gap.hessians.into_iter().next().unwrap_or_default(),
         })
+    }
+
+    /// The foot on a facet with first derivatives, the counterpart of
+    /// [`Generated::facet_foot_derivatives`](crate::Generated::facet_foot_derivatives).
+    ///
+    /// # Errors
+    /// As [`facet_gap`](Self::facet_gap).
+    pub fn facet_foot_derivatives(
+        &self,
+        element: &FacetElement<'_>,
+    ) -> Result<FootDerivatives, ElementError> {
+        let distance = Distance::of(element, MIDDLE)?;
+        let size = distance.size;
+        let FacetPoint { point, natural: [xi, eta] } = distance.point(element)?;
+        let coordinates: Vec<Point> =
+            std::iter::once(element.slave).chain(element.corners.iter().copied()).collect();
+        let mut all = differentiate_at(&FootQuantity(distance), &coordinates, size, Mode::Gradient)?;
+        for k in 0..3 {
+            all.scale(k, size, 1)?;
+            all.scale(3 + k, size, 0)?;
+        }
+        let weights = match element.corners.len() {
+            3 => vec![1.0 - xi - eta, xi, eta],
+            _ => CORNERS.map(|[a, b]| (xi * a + 1.0) * (eta * b + 1.0) * 0.25).to_vec(),
+        };
+        let (foot, normal) = all.gradients.split_at(3);
+        Ok(FootDerivatives { point, weights, foot: foot.concat(), normal: normal.concat() })
     }
 
     /// Gap, foot, normal and natural coordinates on a facet, without derivatives.
@@ -144,6 +171,29 @@ impl Quantity for Distance {
             }
             (_, corners) => plane(corners).1,
         }])
+    }
+}
+
+/// The foot over the size and the normal.
+struct FootQuantity(Distance);
+
+impl Quantity for FootQuantity {
+    fn evaluate<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<Vec<D>, ElementError> {
+        let Distance { size, foot } = &self.0;
+        let corners = offsets(coordinates[0], &coordinates[1..], *size);
+        let (normal, from_slave) = match (foot, &*corners) {
+            (Some(foot), &[a, b, c, d]) => {
+                let facet = Bilinear([a, b, c, d]);
+                let natural = foot.propagate(&facet);
+                (facet.normal(natural), facet.point(natural))
+            }
+            (_, corners) => {
+                let (normal, gap) = plane(corners);
+                (normal, normal.map(|x| -gap * x))
+            }
+        };
+        let foot = (0..3).map(|k| coordinates[0][k] / *size + from_slave[k]);
+        Ok(foot.chain(normal).collect())
     }
 }
 

@@ -39,7 +39,7 @@ mod model;
 mod plane;
 mod weight;
 
-use crate::{Backend, Coefficients, Element, ElementError, Gap, Mode, Point, Slip, Surface};
+use crate::{Backend, Coefficients, Element, ElementError, FootDerivatives, Gap, Mode, Point, Slip, Surface};
 
 use model::Model;
 use weight::{CentreSeries, WeightFunction};
@@ -139,6 +139,10 @@ impl Backend for Ad {
         evaluate::gap(self.model(element)?, mode)
     }
 
+    fn foot_derivatives(&self, element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
+        evaluate::foot_derivatives(self.model(element)?)
+    }
+
     fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {
         evaluate::slip(self.model(element)?, anchor, mode)
     }
@@ -155,6 +159,10 @@ impl<W: RadialWeight> Backend for AdWith<W> {
 
     fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
         evaluate::gap(self.model(element)?, mode)
+    }
+
+    fn foot_derivatives(&self, element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
+        evaluate::foot_derivatives(self.model(element)?)
     }
 
     fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use diffuse_contact_kernels::support::KernelSet;
+use diffuse_contact_kernels::support::{KernelSet, SecondKind};
 use rayon::prelude::*;
 
 use super::contacts::Results;
@@ -172,7 +172,8 @@ impl Evaluator<'_> {
             let slot = GapSlot { gradient, hessian };
             waiting.push(Waiting { weight, frame, basis, inputs, has_slip: false, slot, is_sound: true });
         }
-        let asked = if with_second { Asked::Factors } else { Asked::Mode(Mode::Gradient) };
+        let asked =
+            if with_second { Asked::Factors(SecondKind::Factors) } else { Asked::Mode(Mode::Gradient) };
         evaluate(&Generated, asked, &mut waiting, batch, |place, element| {
             // Without a result it stays a NaN, which carries no force.
             if let Ok(point) = contact_point(&element.values) {

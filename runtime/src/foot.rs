@@ -1,0 +1,200 @@
+//! The foot of a contact: the masters' weights in it, and first derivatives of foot and normal.
+//!
+//! The foot is an affine combination of the masters, x^d = Σ φ_k x^k (docs/equations.md, T15). Hosts with a law of their own at the foot
+//! (wear, heat, adhesion, friction, mortar sums) need φ, ∂x^d/∂x and ∂ν/∂x beside N and M.
+//!
+//! ```
+//! use diffuse_contact::{Backend, Element, Frame, Generated};
+//!
+//! let masters: Vec<[f64; 3]> =
+//!     (0..9).map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0, 0.1 * f64::from(k % 2)]).collect();
+//! let element = Element::new([0.1, 0.2, 0.25], &masters, Frame::average_plane(&masters, [0.0, 0.0, 1.0])?, 2.0);
+//! let at_foot = Generated.foot_derivatives(&element)?;
+//! let combined: f64 = masters.iter().zip(&at_foot.weights).map(|(x, weight)| x[2] * weight).sum();
+//! assert!((combined - at_foot.point.foot[2]).abs() < 1e-14);
+//! // All nodes move along x by 1, and so does the foot; the normal stays.
+//! let sum = |row: &[f64]| row.iter().step_by(3).sum::<f64>();
+//! assert!((sum(&at_foot.foot[..30]) - 1.0).abs() < 1e-14 && sum(&at_foot.normal[..30]).abs() < 1e-14);
+//! # Ok::<(), diffuse_contact::ElementError>(())
+//! ```
+
+use diffuse_contact_kernels::foot_of_gap;
+use diffuse_contact_kernels::support::{AtFoot, KernelSet, SecondKind};
+
+use crate::batch::{Asked, gap_batch};
+use crate::generated::{frame_rule, inputs, with_kernels};
+use crate::{
+    BatchScratch, ContactPoint, Element, ElementError, FacetElement, GapSlot, Generated, GeneratedWith,
+    HessianForm, Mode, Point, Weight,
+};
+
+/// The foot of one element with first derivatives.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FootDerivatives {
+    /// Gap, foot and normal.
+    pub point: ContactPoint,
+    /// φ, one number per master: the foot is Σ φ_k x^k, Σ φ_k = 1.
+    pub weights: Vec<f64>,
+    /// ∂x^d/∂x: for each component of the foot a row of 3(n+1) entries, ordered slave, master 1, …, master n; dimensionless.
+    pub foot: Vec<f64>,
+    /// ∂ν/∂x, the same, 1/length.
+    pub normal: Vec<f64>,
+}
+
+/// Where the first derivatives at the foot of one element go.
+#[derive(Debug, Default)]
+pub struct FootSlot<'a> {
+    /// φ, n numbers.
+    pub weights: &'a mut [f64],
+    /// ∂x^d/∂x, 9(n+1) numbers, see [`FootDerivatives::foot`].
+    pub foot: &'a mut [f64],
+    /// ∂ν/∂x, the same.
+    pub normal: &'a mut [f64],
+}
+
+impl FootDerivatives {
+    /// Room for so many masters.
+    pub(crate) fn zeros(masters: usize) -> Self {
+        let rows = vec![0.0; 9 * (masters + 1)];
+        Self { point: ContactPoint::default(), weights: vec![0.0; masters], foot: rows.clone(), normal: rows }
+    }
+
+    fn slot(&mut self) -> FootSlot<'_> {
+        FootSlot { weights: &mut self.weights, foot: &mut self.foot, normal: &mut self.normal }
+    }
+}
+
+impl FootSlot<'_> {
+    /// Fills ∂x^d/∂x from N and ∂ν/∂x.
+    fn complete(&mut self, point: &ContactPoint, gradient: &[f64]) -> Result<(), ElementError> {
+        let &ContactPoint { gap, normal, .. } = point;
+        // The foot is linear in the slave, of which only the derivative is read.
+        let inputs = foot_of_gap::Inputs { slave: [0.0; 3], gap, normal };
+        let by = foot_of_gap::evaluate(Mode::Gradient, &inputs).foot_jacobian;
+        let freedoms = gradient.len();
+        for (component, by) in by.as_chunks::<7>().0.iter().enumerate() {
+            let &[x, y, z, by_gap, ref by_normal @ ..] = by;
+            let row = &mut self.foot[freedoms * component..][..freedoms];
+            for (k, entry) in row.iter_mut().enumerate() {
+                let of_normal = (0..3).map(|axis| by_normal[axis] * self.normal[freedoms * axis + k]);
+                *entry = by_gap * gradient[k] + of_normal.sum::<f64>();
+            }
+            for (entry, of_slave) in row.iter_mut().zip([x, y, z]) {
+                *entry += of_slave;
+            }
+        }
+        let numbers = self.weights.iter().chain(&*self.normal).chain(&*self.foot);
+        let is_finite = numbers.map(|x| x * 0.0).sum::<f64>() == 0.0;
+        if is_finite { Ok(()) } else { Err(ElementError::Overflow { what: "derivative at the foot" }) }
+    }
+}
+
+impl HessianForm {
+    /// How many numbers the factors are with what the derivatives at the foot need besides.
+    #[must_use]
+    pub const fn numbers_with_foot(self) -> usize {
+        self.numbers() + self.rows().foot_numbers()
+    }
+
+    /// The derivatives at the foot, from what [`gap_foot_batch`](Generated::gap_foot_batch) gave: gap, foot and normal, N, and `numbers`.
+    ///
+    /// # Errors
+    /// [`ElementError::Overflow`].
+    ///
+    /// # Panics
+    /// If a slice is too short.
+    pub fn foot_derivatives(
+        self,
+        point: &ContactPoint,
+        gradient: &[f64],
+        numbers: &[f64],
+        target: &mut FootSlot<'_>,
+    ) -> Result<(), ElementError> {
+        let at_foot = AtFoot { weights: target.weights, normal: target.normal };
+        self.rows().foot_derivatives(numbers, at_foot);
+        target.complete(point, &gradient[..self.degrees_of_freedom()])
+    }
+}
+
+impl Generated {
+    /// As [`gap_factors_batch`](Self::gap_factors_batch), with what the derivatives at the foot need behind the factors of M:
+    /// [`numbers_with_foot`](HessianForm::numbers_with_foot) numbers, of which
+    /// [`foot_derivatives`](HessianForm::foot_derivatives) makes them.
+    ///
+    /// # Errors
+    /// An entry for each element, as [`gap_into`](Self::gap_into).
+    ///
+    /// # Panics
+    /// If there are not as many slots as elements, or a slice is too short.
+    pub fn gap_foot_batch<'a>(
+        &self,
+        elements: &[Element<'_>],
+        slots: impl IntoIterator<Item = GapSlot<'a>>,
+        scratch: &mut BatchScratch,
+    ) -> Vec<Result<ContactPoint, ElementError>> {
+        gap_batch(self, elements, Asked::Factors(SecondKind::FactorsAndFoot), slots, scratch)
+    }
+
+    /// The foot on a facet with first derivatives. The weights are the facet's shape functions.
+    ///
+    /// # Errors
+    /// As [`facet_gap`](Self::facet_gap).
+    pub fn facet_foot_derivatives(
+        &self,
+        element: &FacetElement<'_>,
+    ) -> Result<FootDerivatives, ElementError> {
+        let gap = self.facet_gap(element, Mode::Hessian)?;
+        let mut all = FootDerivatives::zeros(element.corners.len());
+        all.point = ContactPoint { gap: gap.gap, foot: gap.foot, normal: gap.normal };
+        let point = all.point;
+        facet_foot_derivatives(&point, &gap.gradient, gap.hessian.packed(), &mut all.slot())?;
+        Ok(all)
+    }
+}
+
+/// The derivatives at the foot on a facet, from N and the packed lower triangle of M.
+pub(crate) fn facet_foot_derivatives(
+    point: &ContactPoint,
+    gradient: &[f64],
+    hessian: &[f64],
+    target: &mut FootSlot<'_>,
+) -> Result<(), ElementError> {
+    let freedoms = gradient.len();
+    // The gap is stationary in foot and normal: ∂g/∂x is ν for the slave and −φ_k ν for a corner.
+    for (weight, by) in target.weights.iter_mut().zip(gradient.as_chunks::<3>().0[1..].iter()) {
+        *weight = -dot(*by, point.normal);
+    }
+    for component in 0..3 {
+        for k in 0..freedoms {
+            let (row, column) = (component.max(k), component.min(k));
+            target.normal[freedoms * component + k] = hessian[row * (row + 1) / 2 + column];
+        }
+    }
+    target.complete(point, gradient)
+}
+
+fn dot(x: Point, y: Point) -> f64 {
+    (0..3).map(|axis| x[axis] * y[axis]).sum()
+}
+
+/// [`Backend::foot_derivatives`](crate::Backend::foot_derivatives) of the generated kernels.
+pub(crate) fn of_element(element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
+    with_kernels!(element.weight, K => of_element_with::<K>(element))
+}
+
+/// The same with the kernels of `K`.
+pub(crate) fn of_element_with<K: KernelSet>(element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
+    let form = GeneratedWith::<K>::new().hessian_form(element)?;
+    let mut gradient = vec![0.0; form.degrees_of_freedom()];
+    let mut numbers = vec![0.0; form.numbers_with_foot()];
+    let kernel = (element.basis, frame_rule(element.frame.derivative, &element.domains));
+    let inputs = inputs::<K>(element, [0.0; 2]);
+    let kind = SecondKind::FactorsAndFoot;
+    let values = K::gap_factors(K::best_isa(), kernel, kind, &inputs, &mut gradient, &mut numbers);
+    ElementError::check(values.status())?;
+    let mut all = FootDerivatives::zeros(element.masters.len());
+    all.point = ContactPoint { gap: values.gap, foot: values.foot, normal: values.normal };
+    let point = all.point;
+    form.foot_derivatives(&point, &gradient, &numbers, &mut all.slot())?;
+    Ok(all)
+}

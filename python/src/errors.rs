@@ -3,7 +3,7 @@
 use diffuse_contact::ElementError;
 use diffuse_contact::assembly::AssemblyError;
 use diffuse_contact::interface::InterfaceError;
-use diffuse_contact::surface::SurfaceError;
+use diffuse_contact::surface::{SurfaceError, WindowError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
@@ -55,5 +55,6 @@ macro_rules! raises {
 
 raises!(SurfaceError, "SurfaceError");
 raises!(InterfaceError, "InterfaceError");
+raises!(WindowError, "InterfaceError");
 raises!(AssemblyError, "AssemblyError");
 raises!(ElementError, "ElementError");

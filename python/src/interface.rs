@@ -46,6 +46,12 @@ pub fn shared<'py, T: PyClass>(object: &Bound<'py, T>) -> PyResult<PyRef<'py, T>
 }
 
 impl Interface {
+    /// One that has not been paired.
+    pub fn of(interface: ContactInterface, dofs: DofMap) -> Self {
+        let cutback = Cutback::new(interface.slaves().len());
+        Self { interface, dofs, pattern: None, current: false, cutback, frozen: false }
+    }
+
     /// The contacts at the present positions.
     pub fn contacts(&self, py: Python<'_>) -> PyResult<&Contacts> {
         if self.current {
@@ -115,8 +121,7 @@ impl Interface {
             Ok(interface)
         })?;
         let interface = made.map_err(|error: InterfaceError| error.raise(py))?;
-        let cutback = Cutback::new(interface.slaves().len());
-        Ok(Self { interface, dofs, pattern: None, current: false, cutback, frozen: false })
+        Ok(Self::of(interface, dofs))
     }
 
     fn slaves<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<i64>>> {

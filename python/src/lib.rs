@@ -4,7 +4,7 @@
 //! [`MasterSurface`](diffuse_contact::surface::MasterSurface),
 //! [`ContactInterface`](diffuse_contact::interface::ContactInterface) and
 //! [`FaceInterface`](diffuse_contact::faces::FaceInterface). What is here takes contiguous arrays of the right
-//! type and fills arrays it is given; the package around it converts what people pass, and is what people see.
+//! type and fills arrays it is given; [`window`] has what ranks send one another of a surface. The package around it converts what people pass, and is what people see.
 //!
 //! * No call panics on what it is given; every refusal is an exception with a stable `code` ([`errors`]).
 //! * Numbers are computed without the GIL, in a pool of threads of our own ([`threads`]). The borrow of an object is held meanwhile, so a
@@ -27,6 +27,7 @@ mod options;
 mod report;
 mod surface;
 mod threads;
+mod window;
 
 use pyo3::prelude::*;
 
@@ -38,6 +39,11 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<surface::Surface>()?;
     module.add_class::<interface::Interface>()?;
     module.add_class::<faces::Faces>()?;
+    module.add_class::<window::Window>()?;
+    module.add_class::<window::Part>()?;
+    module.add_function(wrap_pyfunction!(window::boxes_around, module)?)?;
+    module.add_function(wrap_pyfunction!(window::extents, module)?)?;
+    module.add_function(wrap_pyfunction!(window::history_lengths, module)?)?;
     module.add_function(wrap_pyfunction!(batch::gap_batch, module)?)?;
     module.add_function(wrap_pyfunction!(surface::tributary_areas, module)?)?;
     module.add_function(wrap_pyfunction!(faces::flat_facets, module)?)?;

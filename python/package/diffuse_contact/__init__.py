@@ -19,6 +19,7 @@ from ._errors import (
 from ._faces import FaceContacts, FaceInterface, FaceReport, flat_facets
 from ._interface import ContactInterface, Options, adaptive_tangent
 from ._native import __version__
+from ._part import Extents, PartDemands, SurfacePart
 from ._results import (
     Contact,
     Contacts,
@@ -32,6 +33,7 @@ from ._results import (
 )
 from ._surface import MasterSurface, tributary_areas
 from ._threads import set_threads, thread_count
+from ._window import Window, boxes_around, split_history
 
 __all__ = [
     "STATUS_CODES",
@@ -43,6 +45,7 @@ __all__ = [
     "CutBack",
     "DiffuseContactError",
     "ElementError",
+    "Extents",
     "FaceContacts",
     "FaceInterface",
     "FaceReport",
@@ -55,14 +58,19 @@ __all__ = [
     "MaterialNodes",
     "Options",
     "Pairing",
+    "PartDemands",
     "RefreshReport",
     "SlaveGap",
     "SurfaceError",
+    "SurfacePart",
+    "Window",
     "__version__",
     "adaptive_tangent",
+    "boxes_around",
     "flat_facets",
     "gap",
     "set_threads",
+    "split_history",
     "thread_count",
     "tributary_areas",
 ]

@@ -43,6 +43,7 @@ from ._results import (
     unpacked,
 )
 from ._surface import MasterSurface
+from ._window import Window, _boxes, _checked
 
 Tangent = Literal["exact", "gauss-newton"]
 Friction = float | tuple[float, float] | tuple[float, float, float]
@@ -141,6 +142,10 @@ def _law(
 def _options(owner: str, master: Any, options: dict[str, Any]) -> Options:
     if not isinstance(master, MasterSurface):
         raise InputError(f"master has to be a MasterSurface, not {type(master).__name__}", "wrong-type")
+    return _named_options(owner, options)
+
+
+def _named_options(owner: str, options: dict[str, Any]) -> Options:
     try:
         return Options(**options)
     except TypeError as error:
@@ -241,6 +246,71 @@ class ContactInterface:
             numbers,
             planes("symmetry", symmetry),
         )
+
+    @classmethod
+    def in_window(
+        cls,
+        window: Window,
+        slaves: ArrayLike,
+        positions: ArrayLike,
+        *,
+        slave_facets: Facets | None = None,
+        dofs: ArrayLike | None = None,
+        equations: int | None = None,
+        **options: Any,
+    ) -> ContactInterface:
+        """An interface of slaves that know a window of the master surface only.
+
+        Results are those of an interface of the whole surface, bit for bit, or a slave has the outcome
+        ``"beyond-window"``: a ball that has to be known around it leaves the window's boxes, or the window is older
+        than its skin.
+
+        Args:
+            window: what is known. Planes of symmetry and first positions are its own.
+            slaves: as for ``ContactInterface``.
+            positions: first those of ``window.nodes``, in their order and where they were when the window was made;
+                those of the slaves come after them.
+            slave_facets: all facets at the slaves, in the order of the whole, for the same areas.
+            dofs: as for ``ContactInterface``.
+            equations: as for ``ContactInterface``.
+            options: ``weight``, ``basis`` and ``feature_angle`` have to be those that the window was made with.
+
+        Raises:
+            InterfaceError: as for ``ContactInterface``; ``"other-than-window"`` for other options,
+                ``"incomplete-window"`` for a window with something missing.
+
+        """
+        made = cls.__new__(cls)
+        made._options = _named_options("ContactInterface.in_window", options)
+        positions = floats("positions", positions, "p", 3)
+        made._interface = _native.Interface.in_window(
+            _checked(window),
+            ints("slaves", slaves, "s"),
+            positions,
+            None if slave_facets is None else facets("slave_facets", slave_facets),
+            made._options,
+            _equations(dofs, equations, len(positions)),
+        )
+        return made
+
+    @property
+    def is_in_window(self) -> bool:
+        """Whether there is a window of the master surface only."""
+        return self._interface.is_in_window()
+
+    def window(self, boxes: ArrayLike, skin: float) -> Window:
+        """What slaves in boxes can need of the master surface, at the positions of the last update or refresh.
+
+        Args:
+            boxes: lowest and highest corners, shape (b, 2, 3), length. See ``boxes_around``.
+            skin: how far nodes of the surface may move before a new window is to be made, length.
+
+        Raises:
+            InterfaceError: ``"invalid-box"``; ``"window-needs-domains"`` for facets and other rules than ``"domains"``;
+                ``"in-window"`` if there is a window only.
+
+        """
+        return Window._of(self._interface.window(_boxes(boxes), number("skin", skin)))
 
     @property
     def options(self) -> Options:

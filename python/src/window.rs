@@ -1,0 +1,284 @@
+//! Windows of a surface and the parts they are cut from: `Window`, `SurfacePart`, and interfaces in a window.
+
+use diffuse_contact::Point;
+use diffuse_contact::assembly::DofMap;
+use diffuse_contact::interface::{ContactInterface, PartDemands, PartFacets, SurfacePart, split_history};
+use diffuse_contact::surface::SymmetryPlane;
+use diffuse_contact::surface::window::{self, Box3, Extents};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::arrays::{facets, indices, points, readable, slice};
+use crate::errors::{self, Raise};
+use crate::interface::{Interface, dof_map, shared};
+use crate::options::Options;
+use crate::threads;
+
+type Numbers<'py> = Bound<'py, PyArray1<f64>>;
+type Indices<'py> = Bound<'py, PyArray1<i64>>;
+type Rows<'py> = Bound<'py, PyArray2<f64>>;
+
+fn numbers<'py>(py: Python<'py>, numbers: impl IntoIterator<Item = u64>) -> Indices<'py> {
+    PyArray1::from_iter(py, numbers.into_iter().map(|number| number as i64))
+}
+
+/// Numbers of nodes or facets in the whole surface.
+fn names(py: Python<'_>, what: &str, array: &Indices<'_>) -> PyResult<Vec<u64>> {
+    Ok(indices(py, what, &readable(array)?)?.into_iter().map(|number| number as u64).collect())
+}
+
+/// Rows of six numbers: lowest and highest corner.
+fn boxes_of(py: Python<'_>, array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Box3>> {
+    Ok(points(py, array)?.as_chunks::<2>().0.to_vec())
+}
+
+/// Lowest and highest corner, and the largest extent of a facet.
+type ExtentsRow = (Point, Point, f64);
+
+fn extents_of((low, high, facet): ExtentsRow) -> Extents {
+    Extents { low, high, facet }
+}
+
+/// Boxes around groups of points, rows of lowest and highest corner in turn.
+#[pyfunction]
+pub fn boxes_around<'py>(
+    py: Python<'py>,
+    around: &Rows<'py>,
+    reach: f64,
+    most: usize,
+) -> PyResult<Numbers<'py>> {
+    let around = readable(around)?;
+    let boxes = window::boxes_around(points(py, &around)?, reach, most);
+    Ok(PyArray1::from_slice(py, boxes.as_flattened().as_flattened()))
+}
+
+/// Of facets alone.
+#[pyfunction]
+pub fn extents(
+    py: Python<'_>,
+    positions: &Rows<'_>,
+    corners: &Bound<'_, PyArray2<i64>>,
+) -> PyResult<ExtentsRow> {
+    let (positions, corners) = (readable(positions)?, readable(corners)?);
+    let (positions, facets) = (points(py, &positions)?, facets(py, &corners)?);
+    let part = PartFacets {
+        positions,
+        node_numbers: &[],
+        facet_numbers: &[],
+        owned: &vec![true; facets.len()],
+        facets: &facets,
+        known: [[0.0; 3]; 2],
+        extents: Extents::NONE,
+    };
+    let Extents { low, high, facet } = part.own_extents();
+    Ok((low, high, facet))
+}
+
+/// How many numbers of a history each slave has.
+#[pyfunction]
+pub fn history_lengths<'py>(py: Python<'py>, history: &Numbers<'py>) -> PyResult<Indices<'py>> {
+    let history = readable(history)?;
+    let parts = split_history(slice(py, &history)?).map_err(|error| error.raise(py))?;
+    Ok(PyArray1::from_iter(py, parts.iter().map(|part| part.len() as i64)))
+}
+
+/// What some slaves can need of a surface.
+#[pyclass(module = "diffuse_contact._native", frozen)]
+pub struct Window {
+    window: window::Window,
+}
+
+#[pymethods]
+impl Window {
+    /// The window with these numbers.
+    #[new]
+    fn new(py: Python<'_>, integers: &Indices<'_>, reals: &Numbers<'_>) -> PyResult<Self> {
+        let (integers, reals) = (readable(integers)?, readable(reals)?);
+        let (integers, reals) = (slice(py, &integers)?, slice(py, &reals)?);
+        let made = threads::run(py, || window::Window::from_numbers(integers, reals))?;
+        Ok(Self { window: made.map_err(|error| error.raise(py))? })
+    }
+
+    /// The window as plain numbers.
+    fn numbers<'py>(&self, py: Python<'py>) -> (Indices<'py>, Numbers<'py>) {
+        let (integers, reals) = self.window.to_numbers();
+        (PyArray1::from_vec(py, integers), PyArray1::from_vec(py, reals))
+    }
+
+    /// Windows of the same boxes as one.
+    #[staticmethod]
+    fn joined(py: Python<'_>, windows: Vec<PyRef<'_, Self>>) -> PyResult<Self> {
+        let windows: Vec<window::Window> = windows.iter().map(|own| own.window.clone()).collect();
+        let made = threads::run(py, || window::Window::joined(&windows))?;
+        Ok(Self { window: made.map_err(|error| error.raise(py))? })
+    }
+
+    fn nodes<'py>(&self, py: Python<'py>) -> Indices<'py> {
+        numbers(py, self.window.nodes())
+    }
+
+    fn facets<'py>(&self, py: Python<'py>) -> Indices<'py> {
+        numbers(py, self.window.facets())
+    }
+
+    fn boxes<'py>(&self, py: Python<'py>) -> Numbers<'py> {
+        PyArray1::from_slice(py, self.window.boxes().as_flattened().as_flattened())
+    }
+
+    fn first_positions<'py>(&self, py: Python<'py>) -> Numbers<'py> {
+        PyArray1::from_iter(py, self.window.first_positions().flatten())
+    }
+
+    #[getter]
+    const fn skin(&self) -> f64 {
+        self.window.skin()
+    }
+
+    fn equals(&self, other: &Self) -> bool {
+        self.window == other.window
+    }
+}
+
+type DemandsRow<'py> = (Indices<'py>, Numbers<'py>, Indices<'py>, Bound<'py, PyArray1<u8>>);
+
+/// A part of a surface that windows are cut from.
+#[pyclass(module = "diffuse_contact._native")]
+pub struct Part {
+    part: SurfacePart,
+}
+
+#[pymethods]
+impl Part {
+    /// `known`: a box; `symmetry`: a point and a normal in turn.
+    #[new]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        py: Python<'_>,
+        positions: &Rows<'_>,
+        node_numbers: &Indices<'_>,
+        corners: &Bound<'_, PyArray2<i64>>,
+        facet_numbers: &Indices<'_>,
+        owned: &Bound<'_, PyArray1<bool>>,
+        known: Box3,
+        extents: ExtentsRow,
+        options: Options,
+        symmetry: &Rows<'_>,
+    ) -> PyResult<Self> {
+        let (positions, owned) = (readable(positions)?, readable(owned)?);
+        let (node_numbers, facet_numbers) =
+            (names(py, "node_numbers", node_numbers)?, names(py, "facet_numbers", facet_numbers)?);
+        let facets = facets(py, &readable(corners)?)?;
+        let part = PartFacets {
+            positions: points(py, &positions)?,
+            node_numbers: &node_numbers,
+            facets: &facets,
+            facet_numbers: &facet_numbers,
+            owned: slice(py, &owned)?,
+            known,
+            extents: extents_of(extents),
+        };
+        let options = options.interface(py, false)?;
+        let symmetry = readable(symmetry)?;
+        let planes = points(py, &symmetry)?.as_chunks::<2>().0.iter();
+        let planes: Vec<SymmetryPlane> =
+            planes.map(|&[point, normal]| SymmetryPlane { point, normal }).collect();
+        let made = threads::run(py, || SurfacePart::new(&part, &options, &planes))?;
+        Ok(Self { part: made.map_err(|error| error.raise(py))? })
+    }
+
+    /// Nodes, factors of their domains, facets, what they carry.
+    fn demands<'py>(slf: &Bound<'py, Self>) -> PyResult<DemandsRow<'py>> {
+        let py = slf.py();
+        let this = slf.try_borrow().map_err(|_| busy(py))?;
+        let PartDemands { nodes, factors, facets, bases } = this.part.demands();
+        Ok((
+            numbers(py, nodes),
+            PyArray1::from_vec(py, factors),
+            numbers(py, facets),
+            PyArray1::from_vec(py, bases),
+        ))
+    }
+
+    /// Takes over what other parts ask for.
+    fn settle(slf: &Bound<'_, Self>, others: Vec<DemandsRow<'_>>) -> PyResult<()> {
+        let py = slf.py();
+        let mut this = slf.try_borrow_mut().map_err(|_| busy(py))?;
+        let demands = |(nodes, factors, facets, bases): &DemandsRow<'_>| -> PyResult<PartDemands> {
+            let (factors, bases) = (readable(factors)?, readable(bases)?);
+            Ok(PartDemands {
+                nodes: names(py, "nodes", nodes)?,
+                factors: slice(py, &factors)?.to_vec(),
+                facets: names(py, "facets", facets)?,
+                bases: slice(py, &bases)?.to_vec(),
+            })
+        };
+        let others: Vec<PartDemands> = others.iter().map(demands).collect::<PyResult<_>>()?;
+        let part = &mut this.part;
+        threads::run(py, || part.settle(&others))?.map_err(|error| error.raise(py))
+    }
+
+    /// What slaves in these boxes can need of the own facets.
+    fn window(slf: &Bound<'_, Self>, positions: &Rows<'_>, boxes: &Rows<'_>, skin: f64) -> PyResult<Window> {
+        let py = slf.py();
+        let this = slf.try_borrow().map_err(|_| busy(py))?;
+        let (positions, boxes) = (readable(positions)?, readable(boxes)?);
+        let (positions, boxes) = (points(py, &positions)?, boxes_of(py, &boxes)?);
+        let part = &this.part;
+        let made = threads::run(py, || part.window(positions, &boxes, skin))?;
+        Ok(Window { window: made.map_err(|error| error.raise(py))? })
+    }
+}
+
+fn busy(py: Python<'_>) -> PyErr {
+    errors::busy(py, "the part of a surface")
+}
+
+#[pymethods]
+impl Interface {
+    /// Of slaves that know a window of the master only; arguments as of `new`.
+    #[staticmethod]
+    #[pyo3(signature = (window, slaves, positions, slave_facets, options, equations))]
+    fn in_window(
+        py: Python<'_>,
+        window: &Window,
+        slaves: &Indices<'_>,
+        positions: &Rows<'_>,
+        slave_facets: Option<&Bound<'_, PyArray2<i64>>>,
+        options: Options,
+        equations: Option<(usize, Bound<'_, PyArray2<i64>>)>,
+    ) -> PyResult<Self> {
+        let slaves = indices(py, "slaves", &readable(slaves)?)?;
+        let positions = readable(positions)?;
+        let positions = points(py, &positions)?;
+        let options = options.interface(py, slave_facets.is_some())?;
+        let slave_facets = match slave_facets {
+            Some(array) => facets(py, &readable(array)?)?,
+            None => Vec::new(),
+        };
+        let dofs = match equations {
+            Some((count, numbers)) => dof_map(py, count, &numbers, positions.len())?,
+            None => DofMap::standard(positions.len()),
+        };
+        let window = &window.window;
+        let made = threads::run(py, || {
+            ContactInterface::in_window(window, slaves, &slave_facets, positions, options)
+        })?;
+        Ok(Self::of(made.map_err(|error| error.raise(py))?, dofs))
+    }
+
+    /// What slaves in these boxes can need of the master surface.
+    fn window(slf: &Bound<'_, Self>, boxes: &Rows<'_>, skin: f64) -> PyResult<Window> {
+        let py = slf.py();
+        let this = shared(slf)?;
+        let boxes = readable(boxes)?;
+        let boxes = boxes_of(py, &boxes)?;
+        let interface = &this.interface;
+        let made = threads::run(py, || interface.window(&boxes, skin))?;
+        Ok(Window { window: made.map_err(|error| error.raise(py))? })
+    }
+
+    /// Whether there is a window of the master surface only.
+    fn is_in_window(slf: &Bound<'_, Self>) -> PyResult<bool> {
+        Ok(shared(slf)?.interface.is_in_window())
+    }
+}

@@ -17,8 +17,9 @@ from ._errors import (
     SurfaceError,
 )
 from ._faces import FaceContacts, FaceInterface, FaceReport, flat_facets
-from ._interface import ContactInterface, Options, adaptive_tangent
+from ._interface import ContactInterface, CsrMap, Options, adaptive_tangent
 from ._native import __version__
+from ._operator import TangentOperator
 from ._results import (
     Contact,
     Contacts,
@@ -40,6 +41,7 @@ __all__ = [
     "Contact",
     "ContactInterface",
     "Contacts",
+    "CsrMap",
     "CutBack",
     "DiffuseContactError",
     "ElementError",
@@ -58,6 +60,7 @@ __all__ = [
     "RefreshReport",
     "SlaveGap",
     "SurfaceError",
+    "TangentOperator",
     "__version__",
     "adaptive_tangent",
     "flat_facets",

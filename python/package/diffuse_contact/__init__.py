@@ -18,6 +18,7 @@ from ._errors import (
 )
 from ._faces import FaceContacts, FaceInterface, FaceReport, flat_facets
 from ._interface import ContactInterface, CsrMap, Options, adaptive_tangent
+from ._law import Coulomb, DecayingCoefficient, TabulatedCoefficient, TabulatedPressure
 from ._native import __version__
 from ._operator import TangentOperator
 from ._results import (
@@ -41,8 +42,10 @@ __all__ = [
     "Contact",
     "ContactInterface",
     "Contacts",
+    "Coulomb",
     "CsrMap",
     "CutBack",
+    "DecayingCoefficient",
     "DiffuseContactError",
     "ElementError",
     "FaceContacts",
@@ -60,6 +63,8 @@ __all__ = [
     "RefreshReport",
     "SlaveGap",
     "SurfaceError",
+    "TabulatedCoefficient",
+    "TabulatedPressure",
     "TangentOperator",
     "__version__",
     "adaptive_tangent",

@@ -1,57 +1,14 @@
 //! Residual and tangent of an interface.
 
-use diffuse_contact::assembly::{AssemblyError, ContactLaw, CsrPattern, Triangle, Triplets, add_residual};
-use diffuse_contact::friction::Coulomb;
-use numpy::{PyArray1, PyReadonlyArray1};
+use diffuse_contact::assembly::{AssemblyError, Triangle, Triplets, add_residual};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::arrays::{readable, slice, slice_mut, writable};
+use crate::arrays::{slice_mut, writable};
 use crate::errors::Raise;
-use crate::interface::{Interface, exclusive, shared};
-use crate::{errors, options, threads};
-
-/// Penalty, multipliers (one per slave), the name of the tangent, and coefficient, stiffness and shear limit of friction: attributes
-/// of the Python object `_Law`.
-#[derive(FromPyObject)]
-pub struct Law<'py> {
-    penalty: f64,
-    multipliers: Option<Bound<'py, PyArray1<f64>>>,
-    tangent: String,
-    friction: Option<(f64, f64, Option<f64>)>,
-}
-
-impl<'py> Law<'py> {
-    pub fn multipliers(&self) -> PyResult<Option<PyReadonlyArray1<'py, f64>>> {
-        self.multipliers.as_ref().map(readable).transpose()
-    }
-
-    pub fn law<'a>(
-        &self,
-        py: Python<'_>,
-        multipliers: Option<&'a PyReadonlyArray1<'_, f64>>,
-    ) -> PyResult<ContactLaw<'a>> {
-        let multipliers = multipliers.map(|array| slice(py, array)).transpose()?;
-        let law = options::law(py, self.penalty, multipliers, &self.tangent)?;
-        let Some((coefficient, stiffness, limit)) = self.friction else { return Ok(law) };
-        let friction = Coulomb::new(coefficient, stiffness)
-            .and_then(|friction| friction.with_shear_limit(limit))
-            .map_err(|error| errors::exception(py, "AssemblyError", error.code(), &error.to_string()))?;
-        Ok(law.with_friction(Some(friction)))
-    }
-}
-
-impl Interface {
-    /// Makes the pattern if there is none since the last refresh.
-    fn make_pattern(&mut self, py: Python<'_>) -> PyResult<()> {
-        if self.pattern.is_some() {
-            return Ok(());
-        }
-        let (contacts, dofs) = (self.contacts(py)?, &self.dofs);
-        let made = threads::run(py, || CsrPattern::union(contacts, dofs))?;
-        self.pattern = Some(made.map_err(|error| error.raise(py))?);
-        Ok(())
-    }
-}
+use crate::interface::{Interface, shared};
+use crate::law::Law;
+use crate::threads;
 
 #[pymethods]
 impl Interface {
@@ -68,58 +25,12 @@ impl Interface {
     ) -> PyResult<usize> {
         let py = slf.py();
         let this = shared(slf)?;
-        let multipliers = law.multipliers()?;
-        let law = law.law(py, multipliers.as_ref())?;
+        let own = law.own(py)?;
+        let law = own.law(py)?;
         let mut residual = writable(residual)?;
         let residual = slice_mut(py, &mut residual)?;
         let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
         threads::run(py, || add_residual(contacts, &law, dofs, residual))?.map_err(|error| error.raise(py))
-    }
-
-    /// Row offsets and columns of the union pattern.
-    #[allow(clippy::type_complexity)]
-    fn pattern<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>)> {
-        let py = slf.py();
-        let mut this = exclusive(slf)?;
-        this.make_pattern(py)?;
-        let (offsets, columns) =
-            this.pattern.as_ref().map_or((&[0_usize][..], &[][..]), |all| (all.row_offsets(), all.columns()));
-        Ok((
-            PyArray1::from_iter(py, offsets.iter().map(|&offset| offset as i64)),
-            PyArray1::from_iter(py, columns.iter().map(|&column| i64::from(column))),
-        ))
-    }
-
-    /// Number of entries of the union pattern.
-    fn entries(slf: &Bound<'_, Self>) -> PyResult<usize> {
-        let mut this = exclusive(slf)?;
-        this.make_pattern(slf.py())?;
-        Ok(this.pattern.as_ref().map_or(0, CsrPattern::entries))
-    }
-
-    /// Writes the values of the tangent, one per entry of the pattern, or adds them; returns the number of contacts that
-    /// carry force.
-    fn fill_tangent(
-        slf: &Bound<'_, Self>,
-        law: Law<'_>,
-        values: &Bound<'_, PyArray1<f64>>,
-        add: bool,
-    ) -> PyResult<usize> {
-        let py = slf.py();
-        let mut this = exclusive(slf)?;
-        this.make_pattern(py)?;
-        let multipliers = law.multipliers()?;
-        let law = law.law(py, multipliers.as_ref())?;
-        let mut values = writable(values)?;
-        let values = slice_mut(py, &mut values)?;
-        let contacts = this.contacts(py)?;
-        let Some(pattern) = &this.pattern else { return Ok(0) };
-        let filled = threads::run(py, || {
-            if add { pattern.add(contacts, &law, values) } else { pattern.fill(contacts, &law, values) }
-        })?;
-        filled.map_err(|error| error.raise(py))
     }
 
     /// Rows, columns and values of the tangents of all contacts that carry force, one after the other.
@@ -131,8 +42,8 @@ impl Interface {
     ) -> PyResult<(Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>)> {
         let py = slf.py();
         let this = shared(slf)?;
-        let multipliers = law.multipliers()?;
-        let law = law.law(py, multipliers.as_ref())?;
+        let own = law.own(py)?;
+        let law = own.law(py)?;
         let triangle = if lower { Triangle::Lower } else { Triangle::Full };
         let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
         let mut triplets = Triplets::new();
@@ -148,36 +59,21 @@ impl Interface {
         ))
     }
 
-    /// Normal contact force of every slave, max(0, λ − ε g); 0 where there is no contact.
+    /// Normal contact force of every slave, max(0, λ − ε g) or that of a normal law; 0 where there is no contact.
     fn normal_forces<'py>(slf: &Bound<'py, Self>, law: Law<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let py = slf.py();
         let this = shared(slf)?;
-        let multipliers = law.multipliers()?;
-        let law = law.law(py, multipliers.as_ref())?;
+        let own = law.own(py)?;
+        let law = own.law(py)?;
         let contacts = this.contacts(py)?;
-        let elements = contacts.len();
-        let error = match law.multipliers {
-            Some(multipliers) if multipliers.len() != elements => {
-                Some(AssemblyError::MultiplierCount { found: multipliers.len(), elements })
-            }
-            Some(multipliers) => multipliers
-                .iter()
-                .position(|value| !(*value >= 0.0 && value.is_finite()))
-                .map(|element| AssemblyError::InvalidMultiplier { element, value: multipliers[element] }),
-            None => None,
-        };
-        let value = law.penalty;
-        let penalty =
-            (!(value > 0.0 && value.is_finite())).then_some(AssemblyError::InvalidPenalty { value });
-        if let Some(error) = penalty.or(error) {
-            return Err(error.raise(py));
-        }
-        let mut forces = Vec::with_capacity(elements);
+        law.validate(contacts.len()).map_err(|error| error.raise(py))?;
+        let mut forces = Vec::with_capacity(contacts.len());
         for (element, contact) in contacts.iter().enumerate() {
             let (gap, area) = (contact.point.gap, contact.area);
             let force = if contact.outcome.is_contact() { law.force(element, gap, area) } else { 0.0 };
             if !force.is_finite() {
-                return Err(AssemblyError::ForceOverflow { element, penalty: value, area, gap }.raise(py));
+                let penalty = law.penalty;
+                return Err(AssemblyError::ForceOverflow { element, penalty, area, gap }.raise(py));
             }
             forces.push(force);
         }

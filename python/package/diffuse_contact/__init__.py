@@ -17,8 +17,10 @@ from ._errors import (
     SurfaceError,
 )
 from ._faces import FaceContacts, FaceInterface, FaceReport, flat_facets
-from ._interface import ContactInterface, Options, adaptive_tangent
+from ._interface import ContactInterface, CsrMap, Options, adaptive_tangent
+from ._law import Coulomb, DecayingCoefficient, TabulatedCoefficient, TabulatedPressure
 from ._native import __version__
+from ._operator import TangentOperator
 from ._part import Extents, PartDemands, SurfacePart
 from ._results import (
     Contact,
@@ -42,7 +44,10 @@ __all__ = [
     "Contact",
     "ContactInterface",
     "Contacts",
+    "Coulomb",
+    "CsrMap",
     "CutBack",
+    "DecayingCoefficient",
     "DiffuseContactError",
     "ElementError",
     "Extents",
@@ -63,6 +68,9 @@ __all__ = [
     "SlaveGap",
     "SurfaceError",
     "SurfacePart",
+    "TabulatedCoefficient",
+    "TabulatedPressure",
+    "TangentOperator",
     "Window",
     "__version__",
     "adaptive_tangent",

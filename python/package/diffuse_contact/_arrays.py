@@ -15,6 +15,7 @@ from ._errors import BusyError, InputError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Indices = NDArray[np.int32] | NDArray[np.int64]
 Facets = ArrayLike | Sequence[Sequence[int]]
 Planes = ArrayLike | Sequence[tuple[ArrayLike, ArrayLike]]
 
@@ -54,6 +55,22 @@ def is_writable(array: Any, dtype: Any) -> bool:
         and array.flags.aligned
         and array.flags.writeable
     )
+
+
+def vector(what: str, out: Any) -> Floats:
+    """A vector to be written to where it is."""
+    if not (is_writable(out, np.float64) and out.ndim == 1):
+        raise InputError(f"{what} has to be a writable, aligned float64 vector in C order", "wrong-array")
+    return out
+
+
+def bools(what: str, values: Any) -> NDArray[np.bool_]:
+    """``values`` as a vector of bool."""
+    array = _array(what, values)
+    if array.dtype != np.bool_:
+        raise InputError(f"{what}: True and False are needed, not {array.dtype}", "wrong-type")
+    _check_shape(what, array.shape, ("s",))
+    return _sound(array, np.bool_)
 
 
 def refuse_overlap(error: BusyError, read: dict[str, Any], written: dict[str, Any]) -> NoReturn:

@@ -130,7 +130,7 @@ fn a_sweep_leaves_its_files() {
 
 #[test]
 fn a_large_interface_is_timed() {
-    let found = json(&["study", "throughput", "--nodes", "900", "--threads", "2", "--json"]);
+    let found = json(&["study", "throughput", "--nodes", "900", "--threads", "2", "--assembly", "--json"]);
     assert_eq!(
         (&found["nodes"], &found["contacts"], &found["threads"]),
         (&900.into(), &900.into(), &2.into())

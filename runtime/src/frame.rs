@@ -41,9 +41,9 @@ const ORTHONORMALITY_TOLERANCE: f64 = 1e-9;
 /// Largest angle between a co-moving frame's normal and that of the average plane, roughly.
 const AVERAGE_PLANE_TOLERANCE: f64 = 1e-6;
 /// A middle principal moment below this fraction of the largest means a line of nodes.
-const LINE_TOLERANCE: f64 = 1e-10;
+pub(crate) const LINE_TOLERANCE: f64 = 1e-10;
 /// The smallest and the middle principal moment must differ by this fraction of the largest.
-const THICKNESS_TOLERANCE: f64 = 1e-8;
+pub(crate) const THICKNESS_TOLERANCE: f64 = 1e-8;
 /// An outward direction closer to the plane than this cosine does not tell its sides apart.
 const OUTWARD_TOLERANCE: f64 = 1e-6;
 
@@ -189,15 +189,25 @@ impl Frame {
         if !(middle > LINE_TOLERANCE * largest && middle - smallest > THICKNESS_TOLERANCE * largest) {
             return Err(no_plane(smallest / largest, middle / largest));
         }
-        let normal = oriented(direction.normalize(), outward)?;
+        let frame = Self::of_average_plane(first + mean * scale, direction.normalize(), outward)?;
+        Ok(Self { reach, ..frame })
+    }
+
+    /// The frame of an average plane with this unit normal or its opposite.
+    pub(crate) fn of_average_plane(
+        origin: Vector3,
+        direction: Vector3,
+        outward: Point,
+    ) -> Result<Self, ElementError> {
+        let normal = oriented(direction, outward)?;
         let (t1, t2) = tangents(&normal);
         Ok(Self {
-            origin: (first + mean * scale).into(),
+            origin: origin.into(),
             t1: t1.into(),
             t2: t2.into(),
             normal: normal.into(),
             derivative: FrameDerivative::CoMoving,
-            reach,
+            reach: 1.0,
         })
     }
 

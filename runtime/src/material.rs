@@ -1,6 +1,10 @@
 //! The slave's place in the master's first configuration, where domains of influence stay what they are
 //! (`docs/equations.md`, \[T18\]).
 
+mod side_by_side;
+
+pub(crate) use side_by_side::{SearchScratch, Sought, places};
+
 use crate::vector::Vector3;
 use crate::{ElementError, Frame, MaterialNode, Point};
 

@@ -173,8 +173,9 @@ fn weight_module(
                 const FRICTION: bool = #friction;
                 const BASES: &'static [Basis] = &[#(#all_bases),*];
                 #[allow(unused_parens)]
-                fn fitting_weight(r: f64) -> f64 {
-                    if r < 1.0 { #value } else { 0.0 }
+                #[inline(always)]
+                fn fitting_weight<T: Lane>(r: T) -> T {
+                    T::select_less(r, T::ONE, #value, T::ZERO)
                 }
 
                 #(#scalar)*
@@ -185,14 +186,14 @@ fn weight_module(
     }
 }
 
-/// A formula in `r` as an expression of Rust.
+/// A formula in `r` as an expression of Rust, of any number type `T`.
 fn formula(of: &Formula) -> TokenStream {
     let binary = |x: &Formula, operator: TokenStream, y: &Formula| {
         let (x, y) = (formula(x), formula(y));
         quote!((#x #operator #y))
     };
     match of {
-        Formula::Number(value) => quote!(#value),
+        Formula::Number(value) => quote!(T::splat(#value)),
         Formula::Radius => quote!(r),
         Formula::Neg(x) => {
             let x = formula(x);
@@ -204,19 +205,34 @@ fn formula(of: &Formula) -> TokenStream {
         Formula::Div(x, y) => binary(x, quote!(/), y),
         Formula::Power(x, exponent) => {
             let x = formula(x);
-            quote!(f64::powi(#x, #exponent))
+            let power = power(exponent.unsigned_abs());
+            let value = if *exponent < 0 { quote!(T::ONE / #power) } else { power };
+            quote!({ let x = #x; #value })
         }
         Formula::Exp(x) => {
             let x = formula(x);
-            quote!(f64::exp(#x))
+            quote!(T::exp(#x))
         }
         Formula::Sqrt(x) => {
             let x = formula(x);
-            quote!(f64::sqrt(#x))
+            quote!(T::sqrt(#x))
         }
         Formula::If { x, y, then, otherwise } => {
             let [x, y, then, otherwise] = [x, y, then, otherwise].map(|x| formula(x));
-            quote!(if #x < #y { #then } else { #otherwise })
+            quote!(T::select_less(#x, #y, #then, #otherwise))
+        }
+    }
+}
+
+/// `x` to a power, by squares.
+fn power(exponent: u32) -> TokenStream {
+    match exponent {
+        0 => quote!(T::ONE),
+        1 => quote!(x),
+        _ => {
+            let half = power(exponent / 2);
+            let odd = (exponent % 2 == 1).then(|| quote!(x *));
+            quote!((#odd { let x = #half; x * x }))
         }
     }
 }

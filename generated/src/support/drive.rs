@@ -259,6 +259,23 @@ pub fn batch<K: GapKernel>(
     }
 }
 
+/// Writes the values of an element's nodes into its lane. Number by number: vectors put together from numbers that have just been stored
+/// wait for them.
+#[inline(always)]
+fn fill_lane<T: Vector, const VALUES: usize>(
+    nodes: &mut [[T; VALUES]],
+    lane: usize,
+    of_node: impl Fn(usize) -> [f64; VALUES],
+) {
+    for k in 0..nodes.len() {
+        let numbers = T::numbers(&mut nodes[k]);
+        let values = of_node(k);
+        for value in 0..VALUES {
+            numbers[T::WIDTH * value + lane] = values[value];
+        }
+    }
+}
+
 struct Elements<'a, 'e, K> {
     elements: &'a mut [BatchElement<'e>],
     weight_number: usize,
@@ -288,15 +305,10 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
         for elements in self.elements.chunks_mut(T::WIDTH) {
             // The last element also fills the lanes beyond.
             let last = elements.len() - 1;
-            for (k, master) in masters.iter_mut().enumerate() {
-                for (value, vector) in master.iter_mut().enumerate() {
-                    *vector = T::from_fn(|lane| elements[lane.min(last)].inputs.node(k)[value]);
-                }
-            }
-            for (k, node) in material.iter_mut().enumerate() {
-                for (value, vector) in node.iter_mut().enumerate() {
-                    *vector = T::from_fn(|lane| elements[lane.min(last)].inputs.material(k)[value]);
-                }
+            for lane in 0..T::WIDTH {
+                let inputs = &elements[lane.min(last)].inputs;
+                fill_lane::<T, _>(masters, lane, |k| inputs.node(k));
+                fill_lane::<T, _>(material, lane, |k| inputs.material(k));
             }
             let of = |lane: usize| &elements[lane.min(last)].inputs;
             let inputs = Inputs::gather(of, self.weight_number, masters, material);

@@ -1,7 +1,7 @@
 //! The generated kernels of a weight behind one trait.
 
 use super::{
-    Basis, BatchElement, CoefficientsValues, ElementInputs, FormRows, FrameRule, GapValues, Isa, Mode,
+    Basis, BatchElement, CoefficientsValues, ElementInputs, FormRows, FrameRule, GapValues, Isa, Lane, Mode,
     SecondKind, SurfaceValues, Workspace,
 };
 
@@ -38,7 +38,7 @@ pub trait KernelSet {
 
     /// The weight at r, distance over the radius of the domain; of an interpolating weight ω/(1 − ω) that of ω. 0 where r ≥ 1.
     #[must_use]
-    fn fitting_weight(r: f64) -> f64;
+    fn fitting_weight<T: Lane>(r: T) -> T;
 
     /// α with ∂α/∂x and ∂²α/∂x∂x of each coefficient, number by number.
     fn coefficients(

@@ -90,6 +90,9 @@ pub struct ThroughputArguments {
     /// Number of threads [default: one for each processor]
     #[arg(long, value_name = "K", value_parser = threads::parse)]
     pub threads: Option<usize>,
+    /// Also make the pattern of the tangent and fill it; N and M of all slaves are held for that, some 7 kB each
+    #[arg(long)]
+    pub assembly: bool,
     /// Print JSON instead of a table
     #[arg(long)]
     pub json: bool,

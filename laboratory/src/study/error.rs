@@ -1,5 +1,6 @@
 //! Why a study ends without figures.
 
+use diffuse_contact::assembly::AssemblyError;
 use diffuse_contact::interface::{InterfaceError, NoContact};
 use diffuse_contact::surface::SurfaceError;
 use diffuse_contact_solver::deck::DeckError;
@@ -16,6 +17,9 @@ pub enum StudyError {
     /// The interface refuses its input.
     #[error("the interface of the study: {0}")]
     Interface(#[from] InterfaceError),
+    /// The tangent cannot be assembled.
+    #[error("the tangent of the study: {0}")]
+    Assembly(#[from] AssemblyError),
     /// A node without contact.
     #[error("{case}: slave {slave} has no contact: {reason}")]
     NoContact {

@@ -4,6 +4,7 @@
 use std::fmt;
 use std::time::Instant;
 
+use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap};
 use diffuse_contact::interface::{ContactInterface, InterfaceOptions, NoContact, Outcome};
 use diffuse_contact::surface::MasterSurface;
 use diffuse_contact::{Mode, Point};
@@ -45,14 +46,30 @@ struct Throughput {
     refresh_kept_s: f64,
     /// Gap, N and M of all slaves, streamed.
     evaluate_s: f64,
+    /// The tangent in compressed sparse rows, if that is asked for.
+    #[serde(flatten)]
+    assembly: Option<Assembly>,
     /// Peak memory of the process, if the system tells.
     peak_memory_mib: Option<f64>,
+}
+
+/// The tangent of all slaves in compressed sparse rows. Those below the surface, half of them, carry force.
+#[derive(Debug, Serialize)]
+struct Assembly {
+    /// Pattern of all slaves.
+    pattern_s: f64,
+    /// Its values, with the memory of which they are the first use.
+    fill_s: f64,
+    /// The same values again.
+    refill_s: f64,
+    /// Entries of the matrix for each slave.
+    entries: f64,
 }
 
 /// Measures and prints.
 pub fn run(arguments: &ThroughputArguments) -> Result<(), CliError> {
     let side = (arguments.nodes as f64).sqrt().ceil() as usize;
-    let found = with_threads(arguments.threads, || Ok(measure(side)?))?;
+    let found = with_threads(arguments.threads, || Ok(measure(side, arguments.assembly)?))?;
     if arguments.json {
         return output::write_json(&found);
     }
@@ -60,7 +77,7 @@ pub fn run(arguments: &ThroughputArguments) -> Result<(), CliError> {
 }
 
 /// The interface of `side`² slaves and `side`² masters.
-fn measure(side: usize) -> Result<Throughput, StudyError> {
+fn measure(side: usize, with_assembly: bool) -> Result<Throughput, StudyError> {
     let (mut positions, slaves, facets) = scene(side);
     let (master, connect_s) = timed(|| MasterSurface::new(&positions, facets));
     let nodes = slaves.len();
@@ -74,6 +91,7 @@ fn measure(side: usize) -> Result<Throughput, StudyError> {
     }
     let (refreshed, refresh_kept_s) = timed(|| interface.refresh_pairing(&positions));
     refreshed?;
+    let all = positions.len();
     drop(positions);
     let bar = logged("slave nodes", nodes);
     let (mut contacts, mut masters, mut reason) = (0, 0, None::<(usize, NoContact)>);
@@ -95,6 +113,7 @@ fn measure(side: usize) -> Result<Throughput, StudyError> {
     if let Some((slave, reason)) = reason {
         return Err(StudyError::NoContact { case: format!("{nodes} nodes"), slave, reason });
     }
+    let assembly = with_assembly.then(|| assemble(&mut interface, all)).transpose()?;
     Ok(Throughput {
         nodes,
         threads: rayon::current_num_threads(),
@@ -104,8 +123,25 @@ fn measure(side: usize) -> Result<Throughput, StudyError> {
         refresh_s,
         refresh_kept_s,
         evaluate_s,
+        assembly,
         peak_memory_mib: peak_memory_mib(),
     })
+}
+
+/// The tangent of an interface among so many nodes.
+fn assemble(interface: &mut ContactInterface, nodes: usize) -> Result<Assembly, StudyError> {
+    let contacts = interface.evaluate(Mode::Hessian)?;
+    let (law, dofs) = (ContactLaw::penalty(1.0), DofMap::standard(nodes));
+    let (pattern, pattern_s) = timed(|| CsrPattern::union(contacts, &dofs));
+    let pattern = pattern?;
+    let (filled, fill_s) = timed(|| {
+        let mut values = vec![0.0; pattern.entries()];
+        pattern.fill(contacts, &law, &mut values).map(|_| values)
+    });
+    let mut values = filled?;
+    let (filled, refill_s) = timed(|| pattern.fill(contacts, &law, &mut values));
+    filled?;
+    Ok(Assembly { pattern_s, fill_s, refill_s, entries: pattern.entries() as f64 / contacts.len() as f64 })
 }
 
 /// Positions of masters and, behind them, slaves; indices of the slaves; facets of the master.
@@ -153,6 +189,11 @@ impl fmt::Display for Throughput {
         row(f, "refresh, all paired", &each(self.refresh_s))?;
         row(f, "refresh, all lists kept", &each(self.refresh_kept_s))?;
         row(f, "gap, N and M", &each(self.evaluate_s))?;
+        if let Some(Assembly { pattern_s, fill_s, refill_s, entries }) = &self.assembly {
+            row(f, "pattern of the tangent", &format!("{}, {entries:.0} entries", each(*pattern_s)))?;
+            row(f, "fill, into new memory", &each(*fill_s))?;
+            row(f, "fill again", &each(*refill_s))?;
+        }
         let memory = self.peak_memory_mib.map_or("n/a".into(), |mib| format!("{mib:.0} MiB"));
         row(f, "peak memory", &memory)
     }

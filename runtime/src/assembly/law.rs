@@ -1,5 +1,7 @@
 //! From the gap to force and stiffness.
 
+use diffuse_contact_kernels::support::packed_row;
+
 use super::{AssemblyError, ContactView, ElementView, Elements, NormalLaw, SlipView};
 use crate::friction::{Coulomb, FrictionForce, NormalForce};
 
@@ -401,23 +403,32 @@ impl Active<'_> {
         normal + force.tangent_entry([own, other], second, self.gradient[q])
     }
 
-    /// Rows of the element's node `a` and columns of its node `b`: the same numbers as [`tangent`](Self::tangent).
+    /// Hands over the rows of the element's node `a` and the columns of each of its nodes: the same numbers as [`tangent`](Self::tangent).
     #[inline]
-    pub fn block(&self, a: usize, b: usize) -> [[f64; 3]; 3] {
-        let (Some(hessian), None, false) = (self.hessian, &self.friction, a == b) else {
-            return [0, 1, 2].map(|i| [0, 1, 2].map(|j| self.tangent(3 * a + i, 3 * b + j)));
+    pub fn blocks(&self, a: usize, mut add: impl FnMut(usize, [[f64; 3]; 3])) {
+        let by_entry = |b: usize| [0, 1, 2].map(|i| [0, 1, 2].map(|j| self.tangent(3 * a + i, 3 * b + j)));
+        let (gradient, _) = self.gradient.as_chunks::<3>();
+        let (Some(hessian), None) = (self.hessian, &self.friction) else {
+            (0..gradient.len()).for_each(|b| add(b, by_entry(b)));
+            return;
         };
-        let of_node = |node: usize| -> &[f64; 3] { &self.gradient.as_chunks().0[node] };
-        let (own, other) = (of_node(a), of_node(b));
-        // Rows of the lower triangle, of the later node.
-        let (later, earlier) = if a > b { (a, b) } else { (b, a) };
-        let lower = [0, 1, 2].map(|i| {
-            let row = 3 * later + i;
-            hessian[row * (row + 1) / 2 + 3 * earlier..].first_chunk::<3>().copied().unwrap_or_default()
-        });
-        let second = |i: usize, j: usize| if a > b { lower[i][j] } else { lower[j][i] };
-        let entry = |i: usize, j: usize| self.stiffness * (own[i] * other[j]) - self.force * second(i, j);
-        [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)))
+        let (stiffness, force, own) = (self.stiffness, self.force, gradient[a]);
+        let entry = |i: usize, other: f64, second: f64| stiffness * (own[i] * other) - force * second;
+        // Left of the diagonal the node's own rows of the lower triangle, …
+        let row = |i: usize| hessian[packed_row(3 * a + i)..][..3 * a].as_chunks::<3>().0;
+        let rows = row(0).iter().zip(row(1)).zip(row(2));
+        for (b, (other, ((x, y), z))) in gradient[..a].iter().zip(rows).enumerate() {
+            let rows = [x, y, z];
+            add(b, [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, other[j], rows[i][j]))));
+        }
+        add(a, by_entry(a));
+        // … right of it its columns in the rows of later nodes.
+        for (b, other) in gradient.iter().enumerate().skip(a + 1) {
+            let rows = &hessian[packed_row(3 * b) + 3 * a..][..6 * b + 6];
+            let [x, y, z] = [0, 3 * b + 1, 6 * b + 3].map(|start| [0, 1, 2].map(|i| rows[start + i]));
+            let rows = [x, y, z];
+            add(b, [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, other[j], rows[j][i]))));
+        }
     }
 
     /// Entries (p, 0) … (p, p) of the tangent, and whether all are finite. The same numbers as [`tangent`](Self::tangent).

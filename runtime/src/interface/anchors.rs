@@ -501,8 +501,7 @@ impl Evaluator<'_> {
     ) -> Result<Option<T>, InterfaceError> {
         let Ok(paired) = pairings.get(k) else { return Ok(None) };
         let ElementScratch { within_reach: all, border, .. } = scratch;
-        all.clear();
-        let Ok(found) = self.gather_within_reach(&paired, weight, all) else { return Ok(None) };
+        let Ok(found) = self.gather_one(&paired, weight, all) else { return Ok(None) };
         let old = self.anchor(k);
         let from = old.map_or(self.positions[paired.slave], |old| self.anchor_position(old));
         let element = self.element_of(&paired, all, &found, weight);
@@ -520,8 +519,7 @@ impl Evaluator<'_> {
             let (half_square, opening) = (slip.half_square, old.opening);
             return Err(AssemblyError::InvalidSlip { element: k, half_square, opening }.into());
         }
-        let carriers = all
-            .sources
+        let carriers = all.sources[found.range]
             .iter()
             .map(|source| Carrier { node: paired.masters[source.listed as usize], image: source.image });
         let terms = carriers.zip(slip.foot_weights.iter().copied()).collect();

@@ -8,9 +8,6 @@ use super::evaluator::{CHUNK, ElementScratch, Evaluator, Request};
 use super::{ContactInterface, ContactRef, Contacts, InterfaceError, NoContact, PairedElement};
 use crate::Mode;
 
-/// Chunks of slaves that [`ContactInterface::for_each`] holds for each thread.
-const CHUNKS_PER_THREAD: usize = 4;
-
 impl ContactInterface {
     /// The contact of every slave at the positions of the last [`update`](Self::update) or
     /// [`refresh_pairing`](Self::refresh_pairing), with the derivatives that `mode` asks for.
@@ -77,7 +74,8 @@ impl ContactInterface {
         F: FnMut(ContactRef<'_>),
     {
         let mut results = Results::default();
-        let batch = CHUNKS_PER_THREAD * CHUNK * rayon::current_num_threads();
+        // One chunk for each thread: more of them leave the processor's cache before they are handed over.
+        let batch = CHUNK * rayon::current_num_threads();
         let all = self.pairings.all();
         all.clone().step_by(batch).try_for_each(|start| {
             self.evaluate_range(start..all.end.min(start + batch), mode, &mut results, &mut f)

@@ -172,13 +172,8 @@ impl Evaluator<'_> {
         let mut slots = all;
         let mut within_reach = std::mem::take(&mut scratch.within_reach);
         if self.nodal.is_some() {
-            within_reach.clear();
-            for slot in &slots {
-                let found = pairings
-                    .get(slot.index)
-                    .and_then(|paired| self.gather_within_reach(&paired, weight, &mut within_reach));
-                within_reach.elements.push(found);
-            }
+            let paired = slots.iter().map(|slot| pairings.get(slot.index));
+            self.gather_within_reach(paired, weight, &mut within_reach);
         }
         let run = Run { pairings, weight, within_reach: self.nodal.map(|_| &within_reach) };
         let mut border = Border::Tested;
@@ -364,8 +359,7 @@ impl Evaluator<'_> {
     pub fn gap(&self, paired: &Paired<'_>, scratch: &mut ElementScratch) -> Result<f64, NoContact> {
         if let (Some(_), ContactElement::Diffuse { weight, .. }) = (self.nodal, self.options.element) {
             let ElementScratch { border, within_reach: all, .. } = scratch;
-            all.clear();
-            let found = match self.gather_within_reach(paired, weight, all) {
+            let found = match self.gather_one(paired, weight, all) {
                 Err(NoContact::Element { error }) => {
                     return self.within_border(paired, Err(error), border).map(|point| point.gap);
                 }

@@ -115,19 +115,26 @@ fn add_pair(hessian: &mut [f64], (row, column): (usize, usize), block: [[f64; 3]
     }
 }
 
+/// How many of the first points are the first listed nodes: their derivatives lie where they belong.
+fn leading(sources: &[Source]) -> usize {
+    let is_in_place = |&(own, source): &(usize, &Source)| source.listed as usize == own;
+    sources.iter().enumerate().take_while(is_in_place).count()
+}
+
 /// In place, from the end, as nodes only move to later places.
 fn spread_gradient(gradient: &mut [f64], sources: &[Source]) {
     let mut end = gradient.len();
     if end == 0 {
         return;
     }
-    for (own, source) in sources.iter().enumerate().rev() {
+    let leading = leading(sources);
+    for (own, source) in sources.iter().enumerate().skip(leading).rev() {
         let (from, to) = (3 * (own + 1), 3 * (source.listed as usize + 1));
-        gradient.copy_within(from..from + 3, to);
+        move_three(gradient, from, to);
         gradient[to + 3..end].fill(0.0);
         end = to;
     }
-    gradient[3..end].fill(0.0);
+    gradient[3 * (leading + 1)..end].fill(0.0);
 }
 
 fn spread_hessian(hessian: &mut [f64], sources: &[Source]) {
@@ -135,26 +142,42 @@ fn spread_hessian(hessian: &mut [f64], sources: &[Source]) {
     if end == 0 {
         return;
     }
-    for (own, source) in sources.iter().enumerate().rev() {
+    let leading = leading(sources);
+    for (own, source) in sources.iter().enumerate().skip(leading).rev() {
         for axis in (0..3).rev() {
             let (row, target) = (3 * (own + 1) + axis, 3 * (source.listed as usize + 1) + axis);
             let (from, to) = (packed(row, 0), packed(target, 0));
             // The row ends with its diagonal entry.
             hessian[to + target + 1..end].fill(0.0);
             let mut right = to + target + 1;
-            for (other, second) in sources[..=own].iter().enumerate().rev() {
-                let width = if other == own { axis + 1 } else { 3 };
-                let (column, place) = (3 * (other + 1), to + 3 * (second.listed as usize + 1));
-                hessian.copy_within(from + column..from + column + width, place);
-                hessian[place + width..right].fill(0.0);
+            let (column, place) = (3 * (own + 1), to + target - axis);
+            for k in (0..=axis).rev() {
+                hessian[place + k] = hessian[from + column + k];
+            }
+            hessian[place + axis + 1..right].fill(0.0);
+            right = place;
+            for (other, second) in sources[..own].iter().enumerate().skip(leading).rev() {
+                let place = to + 3 * (second.listed as usize + 1);
+                move_three(hessian, from + 3 * (other + 1), place);
+                hessian[place + 3..right].fill(0.0);
                 right = place;
             }
-            hessian.copy_within(from..from + 3, to);
-            hessian[to + 3..right].fill(0.0);
+            // The slave and the points in place.
+            let width = 3 * (leading + 1);
+            hessian.copy_within(from..from + width, to);
+            hessian[to + width..right].fill(0.0);
             end = to;
         }
     }
-    hessian[packed(3, 0)..end].fill(0.0);
+    hessian[packed(3 * (leading + 1), 0)..end].fill(0.0);
+}
+
+/// To a later place, or the same.
+fn move_three(numbers: &mut [f64], from: usize, to: usize) {
+    let [x, y, z] = [numbers[from], numbers[from + 1], numbers[from + 2]];
+    for (number, value) in numbers[to..to + 3].iter_mut().zip([x, y, z]) {
+        *number = value;
+    }
 }
 
 fn fold_gradient<'a>(

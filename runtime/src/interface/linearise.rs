@@ -116,11 +116,9 @@ impl Evaluator<'_> {
         scratch: &mut ElementScratch,
     ) -> Result<LinearContacts, InterfaceError> {
         let ElementScratch { within_reach, batch, .. } = scratch;
-        within_reach.clear();
-        for &k in loaded.iter().filter(|_| self.nodal.is_some()) {
-            let found =
-                pairings.get(k).and_then(|paired| self.gather_within_reach(&paired, weight, within_reach));
-            within_reach.elements.push(found);
+        if self.nodal.is_some() {
+            let paired = loaded.iter().map(|&k| pairings.get(k));
+            self.gather_within_reach(paired, weight, within_reach);
         }
         let within_reach = &*within_reach;
         let mut found = LinearContacts::default();

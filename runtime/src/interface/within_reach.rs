@@ -7,9 +7,10 @@ use diffuse_contact_kernels::support::{ElementInputs, Masters};
 use super::NoContact;
 use super::evaluator::{ElementScratch, Evaluator};
 use super::fold::Source;
-use super::pairings::{Paired, Record};
+use super::pairings::Paired;
 use crate::affine::Carrier;
 use crate::element::nearest_in_material;
+use crate::material::{SearchScratch, Sought, places as side_by_side};
 use crate::surface::{Listed, NONE};
 use crate::vector::Vector3;
 use crate::{
@@ -24,9 +25,14 @@ pub struct WithinReach {
     /// The same in the first configuration, seen from the slave's place there.
     pub nodes: Vec<MaterialNode>,
     pub sources: Vec<Source>,
-    /// Domains of the points of one slave, …
+    /// Domains of the points.
     domains: Vec<MaterialDomain>,
-    /// … and their weights.
+    /// Slaves whose points are known, …
+    sought: Vec<Sought>,
+    /// … and their places.
+    places: Vec<Result<MaterialPlace, ElementError>>,
+    search: SearchScratch,
+    /// Weights of one slave's points.
     weights: Vec<f64>,
     /// Of each slave.
     pub elements: Vec<Result<Gathered, NoContact>>,
@@ -43,10 +49,12 @@ pub struct Gathered {
 }
 
 impl WithinReach {
-    pub fn clear(&mut self) {
+    fn clear(&mut self) {
         self.points.clear();
         self.nodes.clear();
         self.sources.clear();
+        self.domains.clear();
+        self.sought.clear();
         self.elements.clear();
     }
 
@@ -92,19 +100,64 @@ pub struct PointsWithinReach {
 }
 
 impl Evaluator<'_> {
-    /// The points of a paired slave's element: those of its nodes, and of their images, that are within reach at these positions, in
+    /// The points of paired slaves' elements: those of their nodes, and of their images, that are within reach at these positions, in
     /// their order. Which others are listed makes no difference.
-    pub fn gather_within_reach(
+    pub fn gather_within_reach<'p>(
+        &self,
+        slaves: impl Iterator<Item = Result<Paired<'p>, NoContact>> + Clone,
+        weight: Weight,
+        all: &mut WithinReach,
+    ) {
+        all.clear();
+        for paired in slaves.clone().flatten() {
+            self.list(&paired, all);
+        }
+        let WithinReach { points, nodes, sources, domains, sought, places, search, elements, .. } = all;
+        side_by_side(sought, (points, domains), weight, search, places);
+        let mut kept = 0;
+        let mut found = sought.iter().zip(&*places);
+        for paired in slaves {
+            let element = paired.and_then(|paired| {
+                let (sought, place) = found.next().ok_or(NoContact::NotPaired)?;
+                let MaterialPlace { place, frame, .. } = (*place)?;
+                let (start, mut unit) = (kept, 0.0_f64);
+                for k in sought.range.clone() {
+                    let node = domains[k].from(place);
+                    if node.distance() < 1.0 {
+                        (points[kept], sources[kept]) = (points[k], sources[k]);
+                        unit = unit.max(distance(points[kept], sought.slave));
+                        nodes.push(node);
+                        kept += 1;
+                    }
+                }
+                let (count, needed) = (kept - start, paired.record.basis.size());
+                if count < needed {
+                    kept = start;
+                    nodes.truncate(start);
+                    return Err(ElementError::TooFewNodes { found: count, needed }.into());
+                }
+                Ok(Gathered { frame, range: start..kept, unit })
+            });
+            elements.push(element);
+        }
+    }
+
+    /// The element of one paired slave, in the place of all others.
+    pub fn gather_one(
         &self,
         paired: &Paired<'_>,
         weight: Weight,
         all: &mut WithinReach,
     ) -> Result<Gathered, NoContact> {
-        let WithinReach { points, nodes, sources, domains, weights, .. } = all;
-        let Some(nodal) = self.nodal else { return Err(NoContact::NotPaired) };
+        self.gather_within_reach(std::iter::once(Ok(*paired)), weight, all);
+        all.elements.pop().unwrap_or(Err(NoContact::NotPaired))
+    }
+
+    /// Adds the listed nodes of a slave, and their images.
+    fn list(&self, paired: &Paired<'_>, all: &mut WithinReach) {
+        let WithinReach { points, sources, domains, sought, .. } = all;
+        let Some(nodal) = self.nodal else { return };
         let start = points.len();
-        let slave = self.positions[paired.slave];
-        domains.clear();
         let mut images = paired.images.as_chunks::<2>().0.iter().peekable();
         for (listed, (&node, &place)) in paired.masters.iter().zip(paired.places).enumerate() {
             if place == NONE {
@@ -122,34 +175,8 @@ impl Evaluator<'_> {
                 sources.push(Source { listed: listed as u32, image });
             }
         }
-        let Record { basis, facet, .. } = *paired.record;
-        let outward = self.surface.shape(facet as usize, self.positions).normal().into();
-        let fitting = |r| weight.fitting(r);
-        let found = MaterialPlace::iterate(slave, &points[start..], domains, weights, fitting, outward)
-            .inspect_err(|_| {
-                points.truncate(start);
-                sources.truncate(start);
-            })?;
-        let (mut kept, mut unit) = (start, 0.0_f64);
-        for (k, domain) in domains.iter().enumerate() {
-            let node = domain.from(found.place);
-            if node.distance() < 1.0 {
-                (points[kept], sources[kept]) = (points[start + k], sources[start + k]);
-                unit = unit.max(distance(points[kept], slave));
-                nodes.push(node);
-                kept += 1;
-            }
-        }
-        points.truncate(kept);
-        sources.truncate(kept);
-        let (count, needed) = (kept - start, basis.size());
-        if count < needed {
-            points.truncate(start);
-            sources.truncate(start);
-            nodes.truncate(start);
-            return Err(ElementError::TooFewNodes { found: count, needed }.into());
-        }
-        Ok(Gathered { frame: found.frame, range: start..kept, unit })
+        let outward = self.surface.shape(paired.record.facet as usize, self.positions).normal().into();
+        sought.push(Sought { slave: self.positions[paired.slave], outward, range: start..points.len() });
     }
 
     /// The place in the first configuration of a slave over a facet, among the nodes listed there.
@@ -184,13 +211,13 @@ impl Evaluator<'_> {
         scratch: &mut ElementScratch,
     ) -> Result<PointsWithinReach, NoContact> {
         let all = &mut scratch.within_reach;
-        all.clear();
-        let Gathered { frame, unit, .. } = self.gather_within_reach(paired, weight, all)?;
-        let listed = all.sources.iter().map(|source| source.listed).collect();
+        let Gathered { frame, unit, range } = self.gather_one(paired, weight, all)?;
+        let sources = &all.sources[range.clone()];
+        let listed = sources.iter().map(|source| source.listed).collect();
         let carrier =
             |&Source { listed, image }: &Source| Carrier { node: paired.masters[listed as usize], image };
-        let carriers = all.sources.iter().map(carrier).collect();
-        let (positions, nodes) = (all.points.clone(), all.nodes.clone());
+        let carriers = sources.iter().map(carrier).collect();
+        let (positions, nodes) = (all.points[range].to_vec(), all.nodes.clone());
         Ok(PointsWithinReach { positions, nodes, listed, carriers, frame, unit })
     }
 
@@ -202,7 +229,7 @@ impl Evaluator<'_> {
         found: &Gathered,
         weight: Weight,
     ) -> Element<'s> {
-        Element::new(self.positions[paired.slave], &all.points, found.frame, found.unit)
+        Element::new(self.positions[paired.slave], &all.points[found.range.clone()], found.frame, found.unit)
             .with_domains(Domains::Material(&all.nodes))
             .with_basis(paired.record.basis)
             .with_weight(weight)

@@ -219,16 +219,14 @@ impl<'e, A: Fn(usize) -> Option<Active<'e>> + Sync> Work<'_, A> {
 
 /// Adds the rows of node `a` of an element to three rows of the matrix: its node b begins at `slots[b]`.
 fn add_rows(active: &Active<'_>, a: usize, slots: &[u32], rows: &mut [&mut [f64]; 3]) {
-    for (b, &slot) in slots.iter().enumerate() {
-        let block = active.block(a, b);
+    active.blocks(a, |b, block| {
+        let slot = slots[b] as usize;
         for (row, values) in rows.iter_mut().zip(block) {
-            if let Some(entries) = row[slot as usize..].first_chunk_mut::<3>() {
-                for (entry, value) in entries.iter_mut().zip(values) {
-                    *entry += value;
-                }
+            for (entry, value) in row[slot..slot + 3].iter_mut().zip(values) {
+                *entry += value;
             }
         }
-    }
+    });
 }
 
 /// Adds row `p` of an element's tangent to a row of the matrix.

@@ -112,8 +112,7 @@ pub fn neighbours(
         .into_par_iter()
         .map(|chunk| {
             let range = chunk * CHUNK..nodes.min((chunk + 1) * CHUNK);
-            // A node is marked by the last one whose neighbour it was found to be.
-            pool.with(|| vec![NO_NODE; nodes], |marks| together(of_elements, occurrences, range, marks))
+            pool.with(|| NodeSet::new(nodes), |set| together(of_elements, occurrences, range, set))
         })
         .collect();
     let chunks = chunks.into_iter().collect::<Result<Vec<_>, _>>()?;
@@ -134,28 +133,82 @@ fn together(
     of_elements: &Lists<u32>,
     occurrences: &Lists<Occurrence>,
     range: Range<usize>,
-    marks: &mut [u32],
+    set: &mut NodeSet,
 ) -> Result<Ends, AssemblyError> {
     let (mut numbers, mut ends) = (Vec::new(), Vec::with_capacity(range.len()));
     for node in range {
-        let (start, mut last) = (numbers.len(), None);
+        let mut last = None;
         for occurrence in occurrences.get(node) {
             // A node that occurs twice in an element has the same neighbours there.
             if last.replace(occurrence.element) == Some(occurrence.element) {
                 continue;
             }
-            let others = of_elements.get(occurrence.element as usize);
-            let too_large =
-                |_| AssemblyError::TooLarge { what: "pairs of nodes", count: start + others.len() };
-            numbers.try_reserve(others.len()).map_err(too_large)?;
-            for &other in others {
-                if std::mem::replace(&mut marks[other as usize], node as u32) != node as u32 {
-                    numbers.push(other);
-                }
-            }
+            of_elements.get(occurrence.element as usize).iter().for_each(|&other| set.insert(other));
         }
-        numbers[start..].sort_unstable();
+        let count = numbers.len() + set.count();
+        let too_large = |_| AssemblyError::TooLarge { what: "pairs of nodes", count };
+        numbers.try_reserve(set.count()).map_err(too_large)?;
+        set.take(&mut numbers);
         ends.push(numbers.len());
     }
     Ok((numbers, ends))
+}
+
+/// A set of nodes, which are given back in ascending order without being sorted one by one.
+#[derive(Debug)]
+struct NodeSet {
+    /// A bit for each node.
+    words: Vec<u64>,
+    /// Words that are not 0.
+    touched: Vec<u32>,
+}
+
+impl NodeSet {
+    fn new(nodes: usize) -> Self {
+        Self { words: vec![0; nodes.div_ceil(64)], touched: Vec::new() }
+    }
+
+    fn insert(&mut self, node: u32) {
+        let word = &mut self.words[(node / 64) as usize];
+        if *word == 0 {
+            self.touched.push(node / 64);
+        }
+        *word |= 1 << (node % 64);
+    }
+
+    fn count(&self) -> usize {
+        self.touched.iter().map(|&word| self.words[word as usize].count_ones() as usize).sum()
+    }
+
+    /// Moves its nodes to the end of a list.
+    fn take(&mut self, numbers: &mut Vec<u32>) {
+        self.touched.sort_unstable();
+        for word in self.touched.drain(..) {
+            let mut bits = std::mem::take(&mut self.words[word as usize]);
+            while bits != 0 {
+                numbers.push(64 * word + bits.trailing_zeros());
+                bits &= bits - 1;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_set_of_nodes_gives_them_back_ascending_and_is_empty_then() {
+        let mut set = NodeSet::new(200);
+        for nodes in [vec![199, 3, 64, 3, 63, 128, 0], vec![64], vec![]] {
+            nodes.iter().for_each(|&node| set.insert(node));
+            let mut expected = nodes;
+            expected.sort_unstable();
+            expected.dedup();
+            assert_eq!(set.count(), expected.len());
+            let mut found = Vec::new();
+            set.take(&mut found);
+            assert_eq!(found, expected);
+        }
+    }
 }

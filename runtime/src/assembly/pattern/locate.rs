@@ -89,17 +89,21 @@ struct Search<'a, R, C> {
     dofs: &'a DofMap,
     row_offsets: &'a [R],
     columns: &'a [C],
+    /// Whether rows and columns are those of the union pattern, which need no check.
+    is_union: bool,
 }
 
-/// Where the rows of all groups and the columns in them are. Row offsets have been checked.
+/// Where the rows of all groups and the columns in them are. Row offsets have been checked. `is_union`: columns are those that the union
+/// pattern has.
 pub fn locate<R: CsrIndex, C: CsrIndex>(
     neighbours: &Lists<u32>,
     groups: &[RowGroup],
     dofs: &DofMap,
     row_offsets: &[R],
     columns: &[C],
+    is_union: bool,
 ) -> Result<(Vec<Located>, Places), AssemblyError> {
-    let search = Search { neighbours, dofs, row_offsets, columns };
+    let search = Search { neighbours, dofs, row_offsets, columns, is_union };
     let chunks: Vec<Result<(Vec<Located>, Places), AssemblyError>> = groups
         .par_chunks(CHUNK)
         .map(|groups| {
@@ -135,7 +139,9 @@ impl<R: CsrIndex, C: CsrIndex> Search<'_, R, C> {
         let mut ends = [0; 3];
         for (k, end) in ends.iter_mut().enumerate().take(count) {
             let row = self.row(rows.first + k)?;
-            self.check_columns(rows.first + k, row.clone())?;
+            if !self.is_union {
+                self.check_columns(rows.first + k, row.clone())?;
+            }
             *end = u32::try_from(row.end - start)
                 .map_err(|_| AssemblyError::TooLarge { what: "entries of a row", count: row.end - start })?;
         }
@@ -178,7 +184,7 @@ impl<R: CsrIndex, C: CsrIndex> Search<'_, R, C> {
         }
         let [one, two, three] = [self.row(first)?, self.row(first + 1)?, self.row(first + 2)?];
         let columns = &self.columns[one];
-        if self.columns[two] != *columns || self.columns[three] != *columns {
+        if !self.is_union && (self.columns[two] != *columns || self.columns[three] != *columns) {
             return Ok(false);
         }
         let mut next = 0;

@@ -88,14 +88,15 @@ impl Found {
         Ok(Self { stamp: elements.stamp(), element_nodes, occurrences, neighbours, groups })
     }
 
-    /// The places in a matrix whose row offsets have been checked.
+    /// The places in a matrix whose row offsets have been checked. `is_union`: it is that of the union pattern.
     pub fn within<R: CsrIndex, C: CsrIndex>(
         self,
         dofs: &DofMap,
         row_offsets: &[R],
         columns: &[C],
+        is_union: bool,
     ) -> Result<CsrMap, AssemblyError> {
-        let (groups, places) = locate(&self.neighbours, &self.groups, dofs, row_offsets, columns)?;
+        let (groups, places) = locate(&self.neighbours, &self.groups, dofs, row_offsets, columns, is_union)?;
         let batches = Batches::new(&self.occurrences, &groups, self.element_nodes.len())?;
         Ok(CsrMap {
             stamp: self.stamp,
@@ -148,7 +149,7 @@ impl CsrMap {
         columns: &[C],
     ) -> Result<Self, AssemblyError> {
         check_rows(dofs.equations(), row_offsets, columns.len())?;
-        Found::new(elements, dofs)?.within(dofs, row_offsets, columns)
+        Found::new(elements, dofs)?.within(dofs, row_offsets, columns, false)
     }
 
     /// Number of rows and columns, the equations of the [`DofMap`].

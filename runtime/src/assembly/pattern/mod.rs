@@ -42,7 +42,7 @@ impl CsrPattern {
     pub fn union<E: Elements + ?Sized>(elements: &E, dofs: &DofMap) -> Result<Self, AssemblyError> {
         let found = Found::new(elements, dofs)?;
         let (row_offsets, columns) = rows::union(&found.neighbours, &found.groups, dofs)?;
-        let map = found.within(dofs, &row_offsets, &columns)?;
+        let map = found.within(dofs, &row_offsets, &columns, true)?;
         Ok(Self { row_offsets, columns, map })
     }
 

@@ -59,7 +59,7 @@ impl FootDerivatives {
         Self { point: ContactPoint::default(), weights: vec![0.0; masters], foot: rows.clone(), normal: rows }
     }
 
-    fn slot(&mut self) -> FootSlot<'_> {
+    pub(crate) fn slot(&mut self) -> FootSlot<'_> {
         FootSlot { weights: &mut self.weights, foot: &mut self.foot, normal: &mut self.normal }
     }
 }

@@ -8,6 +8,7 @@ mod assembly_cases;
 mod co_moving;
 mod common;
 mod domains;
+mod foot;
 mod interface_facets;
 #[cfg(feature = "friction")]
 mod interface_friction;

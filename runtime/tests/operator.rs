@@ -84,7 +84,7 @@ fn products_are_those_of_the_assembled_tangent() {
 }
 
 /// Slaves about a quarter of a wavy master that goes on behind two planes.
-fn quarter(weight: Weight) -> Scene {
+pub(crate) fn quarter(weight: Weight) -> Scene {
     let height = |x: f64, y: f64| 0.3 * (0.5 * x).cos() * (0.4 * y).cos();
     let mesh = Mesh::grid([14, 14], [false; 2], |s, t| [5.0 * s, 5.0 * t, height(5.0 * s, 5.0 * t)]);
     let mut random = Uniform(5);

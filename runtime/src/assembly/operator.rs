@@ -306,14 +306,19 @@ impl Part {
             let (own, others) = rest.split_at(contact.points);
             rest = others;
             let (k, freedoms) = (contact.index, 3 * (own.len() + 1));
-            if contact.gap.is_nan() {
+            if contact.point.gap.is_nan() {
                 continue;
             }
             let gradient = &gradients[contact.gradient..][..freedoms];
-            let view =
-                ContactView { gap: contact.gap, area: contact.area, gradient, hessian: &[], slip: None };
+            let view = ContactView {
+                gap: contact.point.gap,
+                area: contact.area,
+                gradient,
+                hessian: &[],
+                slip: None,
+            };
             law.check_contact(k, &view, freedoms, Needs::Residual)?;
-            let NormalForce { force, stiffness } = law.normal_force(k, contact.gap, contact.area);
+            let NormalForce { force, stiffness } = law.normal_force(k, contact.point.gap, contact.area);
             if !(force > 0.0) {
                 continue;
             }

@@ -188,6 +188,11 @@ impl Layout {
         self.offsets[k]..self.offsets[k + 1]
     }
 
+    /// Number of masters of all slaves before the `k`-th.
+    pub fn offset(&self, k: usize) -> usize {
+        self.offsets[k]
+    }
+
     /// Numbers in the gradients and in the Hessians of these slaves, as far as a mode asks for them.
     fn numbers(&self, Range { start, end }: Range<usize>, mode: Mode) -> [usize; 2] {
         let gradients = self.gradient(end) - self.gradient(start);
@@ -196,7 +201,7 @@ impl Layout {
     }
 
     /// Where the gradient of the `k`-th slave begins: 3(n+1) numbers for each slave before.
-    fn gradient(&self, k: usize) -> usize {
+    pub fn gradient(&self, k: usize) -> usize {
         3 * (self.offsets[k] + k)
     }
 }

@@ -13,7 +13,7 @@ use crate::affine::Carrier;
 use crate::batch::{Asked, GapSlot, Waiting, contact_point, evaluate};
 use crate::generated::{frame_rule, with_kernels};
 use crate::product::HessianForm;
-use crate::{Generated, Mode, Weight};
+use crate::{ContactPoint, Generated, Mode, Weight};
 
 /// How the second derivatives of a contact are held.
 #[derive(Clone, Copy, Debug)]
@@ -26,12 +26,35 @@ pub(crate) enum SecondForm {
     Packed,
 }
 
+/// What is made beside gradients.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Second {
+    /// Nothing.
+    None,
+    /// Second derivatives.
+    Hessians,
+    /// These, with what the derivatives at the foot need.
+    WithFoot,
+}
+
+impl Second {
+    /// Numbers of an element whose factors have this form.
+    const fn numbers(self, form: HessianForm) -> usize {
+        match self {
+            Self::None => 0,
+            Self::Hessians => form.numbers(),
+            Self::WithFoot => form.numbers_with_foot(),
+        }
+    }
+}
+
 /// A contact that carries force.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LinearContact {
     /// Its slave, by place among the slaves.
     pub index: usize,
-    pub gap: f64,
+    /// Gaps are NaN where there is no result.
+    pub point: ContactPoint,
     pub area: f64,
     /// Number of its points; they follow those of the contact before.
     pub points: usize,
@@ -52,6 +75,9 @@ pub(crate) struct LinearContacts {
     pub gradients: Vec<f64>,
     pub seconds: Vec<f64>,
 }
+
+/// No result.
+const NONE: ContactPoint = ContactPoint { gap: f64::NAN, foot: [f64::NAN; 3], normal: [f64::NAN; 3] };
 
 impl LinearContacts {
     fn allocate(&mut self, gradients: usize, seconds: usize) -> Result<(), InterfaceError> {
@@ -85,21 +111,36 @@ impl ContactInterface {
         with_second: bool,
         is_loaded: &impl Fn(usize, f64, f64) -> bool,
     ) -> Result<LinearContacts, InterfaceError> {
-        let (pairings, evaluator) = (&self.pairings, self.evaluator());
-        let mut results = Results::default();
-        let slots = results.start(&pairings.layout, range.clone(), Mode::Value, false)?;
-        evaluator.fill(pairings, Request::all(Mode::Value), slots, &self.elements);
+        let results = self.values_of(range.clone())?;
         let loaded: Vec<usize> = range
             .filter(|&k| {
-                let contact = results.get(&pairings.layout, k);
+                let contact = results.get(&self.pairings.layout, k);
                 contact.outcome.is_contact() && is_loaded(k, contact.point.gap, contact.area)
             })
             .collect();
+        self.linearise_slaves(&loaded, if with_second { Second::Hessians } else { Second::None })
+    }
+
+    /// The contacts of consecutive slaves, without derivatives.
+    pub(super) fn values_of(&self, range: Range<usize>) -> Result<Results, InterfaceError> {
+        let mut results = Results::default();
+        let slots = results.start(&self.pairings.layout, range, Mode::Value, false)?;
+        self.evaluator().fill(&self.pairings, Request::all(Mode::Value), slots, &self.elements);
+        Ok(results)
+    }
+
+    /// The contacts of these slaves, which are contacts.
+    pub(super) fn linearise_slaves(
+        &self,
+        loaded: &[usize],
+        second: Second,
+    ) -> Result<LinearContacts, InterfaceError> {
+        let (pairings, evaluator) = (&self.pairings, self.evaluator());
         let work = |scratch: &mut ElementScratch| match self.options.element {
             ContactElement::Diffuse { weight, .. } => {
-                evaluator.linear_fits(pairings, &loaded, weight, with_second, scratch)
+                evaluator.linear_fits(pairings, loaded, weight, second, scratch)
             }
-            ContactElement::NodeToFacet => evaluator.linear_facets(pairings, &loaded, with_second, scratch),
+            ContactElement::NodeToFacet => evaluator.linear_facets(pairings, loaded, second, scratch),
         };
         self.elements.with(ElementScratch::default, work)
     }
@@ -112,7 +153,7 @@ impl Evaluator<'_> {
         pairings: &Pairings,
         loaded: &[usize],
         weight: Weight,
-        with_second: bool,
+        asked: Second,
         scratch: &mut ElementScratch,
     ) -> Result<LinearContacts, InterfaceError> {
         let ElementScratch { within_reach, batch, .. } = scratch;
@@ -142,10 +183,10 @@ impl Evaluator<'_> {
             let (basis, points) = (paired.record.basis, inputs.masters.len());
             let frame = frame_rule(derivative, &inputs.domains);
             let form = with_kernels!(weight, K => HessianForm::new(K::gap_form((basis, frame), points)));
-            let second = if with_second { SecondForm::Factors(form) } else { SecondForm::None };
+            let second = if asked == Second::None { SecondForm::None } else { SecondForm::Factors(form) };
             found.contacts.push(LinearContact {
                 index,
-                gap: f64::NAN,
+                point: NONE,
                 area: pairings.layout.area(index),
                 points,
                 gradient: gradients,
@@ -153,7 +194,7 @@ impl Evaluator<'_> {
                 second_start: seconds,
             });
             gradients += 3 * (points + 1);
-            seconds += if with_second { form.numbers() } else { 0 };
+            seconds += asked.numbers(form);
             kernels.push((frame, basis, inputs));
         }
         found.allocate(gradients, seconds)?;
@@ -162,7 +203,7 @@ impl Evaluator<'_> {
         let mut waiting: Vec<Waiting<'_, '_>> = Vec::with_capacity(contacts.len());
         for (contact, (frame, basis, inputs)) in contacts.iter().zip(kernels) {
             let second = match contact.second {
-                SecondForm::Factors(form) => form.numbers(),
+                SecondForm::Factors(form) => asked.numbers(form),
                 SecondForm::None | SecondForm::Packed => 0,
             };
             let gradient = free_gradients.split_off_mut(..3 * (contact.points + 1)).unwrap_or_default();
@@ -170,12 +211,15 @@ impl Evaluator<'_> {
             let slot = GapSlot { gradient, hessian };
             waiting.push(Waiting { weight, frame, basis, inputs, has_slip: false, slot, is_sound: true });
         }
-        let asked =
-            if with_second { Asked::Factors(SecondKind::Factors) } else { Asked::Mode(Mode::Gradient) };
+        let asked = match asked {
+            Second::None => Asked::Mode(Mode::Gradient),
+            Second::Hessians => Asked::Factors(SecondKind::Factors),
+            Second::WithFoot => Asked::Factors(SecondKind::FactorsAndFoot),
+        };
         evaluate(&Generated, asked, &mut waiting, batch, |place, element| {
             // Without a result it stays a NaN, which carries no force.
             if let Ok(point) = contact_point(&element.values) {
-                contacts[place].gap = point.gap;
+                contacts[place].point = point;
             }
         });
         drop(waiting);
@@ -187,10 +231,11 @@ impl Evaluator<'_> {
         &self,
         pairings: &Pairings,
         loaded: &[usize],
-        with_second: bool,
+        asked: Second,
         scratch: &mut ElementScratch,
     ) -> Result<LinearContacts, InterfaceError> {
         let mut found = LinearContacts::default();
+        let with_second = asked != Second::None;
         let (mode, second) = match with_second {
             true => (Mode::Hessian, SecondForm::Packed),
             false => (Mode::Gradient, SecondForm::None),
@@ -210,9 +255,9 @@ impl Evaluator<'_> {
             let own_gradient = &mut found.gradients[gradient..][..freedoms(points)];
             let own_second = &mut found.seconds[second_start..][..numbers(points)];
             let point = self.element(&paired, mode, own_gradient, own_second, scratch);
-            let (gap, area) = (point.map_or(f64::NAN, |point| point.gap), pairings.layout.area(index));
+            let (point, area) = (point.unwrap_or(NONE), pairings.layout.area(index));
             found.points.extend(paired.masters.iter().map(|&node| Carrier::from(node)));
-            found.contacts.push(LinearContact { index, gap, area, points, gradient, second, second_start });
+            found.contacts.push(LinearContact { index, point, area, points, gradient, second, second_start });
             gradient += freedoms(points);
             second_start += numbers(points);
         }

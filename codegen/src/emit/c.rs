@@ -2,7 +2,8 @@
 //!
 //! The loop over many elements is straight-line code on arrays that run over the elements, which compilers turn into vector
 //! instructions: `-O3 -march=native`, and for functions such as `log` also `-ffast-math` with glibc. Products are not written as
-//! `fma`, which is a slow call where there is no instruction: compilers contract them by themselves.
+//! `fma`, which is a slow call where there is no instruction: compilers contract them by themselves. Roots are found in a loop of their own
+//! for each element, which no compiler turns into vector instructions.
 
 use std::fmt::Write as _;
 
@@ -10,9 +11,9 @@ use super::element::{arguments, title};
 use super::expression::Strength;
 use super::fixed::{Argument, split};
 use super::names::Names;
-use crate::graph::{ExprId, Function, Graph, Op};
+use crate::graph::{ExprId, Function, Graph, Op, RootFigure, RootId};
 use crate::lower::lower;
-use crate::model::{ElementError, ElementKernels, ElementSpec, Kernel, Mode, Points};
+use crate::model::{ElementKernels, ElementSpec, Kernel, Mode, Points};
 use crate::schedule::{Layout, Program, Statement};
 
 /// First lines of a file.
@@ -28,20 +29,21 @@ const TAKEN: [&str; 53] = [
     "pow", "fabs", "main", "count", "k", "inputs", "values", "point", "points",
 ];
 
+/// What finds roots.
+const TWO_EQUATIONS: &str = include_str!("two_equations.h");
+
 /// The kernels of elements as a C header.
-///
-/// # Errors
-/// [`ElementError::RootInC`].
-pub fn emit_c(elements: &[ElementKernels]) -> Result<String, (String, ElementError)> {
+#[must_use]
+pub fn emit_c(elements: &[ElementKernels]) -> String {
     let mut text = HEADER.to_owned();
-    for element in elements {
-        let name = &element.signature.name;
-        let kernels = element.kernels.iter().map(kernel_text);
-        let kernels = kernels.collect::<Result<Vec<_>, _>>().map_err(|error| (name.clone(), error))?;
-        text.push_str(&types(element));
-        kernels.iter().for_each(|kernel| text.push_str(kernel));
+    if elements.iter().flat_map(|element| &element.kernels).any(|kernel| !kernel.roots().is_empty()) {
+        text.push_str(TWO_EQUATIONS);
     }
-    Ok(text)
+    for element in elements {
+        text.push_str(&types(element));
+        element.kernels.iter().for_each(|kernel| text.push_str(&kernel_text(kernel)));
+    }
+    text
 }
 
 /// A name that C takes.
@@ -89,10 +91,7 @@ fn types(element: &ElementKernels) -> String {
 }
 
 /// Both functions of a kernel.
-fn kernel_text(kernel: &Kernel<ElementSpec>) -> Result<String, ElementError> {
-    if let Some(&root) = kernel.roots().first() {
-        return Err(ElementError::RootInC { root: kernel.graph.root(root).name.clone() });
-    }
+fn kernel_text(kernel: &Kernel<ElementSpec>) -> String {
     let program = Program::new(lower(kernel));
     let ElementSpec { signature, mode, .. } = &program.kernel.spec;
     let (name, mode_name) = (&signature.name, mode.name());
@@ -121,8 +120,7 @@ fn kernel_text(kernel: &Kernel<ElementSpec>) -> Result<String, ElementError> {
         parameters.collect::<String>()
     );
     text += &batch(&program, &derivatives);
-    text += "}\n";
-    Ok(text)
+    text + "}\n"
 }
 
 /// The body for one element.
@@ -210,6 +208,9 @@ impl<'a> Writer<'a> {
         let mut names = Names::default();
         names.reserve(&TAKEN);
         names.reserve(&derivatives.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>());
+        let iterations =
+            program.roots.keys().map(|&root| format!("{}_iteration", program.kernel.graph.root(root).name));
+        names.reserve(&iterations.collect::<Vec<_>>().iter().map(String::as_str).collect::<Vec<_>>());
         Self { program, graph: &program.kernel.graph, layout: &program.layout, access, names }
     }
 
@@ -240,9 +241,56 @@ impl<'a> Writer<'a> {
     fn lets(&mut self, indent: &str, statements: &[Statement]) -> String {
         let mut text = String::new();
         for &statement in statements {
-            let Statement::Let(expr) = statement else { unreachable!("there are no roots") };
-            let (definition, _) = self.operation(expr);
-            let _ = writeln!(text, "{indent}const double {} = {definition};", self.name(expr));
+            match statement {
+                Statement::Let(expr) => {
+                    let (definition, _) = self.operation(expr);
+                    let _ = writeln!(text, "{indent}const double {} = {definition};", self.name(expr));
+                }
+                Statement::Solve(root) => text += &self.root(indent, root),
+            }
+        }
+        text
+    }
+
+    /// The iteration for a root, and what is used of it.
+    fn root(&mut self, indent: &str, root: RootId) -> String {
+        let (program, graph) = (self.program, self.graph);
+        let data = graph.root(root);
+        let iteration = format!("{}_iteration", data.name);
+        let inner = format!("{indent}    ");
+        let mut text = format!(
+            "{indent}diffuse_contact_two_equations {iteration};\n{indent}diffuse_contact_begin(&{iteration});\n{indent}for (;;) {{\n"
+        );
+        for (k, &unknown) in data.unknowns.iter().enumerate() {
+            if let Some(expr) = self.symbol(&graph.symbol_data(unknown).name) {
+                let name = self.name(expr);
+                let _ = writeln!(
+                    text,
+                    "{inner}const double {name} = {iteration}.y[{k}] + {iteration}.step[{k}];"
+                );
+            }
+        }
+        text += &self.lets(&inner, &program.roots[&root]);
+        let equations = data.residuals.iter().chain(data.jacobian.iter().flatten());
+        let equations: Vec<String> = equations.map(|&x| self.operand(x).0).collect();
+        let equations = equations.join(", ");
+        let _ = writeln!(
+            text,
+            "{inner}if (diffuse_contact_advance(&{iteration}, {equations})) break;\n{indent}}}"
+        );
+        let all = (0..graph.len()).map(|k| ExprId(k as u32)).filter(|x| self.layout.bound.contains(x));
+        let figures: Vec<(ExprId, String)> = all
+            .filter_map(|expr| match graph.op(expr) {
+                Op::RootValue(r, k) if r == root => Some((expr, format!("y[{k}]"))),
+                Op::RootFigure(r, RootFigure::Residual) if r == root => Some((expr, "relative".to_owned())),
+                Op::RootFigure(r, RootFigure::Iterations) if r == root => {
+                    Some((expr, "iterations".to_owned()))
+                }
+                _ => None,
+            })
+            .collect();
+        for (expr, figure) in figures {
+            let _ = writeln!(text, "{indent}const double {} = {iteration}.{figure};", self.name(expr));
         }
         text
     }

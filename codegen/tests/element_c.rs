@@ -165,8 +165,7 @@ fn printed(name: &str, header: &str, program: &str, options: &[&str]) -> Vec<f64
 
 #[test]
 fn compiled_c_has_the_numbers_of_the_interpreter() {
-    let all: [(&str, fn(&ElementModel<'_>)); 4] =
-        [("tet4", tet4), ("words", words), ("points", points), ("root", root)];
+    let all = [("tet4", tet4 as fn(&ElementModel<'_>)), ("words", words), ("points", points), ("root", root)];
     for (name, formulas) in all {
         let element = ElementKernels::new(name, formulas).unwrap();
         let header = Config::new().element(name, formulas).unwrap().c_source();

@@ -236,6 +236,50 @@ fn a_root_of_two_equations_is_part_of_an_energy() {
     assert!(text.contains("TwoEquations"), "{text}");
 }
 
+/// The same with [`ElementModel::root`], whose unknowns are never differentiated twice: the equations are, weighted by their multipliers.
+/// The energy depends on the root in three ways, the equations on the variables and on what is made of them.
+#[test]
+fn a_root_takes_the_second_derivatives_of_its_equations() {
+    let element = kernels(|m| {
+        let x: Vec3<'_> = m.variable("x");
+        let q = m.define("q", x.dot(x));
+        let root = m.root("point", |u| {
+            Vector([u[0] + 0.1 * u[1] * u[1] * x[2] - q, u[1] + 0.2 * u[0] * u[1] - x[0] * x[1]])
+        });
+        let [u, v] = root.unknowns.0;
+        let shifted = m.define("shifted", (u + x[1]) * v);
+        m.energy(u * v + shifted.exp() * x[2] + u.sin());
+        m.value("residual", root.residual);
+    });
+    let x = [0.4, -0.3, 0.7];
+    let mut inputs = NodeInputs::new(0);
+    set(&mut inputs, &element.signature.inputs[0], &x);
+    let (gradient, hessian) = by_hyper_dual(&x, |x| {
+        let q = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+        let (mut u, mut v) = (HyperDual::from(0.0), HyperDual::from(0.0));
+        for _ in 0..200 {
+            (u, v) = (q - v * v * x[2] * 0.1, x[0] * x[1] / (u * 0.2 + 1.0));
+        }
+        u * v + ((u + x[1]) * v).exp() * x[2] + u.sin()
+    });
+    for mode in [Mode::Gradient, Mode::Hessian] {
+        let found = interpreted(&element, mode, &inputs);
+        assert!(difference(&found("gradient"), &gradient) < 1e-12);
+        assert!(mode == Mode::Gradient || difference(&found("hessian"), &hessian) < 1e-12);
+        assert!(found("residual")[0] < 1e-12);
+    }
+}
+
+#[test]
+fn a_root_of_three_equations_is_refused() {
+    let error = ElementKernels::new("test", |m| {
+        let x: Vec3<'_> = m.variable("x");
+        let root = m.root("point", |u| u - x);
+        m.energy(root.unknowns.dot(x));
+    });
+    assert_eq!(error.unwrap_err(), ElementError::Root { root: "point".to_owned(), equations: 3 });
+}
+
 /// A quantity in a root's equations that is itself made of others: a length, which the derivatives go through by a symbol of its own.
 #[test]
 fn a_root_depends_on_quantities_that_are_rewritten() {

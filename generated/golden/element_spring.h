@@ -3,6 +3,17 @@
 #include <math.h>
 #include <stddef.h>
 
+/* Elements of a batch do not depend on each other, which no compiler sees of entries at i * count + k. */
+#ifndef DIFFUSE_CONTACT_INDEPENDENT
+#if defined(__clang__)
+#define DIFFUSE_CONTACT_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__)
+#define DIFFUSE_CONTACT_INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define DIFFUSE_CONTACT_INDEPENDENT
+#endif
+#endif
+
 /* A spring between two points, linear in its stretch. */
 typedef struct {
     double x[2][3]; /* Ends, length. */
@@ -35,6 +46,7 @@ static inline void spring_value(const spring_inputs *inputs, spring_values *valu
 
 /* Many elements: value. Entry i of element k is at i * count + k of each array; entries of inputs and values are in the order of the structs. */
 static inline void spring_value_batch(size_t count, const double *restrict inputs, double *restrict values) {
+    DIFFUSE_CONTACT_INDEPENDENT
     for (size_t k = 0; k < count; k++) {
         const double x_1_x = inputs[0 * count + k];
         const double x_1_y = inputs[1 * count + k];
@@ -89,6 +101,7 @@ static inline void spring_gradient(const spring_inputs *inputs, spring_values *v
 
 /* Many elements: gradient. Entry i of element k is at i * count + k of each array; entries of inputs and values are in the order of the structs. */
 static inline void spring_gradient_batch(size_t count, const double *restrict inputs, double *restrict values, double *restrict gradient) {
+    DIFFUSE_CONTACT_INDEPENDENT
     for (size_t k = 0; k < count; k++) {
         const double x_1_x = inputs[0 * count + k];
         const double x_1_y = inputs[1 * count + k];
@@ -197,6 +210,7 @@ static inline void spring_hessian(const spring_inputs *inputs, spring_values *va
 
 /* Many elements: hessian. Entry i of element k is at i * count + k of each array; entries of inputs and values are in the order of the structs. */
 static inline void spring_hessian_batch(size_t count, const double *restrict inputs, double *restrict values, double *restrict gradient, double *restrict hessian) {
+    DIFFUSE_CONTACT_INDEPENDENT
     for (size_t k = 0; k < count; k++) {
         const double x_1_x = inputs[0 * count + k];
         const double x_1_y = inputs[1 * count + k];

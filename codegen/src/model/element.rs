@@ -4,12 +4,15 @@ use std::cell::RefCell;
 
 use super::kernel::{Kernel, Mode, Value};
 use super::signature::{Differentiated, Input, Points, Quantity, Returned, Role, Signature};
-use crate::expr::{Expr, Sheet, ids};
-use crate::graph::{ExprId, Graph, Op, RootId, Scope};
+use crate::expr::{Expr, Sheet, Vector, ids};
+use crate::graph::{ExprId, Graph, Op, RootFigure, RootId, Scope};
 use crate::structure::{Derivatives, NodeVectors, total_derivatives};
 
 /// Name of the value that [`ElementModel::energy`] states.
 const ENERGY: &str = "energy";
+
+/// Unknowns of the roots that kernels can find.
+const UNKNOWNS: usize = 2;
 
 /// Why there are no kernels of an element.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -80,12 +83,6 @@ pub enum ElementError {
         /// Its equations.
         equations: usize,
     },
-    /// A root in C, which has no solver for it.
-    #[error("the root `{root}` cannot be written in C")]
-    RootInC {
-        /// The root.
-        root: String,
-    },
     /// A function that rustc has no stack for.
     #[error(
         "its function `{function}` would have {statements} statements, at most {} can be compiled",
@@ -110,6 +107,18 @@ pub struct ElementModel<'g> {
     quantities: RefCell<Vec<String>>,
     points: RefCell<Points>,
     error: RefCell<Option<ElementError>>,
+}
+
+/// Where equations are solved, see [`ElementModel::root`].
+#[derive(Clone, Copy, Debug)]
+pub struct Root<'g, const N: usize> {
+    /// The unknowns.
+    pub unknowns: Vector<'g, N>,
+    /// Largest residual relative to the starting one or to the unknowns, whichever is larger; below 10⁻¹², or there is no root near
+    /// the start.
+    pub residual: Expr<'g>,
+    /// Evaluations of the equations.
+    pub iterations: Expr<'g>,
 }
 
 /// What identifies a kernel of an element.
@@ -219,6 +228,32 @@ impl<'g> ElementModel<'g> {
             self.check_symbol(entry);
             self.sheet.make(|g| g.bind_unique(entry, x.id()))
         })
+    }
+
+    /// Unknowns at the root of as many equations r(u) = 0, such as the natural coordinates of a foot point: by a damped Newton
+    /// iteration from u = 0, with steps of at most ½. Derivatives are those of the implicit function theorem.
+    ///
+    /// Whoever uses the kernels has to know whether there is a root: state [`Root::residual`] as a value.
+    #[must_use]
+    pub fn root<const N: usize>(
+        &self,
+        name: &str,
+        equations: impl FnOnce(Vector<'g, N>) -> Vector<'g, N>,
+    ) -> Root<'g, N> {
+        self.check_name(name);
+        if N != UNKNOWNS {
+            self.fail(ElementError::Root { root: name.to_owned(), equations: N });
+            let zero = self.sheet.zero();
+            return Root { unknowns: Vector::zero(self.sheet), residual: zero, iterations: zero };
+        }
+        let unknowns = Vector::from_fn(|k| self.sheet.variable(&format!("{name}_unknown_{}", k + 1)));
+        let (root, values) = self.sheet.root(name, unknowns, equations(unknowns));
+        let figure = |figure| self.sheet.root_figure(root, figure);
+        Root {
+            unknowns: self.define(name, values),
+            residual: figure(RootFigure::Residual),
+            iterations: figure(RootFigure::Iterations),
+        }
     }
 
     /// States the energy, or any other number that gradient and Hessian are wanted of. Its value is the output `energy`.
@@ -462,7 +497,7 @@ impl ElementKernels {
         let kernels: Vec<Kernel<ElementSpec>> = by_mode.into_iter().map(kernel).collect();
         for root in kernels.iter().flat_map(Kernel::roots) {
             let root = graph.root(root);
-            if root.unknowns.len() != 2 {
+            if root.unknowns.len() != UNKNOWNS {
                 let (root, equations) = (root.name.clone(), root.unknowns.len());
                 return Err(ElementError::Root { root, equations });
             }

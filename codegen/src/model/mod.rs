@@ -16,7 +16,7 @@ mod weight;
 pub(crate) use basis::MOST_COEFFICIENTS;
 pub use basis::{Basis, BasisError, CustomBasis};
 pub use diffuse::Equation;
-pub use element::{ElementError, ElementKernels, ElementModel, ElementSpec};
+pub use element::{ElementError, ElementKernels, ElementModel, ElementSpec, Root};
 pub use facet::FacetSpec;
 pub use facet_shape::FacetShape;
 pub(crate) use kernel::CHECKSUM;

@@ -7,12 +7,16 @@
 //! a_z += Cᵀ a_v        K_zz += Cᵀ K_vv C + Cᵀ K_vz + K_zv C + Σ a_v ∂²f_v/∂z²
 //! ```
 //!
+//! Unknowns v at the root of r(v, z) = 0 are not differentiated twice: with r_vᵀ μ = −a_v, the derivatives of μ·r take the place of
+//! Cᵀ a_v and of Σ a_v ∂²f_v/∂z², those by v too.
+//!
 //! The middle term may stay a form Cᵀ B C of few rows instead, which lower levels see as rows C only. Which levels stay forms is
 //! for the caller to choose: [`Chain::fewest_operations`] tries all.
 
 use std::collections::BTreeMap;
 
-use crate::expr::{Expr, Sheet, dot};
+use crate::expr::{Expr, Sheet, dot, solve};
+use crate::graph::{Op, RootId};
 
 /// Levels that are tried both ways.
 const MOST_CHOICES: usize = 4;
@@ -130,7 +134,7 @@ impl<'g> Expansion<'g> {
 
     /// The function of the symbols below a level, which begins at the place `first`.
     fn without(
-        self,
+        mut self,
         level: &[Intermediate<'g>],
         first: usize,
         below: &[Expr<'g>],
@@ -151,11 +155,20 @@ impl<'g> Expansion<'g> {
             let by = self.gradient.get(&(first + k)).copied().unwrap_or_else(|| sheet.zero());
             by.named(&format!("by_{}", level[k].symbol.symbol_name()))
         };
-        let adjoints: Vec<Expr<'g>> = (0..level.len()).map(adjoint).collect();
+        let mut adjoints: Vec<Expr<'g>> = (0..level.len()).map(adjoint).collect();
 
         let mut gradient = Terms::new();
         for (&j, &by) in self.gradient.range(..first) {
             gradient.entry(j).or_default().push((by, one));
+        }
+        for (root, places) in roots(level) {
+            let Some(equations) = weighted_equations(root, &places, level, &mut adjoints) else { continue };
+            for (j, &z) in below.iter().enumerate() {
+                gradient.entry(j).or_default().push((equations.by(z), one));
+            }
+            if with_second {
+                self.add_second(equations, &places, level, first, below);
+            }
         }
         for (row, &by) in c.iter().zip(&adjoints).filter(|(_, by)| !by.is_zero()) {
             for (&j, &x) in row {
@@ -173,6 +186,27 @@ impl<'g> Expansion<'g> {
         }
         let second = self.second_below(&c, &adjoints, first, below, is_form);
         Self { gradient, second, forms }
+    }
+
+    /// Adds the second derivatives of μ·r by symbols below a level and by a root's unknowns, at these places of the level.
+    fn add_second(
+        &mut self,
+        equations: Expr<'g>,
+        places: &[usize],
+        level: &[Intermediate<'g>],
+        first: usize,
+        below: &[Expr<'g>],
+    ) {
+        let own = places.iter().map(|&k| (first + k, level[k].symbol));
+        let symbols: Vec<(usize, Expr<'g>)> = below.iter().copied().enumerate().chain(own).collect();
+        for (row, &(i, x)) in symbols.iter().enumerate() {
+            let by = equations.by(x);
+            for &(j, y) in &symbols[..=row] {
+                let (place, more) = ((i.max(j), i.min(j)), by.by(y));
+                let entry = self.second.remove(&place).map_or(more, |entry| entry + more);
+                insert(&mut self.second, place, entry);
+            }
+        }
     }
 
     /// K_zz + Cᵀ K_vv C + Cᵀ K_vz + K_zv C + Σ a_v ∂²f_v/∂z², the second term unless it is a form.
@@ -299,6 +333,49 @@ impl<'g> Form<'g> {
         };
         self.matrix.iter().map(scaled).collect()
     }
+}
+
+/// The roots all of whose unknowns are in a level, with the unknowns' places.
+fn roots(level: &[Intermediate<'_>]) -> Vec<(RootId, Vec<usize>)> {
+    let mut roots: BTreeMap<RootId, BTreeMap<u32, usize>> = BTreeMap::new();
+    for (place, intermediate) in level.iter().enumerate() {
+        if let Op::RootValue(root, component) = intermediate.definition.operation() {
+            roots.entry(root).or_default().insert(component, place);
+        }
+    }
+    let places =
+        |(root, places): (RootId, BTreeMap<u32, usize>)| (root, places.into_values().collect::<Vec<_>>());
+    let is_whole = |(root, places): &(RootId, Vec<usize>)| {
+        let graph = level[0].symbol.sheet().graph();
+        places.len() == graph.root(*root).unknowns.len()
+    };
+    roots.into_iter().map(places).filter(is_whole).collect()
+}
+
+/// μ·r of a root with its unknowns at these places of a level, with r_vᵀ μ = −a; sets their adjoints a to zero.
+fn weighted_equations<'g>(
+    root: RootId,
+    places: &[usize],
+    level: &[Intermediate<'g>],
+    adjoints: &mut [Expr<'g>],
+) -> Option<Expr<'g>> {
+    if places.iter().all(|&k| adjoints[k].is_zero()) {
+        return None;
+    }
+    let sheet = level[0].symbol.sheet();
+    let root = sheet.graph().root(root).clone();
+    let unknowns = root.unknowns.iter().map(|&unknown| sheet.symbol(unknown));
+    let at: Vec<_> = unknowns.zip(places.iter().map(|&k| level[k].symbol)).collect();
+    let transposed: Vec<Vec<Expr<'g>>> = (0..places.len())
+        .map(|k| root.jacobian.iter().map(|row| sheet.expr(row[k]).at(&at)).collect())
+        .collect();
+    let minus: Vec<Expr<'g>> = places.iter().map(|&k| -adjoints[k]).collect();
+    places.iter().for_each(|&k| adjoints[k] = sheet.zero());
+    // Bound: constants of the derivatives that follow.
+    let name = format!("by_equation_of_{}", root.name);
+    let multipliers = solve(&transposed, &minus);
+    let multipliers = multipliers.iter().map(|x| sheet.make(|g| g.bind_unique(&name, x.id())));
+    Some(dot(multipliers, root.residuals.iter().map(|&r| sheet.expr(r).at(&at))))
 }
 
 /// Sums of products; zeros are left out.

@@ -1,0 +1,11 @@
+//! The compiled kernels against the interpreter of their formulas, and against automatic differentiation of functions written once more for
+//! dual numbers.
+
+mod arm;
+mod cohesive;
+mod contact;
+#[path = "../../elements/mod.rs"]
+mod elements;
+mod neo_hooke;
+mod tet4;
+mod witnesses;

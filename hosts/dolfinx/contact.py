@@ -1,0 +1,268 @@
+"""Contact on a distributed mesh: no rank holds the whole surface."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse
+from dolfinx import fem
+from exchange import Exchange
+from petsc4py import PETSc
+from surfaces import Facets, Part, boundary
+
+import diffuse_contact as dc
+
+ADD = PETSc.InsertMode.ADD_VALUES
+INSERT = PETSc.InsertMode.INSERT_VALUES
+FORWARD = PETSc.ScatterMode.FORWARD
+
+
+class Nodes:
+    """Nodes wherever they are owned, and a scatter that brings their displacements here from their neighbours."""
+
+    def __init__(self, blocks: np.ndarray, positions: np.ndarray, vector: PETSc.Vec) -> None:
+        self.first = positions
+        self.equations = (3 * blocks[:, np.newaxis] + np.arange(3)).reshape(-1).astype(PETSc.IntType)
+        self.values = PETSc.Vec().createSeq(len(self.equations))
+        source = PETSc.IS().createGeneral(self.equations, comm=PETSc.COMM_SELF)
+        self.scatter = PETSc.Scatter().create(vector, source, self.values, None)
+
+    def bring(self, vector: PETSc.Vec) -> np.ndarray:
+        """What the vector has for these nodes, shape (n, 3)."""
+        self.scatter.scatter(vector, self.values, addv=INSERT, mode=FORWARD)
+        return self.values.array_r.reshape(-1, 3).copy()
+
+    def positions(self, vector: PETSc.Vec) -> np.ndarray:
+        """Present positions."""
+        return self.first + self.bring(vector)
+
+
+class Pattern(NamedTuple):
+    """The entries of the solids' matrix: rows of this rank, global columns."""
+
+    indptr: np.ndarray
+    columns: np.ndarray
+    first: int
+    size: int
+    maps: tuple[PETSc.LGMap, PETSc.LGMap]
+
+    @staticmethod
+    def of(matrix: PETSc.Mat) -> Pattern:
+        """Of an assembled matrix."""
+        indptr, columns, _ = matrix.getValuesCSR()
+        return Pattern(indptr, columns, matrix.getOwnershipRange()[0], matrix.getSize()[0], matrix.getLGMap())
+
+
+class Contact:
+    """Some slaves, which need not be nodes of this rank, and the window of the master that they can need.
+
+    Slaves are dealt out evenly. Windows are made anew when a node of either surface has moved by half the skin.
+
+    Args:
+        space: displacements.
+        vector: one of them.
+        master: whether points x, shape (3, n), are on the master surface.
+        slave: the same of the slave surface.
+        penalty: force per length³.
+        limit: slaves farther away than this from the master have no contact, length.
+        skin: how far nodes may move beyond what windows hold, length.
+        friction: coefficient, or None.
+
+    """
+
+    def __init__(
+        self,
+        space: fem.FunctionSpace,
+        vector: PETSc.Vec,
+        master: Callable[[np.ndarray], np.ndarray],
+        slave: Callable[[np.ndarray], np.ndarray],
+        *,
+        penalty: float,
+        limit: float,
+        skin: float,
+        friction: float | None = None,
+    ) -> None:
+        self.exchange = Exchange(space.mesh.comm)
+        self.vector, self.skin, self.limit = vector, skin, limit
+        self.law = {"penalty": penalty} if friction is None else {"penalty": penalty, "friction": friction}
+        self.part = Part(self.exchange, boundary(space, master), {})
+        self.around = Nodes(self.part.blocks, self.part.positions, vector)
+        self._take_slaves(boundary(space, slave))
+        self.interface, self.renewals = None, 0
+        #: 1 in the equations with given displacements, in which contact has no rows and columns.
+        self.held = vector.duplicate()
+        #: Where the slaves were at the end of the last increment: their anchors lie there.
+        self.accepted = self.slave_nodes.first
+        self.renew(vector)
+
+    def _take_slaves(self, own: Facets) -> None:
+        """Gives every rank its share of the slaves, with all facets at them."""
+        exchange, rank = self.exchange, self.exchange.comm.rank
+        # First to the owner of each corner, which then knows all facets at its nodes.
+        at = {int(to): own[(own.owners == to).any(axis=1)].arrays for to in np.unique(own.owners)}
+        found = [*exchange.to("surface", at).values()]
+        facets = Facets.together(found) if found else own
+        numbers, _, owners, positions, _ = facets.by_node()
+        mine, positions = numbers[owners == rank], positions[owners == rank]
+        # Neighbours stay together: along the longest side.
+        axis = np.argmax(np.ptp(positions, axis=0)) if len(mine) else 0
+        mine = mine[np.lexsort((mine, positions[:, axis]))]
+        counts = np.concatenate(exchange.gather("boxes", np.array([len(mine)])))
+        share = (counts[:rank].sum() + np.arange(len(mine))) * exchange.comm.size // max(counts.sum(), 1)
+        shares = {int(to): mine[share == to] for to in np.unique(share)}
+        shares = {to: (names, *facets[np.isin(facets.nodes, names).any(axis=1)].arrays) for to, names in shares.items()}
+        found = [*exchange.to("surface", shares).values()]
+        self.facets = Facets.together([arrays[1:] for arrays in found]) if found else own[:0]
+        names = np.concatenate([arrays[0] for arrays in found]) if found else mine[:0]
+        numbers, blocks, owners, positions, corners = self.facets.by_node()
+        # Slaves first, then the other corners of their facets, which areas need.
+        order = np.argsort(~np.isin(numbers, names), kind="stable")
+        place = np.argsort(order)
+        self.slaves, self.corners = numbers[order][: len(names)], place[corners]
+        self.slave_blocks, self.slave_owners = blocks[order], owners[order]
+        self.slave_nodes = Nodes(blocks[order], positions[order], self.vector)
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of surface that this rank holds: its part and its window."""
+        window = 0 if self.window is None else sum(array.nbytes for array in self.window.numbers)
+        return self.part.nbytes + sum(array.nbytes for array in self.facets.arrays) + window
+
+    def renew(self, u: PETSc.Vec) -> None:
+        """Makes the window anew, and the interface in it; histories go with their slaves."""
+        moved = self.around.positions(u)
+        slaves = self.slave_nodes.positions(u)
+        points = np.vstack([slaves[: len(self.slaves)], self.accepted[: len(self.slaves)]])
+        boxes = dc.boxes_around(points, 1.001 * self.limit + self.skin, 8)
+        self.window, blocks, owners = self.part.window(moved, boxes, self.skin)
+        history = self.interface.history if self.interface is not None else ()
+        self.interface = None
+        if self.window is None:
+            # No facet is near: nothing to evaluate, and nothing to add.
+            first, self.names = np.empty((0, 3)), np.empty(0, dtype=np.int64)
+        else:
+            first, self.names = self.window.first_positions, self.window.nodes
+        self.nodes = Nodes(
+            np.concatenate([blocks, self.slave_blocks]), np.vstack([first, self.slave_nodes.first]), self.vector
+        )
+        self.owners = np.concatenate([owners, self.slave_owners])
+        self.start = self.watched(u)
+        if self.window is not None:
+            # Slaves where they were in the beginning: areas are those of the first configuration.
+            positions = self.nodes.positions(u)
+            made = np.vstack([positions[: len(first)], self.slave_nodes.first])
+            self.interface = dc.ContactInterface.in_window(
+                self.window,
+                len(first) + np.arange(len(self.slaves)),
+                made,
+                slave_facets=len(first) + self.corners,
+                distance_limit=self.limit,
+            )
+            if len(history):
+                self.interface.history = history
+            self.interface.refresh_pairing(positions)
+        self.renewals += 1
+        self.changed = True
+
+    def evaluate(self, u: PETSc.Vec, mode: str) -> None:
+        """Evaluates at these displacements. Raises on all ranks if a slave cannot know its result."""
+        positions = self.nodes.positions(u)
+        moved = np.sqrt(((self.watched(u) - self.start) ** 2).sum(axis=1)).max(initial=0.0)
+        moved = self.exchange.largest(moved)
+        if np.isnan(moved):
+            raise ValueError("a displacement is not a number")
+        if moved > self.skin / 2:
+            self.renew(u)
+        elif self.interface is not None:
+            self.changed |= self.interface.follow(positions)
+        beyond = self.evaluate_here(mode)
+        if self.exchange.largest(float(beyond)) > 0:
+            raise RuntimeError(f"{beyond} slaves of rank {self.exchange.comm.rank} reach beyond their window")
+
+    def watched(self, u: PETSc.Vec) -> np.ndarray:
+        """Positions of the slaves and of the corners of own facets: on all ranks together, of everybody."""
+        return np.vstack([self.slave_nodes.positions(u), self.around.positions(u)[self.part.corners]])
+
+    def evaluate_here(self, mode: str) -> int:
+        """Evaluates; how many slaves cannot know."""
+        return 0 if self.interface is None else self.interface.evaluate(mode).outcomes.count("beyond-window")
+
+    def accept(self, u: PETSc.Vec) -> None:
+        """The end of an increment: friction of the next one begins here."""
+        self.accepted = self.slave_nodes.positions(u)
+        if self.interface is not None and "friction" in self.law:
+            self.interface.accept(**self.law)
+            # Anchors couple their nodes, too.
+            self.changed = True
+
+    def add_forces(self, forces: PETSc.Vec) -> None:
+        """Adds the contact forces on the nodes; PETSc carries those of other ranks."""
+        if self.interface is not None:
+            forces.setValues(self.nodes.equations, self.interface.residual(**self.law), addv=ADD)
+        forces.assemble()
+
+    def add_tangent(self, matrix: PETSc.Mat, which: str) -> None:
+        """Adds the contact tangent, ``"exact"`` or ``"gauss-newton"``."""
+        free = 1.0 - self.nodes.bring(self.held).reshape(-1)
+        if self.interface is not None:
+            tangent, equations = self.interface.tangent(**self.law, tangent=which), self.nodes.equations
+            rows = tangent.indptr.astype(PETSc.IntType)
+            values = tangent.data * free[tangent.indices] * np.repeat(free, np.diff(tangent.indptr))
+            matrix.setValuesIJV(rows, equations[tangent.indices], values, addv=ADD, rowmap=equations)
+        matrix.assemble()
+
+    def union(self, solids: Pattern) -> PETSc.Mat:
+        """An empty matrix with room for the solids and for contact by its present pairing."""
+        messages = {}
+        if self.interface is not None:
+            # Blocks of 3 × 3: the first row of each, and the first of every three columns.
+            indptr, indices = self.interface.pattern()
+            blocks = self.nodes.equations[::3] // 3
+            counts = np.diff(indptr)[::3] // 3
+            first = np.repeat(indptr[:-1:3], counts) + 3 * (
+                np.arange(counts.sum()) - np.repeat(counts.cumsum() - counts, counts)
+            )
+            here = np.repeat(np.arange(len(blocks)), counts)
+            rows, columns, owners = blocks[here], blocks[indices[first] // 3], self.owners[here]
+            for rank in np.unique(owners):
+                messages[int(rank)] = (rows[owners == rank], columns[owners == rank])
+        found = [*self.exchange.to("pattern", messages).values()]
+        count, size = len(solids.indptr) - 1, solids.size
+        rows, columns = [np.repeat(np.arange(count), np.diff(solids.indptr))], [solids.columns]
+        for row, column in found:
+            axes = np.arange(3)
+            rows.append(
+                (3 * row[:, np.newaxis, np.newaxis] + axes[:, np.newaxis] + 0 * axes).reshape(-1) - solids.first
+            )
+            columns.append((3 * column[:, np.newaxis, np.newaxis] + axes + 0 * axes[:, np.newaxis]).reshape(-1))
+        rows, columns = np.concatenate(rows), np.concatenate(columns)
+        pattern = scipy.sparse.csr_matrix((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(count, size))
+        pattern.sum_duplicates()
+        indptr, indices = (array.astype(PETSc.IntType) for array in (pattern.indptr, pattern.indices))
+        csr = (indptr, indices, np.zeros(len(indices)))
+        sizes = (count, size)
+        made = PETSc.Mat().createAIJ((sizes, sizes), bsize=3, csr=csr, comm=self.exchange.comm)
+        made.setLGMap(*solids.maps)
+        # An entry that has no room is an error, and not left out.
+        made.setOption(PETSc.Mat.Option.NEW_NONZERO_LOCATION_ERR, True)
+        return made
+
+    def results(self) -> dict:
+        """What the slaves here have: numbers, forces, and all that an evaluation with ``"hessian"`` gave."""
+        found = {"slaves": self.slaves, "slave_forces": np.zeros((len(self.slaves), 3)), "contacts": []}
+        if self.interface is None:
+            return found
+        place = len(self.names) + np.arange(len(self.slaves))
+        found["slave_forces"] = self.interface.residual(**self.law).reshape(-1, 3)[place]
+        for k in range(len(self.slaves)):
+            contact = self.interface.contact(k)
+            numbers = [contact.gap, contact.gradient, contact.hessian]
+            found["contacts"].append((contact.outcome, self.names[contact.masters], contact.area, *numbers))
+        return found
+
+    def is_changed(self) -> bool:
+        """Whether the pattern is another one than when this was last asked, on any rank."""
+        changed, self.changed = self.changed, False
+        return self.exchange.largest(float(changed)) > 0

@@ -424,6 +424,74 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        function dc_map_create(interface, row_offsets, row_offset_count, columns, entry_count, map) &
+                bind(c) result(status)
+            import :: c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: interface
+            integer(c_int32_t), intent(in) :: row_offsets(*), columns(*)
+            integer(c_size_t), value :: row_offset_count, entry_count
+            type(c_ptr), intent(out) :: map
+            integer(c_int) :: status
+        end function
+
+        function dc_map_create_64(interface, row_offsets, row_offset_count, columns, entry_count, map) &
+                bind(c) result(status)
+            import :: c_int, c_int64_t, c_ptr, c_size_t
+            type(c_ptr), value :: interface
+            integer(c_int64_t), intent(in) :: row_offsets(*), columns(*)
+            integer(c_size_t), value :: row_offset_count, entry_count
+            type(c_ptr), intent(out) :: map
+            integer(c_int) :: status
+        end function
+
+        function dc_map_destroy(map) bind(c) result(status)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: map
+            integer(c_int) :: status
+        end function
+
+        function dc_map_add(map, interface, law, values, entry_count, active_count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t, dc_law
+            type(c_ptr), value :: map, interface
+            type(dc_law), intent(in) :: law
+            real(c_double), intent(inout) :: values(*)
+            integer(c_size_t), value :: entry_count
+            integer(c_size_t), intent(out), optional :: active_count
+            integer(c_int) :: status
+        end function
+
+        function dc_operator_create(interface, law, tangent, active_count) bind(c) result(status)
+            import :: c_int, c_ptr, c_size_t, dc_law
+            type(c_ptr), value :: interface
+            type(dc_law), intent(in) :: law
+            type(c_ptr), intent(out) :: tangent
+            integer(c_size_t), intent(out), optional :: active_count
+            integer(c_int) :: status
+        end function
+
+        function dc_operator_destroy(tangent) bind(c) result(status)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: tangent
+            integer(c_int) :: status
+        end function
+
+        function dc_operator_product(tangent, v, product, equation_count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t
+            type(c_ptr), value :: tangent
+            real(c_double), intent(in) :: v(*)
+            real(c_double), intent(inout) :: product(*)
+            integer(c_size_t), value :: equation_count
+            integer(c_int) :: status
+        end function
+
+        function dc_operator_diagonal(tangent, diagonal, equation_count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t
+            type(c_ptr), value :: tangent
+            real(c_double), intent(inout) :: diagonal(*)
+            integer(c_size_t), value :: equation_count
+            integer(c_int) :: status
+        end function
+
         function dc_pair(options, slave, candidates, candidate_count, outward, masters, capacity, pairing) &
                 bind(c) result(status)
             import :: c_double, c_int, c_int32_t, c_size_t, dc_options, dc_pairing

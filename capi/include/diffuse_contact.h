@@ -8,7 +8,8 @@
  *     dc_follow, dc_evaluate      the positions of the moment             each iteration
  *     dc_residual                 adds the contact forces
  *     dc_adaptive_tangent         which tangent: e N N^T far from equilibrium
- *     dc_pattern_fill             the tangent -dR/dx, or dc_triplets
+ *     dc_pattern_fill             the tangent -dR/dx, or dc_triplets; dc_map_add into a matrix of the caller's
+ *     dc_operator_product         products with it, without a matrix
  *     dc_cutback                  whether the increment had better be smaller
  *     dc_accept                   with friction: the increment has converged
  *     dc_destroy
@@ -225,6 +226,13 @@ typedef struct dc_faces dc_faces;
 // A contact interface: a master surface, slave nodes and their pairing. One thread at a time may use it, any thread; a
 // second one gets DC_BUSY.
 typedef struct dc_interface dc_interface;
+
+// Where the tangent's entries go in the values of a matrix that the caller has, for a pairing. One thread at a time may use it, any thread.
+typedef struct dc_map dc_map;
+
+// The tangent K of an interface as an operator, at the positions it was made for: products without a matrix. One thread at a time may use
+// it, any thread.
+typedef struct dc_operator dc_operator;
 
 // The places of the tangent's entries, for a pairing. One thread at a time may use it, any thread.
 typedef struct dc_pattern dc_pattern;
@@ -579,7 +587,7 @@ enum dc_status dc_freeze(struct dc_interface *interface);
 enum dc_status dc_thaw(struct dc_interface *interface);
 
 // Evaluates all slaves at the positions of the last dc_update or dc_refresh, in parallel. `mode` is a dc_mode: DC_GRADIENT
-// for the residual, DC_HESSIAN for the exact tangent. The result does not depend on the number of threads, bit for bit.
+// for residual and tangent, DC_HESSIAN to keep every M, which dc_derivatives and the exact dc_triplets need. The result does not depend on the number of threads, bit for bit.
 //
 // DC_TOO_LARGE if there is no memory for the results: there are none then, and the pairing stays.
 enum dc_status dc_evaluate(struct dc_interface *interface,
@@ -760,6 +768,9 @@ enum dc_status dc_pattern_structure(struct dc_pattern *pattern,
 // Writes the tangent K = -dR/dx into `values`, one number for each entry of the pattern, zeros where nothing touches. In
 // parallel; the result does not depend on the number of threads. `active_count` may be NULL.
 //
+// After dc_evaluate with DC_GRADIENT M of the slaves that carry force is evaluated some hundred at a time, added and forgotten: the values are
+// those after DC_HESSIAN, bit for bit, and the memory for all M is saved.
+//
 // DC_PATTERN_MISMATCH if the pairing or the equations are not those of the pattern. DC_OVERFLOW if a sum is not finite. After
 // a failure the values hold anything.
 //
@@ -771,6 +782,84 @@ enum dc_status dc_pattern_fill(struct dc_pattern *pattern,
                                double *values,
                                size_t entry_count,
                                size_t *active_count);
+
+// Finds the places of the tangent's entries in a matrix in compressed sparse rows of the caller's, which has one row and column for each
+// equation. Entries of row i are `row_offsets[i]` to `row_offsets[i + 1]` - 1, counted from 0; columns ascend in a row. It may have any
+// entries besides those of dc_pattern_create, all of which have to be there: else DC_BAD_OPTION, and the message names row and column. The
+// arrays are not kept. It stays valid as long as a pattern would. It needs an evaluation, in any mode.
+//
+// On failure the handle is NULL.
+//
+// # Safety
+// There are `row_offset_count` offsets, equation_count + 1 of them, and `entry_count` columns; `map` may be written.
+enum dc_status dc_map_create(struct dc_interface *interface,
+                             const int32_t *row_offsets,
+                             size_t row_offset_count,
+                             const int32_t *columns,
+                             size_t entry_count,
+                             struct dc_map **map);
+
+// As dc_map_create, of a matrix with 64-bit indices.
+//
+// # Safety
+// As dc_map_create.
+enum dc_status dc_map_create_64(struct dc_interface *interface,
+                                const int64_t *row_offsets,
+                                size_t row_offset_count,
+                                const int64_t *columns,
+                                size_t entry_count,
+                                struct dc_map **map);
+
+// Destroys a map. NULL is DC_OK. The interface may be gone already.
+enum dc_status dc_map_destroy(struct dc_map *map);
+
+// Adds the tangent K = -dR/dx to the `values` of a matrix of that structure, in parallel, as dc_pattern_fill does.
+//
+// DC_PATTERN_MISMATCH if the pairing or the equations are not those of the map. DC_OVERFLOW if a sum is not finite: the values then hold
+// anything. With any other failure, but one of memory, they are as they were.
+//
+// # Safety
+// `values` has `entry_count` entries; `law` as in dc_residual; `active_count` is NULL or may be written.
+enum dc_status dc_map_add(struct dc_map *map,
+                          struct dc_interface *interface,
+                          const struct dc_law *law,
+                          double *values,
+                          size_t entry_count,
+                          size_t *active_count);
+
+// Makes the tangent K = -dR/dx at the positions of the last dc_update, dc_follow or dc_refresh, over the equations of the moment. It needs
+// no evaluation: what carries force is evaluated for it. It stays what it is when the interface moves on, or is destroyed. There is none
+// with friction: DC_BAD_OPTION.
+//
+// Writes the handle and the number of slaves that carry force, which may be NULL. On failure the handle is NULL.
+//
+// # Safety
+// `law` as in dc_residual; `tangent` may be written, `active_count` is NULL or may be written.
+enum dc_status dc_operator_create(struct dc_interface *interface,
+                                  const struct dc_law *law,
+                                  struct dc_operator **tangent,
+                                  size_t *active_count);
+
+// Destroys an operator. NULL is DC_OK. The interface may be gone already.
+enum dc_status dc_operator_destroy(struct dc_operator *tangent);
+
+// Adds K v to `product`, one entry per equation, in parallel. It differs from the product of the assembled matrix by rounding, and does not
+// depend on the number of threads, bit for bit.
+//
+// DC_OVERFLOW if a sum is not finite: the product then holds anything. With any other failure it is as it was.
+//
+// # Safety
+// The arrays have `equation_count` entries each.
+enum dc_status dc_operator_product(struct dc_operator *tangent,
+                                   const double *v,
+                                   double *product,
+                                   size_t equation_count);
+
+// Adds the diagonal of K to `diagonal`, one entry per equation; failures as of dc_operator_product.
+//
+// # Safety
+// `diagonal` has `equation_count` entries.
+enum dc_status dc_operator_diagonal(struct dc_operator *tangent, double *diagonal, size_t equation_count);
 
 // Cuts a window out of the master surface of an interface, at the positions of its last dc_update or dc_refresh: what slaves in
 // `box_count` boxes can need of it, 6 numbers each: lowest and highest x, y, z. The window holds while no node of the master has moved by more than

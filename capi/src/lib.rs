@@ -23,7 +23,7 @@
 //! | `options`, `law` | structures the caller fills |
 //! | `interface` | create and destroy, update, refresh, freeze, evaluate |
 //! | `contacts`, `cutback` | results of an evaluation, the cut-back hint |
-//! | `assembly`, `pattern` | residual, triplets, compressed rows |
+//! | `assembly`, `pattern`, `map`, `operator` | residual, triplets, compressed rows, the caller's matrix, products |
 //! | `window` | windows of a surface |
 //! | `faces` | contact over the slave's faces, an object of its own |
 //! | `element`, `batch`, `neighbours` | without interface: gap, force and stiffness, pairing |
@@ -62,8 +62,10 @@ mod faces;
 mod friction;
 mod interface;
 mod law;
+mod map;
 mod message;
 mod neighbours;
+mod operator;
 mod options;
 mod outcome;
 mod pattern;

@@ -15,32 +15,34 @@ use crate::threads;
 /// The places of the tangent's entries, for a pairing. One thread at a time may use it, any thread.
 pub struct dc_pattern;
 
-/// What stands behind a handle.
+/// Places of entries, and the equations that they are of.
 #[derive(Debug)]
-struct Pattern {
-    places: CsrPattern,
-    /// The equations it is of.
-    dofs: Arc<DofMap>,
+pub struct OfEquations<T> {
+    pub places: T,
+    pub dofs: Arc<DofMap>,
+    /// "pattern" or "map".
+    pub what: &'static str,
 }
 
-static PATTERNS: Registry<Pattern> = Registry::new("pattern", 2);
+static PATTERNS: Registry<OfEquations<CsrPattern>> = Registry::new("pattern", 2);
 
-impl Pattern {
-    /// Refuses equations that are not those of the pattern: the entries would land elsewhere.
-    fn check_equations(&self, dofs: &Arc<DofMap>) -> Result<(), Failure> {
+impl<T> OfEquations<T> {
+    /// Refuses equations that are not those of the places: the entries would land elsewhere.
+    pub fn check_equations(&self, dofs: &Arc<DofMap>) -> Result<(), Failure> {
         if Arc::ptr_eq(&self.dofs, dofs) {
             return Ok(());
         }
+        let what = self.what;
         let [own, others] = [self.dofs.equations(), dofs.equations()];
         let differs =
             |&node: &usize| (0..3).any(|axis| self.dofs.equation(node, axis) != dofs.equation(node, axis));
         let message = if own != others {
-            format!("pattern-mismatch: the pattern is of {own} equations, the interface has {others}")
+            format!("pattern-mismatch: the {what} is of {own} equations, the interface has {others}")
         } else if self.dofs.nodes() != dofs.nodes() {
             let [own, others] = [self.dofs.nodes(), dofs.nodes()];
-            format!("pattern-mismatch: the pattern is of {own} nodes, the interface has {others}")
+            format!("pattern-mismatch: the {what} is of {own} nodes, the interface has {others}")
         } else if let Some(node) = (0..dofs.nodes()).find(differs) {
-            format!("pattern-mismatch: node {node} has had other equations when the pattern was made")
+            format!("pattern-mismatch: node {node} has had other equations when the {what} was made")
         } else {
             return Ok(());
         };
@@ -73,7 +75,8 @@ pub unsafe extern "C" fn dc_pattern_create(
             let places = threads::run(|| CsrPattern::union(contacts, &state.dofs))??;
             index("equations", places.equations())?;
             let entries = index("entries", places.entries())? as usize;
-            let made = PATTERNS.insert(Pattern { places, dofs: Arc::clone(&state.dofs) })?;
+            let made =
+                PATTERNS.insert(OfEquations { places, dofs: Arc::clone(&state.dofs), what: "pattern" })?;
             // SAFETY: as the caller promises.
             unsafe {
                 target("pattern", pattern, 1)?.write([std::ptr::without_provenance_mut(made)]);
@@ -122,6 +125,9 @@ pub unsafe extern "C" fn dc_pattern_structure(
 /// Writes the tangent K = -dR/dx into `values`, one number for each entry of the pattern, zeros where nothing touches. In
 /// parallel; the result does not depend on the number of threads. `active_count` may be NULL.
 ///
+/// After dc_evaluate with DC_GRADIENT M of the slaves that carry force is evaluated some hundred at a time, added and forgotten: the values are
+/// those after DC_HESSIAN, bit for bit, and the memory for all M is saved.
+///
 /// DC_PATTERN_MISMATCH if the pairing or the equations are not those of the pattern. DC_OVERFLOW if a sum is not finite. After
 /// a failure the values hold anything.
 ///
@@ -138,7 +144,7 @@ pub unsafe extern "C" fn dc_pattern_fill(
 ) -> dc_status {
     border::call(|| {
         with(interface, |state| {
-            let contacts = state.contacts()?;
+            state.contacts()?;
             PATTERNS.with(pattern.addr(), |pattern| {
                 pattern.check_equations(&state.dofs)?;
                 let active_count = wanted("active_count", active_count, 1, 1)?;
@@ -156,7 +162,8 @@ pub unsafe extern "C" fn dc_pattern_fill(
                 let law = unsafe { law::read(law)? };
                 // SAFETY: as the caller promises; nothing overlaps.
                 let values = unsafe { values.unspecified() };
-                let active = threads::run(|| pattern.places.fill(contacts, &law, values))??;
+                let map = pattern.places.map();
+                let active = threads::run(|| map.fill_from(&state.interface, &law, values))??;
                 // SAFETY: as the caller promises.
                 unsafe { active_count.write([active]) };
                 Ok(())

@@ -44,8 +44,9 @@ fn kind(ctype: &str) -> String {
 fn passed(name: &str, ctype: &str) -> Passed {
     let stars = ctype.matches('*').count();
     let base = kind(&ctype.replace('*', ""));
-    let is_handle =
-        base == "dc_interface" || base == "dc_pattern" || base == "dc_faces" || base == "dc_window";
+    const HANDLES: [&str; 6] =
+        ["dc_interface", "dc_pattern", "dc_map", "dc_operator", "dc_faces", "dc_window"];
+    let is_handle = HANDLES.contains(&base.as_str());
     let (kind, by_value) = match (stars, is_handle) {
         (0, _) => (base, true),
         (1, true) => ("c_ptr".into(), true),

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// In the order in which the header has them.
-const SOURCES: [&str; 16] = [
+const SOURCES: [&str; 18] = [
     "status",
     "outcome",
     "choice",
@@ -15,6 +15,8 @@ const SOURCES: [&str; 16] = [
     "friction",
     "assembly",
     "pattern",
+    "map",
+    "operator",
     "window",
     "faces",
     "neighbours",

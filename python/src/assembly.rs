@@ -1,13 +1,13 @@
 //! Residual and tangent of an interface.
 
-use diffuse_contact::assembly::{AssemblyError, ContactLaw, CsrPattern, Triangle, Triplets, add_residual};
+use diffuse_contact::assembly::{AssemblyError, ContactLaw, Triangle, Triplets, add_residual};
 use diffuse_contact::friction::Coulomb;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 
 use crate::arrays::{readable, slice, slice_mut, writable};
 use crate::errors::Raise;
-use crate::interface::{Interface, exclusive, shared};
+use crate::interface::{Interface, shared};
 use crate::{errors, options, threads};
 
 /// Penalty, multipliers (one per slave), the name of the tangent, and coefficient, stiffness and shear limit of friction: attributes
@@ -40,19 +40,6 @@ impl<'py> Law<'py> {
     }
 }
 
-impl Interface {
-    /// Makes the pattern if there is none since the last refresh.
-    fn make_pattern(&mut self, py: Python<'_>) -> PyResult<()> {
-        if self.pattern.is_some() {
-            return Ok(());
-        }
-        let (contacts, dofs) = (self.contacts(py)?, &self.dofs);
-        let made = threads::run(py, || CsrPattern::union(contacts, dofs))?;
-        self.pattern = Some(made.map_err(|error| error.raise(py))?);
-        Ok(())
-    }
-}
-
 #[pymethods]
 impl Interface {
     /// Number of equations.
@@ -74,52 +61,6 @@ impl Interface {
         let residual = slice_mut(py, &mut residual)?;
         let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
         threads::run(py, || add_residual(contacts, &law, dofs, residual))?.map_err(|error| error.raise(py))
-    }
-
-    /// Row offsets and columns of the union pattern.
-    #[allow(clippy::type_complexity)]
-    fn pattern<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>)> {
-        let py = slf.py();
-        let mut this = exclusive(slf)?;
-        this.make_pattern(py)?;
-        let (offsets, columns) =
-            this.pattern.as_ref().map_or((&[0_usize][..], &[][..]), |all| (all.row_offsets(), all.columns()));
-        Ok((
-            PyArray1::from_iter(py, offsets.iter().map(|&offset| offset as i64)),
-            PyArray1::from_iter(py, columns.iter().map(|&column| i64::from(column))),
-        ))
-    }
-
-    /// Number of entries of the union pattern.
-    fn entries(slf: &Bound<'_, Self>) -> PyResult<usize> {
-        let mut this = exclusive(slf)?;
-        this.make_pattern(slf.py())?;
-        Ok(this.pattern.as_ref().map_or(0, CsrPattern::entries))
-    }
-
-    /// Writes the values of the tangent, one per entry of the pattern, or adds them; returns the number of contacts that
-    /// carry force.
-    fn fill_tangent(
-        slf: &Bound<'_, Self>,
-        law: Law<'_>,
-        values: &Bound<'_, PyArray1<f64>>,
-        add: bool,
-    ) -> PyResult<usize> {
-        let py = slf.py();
-        let mut this = exclusive(slf)?;
-        this.make_pattern(py)?;
-        let multipliers = law.multipliers()?;
-        let law = law.law(py, multipliers.as_ref())?;
-        let mut values = writable(values)?;
-        let values = slice_mut(py, &mut values)?;
-        let contacts = this.contacts(py)?;
-        let Some(pattern) = &this.pattern else { return Ok(0) };
-        let filled = threads::run(py, || {
-            if add { pattern.add(contacts, &law, values) } else { pattern.fill(contacts, &law, values) }
-        })?;
-        filled.map_err(|error| error.raise(py))
     }
 
     /// Rows, columns and values of the tangents of all contacts that carry force, one after the other.

@@ -1,6 +1,6 @@
 //! `ContactInterface`: pairing, evaluation, results. Residual and tangent are in [`assembly`](crate::assembly).
 
-use diffuse_contact::assembly::{CsrPattern, DofMap};
+use diffuse_contact::assembly::DofMap;
 use diffuse_contact::interface::{
     ContactInterface, ContactRef, Contacts, Cutback, InterfaceError, Outcome, PairedElement, RefreshReport,
 };
@@ -17,6 +17,7 @@ use crate::arrays::{facets, indices, points, readable};
 use crate::assembly::Law;
 use crate::errors::{self, Raise};
 use crate::options::{self, Options};
+use crate::pattern::Pattern;
 use crate::surface::Surface;
 use crate::{report, threads};
 
@@ -25,8 +26,8 @@ use crate::{report, threads};
 pub struct Interface {
     pub interface: ContactInterface,
     pub dofs: DofMap,
-    /// The union pattern, once it has been asked for since the last refresh.
-    pub pattern: Option<CsrPattern>,
+    /// The union pattern, once it has been asked for: of the lists of nodes of then.
+    pub pattern: Option<Pattern>,
     /// Whether the contacts are those of the present pairing and positions.
     current: bool,
     /// Which slaves penetrated.
@@ -147,9 +148,6 @@ impl Interface {
         })?;
         let report = report.map_err(|error| error.raise(py))?;
         this.current = false;
-        if report.rebuilt {
-            this.pattern = None;
-        }
         let dict = report::to_dict(py, &report)?;
         dict.set_item("frozen", frozen)?;
         Ok(dict)
@@ -190,9 +188,6 @@ impl Interface {
         })?;
         let rebuilt = followed.map_err(|error| error.raise(py))?;
         this.current = false;
-        if rebuilt {
-            this.pattern = None;
-        }
         Ok(rebuilt)
     }
 

@@ -11,8 +11,8 @@
 //!   second thread gets a `BusyError`. No exception is made while the lock of the pool is held: making one runs Python, which may hand the
 //!   GIL to a thread that waits for the lock.
 //! * Batches are evaluated in pieces of 64 elements, each into its part of the arrays. Neither threads nor pieces change a bit.
-//! * An interface is a `ContactInterface`, a `DofMap`, the `CsrPattern` of the present pairing (forgotten at a refresh), and whether the
-//!   contacts are those of the present positions: others are not handed out. Matrices have index arrays of their own.
+//! * An interface is a `ContactInterface`, a `DofMap`, the pattern of its lists of nodes, and whether the contacts are those of the present
+//!   positions: others are not handed out. Matrices share the pattern's index arrays, which are read-only.
 //! * Default options are written out in Python, where people read them; a test compares them with Rust's.
 //! * Profiles are repeated in this workspace's `Cargo.toml`: kernels are compiled alike, and numbers are equal to the last bit.
 #![forbid(unsafe_code)]
@@ -23,7 +23,9 @@ mod batch;
 mod errors;
 mod faces;
 mod interface;
+mod operator;
 mod options;
+mod pattern;
 mod report;
 mod surface;
 mod threads;
@@ -44,6 +46,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(window::boxes_around, module)?)?;
     module.add_function(wrap_pyfunction!(window::extents, module)?)?;
     module.add_function(wrap_pyfunction!(window::history_lengths, module)?)?;
+    module.add_class::<operator::Operator>()?;
+    module.add_class::<pattern::Map>()?;
     module.add_function(wrap_pyfunction!(batch::gap_batch, module)?)?;
     module.add_function(wrap_pyfunction!(surface::tributary_areas, module)?)?;
     module.add_function(wrap_pyfunction!(faces::flat_facets, module)?)?;

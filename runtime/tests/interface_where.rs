@@ -122,3 +122,37 @@ fn the_number_of_threads_makes_no_difference() {
         assert_eq!((one.gradient, one.hessian), (other.gradient, other.hessian));
     }
 }
+
+/// M of what carries force, evaluated in passing: more slaves than are held at once.
+#[test]
+fn a_tangent_whose_hessians_nobody_holds_has_the_same_bits() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    for options in variants() {
+        let mut scene = scene(options);
+        let dofs = DofMap::standard(scene.positions.len());
+        // All of the first ones carry force, and none of the last ones.
+        let multipliers: Vec<f64> = (0..700).map(|k| if k < 520 { 3.0 } else { 0.0 }).collect();
+        for multipliers in [None, Some(&multipliers[..])] {
+            let law = ContactLaw::penalty(1.5).with_multipliers(multipliers);
+            let contacts = scene.interface.evaluate(Mode::Hessian).unwrap();
+            let pattern = CsrPattern::union(contacts, &dofs).unwrap();
+            let mut expected = vec![0.0; pattern.entries()];
+            let active = pattern.fill(contacts, &law, &mut expected).unwrap();
+            let entries = pattern.entries();
+            let (_, _, map) = pattern.into_parts();
+            let mut found = vec![f64::NAN; entries];
+            let refused = |scene: &mut Scene| {
+                scene.interface.evaluate(Mode::Value).unwrap();
+                map.add_from(&scene.interface, &law, &mut vec![0.0; entries]).unwrap_err().code()
+            };
+            assert_eq!(refused(&mut scene), "derivative-length");
+            let contacts = scene.interface.evaluate(Mode::Gradient).unwrap();
+            assert!(map.fits(contacts) && contacts.iter().all(|contact| contact.hessian.is_empty()));
+            let (interface, law) = (&scene.interface, &law);
+            assert_eq!(pool.install(|| map.fill_from(interface, law, &mut found)), Ok(active));
+            assert!(found == expected);
+            assert_eq!(map.add_from(interface, law, &mut found), Ok(active));
+            assert!(found.iter().zip(&expected).all(|(found, half)| (found - 2.0 * half).abs() <= 1e-13));
+        }
+    }
+}

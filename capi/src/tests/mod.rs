@@ -11,6 +11,7 @@ mod fuzz;
 mod memory;
 mod misuse;
 mod random;
+mod tangent;
 mod window;
 
 use std::ffi::{CStr, c_char};

@@ -17,9 +17,10 @@ from ._errors import (
     SurfaceError,
 )
 from ._faces import FaceContacts, FaceInterface, FaceReport, flat_facets
-from ._interface import ContactInterface, Options, adaptive_tangent
+from ._interface import ContactInterface, CsrMap, Options, adaptive_tangent
 from ._native import __version__
 from ._part import Extents, PartDemands, SurfacePart
+from ._operator import TangentOperator
 from ._results import (
     Contact,
     Contacts,
@@ -42,6 +43,7 @@ __all__ = [
     "Contact",
     "ContactInterface",
     "Contacts",
+    "CsrMap",
     "CutBack",
     "DiffuseContactError",
     "ElementError",
@@ -64,6 +66,7 @@ __all__ = [
     "SurfaceError",
     "SurfacePart",
     "Window",
+    "TangentOperator",
     "__version__",
     "adaptive_tangent",
     "boxes_around",

@@ -15,6 +15,7 @@ from ._errors import BusyError, InputError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Indices = NDArray[np.int32] | NDArray[np.int64]
 Facets = ArrayLike | Sequence[Sequence[int]]
 Planes = ArrayLike | Sequence[tuple[ArrayLike, ArrayLike]]
 

@@ -92,11 +92,37 @@ impl ContactInterface {
         results: &mut Results,
         f: impl FnMut(ContactRef<'_>),
     ) -> Result<(), InterfaceError> {
-        let layout = &self.pairings.layout;
-        let slots = results.start(layout, range.clone(), mode, self.anchors.is_some())?;
-        self.evaluator().fill(&self.pairings, Request::all(mode), slots, &self.elements);
-        range.map(|k| results.get(layout, k)).for_each(f);
+        let contact = self.evaluate_request(range.clone(), Request::all(mode), results)?;
+        range.map(contact).for_each(f);
         Ok(())
+    }
+
+    /// Evaluates some consecutive slaves into `results`, with derivatives where `is_loaded` says so, and tells how to look at them.
+    pub(crate) fn evaluate_loaded<'a>(
+        &'a self,
+        range: Range<usize>,
+        mode: Mode,
+        is_loaded: &(dyn Fn(usize) -> bool + Sync),
+        results: &'a mut Results,
+    ) -> Result<impl Fn(usize) -> ContactRef<'a> + Sync + 'a, InterfaceError> {
+        let by_gap = |k: usize, _gap: f64| is_loaded(k);
+        // Without the gaps that come first where only some are derived.
+        let all = range.clone().all(is_loaded);
+        let request = Request { mode, is_loaded: if all { None } else { Some(&by_gap) } };
+        self.evaluate_request(range, request, results)
+    }
+
+    fn evaluate_request<'a>(
+        &'a self,
+        range: Range<usize>,
+        request: Request<'_>,
+        results: &'a mut Results,
+    ) -> Result<impl Fn(usize) -> ContactRef<'a> + Sync + use<'a>, InterfaceError> {
+        let layout = &self.pairings.layout;
+        let slots = results.start(layout, range, request.mode, self.anchors.is_some())?;
+        self.evaluator().fill(&self.pairings, request, slots, &self.elements);
+        let results = &*results;
+        Ok(move |k| results.get(layout, k))
     }
 
     pub(super) fn evaluator(&self) -> Evaluator<'_> {

@@ -97,14 +97,14 @@ impl CsrMap {
     }
 
     /// Refuses another number of values.
-    fn check_values(&self, found: usize) -> Result<(), AssemblyError> {
+    pub(super) fn check_values(&self, found: usize) -> Result<(), AssemblyError> {
         let expected = self.entries();
         let wrong = AssemblyError::OutputLength { what: "values", found, expected };
         if found == expected { Ok(()) } else { Err(wrong) }
     }
 
     /// Adds what the elements of a batch contribute. `from_zero`: rows are set to zero before the first element of theirs.
-    fn add_batch<'e>(
+    pub(super) fn add_batch<'e>(
         &self,
         batch: usize,
         active: &(impl Fn(usize) -> Option<Active<'e>> + Sync),

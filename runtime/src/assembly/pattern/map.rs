@@ -61,6 +61,8 @@ pub(super) struct Run {
 /// Runs batch by batch, in the order of rows within a batch.
 #[derive(Clone, Debug)]
 struct Batches {
+    /// Elements of each, but for the last one.
+    size: usize,
     /// Where the runs of each batch begin.
     offsets: Vec<usize>,
     runs: Vec<Run>,
@@ -171,6 +173,12 @@ impl CsrMap {
             + self.batches.memory()
     }
 
+    /// Whether elements are those of the map: as many, with the same nodes in the same order.
+    #[must_use]
+    pub fn fits<E: Elements + ?Sized>(&self, elements: &E) -> bool {
+        self.check_elements(elements).is_ok()
+    }
+
     /// Refuses elements that are not those of the map: other nodes, or another number.
     pub(super) fn check_elements<E: Elements + ?Sized>(&self, elements: &E) -> Result<(), AssemblyError> {
         let own = self.element_nodes.len();
@@ -200,6 +208,12 @@ impl CsrMap {
     /// Number of batches.
     pub(super) fn batches(&self) -> usize {
         self.batches.offsets.len() - 1
+    }
+
+    /// The elements of a batch.
+    pub(super) fn elements_of(&self, batch: usize) -> std::ops::Range<usize> {
+        let (size, all) = (self.batches.size, self.element_nodes.len());
+        batch * size..all.min((batch + 1) * size)
     }
 
     pub(super) fn runs_of(&self, batch: usize) -> std::ops::Range<usize> {
@@ -265,7 +279,7 @@ impl Batches {
                 runs[next_run[last] - 1].closes = true;
             }
         }
-        Ok(Self { offsets, runs, occurrences })
+        Ok(Self { size, offsets, runs, occurrences })
     }
 
     fn memory(&self) -> usize {

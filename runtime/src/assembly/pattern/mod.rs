@@ -6,6 +6,7 @@ mod locate;
 mod map;
 mod rows;
 mod split;
+mod stream;
 
 pub use locate::CsrIndex;
 pub use map::CsrMap;
@@ -81,6 +82,12 @@ impl CsrPattern {
         let (&first, &end) = (self.row_offsets.get(row)?, self.row_offsets.get(row + 1)?);
         let column = u32::try_from(column).ok()?;
         self.columns[first..end].binary_search(&column).ok().map(|place| first + place)
+    }
+
+    /// Row offsets, columns and the map, to be kept apart from one another.
+    #[must_use]
+    pub fn into_parts(self) -> (Vec<usize>, Vec<u32>, CsrMap) {
+        (self.row_offsets, self.columns, self.map)
     }
 
     /// Bytes the pattern occupies with its map, without the values.

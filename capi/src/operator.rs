@@ -1,0 +1,109 @@
+//! The tangent as an operator.
+
+use runtime::assembly::TangentOperator;
+
+use crate::border::{self, disjoint, input, sums, target, wanted};
+use crate::interface::{dc_interface, with};
+use crate::law::{self, dc_law};
+use crate::registry::Registry;
+use crate::status::{Failure, dc_status};
+use crate::threads;
+
+/// The tangent K of an interface as an operator, at the positions it was made for: products without a matrix. One thread at a time may use
+/// it, any thread.
+pub struct dc_operator;
+
+static OPERATORS: Registry<TangentOperator> = Registry::new("operator", 5);
+
+/// Makes the tangent K = -dR/dx at the positions of the last dc_update, dc_follow or dc_refresh, over the equations of the moment. It needs
+/// no evaluation: what carries force is evaluated for it. It stays what it is when the interface moves on, or is destroyed. There is none
+/// with friction: DC_BAD_OPTION.
+///
+/// Writes the handle and the number of slaves that carry force, which may be NULL. On failure the handle is NULL.
+///
+/// # Safety
+/// `law` as in dc_residual; `tangent` may be written, `active_count` is NULL or may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_operator_create(
+    interface: *mut dc_interface,
+    law: *const dc_law,
+    tangent: *mut *mut dc_operator,
+    active_count: *mut usize,
+) -> dc_status {
+    border::call(|| {
+        let active_count = wanted("active_count", active_count, 1, 1)?;
+        let handle = target("tangent", tangent, 1)?;
+        // SAFETY: as the caller promises.
+        disjoint([unsafe { law::span(law)? }, handle.span(), active_count.span()])?;
+        // SAFETY: as the caller promises.
+        unsafe { handle.write([std::ptr::null_mut()]) };
+        with(interface, |state| {
+            // SAFETY: as the caller promises.
+            let law = unsafe { law::read(law)? };
+            let made = threads::run(|| TangentOperator::new(&state.interface, &law, &state.dofs))??;
+            let contacts = made.contacts();
+            let made = OPERATORS.insert(made)?;
+            // SAFETY: as the caller promises.
+            unsafe {
+                target("tangent", tangent, 1)?.write([std::ptr::without_provenance_mut(made)]);
+                active_count.write([contacts]);
+            }
+            Ok(())
+        })
+    })
+}
+
+/// Destroys an operator. NULL is DC_OK. The interface may be gone already.
+#[unsafe(no_mangle)]
+pub extern "C" fn dc_operator_destroy(tangent: *mut dc_operator) -> dc_status {
+    border::call(|| if tangent.is_null() { Ok(()) } else { OPERATORS.remove(tangent.addr()) })
+}
+
+/// Adds K v to `product`, one entry per equation, in parallel. It differs from the product of the assembled matrix by rounding, and does not
+/// depend on the number of threads, bit for bit.
+///
+/// DC_OVERFLOW if a sum is not finite: the product then holds anything. With any other failure it is as it was.
+///
+/// # Safety
+/// The arrays have `equation_count` entries each.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_operator_product(
+    tangent: *mut dc_operator,
+    v: *const f64,
+    product: *mut f64,
+    equation_count: usize,
+) -> dc_status {
+    border::call(|| {
+        OPERATORS.with(tangent.addr(), |tangent| {
+            disjoint([
+                border::read("v", v, equation_count),
+                border::written("product", product, equation_count),
+            ])?;
+            // SAFETY: as the caller promises; nothing overlaps.
+            let (v, product) =
+                unsafe { (input("v", v, equation_count)?, sums("product", product, equation_count)?) };
+            threads::run(|| tangent.add_product(v, product))??;
+            Ok::<(), Failure>(())
+        })
+    })
+}
+
+/// Adds the diagonal of K to `diagonal`, one entry per equation; failures as of dc_operator_product.
+///
+/// # Safety
+/// `diagonal` has `equation_count` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_operator_diagonal(
+    tangent: *mut dc_operator,
+    diagonal: *mut f64,
+    equation_count: usize,
+) -> dc_status {
+    border::call(|| {
+        OPERATORS.with(tangent.addr(), |tangent| {
+            // SAFETY: as the caller promises.
+            let diagonal = unsafe { sums("diagonal", diagonal, equation_count)? };
+            threads::run(|| tangent.add_diagonal(diagonal))??;
+            Ok::<(), Failure>(())
+        })
+    })
+}

@@ -1,0 +1,75 @@
+//! The tangent as an operator.
+
+use diffuse_contact::assembly::TangentOperator;
+use diffuse_contact::interface::InterfaceError;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+use crate::arrays::{readable, slice, slice_mut, writable};
+use crate::assembly::Law;
+use crate::errors::{self, Raise};
+use crate::interface::{Interface, shared};
+use crate::threads;
+
+/// The tangent of an interface at the positions it was made for.
+#[pyclass(module = "diffuse_contact._native")]
+pub struct Operator {
+    operator: TangentOperator,
+}
+
+fn exclusive<'py>(object: &Bound<'py, Operator>) -> PyResult<PyRefMut<'py, Operator>> {
+    object.try_borrow_mut().map_err(|_| errors::busy(object.py(), "the operator"))
+}
+
+#[pymethods]
+impl Operator {
+    /// Number of equations, of contacts that carry force, and of bytes.
+    fn sizes(slf: &Bound<'_, Self>) -> PyResult<(usize, usize, usize)> {
+        let this = exclusive(slf)?;
+        Ok((this.operator.equations(), this.operator.contacts(), this.operator.bytes()))
+    }
+
+    /// Adds K v.
+    fn add_product(
+        slf: &Bound<'_, Self>,
+        v: &Bound<'_, PyArray1<f64>>,
+        product: &Bound<'_, PyArray1<f64>>,
+    ) -> PyResult<()> {
+        let py = slf.py();
+        let mut this = exclusive(slf)?;
+        let v = readable(v)?;
+        let v = slice(py, &v)?;
+        let mut product = writable(product)?;
+        let product = slice_mut(py, &mut product)?;
+        let operator = &mut this.operator;
+        threads::run(py, || operator.add_product(v, product))?.map_err(|error| error.raise(py))
+    }
+
+    /// Adds the diagonal of K.
+    fn add_diagonal(slf: &Bound<'_, Self>, diagonal: &Bound<'_, PyArray1<f64>>) -> PyResult<()> {
+        let py = slf.py();
+        let mut this = exclusive(slf)?;
+        let mut diagonal = writable(diagonal)?;
+        let diagonal = slice_mut(py, &mut diagonal)?;
+        let operator = &mut this.operator;
+        threads::run(py, || operator.add_diagonal(diagonal))?.map_err(|error| error.raise(py))
+    }
+}
+
+#[pymethods]
+impl Interface {
+    /// The tangent at the positions of the last update, without an evaluation.
+    fn operator(slf: &Bound<'_, Self>, law: Law<'_>) -> PyResult<Operator> {
+        let py = slf.py();
+        let this = shared(slf)?;
+        let multipliers = law.multipliers()?;
+        let law = law.law(py, multipliers.as_ref())?;
+        let (interface, dofs) = (&this.interface, &this.dofs);
+        let made = threads::run(py, || TangentOperator::new(interface, &law, dofs))?;
+        let operator = made.map_err(|error| match error {
+            InterfaceError::Law(error) => error.raise(py),
+            error => error.raise(py),
+        })?;
+        Ok(Operator { operator })
+    }
+}

@@ -6,9 +6,9 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::arrays::{readable, slice, slice_mut, writable};
-use crate::assembly::Law;
 use crate::errors::{self, Raise};
 use crate::interface::{Interface, shared};
+use crate::law::Law;
 use crate::threads;
 
 /// The tangent of an interface at the positions it was made for.
@@ -62,8 +62,8 @@ impl Interface {
     fn operator(slf: &Bound<'_, Self>, law: Law<'_>) -> PyResult<Operator> {
         let py = slf.py();
         let this = shared(slf)?;
-        let multipliers = law.multipliers()?;
-        let law = law.law(py, multipliers.as_ref())?;
+        let own = law.own(py)?;
+        let law = own.law(py)?;
         let (interface, dofs) = (&this.interface, &this.dofs);
         let made = threads::run(py, || TangentOperator::new(interface, &law, dofs))?;
         let operator = made.map_err(|error| match error {

@@ -6,9 +6,9 @@ use numpy::{Element, PyArray1};
 use pyo3::prelude::*;
 
 use crate::arrays::{readable, slice, slice_mut, writable};
-use crate::assembly::Law;
 use crate::errors::Raise;
 use crate::interface::{Interface, exclusive, shared};
+use crate::law::Law;
 use crate::threads;
 
 /// The union pattern of a pairing: its arrays are Python's, made once and read-only.
@@ -94,8 +94,8 @@ impl Interface {
         values: &Bound<'_, PyArray1<f64>>,
         add: bool,
     ) -> PyResult<usize> {
-        let multipliers = law.multipliers()?;
-        let law = law.law(py, multipliers.as_ref())?;
+        let own = law.own(py)?;
+        let law = own.law(py)?;
         let mut values = writable(values)?;
         let values = slice_mut(py, &mut values)?;
         self.contacts(py)?;

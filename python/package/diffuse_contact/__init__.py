@@ -18,6 +18,7 @@ from ._errors import (
 )
 from ._faces import FaceContacts, FaceInterface, FaceReport, flat_facets
 from ._interface import ContactInterface, CsrMap, Options, adaptive_tangent
+from ._law import Coulomb, DecayingCoefficient, TabulatedCoefficient, TabulatedPressure
 from ._native import __version__
 from ._part import Extents, PartDemands, SurfacePart
 from ._operator import TangentOperator
@@ -43,8 +44,10 @@ __all__ = [
     "Contact",
     "ContactInterface",
     "Contacts",
+    "Coulomb",
     "CsrMap",
     "CutBack",
+    "DecayingCoefficient",
     "DiffuseContactError",
     "ElementError",
     "Extents",
@@ -66,6 +69,8 @@ __all__ = [
     "SurfaceError",
     "SurfacePart",
     "Window",
+    "TabulatedCoefficient",
+    "TabulatedPressure",
     "TangentOperator",
     "__version__",
     "adaptive_tangent",

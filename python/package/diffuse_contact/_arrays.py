@@ -57,6 +57,22 @@ def is_writable(array: Any, dtype: Any) -> bool:
     )
 
 
+def vector(what: str, out: Any) -> Floats:
+    """A vector to be written to where it is."""
+    if not (is_writable(out, np.float64) and out.ndim == 1):
+        raise InputError(f"{what} has to be a writable, aligned float64 vector in C order", "wrong-array")
+    return out
+
+
+def bools(what: str, values: Any) -> NDArray[np.bool_]:
+    """``values`` as a vector of bool."""
+    array = _array(what, values)
+    if array.dtype != np.bool_:
+        raise InputError(f"{what}: True and False are needed, not {array.dtype}", "wrong-type")
+    _check_shape(what, array.shape, ("s",))
+    return _sound(array, np.bool_)
+
+
 def refuse_overlap(error: BusyError, read: dict[str, Any], written: dict[str, Any]) -> NoReturn:
     """Tells an array that a call has twice, of which one is written, from one that another thread has."""
     arrays = [(name, array, False) for name, array in read.items() if array is not None]

@@ -11,9 +11,10 @@ import scipy.sparse
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _native
-from ._arrays import Facets, Floats, Ints, Planes, count, facets, floats, new, planes, word
+from ._arrays import Facets, Floats, Ints, Planes, bools, count, facets, floats, new, planes, vector, word
 from ._batch import Mode
-from ._interface import Friction, Options, Tangent, _equations, _law, _options, _vector
+from ._interface import Options, _equations, _options
+from ._law import Friction, TabulatedPressure, Tangent, law_of
 from ._results import FrictionReport
 from ._surface import MasterSurface
 
@@ -186,6 +187,7 @@ class FaceInterface:
         *,
         multipliers: ArrayLike | None = None,
         friction: Friction | None = None,
+        normal: TabulatedPressure | None = None,
         mode: Mode = "hessian",
     ) -> FaceContacts:
         """Gaps, pressures and forces at the positions of the last update or refresh, in parallel, without the GIL.
@@ -194,8 +196,10 @@ class FaceInterface:
             penalty: ε > 0, force per length³.
             multipliers: λ_k ≥ 0 of the augmented Lagrangian, shape (s,): ``pressure`` of the evaluation before.
             friction: coefficient of Coulomb's friction, or with it the stiffness of contacts that stick, in the unit
-                of the penalty, which it is by default, and the traction that no contact exceeds. It needs ``accept``
-                before the first increment.
+                of the penalty, which it is by default, and the traction that no contact exceeds; or a ``Coulomb``. It
+                needs ``accept`` before the first increment.
+            normal: pressures by table in the place of ε g, without multipliers. The penalty then only estimates where
+                contacts that close have touched: about the stiffness of the table in contact.
             mode: ``"value"`` for pressures alone, ``"gradient"`` for forces and the Gauss–Newton tangent,
                 ``"hessian"`` for the exact tangent.
 
@@ -205,7 +209,7 @@ class FaceInterface:
             AssemblyError: for a coefficient or a stiffness that is none.
 
         """
-        self._faces.evaluate(_law(penalty, multipliers, friction=friction), word("mode", mode))
+        self._faces.evaluate(law_of(penalty, multipliers, friction=friction, normal=normal), word("mode", mode))
         return self.contacts
 
     def accept(
@@ -214,6 +218,7 @@ class FaceInterface:
         *,
         friction: Friction,
         multipliers: ArrayLike | None = None,
+        normal: TabulatedPressure | None = None,
     ) -> FrictionReport:
         """Accepts the present positions as the end of an increment: friction of the next one is measured from there.
 
@@ -224,13 +229,69 @@ class FaceInterface:
             penalty: as for ``evaluate``.
             friction: as for ``evaluate``.
             multipliers: as for ``evaluate``: those that the increment was solved with.
+            normal: as for ``evaluate``.
 
         Raises:
             InterfaceError: for a penalty or multipliers that are none; ``"not-refreshed"`` before the first refresh.
             AssemblyError: for a coefficient or a stiffness that is none.
 
         """
-        return FrictionReport(*self._faces.accept(_law(penalty, multipliers, friction=friction)))
+        return FrictionReport(*self._faces.accept(law_of(penalty, multipliers, friction=friction, normal=normal)))
+
+    def augment(
+        self,
+        penalty: float,
+        *,
+        friction: Friction,
+        multipliers: ArrayLike | None = None,
+        normal: TabulatedPressure | None = None,
+        moves: ArrayLike | None = None,
+    ) -> None:
+        """A round of Uzawa's iteration for friction: the traction of each node that carries force is its multiplier.
+
+        To be called in an equilibrium whose ``slip_errors`` are too large, with the law that it was solved with; then
+        evaluate again and find the next equilibrium, which slips less where it sticks. The rounds are part of the
+        increment on its way: ``accept`` takes them over, ``roll_back`` forgets them.
+
+        Args:
+            penalty: as for ``evaluate``.
+            friction: a ``Coulomb`` with ``augmented=True``.
+            multipliers: as for ``evaluate``.
+            normal: as for ``evaluate``.
+            moves: which nodes take part, shape (s,), of bool; all if left out. Where other bodies hold a node, no
+                multiplier can help.
+
+        Raises:
+            AssemblyError: for a coefficient or a stiffness that is none.
+            InterfaceError: ``"no-augmentation"`` without ``augmented=True``; for a penalty or multipliers that are
+                none. Nothing has changed then.
+
+        """
+        if moves is not None:
+            moves = bools("moves", moves)
+        self._faces.augment(law_of(penalty, multipliers, friction=friction, normal=normal), moves)
+
+    def slip_errors(
+        self,
+        penalty: float,
+        *,
+        friction: Friction,
+        multipliers: ArrayLike | None = None,
+        normal: TabulatedPressure | None = None,
+    ) -> Floats:
+        """How far each node is from Coulomb's law without the stiffness of stick, shape (s,), length.
+
+        The slip in the increment where it sticks, and what of it is not along the traction where it slides; 0 without
+        force or history. Arguments and exceptions are those of ``augment``.
+        """
+        return self._faces.slip_errors(law_of(penalty, multipliers, friction=friction, normal=normal))
+
+    def roll_back(self) -> None:
+        """Forgets what ``augment`` did since the last accepted increment; it ends the evaluation.
+
+        If that is anything, there is no contact until the next refresh.
+        """
+        self._faces.roll_back()
 
     @property
     def history(self) -> Floats:
@@ -272,7 +333,7 @@ class FaceInterface:
         if out is None:
             out = new("residual", self.equations)
             out.fill(0.0)
-        self._faces.add_residual(_vector("out", out))
+        self._faces.add_residual(vector("out", out))
         return out
 
     def tangent(self, tangent: Tangent = "exact") -> scipy.sparse.csr_matrix:

@@ -16,21 +16,23 @@ from ._arrays import (
     Indices,
     Ints,
     Planes,
+    bools,
     choice,
     count,
     facets,
     flag,
     floats,
     ints,
-    is_writable,
     new,
     number,
     planes,
     refuse_overlap,
+    vector,
     word,
 )
 from ._batch import Basis, FrameDerivative, Mode, Weight
 from ._errors import BusyError, InputError
+from ._law import Friction, TabulatedPressure, Tangent, law_of
 from ._operator import TangentOperator
 from ._results import (
     Contact,
@@ -46,9 +48,6 @@ from ._results import (
 )
 from ._surface import MasterSurface
 from ._window import Window, _boxes, _checked
-
-Tangent = Literal["exact", "gauss-newton"]
-Friction = float | tuple[float, float] | tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -110,35 +109,6 @@ class Options:
         if self.distance_limit is not None:
             number("distance_limit", self.distance_limit)
         object.__setattr__(self, "linear_fallback", flag("linear_fallback", self.linear_fallback))
-
-
-@dataclass(frozen=True)
-class _Law:
-    penalty: float
-    multipliers: Floats | None
-    tangent: str
-    friction: tuple[float, float, float | None] | None
-
-
-def _law(
-    penalty: float,
-    multipliers: ArrayLike | None,
-    tangent: str = "exact",
-    friction: Friction | None = None,
-) -> _Law:
-    if multipliers is not None:
-        multipliers = floats("multipliers", multipliers, "s")
-    penalty = number("penalty", penalty)
-    if friction is not None:
-        coefficient, stiffness, *limit = friction if isinstance(friction, tuple) else (friction, penalty)
-        shear_limit = number("shear_limit", limit[0]) if limit else None
-        return _Law(
-            penalty,
-            multipliers,
-            word("tangent", tangent),
-            (number("friction", coefficient), number("stiffness", stiffness), shear_limit),
-        )
-    return _Law(penalty, multipliers, word("tangent", tangent), None)
 
 
 def _options(owner: str, master: Any, options: dict[str, Any]) -> Options:
@@ -443,6 +413,7 @@ class ContactInterface:
         *,
         friction: Friction,
         multipliers: ArrayLike | None = None,
+        normal: TabulatedPressure | None = None,
     ) -> FrictionReport:
         """Accepts the present positions as the end of an increment: friction of the next one is measured from there.
 
@@ -453,6 +424,7 @@ class ContactInterface:
             penalty: as for ``residual``.
             friction: as for ``residual``.
             multipliers: as for ``residual``: those that the increment was solved with.
+            normal: as for ``residual``.
 
         Raises:
             InterfaceError: ``"no-anchors"`` for facets, and for other rules than ``"domains"``;
@@ -461,7 +433,62 @@ class ContactInterface:
             AssemblyError: for a coefficient or a stiffness that is none.
 
         """
-        return FrictionReport(*self._interface.accept(_law(penalty, multipliers, friction=friction)))
+        return FrictionReport(*self._interface.accept(law_of(penalty, multipliers, friction=friction, normal=normal)))
+
+    def augment(
+        self,
+        penalty: float,
+        *,
+        friction: Friction,
+        multipliers: ArrayLike | None = None,
+        normal: TabulatedPressure | None = None,
+        moves: ArrayLike | None = None,
+    ) -> None:
+        """A round of Uzawa's iteration for friction: the traction of each slave that carries force is its multiplier.
+
+        To be called in an equilibrium whose ``slip_errors`` are too large, with the law that it was solved with; then
+        evaluate again and find the next equilibrium, which slips less where it sticks. The rounds are part of the
+        increment on its way: ``accept`` takes them over, ``roll_back`` forgets them.
+
+        Args:
+            penalty: as for ``residual``.
+            friction: a ``Coulomb`` with ``augmented=True``.
+            multipliers: as for ``residual``.
+            normal: as for ``residual``.
+            moves: which slaves take part, shape (s,), of bool; all if left out. Where other bodies hold a slave, no
+                multiplier can help.
+
+        Raises:
+            AssemblyError: for a coefficient or a stiffness that is none.
+            InterfaceError: ``"no-augmentation"`` without ``augmented=True``; for a penalty or multipliers that are
+                none. Nothing has changed then.
+
+        """
+        if moves is not None:
+            moves = bools("moves", moves)
+        self._interface.augment(law_of(penalty, multipliers, friction=friction, normal=normal), moves)
+
+    def slip_errors(
+        self,
+        penalty: float,
+        *,
+        friction: Friction,
+        multipliers: ArrayLike | None = None,
+        normal: TabulatedPressure | None = None,
+    ) -> Floats:
+        """How far each slave is from Coulomb's law without the stiffness of stick, shape (s,), length.
+
+        The slip in the increment where it sticks, and what of it is not along the traction where it slides; 0 without
+        force or history. Arguments and exceptions are those of ``augment``.
+        """
+        return self._interface.slip_errors(law_of(penalty, multipliers, friction=friction, normal=normal))
+
+    def roll_back(self) -> None:
+        """Forgets what ``augment`` did since the last accepted increment; it ends the evaluation.
+
+        If that is anything, there is no contact until the next refresh.
+        """
+        self._interface.roll_back()
 
     @property
     def history(self) -> Floats:
@@ -486,6 +513,7 @@ class ContactInterface:
         *,
         multipliers: ArrayLike | None = None,
         friction: Friction | None = None,
+        normal: TabulatedPressure | None = None,
         out: Floats | None = None,
     ) -> Floats:
         """The contact forces on the nodes, Σ f_k N_k, shape (equations,), and friction.
@@ -494,8 +522,10 @@ class ContactInterface:
             penalty: ε > 0, force per length, or per length³ if contacts carry areas.
             multipliers: λ ≥ 0, one force per slave, for the augmented Lagrangian.
             friction: coefficient of Coulomb's friction, or with it the stiffness of contacts that stick, in the unit
-                of the penalty, which it is by default, and the traction that no contact exceeds. It needs ``accept``
-                before the first increment.
+                of the penalty, which it is by default, and the traction that no contact exceeds; or a ``Coulomb``. It
+                needs ``accept`` before the first increment.
+            normal: pressures by table in the place of ε g, without multipliers. The penalty then only estimates where
+                contacts that close have touched: about the stiffness of the table in contact.
             out: a float64 vector to add to, which is returned.
 
         Raises:
@@ -506,9 +536,9 @@ class ContactInterface:
         if out is None:
             out = new("residual", self.equations)
             out.fill(0.0)
-        law = _law(penalty, multipliers, friction=friction)
+        law = law_of(penalty, multipliers, friction=friction, normal=normal)
         try:
-            self._interface.add_residual(law, _vector("out", out))
+            self._interface.add_residual(law, vector("out", out))
         except BusyError as error:
             refuse_overlap(error, {"multipliers": law.multipliers}, {"out": out})
         return out
@@ -520,6 +550,7 @@ class ContactInterface:
         multipliers: ArrayLike | None = None,
         tangent: Tangent = "exact",
         friction: Friction | None = None,
+        normal: TabulatedPressure | None = None,
     ) -> scipy.sparse.csr_matrix:
         """K = −∂R/∂x as scipy compressed rows, shape (equations, equations), force per length.
 
@@ -538,9 +569,12 @@ class ContactInterface:
             tangent: ``"exact"``, or ``"gauss-newton"`` for Σ ε N Nᵀ alone, positive semidefinite; ``adaptive_tangent``
                 says which.
             friction: as for ``residual``.
+            normal: as for ``residual``.
 
         """
-        values = self.tangent_values(penalty, multipliers=multipliers, tangent=tangent, friction=friction)
+        values = self.tangent_values(
+            penalty, multipliers=multipliers, tangent=tangent, friction=friction, normal=normal
+        )
         offsets, columns = self.pattern()
         size = self.equations
         matrix = scipy.sparse.csr_matrix((values, columns, offsets), shape=(size, size))
@@ -563,15 +597,16 @@ class ContactInterface:
         multipliers: ArrayLike | None = None,
         tangent: Tangent = "exact",
         friction: Friction | None = None,
+        normal: TabulatedPressure | None = None,
         out: Floats | None = None,
     ) -> Floats:
         """The values of ``tangent``, one per column of ``pattern``; added to ``out`` if that is given."""
         add = out is not None
         if out is None:
             out = new("tangent", self._interface.entries())
-        law = _law(penalty, multipliers, tangent, friction)
+        law = law_of(penalty, multipliers, tangent, friction, normal)
         try:
-            self._interface.fill_tangent(law, _vector("out", out), add)
+            self._interface.fill_tangent(law, vector("out", out), add)
         except BusyError as error:
             refuse_overlap(error, {"multipliers": law.multipliers}, {"out": out})
         return out
@@ -600,6 +635,7 @@ class ContactInterface:
         *,
         multipliers: ArrayLike | None = None,
         tangent: Tangent = "exact",
+        normal: TabulatedPressure | None = None,
     ) -> TangentOperator:
         """The tangent at the positions of the last update or refresh as an operator that needs no matrix.
 
@@ -610,13 +646,14 @@ class ContactInterface:
             penalty: as for ``residual``.
             multipliers: as for ``residual``.
             tangent: as for ``tangent``.
+            normal: as for ``residual``.
 
         Raises:
             AssemblyError: for the penalty or multipliers.
             InterfaceError: if it does not fit into memory.
 
         """
-        return TangentOperator(self._interface.operator(_law(penalty, multipliers, tangent)))
+        return TangentOperator(self._interface.operator(law_of(penalty, multipliers, tangent, normal=normal)))
 
     def triplets(
         self,
@@ -625,19 +662,35 @@ class ContactInterface:
         multipliers: ArrayLike | None = None,
         tangent: Tangent = "exact",
         friction: Friction | None = None,
+        normal: TabulatedPressure | None = None,
         triangle: Literal["full", "lower"] = "full",
     ) -> tuple[Ints, Ints, Floats]:
         """Rows, columns and values of the tangents of all contacts that carry force, to be summed."""
         lower = choice("triangle", triangle, "full", "lower") == "lower"
-        return self._interface.triplets(_law(penalty, multipliers, tangent, friction), lower)
+        return self._interface.triplets(law_of(penalty, multipliers, tangent, friction, normal), lower)
 
-    def normal_forces(self, penalty: float, *, multipliers: ArrayLike | None = None) -> Floats:
-        """max(0, λ − ε g) of every slave, shape (s,), force; also the next λ of the augmented Lagrangian."""
-        return self._interface.normal_forces(_law(penalty, multipliers))
+    def normal_forces(
+        self,
+        penalty: float,
+        *,
+        multipliers: ArrayLike | None = None,
+        normal: TabulatedPressure | None = None,
+    ) -> Floats:
+        """max(0, λ − ε g) of every slave, shape (s,), force; also the next λ of the augmented Lagrangian.
 
-    def pressures(self, penalty: float, *, multipliers: ArrayLike | None = None) -> Floats:
+        With ``normal`` area times its pressure.
+        """
+        return self._interface.normal_forces(law_of(penalty, multipliers, normal=normal))
+
+    def pressures(
+        self,
+        penalty: float,
+        *,
+        multipliers: ArrayLike | None = None,
+        normal: TabulatedPressure | None = None,
+    ) -> Floats:
         """Normal forces over tributary areas, shape (s,); forces if contacts carry no areas."""
-        forces = self.normal_forces(penalty, multipliers=multipliers)
+        forces = self.normal_forces(penalty, multipliers=multipliers, normal=normal)
         return forces / self.contacts.area
 
     def cut_back(self, limit: float = 0.25) -> CutBack:
@@ -702,6 +755,7 @@ class CsrMap:
         multipliers: ArrayLike | None = None,
         tangent: Tangent = "exact",
         friction: Friction | None = None,
+        normal: TabulatedPressure | None = None,
     ) -> int:
         """Adds K = −∂R/∂x to the values of a matrix, where they are.
 
@@ -711,6 +765,7 @@ class CsrMap:
             multipliers: as for ``ContactInterface.tangent``.
             tangent: as for ``ContactInterface.tangent``.
             friction: as for ``ContactInterface.tangent``.
+            normal: as for ``ContactInterface.tangent``.
 
         Returns:
             The number of contacts that carry force.
@@ -721,9 +776,9 @@ class CsrMap:
                 penalty, multipliers or another number of values, or if a sum overflows.
 
         """
-        law = _law(penalty, multipliers, tangent, friction)
+        law = law_of(penalty, multipliers, tangent, friction, normal)
         try:
-            return self._interface.add_tangent(self._map, law, _vector("values", values))
+            return self._interface.add_tangent(self._map, law, vector("values", values))
         except BusyError as error:
             refuse_overlap(error, {"multipliers": law.multipliers}, {"values": values})
 
@@ -749,10 +804,3 @@ def _rows(offsets: Any, columns: Any) -> tuple[Indices, Indices]:
         if all(array.dtype == np.int32 and array.ndim == 1 and array.flags.c_contiguous for array in both):
             return both if all(array.flags.aligned for array in both) else (offsets.copy(), columns.copy())
     return ints("row offsets", offsets, "equations + 1"), ints("columns", columns, "entries")
-
-
-def _vector(what: str, out: Any) -> Floats:
-    """A vector to be written to where it is."""
-    if not (is_writable(out, np.float64) and out.ndim == 1):
-        raise InputError(f"{what} has to be a writable, aligned float64 vector in C order", "wrong-array")
-    return out

@@ -8,8 +8,8 @@ import numpy as np
 import scipy.sparse.linalg
 
 from . import _native
-from ._arrays import Floats, floats, is_writable, new, refuse_overlap
-from ._errors import BusyError, InputError
+from ._arrays import Floats, floats, new, refuse_overlap, vector
+from ._errors import BusyError
 
 
 class TangentOperator(scipy.sparse.linalg.LinearOperator):
@@ -60,8 +60,7 @@ class TangentOperator(scipy.sparse.linalg.LinearOperator):
         return out
 
     def _call(self, read: dict[str, Any], out: Any, call: Any) -> None:
-        if not (is_writable(out, np.float64) and out.ndim == 1):
-            raise InputError("out has to be a writable, aligned float64 vector in C order", "wrong-array")
+        vector("out", out)
         try:
             call()
         except BusyError as error:

@@ -20,8 +20,8 @@ from ._faces import FaceContacts, FaceInterface, FaceReport, flat_facets
 from ._interface import ContactInterface, CsrMap, Options, adaptive_tangent
 from ._law import Coulomb, DecayingCoefficient, TabulatedCoefficient, TabulatedPressure
 from ._native import __version__
-from ._part import Extents, PartDemands, SurfacePart
 from ._operator import TangentOperator
+from ._part import Extents, PartDemands, SurfacePart
 from ._results import (
     Contact,
     Contacts,
@@ -68,10 +68,10 @@ __all__ = [
     "SlaveGap",
     "SurfaceError",
     "SurfacePart",
-    "Window",
     "TabulatedCoefficient",
     "TabulatedPressure",
     "TangentOperator",
+    "Window",
     "__version__",
     "adaptive_tangent",
     "boxes_around",

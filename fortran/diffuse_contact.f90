@@ -34,6 +34,7 @@ module diffuse_contact
         enumerator :: DC_HULL_LAYERS = 0, DC_HULL_RADIUS, DC_NEAREST, DC_DOMAINS
         enumerator :: DC_LINEAR = 1, DC_QUADRATIC
         enumerator :: DC_OPEN = 0, DC_STICK, DC_SLIP
+        enumerator :: DC_CONSTANT = 0, DC_DECAYING, DC_TABULATED
         enumerator :: DC_EXACT = 0, DC_GAUSS_NEWTON
         enumerator :: DC_FULL = 0, DC_LOWER
     end enum
@@ -70,14 +71,23 @@ module diffuse_contact
         real(c_double) :: gap = 0, foot(3) = 0, normal(3) = 0, area = 0, support_radius = 0
     end type
 
-    !> The law of contact. multipliers is c_loc of an array, or c_null_ptr; friction is the coefficient, 0 for none.
+    !> The law of contact. Arrays are c_loc of them, or c_null_ptr; friction is the coefficient, 0 for none.
     type, bind(c) :: dc_law
-        integer(c_size_t) :: size = 64
+        integer(c_size_t) :: size = 160
         real(c_double) :: penalty = 0
         type(c_ptr) :: multipliers = c_null_ptr
         integer(c_size_t) :: multiplier_count = 0
         integer(c_int32_t) :: tangent = DC_EXACT, reserved = 0
         real(c_double) :: friction = 0, tangential_stiffness = 0, shear_limit = 0
+        integer(c_int32_t) :: coefficient = DC_CONSTANT, augmented = 0
+        type(c_ptr) :: normal_gaps = c_null_ptr, normal_pressures = c_null_ptr
+        integer(c_size_t) :: normal_count = 0
+        real(c_double) :: duration = 0, friction_in_motion = 0, friction_decay = 0
+        type(c_ptr) :: friction_pressures = c_null_ptr
+        integer(c_size_t) :: friction_pressure_count = 0
+        type(c_ptr) :: friction_rates = c_null_ptr
+        integer(c_size_t) :: friction_rate_count = 0
+        type(c_ptr) :: friction_table = c_null_ptr
     end type
 
     !> What stays fixed for one slave until it is paired anew.
@@ -283,6 +293,30 @@ module diffuse_contact
         end function
 
         !> Numbers for a restart; without history count gets how many there are.
+        function dc_augment(interface, law, moves, slave_count) bind(c) result(status)
+            import :: c_int, c_int32_t, c_ptr, c_size_t, dc_law
+            type(c_ptr), value :: interface
+            type(dc_law), intent(in) :: law
+            integer(c_int32_t), intent(in), optional :: moves(*)
+            integer(c_size_t), value :: slave_count
+            integer(c_int) :: status
+        end function
+
+        function dc_slip_errors(interface, law, errors, slave_count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t, dc_law
+            type(c_ptr), value :: interface
+            type(dc_law), intent(in) :: law
+            real(c_double), intent(inout) :: errors(*)
+            integer(c_size_t), value :: slave_count
+            integer(c_int) :: status
+        end function
+
+        function dc_roll_back(interface) bind(c) result(status)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: interface
+            integer(c_int) :: status
+        end function
+
         function dc_history(interface, history, capacity, count) bind(c) result(status)
             import :: c_double, c_int, c_ptr, c_size_t
             type(c_ptr), value :: interface
@@ -637,6 +671,30 @@ module diffuse_contact
         end function
 
         !> Numbers for a restart; without history count gets how many there are.
+        function dc_faces_augment(faces, law, moves, slave_count) bind(c) result(status)
+            import :: c_int, c_int32_t, c_ptr, c_size_t, dc_law
+            type(c_ptr), value :: faces
+            type(dc_law), intent(in) :: law
+            integer(c_int32_t), intent(in), optional :: moves(*)
+            integer(c_size_t), value :: slave_count
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_slip_errors(faces, law, errors, slave_count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t, dc_law
+            type(c_ptr), value :: faces
+            type(dc_law), intent(in) :: law
+            real(c_double), intent(inout) :: errors(*)
+            integer(c_size_t), value :: slave_count
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_roll_back(faces) bind(c) result(status)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: faces
+            integer(c_int) :: status
+        end function
+
         function dc_faces_history(faces, history, capacity, count) bind(c) result(status)
             import :: c_double, c_int, c_ptr, c_size_t
             type(c_ptr), value :: faces

@@ -12,6 +12,7 @@
  *     dc_operator_product         products with it, without a matrix
  *     dc_cutback                  whether the increment had better be smaller
  *     dc_accept                   with friction: the increment has converged
+ *     dc_augment                  with friction: sticking contacts do so whatever the tangential stiffness
  *     dc_destroy
  *
  * dc_faces_create, dc_faces_refresh, dc_faces_update, dc_faces_evaluate, dc_faces_residual, dc_faces_triplets, dc_faces_accept: the same
@@ -203,6 +204,16 @@ typedef enum dc_friction_state {
     DC_SLIP = 2,
 } dc_friction_state;
 
+// The coefficient of Coulomb's friction.
+typedef enum dc_coefficient {
+    // A number.
+    DC_CONSTANT = 0,
+    // mu = mu_k + (mu_s - mu_k) exp(-decay x slip rate), from rest to fast sliding.
+    DC_DECAYING = 1,
+    // A table of pressures and slip rates.
+    DC_TABULATED = 2,
+} dc_coefficient;
+
 // Which tangent is assembled.
 typedef enum dc_tangent {
     // K = e N N^T - f M, the exact derivative of the force; indefinite in general. See dc_adaptive_tangent.
@@ -368,6 +379,8 @@ typedef struct dc_contact {
 // With friction R has the traction besides, at most friction x f and against the slip, and K its derivative, which is not symmetric
 // where contacts slide or have just closed. Call dc_accept, or dc_faces_accept, before the first increment and after each that has
 // converged: else contacts that carry force are refused with DC_NOT_EVALUATED.
+//
+// With a table of pressures f = area x p(g), and -area x dp/dg stands in the place of e.
 typedef struct dc_law {
     // sizeof(dc_law), set by the caller.
     size_t size;
@@ -388,6 +401,36 @@ typedef struct dc_law {
     double tangential_stiffness;
     // Traction that no contact exceeds, in the unit of the pressure: contacts slide at min(friction x f, shear_limit). 0 for none.
     double shear_limit;
+    // dc_coefficient; 0 is DC_CONSTANT, `friction`.
+    int32_t coefficient;
+    // Whether the history notes where contacts really stuck, so that dc_augment can take away what they creep by the tangential stiffness:
+    // 0 or 1. Tractions are the same.
+    int32_t augmented;
+    // A normal law by table, in the place of the penalty's: ascending gaps, at least two, ...
+    const double *normal_gaps;
+    // ... and the pressure at each, force per area, or over nodes without areas force: linear between them and beyond them. Contacts whose
+    // pressure is not positive are open. NULL and 0 for the penalty's law. There are no multipliers then, and the penalty only
+    // estimates where contacts that close have touched: about the stiffness of the table in contact.
+    const double *normal_pressures;
+    // Number of gaps, and of pressures.
+    size_t normal_count;
+    // How long the increment lasts, positive; for coefficients that depend on the slip rate.
+    double duration;
+    // DC_DECAYING: the coefficient of fast sliding; `friction` is that of rest.
+    double friction_in_motion;
+    // DC_DECAYING: how fast it decays, time per length.
+    double friction_decay;
+    // DC_TABULATED: ascending pressures, one or more, ...
+    const double *friction_pressures;
+    // ... and their number; ...
+    size_t friction_pressure_count;
+    // ... ascending slip rates, one or more, length per time, ...
+    const double *friction_rates;
+    // ... and their number; ...
+    size_t friction_rate_count;
+    // ... and coefficients, for each rate at the first pressure, then for each at the next one: bilinear between them, constant beyond.
+    // `friction` is 0 then.
+    const double *friction_table;
 } dc_law;
 
 // What the cutting of the faces gave.
@@ -667,6 +710,36 @@ enum dc_status dc_cutback(struct dc_interface *interface,
 // DC_GAUSS_NEWTON, as for NaN.
 int32_t dc_adaptive_tangent(double residual,
                             double force);
+
+// A round of Uzawa's iteration for friction: the traction of each slave that carries force becomes its multiplier, so that the next
+// equilibrium slips less where it sticks. Call it in an equilibrium whose dc_slip_errors are too large, with the law that it was solved
+// with, whose `augmented` is 1; then dc_evaluate again. The rounds are part of the increment on its way: dc_accept takes them over,
+// dc_roll_back forgets them.
+//
+// `moves`: 1 for each slave that takes part, 0 for others, where other bodies hold them and no multiplier can help; NULL for all.
+//
+// DC_BAD_OPTION for a law without `augmented`, and as of dc_accept.
+//
+// # Safety
+// `law` as in dc_residual; `moves` is NULL or has `slave_count` entries.
+enum dc_status dc_augment(struct dc_interface *interface,
+                          const struct dc_law *law,
+                          const int32_t *moves,
+                          size_t slave_count);
+
+// How far each slave is from Coulomb's law without tangential stiffness, length: its slip in the increment where it sticks, and what of
+// it is not along the traction where it slides; 0 without force or history. At the positions of the last dc_update, dc_follow or dc_refresh.
+//
+// # Safety
+// `law` as in dc_augment; `errors` has `slave_count` entries.
+enum dc_status dc_slip_errors(struct dc_interface *interface,
+                              const struct dc_law *law,
+                              double *errors,
+                              size_t slave_count);
+
+// Forgets what dc_augment did since the last dc_accept, and ends the evaluation. If that is anything no slave is paired until the next
+// dc_refresh.
+enum dc_status dc_roll_back(struct dc_interface *interface);
 
 // Accepts the positions of the last dc_update, dc_follow or dc_refresh as the end of an increment: friction of the next one is measured
 // from there. Call it once before the first increment, after dc_refresh, and then after each that has converged, with the multipliers it
@@ -1080,6 +1153,27 @@ enum dc_status dc_faces_accept(struct dc_faces *faces,
                                size_t *sliding_count,
                                size_t *unanchored_count,
                                double *dissipated);
+
+// As dc_augment, of the nodes of the slave's faces; then dc_faces_evaluate again.
+//
+// # Safety
+// As dc_augment.
+enum dc_status dc_faces_augment(struct dc_faces *faces,
+                                const struct dc_law *law,
+                                const int32_t *moves,
+                                size_t slave_count);
+
+// As dc_slip_errors, at the positions of the last dc_faces_update or dc_faces_refresh.
+//
+// # Safety
+// As dc_slip_errors.
+enum dc_status dc_faces_slip_errors(struct dc_faces *faces,
+                                    const struct dc_law *law,
+                                    double *errors,
+                                    size_t slave_count);
+
+// As dc_roll_back; if there was anything to forget there is no contact until the next dc_faces_refresh.
+enum dc_status dc_faces_roll_back(struct dc_faces *faces);
 
 // As dc_history.
 //

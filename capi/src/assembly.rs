@@ -39,10 +39,10 @@ pub unsafe extern "C" fn dc_residual(
             let active_count = wanted("active_count", active_count, 1, 1)?;
             let whole = border::written("residual", residual, equation_count);
             // SAFETY: as the caller promises.
-            let multipliers = unsafe { law::span(law)? };
-            disjoint([multipliers, whole, active_count.span()])?;
+            unsafe { law::disjoint(law, [whole, active_count.span()])? };
             // SAFETY: as the caller promises; nothing overlaps.
             let (law, residual) = unsafe { (law::read(law)?, sums("residual", residual, equation_count)?) };
+            let law = law.contact()?;
             let active = threads::run(|| add_residual(contacts, &law, &state.dofs, residual))??;
             // SAFETY: as the caller promises.
             unsafe { active_count.write([active]) };
@@ -77,6 +77,7 @@ pub unsafe extern "C" fn dc_triplets(
             let count = target("count", count, 1)?;
             // SAFETY: as the caller promises.
             let law = unsafe { law::read(law)? };
+            let law = law.contact()?;
             let triplets = &mut state.triplets;
             let (contacts, dofs) = (state.interface.contacts(), &*state.dofs);
             let filling = &mut *triplets;

@@ -83,6 +83,18 @@ pub enum dc_friction_state {
     DC_SLIP = 2,
 }
 
+/// The coefficient of Coulomb's friction.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub enum dc_coefficient {
+    /// A number.
+    DC_CONSTANT = 0,
+    /// mu = mu_k + (mu_s - mu_k) exp(-decay x slip rate), from rest to fast sliding.
+    DC_DECAYING = 1,
+    /// A table of pressures and slip rates.
+    DC_TABULATED = 2,
+}
+
 /// Which tangent is assembled.
 #[repr(C)]
 pub enum dc_tangent {
@@ -169,6 +181,11 @@ pub fn basis(value: i32) -> Result<Basis, Failure> {
 
 pub fn basis_number(basis: Basis) -> i32 {
     (if basis == Basis::Linear { dc_basis::DC_LINEAR } else { dc_basis::DC_QUADRATIC }) as i32
+}
+
+pub fn coefficient(value: i32) -> Result<dc_coefficient, Failure> {
+    use dc_coefficient::{DC_CONSTANT, DC_DECAYING, DC_TABULATED};
+    choose("coefficient", value, &[DC_CONSTANT, DC_DECAYING, DC_TABULATED].map(|kind| (kind as i32, kind)))
 }
 
 pub fn tangent(value: i32) -> Result<Tangent, Failure> {

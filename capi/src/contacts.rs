@@ -208,16 +208,16 @@ pub unsafe extern "C" fn dc_forces(
             let [penetrations, forces, pressures] =
                 arrays.map(|(name, pointer)| wanted(name, pointer, slave_count, slave_count));
             let (penetrations, forces, pressures) = (penetrations?, forces?, pressures?);
-            // SAFETY: as the caller promises.
-            let multipliers = unsafe { law::span(law)? };
             disjoint([penetrations.span(), forces.span(), pressures.span()])?;
-            disjoint([multipliers, penetrations.span(), pressures.span()])?;
-            if !multipliers.is_same(&forces.span()) {
-                disjoint([multipliers, forces.span()])?;
+            // SAFETY: as the caller promises.
+            unsafe {
+                law::disjoint(law, [penetrations.span(), pressures.span()])?;
+                law::disjoint_but_multipliers(law, forces.span())?;
             }
             let mut values = reserve("forces", slave_count)?;
             // SAFETY: as the caller promises. The multipliers are not looked at once the forces are written.
             let law = unsafe { law::read(law)? };
+            let law = law.contact()?;
             law.validate(slave_count)?;
             for (k, contact) in contacts.iter().enumerate() {
                 if !contact.outcome.is_contact() {

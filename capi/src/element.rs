@@ -248,9 +248,8 @@ pub unsafe extern "C" fn dc_element_system(
         let tangent = wanted("tangent", tangent, tangent_size, square)?;
         let packed = if hessian.is_null() { 0 } else { packed };
         // SAFETY: as the caller promises.
-        let multipliers = unsafe { law::span(law)? };
+        unsafe { law::disjoint(law, [force.span(), residual.span(), tangent.span()])? };
         disjoint([
-            multipliers,
             border::read("gradient", gradient, freedoms),
             border::read("hessian", hessian, packed),
             force.span(),
@@ -261,6 +260,7 @@ pub unsafe extern "C" fn dc_element_system(
         let (law, gradient, hessian) = unsafe {
             (law::read(law)?, input("gradient", gradient, freedoms)?, input("hessian", hessian, packed)?)
         };
+        let law = law.contact()?;
         if law.friction.is_some() {
             let message =
                 "friction-of-one-element: a single element has no slip, friction is that of an interface";

@@ -11,7 +11,7 @@ use runtime::surface::{Facet, MasterSurface};
 use crate::assembly::{index, write};
 use crate::border::{self, Versioned, disjoint, input, reserve, roomy, sized_target, sums, target, wanted};
 use crate::choice;
-use crate::friction::{Accepted, write_history};
+use crate::friction::{Accepted, moves_of, write_history, write_slip_errors};
 use crate::interface::{check_nodes, equations_of, facet_rows, facets_of, points, symmetry_planes};
 use crate::law::{self, dc_law};
 use crate::options::dc_options;
@@ -418,6 +418,7 @@ pub unsafe extern "C" fn dc_faces_evaluate(faces: *mut dc_faces, law: *const dc_
         with(faces, |state| {
             // SAFETY: as the caller promises.
             let law = unsafe { law::read(law)? };
+            let law = law.contact()?;
             state.evaluated = false;
             let interface = &mut state.interface;
             threads::run(|| interface.evaluate(&law, mode).map(drop))??;
@@ -525,6 +526,63 @@ pub unsafe extern "C" fn dc_faces_accept(
             // SAFETY: as the caller promises.
             let has_friction = unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? };
             state.evaluated &= !has_friction;
+            Ok(())
+        })
+    })
+}
+
+/// As dc_augment, of the nodes of the slave's faces; then dc_faces_evaluate again.
+///
+/// # Safety
+/// As dc_augment.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_augment(
+    faces: *mut dc_faces,
+    law: *const dc_law,
+    moves: *const i32,
+    slave_count: usize,
+) -> dc_status {
+    border::call(|| {
+        with(faces, |state| {
+            state.expect_slaves(slave_count)?;
+            // SAFETY: as the caller promises.
+            let (law, moves) = unsafe { (law::read(law)?, moves_of(moves, slave_count)?) };
+            let law = law.contact()?;
+            let contacts = &mut state.interface;
+            threads::run(|| contacts.augment(&law, moves))??;
+            state.evaluated = false;
+            Ok(())
+        })
+    })
+}
+
+/// As dc_slip_errors, at the positions of the last dc_faces_update or dc_faces_refresh.
+///
+/// # Safety
+/// As dc_slip_errors.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_slip_errors(
+    faces: *mut dc_faces,
+    law: *const dc_law,
+    errors: *mut f64,
+    slave_count: usize,
+) -> dc_status {
+    border::call(|| {
+        with(faces, |state| {
+            state.expect_slaves(slave_count)?;
+            // SAFETY: as the caller promises.
+            unsafe { write_slip_errors(law, errors, slave_count, |law| state.interface.slip_errors(law)) }
+        })
+    })
+}
+
+/// As dc_roll_back; if there was anything to forget there is no contact until the next dc_faces_refresh.
+#[unsafe(no_mangle)]
+pub extern "C" fn dc_faces_roll_back(faces: *mut dc_faces) -> dc_status {
+    border::call(|| {
+        with(faces, |state| {
+            state.interface.roll_back();
+            state.evaluated = false;
             Ok(())
         })
     })

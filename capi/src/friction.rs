@@ -4,6 +4,7 @@ use runtime::assembly::ContactLaw;
 use runtime::interface::{FrictionReport, InterfaceError};
 
 use crate::border::{self, disjoint, input, target, wanted};
+use crate::choice;
 use crate::interface::{dc_interface, with};
 use crate::law::{self, dc_law};
 use crate::status::{Failure, dc_status};
@@ -32,12 +33,12 @@ impl Accepted {
         let sliding_count = wanted("sliding_count", self.sliding_count, 1, 1)?;
         let unanchored_count = wanted("unanchored_count", self.unanchored_count, 1, 1)?;
         let dissipated = wanted("dissipated", self.dissipated, 1, 1)?;
+        let counts = [stuck_count.span(), sliding_count.span(), unanchored_count.span(), dissipated.span()];
         // SAFETY: as the caller promises.
-        let multipliers = unsafe { law::span(law)? };
-        let counts = [stuck_count.span(), sliding_count.span(), unanchored_count.span()];
-        disjoint([multipliers, counts[0], counts[1], counts[2], dissipated.span()])?;
+        unsafe { law::disjoint(law, counts)? };
         // SAFETY: as the caller promises; nothing overlaps.
         let law = unsafe { law::read(law)? };
+        let law = law.contact()?;
         law.validate(slave_count)?;
         let report = threads::run(|| accept(&law))??;
         // SAFETY: as the caller promises.
@@ -69,6 +70,111 @@ pub unsafe fn write_history(
     // SAFETY: as the caller promises.
     unsafe { history.write(numbers) };
     Ok(())
+}
+
+/// Which slaves a round of augmentation moves: those of 1, or all of them.
+///
+/// # Safety
+/// As [`input`].
+pub unsafe fn moves_of<'a>(
+    moves: *const i32,
+    slave_count: usize,
+) -> Result<impl Fn(usize) -> bool + Sync + 'a, Failure> {
+    // SAFETY: as the caller promises.
+    let moves = if moves.is_null() { None } else { Some(unsafe { input("moves", moves, slave_count)? }) };
+    for &flag in moves.unwrap_or_default() {
+        choice::flag("moves", flag)?;
+    }
+    Ok(move |slave: usize| moves.is_none_or(|moves: &[i32]| moves[slave] == 1))
+}
+
+/// Errors of slips, one for each slave.
+///
+/// # Safety
+/// `law` as in [`law::read`]; `errors` has `slave_count` entries.
+pub unsafe fn write_slip_errors(
+    law: *const dc_law,
+    errors: *mut f64,
+    slave_count: usize,
+    find: impl FnOnce(&ContactLaw<'_>) -> Result<Vec<f64>, InterfaceError> + Send,
+) -> Result<(), Failure> {
+    let errors = target("errors", errors, slave_count)?;
+    // SAFETY: as the caller promises.
+    let law = unsafe {
+        law::disjoint(law, [errors.span()])?;
+        law::read(law)?
+    };
+    let law = law.contact()?;
+    let found = threads::run(|| find(&law))??;
+    // SAFETY: as the caller promises.
+    unsafe { errors.write(found) };
+    Ok(())
+}
+
+/// A round of Uzawa's iteration for friction: the traction of each slave that carries force becomes its multiplier, so that the next
+/// equilibrium slips less where it sticks. Call it in an equilibrium whose dc_slip_errors are too large, with the law that it was solved
+/// with, whose `augmented` is 1; then dc_evaluate again. The rounds are part of the increment on its way: dc_accept takes them over,
+/// dc_roll_back forgets them.
+///
+/// `moves`: 1 for each slave that takes part, 0 for others, where other bodies hold them and no multiplier can help; NULL for all.
+///
+/// DC_BAD_OPTION for a law without `augmented`, and as of dc_accept.
+///
+/// # Safety
+/// `law` as in dc_residual; `moves` is NULL or has `slave_count` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_augment(
+    interface: *mut dc_interface,
+    law: *const dc_law,
+    moves: *const i32,
+    slave_count: usize,
+) -> dc_status {
+    border::call(|| {
+        with(interface, |state| {
+            state.expect_slaves(slave_count)?;
+            // SAFETY: as the caller promises.
+            let (law, moves) = unsafe { (law::read(law)?, moves_of(moves, slave_count)?) };
+            let law = law.contact()?;
+            let contacts = &mut state.interface;
+            threads::run(|| contacts.augment(&law, moves))??;
+            state.end_evaluation();
+            Ok(())
+        })
+    })
+}
+
+/// How far each slave is from Coulomb's law without tangential stiffness, length: its slip in the increment where it sticks, and what of
+/// it is not along the traction where it slides; 0 without force or history. At the positions of the last dc_update, dc_follow or dc_refresh.
+///
+/// # Safety
+/// `law` as in dc_augment; `errors` has `slave_count` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_slip_errors(
+    interface: *mut dc_interface,
+    law: *const dc_law,
+    errors: *mut f64,
+    slave_count: usize,
+) -> dc_status {
+    border::call(|| {
+        with(interface, |state| {
+            state.expect_slaves(slave_count)?;
+            // SAFETY: as the caller promises.
+            unsafe { write_slip_errors(law, errors, slave_count, |law| state.interface.slip_errors(law)) }
+        })
+    })
+}
+
+/// Forgets what dc_augment did since the last dc_accept, and ends the evaluation. If that is anything no slave is paired until the next
+/// dc_refresh.
+#[unsafe(no_mangle)]
+pub extern "C" fn dc_roll_back(interface: *mut dc_interface) -> dc_status {
+    border::call(|| {
+        with(interface, |state| {
+            state.interface.roll_back();
+            state.end_evaluation();
+            Ok(())
+        })
+    })
 }
 
 /// Accepts the positions of the last dc_update, dc_follow or dc_refresh as the end of an increment: friction of the next one is measured

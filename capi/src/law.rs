@@ -2,12 +2,12 @@
 
 use std::mem::offset_of;
 
-use runtime::assembly::{ContactLaw, Tangent};
-use runtime::friction::Coulomb;
+use runtime::assembly::{ContactLaw, TabulatedPressure, Tangent};
+use runtime::friction::{Coulomb, DecayingCoefficient, FrictionCoefficient, TabulatedCoefficient};
 
 use crate::border::{self, Span, Versioned, input, read_sized, reserved};
-use crate::choice;
-use crate::status::Failure;
+use crate::choice::{self, dc_coefficient};
+use crate::status::{DC_BAD_OPTION, DC_BAD_SIZE, Failure};
 
 /// The law of contact. With e = penalty x area:
 ///
@@ -18,6 +18,8 @@ use crate::status::Failure;
 /// With friction R has the traction besides, at most friction x f and against the slip, and K its derivative, which is not symmetric
 /// where contacts slide or have just closed. Call dc_accept, or dc_faces_accept, before the first increment and after each that has
 /// converged: else contacts that carry force are refused with DC_NOT_EVALUATED.
+///
+/// With a table of pressures f = area x p(g), and -area x dp/dg stands in the place of e.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct dc_law {
@@ -40,21 +42,48 @@ pub struct dc_law {
     pub tangential_stiffness: f64,
     /// Traction that no contact exceeds, in the unit of the pressure: contacts slide at min(friction x f, shear_limit). 0 for none.
     pub shear_limit: f64,
+    /// dc_coefficient; 0 is DC_CONSTANT, `friction`.
+    pub coefficient: i32,
+    /// Whether the history notes where contacts really stuck, so that dc_augment can take away what they creep by the tangential stiffness:
+    /// 0 or 1. Tractions are the same.
+    pub augmented: i32,
+    /// A normal law by table, in the place of the penalty's: ascending gaps, at least two, ...
+    pub normal_gaps: *const f64,
+    /// ... and the pressure at each, force per area, or over nodes without areas force: linear between them and beyond them. Contacts whose
+    /// pressure is not positive are open. NULL and 0 for the penalty's law. There are no multipliers then, and the penalty only
+    /// estimates where contacts that close have touched: about the stiffness of the table in contact.
+    pub normal_pressures: *const f64,
+    /// Number of gaps, and of pressures.
+    pub normal_count: usize,
+    /// How long the increment lasts, positive; for coefficients that depend on the slip rate.
+    pub duration: f64,
+    /// DC_DECAYING: the coefficient of fast sliding; `friction` is that of rest.
+    pub friction_in_motion: f64,
+    /// DC_DECAYING: how fast it decays, time per length.
+    pub friction_decay: f64,
+    /// DC_TABULATED: ascending pressures, one or more, ...
+    pub friction_pressures: *const f64,
+    /// ... and their number; ...
+    pub friction_pressure_count: usize,
+    /// ... ascending slip rates, one or more, length per time, ...
+    pub friction_rates: *const f64,
+    /// ... and their number; ...
+    pub friction_rate_count: usize,
+    /// ... and coefficients, for each rate at the first pressure, then for each at the next one: bilinear between them, constant beyond.
+    /// `friction` is 0 then.
+    pub friction_table: *const f64,
 }
 
-// SAFETY: numbers and an address; the first one is the size.
+// SAFETY: numbers and addresses; the first one is the size.
 unsafe impl Versioned for dc_law {
     const NAME: &'static str = "dc_law";
     const FIRST: usize = offset_of!(Self, reserved) + 4;
 }
 
-/// The structure itself.
-///
-/// # Safety
-/// As [`read`].
-unsafe fn structure(law: *const dc_law) -> Result<dc_law, Failure> {
-    let defaults = dc_law {
-        size: 0,
+impl dc_law {
+    /// What fields are that a caller does not know.
+    pub(crate) const NONE: Self = Self {
+        size: size_of::<Self>(),
         penalty: 0.0,
         multipliers: std::ptr::null(),
         multiplier_count: 0,
@@ -63,44 +92,168 @@ unsafe fn structure(law: *const dc_law) -> Result<dc_law, Failure> {
         friction: 0.0,
         tangential_stiffness: 0.0,
         shear_limit: 0.0,
+        coefficient: 0,
+        augmented: 0,
+        normal_gaps: std::ptr::null(),
+        normal_pressures: std::ptr::null(),
+        normal_count: 0,
+        duration: 0.0,
+        friction_in_motion: 0.0,
+        friction_decay: 0.0,
+        friction_pressures: std::ptr::null(),
+        friction_pressure_count: 0,
+        friction_rates: std::ptr::null(),
+        friction_rate_count: 0,
+        friction_table: std::ptr::null(),
     };
-    // SAFETY: as the caller promises.
-    let law = unsafe { read_sized(law, || defaults)? };
-    reserved("dc_law", law.reserved)?;
-    Ok(law)
+
+    /// The structure itself.
+    ///
+    /// # Safety
+    /// As [`read`].
+    unsafe fn copy(law: *const Self) -> Result<Self, Failure> {
+        // SAFETY: as the caller promises.
+        let law = unsafe { read_sized(law, || Self::NONE)? };
+        reserved("dc_law", law.reserved)?;
+        Ok(law)
+    }
+
+    /// Number of coefficients in the table.
+    fn table_count(&self) -> Result<usize, Failure> {
+        let Self { friction_pressure_count: pressures, friction_rate_count: rates, .. } = *self;
+        pressures.checked_mul(rates).ok_or_else(|| {
+            let message = format!("bad-size: there cannot be {pressures} x {rates} coefficients");
+            Failure::new(DC_BAD_SIZE, message)
+        })
+    }
+
+    /// Where its arrays lie, the multipliers first.
+    fn arrays(&self) -> Result<[Span; 6], Failure> {
+        Ok([
+            border::read("multipliers", self.multipliers, self.multiplier_count),
+            border::read("normal_gaps", self.normal_gaps, self.normal_count),
+            border::read("normal_pressures", self.normal_pressures, self.normal_count),
+            border::read("friction_pressures", self.friction_pressures, self.friction_pressure_count),
+            border::read("friction_rates", self.friction_rates, self.friction_rate_count),
+            border::read("friction_table", self.friction_table, self.table_count()?),
+        ])
+    }
 }
 
-/// Where the multipliers lie.
+/// Refuses arrays that overlap, of the law or of those that are given, if one of them is written.
 ///
 /// # Safety
 /// As [`read`].
-pub unsafe fn span(law: *const dc_law) -> Result<Span, Failure> {
+pub unsafe fn disjoint<const N: usize>(law: *const dc_law, spans: [Span; N]) -> Result<(), Failure> {
     // SAFETY: as the caller promises.
-    let law = unsafe { structure(law)? };
-    Ok(border::read("multipliers", law.multipliers, law.multiplier_count))
+    let arrays = unsafe { dc_law::copy(law)? }.arrays()?;
+    border::disjoint(spans)?;
+    spans.iter().try_for_each(|&span| arrays.iter().try_for_each(|&array| border::disjoint([array, span])))
 }
 
-/// The law of the caller; the runtime checks its numbers.
+/// The same, but `span` may be the array of the multipliers.
 ///
 /// # Safety
-/// `law` is NULL or has as many bytes as its field `size` says, `multipliers` has `multiplier_count` entries.
-pub unsafe fn read<'a>(law: *const dc_law) -> Result<ContactLaw<'a>, Failure> {
+/// As [`read`].
+pub unsafe fn disjoint_but_multipliers(law: *const dc_law, span: Span) -> Result<(), Failure> {
     // SAFETY: as the caller promises.
-    let law = unsafe { structure(law)? };
+    let [multipliers, tables @ ..] = unsafe { dc_law::copy(law)? }.arrays()?;
+    if !multipliers.is_same(&span) {
+        border::disjoint([multipliers, span])?;
+    }
+    tables.into_iter().try_for_each(|array| border::disjoint([array, span]))
+}
+
+/// A law with the tables that it refers to.
+#[derive(Debug)]
+pub struct Law<'a> {
+    given: dc_law,
+    multipliers: Option<&'a [f64]>,
+    tangent: Tangent,
+    normal: Option<TabulatedPressure>,
+    /// A coefficient that is no constant.
+    coefficient: Option<Box<dyn FrictionCoefficient>>,
+    augmented: bool,
+}
+
+/// The law of the caller.
+///
+/// # Safety
+/// `law` is NULL or has as many bytes as its field `size` says, its arrays have their numbers of entries.
+pub unsafe fn read<'a>(law: *const dc_law) -> Result<Law<'a>, Failure> {
     // SAFETY: as the caller promises.
-    let multipliers = unsafe { input("multipliers", law.multipliers, law.multiplier_count)? };
-    let friction = if law.friction == 0.0 {
-        None
-    } else {
-        let given = law.tangential_stiffness;
-        let stiffness = if given == 0.0 { law.penalty } else { given };
-        let limit = Some(law.shear_limit).filter(|limit| *limit != 0.0);
-        Some(Coulomb::new(law.friction, stiffness)?.with_shear_limit(limit)?)
+    let given = unsafe { dc_law::copy(law)? };
+    // SAFETY: as the caller promises.
+    let (multipliers, gaps, pressures) = unsafe {
+        (
+            input("multipliers", given.multipliers, given.multiplier_count)?,
+            input("normal_gaps", given.normal_gaps, given.normal_count)?,
+            input("normal_pressures", given.normal_pressures, given.normal_count)?,
+        )
     };
-    Ok(ContactLaw::penalty(law.penalty)
-        .with_friction(friction)
-        .with_multipliers(Some(multipliers).filter(|_| !law.multipliers.is_null()))
-        .with_tangent(choice::tangent(law.tangent)?))
+    let normal = if gaps.is_empty() { None } else { Some(TabulatedPressure::new(gaps, pressures)?) };
+    Ok(Law {
+        multipliers: Some(multipliers).filter(|_| !given.multipliers.is_null()),
+        tangent: choice::tangent(given.tangent)?,
+        normal,
+        // SAFETY: as the caller promises.
+        coefficient: unsafe { variable(&given)? },
+        augmented: choice::flag("augmented", given.augmented)?,
+        given,
+    })
+}
+
+/// The coefficient of friction, if it is no constant.
+///
+/// # Safety
+/// As [`read`].
+unsafe fn variable(law: &dc_law) -> Result<Option<Box<dyn FrictionCoefficient>>, Failure> {
+    let table_count = law.table_count()?;
+    Ok(match choice::coefficient(law.coefficient)? {
+        dc_coefficient::DC_CONSTANT => None,
+        dc_coefficient::DC_DECAYING => {
+            let made = DecayingCoefficient::new(law.friction, law.friction_in_motion, law.friction_decay)?;
+            Some(Box::new(made))
+        }
+        dc_coefficient::DC_TABULATED => {
+            if law.friction != 0.0 {
+                let message = format!(
+                    "invalid-option: with DC_TABULATED friction is 0, and not {}: the table has it",
+                    law.friction
+                );
+                return Err(Failure::new(DC_BAD_OPTION, message));
+            }
+            // SAFETY: as the caller promises.
+            let (pressures, rates, table) = unsafe {
+                (
+                    input("friction_pressures", law.friction_pressures, law.friction_pressure_count)?,
+                    input("friction_rates", law.friction_rates, law.friction_rate_count)?,
+                    input("friction_table", law.friction_table, table_count)?,
+                )
+            };
+            Some(Box::new(TabulatedCoefficient::new(pressures, rates, table)?))
+        }
+    })
+}
+
+impl Law<'_> {
+    /// As the runtime takes it, which checks its numbers.
+    pub fn contact(&self) -> Result<ContactLaw<'_>, Failure> {
+        let dc_law { penalty, friction, tangential_stiffness, shear_limit, duration, .. } = self.given;
+        let stiffness = if tangential_stiffness == 0.0 { penalty } else { tangential_stiffness };
+        let limit = Some(shear_limit).filter(|limit| *limit != 0.0);
+        let made = match &self.coefficient {
+            None if friction == 0.0 => None,
+            None => Some(Coulomb::new(friction, stiffness)?),
+            Some(coefficient) => Some(Coulomb::variable(&**coefficient, duration, stiffness)?),
+        };
+        let made = made.map(|made| made.with_shear_limit(limit)).transpose()?;
+        Ok(ContactLaw::penalty(penalty)
+            .with_normal(self.normal.as_ref().map(|table| table as _))
+            .with_friction(made.map(|made| made.with_augmentation(self.augmented)))
+            .with_multipliers(self.multipliers)
+            .with_tangent(self.tangent))
+    }
 }
 
 /// The dc_tangent for the next linear solution of a Newton iteration, to be put into a law before the tangent is assembled:

@@ -120,9 +120,10 @@ pub unsafe extern "C" fn dc_map_add(
                 let active_count = wanted("active_count", active_count, 1, 1)?;
                 let whole = border::written("values", values, entry_count);
                 // SAFETY: as the caller promises.
-                disjoint([unsafe { law::span(law)? }, whole, active_count.span()])?;
+                unsafe { law::disjoint(law, [whole, active_count.span()])? };
                 // SAFETY: as the caller promises; nothing overlaps.
                 let (law, values) = unsafe { (law::read(law)?, sums("values", values, entry_count)?) };
+                let law = law.contact()?;
                 let active = threads::run(|| map.places.add_from(&state.interface, &law, values))??;
                 // SAFETY: as the caller promises.
                 unsafe { active_count.write([active]) };

@@ -34,12 +34,13 @@ pub unsafe extern "C" fn dc_operator_create(
         let active_count = wanted("active_count", active_count, 1, 1)?;
         let handle = target("tangent", tangent, 1)?;
         // SAFETY: as the caller promises.
-        disjoint([unsafe { law::span(law)? }, handle.span(), active_count.span()])?;
+        unsafe { law::disjoint(law, [handle.span(), active_count.span()])? };
         // SAFETY: as the caller promises.
         unsafe { handle.write([std::ptr::null_mut()]) };
         with(interface, |state| {
             // SAFETY: as the caller promises.
             let law = unsafe { law::read(law)? };
+            let law = law.contact()?;
             let made = threads::run(|| TangentOperator::new(&state.interface, &law, &state.dofs))??;
             let contacts = made.contacts();
             let made = OPERATORS.insert(made)?;

@@ -156,10 +156,10 @@ pub unsafe extern "C" fn dc_pattern_fill(
                 }
                 let values = roomy("values", values, entry_count, entries)?;
                 // SAFETY: as the caller promises.
-                let multipliers = unsafe { law::span(law)? };
-                disjoint([multipliers, values.span(), active_count.span()])?;
+                unsafe { law::disjoint(law, [values.span(), active_count.span()])? };
                 // SAFETY: as the caller promises; nothing overlaps.
                 let law = unsafe { law::read(law)? };
+                let law = law.contact()?;
                 // SAFETY: as the caller promises; nothing overlaps.
                 let values = unsafe { values.unspecified() };
                 let map = pattern.places.map();

@@ -45,6 +45,7 @@ fn an_interface_gives_what_the_runtime_gives() {
         friction: 0.0,
         tangential_stiffness: 0.0,
         shear_limit: 0.0,
+        ..dc_law::NONE
     };
     let own_law = ContactLaw::penalty(1e3).with_multipliers(Some(&multipliers));
     // SAFETY: the arrays have the lengths given.

@@ -18,14 +18,14 @@ use crate::status::{
 };
 
 /// A bumpy lattice of 9 × 9 nodes below a coarser one of 5 × 5, which dips into it, each by faces of 9 nodes.
-struct Pair {
-    positions: Vec<f64>,
-    master: Vec<i32>,
-    slave: Vec<i32>,
+pub(super) struct Pair {
+    pub(super) positions: Vec<f64>,
+    pub(super) master: Vec<i32>,
+    pub(super) slave: Vec<i32>,
 }
 
 impl Pair {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         let height = |x: f64, y: f64| 0.1 * (0.7 * x).sin() * (0.9 * y).cos();
         let mut positions = Vec::new();
         for k in 0..81 {
@@ -56,11 +56,24 @@ impl Pair {
         Self { positions, master: faces(0, 9, 4, true), slave: faces(81, 5, 2, false) }
     }
 
-    fn nodes(&self) -> usize {
+    pub(super) fn nodes(&self) -> usize {
         self.positions.len() / 3
     }
 
-    fn make(&self, degree: i32) -> (dc_status, *mut dc_faces) {
+    /// The same as the runtime has it.
+    pub(super) fn runtime(&self) -> FaceInterface {
+        let (positions, _) = self.positions.as_chunks::<3>();
+        let rows = |faces: &[i32]| -> Vec<Facet> {
+            let facets = flat(faces);
+            let row = |row: &[i32; 4]| Facet::Quadrilateral(row.map(|node| node as usize));
+            facets.as_chunks::<4>().0.iter().map(row).collect()
+        };
+        let surface = MasterSurface::new(positions, rows(&self.master)).unwrap();
+        let options = FaceOptions::new(InterfaceOptions::default()).with_rule(FaceRule::Second);
+        FaceInterface::new(surface, &rows(&self.slave), positions, options).unwrap()
+    }
+
+    pub(super) fn make(&self, degree: i32) -> (dc_status, *mut dc_faces) {
         let (master, slave) = (flat(&self.master), flat(&self.slave));
         let mut handle = std::ptr::dangling_mut();
         // SAFETY: the arrays have the lengths given.
@@ -82,7 +95,7 @@ impl Pair {
     }
 }
 
-fn flat(faces: &[i32]) -> Vec<i32> {
+pub(super) fn flat(faces: &[i32]) -> Vec<i32> {
     let mut facets = vec![7; faces.len() / 9 * 16];
     // SAFETY: the arrays have the lengths given.
     let status =
@@ -91,7 +104,7 @@ fn flat(faces: &[i32]) -> Vec<i32> {
     facets
 }
 
-fn law(multipliers: &[f64]) -> dc_law {
+pub(super) fn law(multipliers: &[f64]) -> dc_law {
     dc_law {
         size: size_of::<dc_law>(),
         penalty: 300.0,
@@ -102,6 +115,7 @@ fn law(multipliers: &[f64]) -> dc_law {
         friction: 0.0,
         tangential_stiffness: 0.0,
         shear_limit: 0.0,
+        ..dc_law::NONE
     }
 }
 
@@ -269,18 +283,7 @@ fn faces_refuse_what_is_none() {
 fn faces_have_friction() {
     let pair = Pair::new();
     let (positions, _) = pair.positions.as_chunks::<3>();
-    let rows = |faces: &[i32]| -> Vec<Facet> {
-        let facets = flat(faces);
-        facets
-            .as_chunks::<4>()
-            .0
-            .iter()
-            .map(|row| Facet::Quadrilateral(row.map(|node| node as usize)))
-            .collect()
-    };
-    let surface = MasterSurface::new(positions, rows(&pair.master)).unwrap();
-    let options = FaceOptions::new(InterfaceOptions::default()).with_rule(FaceRule::Second);
-    let mut expected = FaceInterface::new(surface, &rows(&pair.slave), positions, options).unwrap();
+    let mut expected = pair.runtime();
     let own_law = ContactLaw::penalty(300.0).with_friction(Some(Coulomb::new(0.3, 300.0).unwrap()));
     let law = dc_law { friction: 0.3, ..law(&[]) };
     let moved: Vec<f64> = pair

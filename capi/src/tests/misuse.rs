@@ -31,6 +31,7 @@ pub const LAW: dc_law = dc_law {
     friction: 0.0,
     tangential_stiffness: 0.0,
     shear_limit: 0.0,
+    ..dc_law::NONE
 };
 
 /// Refuses a changed mesh.

@@ -8,6 +8,7 @@ mod faces;
 #[cfg(feature = "friction")]
 mod friction;
 mod fuzz;
+mod laws;
 mod memory;
 mod misuse;
 mod random;

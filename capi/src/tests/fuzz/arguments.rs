@@ -139,6 +139,7 @@ impl Fuzz {
             friction: self.random.pick(&[0.0, 0.0, 0.3, -1.0, f64::NAN]),
             tangential_stiffness: self.random.pick(&[0.0, 50.0, -1.0]),
             shear_limit: self.random.pick(&[0.0, 0.0, 2.0, -1.0, f64::NAN]),
+            ..dc_law::NONE
         }
     }
 

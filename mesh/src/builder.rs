@@ -25,6 +25,7 @@ struct TaggedElement {
     tag: u64,
     nodes: [u64; MOST_NODES],
     at: usize,
+    incompatible_modes: bool,
 }
 
 impl Builder {
@@ -58,8 +59,15 @@ impl Builder {
         if self.element_index.insert(tag, self.elements.len()).is_some() {
             return Err(Fault::new(at, Problem::DuplicateElement { tag }));
         }
-        self.elements.push(TaggedElement { kind, tag, nodes, at });
+        self.elements.push(TaggedElement { kind, tag, nodes, at, incompatible_modes: false });
         Ok(())
+    }
+
+    /// Says of the element added last whether the file asks for incompatible modes.
+    pub fn set_incompatible_modes(&mut self, incompatible_modes: bool) {
+        if let Some(last) = self.elements.last_mut() {
+            last.incompatible_modes = incompatible_modes;
+        }
     }
 
     pub fn node_index(&self, tag: u64) -> Option<usize> {
@@ -75,7 +83,8 @@ impl Builder {
         self.elements.iter().map(|element| self.resolved(element)).collect()
     }
 
-    fn resolved(&self, &TaggedElement { kind, tag, nodes, at }: &TaggedElement) -> Result<Element, Fault> {
+    fn resolved(&self, element: &TaggedElement) -> Result<Element, Fault> {
+        let &TaggedElement { kind, tag, nodes, at, incompatible_modes } = element;
         let mut indices = [0; MOST_NODES];
         for (i, &node) in nodes[..kind.node_count()].iter().enumerate() {
             if nodes[..i].contains(&node) {
@@ -85,7 +94,7 @@ impl Builder {
                 .node_index(node)
                 .ok_or_else(|| Fault::new(at, Problem::MissingNode { element: tag, node }))?;
         }
-        Ok(Element::new(kind, tag, indices))
+        Ok(Element::new(kind, tag, indices).with_incompatible_modes(incompatible_modes))
     }
 
     /// Coordinates and tags of the nodes.

@@ -224,12 +224,22 @@ pub struct Element {
     tag: u64,
     /// The first `kind.node_count()` count, the rest is zero.
     nodes: [usize; MOST_NODES],
+    incompatible_modes: bool,
 }
 
 impl Element {
     /// `nodes` beyond the kind's count must be zero.
     pub(crate) fn new(kind: ElementKind, tag: u64, nodes: [usize; MOST_NODES]) -> Self {
-        Self { kind, tag, nodes }
+        Self { kind, tag, nodes, incompatible_modes: false }
+    }
+
+    pub(crate) fn with_incompatible_modes(self, incompatible_modes: bool) -> Self {
+        Self { incompatible_modes, ..self }
+    }
+
+    /// Whether the file asks for incompatible modes: Abaqus' C3D8I and C3D8IH. It says nothing of shape and nodes.
+    pub fn has_incompatible_modes(&self) -> bool {
+        self.incompatible_modes
     }
 
     /// The kind of element.

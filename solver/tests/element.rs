@@ -1,10 +1,10 @@
 //! Single elements: forces, tangent, stresses.
 
-use crate::common::{SOLIDS, body, grid, meshed, numbers};
+use crate::common::{ELEMENTS, INCOMPATIBLE, body, grid, meshed, numbers, one_of};
 use diffuse_contact_mesh::ElementKind;
 use diffuse_contact_solver::material::{Material, Plasticity, PointState};
-use diffuse_contact_solver::model::Cells;
 use diffuse_contact_solver::solid::{Order, Solid, SolidError, SolidResponse};
+use nalgebra::DMatrix;
 
 const RUBBER: Material = Material { young: 10.0, poisson: 0.45, plasticity: None };
 const SOFT_METAL: Material = Material {
@@ -14,24 +14,22 @@ const SOFT_METAL: Material = Material {
 };
 
 /// A distorted element and a deformed state of it.
-fn distorted(kind: ElementKind, material: Material, amplitude: f64) -> (Solid, Vec<[f64; 3]>) {
+fn distorted(kind: (ElementKind, bool), material: Material, amplitude: f64) -> (Solid, Vec<[f64; 3]>) {
     let mut next = numbers(3);
     let (nodes, elements) = meshed(kind, [1, 1, 1], |x| x.map(|x| 2.0 * x + 0.3 * next_of(x)));
-    let mut one = Cells::default();
-    one.push(kind, elements.get(0).nodes);
-    let solid = Solid::new(&nodes, &[body(one, material)]).unwrap();
+    let solid = Solid::new(&nodes, &[body(one_of(&elements, 0), material)]).unwrap();
     let deformed =
         nodes.iter().map(|x| [0, 1, 2].map(|i| 1.1 * x[(i + 1) % 3] + 5.0 + amplitude * next())).collect();
     (solid, deformed)
 }
 
 /// How far nodes of an edge of length 2 are moved: as far as the element keeps its orientation.
-fn amplitude(kind: ElementKind) -> f64 {
+fn amplitude((kind, _): (ElementKind, bool)) -> f64 {
     if kind == ElementKind::Hexahedron8 { 0.25 } else { 0.15 }
 }
 
 /// The largest step of the differences; nodes of second order are closer to one another.
-fn step(kind: ElementKind) -> f64 {
+fn step((kind, _): (ElementKind, bool)) -> f64 {
     if kind.has_middles() { 4e-3 } else { 1e-2 }
 }
 
@@ -73,7 +71,7 @@ fn coordinates(solid: &Solid) -> Vec<usize> {
 
 #[test]
 fn forces_are_the_gradient_of_the_energy() {
-    for kind in SOLIDS {
+    for kind in ELEMENTS {
         let (solid, positions) = distorted(kind, RUBBER, amplitude(kind));
         let states = solid.states();
         let forces = evaluate(&solid, &positions, &states).forces;
@@ -106,29 +104,34 @@ fn assert_tangent(solid: &Solid, positions: &[[f64; 3]], states: &[PointState], 
 
 #[test]
 fn tangent_is_the_derivative_of_the_forces() {
-    for kind in SOLIDS {
+    for kind in ELEMENTS {
         let (solid, positions) = distorted(kind, RUBBER, amplitude(kind));
         assert_tangent(&solid, &positions, &solid.states(), step(kind), 1e-9);
         let (nearly, positions) =
             distorted(kind, Material { poisson: 0.4999, ..RUBBER }, 0.4 * amplitude(kind));
-        assert_tangent(&nearly, &positions, &nearly.states(), step(kind), 1e-9);
+        if kind == INCOMPATIBLE {
+            // The pressure is a thousand times the shear modulus.
+            let mut response = SolidResponse::default();
+            let found = nearly.evaluate(&positions, &nearly.states(), Order::Residual, &mut response);
+            assert!(matches!(found, Err(SolidError::UnstableModes { element: 0, .. })), "{found:?}");
+        } else {
+            assert_tangent(&nearly, &positions, &nearly.states(), step(kind), 1e-9);
+        }
         // At rest principal stretches are equal everywhere.
         let (nodes, elements) = meshed(kind, [1, 1, 1], |x| x);
-        let mut one = Cells::default();
-        one.push(kind, elements.get(0).nodes);
-        let solid = Solid::new(&nodes, &[body(one, RUBBER)]).unwrap();
+        let solid = Solid::new(&nodes, &[body(one_of(&elements, 0), RUBBER)]).unwrap();
         assert_tangent(&solid, &nodes, &solid.states(), step(kind), 1e-9);
     }
 }
 
 #[test]
 fn plastic_tangent_is_the_derivative_of_the_forces() {
-    for kind in [ElementKind::Hexahedron8, ElementKind::Tetrahedron10] {
+    for kind in [(ElementKind::Hexahedron8, false), INCOMPATIBLE, (ElementKind::Tetrahedron10, false)] {
         assert_plastic_tangent(kind);
     }
 }
 
-fn assert_plastic_tangent(kind: ElementKind) {
+fn assert_plastic_tangent(kind: (ElementKind, bool)) {
     let (solid, positions) = distorted(kind, SOFT_METAL, 0.2);
     let virgin = solid.states();
     let first = evaluate(&solid, &positions, &virgin);
@@ -150,7 +153,7 @@ fn assert_plastic_tangent(kind: ElementKind) {
 /// No force and no torque on the whole, no force from a translation; a rotation of the body rotates the forces.
 #[test]
 fn rigid_motions() {
-    for kind in SOLIDS {
+    for kind in ELEMENTS {
         let (solid, positions) = distorted(kind, RUBBER, amplitude(kind));
         let states = solid.states();
         let response = evaluate(&solid, &positions, &states);
@@ -204,12 +207,7 @@ fn a_quarter_turn_has_no_stress() {
 fn recovery_of_a_uniform_state() {
     let (nodes, elements) = grid([2, 1, 1], |x| [2.0 * x[0], x[1], x[2]]);
     let stiff = Material { young: 30.0, ..RUBBER };
-    let one = |k: usize| {
-        let mut cells = Cells::default();
-        cells.push(ElementKind::Hexahedron8, elements.get(k).nodes);
-        cells
-    };
-    let bodies = [body(one(0), RUBBER), body(one(1), stiff)];
+    let bodies = [body(one_of(&elements, 0), RUBBER), body(one_of(&elements, 1), stiff)];
     let solid = Solid::new(&nodes, &bodies).unwrap();
     let stretched: Vec<_> = nodes.iter().map(|x| [1.2 * x[0], 0.9 * x[1], x[2] + 0.1 * x[0]]).collect();
     let response = evaluate(&solid, &stretched, &solid.states());
@@ -317,4 +315,77 @@ fn bad_input_is_named() {
         Solid::new(&nodes, &[body(elements, Material { poisson: 0.5, ..RUBBER })]).unwrap_err(),
         SolidError::Material { body: 0, .. }
     ));
+}
+
+/// Hencky's dilatation loses its stiffness beyond e times the volume, and with it the modes. Then there is no answer, and it says why.
+#[test]
+fn modes_without_stable_equilibrium_are_refused() {
+    let (nodes, elements) = meshed(INCOMPATIBLE, [1, 1, 1], |x| x);
+    let solid = Solid::new(&nodes, &[body(elements, RUBBER)]).unwrap();
+    let mut response = SolidResponse::default();
+    let mut at = |stretch: f64| {
+        let grown: Vec<_> = nodes.iter().map(|x| x.map(|x| stretch * x)).collect();
+        solid.evaluate(&grown, &solid.states(), Order::Tangent, &mut response)
+    };
+    assert_eq!(at(1.2), Ok(()));
+    let error = at(1.6).unwrap_err();
+    assert!(matches!(error, SolidError::UnstableModes { element: 0, .. }), "{error}");
+    assert!(error.to_string().contains("element 1 of the part \"body\""), "{error}");
+}
+
+/// The least stiffness of the twelve hourglass motions of a cube of one element, over the shear modulus and the length of its edge; uniform
+/// deformations are orthogonal to them. `None` if there is no answer.
+fn least_hourglass(kind: (ElementKind, bool), material: Material, stretches: [f64; 3]) -> Option<f64> {
+    let (nodes, elements) = meshed(kind, [1, 1, 1], |x| x);
+    let solid = Solid::new(&nodes, &[body(elements, material)]).unwrap();
+    let moved: Vec<_> = nodes.iter().map(|x| [0, 1, 2].map(|i| stretches[i] * x[i])).collect();
+    let mut response = SolidResponse::default();
+    solid.evaluate(&moved, &solid.states(), Order::Tangent, &mut response).ok()?;
+    let own = solid.elements().next().unwrap();
+    let centred = |a: usize| nodes[own[a]].map(|x| 2.0 * x - 1.0);
+    let vector = |k: usize, a: usize| {
+        let [x, y, z] = centred(a);
+        [y * z, z * x, x * y, x * y * z][k] / 8.0_f64.sqrt()
+    };
+    let entry = |i: usize, j: usize| response.tangents[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
+    let projected = DMatrix::from_fn(12, 12, |row, column| {
+        let terms = (0..64).map(|pair| {
+            let (a, b) = (pair / 8, pair % 8);
+            vector(row / 3, a) * entry(3 * a + row % 3, 3 * b + column % 3) * vector(column / 3, b)
+        });
+        terms.sum::<f64>()
+    });
+    Some(projected.symmetric_eigenvalues().min() / material.shear_modulus())
+}
+
+/// Elements with modes lose the stiffness of hourglass motions under compression and pressure (Wriggers and Reese 1996); as far as is said
+/// on the solver's page they have it.
+#[test]
+fn hourglass_motions_are_stiff_within_bounds() {
+    let steel = Material { poisson: 0.3, ..RUBBER };
+    for (name, material) in
+        [("0.3", steel), ("0.45", RUBBER), ("0.4999", Material { poisson: 0.4999, ..RUBBER })]
+    {
+        for percent in (20..=100).rev().step_by(5) {
+            // Free sides: stress along one axis alone.
+            let (along, ratio) = (f64::from(percent) / 100.0, material.poisson);
+            let stretches = [along.powf(-ratio), along.powf(-ratio), along];
+            let [plain, modes] = [(ElementKind::Hexahedron8, false), INCOMPATIBLE]
+                .map(|kind| least_hourglass(kind, material, stretches));
+            println!("nu {name}, stretch {along}: {plain:?} {modes:?}");
+            assert!(percent < 80 || modes.is_some_and(|modes| modes > 0.0), "{name} {along}: {modes:?}");
+        }
+        for tenths in (-40_i32..=40).step_by(4) {
+            // U' J = kappa ln J.
+            let over = f64::from(tenths) / 10.0;
+            let stretch = (over * material.shear_modulus() / material.bulk_modulus() / 3.0).exp();
+            let [plain, modes] = [(ElementKind::Hexahedron8, false), INCOMPATIBLE]
+                .map(|kind| least_hourglass(kind, material, [stretch; 3]));
+            println!("nu {name}, pressure over shear modulus {over}: {plain:?} {modes:?}");
+            assert!(
+                !(-8..=16).contains(&tenths) || modes.is_some_and(|modes| modes > 0.0),
+                "{name} {over}: {modes:?}"
+            );
+        }
+    }
 }

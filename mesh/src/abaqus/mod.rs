@@ -199,6 +199,7 @@ impl Deck<'_> {
                     *node = parse_tag(self.local(field), at, "a node number")?;
                 }
                 self.builder.add_element(kind, tag, nodes, at)?;
+                self.builder.set_incompatible_modes(matches!(name.as_str(), "C3D8I" | "C3D8IH"));
             } else {
                 self.unread_index.insert(tag, self.unread.len());
                 self.unread.push(UnreadElement { tag, kind: name.clone() });

@@ -81,6 +81,8 @@ pub struct PartEntry {
     pub source: PartSource,
     /// Kind of the elements of a solid shape; hexahedra of first order for other parts, where it has no meaning.
     pub element: ElementKind,
+    /// Whether its hexahedra with 8 nodes have incompatible modes; `None`: those of a file that it calls so.
+    pub incompatible_modes: Option<bool>,
     /// Name of its material; `None` for a rigid part.
     pub material: Option<Reference>,
     /// Rotations that place it, one after the other.

@@ -86,19 +86,33 @@ pub(super) fn part(name: &str, section: &Section) -> Result<PartEntry, DeckError
         None => Vec::new(),
     };
     let translation = section.get("translate").map_or(Ok([0.0; 3]), |field| field.vector())?;
-    let element = match (&source, section.get("element")) {
-        (PartSource::Shape(_), Some(field)) => field.word(&KINDS)?,
-        _ => ElementKind::Hexahedron8,
+    let (element, incompatible_modes) = match (&source, section.get("element")) {
+        (PartSource::Shape(_), Some(field)) => {
+            let (element, incompatible_modes) = shape_element(&field)?;
+            (element, Some(incompatible_modes))
+        }
+        (_, Some(field)) => {
+            (ElementKind::Hexahedron8, Some(field.word(&[("hex8", false), ("hex8i", true)])?))
+        }
+        _ => (ElementKind::Hexahedron8, None),
     };
     Ok(PartEntry {
         name: name.into(),
         line: section.line(),
         source,
         element,
+        incompatible_modes,
         material,
         rotations,
         translation,
     })
+}
+
+/// The kind of a shape's elements, and whether they have incompatible modes.
+fn shape_element(field: &Field) -> Result<(ElementKind, bool), DeckError> {
+    let modes = [("hex8i", (ElementKind::Hexahedron8, true))];
+    let words: Vec<_> = KINDS.map(|(name, kind)| (name, (kind, false))).into_iter().chain(modes).collect();
+    field.word(&words)
 }
 
 /// A rotation that places a part.
@@ -124,7 +138,7 @@ fn from_file(section: &Section, file: &Field) -> Result<PartSource, DeckError> {
     let instance = section.get("instance").map(|field| field.text()).transpose()?;
     match section.get("surface") {
         Some(surface) => {
-            section.refuse(&["elements"], "beside surface, which makes a rigid part")?;
+            section.refuse(&["elements", "element"], "beside surface, which makes a rigid part")?;
             Ok(PartSource::Rigid { file, instance, surface: surface.text()? })
         }
         None => {
@@ -145,8 +159,8 @@ fn shaped(part: &str, section: &Section, shape: &Field) -> Result<PartSource, De
     let section = section.clone().expect(&known)?;
     let shape = read_shape(name, &ShapeSection(section.clone()))?;
     let mut steps = shape.clone();
-    if section.get("element").map_or(Ok(ElementKind::Hexahedron8), |field| field.word(&KINDS))?.has_middles()
-    {
+    let element = section.get("element").map(|field| shape_element(&field)).transpose()?;
+    if element.is_some_and(|(kind, _)| kind.has_middles()) {
         // As many nodes as cells of half the size have.
         steps.divisions_mut().iter_mut().for_each(|count| *count = count.saturating_mul(2));
     }

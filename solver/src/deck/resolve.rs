@@ -216,6 +216,9 @@ impl PartEntry {
                 read_rigid_part(&base.join(file), instance.as_deref(), surface).map_err(failed)?
             }
         };
+        if let Some(has) = self.incompatible_modes {
+            part.elements.set_incompatible_modes(|_| has);
+        }
         self.rotations.iter().for_each(|rotation| part.rotate(rotation));
         part.translate(self.translation);
         Ok(part)

@@ -20,7 +20,7 @@ pub const PART: &[&str] = &["shape", "file", "material", "translate", "rotate"];
 /// Fields of a deformable part that is a shape.
 pub const SOLID_SHAPE: &[&str] = &["element"];
 /// Fields of a part from a mesh file.
-pub const FILE: &[&str] = &["elements", "surface", "instance"];
+pub const FILE: &[&str] = &["elements", "surface", "instance", "element"];
 /// The shapes and their fields.
 pub const SHAPES: &[(&str, &[&str])] = &[
     ("box", &["origin", "size", "divisions", "grading"]),

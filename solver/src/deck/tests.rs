@@ -773,3 +773,52 @@ fn surfaces_with_facets_inside_their_part_are_refused() {
     assert!(deck("WITHIN").contains("1 of the 1 facets of the surface"), "{}", deck("WITHIN"));
     std::fs::remove_dir_all(&directory).unwrap();
 }
+
+/// Abaqus' C3D8I has incompatible modes, and `element` of a part says otherwise or the same of what has none.
+#[test]
+fn incompatible_modes_come_from_the_file_or_the_deck() {
+    const MESH: &str = "\
+*NODE
+1, 0, 0, 0
+2, 1, 0, 0
+3, 1, 1, 0
+4, 0, 1, 0
+5, 0, 0, 1
+6, 1, 0, 1
+7, 1, 1, 1
+8, 0, 1, 1
+9, 2, 0, 0
+10, 2, 1, 0
+11, 2, 0, 1
+12, 2, 1, 1
+*ELEMENT, TYPE=C3D8I
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*ELEMENT, TYPE=C3D8
+2, 2, 9, 10, 3, 6, 11, 12, 7
+";
+    let directory = std::env::temp_dir().join(format!("diffuse-contact-modes-{}", std::process::id()));
+    std::fs::create_dir_all(&directory).unwrap();
+    std::fs::write(directory.join("two.inp"), MESH).unwrap();
+    let text = |part: &str| {
+        format!(
+            "[materials.m]\nyoung = 1.0\npoisson = 0.3\n[parts.two]\n{part}\nmaterial = \"m\"\n[[boundary]]\n\
+             nodes = \"two\"\nfix = [\"x\"]\n[time]\nincrement = 1.0\n"
+        )
+    };
+    let model = |part: &str| Deck::parse(&text(part)).unwrap().model(&directory).unwrap();
+    let modes = |part: &str| -> Vec<bool> {
+        model(part).bodies[0].elements.iter().map(|cell| cell.incompatible_modes).collect()
+    };
+    assert_eq!(modes("file = \"two.inp\""), [true, false]);
+    assert_eq!(modes("file = \"two.inp\"\nelement = \"hex8i\""), [true, true]);
+    assert_eq!(modes("file = \"two.inp\"\nelement = \"hex8\""), [false, false]);
+    let shape = "shape = \"box\"\nsize = [1.0, 1.0, 1.0]\ndivisions = [2, 1, 1]";
+    assert_eq!(modes(shape), [false, false]);
+    assert_eq!(modes(&format!("{shape}\nelement = \"hex8i\"")), [true, true]);
+    // A run goes on with the elements it began with.
+    let fingerprint = |part: &str| model(part).fingerprint();
+    assert_ne!(fingerprint("file = \"two.inp\""), fingerprint("file = \"two.inp\"\nelement = \"hex8\""));
+    let error = Deck::parse(&text("file = \"two.inp\"\nelement = \"hex20\"")).unwrap_err().to_string();
+    assert!(error.contains("hex8i"), "{error}");
+    std::fs::remove_dir_all(&directory).unwrap();
+}

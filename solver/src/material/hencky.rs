@@ -67,6 +67,12 @@ impl Hencky {
         Ok(Self { bulk: material.bulk_modulus(), shear: material.shear_modulus(), yield_stress, hardening })
     }
 
+    /// κ + 4/3 μ, force per area: the stiffness against a strain along one axis alone.
+    #[must_use]
+    pub fn longitudinal_modulus(&self) -> f64 {
+        self.bulk + 4.0 / 3.0 * self.shear
+    }
+
     /// `volume_ratio` θ > 0.
     #[must_use]
     #[inline]

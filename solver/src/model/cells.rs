@@ -14,6 +14,8 @@ pub struct Cells {
     nodes: Vec<usize>,
     /// For each element the end of its nodes.
     ends: Vec<usize>,
+    /// Whether each element has incompatible modes.
+    incompatible: Vec<bool>,
 }
 
 /// One of them.
@@ -23,6 +25,8 @@ pub struct Cell<'a> {
     pub kind: ElementKind,
     /// Its nodes in the order of the kind.
     pub nodes: &'a [usize],
+    /// Whether incompatible modes let it bend: a hexahedron with 8 nodes.
+    pub incompatible_modes: bool,
 }
 
 impl Cells {
@@ -39,6 +43,14 @@ impl Cells {
         self.kinds.push(kind);
         self.nodes.extend(nodes);
         self.ends.push(self.nodes.len());
+        self.incompatible.push(false);
+    }
+
+    /// Gives incompatible modes to those of the hexahedra with 8 nodes for which `which` holds, by their places, and to no others.
+    pub fn set_incompatible_modes(&mut self, which: impl Fn(usize) -> bool) {
+        for (k, (kind, incompatible)) in self.kinds.iter().zip(&mut self.incompatible).enumerate() {
+            *incompatible = *kind == ElementKind::Hexahedron8 && which(k);
+        }
     }
 
     /// Number of elements.
@@ -65,7 +77,8 @@ impl Cells {
     #[must_use]
     pub fn get(&self, k: usize) -> Cell<'_> {
         let start = if k == 0 { 0 } else { self.ends[k - 1] };
-        Cell { kind: self.kinds[k], nodes: &self.nodes[start..self.ends[k]] }
+        let (kind, incompatible_modes) = (self.kinds[k], self.incompatible[k]);
+        Cell { kind, nodes: &self.nodes[start..self.ends[k]], incompatible_modes }
     }
 
     /// The nodes of all elements, one element after the other.

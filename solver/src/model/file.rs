@@ -36,16 +36,18 @@ pub fn read_solid_part(
             &all
         }
     };
-    let (mut solids, mut labels) = (Cells::default(), Vec::new());
+    let (mut solids, mut labels, mut incompatible) = (Cells::default(), Vec::new(), Vec::new());
     for element in chosen.iter().map(|&index| &mesh.elements()[index]) {
         if element.kind().dimension() == 3 {
             solids.push(element.kind(), element.nodes());
             labels.push(element.tag());
+            incompatible.push(element.has_incompatible_modes());
         }
     }
     if solids.is_empty() {
         return Err(ModelError::NoSolids { set: elements.map(String::from) });
     }
+    solids.set_incompatible_modes(|k| incompatible[k]);
     let part = Subset::new(&mesh, solids.nodes().iter().copied());
     let elements = solids.renumbered(|node| part.number[node]);
     // A facet of the file that lies on the skin is taken as the skin has it.

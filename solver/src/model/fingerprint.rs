@@ -9,7 +9,7 @@ use super::Model;
 
 impl Model {
     /// A number, as 32 hexadecimal digits, that two models share only if they have the same start positions bit for bit, the
-    /// same elements and the same sets and surfaces, in the same order. It is the same on every machine: nodes that were adjusted count
+    /// same elements, with or without incompatible modes, and the same sets and surfaces, in the same order. It is the same on every machine: nodes that were adjusted count
     /// where they were. Materials are not in it.
     #[must_use]
     pub fn fingerprint(&self) -> String {
@@ -25,7 +25,12 @@ impl Model {
         for body in &self.bodies {
             digest.text(&body.name);
             digest.size(body.elements.len());
-            body.elements.iter().for_each(|cell| digest.text(cell.kind.name()));
+            body.elements.iter().for_each(|cell| {
+                digest.text(cell.kind.name());
+                if cell.incompatible_modes {
+                    digest.text("incompatible modes");
+                }
+            });
             digest.indices(body.elements.nodes());
         }
         digest.size(self.node_sets.len());

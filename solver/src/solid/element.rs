@@ -1,6 +1,10 @@
 //! One element of any kind.
 //!
+//! Incompatible modes count as nodes of their own after the element's, where they are.
+//!
 //! Loops instead of `array::map`, which is not always inlined.
+
+mod modes;
 
 use diffuse_contact_mesh::ElementKind;
 use nalgebra::{Matrix3, Vector3};
@@ -9,11 +13,13 @@ use super::SolidError;
 use super::product::{Strains, product};
 use super::reference::{self, Reference};
 use crate::material::{Hencky, Isochoric, PointState};
+use crate::model::Cell;
 
-/// An element of a kind with `N` nodes, `P` points of distortion and `Q` points of dilatation; with `Q` = 0 its volume as a whole is what
-/// changes the pressure. `W`: 3 N, rounded up to a multiple of eight.
+/// An element of a kind with `N` nodes, the last `I` of which are incompatible modes, `P` points of distortion and `Q` points of dilatation;
+/// with `Q` = 0 its volume as a whole is what changes the pressure. `W`: 3 N, rounded up to a multiple of eight.
 #[derive(Clone, Debug)]
-pub(super) struct Typed<const N: usize, const P: usize, const Q: usize, const W: usize> {
+pub(super) struct Typed<const N: usize, const P: usize, const Q: usize, const W: usize, const I: usize> {
+    /// Those of modes are the first node: a mode at rest is where it is.
     nodes: [usize; N],
     distortion: Points<N, P>,
     dilatation: Points<N, Q>,
@@ -36,13 +42,15 @@ struct Points<const N: usize, const P: usize> {
 /// stiffness away: a wedge in one layer was half as stiff as a beam. So all others have several.
 #[derive(Clone, Debug)]
 pub(super) enum Element {
-    Tetrahedron4(Box<Typed<4, 1, 1, 16>>),
-    Tetrahedron10(Box<Typed<10, 4, 4, 32>>),
-    Wedge6(Box<Typed<6, 6, 6, 24>>),
-    Wedge15(Box<Typed<15, 9, 6, 48>>),
-    Hexahedron8(Box<Typed<8, 8, 0, 24>>),
-    Hexahedron20(Box<Typed<20, 27, 8, 64>>),
-    Hexahedron27(Box<Typed<27, 27, 8, 88>>),
+    Tetrahedron4(Box<Typed<4, 1, 1, 16, 0>>),
+    Tetrahedron10(Box<Typed<10, 4, 4, 32, 0>>),
+    Wedge6(Box<Typed<6, 6, 6, 24, 0>>),
+    Wedge15(Box<Typed<15, 9, 6, 48, 0>>),
+    Hexahedron8(Box<Typed<8, 8, 0, 24, 0>>),
+    /// With three incompatible modes.
+    Incompatible(Box<Typed<11, 8, 6, 40, 3>>),
+    Hexahedron20(Box<Typed<20, 27, 8, 64, 0>>),
+    Hexahedron27(Box<Typed<27, 27, 8, 88, 0>>),
 }
 
 /// The same of an element of any kind.
@@ -54,6 +62,7 @@ macro_rules! each {
             Element::Wedge6($typed) => $result,
             Element::Wedge15($typed) => $result,
             Element::Hexahedron8($typed) => $result,
+            Element::Incompatible($typed) => $result,
             Element::Hexahedron20($typed) => $result,
             Element::Hexahedron27($typed) => $result,
         }
@@ -112,13 +121,9 @@ pub(super) struct Scratch {
 }
 
 impl Element {
-    /// An element by its nodes.
-    pub fn new(
-        kind: ElementKind,
-        positions: &[[f64; 3]],
-        nodes: &[usize],
-        index: usize,
-    ) -> Result<Self, SolidError> {
+    /// An element on its nodes.
+    pub fn new(cell: Cell<'_>, positions: &[[f64; 3]], index: usize) -> Result<Self, SolidError> {
+        let Cell { kind, nodes, incompatible_modes } = cell;
         if let Some(&node) = nodes.iter().find(|&&node| node >= positions.len()) {
             return Err(SolidError::NodeOutOfRange {
                 element: index,
@@ -127,7 +132,7 @@ impl Element {
                 count: positions.len(),
             });
         }
-        let reference = Reference::of(kind);
+        let reference = Reference::of(kind, incompatible_modes);
         macro_rules! typed {
             ($variant:ident) => {
                 Self::$variant(Box::new(Typed::new(reference, positions, nodes, index)?))
@@ -140,6 +145,7 @@ impl Element {
             ElementKind::Wedge15 => typed!(Wedge15),
             ElementKind::Hexahedron20 => typed!(Hexahedron20),
             ElementKind::Hexahedron27 => typed!(Hexahedron27),
+            ElementKind::Hexahedron8 if incompatible_modes => typed!(Incompatible),
             ElementKind::Hexahedron8 => typed!(Hexahedron8),
             // Cells are solids, and so is what Reference::of knows.
             _ => unreachable!("{kind:?} is no solid"),
@@ -152,14 +158,19 @@ impl Element {
             Self::Tetrahedron10(_) => ElementKind::Tetrahedron10,
             Self::Wedge6(_) => ElementKind::Wedge6,
             Self::Wedge15(_) => ElementKind::Wedge15,
-            Self::Hexahedron8(_) => ElementKind::Hexahedron8,
+            Self::Hexahedron8(_) | Self::Incompatible(_) => ElementKind::Hexahedron8,
             Self::Hexahedron20(_) => ElementKind::Hexahedron20,
             Self::Hexahedron27(_) => ElementKind::Hexahedron27,
         }
     }
 
     pub fn nodes(&self) -> &[usize] {
-        each!(self, element => &element.nodes)
+        each!(self, element => element.own_nodes())
+    }
+
+    /// What all elements like this one have in common.
+    pub fn reference(&self) -> &'static Reference {
+        Reference::of(self.kind(), matches!(self, Self::Incompatible(_)))
     }
 
     /// Number of points of distortion.
@@ -187,7 +198,7 @@ impl Element {
         step: Step<'_>,
         visit: impl FnMut(&Deformed, f64),
     ) -> Result<(), SolidError> {
-        each!(self, element => element.for_each_point(Reference::of(self.kind()), step, visit))
+        each!(self, element => element.for_each_point(self.reference(), step, visit))
     }
 }
 
@@ -197,6 +208,16 @@ impl<const N: usize, const P: usize> Points<N, P> {
         corners: &[Vector3<f64>; N],
         index: usize,
     ) -> Result<Self, SolidError> {
+        // Modes take the map of the element's centre, so that their gradients have the mean 0 (Taylor, Beresford and Wilson 1976).
+        let modes = N - reference.modes;
+        let at_centre = Matrix3::from_fn(|i, j| {
+            reference
+                .centre
+                .iter()
+                .zip(corners)
+                .map(|(gradient, corner)| corner[i] * gradient[j])
+                .sum::<f64>()
+        });
         let mut gradients = [[Vector3::zeros(); N]; P];
         let mut weights = [0.0; P];
         for point in 0..P {
@@ -209,6 +230,12 @@ impl<const N: usize, const P: usize> Points<N, P> {
             }
             let inverse = tangents.try_inverse().ok_or_else(bad)?;
             gradients[point] = natural.map(|by_natural| inverse.tr_mul(&by_natural));
+            for mode in modes..N {
+                // The inverse times its determinant; a flat centre is one of no volume around.
+                let cofactors: Matrix3<f64> =
+                    at_centre.try_inverse().ok_or_else(bad)? * at_centre.determinant();
+                gradients[point][mode] = cofactors.tr_mul(&natural[mode]) / jacobian;
+            }
             if !gradients[point].iter().all(|gradient| gradient.norm_squared().is_finite()) {
                 return Err(bad());
             }
@@ -240,7 +267,7 @@ impl<const N: usize, const P: usize> Points<N, P> {
     }
 }
 
-impl<const N: usize, const P: usize, const Q: usize, const W: usize> Typed<N, P, Q, W> {
+impl<const N: usize, const P: usize, const Q: usize, const W: usize, const I: usize> Typed<N, P, Q, W, I> {
     /// Whether the pressure is that of the mean dilatation.
     const IS_MEAN: bool = Q == 0;
 
@@ -250,12 +277,25 @@ impl<const N: usize, const P: usize, const Q: usize, const W: usize> Typed<N, P,
         nodes: &[usize],
         index: usize,
     ) -> Result<Self, SolidError> {
-        let own: [usize; N] = std::array::from_fn(|a| nodes[a]);
+        let own: [usize; N] = std::array::from_fn(|a| if a < N - I { nodes[a] } else { nodes[0] });
         let corners = relative(positions, &own);
         let distortion = Points::new(&reference.distortion, &corners, index)?;
-        let dilatation = Points::new(&reference.dilatation, &corners, index)?;
+        let mut dilatation = Points::new(&reference.dilatation, &corners, index)?;
         let volume = distortion.weights.iter().sum();
+        if I > 0 {
+            modes::correct(&mut dilatation, &distortion, volume, N - I);
+        }
         Ok(Self { nodes: own, distortion, dilatation, volume })
+    }
+
+    fn own_nodes(&self) -> &[usize] {
+        &self.nodes[..N - I]
+    }
+
+    /// Where the nodes are relative to the first, and the modes in equilibrium with them.
+    fn placed(&self, step: Step<'_>, scratch: &mut Scratch) -> Result<[Vector3<f64>; N], SolidError> {
+        let corners = relative(step.positions, &self.nodes);
+        if I == 0 { Ok(corners) } else { self.with_modes(step, corners, scratch) }
     }
 
     fn evaluate(
@@ -266,7 +306,7 @@ impl<const N: usize, const P: usize, const Q: usize, const W: usize> Typed<N, P,
     ) -> Result<(), SolidError> {
         let Results { forces: total, states, tangent } = results;
         let with_tangent = !tangent.is_empty();
-        let corners = relative(step.positions, &self.nodes);
+        let corners = self.placed(step, scratch)?;
         let mut isochoric = [Vector3::zeros(); N];
         // Σ p ∂v/∂x, with p = 1 while it is not known.
         let mut by_volume = [Vector3::zeros(); N];
@@ -319,9 +359,12 @@ impl<const N: usize, const P: usize, const Q: usize, const W: usize> Typed<N, P,
         if with_tangent {
             let mut full = scratch.product::<W>();
             scratch.scatter::<N, W>(pressure, &mut full);
+            if I > 0 {
+                modes::condense(&mut full, 3 * (N - I)).ok_or_else(|| modes::unstable(step.index))?;
+            }
             let stiffness = mean.map_or(0.0, |mean| mean.stiffness / self.volume);
             let mut entries = tangent.iter_mut();
-            for i in 0..3 * N {
+            for i in 0..3 * (N - I) {
                 let factor = stiffness * by_volume[i / 3][i % 3];
                 for (j, entry) in entries.by_ref().take(i + 1).enumerate() {
                     *entry = full[i][j] + factor * by_volume[j / 3][j % 3];
@@ -333,7 +376,7 @@ impl<const N: usize, const P: usize, const Q: usize, const W: usize> Typed<N, P,
 
     fn stored_energy(&self, step: Step<'_>) -> Result<f64, SolidError> {
         let (mut energy, mut current_volume) = (0.0, 0.0);
-        let corners = relative(step.positions, &self.nodes);
+        let corners = self.placed(step, &mut Scratch::default())?;
         for point in 0..P {
             let (deformed, _) = self.distorted(step, point, &corners)?;
             current_volume += self.distortion.weights[point] * deformed.jacobian;
@@ -355,7 +398,7 @@ impl<const N: usize, const P: usize, const Q: usize, const W: usize> Typed<N, P,
         step: Step<'_>,
         mut visit: impl FnMut(&Deformed, f64),
     ) -> Result<(), SolidError> {
-        let corners = relative(step.positions, &self.nodes);
+        let corners = self.placed(step, &mut Scratch::default())?;
         let mut points = Vec::with_capacity(P);
         let mut current_volume = 0.0;
         for point in 0..P {

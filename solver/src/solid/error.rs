@@ -83,6 +83,18 @@ pub enum SolidError {
         /// det F.
         jacobian: f64,
     },
+    /// The incompatible modes of an element find no equilibrium that is stable, as under a pressure of several times the shear modulus. A
+    /// smaller step may avoid it.
+    #[error(
+        "the incompatible modes of {} find no stable equilibrium: take elements without them where strains or pressures are this large",
+        called(*element, name)
+    )]
+    UnstableModes {
+        /// Index of the element.
+        element: usize,
+        /// What it is called; `None` before that is known.
+        name: Option<Box<ElementName>>,
+    },
     /// Material is deformed beyond what floating point resolves. A smaller step may avoid it.
     #[error("{} at integration point {}: {source}", called(*element, name), point + 1)]
     Unresolved {
@@ -124,6 +136,7 @@ impl SolidError {
             Self::NodeOutOfRange { element, name, .. }
             | Self::BadElement { element, name, .. }
             | Self::Inverted { element, name, .. }
+            | Self::UnstableModes { element, name }
             | Self::Unresolved { element, name, .. } => Some((*element, name)),
             Self::Material { .. } | Self::NotFinite { .. } | Self::WrongCount { .. } => None,
         }

@@ -5,6 +5,10 @@
 //!
 //! * **Hexahedra with 8 nodes**: V U(θ) of the element's volume, θ = v/V. One pressure U'(θ) an element is the mean dilatation method; it
 //!   does not lock as ν → 0.5.
+//! * **With incompatible modes** these take three vectors more, Σ α_k (1 − ξ_k²), that are at equilibrium within the element: a function of
+//!   its nodes, so that the stored energy is one of these alone and no history is kept. They bend, and do not lock as ν → 0.5: the
+//!   dilatation is taken at the centres of the faces. Under a pressure above the shear modulus they lose their stiffness against hourglass
+//!   motions.
 //! * **All others**: U(det F) at each point. Tetrahedra with 4 nodes and wedges with 6 lock in bending and as ν → 0.5: they fill meshes.
 //!   Those of second order do not lock in bending. Hexahedra with 20 and 27 nodes have 3 × 3 × 3 points of distortion but 2 × 2 × 2 of
 //!   dilatation (selective integration), wedges with 15 nodes 9 and 6, so that they do not lock as ν → 0.5; tetrahedra with 10 nodes have
@@ -149,7 +153,7 @@ impl Solid {
             let (name, labels) = (body.name.clone(), body.labels.clone());
             let part = BodyElements { law, elements: start..start + body.elements.len(), name, labels };
             for cell in body.elements.iter() {
-                let element = Element::new(cell.kind, nodes, cell.nodes, elements.len());
+                let element = Element::new(cell, nodes, elements.len());
                 elements.push(element.map_err(|error| error.named(|element| part.name_of(element)))?);
             }
             parts.push(part);

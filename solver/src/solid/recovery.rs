@@ -2,7 +2,6 @@
 
 use nalgebra::Matrix3;
 
-use super::reference::Reference;
 use super::{Solid, SolidError};
 use crate::material::PointState;
 
@@ -68,7 +67,7 @@ impl Solid {
         let mut sums = vec![([0.0; 7], 0_u32); self.nodes];
         for index in self.body(body) {
             let (element, points) = (&self.elements[index], &points[self.points(index)]);
-            let extrapolation = &Reference::of(element.kind()).extrapolation;
+            let extrapolation = &element.reference().extrapolation;
             for (weights, &node) in extrapolation.iter().zip(element.nodes()) {
                 let (sum, count) = &mut sums[node];
                 *count += 1;

@@ -27,22 +27,46 @@ pub(super) struct Reference {
 pub(super) struct Points {
     /// They add up to the reference volume.
     pub weights: Vec<f64>,
-    /// Natural gradients of the shape functions of the nodes at each point.
+    /// Natural gradients of the shape functions of the nodes at each point, then those of incompatible modes.
     pub gradients: Vec<Vec<Vector3<f64>>>,
+    /// Number of incompatible modes.
+    pub modes: usize,
+    /// With modes the gradients of the nodes' shape functions at the centre.
+    pub centre: Vec<Vector3<f64>>,
 }
 
 /// A product of powers of the natural coordinates.
 type Monomial = [i32; 3];
 
 impl Reference {
-    /// That of a solid kind.
-    pub fn of(kind: ElementKind) -> &'static Self {
+    /// That of a solid kind, or of hexahedra with incompatible modes.
+    pub fn of(kind: ElementKind, incompatible_modes: bool) -> &'static Self {
+        static INCOMPATIBLE: LazyLock<Reference> = LazyLock::new(Reference::incompatible);
+        if incompatible_modes && kind == ElementKind::Hexahedron8 {
+            return &INCOMPATIBLE;
+        }
         static ALL: LazyLock<[Reference; 7]> = LazyLock::new(|| ElementKind::SOLIDS.map(Reference::new));
         let place = ElementKind::SOLIDS.iter().position(|&solid| solid == kind);
         place.map_or_else(|| unreachable!("{kind:?} is no solid"), |place| &ALL[place])
     }
 
     fn new(kind: ElementKind) -> Self {
+        Self::with_rules(kind, rules(kind), 0)
+    }
+
+    /// A hexahedron with 8 nodes and the modes 1 − ξ², 1 − η², 1 − ζ².
+    ///
+    /// The dilatation of the nodes' motion has the products ηζ, ζξ and ξη, which no mode takes away and which would lock as ν → 0.5. It
+    /// is taken at the centres of the faces, where these are 0: with equal weights, exact to the third degree.
+    fn incompatible() -> Self {
+        let [distortion, _] = rules(ElementKind::Hexahedron8);
+        let on_face =
+            |k: usize| array::from_fn(|axis| if axis == k / 2 { 2.0 * (k % 2) as f64 - 1.0 } else { 0.0 });
+        let dilatation = (0..6).map(|k| (on_face(k), 4.0 / 3.0)).collect();
+        Self::with_rules(ElementKind::Hexahedron8, [distortion, dilatation], 3)
+    }
+
+    fn with_rules(kind: ElementKind, [distortion, dilatation]: [Rule; 2], modes: usize) -> Self {
         let nodes = nodes(kind);
         let monomials = monomials(|monomial| spans(kind, monomial));
         let coefficients = coefficients(&nodes, &monomials);
@@ -55,14 +79,17 @@ impl Reference {
                         .sum()
                 })
             };
-            (0..nodes.len()).map(of_node).collect()
+            let of_mode =
+                |k: usize| Vector3::from_fn(|axis, _| if axis == k { -2.0 * point[axis] } else { 0.0 });
+            (0..nodes.len()).map(of_node).chain((0..modes).map(of_mode)).collect::<Vec<_>>()
         };
-        let [distortion, dilatation] = rules(kind);
         let [at, of_pressure] =
             [&distortion, &dilatation].map(|rule| rule.iter().map(|&(x, _)| x).collect::<Vec<_>>());
         let points = |rule: Rule| Points {
             weights: rule.iter().map(|&(_, weight)| weight).collect(),
             gradients: rule.iter().map(|(x, _)| gradient(x)).collect(),
+            modes,
+            centre: if modes == 0 { Vec::new() } else { gradient(&[0.0; 3])[..nodes.len()].to_vec() },
         };
         Self {
             extrapolation: carried_over(kind, &at, &nodes),
@@ -255,13 +282,13 @@ fn rules(kind: ElementKind) -> [Rule; 2] {
     }
 }
 
-/// For each of `places` weights of values at `points`: the polynomials of first order of the corners, fitted by least squares; a constant
-/// through one point.
+/// For each of `places` weights of values at `points`: the polynomials of first order of the corners, fitted by least squares; linear ones
+/// through fewer points than corners, a constant through one.
 fn carried_over(kind: ElementKind, points: &[[f64; 3]], places: &[[f64; 3]]) -> Vec<Vec<f64>> {
     let of_first_order = match kind.corner_count() {
-        4 => ElementKind::Tetrahedron4,
         6 => ElementKind::Wedge6,
-        _ => ElementKind::Hexahedron8,
+        8 if points.len() >= 8 => ElementKind::Hexahedron8,
+        _ => ElementKind::Tetrahedron4,
     };
     let basis =
         if points.len() == 1 { vec![[0; 3]] } else { monomials(|monomial| spans(of_first_order, monomial)) };
@@ -281,7 +308,7 @@ mod tests {
     #[test]
     fn gradients_reproduce_the_polynomials_of_the_kind() {
         for kind in ElementKind::SOLIDS {
-            let (reference, nodes) = (Reference::of(kind), nodes(kind));
+            let (reference, nodes) = (Reference::of(kind, false), nodes(kind));
             let monomials = monomials(|monomial| spans(kind, monomial));
             assert_eq!(monomials.len(), kind.node_count(), "{kind:?}");
             let [distortion, dilatation] = rules(kind);
@@ -352,7 +379,7 @@ mod tests {
             };
             let at = |rule: &Rule| rule.iter().map(|&(x, _)| x).collect::<Vec<_>>();
             let [points, of_pressure] = rules(kind).each_ref().map(at);
-            let Reference { extrapolation, pressure, .. } = Reference::of(kind);
+            let Reference { extrapolation, pressure, .. } = Reference::of(kind, false);
             for (places, weights, from) in
                 [(nodes(kind), extrapolation, &points), (points.clone(), pressure, &of_pressure)]
             {
@@ -362,6 +389,6 @@ mod tests {
                 }
             }
         }
-        assert_eq!(Reference::of(ElementKind::Tetrahedron4).extrapolation, vec![vec![1.0]; 4]);
+        assert_eq!(Reference::of(ElementKind::Tetrahedron4, false).extrapolation, vec![vec![1.0]; 4]);
     }
 }

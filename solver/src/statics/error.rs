@@ -185,9 +185,10 @@ impl Failure {
     /// An element that a shorter step may leave sound, or something else.
     pub(super) fn of_solid(error: SolidError) -> Self {
         match error {
-            SolidError::Inverted { .. } | SolidError::Unresolved { .. } | SolidError::NotFinite { .. } => {
-                Self::Inverted(error)
-            }
+            SolidError::Inverted { .. }
+            | SolidError::UnstableModes { .. }
+            | SolidError::Unresolved { .. }
+            | SolidError::NotFinite { .. } => Self::Inverted(error),
             _ => Self::Fatal(error.into()),
         }
     }

@@ -12,17 +12,29 @@ use diffuse_contact_solver::model::{Body, Cells};
 use diffuse_contact_solver::solid::{Order, Solid, SolidResponse};
 use diffuse_contact_solver::system::{BlockMatrix, BlockPattern, DirectSolver, Equations, Method, Symmetry};
 
-/// The kinds of solid element.
-pub const SOLIDS: [ElementKind; 7] = ElementKind::SOLIDS;
+/// The kinds of solid element, and whether they have incompatible modes.
+pub const ELEMENTS: [(ElementKind, bool); 8] = [
+    (ElementKind::Tetrahedron4, false),
+    (ElementKind::Tetrahedron10, false),
+    (ElementKind::Wedge6, false),
+    (ElementKind::Wedge15, false),
+    (ElementKind::Hexahedron8, false),
+    (ElementKind::Hexahedron8, true),
+    (ElementKind::Hexahedron20, false),
+    (ElementKind::Hexahedron27, false),
+];
+
+/// A hexahedron with 8 nodes and incompatible modes.
+pub const INCOMPATIBLE: (ElementKind, bool) = (ElementKind::Hexahedron8, true);
 
 /// Nodes and hexahedra of a grid over the unit cube, mapped by `map`.
 pub fn grid(divisions: [usize; 3], map: impl Fn([f64; 3]) -> [f64; 3]) -> (Vec<[f64; 3]>, Cells) {
-    meshed(ElementKind::Hexahedron8, divisions, map)
+    meshed((ElementKind::Hexahedron8, false), divisions, map)
 }
 
 /// A grid of elements of any kind; the corners are mapped, nodes in the middle lie between them.
 pub fn meshed(
-    kind: ElementKind,
+    (kind, incompatible_modes): (ElementKind, bool),
     divisions: [usize; 3],
     map: impl Fn([f64; 3]) -> [f64; 3],
 ) -> (Vec<[f64; 3]>, Cells) {
@@ -31,7 +43,7 @@ pub fn meshed(
         let part = block.part(kind).unwrap();
         (part.nodes, part.elements)
     };
-    let (mut nodes, cells) = match kind {
+    let (mut nodes, mut cells) = match kind {
         ElementKind::Wedge6 | ElementKind::Wedge15 => {
             let (nodes, hexahedra) = block(ElementKind::Hexahedron27);
             let mut wedges = Cells::default();
@@ -60,7 +72,16 @@ pub fn meshed(
         cells.iter().flat_map(|cell| cell.nodes[..cell.kind.corner_count()].to_vec()).collect();
     corners.iter().for_each(|&node| nodes[node] = map(nodes[node]));
     set_middles(&mut nodes, &cells);
+    cells.set_incompatible_modes(|_| incompatible_modes);
     (nodes, cells)
+}
+
+/// The element at place `k` alone, on the nodes of all.
+pub fn one_of(cells: &Cells, k: usize) -> Cells {
+    let mut one = Cells::default();
+    one.push(cells.get(k).kind, cells.get(k).nodes);
+    one.set_incompatible_modes(|_| cells.get(k).incompatible_modes);
+    one
 }
 
 /// Puts the nodes in the middle of edges, faces and elements there.

@@ -37,7 +37,8 @@ const MIN_LENGTH: f64 = 1e-50;
 /// The most a size of a cell may differ from the first to the last one.
 const MAX_GRADING: f64 = 1e6;
 
-/// The kinds of element that solid shapes can be made of, with their names in decks.
+/// The kinds of element that solid shapes can be made of, with their names in decks. `"hex8i"` is `"hex8"` with incompatible modes, which
+/// belong to the elements of a part, [`Cells::set_incompatible_modes`](super::Cells::set_incompatible_modes), and not to its mesh.
 pub const KINDS: [(&str, ElementKind); 5] = [
     ("hex8", ElementKind::Hexahedron8),
     ("hex20", ElementKind::Hexahedron20),

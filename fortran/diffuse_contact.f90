@@ -341,11 +341,11 @@ module diffuse_contact
             integer(c_int32_t) :: tangent
         end function
 
-        function dc_residual(interface, law, residual, equation_count, active_count) bind(c) result(status)
+        function dc_add_forces(interface, law, forces, equation_count, active_count) bind(c) result(status)
             import :: c_double, c_int, c_ptr, c_size_t, dc_law
             type(c_ptr), value :: interface
             type(dc_law), intent(in) :: law
-            real(c_double), intent(inout) :: residual(*)
+            real(c_double), intent(inout) :: forces(*)
             integer(c_size_t), value :: equation_count
             integer(c_size_t), intent(out), optional :: active_count
             integer(c_int) :: status
@@ -712,10 +712,10 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
-        function dc_faces_residual(faces, residual, equation_count, active_count, missed_count) bind(c) result(status)
+        function dc_faces_add_forces(faces, forces, equation_count, active_count, missed_count) bind(c) result(status)
             import :: c_double, c_int, c_ptr, c_size_t
             type(c_ptr), value :: faces
-            real(c_double), intent(inout) :: residual(*)
+            real(c_double), intent(inout) :: forces(*)
             integer(c_size_t), value :: equation_count
             integer(c_size_t), intent(out), optional :: active_count, missed_count
             integer(c_int) :: status
@@ -746,16 +746,16 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
-        function dc_element_system(law, gap, area, master_count, gradient, hessian, force, residual, residual_size, &
+        function dc_element_system(law, gap, area, master_count, gradient, hessian, force, nodal_forces, nodal_forces_size, &
                 tangent, tangent_size) bind(c) result(status)
             import :: c_double, c_int, c_size_t, dc_law
             type(dc_law), intent(in) :: law
             real(c_double), value :: gap, area
-            integer(c_size_t), value :: master_count, residual_size, tangent_size
+            integer(c_size_t), value :: master_count, nodal_forces_size, tangent_size
             real(c_double), intent(in) :: gradient(*)
             real(c_double), intent(in), optional :: hessian(*)
             real(c_double), intent(out), optional :: force
-            real(c_double), intent(inout), optional :: residual(*), tangent(*)
+            real(c_double), intent(inout), optional :: nodal_forces(*), tangent(*)
             integer(c_int) :: status
         end function
     end interface

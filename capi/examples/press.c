@@ -151,7 +151,7 @@ int main(int argument_count, char **arguments) {
             int32_t outcomes[SLAVES];
             size_t active;
             memset(residual, 0, sizeof residual);
-            check(dc_residual(interface, &law, residual, UNKNOWNS, &active), "dc_residual");
+            check(dc_add_forces(interface, &law, residual, UNKNOWNS, &active), "dc_add_forces");
             check(dc_gaps(interface, outcomes, gaps, SLAVES), "dc_gaps");
             print("positions", positions, 3 * NODES);
             print("gaps", gaps, SLAVES);

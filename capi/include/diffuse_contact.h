@@ -6,7 +6,7 @@
  *     dc_set_symmetry             planes in which everything is mirrored  once, if there are any
  *     dc_refresh                  who is paired with whom                 once an increment, or once an iteration
  *     dc_follow, dc_evaluate      the positions of the moment             each iteration
- *     dc_residual                 adds the contact forces
+ *     dc_add_forces               adds the contact forces
  *     dc_adaptive_tangent         which tangent: e N N^T far from equilibrium
  *     dc_pattern_fill             the tangent -dR/dx, or dc_triplets; dc_map_add into a matrix of the caller's
  *     dc_operator_product         products with it, without a matrix
@@ -15,7 +15,7 @@
  *     dc_augment                  with friction: sticking contacts do so whatever the tangential stiffness
  *     dc_destroy
  *
- * dc_faces_create, dc_faces_refresh, dc_faces_update, dc_faces_evaluate, dc_faces_residual, dc_faces_triplets, dc_faces_accept: the same
+ * dc_faces_create, dc_faces_refresh, dc_faces_update, dc_faces_evaluate, dc_faces_add_forces, dc_faces_triplets, dc_faces_accept: the same
  * with contact integrated over the slave's faces, which passes the patch test.
  *
  * dc_pair, dc_gap, dc_gap_batch and dc_element_system serve single elements without an interface.
@@ -630,7 +630,7 @@ enum dc_status dc_freeze(struct dc_interface *interface);
 enum dc_status dc_thaw(struct dc_interface *interface);
 
 // Evaluates all slaves at the positions of the last dc_update or dc_refresh, in parallel. `mode` is a dc_mode: DC_GRADIENT
-// for residual and tangent, DC_HESSIAN to keep every M, which dc_derivatives and the exact dc_triplets need. The result does not depend on the number of threads, bit for bit.
+// for forces and tangent, DC_HESSIAN to keep every M, which dc_derivatives and the exact dc_triplets need. The result does not depend on the number of threads, bit for bit.
 //
 // DC_TOO_LARGE if there is no memory for the results: there are none then, and the pairing stays.
 enum dc_status dc_evaluate(struct dc_interface *interface,
@@ -680,7 +680,7 @@ enum dc_status dc_gaps(struct dc_interface *interface, int32_t *outcomes, double
 // lambda <- f it is also the update of the augmented Lagrangian: `forces` may be the array of the multipliers.
 //
 // # Safety
-// The arrays have `slave_count` entries, `law` as in dc_residual.
+// The arrays have `slave_count` entries, `law` as in dc_add_forces.
 enum dc_status dc_forces(struct dc_interface *interface,
                          const struct dc_law *law,
                          double *penetrations,
@@ -721,7 +721,7 @@ int32_t dc_adaptive_tangent(double residual,
 // DC_BAD_OPTION for a law without `augmented`, and as of dc_accept.
 //
 // # Safety
-// `law` as in dc_residual; `moves` is NULL or has `slave_count` entries.
+// `law` as in dc_add_forces; `moves` is NULL or has `slave_count` entries.
 enum dc_status dc_augment(struct dc_interface *interface,
                           const struct dc_law *law,
                           const int32_t *moves,
@@ -754,7 +754,7 @@ enum dc_status dc_roll_back(struct dc_interface *interface);
 // DC_BAD_OPTION for a law with friction if there can be none: without DC_DIFFUSE and DC_DOMAINS, or in a library built without it.
 //
 // # Safety
-// `law` as in dc_residual; the others are NULL or may be written.
+// `law` as in dc_add_forces; the others are NULL or may be written.
 enum dc_status dc_accept(struct dc_interface *interface,
                          const struct dc_law *law,
                          size_t *stuck_count,
@@ -781,19 +781,19 @@ enum dc_status dc_set_history(struct dc_interface *interface,
                               const double *history,
                               size_t count);
 
-// Adds the contact forces R on the nodes to `residual`, one entry per equation. R is the force: it stands on the side of the
+// Adds the contact forces R on the nodes to `forces`, one entry per equation. R is the force: it stands on the side of the
 // external loads; the internal force of contact is -R. `active_count`, the number of slaves that carry force, may be NULL.
 //
-// DC_OVERFLOW if a sum is not finite: the residual then holds anything, and has to be made anew. With any other failure it is as it
+// DC_OVERFLOW if a sum is not finite: the forces then holds anything, and has to be made anew. With any other failure it is as it
 // was.
 //
 // # Safety
-// `residual` has `equation_count` entries; `law` is a dc_law with its `size` set, its multipliers have their number.
-enum dc_status dc_residual(struct dc_interface *interface,
-                           const struct dc_law *law,
-                           double *residual,
-                           size_t equation_count,
-                           size_t *active_count);
+// `forces` has `equation_count` entries; `law` is a dc_law with its `size` set, its multipliers have their number.
+enum dc_status dc_add_forces(struct dc_interface *interface,
+                             const struct dc_law *law,
+                             double *forces,
+                             size_t equation_count,
+                             size_t *active_count);
 
 // The tangent K = -dR/dx as triplets, counted from 0, in the order of the slaves; entries of the same place are to be summed.
 // `triangle` is a dc_triangle. Writes their number to `count`. If the arrays are shorter, or NULL, that is all it does: call it with
@@ -802,7 +802,7 @@ enum dc_status dc_residual(struct dc_interface *interface,
 // DC_BAD_SIZE if there is not room for all, and `capacity` is not 0; `count` is there even so.
 //
 // # Safety
-// The arrays have `capacity` entries each; `law` as in dc_residual; `count` may be written.
+// The arrays have `capacity` entries each; `law` as in dc_add_forces; `count` may be written.
 enum dc_status dc_triplets(struct dc_interface *interface,
                            const struct dc_law *law,
                            int32_t triangle,
@@ -848,7 +848,7 @@ enum dc_status dc_pattern_structure(struct dc_pattern *pattern,
 // a failure the values hold anything.
 //
 // # Safety
-// `values` has `entry_count` entries; `law` as in dc_residual; `active_count` is NULL or may be written.
+// `values` has `entry_count` entries; `law` as in dc_add_forces; `active_count` is NULL or may be written.
 enum dc_status dc_pattern_fill(struct dc_pattern *pattern,
                                struct dc_interface *interface,
                                const struct dc_law *law,
@@ -892,7 +892,7 @@ enum dc_status dc_map_destroy(struct dc_map *map);
 // anything. With any other failure, but one of memory, they are as they were.
 //
 // # Safety
-// `values` has `entry_count` entries; `law` as in dc_residual; `active_count` is NULL or may be written.
+// `values` has `entry_count` entries; `law` as in dc_add_forces; `active_count` is NULL or may be written.
 enum dc_status dc_map_add(struct dc_map *map,
                           struct dc_interface *interface,
                           const struct dc_law *law,
@@ -907,7 +907,7 @@ enum dc_status dc_map_add(struct dc_map *map,
 // Writes the handle and the number of slaves that carry force, which may be NULL. On failure the handle is NULL.
 //
 // # Safety
-// `law` as in dc_residual; `tangent` may be written, `active_count` is NULL or may be written.
+// `law` as in dc_add_forces; `tangent` may be written, `active_count` is NULL or may be written.
 enum dc_status dc_operator_create(struct dc_interface *interface,
                                   const struct dc_law *law,
                                   struct dc_operator **tangent,
@@ -1190,19 +1190,19 @@ enum dc_status dc_faces_set_history(struct dc_faces *faces,
                                     const double *history,
                                     size_t count);
 
-// Adds the contact forces R on the nodes to `residual`, one entry per equation, as dc_residual does. `active_count`, the number of
+// Adds the contact forces R on the nodes to `forces`, one entry per equation, as dc_add_forces does. `active_count`, the number of
 // slave nodes that carry pressure, and `missed_count`, points of loaded faces that carry no force as their line of force meets no place
 // of the facet over them, may be NULL.
 //
-// DC_OVERFLOW if a sum is not finite: the residual then holds anything, and has to be made anew.
+// DC_OVERFLOW if a sum is not finite: the forces then holds anything, and has to be made anew.
 //
 // # Safety
-// `residual` has `equation_count` entries.
-enum dc_status dc_faces_residual(struct dc_faces *faces,
-                                 double *residual,
-                                 size_t equation_count,
-                                 size_t *active_count,
-                                 size_t *missed_count);
+// `forces` has `equation_count` entries.
+enum dc_status dc_faces_add_forces(struct dc_faces *faces,
+                                   double *forces,
+                                   size_t equation_count,
+                                   size_t *active_count,
+                                   size_t *missed_count);
 
 // The tangent K = -dR/dx as triplets, counted from 0, all of it, for it is not symmetric; entries of the same place are to be summed.
 // `tangent` is a dc_tangent: DC_GAUSS_NEWTON leaves out what the directions of the forces add. Writes their number to `count`. If the
@@ -1260,15 +1260,15 @@ enum dc_status dc_gap(const struct dc_element *element,
                       double *hessian,
                       size_t hessian_size);
 
-// Force and stiffness of one element from its gap and derivatives, over its own 3(n+1) coordinates: R = f N into `residual`, K = -dR/dx
+// Force and stiffness of one element from its gap and derivatives, over its own 3(n+1) coordinates: R = f N into `nodal_forces`, K = -dR/dx
 // into `tangent`, 3(n+1) square, both triangles. Zeros if it carries no force. `force` f. What is not wanted is NULL. `area` is the
 // slave's tributary area, 1 where the penalty is one per node. `hessian` may be NULL for DC_GAUSS_NEWTON or without `tangent`.
 //
-// After a failure `residual` and `tangent` hold anything.
+// After a failure `nodal_forces` and `tangent` hold anything.
 //
 // # Safety
-// `gradient` has 3(`master_count` + 1) entries, `hessian` those of its lower triangle, `residual` and `tangent` have the given
-// lengths; `law` as in dc_residual, with one multiplier or none.
+// `gradient` has 3(`master_count` + 1) entries, `hessian` those of its lower triangle, `nodal_forces` and `tangent` have the given
+// lengths; `law` as in dc_add_forces, with one multiplier or none.
 enum dc_status dc_element_system(const struct dc_law *law,
                                  double gap,
                                  double area,
@@ -1276,8 +1276,8 @@ enum dc_status dc_element_system(const struct dc_law *law,
                                  const double *gradient,
                                  const double *hessian,
                                  double *force,
-                                 double *residual,
-                                 size_t residual_size,
+                                 double *nodal_forces,
+                                 size_t nodal_forces_size,
                                  double *tangent,
                                  size_t tangent_size);
 

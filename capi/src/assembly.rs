@@ -1,6 +1,6 @@
 //! Residual and triplets of an interface.
 
-use runtime::assembly::{Triplets, add_residual};
+use runtime::assembly::{Triplets, add_forces};
 
 use crate::border::{self, Target, disjoint, sums, target, wanted};
 use crate::choice;
@@ -17,19 +17,19 @@ pub fn index(what: &'static str, value: usize) -> Result<i32, Failure> {
     })
 }
 
-/// Adds the contact forces R on the nodes to `residual`, one entry per equation. R is the force: it stands on the side of the
+/// Adds the contact forces R on the nodes to `forces`, one entry per equation. R is the force: it stands on the side of the
 /// external loads; the internal force of contact is -R. `active_count`, the number of slaves that carry force, may be NULL.
 ///
-/// DC_OVERFLOW if a sum is not finite: the residual then holds anything, and has to be made anew. With any other failure it is as it
+/// DC_OVERFLOW if a sum is not finite: the forces then holds anything, and has to be made anew. With any other failure it is as it
 /// was.
 ///
 /// # Safety
-/// `residual` has `equation_count` entries; `law` is a dc_law with its `size` set, its multipliers have their number.
+/// `forces` has `equation_count` entries; `law` is a dc_law with its `size` set, its multipliers have their number.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn dc_residual(
+pub unsafe extern "C" fn dc_add_forces(
     interface: *mut dc_interface,
     law: *const dc_law,
-    residual: *mut f64,
+    forces: *mut f64,
     equation_count: usize,
     active_count: *mut usize,
 ) -> dc_status {
@@ -37,13 +37,13 @@ pub unsafe extern "C" fn dc_residual(
         with(interface, |state| {
             let contacts = state.contacts()?;
             let active_count = wanted("active_count", active_count, 1, 1)?;
-            let whole = border::written("residual", residual, equation_count);
+            let whole = border::written("forces", forces, equation_count);
             // SAFETY: as the caller promises.
             unsafe { law::disjoint(law, [whole, active_count.span()])? };
             // SAFETY: as the caller promises; nothing overlaps.
-            let (law, residual) = unsafe { (law::read(law)?, sums("residual", residual, equation_count)?) };
+            let (law, forces) = unsafe { (law::read(law)?, sums("forces", forces, equation_count)?) };
             let law = law.contact()?;
-            let active = threads::run(|| add_residual(contacts, &law, &state.dofs, residual))??;
+            let active = threads::run(|| add_forces(contacts, &law, &state.dofs, forces))??;
             // SAFETY: as the caller promises.
             unsafe { active_count.write([active]) };
             Ok(())
@@ -58,7 +58,7 @@ pub unsafe extern "C" fn dc_residual(
 /// DC_BAD_SIZE if there is not room for all, and `capacity` is not 0; `count` is there even so.
 ///
 /// # Safety
-/// The arrays have `capacity` entries each; `law` as in dc_residual; `count` may be written.
+/// The arrays have `capacity` entries each; `law` as in dc_add_forces; `count` may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dc_triplets(
     interface: *mut dc_interface,

@@ -190,7 +190,7 @@ pub unsafe extern "C" fn dc_gaps(
 /// lambda <- f it is also the update of the augmented Lagrangian: `forces` may be the array of the multipliers.
 ///
 /// # Safety
-/// The arrays have `slave_count` entries, `law` as in dc_residual.
+/// The arrays have `slave_count` entries, `law` as in dc_add_forces.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dc_forces(
     interface: *mut dc_interface,

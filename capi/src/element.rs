@@ -215,15 +215,15 @@ pub unsafe extern "C" fn dc_gap(
     })
 }
 
-/// Force and stiffness of one element from its gap and derivatives, over its own 3(n+1) coordinates: R = f N into `residual`, K = -dR/dx
+/// Force and stiffness of one element from its gap and derivatives, over its own 3(n+1) coordinates: R = f N into `nodal_forces`, K = -dR/dx
 /// into `tangent`, 3(n+1) square, both triangles. Zeros if it carries no force. `force` f. What is not wanted is NULL. `area` is the
 /// slave's tributary area, 1 where the penalty is one per node. `hessian` may be NULL for DC_GAUSS_NEWTON or without `tangent`.
 ///
-/// After a failure `residual` and `tangent` hold anything.
+/// After a failure `nodal_forces` and `tangent` hold anything.
 ///
 /// # Safety
-/// `gradient` has 3(`master_count` + 1) entries, `hessian` those of its lower triangle, `residual` and `tangent` have the given
-/// lengths; `law` as in dc_residual, with one multiplier or none.
+/// `gradient` has 3(`master_count` + 1) entries, `hessian` those of its lower triangle, `nodal_forces` and `tangent` have the given
+/// lengths; `law` as in dc_add_forces, with one multiplier or none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dc_element_system(
     law: *const dc_law,
@@ -233,8 +233,8 @@ pub unsafe extern "C" fn dc_element_system(
     gradient: *const f64,
     hessian: *const f64,
     force: *mut f64,
-    residual: *mut f64,
-    residual_size: usize,
+    nodal_forces: *mut f64,
+    nodal_forces_size: usize,
     tangent: *mut f64,
     tangent_size: usize,
 ) -> dc_status {
@@ -244,16 +244,16 @@ pub unsafe extern "C" fn dc_element_system(
         let [freedoms, packed] = sizes(master_count, Mode::Hessian).ok_or_else(too_many)?;
         let square = freedoms.checked_mul(freedoms).ok_or_else(too_many)?;
         let force = wanted("force", force, 1, 1)?;
-        let residual = wanted("residual", residual, residual_size, freedoms)?;
+        let nodal_forces = wanted("nodal_forces", nodal_forces, nodal_forces_size, freedoms)?;
         let tangent = wanted("tangent", tangent, tangent_size, square)?;
         let packed = if hessian.is_null() { 0 } else { packed };
         // SAFETY: as the caller promises.
-        unsafe { law::disjoint(law, [force.span(), residual.span(), tangent.span()])? };
+        unsafe { law::disjoint(law, [force.span(), nodal_forces.span(), tangent.span()])? };
         disjoint([
             border::read("gradient", gradient, freedoms),
             border::read("hessian", hessian, packed),
             force.span(),
-            residual.span(),
+            nodal_forces.span(),
             tangent.span(),
         ])?;
         // SAFETY: as the caller promises; nothing overlaps.
@@ -267,9 +267,9 @@ pub unsafe extern "C" fn dc_element_system(
             return Err(Failure::new(DC_BAD_OPTION, message));
         }
         // SAFETY: as the caller promises; nothing overlaps.
-        let (residual, tangent) = unsafe { (residual.unspecified(), tangent.unspecified()) };
+        let (nodal_forces, tangent) = unsafe { (nodal_forces.unspecified(), tangent.unspecified()) };
         let contact = ContactView { gap, area, gradient, hessian, slip: None };
-        let found = law.element_system(&contact, residual, tangent)?;
+        let found = law.element_system(&contact, nodal_forces, tangent)?;
         // SAFETY: as the caller promises.
         unsafe { force.write([found]) };
         Ok(())

@@ -629,18 +629,18 @@ pub unsafe extern "C" fn dc_faces_set_history(
     })
 }
 
-/// Adds the contact forces R on the nodes to `residual`, one entry per equation, as dc_residual does. `active_count`, the number of
+/// Adds the contact forces R on the nodes to `forces`, one entry per equation, as dc_add_forces does. `active_count`, the number of
 /// slave nodes that carry pressure, and `missed_count`, points of loaded faces that carry no force as their line of force meets no place
 /// of the facet over them, may be NULL.
 ///
-/// DC_OVERFLOW if a sum is not finite: the residual then holds anything, and has to be made anew.
+/// DC_OVERFLOW if a sum is not finite: the forces then holds anything, and has to be made anew.
 ///
 /// # Safety
-/// `residual` has `equation_count` entries.
+/// `forces` has `equation_count` entries.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn dc_faces_residual(
+pub unsafe extern "C" fn dc_faces_add_forces(
     faces: *mut dc_faces,
-    residual: *mut f64,
+    forces: *mut f64,
     equation_count: usize,
     active_count: *mut usize,
     missed_count: *mut usize,
@@ -650,11 +650,11 @@ pub unsafe extern "C" fn dc_faces_residual(
             let contacts = state.contacts()?;
             let active_count = wanted("active_count", active_count, 1, 1)?;
             let missed_count = wanted("missed_count", missed_count, 1, 1)?;
-            let whole = border::written("residual", residual, equation_count);
+            let whole = border::written("forces", forces, equation_count);
             disjoint([whole, active_count.span(), missed_count.span()])?;
             // SAFETY: as the caller promises; nothing overlaps.
-            let residual = unsafe { sums("residual", residual, equation_count)? };
-            let active = threads::run(|| contacts.add_residual(&state.dofs, residual))??;
+            let forces = unsafe { sums("forces", forces, equation_count)? };
+            let active = threads::run(|| contacts.add_forces(&state.dofs, forces))??;
             // SAFETY: as the caller promises.
             unsafe {
                 active_count.write([active]);

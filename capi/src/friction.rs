@@ -121,7 +121,7 @@ pub unsafe fn write_slip_errors(
 /// DC_BAD_OPTION for a law without `augmented`, and as of dc_accept.
 ///
 /// # Safety
-/// `law` as in dc_residual; `moves` is NULL or has `slave_count` entries.
+/// `law` as in dc_add_forces; `moves` is NULL or has `slave_count` entries.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dc_augment(
     interface: *mut dc_interface,
@@ -190,7 +190,7 @@ pub extern "C" fn dc_roll_back(interface: *mut dc_interface) -> dc_status {
 /// DC_BAD_OPTION for a law with friction if there can be none: without DC_DIFFUSE and DC_DOMAINS, or in a library built without it.
 ///
 /// # Safety
-/// `law` as in dc_residual; the others are NULL or may be written.
+/// `law` as in dc_add_forces; the others are NULL or may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dc_accept(
     interface: *mut dc_interface,

@@ -10,7 +10,7 @@
 //! dc_refresh(interface, positions, nodes, NULL);      /* once an increment */
 //! dc_update(interface, positions, nodes);             /* each iteration */
 //! dc_evaluate(interface, DC_HESSIAN);
-//! dc_residual(interface, &law, force, equations, NULL);
+//! dc_add_forces(interface, &law, force, equations, NULL);
 //! ```
 //!
 //! | module | what it holds |
@@ -23,7 +23,7 @@
 //! | `options`, `law` | structures the caller fills |
 //! | `interface` | create and destroy, update, refresh, freeze, evaluate |
 //! | `contacts`, `cutback` | results of an evaluation, the cut-back hint |
-//! | `assembly`, `pattern`, `map`, `operator` | residual, triplets, compressed rows, the caller's matrix, products |
+//! | `assembly`, `pattern`, `map`, `operator` | contact forces, triplets, compressed rows, the caller's matrix, products |
 //! | `window` | windows of a surface |
 //! | `faces` | contact over the slave's faces, an object of its own |
 //! | `element`, `batch`, `neighbours` | without interface: gap, force and stiffness, pairing |

@@ -102,7 +102,7 @@ pub extern "C" fn dc_map_destroy(map: *mut dc_map) -> dc_status {
 /// anything. With any other failure, but one of memory, they are as they were.
 ///
 /// # Safety
-/// `values` has `entry_count` entries; `law` as in dc_residual; `active_count` is NULL or may be written.
+/// `values` has `entry_count` entries; `law` as in dc_add_forces; `active_count` is NULL or may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dc_map_add(
     map: *mut dc_map,

@@ -22,7 +22,7 @@ static OPERATORS: Registry<TangentOperator> = Registry::new("operator", 5);
 /// Writes the handle and the number of slaves that carry force, which may be NULL. On failure the handle is NULL.
 ///
 /// # Safety
-/// `law` as in dc_residual; `tangent` may be written, `active_count` is NULL or may be written.
+/// `law` as in dc_add_forces; `tangent` may be written, `active_count` is NULL or may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dc_operator_create(
     interface: *mut dc_interface,

@@ -132,7 +132,7 @@ pub unsafe extern "C" fn dc_pattern_structure(
 /// a failure the values hold anything.
 ///
 /// # Safety
-/// `values` has `entry_count` entries; `law` as in dc_residual; `active_count` is NULL or may be written.
+/// `values` has `entry_count` entries; `law` as in dc_add_forces; `active_count` is NULL or may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dc_pattern_fill(
     pattern: *mut dc_pattern,

@@ -310,7 +310,7 @@ fn what_may_be_null_is_optional() {
         ("dc_derivatives", "hessian"),
         ("dc_gaps", "outcomes"),
         ("dc_forces", "pressures"),
-        ("dc_residual", "active_count"),
+        ("dc_add_forces", "active_count"),
         ("dc_triplets", "values"),
         ("dc_pattern_create", "entry_count"),
         ("dc_pattern_fill", "active_count"),

@@ -72,17 +72,17 @@ fn a_plane_has_the_gap_of_a_plane() {
 }
 
 #[test]
-fn residual_and_tangent_follow_from_gap_n_and_m() {
+fn force_and_tangent_follow_from_gap_n_and_m() {
     let mut element = plane([1.1, 0.9, -0.25]);
     element["penalty"] = json!(1e3);
     element["masters"][4] = json!([1.0, 1.0, 0.1]);
     let answer = &evaluate(json!([element]))[0];
     let gap = answer["gap"].as_f64().unwrap();
     let (n, m) = (numbers(&answer["n"]), rows(&answer["m"]));
-    let (residual, tangent) = (numbers(&answer["residual"]), rows(&answer["tangent"]));
-    assert_eq!((n.len(), m.len(), residual.len(), tangent.len()), (30, 30, 30, 30));
+    let (force, tangent) = (numbers(&answer["force"]), rows(&answer["tangent"]));
+    assert_eq!((n.len(), m.len(), force.len(), tangent.len()), (30, 30, 30, 30));
     for i in 0..30 {
-        assert_close(residual[i] * 1e-3, -gap * n[i]);
+        assert_close(force[i] * 1e-3, -gap * n[i]);
         for j in 0..30 {
             assert_eq!(m[i][j], m[j][i]);
             assert_close(tangent[i][j] * 1e-3, gap * m[i][j] + n[i] * n[j]);

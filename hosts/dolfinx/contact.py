@@ -200,7 +200,7 @@ class Contact:
     def add_forces(self, forces: PETSc.Vec) -> None:
         """Adds the contact forces on the nodes; PETSc carries those of other ranks."""
         if self.interface is not None:
-            forces.setValues(self.nodes.equations, self.interface.residual(**self.law), addv=ADD)
+            forces.setValues(self.nodes.equations, self.interface.forces(**self.law), addv=ADD)
         forces.assemble()
 
     def add_tangent(self, matrix: PETSc.Mat, which: str) -> None:
@@ -255,7 +255,7 @@ class Contact:
         if self.interface is None:
             return found
         place = len(self.names) + np.arange(len(self.slaves))
-        found["slave_forces"] = self.interface.residual(**self.law).reshape(-1, 3)[place]
+        found["slave_forces"] = self.interface.forces(**self.law).reshape(-1, 3)[place]
         for k in range(len(self.slaves)):
             contact = self.interface.contact(k)
             numbers = [contact.gap, contact.gradient, contact.hessian]

@@ -92,7 +92,7 @@ def newton(block: Block, interface: dc.ContactInterface, master: np.ndarray, u: 
         positions = np.vstack([block.positions + u[block.dofs], master])
         interface.follow(positions)
         interface.evaluate("hessian")
-        contact = interface.residual(PENALTY)
+        contact = interface.forces(PENALTY)
         # Internal forces minus contact forces; the plate's motion is part of the first step.
         residual = block.stiffness @ u - contact
         norm, force = np.linalg.norm(residual[block.free]), np.linalg.norm(contact)

@@ -74,7 +74,7 @@ def newton(
     for _ in range(20):
         interface.update(np.vstack([block.positions + u[block.dofs], master]))
         interface.evaluate(PENALTY, friction=FRICTION)
-        contact = interface.residual()
+        contact = interface.forces()
         residual = block.stiffness @ u - contact
         if not step.any():
             residuals.append(float(np.linalg.norm(residual[block.free]) / max(np.linalg.norm(contact), 1e-30)))

@@ -1,6 +1,6 @@
 //! Residual and tangent of an interface.
 
-use diffuse_contact::assembly::{AssemblyError, Triangle, Triplets, add_residual};
+use diffuse_contact::assembly::{AssemblyError, Triangle, Triplets, add_forces};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -18,19 +18,19 @@ impl Interface {
     }
 
     /// Adds the contact forces on the nodes; returns the number of contacts that carry force.
-    fn add_residual(
+    fn add_forces(
         slf: &Bound<'_, Self>,
         law: Law<'_>,
-        residual: &Bound<'_, PyArray1<f64>>,
+        forces: &Bound<'_, PyArray1<f64>>,
     ) -> PyResult<usize> {
         let py = slf.py();
         let this = shared(slf)?;
         let own = law.own(py)?;
         let law = own.law(py)?;
-        let mut residual = writable(residual)?;
-        let residual = slice_mut(py, &mut residual)?;
+        let mut forces = writable(forces)?;
+        let forces = slice_mut(py, &mut forces)?;
         let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
-        threads::run(py, || add_residual(contacts, &law, dofs, residual))?.map_err(|error| error.raise(py))
+        threads::run(py, || add_forces(contacts, &law, dofs, forces))?.map_err(|error| error.raise(py))
     }
 
     /// Rows, columns and values of the tangents of all contacts that carry force, one after the other.

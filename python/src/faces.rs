@@ -254,13 +254,13 @@ impl Faces {
     }
 
     /// Adds the contact forces on the nodes; returns the number of nodes that carry pressure.
-    fn add_residual(slf: &Bound<'_, Self>, residual: &Bound<'_, PyArray1<f64>>) -> PyResult<usize> {
+    fn add_forces(slf: &Bound<'_, Self>, forces: &Bound<'_, PyArray1<f64>>) -> PyResult<usize> {
         let py = slf.py();
         let this = shared(slf)?;
-        let mut residual = writable(residual)?;
-        let residual = slice_mut(py, &mut residual)?;
+        let mut forces = writable(forces)?;
+        let forces = slice_mut(py, &mut forces)?;
         let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
-        threads::run(py, || contacts.add_residual(dofs, residual))?.map_err(|error| error.raise(py))
+        threads::run(py, || contacts.add_forces(dofs, forces))?.map_err(|error| error.raise(py))
     }
 
     /// Rows, columns and values of the tangent, to be summed.

@@ -5,7 +5,7 @@
 
 use std::error::Error;
 
-use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap, Tangent, add_residual};
+use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap, Tangent, add_forces};
 use diffuse_contact::interface::{ContactElement, ContactInterface, InterfaceOptions};
 use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact::surface::{Facet, MasterSurface, SymmetryPlane};
@@ -183,7 +183,7 @@ fn interface(name: &str, options: InterfaceOptions, planes: &[SymmetryPlane]) ->
     for (tangent, word) in [(Tangent::Exact, "exact"), (Tangent::GaussNewton, "gauss-newton")] {
         let law = ContactLaw::penalty(1e3).with_multipliers(Some(&multipliers)).with_tangent(tangent);
         let mut residual = vec![0.0; dofs.equations()];
-        add_residual(contacts, &law, &dofs, &mut residual)?;
+        add_forces(contacts, &law, &dofs, &mut residual)?;
         let pattern = CsrPattern::union(contacts, &dofs)?;
         let mut values = vec![0.0; pattern.entries()];
         pattern.fill(contacts, &law, &mut values)?;

@@ -49,7 +49,7 @@ def test_a_uniform_pressure_arrives_at_both_sides(element, degree):
     assert report.faces == 16 and report.paired == report.points
     contacts = faces.evaluate(PENALTY)
     assert contacts.is_contact.all() and np.allclose(contacts.pressure, 1.0, atol=1e-12)
-    forces = faces.residual().reshape(-1, 3)
+    forces = faces.forces().reshape(-1, 3)
     areas = dc.tributary_areas(positions, slave) - dc.tributary_areas(positions, master)
     assert np.allclose(forces, np.outer(areas, [0.0, 0.0, 1.0]), atol=1e-12)
 
@@ -97,7 +97,7 @@ def test_faces_of_second_order_carry_by_their_own_functions(below, above):
     faces.refresh(positions)
     contacts = faces.evaluate(PENALTY)
     assert np.allclose(contacts.pressure, 1.0, atol=1e-11)
-    forces = faces.residual().reshape(-1, 3)[:, 2]
+    forces = faces.forces().reshape(-1, 3)[:, 2]
     # ∫ N dA over a cell: of corners, middles and centre.
     shares = {6: (0.0, 1 / 3, None), 8: (-1 / 12, 1 / 3, None), 9: (1 / 36, 1 / 9, 4 / 9)}
     expected = np.zeros(len(positions))
@@ -136,7 +136,7 @@ def test_forces_balance_and_have_their_tangent():
     def at(x):
         faces.update(x)
         contacts = faces.evaluate(PENALTY)
-        return contacts, faces.residual()
+        return contacts, faces.forces()
 
     contacts, forces = at(positions)
     assert 8 < (contacts.force > 0.0).sum() <= len(faces.slaves)
@@ -175,7 +175,7 @@ def test_friction_is_against_the_slip(element):
     inside = np.abs(moved[faces.slaves, :2] - 3.0).max(axis=1) < 1.6
     assert np.allclose(contacts.friction[inside], [-0.3, 0.0, 0.0], atol=1e-12)
     assert np.allclose(contacts.slip[inside], 0.05) and set(contacts.friction_states) == {"slip"}
-    forces = faces.residual().reshape(-1, 3)
+    forces = faces.forces().reshape(-1, 3)
     size = np.abs(forces).sum()
     assert np.abs(forces.sum(axis=0)).max() < 1e-13 * size
     assert np.abs(np.cross(moved, forces).sum(axis=0)).max() < 1e-12 * size
@@ -183,7 +183,7 @@ def test_friction_is_against_the_slip(element):
     assert (report.stuck, report.sliding, report.unanchored) == (0, 25, 0)
     assert report.dissipated > 0.0
     with pytest.raises(dc.InterfaceError):
-        faces.residual()
+        faces.forces()
 
 
 def test_the_tangent_with_friction_is_the_derivative():
@@ -194,7 +194,7 @@ def test_the_tangent_with_friction_is_the_derivative():
     def at(x):
         faces.update(x)
         states = set(faces.evaluate(PENALTY, friction=FRICTION).friction_states)
-        return states, faces.residual()
+        return states, faces.forces()
 
     faces.refresh(moved)
     assert at(moved)[0] >= {"slip"}
@@ -226,7 +226,7 @@ def test_a_history_goes_on_elsewhere():
     for own in (faces, other):
         own.refresh(1.2 * moved - 0.2 * positions)
         own.evaluate(PENALTY, friction=FRICTION)
-        forces.append(own.residual())
+        forces.append(own.forces())
     assert np.array_equal(*forces)
     with pytest.raises(dc.InterfaceError) as raised:
         other.history = [0.5]
@@ -254,7 +254,7 @@ def test_equations_may_be_any():
     faces = dc.FaceInterface(dc.MasterSurface(positions, master), slave, positions, dofs=dofs)
     faces.refresh(positions)
     faces.evaluate(PENALTY)
-    assert faces.equations == 25 and np.isclose(faces.residual().sum(), 36.0)
+    assert faces.equations == 25 and np.isclose(faces.forces().sum(), 36.0)
     assert faces.tangent("gauss-newton").shape == (25, 25)
 
 
@@ -268,7 +268,7 @@ def test_refusals():
     with pytest.raises(dc.InterfaceError):
         dc.FaceInterface(surface, master, positions)
     faces = dc.FaceInterface(surface, slave, positions)
-    for call in (faces.residual, faces.tangent, lambda: faces.contacts):
+    for call in (faces.forces, faces.tangent, lambda: faces.contacts):
         with pytest.raises(dc.InterfaceError) as raised:
             call()
         assert raised.value.code == "not-evaluated"

@@ -32,16 +32,16 @@ def slid(scene, step):
 def at(interface, positions, *, friction=FRICTION):
     interface.refresh_pairing(positions)
     interface.evaluate()
-    return interface.residual(PENALTY, friction=friction)
+    return interface.forces(PENALTY, friction=friction)
 
 
 def test_without_friction_nothing_is_to_be_accepted(scene):
     interface = scene.evaluated()
     with pytest.raises(dc.AssemblyError) as raised:
-        interface.residual(PENALTY, friction=0.3)
+        interface.forces(PENALTY, friction=0.3)
     assert raised.value.code == "no-slip"
     with pytest.raises(dc.AssemblyError) as raised:
-        interface.residual(PENALTY, friction=-0.3)
+        interface.forces(PENALTY, friction=-0.3)
     assert raised.value.code == "invalid-friction-coefficient"
 
 

@@ -232,7 +232,7 @@ class Fuzz:
         if what == 0:
             if self.one_in(2):
                 options["out"] = self.array(np.zeros(255), is_read=False)
-            return [interface.residual(penalty, **options)]
+            return [interface.forces(penalty, **options)]
         if what == 1:
             return [interface.normal_forces(penalty, **options)]
         if what == 2:

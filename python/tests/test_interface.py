@@ -28,7 +28,7 @@ def test_the_example_of_the_documentation(scene):
     assert abs(contacts.gap[0] + 0.068) < 1e-3
     np.testing.assert_array_equal(contacts.penetration, -contacts.gap)
     assert contacts.area.sum() == pytest.approx(1.7**2)
-    forces = interface.residual(1e4).reshape(-1, 3)
+    forces = interface.forces(1e4).reshape(-1, 3)
     assert np.abs(forces.sum(axis=0)).max() < 1e-9
     assert np.abs(np.cross(scene.positions, forces).sum(axis=0)).max() < 1e-8
     normal_forces = interface.normal_forces(1e4)
@@ -49,7 +49,7 @@ def test_the_tangent_is_the_derivative_of_the_residual(scene, element):
     for sign in (1, -1):
         interface.update(scene.positions + sign * step * direction)
         interface.evaluate("gradient")
-        ends.append(interface.residual(1e3))
+        ends.append(interface.forces(1e3))
     slope = -(ends[0] - ends[1]) / (2 * step)
     np.testing.assert_allclose(matrix @ direction.reshape(-1), slope, atol=1e-4)
 
@@ -76,19 +76,19 @@ def test_pattern_triplets_and_values_agree(scene):
     matrix.eliminate_zeros()
     apart = interface.tangent(1e3)
     assert apart.nnz == len(values) and not apart.data.any()
-    np.testing.assert_array_equal(interface.residual(1e3), np.zeros(255))
+    np.testing.assert_array_equal(interface.forces(1e3), np.zeros(255))
 
 
 def test_residual_is_added_to_what_is_there(scene):
     interface = scene.evaluated()
     out = np.ones(255)
-    assert interface.residual(1e3, out=out) is out
-    np.testing.assert_allclose(out, 1 + interface.residual(1e3))
+    assert interface.forces(1e3, out=out) is out
+    np.testing.assert_allclose(out, 1 + interface.forces(1e3))
     for bad in (np.ones(255, dtype=np.float32), np.ones(510)[::2], [0.0] * 255, np.ones((85, 3))):
         with pytest.raises(dc.InputError):
-            interface.residual(1e3, out=bad)
+            interface.forces(1e3, out=bad)
     with pytest.raises(dc.AssemblyError) as caught:
-        interface.residual(1e3, out=np.ones(254))
+        interface.forces(1e3, out=np.ones(254))
     assert caught.value.code == "output-length"
 
 
@@ -97,9 +97,9 @@ def test_equations_of_the_caller(scene):
     dofs[81:, 2] = [5, 1, 0, 3]
     interface = scene.evaluated(dofs=dofs, equations=7)
     free = scene.evaluated()
-    residual = interface.residual(1e3)
+    residual = interface.forces(1e3)
     assert interface.equations == 7 and residual.shape == (7,)
-    np.testing.assert_array_equal(residual[[5, 1, 0, 3]], free.residual(1e3).reshape(-1, 3)[81:, 2])
+    np.testing.assert_array_equal(residual[[5, 1, 0, 3]], free.forces(1e3).reshape(-1, 3)[81:, 2])
     assert interface.tangent(1e3).shape == (7, 7)
     assert scene.interface(dofs=dofs).equations == 6
     dofs[81, 2] = 1
@@ -173,7 +173,7 @@ def test_results_of_old_positions_are_not_handed_out(scene):
         for ask in (
             lambda: interface.contacts,
             lambda: interface.contact(0),
-            lambda: interface.residual(1.0),
+            lambda: interface.forces(1.0),
             lambda: interface.tangent(1.0),
             lambda: interface.triplets(1.0),
             lambda: interface.normal_forces(1.0),
@@ -183,7 +183,7 @@ def test_results_of_old_positions_are_not_handed_out(scene):
                 ask()
             assert caught.value.code == "not-evaluated"
         interface.evaluate()
-        interface.residual(1.0)
+        interface.forces(1.0)
 
 
 def test_an_interface_may_have_no_slaves(scene):
@@ -191,7 +191,7 @@ def test_an_interface_may_have_no_slaves(scene):
     interface = dc.ContactInterface(scene.master(), [], scene.positions, slave_facets=np.empty((0, 4), dtype=int))
     assert interface.refresh_pairing(scene.positions).paired == 0
     assert interface.evaluate().gap.shape == (0,)
-    assert not interface.residual(1.0).any() and interface.tangent(1.0).shape == (255, 255)
+    assert not interface.forces(1.0).any() and interface.tangent(1.0).shape == (255, 255)
     assert interface.triplets(1.0)[0].shape == (0,) and interface.cut_back().factor == 1.0
 
 
@@ -224,7 +224,7 @@ def test_a_frozen_interface_keeps_its_pairing_and_moves(scene):
     report = interface.refresh_pairing(moved)
     assert interface.frozen and report.frozen and report.paired == report.changed == 0
     with pytest.raises(dc.InterfaceError) as caught:
-        interface.residual(1.0)
+        interface.forces(1.0)
     assert caught.value.code == "not-evaluated", "the positions were taken over"
     assert (interface.evaluate().gap != gap).all()
     np.testing.assert_array_equal(interface.contact(0).masters, masters)
@@ -477,7 +477,7 @@ def test_bad_positions_leave_the_interface_as_it_was(scene):
 def test_bad_laws_are_refused(scene):
     interface = scene.evaluated()
     for penalty in (0.0, -1.0, np.nan, np.inf):
-        for ask in (interface.residual, interface.tangent, interface.triplets, interface.normal_forces):
+        for ask in (interface.forces, interface.tangent, interface.triplets, interface.normal_forces):
             with pytest.raises(dc.AssemblyError) as caught:
                 ask(penalty)
             assert caught.value.code == "invalid-penalty"
@@ -486,12 +486,12 @@ def test_bad_laws_are_refused(scene):
         ([1, 1, 1, -1], "invalid-multiplier"),
         ([1, 1, np.nan, 1], "invalid-multiplier"),
     ):
-        for ask in (interface.residual, interface.tangent, interface.normal_forces):
+        for ask in (interface.forces, interface.tangent, interface.normal_forces):
             with pytest.raises(dc.AssemblyError) as caught:
                 ask(1.0, multipliers=multipliers)
             assert caught.value.code == code
     with pytest.raises(dc.InputError):
-        interface.residual("stiff")
+        interface.forces("stiff")
     with pytest.raises(dc.InputError):
         interface.tangent(1.0, tangent="secant")
     interface.evaluate("gradient")
@@ -503,7 +503,7 @@ def test_bad_laws_are_refused(scene):
 
 def test_errors_survive_pickling(scene):
     with pytest.raises(dc.InterfaceError) as caught:
-        scene.interface().residual(1.0)
+        scene.interface().forces(1.0)
     loaded = pickle.loads(pickle.dumps(caught.value))
     assert (type(loaded), loaded.code, str(loaded)) == (dc.InterfaceError, "not-evaluated", str(caught.value))
 

@@ -42,7 +42,7 @@ def derivative_error(faces, positions, law, step=1e-6):
     def at(x):
         faces.update(x)
         faces.evaluate(50.0, **law)
-        return faces.residual()
+        return faces.forces()
 
     slope = -(at(positions + step * direction) - at(positions - step * direction)) / (2.0 * step)
     at(positions)
@@ -65,7 +65,7 @@ def test_a_table_is_the_force_of_nodes(scene):
     np.testing.assert_allclose(forces, np.interp(gap, TABLE.gaps, TABLE.pressures), rtol=1e-12)
     # The penalty's law is a table, too.
     line = dc.TabulatedPressure([-1.0, 1.0], [50.0, -50.0])
-    for ask in (interface.residual, interface.tangent_values, interface.pressures):
+    for ask in (interface.forces, interface.tangent_values, interface.pressures):
         np.testing.assert_allclose(ask(50.0, normal=line), ask(50.0), rtol=0, atol=1e-12)
     rows, columns, values = interface.triplets(1.0, normal=line)
     assert np.isclose(values.sum(), interface.triplets(50.0)[2].sum()) and len(rows) == len(columns)
@@ -76,7 +76,7 @@ def test_a_table_is_the_force_of_nodes(scene):
     interface.csr_map(matrix).add(matrix.data, 1.0, normal=TABLE)
     np.testing.assert_allclose(matrix.data, 2.0 * tangent.data, rtol=0, atol=1e-12)
     with pytest.raises(dc.AssemblyError) as caught:
-        interface.residual(50.0, normal=TABLE, multipliers=np.zeros(4))
+        interface.forces(50.0, normal=TABLE, multipliers=np.zeros(4))
     assert caught.value.code == "multipliers-of-own-law"
 
 
@@ -125,7 +125,7 @@ def test_rounds_of_augmentation_are_tried_accepted_and_forgotten():
     history = faces.history
     faces.augment(50.0, **law, moves=np.arange(25) % 2 == 0)
     with pytest.raises(dc.InterfaceError) as caught:
-        faces.residual()
+        faces.forces()
     assert caught.value.code == "not-evaluated"
     half = faces.evaluate(50.0, **law)
     # The traction of before is the multiplier: at the same positions it is there twice.
@@ -169,7 +169,7 @@ def test_nodes_are_augmented(scene):
 
     def traction():
         interface.evaluate()
-        return (interface.residual(1e3, **law) - interface.residual(1e3)).reshape(-1, 3)[81:, 0]
+        return (interface.forces(1e3, **law) - interface.forces(1e3)).reshape(-1, 3)[81:, 0]
 
     first = traction()
     np.testing.assert_allclose(interface.slip_errors(1e3, **law), 1e-3, rtol=0.02)

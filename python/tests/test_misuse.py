@@ -37,7 +37,7 @@ def test_misaligned_arrays_are_read_and_not_written(elements, scene):
     interface = scene.evaluated()
     interface.update(misaligned(scene.positions))
     interface.evaluate()
-    message = refuses("wrong-array", interface.residual, 1.0, out=misaligned(np.zeros(255)))
+    message = refuses("wrong-array", interface.forces, 1.0, out=misaligned(np.zeros(255)))
     assert "aligned" in message
     out = dc.GapBatch.empty(5, 9)
     bad = dc.GapBatch(misaligned(out.gap), out.foot, out.normal, out.gradient, out.hessian, out.status)
@@ -61,7 +61,7 @@ def test_facets_that_are_none(scene):
 
 def test_numbers_of_any_size(scene):
     interface = scene.evaluated()
-    for ask in (interface.residual, interface.normal_forces, interface.cut_back):
+    for ask in (interface.forces, interface.normal_forces, interface.cut_back):
         refuses("invalid-option", ask, HUGE)
     for k in (HUGE, 2**64, 2**63):
         refuses("invalid-option", interface.contact, k)
@@ -113,7 +113,7 @@ def test_arrays_of_one_call_that_share_memory_are_named(elements, scene):
     interface.refresh_pairing(scene.positions)
     interface.evaluate()
     both = np.ones(4)
-    assert "multipliers and out" in refuses("overlap", interface.residual, 1.0, multipliers=both, out=both)
+    assert "multipliers and out" in refuses("overlap", interface.forces, 1.0, multipliers=both, out=both)
     np.testing.assert_array_equal(both, 1)
 
 

@@ -222,7 +222,7 @@ def test_friction_goes_with_slaves_to_other_parts():
         positions = np.vstack([nodes, slaves])
         interface.refresh_pairing(positions)
         interface.evaluate()
-        return interface.residual(penalty, friction=friction).reshape(-1, 3)[len(nodes) :]
+        return interface.forces(penalty, friction=friction).reshape(-1, 3)[len(nodes) :]
 
     def accepted(interface, nodes, slaves):
         interface.refresh_pairing(np.vstack([nodes, slaves]))

@@ -9,7 +9,7 @@
 //! the contacts.
 //!
 //! ```
-//! use diffuse_contact::{ContactInterface, ContactLaw, DofMap, Facet, InterfaceOptions, MasterSurface, Mode, add_residual};
+//! use diffuse_contact::{ContactInterface, ContactLaw, DofMap, Facet, InterfaceOptions, MasterSurface, Mode, add_forces};
 //!
 //! // 8 × 8 master facets in the plane z = 0, outside above, and one slave node 0.1 deep.
 //! let mut positions: Vec<[f64; 3]> = (0..81).map(|k| [f64::from(k % 9), f64::from(k / 9), 0.0]).collect();
@@ -22,7 +22,7 @@
 //! interface.update(&positions)?; // each iteration
 //! let contacts = interface.evaluate(Mode::Hessian)?;
 //! let (dofs, mut force) = (DofMap::standard(82), vec![0.0; 3 * 82]);
-//! add_residual(contacts, &ContactLaw::penalty(1e3), &dofs, &mut force)?;
+//! add_forces(contacts, &ContactLaw::penalty(1e3), &dofs, &mut force)?;
 //! assert!((force[3 * 81 + 2] - 100.0).abs() < 1e-9); // ε × depth, outward on the slave
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -84,7 +84,7 @@ pub mod surface;
 mod vector;
 
 pub use affine::AffinePoint;
-pub use assembly::{ContactLaw, CsrPattern, DofMap, TangentOperator, Triplets, add_residual};
+pub use assembly::{ContactLaw, CsrPattern, DofMap, TangentOperator, Triplets, add_forces};
 pub use backend::Backend;
 pub use batch::{BatchScratch, GapSlot};
 pub use diffuse_contact_kernels::support::{Basis, CustomBasis, Domains, MaterialNode, Mode};

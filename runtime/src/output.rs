@@ -136,18 +136,18 @@ impl Slip {
 }
 
 impl Gap {
-    /// Whether the slave penetrates, g < 0. Penalty forces act only then; [`residual`](Self::residual) and
+    /// Whether the slave penetrates, g < 0. Penalty forces act only then; [`contact_force`](Self::contact_force) and
     /// [`tangent`](Self::tangent) evaluate (33) and (43) for either sign and leave the choice to the caller.
     #[must_use]
     pub fn is_penetrating(&self) -> bool {
         self.gap < 0.0
     }
 
-    /// Penalty residual R_c = −ε g N (33), the force on each node, 3(n+1) entries.
+    /// Contact force of a penalty, −ε g N (Chamoret et al. 2008, eq. 33: R_c), on each node, 3(n+1) entries.
     ///
     /// `penalty` is ε, force per length.
     #[must_use]
-    pub fn residual(&self, penalty: f64) -> Vec<f64> {
+    pub fn contact_force(&self, penalty: f64) -> Vec<f64> {
         self.gradient.iter().map(|n| -penalty * self.gap * n).collect()
     }
 

@@ -3,7 +3,7 @@
 use crate::assembly_cases::{Case, Dense, cylinder};
 use diffuse_contact::assembly::{
     AssemblyError, ContactLaw, ContactView, CsrMap, CsrPattern, DofMap, ElementView, Tangent, Triangle,
-    Triplets, add_residual,
+    Triplets, add_forces,
 };
 use diffuse_contact::{Generated, Mode};
 use proptest::prelude::*;
@@ -30,7 +30,7 @@ fn compare_with_dense(case: &Case, law: &ContactLaw<'_>, dofs: &DofMap) {
     let expected = Dense::assemble(elements, law, dofs);
 
     let mut residual = vec![0.0; dofs.equations()];
-    assert_eq!(add_residual(elements, law, dofs, &mut residual), Ok(expected.active));
+    assert_eq!(add_forces(elements, law, dofs, &mut residual), Ok(expected.active));
     assert_eq!(residual, expected.residual);
 
     let pattern = CsrPattern::union(elements, dofs).unwrap();
@@ -151,7 +151,7 @@ fn real_elements_are_in_equilibrium_and_their_tangent_is_the_derivative() {
     let residual = |positions: &[[f64; 3]]| {
         let case = patch.evaluate(&Generated, positions, Mode::Gradient);
         let mut residual = vec![0.0; dofs.equations()];
-        let active = add_residual(case.views().as_slice(), &law, &dofs, &mut residual).unwrap();
+        let active = add_forces(case.views().as_slice(), &law, &dofs, &mut residual).unwrap();
         (residual, active)
     };
     let (forces, active) = residual(&patch.positions);
@@ -206,7 +206,7 @@ fn an_element_that_just_touches_carries_nothing() {
         let dofs = DofMap::standard(6);
         let mut triplets = Triplets::new();
         let active = triplets.fill(views.as_slice(), law, &dofs, Triangle::Full).unwrap();
-        assert_eq!(add_residual(views.as_slice(), law, &dofs, &mut [0.0; 18]), Ok(active));
+        assert_eq!(add_forces(views.as_slice(), law, &dofs, &mut [0.0; 18]), Ok(active));
         active
     };
     assert_eq!(active(&ContactLaw::penalty(1.0)), 1);
@@ -357,7 +357,7 @@ fn no_elements_have_an_empty_pattern() {
         assert_eq!((pattern.equations(), pattern.entries()), (3 * nodes, 0));
         assert_eq!(pattern.row_offsets(), vec![0; 3 * nodes + 1]);
         assert_eq!(pattern.fill(none, &ContactLaw::penalty(1.0), &mut []), Ok(0));
-        assert_eq!(add_residual(none, &ContactLaw::penalty(1.0), &dofs, &mut vec![0.0; 3 * nodes]), Ok(0));
+        assert_eq!(add_forces(none, &ContactLaw::penalty(1.0), &dofs, &mut vec![0.0; 3 * nodes]), Ok(0));
     }
 }
 
@@ -367,7 +367,7 @@ fn assert_refused(element: ElementView<'_>, law: &ContactLaw<'_>, expected: &Ass
     let elements: &[ElementView<'_>] = &[element];
     let dofs = DofMap::standard(2);
     let mut residual = [0.5; 6];
-    let error = add_residual(elements, law, &dofs, &mut residual).unwrap_err();
+    let error = add_forces(elements, law, &dofs, &mut residual).unwrap_err();
     if matches!(expected, AssemblyError::DerivativeLength { what: "Hessian", .. }) {
         panic!("no Hessian is needed for the residual, but: {error}");
     }
@@ -456,7 +456,7 @@ fn wrong_lengths_of_the_output_are_refused() {
     let dofs = DofMap::standard(5);
     let law = ContactLaw::penalty(1.0);
     assert_eq!(
-        add_residual(views.as_slice(), &law, &dofs, &mut [0.0; 14]),
+        add_forces(views.as_slice(), &law, &dofs, &mut [0.0; 14]),
         Err(AssemblyError::OutputLength { what: "residuals", found: 14, expected: 15 })
     );
     let pattern = CsrPattern::union(views.as_slice(), &dofs).unwrap();
@@ -475,7 +475,7 @@ fn sums_that_leave_the_range_of_numbers_are_refused() {
     let dofs = DofMap::standard(2);
     let law = ContactLaw::penalty(1.0);
     let overflow = |what| AssemblyError::Overflow { what, equation: 4 };
-    assert_eq!(add_residual(elements, &law, &dofs, &mut [0.0; 6]), Err(overflow("residuals")));
+    assert_eq!(add_forces(elements, &law, &dofs, &mut [0.0; 6]), Err(overflow("residuals")));
     let mut triplets = Triplets::new();
     assert_eq!(triplets.fill(elements, &law, &dofs, Triangle::Lower), Err(overflow("values")));
     assert!(triplets.is_empty());

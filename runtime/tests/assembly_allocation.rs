@@ -7,7 +7,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use assembly_cases::Case;
-use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap, Triangle, Triplets, add_residual};
+use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap, Triangle, Triplets, add_forces};
 
 /// The system's allocator, with a count of its calls from all threads.
 struct Counting;
@@ -54,7 +54,7 @@ fn assembly_allocates_nothing_after_the_first_time() {
     let mut values = vec![0.0; pattern.entries()];
     let mut active = 0;
     let mut assemble = || {
-        active = add_residual(elements, &law, &dofs, &mut residual).unwrap();
+        active = add_forces(elements, &law, &dofs, &mut residual).unwrap();
         assert_eq!(triplets.fill(elements, &law, &dofs, Triangle::Full), Ok(active));
         active
     };

@@ -3,9 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 
 use diffuse_contact::affine::{AffinePoint, Carrier};
-use diffuse_contact::assembly::{
-    AssemblyError, ContactLaw, DofMap, Tangent, Triangle, Triplets, add_residual,
-};
+use diffuse_contact::assembly::{AssemblyError, ContactLaw, DofMap, Tangent, Triangle, Triplets, add_forces};
 use diffuse_contact::friction::Coulomb;
 use diffuse_contact::interface::{
     Anchor, ContactInterface, FrictionReport, InterfaceError, InterfaceOptions,
@@ -102,7 +100,7 @@ impl Pressed {
         let dofs = DofMap::standard(self.positions.len());
         let mut forces = vec![0.0; dofs.equations()];
         let contacts = self.interface.evaluate(Mode::Gradient).unwrap();
-        add_residual(contacts, &self.law, &dofs, &mut forces).unwrap();
+        add_forces(contacts, &self.law, &dofs, &mut forces).unwrap();
         forces
     }
 
@@ -408,7 +406,7 @@ fn what_is_no_history_is_refused() {
     let contacts = pressed.interface.evaluate(Mode::Gradient).unwrap();
     let mut forces = vec![0.0; 3 * pressed.positions.len()];
     let dofs = DofMap::standard(pressed.positions.len());
-    let refused = add_residual(contacts, &pressed.law, &dofs, &mut forces);
+    let refused = add_forces(contacts, &pressed.law, &dofs, &mut forces);
     assert_eq!(refused, Err(AssemblyError::NoSlip { element: 0 }));
 
     // Before the first refresh there is nothing to begin from.

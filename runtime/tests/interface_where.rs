@@ -1,7 +1,7 @@
 //! Derivatives only where there is force: what is read of them is what all contacts would give.
 
 use crate::common::{Mesh, Scene, Uniform};
-use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap, Triangle, Triplets, add_residual};
+use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap, Triangle, Triplets, add_forces};
 use diffuse_contact::interface::{ContactElement, Contacts, InterfaceOptions};
 use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
@@ -45,7 +45,7 @@ pub(crate) fn variants() -> [InterfaceOptions; 4] {
 fn system(contacts: &Contacts, law: &ContactLaw<'_>, nodes: usize) -> (Vec<f64>, Vec<f64>, Triplets) {
     let dofs = DofMap::standard(nodes);
     let mut residual = vec![0.0; dofs.equations()];
-    add_residual(contacts, law, &dofs, &mut residual).unwrap();
+    add_forces(contacts, law, &dofs, &mut residual).unwrap();
     let pattern = CsrPattern::union(contacts, &dofs).unwrap();
     let mut values = vec![0.0; pattern.entries()];
     pattern.fill(contacts, law, &mut values).unwrap();

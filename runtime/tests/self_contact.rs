@@ -179,7 +179,7 @@ fn forces_of_a_surface_on_itself_are_in_balance_and_derive_from_an_energy() {
             interface.update(positions).unwrap();
             let contacts = interface.evaluate(Mode::Gradient).unwrap();
             let mut forces = vec![0.0; dofs.equations()];
-            diffuse_contact::add_residual(contacts, &law, &dofs, &mut forces).unwrap();
+            diffuse_contact::add_forces(contacts, &law, &dofs, &mut forces).unwrap();
             let energy = |contact: diffuse_contact::interface::ContactRef<'_>| {
                 let depth = (-contact.point.gap).max(0.0);
                 if contact.outcome.is_contact() { 25.0 * contact.area * depth * depth } else { 0.0 }

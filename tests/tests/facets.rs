@@ -262,7 +262,7 @@ fn newton_s_method_converges_quadratically() {
         for _ in 0..12 {
             let nodes: Vec<Point> = x.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect();
             let gap = gap(&FacetCase { slave: nodes[0], corners: nodes[1..].to_vec(), ..start.clone() });
-            let mut force = gap.residual(penalty);
+            let mut force = gap.contact_force(penalty);
             let mut matrix = gap.tangent(penalty).to_rows();
             for i in 0..x.len() {
                 force[i] -= spring * (x[i] - rest[i]) + if i < 3 { 0.5 * push[i] } else { 0.0 };

@@ -2,13 +2,13 @@
 
 use std::ptr::{null, null_mut};
 
-use runtime::assembly::{ContactLaw, DofMap, Tangent, Triangle, Triplets, add_residual};
+use runtime::assembly::{ContactLaw, DofMap, Tangent, Triangle, Triplets, add_forces};
 use runtime::interface::{ContactInterface, InterfaceOptions};
 use runtime::surface::{Facet, MasterSurface};
 use runtime::{Element, Frame, FrameDerivative, Generated, Mode, Weight};
 
 use super::Mesh;
-use crate::assembly::{dc_residual, dc_triplets};
+use crate::assembly::{dc_add_forces, dc_triplets};
 use crate::batch::dc_gap_batch;
 use crate::contacts::{dc_contact, dc_contact_of, dc_derivatives, dc_forces};
 use crate::element::{dc_element, dc_gap, dc_point};
@@ -77,8 +77,8 @@ fn an_interface_gives_what_the_runtime_gives() {
         let dofs = DofMap::standard(40);
         let (mut residual, mut own) = (vec![0.0; 120], vec![0.0; 120]);
         let mut active = 0;
-        assert_eq!(dc_residual(handle, &law, residual.as_mut_ptr(), 120, &mut active), DC_OK);
-        assert_eq!(active, add_residual(expected, &own_law, &dofs, &mut own).unwrap());
+        assert_eq!(dc_add_forces(handle, &law, residual.as_mut_ptr(), 120, &mut active), DC_OK);
+        assert_eq!(active, add_forces(expected, &own_law, &dofs, &mut own).unwrap());
         assert_eq!(residual, own);
         let mut triplets = Triplets::new();
         triplets.fill(expected, &own_law, &dofs, Triangle::Lower).unwrap();

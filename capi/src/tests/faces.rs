@@ -179,9 +179,9 @@ fn faces_give_what_the_runtime_gives() {
         let size = 3 * pair.nodes();
         let (mut residual, mut sum) = (vec![0.0; size], vec![0.0; size]);
         let (mut active, mut missed) = (0, 9);
-        let status = dc_faces_residual(handle, residual.as_mut_ptr(), size, &mut active, &mut missed);
+        let status = dc_faces_add_forces(handle, residual.as_mut_ptr(), size, &mut active, &mut missed);
         assert_eq!((status, missed), (DC_OK, expected.missed()));
-        assert_eq!(active, expected.add_residual(&dofs, &mut sum).unwrap());
+        assert_eq!(active, expected.add_forces(&dofs, &mut sum).unwrap());
         assert_eq!(residual, sum);
 
         for (tangent, own) in [(0, Tangent::Exact), (1, Tangent::GaussNewton)] {
@@ -220,7 +220,7 @@ fn faces_refuse_what_is_none() {
     // SAFETY: the arrays have the lengths given, or are refused.
     unsafe {
         let none = |status: dc_status| assert_eq!(status, DC_NOT_EVALUATED, "{}", message());
-        none(dc_faces_residual(handle, residual.as_mut_ptr(), size, null_mut(), null_mut()));
+        none(dc_faces_add_forces(handle, residual.as_mut_ptr(), size, null_mut(), null_mut()));
         assert_eq!(dc_faces_refresh(handle, pair.positions.as_ptr(), 5, null_mut()), DC_BAD_SIZE);
         assert_eq!(dc_faces_refresh(handle, pair.positions.as_ptr(), pair.nodes(), null_mut()), DC_OK);
         assert_eq!(dc_faces_evaluate(handle, null(), 2), DC_BAD_POINTER);
@@ -238,11 +238,11 @@ fn faces_refuse_what_is_none() {
         assert_eq!(dc_faces_set_history(handle, [0.5].as_ptr(), 1), DC_BAD_OPTION);
         assert!(message().starts_with("invalid-history: "), "{}", message());
         none(dc_faces_friction(handle, null_mut(), null_mut(), null_mut(), 25));
-        none(dc_faces_residual(handle, residual.as_mut_ptr(), size, null_mut(), null_mut()));
+        none(dc_faces_add_forces(handle, residual.as_mut_ptr(), size, null_mut(), null_mut()));
         assert_eq!(dc_faces_evaluate(handle, &law(&[]), 1), DC_OK);
         let residual = residual.as_mut_ptr();
-        assert_eq!(dc_faces_residual(handle, residual, size - 1, null_mut(), null_mut()), DC_BAD_SIZE);
-        assert_eq!(dc_faces_residual(handle, null_mut(), size, null_mut(), null_mut()), DC_BAD_POINTER);
+        assert_eq!(dc_faces_add_forces(handle, residual, size - 1, null_mut(), null_mut()), DC_BAD_SIZE);
+        assert_eq!(dc_faces_add_forces(handle, null_mut(), size, null_mut(), null_mut()), DC_BAD_POINTER);
         let mut count = 0;
         let triplets = |count| dc_faces_triplets(handle, 0, null_mut(), null_mut(), null_mut(), 0, count);
         // The exact tangent needs more than the gradient.
@@ -309,7 +309,7 @@ fn faces_have_friction() {
         // SAFETY: the array has the length given.
         unsafe {
             assert_eq!(dc_faces_evaluate(handle, &law, 2), DC_OK, "{}", message());
-            assert_eq!(dc_faces_residual(handle, forces.as_mut_ptr(), size, null_mut(), null_mut()), DC_OK);
+            assert_eq!(dc_faces_add_forces(handle, forces.as_mut_ptr(), size, null_mut(), null_mut()), DC_OK);
         }
         forces
     };
@@ -342,7 +342,7 @@ fn faces_have_friction() {
         assert_eq!((stuck, sliding, unanchored), (report.stuck, report.sliding, report.unanchored));
         assert_eq!(dissipated, report.dissipated);
         assert!(dissipated > 0.0);
-        assert_eq!(dc_faces_residual(handle, [].as_mut_ptr(), 0, null_mut(), null_mut()), DC_NOT_EVALUATED);
+        assert_eq!(dc_faces_add_forces(handle, [].as_mut_ptr(), 0, null_mut(), null_mut()), DC_NOT_EVALUATED);
         assert_eq!(dc_faces_history(handle, null_mut(), 0, &mut count), DC_OK);
     }
     let mut history = vec![0.0; count];

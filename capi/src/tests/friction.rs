@@ -4,7 +4,7 @@ use std::ptr::null_mut;
 
 use super::misuse::LAW;
 use super::{Mesh, message};
-use crate::assembly::{dc_residual, dc_triplets};
+use crate::assembly::{dc_add_forces, dc_triplets};
 use crate::friction::{dc_accept, dc_history, dc_set_history};
 use crate::interface::{dc_destroy, dc_evaluate, dc_interface, dc_refresh};
 use crate::law::dc_law;
@@ -27,7 +27,7 @@ fn residual(handle: *mut dc_interface, law: &dc_law) -> Vec<f64> {
     assert_eq!(dc_evaluate(handle, 2), DC_OK);
     // SAFETY: the array has the length given.
     assert_eq!(
-        unsafe { dc_residual(handle, law, residual.as_mut_ptr(), 120, null_mut()) },
+        unsafe { dc_add_forces(handle, law, residual.as_mut_ptr(), 120, null_mut()) },
         DC_OK,
         "{}",
         message()
@@ -97,7 +97,7 @@ fn friction_has_a_history_that_outlives_the_handle() {
     assert_eq!(dc_evaluate(handle, 2), DC_OK);
     let mut sum = vec![0.0; 120];
     // SAFETY: the array has the length given.
-    let status = unsafe { dc_residual(handle, &FRICTION, sum.as_mut_ptr(), 120, null_mut()) };
+    let status = unsafe { dc_add_forces(handle, &FRICTION, sum.as_mut_ptr(), 120, null_mut()) };
     assert_eq!(status, DC_NOT_EVALUATED, "{}", message());
     assert_eq!(dc_destroy(handle), DC_OK);
 }

@@ -10,7 +10,7 @@ use runtime::friction::{Coulomb, DecayingCoefficient, FrictionCoefficient, Tabul
 use super::faces::{Pair, law};
 use super::misuse::LAW;
 use super::{Mesh, message};
-use crate::assembly::dc_residual;
+use crate::assembly::dc_add_forces;
 use crate::choice::dc_coefficient::{DC_DECAYING, DC_TABULATED};
 use crate::contacts::dc_forces;
 use crate::faces::*;
@@ -64,7 +64,7 @@ fn by_runtime(mut faces: FaceInterface, pair: &Pair, moved: &[f64], law: &Contac
             }
         }
         let mut residual = vec![0.0; dofs.equations()];
-        faces.evaluate(law, Mode::Hessian).unwrap().add_residual(&dofs, &mut residual).unwrap();
+        faces.evaluate(law, Mode::Hessian).unwrap().add_forces(&dofs, &mut residual).unwrap();
         found.extend([residual, faces.slip_errors(law).unwrap()]);
     }
     found
@@ -92,7 +92,7 @@ fn by_calls(pair: &Pair, moved: &[f64], law: &dc_law) -> Vec<Vec<f64>> {
                 1 => {
                     done(dc_faces_augment(handle, law, every_second.as_ptr(), 25));
                     let target = residual.as_mut_ptr();
-                    let status = dc_faces_residual(handle, target, moved.len(), null_mut(), null_mut());
+                    let status = dc_faces_add_forces(handle, target, moved.len(), null_mut(), null_mut());
                     assert_eq!(status, DC_NOT_EVALUATED);
                 }
                 _ => {
@@ -101,7 +101,7 @@ fn by_calls(pair: &Pair, moved: &[f64], law: &dc_law) -> Vec<Vec<f64>> {
                 }
             }
             done(dc_faces_evaluate(handle, law, 2));
-            done(dc_faces_residual(handle, residual.as_mut_ptr(), moved.len(), null_mut(), null_mut()));
+            done(dc_faces_add_forces(handle, residual.as_mut_ptr(), moved.len(), null_mut(), null_mut()));
             let mut errors = vec![0.0; 25];
             done(dc_faces_slip_errors(handle, law, errors.as_mut_ptr(), 25));
             found.extend([residual, errors]);
@@ -153,7 +153,7 @@ fn nodes_have_pressures_by_table() {
             assert!((pressure - expected).abs() < 1e-12, "{depth} {pressure} {expected}");
         }
         let mut residual = vec![0.0; 120];
-        assert_eq!(dc_residual(handle, &law, residual.as_mut_ptr(), 120, null_mut()), DC_OK);
+        assert_eq!(dc_add_forces(handle, &law, residual.as_mut_ptr(), 120, null_mut()), DC_OK);
         let up: f64 = (36..40).map(|node| residual[3 * node + 2]).sum();
         assert!(up > 0.9 * forces.iter().sum::<f64>());
 
@@ -161,7 +161,7 @@ fn nodes_have_pressures_by_table() {
         let before = residual.clone();
         let target = residual.as_mut_ptr();
         let refused = |law: dc_law, status, code: &str| {
-            assert_eq!(dc_residual(handle, &law, target, 120, null_mut()), status, "{code}: {}", message());
+            assert_eq!(dc_add_forces(handle, &law, target, 120, null_mut()), status, "{code}: {}", message());
             assert!(message().starts_with(code), "{}", message());
         };
         refused(dc_law { normal_count: 1, ..law }, DC_BAD_OPTION, "invalid-table");

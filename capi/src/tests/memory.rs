@@ -5,7 +5,7 @@ use std::ptr::{null, null_mut};
 
 use super::misuse::{LAW, dc_report_of_size, refreshed};
 use super::{Mesh, message};
-use crate::assembly::{dc_residual, dc_triplets};
+use crate::assembly::{dc_add_forces, dc_triplets};
 use crate::batch::dc_gap_batch;
 use crate::contacts::{dc_derivatives, dc_forces, dc_gaps};
 use crate::element::{dc_element, dc_element_system, dc_gap, dc_point};
@@ -59,8 +59,8 @@ fn arrays_that_overlap_are_refused() {
         overlap(dc_forces(handle, &law, null_mut(), at(1), null_mut(), 4), "multipliers", "forces");
         assert_eq!(dc_forces(handle, &law, null_mut(), at(0), at(4), 4), DC_OK, "the next multipliers");
         assert!(numbers[..8].iter().all(|force| *force > 0.0));
-        overlap(dc_residual(handle, &law, at(2), 120, null_mut()), "multipliers", "residual");
-        overlap(dc_residual(handle, &LAW, at(0), 120, at(5).cast()), "residual", "active_count");
+        overlap(dc_add_forces(handle, &law, at(2), 120, null_mut()), "multipliers", "forces");
+        overlap(dc_add_forces(handle, &LAW, at(0), 120, at(5).cast()), "forces", "active_count");
         let triplets = dc_triplets(handle, &LAW, 0, at(0).cast(), at(9).cast(), null_mut(), 900, &mut count);
         overlap(triplets, "rows", "columns");
         overlap(dc_counts(handle, &mut count, &mut count), "node_count", "slave_count");
@@ -126,8 +126,8 @@ fn arrays_of_single_elements_that_overlap_are_refused() {
         let system = |residual, tangent| {
             dc_element_system(&LAW, -1.0, 1.0, 9, at(30), null(), null_mut(), residual, 30, tangent, 900)
         };
-        overlap(system(at(40), null_mut()), "gradient", "residual");
-        overlap(system(at(60), at(80)), "residual", "tangent");
+        overlap(system(at(40), null_mut()), "gradient", "nodal_forces");
+        overlap(system(at(60), at(80)), "nodal_forces", "tangent");
         let mut pairing: dc_pairing = std::mem::zeroed();
         pairing.size = size_of::<dc_pairing>();
         let up = [0.0, 0.0, 1.0];

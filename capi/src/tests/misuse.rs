@@ -3,7 +3,7 @@
 use std::ptr::{null, null_mut};
 
 use super::{Mesh, message, options, text};
-use crate::assembly::{dc_residual, dc_triplets};
+use crate::assembly::{dc_add_forces, dc_triplets};
 use crate::batch::dc_gap_batch;
 use crate::choice::dc_rule;
 use crate::contacts::{dc_contact, dc_contact_of, dc_cutback, dc_derivatives, dc_forces, dc_gaps};
@@ -168,19 +168,19 @@ fn pointers_sizes_and_handles() {
         assert_eq!(derivatives(&mut vec![0; count], &mut gradient), DC_BAD_SIZE);
         assert_eq!(nodes[0], 0, "a refusal writes nothing");
         let mut residual = [0.0; 120];
-        assert_eq!(dc_residual(handle, &LAW, residual.as_mut_ptr(), 120, null_mut()), DC_NOT_EVALUATED);
+        assert_eq!(dc_add_forces(handle, &LAW, residual.as_mut_ptr(), 120, null_mut()), DC_NOT_EVALUATED);
         assert_eq!(dc_evaluate(handle, 2), DC_OK);
         assert_eq!(derivatives(&mut nodes, &mut gradient), DC_OK);
-        assert_eq!(dc_residual(handle, &LAW, residual.as_mut_ptr(), 119, null_mut()), DC_BAD_SIZE);
-        assert_eq!(dc_residual(handle, null(), residual.as_mut_ptr(), 120, null_mut()), DC_BAD_POINTER);
+        assert_eq!(dc_add_forces(handle, &LAW, residual.as_mut_ptr(), 119, null_mut()), DC_BAD_SIZE);
+        assert_eq!(dc_add_forces(handle, null(), residual.as_mut_ptr(), 120, null_mut()), DC_BAD_POINTER);
         let wrong = dc_law { penalty: -1.0, ..LAW };
-        assert_eq!(dc_residual(handle, &wrong, residual.as_mut_ptr(), 120, null_mut()), DC_BAD_OPTION);
+        assert_eq!(dc_add_forces(handle, &wrong, residual.as_mut_ptr(), 120, null_mut()), DC_BAD_OPTION);
         let wrong = dc_law { reserved: 1, ..LAW };
-        assert_eq!(dc_residual(handle, &wrong, residual.as_mut_ptr(), 120, null_mut()), DC_BAD_OPTION);
+        assert_eq!(dc_add_forces(handle, &wrong, residual.as_mut_ptr(), 120, null_mut()), DC_BAD_OPTION);
         let wrong = dc_law { multipliers: gaps.as_ptr(), multiplier_count: 3, ..LAW };
-        assert_eq!(dc_residual(handle, &wrong, residual.as_mut_ptr(), 120, null_mut()), DC_BAD_SIZE);
+        assert_eq!(dc_add_forces(handle, &wrong, residual.as_mut_ptr(), 120, null_mut()), DC_BAD_SIZE);
         let wrong = dc_law { multiplier_count: 4, ..wrong };
-        assert_eq!(dc_residual(handle, &wrong, residual.as_mut_ptr(), 120, null_mut()), DC_BAD_OPTION);
+        assert_eq!(dc_add_forces(handle, &wrong, residual.as_mut_ptr(), 120, null_mut()), DC_BAD_OPTION);
         assert_eq!(dc_forces(handle, &wrong, null_mut(), null_mut(), null_mut(), 4), DC_BAD_OPTION);
         assert_eq!(residual, [0.0; 120]);
         let mut count = 0;
@@ -487,7 +487,7 @@ fn a_library_without_friction_says_so() {
     assert_eq!(dc_evaluate(handle, 2), DC_OK);
     let mut sum = vec![0.0; 120];
     // SAFETY: the array has the length given.
-    let status = unsafe { dc_residual(handle, &law, sum.as_mut_ptr(), 120, null_mut()) };
+    let status = unsafe { dc_add_forces(handle, &law, sum.as_mut_ptr(), 120, null_mut()) };
     assert_eq!(status, DC_NOT_EVALUATED);
     assert_eq!(dc_destroy(handle), DC_OK);
 }

@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use crate::support::{Installed, assert_same, c_compiler, from_hexadecimal, has, records, root, run};
-use runtime::assembly::{ContactLaw, CsrPattern, DofMap, Tangent, add_residual};
+use runtime::assembly::{ContactLaw, CsrPattern, DofMap, Tangent, add_forces};
 use runtime::interface::{ContactInterface, InterfaceOptions};
 use runtime::surface::{Facet, MasterSurface};
 use runtime::{Backend, Element, Frame, Generated, Mode};
@@ -163,7 +163,7 @@ fn replay(printed: &str) {
                     "gaps" => contacts.iter().map(|contact| contact.point.gap).collect(),
                     "residual" => {
                         let mut residual = vec![0.0; dofs.equations()];
-                        add_residual(contacts, &law, &dofs, &mut residual).unwrap();
+                        add_forces(contacts, &law, &dofs, &mut residual).unwrap();
                         residual
                     }
                     "tangent" | "tangent-far" => {

@@ -38,7 +38,7 @@ OUT.json, in the same order; vectors and rows over slave, master 1, ... master n
   {"elements": [
     {"status": "ok", "active": gap < 0, "gap": g, "foot": [3], "normal": [3], "coefficients": [6 or 3],
      "frame": {...}, "frame_derivative": "...", "support_radius": R, "regularity": r, "place": [3],
-     "n": [3(n+1)], "m": [[...], ...], "residual": [...], "tangent": [[...], ...]},
+     "n": [3(n+1)], "m": [[...], ...], "force": [...], "tangent": [[...], ...]},
     {"status": "error", "code": "singular-fit", "message": "..."}
   ]}
 A file that does not follow this form is refused: exit code 2, nothing written. An element whose geometry or parameters have

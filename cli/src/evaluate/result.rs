@@ -16,7 +16,7 @@ use crate::outcome::Outcome;
 /// slave, master 1, …, master n. Equation numbers are those of Chamoret et al. 2008.
 #[derive(Debug, Serialize)]
 pub struct Evaluated {
-    /// Whether the slave penetrates, g < 0. `residual` and `tangent` are (33) and (43) for either sign of g; a
+    /// Whether the slave penetrates, g < 0. `force` and `tangent` are (33) and (43) for either sign of g; a
     /// caller whose contact cannot pull adds them only when this is true.
     active: bool,
     /// Signed gap g (19): positive apart, negative penetrating.
@@ -42,7 +42,7 @@ pub struct Evaluated {
     /// M = ∂²g/∂x∂x (42), full rows.
     m: Vec<Vec<f64>>,
     /// R = −ε g N (33).
-    residual: Vec<f64>,
+    force: Vec<f64>,
     /// K = −∂R/∂x = ε (g M + N Nᵀ) (43), full rows.
     tangent: Vec<Vec<f64>>,
     /// The slip from the anchor, if the element has one.
@@ -66,14 +66,14 @@ struct SlipOutput {
     foot_weights: Vec<f64>,
 }
 
-/// Friction by Coulomb's law, over the same coordinates. It comes on top of `residual` and `tangent`, which are those of the
+/// Friction by Coulomb's law, over the same coordinates. It comes on top of `force` and `tangent`, which are those of the
 /// penalty alone.
 #[derive(Debug, Serialize)]
 struct FrictionOutput {
     /// `open`, `stick` or `slip`.
     state: &'static str,
     /// The force R = −c ∇q.
-    residual: Vec<f64>,
+    force: Vec<f64>,
     /// K = −∂R/∂x, full rows; in slip not symmetric.
     tangent: Vec<Vec<f64>>,
 }
@@ -335,9 +335,9 @@ fn answer(
     };
     // The same bits with and without an anchor.
     let gap = backend.gap(element, Mode::Hessian)?;
-    let residual = gap.residual(input.penalty);
+    let force = gap.contact_force(input.penalty);
     let tangent = gap.tangent(input.penalty);
-    finite("residual", &residual)?;
+    finite("force", &force)?;
     finite("tangent", tangent.packed())?;
     finite("gap gradient", &gap.gradient)?;
     finite("gap Hessian", gap.hessian.packed())?;
@@ -359,7 +359,7 @@ fn answer(
         regularity: element_regularity(element),
         n: gap.gradient,
         m: gap.hessian.to_rows(),
-        residual,
+        force,
         tangent: tangent.to_rows(),
         slip: slip.map(slip_output).transpose()?,
         friction,
@@ -381,10 +381,10 @@ fn friction(slip: &Slip, law: FrictionInput, penalty: f64) -> Result<FrictionOut
     let coulomb = Coulomb::new(law.coefficient, law.stiffness)?.with_shear_limit(law.shear_limit)?;
     let force = coulomb.force(normal, slip.half_square);
     force.check()?;
-    let (residual, tangent) = (force.contact_force(slip), force.tangent(slip));
-    finite("friction force", &residual)?;
+    let (nodal, tangent) = (force.contact_force(slip), force.tangent(slip));
+    finite("friction force", &nodal)?;
     tangent.iter().try_for_each(|row| finite("friction tangent", row))?;
-    Ok(FrictionOutput { state: force.state.name(), residual, tangent })
+    Ok(FrictionOutput { state: force.state.name(), force: nodal, tangent })
 }
 
 fn finite(what: &'static str, numbers: &[f64]) -> Result<(), ElementError> {

@@ -73,7 +73,7 @@ pub struct ElementInput {
     /// Weight of the fit; `cubic` if left out.
     #[serde(default)]
     weight: WeightInput,
-    /// Penalty ε of the residual and the tangent; 1 if left out.
+    /// Penalty ε of the force and the tangent; 1 if left out.
     #[serde(default = "unit_penalty")]
     pub penalty: f64,
     /// Where the anchor is that the slip is measured from; without it there is no slip.

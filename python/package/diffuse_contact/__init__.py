@@ -2,7 +2,7 @@
 
 The master surface is a moving least squares fit through its nodes, so that the normal does not jump; gap, gradient N
 and Hessian M are exact. ``gap`` evaluates many elements on arrays; ``ContactInterface`` pairs slave nodes with a
-``MasterSurface`` and assembles residual and tangent. Coordinates are global, in one length unit of the caller's choice;
+``MasterSurface`` and assembles forces and tangent. Coordinates are global, in one length unit of the caller's choice;
 the gap is positive apart and negative penetrating; derivatives are ordered slave, master 1, …, master n.
 """
 

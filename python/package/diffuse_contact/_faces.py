@@ -93,7 +93,7 @@ class FaceInterface:
 
         ḡ_A = ∫ N_A g dA / ∫ N_A dA        p_A = max(0, λ_A − ε ḡ_A)
 
-    In a Newton iteration: ``refresh`` once an increment, then at each iteration ``update``, ``evaluate``, ``residual``
+    In a Newton iteration: ``refresh`` once an increment, then at each iteration ``update``, ``evaluate``, ``forces``
     and ``tangent``. With friction ``accept`` each increment that has converged: that is all of the history. Forces and
     moments balance; there is no energy, and the tangent is not symmetric.
 
@@ -160,7 +160,7 @@ class FaceInterface:
 
     @property
     def equations(self) -> int:
-        """Number of equations: rows of residual and tangent."""
+        """Number of equations: rows of forces and tangent."""
         return self._faces.equations()
 
     def refresh(self, positions: ArrayLike) -> FaceReport:
@@ -322,7 +322,7 @@ class FaceInterface:
         friction, states, slip = self._faces.friction()
         return FaceContacts(gap, area, pressure, normal.reshape(-1, 3), outcomes, friction.reshape(-1, 3), states, slip)
 
-    def residual(self, *, out: Floats | None = None) -> Floats:
+    def forces(self, *, out: Floats | None = None) -> Floats:
         """The contact forces on the nodes, shape (equations,); added to ``out`` if that is given.
 
         Raises:
@@ -331,9 +331,9 @@ class FaceInterface:
 
         """
         if out is None:
-            out = new("residual", self.equations)
+            out = new("forces", self.equations)
             out.fill(0.0)
-        self._faces.add_residual(vector("out", out))
+        self._faces.add_forces(vector("out", out))
         return out
 
     def tangent(self, tangent: Tangent = "exact") -> scipy.sparse.csr_matrix:

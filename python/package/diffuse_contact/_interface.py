@@ -160,7 +160,7 @@ class ContactInterface:
     """Slave nodes paired with a master surface.
 
     In a Newton iteration: ``refresh_pairing`` once an increment or once an iteration, then at each iteration
-    ``follow``, ``evaluate``, ``residual`` and ``tangent``, the last with ``adaptive_tangent``. Every slave has an
+    ``follow``, ``evaluate``, ``forces`` and ``tangent``, the last with ``adaptive_tangent``. Every slave has an
     outcome; an exception is for what the caller has to mend, and leaves the interface as it was. (An evaluation that
     finds no memory leaves it without results.) Arrays given as ``out`` are as they were, but if a sum overflows: they
     then hold anything.
@@ -296,7 +296,7 @@ class ContactInterface:
 
     @property
     def equations(self) -> int:
-        """Number of equations: rows of residual and tangent."""
+        """Number of equations: rows of forces and tangent."""
         return self._interface.equations()
 
     def refresh_pairing(self, positions: ArrayLike) -> RefreshReport:
@@ -361,7 +361,7 @@ class ContactInterface:
         """Evaluates all contacts at the positions of the last update or refresh, in parallel, without the GIL.
 
         Args:
-            mode: ``"value"``; ``"gradient"``, enough for residual and tangents; ``"hessian"`` keeps every M, which
+            mode: ``"value"``; ``"gradient"``, enough for forces and tangents; ``"hessian"`` keeps every M, which
                 ``contact`` and the exact ``triplets`` show, and which takes the most memory of all.
 
         Raises:
@@ -421,10 +421,10 @@ class ContactInterface:
         then nothing of the history changes, so that an increment may be tried again. It ends the evaluation.
 
         Args:
-            penalty: as for ``residual``.
-            friction: as for ``residual``.
-            multipliers: as for ``residual``: those that the increment was solved with.
-            normal: as for ``residual``.
+            penalty: as for ``forces``.
+            friction: as for ``forces``.
+            multipliers: as for ``forces``: those that the increment was solved with.
+            normal: as for ``forces``.
 
         Raises:
             InterfaceError: ``"no-anchors"`` for facets, and for other rules than ``"domains"``;
@@ -451,10 +451,10 @@ class ContactInterface:
         increment on its way: ``accept`` takes them over, ``roll_back`` forgets them.
 
         Args:
-            penalty: as for ``residual``.
+            penalty: as for ``forces``.
             friction: a ``Coulomb`` with ``augmented=True``.
-            multipliers: as for ``residual``.
-            normal: as for ``residual``.
+            multipliers: as for ``forces``.
+            normal: as for ``forces``.
             moves: which slaves take part, shape (s,), of bool; all if left out. Where other bodies hold a slave, no
                 multiplier can help.
 
@@ -507,7 +507,7 @@ class ContactInterface:
     def history(self, history: ArrayLike) -> None:
         self._interface.set_history(floats("history", history, "h"))
 
-    def residual(
+    def forces(
         self,
         penalty: float,
         *,
@@ -534,11 +534,11 @@ class ContactInterface:
 
         """
         if out is None:
-            out = new("residual", self.equations)
+            out = new("forces", self.equations)
             out.fill(0.0)
         law = law_of(penalty, multipliers, friction=friction, normal=normal)
         try:
-            self._interface.add_residual(law, vector("out", out))
+            self._interface.add_forces(law, vector("out", out))
         except BusyError as error:
             refuse_overlap(error, {"multipliers": law.multipliers}, {"out": out})
         return out
@@ -564,12 +564,12 @@ class ContactInterface:
         8.7 kB for a slave with 14 masters.
 
         Args:
-            penalty: as for ``residual``.
-            multipliers: as for ``residual``.
+            penalty: as for ``forces``.
+            multipliers: as for ``forces``.
             tangent: ``"exact"``, or ``"gauss-newton"`` for Σ ε N Nᵀ alone, positive semidefinite; ``adaptive_tangent``
                 says which.
-            friction: as for ``residual``.
-            normal: as for ``residual``.
+            friction: as for ``forces``.
+            normal: as for ``forces``.
 
         """
         values = self.tangent_values(
@@ -643,10 +643,10 @@ class ContactInterface:
         moves on. There is none with friction.
 
         Args:
-            penalty: as for ``residual``.
-            multipliers: as for ``residual``.
+            penalty: as for ``forces``.
+            multipliers: as for ``forces``.
             tangent: as for ``tangent``.
-            normal: as for ``residual``.
+            normal: as for ``forces``.
 
         Raises:
             AssemblyError: for the penalty or multipliers.

@@ -111,7 +111,7 @@ impl DofMap {
         self.nodes
     }
 
-    /// Number of equations: rows of the residual and of the tangent.
+    /// Number of equations: rows of the forces and of the tangent.
     #[must_use]
     pub const fn equations(&self) -> usize {
         self.equations

@@ -138,7 +138,7 @@ pub enum AssemblyError {
     /// The slice to add to has the wrong length.
     #[error("the {what} have {found} entries instead of {expected}")]
     OutputLength {
-        /// `"residuals"`, `"values"` or `"row offsets"`.
+        /// `"forces"`, `"values"` or `"row offsets"`.
         what: &'static str,
         /// Its length.
         found: usize,
@@ -206,7 +206,7 @@ pub enum AssemblyError {
     /// A sum left the range of numbers, or was not finite before anything was added.
     #[error("the {what} of equation {equation} are not finite")]
     Overflow {
-        /// `"residuals"` or `"values"`.
+        /// `"forces"` or `"values"`.
         what: &'static str,
         /// The first such equation.
         equation: usize,

@@ -1,22 +1,22 @@
-//! From contact elements to the equations of a solver: residual vector, triplets, compressed rows.
+//! From contact elements to the equations of a solver: vector of contact forces, triplets, compressed rows.
 //!
 //! The input is any list of [`Elements`]; a [`ContactLaw`] says which of them carry force and how much; a [`DofMap`]
-//! says which equation a displacement has. The products of gap, gradient and Hessian that make up residual and tangent
+//! says which equation a displacement has. The products of gap, gradient and Hessian that make up forces and tangent
 //! are formed entry by entry where the sums below add them; no element matrix is stored.
 //!
-//! * [`add_residual`] adds the contact forces to a vector.
+//! * [`add_forces`] adds the contact forces to a vector.
 //! * [`Triplets`] lists the entries of the tangent, for solvers that sort and sum themselves.
 //! * [`CsrPattern`] is built once for a pairing and then filled at every iteration, in parallel.
 //! * [`TangentOperator`] multiplies the tangent of an interface with vectors, without making it.
 //! * [`Tangent::adaptive`] says which tangent the next linear solution had better have.
-//! * [`ContactLaw::element_system`] makes residual and dense tangent of one element by itself,
+//! * [`ContactLaw::element_system`] makes forces and dense tangent of one element by itself,
 //!   [`ContactLaw::element_tangent`] the tangent's lower triangle.
 //!
 //! Every sum is formed in the order of the elements, and within an element in the order of its nodes. So the result is,
 //! bit for bit, the one of a plain loop over the elements, for any number of threads.
 //!
 //! ```
-//! use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap, ElementView, add_residual};
+//! use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap, ElementView, add_forces};
 //! use diffuse_contact::{Backend, Basis, Element, Frame, Generated, Mode, Weight};
 //!
 //! // Nodes 0 to 8 are a flat master surface, node 9 penetrates it by 0.01.
@@ -29,11 +29,11 @@
 //!
 //! let law = ContactLaw::penalty(1e5);
 //! let dofs = DofMap::standard(10);
-//! let mut residual = vec![0.0; dofs.equations()];
-//! let active = add_residual(elements.as_slice(), &law, &dofs, &mut residual)?;
+//! let mut forces = vec![0.0; dofs.equations()];
+//! let active = add_forces(elements.as_slice(), &law, &dofs, &mut forces)?;
 //! assert_eq!(active, 1);
 //! // The slave is pushed out along +z.
-//! assert!((residual[3 * 9 + 2] - 1e3).abs() < 1e-9);
+//! assert!((forces[3 * 9 + 2] - 1e3).abs() < 1e-9);
 //!
 //! let pattern = CsrPattern::union(elements.as_slice(), &dofs)?;
 //! let mut values = vec![0.0; pattern.entries()];
@@ -46,23 +46,23 @@
 mod dofs;
 mod elements;
 mod error;
+mod forces;
 mod law;
 mod normal;
 mod operator;
 mod pattern;
-mod residual;
 mod single;
 mod triplets;
 
 pub use dofs::DofMap;
 pub use elements::{ContactView, ElementView, Elements, SlipView};
 pub use error::AssemblyError;
+pub use forces::add_forces;
 pub use law::{ContactLaw, Tangent};
 pub(crate) use normal::Table;
 pub use normal::{NormalLaw, NormalPressure, TabulatedPressure};
 pub use operator::TangentOperator;
 pub use pattern::{CsrIndex, CsrMap, CsrPattern};
-pub use residual::add_residual;
 pub use triplets::{Triangle, Triplets};
 
 /// An empty vector with room for `count` of `what`: an error where there is no memory, not the end of the program.

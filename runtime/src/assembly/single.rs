@@ -4,10 +4,10 @@ use super::law::Needs;
 use super::{AssemblyError, ContactLaw, ContactView};
 
 impl ContactLaw<'_> {
-    /// Writes R = f N into `residual` and K = −∂R/∂x, both triangles row by row, into `tangent`, over the element's own
+    /// Writes R = f N into `nodal_forces` and K = −∂R/∂x, both triangles row by row, into `tangent`, over the element's own
     /// 3(n+1) coordinates; zeros if it carries no force. An empty slice is not wanted. Returns the force f.
     ///
-    /// The entries are those that [`add_residual`](super::add_residual) and [`Triplets`](super::Triplets) make of a list of
+    /// The entries are those that [`add_forces`](super::add_forces) and [`Triplets`](super::Triplets) make of a list of
     /// this one element, bit for bit.
     ///
     /// # Errors
@@ -21,16 +21,16 @@ impl ContactLaw<'_> {
     /// // A slave 0.25 below one master, held apart along z.
     /// let gradient = [0.0, 0.0, 1.0, 0.0, 0.0, -1.0];
     /// let contact = ContactView { gap: -0.25, area: 1.0, gradient: &gradient, hessian: &[0.0; 21], slip: None };
-    /// let (mut residual, mut tangent) = ([0.0; 6], [0.0; 36]);
-    /// let force = ContactLaw::penalty(8.0).element_system(&contact, &mut residual, &mut tangent)?;
-    /// assert_eq!((force, residual[2], residual[5]), (2.0, 2.0, -2.0));
+    /// let (mut nodal_forces, mut tangent) = ([0.0; 6], [0.0; 36]);
+    /// let force = ContactLaw::penalty(8.0).element_system(&contact, &mut nodal_forces, &mut tangent)?;
+    /// assert_eq!((force, nodal_forces[2], nodal_forces[5]), (2.0, 2.0, -2.0));
     /// assert_eq!((tangent[2 * 6 + 2], tangent[2 * 6 + 5]), (8.0, -8.0));
     /// # Ok::<(), diffuse_contact::assembly::AssemblyError>(())
     /// ```
     pub fn element_system(
         &self,
         contact: &ContactView<'_>,
-        residual: &mut [f64],
+        nodal_forces: &mut [f64],
         tangent: &mut [f64],
     ) -> Result<f64, AssemblyError> {
         self.check(1)?;
@@ -39,19 +39,19 @@ impl ContactLaw<'_> {
             let wrong = AssemblyError::OutputLength { what, found, expected };
             if found == 0 || found == expected { Ok(()) } else { Err(wrong) }
         };
-        length("residuals", residual.len(), freedoms)?;
+        length("forces", nodal_forces.len(), freedoms)?;
         length("values", tangent.len(), freedoms * freedoms)?;
         let needs = if tangent.is_empty() { Needs::Residual } else { Needs::Tangent };
         self.check_contact(0, contact, freedoms, needs)?;
-        residual.fill(0.0);
+        nodal_forces.fill(0.0);
         tangent.fill(0.0);
         let Some(active) = self.active_contact(0, contact) else { return Ok(0.0) };
         let finite = |what, equation, value: f64| {
             if value.is_finite() { Ok(value) } else { Err(AssemblyError::Overflow { what, equation }) }
         };
-        for (p, entry) in residual.iter_mut().enumerate() {
+        for (p, entry) in nodal_forces.iter_mut().enumerate() {
             // Added to zero, as a sum over elements is.
-            *entry = finite("residuals", p, 0.0 + active.contact_force(p))?;
+            *entry = finite("forces", p, 0.0 + active.contact_force(p))?;
         }
         if tangent.is_empty() {
             return Ok(active.force);
@@ -113,7 +113,7 @@ impl ContactLaw<'_> {
 mod tests {
     use super::*;
     use crate::assembly::{
-        CsrPattern, DofMap, ElementView, SlipView, Tangent, Triangle, Triplets, add_residual,
+        CsrPattern, DofMap, ElementView, SlipView, Tangent, Triangle, Triplets, add_forces,
     };
     use crate::friction::Coulomb;
 
@@ -127,13 +127,13 @@ mod tests {
         let elements = [ElementView { slave: 0, masters: &[1], contact: Some(contact) }];
         let dofs = DofMap::standard(2);
         let mut listed = vec![0.0; 6];
-        add_residual(elements.as_slice(), law, &dofs, &mut listed).unwrap();
+        add_forces(elements.as_slice(), law, &dofs, &mut listed).unwrap();
         let mut triplets = Triplets::new();
         triplets.fill(elements.as_slice(), law, &dofs, Triangle::Full).unwrap();
-        let (mut residual, mut matrix) = (vec![9.0; 6], vec![9.0; 36]);
-        let force = law.element_system(&contact, &mut residual, &mut matrix).unwrap();
+        let (mut nodal_forces, mut matrix) = (vec![9.0; 6], vec![9.0; 36]);
+        let force = law.element_system(&contact, &mut nodal_forces, &mut matrix).unwrap();
         assert_eq!(force, law.force(0, contact.gap, contact.area));
-        assert_eq!(residual, listed);
+        assert_eq!(nodal_forces, listed);
         assert_eq!(matrix, triplets.values());
         let pattern = CsrPattern::union(elements.as_slice(), &dofs).unwrap();
         let mut values = vec![0.0; pattern.entries()];
@@ -210,20 +210,21 @@ mod tests {
         let contact =
             ContactView { gap: -0.3, area: 0.7, gradient: &gradient, hessian: &hessian, slip: None };
         let law = ContactLaw::penalty(3.1).with_friction(Some(Coulomb::new(0.2, 5.0).unwrap()));
-        let mut residual = [0.0; 6];
-        let system =
-            |contact: &ContactView<'_>, residual: &mut [f64]| law.element_system(contact, residual, &mut []);
-        assert_eq!(system(&contact, &mut residual), Err(AssemblyError::NoSlip { element: 0 }));
+        let mut nodal_forces = [0.0; 6];
+        let system = |contact: &ContactView<'_>, nodal_forces: &mut [f64]| {
+            law.element_system(contact, nodal_forces, &mut [])
+        };
+        assert_eq!(system(&contact, &mut nodal_forces), Err(AssemblyError::NoSlip { element: 0 }));
         let open = ContactView { gap: 0.3, ..contact };
-        assert_eq!(system(&open, &mut residual), Ok(0.0));
+        assert_eq!(system(&open, &mut nodal_forces), Ok(0.0));
         let first = ContactView { slip: Some(SlipView::default()), ..contact };
-        let force = system(&first, &mut residual).unwrap();
-        assert_eq!(residual.to_vec(), gradient.iter().map(|n| force * n).collect::<Vec<f64>>());
+        let force = system(&first, &mut nodal_forces).unwrap();
+        assert_eq!(nodal_forces.to_vec(), gradient.iter().map(|n| force * n).collect::<Vec<f64>>());
         let short = SlipView { half_square: 1.0, gradient: &gradient[..5], ..SlipView::default() };
-        let wrong = system(&ContactView { slip: Some(short), ..contact }, &mut residual).unwrap_err();
+        let wrong = system(&ContactView { slip: Some(short), ..contact }, &mut nodal_forces).unwrap_err();
         assert_eq!(wrong.code(), "derivative-length");
         let nan = SlipView { half_square: f64::NAN, gradient: &gradient, ..SlipView::default() };
-        let wrong = system(&ContactView { slip: Some(nan), ..contact }, &mut residual).unwrap_err();
+        let wrong = system(&ContactView { slip: Some(nan), ..contact }, &mut nodal_forces).unwrap_err();
         assert_eq!(wrong.code(), "invalid-slip");
     }
 
@@ -232,16 +233,16 @@ mod tests {
         let (gradient, hessian) = (numbers(6), numbers(21));
         let contact = ContactView { gap: 0.1, area: 1.0, gradient: &gradient, hessian: &hessian, slip: None };
         let law = ContactLaw::penalty(2.0);
-        let mut residual = [1.0; 6];
-        assert_eq!(law.element_system(&contact, &mut residual, &mut []), Ok(0.0));
-        assert_eq!(residual, [0.0; 6]);
+        let mut nodal_forces = [1.0; 6];
+        assert_eq!(law.element_system(&contact, &mut nodal_forces, &mut []), Ok(0.0));
+        assert_eq!(nodal_forces, [0.0; 6]);
         let mut packed = [1.0; 21];
         assert_eq!(law.element_tangent(&contact, &mut packed), Ok(0.0));
         assert_eq!(packed, [0.0; 21]);
         let wrong = law.element_tangent(&contact, &mut packed[..20]).unwrap_err();
         assert_eq!(wrong, AssemblyError::OutputLength { what: "values", found: 20, expected: 21 });
-        let wrong = law.element_system(&contact, &mut residual[..5], &mut []).unwrap_err();
-        assert_eq!(wrong, AssemblyError::OutputLength { what: "residuals", found: 5, expected: 6 });
+        let wrong = law.element_system(&contact, &mut nodal_forces[..5], &mut []).unwrap_err();
+        assert_eq!(wrong, AssemblyError::OutputLength { what: "forces", found: 5, expected: 6 });
         let short = ContactView { gap: -0.1, hessian: &hessian[..20], ..contact };
         assert_eq!(
             law.element_system(&short, &mut [], &mut [0.0; 36]).unwrap_err().code(),
@@ -250,7 +251,7 @@ mod tests {
         let nan = ContactView { gap: f64::NAN, ..contact };
         assert_eq!(law.element_system(&nan, &mut [], &mut []).unwrap_err().code(), "invalid-gap");
         let infinite = ContactView { gap: -0.1, gradient: &[f64::INFINITY; 6], ..contact };
-        assert_eq!(law.element_system(&infinite, &mut residual, &mut []).unwrap_err().code(), "overflow");
+        assert_eq!(law.element_system(&infinite, &mut nodal_forces, &mut []).unwrap_err().code(), "overflow");
         // The first equation with such an entry, although the lower triangle has it in a later row.
         let mut large = hessian.clone();
         large[4 * 5 / 2 + 2] = f64::INFINITY;

@@ -168,24 +168,24 @@ impl FaceContacts {
         }
     }
 
-    /// Adds the contact forces on the nodes to `residual`, one entry per equation. Returns the number of nodes that carry pressure.
+    /// Adds the contact forces on the nodes to `forces`, one entry per equation. Returns the number of nodes that carry pressure.
     ///
     /// # Errors
-    /// [`AssemblyError::OutputLength`], [`AssemblyError::UnknownNode`], [`AssemblyError::NotDerived`]: `residual` is then unchanged.
-    /// [`AssemblyError::Overflow`] if a sum is not finite; the contents of `residual` are then unspecified.
-    pub fn add_residual(&self, dofs: &DofMap, residual: &mut [f64]) -> Result<usize, AssemblyError> {
-        let (found, expected) = (residual.len(), dofs.equations());
+    /// [`AssemblyError::OutputLength`], [`AssemblyError::UnknownNode`], [`AssemblyError::NotDerived`]: `forces` is then unchanged.
+    /// [`AssemblyError::Overflow`] if a sum is not finite; the contents of `forces` are then unspecified.
+    pub fn add_forces(&self, dofs: &DofMap, forces: &mut [f64]) -> Result<usize, AssemblyError> {
+        let (found, expected) = (forces.len(), dofs.equations());
         if found != expected {
-            return Err(AssemblyError::OutputLength { what: "residuals", found, expected });
+            return Err(AssemblyError::OutputLength { what: "forces", found, expected });
         }
         self.check(dofs, Mode::Gradient)?;
         for block in &self.blocks {
             for (node, place) in block.rows.iter().zip(0..) {
                 for axis in 0..3 {
                     let Some(equation) = dofs.equation(*node as usize, axis) else { continue };
-                    residual[equation] += block.force(3 * place + axis);
-                    if !residual[equation].is_finite() {
-                        return Err(AssemblyError::Overflow { what: "residuals", equation });
+                    forces[equation] += block.force(3 * place + axis);
+                    if !forces[equation].is_finite() {
+                        return Err(AssemblyError::Overflow { what: "forces", equation });
                     }
                 }
             }

@@ -49,7 +49,7 @@
 //! // A pressure of 1 everywhere: a node inside the master carries its cell's area, 1.
 //! let dofs = DofMap::standard(positions.len());
 //! let mut forces = vec![0.0; dofs.equations()];
-//! contacts.add_residual(&dofs, &mut forces)?;
+//! contacts.add_forces(&dofs, &mut forces)?;
 //! assert!((forces[3 * 24 + 2] + 1.0).abs() < 1e-12);
 //! let tangent = contacts.triplets(Tangent::Exact, &dofs)?;
 //! assert!(!tangent.is_empty());

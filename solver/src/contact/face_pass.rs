@@ -87,7 +87,7 @@ impl FacePass {
         let law = law(self.penalty, &self.multipliers, self.friction.as_ref());
         let contacts = self.interface.evaluate(&law, self.mode)?;
         self.forces.fill(0.0);
-        contacts.add_residual(&self.dofs, &mut self.forces)?;
+        contacts.add_forces(&self.dofs, &mut self.forces)?;
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use diffuse_contact::assembly::{AssemblyError, ContactLaw, ContactView, DofMap, Tangent, add_residual};
+use diffuse_contact::assembly::{AssemblyError, ContactLaw, ContactView, DofMap, Tangent, add_forces};
 use diffuse_contact::friction::{FrictionForce, FrictionState};
 use diffuse_contact::interface::{ContactInterface, ContactRef, Contacts, FrictionReport, Outcome};
 use diffuse_contact::neighbourhood::Fallback;
@@ -171,7 +171,7 @@ impl Pass for NodePass {
         self.values.clear();
         self.values.resize(self.dofs.equations(), 0.0);
         let mut contact_forces = std::mem::take(&mut self.values);
-        let active = add_residual(self.contacts(), &self.law(), &self.dofs, &mut contact_forces)?;
+        let active = add_forces(self.contacts(), &self.law(), &self.dofs, &mut contact_forces)?;
         for (force, contact) in forces.iter_mut().zip(&contact_forces) {
             *force -= contact;
         }

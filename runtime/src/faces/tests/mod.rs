@@ -71,7 +71,7 @@ impl Pair {
 
     fn forces(&self, contacts: &FaceContacts) -> Vec<Point> {
         let mut forces = vec![0.0; 3 * self.positions.len()];
-        contacts.add_residual(&DofMap::standard(self.positions.len()), &mut forces).unwrap();
+        contacts.add_forces(&DofMap::standard(self.positions.len()), &mut forces).unwrap();
         forces.as_chunks::<3>().0.to_vec()
     }
 
@@ -392,7 +392,7 @@ fn of_layers_of_the_master_the_nearest_carries() {
             );
         }
         let mut forces = vec![0.0; 3 * positions.len()];
-        contacts.add_residual(&DofMap::standard(positions.len()), &mut forces).unwrap();
+        contacts.add_forces(&DofMap::standard(positions.len()), &mut forces).unwrap();
         assert!(forces[3 * first..].iter().all(|&force| force == 0.0));
     }
 }
@@ -406,7 +406,7 @@ fn derivatives_that_were_not_evaluated_are_refused() {
     let refused = |found, needed| AssemblyError::NotDerived { needed, found };
     let contacts = interface.evaluate(&law, Mode::Value).unwrap();
     let mut forces = vec![0.0; dofs.equations()];
-    let error = contacts.add_residual(&dofs, &mut forces).unwrap_err();
+    let error = contacts.add_forces(&dofs, &mut forces).unwrap_err();
     assert_eq!(error, refused(Mode::Value, Mode::Gradient));
     let contacts = interface.evaluate(&law, Mode::Gradient).unwrap();
     assert!(!contacts.triplets(Tangent::GaussNewton, &dofs).unwrap().is_empty());

@@ -119,6 +119,26 @@ fn patch_test_over_faces_of_all_kinds() {
     }
 }
 
+/// Nor do surfaces have to end at faces of the other side, whichever is the slave: a face is covered in part by each of two others.
+#[test]
+fn patch_test_with_partial_overlap() {
+    for element in ELEMENTS {
+        for roles in [[false, false], [true, true], [false, true]] {
+            let mut deck =
+                Deck { contact: element, ..Deck::parse(include_str!("partial_overlap.toml")).unwrap() };
+            deck.newton.tolerance = 1e-12;
+            deck.interfaces
+                .iter_mut()
+                .zip(roles)
+                .for_each(|(interface, exchange)| interface.exchange = exchange);
+            let measured = run(&deck, |snapshot| Uniformity::of(snapshot, 2, 10.0));
+            let Uniformity { stress, other_stress, .. } = *measured.measures.last().unwrap();
+            println!("{element:?} {roles:?}: {stress:e} {other_stress:e}");
+            assert!(stress.max(other_stress) < 1e-9, "{element:?} {roles:?}: {stress:e} {other_stress:e}");
+        }
+    }
+}
+
 /// Lamé's pressure and displacement on coarse rings that do not match.
 #[test]
 fn shrink_fit() {

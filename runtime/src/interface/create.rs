@@ -62,7 +62,7 @@ impl ContactInterface {
     ///   node or that at the facet. The thickness is that of the first configuration, and unbounded where the surface has no other side.
     ///
     /// Facets farther away than the distance limit, by default two mean extents of a facet, are none of them. A slave without any has
-    /// [`NoContact::NothingOver`].
+    /// [`NoContact::NothingOver`](super::NoContact::NothingOver).
     ///
     /// Both sides of a contact carry slaves. With ε from the one and ε from the other the stiffness is 2ε: give the law half of the
     /// penalty. The energy is then ½ (½ ε Σ A g²) of either side, force and tangent are its exact derivatives, and no side has a role.

@@ -256,6 +256,16 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        function dc_feet(interface, outcomes, slave_count, weights, weight_size, foot, foot_size, normal, normal_size) &
+                bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: interface
+            integer(c_int32_t), intent(inout), optional :: outcomes(*)
+            integer(c_size_t), value :: slave_count, weight_size, foot_size, normal_size
+            real(c_double), intent(inout), optional :: weights(*), foot(*), normal(*)
+            integer(c_int) :: status
+        end function
+
         function dc_gaps(interface, outcomes, gaps, slave_count) bind(c) result(status)
             import :: c_double, c_int, c_int32_t, c_ptr, c_size_t
             type(c_ptr), value :: interface

@@ -702,6 +702,30 @@ enum dc_status dc_forces(struct dc_interface *interface,
 enum dc_status dc_cutback(struct dc_interface *interface,
                           double *factor);
 
+// The feet x^d of all slaves and their derivatives, one slave after another, at the positions of the last dc_update, dc_follow or
+// dc_refresh, for laws of the host's own. No evaluation of these positions is needed. With n the master_count of dc_contact_of, and the
+// nodes of dc_derivatives, both of any dc_evaluate since the lists of nodes were made:
+//
+// - `weights` phi, n numbers for each slave, their sum is 1: a field over the nodes is sum phi_k u_k at the foot, x^d = sum phi_k x_k.
+//   Behind planes of symmetry the images of a node add to its number, and their positions to the foot;
+// - `foot` dx^d/dx, 3 rows of 3(n+1) numbers for each slave, ordered as the gradient of dc_derivatives, dimensionless;
+// - `normal` dnu/dx, the same, 1/length.
+//
+// Without contact numbers are 0, and `outcomes`, a dc_outcome for each slave, says why; without a pairing n is 0. What is not
+// wanted is NULL. The sizes are those of the arrays. DC_BAD_SIZE names the number that is needed.
+//
+// # Safety
+// The arrays have the given lengths.
+enum dc_status dc_feet(struct dc_interface *interface,
+                       int32_t *outcomes,
+                       size_t slave_count,
+                       double *weights,
+                       size_t weight_size,
+                       double *foot,
+                       size_t foot_size,
+                       double *normal,
+                       size_t normal_size);
+
 // The dc_tangent for the next linear solution of a Newton iteration, to be put into a law before the tangent is assembled:
 // DC_GAUSS_NEWTON far from equilibrium, where the exact tangent leads nowhere, DC_EXACT elsewhere.
 //

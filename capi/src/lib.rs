@@ -59,6 +59,7 @@ mod contacts;
 mod cutback;
 mod element;
 mod faces;
+mod feet;
 mod friction;
 mod interface;
 mod law;

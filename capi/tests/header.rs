@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// In the order in which the header has them.
-const SOURCES: [&str; 18] = [
+const SOURCES: [&str; 19] = [
     "status",
     "outcome",
     "choice",
@@ -11,6 +11,7 @@ const SOURCES: [&str; 18] = [
     "options",
     "interface",
     "contacts",
+    "feet",
     "law",
     "friction",
     "assembly",

@@ -18,11 +18,7 @@ impl Interface {
     }
 
     /// Adds the contact forces on the nodes; returns the number of contacts that carry force.
-    fn add_forces(
-        slf: &Bound<'_, Self>,
-        law: Law<'_>,
-        forces: &Bound<'_, PyArray1<f64>>,
-    ) -> PyResult<usize> {
+    fn add_forces(slf: &Bound<'_, Self>, law: Law<'_>, forces: &Bound<'_, PyArray1<f64>>) -> PyResult<usize> {
         let py = slf.py();
         let this = shared(slf)?;
         let own = law.own(py)?;

@@ -22,6 +22,7 @@ mod assembly;
 mod batch;
 mod errors;
 mod faces;
+mod feet;
 mod interface;
 mod law;
 mod operator;

@@ -205,7 +205,7 @@ class Fuzz:
 
     def look(self):
         interface, k = self.interface(), self.odd(self.random.randrange(5))
-        what = self.random.randrange(6)
+        what = self.random.randrange(7)
         if what == 0:
             contact = interface.contact(k)
             return [array for array in (contact.gap, contact.gradient, contact.hessian) if array is not None]
@@ -221,6 +221,9 @@ class Fuzz:
             assert len(repr(interface)) < 200 and interface.equations >= 0
         if what == 5:
             return [interface.contacts.penetration]
+        if what == 6:
+            feet = interface.foot_derivatives()
+            return [feet.gap[feet.is_contact], feet.weights, feet.foot_jacobian, feet.normal_jacobian]
         return []
 
     def assemble(self):

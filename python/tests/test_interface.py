@@ -521,7 +521,7 @@ def test_what_an_interface_answers_survives_pickling(scene):
     for value in (interface.options, report, interface.cut_back()):
         assert pickle.loads(pickle.dumps(value)) == value
         assert copy.deepcopy(value) == value
-    for value in (interface.pairing(1), interface.contact(1), interface.contacts):
+    for value in (interface.pairing(1), interface.contact(1), interface.contacts, interface.foot_derivatives()):
         loaded = pickle.loads(pickle.dumps(value))
         assert type(loaded) is type(value)
         for found, expected in zip(fields(loaded), fields(value), strict=True):

@@ -5,6 +5,7 @@ mod cutback;
 mod defaults;
 mod domains;
 mod faces;
+mod feet;
 #[cfg(feature = "friction")]
 mod friction;
 mod fuzz;

@@ -24,6 +24,7 @@ from ._operator import TangentOperator
 from ._part import Extents, PartDemands, SurfacePart
 from ._results import (
     Contact,
+    ContactFeet,
     Contacts,
     CutBack,
     FrictionReport,
@@ -42,6 +43,7 @@ __all__ = [
     "AssemblyError",
     "BusyError",
     "Contact",
+    "ContactFeet",
     "ContactInterface",
     "Contacts",
     "Coulomb",

@@ -36,6 +36,7 @@ from ._law import Friction, TabulatedPressure, Tangent, law_of
 from ._operator import TangentOperator
 from ._results import (
     Contact,
+    ContactFeet,
     Contacts,
     CutBack,
     FrictionReport,
@@ -388,6 +389,22 @@ class ContactInterface:
         if fields["hessian"] is not None:
             fields["hessian"] = unpacked(fields["hessian"], len(fields["gradient"]))
         return Contact(**fields)
+
+    def foot_derivatives(self) -> ContactFeet:
+        """The masters' weights in the feet of all slaves, and the first derivatives of foot and normal.
+
+        What a law of the host's own at the foot needs (wear, heat, adhesion), at the positions of the last update or
+        refresh with the pairing held. It needs no evaluation, and leaves the last one as it is.
+
+        Raises:
+            InterfaceError: if the results do not fit into memory.
+
+        """
+        fields = self._interface.feet()
+        for name in ("foot", "normal"):
+            fields[name] = fields[name].reshape(-1, 3)
+            fields[f"{name}_jacobian"] = fields[f"{name}_jacobian"].reshape(-1, 3, 3)
+        return ContactFeet(**fields)
 
     def pairing(self, k: int) -> Pairing:
         """What the k-th slave is paired with.

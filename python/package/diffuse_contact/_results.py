@@ -139,6 +139,49 @@ class Contact:
 
 
 @dataclass(frozen=True)
+class ContactFeet:
+    """The feet of all s slaves with their first derivatives, for laws of the host's own.
+
+    Slave k has the entries ``offsets[k]`` to ``offsets[k + 1]``, one for itself and one for each of its masters, in the
+    order of ``Contact.gradient``; e are those of all slaves. So they are rows of sparse matrices over p nodes::
+
+        at_foot = csr_matrix((feet.weights, feet.nodes, feet.offsets), shape=(s, p))  # at_foot @ field
+        moves = bsr_matrix((feet.foot_jacobian, feet.nodes, feet.offsets), shape=(3 * s, 3 * p))
+
+    Without contact gap, foot and normal are NaN, weights and derivatives 0; without a pairing the slave is alone.
+
+    Attributes:
+        offsets: where the entries of each slave begin, shape (s + 1,).
+        nodes: of the entries, slave, master 1, …, master n, shape (e,).
+        weights: φ, shape (e,): a field over the nodes is Σ φ_k u_k at the foot, Σ φ_k = 1; 0 at the slave's own entry.
+            The foot is Σ φ_k x_k. Behind planes of symmetry the images of a node add to its weight, and their positions
+            to the foot.
+        gap: g, shape (s,), length.
+        foot: x^d, shape (s, 3).
+        normal: ν, unit normal at the foot, towards the outward side, shape (s, 3).
+        foot_jacobian: ∂x^d/∂x by each entry's node, shape (e, 3, 3), row for the component of the foot; dimensionless.
+        normal_jacobian: ∂ν/∂x, the same, 1/length.
+        outcomes: as in ``Contacts``.
+
+    """
+
+    offsets: Ints
+    nodes: Ints
+    weights: Floats
+    gap: Floats
+    foot: Floats
+    normal: Floats
+    foot_jacobian: Floats
+    normal_jacobian: Floats
+    outcomes: list[str]
+
+    @property
+    def is_contact(self) -> NDArray[np.bool_]:
+        """Which slaves have a result, shape (s,)."""
+        return ~np.isnan(self.gap)
+
+
+@dataclass(frozen=True)
 class MaterialNodes:
     """Domains of influence of n masters in the first configuration, the positions the interface was made with.
 

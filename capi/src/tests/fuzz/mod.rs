@@ -4,6 +4,7 @@
 //! The same cases every time; with `DC_FUZZ_SECONDS=600` others, for that long.
 
 mod arguments;
+mod feet;
 mod single;
 
 use std::ptr::{null, null_mut};
@@ -90,7 +91,7 @@ impl Fuzz {
     }
 
     fn call(&mut self, number: usize) -> dc_status {
-        let kind = if number == 0 { 0 } else { self.random.below(22) };
+        let kind = if number == 0 { 0 } else { self.random.below(23) };
         match kind {
             0 => self.create(),
             1 | 2 => self.refresh(),
@@ -119,6 +120,7 @@ impl Fuzz {
             18 => self.batch(),
             19 => self.pair(),
             20 => self.symmetry(),
+            21 => self.feet(),
             _ => self.system(),
         }
     }

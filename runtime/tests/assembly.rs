@@ -457,7 +457,7 @@ fn wrong_lengths_of_the_output_are_refused() {
     let law = ContactLaw::penalty(1.0);
     assert_eq!(
         add_forces(views.as_slice(), &law, &dofs, &mut [0.0; 14]),
-        Err(AssemblyError::OutputLength { what: "residuals", found: 14, expected: 15 })
+        Err(AssemblyError::OutputLength { what: "forces", found: 14, expected: 15 })
     );
     let pattern = CsrPattern::union(views.as_slice(), &dofs).unwrap();
     let expected = pattern.entries();
@@ -475,7 +475,7 @@ fn sums_that_leave_the_range_of_numbers_are_refused() {
     let dofs = DofMap::standard(2);
     let law = ContactLaw::penalty(1.0);
     let overflow = |what| AssemblyError::Overflow { what, equation: 4 };
-    assert_eq!(add_forces(elements, &law, &dofs, &mut [0.0; 6]), Err(overflow("residuals")));
+    assert_eq!(add_forces(elements, &law, &dofs, &mut [0.0; 6]), Err(overflow("forces")));
     let mut triplets = Triplets::new();
     assert_eq!(triplets.fill(elements, &law, &dofs, Triangle::Lower), Err(overflow("values")));
     assert!(triplets.is_empty());

@@ -173,3 +173,43 @@ fn the_examples_of_the_paper_are_run() {
     run_in(&scratch, &["study", "paper", "--quick", "-o", "none/paper.md"])
         .assert_refused(&["there is no directory none"]);
 }
+
+#[test]
+fn scaling_is_counted() {
+    let arguments = ["study", "scaling", "--facets", "250000", "--ranks", "1,64,1000"];
+    let found = json(&[&arguments[..], &["--json"]].concat());
+    let cases = found["cases"].as_array().unwrap();
+    // Three partitions of two kinds of slaves; a strip of less than one facet is none.
+    assert_eq!((cases.len(), &found["facets"], &found["slaves"]), (16, &250_000.into(), &62_500.into()));
+    let of = |case: &Value, what: &str, which: &str| case[what][which].as_f64().unwrap();
+    for case in cases {
+        let ranks = case["ranks"].as_f64().unwrap();
+        assert!((of(case, "facets", "mean") * ranks - 250_000.0).abs() < 1e-6);
+        let share = case["bytes_over_share"].as_f64().unwrap();
+        let efficiency = case["efficiency"][0].as_f64().unwrap();
+        if ranks == 1.0 {
+            assert_eq!((share, efficiency, of(case, "window_bytes", "max")), (1.0, 1.0, 0.0));
+            continue;
+        }
+        assert!(share > 1.0 && (0.0..1.0).contains(&efficiency), "{case}");
+        let balance = of(case, "slaves", "max") / of(case, "slaves", "mean");
+        let is_dealt = case["dealt"].as_bool().unwrap();
+        assert!(if is_dealt { balance < 1.02 } else { balance > 1.5 }, "{case}");
+    }
+    // Parts of 500 × 500 facets, nine more than the own ones all around: a block of 63 × 63, a strip of 8.
+    let part = |partition: &str| {
+        let of_64 = |case: &&Value| case["partition"] == partition && case["ranks"] == 64;
+        of(cases.iter().find(of_64).unwrap(), "part_facets", "max")
+    };
+    assert_eq!([part("blocks"), part("strips")], [81.0 * 81.0, 26.0 * 500.0]);
+
+    let scratch = Scratch::new("scaling");
+    let Run { code, stdout, stderr } = run_in(&scratch, &[&arguments[..], &["-o", "scaling.md"]].concat());
+    assert_eq!((code, stdout.as_str(), stderr.as_str()), (0, "", ""));
+    let document = std::fs::read_to_string(scratch.path("scaling.md")).unwrap();
+    let rows = document.lines().filter(|line| line.starts_with("| blocks, dealt out |")).count();
+    assert!(rows == 9 && document.contains("## Measured") && !document.contains("NaN"), "{document}");
+    run(&["study", "scaling", "--facets", "5000", "--ranks", "100"]).assert_refused(&["5041", "100", "64"]);
+    run(&["study", "scaling", "--contact", "0.9"]).assert_refused(&["0.9", "between 0.1 and 0.8"]);
+    run(&["study", "scaling", "--bandwidth", "0"]).assert_refused(&["above zero"]);
+}

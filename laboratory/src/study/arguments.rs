@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
+use serde::Serialize;
 
 use crate::threads;
 
@@ -23,6 +24,8 @@ pub enum Study {
     Domains(DomainsArguments),
     /// Sweep a slave node along a closed path: jumps of the gap, kinks of the normal, work around the loop.
     Sweep(SweepArguments),
+    /// Count what ranks hold and send with windows of a large surface, and estimate how well that scales.
+    Scaling(ScalingArguments),
     /// Time and memory of a large interface.
     Throughput(ThroughputArguments),
     /// The examples of the paper with both elements: penetration, Newton iterations, tangents. Takes some minutes.
@@ -79,6 +82,72 @@ pub struct SweepArguments {
     /// Steps around the loop, 100 to 1000000
     #[arg(long, value_name = "N", default_value_t = 4800, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
     pub steps: u32,
+}
+
+/// Arguments of `study scaling`.
+#[derive(Args, Clone, Debug)]
+pub struct ScalingArguments {
+    /// Markdown to write [default: standard output]
+    #[arg(short, long, value_name = "FILE.md", conflicts_with = "json")]
+    pub output: Option<PathBuf>,
+    /// Print JSON instead
+    #[arg(long)]
+    pub json: bool,
+    /// Master facets, rounded up to a square
+    #[arg(long, value_name = "N", default_value_t = 100_000_000, value_parser = clap::value_parser!(u64).range(4_096..=1_000_000_000_000))]
+    pub facets: u64,
+    /// Numbers of ranks; at least 64 facets for each
+    #[arg(long, value_name = "P,P,…", value_delimiter = ',', default_values_t = [64, 256, 1024, 4096, 10_000], value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub ranks: Vec<u32>,
+    /// How much of each side of the surface, in its middle, has slaves, 0.1 to 0.8
+    #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = between::<1, 8>)]
+    pub contact: f64,
+    /// Limit of the distance over the side of a facet
+    #[arg(long, value_name = "X", default_value_t = 0.7, value_parser = positive)]
+    pub limit: f64,
+    /// Skin of windows over the side of a facet
+    #[arg(long, value_name = "X", default_value_t = 0.4, value_parser = positive)]
+    pub skin: f64,
+    /// Iterations until windows are made anew
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
+    pub every: u32,
+    #[command(flatten)]
+    pub costs: Costs,
+}
+
+/// What things cost.
+#[derive(Args, Clone, Copy, Debug, Serialize)]
+pub struct Costs {
+    /// Gap, N and M of a slave, µs
+    #[arg(long, value_name = "µs", default_value_t = 3.47, value_parser = positive)]
+    pub evaluation: f64,
+    /// Search and pairing of a slave in a new window, µs
+    #[arg(long, value_name = "µs", default_value_t = 55.1, value_parser = positive)]
+    pub search: f64,
+    /// Of a message, µs
+    #[arg(long, value_name = "µs", default_value_t = 5.0, value_parser = positive)]
+    pub latency: f64,
+    /// Of a rank, in each direction, GB/s
+    #[arg(long, value_name = "GB/s", default_value_t = 1.0, value_parser = positive)]
+    pub bandwidth: f64,
+}
+
+/// A finite number above zero.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
+        Ok(_) => Err("it has to be above zero".into()),
+        Err(reason) => Err(reason.to_string()),
+    }
+}
+
+/// A number between so many tenths.
+fn between<const LEAST: u8, const MOST: u8>(text: &str) -> Result<f64, String> {
+    let (least, most) = (f64::from(LEAST) / 10.0, f64::from(MOST) / 10.0);
+    match positive(text)? {
+        number if (least..=most).contains(&number) => Ok(number),
+        _ => Err(format!("it has to be between {least} and {most}")),
+    }
 }
 
 /// Arguments of `study throughput`.

@@ -30,6 +30,16 @@ pub enum StudyError {
         /// Why not.
         reason: NoContact,
     },
+    /// A surface too small for so many ranks.
+    #[error("{facets} facets are too few for {ranks} ranks, which need {least} each")]
+    TooManyRanks {
+        /// Ranks asked for.
+        ranks: u32,
+        /// Facets of the surface.
+        facets: u64,
+        /// Facets that each rank has at least.
+        least: u64,
+    },
     /// The plot cannot be drawn.
     #[error("the plot cannot be drawn: {reason}")]
     Plot {

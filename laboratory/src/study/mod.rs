@@ -1,9 +1,10 @@
 //! The `study` job: what contact surfaces achieve on meshes of known shape, and the solver on the paper's examples and on
-//! problems with known answers. The figures stand in `docs/results/surface.md`, `docs/results/paper.md` and `docs/results/verification.md`.
+//! problems with known answers. The figures stand in `docs/results/`.
 //!
 //! * [`accuracy`]: error of gap and normal, and its order;
 //! * [`domains`]: masters, conditioning and error on stretched, graded and irregular meshes;
 //! * [`sweep`]: smoothness along a path over many facets;
+//! * [`scaling`]: what ranks hold and send with windows of a large surface, counted;
 //! * [`throughput`]: time and memory;
 //! * [`paper`]: the examples of the paper, solved with both elements.
 //! * [`verification`]: patch test, Hertz, torque and force of what ought to turn and slide evenly.
@@ -15,6 +16,7 @@ mod error;
 mod markdown;
 mod paper;
 mod patch;
+mod scaling;
 mod sweep;
 mod throughput;
 mod verification;
@@ -32,6 +34,7 @@ pub fn run(arguments: &StudyArguments) -> Result<(), CliError> {
         Study::Accuracy(arguments) => accuracy::run(arguments),
         Study::Domains(arguments) => domains::run(arguments),
         Study::Sweep(arguments) => sweep::run(arguments),
+        Study::Scaling(arguments) => scaling::run(arguments),
         Study::Throughput(arguments) => throughput::run(arguments),
         Study::Paper(arguments) => paper::run(arguments),
         Study::Verification(arguments) => verification::run(arguments),

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use diffuse_contact_kernels::support::{KernelSet, Lane, Vector, WithLanes};
 
-use super::{CLOSE, CONTRACTION, MaterialDomain, MaterialPlace, STALLED};
+use super::{CLOSE, CONTRACTION, MaterialDomain, MaterialPlace, ROUNDING, STALLED};
 use crate::frame::{LINE_TOLERANCE, THICKNESS_TOLERANCE};
 use crate::generated::with_kernels;
 use crate::vector::Vector3;
@@ -16,8 +16,6 @@ use crate::{ElementError, Frame, Point, Weight};
 
 /// Evaluations of a lane after the first two.
 const MOST_STEPS: usize = 12;
-/// A step below this fraction of the nearest node's domain is rounding of the sums.
-const CONVERGED: f64 = 1e-14;
 /// Steps to a normal.
 const MOST_QUOTIENTS: usize = 8;
 /// Square of the sine that a normal turns by, below which it is exact after the turn: the next error goes with the third power.
@@ -252,7 +250,7 @@ impl<T: Vector> Lanes<'_, T> {
         let mut now = self.evaluate::<K, false>(start, None);
         let mut place = start;
         let mut inverse = [T::ONE, T::ZERO, T::ZERO, T::ZERO, T::ONE, T::ZERO, T::ZERO, T::ZERO, T::ONE];
-        let converged = T::splat(CONVERGED);
+        let converged = T::splat(ROUNDING);
         let mut is_found = T::select_less(now.deviation, converged, T::ONE, T::ZERO);
         let mut is_open = T::select_less(now.deviation, converged, T::ZERO, T::ONE);
         let mut evaluations = 2;

@@ -114,8 +114,8 @@ pub fn run(arguments: &ScalingArguments) -> Result<(), CliError> {
         "# Scaling\n\n\
          Written by `diffuse-contact-laboratory study scaling -o docs/results/scaling.md`; do not edit.\n\n\
          {}\n## Simulated\n\n{found}\n{}",
-        include_str!("measured.md"),
-        include_str!("model.md"),
+        include_str!("measured.txt"),
+        include_str!("model.txt"),
     );
     output::write_file(path, |writer| writer.write_all(document.as_bytes()))
 }

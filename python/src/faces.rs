@@ -10,7 +10,7 @@ use diffuse_contact::surface::{Facet, SymmetryPlane};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::{facets, points, quadratic_faces, readable, slice, slice_mut, writable};
+use crate::arrays::{facets, points, quadratic_faces, readable, slice_mut, writable};
 use crate::errors::{self, Raise};
 use crate::interface::{dof_map, exclusive, shared};
 use crate::law::Law;
@@ -32,9 +32,9 @@ pub fn flat_facets<'py>(py: Python<'py>, faces: &Bound<'py, PyArray2<i64>>) -> P
 /// An interface of faces, and whether its contacts are those of the present positions.
 #[pyclass(module = "diffuse_contact._native")]
 pub struct Faces {
-    interface: FaceInterface,
+    pub interface: FaceInterface,
     dofs: DofMap,
-    current: bool,
+    pub current: bool,
 }
 
 type Numbers<'py> = Bound<'py, PyArray1<f64>>;
@@ -141,77 +141,6 @@ impl Faces {
         let evaluated = threads::run(py, || interface.evaluate(&law, mode).map(|_| ()))?;
         evaluated.map_err(|error| error.raise(py))?;
         this.current = true;
-        Ok(())
-    }
-
-    /// As [`Interface::accept`](crate::interface::Interface).
-    fn accept(slf: &Bound<'_, Self>, law: Law<'_>) -> PyResult<(usize, usize, usize, f64)> {
-        let py = slf.py();
-        let mut this = exclusive(slf)?;
-        let own = law.own(py)?;
-        let law = own.law(py)?;
-        let interface = &mut this.interface;
-        let report = threads::run(py, || interface.accept(&law))?.map_err(|error| error.raise(py))?;
-        this.current &= law.friction.is_none();
-        Ok((report.stuck, report.sliding, report.unanchored, report.dissipated))
-    }
-
-    /// A round of Uzawa's iteration for friction. `moves`: which slaves take part, or all.
-    fn augment(
-        slf: &Bound<'_, Self>,
-        law: Law<'_>,
-        moves: Option<&Bound<'_, PyArray1<bool>>>,
-    ) -> PyResult<()> {
-        let py = slf.py();
-        let mut this = exclusive(slf)?;
-        let own = law.own(py)?;
-        let law = own.law(py)?;
-        let moves = moves.map(readable).transpose()?;
-        let moves = moves.as_ref().map(|moves| slice(py, moves)).transpose()?;
-        let count = this.interface.slaves().len();
-        if let Some(found) = moves.map(<[bool]>::len).filter(|found| *found != count) {
-            let message = format!("moves: {found} entries for {count} slaves");
-            return Err(errors::input(py, "wrong-shape", &message));
-        }
-        let interface = &mut this.interface;
-        let augmented = threads::run(py, || interface.augment(&law, |k| moves.is_none_or(|moves| moves[k])))?;
-        augmented.map_err(|error| error.raise(py))?;
-        this.current = false;
-        Ok(())
-    }
-
-    /// How far each slave is from Coulomb's law without ε_T.
-    fn slip_errors<'py>(slf: &Bound<'py, Self>, law: Law<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let py = slf.py();
-        let this = shared(slf)?;
-        let own = law.own(py)?;
-        let law = own.law(py)?;
-        let interface = &this.interface;
-        let errors = threads::run(py, || interface.slip_errors(&law))?.map_err(|error| error.raise(py))?;
-        Ok(PyArray1::from_vec(py, errors))
-    }
-
-    /// Forgets the rounds since the last accepted step.
-    fn roll_back(slf: &Bound<'_, Self>) -> PyResult<()> {
-        let mut this = exclusive(slf)?;
-        this.interface.roll_back();
-        this.current = false;
-        Ok(())
-    }
-
-    /// The history of friction as plain numbers.
-    fn history<'py>(slf: &Bound<'py, Self>) -> PyResult<Numbers<'py>> {
-        Ok(PyArray1::from_vec(slf.py(), shared(slf)?.interface.history()))
-    }
-
-    /// Goes on from such numbers.
-    fn set_history(slf: &Bound<'_, Self>, history: &Bound<'_, PyArray1<f64>>) -> PyResult<()> {
-        let py = slf.py();
-        let mut this = exclusive(slf)?;
-        let history = readable(history)?;
-        let history = slice(py, &history)?;
-        this.interface.set_history(history).map_err(|error| error.raise(py))?;
-        this.current = false;
         Ok(())
     }
 

@@ -3,8 +3,9 @@
 //! [`batch`] evaluates many elements on arrays. [`surface`], [`interface`] and [`faces`] wrap
 //! [`MasterSurface`](diffuse_contact::surface::MasterSurface),
 //! [`ContactInterface`](diffuse_contact::interface::ContactInterface) and
-//! [`FaceInterface`](diffuse_contact::faces::FaceInterface). What is here takes contiguous arrays of the right
-//! type and fills arrays it is given; [`window`] has what ranks send one another of a surface. The package around it converts what people pass, and is what people see.
+//! [`FaceInterface`](diffuse_contact::faces::FaceInterface), [`history`] the friction of both. What is here takes contiguous arrays of
+//! the right type and fills arrays it is given; [`window`] has what ranks send one another of a surface. The package around it converts
+//! what people pass, and is what people see.
 //!
 //! * No call panics on what it is given; every refusal is an exception with a stable `code` ([`errors`]).
 //! * Numbers are computed without the GIL, in a pool of threads of our own ([`threads`]). The borrow of an object is held meanwhile, so a
@@ -23,6 +24,7 @@ mod batch;
 mod errors;
 mod faces;
 mod feet;
+mod history;
 mod interface;
 mod law;
 mod operator;

@@ -11,11 +11,11 @@ import scipy.sparse
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _native
-from ._arrays import Facets, Floats, Ints, Planes, bools, count, facets, floats, new, planes, vector, word
+from ._arrays import Facets, Floats, Ints, Planes, count, facets, floats, new, planes, vector, word
 from ._batch import Mode
+from ._history import FrictionHistory
 from ._interface import Options, _equations, _options
 from ._law import Friction, TabulatedPressure, Tangent, law_of
-from ._results import FrictionReport
 from ._surface import MasterSurface
 
 
@@ -85,7 +85,7 @@ class FaceContacts:
         return self.pressure * self.area
 
 
-class FaceInterface:
+class FaceInterface(FrictionHistory):
     """Contact integrated over the slave's faces, which passes the patch test between meshes that do not match.
 
     Kinematics are those of the smooth surfaces of both sides, forces go by the shape functions of the faces, and
@@ -212,103 +212,9 @@ class FaceInterface:
         self._faces.evaluate(law_of(penalty, multipliers, friction=friction, normal=normal), word("mode", mode))
         return self.contacts
 
-    def accept(
-        self,
-        penalty: float,
-        *,
-        friction: Friction,
-        multipliers: ArrayLike | None = None,
-        normal: TabulatedPressure | None = None,
-    ) -> FrictionReport:
-        """Accepts the present positions as the end of an increment: friction of the next one is measured from there.
-
-        To be called once before the first increment, after a refresh, and then after each that has converged. Until
-        then nothing of the history changes, so that an increment may be tried again. It ends the evaluation.
-
-        Args:
-            penalty: as for ``evaluate``.
-            friction: as for ``evaluate``.
-            multipliers: as for ``evaluate``: those that the increment was solved with.
-            normal: as for ``evaluate``.
-
-        Raises:
-            InterfaceError: for a penalty or multipliers that are none; ``"not-refreshed"`` before the first refresh.
-            AssemblyError: for a coefficient or a stiffness that is none.
-
-        """
-        return FrictionReport(*self._faces.accept(law_of(penalty, multipliers, friction=friction, normal=normal)))
-
-    def augment(
-        self,
-        penalty: float,
-        *,
-        friction: Friction,
-        multipliers: ArrayLike | None = None,
-        normal: TabulatedPressure | None = None,
-        moves: ArrayLike | None = None,
-    ) -> None:
-        """A round of Uzawa's iteration for friction: the traction of each node that carries force is its multiplier.
-
-        To be called in an equilibrium whose ``slip_errors`` are too large, with the law that it was solved with; then
-        evaluate again and find the next equilibrium, which slips less where it sticks. The rounds are part of the
-        increment on its way: ``accept`` takes them over, ``roll_back`` forgets them.
-
-        Args:
-            penalty: as for ``evaluate``.
-            friction: a ``Coulomb`` with ``augmented=True``.
-            multipliers: as for ``evaluate``.
-            normal: as for ``evaluate``.
-            moves: which nodes take part, shape (s,), of bool; all if left out. Where other bodies hold a node, no
-                multiplier can help.
-
-        Raises:
-            AssemblyError: for a coefficient or a stiffness that is none.
-            InterfaceError: ``"no-augmentation"`` without ``augmented=True``; for a penalty or multipliers that are
-                none. Nothing has changed then.
-
-        """
-        if moves is not None:
-            moves = bools("moves", moves)
-        self._faces.augment(law_of(penalty, multipliers, friction=friction, normal=normal), moves)
-
-    def slip_errors(
-        self,
-        penalty: float,
-        *,
-        friction: Friction,
-        multipliers: ArrayLike | None = None,
-        normal: TabulatedPressure | None = None,
-    ) -> Floats:
-        """How far each node is from Coulomb's law without the stiffness of stick, shape (s,), length.
-
-        The slip in the increment where it sticks, and what of it is not along the traction where it slides; 0 without
-        force or history. Arguments and exceptions are those of ``augment``.
-        """
-        return self._faces.slip_errors(law_of(penalty, multipliers, friction=friction, normal=normal))
-
-    def roll_back(self) -> None:
-        """Forgets what ``augment`` did since the last accepted increment; it ends the evaluation.
-
-        If that is anything, there is no contact until the next refresh.
-        """
-        self._faces.roll_back()
-
     @property
-    def history(self) -> Floats:
-        """The history of friction as plain numbers, shape (h,), for a restart; empty before the first ``accept``.
-
-        Set it to go on from there, bit for bit. If it is another one, there is no contact until the next refresh.
-
-        Raises:
-            InterfaceError: when set, ``"invalid-history"``, ``"anchor-count"``, ``"invalid-opening"`` or
-                ``"foreign-carrier"`` for numbers that are no history of this interface.
-
-        """
-        return self._faces.history()
-
-    @history.setter
-    def history(self, history: ArrayLike) -> None:
-        self._faces.set_history(floats("history", history, "h"))
+    def _kept(self) -> _native.Faces:
+        return self._faces
 
     @property
     def contacts(self) -> FaceContacts:

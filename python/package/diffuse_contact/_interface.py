@@ -16,7 +16,6 @@ from ._arrays import (
     Indices,
     Ints,
     Planes,
-    bools,
     choice,
     count,
     facets,
@@ -32,6 +31,7 @@ from ._arrays import (
 )
 from ._batch import Basis, FrameDerivative, Mode, Weight
 from ._errors import BusyError, InputError
+from ._history import FrictionHistory
 from ._law import Friction, TabulatedPressure, Tangent, law_of
 from ._operator import TangentOperator
 from ._results import (
@@ -39,7 +39,6 @@ from ._results import (
     ContactFeet,
     Contacts,
     CutBack,
-    FrictionReport,
     GapJump,
     MaterialNodes,
     Pairing,
@@ -157,7 +156,7 @@ def adaptive_tangent(residual: float, force: float) -> Tangent:
     return _native.adaptive_tangent(number("residual", residual), number("force", force))
 
 
-class ContactInterface:
+class ContactInterface(FrictionHistory):
     """Slave nodes paired with a master surface.
 
     In a Newton iteration: ``refresh_pairing`` once an increment or once an iteration, then at each iteration
@@ -424,105 +423,9 @@ class ContactInterface:
             fields["material"] = MaterialNodes(offsets, metrics)
         return Pairing(**fields)
 
-    def accept(
-        self,
-        penalty: float,
-        *,
-        friction: Friction,
-        multipliers: ArrayLike | None = None,
-        normal: TabulatedPressure | None = None,
-    ) -> FrictionReport:
-        """Accepts the present positions as the end of an increment: friction of the next one is measured from there.
-
-        To be called once before the first increment, after a refresh, and then after each that has converged. Until
-        then nothing of the history changes, so that an increment may be tried again. It ends the evaluation.
-
-        Args:
-            penalty: as for ``forces``.
-            friction: as for ``forces``.
-            multipliers: as for ``forces``: those that the increment was solved with.
-            normal: as for ``forces``.
-
-        Raises:
-            InterfaceError: ``"no-anchors"`` for facets, and for other rules than ``"domains"``;
-                ``"no-friction-kernels"`` if the module was built without its feature ``friction``;
-                for a penalty or multipliers that are none.
-            AssemblyError: for a coefficient or a stiffness that is none.
-
-        """
-        return FrictionReport(*self._interface.accept(law_of(penalty, multipliers, friction=friction, normal=normal)))
-
-    def augment(
-        self,
-        penalty: float,
-        *,
-        friction: Friction,
-        multipliers: ArrayLike | None = None,
-        normal: TabulatedPressure | None = None,
-        moves: ArrayLike | None = None,
-    ) -> None:
-        """A round of Uzawa's iteration for friction: the traction of each slave that carries force is its multiplier.
-
-        To be called in an equilibrium whose ``slip_errors`` are too large, with the law that it was solved with; then
-        evaluate again and find the next equilibrium, which slips less where it sticks. The rounds are part of the
-        increment on its way: ``accept`` takes them over, ``roll_back`` forgets them.
-
-        Args:
-            penalty: as for ``forces``.
-            friction: a ``Coulomb`` with ``augmented=True``.
-            multipliers: as for ``forces``.
-            normal: as for ``forces``.
-            moves: which slaves take part, shape (s,), of bool; all if left out. Where other bodies hold a slave, no
-                multiplier can help.
-
-        Raises:
-            AssemblyError: for a coefficient or a stiffness that is none.
-            InterfaceError: ``"no-augmentation"`` without ``augmented=True``; for a penalty or multipliers that are
-                none. Nothing has changed then.
-
-        """
-        if moves is not None:
-            moves = bools("moves", moves)
-        self._interface.augment(law_of(penalty, multipliers, friction=friction, normal=normal), moves)
-
-    def slip_errors(
-        self,
-        penalty: float,
-        *,
-        friction: Friction,
-        multipliers: ArrayLike | None = None,
-        normal: TabulatedPressure | None = None,
-    ) -> Floats:
-        """How far each slave is from Coulomb's law without the stiffness of stick, shape (s,), length.
-
-        The slip in the increment where it sticks, and what of it is not along the traction where it slides; 0 without
-        force or history. Arguments and exceptions are those of ``augment``.
-        """
-        return self._interface.slip_errors(law_of(penalty, multipliers, friction=friction, normal=normal))
-
-    def roll_back(self) -> None:
-        """Forgets what ``augment`` did since the last accepted increment; it ends the evaluation.
-
-        If that is anything, there is no contact until the next refresh.
-        """
-        self._interface.roll_back()
-
     @property
-    def history(self) -> Floats:
-        """The history of friction as plain numbers, shape (h,), for a restart; empty before the first ``accept``.
-
-        Set it to go on from there, bit for bit. If it is another one, no slave is paired until the next refresh.
-
-        Raises:
-            InterfaceError: when set, ``"invalid-history"``, ``"anchor-count"``, ``"invalid-opening"`` or
-                ``"foreign-carrier"`` for numbers that are no history of this interface.
-
-        """
-        return self._interface.history()
-
-    @history.setter
-    def history(self, history: ArrayLike) -> None:
-        self._interface.set_history(floats("history", history, "h"))
+    def _kept(self) -> _native.Interface:
+        return self._interface
 
     def forces(
         self,

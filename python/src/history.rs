@@ -1,0 +1,98 @@
+//! The history of friction, of [`Interface`](crate::interface::Interface) and [`Faces`](crate::faces::Faces) alike.
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+use crate::arrays::{readable, slice};
+use crate::errors::{self, Raise};
+use crate::faces::Faces;
+use crate::interface::{Interface, exclusive, shared};
+use crate::law::Law;
+use crate::threads;
+
+/// The methods of one class; macros cannot stand among methods, and methods of Python cannot be generic.
+macro_rules! has_history {
+    ($class:ty) => {
+        #[pymethods]
+        impl $class {
+            /// Accepts the present positions as the end of an increment: slaves that stick, that slide, and that carry
+            /// force without a history, and the work of friction.
+            fn accept(slf: &Bound<'_, Self>, law: Law<'_>) -> PyResult<(usize, usize, usize, f64)> {
+                let py = slf.py();
+                let mut this = exclusive(slf)?;
+                let own = law.own(py)?;
+                let law = own.law(py)?;
+                let interface = &mut this.interface;
+                let report = threads::run(py, || interface.accept(&law))?.map_err(|error| error.raise(py))?;
+                this.current &= law.friction.is_none();
+                Ok((report.stuck, report.sliding, report.unanchored, report.dissipated))
+            }
+
+            /// A round of Uzawa's iteration for friction. `moves`: which slaves take part, or all.
+            fn augment(
+                slf: &Bound<'_, Self>,
+                law: Law<'_>,
+                moves: Option<&Bound<'_, PyArray1<bool>>>,
+            ) -> PyResult<()> {
+                let py = slf.py();
+                let mut this = exclusive(slf)?;
+                let own = law.own(py)?;
+                let law = own.law(py)?;
+                let moves = moves.map(readable).transpose()?;
+                let moves = moves.as_ref().map(|moves| slice(py, moves)).transpose()?;
+                let count = this.interface.slaves().len();
+                if let Some(found) = moves.map(<[bool]>::len).filter(|found| *found != count) {
+                    let message = format!("moves: {found} entries for {count} slaves");
+                    return Err(errors::input(py, "wrong-shape", &message));
+                }
+                let interface = &mut this.interface;
+                let moves = |slave: usize| moves.is_none_or(|moves| moves[slave]);
+                threads::run(py, || interface.augment(&law, moves))?.map_err(|error| error.raise(py))?;
+                this.current = false;
+                Ok(())
+            }
+
+            /// How far each slave is from Coulomb's law without ε_T.
+            fn slip_errors<'py>(
+                slf: &Bound<'py, Self>,
+                law: Law<'py>,
+            ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+                let py = slf.py();
+                let this = shared(slf)?;
+                let own = law.own(py)?;
+                let law = own.law(py)?;
+                let interface = &this.interface;
+                let errors =
+                    threads::run(py, || interface.slip_errors(&law))?.map_err(|error| error.raise(py))?;
+                Ok(PyArray1::from_vec(py, errors))
+            }
+
+            /// Forgets the rounds since the last accepted step.
+            fn roll_back(slf: &Bound<'_, Self>) -> PyResult<()> {
+                let mut this = exclusive(slf)?;
+                this.interface.roll_back();
+                this.current = false;
+                Ok(())
+            }
+
+            /// The history of friction as plain numbers.
+            fn history<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+                Ok(PyArray1::from_vec(slf.py(), shared(slf)?.interface.history()))
+            }
+
+            /// Goes on from such numbers.
+            fn set_history(slf: &Bound<'_, Self>, history: &Bound<'_, PyArray1<f64>>) -> PyResult<()> {
+                let py = slf.py();
+                let mut this = exclusive(slf)?;
+                let history = readable(history)?;
+                let history = slice(py, &history)?;
+                this.interface.set_history(history).map_err(|error| error.raise(py))?;
+                this.current = false;
+                Ok(())
+            }
+        }
+    };
+}
+
+has_history!(Interface);
+has_history!(Faces);

@@ -34,8 +34,6 @@ pub struct WithinReach {
     /// … and their places.
     places: Vec<Result<MaterialPlace, ElementError>>,
     search: SearchScratch,
-    /// Weights of one slave's points.
-    weights: Vec<f64>,
     /// Of each slave.
     pub elements: Vec<Result<Gathered, NoContact>>,
 }
@@ -199,7 +197,7 @@ impl Evaluator<'_> {
         weight: Weight,
         scratch: &mut ElementScratch,
     ) -> Result<Vector3, NoContact> {
-        let WithinReach { points, domains, weights, .. } = &mut scratch.within_reach;
+        let WithinReach { points, domains, sought, places, search, .. } = &mut scratch.within_reach;
         let Some(nodal) = self.nodal else { return Err(NoContact::NotPaired) };
         points.clear();
         domains.clear();
@@ -209,9 +207,13 @@ impl Evaluator<'_> {
             domains.push(nodal.domain(place, image));
         }
         let outward = self.surface.shape(facet as usize, self.positions).normal().into();
-        let fitting = |r| weight.fitting(r);
-        let slave = self.positions[slave];
-        Ok(MaterialPlace::iterate(slave, points, domains, weights, fitting, outward)?.place.into())
+        sought.clear();
+        sought.push(Sought { slave: self.positions[slave], outward, range: 0..points.len() });
+        side_by_side(sought, (points, domains), weight, search, places);
+        match places[..] {
+            [ref place] => Ok((*place)?.place.into()),
+            _ => Err(NoContact::NotPaired),
+        }
     }
 
     /// A copy of the points of a paired slave's element.

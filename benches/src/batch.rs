@@ -60,6 +60,7 @@ impl<'a> GapInBatches<'a> {
                 values: GapValues::NONE,
                 gradient: gradients.next().unwrap_or_default(),
                 hessian: hessians.next().unwrap_or_default(),
+                places: &[],
             }
         });
         unsound.map_or(Ok(()), Err)?;

@@ -44,10 +44,10 @@ pub enum NodeTarget {
 /// The rows of a Hessian's form in the order in which they are multiplied: b and c of each term.
 #[derive(Clone, Debug, Default)]
 pub struct FormRows {
-    /// Those of terms that differ between nodes: of a node, and of the slave.
-    pub varying: Vec<[[ExprId; 3]; 2]>,
+    /// Those of terms that differ between nodes, of a node.
+    pub varying: Vec<[ExprId; 3]>,
     /// Those of terms that are the same for all nodes; none if there is a point, which differs from the nodes.
-    pub constant: Vec<[[ExprId; 3]; 2]>,
+    pub constant: Vec<[ExprId; 3]>,
     /// The part of a point: its rows c, those of b being zero, and the lower triangle of its own block.
     pub point: Option<(Vec<[ExprId; 3]>, [ExprId; 6])>,
 }
@@ -63,7 +63,7 @@ impl FormRows {
         for term in &form.terms {
             let is_constant = Self::is_constant(graph, form, term);
             let list = if is_constant { &mut rows.constant } else { &mut rows.varying };
-            list.extend([term.b, term.c]);
+            list.extend([term.b[0], term.c[0]]);
         }
         rows
     }
@@ -181,12 +181,8 @@ impl<'a, S: Clone> Scheduler<'a, S> {
         for (_, gradient) in &self.kernel.gradients {
             all.extend(gradient.slave.into_iter().chain(gradient.point.into_iter().flatten()));
         }
-        for (_, hessian) in &self.kernel.hessians {
-            all.extend((0..3).flat_map(|row| hessian.slave[row][..=row].to_vec()));
-        }
         for form in &self.forms {
-            all.extend(form.varying.iter().flat_map(|[_, slave]| *slave));
-            all.extend(form.constant.iter().flat_map(|rows| rows.as_flattened()));
+            all.extend(form.constant.as_flattened());
             if let Some((rows, own)) = &form.point {
                 all.extend(rows.iter().flatten().chain(own));
             }
@@ -200,7 +196,7 @@ impl<'a, S: Clone> Scheduler<'a, S> {
             all.push((NodeTarget::Gradient { gradient }, data.node.to_vec()));
         }
         for (hessian, ((_, data), form)) in self.kernel.hessians.iter().zip(&self.forms).enumerate() {
-            for (row, [node, _]) in form.varying.iter().enumerate() {
+            for (row, node) in form.varying.iter().enumerate() {
                 all.push((NodeTarget::Row { hessian, row }, node.to_vec()));
             }
             let own = (0..3).flat_map(|row| data.form.own[row][..=row].to_vec());

@@ -130,7 +130,7 @@ pub mod spring {
     ///
     /// Made of `stretch`.
     ///
-    /// Operations: 29.
+    /// Operations: 23.
     #[inline(always)]
     pub fn gradient<E: Lane>(inputs: &Inputs<E>, gradient: &mut [E; 6]) -> Values<E> {
         let [[x_1_x, x_1_y, x_1_z], [x_2_x, x_2_y, x_2_z]] = inputs.x;
@@ -138,24 +138,20 @@ pub mod spring {
         let length = inputs.length;
         let sum = x_2_x - x_1_x;
         let sum_v2 = x_2_y - x_1_y;
-        let sum_v3 = sum_v2.mul_add(sum_v2, sum * sum);
-        let sum_v4 = x_2_z - x_1_z;
-        let root = sum_v4.mul_add(sum_v4, sum_v3).sqrt();
+        let sum_v3 = x_2_z - x_1_z;
+        let root = sum_v3.mul_add(sum_v3, sum_v2.mul_add(sum_v2, sum * sum)).sqrt();
         let stretch = root - length;
         let by_stretch = stiffness * stretch;
-        let root_v2 = sum_v3.sqrt();
-        let quotient = E::ONE.div_or_zero(root_v2);
         let c1_over_root = E::ONE.div_or_zero(root);
-        let product = root_v2 * c1_over_root;
-        let product_v2 = by_stretch * (sum * quotient * product);
-        let product_v3 = by_stretch * (product * (sum_v2 * quotient));
-        let product_v4 = by_stretch * (sum_v4 * c1_over_root);
-        gradient[0] = -product_v2;
-        gradient[1] = -product_v3;
-        gradient[2] = -product_v4;
-        gradient[3] = product_v2;
-        gradient[4] = product_v3;
-        gradient[5] = product_v4;
+        let product = by_stretch * (sum * c1_over_root);
+        let product_v2 = by_stretch * (sum_v2 * c1_over_root);
+        let product_v3 = by_stretch * (sum_v3 * c1_over_root);
+        gradient[0] = -product;
+        gradient[1] = -product_v2;
+        gradient[2] = -product_v3;
+        gradient[3] = product;
+        gradient[4] = product_v2;
+        gradient[5] = product_v3;
         Values {
             energy: E::splat(0.5) * (stiffness * (stretch * stretch)),
             force: by_stretch,
@@ -172,7 +168,7 @@ pub mod spring {
     ///
     /// Made of `stretch`.
     ///
-    /// Operations: 79.
+    /// Operations: 59.
     #[inline(always)]
     pub fn hessian<E: Lane>(
         inputs: &Inputs<E>,
@@ -184,91 +180,70 @@ pub mod spring {
         let length = inputs.length;
         let sum = x_2_x - x_1_x;
         let sum_v2 = x_2_y - x_1_y;
-        let sum_v3 = sum_v2.mul_add(sum_v2, sum * sum);
-        let sum_v4 = x_2_z - x_1_z;
-        let root = sum_v4.mul_add(sum_v4, sum_v3).sqrt();
+        let sum_v3 = x_2_z - x_1_z;
+        let root = sum_v3.mul_add(sum_v3, sum_v2.mul_add(sum_v2, sum * sum)).sqrt();
         let stretch = root - length;
         let by_stretch = stiffness * stretch;
-        let root_v2 = sum_v3.sqrt();
-        let quotient = E::ONE.div_or_zero(root_v2);
-        let sum_quotient = sum * quotient;
         let c1_over_root = E::ONE.div_or_zero(root);
-        let product = root_v2 * c1_over_root;
-        let product_v2 = sum_quotient * product;
-        let product_v3 = by_stretch * product_v2;
-        let product_v4 = sum_v2 * quotient;
-        let product_v5 = product * product_v4;
+        let product = sum * c1_over_root;
+        let product_v2 = by_stretch * product;
+        let product_v3 = sum_v2 * c1_over_root;
+        let product_v4 = by_stretch * product_v3;
+        let product_v5 = sum_v3 * c1_over_root;
         let product_v6 = by_stretch * product_v5;
-        let product_v7 = sum_v4 * c1_over_root;
-        let product_v8 = by_stretch * product_v7;
-        let product_v9 = stiffness * product_v2;
-        let product_v10 = quotient * (quotient * sum_quotient);
-        let product_v11 = c1_over_root * (c1_over_root * product_v2);
-        let sum_v5 = root_v2.neg_mul_add(product_v11, sum_quotient * c1_over_root);
+        let product_v7 = stiffness * product;
+        let product_v8 = c1_over_root * (c1_over_root * product);
+        let sum_v4 = by_stretch
+            .mul_add(sum.neg_mul_add(product_v8, c1_over_root), product * product_v7);
+        let sum_v5 = by_stretch
+            .neg_mul_add(sum_v2 * product_v8, product_v3 * product_v7);
+        let product_v9 = stiffness * product_v3;
+        let product_v10 = c1_over_root * (c1_over_root * product_v3);
         let sum_v6 = by_stretch
             .mul_add(
-                sum_quotient
-                    .mul_add(sum_v5, product * sum.neg_mul_add(product_v10, quotient)),
-                product_v2 * product_v9,
+                sum_v2.neg_mul_add(product_v10, c1_over_root),
+                product_v3 * product_v9,
             );
         let sum_v7 = by_stretch
-            .mul_add(
-                product_v4.mul_sub(sum_v5, product * (sum_v2 * product_v10)),
-                product_v5 * product_v9,
-            );
-        let product_v12 = stiffness * product_v5;
-        let product_v13 = c1_over_root * (c1_over_root * product_v5);
+            .neg_mul_add(sum_v3 * product_v8, product_v5 * product_v7);
         let sum_v8 = by_stretch
-            .mul_add(
-                product_v4
-                    .mul_add(
-                        root_v2.neg_mul_add(product_v13, c1_over_root * product_v4),
-                        product
-                            * sum_v2
-                                .neg_mul_add(quotient * (quotient * product_v4), quotient),
-                    ),
-                product_v5 * product_v12,
-            );
+            .neg_mul_add(sum_v3 * product_v10, product_v5 * product_v9);
         let sum_v9 = by_stretch
-            .neg_mul_add(sum_v4 * product_v11, product_v7 * product_v9);
-        let sum_v10 = by_stretch
-            .neg_mul_add(sum_v4 * product_v13, product_v7 * product_v12);
-        let sum_v11 = by_stretch
             .mul_add(
-                sum_v4
+                sum_v3
                     .neg_mul_add(
-                        c1_over_root * (c1_over_root * product_v7),
+                        c1_over_root * (c1_over_root * product_v5),
                         c1_over_root,
                     ),
-                product_v7 * (stiffness * product_v7),
+                product_v5 * (stiffness * product_v5),
             );
-        gradient[0] = -product_v3;
-        gradient[1] = -product_v6;
-        gradient[2] = -product_v8;
-        gradient[3] = product_v3;
-        gradient[4] = product_v6;
-        gradient[5] = product_v8;
-        hessian[0] = sum_v6;
-        hessian[1] = sum_v7;
-        hessian[2] = sum_v8;
-        hessian[3] = sum_v9;
-        hessian[4] = sum_v10;
-        hessian[5] = sum_v11;
-        hessian[6] = -sum_v6;
-        hessian[7] = -sum_v7;
-        hessian[8] = -sum_v9;
-        hessian[9] = sum_v6;
-        hessian[10] = -sum_v7;
-        hessian[11] = -sum_v8;
-        hessian[12] = -sum_v10;
-        hessian[13] = sum_v7;
-        hessian[14] = sum_v8;
-        hessian[15] = -sum_v9;
-        hessian[16] = -sum_v10;
-        hessian[17] = -sum_v11;
-        hessian[18] = sum_v9;
-        hessian[19] = sum_v10;
-        hessian[20] = sum_v11;
+        gradient[0] = -product_v2;
+        gradient[1] = -product_v4;
+        gradient[2] = -product_v6;
+        gradient[3] = product_v2;
+        gradient[4] = product_v4;
+        gradient[5] = product_v6;
+        hessian[0] = sum_v4;
+        hessian[1] = sum_v5;
+        hessian[2] = sum_v6;
+        hessian[3] = sum_v7;
+        hessian[4] = sum_v8;
+        hessian[5] = sum_v9;
+        hessian[6] = -sum_v4;
+        hessian[7] = -sum_v5;
+        hessian[8] = -sum_v7;
+        hessian[9] = sum_v4;
+        hessian[10] = -sum_v5;
+        hessian[11] = -sum_v6;
+        hessian[12] = -sum_v8;
+        hessian[13] = sum_v5;
+        hessian[14] = sum_v6;
+        hessian[15] = -sum_v7;
+        hessian[16] = -sum_v8;
+        hessian[17] = -sum_v9;
+        hessian[18] = sum_v7;
+        hessian[19] = sum_v8;
+        hessian[20] = sum_v9;
         Values {
             energy: E::splat(0.5) * (stiffness * (stretch * stretch)),
             force: by_stretch,

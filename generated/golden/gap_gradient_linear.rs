@@ -4,12 +4,14 @@ use diffuse_contact_kernels::support::*;
 /// Places of what `gap_gradient` keeps of a node between its loops.
 pub mod gap_gradient_kept {
     pub(super) const B: usize = 0usize;
-    pub(super) const A: usize = 1usize;
-    pub(super) const R: usize = 2usize;
-    pub(super) const ONE_MINUS_R: usize = 3usize;
-    pub(super) const W: usize = 4usize;
-    pub(super) const Z: usize = 5usize;
-    pub(super) const PLACES: usize = 6usize;
+    pub(super) const B_DOMAIN_RATIO: usize = 1usize;
+    pub(super) const A: usize = 2usize;
+    pub(super) const DOMAIN_RATIO_A: usize = 3usize;
+    pub(super) const R: usize = 4usize;
+    pub(super) const ONE_MINUS_R: usize = 5usize;
+    pub(super) const W: usize = 6usize;
+    pub(super) const Z: usize = 7usize;
+    pub(super) const PLACES: usize = 8usize;
     /// Number of values, those of the Hessian's form included.
     pub const COUNT: usize = PLACES;
 }
@@ -133,7 +135,9 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
             beta_0 = S::add_product(presence, w, z, beta_0);
             beta_1 = S::add_product(presence, w_p_1, z, beta_1);
             node[at::B] = b;
+            node[at::B_DOMAIN_RATIO] = b_domain_ratio;
             node[at::A] = a;
+            node[at::DOMAIN_RATIO_A] = domain_ratio_a;
             node[at::R] = r;
             node[at::ONE_MINUS_R] = one_minus_r;
             node[at::W] = w;
@@ -323,25 +327,32 @@ pub fn gap_gradient<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
             let b = node[at::B];
             let z = node[at::Z];
             let w = node[at::W];
+            let b_domain_ratio = node[at::B_DOMAIN_RATIO];
             let one_minus_r = node[at::ONE_MINUS_R];
             let r = node[at::R];
+            let domain_ratio_a = node[at::DOMAIN_RATIO_A];
             let a_shifted = a - foot_1;
             let b_shifted = b - foot_2;
             let fitted = alpha_2
                 .mul_add(b_shifted, alpha_1.mul_add(a_shifted, foot_alpha_0));
             let e = z - fitted;
             let w_e = w * e;
-            let product_v2 = domain_ratio
-                * (domain_ratio
-                    * T::select_less(r, T::ONE, one_minus_r * T::splat(-6.0), T::ZERO));
-            let w_e_b = w.neg_mul_add(alpha_2, e * (b * product_v2));
+            let choice_v2 = T::select_less(
+                r,
+                T::ONE,
+                one_minus_r * T::splat(-6.0),
+                T::ZERO,
+            );
+            let w_e_b = w
+                .neg_mul_add(alpha_2, e * (choice_v2 * (domain_ratio * b_domain_ratio)));
             let sigma_gap = b_shifted
                 .mul_add(
                     lambda_gap_2,
                     lambda_gap_1.mul_sub(a_shifted, minus_lambda_gap_0),
                 );
             let sum_v4 = lambda_gap_2.mul_add(w_e, sigma_gap * w_e_b);
-            let w_e_a = w.neg_mul_add(alpha_1, e * (a * product_v2));
+            let w_e_a = w
+                .neg_mul_add(alpha_1, e * (choice_v2 * (domain_ratio * domain_ratio_a)));
             let sum_v5 = lambda_gap_1.mul_add(w_e, sigma_gap * w_e_a);
             let w_sigma_gap = w * sigma_gap;
             let dgap_dz = axis_z_z

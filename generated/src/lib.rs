@@ -55,9 +55,8 @@
 //!
 //! # Status
 //!
-//! Kernels never panic on numbers. The checksum contains every value and the slave's derivatives, which are sums over the masters'. An entry
-//! of M for a pair of nodes may overflow where the slave's block does not, so entries are checked where they are written. That costs 2 to
-//! 4 % of the time.
+//! Kernels never panic on numbers. The checksum contains every value and the slave's part of N, which is a sum over the masters'. Entries
+//! of M, or its factors, are checked where they are written. That costs 2 to 4 % of the time.
 //!
 //! `golden/` holds one emitted text for review; a test keeps it fresh.
 #![deny(unsafe_code)]

@@ -192,6 +192,7 @@ pub(crate) fn gap_batch<'a>(
             inputs,
             has_slip: false,
             slot,
+            places: &[],
             is_sound: sound.is_ok(),
         });
     }
@@ -219,6 +220,8 @@ pub(crate) struct Waiting<'a, 's> {
     /// Whether it has a slip from an anchor: its slot then has room for the derivatives of both.
     pub has_slip: bool,
     pub slot: GapSlot<'s>,
+    /// As of a [`BatchElement`].
+    pub places: &'a [u32],
     /// Others are left out.
     pub is_sound: bool,
 }
@@ -246,8 +249,9 @@ pub(crate) fn evaluate<'a>(
         for group in group.chunks(MOST_AT_ONCE) {
             elements.clear();
             elements.extend(group.iter().map(|&(_, index)| {
-                let GapSlot { gradient, hessian } = std::mem::take(&mut waiting[index].slot);
-                BatchElement { inputs: waiting[index].inputs, values: GapValues::NONE, gradient, hessian }
+                let &mut Waiting { inputs, places, ref mut slot, .. } = &mut waiting[index];
+                let GapSlot { gradient, hessian } = std::mem::take(slot);
+                BatchElement { inputs, values: GapValues::NONE, gradient, hessian, places }
             }));
             sets.run(weight, has_slip, (basis, frame, asked), &mut elements, workspace);
             for (element, &(_, index)) in elements.iter_mut().zip(group) {

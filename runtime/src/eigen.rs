@@ -1,7 +1,5 @@
 //! Eigenvalues and eigenvectors of a small symmetric matrix, by Jacobi's rotations.
 
-use crate::vector::Vector3;
-
 /// Sweeps of rotations: five are enough for a 3 × 3 matrix to rounding, eight for a 6 × 6 one.
 const MOST_SWEEPS: usize = 12;
 
@@ -23,39 +21,6 @@ pub fn symmetric_eigen<const N: usize>(mut a: [[f64; N]; N]) -> [(f64, [f64; N])
     let mut all = std::array::from_fn(|k| (a[k][k], vectors[k]));
     all.sort_by(|x: &(f64, _), y| x.0.total_cmp(&y.0));
     all
-}
-
-/// Eigenvalues of a symmetric 3 × 3 matrix, ascending, and a unit eigenvector of the smallest, close to `near`: Rayleigh's quotient
-/// iteration, whose error goes with the third power of the one before. The other two eigenvalues are exact to the root of rounding. `None` if it does not find the smallest one, or not the
-/// difference to the others. Reads the upper triangle.
-#[must_use]
-pub(crate) fn smallest_eigenvector_near(a: [[f64; 3]; 3], near: Vector3) -> Option<([f64; 3], Vector3)> {
-    let [xx, xy, xz] = a[0];
-    let (yy, yz, zz) = (a[1][1], a[1][2], a[2][2]);
-    let mut vector = near;
-    for _ in 0..MOST_QUOTIENTS {
-        let [x, y, z] = vector.into();
-        let image =
-            Vector3::from([xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z]);
-        let value = image.dot(&vector);
-        let rows = [[xx - value, xy, xz], [xy, yy - value, yz], [xz, yz, zz - value]].map(Vector3::from);
-        // The adjugate is the inverse times the determinant, and exists where that is 0.
-        let adjugate = [rows[1].cross(&rows[2]), rows[2].cross(&rows[0]), rows[0].cross(&rows[1])];
-        let next = Vector3::from(adjugate.map(|row| row.dot(&vector))).try_normalize()?;
-        let turned = next.cross(&vector).norm_squared();
-        vector = next;
-        if turned <= SAME_DIRECTION {
-            // The other eigenvalues less this one, from their sum and their product.
-            let (sum, product) =
-                (xx + yy + zz - 3.0 * value, adjugate[0][0] + adjugate[1][1] + adjugate[2][2]);
-            if !(sum > 0.0 && product > 0.0) {
-                return None;
-            }
-            let largest = 0.5 * (sum + (sum * sum - 4.0 * product).max(0.0).sqrt());
-            return Some(([value, value + product / largest, value + largest], vector));
-        }
-    }
-    None
 }
 
 /// The smallest and the largest eigenvalue of a symmetric matrix. Reads the upper triangle.
@@ -98,11 +63,6 @@ fn diagonalize<const N: usize>(a: &mut [[f64; N]; N], mut turn: impl FnMut(usize
         }
     }
 }
-
-/// Iterations for one eigenvector: three are enough from a few degrees away.
-const MOST_QUOTIENTS: usize = 8;
-/// Square of the sine between two directions that differ by rounding.
-const SAME_DIRECTION: f64 = 1e-30;
 
 #[cfg(test)]
 mod tests {
@@ -147,41 +107,6 @@ mod tests {
         }
         prop_assert_eq!(extreme_eigenvalues(a), (found[0].0, found[N - 1].0));
         Ok(())
-    }
-
-    proptest! {
-        /// Of a plane that has turned by some degrees; where it is no longer the smallest one there is none.
-        #[test]
-        fn an_eigenvector_is_found_from_nearby(
-            thickness in 0.0..0.9_f64,
-            middle in 1.0..3.0_f64,
-            angles in proptest::array::uniform3(-3.0..3.0_f64),
-            off in proptest::array::uniform3(-1.0..1.0_f64),
-        ) {
-            let a = matrix([thickness, middle, 3.0], &angles);
-            let [(smallest, vector), (second, _), (largest, _)] = symmetric_eigen(a);
-            let near = (Vector3::from(vector) + Vector3::from(off) * 0.1).normalize();
-            if let Some((values, found)) = smallest_eigenvector_near(a, near) {
-                prop_assert!((values[0] - smallest).abs() <= 1e-14, "{values:?}");
-                // Where the others are equal, a root of a difference that is rounding stands between them.
-                for (value, expected) in values.into_iter().zip([smallest, second, largest]) {
-                    prop_assert!((value - expected).abs() <= 1e-7, "{values:?}");
-                }
-                let gap = second - smallest;
-                prop_assert!(found.cross(&Vector3::from(vector)).norm() <= 1e-14 / gap);
-            } else {
-                prop_assert!(second - smallest < 0.5, "{thickness} {middle}");
-            }
-        }
-    }
-
-    #[test]
-    fn another_eigenvector_is_not_the_smallest() {
-        let a = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]];
-        assert_eq!(smallest_eigenvector_near(a, Vector3::new(0.01, 1.0, 0.0).normalize()), None);
-        let zero = [[0.0; 3]; 3];
-        assert_eq!(smallest_eigenvector_near(zero, Vector3::new(0.0, 0.0, 1.0)), None);
-        assert_eq!(smallest_eigenvector_near([[f64::NAN; 3]; 3], Vector3::new(0.0, 0.0, 1.0)), None);
     }
 
     /// Values of very different size: each keeps its own digits as far as the matrix determines them.

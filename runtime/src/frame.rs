@@ -2,7 +2,7 @@
 
 use crate::vector::Vector3;
 
-use crate::eigen::{smallest_eigenvector_near, symmetric_eigen};
+use crate::eigen::symmetric_eigen;
 use crate::{ElementError, Point};
 
 /// What the frame does while the element is differentiated.
@@ -150,16 +150,6 @@ impl Frame {
         reach: f64,
         outward: Point,
     ) -> Result<Self, ElementError> {
-        Self::average_plane_near(masters, reach, outward, None)
-    }
-
-    /// The same, sooner if a normal is known from which it differs by little.
-    pub(crate) fn average_plane_near(
-        masters: impl Iterator<Item = (Point, f64)> + Clone,
-        reach: f64,
-        outward: Point,
-        near: Option<Point>,
-    ) -> Result<Self, ElementError> {
         let no_plane = |smallest, middle| ElementError::NoAveragePlane { smallest, middle };
         let Some((first, _)) = masters.clone().next() else { return Err(no_plane(0.0, 0.0)) };
         // Mean of differences from the first node: far from the origin the plain mean loses digits.
@@ -180,16 +170,13 @@ impl Frame {
                 }
             }
         }
-        let found = near.and_then(|near| smallest_eigenvector_near(scatter, near.into()));
-        let (moments, direction) = found.unwrap_or_else(|| {
-            let [(smallest, direction), (middle, _), (largest, _)] = symmetric_eigen(scatter);
-            ([smallest, middle, largest], direction.into())
-        });
-        let [smallest, middle, largest] = moments.map(|moment| moment.max(0.0));
+        let [(smallest, direction), (middle, _), (largest, _)] = symmetric_eigen(scatter);
+        let [smallest, middle, largest] = [smallest, middle, largest].map(|moment| moment.max(0.0));
         if !(middle > LINE_TOLERANCE * largest && middle - smallest > THICKNESS_TOLERANCE * largest) {
             return Err(no_plane(smallest / largest, middle / largest));
         }
-        let frame = Self::of_average_plane(first + mean * scale, direction.normalize(), outward)?;
+        let direction = Vector3::from(direction).normalize();
+        let frame = Self::of_average_plane(first + mean * scale, direction, outward)?;
         Ok(Self { reach, ..frame })
     }
 

@@ -190,6 +190,7 @@ fn in_batch(
             values: GapValues::NONE,
             gradient: gradient.numbers_mut(),
             hessian: hessian.numbers_mut(),
+            places: &[],
         })
         .collect();
     evaluate(&mut elements);

@@ -50,7 +50,13 @@ fn of_batch(set: &GapKernels, isa: Isa, kernel: Kernel, case: &Case, workspace: 
     let inputs = case.inputs();
     let mut elements: Vec<BatchElement<'_>> = room
         .iter_mut()
-        .map(|[gradient, hessian]| BatchElement { inputs, values: GapValues::NONE, gradient, hessian })
+        .map(|[gradient, hessian]| BatchElement {
+            inputs,
+            values: GapValues::NONE,
+            gradient,
+            hessian,
+            places: &[],
+        })
         .collect();
     allocations(|| set.run_batch(isa, kernel, &mut elements, workspace))
 }

@@ -195,6 +195,7 @@ fn batches_give_what_elements_give_one_by_one() {
                         values: GapValues::NONE,
                         gradient,
                         hessian,
+                        places: &[],
                     })
                     .collect();
                 batch(

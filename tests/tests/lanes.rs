@@ -319,6 +319,7 @@ fn masters_may_be_named_by_their_places() {
                 values: GapValues::NONE,
                 gradient: &mut gradient,
                 hessian: &mut hessian,
+                places: &[],
             }];
             let mut workspace = Workspace::default();
             set.run_batch(isa, kernel, &mut elements, &mut workspace);
@@ -365,6 +366,7 @@ fn slices_that_are_too_short_are_a_panic() {
                         values: GapValues::NONE,
                         gradient,
                         hessian,
+                        places: &[],
                     })
                     .collect();
                 assert!(

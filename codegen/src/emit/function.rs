@@ -193,7 +193,7 @@ impl FunctionWriter<'_> {
             quote!(let _ = scratch;)
         } else {
             let kept = kept_name(spec);
-            // The forms have the scratch of one vector of nodes more, for the slave.
+            // The forms have the scratch of one vector of nodes more, for the slave's rows, which the multiplication sums.
             let split = if has_hessians {
                 quote!(let (scratch, forms) = scratch.split_at_mut(at::PLACES * inputs.masters.len());)
             } else {
@@ -301,10 +301,14 @@ impl FunctionWriter<'_> {
 
         // A loop that reads stored values only has no use for a node's inputs.
         let reads = |name: &str| {
-            nodes.statements.iter().any(|s| match s {
+            let in_statements = nodes.statements.iter().any(|s| match s {
                 Statement::Let(x) => self.reads_input(*x, name),
                 Statement::Solve(_) => false,
-            })
+            });
+            let written = nodes.outputs.iter().flat_map(|(_, values)| values);
+            in_statements
+                || nodes.sums.iter().any(|&sum| self.reads_input(sum, name))
+                || written.into_iter().any(|&x| self.is_or_reads_input(x, name))
         };
         let reads_index = reads(NODE_INDEX);
         let reads_any = NODE_INPUTS.into_iter().any(reads);
@@ -358,11 +362,17 @@ impl FunctionWriter<'_> {
 
     /// Whether a statement of a node loop reads the input of node scope with this name.
     fn reads_input(&self, expr: ExprId, name: &str) -> bool {
+        let operands = self.program.kernel.graph.operands(expr);
+        operands.into_iter().any(|x| self.is_or_reads_input(x, name))
+    }
+
+    /// Whether a value that is used in a node loop is that input, or is written where it is used and reads it.
+    fn is_or_reads_input(&self, x: ExprId, name: &str) -> bool {
         let graph = &self.program.kernel.graph;
-        graph.operands(expr).into_iter().any(|x| match graph.op(x) {
+        match graph.op(x) {
             Op::Symbol(symbol) => graph.scope(x) == Scope::Node && graph.symbol_data(symbol).name == name,
             _ => !self.program.layout.bound.contains(&x) && self.reads_input(x, name),
-        })
+        }
     }
 
     /// Writes the results of a loop, if it has any.
@@ -427,16 +437,11 @@ impl FunctionWriter<'_> {
         let program = self.program;
         let updates = program.forms.iter().enumerate().map(|(hessian, rows)| {
             let (form, name) = (form_name(hessian), rows_name(hessian));
-            let data = &program.kernel.hessians[hessian].1;
-            let own = (0..3).flat_map(|row| data.slave[row][..=row].to_vec());
-            let slave_own: Vec<TokenStream> = own.map(|x| self.writer.used(x)).collect();
             let mut row = |x: &[ExprId; 3]| {
                 let entries = x.map(|x| self.writer.used(x));
                 quote!([#(#entries),*])
             };
-            let slave: Vec<TokenStream> =
-                rows.varying.iter().chain(&rows.constant).map(|[_, slave]| row(slave)).collect();
-            let constant: Vec<TokenStream> = rows.constant.iter().map(|[node, _]| row(node)).collect();
+            let constant: Vec<TokenStream> = rows.constant.iter().map(&mut row).collect();
             let (per_node, per_pair) = form_counts(rows);
             self.counts.node += per_node;
             self.counts.pair += per_pair;
@@ -456,8 +461,6 @@ impl FunctionWriter<'_> {
                 let #not_finite = S::finish_form(
                     #form,
                     #name,
-                    [#(#slave_own),*],
-                    &[#(#slave),*],
                     &[#(#constant),*],
                     &mut second,
                 );
@@ -672,8 +675,11 @@ fn rows_name(hessian: usize) -> Ident {
 fn form_counts(rows: &FormRows) -> (OpCounts, OpCounts) {
     let products = 9 * rows.varying.len();
     // The diagonal block is symmetric: half the products, twice, and the own block added.
-    let node = products + 3 * rows.varying.len() + 6;
-    (OpCounts { fused: node, ..OpCounts::default() }, OpCounts { fused: products, ..OpCounts::default() })
+    let fused = products + 3 * rows.varying.len() + 6;
+    // The slave's rows and its own block are sums over the nodes.
+    let additions = 3 * rows.varying.len() + 6;
+    let node = OpCounts { fused, additions, ..OpCounts::default() };
+    (node, OpCounts { fused: products, ..OpCounts::default() })
 }
 
 /// The figures of a root that the graph holds, with the field of the solution each is read from.

@@ -108,6 +108,12 @@ impl Graph {
             }
             // hypot(x, y) -> (x / hypot) x' + (y / hypot) y', with 0 for the direction at the origin
             Op::Hypot(x, y) => {
+                let components = self.norm_components(expr);
+                if components.len() > 2 {
+                    // One root and one division for all components, and products that squares of the norm have, too.
+                    let half_square = self.differentiate_half_square(&components, symbol);
+                    return self.div_or_zero(half_square, expr);
+                }
                 let (dx, dy) = (self.derivative(x, symbol), self.derivative(y, symbol));
                 let (cx, cy) = (self.div_or_zero(x, expr), self.div_or_zero(y, expr));
                 let (left, right) = (self.mul(cx, dx), self.mul(cy, dy));
@@ -116,10 +122,14 @@ impl Graph {
             Op::Power(base, exponent) => self.differentiate_power(base, exponent, symbol),
             Op::Polynomial(base, polynomial) => self.differentiate_polynomial(base, polynomial, symbol),
             // the condition is locally constant
-            Op::Select { x, y, then, otherwise } => {
-                let (then, otherwise) = (self.derivative(then, symbol), self.derivative(otherwise, symbol));
-                self.select_less(x, y, then, otherwise)
-            }
+            Op::Select { x, y, then, otherwise } => match self.chain(expr, symbol) {
+                Some((outer, inner)) => self.mul(outer, inner),
+                None => {
+                    let (then, otherwise) =
+                        (self.derivative(then, symbol), self.derivative(otherwise, symbol));
+                    self.select_less(x, y, then, otherwise)
+                }
+            },
             Op::Sum(body) => {
                 let derivative = self.derivative(body, symbol);
                 match self.symbol_data(symbol).scope {
@@ -205,15 +215,50 @@ impl Graph {
         polynomial: PolynomialId,
         symbol: SymbolId,
     ) -> ExprId {
+        let (outer, inner) = self.chain_of_polynomial(base, polynomial, symbol);
+        self.mul(outer, inner)
+    }
+
+    /// The two factors of that derivative.
+    fn chain_of_polynomial(
+        &mut self,
+        base: ExprId,
+        polynomial: PolynomialId,
+        symbol: SymbolId,
+    ) -> (ExprId, ExprId) {
         let derivative = self.polynomial_data(polynomial).derivative();
         let components = self.norm_components(base);
-        let (outer, inner) = match derivative.over_x() {
+        match derivative.over_x() {
             Some(over_r) if !components.is_empty() => {
                 (self.polynomial(base, over_r), self.differentiate_half_square(&components, symbol))
             }
             _ => (self.polynomial(base, derivative), self.derivative(base, symbol)),
-        };
-        self.mul(outer, inner)
+        }
+    }
+
+    /// A derivative as two factors, of which the second is the same for all that a choice among polynomials of one quantity and constants
+    /// chooses from: only the first one has to be chosen, once for all symbols. `None` if it is no such choice.
+    fn chain(&mut self, expr: ExprId, symbol: SymbolId) -> Option<(ExprId, ExprId)> {
+        match self.op(expr) {
+            Op::Polynomial(base, polynomial) => Some(self.chain_of_polynomial(base, polynomial, symbol)),
+            Op::Select { x, y, then, otherwise } => {
+                let [first, second] = [then, otherwise].map(|choice| match self.op(choice) {
+                    Op::Constant(_) => Some(None),
+                    _ => self.chain(choice, symbol).map(Some),
+                });
+                let zero = self.zero();
+                let (outer, inner) = match (first?, second?) {
+                    (Some((then, inner)), Some((otherwise, other))) if inner == other => {
+                        ((then, otherwise), inner)
+                    }
+                    (Some((then, inner)), None) => ((then, zero), inner),
+                    (None, Some((otherwise, inner))) => ((zero, otherwise), inner),
+                    _ => return None,
+                };
+                Some((self.select_less(x, y, outer.0, outer.1), inner))
+            }
+            _ => None,
+        }
     }
 
     /// A x = b -> A x' = b' - A' x: one more right-hand side for the same factorisation.
@@ -383,6 +428,46 @@ mod tests {
         let t = 1.0 - near_one;
         assert!((value(&g, w, near_one) / (t * t * (1.0 + 2.0 * near_one)) - 1.0).abs() < 1e-14);
         assert!((value(&g, first, near_one) / (-6.0 * near_one * t) - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_norm_of_three_has_one_root_and_no_direction_at_the_origin() {
+        let mut g = Graph::new();
+        let x = g.input("x", Scope::Element);
+        let (y, z) = (g.constant(2.0), g.mul(x, x));
+        for (y, at, expected) in [(y, 3.0, 3.0 * (1.0 + 18.0) / 94.0_f64.sqrt()), (g.zero(), 0.0, 0.0)] {
+            let norm = g.hypot(x, y);
+            let norm = g.hypot(norm, z);
+            let symbol = g.symbol_of(x);
+            let derivative = g.derivative(norm, symbol);
+            assert!((value(&g, derivative, at) - expected).abs() < 1e-14, "{at}");
+        }
+    }
+
+    /// The choice does not depend on what is differentiated by.
+    #[test]
+    fn a_choice_among_polynomials_is_made_once_for_all_symbols() {
+        let mut g = Graph::new();
+        let [x, y] = ["x", "y"].map(|name| g.input(name, Scope::Element));
+        let (r, one, zero) = (g.hypot(x, y), g.one(), g.zero());
+        let w = g.polynomial(r, crate::graph::Polynomial::new(vec![1.0, 0.0, -3.0, 2.0]));
+        let w = g.select_less(r, one, w, zero);
+        let [by_x, by_y] = [x, y].map(|s| {
+            let symbol = g.symbol_of(s);
+            g.derivative(w, symbol)
+        });
+        let choices = |g: &Graph| {
+            let mut reached = vec![by_x, by_y];
+            let mut found = std::collections::BTreeSet::new();
+            while let Some(expr) = reached.pop() {
+                if matches!(g.op(expr), Op::Select { .. }) {
+                    found.insert(expr);
+                }
+                reached.extend(g.operands(expr));
+            }
+            found.len()
+        };
+        assert_eq!(choices(&g), 1);
     }
 
     #[test]

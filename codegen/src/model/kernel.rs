@@ -387,15 +387,11 @@ impl Results {
         );
     }
 
-    /// A sum that is finite only if all results are, but for the Hessian's blocks off the slave: the slave's gradient is
-    /// the sum of the masters' as they are written, but its block of the Hessian is multiplied from sums of rows, where
-    /// large entries may cancel. The emitted kernel adds what `multiply_form` says of the entries it wrote.
+    /// A sum that is finite only if all results are, but for the Hessian: the slave's gradient is the sum of the masters' as they are
+    /// written. The emitted kernel adds what `finish_form` says of the entries it wrote.
     fn checksum(&mut self, sheet: &Sheet) {
         let mut terms: Vec<ExprId> = self.values.iter().flat_map(|v| v.components.clone()).collect();
         terms.extend(self.gradients.iter().flat_map(|(_, gradient)| gradient.slave));
-        for (_, hessian) in &self.hessians {
-            terms.extend((0..3).flat_map(|row| hessian.slave[row][..=row].to_vec()));
-        }
         terms.extend(self.node_values.iter().map(|&(_, x)| sheet.expr(x).sum().id()));
         self.scalar(CHECKSUM, "Finite only if every result is", total(sheet.exprs(terms)));
     }

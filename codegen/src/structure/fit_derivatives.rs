@@ -26,7 +26,7 @@ use super::low_rank::{Factors, LowRankForm};
 use super::outer_block::Reduced;
 use super::point::{PointDependence, PointRows};
 use crate::expr::{AXES, Expr, Mat3, System, Values, Vec3, all_at, dot};
-use crate::graph::ExprId;
+use crate::graph::{ExprId, Op};
 
 /// Unknowns y defined by a sum over nodes, Σ ρ(y, …; xᵢ) = 0.
 #[derive(Clone, Debug)]
@@ -130,8 +130,6 @@ pub(super) struct Lagrangian<'g> {
     pub total: Expr<'g>,
     /// μ·ρ₂
     pub outer: Expr<'g>,
-    /// μ
-    pub outer_adjoint: Vec<Expr<'g>>,
 }
 
 impl<'g> NodeProblem<'g> {
@@ -225,10 +223,11 @@ impl<'g> NodeProblem<'g> {
             self.block.split(&self.block.residual).into_iter().enumerate()
         {
             let along = dot(&adjoint, &direction);
-            inner += scale * if group == 0 { along.named(&format!("sigma_{name}")) } else { along };
+            let along = if group == 0 { along.named(&format!("sigma_{name}")) } else { along };
+            inner += self.with_weight_apart(scale, along, &format!("eta_{name}_{group}"));
         }
         let Some(outer) = &self.outer else {
-            return Lagrangian { inner, total: inner, outer: self.zero(), outer_adjoint: Vec::new() };
+            return Lagrangian { inner, total: inner, outer: self.zero() };
         };
         // A name keeps its derivatives whole, which are needed by themselves.
         let inner = inner.named(&format!("lagrangian_{name}"));
@@ -243,8 +242,27 @@ impl<'g> NodeProblem<'g> {
         let right_hand_side: Vec<Expr<'g>> =
             outer.unknowns.iter().zip(right_hand_side).map(|(unknown, sum)| of_point(unknown, sum)).collect();
         let outer_adjoint = outer.system.solve_transposed(&right_hand_side, &format!("mu_{name}"));
-        let outer = dot(&outer_adjoint, &outer.residual);
-        Lagrangian { inner, total: inner + outer, outer, outer_adjoint }
+        let mut along_residual = self.zero();
+        for (group, ScaledVector { scale, direction }) in outer.split(&outer.residual).into_iter().enumerate()
+        {
+            let along = dot(&outer_adjoint, &direction).named(&format!("tau_{name}_{group}"));
+            along_residual += self.with_weight_apart(scale, along, &format!("theta_{name}_{group}"));
+        }
+        let outer = along_residual;
+        Lagrangian { inner, total: inner + outer, outer }
+    }
+
+    /// `scale` · `along`. What the local coordinates do not change is multiplied last, and the rest has a name: derivatives by them leave
+    /// it alone.
+    fn with_weight_apart(&self, scale: Expr<'g>, along: Expr<'g>, name: &str) -> Expr<'g> {
+        let Op::Mul(x, y) = scale.operation() else { return scale * along };
+        let [x, y] = [x, y].map(|x| scale.sheet().expr(x));
+        let is_held = |x: Expr<'g>| self.coordinates.partial_derivatives(x).iter().all(|x| x.is_zero());
+        match [is_held(x), is_held(y)] {
+            [true, false] => x * (y * along).named(name),
+            [false, true] => y * (x * along).named(name),
+            _ => scale * along,
+        }
     }
 
     /// Σ x over the nodes, evaluated at the values.

@@ -71,7 +71,7 @@ impl<'g> NodeProblem<'g> {
         let point_by_outer = point_by_outer.collect();
         let second = |row: usize, column: usize| {
             let (row, column) = (&motions[row], &motions[column]);
-            let second = self.second_derivative(outer, lagrangian, row, column);
+            let second = self.second_derivative(lagrangian, row, column);
             match (&functional.point, row.point) {
                 (Some(point), Some(explicit)) => second + point.change(explicit, column.follower.parameter()),
                 _ => second,
@@ -143,16 +143,14 @@ impl<'g> NodeProblem<'g> {
     /// d²L/dθdθ' = ∂²L/∂θ∂θ' + Zᵀ ∂²L/∂α∂θ' + (∂²L/∂θ∂α + Zᵀ K) Z'
     fn second_derivative(
         &self,
-        outer: &Block<'g>,
         lagrangian: &Lagrangian<'g>,
         row: &Motion<'g>,
         column: &Motion<'g>,
     ) -> Expr<'g> {
         let sum_of_change = |first: Expr<'g>| self.sum_at_values(column.follower.total_derivative(first));
         let inner = sum_of_change(row.lagrangian);
-        let of_residuals: Vec<Expr<'g>> =
-            outer.residual.iter().map(|&r| sum_of_change(row.follower.total_derivative(r))).collect();
-        let outer = dot(&lagrangian.outer_adjoint, of_residuals);
+        // One sum for μ·ρ₂, not one for each of ρ₂: there are many more of these second derivatives.
+        let outer = sum_of_change(row.follower.total_derivative(lagrangian.outer));
         let through_alpha = dot(&row.unknowns, &column.change);
         let through_lambda = dot(&row.adjoint_change, &column.unknowns);
         total([inner, outer, through_alpha, through_lambda])

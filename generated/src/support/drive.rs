@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::marker::PhantomData;
 
-use super::simd::{Block, Vector};
+use super::simd::{Block, Spread, Vector};
 use super::{
     Batch, ElementInputs, FormRows, GapValues, Inputs, Isa, Lane, MATERIAL_VALUES, Mode, NODE_VALUES, Second,
     SecondKind, Shape, Single, WithLanes, packed_row,
@@ -54,15 +54,9 @@ pub enum Widths {
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     blocks: Vec<Block>,
-}
-
-impl Workspace {
-    fn blocks(&mut self, count: usize) -> &mut [Block] {
-        if self.blocks.len() < count {
-            self.blocks.resize(count, Block::ZERO);
-        }
-        &mut self.blocks[..count]
-    }
+    spread: Spread,
+    /// Derivatives of one element, before they go to their places.
+    numbers: Vec<f64>,
 }
 
 /// One element of a batch, and where its results go. What the kernel does not compute may be empty and is not touched.
@@ -76,6 +70,10 @@ pub struct BatchElement<'a> {
     pub gradient: &'a mut [f64],
     /// M, packed lower triangle of 3(n+1) rows, and the same; or the factors of M, if these are asked for.
     pub hessian: &'a mut [f64],
+    /// Where derivatives by further nodes, which are zero, are wanted among those of N and M: the places of the masters among all nodes,
+    /// ascending. N has 3(m+1) entries then and M as many rows, m as its slice says. Empty: N and M of the masters. To stay empty where
+    /// factors or a slip are asked for.
+    pub places: &'a [u32],
 }
 
 /// Values that a kernel reads of a node in the first configuration.
@@ -220,10 +218,17 @@ thread_local! {
 #[inline]
 fn memory(count: usize) -> Vec<Block> {
     let mut blocks = BLOCKS.take();
+    at_least(&mut blocks, count);
+    blocks
+}
+
+/// So many blocks of a vector that grows where it has fewer.
+#[inline]
+fn at_least(blocks: &mut Vec<Block>, count: usize) -> &mut [Block] {
     if blocks.len() < count {
         blocks.resize(count, Block::ZERO);
     }
-    blocks
+    &mut blocks[..count]
 }
 
 /// Evaluates elements of the same number of nodes, side by side. What one of them gets does not depend on the others.
@@ -251,11 +256,33 @@ pub fn batch<K: GapKernel>(
     } else {
         isa.run_four(code)
     };
-    if let Err(Elements { elements, .. }) = left {
-        for BatchElement { inputs, values, gradient, hessian } in elements {
+    if let Err(Elements { elements, workspace, .. }) = left {
+        one_by_one::<K>(isa, weight_number, kind, elements, workspace);
+    }
+}
+
+/// As [`batch`] where there are no vectors for it.
+fn one_by_one<K: GapKernel>(
+    isa: Isa,
+    weight_number: usize,
+    kind: SecondKind,
+    elements: &mut [BatchElement<'_>],
+    workspace: &mut Workspace,
+) {
+    let Workspace { spread, numbers, .. } = workspace;
+    for element in elements {
+        let BatchElement { inputs, gradient, hessian, places, .. } = element;
+        if places.is_empty() {
             let second = Second::new(kind, hessian);
-            *values = single::<K>(isa, weight_number, inputs, gradient, second);
+            element.values = single::<K>(isa, weight_number, inputs, gradient, second);
+            continue;
         }
+        let (gradients, hessians) = sizes::<K>(inputs.masters.len(), kind);
+        numbers.resize(gradients + hessians, 0.0);
+        let (gradient, hessian) = numbers.split_at_mut(gradients);
+        let second = Second::new(kind, hessian);
+        element.values = single::<K>(isa, weight_number, inputs, gradient, second);
+        store::<K, f64>((gradient, hessian), kind, std::slice::from_mut(element), spread);
     }
 }
 
@@ -294,7 +321,9 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
         let read = material_values::<K>();
         let needed =
             (NODE_VALUES + read) * count + K::KEPT * scratch_vectors::<K>(count) + gradients + hessians;
-        let vectors = Block::vectors::<T>(self.workspace.blocks(Block::count::<T>(needed)));
+        let Workspace { blocks, spread, .. } = self.workspace;
+        let blocks = at_least(blocks, Block::count::<T>(needed));
+        let vectors = Block::vectors::<T>(blocks);
         let (masters, vectors) = vectors.split_at_mut(NODE_VALUES * count);
         let (masters, _) = masters.as_chunks_mut::<NODE_VALUES>();
         let (material, vectors) = vectors.split_at_mut(read * count);
@@ -317,8 +346,30 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
             for (lane, element) in elements.iter_mut().enumerate() {
                 element.values = values.lane(lane);
             }
-            T::store_transposed(gradient, elements, |element| element.gradient);
-            T::store_transposed(hessian, elements, |element| element.hessian);
+            store::<K, T>((gradient, hessian), self.kind, elements, spread);
         }
+    }
+}
+
+/// Writes derivatives of elements side by side to where they belong.
+#[inline(always)]
+fn store<K: GapKernel, T: Vector>(
+    (gradient, hessian): (&[T], &[T]),
+    kind: SecondKind,
+    elements: &mut [BatchElement<'_>],
+    spread: &mut Spread,
+) {
+    if elements.iter().all(|element| element.places.is_empty()) {
+        T::store_transposed(gradient, elements, |element| element.gradient);
+        T::store_transposed(hessian, elements, |element| element.hessian);
+        return;
+    }
+    assert!(!K::ANCHOR && kind == SecondKind::Hessians, "places are those of N and M");
+    spread.set(elements[0].inputs.masters.len(), elements.iter().map(|element| element.places));
+    if !gradient.is_empty() {
+        spread.store_gradients(gradient, elements, |element| element.gradient);
+    }
+    if !hessian.is_empty() {
+        spread.store_packed(hessian, elements, |element| element.hessian);
     }
 }

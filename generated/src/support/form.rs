@@ -1,11 +1,11 @@
 //! Hessians from their form of low rank: M = Σ cᵀb + bᵀc over slave and nodes, plus the nodes' own blocks.
 //!
-//! The own block O of a node stands at (node, node), −O at (node, slave); the slave's own block is not written here.
+//! The own block O of a node stands at (node, node), −O at (node, slave).
 //! Rows are ordered b₀, c₀, b₁, c₁, …; first those that differ between nodes, then those that are the same for all.
 //!
-//! A product may overflow though the slave's own block, in which it is cancelled, does not: what multiplies also
+//! A product may overflow though others that it cancels with hide it: what multiplies also
 //! returns 0 times the sums of up to nine entries it wrote at a time: 0 if all are finite, NaN if not, or if one is within
-//! a factor of nine of overflow.
+//! a factor of nine of overflow. The slave's rows are the negative sums of the nodes', and so is its own block.
 
 use super::simd::Vector;
 use super::{Lane, packed_row};
@@ -94,27 +94,29 @@ pub(super) mod batch {
     /// Returns 0 or, if an entry is not finite, NaN.
     #[inline(always)]
     #[must_use]
-    pub fn multiply<T: Lane>(
-        form: &mut [T],
-        rows: FormRows,
-        slave: &[[T; 3]],
-        constant: &[[T; 3]],
-        target: &mut [T],
-    ) -> T {
+    pub fn multiply<T: Lane>(form: &mut [T], rows: FormRows, constant: &[[T; 3]], target: &mut [T]) -> T {
         let mut not_finite = T::ZERO;
         let size = node_length(rows);
-        let (slave_varying, slave_constant) = slave.split_at(rows.varying);
+        let (slave, nodes) = form.split_at_mut(size);
         for row in 0..rows.varying {
-            write(slave_varying[row], form, 3 * row);
+            let mut sum = [T::ZERO; 3];
+            for node in nodes.chunks_exact(size) {
+                for axis in 0..3 {
+                    sum[axis] = sum[axis] - node[3 * row + axis];
+                }
+            }
+            write(sum, slave, 3 * row);
         }
         let zero = [[T::ZERO; 3]; 3];
         let all_nodes = products(zero, constant, constant);
-        let mut slave_instead = products(zero, constant, slave_constant);
+        // The slave's part of rows that are the same for all nodes is that of a node, −n times.
+        let mut slave_instead = zero;
         for i in 0..3 {
             for j in 0..3 {
-                slave_instead[i][j] = slave_instead[i][j] - all_nodes[i][j];
+                slave_instead[i][j] = T::splat(-(rows.count as f64) - 1.0) * all_nodes[i][j];
             }
         }
+        let mut slave_own = zero;
         for row_node in 1..=rows.count {
             let row = &form[size * row_node..][..size];
             let (row, own) = row.split_at(3 * rows.varying);
@@ -130,6 +132,7 @@ pub(super) mod batch {
                     for i in 0..3 {
                         for j in 0..3 {
                             block[i][j] = block[i][j] + (slave_instead[i][j] - own[i][j]);
+                            slave_own[i][j] = slave_own[i][j] - block[i][j];
                         }
                     }
                 }
@@ -150,13 +153,21 @@ pub(super) mod batch {
                 }
             }
         }
+        for i in 0..3 {
+            for j in 0..=i {
+                not_finite = slave_own[i][j].mul_add(T::ZERO, not_finite);
+                target[packed_row(i) + j] = slave_own[i][j];
+            }
+        }
         not_finite
     }
 
-    /// Writes the factors.
+    /// Writes the factors. Returns 0 or, if one is not finite, NaN.
     #[inline(always)]
-    pub fn write_factors<T: Lane>(form: &[T], rows: FormRows, constant: &[[T; 3]], target: &mut [T]) {
+    #[must_use]
+    pub fn write_factors<T: Lane>(form: &[T], rows: FormRows, constant: &[[T; 3]], target: &mut [T]) -> T {
         let (size, own) = (node_length(rows), 3 * rows.varying);
+        let mut not_finite = T::ZERO;
         for node in 0..rows.count {
             let form = &form[size * (node + 1)..][..size];
             let target = &mut target[rows.node_factors() * node..][..rows.node_factors()];
@@ -164,15 +175,21 @@ pub(super) mod batch {
                 for axis in 0..3 {
                     target[rows.varying * axis + row] = form[3 * row + axis];
                 }
+                let sum = form[3 * row] + form[3 * row + 1] + form[3 * row + 2];
+                not_finite = sum.mul_add(T::ZERO, not_finite);
             }
             let block = &form[own..own + 6];
             write([block[0], block[1], block[2], block[3], block[4], block[5]], target, own);
+            let sum = block[0] + block[1] + block[2] + block[3] + block[4] + block[5];
+            not_finite = sum.mul_add(T::ZERO, not_finite);
         }
         for row in 0..constant.len() {
             for axis in 0..3 {
                 target[rows.node_factors() * rows.count + rows.constant * axis + row] = constant[row][axis];
+                not_finite = constant[row][axis].mul_add(T::ZERO, not_finite);
             }
         }
+        not_finite
     }
 
     /// start + Σ cᵀb + bᵀc
@@ -264,7 +281,6 @@ pub(super) mod single {
     pub fn multiply<T: Vector>(
         form: &mut [f64],
         rows: FormRows,
-        slave: &[[T::Scalar; 3]],
         constant: &[[T::Scalar; 3]],
         target: &mut [f64],
     ) -> f64 {
@@ -272,9 +288,9 @@ pub(super) mod single {
         let mut not_finite = T::ZERO;
         let stride = stride::<T>(rows);
         let (form, own) = form.split_at_mut(stride * rows.all());
-        for row in 0..slave.len() {
-            let [x, y, z] = &slave[row];
-            write([x.lane(0), y.lane(0), z.lane(0)], form, stride * row);
+        for row in 0..rows.varying {
+            let (slave, nodes) = form[stride * row..][..3 * (rows.count + 1)].split_at_mut(3);
+            write(negative_sum::<T>(nodes), slave, 0);
         }
         for row in 0..constant.len() {
             let [x, y, z] = &constant[row];
@@ -282,6 +298,9 @@ pub(super) mod single {
             for node in 1..stride / 3 {
                 write(values, form, stride * (rows.varying + row) + 3 * node);
             }
+            let times = -(rows.count as f64);
+            let slave = [times * values[0], times * values[1], times * values[2]];
+            write(slave, form, stride * (rows.varying + row));
         }
         for node in 1..=rows.count {
             let mut end = 3 * node + 3;
@@ -316,17 +335,50 @@ pub(super) mod single {
                 }
             }
         }
+        for i in 0..3 {
+            for j in 0..=i {
+                let mut entry = 0.0;
+                for node in 1..=rows.count {
+                    entry -= target[packed_row(3 * node + i) + j];
+                }
+                target[packed_row(i) + j] = entry;
+                not_finite = T::splat(entry).mul_add(T::ZERO, not_finite);
+            }
+        }
         not_finite.sum()
     }
 
-    /// Writes the factors.
+    /// The negative sums of x, y and z of the nodes.
     #[inline(always)]
+    fn negative_sum<T: Vector>(nodes: &[f64]) -> [f64; 3] {
+        let mut sums = [T::ZERO; 3];
+        let whole = nodes.len() / (3 * T::WIDTH);
+        for vector in 0..whole {
+            for k in 0..3 {
+                sums[k] = sums[k] - T::load(nodes, T::WIDTH * (3 * vector + k));
+            }
+        }
+        let mut total = [0.0; 3];
+        for k in 0..3 {
+            for lane in 0..T::WIDTH {
+                total[(T::WIDTH * k + lane) % 3] += sums[k].lane(lane);
+            }
+        }
+        for place in 3 * T::WIDTH * whole..nodes.len() {
+            total[place % 3] -= nodes[place];
+        }
+        total
+    }
+
+    /// Writes the factors. Returns 0 or, if one is not finite, NaN.
+    #[inline(always)]
+    #[must_use]
     pub fn write_factors<T: Vector>(
         form: &[f64],
         rows: FormRows,
         constant: &[[T::Scalar; 3]],
         target: &mut [f64],
-    ) {
+    ) -> f64 {
         let stride = stride::<T>(rows);
         let (form, own) = form.split_at(stride * rows.all());
         for node in 0..rows.count {
@@ -348,6 +400,11 @@ pub(super) mod single {
                 target[rows.node_factors() * rows.count + rows.constant * axis + row] = values[axis];
             }
         }
+        let mut not_finite = 0.0;
+        for k in 0..rows.factors() {
+            not_finite += 0.0 * target[k];
+        }
+        not_finite
     }
 
     /// Rows of one node.
@@ -446,7 +503,7 @@ mod tests {
     use super::super::{Isa, WithLanes};
     use super::*;
 
-    /// Rows and own blocks of slave and nodes, by any rule, and the Hessian without the slave's own block.
+    /// Rows and own blocks of nodes, by any rule, and the Hessian.
     struct Case {
         rows: FormRows,
         /// An entry of a node's own block that is infinite: node, row, column.
@@ -458,8 +515,10 @@ mod tests {
 
     impl Case {
         fn entry(&self, row: usize, node: usize, axis: usize) -> f64 {
-            // Constant rows do not depend on the node, but on whether it is one.
-            let node = if row < self.rows.varying { node } else { node.min(1) };
+            if node == 0 {
+                return -(1..=self.rows.count).map(|node| self.entry(row, node, axis)).sum::<f64>();
+            }
+            let node = if row < self.rows.varying { node } else { 1 };
             ((7 * row + 13 * node + 5 * axis) % 17) as f64 - 8.0
         }
 
@@ -480,6 +539,7 @@ mod tests {
                 })
                 .sum();
             match j {
+                _ if i == 0 => products + (1..=self.rows.count).map(|node| self.own(node, a, b)).sum::<f64>(),
                 _ if i == j => products + self.own(i, a, b),
                 0 => products - self.own(i, a, b),
                 _ => products,
@@ -490,7 +550,7 @@ mod tests {
         fn check(&self, hessian: &[f64], sum: f64, what: &str) {
             assert_eq!(sum.is_nan(), self.infinite.is_some(), "{what}, {:?}: {:?}", self.rows, self.infinite);
             assert!(sum == 0.0 || sum.is_nan());
-            for row in 3..3 * (self.rows.count + 1) {
+            for row in 0..3 * (self.rows.count + 1) {
                 for column in 0..=row {
                     let found = hessian[packed_row(row) + column];
                     assert_eq!(
@@ -504,7 +564,8 @@ mod tests {
         }
 
         /// Of each node the rows by axes and its own block, then the constant rows.
-        fn check_factors(&self, factors: &[f64]) {
+        fn check_factors(&self, factors: &[f64], sum: f64) {
+            assert_eq!(sum.is_nan(), self.infinite.is_some(), "{:?}: {:?}", self.rows, self.infinite);
             let FormRows { varying, constant, count } = self.rows;
             let rows = |from: usize, length: usize, node: usize| {
                 (0..3).flat_map(move |axis| (from..from + length).map(move |row| self.entry(row, node, axis)))
@@ -513,10 +574,6 @@ mod tests {
                 .flat_map(|node| rows(0, varying, node).chain(LOWER.map(|(i, j)| self.own(node, i, j))));
             let expected: Vec<f64> = nodes.chain(rows(varying, constant, 1)).collect();
             assert_eq!(factors, expected, "{:?}", self.rows);
-        }
-
-        fn slave<E: Lane>(&self) -> Vec<[E; 3]> {
-            (0..self.rows.all()).map(|row| [0, 1, 2].map(|axis| E::splat(self.entry(row, 0, axis)))).collect()
         }
 
         fn constant<E: Lane>(&self) -> Vec<[E; 3]> {
@@ -552,11 +609,11 @@ mod tests {
                 single::keep_own(&mut form, rows, vector, case.own_of::<T>(node));
             }
             let mut factors = vec![f64::NAN; rows.factors()];
-            single::write_factors::<T>(&form, rows, &case.constant::<T::Scalar>(), &mut factors);
-            case.check_factors(&factors);
+            let sum = single::write_factors::<T>(&form, rows, &case.constant::<T::Scalar>(), &mut factors);
+            case.check_factors(&factors, sum);
             let mut hessian = vec![f64::NAN; size + 1];
-            let (slave, constant) = (case.slave::<T::Scalar>(), case.constant::<T::Scalar>());
-            let sum = single::multiply::<T>(&mut form, rows, &slave, &constant, &mut hessian[..size]);
+            let constant = case.constant::<T::Scalar>();
+            let sum = single::multiply::<T>(&mut form, rows, &constant, &mut hessian[..size]);
             case.check(&hessian, sum, &format!("nodes side by side, {}", T::WIDTH));
             assert!(hessian[size].is_nan(), "beyond the end");
         }
@@ -588,12 +645,12 @@ mod tests {
                     batch::keep_own(form, rows, node, own);
                 }
                 let mut factors = vec![T::ZERO; rows.factors()];
-                batch::write_factors(form, rows, &case.constant(), &mut factors);
+                let sum = batch::write_factors(form, rows, &case.constant(), &mut factors);
                 for lane in 0..T::WIDTH {
                     let factors: Vec<f64> = factors.iter().map(|x| x.lane(lane)).collect();
-                    case_of(lane).check_factors(&factors);
+                    case_of(lane).check_factors(&factors, sum.lane(lane));
                 }
-                let sum = batch::multiply(form, rows, &case.slave(), &case.constant(), &mut rest[..size]);
+                let sum = batch::multiply(form, rows, &case.constant(), &mut rest[..size]);
                 for lane in 0..T::WIDTH {
                     let hessian: Vec<f64> = rest[..size].iter().map(|x| x.lane(lane)).collect();
                     let what = format!("elements side by side, {lane} of {}", T::WIDTH);

@@ -75,9 +75,16 @@ impl MaterialNode {
     #[must_use]
     #[inline(always)]
     pub fn distance(&self) -> f64 {
+        self.square().sqrt()
+    }
+
+    /// r²
+    #[must_use]
+    #[inline(always)]
+    pub fn square(&self) -> f64 {
         let ([x, y, z], [xx, xy, xz, yy, yz, zz]) = (self.offset, self.metric);
         let along = [xx * x + xy * y + xz * z, yy * y + yz * z, zz * z];
-        (along[0] * along[0] + along[1] * along[1] + along[2] * along[2]).sqrt()
+        along[0] * along[0] + along[1] * along[1] + along[2] * along[2]
     }
 }
 

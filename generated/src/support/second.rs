@@ -77,6 +77,8 @@ impl<'a, O> Second<'a, O> {
 
 /// Most vectors of rows whose sums stay in registers.
 const GROUP: usize = 4;
+/// Nodes whose rows are multiplied at once.
+const NODES: usize = 4;
 /// Rows of the largest basis with its outer unknowns, in full vectors.
 const MOST_ROWS: usize = 64;
 
@@ -169,33 +171,48 @@ impl WithLanes for Product<'_> {
         }
         let same = same_for_all(rows, factors, product);
         let mut total = [0.0; 3];
-        for node in 0..rows.count {
-            let factors = &factors[rows.node_factors() * node..];
-            let own = &factors[3 * rows.varying..][..6];
-            let place = 3 * (node + 1);
-            let [x, y, z] = [product[place], product[place + 1], product[place + 2]];
-            let mut block = [T::ZERO; 3];
-            let mut row = 0;
-            while row < rows.varying {
-                let other = T::load(&swapped, row);
+        let mut node = 0;
+        while node < rows.count {
+            // The last nodes are computed again rather than fewer at once; what they get is the same.
+            let of_node = |k: usize| &factors[rows.node_factors() * (node + k).min(rows.count - 1)..];
+            let blocks = blocks::<T>(rows, [of_node(0), of_node(1), of_node(2), of_node(3)], &swapped);
+            for k in 0..NODES.min(rows.count - node) {
+                let own = &factors[rows.node_factors() * (node + k) + 3 * rows.varying..][..6];
+                let place = 3 * (node + k + 1);
+                let [x, y, z] = [product[place], product[place + 1], product[place + 2]];
+                let own = [
+                    own[0] * x + own[1] * y + own[3] * z,
+                    own[1] * x + own[2] * y + own[4] * z,
+                    own[3] * x + own[4] * y + own[5] * z,
+                ];
                 for axis in 0..3 {
-                    block[axis] = T::load(factors, rows.varying * axis + row).mul_add(other, block[axis]);
+                    let entry = blocks[axis][k] + (own[axis] + same[axis]);
+                    product[place + axis] = entry;
+                    total[axis] -= entry;
                 }
-                row += T::WIDTH;
             }
-            let own = [
-                own[0] * x + own[1] * y + own[3] * z,
-                own[1] * x + own[2] * y + own[4] * z,
-                own[3] * x + own[4] * y + own[5] * z,
-            ];
-            for axis in 0..3 {
-                let entry = block[axis].sum() + (own[axis] + same[axis]);
-                product[place + axis] = entry;
-                total[axis] -= entry;
-            }
+            node += NODES;
         }
         write(total, product, 0);
     }
+}
+
+/// Products of the rows of four nodes with the numbers of the rows: x, y and z of each.
+#[inline(always)]
+fn blocks<T: Vector>(rows: FormRows, factors: [&[f64]; NODES], of_rows: &[f64]) -> [[f64; NODES]; 3] {
+    let mut sums = [[T::ZERO; NODES]; 3];
+    let mut row = 0;
+    while row < rows.varying {
+        let of_rows = T::load(of_rows, row);
+        for axis in 0..3 {
+            for node in 0..NODES {
+                let entries = T::load(factors[node], rows.varying * axis + row);
+                sums[axis][node] = entries.mul_add(of_rows, sums[axis][node]);
+            }
+        }
+        row += T::WIDTH;
+    }
+    [T::sums(sums[0]), T::sums(sums[1]), T::sums(sums[2])]
 }
 
 /// Products with v, of which the differences from the slave's part stand in `differences`, of some vectors of rows from `first` on. The
@@ -208,19 +225,20 @@ fn sums<T: Vector, const VECTORS: usize>(
     first: usize,
     target: &mut [f64],
 ) -> usize {
-    let mut sums = [T::ZERO; VECTORS];
+    // A sum for each axis: one addition would wait for the other.
+    let mut sums = [[T::ZERO; VECTORS]; 3];
     for node in 0..rows.count {
         let factors = &factors[rows.node_factors() * node..];
         for axis in 0..3 {
             let difference = T::splat(differences[3 * (node + 1) + axis]);
             for k in 0..VECTORS {
                 let row = T::load(factors, rows.varying * axis + first + T::WIDTH * k);
-                sums[k] = row.mul_add(difference, sums[k]);
+                sums[axis][k] = row.mul_add(difference, sums[axis][k]);
             }
         }
     }
     for k in 0..VECTORS {
-        sums[k].store(target, first + T::WIDTH * k);
+        (sums[0][k] + sums[1][k] + sums[2][k]).store(target, first + T::WIDTH * k);
     }
     VECTORS
 }

@@ -81,8 +81,8 @@ pub trait Shape {
     /// Writes a number of each node of a vector to its place among those of all.
     fn write_values(value: Self::Node, vector: usize, target: &mut [Self::Output]);
 
-    /// Writes what is asked for of a form: the packed Hessian, or the factors it is made of. `own`: the slave's own block, lower
-    /// triangle; `slave` and `constant` as for [`multiply_form`](Self::multiply_form), which says what is returned.
+    /// Writes what is asked for of a form: the packed Hessian, or the factors it is made of. `constant`: a node's part of the rows that
+    /// are the same for all. Returns 0 if every entry written is finite, else NaN.
     ///
     /// # Panics
     /// If a slice is shorter than `rows` says.
@@ -90,28 +90,21 @@ pub trait Shape {
     fn finish_form(
         form: &mut [Self::Output],
         rows: FormRows,
-        own: [Self::Element; 6],
-        slave: &[[Self::Element; 3]],
         constant: &[[Self::Element; 3]],
         second: &mut Second<'_, Self::Output>,
     ) -> Self::Element {
         match second.kind() {
             SecondKind::Hessians => {
                 let target = second.next(packed_row(3 * (rows.count + 1)));
-                for k in 0..6 {
-                    target[k] = Self::element_output(own[k]);
-                }
-                Self::multiply_form(form, rows, slave, constant, target)
+                Self::multiply_form(form, rows, constant, target)
             }
-            // Every factor is in the slave's rows and its own block, which the checksum has.
             SecondKind::Factors | SecondKind::FactorsAndFoot => {
-                Self::write_factors(form, rows, constant, second.next(rows.factors()));
-                Self::Element::ZERO
+                Self::write_factors(form, rows, constant, second.next(rows.factors()))
             }
         }
     }
 
-    /// Writes the factors of a form. `constant`: a node's part of the rows that are the same for all.
+    /// Writes the factors of a form; arguments and what is returned as for [`finish_form`](Self::finish_form).
     ///
     /// # Panics
     /// If a slice is shorter than `rows` says.
@@ -120,17 +113,16 @@ pub trait Shape {
         rows: FormRows,
         constant: &[[Self::Element; 3]],
         target: &mut [Self::Output],
-    );
+    ) -> Self::Element;
 
-    /// Writes the packed Hessian of a form, but for the slave's own block. `slave`: its part of all rows; `constant`: a
-    /// node's part of those that are the same for all. Returns 0 if every entry written is finite, else NaN.
+    /// Writes the packed Hessian of a form; arguments and what is returned as for [`finish_form`](Self::finish_form). The slave's rows
+    /// are the negative sums of the nodes'.
     ///
     /// # Panics
     /// If a slice is shorter than `rows` says.
     fn multiply_form(
         form: &mut [Self::Output],
         rows: FormRows,
-        slave: &[[Self::Element; 3]],
         constant: &[[Self::Element; 3]],
         target: &mut [Self::Output],
     ) -> Self::Element;
@@ -223,19 +215,13 @@ impl<T: Lane> Shape for Batch<T> {
     }
 
     #[inline(always)]
-    fn write_factors(form: &[T], rows: FormRows, constant: &[[T; 3]], target: &mut [T]) {
-        batch::write_factors(form, rows, constant, target);
+    fn write_factors(form: &[T], rows: FormRows, constant: &[[T; 3]], target: &mut [T]) -> T {
+        batch::write_factors(form, rows, constant, target)
     }
 
     #[inline(always)]
-    fn multiply_form(
-        form: &mut [T],
-        rows: FormRows,
-        slave: &[[T; 3]],
-        constant: &[[T; 3]],
-        target: &mut [T],
-    ) -> T {
-        batch::multiply(form, rows, slave, constant, target)
+    fn multiply_form(form: &mut [T], rows: FormRows, constant: &[[T; 3]], target: &mut [T]) -> T {
+        batch::multiply(form, rows, constant, target)
     }
 }
 
@@ -331,18 +317,22 @@ impl<T: Vector> Shape for Single<T> {
     }
 
     #[inline(always)]
-    fn write_factors(form: &[f64], rows: FormRows, constant: &[[T::Scalar; 3]], target: &mut [f64]) {
-        single::write_factors::<T>(form, rows, constant, target);
+    fn write_factors(
+        form: &[f64],
+        rows: FormRows,
+        constant: &[[T::Scalar; 3]],
+        target: &mut [f64],
+    ) -> T::Scalar {
+        T::Scalar::splat(single::write_factors::<T>(form, rows, constant, target))
     }
 
     #[inline(always)]
     fn multiply_form(
         form: &mut [f64],
         rows: FormRows,
-        slave: &[[T::Scalar; 3]],
         constant: &[[T::Scalar; 3]],
         target: &mut [f64],
     ) -> T::Scalar {
-        T::Scalar::splat(single::multiply::<T>(form, rows, slave, constant, target))
+        T::Scalar::splat(single::multiply::<T>(form, rows, constant, target))
     }
 }

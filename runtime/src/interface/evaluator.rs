@@ -4,7 +4,7 @@ use diffuse_contact_kernels::support::{ElementInputs, Masters};
 
 use super::anchors::{Anchor, Tracked};
 use super::contacts::{Layout, Slot, Slots};
-use super::fold::{AnchorSource, Source, fold, fold_with_anchor, spread};
+use super::fold::{AnchorSource, Source, fold, fold_with_anchor};
 use super::nodal::Nodal;
 use super::pairings::{Paired, Pairings};
 use super::scratch::{Pool, recycled};
@@ -247,15 +247,16 @@ impl Evaluator<'_> {
             });
             match with_inputs {
                 Ok((paired, derivative, inputs)) => {
-                    let (gradient, hessian) = match room(place, slot) {
+                    let ((gradient, hessian), listed) = match room(place, slot) {
                         None => {
                             let gradient = wanted(&mut slot.gradient, mode >= Mode::Gradient);
-                            (gradient, wanted(&mut slot.hessian, mode >= Mode::Hessian))
+                            let hessian = wanted(&mut slot.hessian, mode >= Mode::Hessian);
+                            ((gradient, hessian), within_reach.map_or(&[][..], |all| all.listed(place)))
                         }
                         Some((gradient, hessian)) => {
                             let (own, rest) = std::mem::take(&mut free).split_at_mut(gradient + hessian);
                             free = rest;
-                            own.split_at_mut(gradient)
+                            (own.split_at_mut(gradient), &[][..])
                         }
                     };
                     let anchor = anchor_of(slot).map(|anchor| self.anchor_position(anchor));
@@ -266,6 +267,7 @@ impl Evaluator<'_> {
                         inputs: ElementInputs { anchor: anchor.unwrap_or(inputs.anchor), ..inputs },
                         has_slip: anchor.is_some(),
                         slot: GapSlot { gradient, hessian },
+                        places: listed,
                         is_sound: true,
                     });
                     places.push((place, paired));
@@ -310,9 +312,7 @@ impl Evaluator<'_> {
                         &nodal.symmetry,
                         rows,
                     );
-                } else if paired.images.is_empty() {
-                    spread(element.gradient, element.hessian, sources);
-                } else {
+                } else if !paired.images.is_empty() {
                     let Slot { gradient, hessian, .. } = &mut slots[*place];
                     fold((element.gradient, element.hessian), (gradient, hessian), sources, &nodal.symmetry);
                 }

@@ -29,13 +29,6 @@ const fn packed(i: usize, j: usize) -> usize {
     i * (i + 1) / 2 + j
 }
 
-/// Spreads N and M of an element without images, which lie at the beginning of their slices, over all listed nodes. Either may be
-/// empty.
-pub fn spread(gradient: &mut [f64], hessian: &mut [f64], sources: &[Source]) {
-    spread_gradient(gradient, sources);
-    spread_hessian(hessian, sources);
-}
-
 /// N and M by the listed nodes, from those by the points of an element, as far as there are any.
 pub fn fold(
     (by_points, hessian_by_points): (&[f64], &[f64]),
@@ -115,71 +108,6 @@ fn add_pair(hessian: &mut [f64], (row, column): (usize, usize), block: [[f64; 3]
     }
 }
 
-/// How many of the first points are the first listed nodes: their derivatives lie where they belong.
-fn leading(sources: &[Source]) -> usize {
-    let is_in_place = |&(own, source): &(usize, &Source)| source.listed as usize == own;
-    sources.iter().enumerate().take_while(is_in_place).count()
-}
-
-/// In place, from the end, as nodes only move to later places.
-fn spread_gradient(gradient: &mut [f64], sources: &[Source]) {
-    let mut end = gradient.len();
-    if end == 0 {
-        return;
-    }
-    let leading = leading(sources);
-    for (own, source) in sources.iter().enumerate().skip(leading).rev() {
-        let (from, to) = (3 * (own + 1), 3 * (source.listed as usize + 1));
-        move_three(gradient, from, to);
-        gradient[to + 3..end].fill(0.0);
-        end = to;
-    }
-    gradient[3 * (leading + 1)..end].fill(0.0);
-}
-
-fn spread_hessian(hessian: &mut [f64], sources: &[Source]) {
-    let mut end = hessian.len();
-    if end == 0 {
-        return;
-    }
-    let leading = leading(sources);
-    for (own, source) in sources.iter().enumerate().skip(leading).rev() {
-        for axis in (0..3).rev() {
-            let (row, target) = (3 * (own + 1) + axis, 3 * (source.listed as usize + 1) + axis);
-            let (from, to) = (packed(row, 0), packed(target, 0));
-            // The row ends with its diagonal entry.
-            hessian[to + target + 1..end].fill(0.0);
-            let mut right = to + target + 1;
-            let (column, place) = (3 * (own + 1), to + target - axis);
-            for k in (0..=axis).rev() {
-                hessian[place + k] = hessian[from + column + k];
-            }
-            hessian[place + axis + 1..right].fill(0.0);
-            right = place;
-            for (other, second) in sources[..own].iter().enumerate().skip(leading).rev() {
-                let place = to + 3 * (second.listed as usize + 1);
-                move_three(hessian, from + 3 * (other + 1), place);
-                hessian[place + 3..right].fill(0.0);
-                right = place;
-            }
-            // The slave and the points in place.
-            let width = 3 * (leading + 1);
-            hessian.copy_within(from..from + width, to);
-            hessian[to + width..right].fill(0.0);
-            end = to;
-        }
-    }
-    hessian[packed(3 * (leading + 1), 0)..end].fill(0.0);
-}
-
-/// To a later place, or the same.
-fn move_three(numbers: &mut [f64], from: usize, to: usize) {
-    let [x, y, z] = [numbers[from], numbers[from + 1], numbers[from + 2]];
-    for (number, value) in numbers[to..to + 3].iter_mut().zip([x, y, z]) {
-        *number = value;
-    }
-}
-
 fn fold_gradient<'a>(
     by_points: &[f64],
     gradient: &mut [f64],
@@ -255,33 +183,11 @@ mod tests {
         (k as f64 + 0.3).sin()
     }
 
-    /// N and M of `count` points, and room behind them for `listed` nodes.
-    fn derivatives(count: usize, listed: usize) -> (Vec<f64>, Vec<f64>) {
-        let room = |entries: usize, all: usize| {
-            (0..all).map(|k| if k < entries { number(k) } else { 9.0 }).collect()
-        };
-        let (rows, all) = (3 * (count + 1), 3 * (listed + 1));
-        (room(rows, all), room(packed(rows, 0), packed(all, 0)))
-    }
-
-    #[test]
-    fn nodes_out_of_reach_have_zero_derivatives_and_the_others_theirs() {
-        let listed = [0, 2, 3, 5];
-        let sources = listed.map(|listed| Source { listed, image: None });
-        let (mut gradient, mut hessian) = derivatives(4, 7);
-        let (n, m) = (gradient.clone(), hessian.clone());
-        spread(&mut gradient, &mut hessian, &sources);
-        // Where the rows of the element are found in the list.
-        let row = |own: usize| if own < 3 { own } else { 3 * (listed[own / 3 - 1] as usize + 1) + own % 3 };
-        let mut expected = vec![0.0; packed(24, 0)];
-        for i in 0..15 {
-            assert_eq!(gradient[row(i)], n[i]);
-            for j in 0..=i {
-                expected[packed(row(i), row(j))] = m[packed(i, j)];
-            }
-        }
-        assert_eq!(gradient.iter().filter(|x| **x == 0.0).count(), 9);
-        assert_eq!(hessian, expected);
+    /// N and M of `count` points.
+    fn derivatives(count: usize) -> (Vec<f64>, Vec<f64>) {
+        let rows = 3 * (count + 1);
+        let numbers = |entries: usize| (0..entries).map(number).collect();
+        (numbers(rows), numbers(packed(rows, 0)))
     }
 
     /// J of an element's coordinates by the listed ones: each of its points, by number, with what it takes from listed nodes.
@@ -328,7 +234,7 @@ mod tests {
         let symmetry = Symmetry::new(&[plane], 9.0, [[0.0; 3], [1.0; 3]]).unwrap();
         let sources = [(0, None), (0, Some(0)), (2, Some(0)), (2, None)]
             .map(|(listed, image)| Source { listed, image });
-        let (n, m) = derivatives(4, 4);
+        let (n, m) = derivatives(4);
         let (mut gradient, mut hessian) = (vec![9.0; 12], vec![9.0; packed(12, 0)]);
         fold((&n, &m), (&mut gradient, &mut hessian), &sources, &symmetry);
         let points = sources.iter().enumerate().map(|(own, source)| (own + 1, *source, 1.0));
@@ -345,7 +251,7 @@ mod tests {
         let anchor = [((0, None), 0.5), ((0, Some(0)), -0.25), ((1, None), 0.5), ((2, Some(0)), 0.25)]
             .map(|(of, weight)| AnchorSource { source: source(of), weight });
         // Three points of the element and the anchor: as many coordinates as an element of four points has.
-        let (n, m) = derivatives(4, 4);
+        let (n, m) = derivatives(4);
         let (mut gradient, mut hessian) = (vec![9.0; 12], vec![9.0; packed(12, 0)]);
         fold_with_anchor(
             (&n, &m),

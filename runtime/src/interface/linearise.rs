@@ -209,7 +209,16 @@ impl Evaluator<'_> {
             let gradient = free_gradients.split_off_mut(..3 * (contact.points + 1)).unwrap_or_default();
             let hessian = free_seconds.split_off_mut(..second).unwrap_or_default();
             let slot = GapSlot { gradient, hessian };
-            waiting.push(Waiting { weight, frame, basis, inputs, has_slip: false, slot, is_sound: true });
+            waiting.push(Waiting {
+                weight,
+                frame,
+                basis,
+                inputs,
+                has_slip: false,
+                slot,
+                places: &[],
+                is_sound: true,
+            });
         }
         let asked = match asked {
             Second::None => Asked::Mode(Mode::Gradient),

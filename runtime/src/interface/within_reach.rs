@@ -25,6 +25,8 @@ pub struct WithinReach {
     /// The same in the first configuration, seen from the slave's place there.
     pub nodes: Vec<MaterialNode>,
     pub sources: Vec<Source>,
+    /// Places of the points' nodes among the listed ones.
+    listed: Vec<u32>,
     /// Domains of the points.
     domains: Vec<MaterialDomain>,
     /// Slaves whose points are known, …
@@ -32,8 +34,6 @@ pub struct WithinReach {
     /// … and their places.
     places: Vec<Result<MaterialPlace, ElementError>>,
     search: SearchScratch,
-    /// Weights of one slave's points.
-    weights: Vec<f64>,
     /// Of each slave.
     pub elements: Vec<Result<Gathered, NoContact>>,
 }
@@ -53,9 +53,15 @@ impl WithinReach {
         self.points.clear();
         self.nodes.clear();
         self.sources.clear();
+        self.listed.clear();
         self.domains.clear();
         self.sought.clear();
         self.elements.clear();
+    }
+
+    /// The places of an element's points among the listed nodes of its slave, if it has no images. None of a slave without an element.
+    pub fn listed(&self, slave: usize) -> &[u32] {
+        self.elements[slave].as_ref().map_or(&[], |element| &self.listed[element.range.clone()])
     }
 
     /// What a kernel reads.
@@ -112,7 +118,8 @@ impl Evaluator<'_> {
         for paired in slaves.clone().flatten() {
             self.list(&paired, all);
         }
-        let WithinReach { points, nodes, sources, domains, sought, places, search, elements, .. } = all;
+        let WithinReach { points, nodes, sources, listed, domains, sought, places, search, elements, .. } =
+            all;
         side_by_side(sought, (points, domains), weight, search, places);
         let mut kept = 0;
         let mut found = sought.iter().zip(&*places);
@@ -120,13 +127,14 @@ impl Evaluator<'_> {
             let element = paired.and_then(|paired| {
                 let (sought, place) = found.next().ok_or(NoContact::NotPaired)?;
                 let MaterialPlace { place, frame, .. } = (*place)?;
-                let (start, mut unit) = (kept, 0.0_f64);
+                let (start, mut square) = (kept, 0.0_f64);
                 for k in sought.range.clone() {
                     let node = domains[k].from(place);
-                    if node.distance() < 1.0 {
+                    if node.square() < 1.0 {
                         (points[kept], sources[kept]) = (points[k], sources[k]);
-                        unit = unit.max(distance(points[kept], sought.slave));
+                        square = square.max(distance_squared(points[kept], sought.slave));
                         nodes.push(node);
+                        listed.push(sources[kept].listed);
                         kept += 1;
                     }
                 }
@@ -134,9 +142,10 @@ impl Evaluator<'_> {
                 if count < needed {
                     kept = start;
                     nodes.truncate(start);
+                    listed.truncate(start);
                     return Err(ElementError::TooFewNodes { found: count, needed }.into());
                 }
-                Ok(Gathered { frame, range: start..kept, unit })
+                Ok(Gathered { frame, range: start..kept, unit: square.sqrt() })
             });
             elements.push(element);
         }
@@ -188,7 +197,7 @@ impl Evaluator<'_> {
         weight: Weight,
         scratch: &mut ElementScratch,
     ) -> Result<Vector3, NoContact> {
-        let WithinReach { points, domains, weights, .. } = &mut scratch.within_reach;
+        let WithinReach { points, domains, sought, places, search, .. } = &mut scratch.within_reach;
         let Some(nodal) = self.nodal else { return Err(NoContact::NotPaired) };
         points.clear();
         domains.clear();
@@ -198,9 +207,13 @@ impl Evaluator<'_> {
             domains.push(nodal.domain(place, image));
         }
         let outward = self.surface.shape(facet as usize, self.positions).normal().into();
-        let fitting = |r| weight.fitting(r);
-        let slave = self.positions[slave];
-        Ok(MaterialPlace::iterate(slave, points, domains, weights, fitting, outward)?.place.into())
+        sought.clear();
+        sought.push(Sought { slave: self.positions[slave], outward, range: 0..points.len() });
+        side_by_side(sought, (points, domains), weight, search, places);
+        match places[..] {
+            [ref place] => Ok((*place)?.place.into()),
+            _ => Err(NoContact::NotPaired),
+        }
     }
 
     /// A copy of the points of a paired slave's element.
@@ -249,7 +262,7 @@ impl Evaluator<'_> {
     }
 }
 
-fn distance(x: Point, y: Point) -> f64 {
-    let [a, b, c] = [0, 1, 2].map(|axis| x[axis] - y[axis]);
-    (a * a + b * b + c * c).sqrt()
+fn distance_squared(x: Point, y: Point) -> f64 {
+    let [a, b, c] = [x[0] - y[0], x[1] - y[1], x[2] - y[2]];
+    a * a + b * b + c * c
 }

@@ -11,6 +11,11 @@ use std::sync::OnceLock;
 
 use super::Lane;
 
+pub(super) use spread::Spread;
+
+/// Numbers in the widest vector.
+pub(super) const MOST_LANES: usize = 8;
+
 /// Code that is generic over the vector it computes with.
 pub trait WithLanes {
     /// What it returns.
@@ -29,6 +34,14 @@ pub trait Vector: Lane + sealed::Sealed {
     /// The sum of the lanes.
     #[must_use]
     fn sum(self) -> f64;
+
+    /// The sum of the lanes of each.
+    #[must_use]
+    #[inline(always)]
+    fn sums(vectors: [Self; 4]) -> [f64; 4] {
+        let [a, b, c, d] = vectors;
+        [a.sum(), b.sum(), c.sum(), d.sum()]
+    }
 
     /// The vectors as numbers.
     #[must_use]
@@ -68,6 +81,12 @@ pub trait Vector: Lane + sealed::Sealed {
     /// # Panics
     /// If `target` is longer than the three vectors.
     fn store_interleaved(values: [Self; 3], target: &mut [f64]);
+
+    /// Writes lane l of the four vectors, one after another, to the l-th target from the l-th place on.
+    ///
+    /// # Safety
+    /// There is room for four numbers there, and there are no more targets than lanes and places.
+    unsafe fn store_fours(source: [Self; 4], targets: &[*mut f64], places: &[u32; MOST_LANES]);
 
     /// Writes lane l of the k-th vector to place k of the l-th target.
     ///
@@ -291,6 +310,12 @@ impl Vector for f64 {
     }
 
     #[inline(always)]
+    unsafe fn store_fours(source: [Self; 4], targets: &[*mut f64], places: &[u32; MOST_LANES]) {
+        // SAFETY: as the caller says.
+        unsafe { fours_by_number(source, targets, places) };
+    }
+
+    #[inline(always)]
     fn store_transposed<O>(source: &[Self], outputs: &mut [O], target: impl Fn(&mut O) -> &mut [f64]) {
         assert!(outputs.len() <= 1);
         for output in outputs {
@@ -346,7 +371,21 @@ macro_rules! common_lane_methods {
     };
 }
 
-/// [`Vector::store_interleaved`] and [`Vector::store_transposed`] number by number.
+/// [`Vector::store_fours`] number by number.
+///
+/// # Safety
+/// As there.
+#[inline(always)]
+unsafe fn fours_by_number<T: Vector>(source: [T; 4], targets: &[*mut f64], places: &[u32; MOST_LANES]) {
+    for lane in 0..targets.len() {
+        for k in 0..4 {
+            // SAFETY: as the caller says.
+            unsafe { *targets[lane].add(places[lane] as usize + k) = source[k].lane(lane) };
+        }
+    }
+}
+
+/// What [`Vector`] stores number by number.
 macro_rules! stores_by_number {
     () => {
         #[inline(always)]
@@ -355,6 +394,12 @@ macro_rules! stores_by_number {
             for (place, number) in target.iter_mut().enumerate() {
                 *number = values[place % 3].lane(place / 3);
             }
+        }
+
+        #[inline(always)]
+        unsafe fn store_fours(source: [Self; 4], targets: &[*mut f64], places: &[u32; MOST_LANES]) {
+            // SAFETY: as the caller says.
+            unsafe { fours_by_number(source, targets, places) };
         }
 
         #[inline(always)]
@@ -372,5 +417,6 @@ macro_rules! stores_by_number {
 
 #[cfg(target_arch = "aarch64")]
 mod neon;
+mod spread;
 #[cfg(target_arch = "x86_64")]
 mod x86;

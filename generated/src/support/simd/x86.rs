@@ -179,10 +179,15 @@ macro_rules! stores_by_squares {
                     };
                 }
             }
-            for lane in 0..outputs.len() {
-                let end = &mut target(&mut outputs[lane])[Self::WIDTH * squares.len()..source.len()];
-                for k in 0..end.len() {
-                    end[k] = rest[k].lane(lane);
+            if !rest.is_empty() {
+                let mut square = [Self::ZERO; Self::WIDTH];
+                for k in 0..rest.len() {
+                    square[k] = rest[k];
+                }
+                let columns = Self::transposed(square);
+                for lane in 0..outputs.len() {
+                    let end = &mut target(&mut outputs[lane])[Self::WIDTH * squares.len()..source.len()];
+                    columns[lane].store_first(end);
                 }
             }
         }
@@ -335,6 +340,16 @@ impl Vector for F64x4 {
     }
 
     #[inline(always)]
+    fn sums(vectors: [Self; 4]) -> [f64; 4] {
+        let [Self(a), Self(b), Self(c), Self(d)] = vectors;
+        let sums = unsafe {
+            let (ab, cd) = (_mm256_hadd_pd(a, b), _mm256_hadd_pd(c, d));
+            Self(_mm256_add_pd(_mm256_permute2f128_pd::<0x21>(ab, cd), _mm256_blend_pd::<0b1100>(ab, cd)))
+        };
+        [sums.lane(0), sums.lane(1), sums.lane(2), sums.lane(3)]
+    }
+
+    #[inline(always)]
     fn store_interleaved(values: [Self; 3], target: &mut [f64]) {
         assert!(target.len() <= 3 * Self::WIDTH);
         let [Self(x), Self(y), Self(z)] = values;
@@ -353,6 +368,15 @@ impl Vector for F64x4 {
             if let Some(rest) = target.get_mut(4 * k..) {
                 vector.store_first(rest);
             }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn store_fours(source: [Self; 4], targets: &[*mut f64], places: &[u32; MOST_LANES]) {
+        let fours = Self::transposed(source);
+        for lane in 0..targets.len() {
+            // SAFETY: as the caller says.
+            unsafe { _mm256_storeu_pd(targets[lane].add(places[lane] as usize), fours[lane].0) };
         }
     }
 
@@ -465,6 +489,44 @@ impl Vector for F64x8 {
         for (k, vector) in interleaved.into_iter().enumerate() {
             if let Some(rest) = target.get_mut(8 * k..) {
                 vector.store_first(rest);
+            }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn store_fours(source: [Self; 4], targets: &[*mut f64], places: &[u32; MOST_LANES]) {
+        let [Self(a), Self(b), Self(c), Self(d)] = source;
+        // Lanes of one parity: 0 and 2, 4 and 6.
+        #[inline(always)]
+        unsafe fn pairs(ab: __m512d, cd: __m512d) -> (__m512d, __m512d) {
+            unsafe {
+                let low = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11);
+                let high = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
+                (_mm512_permutex2var_pd(ab, low, cd), _mm512_permutex2var_pd(ab, high, cd))
+            }
+        }
+        unsafe {
+            let (l02, l46) = pairs(_mm512_unpacklo_pd(a, b), _mm512_unpacklo_pd(c, d));
+            let (l13, l57) = pairs(_mm512_unpackhi_pd(a, b), _mm512_unpackhi_pd(c, d));
+            let fours = [
+                _mm512_castpd512_pd256(l02),
+                _mm512_castpd512_pd256(l13),
+                _mm512_extractf64x4_pd::<1>(l02),
+                _mm512_extractf64x4_pd::<1>(l13),
+                _mm512_castpd512_pd256(l46),
+                _mm512_castpd512_pd256(l57),
+                _mm512_extractf64x4_pd::<1>(l46),
+                _mm512_extractf64x4_pd::<1>(l57),
+            ];
+            // SAFETY: as the caller says.
+            if targets.len() == Self::WIDTH {
+                for lane in 0..Self::WIDTH {
+                    _mm256_storeu_pd(targets[lane].add(places[lane] as usize), fours[lane]);
+                }
+            } else {
+                for lane in 0..targets.len() {
+                    _mm256_storeu_pd(targets[lane].add(places[lane] as usize), fours[lane]);
+                }
             }
         }
     }

@@ -110,7 +110,7 @@ pub use config::{Config, ConfigError};
 pub use expr::{Expr, Sheet};
 pub use model::{
     Basis, BasisError, CustomBasis, ElementError, ElementKernels, ElementModel, FacetShape, FacetSpec,
-    FrameRule, Kernel, KernelSpec, Mode, Output, Weight, WeightError, WeightNote,
+    FrameRule, Kernel, KernelSpec, Mode, NodeResult, Output, Stationary, Weight, WeightError, WeightNote,
 };
 
 /// The examples of the README, which are run with the documentation tests.

@@ -272,7 +272,7 @@ fn point_reads<S>(function: &mut FunctionWriter<'_, S>, points: &Points) -> Vec<
 }
 
 /// `let`s for the inputs that are used.
-fn reads<S>(function: &mut FunctionWriter<'_, S>, fields: &[Input]) -> Vec<TokenStream> {
+pub(super) fn reads<S>(function: &mut FunctionWriter<'_, S>, fields: &[Input]) -> Vec<TokenStream> {
     let symbols = symbols(function);
     let mut all = Vec::new();
     for input in fields {

@@ -3,8 +3,8 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
+use super::diffuse::{EmittedKernel, emit_kernel, function_name, kept_name, values_name};
 use super::facet::facet_module;
-use super::function::{EmittedKernel, emit_kernel, function_name, kept_name, values_name};
 use crate::formula::Formula;
 use crate::model::{Basis, FrameRule, KernelSpec, Mode, Output, Weight};
 

@@ -147,7 +147,7 @@ fn array(signature: &Signature) -> NodeArray<'_> {
                 .map(|symbol| used(symbol).map_or_else(|| quote!(_), |name| quote!(#name)))
                 .collect();
             let (name, entries) = (format_ident!("{}", input.name), nested(&input.dimensions, &entries));
-            quote!(#name: #entries)
+            if entries.to_string() == input.name { quote!(#name) } else { quote!(#name: #entries) }
         };
         let fields: Vec<TokenStream> = signature.nodes.iter().filter(is_used).map(field).collect();
         let others = (fields.len() < signature.nodes.len()).then(|| quote!(..));

@@ -2,9 +2,13 @@
 
 use diffuse_contact_codegen::ElementModel;
 use diffuse_contact_codegen::expr::{Expr, Vec3, dot};
+use diffuse_contact_codegen::graph::Polynomial;
+
+/// (1 − r)⁴ (1 + 4 r): a polynomial of a norm has derivatives at r = 0 too, and keeps its digits at r = 1.
+const WENDLAND: [f64; 6] = [1.0, 0.0, -10.0, 20.0, -15.0, 4.0];
 
 /// Penalty energy ½ ε ⟨−h⟩² of a slave node x at the height h over a surface z = α·(1, a, b, a², ab, b²) along an axis: moving least squares
-/// with Wendland's weight (1 − r)⁴ (1 + 4 r), r = √(a² + b²)/R_k, R_k the radius of node k.
+/// with Wendland's weight of r = √(a² + b²)/R_k, R_k the radius of node k.
 pub fn moving_least_squares<'g>(m: &ElementModel<'g>) {
     m.title("Contact of a node with a surface fitted to nodes by moving least squares.");
     let (x, axes): (Vec3<'g>, [Vec3<'g>; 3]) = (m.variable("x"), m.parameter("axes"));
@@ -12,8 +16,8 @@ pub fn moving_least_squares<'g>(m: &ElementModel<'g>) {
     let (X, radius): (Vec3<'g>, Expr<'g>) = (m.node_variable("X"), m.node_parameter("radius"));
 
     let [a, b, z] = m.define("local", axes.map(|axis| axis.dot(X - x)));
-    let r = a.hypot(b) / radius;
-    let w = m.define("w", r.less(1.0).select((1.0 - r).powi(4) * (1.0 + 4.0 * r), 0.0));
+    let r = (a / radius).hypot(b / radius);
+    let w = m.define("w", r.less(1.0).select(r.polynomial(Polynomial::new(WENDLAND.to_vec())), 0.0));
     let p = [m.sheet().one(), a, b, a * a, a * b, b * b];
     let fit = m.stationary::<6>("alpha", |alpha| 0.5 * w * (z - dot(p, alpha.0)).powi(2));
     let height = m.define("height", -fit.unknowns[0]);
@@ -21,7 +25,10 @@ pub fn moving_least_squares<'g>(m: &ElementModel<'g>) {
 
     m.value("height", height);
     m.value("pivot_ratio", fit.pivot_ratio);
-    m.describe("axes", "Two directions in the plane of the fit, and the one that heights are measured along.");
+    m.describe(
+        "axes",
+        "Two directions in the plane of the fit, and the one that heights are measured along.",
+    );
     m.describe("height", "Of x over the surface, negative inside, length.");
     m.describe("pivot_ratio", "0 where the nodes in reach do not determine the fit.");
 }

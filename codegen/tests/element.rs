@@ -11,7 +11,7 @@ use diffuse_contact_codegen::model::Input;
 use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel, Mode};
 use num_dual::{DualNum as _, HyperDual};
 
-use crate::witnesses::{Number, by_hyper_dual, difference, numbers, sum};
+use crate::witnesses::{Number, by_hyper_dual, difference, numbers, spring, sum};
 
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../generated/golden/element_spring.rs");
 
@@ -385,17 +385,7 @@ fn an_element_has_a_name_of_its_own() {
 
 #[test]
 fn the_golden_element_is_what_the_generator_emits() {
-    let config = Config::new().element("spring", |m| {
-        m.title("A spring between two points, linear in its stretch.");
-        let x: [Vec3<'_>; 2] = m.variable("x");
-        let [stiffness, length] = m.parameters(["stiffness", "length"]);
-        m.describe("x", "Ends, length.");
-        m.describe("length", "Length without force.");
-        let stretch = m.define("stretch", (x[1] - x[0]).norm() - length);
-        m.energy(0.5 * stiffness * stretch.powi(2));
-        m.value("force", stiffness * stretch);
-        m.describe("force", "Tension, positive when stretched.");
-    });
+    let config = Config::new().element("spring", spring);
     let text = config.unwrap().source().unwrap();
     if std::env::var_os("UPDATE_GOLDEN").is_some() {
         std::fs::write(GOLDEN, &text).unwrap();

@@ -1,5 +1,7 @@
 //! What elements are compared with.
 
+use diffuse_contact_codegen::ElementModel;
+use diffuse_contact_codegen::expr::Vec3;
 use num_dual::{DualNum, HyperDual};
 
 /// Numbers of the energies that automatic differentiation evaluates.
@@ -45,4 +47,17 @@ pub fn difference(found: &[f64], expected: &[f64]) -> f64 {
         let difference = (x - y).abs() / largest;
         if difference <= worst { worst } else { difference }
     })
+}
+
+/// The element whose texts are checked in.
+pub fn spring(m: &ElementModel<'_>) {
+    m.title("A spring between two points, linear in its stretch.");
+    let x: [Vec3<'_>; 2] = m.variable("x");
+    let [stiffness, length] = m.parameters(["stiffness", "length"]);
+    m.describe("x", "Ends, length.");
+    m.describe("length", "Length without force.");
+    let stretch = m.define("stretch", (x[1] - x[0]).norm() - length);
+    m.energy(0.5 * stiffness * stretch.powi(2));
+    m.value("force", stiffness * stretch);
+    m.describe("force", "Tension, positive when stretched.");
 }

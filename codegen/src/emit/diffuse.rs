@@ -97,7 +97,7 @@ impl FunctionWriter<'_> {
         let combinations = self.combinations();
         let updates = self.updates();
         let values = self.values();
-        let kept = self.kept();
+        let kept = self.program.kept();
         let kept_module = self.kept_module(&kept);
 
         let function = function_name(spec);

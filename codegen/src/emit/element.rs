@@ -5,16 +5,15 @@ use quote::{format_ident, quote};
 
 use super::count::OpCounts;
 use super::fixed::{Argument, Fixed, Head, array, nested};
+use super::function::solver_name;
 use super::node_element::emit_node_kernel;
 use super::node_module;
+use crate::graph::Iteration;
 use crate::lower::lower;
 use crate::model::{
     Differentiated, ElementError, ElementKernels, ElementSpec, Input, Kernel, Mode, Role, Signature,
 };
 use crate::schedule::Program;
-
-/// What solves the equations of roots.
-const SOLVER: &str = "TwoEquations";
 
 /// A kernel of an element as source.
 #[derive(Clone, Debug)]
@@ -51,7 +50,6 @@ pub fn emit_element_kernel(kernel: &Kernel<ElementSpec>) -> EmittedElementKernel
         fields: &signature.inputs,
         values: format_ident!("Values"),
         arguments: &arguments,
-        solver: SOLVER,
         points: &signature.points,
     };
     let function = Fixed::new(&program, &head, |value, components| {
@@ -82,13 +80,13 @@ pub fn emit_element(
     optimised: bool,
 ) -> Result<TokenStream, ElementError> {
     let signature = &element.signature;
-    let (mut kernels, mut has_roots) = (Vec::new(), false);
+    let (mut kernels, mut iterations) = (Vec::new(), Vec::new());
     for kernel in &element.kernels {
         let EmittedElementKernel { mode, tokens, statements, .. } = emit_element_kernel(kernel);
         if statements > super::MOST_STATEMENTS {
             return Err(ElementError::TooLong { function: function_name(mode).to_string(), statements });
         }
-        has_roots |= !kernel.roots().is_empty();
+        iterations.extend(kernel.roots().into_iter().map(|root| kernel.graph.root(root).iteration));
         kernels.push(tokens);
     }
     let module = format_ident!("{}", signature.name);
@@ -96,8 +94,12 @@ pub fn emit_element(
     let doc = format!(" {}", title(signature));
     let has_nodes = !signature.nodes.is_empty();
     let has_products = has_nodes && last == Mode::Hessian && signature.node_variables() > 0;
-    let others =
-        [("packed_row", last == Mode::Hessian), (SOLVER, has_roots), ("multiply_node_rows", has_products)];
+    let others = [
+        ("packed_row", last == Mode::Hessian),
+        (solver_name(Iteration::Newton), iterations.contains(&Iteration::Newton)),
+        (solver_name(Iteration::Descent), iterations.contains(&Iteration::Descent)),
+        ("multiply_node_rows", has_products),
+    ];
     let others = others.into_iter().filter(|(_, is_used)| *is_used).map(|(name, _)| format_ident!("{name}"));
     let (types, runners, unused) = if has_nodes {
         let types = node_module::types(element, last);

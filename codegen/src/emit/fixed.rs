@@ -25,8 +25,6 @@ pub(super) struct Head<'a> {
     pub values: Ident,
     /// Values that are no fields of it.
     pub arguments: &'a [Argument],
-    /// What solves the equations of roots.
-    pub solver: &'static str,
     /// What outputs are summed over.
     pub points: &'a Points,
 }
@@ -53,7 +51,6 @@ impl Fixed {
         function.writer.names.reserve(&arguments);
         // Constants of a module are no patterns.
         function.writer.names.reserve(&["VARIABLES", "OPTIMISED"]);
-        function.solver = head.solver;
 
         if head.points.rows.is_empty() {
             return Self::straight(function, head, shape);

@@ -6,7 +6,7 @@ use quote::{format_ident, quote};
 use super::count::KernelCounts;
 use super::expression::Writer;
 use super::names::Names;
-use crate::graph::{ExprId, Op, RootFigure, RootId};
+use crate::graph::{ExprId, Iteration, Op, RootFigure, RootId};
 use crate::model::KernelSpec;
 use crate::schedule::{Program, Statement};
 
@@ -16,8 +16,6 @@ pub(super) struct FunctionWriter<'a, S = KernelSpec> {
     pub writer: Writer<'a>,
     pub counts: KernelCounts,
     pub statements: usize,
-    /// What solves a root's equations: an iteration of the support module.
-    pub solver: &'static str,
 }
 
 impl<'a, S> FunctionWriter<'a, S> {
@@ -48,7 +46,7 @@ impl<'a, S> FunctionWriter<'a, S> {
         ]);
         let writer = Writer::new(&program.kernel.graph, &program.layout, names);
         let counts = KernelCounts::default();
-        Self { program, writer, counts, statements: 0, solver: "TwoEquations" }
+        Self { program, writer, counts, statements: 0 }
     }
 
     pub fn statements(&mut self, statements: &[Statement]) -> TokenStream {
@@ -83,7 +81,8 @@ impl<'a, S> FunctionWriter<'a, S> {
         self.counts.iteration += self.writer.take_counts();
         self.counts.element += before;
 
-        let (solution, solver) = (format_ident!("{}_solution", data.name), format_ident!("{}", self.solver));
+        let (solution, solver) =
+            (format_ident!("{}_solution", data.name), format_ident!("{}", solver_name(data.iteration)));
         let figures = graph_roots(graph, root);
         let lets: Vec<TokenStream> = figures
             .into_iter()
@@ -105,6 +104,14 @@ impl<'a, S> FunctionWriter<'a, S> {
             };
             #(#lets)*
         }
+    }
+}
+
+/// What solves the equations of a root: a type of the support module.
+pub(super) const fn solver_name(iteration: Iteration) -> &'static str {
+    match iteration {
+        Iteration::Newton => "TwoEquations",
+        Iteration::Descent => "TwoVariables",
     }
 }
 

@@ -7,6 +7,7 @@ mod element;
 mod expression;
 mod facet;
 mod fixed;
+mod formula;
 mod function;
 mod module;
 mod names;
@@ -20,7 +21,7 @@ pub use diffuse::{EmittedKernel, emit_kernel};
 pub use element::{EmittedElementKernel, emit_element, emit_element_kernel};
 pub use facet::{EmittedFacetKernel, emit_facet_kernel};
 
-pub use module::{EmitOptions, TooLong, emit_file, emit_single};
+pub use module::{EmitOptions, TooLong, emit_file, emit_single, emit_single_facet};
 
 /// Largest number of statements of an emitted function: rustc runs out of stack when it writes full debug information for
 /// several thousand `let`s. It still does so for the longest kernels, of about 4,000.

@@ -35,7 +35,7 @@ impl Scratch {
             _ => None,
         });
         Self {
-            kept: FunctionWriter::new(program).kept().len(),
+            kept: program.kept().len(),
             form: spec.node_results.iter().filter(of_form).count(),
             products: rows.max().unwrap_or(0) / 2,
         }

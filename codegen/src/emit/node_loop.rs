@@ -5,8 +5,8 @@ use quote::{format_ident, quote};
 
 use super::expression::Lanes;
 use super::function::FunctionWriter;
-use crate::graph::{ExprId, NODE_INDEX, Op, Scope};
-use crate::schedule::{NodeTarget, Phase, Statement};
+use crate::graph::{ExprId, NODE_INDEX};
+use crate::schedule::{NodeTarget, Phase};
 
 /// An array of nodes that kernels read, `inputs.name`, with the symbols of what stands in it.
 pub(super) struct NodeArray<'a> {
@@ -112,38 +112,18 @@ impl<S> FunctionWriter<'_, S> {
                 quote!(at::#place)
             }
             Lanes::Elements => {
-                let place = self.kept().iter().position(|&x| x == expr).unwrap_or(0);
+                let place = self.program.kept().iter().position(|&x| x == expr).unwrap_or(0);
                 let place = Literal::usize_unsuffixed(place);
                 quote!(#place)
             }
         }
     }
 
-    /// What is kept of a node between the loops, in the order of the loops.
-    pub fn kept(&self) -> Vec<ExprId> {
-        let mut seen = std::collections::HashSet::new();
-        let stores = self.program.phases.iter().flat_map(|phase| phase.nodes.stores.clone());
-        stores.filter(|x| seen.insert(*x)).collect()
-    }
-
     /// What is read of a node and of the arrays.
     fn head(&mut self, phase: &Phase, arrays: &[NodeArray<'_>]) -> TokenStream {
         let nodes = &phase.nodes;
         // A loop that reads stored values only has no use for a node's inputs.
-        let results: Vec<ExprId> = match self.writer.lanes {
-            // A result that is an input itself.
-            Lanes::Elements => {
-                let of_sums = nodes.sums.iter().flat_map(|&sum| self.program.kernel.graph.operands(sum));
-                of_sums.chain(nodes.outputs.iter().flat_map(|(_, values)| values.clone())).collect()
-            }
-            Lanes::Shape => Vec::new(),
-        };
-        let reads = |name: &str| {
-            nodes.statements.iter().any(|s| match s {
-                Statement::Let(x) => self.reads_input(*x, name),
-                Statement::Solve(_) => false,
-            }) || results.iter().any(|&x| self.is_input(x, name) || self.reads_input(x, name))
-        };
+        let reads = |name: &str| self.program.loop_reads(nodes, name);
         let (counter, kept) = self.loop_names();
         // Loops by index: iterators are not always inlined, see `support::simd`.
         let unused = nodes.stores.is_empty() && nodes.loads.is_empty();
@@ -175,27 +155,8 @@ impl<S> FunctionWriter<'_, S> {
 
     /// The identifier of an input of node scope.
     fn ident_of_input(&self, symbol: &str) -> Ident {
-        let graph = &self.program.kernel.graph;
-        let is = |x: &ExprId| self.is_input(*x, symbol);
-        let expr = (0..graph.len()).map(|k| ExprId(k as u32)).find(is);
+        let expr = self.program.node_input(symbol);
         expr.and_then(|x| self.writer.names.known(x)).unwrap_or_else(|| format_ident!("{symbol}"))
-    }
-
-    /// Whether a statement of a node loop reads the input of node scope with this name.
-    fn reads_input(&self, expr: ExprId, name: &str) -> bool {
-        let graph = &self.program.kernel.graph;
-        graph.operands(expr).into_iter().any(|x| match graph.op(x) {
-            Op::Symbol(_) => self.is_input(x, name),
-            _ => !self.program.layout.bound.contains(&x) && self.reads_input(x, name),
-        })
-    }
-
-    fn is_input(&self, expr: ExprId, name: &str) -> bool {
-        let graph = &self.program.kernel.graph;
-        match graph.op(expr) {
-            Op::Symbol(symbol) => graph.scope(expr) == Scope::Node && graph.symbol_data(symbol).name == name,
-            _ => false,
-        }
     }
 }
 

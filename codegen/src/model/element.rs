@@ -7,7 +7,7 @@ pub use super::element_outputs::{ElementKernels, ElementSpec, NodeResult};
 use super::element_outputs::{Finished, Outputs};
 use super::signature::{Differentiated, Input, Points, Quantity, Returned, Role, Signature};
 use crate::expr::{Expr, Sheet, Vector, inverse};
-use crate::graph::{ExprId, Op, RootFigure, Scope, SymmetricSystem};
+use crate::graph::{ExprId, Iteration, Op, RootFigure, Scope, SymmetricSystem};
 use crate::structure::{Implicit, Jacobian, contains_sum};
 
 /// Name of the value that [`ElementModel::energy`] states.
@@ -184,6 +184,29 @@ impl<'g> ElementModel<'g> {
         name: &str,
         equations: impl FnOnce(Vector<'g, N>) -> Vector<'g, N>,
     ) -> Root<'g, N> {
+        self.root_by(Iteration::Newton, name, equations)
+    }
+
+    /// Unknowns at a minimum of a function, such as half a squared distance: from u = 0 by steps down to it, Newton's where the function
+    /// is convex, each of at most ½ and half of the way already made. [`Root::residual`] is that of the function's derivatives.
+    #[must_use]
+    pub fn minimum<const N: usize>(
+        &self,
+        name: &str,
+        function: impl FnOnce(Vector<'g, N>) -> Expr<'g>,
+    ) -> Root<'g, N> {
+        self.root_by(Iteration::Descent, name, |unknowns| {
+            let function = self.with_bound_sums(function(unknowns), &unknowns.0);
+            unknowns.map(|u| -function.by(u))
+        })
+    }
+
+    fn root_by<const N: usize>(
+        &self,
+        iteration: Iteration,
+        name: &str,
+        equations: impl FnOnce(Vector<'g, N>) -> Vector<'g, N>,
+    ) -> Root<'g, N> {
         self.check_name(name);
         if N != UNKNOWNS {
             self.fail(ElementError::Root { root: name.to_owned(), equations: N });
@@ -195,7 +218,7 @@ impl<'g> ElementModel<'g> {
         if equations.iter().any(|&equation| contains_sum(equation)) {
             self.fail(ElementError::RootInSum { root: name.to_owned() });
         }
-        let (root, values) = self.sheet.root(name, unknowns, equations);
+        let (root, values) = self.sheet.root_by(iteration, name, unknowns, equations);
         let values = self.define(name, values);
         if self.has_nodes() {
             let at = unknowns.set_to(values);

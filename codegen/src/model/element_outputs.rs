@@ -58,7 +58,7 @@ pub enum NodeResult {
 }
 
 /// Name of a node's values in the kernel, which [`ElementSpec::node_results`] tell apart.
-const NODE_VALUE: &str = "of_node";
+pub(super) const NODE_VALUE: &str = "of_node";
 
 /// The kernels of an element as expressions.
 #[derive(Clone, Debug)]

@@ -2,6 +2,7 @@
 
 mod average_plane;
 mod basis;
+mod client;
 mod diffuse;
 mod element;
 mod element_error;

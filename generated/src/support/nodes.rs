@@ -1,5 +1,6 @@
 //! Hessians of elements with nodes of a number that is open, from their products of low rank.
 
+use super::form::write;
 use super::{Lane, packed_row};
 
 /// Writes the entries of a packed Hessian that belong to two nodes: d²E/dxᵢdxⱼ = δᵢⱼ Dᵢ + Σ bᵢᵀ cⱼ + cᵢᵀ bⱼ, `products` of them. Before
@@ -42,9 +43,7 @@ pub fn multiply_node_rows<E: Lane, const COMPONENTS: usize>(
                         hessian[place + b] = block[a][b] + own[packed_row(a) + b];
                     }
                 } else {
-                    for b in 0..COMPONENTS {
-                        hessian[place + b] = block[a][b];
-                    }
+                    write(block[a], hessian, place);
                 }
             }
         }

@@ -1,7 +1,6 @@
 //! Elements with nodes of a number that is open.
 
 use diffuse_contact_kernels::support::{Isa, Mode};
-use num_dual::DualNum as _;
 
 use super::elements::surface;
 use super::witnesses::{

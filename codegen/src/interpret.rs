@@ -1,11 +1,17 @@
 //! Evaluates expressions of a graph in `f64`, structured nodes included: the second witness of every kernel.
 //!
+//! [`element_results`] does so for all results of an element of the caller's.
+//!
 //! It shares nothing with lowering, scheduling and emission: systems are solved here by Gaussian elimination,
 //! roots by Newton's iteration, sums by summing.
 
 use std::collections::HashMap;
 
 use crate::graph::{ExprId, Graph, Op, RootFigure, RootId, Scope, SolveId, SymbolId, SystemId};
+
+pub use element::element_results;
+
+mod element;
 
 /// Values of the input symbols.
 #[derive(Clone, Debug, Default)]

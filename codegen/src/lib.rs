@@ -21,7 +21,7 @@
 //! assert!(error.contains('^'), "{error}");
 //! ```
 //!
-//! The same engine serves any element with a fixed number of nodes, from its energy: [`Config::element`].
+//! The same engine serves any element, with a fixed number of nodes or an open one, from its energy: [`Config::element`].
 //!
 //! # The pipeline
 //!
@@ -82,8 +82,12 @@
 //! **Elements of the caller's** (`model/element.rs`) have a signature: typed inputs, which are variables or parameters, and values, of which
 //! it says how often they are differentiated. An energy depends on its variables through few quantities, such as a deformation gradient F
 //! and det F. `structure/intermediates.rs` finds those that are not named, `structure/chain.rs` differentiates through all, and
-//! `structure/invariance.rs` takes the way with the fewest operations. `emit/fixed.rs` writes them and the facets' kernels, `emit/c.rs`
+//! `structure/invariance.rs` takes the way with the fewest operations. `emit/fixed.rs` writes them and the facets' kernels, `emit/c/`
 //! writes C.
+//!
+//! **Nodes of an open number** in elements of the caller's: a function depends on them through sums, and through unknowns of equations that
+//! are linear in sums. `structure/node_sums.rs` eliminates one after the other and leaves a Hessian of low rank. `emit/node_loop.rs` writes
+//! the loops, those of the contact kernels too. `model/client.rs` gives the contact kernels the signature that C is written from.
 //!
 //! **r = 0 and r = 1.** Weights are polynomials P of the norm r = √(a² + b²), with the rule P(r) → (P'(r)/r)(a a' + b b'), where P'/r is a
 //! polynomial again. No derivative divides by r, and none loses digits near a node. Zeros at r = 1 are factored out before evaluation. A
@@ -110,7 +114,7 @@ pub use config::{Config, ConfigError};
 pub use expr::{Expr, Sheet};
 pub use model::{
     Basis, BasisError, CustomBasis, ElementError, ElementKernels, ElementModel, FacetShape, FacetSpec,
-    FrameRule, Kernel, KernelSpec, Mode, Output, Weight, WeightError, WeightNote,
+    FrameRule, Kernel, KernelSpec, Mode, NodeResult, Output, Stationary, Weight, WeightError, WeightNote,
 };
 
 /// The examples of the README, which are run with the documentation tests.

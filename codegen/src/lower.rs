@@ -445,7 +445,8 @@ impl<'a> Lowering<'a> {
         let unknowns: Vec<ExprId> = data.unknowns.iter().map(|&u| self.lower_symbol(u)).collect();
         let residuals: Vec<ExprId> = data.residuals.iter().map(|&r| self.lower(r)).collect();
         let jacobian = data.jacobian.iter().map(|row| row.iter().map(|&x| self.lower(x)).collect()).collect();
-        let lowered = self.target.add_root_with_jacobian(&data.name, &unknowns, residuals, jacobian);
+        let lowered =
+            self.target.add_root_with_jacobian(&data.name, &unknowns, residuals, jacobian, data.iteration);
         self.roots.insert(root, lowered.clone());
         debug_assert!(lowered.1.iter().all(|&x| self.target.scope(x) == Scope::Element));
         lowered

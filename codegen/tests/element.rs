@@ -9,7 +9,9 @@ use diffuse_contact_codegen::graph::{ExprId, Scope};
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
 use diffuse_contact_codegen::model::Input;
 use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel, Mode};
-use num_dual::{DualNum, HyperDual};
+use num_dual::{DualNum as _, HyperDual};
+
+use crate::witnesses::{Number, by_hyper_dual, difference, numbers, spring, sum};
 
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../generated/golden/element_spring.rs");
 
@@ -38,14 +40,6 @@ fn tet4_unnamed(m: &ElementModel<'_>) {
     m.energy(D.determinant() / 6.0 * W);
 }
 
-/// Numbers of the energies that automatic differentiation evaluates.
-trait Number: DualNum<Primitive = f64> + Copy {}
-impl<D: DualNum<Primitive = f64> + Copy> Number for D {}
-
-fn sum<D: Number>(terms: impl IntoIterator<Item = D>) -> D {
-    terms.into_iter().fold(D::from(0.0), |sum, term| sum + term)
-}
-
 /// The energy of the tetrahedron once more, from volumes: F_ij det D = det(D with its column j replaced), columns over edges.
 fn tet4_energy<D: Number>(x: &[D], X: &[f64], [lambda, mu]: [f64; 2]) -> D {
     let det = |a: [[D; 3]; 3]| {
@@ -66,33 +60,6 @@ fn tet4_energy<D: Number>(x: &[D], X: &[f64], [lambda, mu]: [f64; 2]) -> D {
     det(before) / 6.0 * ((trace - 3.0) * (0.5 * mu) - L * mu + L * L * (0.5 * lambda))
 }
 
-/// Gradient and packed Hessian by hyper-dual numbers.
-fn by_hyper_dual(x: &[f64], f: impl Fn(&[HyperDual<f64>]) -> HyperDual<f64>) -> (Vec<f64>, Vec<f64>) {
-    let at = |i: usize, j: usize| {
-        let seeded = |(k, &x): (usize, &f64)| {
-            let is = |other: usize| f64::from(u8::from(k == other));
-            HyperDual::new(x, is(i), is(j), 0.0)
-        };
-        f(&x.iter().enumerate().map(seeded).collect::<Vec<_>>())
-    };
-    let gradient = (0..x.len()).map(|i| at(i, i).eps1).collect();
-    (
-        gradient,
-        (0..x.len()).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| at(i, j).eps1eps2).collect(),
-    )
-}
-
-/// Numbers in (−0.5, 0.5) that look random.
-fn numbers(count: usize, seed: f64) -> Vec<f64> {
-    let mut value = seed;
-    (0..count)
-        .map(|_| {
-            value = (value * 7.3 + 0.17).fract();
-            value - 0.5
-        })
-        .collect()
-}
-
 fn set(inputs: &mut NodeInputs, input: &Input, values: &[f64]) {
     input.symbols.iter().zip(values).for_each(|(name, &value)| inputs.set_element(name, value));
 }
@@ -108,13 +75,6 @@ fn interpreted(element: &ElementKernels, mode: Mode, inputs: &NodeInputs) -> imp
         .map(|v| (v.name.to_string(), v.components.iter().map(&mut value).collect()))
         .collect();
     move |name| all.iter().find(|(other, _)| other == name).unwrap().1.clone()
-}
-
-/// Largest difference over the largest entry.
-fn difference(found: &[f64], expected: &[f64]) -> f64 {
-    assert_eq!(found.len(), expected.len());
-    let largest = expected.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
-    found.iter().zip(expected).fold(0.0, |worst: f64, (x, y)| worst.max((x - y).abs() / largest))
 }
 
 fn kernels(formulas: impl FnOnce(&ElementModel<'_>)) -> ElementKernels {
@@ -425,17 +385,7 @@ fn an_element_has_a_name_of_its_own() {
 
 #[test]
 fn the_golden_element_is_what_the_generator_emits() {
-    let config = Config::new().element("spring", |m| {
-        m.title("A spring between two points, linear in its stretch.");
-        let x: [Vec3<'_>; 2] = m.variable("x");
-        let [stiffness, length] = m.parameters(["stiffness", "length"]);
-        m.describe("x", "Ends, length.");
-        m.describe("length", "Length without force.");
-        let stretch = m.define("stretch", (x[1] - x[0]).norm() - length);
-        m.energy(0.5 * stiffness * stretch.powi(2));
-        m.value("force", stiffness * stretch);
-        m.describe("force", "Tension, positive when stretched.");
-    });
+    let config = Config::new().element("spring", spring);
     let text = config.unwrap().source().unwrap();
     if std::env::var_os("UPDATE_GOLDEN").is_some() {
         std::fs::write(GOLDEN, &text).unwrap();

@@ -5,8 +5,10 @@ use std::fmt::Write as _;
 use std::process::Command;
 
 use diffuse_contact_codegen::expr::{Expr, Mat3, Vec3, Vector};
-use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
+use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs, element_results};
 use diffuse_contact_codegen::{Config, ElementKernels, ElementModel, Kernel, Mode};
+
+use crate::witnesses::spring;
 
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../generated/golden/element_spring.h");
 
@@ -188,19 +190,75 @@ fn compiled_c_has_the_numbers_of_the_interpreter() {
     }
 }
 
+/// A spring to a weighted average, and a fit with a root of it: loops over nodes, values kept between them, products of rows.
+fn fitted(m: &ElementModel<'_>) {
+    let (x, stiffness): (Vec3<'_>, Expr<'_>) = (m.variable("x"), m.parameter("node"));
+    let (X, w): (Vec3<'_>, Expr<'_>) = (m.node_variable("X"), m.node_parameter("form"));
+    let mean = m.define("mean", X.map(|X| (w * X).sum() / w.sum()));
+    let fit = m.stationary("alpha", |alpha: Vector<'_, 2>| {
+        let e = X[2] - alpha[0] - alpha[1] * (X[0] - mean[0]);
+        w * e * e
+    });
+    let [height, slope] = fit.unknowns.0;
+    let foot = m.minimum("foot", |u| {
+        let distance = height + slope * u[0] - x[2];
+        0.5 * (u[0] - x[0]).powi(2) + 0.5 * (u[1] - x[1]).powi(2) + 0.5 * distance * distance
+    });
+    let [u, v] = foot.unknowns.0;
+    m.residual("gap", x - mean);
+    m.energy(0.5 * stiffness * (x - mean).dot(x - mean) + u * v + height.exp());
+    m.value("residual", foot.residual);
+}
+
+#[test]
+fn compiled_c_has_the_numbers_of_the_interpreter_for_any_number_of_nodes() {
+    let element = ElementKernels::new("fitted", fitted).unwrap();
+    let header = Config::new().element("fitted", fitted).unwrap().c_source();
+    let mut seed = 0.37;
+    for count in [3, 8] {
+        let x: Vec<f64> = (0..3).map(|_| random(&mut seed)).collect();
+        let nodes: Vec<Vec<f64>> = (0..count)
+            .map(|k| {
+                let [a, b, c, w] = [0; 4].map(|_| random(&mut seed));
+                vec![a + 0.3 * f64::from(k), b, c, 1.0 + w]
+            })
+            .collect();
+        let slices: Vec<&[f64]> = nodes.iter().map(Vec::as_slice).collect();
+        let kernel = &element.kernels[2];
+        let all = element_results(kernel, &[&x, &[1.3]], &slices);
+        let list = |x: &[f64]| x.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
+        let arrays: Vec<(&str, usize)> =
+            all.iter().skip(3).map(|(name, values)| (name.as_str(), values.len())).collect();
+        let mut body = format!(
+            "#include \"elements.h\"\n#include <stdio.h>\n#include <string.h>\nint main(void) {{\n\
+             static const double numbers[] = {{{}, 1.3}}, of_nodes[] = {{{}}};\n\
+             fitted_inputs inputs; fitted_node nodes[{count}]; fitted_values values; double flat[5];\n\
+             static double scratch[{count} * FITTED_HESSIAN_SCRATCH];\n\
+             memcpy(&inputs, numbers, sizeof inputs); memcpy(nodes, of_nodes, sizeof nodes);\n",
+            list(&x),
+            list(&nodes.concat())
+        );
+        for (name, length) in &arrays {
+            let _ = writeln!(body, "static double {name}[{length}];");
+        }
+        body += "fitted_hessian_batch(1, sizeof nodes / sizeof nodes[0], &inputs, nodes, &values, gap_jacobian, gradient, hessian, \
+                 scratch);\nmemcpy(flat, &values, sizeof values);\n";
+        for (name, length) in [("flat", 5)].iter().chain(&arrays) {
+            let _ = writeln!(body, "for (int i = 0; i < {length}; i++) printf(\"%.17g\\n\", {name}[i]);");
+        }
+        let found = printed("fitted", &header, &(body + "return 0; }\n"), &["-O1"]);
+        let expected: Vec<f64> = all.iter().flat_map(|(_, values)| values.clone()).collect();
+        assert_eq!(found.len(), expected.len());
+        assert!(found[4] < 1e-12 && expected[4] < 1e-12, "the foot is found");
+        for (k, (found, expected)) in found.iter().zip(&expected).enumerate().filter(|(k, _)| *k != 4) {
+            assert!((found - expected).abs() <= 1e-12 * (1.0 + expected.abs()), "{k}: {found} {expected}");
+        }
+    }
+}
+
 #[test]
 fn the_golden_header_is_what_the_generator_emits() {
-    let config = Config::new().element("spring", |m| {
-        m.title("A spring between two points, linear in its stretch.");
-        let x: [Vec3<'_>; 2] = m.variable("x");
-        let [stiffness, length] = m.parameters(["stiffness", "length"]);
-        m.describe("x", "Ends, length.");
-        m.describe("length", "Length without force.");
-        let stretch = m.define("stretch", (x[1] - x[0]).norm() - length);
-        m.energy(0.5 * stiffness * stretch.powi(2));
-        m.value("force", stiffness * stretch);
-        m.describe("force", "Tension, positive when stretched.");
-    });
+    let config = Config::new().element("spring", spring);
     let text = config.unwrap().c_source();
     if std::env::var_os("UPDATE_GOLDEN").is_some() {
         std::fs::write(GOLDEN, &text).unwrap();

@@ -2,8 +2,10 @@
 
 mod element;
 mod element_c;
+mod element_nodes;
 mod element_points;
 mod emitted;
 mod formulas;
 mod golden;
 mod operations;
+mod witnesses;

@@ -1,11 +1,11 @@
 //! Generates the kernels of solids of compressible neo-Hooke material, of a cohesive law with history, of contact with a curved patch and
-//! of a robot's arm. Each is one function of `elements/`.
+//! with a surface fitted to nodes, and of a robot's arm. Each is one function of `elements/`.
 #![allow(non_snake_case)]
 
 use diffuse_contact_codegen::{Config, ConfigError};
 
 mod elements;
-use elements::{arm, cohesive, contact, neo_hooke};
+use elements::{arm, cohesive, contact, neo_hooke, surface};
 
 fn main() -> Result<(), ConfigError> {
     Config::new()
@@ -15,6 +15,8 @@ fn main() -> Result<(), ConfigError> {
         .element("hex20_neo_hooke", neo_hooke::hex20)?
         .element("cohesive", cohesive::exponential)?
         .element("bezier_contact", contact::bezier)?
+        .element("fitted_contact", surface::moving_least_squares)?
+        .element("average", surface::average)?
         .element("seven_axes", arm::seven_axes)?
         .compile()?;
     Ok(())

@@ -5,8 +5,12 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::{Args, value_parser};
-use diffuse_contact_codegen::emit::{KernelCounts, OpCounts, emit_facet_kernel, emit_kernel, emit_single};
-use diffuse_contact_codegen::{Basis, FacetShape, FacetSpec, FrameRule, KernelSpec, Mode, Output};
+use diffuse_contact_codegen::emit::{
+    KernelCounts, OpCounts, emit_c, emit_facet_kernel, emit_kernel, emit_single, emit_single_facet,
+};
+use diffuse_contact_codegen::{
+    Basis, ElementKernels, FacetShape, FacetSpec, FrameRule, KernelSpec, Mode, Output,
+};
 use diffuse_contact_program::arguments::named;
 
 use crate::error::CliError;
@@ -19,16 +23,43 @@ const NODES: [usize; 5] = [6, 9, 12, 16, 20];
 /// Most nodes that operations are counted for: their pairs are as many as half the square.
 const MOST_NODES: i64 = 1_000;
 
+/// Language of a kernel's source.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Language {
+    /// Rust, as the build script writes it.
+    #[default]
+    Rust,
+    /// C99, without any library.
+    C,
+}
+
+impl Language {
+    const ALL: [Self; 2] = [Self::Rust, Self::C];
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Rust => "rust",
+            Self::C => "c",
+        }
+    }
+}
+
 /// Arguments of `emit`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = FORMULAS)]
 pub struct EmitArguments {
-    /// Master nodes that operations are counted for; the kernel serves any number
-    #[arg(long, value_name = "N", required_unless_present = "counts", value_parser = value_parser!(u32).range(1..=MOST_NODES))]
+    /// Master nodes that operations are counted for; the kernel serves any number, and in C they are counted for n
+    #[arg(long, value_name = "N", required_unless_present_any = ["counts", "facet", "lang"], value_parser = value_parser!(u32).range(1..=MOST_NODES))]
     pub nodes: Option<u32>,
     /// What the kernel computes
-    #[arg(long, value_parser = named(Output::ALL, Output::name), required_unless_present = "counts")]
+    #[arg(long, value_parser = named(Output::ALL, Output::name), required_unless_present_any = ["counts", "facet"])]
     pub output: Option<Output>,
+    /// Instead of a fit's kernel, that of contact on a facet of this shape
+    #[arg(long, value_name = "SHAPE", value_parser = named(FacetShape::ALL, FacetShape::name), conflicts_with_all = ["nodes", "output", "frame_derivative", "counts"])]
+    pub facet: Option<FacetShape>,
+    /// Language of the kernel [default: rust]
+    #[arg(long, value_name = "LANGUAGE", value_parser = named(Language::ALL, Language::name), conflicts_with = "counts")]
+    pub lang: Option<Language>,
     /// With how many derivatives
     #[arg(long, value_parser = named(Mode::ALL, Mode::name), required_unless_present = "counts")]
     pub mode: Option<Mode>,
@@ -66,6 +97,15 @@ pub enum EmitError {
         /// The basis.
         basis: Basis,
     },
+    /// A number of nodes is missing.
+    #[error("--nodes: for how many master nodes are operations to be counted?")]
+    NoNodes,
+    /// Second derivatives of several quantities, in C.
+    #[error("--lang c: there is no kernel for {} hessian; derivatives of it are first ones", output.name())]
+    NoHessian {
+        /// What is computed.
+        output: Output,
+    },
     /// A moving frame was asked for where it makes no difference.
     #[error(
         "--frame-derivative co-moving: there is no such kernel for {} {}, only for the gap",
@@ -92,12 +132,18 @@ pub fn run(arguments: &EmitArguments) -> Result<(), CliError> {
         output::check_target(path)?;
     }
     let weight = arguments.fit.weight()?.unwrap_or_default().for_generator();
-    let text = match (arguments.nodes, arguments.output, arguments.mode) {
-        (Some(nodes), Some(output), Some(mode)) => {
-            let nodes = nodes as usize;
+    let language = arguments.lang.unwrap_or_default();
+    let text = match (arguments.facet, arguments.output, arguments.mode) {
+        (Some(shape), _, Some(mode)) => facet_source(FacetSpec { shape, mode }, language),
+        (None, Some(output), Some(mode)) => {
             let basis = arguments.fit.basis.unwrap_or(Basis::Quadratic);
             let frame = arguments.frame_derivative.unwrap_or_default();
-            source(&KernelSpec { output, mode, basis, weight, frame }, nodes)?
+            let spec = KernelSpec { output, mode, basis, weight, frame };
+            match (language, arguments.nodes) {
+                (Language::Rust, Some(nodes)) => source(&spec, nodes as usize)?,
+                (Language::Rust, None) => return Err(EmitError::NoNodes.into()),
+                (Language::C, _) => c_source(&spec)?,
+            }
         }
         // The parser lets only `--counts` go without them.
         _ => counts_of_all(arguments.fit.basis, &weight) + &counts_of_facets(),
@@ -115,12 +161,41 @@ fn source(spec: &KernelSpec, nodes: usize) -> Result<String, CliError> {
     if nodes < spec.basis.size() {
         return Err(EmitError::TooFewNodes { nodes: nodes.to_string(), basis: spec.basis }.into());
     }
-    if !KernelSpec::all(spec.basis, &spec.weight).contains(spec) {
-        return Err(EmitError::NoMovingFrame { output: spec.output, mode: spec.mode }.into());
-    }
+    check(spec)?;
     let support = syn::parse_quote!(::diffuse_contact_kernels::support);
     let (text, kernel) = emit_single(spec, &support);
     Ok(counts_comment(spec, &kernel.counts, nodes) + &text)
+}
+
+fn check(spec: &KernelSpec) -> Result<(), EmitError> {
+    if KernelSpec::all(spec.basis, &spec.weight).contains(spec) {
+        return Ok(());
+    }
+    Err(EmitError::NoMovingFrame { output: spec.output, mode: spec.mode })
+}
+
+/// A kernel as a C header.
+fn c_source(spec: &KernelSpec) -> Result<String, EmitError> {
+    check(spec)?;
+    let &KernelSpec { output, mode, basis, ref weight, frame } = spec;
+    let mut element = ElementKernels::contact(output, basis, weight, frame);
+    element.kernels.retain(|kernel| kernel.spec.mode == mode);
+    if element.kernels.is_empty() {
+        return Err(EmitError::NoHessian { output });
+    }
+    Ok(emit_c(&[element]))
+}
+
+/// A kernel of contact on facets.
+fn facet_source(spec: FacetSpec, language: Language) -> String {
+    match language {
+        Language::Rust => emit_single_facet(spec, &syn::parse_quote!(::diffuse_contact_kernels::support)).0,
+        Language::C => {
+            let mut element = ElementKernels::facet(spec.shape);
+            element.kernels.retain(|kernel| kernel.spec.mode == spec.mode);
+            emit_c(&[element])
+        }
+    }
 }
 
 /// The operation counts of a kernel as a comment.

@@ -8,6 +8,7 @@ mod check;
 #[path = "../../program/tests/elements.rs"]
 mod elements;
 mod emit;
+mod emit_c;
 mod evaluate;
 #[path = "../../program/tests/runs.rs"]
 mod runs;

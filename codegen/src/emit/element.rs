@@ -5,14 +5,15 @@ use quote::{format_ident, quote};
 
 use super::count::OpCounts;
 use super::fixed::{Argument, Fixed, Head, array, nested};
+use super::function::solver_name;
+use super::node_element::emit_node_kernel;
+use super::node_module;
+use crate::graph::Iteration;
 use crate::lower::lower;
 use crate::model::{
     Differentiated, ElementError, ElementKernels, ElementSpec, Input, Kernel, Mode, Role, Signature,
 };
 use crate::schedule::Program;
-
-/// What solves the equations of roots.
-const SOLVER: &str = "TwoEquations";
 
 /// A kernel of an element as source.
 #[derive(Clone, Debug)]
@@ -21,8 +22,12 @@ pub struct EmittedElementKernel {
     pub mode: Mode,
     /// The function.
     pub tokens: TokenStream,
-    /// Operations.
+    /// Operations, with one evaluation of the equations of roots, without those of nodes.
     pub counts: OpCounts,
+    /// Operations for each node, and for each pair of nodes; none of an element of fixed size.
+    pub per_node: [OpCounts; 2],
+    /// Operations of one evaluation of the equations of roots.
+    pub iteration: OpCounts,
     /// Statements of the function.
     pub statements: usize,
 }
@@ -32,6 +37,12 @@ pub struct EmittedElementKernel {
 pub fn emit_element_kernel(kernel: &Kernel<ElementSpec>) -> EmittedElementKernel {
     let program = Program::new(lower(kernel));
     let ElementSpec { signature, mode, .. } = &program.kernel.spec;
+    if !signature.nodes.is_empty() {
+        let arguments = node_module::arguments(signature, *mode);
+        return emit_node_kernel(&program, &arguments, |kernel| {
+            documentation(&program.kernel.spec, &arguments, kernel)
+        });
+    }
     let arguments = arguments(signature, *mode);
     let head = Head {
         name: function_name(*mode),
@@ -39,16 +50,24 @@ pub fn emit_element_kernel(kernel: &Kernel<ElementSpec>) -> EmittedElementKernel
         fields: &signature.inputs,
         values: format_ident!("Values"),
         arguments: &arguments,
-        solver: SOLVER,
         points: &signature.points,
     };
     let function = Fixed::new(&program, &head, |value, components| {
         let returned = signature.values.iter().find(|returned| returned.name == value.name);
         nested(returned.map_or(&[], |returned| &returned.dimensions), components)
     });
-    let documentation = documentation(&program.kernel.spec, &function);
-    let tokens = function.tokens(&head, &documentation);
-    EmittedElementKernel { mode: *mode, tokens, counts: function.counts, statements: function.statements }
+    let mut kernel = EmittedElementKernel {
+        mode: *mode,
+        tokens: TokenStream::new(),
+        counts: function.counts,
+        per_node: [OpCounts::default(); 2],
+        iteration: function.iteration,
+        statements: function.statements,
+    };
+    let arguments: Vec<String> = arguments.iter().map(|(name, _)| name.clone()).collect();
+    let documentation = documentation(&program.kernel.spec, &arguments, &kernel);
+    kernel.tokens = function.tokens(&head, &documentation);
+    kernel
 }
 
 /// The module of an element. `optimised`: whether the crate it goes into is compiled with optimisation.
@@ -61,24 +80,37 @@ pub fn emit_element(
     optimised: bool,
 ) -> Result<TokenStream, ElementError> {
     let signature = &element.signature;
-    let (mut kernels, mut has_roots) = (Vec::new(), false);
+    let (mut kernels, mut iterations) = (Vec::new(), Vec::new());
     for kernel in &element.kernels {
         let EmittedElementKernel { mode, tokens, statements, .. } = emit_element_kernel(kernel);
         if statements > super::MOST_STATEMENTS {
             return Err(ElementError::TooLong { function: function_name(mode).to_string(), statements });
         }
-        has_roots |= !kernel.roots().is_empty();
+        iterations.extend(kernel.roots().into_iter().map(|root| kernel.graph.root(root).iteration));
         kernels.push(tokens);
     }
     let module = format_ident!("{}", signature.name);
     let last = element.kernels.last().map_or(Mode::Value, |kernel| kernel.spec.mode);
     let doc = format!(" {}", title(signature));
-    let others = [("packed_row", last == Mode::Hessian), (SOLVER, has_roots)];
+    let has_nodes = !signature.nodes.is_empty();
+    let has_products = has_nodes && last == Mode::Hessian && signature.node_variables() > 0;
+    let others = [
+        ("packed_row", last == Mode::Hessian),
+        (solver_name(Iteration::Newton), iterations.contains(&Iteration::Newton)),
+        (solver_name(Iteration::Descent), iterations.contains(&Iteration::Descent)),
+        ("multiply_node_rows", has_products),
+    ];
     let others = others.into_iter().filter(|(_, is_used)| *is_used).map(|(name, _)| format_ident!("{name}"));
-    let (types, runners) = (types(signature, last), runners(signature, last));
+    let (types, runners, unused) = if has_nodes {
+        let types = node_module::types(element, last);
+        (types, node_module::runners(signature, last), Some(quote!(#[allow(unused_variables)])))
+    } else {
+        (types(signature, last), runners(signature, last), None)
+    };
     Ok(without_suffixes(quote! {
         #[doc = #doc]
         #[allow(clippy::all, clippy::pedantic, non_snake_case)]
+        #unused
         pub mod #module {
             use #support::{Isa, Lane, Mode, Vector, WithLanes};
             #(use #support::#others;)*
@@ -143,14 +175,16 @@ pub(super) fn arguments(signature: &Signature, mode: Mode) -> Vec<Argument> {
 }
 
 /// What an argument holds, for the documentation.
-fn meaning(signature: &Signature, argument: &str) -> String {
+pub(super) fn meaning(signature: &Signature, argument: &str) -> String {
     let variables: Vec<String> = signature
         .inputs
         .iter()
+        .chain(&signature.nodes)
         .filter(|input| input.role == Role::Variable)
         .map(|input| format!("`{}`", input.name))
         .collect();
     let by = variables.join(", ");
+    let by = if signature.nodes.is_empty() { by } else { format!("{by}, those of the nodes node by node") };
     match argument {
         "gradient" => format!("∂energy/∂x, x: {by}"),
         "hessian" => format!("∂²energy/∂x∂x, packed lower triangle, row by row, x: {by}"),
@@ -161,8 +195,8 @@ fn meaning(signature: &Signature, argument: &str) -> String {
     }
 }
 
-fn documentation(spec: &ElementSpec, function: &Fixed) -> Vec<String> {
-    let ElementSpec { signature, mode, quantities } = spec;
+fn documentation(spec: &ElementSpec, arguments: &[String], kernel: &EmittedElementKernel) -> Vec<String> {
+    let ElementSpec { signature, mode, quantities, .. } = spec;
     let with = match mode {
         Mode::Value => "Values",
         Mode::Gradient => "Values and first derivatives",
@@ -176,8 +210,8 @@ fn documentation(spec: &ElementSpec, function: &Fixed) -> Vec<String> {
             if value.doc.is_empty() { String::new() } else { format!(": {}", value.doc) }
         ));
     }
-    for (argument, _) in arguments(signature, *mode) {
-        lines.push(format!(" * `{argument}`: {}", meaning(signature, &argument)));
+    for argument in arguments {
+        lines.push(format!(" * `{argument}`: {}", meaning(signature, argument)));
     }
     if !quantities.is_empty() {
         let names: Vec<String> = quantities.iter().map(|name| format!("`{name}`")).collect();
@@ -189,16 +223,37 @@ fn documentation(spec: &ElementSpec, function: &Fixed) -> Vec<String> {
         lines.push(format!(" Sums over {} points.", signature.points.rows.len()));
     }
     lines.push(String::new());
-    let (total, iteration) = (function.counts.total(), function.iteration.total());
+    let (total, iteration) = (kernel.counts.total(), kernel.iteration.total());
+    let of_nodes = match (signature.nodes.is_empty(), kernel.per_node.map(|counts| counts.total())) {
+        (true, _) => String::new(),
+        (false, [node, 0]) => format!(" + {node} n"),
+        (false, [node, pair]) => format!(" + {node} n + {pair} n(n−1)/2"),
+    };
     lines.push(match iteration {
-        0 => format!(" Operations: {total}."),
-        each => format!(" Operations: {}, and {each} for each Newton iteration.", total - each),
+        0 => format!(" Operations: {total}{of_nodes}."),
+        each => format!(" Operations: {}{of_nodes}, and {each} for each Newton iteration.", total - each),
     });
+    if !signature.nodes.is_empty() {
+        lines.push(String::new());
+        lines.push(format!(
+            " `scratch`: [`SCRATCH`]`[{}]` numbers for each of the n nodes, of any content.",
+            *mode as usize
+        ));
+        lines.push(String::new());
+        lines.push(" # Panics".to_owned());
+        lines.push(" If a slice is shorter than the nodes need.".to_owned());
+    }
     lines
 }
 
 /// A struct's field of numbers `of`, documented.
-fn field(name: &str, doc: &str, default: &str, dimensions: &[usize], of: &TokenStream) -> TokenStream {
+pub(super) fn field(
+    name: &str,
+    doc: &str,
+    default: &str,
+    dimensions: &[usize],
+    of: &TokenStream,
+) -> TokenStream {
     let (ident, of) = (format_ident!("{name}"), array(dimensions, of));
     let doc = format!(" {}", if doc.is_empty() { default } else { doc });
     quote! {
@@ -217,18 +272,11 @@ fn types(signature: &Signature, last: Mode) -> TokenStream {
         };
         field(&input.name, &input.doc, default, &input.dimensions, &lane)
     });
-    let values = signature.values.iter().map(|v| field(&v.name, &v.doc, "A value.", &v.dimensions, &lane));
+    let values = value_types(signature);
     let derivatives = arguments(signature, last).into_iter().map(|(name, length)| {
         field(&name, &format!("{}.", meaning(signature, &name)), "", &[length], &number)
     });
     let gathered = signature.inputs.iter().map(gathered);
-    let value_names: Vec<Ident> =
-        signature.values.iter().map(|value| format_ident!("{}", value.name)).collect();
-    let zeros = signature.values.iter().map(|value| array(&value.dimensions, &quote!(E::ZERO)));
-    let of_lane = signature.values.iter().map(|value| {
-        let name = format_ident!("{}", value.name);
-        entries(&value.dimensions, &|place| quote!(self.#name #place.lane(lane)))
-    });
     let zero_derivatives = arguments(signature, last).into_iter().map(|(name, length)| {
         let name = format_ident!("{name}");
         quote!(#name: [0.0; #length])
@@ -263,6 +311,36 @@ fn types(signature: &Signature, last: Mode) -> TokenStream {
             }
         }
 
+        #values
+
+        /// Values of one element and their derivatives; those that were not asked for stay as they were.
+        #[derive(Clone, Copy, Debug)]
+        pub struct Results {
+            /// Values.
+            pub values: Values<f64>,
+            #(#derivatives),*
+        }
+
+        impl Results {
+            /// Zeros.
+            pub const ZERO: Self = Self { values: Values::ZERO, #(#zero_derivatives),* };
+            #at
+        }
+    }
+}
+
+/// The struct `Values`.
+pub(super) fn value_types(signature: &Signature) -> TokenStream {
+    let lane = quote!(E);
+    let values = signature.values.iter().map(|v| field(&v.name, &v.doc, "A value.", &v.dimensions, &lane));
+    let value_names: Vec<Ident> =
+        signature.values.iter().map(|value| format_ident!("{}", value.name)).collect();
+    let zeros = signature.values.iter().map(|value| array(&value.dimensions, &quote!(E::ZERO)));
+    let of_lane = signature.values.iter().map(|value| {
+        let name = format_ident!("{}", value.name);
+        entries(&value.dimensions, &|place| quote!(self.#name #place.lane(lane)))
+    });
+    quote! {
         /// Values of a kernel.
         #[derive(Clone, Copy, Debug)]
         pub struct Values<E> { #(#values),* }
@@ -281,32 +359,18 @@ fn types(signature: &Signature, last: Mode) -> TokenStream {
                 Values { #(#value_names: #of_lane),* }
             }
         }
-
-        /// Values of one element and their derivatives; those that were not asked for stay as they were.
-        #[derive(Clone, Copy, Debug)]
-        pub struct Results {
-            /// Values.
-            pub values: Values<f64>,
-            #(#derivatives),*
-        }
-
-        impl Results {
-            /// Zeros.
-            pub const ZERO: Self = Self { values: Values::ZERO, #(#zero_derivatives),* };
-            #at
-        }
     }
 }
 
 /// A field of `Inputs` from those of several elements.
-fn gathered(input: &Input) -> TokenStream {
+pub(super) fn gathered(input: &Input) -> TokenStream {
     let name = format_ident!("{}", input.name);
     let entries = entries(&input.dimensions, &|place| quote!(E::from_fn(|lane| of(lane).#name #place)));
     quote!(#name: #entries)
 }
 
 /// An array whose entries are made from their places, `[0][2]`.
-fn entries(dimensions: &[usize], entry: &impl Fn(TokenStream) -> TokenStream) -> TokenStream {
+pub(super) fn entries(dimensions: &[usize], entry: &impl Fn(TokenStream) -> TokenStream) -> TokenStream {
     let count: usize = dimensions.iter().product();
     let all: Vec<TokenStream> = (0..count)
         .map(|number| {

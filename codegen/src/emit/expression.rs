@@ -25,11 +25,21 @@ pub(super) enum Vectors {
     Node,
 }
 
+/// What the lanes of vectors are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Lanes {
+    /// Elements or nodes, as a `Shape` says: node code computes with `T`.
+    Shape,
+    /// Elements: node code computes with `E`, too.
+    Elements,
+}
+
 /// Writes expressions of one function.
 pub(super) struct Writer<'a> {
     graph: &'a Graph,
     layout: &'a Layout,
     pub names: Names,
+    pub lanes: Lanes,
     vectors: Vectors,
     /// Element values that node code has used since it began.
     spread: Vec<Ident>,
@@ -40,7 +50,7 @@ pub(super) struct Writer<'a> {
 impl<'a> Writer<'a> {
     pub fn new(graph: &'a Graph, layout: &'a Layout, names: Names) -> Self {
         let (vectors, spread) = (Vectors::Element, Vec::new());
-        Self { graph, layout, names, vectors, spread, counts: OpCounts::default() }
+        Self { graph, layout, names, lanes: Lanes::Shape, vectors, spread, counts: OpCounts::default() }
     }
 
     /// What follows is node code, until [`end_nodes`](Self::end_nodes).
@@ -85,10 +95,18 @@ impl<'a> Writer<'a> {
             && !self.layout.bound.contains(&body)
         {
             self.counts.fused += 1;
+            if self.lanes == Lanes::Elements {
+                let (x, y) = (self.receiver(x), self.used(y));
+                return quote!(#x.mul_add(#y, #sum));
+            }
             let (x, y) = (self.used(x), self.used(y));
             return quote!(S::add_product(presence, #x, #y, #sum));
         }
         self.counts.additions += 1;
+        if self.lanes == Lanes::Elements {
+            let body = self.at_least(body, Strength::Product);
+            return quote!(#sum + #body);
+        }
         let body = self.used(body);
         quote!(S::add(presence, #body, #sum))
     }
@@ -231,9 +249,9 @@ impl<'a> Writer<'a> {
 
     /// The type of the vectors.
     fn vector(&self) -> TokenStream {
-        match self.vectors {
-            Vectors::Element => quote!(E),
-            Vectors::Node => quote!(T),
+        match (self.vectors, self.lanes) {
+            (Vectors::Element, _) | (_, Lanes::Elements) => quote!(E),
+            (Vectors::Node, Lanes::Shape) => quote!(T),
         }
     }
 

@@ -86,8 +86,6 @@ fn write(program: &Program<FacetSpec>) -> EmittedFacetKernel {
         fields: &inputs(spec.shape),
         values: format_ident!("FacetValues"),
         arguments: &arguments,
-        // The foot's equations are the negative derivatives of half the squared distance.
-        solver: "TwoVariables",
         points: &Points::default(),
     };
     let function = Fixed::new(program, &head, |value, components| {

@@ -25,8 +25,6 @@ pub(super) struct Head<'a> {
     pub values: Ident,
     /// Values that are no fields of it.
     pub arguments: &'a [Argument],
-    /// What solves the equations of roots.
-    pub solver: &'static str,
     /// What outputs are summed over.
     pub points: &'a Points,
 }
@@ -53,7 +51,6 @@ impl Fixed {
         function.writer.names.reserve(&arguments);
         // Constants of a module are no patterns.
         function.writer.names.reserve(&["VARIABLES", "OPTIMISED"]);
-        function.solver = head.solver;
 
         if head.points.rows.is_empty() {
             return Self::straight(function, head, shape);
@@ -272,7 +269,7 @@ fn point_reads<S>(function: &mut FunctionWriter<'_, S>, points: &Points) -> Vec<
 }
 
 /// `let`s for the inputs that are used.
-fn reads<S>(function: &mut FunctionWriter<'_, S>, fields: &[Input]) -> Vec<TokenStream> {
+pub(super) fn reads<S>(function: &mut FunctionWriter<'_, S>, fields: &[Input]) -> Vec<TokenStream> {
     let symbols = symbols(function);
     let mut all = Vec::new();
     for input in fields {

@@ -3,10 +3,10 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::facet::facet_module;
-use super::function::{EmittedKernel, emit_kernel, function_name, kept_name, values_name};
-use crate::formula::Formula;
-use crate::model::{Basis, FrameRule, KernelSpec, Mode, Output, Weight};
+use super::diffuse::{EmittedKernel, emit_kernel, function_name, kept_name, values_name};
+use super::facet::{EmittedFacetKernel, emit_facet_kernel, facet_module};
+use super::formula::formula;
+use crate::model::{Basis, FacetSpec, FrameRule, KernelSpec, Mode, Output, Weight};
 
 /// First lines of every emitted file.
 const HEADER: &str =
@@ -83,6 +83,18 @@ pub fn emit_single(spec: &KernelSpec, support: &syn::Path) -> (String, EmittedKe
         use #support::*;
         #tokens
         #gap
+    });
+    (text, kernel)
+}
+
+/// One kernel of contact on facets as a formatted file, to be read.
+#[must_use]
+pub fn emit_single_facet(spec: FacetSpec, support: &syn::Path) -> (String, EmittedFacetKernel) {
+    let kernel = emit_facet_kernel(spec);
+    let tokens = &kernel.tokens;
+    let text = format(&quote! {
+        use #support::*;
+        #tokens
     });
     (text, kernel)
 }
@@ -182,57 +194,6 @@ fn weight_module(
                 #gap
                 #slip
             }
-        }
-    }
-}
-
-/// A formula in `r` as an expression of Rust, of any number type `T`.
-fn formula(of: &Formula) -> TokenStream {
-    let binary = |x: &Formula, operator: TokenStream, y: &Formula| {
-        let (x, y) = (formula(x), formula(y));
-        quote!((#x #operator #y))
-    };
-    match of {
-        Formula::Number(value) => quote!(T::splat(#value)),
-        Formula::Radius => quote!(r),
-        Formula::Neg(x) => {
-            let x = formula(x);
-            quote!((-#x))
-        }
-        Formula::Add(x, y) => binary(x, quote!(+), y),
-        Formula::Sub(x, y) => binary(x, quote!(-), y),
-        Formula::Mul(x, y) => binary(x, quote!(*), y),
-        Formula::Div(x, y) => binary(x, quote!(/), y),
-        Formula::Power(x, exponent) => {
-            let x = formula(x);
-            let power = power(exponent.unsigned_abs());
-            let value = if *exponent < 0 { quote!(T::ONE / #power) } else { power };
-            quote!({ let x = #x; #value })
-        }
-        Formula::Exp(x) => {
-            let x = formula(x);
-            quote!(T::exp(#x))
-        }
-        Formula::Sqrt(x) => {
-            let x = formula(x);
-            quote!(T::sqrt(#x))
-        }
-        Formula::If { x, y, then, otherwise } => {
-            let [x, y, then, otherwise] = [x, y, then, otherwise].map(|x| formula(x));
-            quote!(T::select_less(#x, #y, #then, #otherwise))
-        }
-    }
-}
-
-/// `x` to a power, by squares.
-fn power(exponent: u32) -> TokenStream {
-    match exponent {
-        0 => quote!(T::ONE),
-        1 => quote!(x),
-        _ => {
-            let half = power(exponent / 2);
-            let odd = (exponent % 2 == 1).then(|| quote!(x *));
-            quote!((#odd { let x = #half; x * x }))
         }
     }
 }

@@ -40,6 +40,11 @@ impl Names {
         ident
     }
 
+    /// The identifier of an expression that has one.
+    pub fn known(&self, expr: ExprId) -> Option<Ident> {
+        self.given.get(&expr).cloned()
+    }
+
     /// A name from the operands' names where that stays short, or else from the operation.
     fn descriptive(&self, graph: &Graph, expr: ExprId) -> String {
         let part = |x: ExprId| -> Option<String> {

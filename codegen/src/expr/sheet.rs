@@ -4,7 +4,7 @@ use std::borrow::Borrow;
 use std::cell::{Ref, RefCell};
 
 use super::{AXES, Expr, Vec3, Vector};
-use crate::graph::{ExprId, Graph, Op, RootFigure, RootId, Scope, SymbolId};
+use crate::graph::{ExprId, Graph, Iteration, Op, RootFigure, RootId, Scope, SymbolId};
 
 /// A graph while formulas are written into it.
 ///
@@ -143,8 +143,19 @@ impl Sheet {
         unknowns: Vector<'g, N>,
         residuals: Vector<'g, N>,
     ) -> (RootId, Vector<'g, N>) {
-        let (root, values) =
-            self.edit(|g| g.add_root(name, &unknowns.0.map(Expr::id), residuals.0.map(Expr::id).to_vec()));
+        self.root_by(Iteration::Newton, name, unknowns, residuals)
+    }
+
+    /// The same by a chosen iteration.
+    pub fn root_by<'g, const N: usize>(
+        &'g self,
+        iteration: Iteration,
+        name: &str,
+        unknowns: Vector<'g, N>,
+        residuals: Vector<'g, N>,
+    ) -> (RootId, Vector<'g, N>) {
+        let residuals = residuals.0.map(Expr::id).to_vec();
+        let (root, values) = self.edit(|g| g.add_root(name, &unknowns.0.map(Expr::id), residuals, iteration));
         (root, Vector::from_fn(|k| self.expr(values[k])))
     }
 

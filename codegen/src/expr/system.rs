@@ -39,6 +39,12 @@ impl<'g> System<'g> {
         self.sheet.exprs(self.sheet.edit(|g| g.solve_symmetric(self.id, ids(right_hand_side))))
     }
 
+    /// The same; what was solved before is not solved again.
+    #[must_use]
+    pub(crate) fn solve_once(self, right_hand_side: &[Expr<'g>]) -> Vec<Expr<'g>> {
+        self.sheet.exprs(self.sheet.edit(|g| g.solve_symmetric_once(self.id, &ids(right_hand_side))))
+    }
+
     /// A⁻¹ b as variables `name_0`, …, the same ones for the same b; 0 for 0.
     #[must_use]
     pub fn solve_bound(self, right_hand_side: &[Expr<'g>], name: &str) -> Vec<Expr<'g>> {

@@ -309,7 +309,7 @@ impl Graph {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::SymmetricSystem;
+    use crate::graph::{Iteration, SymmetricSystem};
     use crate::interpret::{Interpreter, NodeInputs};
 
     /// Value of an element expression of x.
@@ -519,7 +519,7 @@ mod tests {
                     let uu = g.mul(u, u);
                     let uux = g.mul(uu, x);
                     let other = g.sub(v, uux);
-                    let (_, values) = g.add_root("test", &[u, v], vec![first, other]);
+                    let (_, values) = g.add_root("test", &[u, v], vec![first, other], Iteration::Newton);
                     let product = g.mul(values[0], values[1]);
                     let symbol = g.symbol_of(x);
                     if second { g.derivative(product, symbol) } else { product }

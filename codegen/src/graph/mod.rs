@@ -20,7 +20,7 @@ mod substitute;
 use std::collections::HashMap;
 
 pub use polynomial::Polynomial;
-pub use structured::{Root, Solve, SymmetricSystem};
+pub use structured::{Iteration, Root, Solve, SymmetricSystem};
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident) => {
@@ -522,13 +522,14 @@ impl Graph {
         name: &str,
         unknowns: &[ExprId],
         residuals: Vec<ExprId>,
+        iteration: Iteration,
     ) -> (RootId, Vec<ExprId>) {
         let unknowns: Vec<SymbolId> = unknowns.iter().map(|&u| self.symbol_of(u)).collect();
         let jacobian = residuals
             .iter()
             .map(|&residual| unknowns.iter().map(|&u| self.derivative(residual, u)).collect())
             .collect();
-        self.push_root(Root { name: name.to_owned(), unknowns, residuals, jacobian })
+        self.push_root(Root { name: name.to_owned(), unknowns, residuals, jacobian, iteration })
     }
 
     /// As [`add_root`](Self::add_root), with the Jacobian ∂(residual)/∂(unknown) made elsewhere.
@@ -538,9 +539,10 @@ impl Graph {
         unknowns: &[ExprId],
         residuals: Vec<ExprId>,
         jacobian: Vec<Vec<ExprId>>,
+        iteration: Iteration,
     ) -> (RootId, Vec<ExprId>) {
         let unknowns = unknowns.iter().map(|&u| self.symbol_of(u)).collect();
-        self.push_root(Root { name: name.to_owned(), unknowns, residuals, jacobian })
+        self.push_root(Root { name: name.to_owned(), unknowns, residuals, jacobian, iteration })
     }
 
     fn push_root(&mut self, root: Root) -> (RootId, Vec<ExprId>) {

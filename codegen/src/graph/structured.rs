@@ -105,7 +105,16 @@ pub struct Solve {
     pub right_hand_side: Vec<ExprId>,
 }
 
-/// A small system of equations r(y) = 0, solved by a damped Newton iteration from y = 0.
+/// How a small system of equations is solved, from y = 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Iteration {
+    /// By Newton's steps, which are bounded, and halved until they reduce the residual.
+    Newton,
+    /// The equations are the negative derivatives of a function: by steps down to a minimum of it, Newton's where it is convex.
+    Descent,
+}
+
+/// A small system of equations r(y) = 0, solved by an iteration from y = 0.
 #[derive(Clone, Debug)]
 pub struct Root {
     /// Name, used in the emitted code.
@@ -116,4 +125,6 @@ pub struct Root {
     pub residuals: Vec<ExprId>,
     /// ∂r/∂y, made by the derivative engine.
     pub jacobian: Vec<Vec<ExprId>>,
+    /// How it is solved.
+    pub iteration: Iteration,
 }

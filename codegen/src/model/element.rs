@@ -2,99 +2,22 @@
 
 use std::cell::RefCell;
 
-use super::kernel::{Kernel, Mode, Value};
+pub use super::element_error::ElementError;
+pub use super::element_outputs::{ElementKernels, ElementSpec, NodeResult};
+use super::element_outputs::{Finished, Outputs};
 use super::signature::{Differentiated, Input, Points, Quantity, Returned, Role, Signature};
-use crate::expr::{Expr, Sheet, Vector, ids};
-use crate::graph::{ExprId, Graph, Op, RootFigure, RootId, Scope};
-use crate::structure::{Derivatives, NodeVectors, total_derivatives};
+use crate::expr::{Expr, Sheet, Vector, inverse};
+use crate::graph::{ExprId, Iteration, Op, RootFigure, Scope, SymmetricSystem};
+use crate::structure::{Implicit, Jacobian, contains_sum};
 
 /// Name of the value that [`ElementModel::energy`] states.
 const ENERGY: &str = "energy";
 
-/// Unknowns of the roots that kernels can find.
-const UNKNOWNS: usize = 2;
+/// Name of the field with the nodes.
+const NODES: &str = "nodes";
 
-/// Why there are no kernels of an element.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ElementError {
-    /// A name that Rust does not take as one.
-    #[error("\"{name}\" is not an identifier in lower or upper case")]
-    Name {
-        /// The name.
-        name: String,
-    },
-    /// Two inputs, quantities or outputs have one name.
-    #[error("\"{name}\" is declared twice")]
-    Duplicate {
-        /// The name, or that of an entry.
-        name: String,
-    },
-    /// Derivatives are asked for, but there is nothing to differentiate by.
-    #[error("`{output}` has no variables to be differentiated by; declare them by `variable`")]
-    NoVariables {
-        /// What was to be differentiated.
-        output: String,
-    },
-    /// Nothing is computed.
-    #[error("there is no output; state one by `energy`, `residual` or `value`")]
-    NoOutput,
-    /// A differentiated output is the same whatever the variables are.
-    #[error("`{output}` does not depend on any variable")]
-    Constant {
-        /// The output.
-        output: String,
-    },
-    /// An output is not one value of the element, but one per node.
-    #[error("`{output}` is a value of {scope:?} scope; outputs are of element scope")]
-    Scope {
-        /// The output, or its entry.
-        output: String,
-        /// Its scope.
-        scope: Scope,
-    },
-    /// An output contains a symbol that is no declared input.
-    #[error("`{output}` contains `{symbol}`, which was not declared by `variable` or `parameter`")]
-    Undeclared {
-        /// The output, or its entry.
-        output: String,
-        /// The symbol.
-        symbol: String,
-    },
-    /// There is no input or output of this name to be described.
-    #[error("there is no input or output `{name}` to describe")]
-    Unknown {
-        /// The name.
-        name: String,
-    },
-    /// A table of numbers at points that does not fit.
-    #[error(
-        "the rows of `{name}` have not one number for each of its entries, or not as many rows as the points before"
-    )]
-    Points {
-        /// The table.
-        name: String,
-    },
-    /// A root of another number of equations than the kernels can solve.
-    #[error("the root `{root}` has {equations} equations; kernels solve two")]
-    Root {
-        /// The root.
-        root: String,
-        /// Its equations.
-        equations: usize,
-    },
-    /// A function that rustc has no stack for.
-    #[error(
-        "its function `{function}` would have {statements} statements, at most {} can be compiled",
-        crate::emit::MOST_STATEMENTS
-    )]
-    TooLong {
-        /// The function.
-        function: String,
-        /// Its statements.
-        statements: usize,
-    },
-}
+/// Unknowns of the roots that kernels can find.
+pub(super) const UNKNOWNS: usize = 2;
 
 /// The sheet that an element's formulas are written on, with its inputs and outputs.
 ///
@@ -103,6 +26,12 @@ pub struct ElementModel<'g> {
     sheet: &'g Sheet,
     doc: RefCell<String>,
     inputs: RefCell<Vec<Input>>,
+    /// Inputs of which each node has its own.
+    nodes: RefCell<Vec<Input>>,
+    /// Sums over the nodes, and the symbols that stand for them.
+    sums: RefCell<Vec<(ExprId, ExprId)>>,
+    /// Unknowns of equations that depend on the nodes.
+    implicit: RefCell<Vec<Implicit<'g>>>,
     outputs: RefCell<Vec<(Returned, Vec<Expr<'g>>)>>,
     quantities: RefCell<Vec<String>>,
     points: RefCell<Points>,
@@ -121,32 +50,24 @@ pub struct Root<'g, const N: usize> {
     pub iterations: Expr<'g>,
 }
 
-/// What identifies a kernel of an element.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ElementSpec {
-    /// What it reads and returns.
-    pub signature: Signature,
-    /// With how many derivatives.
-    pub mode: Mode,
-    /// Names of the quantities that the caller defined.
-    pub quantities: Vec<String>,
-}
-
-/// The kernels of an element as expressions.
-#[derive(Clone, Debug)]
-pub struct ElementKernels {
-    /// What they read and return.
-    pub signature: Signature,
-    /// By mode, fewest derivatives first, as far as there are derivatives.
-    pub kernels: Vec<Kernel<ElementSpec>>,
+/// Where a quadratic function is stationary, see [`ElementModel::stationary`].
+#[derive(Clone, Copy, Debug)]
+pub struct Stationary<'g, const N: usize> {
+    /// The unknowns.
+    pub unknowns: Vector<'g, N>,
+    /// Smallest pivot of the function's second derivative relative to its diagonal: 0 where there is no single such place.
+    pub pivot_ratio: Expr<'g>,
 }
 
 impl<'g> ElementModel<'g> {
-    const fn new(sheet: &'g Sheet) -> Self {
+    pub(super) const fn new(sheet: &'g Sheet) -> Self {
         Self {
             sheet,
             doc: RefCell::new(String::new()),
             inputs: RefCell::new(Vec::new()),
+            nodes: RefCell::new(Vec::new()),
+            sums: RefCell::new(Vec::new()),
+            implicit: RefCell::new(Vec::new()),
             outputs: RefCell::new(Vec::new()),
             quantities: RefCell::new(Vec::new()),
             points: RefCell::new(Points { symbols: Vec::new(), rows: Vec::new() }),
@@ -172,6 +93,20 @@ impl<'g> ElementModel<'g> {
         self.input(name, Role::Variable)
     }
 
+    /// An input of which each node has its own and that derivatives are taken by, such as a position. The number of nodes is open
+    /// until a kernel runs. What is made of it is a value of a node; [`Expr::sum`] leads back to the element. Variables of nodes are
+    /// numbered after those of the element, node by node.
+    #[must_use]
+    pub fn node_variable<Q: Quantity<'g>>(&self, name: &str) -> Q {
+        self.node_input(name, Role::Variable)
+    }
+
+    /// An input of which each node has its own and that derivatives are not taken by, such as a radius.
+    #[must_use]
+    pub fn node_parameter<Q: Quantity<'g>>(&self, name: &str) -> Q {
+        self.node_input(name, Role::Parameter)
+    }
+
     /// An input that derivatives are not taken by: a material constant, reference positions, a state before.
     #[must_use]
     pub fn parameter<Q: Quantity<'g>>(&self, name: &str) -> Q {
@@ -188,7 +123,7 @@ impl<'g> ElementModel<'g> {
     /// over the points, in a loop that stays one in the code. Several tables have as many rows.
     #[must_use]
     pub fn points<Q: Quantity<'g>>(&self, name: &str, rows: &[impl AsRef<[f64]>]) -> Q {
-        let (quantity, symbols) = self.declared::<Q>(name);
+        let (quantity, symbols) = self.declared::<Q>(name, Scope::Element);
         let mut points = self.points.borrow_mut();
         if points.symbols.is_empty() {
             points.rows = vec![Vec::new(); rows.len()];
@@ -204,7 +139,8 @@ impl<'g> ElementModel<'g> {
 
     /// Documents an input or an output: meaning and unit, in one line.
     pub fn describe(&self, name: &str, text: &str) {
-        if let Some(input) = self.inputs.borrow_mut().iter_mut().find(|input| input.name == name) {
+        let (mut inputs, mut nodes) = (self.inputs.borrow_mut(), self.nodes.borrow_mut());
+        if let Some(input) = inputs.iter_mut().chain(nodes.iter_mut()).find(|input| input.name == name) {
             text.clone_into(&mut input.doc);
         } else if let Some((value, _)) =
             self.outputs.borrow_mut().iter_mut().find(|(value, _)| value.name == name)
@@ -216,17 +152,25 @@ impl<'g> ElementModel<'g> {
     }
 
     /// An intermediate quantity, such as a deformation gradient: its name appears in the code, and derivatives go through it by the
-    /// chain rule. Values are the same without; operations may be fewer with it.
+    /// chain rule. Values are the same without; operations may be fewer with it. A quantity of a node gets its name only.
     #[must_use]
     pub fn define<Q: Quantity<'g>>(&self, name: &str, quantity: Q) -> Q {
         self.check_name(name);
         self.quantities.borrow_mut().push(name.to_owned());
         quantity.changed(name, &mut |entry, x| {
+            let x = self.with_bound_terms(x);
             if x.value().is_some() {
                 return x;
             }
+            if x.scope() == Scope::Node {
+                return x.named(entry);
+            }
             self.check_symbol(entry);
-            self.sheet.make(|g| g.bind_unique(entry, x.id()))
+            let symbol = self.sheet.make(|g| g.bind_unique(entry, x.id()));
+            if matches!(x.operation(), Op::Sum(_)) {
+                self.sums.borrow_mut().push((x.id(), symbol.id()));
+            }
+            symbol
         })
     }
 
@@ -240,20 +184,154 @@ impl<'g> ElementModel<'g> {
         name: &str,
         equations: impl FnOnce(Vector<'g, N>) -> Vector<'g, N>,
     ) -> Root<'g, N> {
+        self.root_by(Iteration::Newton, name, equations)
+    }
+
+    /// Unknowns at a minimum of a function, such as half a squared distance: from u = 0 by steps down to it, Newton's where the function
+    /// is convex, each of at most ½ and half of the way already made. [`Root::residual`] is that of the function's derivatives.
+    #[must_use]
+    pub fn minimum<const N: usize>(
+        &self,
+        name: &str,
+        function: impl FnOnce(Vector<'g, N>) -> Expr<'g>,
+    ) -> Root<'g, N> {
+        self.root_by(Iteration::Descent, name, |unknowns| {
+            let function = self.with_bound_sums(function(unknowns), &unknowns.0);
+            unknowns.map(|u| -function.by(u))
+        })
+    }
+
+    fn root_by<const N: usize>(
+        &self,
+        iteration: Iteration,
+        name: &str,
+        equations: impl FnOnce(Vector<'g, N>) -> Vector<'g, N>,
+    ) -> Root<'g, N> {
         self.check_name(name);
         if N != UNKNOWNS {
             self.fail(ElementError::Root { root: name.to_owned(), equations: N });
             let zero = self.sheet.zero();
             return Root { unknowns: Vector::zero(self.sheet), residual: zero, iterations: zero };
         }
-        let unknowns = Vector::from_fn(|k| self.sheet.variable(&format!("{name}_unknown_{}", k + 1)));
-        let (root, values) = self.sheet.root(name, unknowns, equations(unknowns));
+        let unknowns = self.unknowns(name);
+        let equations = equations(unknowns).map(|equation| self.with_bound_sums(equation, &unknowns.0));
+        if equations.iter().any(|&equation| contains_sum(equation)) {
+            self.fail(ElementError::RootInSum { root: name.to_owned() });
+        }
+        let (root, values) = self.sheet.root_by(iteration, name, unknowns, equations);
+        let values = self.define(name, values);
+        if self.has_nodes() {
+            let at = unknowns.set_to(values);
+            let equations = equations.at(&at);
+            let jacobian: Vec<Vec<Expr<'g>>> =
+                equations.iter().map(|r| values.iter().map(|&u| r.by(u)).collect()).collect();
+            self.implicit.borrow_mut().push(Implicit {
+                unknowns: values.to_vec(),
+                equations: equations.to_vec(),
+                jacobian: Jacobian::Inverse(inverse(&jacobian)),
+            });
+        }
         let figure = |figure| self.sheet.root_figure(root, figure);
         Root {
-            unknowns: self.define(name, values),
+            unknowns: values,
             residual: figure(RootFigure::Residual),
             iterations: figure(RootFigure::Iterations),
         }
+    }
+
+    /// Unknowns at which a function is stationary that is quadratic in them, such as the coefficients of a least squares fit: where
+    /// ½ Σ w e² is least for errors e that are linear in the coefficients. A function with a value for each node is summed over them. With
+    /// multipliers for conditions, linear in the unknowns, it is stationary under these: multipliers come last.
+    ///
+    /// Derivatives are those of the implicit function theorem, with one row for each unknown however many sums there are in the system.
+    #[must_use]
+    pub fn stationary<const N: usize>(
+        &self,
+        name: &str,
+        function: impl FnOnce(Vector<'g, N>) -> Expr<'g>,
+    ) -> Stationary<'g, N> {
+        self.check_name(name);
+        let unknowns: Vector<'g, N> = self.unknowns(name);
+        let function = function(unknowns);
+        let function = if function.scope() == Scope::Node { function.sum() } else { function };
+        let function = self.with_bound_sums(function, &unknowns.0);
+        let equations = unknowns.map(|u| function.by(u));
+        let lower: Vec<Vec<Expr<'g>>> =
+            (0..N).map(|i| (0..=i).map(|j| equations[i].by(unknowns[j])).collect()).collect();
+        let is_multiplier = |row: &usize| lower[*row][*row].is_zero();
+        let is_quadratic = !lower.iter().flatten().any(|x| unknowns.iter().any(|&u| x.contains(u)));
+        let (multipliers, others): (Vec<usize>, Vec<usize>) = (0..N).partition(is_multiplier);
+        if !is_quadratic || others.is_empty() {
+            self.fail(ElementError::NotQuadratic { unknowns: name.to_owned() });
+            return Stationary { unknowns: Vector::zero(self.sheet), pivot_ratio: self.sheet.zero() };
+        }
+        let order = others.into_iter().chain(multipliers.iter().copied()).collect();
+        let system = SymmetricSystem::of(&format!("{name}_system"), &lower, order);
+        let system = self.sheet.system(system.with_multipliers(multipliers));
+        let at_zero = equations.at(&unknowns.set_to(Vector::zero(self.sheet)));
+        let solution = system.solve(&at_zero.map(|x| -x).0);
+        let values = self.define(name, Vector::from_fn(|k| solution[k]));
+        if self.has_nodes() {
+            self.implicit.borrow_mut().push(Implicit {
+                unknowns: values.to_vec(),
+                equations: equations.at(&unknowns.set_to(values)).to_vec(),
+                jacobian: Jacobian::Symmetric(system),
+            });
+        }
+        Stationary { unknowns: values, pivot_ratio: system.pivot_ratio() }
+    }
+
+    /// Variables for the unknowns of equations.
+    fn unknowns<const N: usize>(&self, name: &str) -> Vector<'g, N> {
+        Vector::from_fn(|k| self.sheet.variable(&format!("{name}_unknown_{}", k + 1)))
+    }
+
+    fn has_nodes(&self) -> bool {
+        !self.nodes.borrow().is_empty()
+    }
+
+    /// The expression with symbols in the place of the sums over the nodes that contain no unknowns: derivatives go through a sum as
+    /// through any quantity.
+    fn with_bound_sums(&self, x: Expr<'g>, unknowns: &[Expr<'g>]) -> Expr<'g> {
+        if !self.has_nodes() {
+            return x;
+        }
+        let mut x = x;
+        loop {
+            let sums = innermost_sums(x);
+            let free = |sum: &Expr<'g>| !unknowns.iter().any(|&u| sum.contains(u));
+            let sums: Vec<Expr<'g>> = sums.into_iter().filter(free).collect();
+            if sums.is_empty() {
+                return x;
+            }
+            let replacements: Vec<(ExprId, ExprId)> =
+                sums.into_iter().map(|sum| (sum.id(), self.symbol_of_sum(sum))).collect();
+            x = self.sheet.make(|g| g.replace(x.id(), &replacements));
+        }
+    }
+
+    /// The same of what is a sum itself, but for itself.
+    fn with_bound_terms(&self, x: Expr<'g>) -> Expr<'g> {
+        match x.operation() {
+            Op::Sum(term) if self.has_nodes() => {
+                let sum = self.with_bound_sums(self.sheet.expr(term), &[]).sum();
+                match self.sums.borrow().iter().find(|(known, _)| *known == sum.id()) {
+                    Some(&(_, symbol)) => self.sheet.expr(symbol),
+                    None => sum,
+                }
+            }
+            _ => self.with_bound_sums(x, &[]),
+        }
+    }
+
+    fn symbol_of_sum(&self, sum: Expr<'g>) -> ExprId {
+        if let Some(&(_, symbol)) = self.sums.borrow().iter().find(|(known, _)| *known == sum.id()) {
+            return symbol;
+        }
+        let name = self.sheet.graph().name_of(sum.id()).map_or_else(|| "total".to_owned(), str::to_owned);
+        let symbol = self.sheet.make(|g| g.bind_unique(&name, sum.id())).id();
+        self.sums.borrow_mut().push((sum.id(), symbol));
+        symbol
     }
 
     /// States the energy, or any other number that gradient and Hessian are wanted of. Its value is the output `energy`.
@@ -272,19 +350,29 @@ impl<'g> ElementModel<'g> {
     }
 
     fn input<Q: Quantity<'g>>(&self, name: &str, role: Role) -> Q {
-        let (quantity, symbols) = self.declared(name);
+        let (quantity, symbols) = self.declared(name, Scope::Element);
         let (name, doc, dimensions) = (name.to_owned(), String::new(), Q::dimensions());
         self.inputs.borrow_mut().push(Input { name, doc, role, dimensions, symbols });
         quantity
     }
 
+    fn node_input<Q: Quantity<'g>>(&self, name: &str, role: Role) -> Q {
+        let (quantity, symbols) = self.declared(name, Scope::Node);
+        let (name, doc, dimensions) = (name.to_owned(), String::new(), Q::dimensions());
+        self.nodes.borrow_mut().push(Input { name, doc, role, dimensions, symbols });
+        quantity
+    }
+
     /// A quantity of new symbols, and their names.
-    fn declared<Q: Quantity<'g>>(&self, name: &str) -> (Q, Vec<String>) {
+    fn declared<Q: Quantity<'g>>(&self, name: &str, scope: Scope) -> (Q, Vec<String>) {
         self.check_name(name);
         let mut symbols = Vec::new();
         let quantity = Q::declare(name, &mut |entry| {
             self.check_symbol(entry);
-            let symbol = self.sheet.variable(entry);
+            let symbol = match scope {
+                Scope::Node => self.sheet.input_once(entry, scope),
+                _ => self.sheet.variable(entry),
+            };
             symbols.push(symbol.symbol_name());
             symbol
         });
@@ -299,10 +387,11 @@ impl<'g> ElementModel<'g> {
             self.fail(ElementError::Duplicate { name: name.to_owned() });
         }
         let (name, doc, dimensions) = (name.to_owned(), String::new(), Q::dimensions());
-        outputs.push((Returned { name, doc, dimensions, differentiated }, quantity.entries()));
+        let entries = quantity.entries().into_iter().map(|x| self.with_bound_sums(x, &[])).collect();
+        outputs.push((Returned { name, doc, dimensions, differentiated }, entries));
     }
 
-    fn check_name(&self, name: &str) {
+    pub(super) fn check_name(&self, name: &str) {
         if syn::parse_str::<proc_macro2::Ident>(name).is_err() {
             self.fail(ElementError::Name { name: name.to_owned() });
         }
@@ -319,8 +408,9 @@ impl<'g> ElementModel<'g> {
         self.error.borrow_mut().get_or_insert(error);
     }
 
-    fn finish(self, name: &str) -> Result<Finished, ElementError> {
-        let (inputs, outputs) = (self.inputs.into_inner(), self.outputs.into_inner());
+    pub(super) fn finish(self, name: &str) -> Result<Finished, ElementError> {
+        let (inputs, nodes, outputs) =
+            (self.inputs.into_inner(), self.nodes.into_inner(), self.outputs.into_inner());
         if let Some(error) = self.error.into_inner() {
             return Err(error);
         }
@@ -328,180 +418,43 @@ impl<'g> ElementModel<'g> {
             return Err(ElementError::NoOutput);
         }
         let points = self.points.into_inner();
-        let declared: Vec<&String> =
-            inputs.iter().flat_map(|input| &input.symbols).chain(&points.symbols).collect();
-        for (value, entries) in &outputs {
-            entries.iter().try_for_each(|&x| check_output(&value.name, x, &declared))?;
+        if !nodes.is_empty() {
+            if !points.rows.is_empty() {
+                return Err(ElementError::NodesAndPoints);
+            }
+            if inputs.iter().any(|input| input.name == NODES) {
+                return Err(ElementError::Duplicate { name: NODES.to_owned() });
+            }
         }
-        let variables = Variables::new(self.sheet, &inputs);
         let values = outputs.iter().map(|(value, _)| value.clone()).collect();
         let (name, doc) = (name.to_owned(), self.doc.into_inner());
-        let signature = Signature { name, doc, inputs, values, points };
-        let most = outputs.iter().map(|(value, _)| value.differentiated as usize).max().unwrap_or(0);
-        let by_mode = Mode::ALL[..=most]
-            .iter()
-            .map(|&mode| Ok((mode, values_of(&outputs, &variables, mode)?)))
-            .collect::<Result<_, ElementError>>()?;
-        Ok(Finished { signature, quantities: self.quantities.into_inner(), by_mode })
+        let signature = Signature { name, doc, inputs, nodes, values, points };
+        let outputs = Outputs { sheet: self.sheet, outputs, implicit: self.implicit.into_inner() };
+        outputs.finish(signature, self.quantities.into_inner())
     }
 }
 
-/// An element's outputs by ids.
-struct Finished {
-    signature: Signature,
-    quantities: Vec<String>,
-    by_mode: Vec<(Mode, Vec<Value>)>,
-}
-
-/// What derivatives are taken by.
-struct Variables<'g> {
-    sheet: &'g Sheet,
-    symbols: Vec<Expr<'g>>,
-    nodes: Vec<NodeVectors>,
-}
-
-impl<'g> Variables<'g> {
-    fn new(sheet: &'g Sheet, inputs: &[Input]) -> Self {
-        let (mut symbols, mut nodes) = (Vec::new(), Vec::new());
-        for input in inputs.iter().filter(|input| input.role == Role::Variable) {
-            if let [count, components] = input.dimensions[..] {
-                nodes.push(NodeVectors { first: symbols.len(), nodes: count, components });
-            }
-            symbols.extend(input.symbols.iter().map(|name| sheet.input_once(name, Scope::Element)));
-        }
-        Self { sheet, symbols, nodes }
-    }
-
-    fn derivatives(
-        &self,
-        output: &str,
-        x: Expr<'g>,
-        with_hessian: bool,
-    ) -> Result<Derivatives<'g>, ElementError> {
-        if self.symbols.is_empty() {
-            return Err(ElementError::NoVariables { output: output.to_owned() });
-        }
-        Ok(total_derivatives(self.sheet, x, &self.symbols, &self.nodes, with_hessian))
-    }
-}
-
-/// Values of a mode, and the derivatives that belong to it.
-fn values_of<'g>(
-    outputs: &[(Returned, Vec<Expr<'g>>)],
-    variables: &Variables<'g>,
-    mode: Mode,
-) -> Result<Vec<Value>, ElementError> {
-    let value = |name: String, is_array: bool, components: &[Expr<'g>]| Value {
-        name: name.into(),
-        doc: "".into(),
-        is_array,
-        components: ids(components),
-    };
-    let mut values: Vec<Value> = outputs
-        .iter()
-        .map(|(returned, entries)| value(returned.name.clone(), !returned.dimensions.is_empty(), entries))
-        .collect();
-    for (returned, entries) in outputs.iter().filter(|_| mode > Mode::Value) {
-        let name = &returned.name;
-        let mut of_entries = Vec::new();
-        for &entry in entries.iter().filter(|_| returned.differentiated != Differentiated::Not) {
-            let with_hessian = returned.differentiated == Differentiated::Twice && mode == Mode::Hessian;
-            of_entries.push(variables.derivatives(name, entry, with_hessian)?);
-        }
-        if !of_entries.is_empty() && of_entries.iter().all(|of| of.gradient.iter().all(|x| x.is_zero())) {
-            return Err(ElementError::Constant { output: name.clone() });
-        }
-        match (returned.differentiated, &of_entries[..]) {
-            (Differentiated::Twice, [of]) => {
-                values.push(value("gradient".to_owned(), true, &of.gradient));
-                if mode == Mode::Hessian {
-                    values.push(value("hessian".to_owned(), true, &of.hessian));
-                }
-            }
-            (Differentiated::Once, of_entries) => {
-                let rows: Vec<Expr<'g>> = of_entries.iter().flat_map(|of| of.gradient.clone()).collect();
-                values.push(value(format!("{name}_jacobian"), true, &rows));
-            }
-            _ => {}
-        }
-    }
-    Ok(values)
-}
-
-/// Whether an output is one value of the element made of declared inputs.
-fn check_output(output: &str, x: Expr<'_>, declared: &[&String]) -> Result<(), ElementError> {
-    if x.scope() != Scope::Element {
-        return Err(ElementError::Scope { output: output.to_owned(), scope: x.scope() });
-    }
-    let graph = x.sheet().graph();
-    let (mut seen, mut open) = (std::collections::HashSet::new(), vec![x.id()]);
-    while let Some(expr) = open.pop() {
-        if !seen.insert(expr) {
-            continue;
-        }
-        open.extend(graph.dependencies(expr));
-        let Op::Symbol(symbol) = graph.op(expr) else { continue };
-        let symbol = graph.symbol_data(symbol);
-        if symbol.definition.is_none() && !declared.contains(&&symbol.name) {
-            let (output, symbol) = (output.to_owned(), symbol.name.clone());
-            return Err(ElementError::Undeclared { output, symbol });
-        }
-    }
-    Ok(())
-}
-
-impl Kernel<ElementSpec> {
-    /// Roots among what the results are made of.
-    pub(crate) fn roots(&self) -> Vec<RootId> {
-        let (mut seen, mut roots) = (std::collections::HashSet::new(), Vec::new());
-        let mut open: Vec<ExprId> = self.values.iter().flat_map(|value| value.components.clone()).collect();
+/// Sums over the nodes that contain no other one.
+fn innermost_sums(x: Expr<'_>) -> Vec<Expr<'_>> {
+    let sheet = x.sheet();
+    let sums: Vec<ExprId> = {
+        let graph = sheet.graph();
+        let (mut seen, mut open, mut sums) = (std::collections::HashSet::new(), vec![x.id()], Vec::new());
         while let Some(expr) = open.pop() {
             if !seen.insert(expr) {
                 continue;
             }
-            if let Op::RootValue(root, _) | Op::RootFigure(root, _) = self.graph.op(expr)
-                && !roots.contains(&root)
-            {
-                roots.push(root);
+            if matches!(graph.op(expr), Op::Sum(_)) {
+                sums.push(expr);
             }
-            open.extend(self.graph.dependencies(expr));
+            open.extend(graph.operands(expr));
         }
-        roots
-    }
-}
-
-impl ElementKernels {
-    /// The kernels of an element from its formulas.
-    ///
-    /// # Errors
-    /// [`ElementError`], but for its functions' length, which shows when they are written.
-    pub fn new(name: &str, formulas: impl FnOnce(&ElementModel<'_>)) -> Result<Self, ElementError> {
-        let mut graph = Graph::new();
-        let finished = graph.write(|sheet| {
-            let model = ElementModel::new(sheet);
-            model.check_name(name);
-            formulas(&model);
-            model.finish(name)
-        });
-        let Finished { signature, quantities, by_mode } = finished?;
-        let kernel = |(mode, values)| Kernel {
-            spec: ElementSpec { signature: signature.clone(), mode, quantities: quantities.clone() },
-            graph: graph.clone(),
-            values,
-            gradients: Vec::new(),
-            hessians: Vec::new(),
-            node_values: Vec::new(),
-            combinations: Vec::new(),
-            equations: Vec::new(),
-        };
-        let kernels: Vec<Kernel<ElementSpec>> = by_mode.into_iter().map(kernel).collect();
-        for root in kernels.iter().flat_map(Kernel::roots) {
-            let root = graph.root(root);
-            if root.unknowns.len() != UNKNOWNS {
-                let (root, equations) = (root.name.clone(), root.unknowns.len());
-                return Err(ElementError::Root { root, equations });
-            }
-        }
-        Ok(Self { signature, kernels })
-    }
+        sums.sort_unstable();
+        sums
+    };
+    let is_innermost = |&sum: &ExprId| match sheet.expr(sum).operation() {
+        Op::Sum(term) => !contains_sum(sheet.expr(term)),
+        _ => false,
+    };
+    sheet.exprs(sums.into_iter().filter(is_innermost))
 }

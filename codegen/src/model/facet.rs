@@ -8,7 +8,7 @@ use super::diffuse::Equation;
 use super::facet_shape::FacetShape;
 use super::kernel::{Kernel, Mode, Results};
 use crate::expr::{AXES, Expr, Mat2, Mat3, Matrix, Sheet, Vec2, Vec3, Vector, dot};
-use crate::graph::{RootFigure, Scope};
+use crate::graph::{Iteration, RootFigure, Scope};
 use crate::structure::{Follower, LinearImages, SecondDerivative};
 
 /// Names of the vectors that y(u) is made of.
@@ -207,7 +207,8 @@ impl<'g> Facet<'g> {
         let (u, residual, iterations) = if is_linear {
             (jacobian.solve(-equations.at(&at_centre)), sheet.zero(), sheet.one())
         } else {
-            let (root, u) = sheet.root("foot", self.u, equations);
+            // The negative derivatives of half the squared distance.
+            let (root, u) = sheet.root_by(Iteration::Descent, "foot", self.u, equations);
             let [residual, iterations] =
                 [RootFigure::Residual, RootFigure::Iterations].map(|f| sheet.root_figure(root, f));
             (u, residual, iterations)

@@ -2,8 +2,11 @@
 
 mod average_plane;
 mod basis;
+mod client;
 mod diffuse;
 mod element;
+mod element_error;
+mod element_outputs;
 mod facet;
 mod facet_shape;
 mod kernel;
@@ -16,7 +19,7 @@ mod weight;
 pub(crate) use basis::MOST_COEFFICIENTS;
 pub use basis::{Basis, BasisError, CustomBasis};
 pub use diffuse::Equation;
-pub use element::{ElementError, ElementKernels, ElementModel, ElementSpec, Root};
+pub use element::{ElementError, ElementKernels, ElementModel, ElementSpec, NodeResult, Root, Stationary};
 pub use facet::FacetSpec;
 pub use facet_shape::FacetShape;
 pub(crate) use kernel::CHECKSUM;

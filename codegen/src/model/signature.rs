@@ -68,6 +68,8 @@ pub struct Signature {
     pub doc: String,
     /// What is read.
     pub inputs: Vec<Input>,
+    /// What is read of each node, of a number that is open until a kernel runs; empty for an element of fixed size.
+    pub nodes: Vec<Input>,
     /// What is returned.
     pub values: Vec<Returned>,
     /// Points that outputs are summed over; without rows there is no sum.
@@ -75,11 +77,21 @@ pub struct Signature {
 }
 
 impl Signature {
-    /// Number of variables: entries of a gradient.
+    /// Number of variables of the element: entries of a gradient, but for those of nodes, which follow.
     #[must_use]
     pub fn variables(&self) -> usize {
-        self.inputs.iter().filter(|input| input.role == Role::Variable).map(|input| input.symbols.len()).sum()
+        count_variables(&self.inputs)
     }
+
+    /// Number of variables of a node.
+    #[must_use]
+    pub fn node_variables(&self) -> usize {
+        count_variables(&self.nodes)
+    }
+}
+
+fn count_variables(inputs: &[Input]) -> usize {
+    inputs.iter().filter(|input| input.role == Role::Variable).map(|input| input.symbols.len()).sum()
 }
 
 /// What inputs and outputs can be: a number, a vector, a matrix, or an array of one of these.

@@ -12,6 +12,7 @@ mod intermediates;
 mod invariance;
 mod linear_images;
 mod low_rank;
+mod node_sums;
 mod outer_block;
 mod point;
 
@@ -24,4 +25,6 @@ pub use intermediates::{Written, as_bound, with_found};
 pub use invariance::{NodeVectors, total_derivatives};
 pub use linear_images::{LinearImages, SecondDerivative};
 pub use low_rank::{LowRankForm, LowRankTerm, PointForm};
+pub(crate) use node_sums::contains_sum;
+pub use node_sums::{Implicit, Jacobian, NoSum, NodeDerivatives, NodeSecond, node_derivatives};
 pub use point::PointDependence;

@@ -4,3 +4,4 @@ pub mod arm;
 pub mod cohesive;
 pub mod contact;
 pub mod neo_hooke;
+pub mod surface;

@@ -42,8 +42,8 @@ fn the_tip_has_the_derivatives_of_both_witnesses() {
         let found =
             Found { value: results.values.energy, gradient: &results.gradient, hessian: &results.hessian };
         check_by_hyper_dual(&found, &angle, &Component(direction));
-        check_by_interpreter(&found, arm::seven_axes, &[&angle, &direction]);
-        let jacobian = interpreted(arm::seven_axes, &[&angle, &direction])("position_jacobian");
+        check_by_interpreter(&found, arm::seven_axes, &[&angle, &direction], &[]);
+        let jacobian = interpreted(arm::seven_axes, &[&angle, &direction], &[])("position_jacobian");
         assert!(difference(&results.position_jacobian, &jacobian) < 1e-12);
         // Rows of the Jacobian add up to the gradient.
         let rows: Vec<f64> = (0..7)

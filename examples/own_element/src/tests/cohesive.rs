@@ -29,7 +29,7 @@ fn a_cohesive_law_has_its_jacobian_and_its_new_state_in_all_lanes() {
         for (law, found) in laws.iter().zip(&results) {
             let [stiffness, length, before] = [[law.stiffness], [law.length], [law.damage_before]];
             let inputs: [&[f64]; 4] = [&law.opening, &stiffness, &length, &before];
-            let expected = interpreted(elements::cohesive::exponential, &inputs);
+            let expected = interpreted(elements::cohesive::exponential, &inputs, &[]);
             assert!(difference(&found.values.traction, &expected("traction")) < 1e-12);
             assert!(difference(&found.traction_jacobian, &expected("traction_jacobian")) < 1e-12);
             for (row, column) in (0..3).flat_map(|row| (0..3).map(move |column| (row, column))) {

@@ -87,6 +87,7 @@ fn a_node_inside_has_the_derivatives_of_both_witnesses() {
                 &found,
                 contact::bezier,
                 &[&inputs.x, inputs.P.as_flattened(), &[STIFFNESS]],
+                &[],
             );
         }
     }

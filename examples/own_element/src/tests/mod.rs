@@ -7,5 +7,6 @@ mod contact;
 #[path = "../../elements/mod.rs"]
 mod elements;
 mod neo_hooke;
+mod surface;
 mod tet4;
 mod witnesses;

@@ -151,7 +151,8 @@ macro_rules! check {
             Found { value: results.values.energy, gradient: &results.gradient, hessian: &results.hessian };
         let x = inputs.x.as_flattened();
         check_by_hyper_dual(&found, x, &solid);
-        check_by_interpreter(&found, neo_hooke_of::$module, &[x, inputs.X.as_flattened(), &[LAMBDA], &[MU]]);
+        let numbers: [&[f64]; 4] = [x, inputs.X.as_flattened(), &[LAMBDA], &[MU]];
+        check_by_interpreter(&found, neo_hooke_of::$module, &numbers, &[]);
 
         let elements: Vec<_> = (0..5).map(|k| element(0.2 + 0.1 * f64::from(k))).collect();
         let mut batched = vec![Results::ZERO; elements.len()];

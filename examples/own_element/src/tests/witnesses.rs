@@ -1,6 +1,6 @@
 //! What the kernels are compared with: the interpreter of the same formulas, and automatic differentiation of functions written again.
 
-use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
+use diffuse_contact_codegen::interpret::element_results;
 use diffuse_contact_codegen::{ElementKernels, ElementModel};
 use num_dual::{DualNum, HyperDual};
 
@@ -62,33 +62,26 @@ pub fn check_by_hyper_dual(found: &Found<'_>, x: &[f64], function: &impl Functio
     }
 }
 
-/// Results with all derivatives by name, from the formulas by the interpreter, summed over points; `inputs` in the order of their
-/// declaration.
-pub fn interpreted(formulas: fn(&ElementModel<'_>), inputs: &[&[f64]]) -> impl Fn(&str) -> Vec<f64> {
+/// Results with all derivatives by name, from the formulas by the interpreter; `inputs` in the order of their declaration, then those of
+/// each node.
+pub fn interpreted(
+    formulas: fn(&ElementModel<'_>),
+    inputs: &[&[f64]],
+    nodes: &[&[f64]],
+) -> impl Fn(&str) -> Vec<f64> + use<> {
     let element = ElementKernels::new("interpreted", formulas).unwrap();
-    let kernel = element.kernels.last().unwrap();
-    let mut sums: Vec<(String, Vec<f64>)> =
-        kernel.values.iter().map(|v| (v.name.to_string(), vec![0.0; v.components.len()])).collect();
-    let points = &element.signature.points;
-    let once = vec![Vec::new()];
-    for row in if points.rows.is_empty() { &once } else { &points.rows } {
-        let mut numbers = NodeInputs::new(0);
-        for (input, values) in element.signature.inputs.iter().zip(inputs) {
-            assert_eq!(input.symbols.len(), values.len(), "{}", input.name);
-            input.symbols.iter().zip(*values).for_each(|(name, &x)| numbers.set_element(name, x));
-        }
-        points.symbols.iter().zip(row).for_each(|(name, &x)| numbers.set_element(name, x));
-        let mut interpreter = Interpreter::new(&kernel.graph, &numbers);
-        for ((_, sums), value) in sums.iter_mut().zip(&kernel.values) {
-            sums.iter_mut().zip(&value.components).for_each(|(sum, &x)| *sum += interpreter.element(x));
-        }
-    }
-    move |name| sums.iter().find(|(other, _)| other == name).unwrap().1.clone()
+    let all = element_results(element.kernels.last().unwrap(), inputs, nodes);
+    move |name| all.iter().find(|(other, _)| other == name).unwrap().1.clone()
 }
 
 /// Energy, gradient and Hessian against the interpreter.
-pub fn check_by_interpreter(found: &Found<'_>, formulas: fn(&ElementModel<'_>), inputs: &[&[f64]]) {
-    let expected = interpreted(formulas, inputs);
+pub fn check_by_interpreter(
+    found: &Found<'_>,
+    formulas: fn(&ElementModel<'_>),
+    inputs: &[&[f64]],
+    nodes: &[&[f64]],
+) {
+    let expected = interpreted(formulas, inputs, nodes);
     let worst = difference(&[found.value], &expected("energy"))
         .max(difference(found.gradient, &expected("gradient")))
         .max(difference(found.hessian, &expected("hessian")));

@@ -29,10 +29,20 @@ static inline void diffuse_contact_newton_step(const diffuse_contact_two_equatio
 }
 
 static inline void diffuse_contact_begin(diffuse_contact_two_equations *at) {
-    for (int k = 0; k < 2; k++) at->y[k] = at->step[k] = 0.0;
-    at->relative = 1.0;
+    for (int k = 0; k < 2; k++) at->y[k] = at->step[k] = at->residual[k] = at->start[k] = 0.0;
+    for (int k = 0; k < 4; k++) at->jacobian[k] = 0.0;
+    at->unit = at->relative = 1.0;
     at->iterations = 1;
     at->evaluations = 0;
+}
+
+/* Counts the evaluation; whether it was the last one. `step` becomes Newton's. */
+static inline int diffuse_contact_is_over(diffuse_contact_two_equations *at, double step[2]) {
+    at->evaluations++;
+    diffuse_contact_newton_step(at, step);
+    at->relative = diffuse_contact_larger(diffuse_contact_norm(step) * (1e-12 / 1e-6), diffuse_contact_norm(at->residual)) /
+                   diffuse_contact_larger(diffuse_contact_norm(at->start) + 1e-290, diffuse_contact_norm(at->y));
+    return at->evaluations >= 60 || at->relative < 1e-12;
 }
 
 /* Takes the residuals at y + step and their Jacobian, row by row; returns whether this was the last evaluation. */
@@ -58,11 +68,7 @@ static inline int diffuse_contact_advance(diffuse_contact_two_equations *at, dou
     } else {
         at->iterations += is_active;
     }
-    at->evaluations++;
-    diffuse_contact_newton_step(at, step);
-    at->relative = diffuse_contact_larger(diffuse_contact_norm(step) * 1e-6, diffuse_contact_norm(at->residual)) /
-                   diffuse_contact_larger(diffuse_contact_norm(at->start) + 1e-290, diffuse_contact_norm(at->y));
-    if (at->evaluations < 60 && !(at->relative < 1e-12)) return 0;
+    if (!diffuse_contact_is_over(at, step)) return 0;
     /* One that has not converged takes no last step, as from a singular Jacobian. */
     for (int k = 0; k < 2 && at->relative < 1e-12; k++) at->y[k] += step[k];
     return 1;

@@ -1,0 +1,240 @@
+//! Expressions, statements and outputs of one function in C.
+
+use std::fmt::Write as _;
+
+use super::super::expression::Strength;
+use super::super::fixed::Argument;
+use super::super::names::Names;
+use super::{TAKEN, places};
+use crate::graph::{ExprId, Function, Graph, Iteration, Op, RootFigure, RootId};
+use crate::model::ElementSpec;
+use crate::schedule::{Layout, Program, Statement};
+
+/// How inputs and outputs are written, from name, place and number.
+pub(super) struct Access<'a> {
+    pub input: &'a dyn Fn(&str, &str, usize) -> String,
+    pub value: &'a dyn Fn(&str, &str, usize) -> String,
+    pub derivative: &'a dyn Fn(&str, usize) -> String,
+}
+
+/// Writes one function.
+pub(super) struct Writer<'a> {
+    pub program: &'a Program<ElementSpec>,
+    graph: &'a Graph,
+    layout: &'a Layout,
+    access: &'a Access<'a>,
+    pub names: Names,
+}
+
+impl<'a> Writer<'a> {
+    pub fn new(program: &'a Program<ElementSpec>, derivatives: &[Argument], access: &'a Access<'a>) -> Self {
+        let mut names = Names::default();
+        names.reserve(&TAKEN);
+        names.reserve(&derivatives.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>());
+        let iterations =
+            program.roots.keys().map(|&root| format!("{}_iteration", program.kernel.graph.root(root).name));
+        names.reserve(&iterations.collect::<Vec<_>>().iter().map(String::as_str).collect::<Vec<_>>());
+        Self { program, graph: &program.kernel.graph, layout: &program.layout, access, names }
+    }
+
+    pub fn reads(&mut self, indent: &str) -> String {
+        let (mut text, mut number) = (String::new(), 0);
+        for input in &self.program.kernel.spec.signature.inputs {
+            for (symbol, place) in input.symbols.iter().zip(places(&input.dimensions)) {
+                if let Some(expr) = self.symbol(symbol) {
+                    let (name, from) = (self.name(expr), (self.access.input)(&input.name, &place, number));
+                    let _ = writeln!(text, "{indent}const double {name} = {from};");
+                }
+                number += 1;
+            }
+        }
+        text
+    }
+
+    pub fn point_reads(&mut self, indent: &str) -> String {
+        let mut text = String::new();
+        for (k, symbol) in self.program.kernel.spec.signature.points.symbols.iter().enumerate() {
+            if let Some(expr) = self.symbol(symbol) {
+                let _ = writeln!(text, "{indent}const double {} = points[point][{k}];", self.name(expr));
+            }
+        }
+        text
+    }
+
+    pub fn lets(&mut self, indent: &str, statements: &[Statement]) -> String {
+        let mut text = String::new();
+        for &statement in statements {
+            match statement {
+                Statement::Let(expr) => {
+                    let (definition, _) = self.operation(expr);
+                    let _ = writeln!(text, "{indent}const double {} = {definition};", self.name(expr));
+                }
+                Statement::Solve(root) => text += &self.root(indent, root),
+            }
+        }
+        text
+    }
+
+    /// The iteration for a root, and what is used of it.
+    fn root(&mut self, indent: &str, root: RootId) -> String {
+        let (program, graph) = (self.program, self.graph);
+        let data = graph.root(root);
+        let iteration = format!("{}_iteration", data.name);
+        let inner = format!("{indent}    ");
+        let mut text = format!(
+            "{indent}diffuse_contact_two_equations {iteration};\n{indent}diffuse_contact_begin(&{iteration});\n{indent}for (;;) {{\n"
+        );
+        let advance = match data.iteration {
+            Iteration::Newton => "advance",
+            Iteration::Descent => "descend",
+        };
+        for (k, &unknown) in data.unknowns.iter().enumerate() {
+            if let Some(expr) = self.symbol(&graph.symbol_data(unknown).name) {
+                let name = self.name(expr);
+                let _ = writeln!(
+                    text,
+                    "{inner}const double {name} = {iteration}.y[{k}] + {iteration}.step[{k}];"
+                );
+            }
+        }
+        text += &self.lets(&inner, &program.roots[&root]);
+        let equations = data.residuals.iter().chain(data.jacobian.iter().flatten());
+        let equations: Vec<String> = equations.map(|&x| self.operand(x).0).collect();
+        let equations = equations.join(", ");
+        let _ = writeln!(
+            text,
+            "{inner}if (diffuse_contact_{advance}(&{iteration}, {equations})) break;\n{indent}}}"
+        );
+        let all = (0..graph.len()).map(|k| ExprId(k as u32)).filter(|x| self.layout.bound.contains(x));
+        let figures: Vec<(ExprId, String)> = all
+            .filter_map(|expr| match graph.op(expr) {
+                Op::RootValue(r, k) if r == root => Some((expr, format!("y[{k}]"))),
+                Op::RootFigure(r, RootFigure::Residual) if r == root => Some((expr, "relative".to_owned())),
+                Op::RootFigure(r, RootFigure::Iterations) if r == root => {
+                    Some((expr, "iterations".to_owned()))
+                }
+                _ => None,
+            })
+            .collect();
+        for (expr, figure) in figures {
+            let _ = writeln!(text, "{indent}const double {} = {iteration}.{figure};", self.name(expr));
+        }
+        text
+    }
+
+    /// Places that outputs are written to, with the expressions.
+    pub fn targets(&self) -> Vec<(String, ExprId)> {
+        let (mut targets, mut number) = (Vec::new(), 0);
+        let kernel = &self.program.kernel;
+        for value in &kernel.values {
+            let returned = kernel.spec.signature.values.iter().find(|returned| returned.name == value.name);
+            let places = returned.map(|returned| places(&returned.dimensions));
+            for (k, &x) in value.components.iter().enumerate() {
+                let to = match &places {
+                    Some(places) => (self.access.value)(&value.name, &places[k], number),
+                    None => (self.access.derivative)(&value.name, k),
+                };
+                number += 1;
+                targets.push((to, x));
+            }
+        }
+        targets
+    }
+
+    pub fn outputs(&mut self, indent: &str, operator: &str) -> String {
+        let mut text = String::new();
+        for (to, x) in self.targets() {
+            let _ = writeln!(text, "{indent}{to} {operator} {};", self.operand(x).0);
+        }
+        text
+    }
+
+    pub fn zeros(&self, indent: &str) -> String {
+        self.targets().into_iter().map(|(to, _)| format!("{indent}{to} = 0.0;\n")).collect()
+    }
+
+    /// The input of this name, if it is used.
+    pub fn symbol(&self, name: &str) -> Option<ExprId> {
+        let is = |expr: &ExprId| matches!(self.graph.op(*expr), Op::Symbol(symbol) if self.graph.symbol_data(symbol).name == name);
+        (0..self.graph.len()).map(|k| ExprId(k as u32)).find(|x| is(x) && self.layout.bound.contains(x))
+    }
+
+    pub fn name(&mut self, expr: ExprId) -> String {
+        self.names.of(self.graph, expr).to_string()
+    }
+
+    pub fn operand(&mut self, expr: ExprId) -> (String, Strength) {
+        match self.graph.op(expr) {
+            Op::Constant(bits) => {
+                let value = f64::from_bits(bits);
+                if value < 0.0 {
+                    (format!("({value:?})"), Strength::Atom)
+                } else {
+                    (format!("{value:?}"), Strength::Atom)
+                }
+            }
+            _ if self.layout.bound.contains(&expr) => (self.name(expr), Strength::Atom),
+            _ => self.operation(expr),
+        }
+    }
+
+    pub fn at_least(&mut self, expr: ExprId, strength: Strength) -> String {
+        let (text, own) = self.operand(expr);
+        if own >= strength { text } else { format!("({text})") }
+    }
+
+    fn call(&mut self, function: &str, arguments: &[ExprId]) -> (String, Strength) {
+        let arguments: Vec<String> = arguments.iter().map(|&x| self.operand(x).0).collect();
+        (format!("{function}({})", arguments.join(", ")), Strength::Atom)
+    }
+
+    fn operation(&mut self, expr: ExprId) -> (String, Strength) {
+        match self.graph.op(expr) {
+            Op::Add(x, y) => self.addition(x, y),
+            Op::Neg(x) => (format!("-{}", self.at_least(x, Strength::Atom)), Strength::Product),
+            Op::Mul(x, y) => self.binary(x, "*", y),
+            Op::Div(x, y) => self.binary(x, "/", y),
+            Op::DivOrZero(x, y) => {
+                let (size, _) = self.call("fabs", &[y]);
+                let (quotient, _) = self.binary(x, "/", y);
+                (format!("({size} > 0.0 ? {quotient} : 0.0)"), Strength::Atom)
+            }
+            Op::Sqrt(x) => self.call("sqrt", &[x]),
+            Op::Exp(x) => self.call("exp", &[x]),
+            Op::Function(function, x) => {
+                let name = match function {
+                    Function::Ln => "log",
+                    Function::Sin | Function::Cos | Function::Cbrt => function.name(),
+                };
+                self.call(name, &[x])
+            }
+            Op::Atan2(y, x) => self.call("atan2", &[y, x]),
+            Op::RealPower(x, y) => self.call("pow", &[x, y]),
+            Op::Select { x, y, then, otherwise } => {
+                let [x, y, then, otherwise] =
+                    [x, y, then, otherwise].map(|e| self.at_least(e, Strength::Atom));
+                (format!("({x} < {y} ? {then} : {otherwise})"), Strength::Atom)
+            }
+            op => unreachable!("{op:?} is always bound"),
+        }
+    }
+
+    fn binary(&mut self, x: ExprId, operator: &str, y: ExprId) -> (String, Strength) {
+        let (x, y) = (self.at_least(x, Strength::Product), self.at_least(y, Strength::Atom));
+        (format!("{x} {operator} {y}"), Strength::Product)
+    }
+
+    fn addition(&mut self, x: ExprId, y: ExprId) -> (String, Strength) {
+        for (positive, other) in [(x, y), (y, x)] {
+            if let Op::Neg(negative) = self.graph.op(other)
+                && !self.layout.bound.contains(&other)
+            {
+                let (positive, negative) =
+                    (self.at_least(positive, Strength::Sum), self.at_least(negative, Strength::Product));
+                return (format!("{positive} - {negative}"), Strength::Sum);
+            }
+        }
+        let (x, y) = (self.at_least(x, Strength::Sum), self.at_least(y, Strength::Product));
+        (format!("{x} + {y}"), Strength::Sum)
+    }
+}

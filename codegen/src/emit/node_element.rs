@@ -1,0 +1,236 @@
+//! The kernels of an element with nodes of a number that is open: functions with loops over the nodes.
+
+use proc_macro2::TokenStream;
+use quote::{format_ident, quote};
+
+use super::count::OpCounts;
+use super::element::EmittedElementKernel;
+use super::expression::Lanes;
+use super::fixed::{nested, reads};
+use super::function::FunctionWriter;
+use super::node_loop::{NodeArray, Outputs};
+use crate::graph::NODE_COUNT;
+use crate::model::{ElementSpec, Input, NodeResult, Signature, Value};
+use crate::schedule::{NodeTarget, Program};
+
+/// Numbers of a kernel's scratch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Scratch {
+    /// Values of a node that are kept between loops.
+    pub kept: usize,
+    /// Those of a node's rows and own block, for the Hessian.
+    pub form: usize,
+    /// Products of the Hessian.
+    pub products: usize,
+}
+
+impl Scratch {
+    /// Of a scheduled kernel.
+    pub fn new(program: &Program<ElementSpec>) -> Self {
+        let spec = &program.kernel.spec;
+        let of_form =
+            |result: &&NodeResult| matches!(result, NodeResult::Row { .. } | NodeResult::Own { .. });
+        let rows = spec.node_results.iter().filter_map(|result| match result {
+            NodeResult::Row { row, .. } => Some(row + 1),
+            _ => None,
+        });
+        Self {
+            kept: program.kept().len(),
+            form: spec.node_results.iter().filter(of_form).count(),
+            products: rows.max().unwrap_or(0) / 2,
+        }
+    }
+
+    /// Numbers for each node.
+    pub const fn per_node(self) -> usize {
+        self.kept + self.form
+    }
+
+    /// Operations of the products: for each node, and for each pair of nodes.
+    fn counts(self, variables: usize) -> [OpCounts; 2] {
+        let fused = |fused| OpCounts { fused, ..OpCounts::default() };
+        let products = 2 * self.products * variables;
+        [fused(products * (variables + 1) / 2), fused(products * variables)]
+    }
+}
+
+/// Writes the function of a kernel; `arguments` are what derivatives are written to.
+pub(super) fn emit_node_kernel(
+    program: &Program<ElementSpec>,
+    arguments: &[String],
+    documentation: impl FnOnce(&EmittedElementKernel) -> Vec<String>,
+) -> EmittedElementKernel {
+    let ElementSpec { signature, mode, .. } = &program.kernel.spec;
+    let scratch = Scratch::new(program);
+    let mut function = FunctionWriter::new(program);
+    let names: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    function.writer.names.reserve(&names);
+    function.writer.names.reserve(&[
+        "Node",
+        "Inputs",
+        "Values",
+        "VARIABLES",
+        "NODE_VARIABLES",
+        "OPTIMISED",
+        "SCRATCH",
+        "kept",
+        "first",
+    ]);
+    function.writer.lanes = Lanes::Elements;
+
+    let arrays = [array(signature)];
+    let phases: Vec<TokenStream> = (0..program.phases.len())
+        .map(|k| function.phase(k, &arrays, |function, outputs| node_outputs(function, outputs, scratch)))
+        .collect();
+    let (outputs, fields) = element_outputs(&mut function, arguments);
+    function.counts.element += function.writer.take_counts();
+    let mut reads = reads(&mut function, &signature.inputs);
+    if program.kernel.graph.has_input(NODE_COUNT) {
+        reads.push(quote!(let node_count = E::splat(count as f64);));
+    }
+    let [per_node, per_pair] = scratch.counts(signature.node_variables());
+    let mut emitted = EmittedElementKernel {
+        mode: *mode,
+        tokens: TokenStream::new(),
+        counts: function.counts.total(0),
+        per_node: [function.counts.node + per_node, per_pair],
+        iteration: function.counts.iteration,
+        statements: function.statements + outputs.len() + reads.len() + 8,
+    };
+    let documentation = documentation(&emitted);
+
+    let name = format_ident!("{}", mode.name());
+    let arguments = arguments.iter().map(|name| format_ident!("{name}"));
+    let Scratch { kept, form, products } = scratch;
+    let split = match (kept, form) {
+        (0, 0) => quote!(let _ = scratch;),
+        (0, _) => quote!(let form = scratch;),
+        (_, 0) => quote!(let nodes = scratch.as_chunks_mut::<#kept>().0;),
+        _ => quote! {
+            let (nodes, form) = scratch.split_at_mut(#kept * count);
+            let nodes = nodes.as_chunks_mut::<#kept>().0;
+        },
+    };
+    let (element, of_node) = (signature.variables(), signature.node_variables());
+    let multiply = (form > 0)
+        .then(|| quote!(multiply_node_rows::<E, #of_node>(#element, #products, count, form, hessian);));
+    emitted.tokens = quote! {
+        #(#[doc = #documentation])*
+        #[inline(always)]
+        pub fn #name<E: Lane>(
+            inputs: &Inputs<'_, E>,
+            scratch: &mut [E],
+            #(#arguments: &mut [E],)*
+        ) -> Values<E> {
+            let count = inputs.nodes.len();
+            #split
+            #(#reads)*
+            #(#phases)*
+            #(#outputs)*
+            #multiply
+            Values { #(#fields),* }
+        }
+    };
+    emitted
+}
+
+/// The nodes of the inputs.
+fn array(signature: &Signature) -> NodeArray<'_> {
+    let symbols: Vec<&str> =
+        signature.nodes.iter().flat_map(|input| &input.symbols).map(String::as_str).collect();
+    let pattern = |used: &dyn Fn(&str) -> Option<proc_macro2::Ident>| {
+        let is_used = |input: &&Input| input.symbols.iter().any(|symbol| used(symbol).is_some());
+        let field = |input: &Input| {
+            let entries: Vec<TokenStream> = input
+                .symbols
+                .iter()
+                .map(|symbol| used(symbol).map_or_else(|| quote!(_), |name| quote!(#name)))
+                .collect();
+            let (name, entries) = (format_ident!("{}", input.name), nested(&input.dimensions, &entries));
+            if entries.to_string() == input.name { quote!(#name) } else { quote!(#name: #entries) }
+        };
+        let fields: Vec<TokenStream> = signature.nodes.iter().filter(is_used).map(field).collect();
+        let others = (fields.len() < signature.nodes.len()).then(|| quote!(..));
+        quote!(Node { #(#fields,)* #others })
+    };
+    NodeArray { name: "nodes", symbols, pattern: Box::new(pattern) }
+}
+
+/// Results of a loop.
+fn node_outputs(
+    function: &mut FunctionWriter<'_, ElementSpec>,
+    outputs: &Outputs,
+    scratch: Scratch,
+) -> Option<TokenStream> {
+    if outputs.is_empty() {
+        return None;
+    }
+    let spec = &function.program.kernel.spec;
+    let (element, of_node) = (spec.signature.variables(), spec.signature.node_variables());
+    let (form, products) = (scratch.form, scratch.products);
+    let results = outputs.iter().map(|(target, values)| {
+        let NodeTarget::Value { value } = *target else { unreachable!("values of nodes only") };
+        let x = function.writer.used(values[0]);
+        match &spec.node_results[value] {
+            NodeResult::First { argument, row, component } => {
+                let argument = format_ident!("{argument}");
+                let row = (*row > 0).then(|| quote!(#row * (#element + #of_node * count) +));
+                quote!(#argument[#row first + #component] = #x;)
+            }
+            NodeResult::Mixed { component, variable } => {
+                quote!(hessian[packed_row(first + #component) + #variable] = #x;)
+            }
+            NodeResult::Row { row, component } => {
+                let place = of_node * row + component;
+                quote!(form[#form * index + #place] = #x;)
+            }
+            NodeResult::Own { place } => {
+                let place = 2 * products * of_node + place;
+                quote!(form[#form * index + #place] = #x;)
+            }
+        }
+    });
+    let results: Vec<TokenStream> = results.collect();
+    Some(quote! {
+        let first = #element + #of_node * index;
+        #(#results)*
+    })
+}
+
+/// Derivatives by variables of the element, and the fields of the values.
+fn element_outputs(
+    function: &mut FunctionWriter<'_, ElementSpec>,
+    arguments: &[String],
+) -> (Vec<TokenStream>, Vec<TokenStream>) {
+    let program = function.program;
+    let signature = &program.kernel.spec.signature;
+    let (element, of_node) = (signature.variables(), signature.node_variables());
+    let is_argument = |value: &&Value| arguments.iter().any(|name| *name == value.name);
+    let (derivatives, values): (Vec<&Value>, Vec<&Value>) =
+        program.kernel.values.iter().partition(is_argument);
+    let mut outputs = Vec::new();
+    for value in derivatives {
+        let name = format_ident!("{}", value.name);
+        for (k, &x) in value.components.iter().enumerate() {
+            let x = function.writer.used(x);
+            let is_jacobian = value.name.ends_with("_jacobian") && k >= element;
+            let place = if is_jacobian {
+                let (row, column) = (k / element, k % element);
+                quote!(#row * (#element + #of_node * count) + #column)
+            } else {
+                quote!(#k)
+            };
+            outputs.push(quote!(#name[#place] = #x;));
+        }
+    }
+    let mut fields = Vec::new();
+    for value in values {
+        let field = format_ident!("{}", value.name);
+        let components: Vec<TokenStream> =
+            value.components.iter().map(|&x| function.writer.used(x)).collect();
+        let returned = signature.values.iter().find(|returned| returned.name == value.name);
+        let whole = nested(returned.map_or(&[], |returned| &returned.dimensions), &components);
+        fields.push(quote!(#field: #whole));
+    }
+    (outputs, fields)
+}

@@ -1,0 +1,265 @@
+//! The contact kernels as elements with a signature, as an element of the caller's has one: what reads and writes them then knows no model.
+
+use std::collections::HashSet;
+
+use super::basis::Basis;
+use super::element_outputs::{ElementKernels, ElementSpec, NODE_VALUE, NodeResult};
+use super::facet::FacetSpec;
+use super::facet_shape::FacetShape;
+use super::kernel::{FrameRule, Kernel, KernelSpec, Mode, Output, Value};
+use super::material::MATERIAL_INPUTS;
+use super::signature::{Differentiated, Input, Points, Returned, Role, Signature};
+use super::weight::{DOMAIN_RATIO, PLANE_REACH, WEIGHT_NUMBER, Weight};
+use crate::expr::AXES;
+use crate::graph::{ExprId, Graph, Op};
+use crate::structure::{Gradient, Hessian};
+
+/// Derivatives of a kernel by number of derivatives: a value with a Jacobian has no second ones.
+const GRADIENT: &str = "gradient";
+const HESSIAN: &str = "hessian";
+
+/// An input of three axes.
+fn vector(name: &str, role: Role, doc: &str) -> Input {
+    let symbols = AXES.map(|axis| format!("{name}_{axis}")).to_vec();
+    Input { name: name.to_owned(), doc: doc.to_owned(), role, dimensions: vec![3], symbols }
+}
+
+fn parameter(name: &str, symbols: Vec<String>, doc: &str) -> Input {
+    let dimensions = if symbols.len() == 1 { Vec::new() } else { vec![symbols.len()] };
+    Input { name: name.to_owned(), doc: doc.to_owned(), role: Role::Parameter, dimensions, symbols }
+}
+
+fn number(name: &str, doc: &str) -> Input {
+    parameter(name, vec![name.to_owned()], doc)
+}
+
+fn returned(value: &Value, differentiated: Differentiated) -> Returned {
+    let dimensions = if value.is_array { vec![value.components.len()] } else { Vec::new() };
+    Returned { name: value.name.to_string(), doc: value.doc.to_string(), dimensions, differentiated }
+}
+
+impl ElementKernels {
+    /// The kernels of contact on a facet: variables are the slave, then the corners.
+    #[must_use]
+    pub fn facet(shape: FacetShape) -> Self {
+        let kernels = Mode::ALL.map(|mode| Kernel::facet(FacetSpec { shape, mode }));
+        let is_derivative = |value: &&Value| [GRADIENT, HESSIAN].contains(&&*value.name);
+        let corners = shape.corners();
+        let names = (1..=corners).map(|k| format!("corner_{k}"));
+        let symbols = names.flat_map(|corner| AXES.map(|axis| format!("{corner}_{axis}"))).collect();
+        let corners = Input {
+            name: "corners".to_owned(),
+            doc: "Corner nodes, counter-clockwise seen from the outward side.".to_owned(),
+            role: Role::Variable,
+            dimensions: vec![corners, 3],
+            symbols,
+        };
+        let values = kernels[0].values.iter().map(|value| {
+            let twice = if value.name == "gap" { Differentiated::Twice } else { Differentiated::Not };
+            returned(value, twice)
+        });
+        let signature = Signature {
+            name: shape.name().to_owned(),
+            doc: format!("Distance of the slave from a {}.", shape.name()),
+            inputs: vec![vector("slave", Role::Variable, "Slave node."), corners],
+            nodes: Vec::new(),
+            values: values.collect(),
+            points: Points::default(),
+        };
+        let kernels = kernels.into_iter().map(|kernel| {
+            let (derivatives, values): (Vec<&Value>, Vec<&Value>) =
+                kernel.values.iter().partition(is_derivative);
+            let values = values.into_iter().chain(derivatives).cloned().collect();
+            with_signature(&signature, kernel.spec.mode, kernel.graph, values, Vec::new())
+        });
+        let kernels = kernels.collect();
+        Self { signature, kernels }
+    }
+
+    /// The kernels of a fit to nodes of a number that is open: variables are the slave, with a slip the anchor, then the nodes.
+    ///
+    /// Coefficients, and slips, have first derivatives only: each of several quantities has second ones.
+    #[must_use]
+    pub fn contact(output: Output, basis: Basis, weight: &Weight, frame: FrameRule) -> Self {
+        let modes = match output {
+            Output::Coefficients | Output::Slip => &Mode::ALL[..2],
+            Output::Surface | Output::Gap => &Mode::ALL[..],
+        };
+        let of =
+            |&mode: &Mode| Kernel::new(KernelSpec { output, mode, basis, weight: weight.clone(), frame });
+        let kernels: Vec<Kernel> = modes.iter().map(of).collect();
+        let signature = contact_signature(&kernels[0]);
+        let kernels: Vec<_> = kernels.into_iter().map(|kernel| as_element(kernel, &signature)).collect();
+        Self::of_used(signature, kernels)
+    }
+
+    /// The kernels without the inputs that none of them reads.
+    fn of_used(mut signature: Signature, mut kernels: Vec<Kernel<ElementSpec>>) -> Self {
+        let used: HashSet<String> = kernels.iter().flat_map(inputs_read).collect();
+        let is_used = |input: &Input| {
+            input.role == Role::Variable || input.symbols.iter().any(|symbol| used.contains(symbol))
+        };
+        signature.inputs.retain(is_used);
+        signature.nodes.retain(is_used);
+        for kernel in &mut kernels {
+            kernel.spec.signature = signature.clone();
+        }
+        Self { signature, kernels }
+    }
+}
+
+/// Names of the inputs that a kernel's results depend on.
+fn inputs_read(kernel: &Kernel<ElementSpec>) -> Vec<String> {
+    let graph = &kernel.graph;
+    let mut open: Vec<ExprId> = kernel.values.iter().flat_map(|value| value.components.clone()).collect();
+    open.extend(kernel.node_values.iter().map(|(_, x)| *x));
+    let (mut seen, mut names) = (HashSet::new(), Vec::new());
+    while let Some(x) = open.pop() {
+        if !seen.insert(x) {
+            continue;
+        }
+        open.extend(graph.dependencies(x));
+        if let Op::Symbol(symbol) = graph.op(x) {
+            names.push(graph.symbol_data(symbol).name.clone());
+        }
+    }
+    names
+}
+
+fn contact_signature(kernel: &Kernel) -> Signature {
+    let KernelSpec { output, basis, weight, frame, .. } = &kernel.spec;
+    let (name, moves) = match frame {
+        FrameRule::Frozen => (output.name().to_owned(), ""),
+        FrameRule::CoMoving => {
+            (format!("{}_co_moving", output.name()), ", frame moving with the average plane")
+        }
+        FrameRule::Material => {
+            (format!("{}_material", output.name()), ", domains of influence in the first configuration")
+        }
+    };
+    let mut inputs = vec![vector("slave", Role::Variable, "Slave node.")];
+    if *output == Output::Slip {
+        inputs.push(vector("anchor", Role::Variable, "Where the slip is measured from."));
+    }
+    let frame =
+        ["First in-plane direction.", "Second in-plane direction.", "Unit normal of the plane, outward."];
+    let axes = ["t1", "t2", "normal"].into_iter().zip(frame);
+    inputs.extend(axes.map(|(name, doc)| vector(name, Role::Parameter, doc)));
+    inputs.push(number("support_radius", "The length that offsets are divided by."));
+    let others = [
+        (PLANE_REACH, "Multiple of the distance at which the average plane's weights are taken."),
+        ("pole", "Index of the node nearest to the slave in the plane."),
+        (WEIGHT_NUMBER, "Which of the weights it is."),
+    ];
+    let graph = &kernel.graph;
+    inputs.extend(
+        others.into_iter().filter(|(name, _)| graph.has_input(name)).map(|(name, doc)| number(name, doc)),
+    );
+    if *output == Output::Surface {
+        let symbols = vec!["point_1".to_owned(), "point_2".to_owned()];
+        inputs.push(parameter("point", symbols, "In-plane offset from the slave."));
+    }
+    let mut nodes = vec![vector("master", Role::Variable, "Position.")];
+    if graph.has_input(DOMAIN_RATIO) {
+        nodes.push(number(DOMAIN_RATIO, "Support radius over the radius of the node's domain."));
+    }
+    if graph.has_input(MATERIAL_INPUTS[0]) {
+        nodes.push(vector("material", Role::Parameter, "First position, seen from the slave's place there."));
+        let symbols = MATERIAL_INPUTS[3..].iter().map(|&name| name.to_owned()).collect();
+        nodes.push(parameter(
+            "metric",
+            symbols,
+            "Upper triangle of the metric, rows xx, xy, xz, yy, yz, zz.",
+        ));
+    }
+    let values = kernel.values.iter().map(|value| returned(value, differentiated(*output, &value.name)));
+    let doc = format!(
+        "{} of a fit with the {} basis, weight {}{moves}.",
+        ["Coefficients", "Height and slopes", "Gap", "Gap and slip"][*output as usize],
+        basis.name(),
+        weight.text().split_whitespace().collect::<Vec<_>>().join(" "),
+    );
+    Signature { name, doc, inputs, nodes, values: values.collect(), points: Points::default() }
+}
+
+fn differentiated(output: Output, value: &str) -> Differentiated {
+    match (output, value) {
+        (Output::Gap, "gap") | (Output::Surface, "value") => Differentiated::Twice,
+        (Output::Coefficients, "coefficients") | (Output::Surface, "slopes") => Differentiated::Once,
+        (Output::Slip, "gap" | "slip") => Differentiated::Once,
+        _ => Differentiated::Not,
+    }
+}
+
+/// What a kernel's gradients are written to, in their order, with the row.
+fn places(output: Output, count: usize) -> Vec<(String, usize)> {
+    let jacobian = |name: &str, row: usize| (format!("{name}_jacobian"), row);
+    match output {
+        Output::Gap => vec![(GRADIENT.to_owned(), 0)],
+        Output::Surface => vec![(GRADIENT.to_owned(), 0), jacobian("slopes", 0), jacobian("slopes", 1)],
+        Output::Coefficients => (0..count).map(|row| jacobian("coefficients", row)).collect(),
+        Output::Slip => vec![jacobian("gap", 0), jacobian("slip", 0)],
+    }
+}
+
+fn as_element(mut kernel: Kernel, signature: &Signature) -> Kernel<ElementSpec> {
+    let (output, mode) = (kernel.spec.output, kernel.spec.mode);
+    let zero = kernel.graph.zero();
+    let mut values = std::mem::take(&mut kernel.values);
+    let mut of_nodes = Vec::new();
+    let has_anchor = output == Output::Slip;
+    for ((argument, row), (_, gradient)) in
+        places(output, kernel.gradients.len()).into_iter().zip(&kernel.gradients)
+    {
+        let Gradient { slave, node, point } = gradient;
+        let mut entries = slave.to_vec();
+        if has_anchor {
+            entries.extend(point.unwrap_or([zero; 3]));
+        }
+        match values.iter_mut().find(|value| value.name == argument) {
+            Some(value) => value.components.extend(entries),
+            None => values.push(derivative(&argument, entries)),
+        }
+        for (component, &x) in node.iter().enumerate() {
+            of_nodes.push((NodeResult::First { argument: argument.clone(), row, component }, x));
+        }
+    }
+    if let Some((_, Hessian { slave, node_slave, form, .. })) = kernel.hessians.first() {
+        values.push(derivative(HESSIAN, (0..3).flat_map(|row| slave[row][..=row].to_vec()).collect()));
+        for (component, variable) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+            of_nodes.push((NodeResult::Mixed { component, variable }, node_slave[component][variable]));
+        }
+        let rows = form.terms.iter().flat_map(|term| [term.b[0], term.c[0]]).enumerate();
+        for (row, x) in rows {
+            let entries = x.into_iter().enumerate();
+            of_nodes.extend(entries.map(|(component, x)| (NodeResult::Row { row, component }, x)));
+        }
+        let own = (0..3).flat_map(|row| form.own[row][..=row].to_vec()).enumerate();
+        of_nodes.extend(own.map(|(place, x)| (NodeResult::Own { place }, x)));
+    }
+    with_signature(signature, mode, kernel.graph, values, of_nodes)
+}
+
+fn derivative(name: &str, components: Vec<ExprId>) -> Value {
+    Value { name: name.to_owned().into(), doc: "".into(), is_array: true, components }
+}
+
+fn with_signature(
+    signature: &Signature,
+    mode: Mode,
+    graph: Graph,
+    values: Vec<Value>,
+    of_nodes: Vec<(NodeResult, ExprId)>,
+) -> Kernel<ElementSpec> {
+    let (node_results, of_nodes): (Vec<NodeResult>, Vec<ExprId>) = of_nodes.into_iter().unzip();
+    Kernel {
+        spec: ElementSpec { signature: signature.clone(), mode, quantities: Vec::new(), node_results },
+        graph,
+        values,
+        gradients: Vec::new(),
+        hessians: Vec::new(),
+        node_values: of_nodes.into_iter().map(|x| (NODE_VALUE, x)).collect(),
+        combinations: Vec::new(),
+        equations: Vec::new(),
+    }
+}

@@ -1,0 +1,108 @@
+//! Mistakes in the formulas of an element.
+
+use crate::graph::Scope;
+
+/// Why there are no kernels of an element.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ElementError {
+    /// A name that Rust does not take as one.
+    #[error("\"{name}\" is not an identifier in lower or upper case")]
+    Name {
+        /// The name.
+        name: String,
+    },
+    /// Two inputs, quantities or outputs have one name.
+    #[error("\"{name}\" is declared twice")]
+    Duplicate {
+        /// The name, or that of an entry.
+        name: String,
+    },
+    /// Derivatives are asked for, but there is nothing to differentiate by.
+    #[error("`{output}` has no variables to be differentiated by; declare them by `variable`")]
+    NoVariables {
+        /// What was to be differentiated.
+        output: String,
+    },
+    /// Nothing is computed.
+    #[error("there is no output; state one by `energy`, `residual` or `value`")]
+    NoOutput,
+    /// A differentiated output is the same whatever the variables are.
+    #[error("`{output}` does not depend on any variable")]
+    Constant {
+        /// The output.
+        output: String,
+    },
+    /// An output is not one value of the element, but one per node.
+    #[error("`{output}` is a value of {scope:?} scope; outputs are of element scope")]
+    Scope {
+        /// The output, or its entry.
+        output: String,
+        /// Its scope.
+        scope: Scope,
+    },
+    /// An output contains a symbol that is no declared input.
+    #[error("`{output}` contains `{symbol}`, which was not declared by `variable` or `parameter`")]
+    Undeclared {
+        /// The output, or its entry.
+        output: String,
+        /// The symbol.
+        symbol: String,
+    },
+    /// There is no input or output of this name to be described.
+    #[error("there is no input or output `{name}` to describe")]
+    Unknown {
+        /// The name.
+        name: String,
+    },
+    /// A table of numbers at points that does not fit.
+    #[error(
+        "the rows of `{name}` have not one number for each of its entries, or not as many rows as the points before"
+    )]
+    Points {
+        /// The table.
+        name: String,
+    },
+    /// A quantity depends on the nodes in another way than through sums over them.
+    #[error(
+        "`{quantity}` depends on two nodes at a time; write it by sums over the nodes, whose terms depend on one node each"
+    )]
+    NoSum {
+        /// The output, or the quantity.
+        quantity: String,
+    },
+    /// A stationary value of something that is not quadratic in its unknowns.
+    #[error("what `{unknowns}` makes stationary is not quadratic in them")]
+    NotQuadratic {
+        /// The unknowns.
+        unknowns: String,
+    },
+    /// Equations whose unknowns stand in sums over the nodes.
+    #[error("the unknowns of `{root}` stand in sums over the nodes, where only `stationary` finds them")]
+    RootInSum {
+        /// The root.
+        root: String,
+    },
+    /// An element with nodes and with quadrature points.
+    #[error("an element has either nodes of a number that is open or quadrature points")]
+    NodesAndPoints,
+    /// A root of another number of equations than the kernels can solve.
+    #[error("the root `{root}` has {equations} equations; kernels solve two")]
+    Root {
+        /// The root.
+        root: String,
+        /// Its equations.
+        equations: usize,
+    },
+    /// A function that rustc has no stack for.
+    #[error(
+        "its function `{function}` would have {statements} statements, at most {} can be compiled",
+        crate::emit::MOST_STATEMENTS
+    )]
+    TooLong {
+        /// The function.
+        function: String,
+        /// Its statements.
+        statements: usize,
+    },
+}

@@ -1,0 +1,351 @@
+//! The outputs of an element with their derivatives: from formulas to kernels.
+
+use super::element::{ElementModel, UNKNOWNS};
+use super::element_error::ElementError;
+use super::kernel::{Kernel, Mode, Value};
+use super::signature::{Differentiated, Input, Returned, Role, Signature};
+use crate::expr::{Expr, Sheet, ids};
+use crate::graph::{ExprId, Graph, NODE_COUNT, NODE_INDEX, Op, RootId, Scope};
+use crate::structure::{
+    Derivatives, Implicit, NoSum, NodeDerivatives, NodeVectors, node_derivatives, total_derivatives,
+};
+
+/// What identifies a kernel of an element.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ElementSpec {
+    /// What it reads and returns.
+    pub signature: Signature,
+    /// With how many derivatives.
+    pub mode: Mode,
+    /// Names of the quantities that the caller defined.
+    pub quantities: Vec<String>,
+    /// What the kernel's values of nodes are; none of an element of fixed size.
+    pub node_results: Vec<NodeResult>,
+}
+
+/// What a number is that a kernel has for each node. With V variables of the element, variable a of node i is number V + p i + a of
+/// all, p being the variables of a node.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NodeResult {
+    /// A first derivative by a variable of the node.
+    First {
+        /// The argument it is written to: `gradient`, or a Jacobian.
+        argument: String,
+        /// Row of the Jacobian.
+        row: usize,
+        /// Which variable of the node.
+        component: usize,
+    },
+    /// A second derivative by a variable of the node and one of the element.
+    Mixed {
+        /// Which variable of the node.
+        component: usize,
+        /// Which of the element.
+        variable: usize,
+    },
+    /// A row b or c of the Hessian's products: d²E/dxᵢdxⱼ = δᵢⱼ D + Σ bᵢᵀ cⱼ + cᵢᵀ bⱼ.
+    Row {
+        /// b of the first product is 0, its c is 1, b of the second is 2, ….
+        row: usize,
+        /// Which variable of the node.
+        component: usize,
+    },
+    /// D, the packed lower triangle.
+    Own {
+        /// Its place there.
+        place: usize,
+    },
+}
+
+/// Name of a node's values in the kernel, which [`ElementSpec::node_results`] tell apart.
+pub(super) const NODE_VALUE: &str = "of_node";
+
+/// The kernels of an element as expressions.
+#[derive(Clone, Debug)]
+pub struct ElementKernels {
+    /// What they read and return.
+    pub signature: Signature,
+    /// By mode, fewest derivatives first, as far as there are derivatives.
+    pub kernels: Vec<Kernel<ElementSpec>>,
+}
+
+/// Outputs as expressions.
+pub(super) struct Outputs<'g> {
+    pub sheet: &'g Sheet,
+    pub outputs: Vec<(Returned, Vec<Expr<'g>>)>,
+    /// Unknowns of equations that depend on the nodes.
+    pub implicit: Vec<Implicit<'g>>,
+}
+
+/// Results of the kernels by ids.
+pub(super) struct Finished {
+    signature: Signature,
+    quantities: Vec<String>,
+    by_mode: Vec<Results>,
+}
+
+/// Those of a kernel.
+struct Results {
+    mode: Mode,
+    values: Vec<Value>,
+    node_values: Vec<(NodeResult, ExprId)>,
+}
+
+/// What derivatives are taken by.
+struct Variables<'g> {
+    sheet: &'g Sheet,
+    symbols: Vec<Expr<'g>>,
+    /// Vectors among the symbols.
+    vectors: Vec<NodeVectors>,
+    /// Those of each node; none for an element of fixed size.
+    of_node: Option<Vec<Expr<'g>>>,
+}
+
+impl Outputs<'_> {
+    pub fn finish(self, signature: Signature, quantities: Vec<String>) -> Result<Finished, ElementError> {
+        let inputs = signature.inputs.iter().chain(&signature.nodes);
+        let mut declared: Vec<&str> = inputs.flat_map(|input| &input.symbols).map(String::as_str).collect();
+        declared.extend(signature.points.symbols.iter().map(String::as_str));
+        if !signature.nodes.is_empty() {
+            declared.extend([NODE_COUNT, NODE_INDEX]);
+        }
+        for (value, entries) in &self.outputs {
+            entries.iter().try_for_each(|&x| check_output(&value.name, x, &declared))?;
+        }
+        let variables = Variables::new(self.sheet, &signature);
+        let most = self.outputs.iter().map(|(value, _)| value.differentiated as usize).max().unwrap_or(0);
+        let by_mode = Mode::ALL[..=most]
+            .iter()
+            .map(|&mode| self.results(&variables, mode))
+            .collect::<Result<_, _>>()?;
+        Ok(Finished { signature, quantities, by_mode })
+    }
+
+    /// Results of a mode: values, and the derivatives that belong to it.
+    fn results(&self, variables: &Variables<'_>, mode: Mode) -> Result<Results, ElementError> {
+        let value = |(returned, entries): &(Returned, Vec<Expr<'_>>)| {
+            value(&returned.name, !returned.dimensions.is_empty(), entries)
+        };
+        let mut results =
+            Results { mode, values: self.outputs.iter().map(value).collect(), node_values: Vec::new() };
+        let differentiated = |(returned, _): &&(Returned, _)| {
+            returned.differentiated != Differentiated::Not && mode > Mode::Value
+        };
+        for (returned, entries) in self.outputs.iter().filter(differentiated) {
+            let with_hessian = returned.differentiated == Differentiated::Twice && mode == Mode::Hessian;
+            match &variables.of_node {
+                None => results.add_fixed(returned, entries, variables, with_hessian)?,
+                Some(of_node) => {
+                    let derivatives = entries.iter().map(|&x| {
+                        let by = (&variables.symbols[..], &of_node[..]);
+                        let derivatives = node_derivatives(x, by, &self.implicit, with_hessian);
+                        derivatives.map_err(|NoSum { symbol }| ElementError::NoSum {
+                            quantity: symbol.unwrap_or_else(|| returned.name.clone()),
+                        })
+                    });
+                    results.add_with_nodes(
+                        returned,
+                        &derivatives.collect::<Result<Vec<_>, _>>()?,
+                        variables,
+                    )?;
+                }
+            }
+        }
+        Ok(results)
+    }
+}
+
+fn value(name: &str, is_array: bool, components: &[Expr<'_>]) -> Value {
+    Value { name: name.to_owned().into(), doc: "".into(), is_array, components: ids(components) }
+}
+
+impl Results {
+    /// Adds the derivatives of an output of an element of fixed size.
+    fn add_fixed<'g>(
+        &mut self,
+        returned: &Returned,
+        entries: &[Expr<'g>],
+        variables: &Variables<'g>,
+        with_hessian: bool,
+    ) -> Result<(), ElementError> {
+        let name = &returned.name;
+        let of_entries: Vec<Derivatives<'g>> = entries
+            .iter()
+            .map(|&entry| variables.derivatives(name, entry, with_hessian))
+            .collect::<Result<_, _>>()?;
+        if !of_entries.is_empty() && of_entries.iter().all(|of| of.gradient.iter().all(|x| x.is_zero())) {
+            return Err(ElementError::Constant { output: name.clone() });
+        }
+        match (returned.differentiated, &of_entries[..]) {
+            (Differentiated::Twice, [of]) => {
+                self.values.push(value("gradient", true, &of.gradient));
+                if with_hessian {
+                    self.values.push(value("hessian", true, &of.hessian));
+                }
+            }
+            (_, of_entries) => {
+                let rows: Vec<Expr<'g>> = of_entries.iter().flat_map(|of| of.gradient.clone()).collect();
+                self.values.push(value(&format!("{name}_jacobian"), true, &rows));
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the derivatives of an output's entries, those by variables of the element as values.
+    fn add_with_nodes<'g>(
+        &mut self,
+        returned: &Returned,
+        of_entries: &[NodeDerivatives<'g>],
+        variables: &Variables<'g>,
+    ) -> Result<(), ElementError> {
+        let name = &returned.name;
+        if variables.symbols.is_empty() && variables.of_node.iter().all(Vec::is_empty) {
+            return Err(ElementError::NoVariables { output: name.clone() });
+        }
+        let first = |of: &NodeDerivatives<'g>| of.element.iter().chain(&of.node).all(|x| x.is_zero());
+        if of_entries.iter().all(first) {
+            return Err(ElementError::Constant { output: name.clone() });
+        }
+        let argument = match returned.differentiated {
+            Differentiated::Twice => "gradient".to_owned(),
+            _ => format!("{name}_jacobian"),
+        };
+        let rows: Vec<Expr<'g>> = of_entries.iter().flat_map(|of| of.element.clone()).collect();
+        self.values.push(value(&argument, true, &rows));
+        for (row, of) in of_entries.iter().enumerate() {
+            for (component, x) in of.node.iter().enumerate() {
+                let result = NodeResult::First { argument: argument.clone(), row, component };
+                self.node_values.push((result, x.id()));
+            }
+        }
+        let Some(second) = of_entries.iter().find_map(|of| of.second.as_ref()) else { return Ok(()) };
+        self.values.push(value("hessian", true, &second.element));
+        for (component, row) in second.mixed.iter().enumerate() {
+            for (variable, x) in row.iter().enumerate() {
+                self.node_values.push((NodeResult::Mixed { component, variable }, x.id()));
+            }
+        }
+        for (row, x) in second.rows.iter().flatten().enumerate() {
+            for (component, x) in x.iter().enumerate() {
+                self.node_values.push((NodeResult::Row { row, component }, x.id()));
+            }
+        }
+        for (place, x) in second.own.iter().enumerate() {
+            self.node_values.push((NodeResult::Own { place }, x.id()));
+        }
+        Ok(())
+    }
+}
+
+impl<'g> Variables<'g> {
+    fn new(sheet: &'g Sheet, signature: &Signature) -> Self {
+        let is_variable = |input: &&Input| input.role == Role::Variable;
+        let (mut symbols, mut vectors) = (Vec::new(), Vec::new());
+        for input in signature.inputs.iter().filter(is_variable) {
+            if let [count, components] = input.dimensions[..] {
+                vectors.push(NodeVectors { first: symbols.len(), nodes: count, components });
+            }
+            symbols.extend(input.symbols.iter().map(|name| sheet.input_once(name, Scope::Element)));
+        }
+        let of_node = signature.nodes.iter().filter(is_variable).flat_map(|input| &input.symbols);
+        let of_node = of_node.map(|name| sheet.input_once(name, Scope::Node)).collect();
+        let of_node = (!signature.nodes.is_empty()).then_some(of_node);
+        Self { sheet, symbols, vectors, of_node }
+    }
+
+    fn derivatives(
+        &self,
+        output: &str,
+        x: Expr<'g>,
+        with_hessian: bool,
+    ) -> Result<Derivatives<'g>, ElementError> {
+        if self.symbols.is_empty() {
+            return Err(ElementError::NoVariables { output: output.to_owned() });
+        }
+        Ok(total_derivatives(self.sheet, x, &self.symbols, &self.vectors, with_hessian))
+    }
+}
+
+/// Whether an output is one value of the element made of declared inputs.
+fn check_output(output: &str, x: Expr<'_>, declared: &[&str]) -> Result<(), ElementError> {
+    if x.scope() != Scope::Element {
+        return Err(ElementError::Scope { output: output.to_owned(), scope: x.scope() });
+    }
+    let graph = x.sheet().graph();
+    let (mut seen, mut open) = (std::collections::HashSet::new(), vec![x.id()]);
+    while let Some(expr) = open.pop() {
+        if !seen.insert(expr) {
+            continue;
+        }
+        open.extend(graph.dependencies(expr));
+        let Op::Symbol(symbol) = graph.op(expr) else { continue };
+        let symbol = graph.symbol_data(symbol);
+        if symbol.definition.is_none() && !declared.contains(&symbol.name.as_str()) {
+            let (output, symbol) = (output.to_owned(), symbol.name.clone());
+            return Err(ElementError::Undeclared { output, symbol });
+        }
+    }
+    Ok(())
+}
+
+impl Kernel<ElementSpec> {
+    /// Roots among what the results are made of.
+    pub(crate) fn roots(&self) -> Vec<RootId> {
+        let (mut seen, mut roots) = (std::collections::HashSet::new(), Vec::new());
+        let mut open: Vec<ExprId> = self.values.iter().flat_map(|value| value.components.clone()).collect();
+        open.extend(self.node_values.iter().map(|(_, x)| *x));
+        while let Some(expr) = open.pop() {
+            if !seen.insert(expr) {
+                continue;
+            }
+            if let Op::RootValue(root, _) | Op::RootFigure(root, _) = self.graph.op(expr)
+                && !roots.contains(&root)
+            {
+                roots.push(root);
+            }
+            open.extend(self.graph.dependencies(expr));
+        }
+        roots
+    }
+}
+
+impl ElementKernels {
+    /// The kernels of an element from its formulas.
+    ///
+    /// # Errors
+    /// [`ElementError`], but for its functions' length, which shows when they are written.
+    pub fn new(name: &str, formulas: impl FnOnce(&ElementModel<'_>)) -> Result<Self, ElementError> {
+        let mut graph = Graph::new();
+        let finished = graph.write(|sheet| {
+            let model = ElementModel::new(sheet);
+            model.check_name(name);
+            formulas(&model);
+            model.finish(name)
+        });
+        let Finished { signature, quantities, by_mode } = finished?;
+        let kernel = |Results { mode, values, node_values }| Kernel {
+            spec: ElementSpec {
+                signature: signature.clone(),
+                mode,
+                quantities: quantities.clone(),
+                node_results: node_values.iter().map(|(result, _)| result.clone()).collect(),
+            },
+            graph: graph.clone(),
+            values,
+            gradients: Vec::new(),
+            hessians: Vec::new(),
+            node_values: node_values.into_iter().map(|(_, x)| (NODE_VALUE, x)).collect(),
+            combinations: Vec::new(),
+            equations: Vec::new(),
+        };
+        let kernels: Vec<Kernel<ElementSpec>> = by_mode.into_iter().map(kernel).collect();
+        for root in kernels.iter().flat_map(Kernel::roots) {
+            let root = graph.root(root);
+            if root.unknowns.len() != UNKNOWNS {
+                let (root, equations) = (root.name.clone(), root.unknowns.len());
+                return Err(ElementError::Root { root, equations });
+            }
+        }
+        Ok(Self { signature, kernels })
+    }
+}

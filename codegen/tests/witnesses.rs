@@ -1,0 +1,63 @@
+//! What elements are compared with.
+
+use diffuse_contact_codegen::ElementModel;
+use diffuse_contact_codegen::expr::Vec3;
+use num_dual::{DualNum, HyperDual};
+
+/// Numbers of the energies that automatic differentiation evaluates.
+pub trait Number: DualNum<Primitive = f64> + Copy {}
+impl<D: DualNum<Primitive = f64> + Copy> Number for D {}
+
+pub fn sum<D: Number>(terms: impl IntoIterator<Item = D>) -> D {
+    terms.into_iter().fold(D::from(0.0), |sum, term| sum + term)
+}
+
+/// Gradient and packed Hessian by hyper-dual numbers.
+pub fn by_hyper_dual(x: &[f64], f: impl Fn(&[HyperDual<f64>]) -> HyperDual<f64>) -> (Vec<f64>, Vec<f64>) {
+    let at = |i: usize, j: usize| {
+        let seeded = |(k, &x): (usize, &f64)| {
+            let is = |other: usize| f64::from(u8::from(k == other));
+            HyperDual::new(x, is(i), is(j), 0.0)
+        };
+        f(&x.iter().enumerate().map(seeded).collect::<Vec<_>>())
+    };
+    let gradient = (0..x.len()).map(|i| at(i, i).eps1).collect();
+    (
+        gradient,
+        (0..x.len()).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| at(i, j).eps1eps2).collect(),
+    )
+}
+
+/// Numbers in (−0.5, 0.5) that look random.
+pub fn numbers(count: usize, seed: f64) -> Vec<f64> {
+    let mut value = seed;
+    (0..count)
+        .map(|_| {
+            value = (value * 7.3 + 0.17).fract();
+            value - 0.5
+        })
+        .collect()
+}
+
+/// Largest difference over the largest entry; a NaN is larger than anything.
+pub fn difference(found: &[f64], expected: &[f64]) -> f64 {
+    assert_eq!(found.len(), expected.len());
+    let largest = expected.iter().fold(f64::MIN_POSITIVE, |largest: f64, x| largest.max(x.abs()));
+    found.iter().zip(expected).fold(0.0, |worst: f64, (x, y)| {
+        let difference = (x - y).abs() / largest;
+        if difference <= worst { worst } else { difference }
+    })
+}
+
+/// The element whose texts are checked in.
+pub fn spring(m: &ElementModel<'_>) {
+    m.title("A spring between two points, linear in its stretch.");
+    let x: [Vec3<'_>; 2] = m.variable("x");
+    let [stiffness, length] = m.parameters(["stiffness", "length"]);
+    m.describe("x", "Ends, length.");
+    m.describe("length", "Length without force.");
+    let stretch = m.define("stretch", (x[1] - x[0]).norm() - length);
+    m.energy(0.5 * stiffness * stretch.powi(2));
+    m.value("force", stiffness * stretch);
+    m.describe("force", "Tension, positive when stretched.");
+}

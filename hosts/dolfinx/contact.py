@@ -187,6 +187,11 @@ class Contact:
         self.slave_nodes = Nodes(blocks[order], positions[order], self.vector)
 
     @property
+    def masters(self) -> int:
+        """Nodes of the window."""
+        return len(self.names)
+
+    @property
     def nbytes(self) -> int:
         """Bytes of surface that this rank holds: its part and its window."""
         window = 0 if self.window is None else sum(array.nbytes for array in self.window.numbers)

@@ -23,8 +23,9 @@ import numpy as np
 import ufl
 from compat import displacements, vector
 from contact import ADD, FORWARD, INSERT, REVERSE, Contact, Pattern, beside_the_edge
-from dolfinx import fem
+from dolfinx import fem, mesh
 from dolfinx.fem import petsc
+from faces import FaceContact
 from mpi4py import MPI
 from petsc4py import PETSc
 from scene import on_master, on_slave
@@ -174,8 +175,8 @@ OPTIONS = {
 }
 
 
-def solver(comm: MPI.Comm, linear: str, friction: bool, multigrid: GapMultigrid) -> PETSc.SNES:
-    """Newton with a line search; MUMPS, or multigrid with CG, with friction GMRES."""
+def solver(comm: MPI.Comm, linear: str, symmetric: bool, multigrid: GapMultigrid) -> PETSc.SNES:
+    """Newton with a line search; MUMPS, or multigrid with CG, for tangents that are not symmetric GMRES."""
     snes = PETSc.SNES().create(comm)
     snes.setOptionsPrefix("press_")
     options = PETSc.Options("press_")
@@ -194,12 +195,22 @@ def solver(comm: MPI.Comm, linear: str, friction: bool, multigrid: GapMultigrid)
         ksp.getPC().setType("lu")
         ksp.getPC().setFactorSolverType("mumps")
     else:
-        ksp.setType("gmres" if friction else "cg")
+        ksp.setType("cg" if symmetric else "gmres")
         ksp.setTolerances(rtol=1e-8, max_it=500)
         ksp.getPC().setType("python")
         ksp.getPC().setPythonContext(multigrid)
     snes.setFromOptions()
     return snes
+
+
+def lowered(space: fem.FunctionSpace, way: float) -> PETSc.Vec:
+    """Displacements: the block as a whole goes down."""
+    made = fem.Function(space)
+    block = mesh.locate_entities(space.mesh, 3, lambda x: x[2] > -1e-9)
+    nodes = fem.locate_dofs_topological(space, 3, block)
+    found = vector(made).duplicate()
+    found.array_w[3 * nodes[3 * nodes < found.getLocalSize()] + 2] = -way
+    return found
 
 
 def solve(comm: MPI.Comm, arguments: argparse.Namespace) -> tuple[dict, dict]:
@@ -219,18 +230,21 @@ def solve(comm: MPI.Comm, arguments: argparse.Namespace) -> tuple[dict, dict]:
         "skin": SKIN / arguments.fine,
         "friction": arguments.friction,
     }
-    contact = Contact(space, vector(u), on_master, on_slave, **law)
+    of = FaceContact if arguments.integration == "faces" else Contact
+    contact = of(space, vector(u), on_master, on_slave, **law)
     shell = arguments.tangent == "operator"
     problem = Problem(u, hyperelastic(space, u), conditions, contact, shell)
     contact.accept(vector(u))
+    x = lowered(space, arguments.lower)
+    problem.take_over(x)
 
-    snes = solver(comm, arguments.linear, arguments.friction is not None, GapMultigrid(contact, space, adds=shell))
+    symmetric = arguments.friction is None and arguments.integration == "nodes"
+    snes = solver(comm, arguments.linear, symmetric, GapMultigrid(contact, space, adds=shell))
     snes.setFunction(problem.F, problem.residual)
     if shell:
         snes.setJacobian(problem.J, ShellTangent(problem.solids, contact).matrix(), problem.solids)
     else:
         snes.setUpdate(problem.prepare)
-    x = vector(u).duplicate()
     iterations, linear, residuals, renewals = [], [], [], []
     for increment in range(1, arguments.press + arguments.slide + 1):
         plate.value += PRESS if increment <= arguments.press else SLIDE
@@ -263,7 +277,7 @@ def solve(comm: MPI.Comm, arguments: argparse.Namespace) -> tuple[dict, dict]:
         "renewals": renewals,
         "force": comm.allreduce(results["slave_forces"].sum(axis=0)).tolist(),
         "slaves_of_ranks": comm.gather(len(contact.slaves)),
-        "masters_of_ranks": comm.gather(len(contact.names)),
+        "masters_of_ranks": comm.gather(contact.masters),
         "bytes_of_ranks": comm.gather(contact.nbytes),
         "sent_of_ranks": comm.gather(dict(contact.exchange.sent)),
         "messages_of_ranks": comm.gather(dict(contact.exchange.messages)),
@@ -282,16 +296,22 @@ def main() -> None:
     parser.add_argument("mesh", type=Path, help="an XDMF file: scene.py writes one")
     parser.add_argument("--partitioner", choices=["dolfinx", "strips", "blocks", "random"], default="dolfinx")
     parser.add_argument("--linear", choices=["mumps", "gamg"], default="mumps")
+    parser.add_argument("--integration", choices=["nodes", "faces"], default="nodes")
     parser.add_argument("--tangent", choices=["assembled", "operator"], default="assembled")
     parser.add_argument(
         "--friction", type=float, help="coefficient; the module has to be built with its feature friction"
     )
     parser.add_argument("--penalty", type=float, default=PENALTY, help="force per length³")
+    parser.add_argument("--lower", type=float, default=0.0, help="the block before the first increment, length")
     parser.add_argument("--press", type=int, default=4, help="increments down and along x")
     parser.add_argument("--slide", type=int, default=0, help="increments of 0.3 along x after that")
     parser.add_argument("--fine", type=int, default=1, help="cells in place of each, along x and y")
     parser.add_argument("--results", type=Path, help="a folder")
     arguments, others = parser.parse_known_args()
+    if arguments.tangent == "operator" and (arguments.friction is not None or arguments.integration == "faces"):
+        parser.error("there is an operator over nodes and without friction only")
+    if arguments.tangent == "operator" and arguments.linear == "mumps":
+        parser.error("MUMPS factors a matrix: --tangent operator goes with --linear gamg")
     PETSc.Options().insertString(" ".join(others))
     comm = MPI.COMM_WORLD
     summary, results = solve(comm, arguments)

@@ -100,6 +100,15 @@ class Results:
             assert_same_rows(masters, gradient, hessian, expected)
         return touching
 
+    def over_faces_of_the_whole(self):
+        """Gaps and pressures of all slaves by an interface of all faces."""
+        surface = dc.MasterSurface(self.first, self.master_facets)
+        interface = dc.FaceInterface(surface, self.slave_facets, self.first, distance_limit=self.limit)
+        interface.refresh(self.first + self.displacements)
+        contacts = interface.evaluate(PENALTY)
+        assert np.array_equal(self.slaves, interface.slaves)
+        return contacts.gap, contacts.pressure
+
 
 def assert_same_rows(masters, gradient, hessian, expected):
     """Lists of nodes may be older than the whole's: what both do not list is zero."""
@@ -163,9 +172,9 @@ def test_ranks_make_no_difference(run, ranks, partitioner, press):
 
 
 def test_no_rank_holds_or_sends_the_whole_surface(run):
-    fine = ("--fine", "6", "--press", "0")
+    fine = ("--fine", "6", "--press", "0", "--lower", "0.02")
     one, whole = run(1, "dolfinx", *fine)
-    assert whole.compare_with_the_whole() >= 0
+    assert whole.compare_with_the_whole() > 50
     facets = 54 * 30
     assert sum(one["sent_of_ranks"][0].values()) == 0
     result, found = run(4, "blocks", *fine)
@@ -192,6 +201,32 @@ def test_a_slide_over_all_partitions_with_friction(run):
         assert np.allclose(found_way, way, rtol=1e-8, atol=1e-9)
     assert np.abs(found.displacements - expected.displacements).max() < 1e-11
     assert np.abs(found.forces - expected.forces).max() < 1e-11 * one["force"][2]
+
+
+def test_faces_with_friction_on_any_number_of_ranks(run):
+    options = ("--integration", "faces", "--friction", "0.2", "--press", "2", "--slide", "2")
+    one, expected = run(1, "dolfinx", *options)
+    assert abs(one["force"][0]) > 0.05 * one["force"][2]
+    assert "slip" in {state for *_, state in expected.contacts}
+    result, found = run(4, "random", *options)
+    assert result["iterations"] == one["iterations"] and result["renewals"] == one["renewals"]
+    assert max(result["iterations"]) <= 7
+    assert np.abs(found.displacements - expected.displacements).max() < 1e-11
+    assert np.abs(found.forces - expected.forces).max() < 1e-11 * one["force"][2]
+    assert [state for *_, state in found.contacts] == [state for *_, state in expected.contacts]
+
+
+def test_faces_are_those_of_the_whole_surface(run):
+    # Thirty-six facets along the arch: no rank knows all of them.
+    options = ("--fine", "4", "--integration", "faces", "--press", "0", "--lower", "0.02")
+    result, found = run(4, "blocks", *options)
+    assert max(result["masters_of_ranks"]) < 0.8 * 37 * 21
+    gap, pressure = found.over_faces_of_the_whole()
+    assert (pressure > 0).sum() > 20
+    ours = np.array([contact[:2] for contact in found.contacts])
+    assert np.array_equal(np.isnan(ours[:, 0]), np.isnan(gap))
+    assert np.nanmax(np.abs(ours[:, 0] - gap)) < 1e-13
+    assert np.abs(ours[:, 1] - pressure).max() < 1e-12 * pressure.max()
 
 
 @pytest.mark.parametrize("tangent", ["assembled", "operator"])

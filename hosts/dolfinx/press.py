@@ -8,8 +8,13 @@ four increments, and with ``--slide`` on along x. Materials: compressible neo-Ho
 
 dolfinx distributes the mesh and assembles the solids. ``Contact`` has on each rank its share of the slaves and a window
 of the master; no rank holds the whole surface. Forces and rows of the tangent are added where PETSc carries them to.
+``FaceContact`` integrates over the faces instead.
 
-Run with ``python3 press.py``, or the same under ``mpirun -n 4``. ``--help`` tells the options.
+1. `problem_of` makes forms, conditions and contact on the mesh that `MeshFile` has read.
+2. `Problem.predict` begins an increment: the last tangent says where given displacements lead.
+3. SNES asks `Problem` for residual and tangent, `prepare` for a matrix wherever other nodes couple.
+
+Run with ``python3 press.py mesh.xdmf``, or the same under ``mpirun -n 4``. ``--help`` tells the options.
 """
 
 from __future__ import annotations
@@ -22,38 +27,42 @@ from pathlib import Path
 import numpy as np
 import ufl
 from compat import displacements, vector
-from contact import ADD, FORWARD, INSERT, Contact, Pattern
-from dolfinx import fem
+from contact import ADD, FORWARD, INSERT, REVERSE, Contact, Pattern, beside_the_edge
+from dolfinx import fem, mesh
 from dolfinx.fem import petsc
+from faces import FaceContact
 from mpi4py import MPI
 from petsc4py import PETSc
-from scene import Scene, on_master, on_slave
+from scene import on_master, on_slave
+from solvers import GapMultigrid, ShellTangent, rigid_body_modes
+from source import MeshFile
 from surfaces import input_numbers
 
 import diffuse_contact as dc
 
 PENALTY, LIMIT, SKIN = 2e4, 0.6, 0.4
 PRESS, SLIDE = np.array([0.1, 0.0, -0.1]), np.array([0.3, 0.0, 0.0])
-REVERSE = PETSc.ScatterMode.REVERSE
 
 
 class Problem:
     """What SNES asks for."""
 
-    def __init__(self, u: fem.Function, form: ufl.Form, conditions: list, contact: Contact) -> None:
-        self.u, self.vector, self.conditions, self.contact = u, vector(u), conditions, contact
+    def __init__(self, u: fem.Function, form: ufl.Form, conditions: list, contact: Contact, shell: bool) -> None:
+        self.u, self.vector, self.conditions, self.contact, self.shell = u, vector(u), conditions, contact, shell
         self.residual_form = fem.form(form)
         self.tangent_form = fem.form(ufl.derivative(form, u))
+        self.way = fem.Function(u.function_space)
+        self.change_form = fem.form(ufl.derivative(form, u, self.way))
         solids = petsc.assemble_matrix(self.tangent_form)
         solids.assemble()
-        self.pattern = Pattern.of(solids)
-        solids.destroy()
+        self.pattern, self.solids = Pattern.of(solids), solids
         self.residual, self.forces = self.vector.duplicate(), self.vector.duplicate()
         #: Equations of this rank with given displacements, as they are numbered here; behind them come those of ghosts.
         held = np.concatenate([given.dof_indices()[0] for given in conditions])
         self.held = held[held < self.residual.getLocalSize()]
         contact.held.array_w[self.held] = 1.0
-        self.near_null_space = rigid_body_modes(u.function_space, self.vector)
+        positions = u.function_space.tabulate_dof_coordinates()[: self.vector.getLocalSize() // 3]
+        self.near_null_space = rigid_body_modes(positions, self.vector, np.empty(0, dtype=np.int64))
         self.which = "gauss-newton"
 
     def take_over(self, x: PETSc.Vec) -> None:
@@ -83,7 +92,7 @@ class Problem:
         return dc.adaptive_tangent(residual, max(reaction, self.forces.norm()))
 
     def prepare(self, snes: PETSc.SNES, iteration: int) -> None:
-        """Before each linear system: where other nodes couple, the matrix is another one."""
+        """Before each linear system: where other nodes couple, an assembled matrix is another one."""
         if self.contact.is_changed():
             matrix = self.contact.union(self.pattern)
             matrix.setNearNullSpace(self.near_null_space)
@@ -92,35 +101,62 @@ class Problem:
     def J(self, snes: PETSc.SNES, x: PETSc.Vec, A: PETSc.Mat, P: PETSc.Mat) -> None:
         """The derivative of F, which SNES has called here last."""
         self.take_over(x)
-        A.zeroEntries()
-        petsc.assemble_matrix(A, self.tangent_form, bcs=self.conditions)
-        A.assemble()
-        self.contact.evaluate(self.vector, "hessian")
-        self.contact.add_tangent(A, self.which)
-
-    def impose(self, x: PETSc.Vec) -> None:
-        """Given displacements, before a line search asks for residuals that go down."""
-        petsc.set_bc(x, self.conditions)
-
-
-def rigid_body_modes(space: fem.FunctionSpace, like: PETSc.Vec) -> PETSc.NullSpace:
-    """For algebraic multigrid: what elasticity hardly resists."""
-    x = space.tabulate_dof_coordinates()[: like.getLocalSize() // 3]
-    modes = []
-    for mode in range(6):
-        values = np.zeros_like(x)
-        if mode < 3:
-            values[:, mode] = 1.0
+        P.zeroEntries()
+        petsc.assemble_matrix(P, self.tangent_form, bcs=self.conditions)
+        P.assemble()
+        if self.shell:
+            self.contact.evaluate(self.vector, "gradient")
+            self.contact.linearise(self.which)
+            A.assemble()
         else:
-            i, j = ((1, 2), (2, 0), (0, 1))[mode - 3]
-            values[:, i], values[:, j] = -x[:, j], x[:, i]
-        made = like.duplicate()
-        made.array_w[:] = values.reshape(-1)
-        for other in modes:
-            made.axpy(-made.dot(other), other)
-        made.normalize()
-        modes.append(made)
-    return PETSc.NullSpace().create(vectors=modes, comm=like.comm)
+            self.contact.evaluate(self.vector, "hessian")
+            self.contact.add_tangent(P, self.which)
+
+    def shell_error(self, shell: PETSc.Mat) -> float:
+        """By how much a product of the shell differs from that of the assembled matrix, over the latter; after J."""
+        self.contact.evaluate(self.vector, "hessian")
+        matrix = self.contact.union(self.pattern)
+        petsc.assemble_matrix(matrix, self.tangent_form, bcs=self.conditions)
+        matrix.assemble()
+        self.contact.add_tangent(matrix, self.which)
+        v = self.vector.duplicate()
+        v.setRandom()
+        expected, found = matrix * v, shell * v
+        return (found - expected).norm() / expected.norm()
+
+    def predict(self, snes: PETSc.SNES, x: PETSc.Vec) -> int:
+        """Moves x to where the tangent says that the given displacements lead; iterations of the linear solver.
+
+        A line search needs them imposed, and imposed alone they crush the cells beside them.
+        """
+        b = self.residual.duplicate()
+        self.F(snes, x, b)
+        if not self.shell:
+            self.prepare(snes, 0)
+        A, P = snes.getJacobian()[:2]
+        with beside_the_edge(self.contact):
+            self.J(snes, x, A, P)
+        way = x.duplicate()
+        petsc.set_bc(way, self.conditions)
+        way.array_w[self.held] -= x.array_r[self.held]
+        way.copy(vector(self.way))
+        vector(self.way).ghostUpdate(addv=INSERT, mode=FORWARD)
+        change = self.residual.duplicate()
+        petsc.assemble_vector(change, self.change_form)
+        change.ghostUpdate(addv=ADD, mode=REVERSE)
+        b.axpy(1.0, change)
+        b.scale(-1.0)
+        b.array_w[self.held] = 0.0
+        ksp = snes.getKSP()
+        ksp.setOperators(A, P)
+        free = x.duplicate()
+        ksp.solve(b, free)
+        if ksp.getConvergedReason() <= 0:
+            raise RuntimeError(f"the linear solver ends with reason {ksp.getConvergedReason()}")
+        x.axpy(1.0, way)
+        x.axpy(1.0, free)
+        petsc.set_bc(x, self.conditions)
+        return ksp.getIterationNumber()
 
 
 def hyperelastic(space: fem.FunctionSpace, u: fem.Function) -> ufl.Form:
@@ -135,13 +171,27 @@ def hyperelastic(space: fem.FunctionSpace, u: fem.Function) -> ufl.Form:
     return ufl.derivative(energy * dx, u, ufl.TestFunction(space))
 
 
-def solver(comm: MPI.Comm, linear: str, friction: bool) -> PETSc.SNES:
-    """Newton with a line search; MUMPS, or GAMG with CG, with friction GMRES. ``-press_…`` come last."""
+#: What PETSc's defaults are replaced by; ``-press_…`` on the command line come last.
+OPTIONS = {
+    # The residual's norm has kinks where contacts close, in which a search for less of it (bt) gets caught. This one
+    # seeks where the residual does no work.
+    "snes_linesearch_type": "cp",
+    "snes_linesearch_max_it": 5,
+}
+
+
+def solver(comm: MPI.Comm, linear: str, symmetric: bool, multigrid: GapMultigrid) -> PETSc.SNES:
+    """Newton with a line search; MUMPS, or multigrid with CG, for tangents that are not symmetric GMRES."""
     snes = PETSc.SNES().create(comm)
     snes.setOptionsPrefix("press_")
     options = PETSc.Options("press_")
-    if not options.hasName("snes_linesearch_type"):
-        options["snes_linesearch_type"] = "bt"
+    if linear == "gamg":
+        # No aggressive coarsening, which takes twice the iterations: by the name of this version.
+        name = "square_graph" if PETSc.Sys.getVersion() < (3, 19) else "aggressive_coarsening"
+        OPTIONS[f"gap_pc_gamg_{name}"] = 0
+    for name, value in OPTIONS.items():
+        if not options.hasName(name):
+            options[name] = value
     snes.setType("newtonls")
     snes.setTolerances(rtol=0.0, atol=1e-9, stol=0.0, max_it=40)
     ksp = snes.getKSP()
@@ -150,17 +200,28 @@ def solver(comm: MPI.Comm, linear: str, friction: bool) -> PETSc.SNES:
         ksp.getPC().setType("lu")
         ksp.getPC().setFactorSolverType("mumps")
     else:
-        ksp.setType("gmres" if friction else "cg")
+        ksp.setType("cg" if symmetric else "gmres")
         ksp.setTolerances(rtol=1e-8, max_it=500)
-        ksp.getPC().setType("gamg")
+        ksp.getPC().setType("python")
+        ksp.getPC().setPythonContext(multigrid)
     snes.setFromOptions()
     return snes
 
 
-def solve(comm: MPI.Comm, arguments: argparse.Namespace) -> tuple[dict, dict]:
-    """All increments. What rank 0 prints, and what this rank has of the result."""
-    dc.set_threads(1)
-    domain = Scene(arguments.fine).mesh(comm, arguments.partitioner)
+def lowered(space: fem.FunctionSpace, way: float) -> PETSc.Vec:
+    """Displacements: the block as a whole goes down."""
+    made = fem.Function(space)
+    # What dolfinx 0.9 does not make by itself.
+    space.mesh.topology.create_connectivity(3, 3)
+    block = mesh.locate_entities(space.mesh, 3, lambda x: x[2] > -1e-9)
+    nodes = fem.locate_dofs_topological(space, 3, block)
+    found = vector(made).duplicate()
+    found.array_w[3 * nodes[3 * nodes < found.getLocalSize()] + 2] = -way
+    return found
+
+
+def problem_of(domain: mesh.Mesh, arguments: argparse.Namespace) -> tuple[Problem, fem.Constant]:
+    """The problem, and where the plate is."""
     space = displacements(domain)
     u = fem.Function(space)
     plate = fem.Constant(domain, np.zeros(3))
@@ -173,68 +234,95 @@ def solve(comm: MPI.Comm, arguments: argparse.Namespace) -> tuple[dict, dict]:
         "skin": SKIN / arguments.fine,
         "friction": arguments.friction,
     }
-    contact = Contact(space, vector(u), on_master, on_slave, **law)
-    problem = Problem(u, hyperelastic(space, u), conditions, contact)
-    contact.accept(vector(u))
+    of = FaceContact if arguments.integration == "faces" else Contact
+    contact = of(space, vector(u), on_master, on_slave, **law)
+    return Problem(u, hyperelastic(space, u), conditions, contact, arguments.tangent == "operator"), plate
 
-    snes = solver(comm, arguments.linear, arguments.friction is not None)
+
+def newton_of(comm: MPI.Comm, problem: Problem, arguments: argparse.Namespace) -> PETSc.SNES:
+    """The solver of the problem."""
+    symmetric = arguments.friction is None and arguments.integration == "nodes"
+    multigrid = GapMultigrid(problem.contact, problem.u.function_space, adds=problem.shell)
+    snes = solver(comm, arguments.linear, symmetric, multigrid)
     snes.setFunction(problem.F, problem.residual)
-    snes.setUpdate(problem.prepare)
-    contact.evaluate(vector(u), "gradient")
-    problem.prepare(snes, 0)
-    x = vector(u).duplicate()
-    iterations, linear, residuals, renewals = [], [], [], []
+    if problem.shell:
+        snes.setJacobian(problem.J, ShellTangent(problem.solids, problem.contact).matrix(), problem.solids)
+    else:
+        snes.setUpdate(problem.prepare)
+    return snes
+
+
+def solve(comm: MPI.Comm, arguments: argparse.Namespace) -> tuple[dict, dict]:
+    """All increments. What rank 0 prints, and what this rank has of the result."""
+    dc.set_threads(1)
+    file = MeshFile(comm, arguments.mesh)
+    problem, plate = problem_of(file.mesh(arguments.partitioner), arguments)
+    contact, u = problem.contact, problem.vector
+    contact.accept(u)
+    x = lowered(problem.u.function_space, arguments.lower)
+    problem.take_over(x)
+    snes = newton_of(comm, problem, arguments)
+    found = {"iterations": [], "linear": [], "residuals": [], "renewals": []}
     for increment in range(1, arguments.press + arguments.slide + 1):
         plate.value += PRESS if increment <= arguments.press else SLIDE
-        problem.impose(x)
+        first = problem.predict(snes, x)
         snes.setConvergenceHistory()
         snes.solve(None, x)
         if snes.getConvergedReason() <= 0:
             raise RuntimeError(f"increment {increment}: SNES ends with reason {snes.getConvergedReason()}")
         problem.take_over(x)
-        iterations.append(snes.getIterationNumber())
-        linear.append(snes.getLinearSolveIterations())
-        residuals.append(snes.getConvergenceHistory()[0].tolist())
-        renewals.append(contact.renewals)
-        contact.evaluate(vector(u), "hessian")
+        found["iterations"].append(snes.getIterationNumber())
+        found["linear"].append(first + snes.getLinearSolveIterations())
+        found["residuals"].append(snes.getConvergenceHistory()[0].tolist())
+        found["renewals"].append(contact.renewals)
+        contact.evaluate(u, "hessian")
         results = contact.results()
-        contact.accept(vector(u))
-    if not iterations:
-        contact.evaluate(vector(u), "hessian")
+        contact.accept(u)
+    if not found["iterations"]:
+        contact.evaluate(u, "hessian")
         results = contact.results()
-    index_map = space.dofmap.index_map
-    summary = {
-        "iterations": iterations,
-        "linear": linear,
-        "residuals": residuals,
-        "renewals": renewals,
-        "force": comm.allreduce(results["slave_forces"].sum(axis=0)).tolist(),
-        "slaves_of_ranks": comm.gather(len(contact.slaves)),
-        "masters_of_ranks": comm.gather(len(contact.names)),
-        "bytes_of_ranks": comm.gather(contact.nbytes),
-        "sent_of_ranks": comm.gather(dict(contact.exchange.sent)),
-        "messages_of_ranks": comm.gather(dict(contact.exchange.messages)),
-        "unknowns": 3 * index_map.size_global,
+    if problem.shell:
+        tangent, solids = snes.getJacobian()[:2]
+        problem.J(snes, x, tangent, solids)
+        found["shell_error"] = problem.shell_error(tangent)
+    results["displacements"] = u.array_r.reshape(-1, 3).copy()
+    results["nodes"] = input_numbers(problem.u.function_space)
+    of_ranks = {
+        "slaves_of_ranks": len(contact.slaves),
+        "masters_of_ranks": contact.masters,
+        "bytes_of_ranks": contact.nbytes,
+        "read_of_ranks": file.nbytes,
+        "sent_of_ranks": dict(contact.exchange.sent),
+        "messages_of_ranks": dict(contact.exchange.messages),
     }
-    results["displacements"] = vector(u).array_r.reshape(-1, 3).copy()
-    results["nodes"] = input_numbers(space)
-    return summary, results
+    found.update({name: comm.gather(value) for name, value in of_ranks.items()})
+    found["force"] = comm.allreduce(results["slave_forces"].sum(axis=0)).tolist()
+    found["unknowns"] = u.getSize()
+    return found, results
 
 
 def main() -> None:
     """Prints the results, and writes what each rank has to files if a folder is named."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("mesh", type=Path, help="an XDMF file: scene.py writes one")
     parser.add_argument("--partitioner", choices=["dolfinx", "strips", "blocks", "random"], default="dolfinx")
     parser.add_argument("--linear", choices=["mumps", "gamg"], default="mumps")
+    parser.add_argument("--integration", choices=["nodes", "faces"], default="nodes")
+    parser.add_argument("--tangent", choices=["assembled", "operator"], default="assembled")
     parser.add_argument(
         "--friction", type=float, help="coefficient; the module has to be built with its feature friction"
     )
     parser.add_argument("--penalty", type=float, default=PENALTY, help="force per length³")
+    parser.add_argument("--lower", type=float, default=0.0, help="the block before the first increment, length")
     parser.add_argument("--press", type=int, default=4, help="increments down and along x")
     parser.add_argument("--slide", type=int, default=0, help="increments of 0.3 along x after that")
     parser.add_argument("--fine", type=int, default=1, help="cells in place of each, along x and y")
     parser.add_argument("--results", type=Path, help="a folder")
     arguments, others = parser.parse_known_args()
+    if arguments.tangent == "operator" and (arguments.friction is not None or arguments.integration == "faces"):
+        parser.error("there is an operator over nodes and without friction only")
+    if arguments.tangent == "operator" and arguments.linear == "mumps":
+        parser.error("MUMPS factors a matrix: --tangent operator goes with --linear gamg")
     PETSc.Options().insertString(" ".join(others))
     comm = MPI.COMM_WORLD
     summary, results = solve(comm, arguments)

@@ -1,16 +1,20 @@
-"""A block on an arch: the mesh, as any program that makes meshes would hand it over, and partitions of its cells."""
+#!/usr/bin/env python3
+"""A block on an arch: writes the mesh to a file, as a program that makes meshes would hand it over.
+
+``scene.py mesh.xdmf`` writes XDMF with HDF5 by one process, with ``--arrays`` also what is in the file as numpy arrays.
+Ranks of ``press.py`` each read a part of it: see ``source``.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import argparse
+from pathlib import Path
 
 import numpy as np
-from compat import destinations, hexahedra
-from dolfinx import mesh
-from mpi4py import MPI
-from surfaces import CORNERS
 
 RADIUS = 8.0
+# Corners of the facets of a hexahedron in dolfinx's order, counter-clockwise seen from outside.
+CORNERS = np.array([[0, 2, 3, 1], [0, 1, 5, 4], [0, 4, 6, 2], [1, 3, 7, 5], [2, 6, 7, 3], [4, 5, 7, 6]])
 
 
 def brick(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -38,51 +42,42 @@ def on_slave(x: np.ndarray) -> np.ndarray:
     return (np.abs(x[2]) < 1e-9) & (np.abs(x[0]) < 2 + 1e-9) & (x[1] > -1e-9) & (x[1] < 2 + 1e-9)
 
 
-class Scene:
-    """The mesh by the numbers of its input; ``fine`` cells take the place of each, along x and along y."""
+def block_on_arch(fine: int = 1, deep: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and cells; ``fine`` cells take the place of each along x and along y, ``deep`` along z."""
+    cells = (np.array([fine, fine, deep]) * [[9, 5, 3], [10, 4, 4]]).tolist()
+    (a, b, c), (d, e, f) = cells
+    arch, arch_cells = brick(np.linspace(-4, 4, a + 1), np.linspace(-1, 3, b + 1), np.linspace(-2, 0, c + 1))
+    arch[:, 2] += arch_height(arch[:, 0]) * (arch[:, 2] + 2) / 2
+    block, block_cells = brick(np.linspace(-2, 2, d + 1), np.linspace(0, 2, e + 1), np.linspace(0, 2, f + 1))
+    return np.vstack([arch, block]), np.vstack([arch_cells, block_cells + len(arch)]).astype(np.int64)
 
-    def __init__(self, fine: int = 1) -> None:
-        cells = (np.array([fine, fine, 1]) * [[9, 5, 3], [10, 4, 4]]).tolist()
-        (a, b, c), (d, e, f) = cells
-        arch, arch_cells = brick(np.linspace(-4, 4, a + 1), np.linspace(-1, 3, b + 1), np.linspace(-2, 0, c + 1))
-        arch[:, 2] += arch_height(arch[:, 0]) * (arch[:, 2] + 2) / 2
-        block, block_cells = brick(np.linspace(-2, 2, d + 1), np.linspace(0, 2, e + 1), np.linspace(0, 2, f + 1))
-        self.nodes = np.vstack([arch, block])
-        self.cells = np.vstack([arch_cells, block_cells + len(arch)]).astype(np.int64)
-        # The upper facets of the arch's last layer, the lower ones of the block's first.
-        self.master_facets = arch_cells[-a * b :][:, CORNERS[5]]
-        self.slave_facets = block_cells[: d * e][:, CORNERS[0]] + len(arch)
 
-    def parts(self, partitioner: str, ranks: int) -> np.ndarray:
-        """The rank of each cell: in ``"strips"`` across x, in ``"blocks"`` of x and y, or at ``"random"``."""
-        middle = self.nodes[self.cells].mean(axis=1)
-        if partitioner == "random":
-            return np.random.default_rng(1).permutation(np.arange(len(middle)) % ranks)
-        rows = 2 if partitioner == "blocks" and ranks % 2 == 0 else 1
-        across = np.clip((middle[:, 0] + 2.5) / 5 * (ranks // rows), 0, ranks // rows - 1).astype(int)
-        along = np.clip(middle[:, 1] / 2 * rows, 0, rows - 1).astype(int)
-        return rows * across + along
+def facets_on(nodes: np.ndarray, cells: np.ndarray, is_on: object) -> np.ndarray:
+    """The facets, shape (f, 4), whose corners all satisfy ``is_on(x)``: cell by cell, in the order of ``CORNERS``."""
+    facets = cells[:, CORNERS].reshape(-1, 4)
+    return facets[is_on(nodes.T)[facets].all(axis=1)]
 
-    def partitioner(self, name: str, comm: MPI.Comm) -> Callable[..., object] | None:
-        """None for dolfinx's own."""
-        if name == "dolfinx":
-            return None
 
-        def partition(*_: object) -> object:
-            # The rank that owns the cell, then those it is a ghost of: they own a cell with a node in common.
-            if comm.rank != 0:
-                return destinations([])
-            owners = self.parts(name, comm.size)
-            ranks = [[owner] for owner in owners]
-            for rank in range(comm.size):
-                beside = np.isin(self.cells, self.cells[owners == rank]).any(axis=1)
-                for cell in np.flatnonzero(beside & (owners != rank)):
-                    ranks[cell].append(rank)
-            return destinations(ranks)
+def main() -> None:
+    """Writes the file."""
+    from compat import hexahedra
+    from dolfinx.io import XDMFFile
+    from mpi4py import MPI
+    from source import MeshFile
 
-        return partition
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("file", type=Path, help="mesh.xdmf; mesh.h5 comes beside it")
+    parser.add_argument("--fine", type=int, default=1, help="cells in place of each, along x and y")
+    parser.add_argument("--deep", type=int, default=1, help="the same along z")
+    parser.add_argument("--arrays", type=Path, help="nodes and cells of the file as .npz")
+    arguments = parser.parse_args()
+    nodes, cells = block_on_arch(arguments.fine, arguments.deep)
+    with XDMFFile(MPI.COMM_SELF, str(arguments.file), "w") as file:
+        file.write_mesh(hexahedra(MPI.COMM_SELF, cells, nodes, None))
+    if arguments.arrays is not None:
+        mesh = MeshFile(MPI.COMM_SELF, arguments.file)
+        np.savez(arguments.arrays, nodes=mesh.nodes, cells=mesh.cells)
 
-    def mesh(self, comm: MPI.Comm, partitioner: str) -> mesh.Mesh:
-        """The mesh, put in by rank 0 and distributed."""
-        here = slice(None) if comm.rank == 0 else slice(0, 0)
-        return hexahedra(comm, self.cells[here], self.nodes[here], self.partitioner(partitioner, comm))
+
+if __name__ == "__main__":
+    main()

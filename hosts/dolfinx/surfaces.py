@@ -8,11 +8,9 @@ import numpy as np
 from compat import nodes_of_cells, owners
 from dolfinx import fem, mesh
 from exchange import Exchange
+from scene import CORNERS
 
 import diffuse_contact as dc
-
-# Corners of the facets of a hexahedron in dolfinx's order, counter-clockwise seen from outside.
-CORNERS = np.array([[0, 2, 3, 1], [0, 1, 5, 4], [0, 4, 6, 2], [1, 3, 7, 5], [2, 6, 7, 3], [4, 5, 7, 6]])
 
 
 @dataclass

@@ -21,8 +21,8 @@ pub struct FacePass {
     tangent: TangentRule,
     /// Its stiffness is per area.
     friction: Option<PassFriction>,
-    /// Work of friction up to the last increment, energy.
-    dissipated: f64,
+    /// What friction remembers besides the interface's history, which is left empty here.
+    history: FrictionHistory,
     dofs: DofMap,
     /// λ, one pressure per slave; none without augmentation.
     multipliers: Vec<f64>,
@@ -62,7 +62,7 @@ impl FacePass {
             penalty,
             tangent: options.tangent,
             friction: PassFriction::new(options, penalty)?,
-            dissipated: 0.0,
+            history: FrictionHistory::default(),
             dofs: DofMap::standard(positions.len()),
             multipliers: if options.augmentation.is_some() { vec![0.0; slaves] } else { Vec::new() },
             held: vec![false; positions.len()],
@@ -145,24 +145,34 @@ impl Pass for FacePass {
     }
 
     fn accept(&mut self) -> Result<FrictionReport, PassError> {
+        let before = self.interface.history();
         let law = law(self.penalty, &self.multipliers, self.friction.as_ref());
         let report = self.interface.accept(&law)?;
-        self.dissipated += report.dissipated;
+        self.history.take(before, self.friction.as_ref(), &report);
         Ok(report)
     }
 
     fn friction_history(&self) -> FrictionHistory {
-        FrictionHistory { anchors: self.interface.history(), dissipated: self.dissipated }
+        FrictionHistory { anchors: self.interface.history(), ..self.history.clone() }
     }
 
     fn set_friction_history(&mut self, history: &FrictionHistory) -> Result<(), PassError> {
         self.interface.set_history(&history.anchors)?;
-        self.dissipated = history.dissipated;
+        self.history = FrictionHistory { anchors: Vec::new(), ..history.clone() };
         Ok(())
     }
 
+    fn look_back(&mut self, history: &FrictionHistory) -> Result<bool, PassError> {
+        if history.anchors_before.is_empty() {
+            return Ok(false);
+        }
+        self.interface.set_history(&history.anchors_before)?;
+        self.lasts(history.lasted);
+        Ok(true)
+    }
+
     fn dissipated(&self) -> f64 {
-        self.dissipated
+        self.history.dissipated
     }
 
     fn augment(&mut self) {

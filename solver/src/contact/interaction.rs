@@ -481,6 +481,16 @@ impl Interaction {
         self.each(|pass| own.next().map_or(Ok(()), |own| pass.set_friction_history(own)))
     }
 
+    /// Goes back to the start of the last increment; whether any pass had one.
+    pub(super) fn look_back(&mut self, history: &[FrictionHistory]) -> Result<bool, ContactError> {
+        let (mut own, mut any) = (history.iter(), false);
+        self.each(|pass| {
+            any |= own.next().map_or(Ok(false), |own| pass.look_back(own))?;
+            Ok(())
+        })?;
+        Ok(any)
+    }
+
     /// Work of friction so far, energy.
     #[must_use]
     pub fn dissipated(&self) -> f64 {

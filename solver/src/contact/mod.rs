@@ -195,6 +195,22 @@ impl ContactSet {
         self.for_each_with(history, Interaction::set_friction_history)
     }
 
+    /// Measures friction as in the increment that led to this history, so that slaves that slid at its end slide on; whether there was
+    /// one. [`set_friction_history`](Self::set_friction_history) and [`lasts`](Self::lasts) end that. A refresh has to follow.
+    ///
+    /// # Errors
+    /// As [`set_friction_history`](Self::set_friction_history).
+    pub(crate) fn look_back(&mut self, history: &[FrictionHistory]) -> Result<bool, ContactError> {
+        let mut any = false;
+        let mut rest = history;
+        for interaction in &mut self.interactions {
+            let (own, others) = rest.split_at(interaction.pass_count());
+            any |= interaction.look_back(own)?;
+            rest = others;
+        }
+        Ok(any)
+    }
+
     /// Updates the multipliers of the augmented Lagrangian interactions, normal and tangential, if another round is
     /// [`Due`](Augmented::Due) for one of them. Otherwise, with all gaps and slips within their tolerances or all rounds over, the
     /// multipliers stay.

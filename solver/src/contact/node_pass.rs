@@ -29,8 +29,8 @@ pub struct NodePass {
     friction: Option<PassFriction>,
     /// Whether the tangent leaves out what is not symmetric.
     is_symmetric: bool,
-    /// Work of friction up to the last increment, energy.
-    dissipated: f64,
+    /// What friction remembers besides the interface's history, which is left empty here.
+    history: FrictionHistory,
     dofs: DofMap,
     /// λ, one per slave; none without augmentation.
     multipliers: Vec<f64>,
@@ -79,7 +79,7 @@ impl NodePass {
             tangent,
             friction,
             is_symmetric: options.friction.as_ref().is_some_and(|friction| friction.is_symmetric),
-            dissipated: 0.0,
+            history: FrictionHistory::default(),
             dofs,
             multipliers,
             held: vec![false; positions.len()],
@@ -121,25 +121,35 @@ impl Pass for NodePass {
     }
 
     fn accept(&mut self) -> Result<FrictionReport, PassError> {
+        let before = self.interface.history();
         let Self { interface, penalty, multipliers, friction, .. } = self;
         let friction = friction.as_ref().map(PassFriction::law);
         let report = interface.accept(&normal_law(*penalty, multipliers).with_friction(friction))?;
-        self.dissipated += report.dissipated;
+        self.history.take(before, self.friction.as_ref(), &report);
         Ok(report)
     }
 
     fn friction_history(&self) -> FrictionHistory {
-        FrictionHistory { anchors: self.interface.history(), dissipated: self.dissipated }
+        FrictionHistory { anchors: self.interface.history(), ..self.history.clone() }
     }
 
     fn set_friction_history(&mut self, history: &FrictionHistory) -> Result<(), PassError> {
         self.interface.set_history(&history.anchors)?;
-        self.dissipated = history.dissipated;
+        self.history = FrictionHistory { anchors: Vec::new(), ..history.clone() };
         Ok(())
     }
 
+    fn look_back(&mut self, history: &FrictionHistory) -> Result<bool, PassError> {
+        if history.anchors_before.is_empty() {
+            return Ok(false);
+        }
+        self.interface.set_history(&history.anchors_before)?;
+        self.lasts(history.lasted);
+        Ok(true)
+    }
+
     fn dissipated(&self) -> f64 {
-        self.dissipated
+        self.history.dissipated
     }
 
     fn refresh(&mut self, positions: &[Point]) -> Result<(), PassError> {

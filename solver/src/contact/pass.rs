@@ -25,8 +25,25 @@ pub struct NodalForces {
 pub struct FrictionHistory {
     /// [`history`](diffuse_contact::interface::ContactInterface::history) of the interface; empty before the first increment.
     pub anchors: Vec<f64>,
+    /// The same at the start of the last increment: from there slaves that slid slide on. Empty before there was one, and in what an
+    /// earlier version wrote.
+    #[serde(default)]
+    pub anchors_before: Vec<f64>,
+    /// How long the last increment lasted.
+    #[serde(default)]
+    pub lasted: f64,
     /// Work of friction so far, energy.
     pub dissipated: f64,
+}
+
+impl FrictionHistory {
+    /// Takes over what an increment did that began with these anchors; nothing without friction.
+    pub fn take(&mut self, before: Vec<f64>, friction: Option<&PassFriction>, report: &FrictionReport) {
+        let Some(friction) = friction else { return };
+        self.anchors_before = before;
+        self.lasted = friction.duration;
+        self.dissipated += report.dissipated;
+    }
 }
 
 /// The friction of a pass.
@@ -150,6 +167,9 @@ pub trait Pass: std::fmt::Debug {
 
     /// Goes on from it.
     fn set_friction_history(&mut self, history: &FrictionHistory) -> Result<(), PassError>;
+
+    /// Goes back to the start of the last increment, so that its end is evaluated as it was found; whether there was one.
+    fn look_back(&mut self, history: &FrictionHistory) -> Result<bool, PassError>;
 
     /// Work of friction so far, energy.
     fn dissipated(&self) -> f64;

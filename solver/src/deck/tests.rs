@@ -571,6 +571,7 @@ fn the_example_decks_build() {
         ("cattaneo_mindlin", (6400 + 5472, 160, 144)),
         ("press_fit", (24 * 6 * 2 + 20 * 8 * 2, 40, 48)),
         ("shaft_in_bush", (120, 160, 60)),
+        ("shallow_ironing", (60 * 12 + 12 * 6, 60, 12 + 2 * 6)),
         ("squeezed_tube", (48, 72, 24)),
         ("two_blocks", (14 * 14 * 7 + 10 * 10 * 5, 196, 100)),
     ]);

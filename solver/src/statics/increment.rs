@@ -95,13 +95,15 @@ impl<'a> Increment<'a> {
         let mut balance = match self.extrapolate()? {
             Some(balance) => balance,
             None => {
-                // Seen from the committed points the next step is elastic; with the tangent of the last increment yielding goes on.
+                // Seen from the committed points the next step is elastic; with the tangent of the last increment yielding goes on, and
+                // so does sliding.
+                let slides_on = self.look_back()?;
                 let before = &self.committed.points_before;
                 let balance = self.problem.evaluate(self.end, &self.positions, before, Order::Tangent)?;
                 // Who has no element already here is not kept by a shorter increment.
                 self.problem.contacts_mut().excuse();
                 self.record(balance, observer)?;
-                self.predict()?
+                self.predict(slides_on)?
             }
         };
         self.rounds.iterations = 1;
@@ -227,18 +229,42 @@ impl<'a> Increment<'a> {
 
     /// The linear step that takes the prescribed nodes to where they belong: the whole of it, since they do not belong half-way. If it
     /// turns an element inside out a shorter increment has to do.
-    fn predict(&mut self) -> Result<Balance, Failure> {
+    fn predict(&mut self, slides_on: bool) -> Result<Balance, Failure> {
         let prescribed: Vec<(usize, f64)> = self
             .targets()
             .into_iter()
             .map(|(freedom, target)| (freedom, target - self.positions[freedom / 3][freedom % 3]))
             .collect();
         let step = self.linear_solution(&prescribed, PREDICTION)?;
+        if slides_on {
+            let contacts = self.problem.contacts_mut();
+            contacts.set_friction_history(&self.committed.friction)?;
+            contacts.lasts(self.end - self.committed.time);
+            self.problem.refresh(RefreshRule::Increment, &self.positions)?;
+        }
         let origin = self.positions.clone();
         self.advance(&origin, &step, 1.0);
         self.place_prescribed();
         self.step = 1.0;
         self.settle()
+    }
+
+    /// Measures friction as in the last increment, unless what is prescribed turns by a right angle or more; whether it does.
+    fn look_back(&mut self) -> Result<bool, Failure> {
+        let State { time, friction, .. } = self.committed;
+        let lasted = friction.iter().map(|pass| pass.lasted).fold(0.0, f64::max);
+        let at = |time: f64| self.problem.supports().targets(time, self.problem.start_positions());
+        let ways = at(time - lasted).zip(at(*time)).zip(at(self.end));
+        let (mut along, mut size) = (0.0, 0.0);
+        for (((_, before), (_, now)), (_, then)) in ways {
+            along += (now - before) * (then - now);
+            size += (then - now).abs();
+        }
+        if !(along > 0.0 || size == 0.0) || !self.problem.contacts_mut().look_back(friction)? {
+            return Ok(false);
+        }
+        self.problem.refresh(RefreshRule::Increment, &self.positions)?;
+        Ok(true)
     }
 
     /// Where the prescribed degrees of freedom belong.

@@ -23,5 +23,6 @@ mod neighbourhood_layers;
 mod operator;
 mod regularity;
 mod self_contact;
+mod self_contact_faces;
 mod surface;
 mod windows;

@@ -9,7 +9,7 @@ use diffuse_contact::{Mode, Point};
 use super::common::{Mesh, Uniform};
 
 /// The smooth surface, and facets.
-fn elements() -> [InterfaceOptions; 2] {
+pub fn elements() -> [InterfaceOptions; 2] {
     [InterfaceOptions::default(), InterfaceOptions::node_to_facet()]
 }
 
@@ -26,7 +26,7 @@ fn gaps(interface: &mut ContactInterface) -> Vec<Option<f64>> {
 }
 
 /// Two meshes as one.
-fn both(one: &Mesh, other: &Mesh) -> Mesh {
+pub fn both(one: &Mesh, other: &Mesh) -> Mesh {
     let first = one.positions.len();
     let moved = |facet: &Facet| match *facet {
         Facet::Triangle(corners) => Facet::Triangle(corners.map(|k| k + first)),
@@ -39,7 +39,7 @@ fn both(one: &Mesh, other: &Mesh) -> Mesh {
 }
 
 /// A hairpin: two legs of length `leg` one above the other, `apart` from one another, joined by half a turn at x > 0. Seen from inside.
-fn hairpin(leg: f64, apart: f64, cells: usize) -> Mesh {
+pub fn hairpin(leg: f64, apart: f64, cells: usize) -> Mesh {
     let radius = 0.5 * apart;
     let length = 2.0 * leg + std::f64::consts::PI * radius;
     Mesh::grid([cells + 1, 5], [false; 2], |s, t| {

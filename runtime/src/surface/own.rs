@@ -97,12 +97,9 @@ impl OwnSurface {
         let surface = index.surface();
         let (point, normals) = (index.positions()[place], index.normals());
         let normal = normal_at(surface, place, |facet| index.shape(facet));
-        let (near, x) = (&self.near[place], Vector3::from(point));
+        let x = Vector3::from(point);
         let may_touch = |facet: u32| {
-            normals[facet as usize].dot(&normal) <= OPPOSITE
-                && near.binary_search(&facet).is_err()
-                && !self.is_back(surface, place, facet)
-                && !domains.is_some_and(|domains| domains.lists(facet, place as u32))
+            normals[facet as usize].dot(&normal) <= OPPOSITE && self.is_apart(surface, domains, place, facet)
         };
         let around = |facet: u32| {
             let corners = |facet: u32| surface.corners_of(facet as usize);
@@ -116,6 +113,36 @@ impl OwnSurface {
             None => may_touch(facet),
             Some(foot) => is_in_front(facet, foot),
         })
+    }
+
+    /// How deep points of one of the surface's facets may lie below another one, length; `None` if they can never touch it. That they face
+    /// each other is for the caller to see.
+    pub fn depth_below(
+        &self,
+        surface: &MasterSurface,
+        domains: Option<&NodalDomains>,
+        own: u32,
+        facet: u32,
+    ) -> Option<f64> {
+        let corners = surface.corners_of(own as usize);
+        corners
+            .iter()
+            .all(|&place| self.is_apart(surface, domains, place as usize, facet))
+            .then(|| corners.iter().map(|&place| self.depth(surface, place as usize, facet)))
+            .map(|depths| depths.fold(f64::INFINITY, f64::min))
+    }
+
+    /// Whether a facet is far from a node along the skin, and not its back.
+    fn is_apart(
+        &self,
+        surface: &MasterSurface,
+        domains: Option<&NodalDomains>,
+        place: usize,
+        facet: u32,
+    ) -> bool {
+        self.near[place].binary_search(&facet).is_err()
+            && !self.is_back(surface, place, facet)
+            && !domains.is_some_and(|domains| domains.lists(facet, place as u32))
     }
 
     /// The nodes of a facet in the first configuration.

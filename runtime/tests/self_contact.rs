@@ -136,6 +136,29 @@ fn plates_on_one_another_touch_the_next_and_no_other() {
     }
 }
 
+/// Legs of a serpentine whose two skins do not hang together: behind a leg is its other skin, and not the same skin of the next leg.
+#[test]
+fn the_back_of_a_wall_may_be_another_part_of_the_surface() {
+    let skin = |side: f64| {
+        // Three legs 4 apart, 1 thick, of which the middle one runs back.
+        Mesh::grid([61, 5], [false; 2], |s, t| {
+            let way = 3.0 * s;
+            let (leg, along) = (way.floor().min(2.0), way - way.floor().min(2.0));
+            let is_back = leg == 1.0;
+            let x = 12.0 * if is_back { 1.0 - along } else { along };
+            [x, 4.0 * t, 4.0 * leg + if is_back { -side } else { side }]
+        })
+    };
+    let mut right = skin(-0.5);
+    right.facets.iter_mut().for_each(|facet| *facet = facet.flipped());
+    let mesh = both(&skin(0.5), &right);
+    for options in elements() {
+        let found = gaps(&mut paired(&mesh, options.with_distance_limit(Some(3.2))));
+        assert!(found.iter().flatten().count() > 100);
+        assert!(found.iter().flatten().all(|gap| *gap > 0.0), "{found:?}");
+    }
+}
+
 #[test]
 fn faces_of_a_corner_do_not_touch_one_another() {
     // A trough with walls at right angles, seen from inside, and one with walls 40° apart, whose walls do face one another.

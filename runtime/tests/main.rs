@@ -4,6 +4,7 @@
 mod ad;
 mod assembly;
 mod assembly_cases;
+mod closed_path;
 #[cfg(feature = "ad")]
 mod co_moving;
 mod common;
@@ -23,5 +24,6 @@ mod neighbourhood_layers;
 mod operator;
 mod regularity;
 mod self_contact;
+mod self_contact_faces;
 mod surface;
 mod windows;

@@ -9,7 +9,7 @@ use diffuse_contact::{Mode, Point};
 use super::common::{Mesh, Uniform};
 
 /// The smooth surface, and facets.
-fn elements() -> [InterfaceOptions; 2] {
+pub fn elements() -> [InterfaceOptions; 2] {
     [InterfaceOptions::default(), InterfaceOptions::node_to_facet()]
 }
 
@@ -26,7 +26,7 @@ fn gaps(interface: &mut ContactInterface) -> Vec<Option<f64>> {
 }
 
 /// Two meshes as one.
-fn both(one: &Mesh, other: &Mesh) -> Mesh {
+pub fn both(one: &Mesh, other: &Mesh) -> Mesh {
     let first = one.positions.len();
     let moved = |facet: &Facet| match *facet {
         Facet::Triangle(corners) => Facet::Triangle(corners.map(|k| k + first)),
@@ -39,7 +39,7 @@ fn both(one: &Mesh, other: &Mesh) -> Mesh {
 }
 
 /// A hairpin: two legs of length `leg` one above the other, `apart` from one another, joined by half a turn at x > 0. Seen from inside.
-fn hairpin(leg: f64, apart: f64, cells: usize) -> Mesh {
+pub fn hairpin(leg: f64, apart: f64, cells: usize) -> Mesh {
     let radius = 0.5 * apart;
     let length = 2.0 * leg + std::f64::consts::PI * radius;
     Mesh::grid([cells + 1, 5], [false; 2], |s, t| {
@@ -133,6 +133,29 @@ fn plates_on_one_another_touch_the_next_and_no_other() {
             assert_eq!(gap.is_none(), is_outside, "{x} {y} {z} {gap:?}");
             assert!(gap.is_none_or(|gap| (gap + 0.02).abs() < 1e-9), "{z} {gap:?}");
         }
+    }
+}
+
+/// Legs of a serpentine whose two skins do not hang together: behind a leg is its other skin, and not the same skin of the next leg.
+#[test]
+fn the_back_of_a_wall_may_be_another_part_of_the_surface() {
+    let skin = |side: f64| {
+        // Three legs 4 apart, 1 thick, of which the middle one runs back.
+        Mesh::grid([61, 5], [false; 2], |s, t| {
+            let way = 3.0 * s;
+            let (leg, along) = (way.floor().min(2.0), way - way.floor().min(2.0));
+            let is_back = leg == 1.0;
+            let x = 12.0 * if is_back { 1.0 - along } else { along };
+            [x, 4.0 * t, 4.0 * leg + if is_back { -side } else { side }]
+        })
+    };
+    let mut right = skin(-0.5);
+    right.facets.iter_mut().for_each(|facet| *facet = facet.flipped());
+    let mesh = both(&skin(0.5), &right);
+    for options in elements() {
+        let found = gaps(&mut paired(&mesh, options.with_distance_limit(Some(3.2))));
+        assert!(found.iter().flatten().count() > 100);
+        assert!(found.iter().flatten().all(|gap| *gap > 0.0), "{found:?}");
     }
 }
 

@@ -8,9 +8,7 @@ use thiserror::Error;
 use crate::contact::ContactSet;
 use crate::deck::{Contact, Deck, DeckError};
 use crate::model::Model;
-use crate::output::{
-    Claim, Fields, OutputError, Recorder, RecorderOptions, Summary, Watcher, names, read_json,
-};
+use crate::output::{Claim, OutputError, Recorder, RecorderOptions, Summary, Watcher, names, read_json};
 use crate::report::{self, sample_surfaces};
 use crate::solid::Solid;
 use crate::statics::{
@@ -119,7 +117,7 @@ pub fn solve_text(
     let base = deck_path.parent().unwrap_or(Path::new(""));
     let model = deck.model(base)?;
     let mut statics = statics(&deck, &model, options.threads)?;
-    let recorded = recorder_options(&deck, &model, text, &options.out);
+    let recorded = RecorderOptions::new(&options.out, text).with_output(deck.output);
     if !options.restart {
         std::fs::create_dir_all(&options.out).map_err(OutputError::write(&options.out))?;
     }
@@ -170,12 +168,6 @@ fn finished(state: &State, deck: &Deck, out: &Path) -> Result<Option<Summary>, O
     }
     let summary: Summary = read_json(&path)?;
     Ok(summary.converged.then_some(summary))
-}
-
-fn recorder_options(deck: &Deck, model: &Model, text: String, out: &Path) -> RecorderOptions {
-    let sides = deck.interfaces.iter().filter_map(|interface| deck.sides(model, interface).ok());
-    let surfaces: Vec<_> = sides.flat_map(|sides| [sides.slave, sides.master]).collect();
-    RecorderOptions::new(out, text).with_output(deck.output).with_areas(Fields::slave_areas(model, &surfaces))
 }
 
 /// Writes the page for directories of results.

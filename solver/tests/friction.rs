@@ -208,11 +208,8 @@ fn pictures_have_friction_by_pressure() {
         let mut deck = block();
         deck.parts.iter_mut().filter(|part| part.name == "block").for_each(|part| part.element = kind);
         deck.time.end = 0.3;
-        let model = deck.model(Path::new("")).unwrap();
-        let sides = deck.sides(&model, &deck.interfaces[0]).unwrap();
-        let areas = Fields::slave_areas(&model, &[sides.slave]);
         let run = run(&deck, |snapshot| {
-            let fields = Fields::of(snapshot.problem, snapshot.state, &areas);
+            let fields = Fields::of(snapshot.problem, snapshot.state);
             let friction = fields.friction.unwrap();
             let nodes = snapshot.slaves().filter(|slave| slave.force > 0.0).map(|slave| slave.node);
             let size = |[x, y, z]: [f64; 3]| (x * x + y * y + z * z).sqrt();

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use diffuse_contact::surface::tributary_areas;
 use diffuse_contact_solver::deck::{Contact, Deck};
 use diffuse_contact_solver::output::Fields;
 use diffuse_contact_solver::verification::trace;
@@ -13,9 +14,9 @@ fn pressures(contact: Contact, two_pass: bool) -> [Vec<(f64, f64)>; 2] {
     deck.interfaces[0].two_pass = two_pass;
     let model = deck.model(Path::new("")).unwrap();
     let sides = deck.sides(&model, &deck.interfaces[0]).unwrap();
-    let areas = Fields::slave_areas(&model, &[sides.slave, sides.master]);
+    let areas = tributary_areas(&model.nodes, &[sides.slave, sides.master].concat()).unwrap();
     let measure = |snapshot: &diffuse_contact_solver::verification::Snapshot<'_>| {
-        let fields = Fields::of(snapshot.problem, snapshot.state, &areas);
+        let fields = Fields::of(snapshot.problem, snapshot.state);
         let at = |set: &str| {
             let nodes = &model.node_sets[set];
             nodes.iter().map(|&node| (fields.contact_pressure[node], areas[node])).collect::<Vec<_>>()
@@ -50,4 +51,29 @@ fn one_pass_gives_the_pressure_at_the_slaves() {
         assert!((force(&slave) / 1e4 - 1.0).abs() < 1e-4, "{contact:?}: {}", force(&slave));
         assert_eq!(force(&master), 0.0);
     }
+}
+
+/// The pressures at the nodes of these sets at the end of a deck.
+fn pressures_at(deck: &Deck, sets: &[&str]) -> Vec<f64> {
+    let model = deck.model(Path::new("")).unwrap();
+    let measure = |snapshot: &diffuse_contact_solver::verification::Snapshot<'_>| {
+        let fields = Fields::of(snapshot.problem, snapshot.state);
+        let nodes = sets.iter().flat_map(|&set| &model.node_sets[set]);
+        Ok(nodes.map(|&node| fields.contact_pressure[node]).collect::<Vec<_>>())
+    };
+    trace(deck, Path::new(""), 1, measure).unwrap().measures.pop().unwrap()
+}
+
+fn largest_error(pressures: &[f64], exact: f64) -> f64 {
+    pressures.iter().map(|pressure| (pressure / exact - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// Two blocks side by side on a third one, whose nodes are slaves of both: where they meet the pressure is neither of them twice.
+#[test]
+fn pressures_of_two_interfaces_do_not_add_up_where_they_meet() {
+    let mut deck = Deck::parse(include_str!("partial_overlap.toml")).unwrap();
+    deck.newton.tolerance = 1e-12;
+    deck.interfaces.iter_mut().for_each(|interface| interface.exchange = true);
+    let error = largest_error(&pressures_at(&deck, &["lower.z+"]), 10.0);
+    assert!(error < 1e-7, "{error:e}");
 }

@@ -66,8 +66,18 @@ pub struct CutScratch {
     near: Vec<u32>,
     piece: Polygon,
     clipped: Polygon,
-    /// The facets over a face, as they are seen.
-    layers: Vec<(u32, Polygon)>,
+    /// The facets over a face.
+    layers: Vec<Layer>,
+}
+
+/// A facet over a face.
+#[derive(Clone, Debug)]
+struct Layer {
+    facet: u32,
+    /// As it is seen.
+    over: Polygon,
+    /// How deep the face's points may lie below it.
+    deepest: f64,
 }
 
 /// A face seen along its normal.
@@ -99,14 +109,24 @@ impl View {
     }
 }
 
+/// What a face is cut with.
+#[derive(Clone, Copy)]
+pub struct Cutting<'a> {
+    pub rule: FaceRule,
+    /// The largest distance of a facet, length.
+    pub limit: f64,
+    /// How deep the face's points may lie below a facet, length; `None` if they do not touch it at all.
+    pub depth: &'a dyn Fn(u32) -> Option<f64>,
+}
+
 /// The points of a face, appended to `points`. `first`: the face in the first configuration; `functions`: what its nodes have of a force
-/// at a place, if it can be found; `limit`: the largest distance of a facet. Returns the number of points whose place was not found.
+/// at a place, if it can be found. Returns the number of points whose place was not found.
 pub fn cut(
     face: &Shape,
     first: &Shape,
     functions: impl Fn([f64; 2]) -> Option<[f64; MOST_NODES]>,
     index: &SurfaceIndex<'_>,
-    (rule, limit): (FaceRule, f64),
+    Cutting { rule, limit, depth }: Cutting<'_>,
     scratch: &mut CutScratch,
     points: &mut Vec<FacePoint>,
 ) -> usize {
@@ -124,6 +144,7 @@ pub fn cut(
         if index.normals()[facet as usize].dot(&view.normal) > OPPOSITE {
             continue;
         }
+        let Some(deepest) = depth(facet) else { continue };
         let shape = index.shape(facet);
         piece.clone_from(&corners);
         // From outside its own surface a facet runs the other way round.
@@ -136,30 +157,32 @@ pub fn cut(
         for (place, weight) in rule_on(piece, rule) {
             let x = view.point(place);
             let Some(on_face) = carried(face, x.into(), view.normal.into(), Mode::Value) else { continue };
-            let Some(distance) = distance_along(&shape, x, view.normal) else { continue };
+            let Some(height) = height_over(&shape, x, view.normal) else { continue };
             let natural = on_face.natural;
             let seen = face.area_element(natural).dot(&view.normal);
             let weight = weight * first.area_element(natural).norm() / seen;
-            if distance <= limit && weight.is_finite() && weight > 0.0 {
+            let is_near = height.abs() <= limit && height >= -deepest;
+            if is_near && weight.is_finite() && weight > 0.0 {
                 let Some(functions) = functions(natural) else {
                     unplaced += 1;
                     continue;
                 };
                 points.push(FacePoint { facet, natural, weight, functions });
-                places.push((place, distance));
+                places.push((place, height.abs()));
             }
         }
-        layers.push((facet, over));
+        layers.push(Layer { facet, over, deepest });
     }
     // Where layers of the master lie over one another, the nearest carries.
     if found > own * (1.0 + OVERLAP) {
         let all = points.split_off(start);
         points.extend(all.into_iter().zip(places).filter_map(|(point, (place, distance))| {
-            let is_hidden = layers.iter().any(|(other, over)| {
-                *other != point.facet
+            let is_hidden = layers.iter().any(|&Layer { facet: other, ref over, deepest }| {
+                other != point.facet
                     && contains(over, place)
-                    && distance_along(&index.shape(*other), view.point(place), view.normal)
-                        .is_some_and(|nearer| (nearer, *other) < (distance, point.facet))
+                    && height_over(&index.shape(other), view.point(place), view.normal).is_some_and(
+                        |height| height >= -deepest && (height.abs(), other) < (distance, point.facet),
+                    )
             });
             (!is_hidden).then_some(point)
         }));
@@ -167,10 +190,10 @@ pub fn cut(
     unplaced
 }
 
-/// How far a facet is from a point along a direction.
-fn distance_along(shape: &Shape, x: Vector3, along: Vector3) -> Option<f64> {
-    let above = carried(shape, x.into(), along.into(), Mode::Value)?;
-    Some((shape.point(above.natural) - x).norm())
+/// How far a facet is from a point along the normal of the point's face: negative where the point lies below the facet.
+fn height_over(shape: &Shape, x: Vector3, normal: Vector3) -> Option<f64> {
+    let over = carried(shape, x.into(), normal.into(), Mode::Value)?;
+    Some((shape.point(over.natural) - x).dot(&normal))
 }
 
 /// Whether a point lies in a convex polygon that runs counter-clockwise.
@@ -400,7 +423,9 @@ mod tests {
         let face = Shape::Quadrilateral(corners);
         for rule in FaceRule::ALL {
             let mut points = Vec::new();
-            cut(&face, &face, nothing, &index, (rule, 0.5), &mut CutScratch::default(), &mut points);
+            let anywhere = |_| Some(f64::INFINITY);
+            let within = |limit| Cutting { rule, limit, depth: &anywhere };
+            cut(&face, &face, nothing, &index, within(0.5), &mut CutScratch::default(), &mut points);
             let sum: f64 = points.iter().map(|point| point.weight).sum();
             assert!((sum - face.area_vector().norm()).abs() < 1e-5, "{sum}");
             for point in &points {
@@ -409,7 +434,7 @@ mod tests {
                 assert_eq!(point.facet, cell(x[0]) + 3 * cell(x[1]));
             }
             let mut none = Vec::new();
-            cut(&face, &face, nothing, &index, (rule, 0.05), &mut CutScratch::default(), &mut none);
+            cut(&face, &face, nothing, &index, within(0.05), &mut CutScratch::default(), &mut none);
             assert!(none.is_empty(), "beyond the limit");
         }
     }

@@ -21,6 +21,7 @@
 //! * **Second order.** Faces of 6, 8 or 9 nodes come as flat facets between all of their nodes, for gaps, pieces and pressures. With
 //!   [`set_quadratic_faces`](FaceInterface::set_quadratic_faces) N_a and N_k are theirs as a whole.
 //! * **Layers.** Where facets that look at a face lie over one another, the nearest carries.
+//! * **Self contact.** [`self_contact`](FaceInterface::self_contact) has one surface, whose faces are slaves and facets at once.
 //!
 //! ```
 //! use diffuse_contact::assembly::{ContactLaw, DofMap, Tangent};
@@ -59,6 +60,7 @@
 mod block;
 mod carried;
 mod contacts;
+mod create;
 mod cut;
 mod evaluate;
 mod friction;
@@ -73,17 +75,14 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use cut::{CutScratch, FacePoint, cut};
+use cut::{CutScratch, Cutting, FacePoint, cut};
 use friction::Track;
 use quadratic::Carriers;
 use skin::Skin;
 
 use crate::assembly::ContactLaw;
-use crate::interface::{
-    ContactElement, ContactInterface, InterfaceError, InterfaceOptions, areas_of, check_slaves,
-};
-use crate::neighbourhood::NeighbourRule;
-use crate::surface::{Facet, MasterSurface, SymmetryPlane, shape_of};
+use crate::interface::{ContactInterface, InterfaceError, InterfaceOptions};
+use crate::surface::{Facet, MasterSurface, OwnSurface, shape_of};
 use crate::vector::Vector3;
 use crate::{Mode, Point};
 
@@ -135,6 +134,8 @@ pub struct FaceReport {
 pub struct FaceInterface {
     /// Its slaves are the points.
     interface: ContactInterface,
+    /// What faces may touch, if the surface is in contact with itself.
+    own: Option<OwnSurface>,
     options: FaceOptions,
     faces: Vec<Facet>,
     /// What carries the forces of faces and facets.
@@ -181,108 +182,6 @@ struct FaceCut {
 }
 
 impl FaceInterface {
-    /// An interface without points: until the first [`refresh`](Self::refresh) or [`update`](Self::update) there is no contact.
-    ///
-    /// `positions` are those of all nodes in the first configuration; the corners of `faces` and those of the master's facets are indices
-    /// into them. Faces run counter-clockwise seen from outside.
-    ///
-    /// # Errors
-    /// As [`ContactInterface::new`]; [`InterfaceError::FacesNeedDomains`]; [`InterfaceError::Surface`] also for faces whose own smooth surface cannot be found.
-    pub fn new(
-        master: MasterSurface,
-        faces: &[Facet],
-        positions: &[Point],
-        options: FaceOptions,
-    ) -> Result<Self, InterfaceError> {
-        let own = InterfaceOptions { areas: false, ..options.interface };
-        if let ContactElement::Diffuse { search, .. } = own.element
-            && search.rule != NeighbourRule::Domains
-        {
-            return Err(InterfaceError::FacesNeedDomains);
-        }
-        let mut nodes: Vec<usize> = faces.iter().flat_map(|face| face.corners()).copied().collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        check_slaves(&master, &nodes, positions)?;
-        let areas = areas_of(&nodes, faces, positions)?;
-        let skin = Skin::new(faces, positions, &own, &[])?;
-        let mut around = vec![Vec::new(); nodes.len()];
-        for (k, face) in faces.iter().enumerate() {
-            for node in face.corners() {
-                if let Ok(place) = nodes.binary_search(node) {
-                    around[place].push(k as u32);
-                }
-            }
-        }
-        let facets = (0..master.facet_count()).map(|facet| master.facet(facet));
-        let extents = facets.chain(faces.iter().copied()).map(|facet| shape_of(&facet, positions).extent());
-        let smallest = extents.fold(f64::INFINITY, f64::min);
-        Ok(Self {
-            carriers: Carriers::new(faces, &master, &[]),
-            interface: ContactInterface::new(master, Vec::new(), &[], positions, own)?,
-            options,
-            faces: faces.to_vec(),
-            skin,
-            first: positions.to_vec(),
-            positions: positions.to_vec(),
-            cliques: vec![Vec::new(); nodes.len()],
-            nodes,
-            areas,
-            around,
-            points: Vec::new(),
-            limits: Vec::new(),
-            cut_at: None,
-            unplaced: 0,
-            report: FaceReport::default(),
-            smallest,
-            cuts: vec![FaceCut::default(); faces.len()],
-            tracks: None,
-            augmented: None,
-            contacts: FaceContacts::default(),
-        })
-    }
-
-    /// Makes faces of second order carry the forces on the facets that they are made of, on both sides: those whose corners are all nodes of
-    /// one face. Only so are forces in equilibrium with a uniform stress inside. The history of friction ends, and there is no contact until the
-    /// next [`refresh`](Self::refresh) or [`update`](Self::update).
-    ///
-    /// # Errors
-    /// [`InterfaceError::Surface`] if a node is not there: the interface is then as it was.
-    pub fn set_quadratic_faces(&mut self, faces: &[QuadraticFace]) -> Result<(), InterfaceError> {
-        quadratic::check(faces, &self.first)?;
-        self.carriers = Carriers::new(&self.faces, self.master(), faces);
-        self.tracks = None;
-        self.forget();
-        Ok(())
-    }
-
-    /// Makes these planes of symmetry of both surfaces, as [`ContactInterface::set_symmetry`], in the first configuration. The history of
-    /// friction ends, and there is no contact until the next [`refresh`](Self::refresh) or [`update`](Self::update).
-    ///
-    /// # Errors
-    /// As there. The interface is then as it was.
-    pub fn set_symmetry(&mut self, planes: &[SymmetryPlane]) -> Result<(), InterfaceError> {
-        let own = InterfaceOptions { areas: false, ..self.options.interface };
-        let skin = Skin::new(&self.faces, &self.first, &own, planes)?;
-        let mut interface = ContactInterface::new(self.master().clone(), Vec::new(), &[], &self.first, own)?;
-        interface.set_symmetry(planes)?;
-        (self.skin, self.interface) = (skin, interface);
-        self.tracks = None;
-        self.forget();
-        Ok(())
-    }
-
-    /// No points, no contact.
-    fn forget(&mut self) {
-        self.cut_at = None;
-        self.augmented = None;
-        self.points.clear();
-        self.limits.clear();
-        self.cuts.fill(FaceCut::default());
-        self.cliques.fill(Vec::new());
-        (self.report, self.contacts) = (FaceReport::default(), FaceContacts::default());
-    }
-
     /// The options.
     #[must_use]
     pub const fn options(&self) -> &FaceOptions {
@@ -390,7 +289,12 @@ impl FaceInterface {
                 let face = shape_of(&self.faces[k], positions);
                 let first = shape_of(&self.faces[k], &self.first);
                 let functions = |natural| self.carriers.faces[k].functions(&face, natural, positions);
-                let unplaced = cut(&face, &first, functions, &index, (rule, limits[k]), scratch, &mut points);
+                let depth = |facet| match &self.own {
+                    Some(own) => own.depth_below(self.master(), self.interface.domains(), k as u32, facet),
+                    None => Some(f64::INFINITY),
+                };
+                let cutting = Cutting { rule, limit: limits[k], depth: &depth };
+                let unplaced = cut(&face, &first, functions, &index, cutting, scratch, &mut points);
                 (points, unplaced)
             })
             .unzip();

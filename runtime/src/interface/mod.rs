@@ -105,7 +105,9 @@ pub(crate) use scratch::{Pool, recycled};
 pub(crate) use within_reach::PointsWithinReach;
 
 use crate::surface::window::Known;
-use crate::surface::{Creases, MasterSurface, OwnSurface, Symmetry, SymmetryPlane, check_position};
+use crate::surface::{
+    Creases, MasterSurface, NodalDomains, OwnSurface, Symmetry, SymmetryPlane, check_position,
+};
 use crate::{Basis, Point};
 
 /// What the lists of nodal domains were made from.
@@ -205,6 +207,11 @@ impl ContactInterface {
         let paired = self.pairings.get(k)?;
         let points = self.evaluator().points_within_reach(&paired, weight, &mut ElementScratch::default())?;
         Ok((points, paired.record.basis))
+    }
+
+    /// Domains of influence, if the element has any.
+    pub(crate) fn domains(&self) -> Option<&NodalDomains> {
+        self.nodal.as_ref().map(|nodal| &nodal.domains)
     }
 
     /// Where the `k`-th slave is.

@@ -5,12 +5,14 @@
 //!
 //! * **it faces the node**: their normals are opposite;
 //! * **it is far along the skin**: at least [`RINGS`] facets lie between them, and no fit over the facet has the node itself;
-//! * **it is not its back**: in the first configuration it does not lie right behind the node, up to [`BEHIND`] thicknesses of the body;
+//! * **it is not its back**: in the first configuration neither lies right behind the other, up to [`BEHIND`] thicknesses of the body;
 //! * **it is in front**: the node lies above the facet, or below it by no more than [`DEPTH`] of the thickness of the body, at the node
 //!   and at the facet.
 //!
 //! Rings and thickness are those of the first configuration, too. In trial states of an iteration a wall may be squeezed to a part of its
 //! thickness: what is its back cannot follow from positions of the moment.
+
+use std::cmp::Ordering::Equal;
 
 use rayon::prelude::*;
 
@@ -35,6 +37,8 @@ const DEPTH: f64 = 0.5;
 const REACH: f64 = 2.0;
 /// A way through the body as short as this part of a facet's extent ends on the node's own facets.
 const NOWHERE: f64 = 1e-9;
+/// Places on a way that are as near to one another as this part of it are one.
+const ONCE: f64 = 1e-9;
 /// How far beyond a facet's edge a way through the body still meets it, in natural coordinates: none slips through between two.
 const ON_EDGE: f64 = 1e-9;
 
@@ -61,6 +65,8 @@ struct First {
     thickness: f64,
     /// The connected part of the surface that its other side belongs to, if it has one, else its own.
     back: u32,
+    /// Its own.
+    part: u32,
 }
 
 impl OwnSurface {
@@ -97,12 +103,9 @@ impl OwnSurface {
         let surface = index.surface();
         let (point, normals) = (index.positions()[place], index.normals());
         let normal = normal_at(surface, place, |facet| index.shape(facet));
-        let (near, x) = (&self.near[place], Vector3::from(point));
+        let x = Vector3::from(point);
         let may_touch = |facet: u32| {
-            normals[facet as usize].dot(&normal) <= OPPOSITE
-                && near.binary_search(&facet).is_err()
-                && !self.is_back(surface, place, facet)
-                && !domains.is_some_and(|domains| domains.lists(facet, place as u32))
+            normals[facet as usize].dot(&normal) <= OPPOSITE && self.is_apart(surface, domains, place, facet)
         };
         let around = |facet: u32| {
             let corners = |facet: u32| surface.corners_of(facet as usize);
@@ -116,6 +119,36 @@ impl OwnSurface {
             None => may_touch(facet),
             Some(foot) => is_in_front(facet, foot),
         })
+    }
+
+    /// How deep points of one of the surface's facets may lie below another one, length; `None` if they can never touch it. That they face
+    /// each other is for the caller to see.
+    pub fn depth_below(
+        &self,
+        surface: &MasterSurface,
+        domains: Option<&NodalDomains>,
+        own: u32,
+        facet: u32,
+    ) -> Option<f64> {
+        let corners = surface.corners_of(own as usize);
+        corners
+            .iter()
+            .all(|&place| self.is_apart(surface, domains, place as usize, facet))
+            .then(|| corners.iter().map(|&place| self.depth(surface, place as usize, facet)))
+            .map(|depths| depths.fold(f64::INFINITY, f64::min))
+    }
+
+    /// Whether a facet is far from a node along the skin, and not its back.
+    fn is_apart(
+        &self,
+        surface: &MasterSurface,
+        domains: Option<&NodalDomains>,
+        place: usize,
+        facet: u32,
+    ) -> bool {
+        self.near[place].binary_search(&facet).is_err()
+            && !self.is_back(surface, place, facet)
+            && !domains.is_some_and(|domains| domains.lists(facet, place as u32))
     }
 
     /// The nodes of a facet in the first configuration.
@@ -133,9 +166,21 @@ impl OwnSurface {
         DEPTH * thickness.fold(self.first[place].thickness, f64::min)
     }
 
-    /// Whether a facet lies right behind a node.
+    /// Whether a facet lies right behind a node, or the node right behind the facet: at an edge of the body the node's own normal says
+    /// little.
     fn is_back(&self, surface: &MasterSurface, place: usize, facet: u32) -> bool {
-        let First { position, normal, thickness, back } = self.first[place];
+        let First { position, normal, thickness, back, part } = self.first[place];
+        let corners = self.corners(surface, facet);
+        let extent = extent(&corners);
+        let is_other_side =
+            |corner: &&First| (corner.back, corner.part) == (part, back) && corner.thickness.is_finite();
+        let mut backs = corners.filter(is_other_side);
+        if backs.any(|corner| {
+            let offset = corner.position - position;
+            lies_behind(offset, corner.normal, corner.thickness, extent)
+        }) {
+            return true;
+        }
         if self.parts[facet as usize] != back {
             return false;
         }
@@ -149,13 +194,7 @@ impl OwnSurface {
         if !thickness.is_finite() {
             return false;
         }
-        let count = corners.len() as f64;
-        let centre = corners.clone().map(|corner| corner.position).sum::<Vector3>() / count;
-        let extent = corners.map(|corner| (corner.position - centre).largest()).fold(0.0, f64::max) * 2.0;
-        let offset = position - centre;
-        let behind = offset.dot(&normal);
-        let aside = (offset - normal * behind).norm();
-        behind > 0.0 && behind <= BEHIND * thickness && aside <= thickness.max(ASIDE * extent)
+        lies_behind(position - centre(&corners), normal, thickness, extent)
     }
 
     /// Whether a surface with this normal can be one that the node touches, at these positions of all nodes.
@@ -163,6 +202,24 @@ impl OwnSurface {
         let Ok(place) = surface.nodes().binary_search(&(node as u32)) else { return true };
         normal_at(surface, place, |facet| surface.shape(facet as usize, positions)).dot(&normal) < 0.0
     }
+}
+
+/// The middle of a facet's corners.
+fn centre<'s>(corners: &(impl ExactSizeIterator<Item = &'s First> + Clone)) -> Vector3 {
+    corners.clone().map(|corner| corner.position).sum::<Vector3>() / corners.len() as f64
+}
+
+/// Twice the largest distance of a corner from the middle along an axis.
+fn extent<'s>(corners: &(impl ExactSizeIterator<Item = &'s First> + Clone)) -> f64 {
+    let centre = centre(corners);
+    corners.clone().map(|corner| (corner.position - centre).largest()).fold(0.0, f64::max) * 2.0
+}
+
+/// Whether a place lies right behind a wall of this thickness. `offset`: from there to the wall's front, which looks along `normal`.
+fn lies_behind(offset: Vector3, normal: Vector3, thickness: f64, extent: f64) -> bool {
+    let behind = offset.dot(&normal);
+    let aside = (offset - normal * behind).norm();
+    behind > 0.0 && behind <= BEHIND * thickness && aside <= thickness.max(ASIDE * extent)
 }
 
 /// The number of the connected part that each facet belongs to.
@@ -207,29 +264,55 @@ fn facets_around(surface: &MasterSurface, place: usize) -> Vec<u32> {
     facets
 }
 
+/// Where the way through the body meets the surface.
+struct Hit {
+    way: f64,
+    part: u32,
+    /// Whether the way comes out of a body there.
+    is_exit: bool,
+    /// Whether the facet looks the other way than the node.
+    is_opposite: bool,
+}
+
 impl First {
-    /// The thickness is the way through the body, against the normal, to the nearest facet that looks the other way. One of the node's
-    /// own part comes before others, which may belong to a body that overlaps.
+    /// The thickness is the way through the body, against the normal, to the nearest facet that looks the other way. Where the node lies
+    /// inside another body, too, that is one of the node's own part, if there is any: the nearest one may belong to the other body.
     fn of(index: &SurfaceIndex<'_>, parts: &[u32], place: usize) -> Self {
         let surface = index.surface();
         let normal = normal_at(surface, place, |facet| index.shape(facet));
         let (position, along) = (Vector3::from(index.positions()[place]), normal * -1.0);
         let own = surface.facets_of_place(place).first().map_or(0, |&facet| parts[facet as usize]);
-        let mut found = (true, f64::INFINITY, own);
+        let mut hits = Vec::new();
         index.for_each_along(position, along, |facet| {
-            let is_opposite = index.normals()[facet as usize].dot(&normal) <= OPPOSITE;
-            if is_opposite && !surface.facets_of_place(place).contains(&facet) {
-                let shape = index.shape(facet);
-                let way = way_to(&shape, position, along).filter(|way| *way > NOWHERE * shape.extent());
-                let part = parts[facet as usize];
-                let is_nearer = |way: &f64| (part != own, *way) < (found.0, found.1);
-                if let Some(way) = way.filter(is_nearer) {
-                    found = (part != own, way, part);
-                }
+            if surface.facets_of_place(place).contains(&facet) {
+                return;
             }
+            let shape = index.shape(facet);
+            let way = way_to(&shape, position, along).filter(|way| *way > NOWHERE * shape.extent());
+            let cosine = index.normals()[facet as usize].dot(&normal);
+            hits.extend(way.map(|way| Hit {
+                way,
+                part: parts[facet as usize],
+                is_exit: cosine < 0.0,
+                is_opposite: cosine <= OPPOSITE,
+            }));
         });
-        let (_, thickness, back) = found;
-        Self { position, normal, thickness, back }
+        hits.sort_by(|one, other| (one.way, one.part).partial_cmp(&(other.way, other.part)).unwrap_or(Equal));
+        // A way through an edge or a corner meets all facets there.
+        let mut bodies = 0;
+        for (k, hit) in hits.iter().enumerate() {
+            let is_same = |other: &Hit| {
+                (other.part, other.is_exit) == (hit.part, hit.is_exit)
+                    && hit.way - other.way <= ONCE * hit.way
+            };
+            if !hits[..k].iter().any(is_same) {
+                bodies += if hit.is_exit { 1 } else { -1 };
+            }
+        }
+        let back = |of_own: bool| hits.iter().find(|hit| hit.is_opposite && (!of_own || hit.part == own));
+        let found = if bodies > 1 { back(true).or_else(|| back(false)) } else { back(false) };
+        let (thickness, back) = found.map_or((f64::INFINITY, own), |hit| (hit.way, hit.part));
+        Self { position, normal, thickness, back, part: own }
     }
 }
 

@@ -33,10 +33,10 @@ pub struct Beginning {
 }
 
 impl Beginning {
-    /// `areas`: tributary areas of all nodes of slave surfaces, length²; their roots are the facets' sizes.
+    /// Of the slaves of a model's interaction. The roots of tributary areas are the facets' sizes.
     #[must_use]
-    pub fn of(interaction: &Interaction, areas: &[f64], model: &Model) -> Self {
-        let is_deep = |node: usize, gap: f64| gap < -DEEP * areas.get(node).map_or(0.0, |area| area.sqrt());
+    pub fn of(interaction: &Interaction, model: &Model) -> Self {
+        let is_deep = |node: usize, gap: f64| gap < -DEEP * interaction.tributary_area(node).sqrt();
         let moved = interaction.slaves().filter(|slave| !slave.is_held);
         let deep = moved.filter(|slave| slave.gap.is_some_and(|gap| is_deep(slave.node, gap)));
         let way = |node: usize| {

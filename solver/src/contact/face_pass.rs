@@ -13,7 +13,7 @@ use super::pass::{FrictionHistory, NodalForces, Pass, PassError, PassFriction, t
 use super::{ContactError, InteractionOptions, SlaveState, TangentRule};
 use crate::system::{BlockMatrix, Symmetry};
 
-/// Slave faces against one master surface.
+/// Slave faces against one master surface, or those of a surface against itself.
 #[derive(Debug)]
 pub struct FacePass {
     interface: FaceInterface,
@@ -49,7 +49,12 @@ impl FacePass {
             .map_err(|source| ContactError::Master { interface: options.name.clone(), source })?;
         let named = |source| ContactError::Interface { interface: options.name.clone(), source };
         let face_options = FaceOptions::new(options.interface).with_rule(rule);
-        let mut interface = FaceInterface::new(surface, slave, positions, face_options).map_err(named)?;
+        let mut interface = if options.self_contact {
+            FaceInterface::self_contact(surface, positions, face_options)
+        } else {
+            FaceInterface::new(surface, slave, positions, face_options)
+        }
+        .map_err(named)?;
         if !options.symmetry.is_empty() {
             interface.set_symmetry(&options.symmetry).map_err(named)?;
         }

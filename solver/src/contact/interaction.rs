@@ -370,6 +370,8 @@ pub struct Interaction {
     sizes: Vec<f64>,
     /// Tributary areas of the nodes of both sides at the start, length².
     areas: HashMap<usize, f64>,
+    /// Facets of both sides.
+    facets: Vec<Facet>,
     /// The multipliers of each pass from before others were supposed.
     before: Vec<Vec<f64>>,
 }
@@ -412,7 +414,10 @@ impl Interaction {
             sizes.push(facet_size(&of_nodes, side));
             areas.extend(of_nodes.into_iter().enumerate().filter(|&(_, area)| area > 0.0));
         }
-        Ok(Self { options, passes, sizes, areas, before: Vec::new() })
+        // One side is both where a surface is in contact with itself.
+        let other = if options.self_contact { &[] } else { master };
+        let facets = [slave, other].concat();
+        Ok(Self { options, passes, sizes, areas, facets, before: Vec::new() })
     }
 
     /// The options.
@@ -656,8 +661,13 @@ impl Interaction {
         self.sizes[0]
     }
 
-    /// Area that belongs to a slave at the start, length².
-    pub(super) fn tributary_area(&self, node: usize) -> f64 {
+    /// Facets of both sides.
+    pub(crate) fn facets(&self) -> &[Facet] {
+        &self.facets
+    }
+
+    /// Area that belongs to a node of either side at the start, length².
+    pub(crate) fn tributary_area(&self, node: usize) -> f64 {
         self.areas.get(&node).copied().unwrap_or(0.0)
     }
 

@@ -116,9 +116,6 @@ pub(super) fn interface(section: Section) -> Result<Interface, DeckError> {
     let own = section.get("self");
     if own.is_some() {
         section.refuse(&["master", "slave", "two_pass", "exchange", "adjust"], "with self")?;
-        if integration != Integration::Nodes {
-            section.refuse(&["integration"], "over faces with self")?;
-        }
     }
     let [master, slave] = ["master", "slave"].map(|side| match &own {
         Some(own) => references(own),

@@ -10,7 +10,7 @@ use super::{PartEntry, PartSource, Reference, schema};
 use crate::material::{Material, Plasticity};
 use crate::model::shape::{
     Axis, Ball, Block, Cylinder, Facets, HalfSpace, KINDS, Pipe, RigidCylinder, RigidPlane, RigidSphere,
-    RigidTorus, RigidWave, Shape, Side,
+    RigidTorus, RigidWave, Shape, Side, Strip, StripPiece,
 };
 use crate::model::{Rotation, ShapeError};
 
@@ -208,6 +208,12 @@ fn read_shape(name: &str, section: &ShapeSection) -> Result<Shape, DeckError> {
             grading: section.gradings()?,
             layer_grading: section.number_or("layer_grading", 1.0)?,
         }),
+        "strip" => Shape::Strip(Strip {
+            path: section.path()?,
+            thickness: section.number("thickness")?,
+            width: section.number("width")?,
+            divisions: section.counts("divisions")?,
+        }),
         "rigid-plane" => Shape::RigidPlane(RigidPlane {
             size: section.0.need("size")?.numbers("a list of two numbers")?,
             divisions: section.counts("divisions")?,
@@ -257,6 +263,27 @@ fn read_shape(name: &str, section: &ShapeSection) -> Result<Shape, DeckError> {
     })
 }
 
+/// A piece of a strip's path: straight with a length, or an arc with radius and angle.
+fn piece(field: &Field) -> Result<StripPiece, DeckError> {
+    let section = field.section()?.expect(schema::PIECE)?;
+    let rise = section.get("rise").map_or(Ok(0.0), |field| field.number())?;
+    let piece = match section.get("length") {
+        Some(length) => {
+            section.refuse(&["radius", "degrees"], "beside length")?;
+            StripPiece::straight(length.positive()?)
+        }
+        None => {
+            let (radius, degrees) = (section.need("radius")?.positive()?, section.need("degrees")?);
+            let angle = degrees.number()?;
+            if angle == 0.0 {
+                return Err(degrees.out_of_range("other than 0", angle));
+            }
+            StripPiece::arc(radius, angle)
+        }
+    };
+    Ok(piece.with_rise(rise))
+}
+
 /// What the shapes have in common. Ranges are the shapes' own business.
 struct ShapeSection<'a>(Section<'a>);
 
@@ -291,6 +318,10 @@ impl ShapeSection<'_> {
         let Some(keep) = self.0.get("keep") else { return Ok(Vec::new()) };
         let words = HalfSpace::ALL.map(|half| (half.name(), half));
         keep.list("a list of half spaces like \"x+\"")?.iter().map(|field| field.word(&words)).collect()
+    }
+
+    fn path(&self) -> Result<Vec<StripPiece>, DeckError> {
+        self.0.need("path")?.list("a list of pieces")?.iter().map(piece).collect()
     }
 
     fn facets(&self) -> Result<Facets, DeckError> {

@@ -28,6 +28,7 @@ pub const SHAPES: &[(&str, &[&str])] = &[
     ("pipe", &["axis", "inner_radius", "outer_radius", "angles", "length", "divisions", "grading"]),
     ("cylinder", &["axis", "radius", "length", "keep", "divisions", "core", "grading", "layer_grading"]),
     ("sphere", &["radius", "keep", "divisions", "core", "grading", "layer_grading"]),
+    ("strip", &["path", "thickness", "width", "divisions"]),
     ("rigid-plane", &["size", "divisions", "facets"]),
     ("rigid-wave", &["size", "height", "wavelength", "divisions", "facets"]),
     ("rigid-cylinder", &["axis", "radius", "angles", "length", "divisions", "facets", "side"]),
@@ -37,6 +38,8 @@ pub const SHAPES: &[(&str, &[&str])] = &[
         &["axis", "radius", "tube_radius", "angles", "tube_angles", "divisions", "facets", "side"],
     ),
 ];
+/// Fields of a piece of a strip's path.
+pub const PIECE: &[&str] = &["length", "radius", "degrees", "rise"];
 /// Fields of a rotation that places a part.
 pub const ROTATION: &[&str] = &["axis", "point", "degrees"];
 /// Fields of a boundary condition.

@@ -573,6 +573,8 @@ fn the_example_decks_build() {
         ("shaft_in_bush", (120, 160, 60)),
         ("shallow_ironing", (60 * 12 + 12 * 6, 60, 12 + 2 * 6)),
         ("squeezed_tube", (48, 72, 24)),
+        ("crushed_serpentine", (128, 132, 132)),
+        ("coil_spring", (320, 320, 320)),
         ("two_blocks", (14 * 14 * 7 + 10 * 10 * 5, 196, 100)),
     ]);
     let mut found = BTreeSet::new();
@@ -593,7 +595,7 @@ fn the_example_decks_build() {
     assert!(expected.keys().all(|name| found.contains(*name)), "{found:?}");
 }
 
-/// A surface in contact with itself has no roles, and is integrated over nodes.
+/// A surface in contact with itself has no roles.
 #[test]
 fn self_stands_in_place_of_master_and_slave() {
     let text = std::fs::read_to_string(root().join("examples/squeezed_tube.toml")).unwrap();
@@ -608,8 +610,10 @@ fn self_stands_in_place_of_master_and_slave() {
         let error = Deck::parse(&text.replace(own, &format!("{own}{more}\n"))).unwrap_err().to_string();
         assert!(error.contains("with self"), "{error}");
     }
-    let faces = Deck::parse(&text.replace(own, &format!("{own}integration = \"faces\"\n")));
-    assert!(faces.unwrap_err().to_string().contains("over faces with self"));
+    let over_faces =
+        text.replace("areas = true\n", "").replace(own, &format!("{own}integration = \"faces\"\n"));
+    let faces = Deck::parse(&over_faces).unwrap();
+    assert!(faces.interfaces[2].self_contact && faces.interfaces[2].integration != Integration::Nodes);
 }
 
 /// The fields in the first columns of the tables below each heading of docs/how-to/decks.md.
@@ -634,6 +638,7 @@ fn every_field_is_documented_and_every_documented_field_exists() {
         ("`[materials.NAME]`", schema::MATERIAL),
         ("`[parts.NAME]`", schema::PART),
         ("`rotate`", schema::ROTATION),
+        ("`path` of a strip", schema::PIECE),
         ("`file`", schema::FILE),
         ("`[[boundary]]`", schema::BOUNDARY),
         ("`rotate` of a boundary", schema::BOUNDARY_ROTATION),

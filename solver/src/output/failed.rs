@@ -54,7 +54,7 @@ impl Failed {
         let frame = is_finite.then(|| {
             let points = problem.last_points().to_vec();
             let state = State { positions: positions.to_vec(), points, ..committed.clone() };
-            let mut fields = Fields::of(problem, &state, &options.areas);
+            let mut fields = Fields::of(problem, &state);
             if options.output.stress {
                 // An element that is inside out has none: then the field is left out.
                 let _ = fields.recover(problem, &state);

@@ -1,13 +1,10 @@
 //! Fields at the nodes.
 
-use std::collections::HashSet;
-
 use diffuse_contact::FrictionState;
-use diffuse_contact::surface::tributary_areas;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::{Integration, Interaction, SlaveState};
-use crate::model::Model;
+use super::loads::Loads;
+use crate::contact::{Interaction, SlaveState};
 use crate::solid::SolidError;
 use crate::statics::{Problem, State};
 
@@ -32,8 +29,8 @@ pub enum ContactStatus {
 pub struct FrictionFields {
     /// Way from the anchor since the slave touched, length: of one that slides, what it slid in the increment and its elastic slip.
     pub slip: Vec<f64>,
-    /// At the nodes of slave surfaces: friction on the node over its tributary area at the start, over faces over the part of it over the
-    /// master; force per area. On faces of second order: by its average slip.
+    /// At the nodes of slave surfaces: friction on the node over the area of [`contact_pressure`](Fields::contact_pressure), force per area.
+    /// On faces of second order: by its average slip.
     pub traction: Vec<[f64; 3]>,
     /// 0 open or no slave, 1 stick, 2 slip.
     pub status: Vec<i32>,
@@ -44,7 +41,7 @@ impl FrictionFields {
         Self { slip: vec![0.0; count], traction: vec![[0.0; 3]; count], status: vec![0; count] }
     }
 
-    fn add(&mut self, slave: &SlaveState, force: [f64; 3], area: f64) {
+    fn add(&mut self, slave: &SlaveState) {
         let status = match slave.friction_state {
             FrictionState::Open => 0,
             FrictionState::Stick => 1,
@@ -53,11 +50,6 @@ impl FrictionFields {
         let node = slave.node;
         self.status[node] = self.status[node].max(status);
         self.slip[node] = self.slip[node].max(slave.slip);
-        if area > 0.0 {
-            for axis in 0..3 {
-                self.traction[node][axis] += force[axis] / area;
-            }
-        }
     }
 
     fn at_nodes(&self, nodes: &[usize]) -> Self {
@@ -90,7 +82,8 @@ pub struct Fields {
     /// Gap of slaves, length: negative where they penetrate.
     pub contact_gap: Vec<f64>,
     /// At the nodes of slave surfaces (of both surfaces, with two passes): the normal part of the contact force on the node, as it
-    /// enters equilibrium, over its tributary area at the start; force per area. On faces of second order: by its average gap.
+    /// enters equilibrium, over its area at the start; force per area. The area is the tributary one, over faces the part of it over the
+    /// master. Where several interfaces press on a node it is what all of them share. On faces of second order: by its average gap.
     pub contact_pressure: Vec<f64>,
     /// A [`ContactStatus`].
     pub contact_status: Vec<i32>,
@@ -125,15 +118,22 @@ impl Stresses {
 }
 
 impl Fields {
-    /// The fields at the end of an increment, without stresses. `areas`: of the nodes of each interaction's slaves at the start, by
-    /// [`slave_areas`](Self::slave_areas).
+    /// The fields at the end of an increment, without stresses.
     #[must_use]
-    pub fn of(problem: &Problem, state: &State, areas: &[f64]) -> Self {
+    pub fn of(problem: &Problem, state: &State) -> Self {
         let mut fields = Self::without_contact(problem.start_positions(), state);
-        let mut has_gap = vec![false; areas.len()];
+        let mut has_gap = vec![false; state.positions.len()];
+        let mut loads = Loads::default();
         for interaction in problem.contacts().interactions() {
-            fields.add_contact(interaction, areas, &mut has_gap);
+            fields.add_contact(interaction, &mut has_gap);
+            loads.add(interaction, state.positions.len());
         }
+        loads.for_each(problem, |node, load| {
+            fields.contact_pressure[node] = load.normal;
+            if let Some(friction) = &mut fields.friction {
+                friction.traction[node] = load.friction;
+            }
+        });
         fields
     }
 
@@ -158,28 +158,11 @@ impl Fields {
         Ok(())
     }
 
-    fn add_contact(&mut self, interaction: &Interaction, areas: &[f64], has_gap: &mut [bool]) {
-        let forces = interaction.nodal_forces(areas.len());
-        let is_over_faces = interaction.options().integration != Integration::Nodes;
-        let faces = &interaction.options().quadratic_faces;
-        let on_quadratic: HashSet<usize> = faces.iter().flat_map(|face| face.nodes()).copied().collect();
-        // With two passes a side has half of the penalty and so half of pressure and friction.
-        let has_halves = interaction.options().two_pass || interaction.options().self_contact;
-        let passes = if has_halves { 2.0 } else { 1.0 };
+    /// Gaps, slips and what contact means; pressures and tractions come from all interactions together.
+    fn add_contact(&mut self, interaction: &Interaction, has_gap: &mut [bool]) {
         if interaction.options().friction.is_some() {
-            let friction = self.friction.get_or_insert_with(|| FrictionFields::zero(areas.len()));
-            for slave in interaction.slaves() {
-                let node = slave.node;
-                // As of pressures below.
-                let (force, area) = if is_over_faces && on_quadratic.contains(&node) {
-                    (slave.friction.map(|force| passes * force), slave.area)
-                } else if is_over_faces && slave.gap.is_some() {
-                    (forces.friction[node], slave.area)
-                } else {
-                    (forces.friction[node], areas[node])
-                };
-                friction.add(&slave, force, area);
-            }
+            let friction = self.friction.get_or_insert_with(|| FrictionFields::zero(has_gap.len()));
+            interaction.slaves().for_each(|slave| friction.add(&slave));
         }
         for slave in interaction.slaves() {
             let node = slave.node;
@@ -197,31 +180,7 @@ impl Fields {
                 has_gap[node] = true;
             }
             self.contact_status[node] = self.contact_status[node].max(status as i32);
-            if is_over_faces && on_quadratic.contains(&node) {
-                // Forces of faces of second order are no pressures: corners may have none.
-                self.contact_pressure[node] +=
-                    if slave.area > 0.0 { passes * slave.force / slave.area } else { 0.0 };
-            } else if is_over_faces && slave.gap.is_some() && slave.area > 0.0 {
-                // Forces of faces are only there where they lie over the master.
-                self.contact_pressure[node] += pressing(forces.forces[node], slave.normal) / slave.area;
-            } else if areas[node] > 0.0 {
-                self.contact_pressure[node] += pressing(forces.forces[node], slave.normal) / areas[node];
-            }
         }
-    }
-
-    /// Tributary areas of all nodes of the named surfaces, zero elsewhere.
-    #[must_use]
-    pub fn slave_areas(model: &Model, surfaces: &[Vec<diffuse_contact::surface::Facet>]) -> Vec<f64> {
-        let mut areas = vec![0.0; model.nodes.len()];
-        for facets in surfaces {
-            // Checked when the interface was made.
-            for (sum, area) in areas.iter_mut().zip(tributary_areas(&model.nodes, facets).unwrap_or_default())
-            {
-                *sum = f64::max(*sum, area);
-            }
-        }
-        areas
     }
 }
 
@@ -279,13 +238,6 @@ impl SlaveFields {
         });
         fields
     }
-}
-
-/// The part of a node's contact force along its normal. A slave that faces no master has no normal; what it receives as a master
-/// of the other pass is pressure then.
-fn pressing(force: [f64; 3], normal: [f64; 3]) -> f64 {
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    if normal == [0.0; 3] { dot(force, force).sqrt() } else { dot(force, normal) }
 }
 
 fn displacement(start: &[[f64; 3]], positions: &[[f64; 3]]) -> Vec<[f64; 3]> {

@@ -25,6 +25,7 @@ mod error;
 mod failed;
 mod fields;
 mod history;
+mod loads;
 mod picture;
 mod recorder;
 mod seal;

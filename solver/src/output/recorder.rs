@@ -42,27 +42,19 @@ pub struct RecorderOptions {
     pub deck: String,
     /// Which increments have pictures and skins, and what these show.
     pub output: Output,
-    /// Areas of the slave nodes at the start, by [`Fields::slave_areas`].
-    pub areas: Vec<f64>,
 }
 
 impl RecorderOptions {
-    /// Into a directory, with the text of the deck; the default output, and no areas of slave nodes.
+    /// Into a directory, with the text of the deck; the default output.
     #[must_use]
     pub fn new(directory: impl Into<PathBuf>, deck: String) -> Self {
-        Self { directory: directory.into(), deck, output: Output::default(), areas: Vec::new() }
+        Self { directory: directory.into(), deck, output: Output::default() }
     }
 
     /// With this output.
     #[must_use]
     pub fn with_output(self, output: Output) -> Self {
         Self { output, ..self }
-    }
-
-    /// With these areas of the slave nodes.
-    #[must_use]
-    pub fn with_areas(self, areas: Vec<f64>) -> Self {
-        Self { areas, ..self }
     }
 }
 
@@ -171,11 +163,10 @@ impl<'a> Recorder<'a> {
         directory.write(names::HISTORY, |writer| writeln!(writer, "{}", history::header(problem)))?;
         directory.write(names::ITERATIONS, |writer| writeln!(writer, "{}", history::ITERATION_COLUMNS))?;
         directory.write_json(&format!("{}/{SKIN}", names::SKINS), skin)?;
-        let fields = Fields::of(problem, state, &options.areas);
+        let fields = Fields::of(problem, state);
         recorder.show(fields, problem)?;
         let interactions = problem.contacts().interactions().iter();
-        recorder.beginnings =
-            interactions.map(|own| Beginning::of(own, &recorder.options.areas, model)).collect();
+        recorder.beginnings = interactions.map(|own| Beginning::of(own, model)).collect();
         recorder.write_state()?;
         recorder.watcher.start(&recorder.beginnings);
         Ok(recorder)
@@ -391,7 +382,7 @@ impl<'a> Recorder<'a> {
         state: &State,
         problem: &Problem,
     ) -> Result<(), OutputError> {
-        let fields = Fields::of(problem, state, &self.options.areas);
+        let fields = Fields::of(problem, state);
         let is_shown = record.number.is_multiple_of(self.options.output.every);
         let pending = (!is_shown).then(|| SlaveFields::of(&fields));
         let mut carried = self.carried.clone();

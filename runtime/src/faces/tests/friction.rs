@@ -3,6 +3,7 @@
 use super::*;
 use crate::Coulomb;
 use crate::friction::FrictionState;
+use crate::surface::SymmetryPlane;
 
 /// Pressures of the bumps are about 5 at this penalty, slips 0.02.
 const STIFFNESS: f64 = 60.0;

@@ -259,6 +259,29 @@ fn assert_tangent(pair: &Pair, element: ContactElement, faces: &[QuadraticFace])
     assert_tangent_at(pair, &mut interface, &ContactLaw::penalty(50.0), &pair.positions, 7);
 }
 
+/// Both bumps as one surface in contact with itself, made while they were apart: each is integrated over the other.
+#[test]
+fn the_tangent_of_self_contact_is_exact_with_the_points_held() {
+    for (element, triangles) in [(ContactElement::default(), false), (ContactElement::NodeToFacet, true)] {
+        let pair = bumps(triangles);
+        let surface = [&pair.master[..], &pair.slave].concat();
+        let mut apart = pair.positions.clone();
+        apart[pair.first_slave..].iter_mut().for_each(|x| x[2] += 0.5);
+        let surface = MasterSurface::new(&apart, surface).unwrap();
+        let options = FaceOptions::new(InterfaceOptions::default().with_element(element));
+        let mut interface = FaceInterface::self_contact(surface, &apart, options).unwrap();
+        interface.refresh(&pair.positions).unwrap();
+        let law = ContactLaw::penalty(50.0);
+        let pressed = interface.evaluate(&law, Mode::Gradient).unwrap().nodes().to_vec();
+        let sides =
+            pressed.iter().filter(|node| node.pressure > 0.0).map(|node| node.slave < pair.first_slave);
+        let (low, high): (Vec<bool>, Vec<bool>) = sides.partition(|&is_low| is_low);
+        assert!(low.len() > 8 && high.len() > 8);
+        pair.assert_balance(&pair.forces(interface.contacts()));
+        assert_tangent_at(&pair, &mut interface, &law, &pair.positions, 7);
+    }
+}
+
 /// Of every so many columns. All blocks lie within what the interface says that couples.
 fn assert_tangent_at(
     pair: &Pair,

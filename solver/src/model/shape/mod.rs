@@ -6,6 +6,7 @@
 //! | [`Pipe`] | a pipe, whole or a sector | [`RigidWave`] | z = a sin(2πx/λ) |
 //! | [`Cylinder`] | a full cylinder, half or quarter | [`RigidCylinder`] | cylinder, whole or a sector |
 //! | [`Ball`] | a full ball, half, quarter or eighth | [`RigidSphere`], [`RigidTorus`] | sphere and torus or parts of them |
+//! | [`Strip`] | a bar bent along a path, a coil | | |
 //!
 //! Every shape has public fields, `check`, which finds the first number out of range, and `part`, which calls `check` and
 //! makes the [`Part`]. Lengths are in the deck's unit, angles in degrees.
@@ -18,6 +19,7 @@ mod lattice;
 mod pipe;
 mod rigid;
 mod rigid_sphere;
+mod strip;
 
 pub use ball::Ball;
 pub use block::Block;
@@ -25,6 +27,7 @@ pub use cylinder::Cylinder;
 pub use pipe::Pipe;
 pub use rigid::{Facets, RigidCylinder, RigidPlane, RigidTorus, RigidWave, Side};
 pub use rigid_sphere::RigidSphere;
+pub use strip::{Strip, StripPiece};
 
 use diffuse_contact_mesh::ElementKind;
 
@@ -55,6 +58,7 @@ pub enum Shape {
     Pipe(Pipe),
     Cylinder(Cylinder),
     Ball(Ball),
+    Strip(Strip),
     RigidPlane(RigidPlane),
     RigidWave(RigidWave),
     RigidCylinder(RigidCylinder),
@@ -70,6 +74,7 @@ impl Shape {
             Self::Pipe(shape) => shape.check(),
             Self::Cylinder(shape) => shape.check(),
             Self::Ball(shape) => shape.check(),
+            Self::Strip(shape) => shape.check(),
             Self::RigidPlane(shape) => shape.check(),
             Self::RigidWave(shape) => shape.check(),
             Self::RigidCylinder(shape) => shape.check(),
@@ -85,6 +90,7 @@ impl Shape {
             Self::Pipe(shape) => shape.part(kind),
             Self::Cylinder(shape) => shape.part(kind),
             Self::Ball(shape) => shape.part(kind),
+            Self::Strip(shape) => shape.part(kind),
             Self::RigidPlane(shape) => shape.part(),
             Self::RigidWave(shape) => shape.part(),
             Self::RigidCylinder(shape) => shape.part(),
@@ -100,6 +106,7 @@ impl Shape {
             Self::Pipe(shape) => &mut shape.divisions,
             Self::Cylinder(shape) => &mut shape.divisions,
             Self::Ball(shape) => &mut shape.divisions,
+            Self::Strip(shape) => &mut shape.divisions,
             Self::RigidPlane(shape) => &mut shape.divisions,
             Self::RigidWave(shape) => &mut shape.divisions,
             Self::RigidCylinder(shape) => &mut shape.divisions,
@@ -111,7 +118,7 @@ impl Shape {
     /// Whether it is a surface without a body.
     #[must_use]
     pub const fn is_rigid(&self) -> bool {
-        !matches!(self, Self::Block(_) | Self::Pipe(_) | Self::Cylinder(_) | Self::Ball(_))
+        !matches!(self, Self::Block(_) | Self::Pipe(_) | Self::Cylinder(_) | Self::Ball(_) | Self::Strip(_))
     }
 }
 

@@ -181,6 +181,45 @@ fn a_pipe_and_its_sectors_along_each_axis() {
     }
 }
 
+/// A serpentine and a coil: Pappus' volume, and ends where they belong.
+#[test]
+fn strips_follow_their_path() {
+    let faces = ["bottom", "end", "left", "right", "start", "top"];
+    let path = vec![
+        StripPiece::straight(4.0),
+        StripPiece::arc(2.0, 180.0),
+        StripPiece::straight(4.0),
+        StripPiece::arc(2.0, -180.0),
+        StripPiece::straight(4.0),
+    ];
+    let length = 12.0 + 4.0 * PI;
+    let bent = Strip { path, thickness: 1.0, width: 3.0, divisions: [120, 2, 3] };
+    let part = solid(Shape::Strip(bent.clone()), 3.0 * length, 2e-3, &faces);
+    assert_set(&part, "start", |x| x[0] == 0.0 && x[1].abs() <= 0.5);
+    assert_set(&part, "end", |x| near(x[0], 4.0) && near(x[1].clamp(7.5, 8.5), x[1]));
+    assert_set(&part, "top", |x| near(x[2], 3.0));
+
+    // Two turns to the left around (0, 5), which rise by 8.
+    let coil = Strip {
+        path: vec![StripPiece::arc(5.0, 720.0).with_rise(8.0)],
+        thickness: 1.0,
+        width: 2.0,
+        divisions: [96, 1, 2],
+    };
+    let part = solid(Shape::Strip(coil.clone()), 2.0 * 20.0 * PI, 4e-3, &faces);
+    let radius = |x: [f64; 3]| x[0].hypot(x[1] - 5.0);
+    assert_set(&part, "left", |x| near(radius(x), 4.5));
+    assert_set(&part, "right", |x| near(radius(x), 5.5));
+    assert_set(&part, "end", |x| near(x[0], 0.0) && x[2] > 7.9 && x[1] < 5.0);
+
+    let refused_path = |path: Vec<StripPiece>| refused(Shape::Strip(Strip { path, ..bent.clone() }));
+    assert_eq!(refused_path(vec![]), ("path", 0.0));
+    assert_eq!(refused_path(vec![StripPiece::straight(-1.0)]), ("path", -1.0));
+    let (field, radius) = refused_path(vec![StripPiece::arc(0.4, 90.0)]);
+    assert!(field == "path" && near(radius, 0.4));
+    assert_eq!(refused(Shape::Strip(Strip { divisions: [4, 1, 1], ..coil })), ("divisions", 4.0));
+}
+
 #[test]
 fn cylinders_whole_half_and_quarter() {
     let whole = Cylinder {

@@ -121,7 +121,7 @@ class Part:
         self.nodes, self.blocks, self.owners, self.positions, corners = self.facets.by_node()
         #: Which nodes are corners of own facets.
         self.corners = np.isin(self.nodes, self.own.nodes)
-        is_wide, demands = True, ()
+        self.part, is_wide = None, True
         if len(self.own.numbers):
             try:
                 self.part = dc.SurfacePart(
@@ -134,8 +134,6 @@ class Part:
                     extents=extents,
                     **options,
                 )
-                demands = self.part.demands
-                demands = (demands.nodes, demands.factors, demands.facets, demands.bases)
             except dc.InterfaceError as error:
                 if error.code != "part-too-narrow":
                     raise
@@ -143,15 +141,25 @@ class Part:
         if exchange.largest(float(not is_wide)) > 0:
             return False
         beside = np.flatnonzero(meets(known[exchange.comm.rank], known))
-        found = exchange.to("surface", {int(rank): demands for rank in beside} if demands else {})
-        try:
+        # Rounds are the same on all ranks; those without facets have nothing to say in them.
+        is_settled = False
+        while not is_settled:
+            demands, is_settled = (), True
             if self.part is not None:
-                self.part.settle([dc.PartDemands(*arrays) for arrays in found.values()])
-        except dc.InterfaceError as error:
-            if error.code != "part-too-narrow":
-                raise
-            is_wide = False
-        return exchange.largest(float(not is_wide)) == 0
+                own = self.part.demands
+                demands = (own.nodes, own.factors, own.crowded, own.facets, own.bases)
+            found = exchange.to("surface", {int(rank): demands for rank in beside} if demands else {})
+            try:
+                if self.part is not None:
+                    is_settled = self.part.settle([dc.PartDemands(*arrays) for arrays in found.values()])
+            except dc.InterfaceError as error:
+                if error.code != "part-too-narrow":
+                    raise
+                is_wide = False
+            if exchange.largest(float(not is_wide)) > 0:
+                return False
+            is_settled = exchange.largest(float(not is_settled)) == 0
+        return True
 
     @property
     def nbytes(self) -> int:

@@ -139,7 +139,8 @@ impl Window {
     }
 }
 
-type DemandsRow<'py> = (Indices<'py>, Numbers<'py>, Indices<'py>, Bound<'py, PyArray1<u8>>);
+type Bytes<'py> = Bound<'py, PyArray1<u8>>;
+type DemandsRow<'py> = (Indices<'py>, Numbers<'py>, Bytes<'py>, Indices<'py>, Bytes<'py>);
 
 /// A part of a surface that windows are cut from.
 #[pyclass(module = "diffuse_contact._native")]
@@ -186,28 +187,30 @@ impl Part {
         Ok(Self { part: made.map_err(|error| error.raise(py))? })
     }
 
-    /// Nodes, factors of their domains, facets, what they carry.
+    /// Nodes, factors of their domains, whether these may shrink, facets, what they carry.
     fn demands<'py>(slf: &Bound<'py, Self>) -> PyResult<DemandsRow<'py>> {
         let py = slf.py();
         let this = slf.try_borrow().map_err(|_| busy(py))?;
-        let PartDemands { nodes, factors, facets, bases } = this.part.demands();
+        let PartDemands { nodes, factors, crowded, facets, bases } = this.part.demands();
         Ok((
             numbers(py, nodes),
             PyArray1::from_vec(py, factors),
+            PyArray1::from_vec(py, crowded),
             numbers(py, facets),
             PyArray1::from_vec(py, bases),
         ))
     }
 
-    /// Takes over what other parts ask for.
-    fn settle(slf: &Bound<'_, Self>, others: Vec<DemandsRow<'_>>) -> PyResult<()> {
+    /// Takes over what other parts ask for; whether domains are settled, or there is another round.
+    fn settle(slf: &Bound<'_, Self>, others: Vec<DemandsRow<'_>>) -> PyResult<bool> {
         let py = slf.py();
         let mut this = slf.try_borrow_mut().map_err(|_| busy(py))?;
-        let demands = |(nodes, factors, facets, bases): &DemandsRow<'_>| -> PyResult<PartDemands> {
-            let (factors, bases) = (readable(factors)?, readable(bases)?);
+        let demands = |(nodes, factors, crowded, facets, bases): &DemandsRow<'_>| -> PyResult<PartDemands> {
+            let (factors, crowded, bases) = (readable(factors)?, readable(crowded)?, readable(bases)?);
             Ok(PartDemands {
                 nodes: names(py, "nodes", nodes)?,
                 factors: slice(py, &factors)?.to_vec(),
+                crowded: slice(py, &crowded)?.to_vec(),
                 facets: names(py, "facets", facets)?,
                 bases: slice(py, &bases)?.to_vec(),
             })

@@ -148,9 +148,11 @@ def test_parts_make_the_window_of_the_whole(symmetry):
         with pytest.raises(dc.InterfaceError) as error:
             made[0].window(ranks[0].positions, boxes, 0.05)
         assert error.value.code == "invalid-window"
-        demands = pickle.loads(pickle.dumps([own.demands for own in made]))
-        for own, rank in zip(made, ranks, strict=True):
-            own.settle([d for d, other in zip(demands, ranks, strict=True) if rank.is_beside(other)])
+        for is_last in (False, True):
+            demands = pickle.loads(pickle.dumps([own.demands for own in made]))
+            for own, rank in zip(made, ranks, strict=True):
+                others = [d for d, other in zip(demands, ranks, strict=True) if rank.is_beside(other)]
+                assert own.settle(others) is is_last
         windows = [own.window(rank.positions, boxes, 0.05) for own, rank in zip(made, ranks, strict=True)]
         assert dc.Window.joined(windows) == expected
         assert dc.Window.joined(windows[:1]) != expected

@@ -377,17 +377,21 @@ fn windows_of_parts_are_those_of_the_whole() {
             let extents = extents.fold(Extents::NONE, Extents::joined);
             let parts = ranks.iter().map(|rank| SurfacePart::new(&rank.facets(extents), &options, &planes));
             let mut parts: Vec<SurfacePart> = parts.map(Result::unwrap).collect();
-            let demands: Vec<_> = parts.iter().map(SurfacePart::demands).collect();
-            let mut windows = Vec::new();
-            for (part, rank) in parts.iter_mut().zip(&ranks) {
-                let here: Vec<Point> =
-                    rank.node_numbers.iter().map(|&node| positions[node as usize]).collect();
-                assert_eq!(part.window(&here, &boxes, 0.05).unwrap_err().code(), "invalid-window");
-                let beside = ranks.iter().zip(&demands).filter(|(other, _)| rank.is_beside(other));
-                let others: Vec<_> = beside.map(|(_, demands)| demands.clone()).collect();
-                part.settle(&others).unwrap();
-                windows.push(part.window(&here, &boxes, 0.05).unwrap());
+            let here = |rank: &Rank| -> Vec<Point> {
+                rank.node_numbers.iter().map(|&node| positions[node as usize]).collect()
+            };
+            for round in [false, true] {
+                let demands: Vec<_> = parts.iter().map(SurfacePart::demands).collect();
+                for (part, rank) in parts.iter_mut().zip(&ranks) {
+                    let early = part.window(&here(rank), &boxes, 0.05).unwrap_err();
+                    assert_eq!(early.code(), "invalid-window");
+                    let beside = ranks.iter().zip(&demands).filter(|(other, _)| rank.is_beside(other));
+                    let others: Vec<_> = beside.map(|(_, demands)| demands.clone()).collect();
+                    assert_eq!(part.settle(&others).unwrap(), round);
+                }
             }
+            let windows = parts.iter().zip(&ranks).map(|(part, rank)| part.window(&here(rank), &boxes, 0.05));
+            let windows: Vec<Window> = windows.map(Result::unwrap).collect();
             assert_eq!(Window::joined(&windows).unwrap(), expected);
         }
         let narrow = Rank::new(&mesh, &[100, 101], 1.5, |k| k as u64);

@@ -50,11 +50,13 @@ class Extents:
 class PartDemands:
     """What the fits at the facets of a part ask of domains. Other parts with the same nodes and facets have to know.
 
-    Plain arrays, to be sent.
+    Plain arrays, to be sent. Two rounds of them settle the domains.
 
     Attributes:
         nodes: numbers of nodes in the whole surface, ascending, shape (n,).
-        factors: by how much their domains have to be larger, shape (n,): the largest of all parts counts.
+        factors: by how much their domains have to be larger, shape (n,): the largest of all parts counts. In the second
+            round by how much they may shrink.
+        crowded: in the second round whether a domain shrinks at all, uint8, shape (n,): it does if any part says 1.
         facets: numbers of the facets whose fits do not carry the quadratic basis, ascending, shape (m,).
         bases: what they carry, uint8, shape (m,): 1 for the linear basis, 0 for nothing. The least of all parts counts.
 
@@ -62,20 +64,22 @@ class PartDemands:
 
     nodes: Ints
     factors: Floats
+    crowded: NDArray[np.uint8]
     facets: Ints
     bases: NDArray[np.uint8]
 
-    def _row(self) -> tuple[Ints, Floats, Ints, NDArray[np.uint8]]:
+    def _row(self) -> tuple[Ints, Floats, NDArray[np.uint8], Ints, NDArray[np.uint8]]:
         nodes, rows = ints("nodes", self.nodes, "n"), ints("facets", self.facets, "m")
+        crowded = ints("crowded", self.crowded, len(nodes)).astype(np.uint8)
         bases = ints("bases", self.bases, len(rows)).astype(np.uint8)
-        return nodes, floats("factors", self.factors, len(nodes)), rows, bases
+        return nodes, floats("factors", self.factors, len(nodes)), crowded, rows, bases
 
 
 class SurfacePart:
     """The facets that a rank owns and those around them: windows are cut out of it.
 
     Made once, in the first positions. Its ``demands`` go to the ranks whose known boxes meet its own, and ``settle``
-    takes over theirs. From then on ``window`` tells what another rank's slaves can need of the own facets.
+    takes over theirs, until it says True. From then on ``window`` tells what another rank's slaves can need of the own facets.
 
     Args:
         positions: first positions of the nodes, shape (p, 3), length.
@@ -134,19 +138,21 @@ class SurfacePart:
 
     @property
     def demands(self) -> PartDemands:
-        """What other parts have to know: of the nodes and facets of this part, which may be theirs, too."""
+        """What other parts have to know in this round: of the nodes and facets of this part, which may be theirs, too."""
         return PartDemands(*self._part.demands())
 
-    def settle(self, others: Iterable[PartDemands]) -> None:
-        """Takes over what other parts ask for, all those whose known boxes meet that of this one. To be called once.
+    def settle(self, others: Iterable[PartDemands]) -> bool:
+        """Takes over what other parts ask for, all those whose known boxes meet that of this one.
 
-        What concerns nodes and facets that are not here is left out.
+        What concerns nodes and facets that are not here is left out. Returns whether domains are settled. If not, the
+        ``demands`` are those of the next round: exchange them, and call this once more. All parts take the same number
+        of rounds.
 
         Raises:
-            InterfaceError: ``"part-too-narrow"`` if the list of an own facet may depend on what is not here.
+            InterfaceError: ``"part-too-narrow"`` if what concerns an own facet may depend on what is not here.
 
         """
-        self._part.settle([own._row() for own in others])
+        return self._part.settle([own._row() for own in others])
 
     def window(self, positions: ArrayLike, boxes: ArrayLike, skin: float) -> Window:
         """What slaves in boxes can need of the own facets.

@@ -5,8 +5,8 @@ use crate::surface::window::{
     Box3, Extents, LARGEST_NUMBER, Setup, Sheet, Window, WindowError, check_boxes, widened,
 };
 use crate::surface::{
-    Carried, Creases, Demands, Facet, MasterSurface, NONE, NodalDomains, Sheets, Symmetry, SymmetryPlane,
-    check_facets, grown, shape_of,
+    Carried, Creases, Demands, Facet, MasterSurface, NONE, NodalDomains, Ratios, Sheets, Symmetry,
+    SymmetryPlane, check_facets, grown, shape_of, trimmed,
 };
 use crate::{MaterialDomain, Point};
 
@@ -30,13 +30,15 @@ pub struct PartFacets<'a> {
 }
 
 /// What the fits at the facets of a rank ask of domains, by numbers of the whole surface. Other ranks with the same nodes and facets have
-/// to know.
+/// to know. Two rounds of them settle the domains.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PartDemands {
     /// Nodes, ascending, …
     pub nodes: Vec<u64>,
-    /// … and the factors of their domains: the largest of all ranks is that of the node.
+    /// … and the factors of their domains: the largest of all ranks is that of the node. In the second round those by which domains shrink.
     pub factors: Vec<f64>,
+    /// … and, in the second round, whether any place has so many masters that this domain may shrink, 1 or 0; 0 in the first.
+    pub crowded: Vec<u8>,
     /// Facets whose fits do not carry the quadratic basis, ascending, …
     pub facets: Vec<u64>,
     /// … and what they carry, 1 for the linear basis and 0 for nothing: the least of all ranks counts.
@@ -47,7 +49,8 @@ pub struct PartDemands {
 ///
 /// ```text
 /// new      facets around the own ones                    → demands of the fits at the own facets
-/// settle   demands of all ranks with nodes in this part  → domains, lists of the own facets
+/// settle   demands of all ranks with nodes in this part  → demands of the second round: how far domains can shrink
+/// settle   those of all ranks                            → domains, lists of the own facets
 /// window   boxes of another rank's slaves                → what they can need of the own facets
 /// ```
 #[derive(Debug)]
@@ -62,13 +65,40 @@ pub struct SurfacePart {
     /// By place, whether all facets at the node are here.
     complete: Vec<bool>,
     demands: Demands,
-    domains: Option<NodalDomains>,
+    stage: Stage,
     /// By place, ascending.
     node_numbers: Vec<u64>,
     facet_numbers: Vec<u64>,
     /// Where the node of a place is among the caller's.
     nodes: Vec<usize>,
     callers: usize,
+}
+
+/// How far the domains of a part are known.
+#[derive(Debug)]
+enum Stage {
+    /// The own fits' demands.
+    Demanded,
+    /// Domains as the fits of all parts ask for, and by how much the own facets let them shrink.
+    Grown {
+        domains: Vec<MaterialDomain>,
+        bases: Vec<Carried>,
+        ratios: Ratios,
+    },
+    Settled(NodalDomains),
+}
+
+impl PartDemands {
+    fn check(&self) -> Result<(), WindowError> {
+        let Self { nodes, factors, crowded, facets, bases } = self;
+        if nodes.len() != factors.len() || nodes.len() != crowded.len() || facets.len() != bases.len() {
+            return Err(WindowError::Invalid { what: "length of demands", place: 0 });
+        }
+        match factors.iter().position(|factor| !(*factor >= 0.0 && factor.is_finite())) {
+            Some(place) => Err(WindowError::Invalid { what: "factor", place }),
+            None => Ok(()),
+        }
+    }
 }
 
 impl PartFacets<'_> {
@@ -175,7 +205,7 @@ impl SurfacePart {
             creases,
             symmetry,
             complete,
-            domains: None,
+            stage: Stage::Demanded,
             surface,
         };
         made.check_width(&made.demands.open)?;
@@ -192,59 +222,106 @@ impl SurfacePart {
         }
     }
 
-    /// What other ranks have to know: of the nodes and facets of this part, which may be theirs, too.
+    /// What other ranks have to know in this round: of the nodes and facets of this part, which may be theirs, too. Nothing once domains
+    /// are settled.
     #[must_use]
     pub fn demands(&self) -> PartDemands {
-        let Demands { factors, bases, .. } = &self.demands;
         let mut all = PartDemands::default();
-        for (&number, &factor) in self.node_numbers.iter().zip(factors).filter(|(_, factor)| **factor > 0.0) {
-            all.nodes.push(number);
-            all.factors.push(factor);
-        }
-        let carried = self.facet_numbers.iter().zip(bases);
-        for (&number, &carried) in carried.filter(|(_, carried)| **carried != Carried::Quadratic) {
-            all.facets.push(number);
-            all.bases.push(carried as u8);
+        match &self.stage {
+            Stage::Demanded => {
+                let Demands { factors, bases, .. } = &self.demands;
+                for (&number, &factor) in self.node_numbers.iter().zip(factors).filter(|own| *own.1 > 0.0) {
+                    all.nodes.push(number);
+                    all.factors.push(factor);
+                    all.crowded.push(0);
+                }
+                let carried = self.facet_numbers.iter().zip(bases);
+                for (&number, &carried) in carried.filter(|(_, carried)| **carried != Carried::Quadratic) {
+                    all.facets.push(number);
+                    all.bases.push(carried as u8);
+                }
+            }
+            Stage::Grown { ratios: Ratios { ratios, crowded, .. }, .. } => {
+                let nodes = self.node_numbers.iter().zip(ratios).zip(crowded);
+                for ((&number, &ratio), &crowded) in nodes.filter(|((_, ratio), _)| **ratio > 0.0) {
+                    all.nodes.push(number);
+                    all.factors.push(ratio);
+                    all.crowded.push(u8::from(crowded));
+                }
+            }
+            Stage::Settled(_) => {}
         }
         all
     }
 
-    /// Takes over what other ranks ask for, all those whose known boxes meet that of this part, and finds the lists of the own facets. What
-    /// concerns nodes and facets that are not here is left out. To be called once.
+    /// Takes over what other ranks ask for, all those whose known boxes meet that of this part. What concerns nodes and facets that are
+    /// not here is left out. Returns whether domains are settled: if not, [`demands`](Self::demands) are those of the next round, and ranks
+    /// exchange them and call this once more. All ranks take the same number of rounds.
     ///
     /// # Errors
-    /// [`WindowError::TooNarrow`] if a list may depend on what does not meet the known box; [`WindowError::Invalid`] for demands that are
-    /// none.
-    pub fn settle(&mut self, others: &[PartDemands]) -> Result<(), InterfaceError> {
-        let mut demands = self.demands.clone();
-        for PartDemands { nodes, factors, facets, bases } in others {
-            if nodes.len() != factors.len() || facets.len() != bases.len() {
-                return Err(WindowError::Invalid { what: "length of demands", place: 0 }.into());
-            }
-            if let Some(place) = factors.iter().position(|factor| !(*factor >= 0.0 && factor.is_finite())) {
-                return Err(WindowError::Invalid { what: "factor", place }.into());
-            }
-            for (number, &factor) in nodes.iter().zip(factors) {
-                if let Ok(place) = self.node_numbers.binary_search(number) {
-                    demands.factors[place] = demands.factors[place].max(factor);
-                }
-            }
-            for (number, &carried) in facets.iter().zip(bases) {
-                if let Ok(place) = self.facet_numbers.binary_search(number) {
-                    demands.bases[place] = demands.bases[place].min(Carried::of(carried));
-                }
-            }
-        }
+    /// [`WindowError::TooNarrow`] if what concerns an own facet may depend on what does not meet the known box; [`WindowError::Invalid`]
+    /// for demands that are none. Nothing has changed then.
+    pub fn settle(&mut self, others: &[PartDemands]) -> Result<bool, InterfaceError> {
+        others.iter().try_for_each(PartDemands::check)?;
+        self.stage = match &self.stage {
+            Stage::Demanded => self.grow(others)?,
+            Stage::Grown { domains, bases, ratios } => self.trim(others, domains, bases, ratios)?,
+            Stage::Settled(_) => return Ok(true),
+        };
+        Ok(matches!(self.stage, Stage::Settled(_)))
+    }
+
+    /// Runs with the sheets of the part.
+    fn with_sheets<T>(&self, run: impl FnOnce(&Sheets<'_>) -> T) -> Result<T, InterfaceError> {
         let positions: Vec<Point> = self.cells.iter().map(|cell| cell.position).collect();
         let index = self.surface.at(&positions)?;
-        let sheets = Sheets {
+        Ok(run(&Sheets {
             index: &index,
             creases: &self.creases,
             symmetry: &self.symmetry,
             complete: Some(&self.complete),
-        };
-        let domains = grown(&self.cells, &demands.factors);
-        let (found, mut open) = sheets.lists(&domains, &self.own);
+        }))
+    }
+
+    fn grow(&self, others: &[PartDemands]) -> Result<Stage, InterfaceError> {
+        let Demands { mut factors, mut bases, .. } = self.demands.clone();
+        for other in others {
+            for (number, &factor) in other.nodes.iter().zip(&other.factors) {
+                if let Ok(place) = self.node_numbers.binary_search(number) {
+                    factors[place] = factors[place].max(factor);
+                }
+            }
+            for (number, &carried) in other.facets.iter().zip(&other.bases) {
+                if let Ok(place) = self.facet_numbers.binary_search(number) {
+                    bases[place] = bases[place].min(Carried::of(carried));
+                }
+            }
+        }
+        let domains = grown(&self.cells, &factors);
+        let ratios =
+            self.with_sheets(|sheets| sheets.ratios(&domains, &bases, self.setup.weight, &self.own))?;
+        self.check_width(&ratios.open)?;
+        Ok(Stage::Grown { domains, bases, ratios })
+    }
+
+    fn trim(
+        &self,
+        others: &[PartDemands],
+        domains: &[MaterialDomain],
+        bases: &[Carried],
+        own: &Ratios,
+    ) -> Result<Stage, InterfaceError> {
+        let mut all = own.clone();
+        for other in others {
+            for ((number, &ratio), &crowded) in other.nodes.iter().zip(&other.factors).zip(&other.crowded) {
+                if let Ok(place) = self.node_numbers.binary_search(number) {
+                    all.ratios[place] = all.ratios[place].max(ratio);
+                    all.crowded[place] |= crowded != 0;
+                }
+            }
+        }
+        let domains = trimmed(domains, &all);
+        let (found, mut open) = self.with_sheets(|sheets| sheets.lists(&domains, &self.own))?;
         let mut lists = vec![Vec::new(); self.surface.facet_count()];
         for (&facet, list) in self.own.iter().zip(found) {
             // The facets at listed nodes are known with all that lies across their edges.
@@ -258,8 +335,7 @@ impl SurfacePart {
         open.sort_unstable();
         open.dedup();
         self.check_width(&open)?;
-        self.domains = Some(NodalDomains::given(domains, demands.bases, &lists));
-        Ok(())
+        Ok(Stage::Settled(NodalDomains::given(domains, bases.to_vec(), &lists)))
     }
 
     /// What slaves in these boxes can need of the own facets, as [`ContactInterface::window`](super::ContactInterface::window). Positions
@@ -274,7 +350,7 @@ impl SurfacePart {
         if found != expected {
             return Err(InterfaceError::WrongNumberOfPositions { found, expected });
         }
-        let Some(domains) = &self.domains else {
+        let Stage::Settled(domains) = &self.stage else {
             return Err(WindowError::Invalid { what: "domain", place: 0 }.into());
         };
         let boxes_with_skin: Vec<Box3> = boxes.iter().map(|own| widened(*own, skin)).collect();

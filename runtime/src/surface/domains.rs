@@ -6,7 +6,7 @@
 //! fits allows. At each *centre* c (a node, the middle of an edge or of a facet, a point halfway
 //! between these) let s(c) be the smallest factor for which the weighted design matrix of the nodes nearer than s, columns scaled to
 //! length one, has no singular value below [`SMALLEST_SINGULAR_VALUE`]. s_k is the largest s(c) of all centres that the node
-//! serves, and a little more.
+//! serves, and a little more. Where that makes more masters than fits need, domains shrink again ([`trim`](super::trim)).
 //!
 //! Which nodes a slave may need follows from its closest facet, so facets have lists of them, found once.
 
@@ -15,6 +15,7 @@ use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 use rayon::prelude::*;
 
 use super::topology::NONE;
+use super::trim::trimmed;
 use super::{Creases, SurfaceIndex, Symmetry, Walk};
 use crate::eigen::symmetric_eigen;
 use crate::vector::Vector3;
@@ -44,7 +45,7 @@ const THINNEST: f64 = 1e-3;
 /// closest facet.
 const MARGIN: f64 = 0.3;
 /// Centres that one thread works on in a row.
-const CHUNK: usize = 64;
+pub(super) const CHUNK: usize = 64;
 
 /// The domains of all nodes of a surface, and where its facets carry which basis.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,22 +84,31 @@ impl Carried {
             _ => Self::Quadratic,
         }
     }
+
+    /// The number of functions.
+    pub(super) const fn size(self) -> usize {
+        match self {
+            Self::Nothing => 0,
+            Self::Linear => 3,
+            Self::Quadratic => 6,
+        }
+    }
 }
 
 /// Where a fit is looked at.
-struct Centre {
-    point: Vector3,
-    normal: Vector3,
+pub(super) struct Centre {
+    pub point: Vector3,
+    pub normal: Vector3,
     /// A facet around it, and the others.
-    facet: u32,
-    others: Vec<u32>,
+    pub facet: u32,
+    pub others: Vec<u32>,
 }
 
 /// Memory of one thread.
 #[derive(Default)]
-struct Scratch {
+pub(super) struct Scratch {
     /// Whether what was found may depend on what is not there.
-    is_open: bool,
+    pub is_open: bool,
     walk: Walk,
     found: Vec<(u32, f64)>,
     /// The cells of the nodes around a facet, and of their images.
@@ -109,17 +119,17 @@ struct Scratch {
     shell: f64,
     middle: Vector3,
     /// The same seen from a centre.
-    nodes: Vec<Near>,
+    pub nodes: Vec<Near>,
 }
 
 /// A node, or an image of one, seen from a centre.
 #[derive(Clone, Copy)]
-struct Near {
-    place: u32,
+pub(super) struct Near {
+    pub place: u32,
     /// In the plane of the centre, length.
     offset: [f64; 2],
-    /// Distance in the metric of the node's cells.
-    distance: f64,
+    /// Distance in the metric of the node's cells, or of its domain.
+    pub distance: f64,
 }
 
 /// Sheets in their first configuration, of a whole surface or of a part.
@@ -218,6 +228,7 @@ impl NodalDomains {
         let facets: Vec<u32> = (0..index.surface().facet_count() as u32).collect();
         let Demands { factors, bases, .. } = sheets.demands(&cells, weight, basis, &facets);
         let domains = grown(&cells, &factors);
+        let domains = trimmed(&domains, &sheets.ratios(&domains, &bases, weight, &facets));
         let (lists, _) = sheets.lists(&domains, &facets);
         Self::given(domains, bases, &lists)
     }
@@ -365,7 +376,7 @@ fn metric_of(moment: [[f64; 3]; 3]) -> [f64; 6] {
 
 impl MaterialDomain {
     /// The domain of cells times a factor; a metric of zeros if that is 0.
-    fn times(&self, factor: f64) -> Self {
+    pub(super) fn times(&self, factor: f64) -> Self {
         let scale = if factor > 0.0 { 1.0 / factor } else { 0.0 };
         Self { position: self.position, metric: self.metric.map(|entry| entry * scale) }
     }
@@ -382,14 +393,14 @@ impl MaterialDomain {
     }
 
     /// The longest half axis; 0 of no domain.
-    fn extent(&self) -> f64 {
+    pub(super) fn extent(&self) -> f64 {
         let [(smallest, _), _, _] = symmetric_eigen(gram(&self.metric));
         if smallest > 0.0 { 1.0 / smallest.sqrt() } else { 0.0 }
     }
 }
 
 /// The nodes of the facet's sheet whose domains, with a margin, reach it, and their images.
-fn list(
+pub(super) fn list(
     sheets: &Sheets<'_>,
     (domains, extents): (&[MaterialDomain], &[f64]),
     facet: u32,
@@ -470,7 +481,7 @@ fn centres(index: &SurfaceIndex<'_>, creases: &Creases, facet: u32) -> Vec<Centr
 }
 
 /// The facets at a corner of `facet` that are reached over edges there which do not end the sheet.
-fn fan(index: &SurfaceIndex<'_>, creases: &Creases, facet: u32, corner: u32) -> Vec<u32> {
+pub(super) fn fan(index: &SurfaceIndex<'_>, creases: &Creases, facet: u32, corner: u32) -> Vec<u32> {
     let mut fan = vec![facet];
     let mut next = 0;
     while let Some(&facet) = fan.get(next) {
@@ -539,8 +550,15 @@ impl Scratch {
         (self.reach, self.shell) = (reach, SHELL * reach.min(symmetry.reach()));
     }
 
+    /// Takes these nodes and domains for those around.
+    pub fn take(&mut self, around: impl Iterator<Item = (u32, MaterialDomain)>) {
+        self.around.clear();
+        self.around.extend(around);
+        self.shell = f64::INFINITY;
+    }
+
     /// The gathered nodes as seen from a centre, nearest first. Returns the smallest distance of the outermost ones.
-    fn look(&mut self, centre: &Centre, symmetry: &Symmetry) -> f64 {
+    pub fn look(&mut self, centre: &Centre, symmetry: &Symmetry) -> f64 {
         let normal = symmetry.within_planes(centre.point.into(), centre.normal).normalize();
         let axis = Vector3::axis(normal.smallest_axis());
         let t1 = (axis - normal * normal.dot(&axis)).normalize();
@@ -563,14 +581,11 @@ impl Scratch {
 
 /// The smallest factor up to `largest` for which the nodes within reach carry the basis.
 fn smallest_factor(nodes: &[Near], weight: Weight, carried: Carried, largest: f64) -> Option<f64> {
-    let size = match carried {
-        Carried::Quadratic => 6,
-        Carried::Linear => 3,
-        Carried::Nothing => return None,
-    };
+    let size = carried.size();
     // Images in a plane along the surface stand above one another: steps from zero would lead nowhere.
-    let first = nodes.get(size - 1..)?.iter().map(|node| node.distance).find(|x| x.is_normal())?;
-    let is_enough = |factor: f64| is_well_conditioned(nodes, weight, size, factor);
+    let first =
+        nodes.get(size.checked_sub(1)?..)?.iter().map(|node| node.distance).find(|x| x.is_normal())?;
+    let is_enough = |factor: f64| is_well_conditioned(nodes, weight, (size, SMALLEST_SINGULAR_VALUE), factor);
     let (mut below, mut factor) = (first, first * STEP);
     while !is_enough(factor) {
         below = factor;
@@ -586,9 +601,14 @@ fn smallest_factor(nodes: &[Near], weight: Weight, carried: Carried, largest: f6
     (factor <= largest).then_some(factor)
 }
 
-/// Whether no singular value of the weighted design matrix, columns scaled to length one, is below
-/// [`SMALLEST_SINGULAR_VALUE`]: whether its Gram matrix less the square of that on the diagonal is positive definite.
-fn is_well_conditioned(nodes: &[Near], weight: Weight, size: usize, factor: f64) -> bool {
+/// Whether no singular value of the weighted design matrix of so many functions, columns scaled to length one, is below the smallest
+/// one wanted: whether its Gram matrix less the square of that on the diagonal is positive definite.
+pub(super) fn is_well_conditioned(
+    nodes: &[Near],
+    weight: Weight,
+    (size, smallest): (usize, f64),
+    factor: f64,
+) -> bool {
     // Columns are scaled in the end: this is for their powers.
     let unit = nodes.last().map_or(1.0, |node| node.offset[0].abs().max(node.offset[1].abs()));
     let mut gram = [[0.0; 6]; 6];
@@ -608,7 +628,7 @@ fn is_well_conditioned(nodes: &[Near], weight: Weight, size: usize, factor: f64)
         for j in 0..=i {
             let mut entry = gram[i][j] / (lengths[i] * lengths[j]);
             if i == j {
-                entry -= SMALLEST_SINGULAR_VALUE * SMALLEST_SINGULAR_VALUE;
+                entry -= smallest * smallest;
             }
             for k in 0..j {
                 entry -= gram[i][k] * gram[j][k];

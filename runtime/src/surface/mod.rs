@@ -37,6 +37,7 @@ mod own;
 mod shape;
 mod symmetry;
 mod topology;
+mod trim;
 mod walk;
 pub mod window;
 
@@ -55,6 +56,7 @@ pub(crate) use shape::{Foot, Shape};
 pub(crate) use symmetry::{Image, Symmetry};
 pub(crate) use topology::NONE;
 pub(crate) use topology::{check_facets, check_position, shape_of};
+pub(crate) use trim::{Ratios, trimmed};
 pub(crate) use walk::Walk;
 
 /// One facet of a surface: indices of its corners in the positions of all nodes, counter-clockwise seen from

@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! first positions   each rank: its facets and those around them → SurfacePart → Demands of the fits at its facets
-//!                   host: the demands of all ranks with the same nodes → SurfacePart::settle                    once
+//!                   host: the demands of all ranks with the same nodes → SurfacePart::settle       once, in two rounds
 //! now and then      host: all ranks tell boxes around their slaves (boxes_around)
 //!                   the owners of facets in a box: SurfacePart::window(boxes, skin) → numbers → the rank of the slaves
 //!                   there: Window::joined of what comes → ContactInterface::in_window

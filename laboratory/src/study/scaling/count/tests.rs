@@ -91,8 +91,10 @@ fn counts_are_those_of_the_library() {
             assert_eq!((own.len() as u64, facets as u64), (rank.own, rank.part), "{kind:?}");
             parts.push((part, positions));
         }
-        let demands: Vec<_> = parts.iter().map(|(part, _)| part.demands()).collect();
-        parts.iter_mut().for_each(|(part, _)| part.settle(&demands).unwrap());
+        for round in [false, true] {
+            let demands: Vec<_> = parts.iter().map(|(part, _)| part.demands()).collect();
+            parts.iter_mut().for_each(|(part, _)| assert_eq!(part.settle(&demands).unwrap(), round));
+        }
         let mut sent: BTreeMap<usize, (u64, u64)> = BTreeMap::new();
         for (k, (slaves, rank)) in slaves.iter().zip(&counted).enumerate() {
             let boxes = boxes_around(&cells(slaves).map(at).collect::<Vec<_>>(), scene.reach(), BOXES);

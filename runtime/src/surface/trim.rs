@@ -1,0 +1,199 @@
+//! Domains made smaller where slaves would have many masters (`docs/equations.md`, [T18]).
+//!
+//! Each domain is as large as the most demanding of its centres asks for, so all of them together are larger than they need to be: most
+//! where the size of cells changes, since large cells' domains reach across many small ones. So fits are looked at once more, with
+//! the domains as they are, on a fine grid of *places*. The ratio of a place is the one down to which the domains of all nodes around it
+//! can shrink together, the fit well conditioned all the way. A node shrinks by the largest ratio of the places that it still serves then,
+//! if any place that it serves is crowded.
+//!
+//! Nodes around a place shrink by different ratios, none by more than that of the place. The fit of such a mixture may be a little worse
+//! than that of all alike: hence the reserve of [`KEPT`].
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use rayon::prelude::*;
+
+use super::SurfaceIndex;
+use super::border::Creases;
+use super::domains::{CHUNK, Carried, Centre, Scratch, Sheets, fan, is_well_conditioned, list};
+use super::shape::Shape;
+use super::topology::NONE;
+use crate::vector::Vector3;
+use crate::{MaterialDomain, Weight};
+
+/// Places along an edge, one more with its ends.
+const GRID: usize = 8;
+/// A place with more masters is crowded.
+const CROWD: usize = 16;
+/// No domain shrinks by more.
+const SMALLEST_RATIO: f64 = 0.7;
+/// Ratios are tried in steps of this one, then halved in between so many times.
+const STEP: f64 = 0.96;
+const BISECTIONS: usize = 2;
+/// The smallest singular value that places keep.
+const KEPT: f64 = 0.13;
+
+/// What the places on some facets ask for. Of several parts the largest ratios count, and what is crowded in any of them.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Ratios {
+    /// By place among the nodes of the surface; 0 where no place asks for anything.
+    pub ratios: Vec<f64>,
+    /// Whether a place that the node serves is crowded.
+    pub crowded: Vec<bool>,
+    /// Facets whose places may be served by what is not there.
+    pub open: Vec<u32>,
+}
+
+impl Sheets<'_> {
+    /// By how much domains can shrink as far as the places on these facets go, in parallel.
+    pub fn ratios(
+        &self,
+        domains: &[MaterialDomain],
+        bases: &[Carried],
+        weight: Weight,
+        facets: &[u32],
+    ) -> Ratios {
+        let count = self.index.surface().nodes().len();
+        let ratios: Vec<AtomicU64> = (0..count).map(|_| AtomicU64::new(0)).collect();
+        let crowded: Vec<AtomicBool> = (0..count).map(|_| AtomicBool::new(false)).collect();
+        let extents: Vec<f64> = domains.par_iter().map(MaterialDomain::extent).collect();
+        let of_facet = |scratch: &mut Scratch, &facet: &u32| {
+            scratch.is_open = false;
+            let listed = list(self, (domains, &extents), facet, scratch);
+            scratch.take(listed.iter().map(|own| {
+                let domain = &domains[own.place as usize];
+                let is_image = own.image != NONE;
+                (own.place, if is_image { self.symmetry.domain_of(own.image, domain) } else { *domain })
+            }));
+            for place in places(self.index, self.creases, facet) {
+                scratch.look(&place, self.symmetry);
+                let served = scratch.nodes.partition_point(|node| node.distance < 1.0);
+                let ratio = smallest_ratio(scratch, weight, bases[facet as usize]);
+                for node in &scratch.nodes[..served] {
+                    let node_place = node.place as usize;
+                    if served > CROWD {
+                        crowded[node_place].store(true, Ordering::Relaxed);
+                    }
+                    // The largest does not depend on the order; the bits of positive numbers are ordered like them.
+                    let asked = if node.distance < ratio { ratio } else { SMALLEST_RATIO };
+                    ratios[node_place].fetch_max(asked.to_bits(), Ordering::Relaxed);
+                }
+            }
+            scratch.is_open.then_some(facet)
+        };
+        let open: Vec<Option<u32>> =
+            facets.par_iter().with_min_len(CHUNK).map_init(Scratch::default, of_facet).collect();
+        Ratios {
+            ratios: ratios.into_iter().map(|bits| f64::from_bits(bits.into_inner())).collect(),
+            crowded: crowded.into_iter().map(AtomicBool::into_inner).collect(),
+            open: open.into_iter().flatten().collect(),
+        }
+    }
+}
+
+/// The domains shrunk by the ratios of crowded nodes.
+pub(crate) fn trimmed(
+    domains: &[MaterialDomain],
+    Ratios { ratios, crowded, .. }: &Ratios,
+) -> Vec<MaterialDomain> {
+    let trimmed = |((domain, &ratio), &crowded): ((&MaterialDomain, &f64), &bool)| {
+        if crowded && ratio > 0.0 { domain.times(ratio) } else { *domain }
+    };
+    domains.iter().zip(ratios).zip(crowded).map(trimmed).collect()
+}
+
+/// The smallest ratio for which the fit at a place is well conditioned, as it is with all larger ones; 1 if it is not as it is.
+fn smallest_ratio(scratch: &Scratch, weight: Weight, carried: Carried) -> f64 {
+    let size = carried.size();
+    let is_enough = |ratio: f64| is_well_conditioned(&scratch.nodes, weight, (size, KEPT), ratio);
+    if size == 0 || !is_enough(1.0) {
+        return 1.0;
+    }
+    let mut ratio = 1.0;
+    while ratio > SMALLEST_RATIO && is_enough(ratio * STEP) {
+        ratio *= STEP;
+    }
+    let mut below = ratio * STEP;
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (below + ratio);
+        if is_enough(middle) { ratio = middle } else { below = middle }
+    }
+    ratio.max(SMALLEST_RATIO)
+}
+
+/// The places that a facet looks after: inside it and, of its corners and edges, those of which it has the lowest number in its sheet.
+fn places(index: &SurfaceIndex<'_>, creases: &Creases, facet: u32) -> Vec<Centre> {
+    let shape = index.shape(facet);
+    let normal = index.normals()[facet as usize];
+    let others = index.surface().across(facet as usize);
+    let count = shape.corners().len();
+    // Per edge the facet across it, if the sheet goes on there.
+    let across = |edge: usize| {
+        let is_end = others[edge] == NONE || creases.ends_at(facet as usize, edge);
+        (!is_end).then(|| others[edge])
+    };
+    let fans: Vec<Vec<u32>> = index
+        .surface()
+        .corners_of(facet as usize)
+        .iter()
+        .map(|&corner| fan(index, creases, facet, corner))
+        .collect();
+    let mut all = Vec::with_capacity((GRID + 1) * (GRID + 1));
+    for place in grid(&shape) {
+        let facets: &[u32] = match place.on {
+            On::Inside => &[],
+            On::Edge(edge) => &across(edge).map_or([facet; 1], |other| [other]),
+            On::Corner(corner) => &fans[corner % count],
+        };
+        if facets.iter().all(|&other| facet <= other) {
+            let sum =
+                facets.iter().filter(|&&other| other != facet).map(|&other| index.normals()[other as usize]);
+            let normal = (normal + sum.sum::<Vector3>()).normalize();
+            all.push(Centre { point: shape.point(place.natural), normal, facet, others: Vec::new() });
+        }
+    }
+    all
+}
+
+/// A point of a facet's grid.
+struct Place {
+    natural: [f64; 2],
+    on: On,
+}
+
+enum On {
+    Inside,
+    /// From the corner of this number to the next.
+    Edge(usize),
+    Corner(usize),
+}
+
+fn grid(shape: &Shape) -> Vec<Place> {
+    let mut all = Vec::with_capacity((GRID + 1) * (GRID + 1));
+    let is_triangle = matches!(shape, Shape::Triangle(_));
+    for j in 0..=GRID {
+        for i in 0..=GRID {
+            if is_triangle && i + j > GRID {
+                continue;
+            }
+            let [xi, eta] = [i, j].map(|k| k as f64 / GRID as f64);
+            let natural = if is_triangle { [xi, eta] } else { [2.0 * xi - 1.0, 2.0 * eta - 1.0] };
+            // Edges in their order, and whether the place is on them.
+            let on: &[bool] = if is_triangle {
+                &[j == 0, i + j == GRID, i == 0]
+            } else {
+                &[j == 0, i == GRID, j == GRID, i == 0]
+            };
+            let mut edges = (0..on.len()).filter(|&edge| on[edge]);
+            let on = match (edges.next(), edges.next()) {
+                (None, _) => On::Inside,
+                (Some(edge), None) => On::Edge(edge),
+                // The corner where one edge ends and the next begins; the first one is where the last edge ends.
+                (Some(0), Some(last)) if last + 1 == on.len() => On::Corner(0),
+                (_, Some(edge)) => On::Corner(edge),
+            };
+            all.push(Place { natural, on });
+        }
+    }
+    all
+}

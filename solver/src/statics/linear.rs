@@ -18,8 +18,8 @@ const MOST_SUPPOSED: usize = 4;
 struct Assembled {
     matrix: BlockMatrix,
     symmetry: Symmetry,
-    /// Rows of the slaves without contact, if the solution is iterative.
-    slaves: SavedRows,
+    /// Rows of the nodes that contact couples without it, if the solution is iterative.
+    before: SavedRows,
     imbalance: Vec<f64>,
 }
 
@@ -162,14 +162,13 @@ impl Problem {
         let solid = Instant::now();
         self.timing.solid += solid - linear;
         let is_iterative = self.solver.is_iterative(&self.equations);
-        let slaves = if is_iterative { self.contacts.slave_nodes() } else { Vec::new() };
-        let slaves = matrix.rows_of(slaves);
+        let before = matrix.rows_of(if is_iterative { &self.coupled } else { &[] });
         let norms = [self.balance.residual, self.balance.scale];
         let of_contact = self.contacts.add_tangent(&mut matrix, norms, tangent)?;
         self.timing.contact += solid.elapsed();
         let has_followers = self.pressures.iter().any(|pressure| pressure.follower);
         let symmetry = if has_followers { Symmetry::General } else { of_contact };
-        Ok(Assembled { matrix, symmetry, slaves, imbalance: self.imbalance().collect() })
+        Ok(Assembled { matrix, symmetry, before, imbalance: self.imbalance().collect() })
     }
 
     /// The step of all degrees of freedom, the prescribed ones among them.
@@ -193,7 +192,7 @@ impl Problem {
             Some(links) => links,
             none => none.insert(BlockPattern::new(self.start.len(), self.solid.elements())),
         };
-        let geometry = Geometry { positions, links, slaves: &system.slaves };
+        let geometry = Geometry { positions, links, before: &system.before };
         let Assembled { matrix, symmetry, .. } = system;
         let whole = LinearSystem { matrix, equations: &self.equations, symmetry: *symmetry, geometry };
         let solved = self.solver.solve(&whole, &right, tolerance, &mut solution);
@@ -216,10 +215,14 @@ impl Problem {
     }
 
     /// The pattern for the pairing of the moment.
-    fn new_pattern(&self) -> Arc<BlockPattern> {
+    fn new_pattern(&mut self) -> Arc<BlockPattern> {
         let followers = self.pressures.iter().filter(|pressure| pressure.follower);
         let faces = followers.flat_map(|pressure| &pressure.faces).map(Vec::as_slice);
         let of_contact: Vec<Vec<usize>> = self.contacts.cliques().collect();
+        let mut is_coupled = vec![false; self.start.len()];
+        of_contact.iter().flatten().for_each(|&node| is_coupled[node] = true);
+        self.coupled =
+            (0_u32..).zip(&is_coupled).filter(|&(_, &is_coupled)| is_coupled).map(|(node, _)| node).collect();
         let cliques = self.solid.elements().chain(faces).chain(of_contact.iter().map(Vec::as_slice));
         Arc::new(BlockPattern::new(self.start.len(), cliques))
     }

@@ -86,6 +86,8 @@ pub struct Problem {
     pub(super) links: Option<BlockPattern>,
     /// `None`: the pairing has changed, a new pattern is due.
     pub(super) stiffness: Option<BlockMatrix>,
+    /// Nodes that contact couples by the pattern of the stiffness, ascending.
+    pub(super) coupled: Vec<u32>,
     pub(super) timing: Timing,
 }
 
@@ -147,6 +149,7 @@ impl Problem {
             linear: LinearEffort::default(),
             links: None,
             stiffness: None,
+            coupled: Vec::new(),
             timing: Timing::default(),
         }
     }

@@ -1,6 +1,7 @@
-//! Krylov's methods for the free equations, preconditioned by [`Multigrid`].
+//! Krylov's methods for the free equations, preconditioned by [`Preconditioner`].
 
-use super::multigrid::{Geometry, Multigrid, add_scaled, dot, norm, scale_and_add};
+use super::multigrid::{Geometry, add_scaled, dot, norm, scale_and_add};
+use super::preconditioner::Preconditioner;
 use super::{BlockMatrix, Equations, Symmetry, SystemError};
 
 /// Most iterations, of both methods together.
@@ -29,7 +30,7 @@ pub struct IterativeReport {
 struct System<'a> {
     matrix: &'a BlockMatrix,
     equations: &'a Equations,
-    preconditioner: Multigrid,
+    preconditioner: Preconditioner,
     x: Vec<[f64; 3]>,
     residual: Vec<[f64; 3]>,
     /// The norm that the residual has to reach.
@@ -71,7 +72,7 @@ pub fn solve_iteratively(
     if scale == 0.0 || equations.is_empty() {
         return Ok(IterativeReport { residual: 0.0, iterations: 0, general: false, levels: 0, bytes: 0 });
     }
-    let preconditioner = Multigrid::new(matrix, equations, symmetry, geometry)?;
+    let preconditioner = Preconditioner::new(matrix, equations, symmetry, geometry)?;
     let target = tolerance * scale;
     let mut system =
         System { matrix, equations, preconditioner, x: std::mem::take(x), residual, target, iterations: 0 };
@@ -129,7 +130,7 @@ impl System<'_> {
             if norm(&self.residual) <= self.target {
                 return Ok(true);
             }
-            let z = self.preconditioner.apply(self.matrix, &self.residual)?;
+            let z = self.preconditioner.apply(self.matrix, self.equations, &self.residual)?;
             let now = dot(&self.residual, &z);
             if direction.is_empty() {
                 direction = z;
@@ -213,7 +214,8 @@ impl System<'_> {
         let mut directions = vec![scaled(&self.residual, 1.0 / size)];
         let mut product = vec![[0.0; 3]; self.x.len()];
         while self.iterations < MAX_ITERATIONS && least.columns.len() < RESTART {
-            let z = self.preconditioner.apply(self.matrix, &directions[directions.len() - 1])?;
+            let z =
+                self.preconditioner.apply(self.matrix, self.equations, &directions[directions.len() - 1])?;
             self.multiply(&z, &mut product);
             let mut column = Vec::with_capacity(directions.len());
             for direction in &directions {
@@ -233,7 +235,7 @@ impl System<'_> {
         for (factor, direction) in least.solution().iter().zip(&directions) {
             add_scaled(&mut sum, *factor, direction);
         }
-        let step = self.preconditioner.apply(self.matrix, &sum)?;
+        let step = self.preconditioner.apply(self.matrix, self.equations, &sum)?;
         self.take(&step);
         Ok(())
     }

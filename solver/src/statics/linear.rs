@@ -8,7 +8,8 @@ use diffuse_contact::assembly::Tangent;
 use super::loose::{Loose, loose_parts};
 use super::{Failure, LinearEffort, Problem};
 use crate::system::{
-    BlockMatrix, BlockPattern, Geometry, LinearReport, LinearSystem, SavedRows, Symmetry, SystemError,
+    Accuracy, BlockMatrix, BlockPattern, Geometry, LinearReport, LinearSystem, SavedRows, Symmetry,
+    SystemError,
 };
 
 /// Linear solutions of an increment for which contacts may be supposed to be closed.
@@ -29,14 +30,14 @@ struct Step<'a> {
     positions: &'a [[f64; 3]],
     /// Changes of prescribed degrees of freedom.
     prescribed: &'a [(usize, f64)],
-    tolerance: f64,
+    accuracy: Accuracy,
 }
 
 impl LinearEffort {
     /// With another solution.
     fn take(&mut self, report: &LinearReport) {
         match *report {
-            LinearReport::Iterative { iterations, bytes } => {
+            LinearReport::Iterative { iterations, bytes, .. } => {
                 self.iterations += iterations;
                 self.bytes = self.bytes.max(bytes);
             }
@@ -54,16 +55,15 @@ impl Problem {
     /// evaluation, which was one of [`Order::Tangent`](crate::solid::Order::Tangent).
     ///
     /// Where nothing holds a part, slaves near their masters are supposed to touch, if that holds it. The stabilisation, if there is any,
-    /// is added in any case. An iterative solution leaves a residual of at most `tolerance` of the
-    /// right-hand side. None of it changes a force: it is gone in equilibrium.
+    /// is added in any case. An iterative solution is as accurate as asked. None of it changes a force: it is gone in equilibrium.
     pub(super) fn solve(
         &mut self,
         time: f64,
         positions: &[[f64; 3]],
         prescribed: &[(usize, f64)],
-        tolerance: f64,
+        accuracy: Accuracy,
     ) -> Result<Vec<f64>, Failure> {
-        let step = Step { positions, prescribed, tolerance };
+        let step = Step { positions, prescribed, accuracy };
         let mut system = self.assemble(time, positions, None)?;
         self.take_rounding(&system.matrix, positions);
         let is_stabilised = self.stabilisation > 0.0;
@@ -175,7 +175,7 @@ impl Problem {
     fn solve_system(
         &mut self,
         system: &Assembled,
-        Step { positions, prescribed, tolerance }: Step<'_>,
+        Step { positions, prescribed, accuracy }: Step<'_>,
     ) -> Result<Vec<f64>, SystemError> {
         let begin = Instant::now();
         let mut step = vec![[0.0; 3]; self.start.len()];
@@ -195,9 +195,11 @@ impl Problem {
         let geometry = Geometry { positions, links, before: &system.before };
         let Assembled { matrix, symmetry, .. } = system;
         let whole = LinearSystem { matrix, equations: &self.equations, symmetry: *symmetry, geometry };
-        let solved = self.solver.solve(&whole, &right, tolerance, &mut solution);
+        let solved = self.solver.solve(&whole, &right, accuracy, &mut solution);
         self.timing.linear += begin.elapsed();
-        self.linear.take(&solved?);
+        let report = solved?;
+        self.linear.take(&report);
+        self.size = if let LinearReport::Iterative { size, .. } = report { Some(size) } else { None };
         for (sum, part) in step.as_flattened_mut().iter_mut().zip(solution.as_flattened()) {
             *sum += part;
         }

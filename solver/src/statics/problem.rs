@@ -82,6 +82,8 @@ pub struct Problem {
     pub(super) solver: LinearSolver,
     /// Of the linear solutions of the increment.
     pub(super) linear: LinearEffort,
+    /// The size of the last right-hand side, if its solution was iterative.
+    pub(super) size: Option<f64>,
     /// Pairs of nodes that share an element, once they were asked for.
     pub(super) links: Option<BlockPattern>,
     /// `None`: the pairing has changed, a new pattern is due.
@@ -148,6 +150,7 @@ impl Problem {
             solver: LinearSolver::new(LinearSolverChoice::default(), threads),
             linear: LinearEffort::default(),
             links: None,
+            size: None,
             stiffness: None,
             coupled: Vec::new(),
             timing: Timing::default(),

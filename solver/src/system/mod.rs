@@ -21,7 +21,7 @@ pub use choice::{LinearReport, LinearSolver, LinearSolverChoice, LinearSystem};
 pub use contact_rows::SavedRows;
 pub use equations::Equations;
 pub use error::SystemError;
-pub use iterative::{IterativeReport, solve_iteratively};
+pub use iterative::{Accuracy, IterativeReport, solve_iteratively};
 pub use matrix::BlockMatrix;
 pub use multigrid::Geometry;
 pub use pattern::BlockPattern;

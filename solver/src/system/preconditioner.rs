@@ -1,7 +1,7 @@
 //! What stands for K⁻¹ in an iterative solution.
 
 use super::contact_rows::ContactRows;
-use super::multigrid::{Geometry, Multigrid};
+use super::multigrid::{Geometry, Multigrid, norm};
 use super::stiff::{StiffContact, softened, softening};
 use super::{BlockMatrix, Equations, Symmetry, SystemError};
 
@@ -50,6 +50,17 @@ impl Preconditioner {
         match stiff {
             Some((soft, stiff)) => stiff.apply(equations, right, |left| multigrid.apply(soft, left)),
             None => multigrid.apply(matrix, right),
+        }
+    }
+
+    /// The norm of what is left of a right-hand side once stiff contact has taken up its part.
+    ///
+    /// # Errors
+    /// No memory.
+    pub fn left(&mut self, equations: &Equations, right: &[[f64; 3]]) -> Result<f64, SystemError> {
+        match &mut self.stiff {
+            Some((_, stiff)) => Ok(norm(&stiff.take_up(equations, right)?.1)),
+            None => Ok(norm(right)),
         }
     }
 

@@ -63,13 +63,6 @@ pub fn softening(rows: &ContactRows<'_>) -> Option<Vec<f64>> {
 /// A number for each saved row, the same for rows that contact couples.
 fn coupled(rows: &ContactRows<'_>) -> Vec<usize> {
     let mut parents: Vec<usize> = (0..rows.len()).collect();
-    fn root(parents: &mut [usize], mut k: usize) -> usize {
-        while parents[k] != k {
-            parents[k] = parents[parents[k]];
-            k = parents[k];
-        }
-        k
-    }
     for k in 0..rows.len() {
         let others = rows.row(k).filter(|(_, block)| block.iter().any(|&x| x != 0.0));
         for other in others.filter_map(|(node, _)| rows.place(node)) {
@@ -78,6 +71,15 @@ fn coupled(rows: &ContactRows<'_>) -> Vec<usize> {
         }
     }
     (0..rows.len()).map(|k| root(&mut parents, k)).collect()
+}
+
+/// The first of those that `k` belongs to; the way there gets shorter.
+fn root(parents: &mut [usize], mut k: usize) -> usize {
+    while parents[k] != k {
+        parents[k] = parents[parents[k]];
+        k = parents[k];
+    }
+    k
 }
 
 /// The matrix with softened contact.
@@ -146,14 +148,8 @@ impl StiffContact {
         right: &[[f64; 3]],
         rest: impl FnOnce(&[[f64; 3]]) -> Result<Vec<[f64; 3]>, SystemError>,
     ) -> Result<Vec<[f64; 3]>, SystemError> {
-        let mut of_stiff = vec![[0.0; 3]; self.basis.width];
-        let mut over_nodes = vec![[0.0; 3]; right.len()];
-        self.restriction.view().multiply(right, &mut of_stiff);
-        let own = self.factors.solve(&of_stiff)?;
-        self.forward.view().multiply(&own, &mut over_nodes);
-        let mut left = right.to_vec();
-        add_scaled(&mut left, -1.0, &over_nodes);
-        equations.clear_prescribed(&mut left);
+        let (own, left) = self.take_up(equations, right)?;
+        let (mut of_stiff, mut over_nodes) = (vec![[0.0; 3]; self.basis.width], vec![[0.0; 3]; right.len()]);
         let mut x = rest(&left)?;
         self.backward.view().multiply(&x, &mut of_stiff);
         let mut correction = self.factors.solve(&of_stiff)?;
@@ -163,6 +159,26 @@ impl StiffContact {
         self.basis.view().multiply(&correction, &mut over_nodes);
         add_scaled(&mut x, 1.0, &over_nodes);
         Ok(x)
+    }
+
+    /// K̃⁻¹ Qᵀ r, and what is left of r, Πᵀ r.
+    ///
+    /// # Errors
+    /// No memory.
+    #[allow(clippy::type_complexity)]
+    pub fn take_up(
+        &mut self,
+        equations: &Equations,
+        right: &[[f64; 3]],
+    ) -> Result<(Vec<[f64; 3]>, Vec<[f64; 3]>), SystemError> {
+        let (mut of_stiff, mut over_nodes) = (vec![[0.0; 3]; self.basis.width], vec![[0.0; 3]; right.len()]);
+        self.restriction.view().multiply(right, &mut of_stiff);
+        let own = self.factors.solve(&of_stiff)?;
+        self.forward.view().multiply(&own, &mut over_nodes);
+        let mut left = right.to_vec();
+        add_scaled(&mut left, -1.0, &over_nodes);
+        equations.clear_prescribed(&mut left);
+        Ok((own, left))
     }
 
     /// Memory without the factors', bytes.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::system::{
-    BlockMatrix, BlockPattern, Equations, Geometry, IterativeReport, LinearReport, LinearSolver,
+    Accuracy, BlockMatrix, BlockPattern, Equations, Geometry, IterativeReport, LinearReport, LinearSolver,
     LinearSolverChoice, LinearSystem, SavedRows, Symmetry, SystemError, irregular, solve_iteratively,
 };
 
@@ -158,8 +158,9 @@ impl Example {
     fn iterative(&self, tolerance: f64) -> Result<(IterativeReport, Vec<[f64; 3]>), SystemError> {
         let Self { matrix, equations, symmetry, .. } = self;
         let mut x = Vec::new();
+        let (geometry, accuracy) = (self.geometry(), Accuracy::fixed(tolerance));
         let report =
-            solve_iteratively(matrix, equations, *symmetry, self.geometry(), &self.rhs(), tolerance, &mut x)?;
+            solve_iteratively(matrix, equations, *symmetry, geometry, &self.rhs(), accuracy, &mut x)?;
         Ok((report, x))
     }
 
@@ -171,7 +172,8 @@ impl Example {
         let Self { matrix, equations, symmetry, .. } = self;
         let system = LinearSystem { matrix, equations, symmetry: *symmetry, geometry: self.geometry() };
         let mut x = Vec::new();
-        let report = LinearSolver::new(choice, 1).solve(&system, &self.rhs(), tolerance, &mut x)?;
+        let report =
+            LinearSolver::new(choice, 1).solve(&system, &self.rhs(), Accuracy::fixed(tolerance), &mut x)?;
         Ok((report, x))
     }
 

@@ -62,6 +62,7 @@ mod contacts;
 mod cut;
 mod evaluate;
 mod friction;
+mod product;
 mod quadratic;
 mod skin;
 

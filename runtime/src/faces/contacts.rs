@@ -193,7 +193,7 @@ impl FaceContacts {
         Ok(self.active())
     }
 
-    fn check(&self, dofs: &DofMap, needed: Mode) -> Result<(), AssemblyError> {
+    pub(super) fn check(&self, dofs: &DofMap, needed: Mode) -> Result<(), AssemblyError> {
         let nodes = dofs.nodes();
         if self.mode < needed && self.nodes.iter().any(|node| node.pressure > 0.0) {
             return Err(AssemblyError::NotDerived { needed, found: self.mode });

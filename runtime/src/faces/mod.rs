@@ -64,6 +64,7 @@ mod create;
 mod cut;
 mod evaluate;
 mod friction;
+mod product;
 mod quadratic;
 mod skin;
 

@@ -107,17 +107,6 @@ impl ContactSet {
         self.interactions.iter().flat_map(Interaction::cliques)
     }
 
-    /// Nodes that are slaves in the first pass of an interaction, ascending.
-    #[must_use]
-    pub fn slave_nodes(&self) -> Vec<u32> {
-        let passes = self.interactions.iter().filter_map(|interaction| interaction.passes().next());
-        let mut nodes: Vec<u32> =
-            passes.flat_map(|pass| pass.outcomes()).map(|(node, _)| node as u32).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        nodes
-    }
-
     /// Adds the contact tangents to a stiffness whose pattern holds the [`cliques`](Self::cliques),
     /// at a state with these norms of the residual and of the forces, or all with the same tangent. Returns whether they are symmetric.
     ///

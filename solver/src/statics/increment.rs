@@ -6,14 +6,16 @@ use super::problem::{Balance, Past, Problem, State};
 use super::{Extrapolation, Failure, Settings};
 use crate::contact::{Augmented, RefreshRule};
 use crate::solid::Order;
+use crate::system::Accuracy;
 
 /// The residual that counts as divergence, relative to the largest of the first two of the increment, or of the round.
 const DIVERGED: f64 = 1e6;
 /// The relative residual of the linear solution that takes prescribed nodes along, if it is iterative: its right-hand side is the resistance
 /// of the elements beside them, which is much more than the forces.
 const PREDICTION: f64 = 1e-6;
-/// Bounds of the relative residual of an iterative solution of a Newton step.
-const LOOSEST: f64 = 1e-5;
+/// Bounds of the residual of an iterative solution of a Newton step, over the size of its right-hand side. With the loosest one blocks in
+/// contact take as many Newton steps as with factors, for penalties a hundred times apart, over nodes and faces; ten times looser some take more.
+const LOOSEST: f64 = 1e-4;
 const TIGHTEST: f64 = 1e-9;
 /// How often a step that turns an element inside out, or takes contacts their elements, is halved.
 const HALVINGS: usize = 8;
@@ -32,6 +34,8 @@ pub struct Increment<'a> {
     history: Vec<IterationRecord>,
     iterations: usize,
     step: f64,
+    /// The size of the right-hand side of the last Newton step, if its solution was iterative.
+    size: Option<f64>,
     rounds: Rounds,
     cycle: Cycle,
 }
@@ -80,6 +84,7 @@ impl<'a> Increment<'a> {
             history: Vec::new(),
             iterations: 0,
             step: 0.0,
+            size: None,
             rounds: Rounds::default(),
             cycle: Cycle::default(),
         }
@@ -170,7 +175,7 @@ impl<'a> Increment<'a> {
         self.cycle = Cycle::default();
         (self.rounds.iterations, self.rounds.begin) = (0, self.history.len());
         // What the new multipliers put out of balance is what the round starts from.
-        self.step = 0.0;
+        (self.step, self.size) = (0.0, None);
         let balance = self.evaluate(Order::Tangent)?;
         self.record(balance, observer)?;
         Ok(false)
@@ -235,7 +240,7 @@ impl<'a> Increment<'a> {
             .into_iter()
             .map(|(freedom, target)| (freedom, target - self.positions[freedom / 3][freedom % 3]))
             .collect();
-        let step = self.linear_solution(&prescribed, PREDICTION)?;
+        let step = self.linear_solution(&prescribed, Accuracy::fixed(PREDICTION))?;
         if slides_on {
             let contacts = self.problem.contacts_mut();
             contacts.set_friction_history(&self.committed.friction)?;
@@ -282,6 +287,7 @@ impl<'a> Increment<'a> {
     /// A Newton step, as far along as the line search says.
     fn iterate(&mut self) -> Result<Balance, Failure> {
         let step = self.linear_solution(&[], self.forcing())?;
+        self.size = self.problem.size;
         let slope = |problem: &Problem| -> f64 {
             -problem.imbalance().zip(&step).map(|(force, step)| force * step).sum::<f64>()
         };
@@ -335,27 +341,26 @@ impl<'a> Increment<'a> {
         self.evaluate(Order::Tangent).map(|balance| (length, balance))
     }
 
-    fn linear_solution(&mut self, prescribed: &[(usize, f64)], tolerance: f64) -> Result<Vec<f64>, Failure> {
+    fn linear_solution(
+        &mut self,
+        prescribed: &[(usize, f64)],
+        accuracy: Accuracy,
+    ) -> Result<Vec<f64>, Failure> {
         self.iterations += 1;
         let is_alone = self.problem.is_of_the_bodies_alone();
-        let solved = self.problem.solve(self.end, &self.positions, prescribed, tolerance);
+        let solved = self.problem.solve(self.end, &self.positions, prescribed, accuracy);
         // Neither at the start nor with contacts that were supposed does a shorter increment hold what is loose.
         let is_final = is_alone && (self.iterations == 1 || self.problem.supposed > 0);
         let time = self.committed.time;
         solved.map_err(|failure| if is_final { failure.without_contact(time) } else { failure })
     }
 
-    /// The residual, relative to the right-hand side, that an iterative solution of a Newton step may leave: one that shrinks with the square of
-    /// what the last step gained keeps the convergence quadratic. More than a tenth of what is allowed in equilibrium is of no use.
-    fn forcing(&self) -> f64 {
-        let round = &self.history[self.rounds.begin..];
-        let gain = match round {
-            [.., before, last] if before.residual > 0.0 => last.residual / before.residual,
-            _ => 1.0,
-        };
-        let enough = round.last().map_or(0.0, |last| 0.1 * last.allowed / last.residual);
-        let forcing = (0.9 * gain * gain).min(LOOSEST).max(enough).max(TIGHTEST);
-        if forcing.is_finite() { forcing.min(0.1) } else { LOOSEST }
+    /// How accurate an iterative solution of a Newton step is: a residual that shrinks with the square of what the last step gained keeps
+    /// the convergence quadratic. Less than a tenth of what is allowed in equilibrium is of no use.
+    fn forcing(&self) -> Accuracy {
+        let enough = self.history.last().map_or(0.0, |last| 0.1 * last.allowed / last.residual);
+        let tightest = if enough.is_finite() { enough.clamp(TIGHTEST, 0.1) } else { LOOSEST };
+        Accuracy { loosest: LOOSEST.max(tightest), tightest, before: self.size }
     }
 
     /// x ← origin + factor · step

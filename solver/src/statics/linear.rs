@@ -8,7 +8,8 @@ use diffuse_contact::assembly::Tangent;
 use super::loose::{Loose, loose_parts};
 use super::{Failure, LinearEffort, Problem};
 use crate::system::{
-    BlockMatrix, BlockPattern, Geometry, LinearReport, LinearSystem, SavedRows, Symmetry, SystemError,
+    Accuracy, BlockMatrix, BlockPattern, Geometry, LinearReport, LinearSystem, SavedRows, Symmetry,
+    SystemError,
 };
 
 /// Linear solutions of an increment for which contacts may be supposed to be closed.
@@ -18,8 +19,8 @@ const MOST_SUPPOSED: usize = 4;
 struct Assembled {
     matrix: BlockMatrix,
     symmetry: Symmetry,
-    /// Rows of the slaves without contact, if the solution is iterative.
-    slaves: SavedRows,
+    /// Rows of the nodes that contact couples without it, if the solution is iterative.
+    before: SavedRows,
     imbalance: Vec<f64>,
 }
 
@@ -29,14 +30,14 @@ struct Step<'a> {
     positions: &'a [[f64; 3]],
     /// Changes of prescribed degrees of freedom.
     prescribed: &'a [(usize, f64)],
-    tolerance: f64,
+    accuracy: Accuracy,
 }
 
 impl LinearEffort {
     /// With another solution.
     fn take(&mut self, report: &LinearReport) {
         match *report {
-            LinearReport::Iterative { iterations, bytes } => {
+            LinearReport::Iterative { iterations, bytes, .. } => {
                 self.iterations += iterations;
                 self.bytes = self.bytes.max(bytes);
             }
@@ -54,16 +55,15 @@ impl Problem {
     /// evaluation, which was one of [`Order::Tangent`](crate::solid::Order::Tangent).
     ///
     /// Where nothing holds a part, slaves near their masters are supposed to touch, if that holds it. The stabilisation, if there is any,
-    /// is added in any case. An iterative solution leaves a residual of at most `tolerance` of the
-    /// right-hand side. None of it changes a force: it is gone in equilibrium.
+    /// is added in any case. An iterative solution is as accurate as asked. None of it changes a force: it is gone in equilibrium.
     pub(super) fn solve(
         &mut self,
         time: f64,
         positions: &[[f64; 3]],
         prescribed: &[(usize, f64)],
-        tolerance: f64,
+        accuracy: Accuracy,
     ) -> Result<Vec<f64>, Failure> {
-        let step = Step { positions, prescribed, tolerance };
+        let step = Step { positions, prescribed, accuracy };
         let mut system = self.assemble(time, positions, None)?;
         self.take_rounding(&system.matrix, positions);
         let is_stabilised = self.stabilisation > 0.0;
@@ -162,21 +162,20 @@ impl Problem {
         let solid = Instant::now();
         self.timing.solid += solid - linear;
         let is_iterative = self.solver.is_iterative(&self.equations);
-        let slaves = if is_iterative { self.contacts.slave_nodes() } else { Vec::new() };
-        let slaves = matrix.rows_of(slaves);
+        let before = matrix.rows_of(if is_iterative { &self.coupled } else { &[] });
         let norms = [self.balance.residual, self.balance.scale];
         let of_contact = self.contacts.add_tangent(&mut matrix, norms, tangent)?;
         self.timing.contact += solid.elapsed();
         let has_followers = self.pressures.iter().any(|pressure| pressure.follower);
         let symmetry = if has_followers { Symmetry::General } else { of_contact };
-        Ok(Assembled { matrix, symmetry, slaves, imbalance: self.imbalance().collect() })
+        Ok(Assembled { matrix, symmetry, before, imbalance: self.imbalance().collect() })
     }
 
     /// The step of all degrees of freedom, the prescribed ones among them.
     fn solve_system(
         &mut self,
         system: &Assembled,
-        Step { positions, prescribed, tolerance }: Step<'_>,
+        Step { positions, prescribed, accuracy }: Step<'_>,
     ) -> Result<Vec<f64>, SystemError> {
         let begin = Instant::now();
         let mut step = vec![[0.0; 3]; self.start.len()];
@@ -193,12 +192,14 @@ impl Problem {
             Some(links) => links,
             none => none.insert(BlockPattern::new(self.start.len(), self.solid.elements())),
         };
-        let geometry = Geometry { positions, links, slaves: &system.slaves };
+        let geometry = Geometry { positions, links, before: &system.before };
         let Assembled { matrix, symmetry, .. } = system;
         let whole = LinearSystem { matrix, equations: &self.equations, symmetry: *symmetry, geometry };
-        let solved = self.solver.solve(&whole, &right, tolerance, &mut solution);
+        let solved = self.solver.solve(&whole, &right, accuracy, &mut solution);
         self.timing.linear += begin.elapsed();
-        self.linear.take(&solved?);
+        let report = solved?;
+        self.linear.take(&report);
+        self.size = if let LinearReport::Iterative { size, .. } = report { Some(size) } else { None };
         for (sum, part) in step.as_flattened_mut().iter_mut().zip(solution.as_flattened()) {
             *sum += part;
         }
@@ -216,10 +217,14 @@ impl Problem {
     }
 
     /// The pattern for the pairing of the moment.
-    fn new_pattern(&self) -> Arc<BlockPattern> {
+    fn new_pattern(&mut self) -> Arc<BlockPattern> {
         let followers = self.pressures.iter().filter(|pressure| pressure.follower);
         let faces = followers.flat_map(|pressure| &pressure.faces).map(Vec::as_slice);
         let of_contact: Vec<Vec<usize>> = self.contacts.cliques().collect();
+        let mut is_coupled = vec![false; self.start.len()];
+        of_contact.iter().flatten().for_each(|&node| is_coupled[node] = true);
+        self.coupled =
+            (0_u32..).zip(&is_coupled).filter(|&(_, &is_coupled)| is_coupled).map(|(node, _)| node).collect();
         let cliques = self.solid.elements().chain(faces).chain(of_contact.iter().map(Vec::as_slice));
         Arc::new(BlockPattern::new(self.start.len(), cliques))
     }

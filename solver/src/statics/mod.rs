@@ -17,8 +17,8 @@
 //! the positions makes of each component of r, ε the machine's, so that no stiff part excuses a soft one; F is the largest of the norms of
 //! external forces, reactions and contact forces of the moment. The same rule holds for every element.
 //!
-//! **Linear solutions** of large problems are iterative, as accurate as Newton's method has use for: the residual may be 0.9 (‖r‖ / ‖r before‖)²
-//! of r, by S. C. Eisenstat and H. F. Walker (SIAM Journal on Scientific Computing 17, 1996, 16–32), between bounds.
+//! **Linear solutions** of large problems are iterative, as accurate as Newton's method has use for: the residual may be 0.9 (r / r before)²
+//! of r, sizes without what [stiff contact takes up by itself](crate::system::Accuracy), by S. C. Eisenstat and H. F. Walker (SIAM Journal on Scientific Computing 17, 1996, 16–32), between bounds.
 //!
 //! **Line search**: if the slope Δx·r changes its sign over a full step and is not below 0.8 of what it was, s is sought by
 //! regula falsi between 0.1 and 1; of the steps tried the one with the smallest slope is taken. A slope that keeps its sign says

@@ -82,10 +82,14 @@ pub struct Problem {
     pub(super) solver: LinearSolver,
     /// Of the linear solutions of the increment.
     pub(super) linear: LinearEffort,
+    /// The size of the last right-hand side, if its solution was iterative.
+    pub(super) size: Option<f64>,
     /// Pairs of nodes that share an element, once they were asked for.
     pub(super) links: Option<BlockPattern>,
     /// `None`: the pairing has changed, a new pattern is due.
     pub(super) stiffness: Option<BlockMatrix>,
+    /// Nodes that contact couples by the pattern of the stiffness, ascending.
+    pub(super) coupled: Vec<u32>,
     pub(super) timing: Timing,
 }
 
@@ -146,7 +150,9 @@ impl Problem {
             solver: LinearSolver::new(LinearSolverChoice::default(), threads),
             linear: LinearEffort::default(),
             links: None,
+            size: None,
             stiffness: None,
+            coupled: Vec::new(),
             timing: Timing::default(),
         }
     }

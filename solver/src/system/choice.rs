@@ -1,7 +1,8 @@
 //! Which solver takes a system.
 
 use super::{
-    BlockMatrix, DirectSolver, Equations, Geometry, Method, Symmetry, SystemError, solve_iteratively,
+    Accuracy, BlockMatrix, DirectSolver, Equations, Geometry, IterativeReport, Method, Symmetry, SystemError,
+    solve_iteratively,
 };
 
 /// From so many equations on the choice by size is iterative: of solids with edges of like length the factors are the slower way by then.
@@ -59,6 +60,8 @@ pub enum LinearReport {
     Iterative {
         /// Iterations.
         iterations: usize,
+        /// The size of the right-hand side, see [`Accuracy`].
+        size: f64,
         /// Memory of matrix, preconditioner and vectors, bytes.
         bytes: usize,
     },
@@ -103,7 +106,7 @@ impl LinearSolver {
         self.direct.forget();
     }
 
-    /// Solves K x = b; an iterative solution leaves a residual of at most `tolerance` ‖b‖. `rhs` and `solution` are over all nodes;
+    /// Solves K x = b; an iterative solution is as accurate as asked. `rhs` and `solution` are over all nodes;
     /// prescribed ones are not read, and 0 in the solution.
     ///
     /// # Errors
@@ -112,7 +115,7 @@ impl LinearSolver {
         &mut self,
         system: &LinearSystem<'_>,
         rhs: &[[f64; 3]],
-        tolerance: f64,
+        accuracy: Accuracy,
         solution: &mut Vec<[f64; 3]>,
     ) -> Result<LinearReport, SystemError> {
         let &LinearSystem { matrix, equations, symmetry, geometry } = system;
@@ -123,8 +126,10 @@ impl LinearSolver {
         if is_better_direct || !self.is_iterative(equations) {
             return self.solve_directly(system, rhs, solution).map(LinearReport::Direct);
         }
-        match solve_iteratively(matrix, equations, symmetry, geometry, rhs, tolerance, solution) {
-            Ok(report) => Ok(LinearReport::Iterative { iterations: report.iterations, bytes: report.bytes }),
+        match solve_iteratively(matrix, equations, symmetry, geometry, rhs, accuracy, solution) {
+            Ok(IterativeReport { iterations, size, bytes, .. }) => {
+                Ok(LinearReport::Iterative { iterations, size, bytes })
+            }
             Err(SystemError::NotConverged { iterations, .. }) if equations.len() <= DIRECT_UP_TO => {
                 self.solve_directly(system, rhs, solution)?;
                 Ok(LinearReport::Instead { iterations })

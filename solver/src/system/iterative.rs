@@ -1,6 +1,7 @@
-//! Krylov's methods for the free equations, preconditioned by [`Multigrid`].
+//! Krylov's methods for the free equations, preconditioned by [`Preconditioner`].
 
-use super::multigrid::{Geometry, Multigrid, add_scaled, dot, norm, scale_and_add};
+use super::multigrid::{Geometry, add_scaled, dot, norm, scale_and_add};
+use super::preconditioner::Preconditioner;
 use super::{BlockMatrix, Equations, Symmetry, SystemError};
 
 /// Most iterations, of both methods together.
@@ -10,11 +11,45 @@ const RESTART: usize = 60;
 /// GMRES has to gain at least this factor in a cycle.
 const GAIN: f64 = 0.9;
 
+/// The least size of a right-hand side, over its norm: what is less is rounding of stiff contact.
+const LEAST_SIZE: f64 = 1e-5;
+
+/// How accurate an iterative solution is to be: its residual over the *size* of the right-hand side, which is its norm without what stiff
+/// contact takes up by itself.
+///
+/// A trial state penetrates, and a stiff penalty makes contact forces of it that are many times those of equilibrium. The next step
+/// takes them away; how it moves the bodies depends on the rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accuracy {
+    /// The residual may never be more than this part, …
+    pub loosest: f64,
+    /// … and need not be less than this one.
+    pub tightest: f64,
+    /// The size in the Newton iteration before. Of a gain in size the residual may be 0.9 times the square.
+    pub before: Option<f64>,
+}
+
+impl Accuracy {
+    /// This one.
+    #[must_use]
+    pub const fn fixed(tolerance: f64) -> Self {
+        Self { loosest: tolerance, tightest: tolerance, before: None }
+    }
+
+    /// Of a right-hand side of this size.
+    fn of(&self, size: f64) -> f64 {
+        let gain = self.before.map_or(1.0, |before| size / before);
+        (0.9 * gain * gain).min(self.loosest).max(self.tightest)
+    }
+}
+
 /// How an iterative solution went.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IterativeReport {
-    /// ‖b − K x‖ / ‖b‖ in the Euclidean norm.
+    /// ‖b − K x‖ over the size of b, in the Euclidean norm.
     pub residual: f64,
+    /// The size of b: its norm, or less where stiff contact takes up most of it.
+    pub size: f64,
     /// Iterations, of conjugate gradients and GMRES together.
     pub iterations: usize,
     /// Whether GMRES was used: the matrix is not symmetric, or not definite.
@@ -29,7 +64,7 @@ pub struct IterativeReport {
 struct System<'a> {
     matrix: &'a BlockMatrix,
     equations: &'a Equations,
-    preconditioner: Multigrid,
+    preconditioner: Preconditioner,
     x: Vec<[f64; 3]>,
     residual: Vec<[f64; 3]>,
     /// The norm that the residual has to reach.
@@ -37,7 +72,7 @@ struct System<'a> {
     iterations: usize,
 }
 
-/// Solves K x = b for the free equations to a residual of `tolerance` ‖b‖. Conjugate gradients are tried where K is symmetric; where it is
+/// Solves K x = b for the free equations as accurately as asked. Conjugate gradients are tried where K is symmetric; where it is
 /// not, or shows not to be definite, GMRES goes on. `rhs` and `x` are over all nodes; prescribed ones are not read, and 0 in `x`.
 ///
 /// # Errors
@@ -48,31 +83,28 @@ pub fn solve_iteratively(
     symmetry: Symmetry,
     geometry: Geometry<'_>,
     rhs: &[[f64; 3]],
-    tolerance: f64,
+    accuracy: Accuracy,
     x: &mut Vec<[f64; 3]>,
 ) -> Result<IterativeReport, SystemError> {
-    let nodes = matrix.pattern().nodes();
-    for (what, given) in [("nodes with equations", equations.nodes()), ("right-hand sides", rhs.len())] {
-        if given != nodes {
-            return Err(SystemError::WrongCount { what, given, expected: nodes });
-        }
-    }
-    matrix.check_finite(equations)?;
-    let mut residual = rhs.to_vec();
-    equations.clear_prescribed(&mut residual);
-    if let Some(free) = residual.as_flattened().iter().position(|value| !value.is_finite()) {
-        let (node, axis, value) = (free / 3, free % 3, residual[free / 3][free % 3]);
-        let equation = equations.number(node, axis).unwrap_or(0);
-        return Err(SystemError::NotFinite { equation, node, axis, value });
-    }
+    let residual = checked(matrix, equations, rhs)?;
+    let nodes = rhs.len();
     let scale = norm(&residual);
     x.clear();
     x.resize(nodes, [0.0; 3]);
     if scale == 0.0 || equations.is_empty() {
-        return Ok(IterativeReport { residual: 0.0, iterations: 0, general: false, levels: 0, bytes: 0 });
+        return Ok(IterativeReport {
+            residual: 0.0,
+            size: scale,
+            iterations: 0,
+            general: false,
+            levels: 0,
+            bytes: 0,
+        });
     }
-    let preconditioner = Multigrid::new(matrix, equations, symmetry, geometry)?;
-    let target = tolerance * scale;
+    let mut preconditioner = Preconditioner::new(matrix, equations, symmetry, geometry)?;
+    let size = preconditioner.left(equations, &residual)?.max(LEAST_SIZE * scale).min(scale);
+    let tolerance = accuracy.of(size);
+    let target = tolerance * size;
     let mut system =
         System { matrix, equations, preconditioner, x: std::mem::take(x), residual, target, iterations: 0 };
     let is_done = symmetry == Symmetry::Symmetric && system.conjugate_gradients()?;
@@ -86,7 +118,8 @@ pub fn solve_iteratively(
     equations.clear_prescribed(&mut system.residual);
     add_scaled(&mut system.residual, -1.0, &product);
     let report = IterativeReport {
-        residual: norm(&system.residual) / scale,
+        residual: norm(&system.residual) / size,
+        size,
         iterations: system.iterations,
         general: !is_done,
         levels: system.preconditioner.levels(),
@@ -103,6 +136,29 @@ pub fn solve_iteratively(
     }
     *x = system.x;
     Ok(report)
+}
+
+/// The free part of a right-hand side, if all fits together and is finite.
+fn checked(
+    matrix: &BlockMatrix,
+    equations: &Equations,
+    rhs: &[[f64; 3]],
+) -> Result<Vec<[f64; 3]>, SystemError> {
+    let nodes = matrix.pattern().nodes();
+    for (what, given) in [("nodes with equations", equations.nodes()), ("right-hand sides", rhs.len())] {
+        if given != nodes {
+            return Err(SystemError::WrongCount { what, given, expected: nodes });
+        }
+    }
+    matrix.check_finite(equations)?;
+    let mut residual = rhs.to_vec();
+    equations.clear_prescribed(&mut residual);
+    if let Some(free) = residual.as_flattened().iter().position(|value| !value.is_finite()) {
+        let (node, axis, value) = (free / 3, free % 3, residual[free / 3][free % 3]);
+        let equation = equations.number(node, axis).unwrap_or(0);
+        return Err(SystemError::NotFinite { equation, node, axis, value });
+    }
+    Ok(residual)
 }
 
 impl System<'_> {
@@ -129,7 +185,7 @@ impl System<'_> {
             if norm(&self.residual) <= self.target {
                 return Ok(true);
             }
-            let z = self.preconditioner.apply(self.matrix, &self.residual)?;
+            let z = self.preconditioner.apply(self.matrix, self.equations, &self.residual)?;
             let now = dot(&self.residual, &z);
             if direction.is_empty() {
                 direction = z;
@@ -213,7 +269,8 @@ impl System<'_> {
         let mut directions = vec![scaled(&self.residual, 1.0 / size)];
         let mut product = vec![[0.0; 3]; self.x.len()];
         while self.iterations < MAX_ITERATIONS && least.columns.len() < RESTART {
-            let z = self.preconditioner.apply(self.matrix, &directions[directions.len() - 1])?;
+            let z =
+                self.preconditioner.apply(self.matrix, self.equations, &directions[directions.len() - 1])?;
             self.multiply(&z, &mut product);
             let mut column = Vec::with_capacity(directions.len());
             for direction in &directions {
@@ -233,7 +290,7 @@ impl System<'_> {
         for (factor, direction) in least.solution().iter().zip(&directions) {
             add_scaled(&mut sum, *factor, direction);
         }
-        let step = self.preconditioner.apply(self.matrix, &sum)?;
+        let step = self.preconditioner.apply(self.matrix, self.equations, &sum)?;
         self.take(&step);
         Ok(())
     }

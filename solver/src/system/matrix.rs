@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::multigrid::{SavedRows, View};
+use super::contact_rows::SavedRows;
+use super::multigrid::View;
 use super::{BlockPattern, Equations, SystemError};
 
 /// A 3 × 3 block for each pair of nodes of a pattern, [row axis][column axis]. Both halves are stored.
@@ -200,13 +201,19 @@ impl BlockMatrix {
 
     /// Its rows of some nodes, given in ascending order.
     #[must_use]
-    pub fn rows_of(&self, nodes: Vec<u32>) -> SavedRows {
+    pub fn rows_of(&self, nodes: &[u32]) -> SavedRows {
         let of_node = |&node: &u32| {
             let start = self.pattern.start(node as usize);
             &self.blocks[start..start + self.pattern.row(node as usize).len()]
         };
         let blocks = nodes.iter().flat_map(of_node).copied().collect();
-        SavedRows { nodes, blocks }
+        SavedRows { nodes: nodes.to_vec(), blocks }
+    }
+
+    /// The blocks of a node's row.
+    pub(super) fn row_mut(&mut self, node: usize) -> &mut [[[f64; 3]; 3]] {
+        let start = self.pattern.start(node);
+        &mut self.blocks[start..start + self.pattern.row(node).len()]
     }
 
     /// Compressed rows.

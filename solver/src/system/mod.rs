@@ -5,6 +5,7 @@
 //! [`DirectSolver`], which factorises it, or by [`solve_iteratively`], whose memory grows with the number of equations only.
 
 mod choice;
+mod contact_rows;
 mod equations;
 mod error;
 mod factor;
@@ -12,14 +13,17 @@ mod iterative;
 mod matrix;
 mod multigrid;
 mod pattern;
+mod preconditioner;
 mod solver;
+mod stiff;
 
 pub use choice::{LinearReport, LinearSolver, LinearSolverChoice, LinearSystem};
+pub use contact_rows::SavedRows;
 pub use equations::Equations;
 pub use error::SystemError;
-pub use iterative::{IterativeReport, solve_iteratively};
+pub use iterative::{Accuracy, IterativeReport, solve_iteratively};
 pub use matrix::BlockMatrix;
-pub use multigrid::{Geometry, SavedRows};
+pub use multigrid::Geometry;
 pub use pattern::BlockPattern;
 use solver::irregular;
 pub use solver::{DirectSolver, Method, SolveReport, Symmetry};

@@ -298,6 +298,11 @@ fn assert_tangent_at(
         let holds = |clique: &[u32]| block.columns.iter().all(|node| clique.binary_search(node).is_ok());
         assert!(interface.cliques().any(holds));
     });
+    assert_products(&contacts, &dofs);
+    assert_products(
+        &contacts,
+        &DofMap::numbering(positions.len(), |node, axis| (node + axis) % 5 != 0).unwrap(),
+    );
     for (row, column, value) in contacts.triplets(Tangent::Exact, &dofs).unwrap().iter() {
         dense[row * size + column] += value;
     }
@@ -316,6 +321,25 @@ fn assert_tangent_at(
             let expected = -(after[row] - before[row]) / 2e-6;
             let found = dense[row * size + column];
             assert!((found - expected).abs() < 2e-7 * largest, "{row} {column}: {found} {expected}");
+        }
+    }
+}
+
+/// The operator is the assembled matrix.
+fn assert_products(contacts: &FaceContacts, dofs: &DofMap) {
+    let v: Vec<f64> = (0..dofs.equations()).map(|k| (0.37 * k as f64 + 0.1).sin()).collect();
+    for tangent in Tangent::ALL {
+        let mut expected = vec![1.0; v.len()];
+        let mut sizes = vec![1.0; v.len()];
+        for (row, column, value) in contacts.triplets(tangent, dofs).unwrap().iter() {
+            expected[row] += value * v[column];
+            sizes[row] += (value * v[column]).abs();
+        }
+        let mut found = vec![1.0; v.len()];
+        contacts.add_product(tangent, dofs, &v, &mut found).unwrap();
+        let largest = sizes.iter().fold(0.0_f64, |largest, x| largest.max(*x));
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!((found - expected).abs() <= 1e-13 * largest, "{tangent:?}: {found} {expected}");
         }
     }
 }
@@ -435,6 +459,17 @@ fn derivatives_that_were_not_evaluated_are_refused() {
     assert!(!contacts.triplets(Tangent::GaussNewton, &dofs).unwrap().is_empty());
     let error = contacts.triplets(Tangent::Exact, &dofs).unwrap_err();
     assert_eq!(error, refused(Mode::Gradient, Mode::Hessian));
+    let (v, mut product) = (vec![1.0; dofs.equations()], vec![7.0; dofs.equations()]);
+    let error = contacts.add_product(Tangent::Exact, &dofs, &v, &mut product).unwrap_err();
+    assert_eq!(error, refused(Mode::Gradient, Mode::Hessian));
+    let error = contacts.add_product(Tangent::GaussNewton, &dofs, &v[1..], &mut product).unwrap_err();
+    assert_eq!(error.code(), "output-length");
+    let error = contacts.add_product(Tangent::GaussNewton, &dofs, &v, &mut product[1..]).unwrap_err();
+    assert_eq!(error.code(), "output-length");
+    assert!(product.iter().all(|&x| x == 7.0));
+    let endless = vec![f64::NAN; v.len()];
+    let error = contacts.add_product(Tangent::GaussNewton, &dofs, &endless, &mut product).unwrap_err();
+    assert_eq!(error.code(), "overflow");
 }
 
 #[test]

@@ -58,7 +58,9 @@ fn every_kind_of_contact_and_yielding_lead_where_factors_do() {
         ("areas = true\npenalty = 1e7", ""),
         ("areas = true\npenalty = 1e9", ""),
         ("areas = true\ntwo_pass = true\npenalty = 1e6", ""),
+        ("areas = true\ntwo_pass = true\npenalty = 1e9", ""),
         ("integration = \"faces\"\npenalty = 1e6", ""),
+        ("integration = \"faces\"\npenalty = 1e8", ""),
         ("integration = \"faces\"\npenalty = 1e6\nfriction = 0.3", ""),
         ("areas = true\npenalty = 1e7", "yield_stress = 150.0\nhardening = 1000.0"),
     ];
@@ -69,6 +71,10 @@ fn every_kind_of_contact_and_yielding_lead_where_factors_do() {
         assert_eq!(direct.linear, LinearEffort::default());
         assert!(iterative.linear.iterations > 0 && iterative.linear.direct_instead == 0, "{interface}");
         assert_eq!(direct.active, iterative.active, "{interface} {material}");
+        // However stiff contact is, steps are as good as those of factors, and take few iterations.
+        let [steps, iterations] = [iterative.iterations, iterative.linear.iterations];
+        assert!(steps <= direct.iterations + 1, "{steps}, {}: {interface}", direct.iterations);
+        assert!(iterations <= 10 * steps, "{iterations} in {steps}: {interface}");
         let yielded = expected.points.iter().any(|point| point.equivalent_plastic_strain > 0.0);
         assert_eq!(yielded, !material.is_empty());
         let pairs = expected.positions.as_flattened().iter().zip(found.positions.as_flattened());

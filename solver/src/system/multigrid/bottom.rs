@@ -1,9 +1,8 @@
-//! The coarsest level, solved directly.
+//! Small systems, solved directly: the coarsest level, and what stiff contact couples.
 
 use faer::Par;
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
-use super::level::MODES;
 use super::sparse::Sparse;
 use crate::system::factor::{GeneralFactor, SymmetricFactor};
 use crate::system::{Symmetry, SystemError};
@@ -11,10 +10,10 @@ use crate::system::{Symmetry, SystemError};
 /// A pivot below this part of its diagonal entry is zero to rounding: a rigid motion costs nothing.
 const SMALL_PIVOT: f64 = 1e-12;
 
-/// Factors of the coarsest matrix.
-pub struct Bottom {
+/// Factors of a matrix.
+pub struct Bottom<const N: usize> {
     factor: Factor,
-    /// The unknowns: node and mode of each.
+    /// The unknowns: node and axis of each.
     places: Vec<(u32, u8)>,
     nodes: usize,
     equations: usize,
@@ -25,21 +24,21 @@ enum Factor {
     General(GeneralFactor),
 }
 
-impl Bottom {
+impl<const N: usize> Bottom<N> {
     /// Factorises. `equations`: those of the finest level, for messages.
     ///
     /// # Errors
     /// A pivot that is zero to rounding; factors that do not fit into memory.
     pub fn new(
-        matrix: &Sparse<MODES, MODES>,
-        active: &[[bool; MODES]],
+        matrix: &Sparse<N, N>,
+        active: &[[bool; N]],
         symmetry: Symmetry,
         equations: usize,
     ) -> Result<Self, SystemError> {
-        let mut numbers = vec![[u32::MAX; MODES]; active.len()];
+        let mut numbers = vec![[u32::MAX; N]; active.len()];
         let mut places = Vec::new();
         for (node, axes) in active.iter().enumerate() {
-            for mode in (0..MODES).filter(|&mode| axes[mode]) {
+            for mode in (0..N).filter(|&mode| axes[mode]) {
                 numbers[node][mode] = places.len() as u32;
                 places.push((node as u32, mode as u8));
             }
@@ -92,7 +91,7 @@ impl Bottom {
     ///
     /// # Errors
     /// No memory.
-    pub fn solve(&mut self, right: &[[f64; MODES]]) -> Result<Vec<[f64; MODES]>, SystemError> {
+    pub fn solve(&mut self, right: &[[f64; N]]) -> Result<Vec<[f64; N]>, SystemError> {
         let too_large = SystemError::TooLarge { equations: self.equations };
         let mut x: Vec<f64> =
             self.places.iter().map(|&(node, mode)| right[node as usize][mode as usize]).collect();
@@ -101,7 +100,7 @@ impl Bottom {
             Factor::General(factor) => factor.solve(&mut x, Par::Seq),
         }
         .map_err(|_| too_large)?;
-        let mut solution = vec![[0.0; MODES]; self.nodes];
+        let mut solution = vec![[0.0; N]; self.nodes];
         for (&(node, mode), value) in self.places.iter().zip(x) {
             solution[node as usize][mode as usize] = value;
         }

@@ -19,34 +19,23 @@ const ROUNDING: f64 = 1e-9;
 /// How far the prolongation is smoothed, over the largest eigenvalue.
 const DAMPING: f64 = 4.0 / 3.0;
 
-/// The matrix of a level in its own unknowns, Tᵀ K T.
+/// The matrix of a level.
 pub struct LevelOperator<'a, const N: usize> {
     /// K
     pub matrix: View<'a, N, N>,
-    /// T and Tᵀ.
-    pub change: Option<(View<'a, N, N>, View<'a, N, N>)>,
     /// What is an unknown.
     pub active: &'a [[bool; N]],
 }
 
 impl<const N: usize> Operator<N> for LevelOperator<'_, N> {
     fn apply(&self, x: &[[f64; N]], y: &mut [[f64; N]]) {
-        match self.change {
-            None => self.matrix.multiply(x, y),
-            Some((forward, backward)) => {
-                let mut own = vec![[0.0; N]; x.len()];
-                forward.multiply(x, &mut own);
-                let mut product = vec![[0.0; N]; x.len()];
-                self.matrix.multiply(&own, &mut product);
-                backward.multiply(&product, y);
-            }
-        }
+        self.matrix.multiply(x, y);
         clear_inactive(self.active, y);
     }
 }
 
 /// Sets to 0 what is no unknown.
-pub fn clear_inactive<const N: usize>(active: &[[bool; N]], x: &mut [[f64; N]]) {
+fn clear_inactive<const N: usize>(active: &[[bool; N]], x: &mut [[f64; N]]) {
     x.par_chunks_mut(CHUNK).zip(active.par_chunks(CHUNK)).for_each(|(x, active)| {
         let entries = x.as_flattened_mut().iter_mut().zip(active.as_flattened());
         entries.for_each(|(x, active)| *x = if *active { *x } else { 0.0 });
@@ -77,7 +66,7 @@ pub struct Coarse {
 }
 
 impl<const N: usize> Level<N> {
-    /// Aggregates the nodes and smooths their `modes`, rigid motions by node in the unknowns of this level. `diagonal`: blocks of Tᵀ K T.
+    /// Aggregates the nodes and smooths their `modes`, rigid motions by node in the unknowns of this level. `diagonal`: the matrix's blocks.
     pub fn new(
         operator: &LevelOperator<'_, N>,
         diagonal: &[Block<N, N>],
@@ -90,15 +79,12 @@ impl<const N: usize> Level<N> {
         let aggregates = Aggregates::new(operator.matrix, links, &has_unknowns);
         let (tentative, coarse_modes, coarse_active) = tentative(&aggregates, active, modes);
         let prolongation = smoothed(operator, &smoother, tentative);
-        // From here on in the matrix's own unknowns.
-        let own = operator.change.map(|(forward, _)| forward.product(prolongation.view()));
-        let own = own.as_ref().unwrap_or(&prolongation);
-        let product = operator.matrix.product(own.view());
-        let matrix = own.view().transposed().view().product(product.view());
+        let product = operator.matrix.product(prolongation.view());
+        let restriction = prolongation.view().transposed();
+        let matrix = restriction.view().product(product.view());
         drop(product);
         let coarse =
             Coarse { matrix, modes: coarse_modes, active: coarse_active, links: links.of(&aggregates) };
-        let restriction = prolongation.view().transposed();
         (Self { active: active.to_vec(), smoother, prolongation, restriction }, coarse)
     }
 
@@ -208,19 +194,13 @@ fn orthogonalise(basis: &mut [[f64; MODES]]) -> (Block<MODES, MODES>, [bool; MOD
     (factors, is_own)
 }
 
-/// P₀ − ω D⁻¹ Tᵀ K T P₀
+/// P₀ − ω D⁻¹ K P₀
 fn smoothed<const N: usize>(
     operator: &LevelOperator<'_, N>,
     smoother: &Smoother<N>,
     tentative: Sparse<N, MODES>,
 ) -> Sparse<N, MODES> {
-    let mut smoothed = match operator.change {
-        None => operator.matrix.product(tentative.view()),
-        Some((forward, backward)) => {
-            let own = forward.product(tentative.view());
-            backward.product(operator.matrix.product(own.view()).view())
-        }
-    };
+    let mut smoothed = operator.matrix.product(tentative.view());
     let damping = DAMPING / smoother.largest;
     for node in 0..tentative.starts.len() - 1 {
         let inverse = smoother.inverse(node);

@@ -1,0 +1,92 @@
+//! The tangent as an operator: K v from the vectors that it is a sum of products of.
+
+use rayon::prelude::*;
+
+use super::contacts::{DirectionBlock, FaceContacts, NodeBlock};
+use crate::Mode;
+use crate::assembly::{AssemblyError, DofMap, Tangent};
+
+/// What a part of the tangent adds to a product: an entry per coordinate of its rows' nodes.
+struct Part<'a> {
+    rows: &'a [u32],
+    sums: Vec<f64>,
+}
+
+impl FaceContacts {
+    /// Adds K v to `product`, one entry per equation, with the K of [`for_each_tangent`](Self::for_each_tangent). Of each node that carries
+    /// pressure the vectors F and G are multiplied, with friction those of its traction, too, and not the block that they stand for. The
+    /// result is the same for any number of threads, bit for bit, and differs from that of the assembled matrix by rounding.
+    ///
+    /// # Errors
+    /// [`AssemblyError::OutputLength`], [`AssemblyError::UnknownNode`], [`AssemblyError::NotDerived`]: `product` is then unchanged.
+    /// [`AssemblyError::Overflow`] if an entry is not finite; the contents of `product` are then unspecified.
+    pub fn add_product(
+        &self,
+        tangent: Tangent,
+        dofs: &DofMap,
+        v: &[f64],
+        product: &mut [f64],
+    ) -> Result<(), AssemblyError> {
+        for (what, found) in [("entries of v", v.len()), ("products", product.len())] {
+            let expected = dofs.equations();
+            if found != expected {
+                return Err(AssemblyError::OutputLength { what, found, expected });
+            }
+        }
+        self.check(dofs, if tangent == Tangent::Exact { Mode::Hessian } else { Mode::Gradient })?;
+        let moves = |nodes: &[u32]| -> Vec<f64> {
+            let of_node = |&node: &u32| [0, 1, 2].map(|axis| dofs.equation(node as usize, axis));
+            nodes
+                .iter()
+                .flat_map(of_node)
+                .map(|equation| equation.map_or(0.0, |equation| v[equation]))
+                .collect()
+        };
+        let of_nodes = self
+            .blocks
+            .par_iter()
+            .map(|block| Part { rows: &block.rows, sums: block.multiply(tangent, &moves(&block.columns)) });
+        let turns = if tangent == Tangent::Exact { &self.directions[..] } else { &[] };
+        let of_faces = turns
+            .par_iter()
+            .map(|block| Part { rows: &block.rows, sums: block.multiply(&moves(&block.columns)) });
+        let parts: Vec<Part<'_>> = of_nodes.chain(of_faces).collect();
+        for Part { rows, sums } in parts {
+            for (&node, sums) in rows.iter().zip(sums.as_chunks::<3>().0) {
+                for (axis, sum) in sums.iter().enumerate() {
+                    let Some(equation) = dofs.equation(node as usize, axis) else { continue };
+                    product[equation] += sum;
+                    if !product[equation].is_finite() {
+                        return Err(AssemblyError::Overflow { what: "products", equation });
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl NodeBlock {
+    /// (ε F Gᵀ − Σ W_i ∂t_i/∂x) v
+    fn multiply(&self, tangent: Tangent, v: &[f64]) -> Vec<f64> {
+        let along = self.stiffness * dot(&self.gradient, v);
+        let mut sums: Vec<f64> = self.forces.iter().map(|force| along * force).collect();
+        let Some(friction) = &self.friction else { return sums };
+        for axis in 0..3 {
+            let turning = if tangent == Tangent::Exact { &friction.turning[axis][..] } else { &[] };
+            let by = dot(&friction.gradients[axis], v) + dot(turning, v);
+            sums.iter_mut().zip(&friction.forces[axis]).for_each(|(sum, force)| *sum -= force * by);
+        }
+        sums
+    }
+}
+
+impl DirectionBlock {
+    fn multiply(&self, v: &[f64]) -> Vec<f64> {
+        self.entries.chunks_exact(v.len().max(1)).map(|row| dot(row, v)).collect()
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

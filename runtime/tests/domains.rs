@@ -272,7 +272,9 @@ fn one_layer_between_two_planes_is_as_smooth_as_the_whole() {
             "{:?}",
             contact.outcome
         );
-        assert!((contact.point.gap - 0.02).abs() < 0.007, "{}", contact.point.gap);
+        // A tenth of what facets are off by: their sagitta.
+        let facets = 10.0 * (1.0 - 5_f64.to_radians().cos());
+        assert!((contact.point.gap - 0.02).abs() < 0.1 * facets, "{}", contact.point.gap);
         assert!(contact.point.normal[1].abs() < 1e-15);
     }
     let without = interface(&layer, &slaves, options(Weight::Cubic), &[]);

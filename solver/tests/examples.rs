@@ -7,7 +7,6 @@ use std::path::Path;
 use diffuse_contact::Weight;
 use diffuse_contact::faces::FaceRule;
 use diffuse_contact::interface::ContactElement;
-use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact_solver::contact::{Integration, SlaveState};
 use diffuse_contact_solver::deck::{Boundary, Contact, Deck, PartSource, Reference};
 use diffuse_contact_solver::model::Motion;
@@ -251,8 +250,6 @@ fn hertz_cylinder_as_master() {
         let mut deck = deck("hertz_cylinder.toml", element);
         divide(&mut deck, "cylinder", &[10, 8, 2]);
         soften_floor(&mut deck, 12);
-        // Graded cells: domains would reach farther than layers.
-        deck.interfaces[0].surface.element = ContactElement::diffuse(SearchOptions::default());
         let (force, profile) = press(&deck, |x| x[0].abs());
         let exact = line_contact(force, 0.5 * MODULUS).peak_pressure();
         let [peak, _] = profile.ellipse().unwrap();
@@ -414,8 +411,6 @@ fn ring_block() {
 fn a_ring_with_nodal_domains_snaps_through() {
     let mut deck = deck("ring_block.toml", Contact::Diffuse);
     deck.interfaces[0].exchange = true;
-    deck.interfaces[0].surface =
-        deck.interfaces[0].surface.with_element(ContactElement::diffuse(SearchOptions::domains()));
     let run = run(&deck, |snapshot| Ok(snapshot.contact_force()[1].abs()));
     assert_eq!((run.measures.len(), run.cutbacks), (21, 0));
     let peak = run.measures.iter().copied().fold(0.0, f64::max);

@@ -203,19 +203,22 @@ pub enum VerificationProblem {
     SlidingBlock,
     /// A ring pressed on a block
     RingBlock,
+    /// A pipe pinched by a plate
+    PipePinch,
     /// Two cylinders that stick in the middle, with friction
     CattaneoMindlin,
 }
 
 impl VerificationProblem {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::PatchTest,
         Self::HertzCylinder,
         Self::HertzSphere,
         Self::CoaxialCylinders,
         Self::SlidingBlock,
         Self::RingBlock,
+        Self::PipePinch,
         Self::CattaneoMindlin,
     ];
 
@@ -233,6 +236,7 @@ impl VerificationProblem {
             Self::CoaxialCylinders => "coaxial_cylinders",
             Self::SlidingBlock => "sliding_block",
             Self::RingBlock => "ring_block",
+            Self::PipePinch => "pipe_pinch",
             Self::CattaneoMindlin => "cattaneo_mindlin",
         }
     }

@@ -89,6 +89,11 @@ impl Case {
         self.with("contact", "node-to-facet").named("facets")
     }
 
+    /// Layers of hulls in place of nodal domains.
+    pub fn hull_layers(self) -> Self {
+        self.with("interface.neighbours.rule", "hull-layers").named("hull-layers")
+    }
+
     /// Ends after so many increments.
     pub fn up_to(mut self, increments: Option<usize>) -> Self {
         self.limit = increments;

@@ -39,7 +39,7 @@ struct Depths {
 }
 
 /// The deck with both elements.
-pub fn cases() -> [(&'static str, Case); 3] {
+pub fn cases() -> [(&'static str, Case); 4] {
     let case = || Case::new("plate_cylinder", DECK);
     [
         ("facets", case().classic()),
@@ -48,6 +48,7 @@ pub fn cases() -> [(&'static str, Case); 3] {
             "diffuse, interpolating weight",
             case().named("interpolating").with("interface.weight", "cubic-interpolating"),
         ),
+        ("hull layers, cubic weight", case().hull_layers()),
     ]
 }
 

@@ -18,7 +18,7 @@ const RULES: [&str; 2] = ["none", "linear"];
 
 /// Number of runs.
 pub fn runs(scope: &Scope) -> usize {
-    2 * RULES.len() * cases(scope).len()
+    3 * RULES.len() * cases(scope).len()
 }
 
 /// Headings and decks.
@@ -39,14 +39,25 @@ fn cases(scope: &Scope) -> Vec<(String, Case)> {
 
 /// Runs them all.
 pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
-    let columns = ["deck", "diffuse", "facets", "fewer", "diffuse, linear", "facets, linear", "fewer"];
+    let columns = [
+        "deck",
+        "diffuse",
+        "hull layers",
+        "facets",
+        "fewer",
+        "diffuse, linear",
+        "hull layers, linear",
+        "facets, linear",
+        "fewer",
+    ];
     let mut table = Table::new("### Iterations, by a linear step and by linear extrapolation", columns);
     for (name, case) in cases(scope) {
         let mut row = vec![name];
         for rule in RULES {
             let case = case.clone().with("newton.extrapolation", rule).named(rule);
-            let [diffuse, classic] = [decks.run(&case)?, decks.run(&case.classic())?];
-            row.extend([diffuse.count(), classic.count(), saving(&diffuse, &classic)]);
+            let [diffuse, layers] = [decks.run(&case)?, decks.run(&case.clone().hull_layers())?];
+            let classic = decks.run(&case.classic())?;
+            row.extend([diffuse.count(), layers.count(), classic.count(), saving(&diffuse, &classic)]);
         }
         table.row(row);
     }

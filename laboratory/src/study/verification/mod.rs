@@ -6,6 +6,7 @@
 mod hertz;
 mod mindlin;
 mod patch;
+mod pinch;
 mod plot;
 mod ring;
 mod sliding;
@@ -15,6 +16,8 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use diffuse_contact::faces::FaceRule;
+use diffuse_contact::interface::ContactElement;
+use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
 use diffuse_contact_solver::contact::Integration;
 use diffuse_contact_solver::deck::{Contact, Deck, DeckError};
 use diffuse_contact_solver::solve::SolveError;
@@ -30,24 +33,28 @@ use crate::threads::with_threads;
 
 use plot::Chart;
 
-/// Both elements, the classic one first.
-const ELEMENTS: [Contact; 2] = [Contact::NodeToFacet, Contact::Diffuse];
+/// The descriptions of a master, the classic one first.
+const SURFACES: [Way; 3] = [Way::FACETS, Way::DIFFUSE, Way::HULL_LAYERS];
 
-/// An element, and what contact is integrated over.
+/// An element, which nodes it takes, and what contact is integrated over.
 #[derive(Clone, Copy)]
 struct Way {
     element: Contact,
     over_faces: bool,
+    /// Layers of hulls in place of nodal domains.
+    hull_layers: bool,
 }
 
 impl Way {
-    const FACETS: Self = Self { element: Contact::NodeToFacet, over_faces: false };
-    const DIFFUSE: Self = Self { element: Contact::Diffuse, over_faces: false };
+    const FACETS: Self = Self { element: Contact::NodeToFacet, over_faces: false, hull_layers: false };
+    const DIFFUSE: Self = Self { element: Contact::Diffuse, ..Self::FACETS };
+    const HULL_LAYERS: Self = Self { hull_layers: true, ..Self::DIFFUSE };
     const FACETS_OVER_FACES: Self = Self { over_faces: true, ..Self::FACETS };
     const DIFFUSE_OVER_FACES: Self = Self { over_faces: true, ..Self::DIFFUSE };
 
     const fn name(self) -> &'static str {
         match (self.element, self.over_faces) {
+            _ if self.hull_layers => "diffuse, hull layers",
             (element, false) => element.name(),
             (Contact::NodeToFacet, true) => "facets over faces",
             (Contact::Diffuse | Contact::None, true) => "diffuse over faces",
@@ -56,7 +63,12 @@ impl Way {
 
     /// Colours that stay apart for the colour-blind.
     const fn colour(self) -> RGBColor {
-        if self.over_faces { RGBColor(0, 158, 115) } else { colour(self.element) }
+        match (self.element, self.over_faces) {
+            (_, true) => RGBColor(0, 158, 115),
+            _ if self.hull_layers => RGBColor(86, 180, 233),
+            (Contact::NodeToFacet, false) => RGBColor(213, 94, 0),
+            (Contact::Diffuse | Contact::None, false) => RGBColor(0, 114, 178),
+        }
     }
 }
 
@@ -99,6 +111,7 @@ pub fn run(arguments: &VerificationArguments) -> Result<(), CliError> {
                 VerificationProblem::CoaxialCylinders => turning::study(&decks),
                 VerificationProblem::SlidingBlock => sliding::study(&decks),
                 VerificationProblem::RingBlock => ring::study(&decks),
+                VerificationProblem::PipePinch => pinch::study(&decks),
                 VerificationProblem::CattaneoMindlin => mindlin::study(&decks),
             };
             let Findings { tables, charts } = findings.map_err(of_deck)?;
@@ -126,12 +139,16 @@ impl Decks {
         Ok(Deck { contact: element, ..Deck::read(&self.path)? })
     }
 
-    /// The deck as it is, but with this element over nodes or faces.
+    /// The deck as it is, but with this element and these neighbours over nodes or faces.
     fn by(&self, way: Way) -> Result<Deck, DeckError> {
         let mut deck = self.with(way.element)?;
-        if way.over_faces {
-            for interface in &mut deck.interfaces {
+        for interface in &mut deck.interfaces {
+            if way.over_faces {
                 interface.integration = Integration::Faces(FaceRule::default());
+            }
+            if way.hull_layers {
+                let search = SearchOptions::default().with_rule(NeighbourRule::hull_layers(None));
+                interface.surface.element = ContactElement::diffuse(search);
             }
         }
         Ok(deck)
@@ -180,14 +197,6 @@ fn divide(deck: &mut Deck, part: &str, divisions: &[usize]) {
         for (own, &new) in own.iter_mut().zip(divisions) {
             *own = new;
         }
-    }
-}
-
-/// Colours that stay apart for the colour-blind.
-const fn colour(element: Contact) -> RGBColor {
-    match element {
-        Contact::NodeToFacet => RGBColor(213, 94, 0),
-        Contact::Diffuse | Contact::None => RGBColor(0, 114, 178),
     }
 }
 

@@ -3,15 +3,15 @@
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::trace;
 
-use super::{Decks, ELEMENTS, Findings, outcome, row};
+use super::{Decks, Findings, SURFACES, outcome, row};
 use crate::study::markdown::Table;
 
 pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
     let columns = ["element", "master", "increments", "cut-backs", "iterations", "force at the end"];
     let mut table = Table::new("Ring on a block: to the end of the deck's time", columns);
     for exchange in [false, true] {
-        for element in ELEMENTS {
-            let mut deck = decks.with(element)?;
+        for way in SURFACES {
+            let mut deck = decks.by(way)?;
             for interface in &mut deck.interfaces {
                 interface.exchange = exchange;
             }
@@ -24,7 +24,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                 let [increments, cutbacks, iterations] = counts;
                 [increments, cutbacks, iterations, format!("{force:.1}")]
             });
-            row(&mut table, [element.name(), if exchange { "ring" } else { "block" }], figures);
+            row(&mut table, [way.name(), if exchange { "ring" } else { "block" }], figures);
         }
     }
     Ok(Findings { tables: vec![table], charts: Vec::new() })

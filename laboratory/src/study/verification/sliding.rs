@@ -5,7 +5,7 @@ use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::{Oscillation, Trace, trace};
 
 use super::plot::{Chart, Curve};
-use super::{Decks, ELEMENTS, Findings, colour, outcome, row};
+use super::{Decks, Findings, SURFACES, outcome, row};
 use crate::study::markdown::Table;
 
 /// When the cylinder has come up and begins to turn, the time of the turn, and its angle, degrees.
@@ -32,8 +32,8 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
     let mut charts: [Vec<Curve>; 2] = Default::default();
     for (around, facets) in [(15, "6°"), (30, "3°"), (60, "1.5°")] {
         let mut classic: Option<[f64; 2]> = None;
-        for element in ELEMENTS {
-            let mut deck = decks.with(element)?;
+        for way in SURFACES {
+            let mut deck = decks.by(way)?;
             super::divide(&mut deck, "cylinder", &[around]);
             let run = outcome(force(&deck, decks))?;
             if let (Ok(run), 30) = (&run, around) {
@@ -41,9 +41,9 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                     let turning = run.measures.iter().filter(|(time, _)| is_turning(*time));
                     let points = turning.map(|(time, force)| (DEGREES * (time - START) / TURN, force[axis]));
                     chart.push(Curve {
-                        label: element.name().to_owned(),
-                        colour: colour(element),
-                        dotted: false,
+                        label: way.name().to_owned(),
+                        colour: way.colour(),
+                        dotted: way.hull_layers,
                         points: points.collect(),
                     });
                 }
@@ -56,7 +56,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                 let mean = of(2).map_or(f64::NAN, |force| force.mean);
                 let relative =
                     [2, 0].map(|axis| of(axis).map_or(f64::NAN, |force| force.peak_to_peak() / mean));
-                let ratios = match (element, classic) {
+                let ratios = match (way.element, classic) {
                     (Contact::NodeToFacet, _) => {
                         classic = Some(relative);
                         [String::new(), String::new()]
@@ -69,7 +69,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                 let [iterations, cutbacks] = counts;
                 [format!("{mean:.2}"), up, ratio_up, along, ratio_along, iterations, cutbacks]
             });
-            row(&mut table, [element.name(), facets], figures);
+            row(&mut table, [way.name(), facets], figures);
         }
     }
     let [up, along] = charts;

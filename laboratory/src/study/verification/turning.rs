@@ -5,7 +5,7 @@ use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::{Oscillation, Trace, trace};
 
 use super::plot::{Chart, Curve};
-use super::{Decks, ELEMENTS, Findings, colour, outcome, row};
+use super::{Decks, Findings, SURFACES, outcome, row};
 use crate::study::markdown::Table;
 
 /// The support that turns, and its angle at the end, degrees.
@@ -32,8 +32,8 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
     let mut curves = Vec::new();
     for (master, exchange) in [("ring", false), ("shaft", true)] {
         let mut classic = None;
-        for element in ELEMENTS {
-            let mut deck = decks.with(element)?;
+        for way in SURFACES {
+            let mut deck = decks.by(way)?;
             for interface in &mut deck.interfaces {
                 interface.exchange = exchange;
             }
@@ -41,9 +41,9 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
             if let (Ok(run), false) = (&run, exchange) {
                 let points = run.measures.iter().map(|[time, torque, _]| (DEGREES * time, torque / 1000.0));
                 curves.push(Curve {
-                    label: element.name().to_owned(),
-                    colour: colour(element),
-                    dotted: false,
+                    label: way.name().to_owned(),
+                    colour: way.colour(),
+                    dotted: way.hull_layers,
                     points: points.collect(),
                 });
             }
@@ -51,7 +51,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                 let amplitude = Oscillation::of(run.measures.iter().map(|[_, torque, _]| *torque))
                     .map_or(0.0, |torque| torque.amplitude());
                 let force = run.measures.last().map_or(0.0, |measure| measure[2]);
-                let ratio = match (element, classic) {
+                let ratio = match (way.element, classic) {
                     (Contact::NodeToFacet, _) => {
                         classic = Some(amplitude);
                         String::new()
@@ -68,7 +68,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                     run.cutbacks.to_string(),
                 ]
             });
-            row(&mut table, [element.name(), master], figures);
+            row(&mut table, [way.name(), master], figures);
         }
     }
     let chart = Chart {

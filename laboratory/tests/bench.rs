@@ -27,7 +27,7 @@ fn json_has_a_row_for_every_contender() {
         .find(|row| row["kernel"] == "generated-single" && row["output"] == "gap-hessian")
         .unwrap();
     let operations = full["fma_per_element"].as_f64().unwrap();
-    assert!(operations > 5_609.0 && operations < 6_000.0, "{operations}");
+    assert!(operations > 5_533.0 && operations < 5_900.0, "{operations}");
 }
 
 #[test]

@@ -93,14 +93,14 @@ fn domains_carry_fits_on_meshes_of_all_kinds() {
     let mean = |row: &Value| row["masters_mean"].as_f64().unwrap();
     for row in rows {
         assert_eq!((&row["slaves"], &row["linear"]), (&1500.into(), &0.into()), "{row}");
-        assert!(row["singular_value"].as_f64().unwrap() > 0.12, "{row}");
+        assert!(row["singular_value"].as_f64().unwrap() > 0.1, "{row}");
         assert!(row["error_over_facets"].as_f64().unwrap() < 0.6, "{row}");
-        assert!(row["masters_max"].as_u64().unwrap() < 45 && mean(row) < 25.0, "{row}");
+        assert!(row["masters_max"].as_u64().unwrap() < 36 && mean(row) < 20.0, "{row}");
     }
     // Long cells take no more masters than square ones.
     let of = |mesh: &str| rows.iter().find(|row| row["mesh"] == mesh && row["weight"] == "cubic").unwrap();
-    assert!(mean(of("cells 10:1")) < mean(of("regular, 12 × 12")));
-    assert!(mean(of("regular, 12 × 12")) < 14.0);
+    assert!(mean(of("cells 10:1")) < 1.02 * mean(of("regular, 12 × 12")));
+    assert!(mean(of("regular, 12 × 12")) < 13.0);
 }
 
 #[test]

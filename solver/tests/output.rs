@@ -33,7 +33,7 @@ fn force(side: &[(f64, f64)]) -> f64 {
 /// 100 MPa on 100 mm²: each of the two surfaces carries all of it, not only what its nodes have as slaves.
 #[test]
 fn two_passes_give_the_pressure_and_not_half_of_it() {
-    for (contact, scatter) in [(Contact::NodeToFacet, 0.02), (Contact::Diffuse, 0.2)] {
+    for (contact, scatter) in [(Contact::NodeToFacet, 0.02), (Contact::Diffuse, 0.21)] {
         for side in pressures(contact, true) {
             assert!((force(&side) / 1e4 - 1.0).abs() < 1e-5, "{contact:?}: {}", force(&side));
             let largest = side.iter().map(|(p, _)| (p / 100.0 - 1.0).abs()).fold(0.0, f64::max);

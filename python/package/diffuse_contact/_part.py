@@ -79,7 +79,8 @@ class SurfacePart:
     """The facets that a rank owns and those around them: windows are cut out of it.
 
     Made once, in the first positions. Its ``demands`` go to the ranks whose known boxes meet its own, and ``settle``
-    takes over theirs, until it says True. From then on ``window`` tells what another rank's slaves can need of the own facets.
+    takes over theirs, until it says True. From then on ``window`` tells what another rank's slaves can need of the own
+    facets.
 
     Args:
         positions: first positions of the nodes, shape (p, 3), length.
@@ -138,7 +139,7 @@ class SurfacePart:
 
     @property
     def demands(self) -> PartDemands:
-        """What other parts have to know in this round: of the nodes and facets of this part, which may be theirs, too."""
+        """What other parts have to know in this round of nodes and facets of this part, which may be theirs, too."""
         return PartDemands(*self._part.demands())
 
     def settle(self, others: Iterable[PartDemands]) -> bool:

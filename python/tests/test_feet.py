@@ -80,7 +80,7 @@ def test_without_contact_there_are_zeros(scene):
     moved[81] += [0.8, 0, -12]
     interface.update(moved)
     feet, contacts = interface.foot_derivatives(), interface.evaluate()
-    assert feet.outcomes == contacts.outcomes == ["foot-diverged", "beyond-border", "contact", "contact"]
+    assert feet.outcomes == contacts.outcomes == ["singular-fit", "beyond-border", "contact", "contact"]
     assert feet.is_contact.tolist() == [False, False, True, True]
     assert np.isnan(feet.foot[:2]).all() and np.isnan(feet.normal[:2]).all()
     lengths = np.diff(feet.offsets)

@@ -388,7 +388,7 @@ def test_adaptive_tangent(scene):
     [
         ("hull-layers", [0, 0, -40], "foot-outside", 0.5),
         # The centre of curvature of the crest lies 10 below it.
-        ("domains", [0.8, 0, -12], "foot-diverged", 0.25),
+        ("domains", [0.8, 0, -12], "singular-fit", 0.25),
     ],
 )
 def test_cut_back(scene, rule, through, outcome, factor):

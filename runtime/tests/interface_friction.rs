@@ -443,7 +443,7 @@ fn augmented_friction_forgets_its_stiffness_and_is_accepted_or_rolled_back() {
     let law = ContactLaw::penalty(PENALTY).with_friction(Some(friction));
     let pressed = || {
         let mut pressed = Pressed { law, ..Pressed::new(0.3, Weight::Cubic, &[]) };
-        pressed.slide_and_deform([2e-3, 1e-3, 0.0]);
+        pressed.slide_and_deform([1.6e-3, 0.8e-3, 0.0]);
         pressed
     };
     let mut own = pressed();

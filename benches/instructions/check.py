@@ -32,7 +32,7 @@ TOLERANCE, OTHER_COMPILER = 0.03, 0.25
 def build():
     """The program, optimised; its path."""
     command = ["cargo", "build", "--release", "-p", "diffuse-contact-benches", "--no-default-features"]
-    command += ["--example", "instructions"]
+    command += ["--bin", "instructions"]
     command += ["--message-format", "json-render-diagnostics"]
     output = subprocess.run(command, cwd=HERE, check=True, stdout=subprocess.PIPE, text=True).stdout
     messages = [json.loads(line) for line in output.splitlines()]

@@ -1,4 +1,4 @@
-//! Time of a whole interface per slave: gap, N and M of a large interface, by one thread.
+//! Time of a whole interface per slave: gap, N and M of a large interface; pattern and values of its tangent.
 //!
 //! ```text
 //! RAYON_NUM_THREADS=1 cargo run --release -p diffuse-contact --example interface [slaves along a side] [rounds]
@@ -10,6 +10,7 @@
 
 use std::time::Instant;
 
+use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap};
 use diffuse_contact::interface::{ContactInterface, InterfaceOptions};
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
@@ -30,6 +31,7 @@ fn main() -> Result<(), Failure> {
     let (side, rounds) = (argument(1, 317)?, argument(2, 5)?);
     let (positions, slaves, facets) = scene(side);
     let count = slaves.len();
+    let loads = vec![1e4; count];
     let master = MasterSurface::new(&positions, facets)?;
     let mut interface = ContactInterface::new(master, slaves, &[], &positions, InterfaceOptions::default())?;
     let clock = Clock::new();
@@ -49,6 +51,22 @@ fn main() -> Result<(), Failure> {
             println!("{mode:?} {:.3}", per_slave(start));
             assert_eq!(contacts, count, "every slave has a contact");
             assert!(sum.is_finite() && nodes > 0);
+        }
+    }
+    // Every slave carries force.
+    let dofs = DofMap::standard(positions.len());
+    let law = ContactLaw::penalty(1e3).with_multipliers(Some(&loads));
+    let contacts = interface.evaluate(Mode::Hessian)?;
+    for _ in 0..rounds {
+        let start = clock.seconds();
+        let pattern = CsrPattern::union(contacts, &dofs)?;
+        println!("pattern {:.3}", per_slave(start));
+        // Memory is touched for the first time by the first of them.
+        let mut values = vec![0.0; pattern.entries()];
+        for _ in 0..2 {
+            let start = clock.seconds();
+            assert_eq!(pattern.fill(contacts, &law, &mut values)?, count);
+            println!("fill {:.3}", per_slave(start));
         }
     }
     Ok(())

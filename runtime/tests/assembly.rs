@@ -259,8 +259,9 @@ fn a_pattern_takes_the_memory_that_is_documented() {
     let (e, r) = (pattern.entries(), pattern.equations());
     assert_eq!(pattern.memory(), 4 * e + 8 * (r + 1) + pattern.map().memory());
     let nodes_of = |masters: usize| if masters == 0 { 0 } else { masters + 1 };
-    let nodes: usize = case.elements.iter().map(|element| nodes_of(element.masters.len())).sum();
-    let most = 12 * nodes + 8 * (e / 9) + 150 * 600 + 8 * 251;
+    let nodes = || case.elements.iter().map(|element| nodes_of(element.masters.len()));
+    let blocks: usize = nodes().map(|nodes| nodes * nodes).sum();
+    let most = 4 * blocks + 28 * nodes().sum::<usize>() + 80 * 600 + 16 * 250;
     assert!(pattern.map().memory() <= most, "{} of at most {most}", pattern.map().memory());
 }
 

@@ -384,6 +384,17 @@ impl Active<'_> {
         self.friction.map_or(normal, |friction| normal - friction.force.factor * friction.slip.gradient[p])
     }
 
+    /// Looks at M from one end to the other, so that the processor fetches it in order: columns of a packed triangle are far apart.
+    pub fn look(&self) {
+        let bits = |bits, number: &f64| bits ^ number.to_bits();
+        std::hint::black_box(self.hessian.unwrap_or_default().iter().step_by(8).fold(0, bits));
+    }
+
+    /// Number of nodes.
+    pub const fn nodes(&self) -> usize {
+        self.gradient.len() / 3
+    }
+
     /// Whether the tangent is symmetric.
     pub fn is_symmetric(&self) -> bool {
         self.friction.is_none_or(|friction| friction.force.factor_by_gap == 0.0)
@@ -403,31 +414,46 @@ impl Active<'_> {
         normal + force.tangent_entry([own, other], second, self.gradient[q])
     }
 
-    /// Hands over the rows of the element's node `a` and the columns of each of its nodes: the same numbers as [`tangent`](Self::tangent).
-    #[inline]
-    pub fn blocks(&self, a: usize, mut add: impl FnMut(usize, [[f64; 3]; 3])) {
-        let by_entry = |b: usize| [0, 1, 2].map(|i| [0, 1, 2].map(|j| self.tangent(3 * a + i, 3 * b + j)));
-        let (gradient, _) = self.gradient.as_chunks::<3>();
-        let (Some(hessian), None) = (self.hessian, &self.friction) else {
-            (0..gradient.len()).for_each(|b| add(b, by_entry(b)));
-            return;
-        };
-        let (stiffness, force, own) = (self.stiffness, self.force, gradient[a]);
-        let entry = |i: usize, other: f64, second: f64| stiffness * (own[i] * other) - force * second;
-        // Left of the diagonal the node's own rows of the lower triangle, …
-        let row = |i: usize| hessian[packed_row(3 * a + i)..][..3 * a].as_chunks::<3>().0;
-        let rows = row(0).iter().zip(row(1)).zip(row(2));
-        for (b, (other, ((x, y), z))) in gradient[..a].iter().zip(rows).enumerate() {
-            let rows = [x, y, z];
-            add(b, [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, other[j], rows[i][j]))));
+    /// Writes the rows of the element's node `a`, 3(n+1) entries each: the same numbers as [`tangent`](Self::tangent).
+    pub fn rows(&self, a: usize, rows: [&mut [f64]; 3]) {
+        let freedoms = self.gradient.len();
+        let [x, y, z] = rows.map(|row| &mut row[..freedoms]);
+        let (stiffness, force) = (self.stiffness, self.force);
+        for (i, row) in [&mut *x, &mut *y, &mut *z].into_iter().enumerate() {
+            let p = 3 * a + i;
+            let own = self.gradient[p];
+            match (self.hessian, &self.friction) {
+                // Up to the diagonal they are rows of the lower triangle, …
+                (Some(hessian), None) => {
+                    let seconds = &hessian[packed_row(p)..][..=p];
+                    for ((entry, other), second) in row.iter_mut().zip(self.gradient).zip(seconds) {
+                        *entry = stiffness * (own * other) - force * second;
+                    }
+                }
+                (None, None) => {
+                    for (entry, other) in row.iter_mut().zip(self.gradient) {
+                        *entry = stiffness * (own * other);
+                    }
+                }
+                _ => row.iter_mut().enumerate().for_each(|(q, entry)| *entry = self.tangent(p, q)),
+            }
         }
-        add(a, by_entry(a));
-        // … right of it its columns in the rows of later nodes.
-        for (b, other) in gradient.iter().enumerate().skip(a + 1) {
-            let rows = &hessian[packed_row(3 * b) + 3 * a..][..6 * b + 6];
-            let [x, y, z] = [0, 3 * b + 1, 6 * b + 3].map(|start| [0, 1, 2].map(|i| rows[start + i]));
-            let rows = [x, y, z];
-            add(b, [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, other[j], rows[j][i]))));
+        let (Some(hessian), None) = (self.hessian, &self.friction) else { return };
+        // … and after it columns.
+        let (p, own) = (3 * a, [0, 1, 2].map(|i| self.gradient[3 * a + i]));
+        let entry = |i: usize, other: f64, second: f64| stiffness * (own[i] * other) - force * second;
+        let second = |row: usize, column: usize| hessian[packed_row(row) + column];
+        x[p + 1] = entry(0, own[1], second(p + 1, p));
+        x[p + 2] = entry(0, own[2], second(p + 2, p));
+        y[p + 2] = entry(1, own[2], second(p + 2, p + 1));
+        let mut start = packed_row(p + 3) + p;
+        let rest = x[p + 3..].iter_mut().zip(&mut y[p + 3..]).zip(&mut z[p + 3..]);
+        for (row, (((x, y), z), &other)) in rest.zip(&self.gradient[p + 3..]).enumerate() {
+            let seconds = &hessian[start..start + 3];
+            start += p + 4 + row;
+            *x = entry(0, other, seconds[0]);
+            *y = entry(1, other, seconds[1]);
+            *z = entry(2, other, seconds[2]);
         }
     }
 

@@ -71,3 +71,9 @@ fn reserve<T>(what: &'static str, count: usize) -> Result<Vec<T>, AssemblyError>
     vector.try_reserve_exact(count).map_err(|_| AssemblyError::TooLarge { what, count })?;
     Ok(vector)
 }
+
+/// So many zeros, in memory that the system hands over page by page when it is used: by all threads where they share the work.
+fn zeros<T: Clone + Default>(what: &'static str, count: usize) -> Result<Vec<T>, AssemblyError> {
+    drop(reserve::<T>(what, count)?);
+    Ok(vec![T::default(); count])
+}

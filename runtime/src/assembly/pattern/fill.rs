@@ -5,13 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::super::law::{Active, Needs};
 use super::super::{AssemblyError, ContactLaw, Elements};
-use super::incidence::Occurrence;
-use super::locate::{Located, NO_SLOT};
-use super::map::Scratch;
+use super::locate::{Located, NO_SLOT, of_row};
+use super::map::{Batch, Task};
 use super::{CsrMap, CsrPattern};
-
-/// Runs that one thread adds in a row: some ten microseconds' worth.
-const GRAIN: usize = 16;
 
 impl CsrPattern {
     /// [`CsrMap::fill`] of its [`map`](Self::map).
@@ -90,7 +86,7 @@ impl CsrMap {
             law.check_element(k, &elements.element(k), Needs::Tangent)?;
             count += usize::from(law.active(elements, k).is_some());
         }
-        for batch in 0..self.batches() {
+        for (_, batch) in self.batches() {
             self.add_batch(batch, &|k| law.active(elements, k), values, from_zero)?;
         }
         Ok(count)
@@ -106,14 +102,14 @@ impl CsrMap {
     /// Adds what the elements of a batch contribute. `from_zero`: rows are set to zero before the first element of theirs.
     pub(super) fn add_batch<'e>(
         &self,
-        batch: usize,
+        batch: &Batch,
         active: &(impl Fn(usize) -> Option<Active<'e>> + Sync),
         values: &mut [f64],
         from_zero: bool,
     ) -> Result<(), AssemblyError> {
         let failed = AtomicUsize::new(usize::MAX);
-        let work = Work { map: self, active, from_zero, failed: &failed };
-        work.runs(self.runs_of(batch), 0, values);
+        let work = Work { map: self, batch, active, from_zero, failed: &failed };
+        work.pieces(batch.pieces(), 0, values);
         match failed.into_inner() {
             usize::MAX => Ok(()),
             equation => Err(AssemblyError::Overflow { what: "values", equation }),
@@ -121,9 +117,10 @@ impl CsrMap {
     }
 }
 
-/// The work on the runs of a batch.
+/// The work on a batch.
 struct Work<'a, A> {
     map: &'a CsrMap,
+    batch: &'a Batch,
     active: &'a A,
     from_zero: bool,
     /// The first row that has a value that is not finite.
@@ -131,107 +128,107 @@ struct Work<'a, A> {
 }
 
 impl<'e, A: Fn(usize) -> Option<Active<'e>> + Sync> Work<'_, A> {
-    /// Adds some runs; `values` are those from `base` on.
-    fn runs(&self, runs: Range<usize>, base: usize, values: &mut [f64]) {
-        let group = |run: usize| &self.map.groups[self.map.run(run).group as usize];
-        if runs.len() > GRAIN {
-            let middle = runs.start + runs.len() / 2;
-            let split = group(middle).start;
+    /// Adds some pieces; `values` are those from `base` on.
+    fn pieces(&self, pieces: Range<usize>, base: usize, values: &mut [f64]) {
+        if pieces.len() > 1 {
+            let middle = pieces.start + pieces.len() / 2;
+            let split = self.map.groups[self.batch.piece(middle).0].start;
             let (left, right) = values.split_at_mut(split - base);
             rayon::join(
-                || self.runs(runs.start..middle, base, left),
-                || self.runs(middle..runs.end, split, right),
+                || self.pieces(pieces.start..middle, base, left),
+                || self.pieces(middle..pieces.end, split, right),
             );
             return;
         }
-        self.map.scratch.with(Scratch::default, |scratch| {
-            scratch.marks.resize(self.map.neighbours.len(), 0);
-            for run in runs {
-                let group = group(run);
-                self.run(run, group, &mut values[group.start - base..group.end() - base], scratch);
+        let (mut element, mut active) = (None, None);
+        self.map.scratch.with(Vec::new, |scratch| {
+            for task in pieces.flat_map(|piece| self.batch.piece(piece).1) {
+                if element.replace(task.element) != Some(task.element) {
+                    active = (self.active)(task.element as usize);
+                    active.iter().for_each(Active::look);
+                }
+                let group = &self.map.groups[task.group as usize];
+                let rows = &mut values[group.start - base..group.end() - base];
+                self.task(task, group, active.as_ref(), rows, scratch);
             }
         });
     }
 
-    fn run(&self, run: usize, group: &Located, rows: &mut [f64], scratch: &mut Scratch) {
+    fn task(
+        &self,
+        task: &Task,
+        group: &Located,
+        active: Option<&Active<'_>>,
+        rows: &mut [f64],
+        scratch: &mut Vec<f64>,
+    ) {
         let map = self.map;
-        if self.from_zero && map.run(run).opens {
+        if self.from_zero && task.opens {
             rows.fill(0.0);
         }
-        let occurrences = map.occurrences_of(run);
-        let neighbours = map.neighbours.get(group.rows.node as usize);
-        let Scratch { marks, of_element } = scratch;
-        if group.is_regular {
-            let places = map.places.regular(group, neighbours.len());
-            let mark = |marks: &mut [u32]| {
-                neighbours.iter().zip(places).for_each(|(&node, &slot)| marks[node as usize] = slot);
-            };
-            let (first, rest) = rows.split_at_mut(group.ends[0] as usize);
-            let (second, third) = rest.split_at_mut((group.ends[1] - group.ends[0]) as usize);
-            let mut rows = [first, second, third];
-            self.elements(occurrences, marks, of_element, mark, |active, local, slots| {
-                add_rows(active, local, slots, &mut rows);
-            });
-        } else {
-            let mark = |marks: &mut [u32]| {
-                neighbours.iter().zip(0..).for_each(|(&node, place)| marks[node as usize] = place);
-            };
-            let mut start = 0;
-            for (row, (&axis, &end)) in group.rows.axes().iter().zip(&group.ends).enumerate() {
-                let slots = map.places.others(group, neighbours.len(), row);
-                let values = &mut rows[start..end as usize];
-                self.elements(occurrences, marks, of_element, mark, |active, local, places| {
+        if let Some(active) = active {
+            let (local, places) = (task.local as usize, &map.places[task.places..]);
+            if group.is_regular {
+                add_rows(active, local, places, rows, scratch);
+            } else {
+                let mut start = 0;
+                for (row, (&axis, &end)) in group.rows.axes().iter().zip(&group.ends).enumerate() {
+                    let (slots, values) = (of_row(&map.others, group, row), &mut rows[start..end as usize]);
                     add_row(active, 3 * local + usize::from(axis), places, slots, values);
-                });
-                start = end as usize;
+                    start = end as usize;
+                }
             }
         }
-        if map.run(run).closes
+        if task.closes
+            && !is_finite(rows)
             && let Some(place) = rows.iter().position(|value| !value.is_finite())
         {
             let row = group.ends.iter().position(|&end| place < end as usize).unwrap_or(0);
             self.failed.fetch_min(group.rows.first + row, Ordering::Relaxed);
         }
     }
+}
 
-    /// Hands over each element of the run that carries force, its own place of the node, and what `mark` marked its nodes with.
-    fn elements(
-        &self,
-        occurrences: &[Occurrence],
-        marks: &mut [u32],
-        of_element: &mut Vec<u32>,
-        mark: impl Fn(&mut [u32]),
-        mut add: impl FnMut(&Active<'e>, usize, &[u32]),
-    ) {
-        let mut is_marked = false;
-        for occurrence in occurrences {
-            let k = occurrence.element as usize;
-            let Some(active) = (self.active)(k) else { continue };
-            if !std::mem::replace(&mut is_marked, true) {
-                mark(marks);
+/// Whether all values are finite: many at a time.
+fn is_finite(values: &[f64]) -> bool {
+    let (chunks, rest) = values.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for chunk in chunks {
+        for (sum, value) in sums.iter_mut().zip(chunk) {
+            *sum += 0.0 * value;
+        }
+    }
+    sums.iter().chain(rest).all(|value| value.is_finite())
+}
+
+/// Adds the rows of node `a` of an element to three rows of the matrix: its node b begins at `slots[b]`.
+fn add_rows(active: &Active<'_>, a: usize, slots: &[u32], rows: &mut [f64], scratch: &mut Vec<f64>) {
+    let freedoms = 3 * active.nodes();
+    if scratch.len() < 3 * freedoms {
+        scratch.resize(3 * freedoms, 0.0);
+    }
+    let (x, rest) = scratch.split_at_mut(freedoms);
+    let (y, z) = rest.split_at_mut(freedoms);
+    active.rows(a, [&mut *x, &mut *y, &mut *z]);
+    let length = rows.len() / 3;
+    let (first, rest) = rows.split_at_mut(length);
+    let (second, third) = rest.split_at_mut(length);
+    let third = &mut third[..length];
+    let [x, y, z] = [&*x, &*y, &z[..freedoms]].map(|row| row.as_chunks::<3>().0);
+    for (((&slot, x), y), z) in slots.iter().zip(x).zip(y).zip(z) {
+        let columns = slot as usize..slot as usize + 3;
+        let targets = [&mut first[columns.clone()], &mut second[columns.clone()], &mut third[columns]];
+        for (target, values) in targets.into_iter().zip([x, y, z]) {
+            for (entry, value) in target.iter_mut().zip(values) {
+                *entry += value;
             }
-            of_element.clear();
-            of_element.extend(self.map.nodes_of(k).iter().map(|&node| marks[node as usize]));
-            add(&active, occurrence.local as usize, of_element);
         }
     }
 }
 
-/// Adds the rows of node `a` of an element to three rows of the matrix: its node b begins at `slots[b]`.
-fn add_rows(active: &Active<'_>, a: usize, slots: &[u32], rows: &mut [&mut [f64]; 3]) {
-    active.blocks(a, |b, block| {
-        let slot = slots[b] as usize;
-        for (row, values) in rows.iter_mut().zip(block) {
-            for (entry, value) in row[slot..slot + 3].iter_mut().zip(values) {
-                *entry += value;
-            }
-        }
-    });
-}
-
 /// Adds row `p` of an element's tangent to a row of the matrix.
 fn add_row(active: &Active<'_>, p: usize, places: &[u32], slots: &[[u32; 3]], row: &mut [f64]) {
-    for (b, &place) in places.iter().enumerate() {
+    for (b, &place) in places[..active.nodes()].iter().enumerate() {
         for (axis, &slot) in slots[place as usize].iter().enumerate() {
             if slot != NO_SLOT {
                 row[slot as usize] += active.tangent(p, 3 * b + axis);

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::super::{AssemblyError, Elements, reserve};
+use super::super::{AssemblyError, DofMap, Elements, reserve, zeros};
 use crate::interface::Pool;
 
 /// Nodes whose neighbours are sought in one go.
@@ -17,6 +17,24 @@ pub const NO_NODE: u32 = u32::MAX;
 pub struct Lists<T> {
     offsets: Vec<usize>,
     numbers: Vec<T>,
+}
+
+impl Lists<u32> {
+    /// The numbers 0 … `count` − 1 in the lists that `of` tells, ascending.
+    pub fn by(lists: usize, count: usize, of: impl Fn(usize) -> u32) -> Result<Self, AssemblyError> {
+        let mut offsets = zeros("nodes", lists + 1)?;
+        (0..count).for_each(|k| offsets[of(k) as usize + 1] += 1);
+        for k in 0..lists {
+            offsets[k + 1] += offsets[k];
+        }
+        let (mut next, mut numbers) = (offsets.clone(), zeros("nodes", count)?);
+        for k in 0..count {
+            let place: &mut usize = &mut next[of(k) as usize];
+            numbers[*place] = k as u32;
+            *place += 1;
+        }
+        Ok(Self { offsets, numbers })
+    }
 }
 
 impl<T> Lists<T> {
@@ -41,16 +59,21 @@ impl<T> Lists<T> {
 /// Lists one after another, and where each ends.
 type Ends = (Vec<u32>, Vec<usize>);
 
-/// A node in an element.
-#[derive(Clone, Copy, Debug)]
-pub struct Occurrence {
-    pub element: u32,
-    /// Place among the element's nodes, 0 for the slave.
-    pub local: u32,
+/// Who occurs where.
+#[derive(Debug)]
+pub struct Incidence {
+    /// Nodes of each element, slave first.
+    pub nodes: Lists<u32>,
+    /// Elements of each node, ascending: as often as it is one of their nodes.
+    pub elements: Lists<u32>,
+    /// Where the places of the columns begin, for each node of each element.
+    pub starts: Vec<usize>,
+    /// Where those of each node begin, and after the last node, where they end.
+    pub bases: Vec<usize>,
 }
 
 /// The nodes of each element, slave first; nodes are below `nodes`.
-pub fn element_nodes<E: Elements + ?Sized>(elements: &E, nodes: usize) -> Result<Lists<u32>, AssemblyError> {
+fn element_nodes<E: Elements + ?Sized>(elements: &E, nodes: usize) -> Result<Lists<u32>, AssemblyError> {
     for (what, count) in [("nodes", nodes), ("elements", elements.len())] {
         if count >= NO_NODE as usize {
             return Err(AssemblyError::TooLarge { what, count });
@@ -75,83 +98,87 @@ pub fn element_nodes<E: Elements + ?Sized>(elements: &E, nodes: usize) -> Result
     Ok(Lists { offsets, numbers })
 }
 
-/// Where each node occurs, in order of the elements.
-pub fn occurrences(of_elements: &Lists<u32>, nodes: usize) -> Result<Lists<Occurrence>, AssemblyError> {
-    let mut offsets = reserve("nodes", nodes + 1)?;
-    offsets.resize(nodes + 1, 0_usize);
-    for &node in &of_elements.numbers {
-        offsets[node as usize] += 1;
-    }
-    let mut sum = 0;
-    for offset in &mut offsets {
-        sum += std::mem::replace(offset, sum);
-    }
-    let mut numbers = reserve("nodes of elements", sum)?;
-    numbers.resize(sum, Occurrence { element: 0, local: 0 });
-    for k in 0..of_elements.len() {
-        for (local, &node) in of_elements.get(k).iter().enumerate() {
-            let next = &mut offsets[node as usize];
-            numbers[*next] = Occurrence { element: k as u32, local: local as u32 };
-            *next += 1;
-        }
-    }
-    // Each offset has moved on to where the next one began.
-    offsets.rotate_right(1);
-    offsets[0] = 0;
-    Ok(Lists { offsets, numbers })
-}
-
-/// The nodes that occur together with each node, itself among them, ascending.
-pub fn neighbours(
-    of_elements: &Lists<u32>,
-    occurrences: &Lists<Occurrence>,
-) -> Result<Lists<u32>, AssemblyError> {
-    let nodes = occurrences.len();
-    let pool = Pool::default();
-    let chunks: Vec<Result<Ends, AssemblyError>> = (0..nodes.div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|chunk| {
-            let range = chunk * CHUNK..nodes.min((chunk + 1) * CHUNK);
-            pool.with(|| NodeSet::new(nodes), |set| together(of_elements, occurrences, range, set))
-        })
-        .collect();
-    let chunks = chunks.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let count = chunks.iter().map(|(numbers, _)| numbers.len()).sum();
-    let mut numbers = reserve("pairs of nodes", count)?;
-    let mut offsets = reserve("nodes", nodes + 1)?;
-    offsets.push(0);
-    for (more, ends) in chunks {
-        let base = numbers.len();
-        numbers.extend(more);
-        offsets.extend(ends.into_iter().map(|end| base + end));
-    }
-    Ok(Lists { offsets, numbers })
-}
-
-/// The neighbours of consecutive nodes, one list after another, and where each ends.
-fn together(
-    of_elements: &Lists<u32>,
-    occurrences: &Lists<Occurrence>,
-    range: Range<usize>,
-    set: &mut NodeSet,
-) -> Result<Ends, AssemblyError> {
-    let (mut numbers, mut ends) = (Vec::new(), Vec::with_capacity(range.len()));
-    for node in range {
-        let mut last = None;
-        for occurrence in occurrences.get(node) {
-            // A node that occurs twice in an element has the same neighbours there.
-            if last.replace(occurrence.element) == Some(occurrence.element) {
-                continue;
+impl Incidence {
+    pub fn new<E: Elements + ?Sized>(elements: &E, dofs: &DofMap) -> Result<Self, AssemblyError> {
+        let nodes = element_nodes(elements, dofs.nodes())?;
+        let mut offsets = zeros("nodes", dofs.nodes() + 1)?;
+        let mut bases = zeros("nodes", dofs.nodes() + 1)?;
+        for k in 0..nodes.len() {
+            let own = nodes.get(k);
+            for &node in own {
+                offsets[node as usize] += 1;
+                bases[node as usize] += own.len();
             }
-            of_elements.get(occurrence.element as usize).iter().for_each(|&other| set.insert(other));
         }
-        let count = numbers.len() + set.count();
-        let too_large = |_| AssemblyError::TooLarge { what: "pairs of nodes", count };
-        numbers.try_reserve(set.count()).map_err(too_large)?;
-        set.take(&mut numbers);
-        ends.push(numbers.len());
+        for node in (0..dofs.nodes()).filter(|&node| dofs.of_node(node) == [None; 3]) {
+            bases[node] = 0;
+        }
+        let [occurrences, _] = [&mut offsets, &mut bases].map(|counts| {
+            let mut sum = 0_usize;
+            for count in counts {
+                sum += std::mem::replace(count, sum);
+            }
+            sum
+        });
+        let mut of_nodes: Vec<u32> = zeros("nodes of elements", occurrences)?;
+        let mut starts = reserve("nodes of elements", occurrences)?;
+        let (mut next, mut next_start) = (offsets.clone(), bases.clone());
+        for k in 0..nodes.len() {
+            let own = nodes.get(k);
+            for &node in own {
+                let node = node as usize;
+                of_nodes[next[node]] = k as u32;
+                next[node] += 1;
+                starts.push(next_start[node]);
+                next_start[node] += own.len();
+            }
+        }
+        Ok(Self { nodes, elements: Lists { offsets, numbers: of_nodes }, starts, bases })
     }
-    Ok((numbers, ends))
+
+    /// The nodes that occur together with each node, itself among them, ascending.
+    pub fn neighbours(&self) -> Result<Lists<u32>, AssemblyError> {
+        let nodes = self.elements.len();
+        let pool = Pool::default();
+        let chunks: Vec<Result<Ends, AssemblyError>> = (0..nodes.div_ceil(CHUNK))
+            .into_par_iter()
+            .map(|chunk| {
+                let range = chunk * CHUNK..nodes.min((chunk + 1) * CHUNK);
+                pool.with(|| NodeSet::new(nodes), |set| self.together(range, set))
+            })
+            .collect();
+        let chunks = chunks.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let count = chunks.iter().map(|(numbers, _)| numbers.len()).sum();
+        let mut numbers = reserve("pairs of nodes", count)?;
+        let mut offsets = reserve("nodes", nodes + 1)?;
+        offsets.push(0);
+        for (more, ends) in chunks {
+            let base = numbers.len();
+            numbers.extend(more);
+            offsets.extend(ends.into_iter().map(|end| base + end));
+        }
+        Ok(Lists { offsets, numbers })
+    }
+
+    /// The neighbours of consecutive nodes, one list after another, and where each ends.
+    fn together(&self, range: Range<usize>, set: &mut NodeSet) -> Result<Ends, AssemblyError> {
+        let (mut numbers, mut ends) = (Vec::new(), Vec::with_capacity(range.len()));
+        for node in range {
+            let mut last = None;
+            for &element in self.elements.get(node) {
+                // A node that occurs twice in an element has the same neighbours there.
+                if last.replace(element) != Some(element) {
+                    self.nodes.get(element as usize).iter().for_each(|&other| set.insert(other));
+                }
+            }
+            let count = numbers.len() + set.count();
+            let too_large = |_| AssemblyError::TooLarge { what: "pairs of nodes", count };
+            numbers.try_reserve(set.count()).map_err(too_large)?;
+            set.take(&mut numbers);
+            ends.push(numbers.len());
+        }
+        Ok((numbers, ends))
+    }
 }
 
 /// A set of nodes, which are given back in ascending order without being sorted one by one.

@@ -26,9 +26,11 @@ pub struct Located {
     pub start: usize,
     /// Where each row ends, seen from there.
     pub ends: [u32; 3],
-    /// Whether slots are in [`Places::regular`], else in [`Places::others`].
+    /// Whether it has three rows with the same columns, of which each neighbour has three in a row.
     pub is_regular: bool,
-    /// Where they begin there.
+    /// Number of the node's neighbours.
+    neighbours: u32,
+    /// Where the slots begin, in [`Slots::regular`] or in [`Slots::others`].
     slots: usize,
 }
 
@@ -40,28 +42,25 @@ impl Located {
 }
 
 /// Slots of the columns of each group's neighbours, seen from the beginning of their row.
-#[derive(Clone, Debug, Default)]
-pub struct Places {
-    /// Of groups of three rows with the same columns, of which each neighbour has three in a row: the first one of each neighbour.
+#[derive(Debug, Default)]
+pub struct Slots {
+    /// Of regular groups: the first one of each neighbour.
     regular: Vec<u32>,
     /// Of the others row by row: those of each neighbour, or [`NO_SLOT`].
-    others: Vec<[u32; 3]>,
+    pub others: Vec<[u32; 3]>,
 }
 
-impl Places {
-    /// Of a regular group with so many neighbours.
-    pub fn regular(&self, group: &Located, neighbours: usize) -> &[u32] {
-        &self.regular[group.slots..][..neighbours]
+impl Slots {
+    /// Of a regular group.
+    pub fn regular(&self, group: &Located) -> &[u32] {
+        &self.regular[group.slots..][..group.neighbours as usize]
     }
+}
 
-    /// Of the `row`-th row of another group with so many neighbours.
-    pub fn others(&self, group: &Located, neighbours: usize, row: usize) -> &[[u32; 3]] {
-        &self.others[group.slots + row * neighbours..][..neighbours]
-    }
-
-    pub fn memory(&self) -> usize {
-        size_of_val(self.regular.as_slice()) + size_of_val(self.others.as_slice())
-    }
+/// The part of [`Slots::others`] of the `row`-th row of a group that is not regular.
+pub fn of_row<'a>(others: &'a [[u32; 3]], group: &Located, row: usize) -> &'a [[u32; 3]] {
+    let neighbours = group.neighbours as usize;
+    &others[group.slots + row * neighbours..][..neighbours]
 }
 
 /// Checks the row offsets of a matrix with so many rows and entries.
@@ -102,38 +101,38 @@ pub fn locate<R: CsrIndex, C: CsrIndex>(
     row_offsets: &[R],
     columns: &[C],
     is_union: bool,
-) -> Result<(Vec<Located>, Places), AssemblyError> {
+) -> Result<(Vec<Located>, Slots), AssemblyError> {
     let search = Search { neighbours, dofs, row_offsets, columns, is_union };
-    let chunks: Vec<Result<(Vec<Located>, Places), AssemblyError>> = groups
+    let chunks: Vec<Result<(Vec<Located>, Slots), AssemblyError>> = groups
         .par_chunks(CHUNK)
         .map(|groups| {
-            let mut places = Places::default();
-            let located = groups.iter().map(|rows| search.group(rows, &mut places));
-            Ok((located.collect::<Result<_, _>>()?, places))
+            let mut slots = Slots::default();
+            let located = groups.iter().map(|rows| search.group(rows, &mut slots));
+            Ok((located.collect::<Result<_, _>>()?, slots))
         })
         .collect();
     let chunks = chunks.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let count = |of: fn(&Places) -> usize| chunks.iter().map(|(_, places)| of(places)).sum();
+    let count = |of: fn(&Slots) -> usize| chunks.iter().map(|(_, slots)| of(slots)).sum();
     let mut located = reserve("nodes", groups.len())?;
-    let mut all = Places {
-        regular: reserve("pairs of nodes", count(|places| places.regular.len()))?,
-        others: reserve("pairs of nodes", count(|places| places.others.len()))?,
+    let mut all = Slots {
+        regular: reserve("pairs of nodes", count(|slots| slots.regular.len()))?,
+        others: reserve("pairs of nodes", count(|slots| slots.others.len()))?,
     };
-    for (groups, places) in chunks {
+    for (groups, slots) in chunks {
         let [regular, others] = [all.regular.len(), all.others.len()];
         located.extend(groups.into_iter().map(|group| {
             let base = if group.is_regular { regular } else { others };
             Located { slots: base + group.slots, ..group }
         }));
-        all.regular.extend(places.regular);
-        all.others.extend(places.others);
+        all.regular.extend(slots.regular);
+        all.others.extend(slots.others);
     }
     Ok((located, all))
 }
 
 impl<R: CsrIndex, C: CsrIndex> Search<'_, R, C> {
     /// The rows of a group, its slots behind those of others.
-    fn group(&self, rows: &RowGroup, places: &mut Places) -> Result<Located, AssemblyError> {
+    fn group(&self, rows: &RowGroup, slots: &mut Slots) -> Result<Located, AssemblyError> {
         let count = usize::from(rows.count);
         let start = self.row(rows.first)?.start;
         let mut ends = [0; 3];
@@ -145,12 +144,14 @@ impl<R: CsrIndex, C: CsrIndex> Search<'_, R, C> {
             *end = u32::try_from(row.end - start)
                 .map_err(|_| AssemblyError::TooLarge { what: "entries of a row", count: row.end - start })?;
         }
-        let mut group = Located { rows: *rows, start, ends, is_regular: true, slots: places.regular.len() };
-        if !self.regular(&group, &mut places.regular)? {
-            places.regular.truncate(group.slots);
-            (group.is_regular, group.slots) = (false, places.others.len());
+        let neighbours = self.neighbours.get(rows.node as usize).len() as u32;
+        let first = slots.regular.len();
+        let mut group = Located { rows: *rows, start, ends, is_regular: true, neighbours, slots: first };
+        if !self.regular(&group, &mut slots.regular)? {
+            slots.regular.truncate(group.slots);
+            (group.is_regular, group.slots) = (false, slots.others.len());
             for k in 0..count {
-                self.row_slots(rows.first + k, rows.node, &mut places.others)?;
+                self.row_slots(rows.first + k, rows.node, &mut slots.others)?;
             }
         }
         Ok(group)

@@ -1,26 +1,31 @@
 //! Which entries of a matrix the blocks of the elements are added to.
 
-use super::super::{AssemblyError, DofMap, Elements, reserve};
-use super::incidence::{Lists, Occurrence, element_nodes, neighbours, occurrences};
-use super::locate::{CsrIndex, Located, Places, check_rows, locate};
+use rayon::prelude::*;
+
+use super::super::{AssemblyError, DofMap, Elements, reserve, zeros};
+use super::incidence::{Incidence, Lists};
+use super::locate::{CsrIndex, Located, Slots, check_rows, locate};
 use super::rows::{RowGroup, row_groups};
+use super::split::for_each_part;
 use crate::interface::Pool;
 
 /// Elements that are added at once, for each thread: so few that their numbers stay in the processor's cache.
-const BATCH_PER_THREAD: usize = 512;
+const BATCH_PER_THREAD: usize = 256;
+/// Pieces of a batch for each thread, if there are several.
+const PIECES_PER_THREAD: usize = 2;
 
 /// Where the tangents of elements go in the values of a matrix in compressed sparse rows: of the [`CsrPattern`](super::CsrPattern) that
 /// it belongs to, or of a matrix that a host has already. It serves as long as the elements have the same nodes.
 ///
 /// # How entries are summed
 ///
-/// Elements are taken in batches, in their order. Within a batch rows are shared among the threads, and each thread adds to a row
-/// what the elements have for it, in their order. So each entry is the sum in the order of the elements, for any number of threads.
+/// Elements are taken in batches, in their order. The rows of a batch are cut into pieces, which threads share. Each piece takes the
+/// elements in their order, and their nodes in theirs. So each entry is the sum in the order of the elements, for any number of threads.
 ///
 /// # Memory
 ///
-/// For each slave with n masters 4 (n + 1) bytes for its nodes and 8 (n + 1) for where they occur; for each pair of nodes that occur
-/// together 8 bytes; for each node some 150. With nodes that have not three consecutive equations it is 40 bytes for a pair.
+/// For each slave with n masters 4 (n + 1)² bytes for the places of its blocks and 28 (n + 1) for its nodes; for each node 80, and 16 for
+/// each slave. With nodes that have not three consecutive equations it is 36 bytes more for each pair of nodes that occur together.
 #[derive(Clone, Debug)]
 pub struct CsrMap {
     /// Whose nodes the lists are; `None` if they tell nobody.
@@ -29,63 +34,66 @@ pub struct CsrMap {
     entries: usize,
     /// Nodes of each element, slave first.
     element_nodes: Lists<u32>,
-    pub(super) neighbours: Lists<u32>,
     /// Rows that are added to, ascending.
     pub(super) groups: Vec<Located>,
-    pub(super) places: Places,
-    batches: Batches,
-    pub(super) scratch: Pool<Scratch>,
+    /// For each node of an element, and each of the element's nodes: the slot of its first column in the rows of the former. Where these are
+    /// not regular: which of the neighbours it is.
+    pub(super) places: Vec<u32>,
+    /// Slots of the neighbours in rows that are not regular.
+    pub(super) others: Vec<[u32; 3]>,
+    /// Elements of each batch, but for the last one.
+    batch_size: usize,
+    batches: Vec<Batch>,
+    /// Rows of an element.
+    pub(super) scratch: Pool<Vec<f64>>,
 }
 
-/// What one thread keeps from one batch to the next.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Scratch {
-    /// Place of each node among the columns of the rows at hand.
-    pub marks: Vec<u32>,
-    /// The same of the nodes of an element.
-    pub of_element: Vec<u32>,
+/// The work on some consecutive elements.
+#[derive(Clone, Debug)]
+pub(super) struct Batch {
+    /// Those of one piece after another.
+    tasks: Vec<Task>,
+    pieces: Vec<Piece>,
 }
 
-/// Who adds what to a group of rows within a batch.
+/// Rows that one thread adds to.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Run {
-    /// Its occurrences begin here, and end where those of the next run begin.
-    first: usize,
+struct Piece {
+    first_group: u32,
+    /// Where its tasks end.
+    end: usize,
+}
+
+/// What an element adds to a group of rows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Task {
+    /// Where the places of its columns begin.
+    pub places: usize,
+    pub element: u32,
+    /// The node that the rows belong to, among those of the element.
+    pub local: u32,
     pub group: u32,
-    /// Whether it is the group's first run, …
+    /// Whether it is the group's first, …
     pub opens: bool,
     /// … or its last.
     pub closes: bool,
-}
-
-/// Runs batch by batch, in the order of rows within a batch.
-#[derive(Clone, Debug)]
-struct Batches {
-    /// Elements of each, but for the last one.
-    size: usize,
-    /// Where the runs of each batch begin.
-    offsets: Vec<usize>,
-    runs: Vec<Run>,
-    occurrences: Vec<Occurrence>,
 }
 
 /// The nodes of elements and the rows they have.
 #[derive(Debug)]
 pub(super) struct Found {
     stamp: Option<u64>,
-    element_nodes: Lists<u32>,
-    occurrences: Lists<Occurrence>,
+    incidence: Incidence,
     pub neighbours: Lists<u32>,
     pub groups: Vec<RowGroup>,
 }
 
 impl Found {
     pub fn new<E: Elements + ?Sized>(elements: &E, dofs: &DofMap) -> Result<Self, AssemblyError> {
-        let element_nodes = element_nodes(elements, dofs.nodes())?;
-        let occurrences = occurrences(&element_nodes, dofs.nodes())?;
-        let neighbours = neighbours(&element_nodes, &occurrences)?;
+        let incidence = Incidence::new(elements, dofs)?;
+        let neighbours = incidence.neighbours()?;
         let groups = row_groups(&neighbours, dofs)?;
-        Ok(Self { stamp: elements.stamp(), element_nodes, occurrences, neighbours, groups })
+        Ok(Self { stamp: elements.stamp(), incidence, neighbours, groups })
     }
 
     /// The places in a matrix whose row offsets have been checked. `is_union`: it is that of the union pattern.
@@ -96,19 +104,150 @@ impl Found {
         columns: &[C],
         is_union: bool,
     ) -> Result<CsrMap, AssemblyError> {
-        let (groups, places) = locate(&self.neighbours, &self.groups, dofs, row_offsets, columns, is_union)?;
-        let batches = Batches::new(&self.occurrences, &groups, self.element_nodes.len())?;
+        let (groups, slots) = locate(&self.neighbours, &self.groups, dofs, row_offsets, columns, is_union)?;
+        let of_nodes = groups_of_nodes(&groups, dofs.nodes())?;
+        let places = self.places(&groups, &of_nodes, &slots)?;
+        let batch_size = BATCH_PER_THREAD * rayon::current_num_threads();
+        let batches: Vec<Result<Batch, AssemblyError>> = (0..self.incidence.nodes.len().div_ceil(batch_size))
+            .into_par_iter()
+            .map(|batch| Batch::new(&self.incidence, &of_nodes, batch * batch_size, batch_size))
+            .collect();
         Ok(CsrMap {
             stamp: self.stamp,
             equations: dofs.equations(),
             entries: columns.len(),
-            element_nodes: self.element_nodes,
-            neighbours: self.neighbours,
+            element_nodes: self.incidence.nodes,
             groups,
             places,
-            batches,
+            others: slots.others,
+            batch_size,
+            batches: batches.into_iter().collect::<Result<_, _>>()?,
             scratch: Pool::default(),
         })
+    }
+
+    /// [`CsrMap::places`].
+    fn places(
+        &self,
+        groups: &[Located],
+        of_nodes: &Lists<u32>,
+        slots: &Slots,
+    ) -> Result<Vec<u32>, AssemblyError> {
+        let Incidence { nodes, elements, bases, .. } = &self.incidence;
+        let count = elements.len();
+        let mut places = zeros("pairs of nodes of elements", bases[count])?;
+        let pool = Pool::default();
+        for_each_part(0..count, &|node| bases[node], &mut places, &|range, places: &mut [u32]| {
+            // Each is written before it is read.
+            pool.with(
+                || vec![0_u32; count],
+                |marks| {
+                    let mut rest = places;
+                    for node in range.filter(|&node| bases[node] < bases[node + 1]) {
+                        let group = &groups[of_nodes.get(node)[0] as usize];
+                        let around = self.neighbours.get(node).iter();
+                        if group.is_regular {
+                            around
+                                .zip(slots.regular(group))
+                                .for_each(|(&node, &slot)| marks[node as usize] = slot);
+                        } else {
+                            around.zip(0..).for_each(|(&node, place)| marks[node as usize] = place);
+                        }
+                        for &element in elements.get(node) {
+                            let own = nodes.get(element as usize);
+                            let (front, after) = rest.split_at_mut(own.len());
+                            front
+                                .iter_mut()
+                                .zip(own)
+                                .for_each(|(place, &node)| *place = marks[node as usize]);
+                            rest = after;
+                        }
+                    }
+                },
+            );
+        });
+        Ok(places)
+    }
+}
+
+/// The groups of rows of each node.
+fn groups_of_nodes(groups: &[Located], nodes: usize) -> Result<Lists<u32>, AssemblyError> {
+    Lists::by(nodes, groups.len(), |k| groups[k].rows.node)
+}
+
+impl Batch {
+    /// The work on at most `size` elements from `first` on.
+    fn new(
+        incidence: &Incidence,
+        of_nodes: &Lists<u32>,
+        first: usize,
+        size: usize,
+    ) -> Result<Self, AssemblyError> {
+        let elements = first..incidence.nodes.len().min(first + size);
+        let nodes = incidence.nodes.range(elements.start).start..incidence.nodes.range(elements.end - 1).end;
+        let mut tasks = reserve("nodes of elements", nodes.len())?;
+        for element in elements {
+            let (own, at) = (incidence.nodes.get(element), incidence.nodes.range(element).start);
+            for (local, &node) in own.iter().enumerate() {
+                let places = incidence.starts[at + local];
+                let [opens, closes] = [
+                    places == incidence.bases[node as usize],
+                    places + own.len() == incidence.bases[node as usize + 1],
+                ];
+                let (element, local) = (element as u32, local as u32);
+                let of_node = of_nodes.get(node as usize).iter();
+                tasks.extend(of_node.map(|&group| Task { places, element, local, group, opens, closes }));
+            }
+        }
+        let threads = rayon::current_num_threads();
+        if threads == 1 {
+            let end = tasks.len();
+            return Ok(Self { tasks, pieces: vec![Piece { first_group: 0, end }] });
+        }
+        Self::in_pieces(&tasks, PIECES_PER_THREAD * threads)
+    }
+
+    /// Tasks ordered by pieces, of which at most `most` have about as many each.
+    fn in_pieces(tasks: &[Task], most: usize) -> Result<Self, AssemblyError> {
+        // A sample tells where to cut.
+        let step = (tasks.len() / (16 * most)).max(1);
+        let mut sample: Vec<u32> = tasks.iter().step_by(step).map(|task| task.group).collect();
+        sample.sort_unstable();
+        let mut firsts: Vec<u32> =
+            (1..most).filter_map(|k| sample.get(k * sample.len() / most).copied()).collect();
+        firsts.insert(0, 0);
+        firsts.dedup();
+        let piece_of = |task: &Task| firsts.partition_point(|&first| first <= task.group) - 1;
+        let mut next = vec![0; firsts.len() + 1];
+        tasks.iter().for_each(|task| next[piece_of(task) + 1] += 1);
+        for k in 1..next.len() {
+            next[k] += next[k - 1];
+        }
+        let ends = next[1..].to_vec();
+        let mut ordered = reserve("nodes of elements", tasks.len())?;
+        ordered.extend_from_slice(tasks);
+        for task in tasks {
+            let place = &mut next[piece_of(task)];
+            ordered[*place] = *task;
+            *place += 1;
+        }
+        let pieces = firsts.into_iter().zip(ends).map(|(first_group, end)| Piece { first_group, end });
+        Ok(Self { tasks: ordered, pieces: pieces.collect() })
+    }
+
+    pub fn pieces(&self) -> std::ops::Range<usize> {
+        0..self.pieces.len()
+    }
+
+    /// The first group that piece `k` may have, and its tasks.
+    pub fn piece(&self, k: usize) -> (usize, &[Task]) {
+        let start = k.checked_sub(1).map_or(0, |before| self.pieces[before].end);
+        let Piece { first_group, end } = self.pieces[k];
+        (first_group as usize, &self.tasks[start..end])
+    }
+
+    fn memory(&self) -> usize {
+        size_of_val(self.tasks.as_slice()) + size_of_val(self.pieces.as_slice())
     }
 }
 
@@ -168,10 +307,11 @@ impl CsrMap {
     #[must_use]
     pub fn memory(&self) -> usize {
         self.element_nodes.memory()
-            + self.neighbours.memory()
             + size_of_val(self.groups.as_slice())
-            + self.places.memory()
-            + self.batches.memory()
+            + size_of_val(self.places.as_slice())
+            + size_of_val(self.others.as_slice())
+            + size_of_val(self.batches.as_slice())
+            + self.batches.iter().map(Batch::memory).sum::<usize>()
     }
 
     /// Whether elements are those of the map: as many, with the same nodes in the same order.
@@ -201,91 +341,9 @@ impl CsrMap {
             .map_or(Ok(()), |element| Err(AssemblyError::PatternMismatch { element }))
     }
 
-    /// Nodes of element `k`, slave first.
-    pub(super) fn nodes_of(&self, k: usize) -> &[u32] {
-        self.element_nodes.get(k)
-    }
-
-    /// Number of batches.
-    pub(super) fn batches(&self) -> usize {
-        self.batches.offsets.len() - 1
-    }
-
-    /// The elements of a batch.
-    pub(super) fn elements_of(&self, batch: usize) -> std::ops::Range<usize> {
-        let (size, all) = (self.batches.size, self.element_nodes.len());
-        batch * size..all.min((batch + 1) * size)
-    }
-
-    pub(super) fn runs_of(&self, batch: usize) -> std::ops::Range<usize> {
-        self.batches.offsets[batch]..self.batches.offsets[batch + 1]
-    }
-
-    pub(super) fn run(&self, run: usize) -> Run {
-        self.batches.runs[run]
-    }
-
-    pub(super) fn occurrences_of(&self, run: usize) -> &[Occurrence] {
-        let Batches { runs, occurrences, .. } = &self.batches;
-        let end = runs.get(run + 1).map_or(occurrences.len(), |next| next.first);
-        &occurrences[runs[run].first..end]
-    }
-}
-
-impl Batches {
-    fn new(of_nodes: &Lists<Occurrence>, groups: &[Located], elements: usize) -> Result<Self, AssemblyError> {
-        let size = (BATCH_PER_THREAD * rayon::current_num_threads()).next_power_of_two();
-        let shift = size.ilog2();
-        let batch_of = |occurrence: &Occurrence| (occurrence.element >> shift) as usize;
-        let count = elements.div_ceil(size);
-        let mut offsets = reserve("elements", count + 1)?;
-        offsets.resize(count + 1, 0_usize);
-        let mut next_occurrence = reserve("elements", count)?;
-        next_occurrence.resize(count, 0_usize);
-        for group in groups {
-            let mut last = usize::MAX;
-            for batch in of_nodes.get(group.rows.node as usize).iter().map(batch_of) {
-                next_occurrence[batch] += 1;
-                offsets[batch] += usize::from(std::mem::replace(&mut last, batch) != batch);
-            }
-        }
-        let (mut run_count, mut sum) = (0, 0);
-        for (offset, next) in offsets.iter_mut().zip(next_occurrence.iter_mut().chain([&mut 0])) {
-            run_count += std::mem::replace(offset, run_count);
-            sum += std::mem::replace(next, sum);
-        }
-        let mut occurrences = reserve("nodes of elements", sum)?;
-        occurrences.resize(sum, Occurrence { element: 0, local: 0 });
-        let mut runs = reserve("nodes of elements", run_count)?;
-        runs.resize(run_count, Run { first: 0, group: 0, opens: false, closes: false });
-        let mut next_run = offsets.clone();
-        for (k, group) in groups.iter().enumerate() {
-            let mut last = usize::MAX;
-            for occurrence in of_nodes.get(group.rows.node as usize) {
-                let batch = batch_of(occurrence);
-                if batch != last {
-                    runs[next_run[batch]] = Run {
-                        first: next_occurrence[batch],
-                        group: k as u32,
-                        opens: last == usize::MAX,
-                        closes: false,
-                    };
-                    next_run[batch] += 1;
-                    last = batch;
-                }
-                occurrences[next_occurrence[batch]] = *occurrence;
-                next_occurrence[batch] += 1;
-            }
-            if last != usize::MAX {
-                runs[next_run[last] - 1].closes = true;
-            }
-        }
-        Ok(Self { size, offsets, runs, occurrences })
-    }
-
-    fn memory(&self) -> usize {
-        size_of_val(self.offsets.as_slice())
-            + size_of_val(self.runs.as_slice())
-            + size_of_val(self.occurrences.as_slice())
+    /// Batches with the elements of each.
+    pub(super) fn batches(&self) -> impl Iterator<Item = (std::ops::Range<usize>, &Batch)> {
+        let (size, all) = (self.batch_size, self.element_nodes.len());
+        (0..all).step_by(size).map(move |first| first..all.min(first + size)).zip(&self.batches)
     }
 }

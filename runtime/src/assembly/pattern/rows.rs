@@ -1,6 +1,6 @@
 //! Rows of a matrix by the nodes they belong to, and the columns of the union pattern.
 
-use super::super::{AssemblyError, DofMap, reserve};
+use super::super::{AssemblyError, DofMap, reserve, zeros};
 use super::incidence::{Lists, NO_NODE};
 use super::split::for_each_part;
 
@@ -60,8 +60,7 @@ pub fn union(
     if u32::try_from(equations).is_err() {
         return Err(AssemblyError::TooLarge { what: "equations", count: equations });
     }
-    let mut row_offsets = reserve("equations", equations + 1)?;
-    row_offsets.resize(equations + 1, 0_usize);
+    let mut row_offsets: Vec<usize> = zeros("equations", equations + 1)?;
     for group in groups {
         let around = neighbours.get(group.node as usize).iter();
         let length = around.map(|&node| dofs.of_node(node as usize).iter().flatten().count()).sum();
@@ -71,19 +70,27 @@ pub fn union(
     for offset in &mut row_offsets {
         sum = sum.saturating_add(std::mem::replace(offset, sum));
     }
-    let mut columns = reserve("entries", sum)?;
-    columns.resize(sum, 0);
+    let mut columns = zeros("entries", sum)?;
     let start = |k: usize| groups.get(k).map_or(sum, |group| row_offsets[group.first]);
-    for_each_part(0..groups.len(), &start, &mut columns, &|k, columns: &mut [u32]| {
-        let group = &groups[k];
-        let (row, others) = columns.split_at_mut(columns.len() / usize::from(group.count));
-        let around = neighbours.get(group.node as usize).iter();
-        let equations = around.flat_map(|&node| dofs.of_node(node as usize)).flatten();
-        row.iter_mut().zip(equations).for_each(|(column, equation)| *column = equation as u32);
-        if !row.is_sorted() {
-            row.sort_unstable();
+    for_each_part(0..groups.len(), &start, &mut columns, &|range, columns: &mut [u32]| {
+        let mut rest = columns;
+        for k in range {
+            let (own, after) = rest.split_at_mut(start(k + 1) - start(k));
+            of_group(&groups[k], neighbours, dofs, own);
+            rest = after;
         }
-        others.chunks_exact_mut(row.len().max(1)).for_each(|other| other.copy_from_slice(row));
     });
     Ok((row_offsets, columns))
+}
+
+/// The columns of a group's rows.
+fn of_group(group: &RowGroup, neighbours: &Lists<u32>, dofs: &DofMap, columns: &mut [u32]) {
+    let (row, others) = columns.split_at_mut(columns.len() / usize::from(group.count));
+    let around = neighbours.get(group.node as usize).iter();
+    let equations = around.flat_map(|&node| dofs.of_node(node as usize)).flatten();
+    row.iter_mut().zip(equations).for_each(|(column, equation)| *column = equation as u32);
+    if !row.is_sorted() {
+        row.sort_unstable();
+    }
+    others.chunks_exact_mut(row.len().max(1)).for_each(|other| other.copy_from_slice(row));
 }

@@ -5,14 +5,13 @@ use std::ops::Range;
 /// Entries below which parts are worked on one after the other: some ten microseconds' worth.
 const GRAIN: usize = 4096;
 
-/// Calls `work(k, part k)` for every k in `range`. Part k lies from `start(k)` to `start(k + 1)`, which ascend, in an array of
-/// which `data` is what lies in the range. Nothing is allocated, and which thread works on which part makes
-/// no difference to the result.
+/// Calls `work` with consecutive ranges that make up `range`, and with what they have of an array: that of k lies from `start(k)` to
+/// `start(k + 1)`, which ascend, and `data` is that of `range`. Nothing is allocated.
 pub fn for_each_part<T: Send>(
     range: Range<usize>,
     start: &(impl Fn(usize) -> usize + Sync),
     data: &mut [T],
-    work: &(impl Fn(usize, &mut [T]) + Sync),
+    work: &(impl Fn(Range<usize>, &mut [T]) + Sync),
 ) {
     if range.len() > 1 && data.len() > GRAIN {
         let middle = range.start + range.len() / 2;
@@ -23,12 +22,7 @@ pub fn for_each_part<T: Send>(
         );
         return;
     }
-    let mut rest = data;
-    for k in range {
-        let (part, after) = rest.split_at_mut(start(k + 1) - start(k));
-        work(k, part);
-        rest = after;
-    }
+    work(range, data);
 }
 
 #[cfg(test)]
@@ -44,12 +38,17 @@ mod tests {
             Some(*sum)
         }));
         let mut data = vec![0_usize; offsets[20_000]];
-        for_each_part(0..20_000, &|k| offsets[k], &mut data, &|k, part: &mut [usize]| {
-            part.iter_mut().for_each(|entry| *entry += k + 1);
+        for_each_part(0..20_000, &|k| offsets[k], &mut data, &|range, part: &mut [usize]| {
+            let base = offsets[range.start];
+            for k in range {
+                part[offsets[k] - base..offsets[k + 1] - base].iter_mut().for_each(|entry| *entry += k + 1);
+            }
         });
         for k in 0..20_000 {
             assert!(data[offsets[k]..offsets[k + 1]].iter().all(|&entry| entry == k + 1));
         }
-        for_each_part(0..0, &|_| 0, &mut data[..0], &|k, _: &mut [usize]| panic!("there is no part {k}"));
+        for_each_part(0..0, &|_| 0, &mut data[..0], &|range, part: &mut [usize]| {
+            assert!(range.is_empty() && part.is_empty());
+        });
     }
 }

@@ -54,8 +54,7 @@ impl CsrMap {
         self.check_elements(contacts)?;
         let loaded = loaded(contacts, law)?;
         let mut results = Results::default();
-        for batch in 0..self.batches() {
-            let elements = self.elements_of(batch);
+        for (elements, batch) in self.batches() {
             if !loaded[elements.clone()].contains(&true) {
                 if from_zero {
                     self.add_batch(batch, &|_| None, values, true)?;

@@ -23,7 +23,7 @@ pub struct Arguments {
 pub enum Command {
     /// Evaluate the contact of two surfaces of a mesh and write it for ParaView.
     Demo(DemoArguments),
-    /// Evaluate the elements of a JSON file and print gap, normal, N, M, residual and tangent as JSON.
+    /// Evaluate the elements of a JSON file and print gap, normal, N, M, force and tangent as JSON.
     Evaluate(EvaluateArguments),
     /// Evaluate all slave nodes of a mesh's contact interface and write their gaps for ParaView.
     Surface(SurfaceArguments),

@@ -104,7 +104,7 @@ pub enum MeshError {
 }
 
 const SUPPORTED: &str = "supported are points, lines, triangles, quadrilaterals, tetrahedra, wedges and hexahedra of first and \
-                         second order, but 18-node wedges";
+                         second order, except 18-node wedges";
 
 /// A place in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

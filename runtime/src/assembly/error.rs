@@ -96,7 +96,7 @@ pub enum AssemblyError {
         found: Mode,
     },
     /// A gradient or a Hessian does not have the size that follows from the number of nodes.
-    #[error("the {what} of element {element} has {found} entries instead of {expected}")]
+    #[error("the {what} of element {element} has {found} entries instead of {expected}{}", if *found == 0 { ": it was not evaluated" } else { "" })]
     DerivativeLength {
         /// `"gradient"` or `"Hessian"`, of the gap or `"… of the slip"`.
         what: &'static str,

@@ -128,6 +128,17 @@ module diffuse_contact
             type(c_ptr) :: text
         end function
 
+        function dc_set_threads(count) bind(c) result(status)
+            import :: c_int, c_int32_t
+            integer(c_int32_t), value :: count
+            integer(c_int) :: status
+        end function
+
+        function dc_thread_count() bind(c) result(count)
+            import :: c_size_t
+            integer(c_size_t) :: count
+        end function
+
         function dc_version() bind(c) result(text)
             import :: c_ptr
             type(c_ptr) :: text
@@ -728,6 +739,16 @@ module diffuse_contact
             real(c_double), intent(inout) :: forces(*)
             integer(c_size_t), value :: equation_count
             integer(c_size_t), intent(out), optional :: active_count, missed_count
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_product(faces, tangent, v, product, equation_count) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: faces
+            integer(c_int32_t), value :: tangent
+            real(c_double), intent(in) :: v(*)
+            real(c_double), intent(inout) :: product(*)
+            integer(c_size_t), value :: equation_count
             integer(c_int) :: status
         end function
 

@@ -536,6 +536,13 @@ enum dc_status dc_set_isa(const char *name);
 // The vector instructions in use, such as "avx2". A constant text.
 const char *dc_isa(void);
 
+// Sets how many threads evaluate, for the whole process: 1 to 1024, or 0 for the environment variable RAYON_NUM_THREADS, or else one per
+// core. No result depends on it. Where ranks of MPI are the parallelism, 1. DC_BAD_OPTION for any other number, which changes nothing.
+enum dc_status dc_set_threads(int32_t count);
+
+// How many threads evaluate: 1 where none could be started.
+size_t dc_thread_count(void);
+
 // Fills the options with their defaults; options.size has to be set before.
 //
 // # Safety
@@ -1227,6 +1234,19 @@ enum dc_status dc_faces_add_forces(struct dc_faces *faces,
                                    size_t equation_count,
                                    size_t *active_count,
                                    size_t *missed_count);
+
+// Adds K v to `product`, one entry per equation, without a matrix, with the K of dc_faces_triplets, of friction, too. It differs from the
+// product of the assembled matrix by rounding, and does not depend on the number of threads, bit for bit.
+//
+// DC_OVERFLOW if a sum is not finite: the product then holds anything. With any other failure it is as it was.
+//
+// # Safety
+// The arrays have `equation_count` entries each.
+enum dc_status dc_faces_product(struct dc_faces *faces,
+                                int32_t tangent,
+                                const double *v,
+                                double *product,
+                                size_t equation_count);
 
 // The tangent K = -dR/dx as triplets, counted from 0, all of it, for it is not symmetric; entries of the same place are to be summed.
 // `tangent` is a dc_tangent: DC_GAUSS_NEWTON leaves out what the directions of the forces add. Writes their number to `count`. If the

@@ -665,6 +665,38 @@ pub unsafe extern "C" fn dc_faces_add_forces(
     })
 }
 
+/// Adds K v to `product`, one entry per equation, without a matrix, with the K of dc_faces_triplets, of friction, too. It differs from the
+/// product of the assembled matrix by rounding, and does not depend on the number of threads, bit for bit.
+///
+/// DC_OVERFLOW if a sum is not finite: the product then holds anything. With any other failure it is as it was.
+///
+/// # Safety
+/// The arrays have `equation_count` entries each.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_product(
+    faces: *mut dc_faces,
+    tangent: i32,
+    v: *const f64,
+    product: *mut f64,
+    equation_count: usize,
+) -> dc_status {
+    border::call(|| {
+        let tangent = choice::tangent(tangent)?;
+        with(faces, |state| {
+            let contacts = state.contacts()?;
+            disjoint([
+                border::read("v", v, equation_count),
+                border::written("product", product, equation_count),
+            ])?;
+            // SAFETY: as the caller promises; nothing overlaps.
+            let (v, product) =
+                unsafe { (input("v", v, equation_count)?, sums("product", product, equation_count)?) };
+            threads::run(|| contacts.add_product(tangent, &state.dofs, v, product))??;
+            Ok(())
+        })
+    })
+}
+
 /// The tangent K = -dR/dx as triplets, counted from 0, all of it, for it is not symmetric; entries of the same place are to be summed.
 /// `tangent` is a dc_tangent: DC_GAUSS_NEWTON leaves out what the directions of the forces add. Writes their number to `count`. If the
 /// arrays are shorter, or NULL, that is all it does: call it with `capacity` 0 first.

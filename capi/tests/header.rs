@@ -3,11 +3,12 @@
 use std::path::Path;
 
 /// In the order in which the header has them.
-const SOURCES: [&str; 19] = [
+const SOURCES: [&str; 20] = [
     "status",
     "outcome",
     "choice",
     "version",
+    "threads",
     "options",
     "interface",
     "contacts",

@@ -10,7 +10,7 @@ use diffuse_contact::surface::{Facet, SymmetryPlane};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::{facets, points, quadratic_faces, readable, slice_mut, writable};
+use crate::arrays::{facets, points, quadratic_faces, readable, slice, slice_mut, writable};
 use crate::errors::{self, Raise};
 use crate::interface::{dof_map, exclusive, shared};
 use crate::law::Law;
@@ -190,6 +190,24 @@ impl Faces {
         let forces = slice_mut(py, &mut forces)?;
         let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
         threads::run(py, || contacts.add_forces(dofs, forces))?.map_err(|error| error.raise(py))
+    }
+
+    /// Adds K v.
+    fn add_product(
+        slf: &Bound<'_, Self>,
+        tangent: &str,
+        v: &Bound<'_, PyArray1<f64>>,
+        product: &Bound<'_, PyArray1<f64>>,
+    ) -> PyResult<()> {
+        let py = slf.py();
+        let this = shared(slf)?;
+        let tangent: Tangent = options::tangent(py, tangent)?;
+        let v = readable(v)?;
+        let v = slice(py, &v)?;
+        let mut product = writable(product)?;
+        let product = slice_mut(py, &mut product)?;
+        let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
+        threads::run(py, || contacts.add_product(tangent, dofs, v, product))?.map_err(|error| error.raise(py))
     }
 
     /// Rows, columns and values of the tangent, to be summed.

@@ -145,6 +145,14 @@ def test_forces_balance_and_have_their_tangent():
     assert np.abs(rows.sum(axis=0)).max() < 1e-13 * size
     assert np.abs(np.cross(positions, rows).sum(axis=0)).max() < 1e-12 * size
     tangent = faces.tangent()
+    v = np.random.default_rng(4).uniform(-1.0, 1.0, positions.size)
+    for kind in ("exact", "gauss-newton"):
+        product = faces.product(v, kind, out=np.ones(v.size)) - 1.0
+        assert np.allclose(product, faces.tangent(kind) @ v, rtol=0.0, atol=1e-13 * np.abs(product).max())
+    with pytest.raises(dc.InputError):
+        faces.product(v, out=v)
+    with pytest.raises(dc.AssemblyError):
+        faces.product(v[1:])
     direction = np.random.default_rng(3).uniform(-1.0, 1.0, positions.shape)
     # Short enough for the faces to stay cut as they are.
     ahead, behind = (at(positions + step * direction)[1] for step in (1e-6, -1e-6))

@@ -204,6 +204,12 @@ fn faces_give_what_the_runtime_gives() {
             assert_eq!(values, triplets.values());
             assert!(rows.iter().zip(triplets.rows()).all(|(found, row)| *found as usize == *row));
             assert!(columns.iter().zip(triplets.columns()).all(|(found, column)| *found as usize == *column));
+            let v: Vec<f64> = (0..size).map(|k| (k as f64).sin()).collect();
+            let (mut product, mut sums) = (vec![0.5; size], vec![0.5; size]);
+            let status = dc_faces_product(handle, tangent, v.as_ptr(), product.as_mut_ptr(), size);
+            assert_eq!(status, DC_OK, "{}", message());
+            expected.add_product(own, &dofs, &v, &mut sums).unwrap();
+            assert!(product == sums && product.iter().any(|&entry| entry != 0.5));
         }
     }
     assert_eq!(dc_faces_destroy(handle), DC_OK);
@@ -243,6 +249,11 @@ fn faces_refuse_what_is_none() {
         let residual = residual.as_mut_ptr();
         assert_eq!(dc_faces_add_forces(handle, residual, size - 1, null_mut(), null_mut()), DC_BAD_SIZE);
         assert_eq!(dc_faces_add_forces(handle, null_mut(), size, null_mut(), null_mut()), DC_BAD_POINTER);
+        let v = vec![1.0; size];
+        let product = |tangent, size| dc_faces_product(handle, tangent, v.as_ptr(), residual, size);
+        assert_eq!((product(1, size - 1), product(7, size)), (DC_BAD_SIZE, DC_BAD_OPTION));
+        none(product(0, size));
+        assert_eq!(dc_faces_product(handle, 1, residual, residual, size), DC_BAD_POINTER);
         let mut count = 0;
         let triplets = |count| dc_faces_triplets(handle, 0, null_mut(), null_mut(), null_mut(), 0, count);
         // The exact tangent needs more than the gradient.

@@ -19,6 +19,7 @@ use crate::pattern::{
     dc_pattern, dc_pattern_create, dc_pattern_destroy, dc_pattern_fill, dc_pattern_structure,
 };
 use crate::status::*;
+use crate::threads::{dc_set_threads, dc_thread_count};
 use crate::version::{dc_isa, dc_set_isa, dc_version};
 
 pub const LAW: dc_law = dc_law {
@@ -490,4 +491,18 @@ fn a_library_without_friction_says_so() {
     let status = unsafe { dc_add_forces(handle, &law, sum.as_mut_ptr(), 120, null_mut()) };
     assert_eq!(status, DC_NOT_EVALUATED);
     assert_eq!(dc_destroy(handle), DC_OK);
+}
+
+#[test]
+fn the_number_of_threads_can_be_set() {
+    for count in [1, 3] {
+        assert_eq!((dc_set_threads(count), dc_thread_count()), (DC_OK, count as usize));
+    }
+    for count in [-1, 1025] {
+        assert_eq!(dc_set_threads(count), DC_BAD_OPTION);
+        assert!(message().contains(&format!("not {count}")), "{}", message());
+        assert_eq!(dc_thread_count(), 3);
+    }
+    assert_eq!(dc_set_threads(0), DC_OK);
+    assert!(dc_thread_count() > 0);
 }

@@ -11,8 +11,22 @@ import scipy.sparse
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _native
-from ._arrays import Facets, Floats, Ints, Planes, count, facets, floats, new, planes, vector, word
+from ._arrays import (
+    Facets,
+    Floats,
+    Ints,
+    Planes,
+    count,
+    facets,
+    floats,
+    new,
+    planes,
+    refuse_overlap,
+    vector,
+    word,
+)
 from ._batch import Mode
+from ._errors import BusyError
 from ._history import FrictionHistory
 from ._interface import Options, _equations, _options
 from ._law import Friction, TabulatedPressure, Tangent, law_of
@@ -257,6 +271,33 @@ class FaceInterface(FrictionHistory):
         rows, columns, values = self._faces.triplets(word("tangent", tangent))
         size = self.equations
         return scipy.sparse.csr_matrix((values, (rows, columns)), shape=(size, size))
+
+    def product(self, v: ArrayLike, tangent: Tangent = "exact", *, out: Floats | None = None) -> Floats:
+        """K v without a matrix, shape (equations,); added to ``out`` if that is given. With friction, too.
+
+        It is the K of ``tangent`` at the last evaluation. It differs from ``tangent() @ v`` by rounding and does not
+        depend on the number of threads.
+
+        Args:
+            v: shape (equations,), length.
+            tangent: as for ``tangent``.
+            out: is added to, and returned; no part of ``v``.
+
+        Raises:
+            InterfaceError: ``"not-evaluated"``.
+            AssemblyError: for another length, if the evaluation was for fewer derivatives, or if a sum overflows.
+            InputError: for arrays of another type or that overlap.
+
+        """
+        if out is None:
+            out = new("product", self.equations)
+            out.fill(0.0)
+        v, word_of = floats("v", v, "equations"), word("tangent", tangent)
+        try:
+            self._faces.add_product(word_of, v, vector("out", out))
+        except BusyError as error:
+            refuse_overlap(error, {"v": v}, {"out": out})
+        return out
 
     def __reduce__(self) -> NoReturn:
         raise TypeError(

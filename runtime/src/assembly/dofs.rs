@@ -130,6 +130,18 @@ impl DofMap {
         }
     }
 
+    /// The first equation of a node that has three in a row, x before y before z.
+    pub(super) fn three_in_a_row(&self, node: usize) -> Option<usize> {
+        let Some(numbers) = &self.numbers else { return Some(3 * node) };
+        let [x, y, z] = numbers[node];
+        (x != NONE && y == x.wrapping_add(1) && z == x.wrapping_add(2) && z != NONE).then_some(x)
+    }
+
+    /// The number of a node's equations.
+    pub(super) fn count(&self, node: usize) -> usize {
+        self.numbers.as_ref().map_or(3, |numbers| numbers[node].iter().filter(|&&own| own != NONE).count())
+    }
+
     /// The equations of a node's axes.
     pub(super) fn of_node(&self, node: usize) -> [Option<usize>; 3] {
         [0, 1, 2].map(|axis| self.equation(node, axis))

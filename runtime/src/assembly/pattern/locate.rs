@@ -190,15 +190,13 @@ impl<R: CsrIndex, C: CsrIndex> Search<'_, R, C> {
         }
         let mut next = 0;
         for &neighbour in self.neighbours.get(node as usize) {
-            let [Some(x), Some(y), Some(z)] = self.dofs.of_node(neighbour as usize) else { return Ok(false) };
-            if (x.checked_add(1), x.checked_add(2)) != (Some(y), Some(z)) {
-                return Ok(false);
-            }
+            let Some(x) = self.dofs.three_in_a_row(neighbour as usize) else { return Ok(false) };
             let slot = find(columns, x, next).ok_or(AssemblyError::MissingEntry { row: first, column: x })?;
-            for (k, column) in [(1, y), (2, z)] {
-                if columns.get(slot + k).is_none_or(|&found| found.try_into().ok() != Some(column)) {
-                    return Err(AssemblyError::MissingEntry { row: first, column });
-                }
+            let is_there = |k: usize| columns.get(slot + k).is_some_and(|&own| own.try_into().ok() == Some(x + k));
+            if !self.is_union
+                && let Some(k) = [1, 2].into_iter().find(|&k| !is_there(k))
+            {
+                return Err(AssemblyError::MissingEntry { row: first, column: x + k });
             }
             slots.push(slot as u32);
             next = slot + 3;

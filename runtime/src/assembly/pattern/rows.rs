@@ -63,7 +63,7 @@ pub fn union(
     let mut row_offsets: Vec<usize> = zeros("equations", equations + 1)?;
     for group in groups {
         let around = neighbours.get(group.node as usize).iter();
-        let length = around.map(|&node| dofs.of_node(node as usize).iter().flatten().count()).sum();
+        let length = around.map(|&node| dofs.count(node as usize)).sum();
         row_offsets[group.first..][..usize::from(group.count)].fill(length);
     }
     let mut sum = 0_usize;
@@ -86,9 +86,18 @@ pub fn union(
 /// The columns of a group's rows.
 fn of_group(group: &RowGroup, neighbours: &Lists<u32>, dofs: &DofMap, columns: &mut [u32]) {
     let (row, others) = columns.split_at_mut(columns.len() / usize::from(group.count));
-    let around = neighbours.get(group.node as usize).iter();
-    let equations = around.flat_map(|&node| dofs.of_node(node as usize)).flatten();
-    row.iter_mut().zip(equations).for_each(|(column, equation)| *column = equation as u32);
+    let mut rest = &mut *row;
+    for &node in neighbours.get(group.node as usize) {
+        let node = node as usize;
+        let (own, after) = rest.split_at_mut(dofs.count(node));
+        if let Some(first) = dofs.three_in_a_row(node) {
+            own.iter_mut().zip(first..).for_each(|(column, equation)| *column = equation as u32);
+        } else {
+            let equations = dofs.of_node(node).into_iter().flatten();
+            own.iter_mut().zip(equations).for_each(|(column, equation)| *column = equation as u32);
+        }
+        rest = after;
+    }
     if !row.is_sorted() {
         row.sort_unstable();
     }

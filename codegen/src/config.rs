@@ -3,7 +3,8 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use crate::emit::{EmitOptions, MOST_STATEMENTS, TooLong, emit_c, emit_element, emit_file};
+use crate::contact::{EmitOptions, TooLong, emit_file};
+use crate::emit::{MOST_STATEMENTS, emit_c, emit_element};
 use crate::model::{
     Basis, BasisError, CustomBasis, ElementError, ElementKernels, ElementModel, Weight, WeightError,
 };

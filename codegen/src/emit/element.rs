@@ -153,7 +153,7 @@ fn function_name(mode: Mode) -> Ident {
 }
 
 /// What derivatives of a mode are written to.
-pub(super) fn arguments(signature: &Signature, mode: Mode) -> Vec<Argument> {
+pub(crate) fn arguments(signature: &Signature, mode: Mode) -> Vec<Argument> {
     let count = signature.variables();
     let mut arguments = Vec::new();
     for value in signature.values.iter().filter(|_| mode > Mode::Value) {

@@ -3,6 +3,7 @@
 mod c;
 mod count;
 mod element;
+mod element_test;
 mod expression;
 mod fixed;
 mod function;
@@ -16,6 +17,7 @@ pub use c::emit_c;
 pub use count::{KernelCounts, OpCounts};
 pub(crate) use element::arguments;
 pub use element::{EmittedElementKernel, emit_element, emit_element_kernel};
+pub use element_test::emit_element_test;
 pub(crate) use fixed::{Fixed, Head};
 pub use shape::EmittedKernel;
 pub(crate) use shape::{Combined, ShapeHead, emit_shape, kept_name};

@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""An element of one's own, a neo-Hooke tetrahedron from its energy, beside CasADi, SymPy, num-dual and nalgebra, all in one run; writes
-docs/results/own-elements.md.
+"""An element of one's own, a neo-Hooke tetrahedron from its energy, beside CasADi, SymPy, wrenfold, num-dual and nalgebra, all in one run;
+writes docs/results/own-elements.md.
 
     python benches/rivals/own_elements.py                 the page
     python benches/rivals/own_elements.py --rounds 1 --docs target/rivals/trial
 
-Needs Rust, gcc, `size` and `nm` of the binutils, and the packages of requirements.txt.
+Needs Rust, gcc, g++, `size` and `nm` of the binutils, and the packages of requirements.txt.
 """
 
 import argparse
+import importlib.metadata
 import inspect
 import json
 import os
@@ -18,10 +19,13 @@ import re
 import statistics
 import subprocess
 import time
+import typing
 
 import casadi as ca
 import numpy as np
 import sympy as sp
+import wrenfold as wf
+from wrenfold import sym
 
 from tables import duration, table
 
@@ -67,6 +71,25 @@ def with_sympy(inputs):
     )
     inverse = [(volume, det(D)), *((B[j, i], cofactor(i, j) / volume) for i in range(3) for j in range(3))]
     return inverse, sp.cse([energy, *gradient, *hessian], optimizations=[], order="none")
+
+
+def with_wrenfold(inputs: typing.Annotated[sym.MatrixExpr, wf.Shape(rows=26, cols=1)]):
+    x, X = (sym.matrix([[inputs[at + 3 * k + i] for k in range(4)] for i in range(3)]) for at in (0, 12))
+    lam, mu = inputs[24], inputs[25]
+    d, D = (sym.hstack([y[:, k] - y[:, 0] for k in (1, 2, 3)]) for y in (x, X))
+    cofactor = lambda i, j: (
+        D[(i + 1) % 3, (j + 1) % 3] * D[(i + 2) % 3, (j + 2) % 3]
+        - D[(i + 1) % 3, (j + 2) % 3] * D[(i + 2) % 3, (j + 1) % 3]
+    )
+    F = d * sym.matrix([[cofactor(j, i) / sym.det(D) for j in range(3)] for i in range(3)])
+    L = sym.log(sym.det(F))
+    W = mu / 2 * (F.squared_norm() - 3) - mu * L + lam / 2 * L**2
+    energy = sym.det(D) / 6 * W
+    variables = [inputs[k] for k in range(12)]
+    gradient = sym.jacobian([energy], variables).to_flat_list()
+    hessian = sym.jacobian(gradient, variables)
+    packed = [hessian[i, j] for i in range(12) for j in range(i + 1)]
+    return [wf.OutputArg(sym.vector(energy, *gradient, *packed), "out")]
 
 
 def lines(text):
@@ -125,11 +148,40 @@ def sympy_code(folder):
     return text, int(operations), differentiated - start, written - differentiated
 
 
-def compiled(folder, name, text, flags=()):
-    """A driver with this C code: its path, seconds to compile the code, bytes of its functions."""
-    (folder / f"{name}_rival.c").write_text(text)
+def wrenfold_code(_):
+    """As `casadi_code`, in C++."""
     start = time.perf_counter()
-    subprocess.run(["gcc", *FLAGS, *flags, "-c", f"{name}_rival.c", "-o", f"{name}.o"], cwd=folder, check=True)
+    description = wf.create_function_description(with_wrenfold)
+    differentiated = time.perf_counter()
+    text = wf.CppGenerator().generate(wf.transpile(description))
+    written = time.perf_counter()
+    adapter = """#include <cmath>
+#include "span.h"
+%s
+extern "C" void rival(const double *in, double *out) {
+    const auto span = [](auto *data, auto rows) {
+        return wf::make_span(data, rows, wf::make_constant_value_pack<1, 0>());
+    };
+    with_wrenfold<double>(
+        span(in, wf::make_constant_value_pack<26, 1>()), span(out, wf::make_constant_value_pack<91, 1>()));
+}
+"""
+    operations = int(re.search(r"// total: (\d+)", text).group(1))
+    return adapter % text, operations, differentiated - start, written - differentiated
+
+
+def wrenfold_headers():
+    """The folder of the headers that its C++ includes."""
+    files = importlib.metadata.files("wrenfold") or []
+    return next(pathlib.Path(file.locate()).resolve().parent for file in files if file.name == "span.h")
+
+
+def compiled(folder, name, text, compiler=("gcc",)):
+    """A driver with this code: its path, seconds to compile the code, bytes of its functions."""
+    source = f"{name}_rival.{'c' if compiler[0] == 'gcc' else 'cc'}"
+    (folder / source).write_text(text)
+    start = time.perf_counter()
+    subprocess.run([*compiler, *FLAGS, "-c", source, "-o", f"{name}.o"], cwd=folder, check=True)
     seconds = time.perf_counter() - start
     size = subprocess.run(["size", f"{name}.o"], cwd=folder, check=True, capture_output=True, text=True).stdout
     driver = ["gcc", "-O2", str(HERE / "own_elements.c"), f"{name}.o", "-lm", "-o", f"{name}"]
@@ -208,11 +260,14 @@ def measured(arguments, folder):
     header = subprocess.run([program, "c"], check=True, capture_output=True, text=True).stdout
     single, batch = header_code(header)
     facts, drivers = {}, {}
-    for name, (text, operations, differentiate, write) in (
-        ("CasADi", casadi_code(folder)),
-        ("SymPy", sympy_code(folder)),
+    cpp = ("g++", "-std=c++17", f"-I{wrenfold_headers()}")
+    for name, code, compiler in (
+        ("CasADi", casadi_code, ("gcc",)),
+        ("SymPy", sympy_code, ("gcc",)),
+        ("wrenfold", wrenfold_code, cpp),
     ):
-        drivers[name], seconds, size = compiled(folder, name.lower(), text)
+        text, operations, differentiate, write = code(folder)
+        drivers[name], seconds, size = compiled(folder, name.lower(), text, compiler)
         facts[name] = {
             "operations": operations,
             "differentiate": differentiate,
@@ -281,7 +336,7 @@ def page(found):
     """The page."""
     ns, facts, isa = found["ns"], found["facts"], found["isa"]
     batch, hexahedron = ns[f"generated, batch, {isa}"], ns[f"hex8, batch, {isa}"]
-    python = {"CasADi": with_casadi, "SymPy": with_sympy}
+    python = {"CasADi, C": with_casadi, "SymPy, C": with_sympy, "wrenfold, C++": with_wrenfold}
     rows = [
         [
             "this generator, single",
@@ -304,11 +359,12 @@ def page(found):
         ],
         ["this generator, C, batch", "same", "same", "", "same", "", duration(ns["C batch"])],
     ]
-    for name, function in python.items():
+    for title, function in python.items():
+        name = title.split(",")[0]
         fact = facts[name]
         rows.append(
             [
-                f"{name}, C",
+                title,
                 str(lines(inspect.getsource(function))),
                 f"{fact['operations']:,}",
                 kilobytes(fact["bytes"]),
@@ -368,9 +424,9 @@ rounds. [An element of your own](../how-to/own-element.md) shows the formulas.
 
 {table(columns, rows)}
 * Lines are those of the function that states the energy; by hand, those of all derivatives too.
-* Operations of this generator count a fused multiply-add once, those of CasADi and SymPy none fused.
+* Operations of this generator count a fused multiply-add once, those of CasADi, SymPy and wrenfold none fused.
 * Functions are machine code. This generator's Rust has three numbers of derivatives, each for one element and for all vector instructions;
-  the others have one function. In C they have one function, and {" ".join(FLAGS)}; the batch in C also -ffast-math.
+  the others have one function. In C and C++ they have one function, and {" ".join(FLAGS)}; the batch in C also -ffast-math.
 * This generator's compile time is that of the book's crate, outside the workspace: Cargo runs the build script, compiles and links.
 * SymX's figures are its authors' (ACM TOG 45(1):5, 2026), on one thread of a Ryzen 9 5900X with AVX2: another machine.
 
@@ -379,7 +435,8 @@ rounds. [An element of your own](../how-to/own-element.md) shows the formulas.
 {table(["", "asked", "measured", ""], [row[:3] + ["✓" if row[3] else "✗"] for row in asked])}
 This machine does {found["peak"]:.1f} fused multiply-adds a nanosecond; the hexahedron takes {duration(hexahedron)} here.
 
-{platform.system()} {platform.machine()}, {isa}, {version("rustc")}, {version("gcc")}, CasADi {ca.__version__}, SymPy {sp.__version__}.
+{platform.system()} {platform.machine()}, {isa}, {version("rustc")}, {version("gcc")}, CasADi {ca.__version__}, SymPy {sp.__version__},
+wrenfold {importlib.metadata.version('wrenfold')}.
 """
 
 

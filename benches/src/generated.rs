@@ -173,7 +173,7 @@ pub fn operations(output: Output, elements: &Elements) -> f64 {
         weight: codegen::Weight::cubic(),
         frame,
     };
-    let counts = codegen::emit::emit_kernel(&spec).counts;
+    let counts = codegen::contact::emit_kernel(&spec).counts;
     let once = counts.total(elements.nodes()).total() - counts.iteration.total();
     once as f64 + counts.iteration.total() as f64 * foot_iterations(elements)
 }

@@ -3,7 +3,8 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use crate::emit::{EmitOptions, MOST_STATEMENTS, TooLong, emit_c, emit_element, emit_file};
+use crate::contact::{EmitOptions, TooLong, emit_file};
+use crate::emit::{MOST_STATEMENTS, emit_c, emit_element, emit_element_test};
 use crate::model::{
     Basis, BasisError, CustomBasis, ElementError, ElementKernels, ElementModel, Weight, WeightError,
 };
@@ -59,6 +60,12 @@ pub enum ConfigError {
         /// Its statements.
         statements: usize,
     },
+    /// A test of an element that there is not.
+    #[error("there is no element \"{name}\" to be tested")]
+    UnknownElement {
+        /// The name.
+        name: String,
+    },
     /// The path of the support module is not a Rust path.
     #[error("\"{path}\" is not a Rust path")]
     SupportPath {
@@ -110,10 +117,19 @@ pub struct Config {
     weights: Vec<Vec<Weight>>,
     bases: Vec<Basis>,
     elements: Vec<ElementKernels>,
+    tests: Vec<ElementTest>,
     facets: bool,
     friction: bool,
     support: String,
     folder: Option<PathBuf>,
+}
+
+/// Inputs that an element is tested with.
+#[derive(Clone, Debug)]
+struct ElementTest {
+    name: String,
+    inputs: Vec<Vec<f64>>,
+    nodes: Vec<Vec<f64>>,
 }
 
 impl Default for Config {
@@ -131,6 +147,7 @@ impl Config {
             weights: Vec::new(),
             bases: Basis::ALL.to_vec(),
             elements: Vec::new(),
+            tests: Vec::new(),
             facets: false,
             friction: false,
             support: "::diffuse_contact_kernels::support".to_owned(),
@@ -243,6 +260,33 @@ impl Config {
         Ok(self)
     }
 
+    /// Adds a test of an element to the crate, in the module `name_tests`: with these inputs `evaluate` and `batch` have the values and the
+    /// derivatives of the interpreter, to 1e-12 of the largest entry. `inputs` are the element's in the order of their declaration, each
+    /// with its last dimension fastest; `nodes` has of each node all its inputs.
+    ///
+    /// ```
+    /// # use diffuse_contact_codegen::expr::Vec3;
+    /// # use diffuse_contact_codegen::{Config, ConfigError};
+    /// # fn main() -> Result<(), ConfigError> {
+    /// let config = Config::new()
+    ///     .element("spring", |m| {
+    ///         let x: [Vec3; 2] = m.variable("x");
+    ///         m.energy(0.5 * m.parameter::<diffuse_contact_codegen::Expr>("stiffness") * (x[1] - x[0]).norm().powi(2));
+    ///     })?
+    ///     .test("spring", &[&[0.0, 0.0, 0.0, 1.0, 0.1, -0.2], &[3.0]], &[]);
+    /// assert!(config.source()?.contains("mod spring_tests"));
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// Numbers that do not fit, and results that are not finite, are errors of [`compile`](Self::compile).
+    #[must_use]
+    pub fn test(mut self, name: &str, inputs: &[&[f64]], nodes: &[&[f64]]) -> Self {
+        let [inputs, nodes] = [inputs, nodes].map(|rows| rows.iter().map(|row| row.to_vec()).collect());
+        self.tests.push(ElementTest { name: name.to_owned(), inputs, nodes });
+        self
+    }
+
     /// Adds the kernels of contact with friction for all weights and bases: the slip from an anchor beside the gap, with its
     /// derivatives.
     #[must_use]
@@ -269,7 +313,8 @@ impl Config {
     ///
     /// # Errors
     /// [`ConfigError::SupportPath`], [`ConfigError::DuplicateWeight`], [`ConfigError::WeightTooLong`],
-    /// [`ConfigError::DuplicateElement`], [`ConfigError::Element`] of an element that is too long.
+    /// [`ConfigError::DuplicateElement`], [`ConfigError::UnknownElement`], [`ConfigError::Element`] of an element that is too long, or of
+    /// numbers that it cannot be tested with.
     pub fn source(&self) -> Result<String, ConfigError> {
         self.source_for(true)
     }
@@ -312,6 +357,12 @@ impl Config {
             modules.push(name);
             let module = emit_element(element, support, optimised);
             all.push(module.map_err(|source| ConfigError::Element { element: name.to_owned(), source })?);
+        }
+        for ElementTest { name, inputs, nodes } in &self.tests {
+            let element = self.elements.iter().find(|element| element.signature.name == *name);
+            let element = element.ok_or_else(|| ConfigError::UnknownElement { name: name.clone() })?;
+            let test = emit_element_test(element, support, inputs, nodes);
+            all.push(test.map_err(|source| ConfigError::Element { element: name.clone(), source })?);
         }
         Ok(all)
     }

@@ -35,7 +35,8 @@
 //! structure  sums, systems, roots                first and second derivatives of implicit quantities
 //! lower      structured nodes to arithmetic      unrolled factorisation and solves
 //! schedule   arithmetic to a program             segments, loops over nodes, fused products
-//! emit       program to syn::File                functions, documentation, operation counts
+//! emit       program to source                   functions, documentation, operation counts; C
+//! contact    our kernels as clients of emit      names, types of support, one syn::File
 //! config     syn::File to a file                 the build API, the only place with input and output
 //! interpret  the graph in f64                    second witness of every kernel
 //! ```
@@ -77,7 +78,7 @@
 //!
 //! **Facets.** The distance from a facet itself (`model/facet.rs`) uses the same engine: a stationary value whose variables follow its
 //! parameters (`structure/follower.rs`), here a few vectors that are linear in the corners (`structure/linear_images.rs`). With the number
-//! of corners fixed all is of element scope, and `emit/fixed.rs` writes it.
+//! of corners fixed all is of element scope, and `emit/fixed.rs` writes it. `emit` knows no model: `contact` hands it signatures, and names of `support`'s types.
 //!
 //! **Elements of the caller's** (`model/element.rs`) have a signature: typed inputs, which are variables or parameters, and values, of which
 //! it says how often they are differentiated. An energy depends on its variables through few quantities, such as a deformation gradient F
@@ -100,6 +101,7 @@
 #![forbid(unsafe_code)]
 
 pub mod config;
+pub mod contact;
 pub mod emit;
 pub mod expr;
 pub mod formula;

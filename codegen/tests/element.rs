@@ -384,6 +384,25 @@ fn an_element_has_a_name_of_its_own() {
 }
 
 #[test]
+fn a_test_that_cannot_be_is_refused() {
+    let logarithm = |m: &ElementModel<'_>| m.energy(m.variable::<Expr<'_>>("x").ln());
+    let config = Config::new().element("a", logarithm).unwrap();
+    let error = |name, inputs: &[&[f64]]| config.clone().test(name, inputs, &[]).source().unwrap_err();
+    assert!(matches!(error("b", &[&[1.0]]), ConfigError::UnknownElement { name } if name == "b"));
+    let lengths =
+        |input: &str, expected, found| ElementError::TestInputs { input: input.to_owned(), expected, found };
+    let not_finite = ElementError::TestResult { result: "energy".to_owned() };
+    let all: [(&[&[f64]], ElementError); 3] =
+        [(&[], lengths("inputs", 1, 0)), (&[&[1.0, 2.0]], lengths("x", 1, 2)), (&[&[-1.0]], not_finite)];
+    for (inputs, expected) in all {
+        let error = error("a", inputs);
+        let ConfigError::Element { source, .. } = &error else { panic!("{error}") };
+        assert_eq!(*source, expected);
+    }
+    assert!(config.test("a", &[&[2.0]], &[]).source().unwrap().contains("mod a_tests"));
+}
+
+#[test]
 fn the_golden_element_is_what_the_generator_emits() {
     let config = Config::new().element("spring", spring);
     let text = config.unwrap().source().unwrap();

@@ -1,6 +1,6 @@
 //! The one emitted text that is checked in, for review.
 
-use diffuse_contact_codegen::emit::emit_single;
+use diffuse_contact_codegen::contact::emit_single;
 use diffuse_contact_codegen::{Basis, FrameRule, KernelSpec, Mode, Output, Weight};
 
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../generated/golden/gap_gradient_linear.rs");

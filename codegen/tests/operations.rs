@@ -1,6 +1,7 @@
 //! What the derivatives of a moving frame cost beside those of a held one.
 
-use diffuse_contact_codegen::emit::{KernelCounts, emit_kernel};
+use diffuse_contact_codegen::contact::emit_kernel;
+use diffuse_contact_codegen::emit::KernelCounts;
 use diffuse_contact_codegen::{Basis, FrameRule, KernelSpec, Mode, Output, Weight};
 
 fn gap_hessian(basis: Basis, weight: &Weight, frame: FrameRule) -> KernelCounts {

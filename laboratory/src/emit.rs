@@ -5,9 +5,8 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::{Args, value_parser};
-use diffuse_contact_codegen::emit::{
-    KernelCounts, OpCounts, emit_c, emit_facet_kernel, emit_kernel, emit_single, emit_single_facet,
-};
+use diffuse_contact_codegen::contact::{emit_facet_kernel, emit_kernel, emit_single, emit_single_facet};
+use diffuse_contact_codegen::emit::{KernelCounts, OpCounts, emit_c};
 use diffuse_contact_codegen::{
     Basis, ElementKernels, FacetShape, FacetSpec, FrameRule, KernelSpec, Mode, Output,
 };

@@ -2,9 +2,8 @@
 
 use std::sync::OnceLock;
 
-use diffuse_contact_codegen::emit::{
-    KernelCounts, MOST_STATEMENTS, emit_facet_kernel, emit_kernel, emit_single,
-};
+use diffuse_contact_codegen::contact::{emit_facet_kernel, emit_kernel, emit_single};
+use diffuse_contact_codegen::emit::{KernelCounts, MOST_STATEMENTS};
 use diffuse_contact_codegen::{
     Basis, Config, FacetShape, FacetSpec, FrameRule, KernelSpec, Mode, Output, Weight,
 };

@@ -126,7 +126,7 @@ pub fn emit_element(
 }
 
 /// `[E; 12usize]` → `[E; 12]`
-fn without_suffixes(tokens: TokenStream) -> TokenStream {
+pub(super) fn without_suffixes(tokens: TokenStream) -> TokenStream {
     let change = |tree: TokenTree| match tree {
         TokenTree::Group(group) => {
             TokenTree::Group(Group::new(group.delimiter(), without_suffixes(group.stream())))
@@ -153,7 +153,7 @@ fn function_name(mode: Mode) -> Ident {
 }
 
 /// What derivatives of a mode are written to.
-pub(super) fn arguments(signature: &Signature, mode: Mode) -> Vec<Argument> {
+pub(crate) fn arguments(signature: &Signature, mode: Mode) -> Vec<Argument> {
     let count = signature.variables();
     let mut arguments = Vec::new();
     for value in signature.values.iter().filter(|_| mode > Mode::Value) {
@@ -371,19 +371,15 @@ pub(super) fn gathered(input: &Input) -> TokenStream {
 
 /// An array whose entries are made from their places, `[0][2]`.
 pub(super) fn entries(dimensions: &[usize], entry: &impl Fn(TokenStream) -> TokenStream) -> TokenStream {
-    let count: usize = dimensions.iter().product();
-    let all: Vec<TokenStream> = (0..count)
-        .map(|number| {
-            let (mut rest, mut place) = (number, quote!());
-            for &size in dimensions.iter().rev() {
-                let index = rest % size;
-                place = quote!([#index] #place);
-                rest /= size;
-            }
-            entry(place)
-        })
-        .collect();
+    let all: Vec<TokenStream> = places(dimensions).into_iter().map(entry).collect();
     nested(dimensions, &all)
+}
+
+/// Places of all entries, `[0][2]`, the last dimension fastest.
+pub(super) fn places(dimensions: &[usize]) -> Vec<TokenStream> {
+    dimensions.iter().fold(vec![quote!()], |places, &size| {
+        places.iter().flat_map(|place| (0..size).map(move |k| quote!(#place [#k]))).collect()
+    })
 }
 
 /// `evaluate`, `batch` and what they need.

@@ -12,10 +12,10 @@ use crate::model::{Input, Points, Value};
 use crate::schedule::{Program, Statement};
 
 /// An argument that a derivative is written to, and its number of entries.
-pub(super) type Argument = (String, usize);
+pub(crate) type Argument = (String, usize);
 
 /// What surrounds a function's body.
-pub(super) struct Head<'a> {
+pub(crate) struct Head<'a> {
     pub name: Ident,
     /// Type of the struct that is read.
     pub inputs: TokenStream,
@@ -30,7 +30,7 @@ pub(super) struct Head<'a> {
 }
 
 /// A function's pieces.
-pub(super) struct Fixed {
+pub(crate) struct Fixed {
     body: TokenStream,
     /// Operations, with one evaluation of the equations of roots.
     pub counts: OpCounts,

@@ -7,11 +7,10 @@ use super::count::KernelCounts;
 use super::expression::Writer;
 use super::names::Names;
 use crate::graph::{ExprId, Iteration, Op, RootFigure, RootId};
-use crate::model::KernelSpec;
 use crate::schedule::{Program, Statement};
 
 /// Writes the function of a program.
-pub(super) struct FunctionWriter<'a, S = KernelSpec> {
+pub(super) struct FunctionWriter<'a, S> {
     pub program: &'a Program<S>,
     pub writer: Writer<'a>,
     pub counts: KernelCounts,

@@ -1,27 +1,26 @@
-//! Emission: programs become functions, functions modules, modules a formatted file.
+//! Emission: programs become functions, functions modules. It knows signatures and no model.
 
 mod c;
 mod count;
-mod diffuse;
 mod element;
+mod element_test;
 mod expression;
-mod facet;
 mod fixed;
-mod formula;
 mod function;
-mod module;
 mod names;
 mod node_element;
 mod node_loop;
 mod node_module;
+mod shape;
 
 pub use c::emit_c;
 pub use count::{KernelCounts, OpCounts};
-pub use diffuse::{EmittedKernel, emit_kernel};
+pub(crate) use element::arguments;
 pub use element::{EmittedElementKernel, emit_element, emit_element_kernel};
-pub use facet::{EmittedFacetKernel, emit_facet_kernel};
-
-pub use module::{EmitOptions, TooLong, emit_file, emit_single, emit_single_facet};
+pub use element_test::emit_element_test;
+pub(crate) use fixed::{Fixed, Head};
+pub use shape::EmittedKernel;
+pub(crate) use shape::{Combined, ShapeHead, emit_shape, kept_name};
 
 /// Largest number of statements of an emitted function: rustc runs out of stack when it writes full debug information for
 /// several thousand `let`s. It still does so for the longest kernels, of about 4,000.

@@ -43,32 +43,10 @@ impl ElementKernels {
     #[must_use]
     pub fn facet(shape: FacetShape) -> Self {
         let kernels = Mode::ALL.map(|mode| Kernel::facet(FacetSpec { shape, mode }));
-        let is_derivative = |value: &&Value| [GRADIENT, HESSIAN].contains(&&*value.name);
-        let corners = shape.corners();
-        let names = (1..=corners).map(|k| format!("corner_{k}"));
-        let symbols = names.flat_map(|corner| AXES.map(|axis| format!("{corner}_{axis}"))).collect();
-        let corners = Input {
-            name: "corners".to_owned(),
-            doc: "Corner nodes, counter-clockwise seen from the outward side.".to_owned(),
-            role: Role::Variable,
-            dimensions: vec![corners, 3],
-            symbols,
-        };
-        let values = kernels[0].values.iter().map(|value| {
-            let twice = if value.name == "gap" { Differentiated::Twice } else { Differentiated::Not };
-            returned(value, twice)
-        });
-        let signature = Signature {
-            name: shape.name().to_owned(),
-            doc: format!("Distance of the slave from a {}.", shape.name()),
-            inputs: vec![vector("slave", Role::Variable, "Slave node."), corners],
-            nodes: Vec::new(),
-            values: values.collect(),
-            points: Points::default(),
-        };
+        let signature = facet_signature(&kernels[0]);
         let kernels = kernels.into_iter().map(|kernel| {
             let (derivatives, values): (Vec<&Value>, Vec<&Value>) =
-                kernel.values.iter().partition(is_derivative);
+                kernel.values.iter().partition(|value| is_derivative(value));
             let values = values.into_iter().chain(derivatives).cloned().collect();
             with_signature(&signature, kernel.spec.mode, kernel.graph, values, Vec::new())
         });
@@ -126,7 +104,40 @@ fn inputs_read(kernel: &Kernel<ElementSpec>) -> Vec<String> {
     names
 }
 
-fn contact_signature(kernel: &Kernel) -> Signature {
+/// Whether a facet kernel's value is a derivative.
+fn is_derivative(value: &Value) -> bool {
+    [GRADIENT, HESSIAN].contains(&&*value.name)
+}
+
+/// The signature of a facet's kernel, the same with any number of derivatives.
+pub(crate) fn facet_signature(kernel: &Kernel<FacetSpec>) -> Signature {
+    let shape = kernel.spec.shape;
+    let corners = shape.corners();
+    let names = (1..=corners).map(|k| format!("corner_{k}"));
+    let symbols = names.flat_map(|corner| AXES.map(|axis| format!("{corner}_{axis}"))).collect();
+    let corners = Input {
+        name: "corners".to_owned(),
+        doc: "Corner nodes, counter-clockwise seen from the outward side.".to_owned(),
+        role: Role::Variable,
+        dimensions: vec![corners, 3],
+        symbols,
+    };
+    let values = kernel.values.iter().filter(|value| !is_derivative(value)).map(|value| {
+        let twice = if value.name == "gap" { Differentiated::Twice } else { Differentiated::Not };
+        returned(value, twice)
+    });
+    Signature {
+        name: shape.name().to_owned(),
+        doc: format!("Distance of the slave from a {}.", shape.name()),
+        inputs: vec![vector("slave", Role::Variable, "Slave node."), corners],
+        nodes: Vec::new(),
+        values: values.collect(),
+        points: Points::default(),
+    }
+}
+
+/// The signature of a fit's kernel; of its inputs those that there are with its basis, weight and frame.
+pub(crate) fn contact_signature(kernel: &Kernel) -> Signature {
     let KernelSpec { output, basis, weight, frame, .. } = &kernel.spec;
     let (name, moves) = match frame {
         FrameRule::Frozen => (output.name().to_owned(), ""),
@@ -138,27 +149,27 @@ fn contact_signature(kernel: &Kernel) -> Signature {
         }
     };
     let mut inputs = vec![vector("slave", Role::Variable, "Slave node.")];
-    if *output == Output::Slip {
-        inputs.push(vector("anchor", Role::Variable, "Where the slip is measured from."));
-    }
     let frame =
         ["First in-plane direction.", "Second in-plane direction.", "Unit normal of the plane, outward."];
     let axes = ["t1", "t2", "normal"].into_iter().zip(frame);
     inputs.extend(axes.map(|(name, doc)| vector(name, Role::Parameter, doc)));
-    inputs.push(number("support_radius", "The length that offsets are divided by."));
+    if *output == Output::Surface {
+        let symbols = vec!["point_1".to_owned(), "point_2".to_owned()];
+        inputs.push(parameter("point", symbols, "In-plane offset from the slave."));
+    }
     let others = [
-        (PLANE_REACH, "Multiple of the distance at which the average plane's weights are taken."),
         ("pole", "Index of the node nearest to the slave in the plane."),
         (WEIGHT_NUMBER, "Which of the weights it is."),
+        (PLANE_REACH, "Multiple of the distance at which the average plane's weights are taken."),
     ];
     let graph = &kernel.graph;
     inputs.extend(
         others.into_iter().filter(|(name, _)| graph.has_input(name)).map(|(name, doc)| number(name, doc)),
     );
-    if *output == Output::Surface {
-        let symbols = vec!["point_1".to_owned(), "point_2".to_owned()];
-        inputs.push(parameter("point", symbols, "In-plane offset from the slave."));
+    if *output == Output::Slip {
+        inputs.push(vector("anchor", Role::Variable, "Where the slip is measured from."));
     }
+    inputs.push(number("support_radius", "The length that offsets are divided by."));
     let mut nodes = vec![vector("master", Role::Variable, "Position.")];
     if graph.has_input(DOMAIN_RATIO) {
         nodes.push(number(DOMAIN_RATIO, "Support radius over the radius of the node's domain."));

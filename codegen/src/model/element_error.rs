@@ -94,6 +94,22 @@ pub enum ElementError {
         /// Its equations.
         equations: usize,
     },
+    /// Too few or too many numbers for the test of an element.
+    #[error("`{input}` of the test has {found} entries instead of {expected}")]
+    TestInputs {
+        /// The input; `inputs` if there are not as many as are declared, `node` for the numbers of a node.
+        input: String,
+        /// As many as are declared.
+        expected: usize,
+        /// As many as were given.
+        found: usize,
+    },
+    /// A result that is infinite or no number, with the inputs of the test.
+    #[error("`{result}` is not finite with the inputs of the test")]
+    TestResult {
+        /// A value, `gradient`, `hessian`, or a Jacobian.
+        result: String,
+    },
     /// A function that rustc has no stack for.
     #[error(
         "its function `{function}` would have {statements} statements, at most {} can be compiled",

@@ -18,6 +18,7 @@ mod weight;
 
 pub(crate) use basis::MOST_COEFFICIENTS;
 pub use basis::{Basis, BasisError, CustomBasis};
+pub(crate) use client::{contact_signature, facet_signature};
 pub use diffuse::Equation;
 pub use element::{ElementError, ElementKernels, ElementModel, ElementSpec, NodeResult, Root, Stationary};
 pub use facet::FacetSpec;
@@ -26,5 +27,5 @@ pub(crate) use kernel::CHECKSUM;
 pub use kernel::{FrameRule, Kernel, KernelSpec, Mode, Output, Value};
 pub(crate) use material::MATERIAL_INPUTS;
 pub use signature::{Differentiated, Input, Points, Quantity, Returned, Role, Signature};
-pub(crate) use weight::{DOMAIN_RATIO, PLANE_REACH, WEIGHT_NUMBER};
+pub(crate) use weight::DOMAIN_RATIO;
 pub use weight::{Weight, WeightError, WeightNote};

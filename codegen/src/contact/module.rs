@@ -3,9 +3,10 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::diffuse::{EmittedKernel, emit_kernel, function_name, kept_name, values_name};
 use super::facet::{EmittedFacetKernel, emit_facet_kernel, facet_module};
 use super::formula::formula;
+use super::kernels::{emit_kernel, function_name, values_name};
+use crate::emit::{EmittedKernel, MOST_STATEMENTS, kept_name};
 use crate::model::{Basis, FacetSpec, FrameRule, KernelSpec, Mode, Output, Weight};
 
 /// First lines of every emitted file.
@@ -25,7 +26,7 @@ pub struct EmitOptions<'a> {
     pub optimised: bool,
 }
 
-/// A function with more than [`MOST_STATEMENTS`](super::MOST_STATEMENTS).
+/// A function with more than [`MOST_STATEMENTS`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TooLong {
     /// The weight, or the weights that share kernels, by their names.
@@ -75,7 +76,7 @@ fn basis_constant(basis: Basis) -> proc_macro2::Ident {
 
 /// One kernel as a formatted file, to be read.
 #[must_use]
-pub fn emit_single(spec: &KernelSpec, support: &syn::Path) -> (String, EmittedKernel) {
+pub fn emit_single(spec: &KernelSpec, support: &syn::Path) -> (String, EmittedKernel<KernelSpec>) {
     let kernel = emit_kernel(spec);
     let tokens = &kernel.tokens;
     let gap = gap_kernel(&kernel, true);
@@ -217,7 +218,7 @@ fn basis_module(weight: &Weight, basis: Basis, options: EmitOptions<'_>) -> Resu
     let specs = KernelSpec::all(basis, weight).into_iter();
     for spec in specs.filter(|spec| friction || spec.output != Output::Slip) {
         let kernel = emit_kernel(&spec);
-        if !matches!(basis, Basis::Custom(_)) && kernel.statements > super::MOST_STATEMENTS {
+        if !matches!(basis, Basis::Custom(_)) && kernel.statements > MOST_STATEMENTS {
             let (weight, function) = (weight.name().to_owned(), function_name(&spec).to_string());
             return Err(TooLong { weight, function, statements: kernel.statements });
         }
@@ -249,7 +250,7 @@ fn scalar_kernel(spec: &KernelSpec) -> Option<TokenStream> {
     if spec.output.has_gap() {
         return None;
     }
-    let (function, name, kept) = (function_name(spec), scalar_name(spec), kept_name(spec));
+    let (function, name, kept) = (function_name(spec), scalar_name(spec), kept_name(&function_name(spec)));
     let values = values_name(spec.output);
     let arguments = derivative_arguments(spec.mode, &quote!(Second::new(SecondKind::Hessians, hessians)));
     let gradients = (spec.mode >= Mode::Gradient).then(|| quote!(gradients: &mut [f64],));
@@ -275,14 +276,14 @@ fn scalar_name(spec: &KernelSpec) -> proc_macro2::Ident {
 }
 
 /// A kernel for the gap as a type. Without optimisation it is compiled once, number by number.
-fn gap_kernel(kernel: &EmittedKernel, optimised: bool) -> Option<TokenStream> {
+fn gap_kernel(kernel: &EmittedKernel<KernelSpec>, optimised: bool) -> Option<TokenStream> {
     let spec = &kernel.spec;
     if !spec.output.has_gap() {
         return None;
     }
     let function = function_name(spec);
     let name = format_ident!("{}", camel_case(&function.to_string()));
-    let kept = kept_name(spec);
+    let kept = kept_name(&function);
     let arguments = derivative_arguments(spec.mode, &quote!(second));
     let mode = format_ident!("{}", camel_case(spec.mode.name()));
     let doc = format!(" [`{function}`]");

@@ -1,24 +1,49 @@
-//! The kernels of the diffuse element: what surrounds their segments and loops.
+//! Kernels with elements or nodes side by side in vectors, a `Shape` of the support module: what surrounds their segments and loops.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::count::{KernelCounts, OpCounts};
+use super::fixed::reads;
 use super::function::FunctionWriter;
 use super::node_loop::{NodeArray, Outputs};
 use crate::graph::{ExprId, NODE_COUNT};
-use crate::lower::lower;
-use crate::model::{
-    CHECKSUM, DOMAIN_RATIO, FrameRule, Kernel, KernelSpec, MATERIAL_INPUTS, MOST_COEFFICIENTS, Mode, Output,
-    PLANE_REACH, WEIGHT_NUMBER,
-};
+use crate::model::{CHECKSUM, Input};
 use crate::schedule::{FormRows, NodeTarget, Program};
+
+/// What surrounds a function.
+pub(crate) struct ShapeHead<'a> {
+    /// Its name.
+    pub name: Ident,
+    /// The fields of its inputs.
+    pub fields: &'a [Input],
+    /// Arrays of nodes with the symbols of an entry. The first has as many entries as there are vectors of nodes.
+    pub arrays: &'a [(&'static str, &'a [&'static str])],
+    /// The struct that is returned.
+    pub values: Ident,
+    /// Fields of it that the kernel has no value for.
+    pub constants: &'a [(&'static str, TokenStream)],
+    /// Fields that are longer than the kernel's value, with their lengths; zeros follow.
+    pub lengths: &'a [(&'static str, usize)],
+    /// Where the kernel's combinations are written to.
+    pub combined: Combined<'a>,
+}
+
+/// An array of a kernel's combinations.
+pub(crate) struct Combined<'a> {
+    /// Its name.
+    pub name: &'static str,
+    /// The kind of second derivatives that it belongs to.
+    pub kind: &'static str,
+    /// Inputs at its end.
+    pub inputs: &'a [&'static str],
+}
 
 /// A kernel's source.
 #[derive(Clone, Debug)]
-pub struct EmittedKernel {
+pub struct EmittedKernel<S> {
     /// What it is.
-    pub spec: KernelSpec,
+    pub spec: S,
     /// The function, and the module with the places of node values.
     pub tokens: TokenStream,
     /// Operation counts.
@@ -29,80 +54,51 @@ pub struct EmittedKernel {
     pub form: Option<[usize; 2]>,
 }
 
-/// Lowers, schedules and writes a kernel.
-#[must_use]
-pub fn emit_kernel(spec: &KernelSpec) -> EmittedKernel {
-    let program = Program::new(lower(&Kernel::new(spec.clone())));
-    FunctionWriter::new(&program).write()
+/// Writes the function of a kernel.
+pub(crate) fn emit_shape<S: Clone>(
+    program: &Program<S>,
+    head: &ShapeHead<'_>,
+    documentation: impl FnOnce(&KernelCounts) -> Vec<String>,
+) -> EmittedKernel<S> {
+    FunctionWriter::new(program).write(head, documentation)
 }
 
-/// Name of a kernel's function.
-pub(super) fn function_name(spec: &KernelSpec) -> Ident {
-    format_ident!(
-        "{}{}_{}",
-        spec.output.name(),
-        frame_word(spec.frame, ["_co_moving", "_material"]),
-        spec.mode.name()
-    )
+/// Name of the module with the places of a function's values per node.
+pub(crate) fn kept_name(function: &Ident) -> Ident {
+    format_ident!("{function}_kept")
 }
 
-fn frame_word(frame: FrameRule, [co_moving, material]: [&'static str; 2]) -> &'static str {
-    match frame {
-        FrameRule::Frozen => "",
-        FrameRule::CoMoving => co_moving,
-        FrameRule::Material => material,
-    }
-}
-
-/// Name of the struct a kernel returns.
-pub(super) fn values_name(output: Output) -> Ident {
-    match output {
-        Output::Coefficients => format_ident!("CoefficientsValues"),
-        Output::Surface => format_ident!("SurfaceValues"),
-        Output::Gap | Output::Slip => format_ident!("GapValues"),
-    }
-}
-
-/// Name of the module with the places of a kernel's values per node.
-pub(super) fn kept_name(spec: &KernelSpec) -> Ident {
-    format_ident!("{}_kept", function_name(spec))
-}
-
-const AXES: [&str; 3] = ["x", "y", "z"];
-/// Inputs of node scope, in the order of `support::NODE_VALUES`.
-const NODE_INPUTS: [&str; 4] = ["master_x", "master_y", "master_z", DOMAIN_RATIO];
-
-/// Arrays of nodes.
-fn arrays() -> [NodeArray<'static>; 2] {
-    let array = |name, symbols: Vec<&'static str>| {
-        let all = symbols.clone();
-        let pattern = move |used: &dyn Fn(&str) -> Option<Ident>| {
-            let names = all.iter().map(|name| used(name).unwrap_or_else(|| format_ident!("_")));
-            quote!([#(#names),*])
-        };
-        NodeArray { name, symbols, pattern: Box::new(pattern) }
+/// An array of nodes as the loops read it.
+fn array<'a>(&(name, symbols): &(&'static str, &'a [&'static str])) -> NodeArray<'a> {
+    let pattern = move |used: &dyn Fn(&str) -> Option<Ident>| {
+        let names = symbols.iter().map(|name| used(name).unwrap_or_else(|| format_ident!("_")));
+        quote!([#(#names),*])
     };
-    [array("masters", NODE_INPUTS.to_vec()), array("material", MATERIAL_INPUTS.to_vec())]
+    NodeArray { name, symbols: symbols.to_vec(), pattern: Box::new(pattern) }
 }
 
-impl FunctionWriter<'_> {
-    fn write(mut self) -> EmittedKernel {
+impl<S: Clone> FunctionWriter<'_, S> {
+    fn write(
+        mut self,
+        head: &ShapeHead<'_>,
+        documentation: impl FnOnce(&KernelCounts) -> Vec<String>,
+    ) -> EmittedKernel<S> {
         let spec = &self.program.kernel.spec;
-        let inputs = self.inputs();
-        let arrays = arrays();
+        let inputs = self.inputs(head);
+        let arrays: Vec<NodeArray<'_>> = head.arrays.iter().map(array).collect();
         let phases: Vec<TokenStream> = (0..self.program.phases.len())
             .map(|k| self.phase(k, &arrays, |function, outputs| function.node_outputs(outputs)))
             .collect();
         let outputs = self.element_outputs();
-        let combinations = self.combinations();
+        let combinations = self.combinations(&head.combined);
         let updates = self.updates();
-        let values = self.values();
+        let values = self.values(head);
         let kept = self.program.kept();
-        let kept_module = self.kept_module(&kept);
+        let kept_module = self.kept_module(&head.name, &kept);
 
-        let function = function_name(spec);
-        let returned = values_name(spec.output);
-        let documentation = self.documentation();
+        let ShapeHead { name: function, values: returned, .. } = head;
+        let masters = format_ident!("{}", head.arrays[0].0);
+        let documentation = documentation(&self.counts);
         let has_gradients = !self.program.kernel.gradients.is_empty();
         let has_hessians = !self.program.kernel.hessians.is_empty();
         let gradients = has_gradients.then(|| quote!(gradients: &mut [S::Output],));
@@ -110,17 +106,17 @@ impl FunctionWriter<'_> {
         let nodes = if kept.is_empty() && !has_hessians {
             quote!(let _ = scratch;)
         } else {
-            let kept = kept_name(spec);
+            let kept = kept_name(function);
             // The forms have the scratch of one vector of nodes more, for the slave's rows, which the multiplication sums.
             let split = if has_hessians {
-                quote!(let (scratch, forms) = scratch.split_at_mut(at::PLACES * inputs.masters.len());)
+                quote!(let (scratch, forms) = scratch.split_at_mut(at::PLACES * inputs.#masters.len());)
             } else {
                 quote!()
             };
             quote! {
                 use #kept as at;
                 #split
-                let nodes = &mut scratch.as_chunks_mut::<{ at::PLACES }>().0[..inputs.masters.len()];
+                let nodes = &mut scratch.as_chunks_mut::<{ at::PLACES }>().0[..inputs.#masters.len()];
             }
         };
         let forms = self.forms();
@@ -154,34 +150,13 @@ impl FunctionWriter<'_> {
     }
 
     /// `let`s for the inputs of element scope.
-    fn inputs(&mut self) -> TokenStream {
-        let mut arrays = Vec::new();
-        for (field, prefix) in [("slave", "slave"), ("t1", "t1"), ("t2", "t2"), ("normal", "normal")] {
-            let field = format_ident!("{field}");
-            let names = AXES.map(|axis| format_ident!("{prefix}_{axis}"));
-            arrays.push(quote!(let [#(#names),*] = inputs.#field;));
-        }
-        if self.program.kernel.spec.output == Output::Surface {
-            arrays.push(quote!(let [point_1, point_2] = inputs.point;));
-        }
-        for name in ["pole", WEIGHT_NUMBER, PLANE_REACH] {
-            if self.program.kernel.graph.has_input(name) {
-                let name = format_ident!("{name}");
-                arrays.push(quote!(let #name = inputs.#name;));
-            }
-        }
-        if self.program.kernel.spec.output == Output::Slip {
-            let names = AXES.map(|axis| format_ident!("anchor_{axis}"));
-            arrays.push(quote!(let [#(#names),*] = inputs.anchor;));
-        }
+    fn inputs(&mut self, head: &ShapeHead<'_>) -> TokenStream {
+        let mut reads = reads(self, head.fields);
         if self.program.kernel.graph.has_input(NODE_COUNT) {
-            arrays.push(quote!(let node_count = E::splat(count as f64);));
+            reads.push(quote!(let node_count = E::splat(count as f64);));
         }
-        self.statements += arrays.len() + 1;
-        quote! {
-            #(#arrays)*
-            let support_radius = inputs.support_radius;
-        }
+        self.statements += reads.len();
+        quote!(#(#reads)*)
     }
 
     /// Writes the results of a loop, if it has any.
@@ -282,7 +257,7 @@ impl FunctionWriter<'_> {
     }
 
     /// What is combined from the first Hessian's rows, if it is asked for. Its operations are not counted.
-    fn combinations(&mut self) -> Option<TokenStream> {
+    fn combinations(&mut self, combined: &Combined<'_>) -> Option<TokenStream> {
         let program = self.program;
         let (statements, combinations) = &program.combinations;
         if combinations.is_empty() {
@@ -291,16 +266,17 @@ impl FunctionWriter<'_> {
         let body = self.statements(statements);
         let coefficients: Vec<TokenStream> =
             combinations.iter().flatten().map(|&x| self.writer.used(x)).collect();
-        let normal = AXES.map(|axis| format_ident!("normal_{axis}"));
-        self.statements += coefficients.len() + normal.len();
+        let [name, kind] = [combined.name, combined.kind].map(|name| format_ident!("{name}"));
+        let inputs: Vec<Ident> = combined.inputs.iter().map(|name| format_ident!("{name}")).collect();
+        self.statements += coefficients.len() + inputs.len();
         let _ = self.writer.take_counts();
         Some(quote! {
-            if second.kind() == SecondKind::FactorsAndFoot {
+            if second.kind() == SecondKind::#kind {
                 #body
-                let foot = [#(#coefficients,)* #(#normal),*];
-                let target = second.last(foot.len());
-                for k in 0..foot.len() {
-                    target[k] = S::element_output(foot[k]);
+                let #name = [#(#coefficients,)* #(#inputs),*];
+                let target = second.last(#name.len());
+                for k in 0..#name.len() {
+                    target[k] = S::element_output(#name[k]);
                 }
             }
         })
@@ -326,9 +302,9 @@ impl FunctionWriter<'_> {
         quote!(#(#all)*)
     }
 
-    fn values(&mut self) -> TokenStream {
+    fn values(&mut self, head: &ShapeHead<'_>) -> TokenStream {
         let kernel = &self.program.kernel;
-        let name = values_name(kernel.spec.output);
+        let name = &head.values;
         let fields: Vec<TokenStream> = kernel
             .values
             .iter()
@@ -342,19 +318,19 @@ impl FunctionWriter<'_> {
                     let not_finite = (0..forms).map(not_finite_name);
                     return quote!(#field: #(#components)* #(+ #not_finite)*);
                 }
-                // A basis leaves the coefficients of the largest one that it does not have at zero.
-                let missing =
-                    if value.name == "coefficients" { MOST_COEFFICIENTS - components.len() } else { 0 };
+                let length = head.lengths.iter().find(|(name, _)| value.name == *name);
+                let missing = length.map_or(0, |(_, length)| length - components.len());
                 let zeros = std::iter::repeat_n(quote!(E::ZERO), missing);
                 let components = components.into_iter().chain(zeros);
                 quote!(#field: [#(#components),*])
             })
             .collect();
-        let held = kernel.spec.output.has_gap() && kernel.spec.frame == FrameRule::Frozen;
-        let held = held.then(|| quote!(plane_pivot_ratio: E::ONE,));
-        let sticks = (kernel.spec.output == Output::Gap).then(|| quote!(slip: E::ZERO,));
+        let constants = head.constants.iter().map(|(field, value)| {
+            let field = format_ident!("{field}");
+            quote!(#field: #value,)
+        });
         self.counts.element += self.writer.take_counts();
-        quote!(#name { #held #sticks #(#fields),* })
+        quote!(#name { #(#constants)* #(#fields),* })
     }
 
     /// Where values of nodes begin among the gradients: after them.
@@ -366,8 +342,8 @@ impl FunctionWriter<'_> {
         quote!(#gradients * freedoms + #points)
     }
 
-    fn kept_module(&mut self, kept: &[ExprId]) -> TokenStream {
-        let name = kept_name(&self.program.kernel.spec);
+    fn kept_module(&mut self, function: &Ident, kept: &[ExprId]) -> TokenStream {
+        let name = kept_name(function);
         let places: Vec<Ident> = kept.iter().map(|&x| self.writer.place(x)).collect();
         let indices = 0..kept.len();
         let places_count = kept.len();
@@ -376,10 +352,7 @@ impl FunctionWriter<'_> {
             let numbers = 3 * (rows.varying.len() + rows.constant.len());
             quote!(+ #numbers + super::FormRows::OWN)
         });
-        let doc = format!(
-            " Places of what `{}` keeps of a node between its loops.",
-            function_name(&self.program.kernel.spec)
-        );
+        let doc = format!(" Places of what `{function}` keeps of a node between its loops.");
         quote! {
             #[doc = #doc]
             pub mod #name {
@@ -389,75 +362,6 @@ impl FunctionWriter<'_> {
                 pub const COUNT: usize = PLACES #(#forms)*;
             }
         }
-    }
-
-    fn documentation(&self) -> Vec<String> {
-        let kernel = &self.program.kernel;
-        let spec = &kernel.spec;
-        let m = spec.basis.size();
-        let what = match spec.output {
-            Output::Coefficients => "Coefficients of the fit about the slave",
-            Output::Surface => "The fitted surface at `inputs.point`",
-            Output::Gap => "Gap, foot point and normal",
-            Output::Slip => "Gap, foot point, normal, and slip from the anchor",
-        };
-        let with = match spec.mode {
-            Mode::Value => "",
-            Mode::Gradient => " with first derivatives",
-            Mode::Hessian => " with first and second derivatives",
-        };
-        let frame = frame_word(
-            spec.frame,
-            [", frame moving with the average plane", ", domains of influence in the first configuration"],
-        );
-        let mut lines = vec![
-            format!(
-                " {what}{with}{frame}; {} basis ({m} coefficients), weight `{}`.",
-                spec.basis.name(),
-                spec.weight.text()
-            ),
-            String::new(),
-            " Coordinates are ordered slave, master 1, …, master n.".to_owned(),
-        ];
-        lines.push(format!(
-            " `scratch`: [`{}::COUNT`] for each vector of nodes and one more, of any content.",
-            kept_name(spec)
-        ));
-        if !kernel.gradients.is_empty() {
-            let names: Vec<&str> = kernel.gradients.iter().map(|(name, _)| *name).collect();
-            lines.push(format!(" `gradients`: {} × 3(n+1) entries, of {}.", names.len(), names.join(", ")));
-            if spec.output == Output::Slip {
-                lines.push(" Those of the slip are 3(n+2), the anchor's last; then the nodes' weights in the foot, n.".to_owned());
-            }
-        }
-        if !kernel.hessians.is_empty() {
-            let names: Vec<&str> = kernel.hessians.iter().map(|(name, _)| *name).collect();
-            lines.push(format!(
-                " `second`: {} × the packed lower triangle of 3(n+1) rows, or its factors, of {}.",
-                names.len(),
-                names.join(", ")
-            ));
-        }
-        lines.push(String::new());
-        for equation in &kernel.equations {
-            lines.push(format!(" * `{}` ({})", equation.formula, equation.source));
-        }
-        lines.push(String::new());
-        let c = &self.counts;
-        let formula = |counts: &OpCounts| counts.total();
-        lines.push(format!(
-            " Operations: {} + {} n + {} n(n−1)/2, and {} for each Newton iteration.",
-            formula(&c.element),
-            formula(&c.node),
-            formula(&c.pair),
-            formula(&c.iteration),
-        ));
-        if !kernel.gradients.is_empty() {
-            lines.push(String::new());
-            lines.push(" # Panics".to_owned());
-            lines.push(" If a slice is shorter than stated.".to_owned());
-        }
-        lines
     }
 }
 

@@ -3,10 +3,9 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
-use super::count::OpCounts;
-use super::fixed::{Argument, Fixed, Head};
+use crate::emit::{Fixed, Head, MOST_STATEMENTS, OpCounts, arguments};
 use crate::lower::lower;
-use crate::model::{FacetShape, FacetSpec, Input, Kernel, Mode, Points, Role};
+use crate::model::{FacetShape, FacetSpec, Kernel, Mode, facet_signature};
 use crate::schedule::Program;
 
 /// A facet kernel's source.
@@ -36,11 +35,7 @@ pub(super) fn facet_module(support: &syn::Path) -> TokenStream {
         .map(|spec| {
             let kernel = emit_facet_kernel(spec);
             let name = function_name(spec);
-            assert!(
-                kernel.statements <= super::MOST_STATEMENTS,
-                "{name} has {} statements",
-                kernel.statements
-            );
+            assert!(kernel.statements <= MOST_STATEMENTS, "{name} has {} statements", kernel.statements);
             kernel.tokens
         })
         .collect();
@@ -69,24 +64,15 @@ const fn sizes(shape: FacetShape) -> (usize, usize) {
 
 fn write(program: &Program<FacetSpec>) -> EmittedFacetKernel {
     let spec = program.kernel.spec;
-    let (freedoms, packed) = sizes(spec.shape);
     let corners = spec.shape.corners();
-    let derivatives = [
-        (Mode::Gradient, ("gradient".to_owned(), freedoms)),
-        (Mode::Hessian, ("hessian".to_owned(), packed)),
-    ];
-    let arguments: Vec<Argument> = derivatives
-        .into_iter()
-        .filter(|(mode, _)| spec.mode >= *mode)
-        .map(|(_, argument)| argument)
-        .collect();
+    let signature = facet_signature(&program.kernel);
     let head = Head {
         name: function_name(spec),
         inputs: quote!(FacetInputs<E, #corners>),
-        fields: &inputs(spec.shape),
+        fields: &signature.inputs,
         values: format_ident!("FacetValues"),
-        arguments: &arguments,
-        points: &Points::default(),
+        arguments: &arguments(&signature, spec.mode),
+        points: &signature.points,
     };
     let function = Fixed::new(program, &head, |value, components| {
         if value.is_array { quote!([#(#components),*]) } else { quote!(#(#components)*) }
@@ -94,20 +80,6 @@ fn write(program: &Program<FacetSpec>) -> EmittedFacetKernel {
     let Fixed { counts, iteration, statements, .. } = function;
     let documentation = documentation(&program.kernel, counts, iteration);
     EmittedFacetKernel { spec, tokens: function.tokens(&head, &documentation), counts, statements }
-}
-
-/// The fields of `FacetInputs`.
-fn inputs(shape: FacetShape) -> [Input; 2] {
-    let input = |name: &str, dimensions: Vec<usize>, vectors: Vec<String>| Input {
-        name: name.to_owned(),
-        doc: String::new(),
-        role: Role::Variable,
-        dimensions,
-        symbols: vectors.iter().flat_map(|v| ["x", "y", "z"].map(|axis| format!("{v}_{axis}"))).collect(),
-    };
-    let corners = shape.corners();
-    let names = (1..=corners).map(|k| format!("corner_{k}")).collect();
-    [input("slave", vec![3], vec!["slave".to_owned()]), input("corners", vec![corners, 3], names)]
 }
 
 fn documentation(kernel: &Kernel<FacetSpec>, counts: OpCounts, iteration: OpCounts) -> Vec<String> {

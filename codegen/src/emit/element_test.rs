@@ -1,0 +1,112 @@
+//! The test that stands beside an element's kernels: they have the results of the interpreter.
+
+use proc_macro2::TokenStream;
+use quote::{format_ident, quote};
+
+use super::element::{places, without_suffixes};
+use super::fixed::nested;
+use crate::interpret::element_results;
+use crate::model::{ElementError, ElementKernels, Input};
+
+/// Largest difference of a kernel from the interpreter, relative to the largest entry.
+const TOLERANCE: f64 = 1e-12;
+
+/// A test at these inputs, in the order of [`element_results`]: `evaluate` and `batch` have what the formulas' graph has in the interpreter,
+/// which shares nothing with the emitter.
+///
+/// # Errors
+/// [`ElementError::TestInputs`], [`ElementError::TestResult`].
+pub fn emit_element_test(
+    element: &ElementKernels,
+    support: &syn::Path,
+    inputs: &[Vec<f64>],
+    nodes: &[Vec<f64>],
+) -> Result<TokenStream, ElementError> {
+    let (signature, Some(kernel)) = (&element.signature, element.kernels.last()) else {
+        return Err(ElementError::NoOutput);
+    };
+    let wrong = |input: &str, expected: usize, found: usize| {
+        let input = input.to_owned();
+        if expected == found { Ok(()) } else { Err(ElementError::TestInputs { input, expected, found }) }
+    };
+    wrong("inputs", signature.inputs.len(), inputs.len())?;
+    for (input, numbers) in signature.inputs.iter().zip(inputs) {
+        wrong(&input.name, input.symbols.len(), numbers.len())?;
+    }
+    let per_node: usize = signature.nodes.iter().map(|input| input.symbols.len()).sum();
+    nodes.iter().try_for_each(|node| wrong("node", per_node, node.len()))?;
+
+    let results = element_results(kernel, &slices(inputs), &slices(nodes));
+    let largest = |x: &[f64]| x.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+    let returned = |name: &str| signature.values.iter().find(|returned| returned.name == name);
+    let values = results.iter().filter(|(name, _)| returned(name).is_some());
+    let of_values = values.map(|(_, x)| largest(x)).fold(0.0, f64::max);
+    let mut comparisons = Vec::new();
+    for (name, expected) in &results {
+        if !expected.iter().all(|x| x.is_finite()) {
+            return Err(ElementError::TestResult { result: name.clone() });
+        }
+        let field = format_ident!("{name}");
+        let (found, size) = match returned(name) {
+            Some(returned) => {
+                let places = places(&returned.dimensions);
+                let found = places.iter().map(|place| quote!(found.values.#field #place));
+                (quote!([#(#found),*]), of_values)
+            }
+            None => (quote!(found.#field), largest(expected)),
+        };
+        let tolerance = TOLERANCE * size;
+        comparisons.push(quote!(agree(#name, &#found[..], &[#(#expected),*], #tolerance);));
+    }
+    let fields = fields(&signature.inputs, &inputs.concat());
+    let of_nodes = (!signature.nodes.is_empty()).then(|| {
+        let nodes = nodes.iter().map(|numbers| self::fields(&signature.nodes, numbers));
+        quote!(nodes: &[#(Node { #nodes }),*])
+    });
+    let (module, tests) = (format_ident!("{}", signature.name), format_ident!("{}_tests", signature.name));
+    Ok(without_suffixes(quote! {
+        #[cfg(test)]
+        #[allow(clippy::all, clippy::pedantic, non_snake_case)]
+        mod #tests {
+            use #support::Mode;
+            use super::#module::*;
+
+            #[test]
+            fn values_and_derivatives_are_those_of_the_interpreter() {
+                let inputs = Inputs { #fields #of_nodes };
+                let mut lanes = [(); 3].map(|()| evaluate(Mode::Value, &inputs));
+                batch(best_isa(), Mode::Hessian, &[inputs; 3], &mut lanes);
+                for found in [evaluate(Mode::Hessian, &inputs)].iter().chain(&lanes) {
+                    #(#comparisons)*
+                }
+            }
+
+            fn agree(name: &str, found: &[f64], expected: &[f64], tolerance: f64) {
+                assert_eq!(found.len(), expected.len(), "{name}");
+                for (k, (found, expected)) in found.iter().zip(expected).enumerate() {
+                    assert!(
+                        (found - expected).abs() <= tolerance,
+                        "{name}[{k}] is {found:e} instead of {expected:e}"
+                    );
+                }
+            }
+        }
+    }))
+}
+
+fn slices(rows: &[Vec<f64>]) -> Vec<&[f64]> {
+    rows.iter().map(Vec::as_slice).collect()
+}
+
+/// Fields of a struct with these numbers.
+fn fields(inputs: &[Input], numbers: &[f64]) -> TokenStream {
+    let mut rest = numbers;
+    let fields = inputs.iter().map(|input| {
+        let (own, others) = rest.split_at(input.symbols.len());
+        rest = others;
+        let own: Vec<TokenStream> = own.iter().map(|x| quote!(#x)).collect();
+        let (name, entries) = (format_ident!("{}", input.name), nested(&input.dimensions, &own));
+        quote!(#name: #entries,)
+    });
+    quote!(#(#fields)*)
+}

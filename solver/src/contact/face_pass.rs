@@ -72,7 +72,7 @@ impl FacePass {
             multipliers: if options.augmentation.is_some() { vec![0.0; slaves] } else { Vec::new() },
             held: vec![false; positions.len()],
             has_grown: false,
-            losses: Losses::default(),
+            losses: Losses::new(options.self_contact),
             mode: Mode::Value,
             forces: vec![0.0; 3 * positions.len()],
         })
@@ -212,8 +212,8 @@ impl Pass for FacePass {
         take_multipliers(&mut self.multipliers, multipliers)
     }
 
-    fn masters(&self) -> &[u32] {
-        self.interface.master().nodes()
+    fn master(&self) -> &MasterSurface {
+        self.interface.master()
     }
 
     fn multiplier_of(&self, _slave: &SlaveState, gap: f64) -> f64 {

@@ -11,7 +11,7 @@ use diffuse_contact::surface::{Facet, SymmetryPlane, tributary_areas};
 use diffuse_contact::{Mode, Point};
 
 use super::face_pass::FacePass;
-use super::losses::is_failure;
+use super::losses::{Way, is_failure};
 use super::node_pass::NodePass;
 use super::pass::{FrictionHistory, NodalForces, Pass, PassError};
 use super::{ContactError, LostContact};
@@ -581,9 +581,18 @@ impl Interaction {
         self.passes.iter_mut().for_each(|pass| pass.excuse());
     }
 
-    /// The slaves that carried force since the beginning of the increment, or at it, and have no element.
-    pub fn lost(&self) -> impl Iterator<Item = LostContact> {
-        self.passes.iter().flat_map(|pass| pass.lost())
+    /// The slaves that carried force since the beginning of the increment, or at it, and have no contact although they have not left
+    /// the master.
+    pub fn lost(&self, way: Way<'_>) -> impl Iterator<Item = LostContact> {
+        self.passes.iter().flat_map(move |pass| pass.lost(way))
+    }
+
+    /// As [`ContactSet::vanished`](super::ContactSet::vanished).
+    pub(super) fn vanished(&self, way: Way<'_>) -> usize {
+        if self.slaves().any(|slave| slave.force > 0.0) {
+            return 0;
+        }
+        self.passes.iter().map(|pass| pass.vanished(way)).sum()
     }
 
     pub(super) fn straight(&self) -> usize {

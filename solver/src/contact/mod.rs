@@ -25,7 +25,7 @@ pub use interaction::{
     Augmentation, Augmented, Coefficient, Friction, Integration, Interaction, InteractionOptions,
     RefreshRule, SlaveState, TangentRule,
 };
-pub use losses::LostContact;
+pub use losses::{Loss, LostContact, Way};
 pub use pass::{FrictionHistory, NodalForces};
 pub use resultant::Resultant;
 
@@ -246,13 +246,25 @@ impl ContactSet {
         self.interactions.iter_mut().for_each(Interaction::excuse);
     }
 
-    /// The contacts that carried force in the increment or right before it, and have no element at the last evaluation although their
-    /// slaves are neither too far away nor beyond a border; with the interaction's name.
-    pub fn lost(&self) -> impl Iterator<Item = (&str, LostContact)> {
-        self.interactions.iter().flat_map(|interaction| {
+    /// The contacts that carried force in the increment or right before it, and have none at the last evaluation although their
+    /// slaves have not left the master: their elements have no result, or they went through it. With the interaction's name. `way`: from
+    /// where the increment began to the positions of the last evaluation.
+    pub fn lost(&self, way: Way<'_>) -> impl Iterator<Item = (&str, LostContact)> {
+        self.interactions.iter().flat_map(move |interaction| {
             let name = interaction.options().name.as_str();
-            interaction.lost().map(move |lost| (name, lost))
+            interaction.lost(way).map(move |lost| (name, lost))
         })
+    }
+
+    /// Names of the interactions that carried force when the increment began and carry none at the last evaluation although slaves that
+    /// carried it have not risen from their masters, and how many these are. They went through them, beyond their borders, or have elements
+    /// without a result.
+    pub fn vanished(&self, way: Way<'_>) -> impl Iterator<Item = (&str, usize)> {
+        let counted = self
+            .interactions
+            .iter()
+            .map(move |interaction| (interaction.options().name.as_str(), interaction.vanished(way)));
+        counted.filter(|&(_, count)| count > 0)
     }
 
     /// Integration points of loaded faces that carry no force at the last evaluation although they have a gap: their line of force

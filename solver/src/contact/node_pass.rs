@@ -84,7 +84,7 @@ impl NodePass {
             multipliers,
             held: vec![false; positions.len()],
             is_listed_anew: false,
-            losses: Losses::default(),
+            losses: Losses::new(options.self_contact),
             values: Vec::new(),
         })
     }
@@ -276,8 +276,8 @@ impl Pass for NodePass {
         Ok(interface.augment(&law, |k| moves[k])?)
     }
 
-    fn masters(&self) -> &[u32] {
-        self.interface.master().nodes()
+    fn master(&self) -> &MasterSurface {
+        self.interface.master()
     }
 
     fn multiplier_of(&self, slave: &SlaveState, gap: f64) -> f64 {

@@ -5,9 +5,10 @@ use diffuse_contact::Point;
 use diffuse_contact::assembly::{AssemblyError, Tangent};
 use diffuse_contact::friction::{Coulomb, FrictionError};
 use diffuse_contact::interface::{FrictionReport, InterfaceError, Outcome};
+use diffuse_contact::surface::MasterSurface;
 use serde::{Deserialize, Serialize};
 
-use super::losses::Losses;
+use super::losses::{Losses, Way};
 use super::{Coefficient, ContactError, Friction, InteractionOptions, LostContact, SlaveState};
 use crate::system::{BlockMatrix, Symmetry};
 
@@ -198,13 +199,13 @@ pub trait Pass: std::fmt::Debug {
     /// Exchanges the multipliers, one per slave or none.
     fn exchange_multipliers(&mut self, multipliers: &mut Vec<f64>);
 
-    /// The nodes of the master.
-    fn masters(&self) -> &[u32];
+    /// The master's facets.
+    fn master(&self) -> &MasterSurface;
 
     /// Multipliers by which the open slaves of a part, and those that face it, push with ε g, if they are nearest to the master and not
     /// farther than `size`; `others` or its own for other slaves. Empty if there are none, and no `others`.
     fn supposed(&self, part: &[bool], size: f64, others: Vec<f64>) -> Vec<f64> {
-        let faces_part = self.masters().iter().any(|&node| part[node as usize]);
+        let faces_part = self.master().nodes().iter().any(|&node| part[node as usize]);
         let gap = |slave: &SlaveState| {
             let is_open = slave.force == 0.0 && !slave.is_held && (faces_part || part[slave.node]);
             slave.gap.filter(|_| is_open)
@@ -274,14 +275,26 @@ pub trait Pass: std::fmt::Debug {
         }
     }
 
-    /// The slaves that carried force and have no element.
-    fn lost(&self) -> Vec<LostContact> {
+    /// The slaves that carried force and have no contact although they have not left the master.
+    fn lost(&self, way: Way<'_>) -> Vec<LostContact> {
+        let mut tracks = self.losses().tracks(self.master(), way);
         let judged =
             self.outcomes().into_iter().enumerate().filter_map(|(k, (node, outcome))| match outcome {
-                Outcome::None(reason) => self.losses().judge(k, node, reason),
+                Outcome::None(reason) => self.losses().judge(k, node, reason, &mut tracks),
                 Outcome::Contact { .. } => None,
             });
         judged.collect()
+    }
+
+    /// How many slaves carried force when the increment began, and have neither a contact now nor risen from the master.
+    fn vanished(&self, way: Way<'_>) -> usize {
+        let mut tracks = self.losses().tracks(self.master(), way);
+        let outcomes = self.outcomes().into_iter().enumerate();
+        let vanished = outcomes.filter(|&(k, (node, outcome))| match outcome {
+            Outcome::None(reason) => self.losses().vanished(k, node, reason, &mut tracks),
+            Outcome::Contact { .. } => false,
+        });
+        vanished.count()
     }
 
     /// The places of the slaves that carry force, ascending.

@@ -297,7 +297,10 @@ fn a_contact_that_vanishes_under_load_is_lost_and_one_that_opens_is_not() {
     forces(&mut set, &nodes, Mode::Gradient);
     let loaded = set.loaded();
     assert!(loaded[0].len() > 3);
-    let lost = |set: &ContactSet| set.lost().map(|(_, lost)| lost).collect::<Vec<_>>();
+    let lost = |set: &ContactSet, to: &[Point]| {
+        let way = Way { from: &nodes, to };
+        set.lost(way).map(|(_, lost)| lost).collect::<Vec<_>>()
+    };
     let moved = |by: Point| {
         let mut moved = nodes.clone();
         moved[36..].iter_mut().for_each(|x| (0..3).for_each(|axis| x[axis] += by[axis]));
@@ -307,9 +310,9 @@ fn a_contact_that_vanishes_under_load_is_lost_and_one_that_opens_is_not() {
     let slid = moved([2.2, 2.2, 0.0]);
     set.begin(&[Vec::new()]).unwrap();
     forces(&mut set, &slid, Mode::Gradient);
-    assert!(lost(&set).is_empty(), "nobody carried force");
+    assert!(lost(&set, &slid).is_empty(), "nobody carried force");
     set.begin(&loaded).unwrap();
-    let found = lost(&set);
+    let found = lost(&set, &slid);
     assert!(!found.is_empty());
     let nodes_loaded: Vec<usize> = loaded[0].iter().map(|&k| 36 + k as usize).collect();
     assert!(found.iter().all(|lost| nodes_loaded.contains(&lost.node) && !lost.from_start), "{found:?}");
@@ -317,20 +320,60 @@ fn a_contact_that_vanishes_under_load_is_lost_and_one_that_opens_is_not() {
         set.interactions()[0].slaves().filter(|slave| slave.has_failed).map(|slave| slave.node).collect();
     assert!(found.iter().all(|lost| failed.contains(&lost.node)));
     set.excuse();
-    assert!(lost(&set).iter().all(|lost| lost.from_start));
+    assert!(lost(&set, &slid).iter().all(|lost| lost.from_start));
     // Who carried force on the way counts, too.
     set.begin(&[Vec::new()]).unwrap();
     forces(&mut set, &nodes, Mode::Gradient);
     set.note();
     forces(&mut set, &slid, Mode::Gradient);
-    assert_eq!(lost(&set).len(), found.len());
+    assert_eq!(lost(&set, &slid).len(), found.len());
     // Opened, and beyond the border.
-    forces(&mut set, &moved([0.0, 0.0, 0.3]), Mode::Gradient);
-    assert!(lost(&set).is_empty());
-    set.refresh(RefreshRule::Increment, &moved([9.0, 0.0, 0.0])).unwrap();
-    forces(&mut set, &moved([9.0, 0.0, 0.0]), Mode::Gradient);
-    assert!(lost(&set).is_empty() && set.interactions()[0].slaves().all(|slave| slave.gap.is_none()));
+    let opened = moved([0.0, 0.0, 0.3]);
+    forces(&mut set, &opened, Mode::Gradient);
+    assert!(lost(&set, &opened).is_empty());
+    let beyond = moved([9.0, 0.0, 0.0]);
+    set.refresh(RefreshRule::Increment, &beyond).unwrap();
+    forces(&mut set, &beyond, Mode::Gradient);
+    assert!(
+        lost(&set, &beyond).is_empty() && set.interactions()[0].slaves().all(|slave| slave.gap.is_none())
+    );
     assert_eq!(set.begin(&[vec![16]]), Err(ContactError::OtherPasses { found: 17, expected: 16 }));
+}
+
+/// Who has nothing over it went through the master, beyond its border, or opened: only the first is a loss, and an opening is no warning.
+#[test]
+fn a_slave_that_went_through_is_lost_and_a_force_that_vanishes_is_named() {
+    let limited = || InterfaceOptions::node_to_facet().with_areas(true).with_distance_limit(Some(0.5));
+    let faces = Integration::Faces(FaceRule::default());
+    for (integration, interface) in
+        [(Integration::Nodes, limited()), (faces, limited()), (faces, InterfaceOptions::default())]
+    {
+        let (mut set, nodes) =
+            contacts(InteractionOptions { integration, interface, ..options(false, false) });
+        assert!(forces(&mut set, &nodes, Mode::Gradient).1 > 3);
+        let loaded = set.loaded();
+        let mut after = |by: Point| {
+            let mut to = nodes.clone();
+            to[36..].iter_mut().for_each(|x| (0..3).for_each(|axis| x[axis] += by[axis]));
+            set.begin(&loaded).unwrap();
+            set.refresh(RefreshRule::Increment, &to).unwrap();
+            assert_eq!(forces(&mut set, &to, Mode::Gradient).1, 0, "{by:?}");
+            let way = Way { from: &nodes, to: &to };
+            let vanished: Vec<(String, usize)> =
+                set.vanished(way).map(|(name, slaves)| (name.to_owned(), slaves)).collect();
+            (set.lost(way).map(|(_, lost)| lost).collect::<Vec<_>>(), vanished)
+        };
+        let named = vec![("bed".to_owned(), loaded[0].len())];
+        let (lost, vanished) = after([0.1, 0.2, -4.0]);
+        assert_eq!((lost.len(), &vanished), (loaded[0].len(), &named));
+        for LostContact { loss, from_start, .. } in lost {
+            assert!(matches!(loss, Loss::Through { depth } if (3.8..4.4).contains(&depth)) && !from_start);
+        }
+        assert_eq!(after([0.1, 0.2, 4.0]), (Vec::new(), Vec::new()));
+        // Down by a little and off the border.
+        let (lost, vanished) = after([9.0, 0.0, -0.6]);
+        assert!(lost.is_empty() && vanished[0].1 > 0, "{lost:?} {vanished:?}");
+    }
 }
 
 /// The tangent at a state with this residual and forces of norm 2, and the mode it was evaluated in.

@@ -1,6 +1,6 @@
 //! Writes every increment as it converges.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -95,6 +95,9 @@ pub struct Saved {
     /// Names of the interfaces that carried force at the end of some increment.
     #[serde(default)]
     carried: BTreeSet<String>,
+    /// Interfaces whose force vanished under load, with the time of the first such increment.
+    #[serde(default)]
+    vanished: BTreeMap<String, f64>,
     /// How the interfaces lay at the start.
     beginnings: Vec<Beginning>,
 }
@@ -107,6 +110,7 @@ struct Saving<'a> {
     state: &'a State,
     pending: Option<&'a SlaveFields>,
     carried: &'a BTreeSet<String>,
+    vanished: &'a BTreeMap<String, f64>,
     beginnings: &'a [Beginning],
 }
 
@@ -140,6 +144,8 @@ pub struct Recorder<'a> {
     pending: Option<SlaveFields>,
     /// Names of the interfaces that carried force at the end of some increment.
     carried: BTreeSet<String>,
+    /// Interfaces whose force vanished under load, with the time of the first such increment.
+    vanished: BTreeMap<String, f64>,
     watcher: &'a mut dyn Watcher,
 }
 
@@ -229,7 +235,7 @@ impl<'a> Recorder<'a> {
         saved: Saved,
         watcher: &'a mut dyn Watcher,
     ) -> Result<Self, OutputError> {
-        let Saved { state, pending, carried, instructions, beginnings, .. } = saved;
+        let Saved { state, pending, carried, vanished, instructions, beginnings, .. } = saved;
         if !instructions.is_empty() && instructions != self::instructions() {
             watcher.other_instructions(&instructions, self::instructions());
         }
@@ -249,7 +255,7 @@ impl<'a> Recorder<'a> {
             .collect();
         let mut recorder = Self::new(directory, options, model, state, watcher);
         (recorder.series, recorder.pending, recorder.carried) = (series, pending, carried);
-        recorder.beginnings = beginnings;
+        (recorder.vanished, recorder.beginnings) = (vanished, beginnings);
         picture::write_series(&recorder.directory, &recorder.series)?;
         let penetrations = history.rows.iter().map(|row| history.value(row, "max_penetration"));
         recorder.max_penetration_ever = penetrations.fold(0.0, f64::max);
@@ -288,6 +294,7 @@ impl<'a> Recorder<'a> {
             state,
             pending: None,
             carried: BTreeSet::new(),
+            vanished: BTreeMap::new(),
             watcher,
         }
     }
@@ -344,6 +351,7 @@ impl<'a> Recorder<'a> {
             problem.contacts().interactions().iter().map(|interaction| &interaction.options().name);
         summary.interfaces_without_force =
             interfaces.filter(|&name| is_begun && !self.carried.contains(name)).cloned().collect();
+        summary.interfaces_vanished.clone_from(&self.vanished);
         summary.interfaces.clone_from(&self.beginnings);
         let at_start = self.beginnings.iter().flat_map(Beginning::warnings);
         summary.warnings = at_start.chain(summary.shortcomings()).collect();
@@ -387,14 +395,19 @@ impl<'a> Recorder<'a> {
         let pending = (!is_shown).then(|| SlaveFields::of(&fields));
         let mut carried = self.carried.clone();
         carried.extend(carrying(problem));
+        let mut vanished = self.vanished.clone();
+        for (interface, _) in &record.vanished {
+            vanished.entry(interface.clone()).or_insert(record.time);
+        }
         let before = (
             std::mem::replace(&mut self.state, state.clone()),
             std::mem::replace(&mut self.pending, pending),
             std::mem::replace(&mut self.carried, carried),
+            std::mem::replace(&mut self.vanished, vanished),
         );
         let written = self.write_increment(record, problem, is_shown.then_some(fields));
         if let Err(error) = written {
-            (self.state, self.pending, self.carried) = before;
+            (self.state, self.pending, self.carried, self.vanished) = before;
             self.series.retain(|&(known, _)| known <= self.state.increments);
             return Err(error);
         }
@@ -433,7 +446,7 @@ impl<'a> Recorder<'a> {
     }
 
     fn write_state(&self) -> Result<(), OutputError> {
-        let Self { fingerprint, state, pending, carried, beginnings, .. } = self;
+        let Self { fingerprint, state, pending, carried, vanished, beginnings, .. } = self;
         let instructions = instructions();
         let saving = Saving {
             model: fingerprint,
@@ -441,6 +454,7 @@ impl<'a> Recorder<'a> {
             state,
             pending: pending.as_ref(),
             carried,
+            vanished,
             beginnings,
         };
         self.directory.write(names::STATE, |writer| {

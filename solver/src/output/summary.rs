@@ -1,5 +1,7 @@
 //! How a run ended, in a few numbers.
 
+use std::collections::BTreeMap;
+
 use diffuse_contact_mesh::names::shown;
 use serde::{Deserialize, Serialize};
 
@@ -29,7 +31,7 @@ pub struct Summary {
     /// Increments whose rounds of augmentation were over before the gaps were within the tolerance.
     #[serde(default)]
     pub augmentations_short: usize,
-    /// Contacts that carried force and ended an increment without an element, over all increments.
+    /// Contacts that carried force and ended an increment without an element or behind their masters, over all increments.
     #[serde(default)]
     pub contacts_lost: usize,
     /// Points of loaded faces that carried no force although they had a gap, over all increments.
@@ -56,6 +58,10 @@ pub struct Summary {
     /// Interfaces that carried no force at the end of any increment.
     #[serde(default)]
     pub interfaces_without_force: Vec<String>,
+    /// Interfaces whose force vanished although slaves that carried it have not risen from their masters, with the time of the first such
+    /// increment.
+    #[serde(default)]
+    pub interfaces_vanished: BTreeMap<String, f64>,
     /// How the slaves of each interface lay at the start, with its penalty.
     #[serde(default)]
     pub interfaces: Vec<Beginning>,
@@ -132,7 +138,9 @@ impl Summary {
             ),
             (
                 self.contacts_lost,
-                "contacts that carried force lost their element; contact_status is 4 there".to_owned(),
+                "contacts that carried force were lost: their elements have no result, contact_status is 4 there, or they went through the \
+                 master; shorter increments or a stiffer penalty help"
+                    .to_owned(),
             ),
             (
                 self.points_missed,
@@ -155,7 +163,14 @@ impl Summary {
         let idle = self.interfaces_without_force.iter().map(|interface| {
             format!("the interface `{}` never carried force at the end of an increment", shown(interface))
         });
-        counted.map(|(count, what)| format!("{count} {what}")).chain(idle).collect()
+        let vanished = self.interfaces_vanished.iter().map(|(interface, time)| {
+            format!(
+                "the force of the interface `{}` vanished in the increment to time {time:.6}, although slaves that carried it have not \
+                 risen from the master: they went through it or beyond its border",
+                shown(interface)
+            )
+        });
+        counted.map(|(count, what)| format!("{count} {what}")).chain(idle).chain(vanished).collect()
     }
 }
 

@@ -207,7 +207,13 @@ impl Watcher for Progress {
             say("  warning: the rounds of augmentation are over, the tolerance is not met");
         }
         if record.lost > 0 {
-            say(&format!("  warning: {} contacts that carried force lost their element", record.lost));
+            say(&format!("  warning: {} contacts that carried force were lost", record.lost));
+        }
+        for (interface, slaves) in &record.vanished {
+            let interface = shown(interface);
+            say(&format!(
+                "  warning: the interface `{interface}` carries no force any more, although {slaves} slaves that carried it have not risen"
+            ));
         }
         if record.supposed > 0 {
             say(&format!(

@@ -1,11 +1,10 @@
 //! Why a run or an increment ended early.
 
-use diffuse_contact::interface::NoContact;
 use diffuse_contact_mesh::names::shown;
 use thiserror::Error;
 
 use super::Loose;
-use crate::contact::ContactError;
+use crate::contact::{ContactError, Loss};
 use crate::solid::SolidError;
 use crate::system::SystemError;
 
@@ -125,17 +124,17 @@ pub enum Failure {
     #[error("{0}")]
     Contact(ContactError),
     /// There is equilibrium, but without contacts that carried force in the increment or right before it: their elements have no
-    /// result.
+    /// result, or they went through their masters.
     #[error(
-        "interface `{interface}`, slave node {node} carried force and lost its contact: {reason}; {count} did so", interface = shown(interface)
+        "interface `{interface}`, slave node {node} carried force and lost its contact: {loss}; {count} did so", interface = shown(interface)
     )]
     Lost {
         /// Interface of the first one.
         interface: String,
         /// Slave node of the first one.
         node: usize,
-        /// Why it has no result.
-        reason: NoContact,
+        /// How it was lost.
+        loss: Loss,
         /// How many there are.
         count: usize,
     },

@@ -4,7 +4,7 @@ use super::line_search::line_search;
 use super::observer::{IncrementRecord, IterationRecord, Observer};
 use super::problem::{Balance, Past, Problem, State};
 use super::{Extrapolation, Failure, Settings};
-use crate::contact::{Augmented, RefreshRule};
+use crate::contact::{Augmented, RefreshRule, Way};
 use crate::solid::Order;
 use crate::system::Accuracy;
 
@@ -151,16 +151,21 @@ impl<'a> Increment<'a> {
         Ok(())
     }
 
+    /// From the committed positions to those of the moment.
+    fn way(&self) -> Way<'_> {
+        Way { from: &self.committed.positions, to: &self.positions }
+    }
+
     /// Equilibrium without a contact that carried force on the way is another one: a shorter increment may keep the contact, unless
     /// it went with the pairing or there is none.
     fn check_losses(&self) -> Result<(), Failure> {
         if self.is_shortest {
             return Ok(());
         }
-        let mut lost = self.problem.contacts().lost().filter(|(_, lost)| !lost.from_start);
+        let mut lost = self.problem.contacts().lost(self.way()).filter(|(_, lost)| !lost.from_start);
         let Some((interface, first)) = lost.next() else { return Ok(()) };
-        let (interface, node, reason) = (interface.to_owned(), first.node, first.reason);
-        Err(Failure::Lost { interface, node, reason, count: 1 + lost.count() })
+        let (interface, node, loss) = (interface.to_owned(), first.node, first.loss);
+        Err(Failure::Lost { interface, node, loss, count: 1 + lost.count() })
     }
 
     /// In equilibrium: begins another round of augmentation, or tells that there is none to come.
@@ -326,13 +331,14 @@ impl<'a> Increment<'a> {
     /// Takes the full step, or the part of it that leaves all elements the right way round and the contacts their elements, and
     /// evaluates there. Where a body has gone through another no force tells the line search so.
     fn longest(&mut self, origin: &[[f64; 3]], step: &[f64]) -> Result<(f64, Balance), Failure> {
-        let lost = |problem: &Problem| problem.contacts().lost().filter(|(_, lost)| !lost.from_start).count();
-        let lost_before = lost(self.problem);
+        let lost =
+            |own: &Self| own.problem.contacts().lost(own.way()).filter(|(_, lost)| !lost.from_start).count();
+        let lost_before = lost(self);
         let mut length = 1.0;
         for _ in 0..HALVINGS {
             self.advance(origin, step, length);
             match self.evaluate(Order::Tangent) {
-                Ok(balance) if lost(self.problem) <= lost_before => return Ok((length, balance)),
+                Ok(balance) if lost(self) <= lost_before => return Ok((length, balance)),
                 Ok(_) | Err(Failure::Inverted(_)) => length *= 0.5,
                 Err(failure) => return Err(failure),
             }
@@ -405,6 +411,8 @@ impl<'a> Increment<'a> {
             loaded: problem.contacts().loaded(),
             friction: problem.contacts().friction_history(),
         };
+        let way = Way { from: &committed.positions, to: &state.positions };
+        let named = |(interface, slaves): (&str, usize)| (interface.to_owned(), slaves);
         let imbalance: Vec<f64> = problem.imbalance().collect();
         let groups = 0..problem.supports().groups().len();
         let record = IncrementRecord {
@@ -417,7 +425,8 @@ impl<'a> Increment<'a> {
             augmentations: rounds.count,
             is_short: rounds.is_short,
             active: problem.active(),
-            lost: problem.contacts().lost().count(),
+            lost: problem.contacts().lost(way).count(),
+            vanished: problem.contacts().vanished(way).map(named).collect(),
             missed: problem.contacts().missed(),
             supposed: problem.supposed,
             stabilised: problem.stabilised,

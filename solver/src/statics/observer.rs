@@ -106,8 +106,10 @@ pub struct IncrementRecord {
     pub is_short: bool,
     /// Contacts that carry force.
     pub active: usize,
-    /// Contacts that carried force in it or right before it, and ended without an element.
+    /// Contacts that carried force in it or right before it, and ended without an element or behind their masters.
     pub lost: usize,
+    /// Interfaces whose force vanished in it although slaves that carried it have not risen from their masters, and how many these are.
+    pub vanished: Vec<(String, usize)>,
     /// Integration points of loaded faces that have a gap but carry no force.
     pub missed: usize,
     /// Linear solutions in which slaves near their masters were supposed to touch, as nothing else held a body.

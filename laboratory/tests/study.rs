@@ -213,3 +213,22 @@ fn scaling_is_counted() {
     run(&["study", "scaling", "--contact", "0.9"]).assert_refused(&["0.9", "between 0.1 and 0.8"]);
     run(&["study", "scaling", "--bandwidth", "0"]).assert_refused(&["above zero"]);
 }
+
+/// Little in all ways; how little is a matter of steps.
+#[test]
+fn contact_does_next_to_no_work_around_a_closed_path() {
+    let Run { code, stdout, .. } = run(&["study", "closed-path"]);
+    assert_eq!(code, 0);
+    let rows: Vec<Vec<&str>> = stdout
+        .lines()
+        .filter(|line| line.starts_with("| smooth") || line.starts_with("| facets"))
+        .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
+        .collect();
+    assert_eq!(rows.len(), 4, "{stdout}");
+    for row in &rows {
+        let [_, force, work, _] = row[..] else { panic!("{row:?}") };
+        let largest: f64 = force.split(" to ").nth(1).unwrap().parse().unwrap();
+        let work: f64 = work.parse().unwrap();
+        assert!(largest > 0.03 && work.abs() < 5e-4, "{row:?}");
+    }
+}

@@ -4,7 +4,6 @@
 mod ad;
 mod assembly;
 mod assembly_cases;
-mod closed_path;
 #[cfg(feature = "ad")]
 mod co_moving;
 mod common;

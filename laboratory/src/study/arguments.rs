@@ -24,12 +24,16 @@ pub enum Study {
     Domains(DomainsArguments),
     /// Sweep a slave node along a closed path: jumps of the gap, kinks of the normal, work around the loop.
     Sweep(SweepArguments),
+    /// Carry a rigid pad around a closed path over waves: work of contact over nodes and over faces, smooth and on facets.
+    ClosedPath(ClosedPathArguments),
     /// Count what ranks hold and send with windows of a large surface, and estimate how well that scales.
     Scaling(ScalingArguments),
     /// Time and memory of a large interface.
     Throughput(ThroughputArguments),
     /// The examples of the paper with both elements: penetration, Newton iterations, tangents. Takes some minutes.
     Paper(PaperArguments),
+    /// Press a cylinder and a ball on a block, all elastic, over faces: nodal pressures against Hertz, and their orders.
+    Hertz(HertzArguments),
     /// Solve decks with known answers with both elements: patch test, Hertz, turning and sliding.
     Verification(VerificationArguments),
 }
@@ -81,6 +85,14 @@ pub struct SweepArguments {
     pub refine: u32,
     /// Steps around the loop, 100 to 1000000
     #[arg(long, value_name = "N", default_value_t = 4800, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
+    pub steps: u32,
+}
+
+/// Arguments of `study closed-path`.
+#[derive(Args, Clone, Debug)]
+pub struct ClosedPathArguments {
+    /// Steps around the loop, 100 to 100000, rounded up to an even number
+    #[arg(long, value_name = "N", default_value_t = 400, value_parser = clap::value_parser!(u32).range(100..=100_000))]
     pub steps: u32,
 }
 
@@ -167,6 +179,33 @@ pub struct ThroughputArguments {
     pub json: bool,
 }
 
+/// Arguments of `study hertz`.
+#[derive(Args, Clone, Debug)]
+pub struct HertzArguments {
+    /// Bodies on the block [default: all]
+    #[arg(value_enum, value_name = "BODY")]
+    pub bodies: Vec<HertzBody>,
+    /// Cells of the curved body within the half width of the contact, on the finest of the meshes; the time grows with its fourth power
+    /// or so for the ball
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(4..=32))]
+    pub finest: u32,
+    /// Meshes, each with two thirds of the cells of the next
+    #[arg(long, value_name = "K", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=3))]
+    pub meshes: u32,
+    /// Number of threads [default: one for each processor]
+    #[arg(long, value_name = "K", value_parser = threads::parse)]
+    pub threads: Option<usize>,
+}
+
+/// What is pressed on the block.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HertzBody {
+    /// A long cylinder, a slice of which is solved in plane strain
+    Cylinder,
+    /// A ball, a quarter of which is solved
+    Ball,
+}
+
 /// Arguments of `study verification`.
 #[derive(Args, Clone, Debug)]
 pub struct VerificationArguments {
@@ -207,11 +246,17 @@ pub enum VerificationProblem {
     PipePinch,
     /// Two cylinders that stick in the middle, with friction
     CattaneoMindlin,
+    /// Walls of a tube in contact with one another
+    SqueezedTube,
+    /// Legs of a serpentine in contact with one another
+    CrushedSerpentine,
+    /// Coils of a spring in contact with one another
+    CoilSpring,
 }
 
 impl VerificationProblem {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 11] = [
         Self::PatchTest,
         Self::HertzCylinder,
         Self::HertzSphere,
@@ -220,6 +265,9 @@ impl VerificationProblem {
         Self::RingBlock,
         Self::PipePinch,
         Self::CattaneoMindlin,
+        Self::SqueezedTube,
+        Self::CrushedSerpentine,
+        Self::CoilSpring,
     ];
 
     /// Whether it is also solved on meshes that take minutes.
@@ -238,6 +286,9 @@ impl VerificationProblem {
             Self::RingBlock => "ring_block",
             Self::PipePinch => "pipe_pinch",
             Self::CattaneoMindlin => "cattaneo_mindlin",
+            Self::SqueezedTube => "squeezed_tube",
+            Self::CrushedSerpentine => "crushed_serpentine",
+            Self::CoilSpring => "coil_spring",
         }
     }
 }

@@ -2,8 +2,10 @@
 //! problems with known answers. The figures stand in `docs/results/`.
 //!
 //! * [`accuracy`]: error of gap and normal, and its order;
+//! * [`closed_path`]: work of contact over nodes and over faces around a closed path;
 //! * [`domains`]: masters, conditioning and error on stretched, graded and irregular meshes;
 //! * [`sweep`]: smoothness along a path over many facets;
+//! * [`hertz`]: pressures at the nodes of an elastic cylinder and an elastic ball on an elastic block, and their orders;
 //! * [`scaling`]: what ranks hold and send with windows of a large surface, counted;
 //! * [`throughput`]: time and memory;
 //! * [`paper`]: the examples of the paper, solved with both elements.
@@ -11,8 +13,10 @@
 
 mod accuracy;
 mod arguments;
+mod closed_path;
 mod domains;
 mod error;
+mod hertz;
 mod markdown;
 mod paper;
 mod patch;
@@ -37,6 +41,8 @@ pub fn run(arguments: &StudyArguments) -> Result<(), CliError> {
         Study::Scaling(arguments) => scaling::run(arguments),
         Study::Throughput(arguments) => throughput::run(arguments),
         Study::Paper(arguments) => paper::run(arguments),
+        Study::ClosedPath(arguments) => closed_path::run(arguments),
+        Study::Hertz(arguments) => hertz::run(arguments),
         Study::Verification(arguments) => verification::run(arguments),
     }
 }

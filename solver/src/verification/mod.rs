@@ -24,4 +24,4 @@ pub use kink::largest_kink;
 pub use mindlin::{NodalTraction, PartialSlip, TractionProfile};
 pub use oscillation::Oscillation;
 pub use patch::Uniformity;
-pub use trace::{Snapshot, Trace, trace};
+pub use trace::{Snapshot, Trace, trace, trace_model};

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::contact::{Resultant, SlaveState};
 use crate::deck::Deck;
+use crate::model::Model;
 use crate::solid::SolidError;
 use crate::solve::{SolveError, statics};
 use crate::statics::{Control, Failure, IncrementRecord, Observer, Problem, State};
@@ -73,9 +74,21 @@ pub fn trace<T>(
     threads: usize,
     measure: impl FnMut(&Snapshot<'_>) -> Result<T, SolidError>,
 ) -> Result<Trace<T>, SolveError> {
+    trace_model(deck, &deck.model(base)?, threads, measure)
+}
+
+/// [`trace`] on a model of the deck, whose nodes may have been moved.
+///
+/// # Errors
+/// Those of [`trace`].
+pub fn trace_model<T>(
+    deck: &Deck,
+    model: &Model,
+    threads: usize,
+    measure: impl FnMut(&Snapshot<'_>) -> Result<T, SolidError>,
+) -> Result<Trace<T>, SolveError> {
     let begin = Instant::now();
-    let model = deck.model(base)?;
-    let mut statics = statics(deck, &model, threads)?;
+    let mut statics = statics(deck, model, threads)?;
     let start = statics.problem().start();
     let mut tracer = Tracer { measure, measures: Vec::new(), cutbacks: 0 };
     let state = statics.run(start, &mut tracer)?;

@@ -3,6 +3,7 @@
 //! Every problem is a deck, `examples/NAME.toml`, run as it is and with one thing changed at a time: the element, the mesh, which side is
 //! the master. Penalty, increments and tolerance are those of the deck for both elements.
 
+mod folding;
 mod hertz;
 mod mindlin;
 mod patch;
@@ -113,6 +114,9 @@ pub fn run(arguments: &VerificationArguments) -> Result<(), CliError> {
                 VerificationProblem::RingBlock => ring::study(&decks),
                 VerificationProblem::PipePinch => pinch::study(&decks),
                 VerificationProblem::CattaneoMindlin => mindlin::study(&decks),
+                VerificationProblem::SqueezedTube => folding::study(&decks, "Squeezed tube"),
+                VerificationProblem::CrushedSerpentine => folding::study(&decks, "Crushed serpentine"),
+                VerificationProblem::CoilSpring => folding::study(&decks, "Coil spring"),
             };
             let Findings { tables, charts } = findings.map_err(of_deck)?;
             if let (Some(path), false) = (picture(problem), charts.is_empty()) {

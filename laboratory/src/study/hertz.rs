@@ -1,0 +1,290 @@
+//! A cylinder and a ball on a block, all of one material: nodal pressures over faces against Hertz', either side as slave, and the orders
+//! at which their errors fall.
+//!
+//! Of both bodies there is what lies within many half widths of the contact, in a graded grid whose cells are equally long where they
+//! touch. What lies farther away changes how far they approach, not the pressure at a force: that of the run is put into the closed form.
+
+use diffuse_contact::surface::SymmetryPlane;
+use diffuse_contact_solver::contact::SlaveState;
+use diffuse_contact_solver::deck::{Deck, Reference};
+use diffuse_contact_solver::model::Model;
+use diffuse_contact_solver::model::shape::Shape;
+use diffuse_contact_solver::output::Fields;
+use diffuse_contact_solver::solve::SolveError;
+use diffuse_contact_solver::verification::{LineContact, PointContact, trace_model};
+
+use super::arguments::{HertzArguments, HertzBody};
+use super::markdown::Table;
+use crate::error::CliError;
+use crate::output;
+use crate::threads::with_threads;
+
+/// Both bodies are boxes of single cells in it.
+const DECK: &str = include_str!("hertz.toml");
+/// Of the curved body, length.
+const RADIUS: f64 = 10.0;
+/// Of the deck's material, force per area.
+const YOUNG: f64 = 200_000.0;
+/// E* of two bodies of it, force per area.
+const MODULUS: f64 = 0.5 * YOUNG / (1.0 - 0.3 * 0.3);
+/// Length of the block's cells over that of the body's.
+const FINER: f64 = 0.8;
+/// From one cell to the next where they grow.
+const GROWTH: f64 = 1.35;
+/// Cells are equally long within so many half widths.
+const UNIFORM: f64 = 1.3;
+/// Nodes within so many half widths are compared.
+const INNER: f64 = 0.85;
+
+/// What is known of a body.
+struct Case {
+    name: &'static str,
+    /// Whether it is a slice in plane strain.
+    is_slice: bool,
+    /// About the half width of the contact at the end, length.
+    half_width: f64,
+    /// How much of both bodies there is, half widths.
+    extent: f64,
+    /// What the far side of the body comes down by, length.
+    approach: f64,
+}
+
+impl Case {
+    /// From the line or the point of first touch.
+    fn distance(&self, x: f64, y: f64) -> f64 {
+        if self.is_slice { x } else { x.hypot(y) }
+    }
+}
+
+impl HertzBody {
+    const ALL: [Self; 2] = [Self::Cylinder, Self::Ball];
+
+    const fn case(self) -> Case {
+        match self {
+            Self::Cylinder => {
+                Case { name: "cylinder", is_slice: true, half_width: 0.4, extent: 20.0, approach: 0.0305 }
+            }
+            Self::Ball => {
+                Case { name: "ball", is_slice: false, half_width: 0.5, extent: 10.0, approach: 0.024 }
+            }
+        }
+    }
+}
+
+/// Solves all of them and prints a table.
+pub fn run(arguments: &HertzArguments) -> Result<(), CliError> {
+    let bodies = if arguments.bodies.is_empty() { &HertzBody::ALL[..] } else { &arguments.bodies };
+    let meshes: Vec<usize> = (0..arguments.meshes)
+        .rev()
+        .map(|k| (f64::from(arguments.finest) * (2.0_f64 / 3.0).powi(k as i32)).round() as usize)
+        .collect();
+    with_threads(arguments.threads, || {
+        for body in bodies {
+            let table =
+                table(&body.case(), &meshes, arguments.threads.unwrap_or(1)).map_err(CliError::job)?;
+            output::write_stdout(|writer| writeln!(writer, "{table}"))?;
+        }
+        Ok(())
+    })
+}
+
+fn table(case: &Case, meshes: &[usize], threads: usize) -> Result<Table, SolveError> {
+    let columns = [
+        "slave",
+        "cells within a, body and block",
+        "force, N",
+        "a, mm",
+        "p₀, closed form, MPa",
+        "nodes within 0.85 a",
+        "rms",
+        "order",
+        "largest error",
+        "order",
+        "largest pressure",
+        "rms of p_A",
+        "iterations",
+        "cut-backs",
+    ];
+    let heading = format!("Hertz, {} and block elastic: errors of the nodal pressures over p₀", case.name);
+    let mut table = Table::new(heading, columns);
+    for exchange in [true, false] {
+        let mut coarser: Option<(usize, Errors)> = None;
+        for &cells in meshes {
+            let run = press(case, cells, exchange, threads)?;
+            let order = |of: fn(&Errors) -> f64| match &coarser {
+                Some((before, errors)) => {
+                    let order = (of(errors) / of(&run.errors)).ln() / (cells as f64 / *before as f64).ln();
+                    format!("{order:.1}")
+                }
+                None => "–".to_owned(),
+            };
+            let percent = |ratio: f64| format!("{:+.2} %", 100.0 * ratio);
+            table.row([
+                if exchange { "block, the finer one".to_owned() } else { case.name.to_owned() },
+                format!("{cells}, {:.1}", cells as f64 / FINER),
+                format!("{:.2}", run.force),
+                format!("{:.4}", run.half_width),
+                format!("{:.0}", run.peak),
+                run.errors.nodes.to_string(),
+                format!("{:.2} %", 100.0 * run.errors.rms),
+                order(|errors| errors.rms),
+                percent(run.errors.largest),
+                order(|errors| errors.largest.abs()),
+                percent(run.errors.peak),
+                format!("{:.2} %", 100.0 * run.coefficients.rms),
+                run.iterations.to_string(),
+                run.cutbacks.to_string(),
+            ]);
+            coarser = Some((cells, run.errors));
+        }
+    }
+    Ok(table)
+}
+
+/// What pressures are off by, over p₀.
+#[derive(Clone, Copy)]
+struct Errors {
+    nodes: usize,
+    rms: f64,
+    /// With its sign.
+    largest: f64,
+    /// Of the largest pressure.
+    peak: f64,
+}
+
+impl Errors {
+    /// Of pressures at distances, over p₀ and half width.
+    fn of(points: impl Iterator<Item = [f64; 2]>) -> Self {
+        let (mut count, mut sum, mut largest, mut peak) = (0, 0.0, 0.0_f64, 0.0_f64);
+        for [distance, pressure] in points {
+            peak = peak.max(pressure);
+            if distance <= INNER {
+                let error = pressure - (1.0 - distance * distance).sqrt();
+                count += 1;
+                sum += error * error;
+                if error.abs() > largest.abs() {
+                    largest = error;
+                }
+            }
+        }
+        Self { nodes: count, rms: (sum / count as f64).sqrt(), largest, peak: peak - 1.0 }
+    }
+}
+
+/// A run.
+struct Press {
+    /// On what is modelled.
+    force: f64,
+    half_width: f64,
+    peak: f64,
+    /// Of the pressures of the results.
+    errors: Errors,
+    /// Of p_A, each by its node's average gap.
+    coefficients: Errors,
+    iterations: usize,
+    cutbacks: usize,
+}
+
+fn press(case: &Case, cells: usize, exchange: bool, threads: usize) -> Result<Press, SolveError> {
+    let (deck, model) = scene(case, cells, exchange)?;
+    let width = slice(case, cells);
+    let run = trace_model(&deck, &model, threads, |snapshot| {
+        let force = snapshot.contact_force()[2].abs();
+        let [half_width, peak] = closed_form(case, force, width);
+        let fields = Fields::of(snapshot.problem, snapshot.state);
+        let over = |slave: &SlaveState, pressure: f64| {
+            let [x, y, _] = snapshot.problem.start_positions()[slave.node];
+            [case.distance(x, y) / half_width, pressure / peak]
+        };
+        let slaves = || snapshot.slaves();
+        let errors = Errors::of(slaves().map(|slave| over(&slave, fields.contact_pressure[slave.node])));
+        let coefficients = Errors::of(slaves().map(|slave| over(&slave, slave.force / slave.area)));
+        Ok(([force, half_width, peak], [errors, coefficients]))
+    })?;
+    // The last increment ends at the end of time.
+    let ([force, half_width, peak], [errors, coefficients]) = run.measures[run.measures.len() - 1];
+    let (iterations, cutbacks) = (run.iterations, run.cutbacks);
+    Ok(Press { force, half_width, peak, errors, coefficients, iterations, cutbacks })
+}
+
+/// Half width and peak pressure at a force on half of the slice, or on a quarter of the ball.
+fn closed_form(case: &Case, force: f64, width: f64) -> [f64; 2] {
+    if case.is_slice {
+        let line = LineContact { force: 2.0 * force / width, radius: RADIUS, modulus: MODULUS };
+        [line.half_width(), line.peak_pressure()]
+    } else {
+        let point = PointContact { force: 4.0 * force, radius: RADIUS, modulus: MODULUS };
+        [point.half_width(), point.peak_pressure()]
+    }
+}
+
+/// Width of the slice: two cells of the body.
+fn slice(case: &Case, cells: usize) -> f64 {
+    2.0 * case.half_width / cells as f64
+}
+
+/// The deck, and its boxes with their nodes moved to where they are in the bodies.
+fn scene(case: &Case, cells: usize, exchange: bool) -> Result<(Deck, Model), SolveError> {
+    let size = case.half_width / cells as f64;
+    let extent = case.extent * case.half_width;
+    let grids = [("body", size), ("block", FINER * size)].map(|(name, size)| {
+        let along = ends(size, UNIFORM * case.half_width, extent);
+        let depth = ends(size, case.half_width, extent);
+        let across = if case.is_slice {
+            (0..=2).map(|k| 0.5 * f64::from(k) * slice(case, cells)).collect()
+        } else {
+            along.clone()
+        };
+        (name, [along, across, depth])
+    });
+    let mut deck = Deck::parse(DECK)?;
+    for (name, ends) in &grids {
+        if let Some(Shape::Block(block)) = deck.shape_mut(name) {
+            block.divisions = [0, 1, 2].map(|axis| ends[axis].len() - 1);
+        }
+    }
+    if case.is_slice {
+        let ends = ["body.y+", "block.y+"].map(|name| Reference { name: name.to_owned(), line: 0 });
+        deck.boundaries[1].nodes.extend(ends);
+    }
+    deck.boundaries[3].motion.translation[2] = -case.approach;
+    for interface in &mut deck.interfaces {
+        interface.penalty = Some(5.0 * YOUNG / size);
+        interface.exchange = exchange;
+        if case.is_slice {
+            let far = [0.0, slice(case, cells), 0.0];
+            interface.symmetry.push(SymmetryPlane { point: far, normal: [0.0, -1.0, 0.0] });
+        }
+    }
+    let mut model = deck.model("")?;
+    for (name, ends) in &grids {
+        let counts = [0, 1, 2].map(|axis| (ends[axis].len() - 1) as f64);
+        let nodes = model.node_sets.get(*name).cloned().unwrap_or_default();
+        for node in nodes {
+            let place = model.nodes[node];
+            let at = |axis: usize| ends[axis][(place[axis].abs() * counts[axis]).round() as usize];
+            let (x, y, depth) = (at(0), at(1), at(2));
+            let distance = case.distance(x, y);
+            // Both far sides are plane.
+            let sagitta = (1.0 - depth / extent) * (RADIUS - (RADIUS * RADIUS - distance * distance).sqrt());
+            model.nodes[node] = [x, y, if *name == "body" { depth + sagitta } else { -depth }];
+        }
+    }
+    Ok((deck, model))
+}
+
+/// Ends of cells from 0: of this size as far as `uniform`, then larger and larger as far as `extent`.
+fn ends(size: f64, uniform: f64, extent: f64) -> Vec<f64> {
+    let count = (uniform / size).ceil() as usize;
+    let mut ends: Vec<f64> = (0..=count).map(|k| size * k as f64).collect();
+    let (start, mut step, mut end) = (size * count as f64, size, size * count as f64);
+    let mut grown = Vec::new();
+    while end < extent {
+        step *= GROWTH;
+        end += step;
+        grown.push(end);
+    }
+    let scale = (extent - start) / (end - start);
+    ends.extend(grown.into_iter().map(|end| start + scale * (end - start)));
+    ends
+}

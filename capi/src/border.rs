@@ -333,6 +333,40 @@ impl<T: Versioned> SizedTarget<T> {
     }
 }
 
+/// A report of the caller, NULL if it is not wanted, beside the positions that it is of.
+///
+/// # Safety
+/// As [`sized_target`].
+pub unsafe fn wanted_report<T: Versioned>(
+    report: *mut T,
+    positions: &[[f64; 3]],
+) -> Result<Option<SizedTarget<T>>, Failure> {
+    if report.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: as the caller promises.
+    let report = unsafe { sized_target(report)? };
+    disjoint([read("positions", positions.as_ptr(), positions.len()), report.span()])?;
+    Ok(Some(report))
+}
+
+/// Writes the handle of a new object; NULL where it cannot be made.
+///
+/// # Safety
+/// `handle` is NULL or may be written.
+pub unsafe fn hand_out<T>(
+    name: &'static str,
+    handle: *mut *mut T,
+    make: impl FnOnce() -> Result<usize, Failure>,
+) -> Result<(), Failure> {
+    // SAFETY: as the caller promises.
+    unsafe { target(name, handle, 1)?.write([std::ptr::null_mut()]) };
+    let made = make()?;
+    // SAFETY: as the caller promises.
+    unsafe { target(name, handle, 1)?.write([std::ptr::without_provenance_mut(made)]) };
+    Ok(())
+}
+
 /// Room for `count` entries.
 pub fn reserve<T>(what: &str, count: usize) -> Result<Vec<T>, Failure> {
     let mut vector = Vec::new();

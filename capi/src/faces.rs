@@ -9,11 +9,11 @@ use runtime::faces::{
 use runtime::surface::{Facet, MasterSurface};
 
 use crate::assembly::{index, write};
-use crate::border::{self, Versioned, disjoint, input, reserve, roomy, sized_target, sums, target, wanted};
+use crate::border::{self, Versioned, disjoint, input, reserve, roomy, sums, target, wanted, wanted_report};
 use crate::choice;
 use crate::friction::{Accepted, moves_of, write_history, write_slip_errors};
-use crate::interface::{check_nodes, equations_of, facet_rows, facets_of, points, symmetry_planes};
 use crate::law::{self, dc_law};
+use crate::mesh::{self, check_nodes, equations_of, facet_rows, facets_of, points, symmetry_planes};
 use crate::options::dc_options;
 use crate::outcome;
 use crate::registry::Registry;
@@ -51,11 +51,7 @@ impl State {
     }
 
     fn expect_slaves(&self, found: usize) -> Result<(), Failure> {
-        let expected = self.interface.slaves().len();
-        if found == expected {
-            return Ok(());
-        }
-        Err(Failure::new(DC_BAD_SIZE, format!("bad-size: {found} entries for {expected} slave nodes")))
+        mesh::expect_slaves(self.interface.slaves(), found)
     }
 }
 
@@ -83,44 +79,43 @@ pub unsafe extern "C" fn dc_faces_create(
     faces: *mut *mut dc_faces,
 ) -> dc_status {
     border::call(|| {
-        // SAFETY: as the caller promises.
-        unsafe { target("faces", faces, 1)?.write([std::ptr::null_mut()]) };
-        // SAFETY: as the caller promises.
-        let (positions, master, slave, options) = unsafe {
-            (
-                points(positions, node_count)?,
-                facet_rows("facets", facets, facet_count)?,
-                facet_rows("slave_facets", slave_facets, slave_facet_count)?,
-                dc_options::read(options)?,
-            )
+        let make = || {
+            // SAFETY: as the caller promises.
+            let (positions, master, slave, options) = unsafe {
+                (
+                    points(positions, node_count)?,
+                    facet_rows("facets", facets, facet_count)?,
+                    facet_rows("slave_facets", slave_facets, slave_facet_count)?,
+                    dc_options::read(options)?,
+                )
+            };
+            check_nodes(positions.len())?;
+            let wanted = usize::try_from(degree).unwrap_or(0);
+            let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == wanted).ok_or_else(|| {
+                Failure::new(DC_BAD_OPTION, format!("invalid-option: degree has to be 2 or 4, not {degree}"))
+            })?;
+            let options = FaceOptions::new(options.interface()?).with_rule(rule);
+            let (master, slave) = (facets_of(master)?, facets_of(slave)?);
+            let interface = threads::run(|| -> Result<FaceInterface, Failure> {
+                Ok(FaceInterface::new(MasterSurface::new(positions, master)?, &slave, positions, options)?)
+            })??;
+            FACES.insert(State {
+                interface,
+                dofs: DofMap::standard(positions.len()),
+                nodes: positions.len(),
+                quadratic: Vec::new(),
+                evaluated: false,
+            })
         };
-        check_nodes(positions.len())?;
-        let wanted = usize::try_from(degree).unwrap_or(0);
-        let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == wanted).ok_or_else(|| {
-            Failure::new(DC_BAD_OPTION, format!("invalid-option: degree has to be 2 or 4, not {degree}"))
-        })?;
-        let options = FaceOptions::new(options.interface()?).with_rule(rule);
-        let (master, slave) = (facets_of(master)?, facets_of(slave)?);
-        let interface = threads::run(|| -> Result<FaceInterface, Failure> {
-            Ok(FaceInterface::new(MasterSurface::new(positions, master)?, &slave, positions, options)?)
-        })??;
-        let made = FACES.insert(State {
-            interface,
-            dofs: DofMap::standard(positions.len()),
-            nodes: positions.len(),
-            quadratic: Vec::new(),
-            evaluated: false,
-        })?;
         // SAFETY: as the caller promises.
-        unsafe { target("faces", faces, 1)?.write([std::ptr::without_provenance_mut(made)]) };
-        Ok(())
+        unsafe { border::hand_out("faces", faces, make) }
     })
 }
 
 /// Destroys it. NULL is DC_OK, a handle that was destroyed before is DC_BAD_HANDLE.
 #[unsafe(no_mangle)]
 pub extern "C" fn dc_faces_destroy(faces: *mut dc_faces) -> dc_status {
-    border::call(|| if faces.is_null() { Ok(()) } else { FACES.remove(faces.addr()) })
+    FACES.destroy(faces)
 }
 
 /// Numbers of nodes and of slave nodes, those of the slave facets. Either may be NULL.
@@ -135,15 +130,8 @@ pub unsafe extern "C" fn dc_faces_counts(
 ) -> dc_status {
     border::call(|| {
         with(faces, |state| {
-            let nodes = wanted("node_count", node_count, 1, 1)?;
-            let slaves = wanted("slave_count", slave_count, 1, 1)?;
-            disjoint([nodes.span(), slaves.span()])?;
             // SAFETY: as the caller promises.
-            unsafe {
-                nodes.write([state.nodes]);
-                slaves.write([state.interface.slaves().len()]);
-            }
-            Ok(())
+            unsafe { mesh::write_counts(state.nodes, state.interface.slaves(), node_count, slave_count) }
         })
     })
 }
@@ -374,11 +362,7 @@ unsafe fn take(
             // SAFETY: as the caller promises.
             let positions = unsafe { points(positions, node_count)? };
             // SAFETY: as the caller promises.
-            let report = if report.is_null() { None } else { Some(unsafe { sized_target(report)? }) };
-            if let Some(report) = &report {
-                let given = border::read("positions", positions.as_ptr(), positions.len());
-                disjoint([given, report.span()])?;
-            }
+            let report = unsafe { wanted_report(report, positions)? };
             let interface = &mut state.interface;
             let FaceReport { points, paired, faces, grown } = threads::run(|| {
                 if is_refresh { interface.refresh(positions) } else { interface.update(positions) }

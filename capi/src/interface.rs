@@ -6,17 +6,17 @@ use std::sync::Arc;
 use runtime::Point;
 use runtime::assembly::{DofMap, Triplets};
 use runtime::interface::{ContactInterface, Contacts, RefreshReport};
-use runtime::surface::{Facet, MasterSurface, SymmetryPlane};
+use runtime::surface::MasterSurface;
 
-use crate::border::{self, Versioned, disjoint, input, reserve, sized_target, target, wanted};
+use crate::border::{self, Versioned, disjoint, input, wanted, wanted_report};
 use crate::choice;
 use crate::cutback::Hint;
+use crate::mesh::{
+    self, check_nodes, equations_of, facet_rows, facets_of, points, slaves_of, symmetry_planes,
+};
 use crate::options::dc_options;
 use crate::registry::Registry;
-use crate::status::{
-    DC_BAD_POINTER, DC_BAD_SIZE, DC_FROZEN, DC_NOT_EVALUATED, DC_OUT_OF_RANGE, DC_TOO_LARGE, Failure,
-    dc_status,
-};
+use crate::status::{DC_FROZEN, DC_NOT_EVALUATED, DC_OUT_OF_RANGE, Failure, dc_status};
 use crate::threads;
 
 /// A contact interface: a master surface, slave nodes and their pairing. One thread at a time may use it, any thread; a
@@ -39,10 +39,10 @@ pub struct State {
 static INTERFACES: Registry<State> = Registry::new("interface", 1);
 
 /// Runs a call on an interface.
-pub fn with(
+pub fn with<R>(
     handle: *mut dc_interface,
-    work: impl FnOnce(&mut State) -> Result<(), Failure>,
-) -> Result<(), Failure> {
+    work: impl FnOnce(&mut State) -> Result<R, Failure>,
+) -> Result<R, Failure> {
     INTERFACES.with(handle.addr(), work)
 }
 
@@ -51,21 +51,13 @@ pub fn insert(state: State) -> Result<usize, Failure> {
     INTERFACES.insert(state)
 }
 
-/// Slave nodes.
-pub fn slaves_of(slaves: &[i32]) -> Result<Vec<usize>, Failure> {
-    let index = |(k, &node): (usize, &i32)| {
-        usize::try_from(node).map_err(|_| {
-            Failure::new(DC_OUT_OF_RANGE, format!("slave-out-of-range: slave {k} is node {node}"))
-        })
-    };
-    let mut nodes = reserve("slaves", slaves.len())?;
-    for slave in slaves.iter().enumerate() {
-        nodes.push(index(slave)?);
-    }
-    Ok(nodes)
-}
-
 impl State {
+    /// Of an interface of so many nodes that has not been paired.
+    pub fn new(interface: ContactInterface, nodes: usize, hint: Hint) -> Self {
+        let dofs = Arc::new(DofMap::standard(nodes));
+        Self { interface, dofs, hint, triplets: Triplets::new(), nodes, frozen: false, evaluated: false }
+    }
+
     /// The results of the moment.
     pub fn contacts(&self) -> Result<&Contacts, Failure> {
         if self.evaluated {
@@ -92,114 +84,8 @@ impl State {
 
     /// An array with an entry for each slave.
     pub fn expect_slaves(&self, found: usize) -> Result<(), Failure> {
-        let expected = self.interface.slaves().len();
-        if found == expected {
-            return Ok(());
-        }
-        let message = format!("bad-size: {found} entries for {expected} slaves");
-        Err(Failure::new(DC_BAD_SIZE, message))
+        mesh::expect_slaves(self.interface.slaves(), found)
     }
-}
-
-/// Counts in an array of the caller, 3 numbers for each node.
-///
-/// # Safety
-/// As [`input`].
-pub unsafe fn points<'a>(positions: *const f64, nodes: usize) -> Result<&'a [Point], Failure> {
-    let too_many = || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {nodes} nodes"));
-    let count = nodes.checked_mul(3).ok_or_else(too_many)?;
-    // SAFETY: as the caller promises.
-    let (points, _) = unsafe { input("positions", positions, count)? }.as_chunks::<3>();
-    Ok(points)
-}
-
-/// Facets from rows of four nodes.
-pub fn facets_of(rows: &[i32]) -> Result<Vec<Facet>, Failure> {
-    let (rows, _) = rows.as_chunks::<4>();
-    let node = |facet: usize, node: i32| {
-        usize::try_from(node).map_err(|_| {
-            let message = format!("node-out-of-range: facet {facet} has node {node} for a corner");
-            Failure::new(DC_OUT_OF_RANGE, message)
-        })
-    };
-    let facet = |(k, &[a, b, c, d]): (usize, &[i32; 4])| -> Result<Facet, Failure> {
-        let [a, b, c] = [node(k, a)?, node(k, b)?, node(k, c)?];
-        Ok(if d == -1 { Facet::Triangle([a, b, c]) } else { Facet::Quadrilateral([a, b, c, node(k, d)?]) })
-    };
-    let mut facets = reserve("facets", rows.len())?;
-    for row in rows.iter().enumerate() {
-        facets.push(facet(row)?);
-    }
-    Ok(facets)
-}
-
-/// An array of facets.
-///
-/// # Safety
-/// As [`input`].
-pub unsafe fn facet_rows<'a>(name: &str, rows: *const i32, count: usize) -> Result<&'a [i32], Failure> {
-    let too_many = || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {count} {name}"));
-    // SAFETY: as the caller promises.
-    unsafe { input(name, rows, count.checked_mul(4).ok_or_else(too_many)?) }
-}
-
-/// Planes of symmetry, 6 numbers each.
-///
-/// # Safety
-/// As [`input`].
-pub unsafe fn symmetry_planes(planes: *const f64, plane_count: usize) -> Result<Vec<SymmetryPlane>, Failure> {
-    let too_many = || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {plane_count} planes"));
-    let count = plane_count.checked_mul(6).ok_or_else(too_many)?;
-    // SAFETY: as the caller promises.
-    let (rows, _) = unsafe { input("planes", planes, count)? }.as_chunks::<6>();
-    let plane = |&[x, y, z, a, b, c]: &[f64; 6]| SymmetryPlane { point: [x, y, z], normal: [a, b, c] };
-    let mut planes = reserve("planes", rows.len())?;
-    planes.extend(rows.iter().map(plane));
-    Ok(planes)
-}
-
-/// The equations of so many nodes.
-///
-/// # Safety
-/// As [`input`].
-pub unsafe fn equations_of(
-    equations: *const i32,
-    (node_count, equation_count): (usize, usize),
-    nodes: usize,
-) -> Result<DofMap, Failure> {
-    if equations.is_null() {
-        if (node_count, equation_count) != (0, 0) {
-            let message = format!(
-                "bad-pointer: equations is NULL, which goes with no counts, not with {node_count} nodes and \
-                 {equation_count} equations"
-            );
-            return Err(Failure::new(DC_BAD_POINTER, message));
-        }
-        return Ok(DofMap::standard(nodes));
-    }
-    if node_count != nodes {
-        let message = format!("bad-size: equations of {node_count} nodes, but there are {nodes}");
-        return Err(Failure::new(DC_BAD_SIZE, message));
-    }
-    // SAFETY: as the caller promises.
-    let numbers = unsafe { input("equations", equations, 3 * node_count)? };
-    if let Some((place, number)) = numbers.iter().enumerate().find(|(_, number)| **number < -1) {
-        let message =
-            format!("unknown-equation: axis {} of node {} has equation {number}", place % 3, place / 3);
-        return Err(Failure::new(DC_OUT_OF_RANGE, message));
-    }
-    let (rows, _) = numbers.as_chunks::<3>();
-    let rows = rows.iter().map(|row| row.map(|number| usize::try_from(number).ok()));
-    Ok(DofMap::new(equation_count, rows)?)
-}
-
-/// Whether nodes can be named by the indices of C.
-pub fn check_nodes(count: usize) -> Result<(), Failure> {
-    if i32::try_from(count).is_err() {
-        let message = format!("too-many: {count} nodes are more than 32-bit indices can name");
-        return Err(Failure::new(DC_TOO_LARGE, message));
-    }
-    Ok(())
 }
 
 /// Makes an interface and writes its handle. Everything is copied.
@@ -226,23 +112,22 @@ pub unsafe extern "C" fn dc_create(
     interface: *mut *mut dc_interface,
 ) -> dc_status {
     border::call(|| {
-        // SAFETY: as the caller promises.
-        unsafe { target("interface", interface, 1)?.write([std::ptr::null_mut()]) };
-        // SAFETY: as the caller promises.
-        let (positions, master, slaves, areas, options) = unsafe {
-            (
-                points(positions, node_count)?,
-                facet_rows("facets", facets, facet_count)?,
-                input("slaves", slaves, slave_count)?,
-                facet_rows("slave_facets", slave_facets, slave_facet_count)?,
-                dc_options::read(options)?,
-            )
+        let make = || {
+            // SAFETY: as the caller promises.
+            let (positions, master, slaves, areas, options) = unsafe {
+                (
+                    points(positions, node_count)?,
+                    facet_rows("facets", facets, facet_count)?,
+                    input("slaves", slaves, slave_count)?,
+                    facet_rows("slave_facets", slave_facets, slave_facet_count)?,
+                    dc_options::read(options)?,
+                )
+            };
+            let state = threads::run(|| create(positions, master, slaves, areas, &options))??;
+            INTERFACES.insert(state)
         };
-        let state = threads::run(|| create(positions, master, slaves, areas, &options))??;
-        let made = INTERFACES.insert(state)?;
         // SAFETY: as the caller promises.
-        unsafe { target("interface", interface, 1)?.write([std::ptr::without_provenance_mut(made)]) };
-        Ok(())
+        unsafe { border::hand_out("interface", interface, make) }
     })
 }
 
@@ -266,7 +151,7 @@ fn create(
 /// Destroys an interface. NULL is DC_OK, a handle that was destroyed before is DC_BAD_HANDLE.
 #[unsafe(no_mangle)]
 pub extern "C" fn dc_destroy(interface: *mut dc_interface) -> dc_status {
-    border::call(|| if interface.is_null() { Ok(()) } else { INTERFACES.remove(interface.addr()) })
+    INTERFACES.destroy(interface)
 }
 
 /// Numbers of nodes and of slaves. Either may be NULL.
@@ -281,15 +166,8 @@ pub unsafe extern "C" fn dc_counts(
 ) -> dc_status {
     border::call(|| {
         with(interface, |state| {
-            let nodes = wanted("node_count", node_count, 1, 1)?;
-            let slaves = wanted("slave_count", slave_count, 1, 1)?;
-            disjoint([nodes.span(), slaves.span()])?;
             // SAFETY: as the caller promises.
-            unsafe {
-                nodes.write([state.nodes]);
-                slaves.write([state.interface.slaves().len()]);
-            }
-            Ok(())
+            unsafe { mesh::write_counts(state.nodes, state.interface.slaves(), node_count, slave_count) }
         })
     })
 }
@@ -487,11 +365,7 @@ pub unsafe extern "C" fn dc_refresh(
             // SAFETY: as the caller promises.
             let positions = unsafe { points(positions, node_count)? };
             // SAFETY: as the caller promises.
-            let report = if report.is_null() { None } else { Some(unsafe { sized_target(report)? }) };
-            if let Some(report) = &report {
-                let given = border::read("positions", positions.as_ptr(), positions.len());
-                disjoint([given, report.span()])?;
-            }
+            let report = unsafe { wanted_report(report, positions)? };
             let interface = &mut state.interface;
             let result = if state.frozen {
                 interface.update(positions)?;
@@ -572,19 +446,4 @@ pub unsafe extern "C" fn dc_set_equations(
             Ok(())
         })
     })
-}
-
-#[cfg(test)]
-mod layout {
-    use super::*;
-    use crate::status::DC_BAD_SURFACE;
-
-    #[test]
-    fn rows_become_facets() {
-        let read = facets_of(&[0, 1, 2, -1, 4, 5, 6, 7]).unwrap();
-        assert_eq!(read, [Facet::Triangle([0, 1, 2]), Facet::Quadrilateral([4, 5, 6, 7])]);
-        assert_eq!(facets_of(&[0, -1, 2, 3]).unwrap_err().status, DC_OUT_OF_RANGE);
-        assert_eq!(facets_of(&[0, 1, 2, -2]).unwrap_err().status, DC_OUT_OF_RANGE);
-        assert_eq!(create(&[], &[], &[], &[], &dc_options::defaults()).unwrap_err().status, DC_BAD_SURFACE);
-    }
 }

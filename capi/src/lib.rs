@@ -64,6 +64,7 @@ mod friction;
 mod interface;
 mod law;
 mod map;
+mod mesh;
 mod message;
 mod neighbours;
 mod operator;

@@ -68,32 +68,33 @@ unsafe fn create<I: Plain + CsrIndex>(
     (columns, entry_count): (*const I, usize),
     map: *mut *mut dc_map,
 ) -> Result<(), Failure> {
-    let handle = target("map", map, 1)?;
-    let given = [
+    disjoint([
         border::read("row_offsets", row_offsets, row_offset_count),
         border::read("columns", columns, entry_count),
-    ];
-    disjoint([given[0], given[1], handle.span()])?;
+        target("map", map, 1)?.span(),
+    ])?;
+    let make = || {
+        with(interface, |state| {
+            let contacts = state.contacts()?;
+            // SAFETY: as the caller promises.
+            let (row_offsets, columns) = unsafe {
+                (
+                    input("row_offsets", row_offsets, row_offset_count)?,
+                    input("columns", columns, entry_count)?,
+                )
+            };
+            let places = threads::run(|| CsrMap::within(contacts, &state.dofs, row_offsets, columns))??;
+            MAPS.insert(OfEquations { places, dofs: Arc::clone(&state.dofs), what: "map" })
+        })
+    };
     // SAFETY: as the caller promises.
-    unsafe { handle.write([std::ptr::null_mut()]) };
-    with(interface, |state| {
-        let contacts = state.contacts()?;
-        // SAFETY: as the caller promises.
-        let (row_offsets, columns) = unsafe {
-            (input("row_offsets", row_offsets, row_offset_count)?, input("columns", columns, entry_count)?)
-        };
-        let places = threads::run(|| CsrMap::within(contacts, &state.dofs, row_offsets, columns))??;
-        let made = MAPS.insert(OfEquations { places, dofs: Arc::clone(&state.dofs), what: "map" })?;
-        // SAFETY: as the caller promises.
-        unsafe { target("map", map, 1)?.write([std::ptr::without_provenance_mut(made)]) };
-        Ok(())
-    })
+    unsafe { border::hand_out("map", map, make) }
 }
 
 /// Destroys a map. NULL is DC_OK. The interface may be gone already.
 #[unsafe(no_mangle)]
 pub extern "C" fn dc_map_destroy(map: *mut dc_map) -> dc_status {
-    border::call(|| if map.is_null() { Ok(()) } else { MAPS.remove(map.addr()) })
+    MAPS.destroy(map)
 }
 
 /// Adds the tangent K = -dR/dx to the `values` of a matrix of that structure, in parallel, as dc_pattern_fill does.

@@ -32,32 +32,30 @@ pub unsafe extern "C" fn dc_operator_create(
 ) -> dc_status {
     border::call(|| {
         let active_count = wanted("active_count", active_count, 1, 1)?;
-        let handle = target("tangent", tangent, 1)?;
         // SAFETY: as the caller promises.
-        unsafe { law::disjoint(law, [handle.span(), active_count.span()])? };
+        unsafe { law::disjoint(law, [target("tangent", tangent, 1)?.span(), active_count.span()])? };
+        let make = || {
+            with(interface, |state| {
+                // SAFETY: as the caller promises.
+                let law = unsafe { law::read(law)? };
+                let law = law.contact()?;
+                let made = threads::run(|| TangentOperator::new(&state.interface, &law, &state.dofs))??;
+                let contacts = made.contacts();
+                let made = OPERATORS.insert(made)?;
+                // SAFETY: as the caller promises.
+                unsafe { active_count.write([contacts]) };
+                Ok(made)
+            })
+        };
         // SAFETY: as the caller promises.
-        unsafe { handle.write([std::ptr::null_mut()]) };
-        with(interface, |state| {
-            // SAFETY: as the caller promises.
-            let law = unsafe { law::read(law)? };
-            let law = law.contact()?;
-            let made = threads::run(|| TangentOperator::new(&state.interface, &law, &state.dofs))??;
-            let contacts = made.contacts();
-            let made = OPERATORS.insert(made)?;
-            // SAFETY: as the caller promises.
-            unsafe {
-                target("tangent", tangent, 1)?.write([std::ptr::without_provenance_mut(made)]);
-                active_count.write([contacts]);
-            }
-            Ok(())
-        })
+        unsafe { border::hand_out("tangent", tangent, make) }
     })
 }
 
 /// Destroys an operator. NULL is DC_OK. The interface may be gone already.
 #[unsafe(no_mangle)]
 pub extern "C" fn dc_operator_destroy(tangent: *mut dc_operator) -> dc_status {
-    border::call(|| if tangent.is_null() { Ok(()) } else { OPERATORS.remove(tangent.addr()) })
+    OPERATORS.destroy(tangent)
 }
 
 /// Adds K v to `product`, one entry per equation, in parallel. It differs from the product of the assembled matrix by rounding, and does not

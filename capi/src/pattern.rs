@@ -66,31 +66,29 @@ pub unsafe extern "C" fn dc_pattern_create(
 ) -> dc_status {
     border::call(|| {
         let entry_count = wanted("entry_count", entry_count, 1, 1)?;
-        let handle = target("pattern", pattern, 1)?;
-        disjoint([handle.span(), entry_count.span()])?;
+        disjoint([target("pattern", pattern, 1)?.span(), entry_count.span()])?;
+        let make = || {
+            with(interface, |state| {
+                let contacts = state.contacts()?;
+                let places = threads::run(|| CsrPattern::union(contacts, &state.dofs))??;
+                index("equations", places.equations())?;
+                let entries = index("entries", places.entries())? as usize;
+                let made = OfEquations { places, dofs: Arc::clone(&state.dofs), what: "pattern" };
+                let made = PATTERNS.insert(made)?;
+                // SAFETY: as the caller promises.
+                unsafe { entry_count.write([entries]) };
+                Ok(made)
+            })
+        };
         // SAFETY: as the caller promises.
-        unsafe { handle.write([std::ptr::null_mut()]) };
-        with(interface, |state| {
-            let contacts = state.contacts()?;
-            let places = threads::run(|| CsrPattern::union(contacts, &state.dofs))??;
-            index("equations", places.equations())?;
-            let entries = index("entries", places.entries())? as usize;
-            let made =
-                PATTERNS.insert(OfEquations { places, dofs: Arc::clone(&state.dofs), what: "pattern" })?;
-            // SAFETY: as the caller promises.
-            unsafe {
-                target("pattern", pattern, 1)?.write([std::ptr::without_provenance_mut(made)]);
-                entry_count.write([entries]);
-            }
-            Ok(())
-        })
+        unsafe { border::hand_out("pattern", pattern, make) }
     })
 }
 
 /// Destroys a pattern. NULL is DC_OK. The interface may be gone already.
 #[unsafe(no_mangle)]
 pub extern "C" fn dc_pattern_destroy(pattern: *mut dc_pattern) -> dc_status {
-    border::call(|| if pattern.is_null() { Ok(()) } else { PATTERNS.remove(pattern.addr()) })
+    PATTERNS.destroy(pattern)
 }
 
 /// Copies out where the entries are, counted from 0: those of row i are `row_offsets[i]` to `row_offsets[i + 1]` - 1, in

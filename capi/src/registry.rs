@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, RwLock, TryLockError};
 
-use crate::status::{DC_BAD_HANDLE, DC_BUSY, DC_INTERNAL, DC_TOO_LARGE, Failure};
+use crate::border;
+use crate::status::{DC_BAD_HANDLE, DC_BUSY, DC_INTERNAL, DC_TOO_LARGE, Failure, dc_status};
 
 /// Bits that no address of a program has, where pointers have 64 bits: neither a pointer nor a small number is
 /// taken for a handle.
@@ -87,8 +88,13 @@ impl<T> Registry<T> {
         Failure::new(DC_BUSY, format!("busy: another thread is in a call with this {}", self.what))
     }
 
+    /// A call that destroys the object of a handle; of NULL there is none to destroy.
+    pub fn destroy<H>(&self, handle: *mut H) -> dc_status {
+        border::call(|| if handle.is_null() { Ok(()) } else { self.remove(handle.addr()) })
+    }
+
     /// Destroys the object, if no other thread works with it.
-    pub fn remove(&self, handle: usize) -> Result<(), Failure> {
+    fn remove(&self, handle: usize) -> Result<(), Failure> {
         let entry = self.find(handle)?;
         let object = match entry.try_lock() {
             Ok(mut object) => object.take(),

@@ -1,16 +1,12 @@
 //! Windows of a surface: what some slaves can need of it, where nobody holds the whole.
 
-use std::sync::Arc;
-
-use runtime::assembly::{DofMap, Triplets};
 use runtime::interface::ContactInterface;
 use runtime::surface::window::{Box3, Window};
 
-use crate::border::{self, disjoint, input, reserve, roomy, target, wanted};
+use crate::border::{self, disjoint, input, reserve, roomy, wanted};
 use crate::cutback::Hint;
-use crate::interface::{
-    State, check_nodes, dc_interface, facet_rows, facets_of, insert, points, slaves_of, with,
-};
+use crate::interface::{State, dc_interface, insert, with};
+use crate::mesh::{check_nodes, facet_rows, facets_of, points, slaves_of};
 use crate::options::dc_options;
 use crate::registry::Registry;
 use crate::status::{DC_BAD_SIZE, Failure, dc_status};
@@ -52,24 +48,20 @@ pub unsafe extern "C" fn dc_window_create(
     window: *mut *mut dc_window,
 ) -> dc_status {
     border::call(|| {
-        // SAFETY: as the caller promises.
-        unsafe { target("window", window, 1)?.write([std::ptr::null_mut()]) };
-        // SAFETY: as the caller promises.
-        let boxes = unsafe { boxes_of(boxes, box_count)? };
-        with(interface, |state| {
-            let made = threads::run(|| state.interface.window(&boxes, skin))??;
-            let made = WINDOWS.insert(made)?;
+        let make = || {
             // SAFETY: as the caller promises.
-            unsafe { target("window", window, 1)?.write([std::ptr::without_provenance_mut(made)]) };
-            Ok(())
-        })
+            let boxes = unsafe { boxes_of(boxes, box_count)? };
+            with(interface, |state| WINDOWS.insert(threads::run(|| state.interface.window(&boxes, skin))??))
+        };
+        // SAFETY: as the caller promises.
+        unsafe { border::hand_out("window", window, make) }
     })
 }
 
 /// Destroys a window. NULL is DC_OK. Interfaces made of it stay.
 #[unsafe(no_mangle)]
 pub extern "C" fn dc_window_destroy(window: *mut dc_window) -> dc_status {
-    border::call(|| if window.is_null() { Ok(()) } else { WINDOWS.remove(window.addr()) })
+    WINDOWS.destroy(window)
 }
 
 /// Numbers of nodes and facets of a window, and of the integers and floating-point numbers of dc_window_numbers. Each may be NULL.
@@ -172,15 +164,14 @@ pub unsafe extern "C" fn dc_window_from_numbers(
     window: *mut *mut dc_window,
 ) -> dc_status {
     border::call(|| {
+        let make = || {
+            // SAFETY: as the caller promises.
+            let (integers, reals) =
+                unsafe { (input("integers", integers, integer_count)?, input("reals", reals, real_count)?) };
+            WINDOWS.insert(Window::from_numbers(integers, reals)?)
+        };
         // SAFETY: as the caller promises.
-        unsafe { target("window", window, 1)?.write([std::ptr::null_mut()]) };
-        // SAFETY: as the caller promises.
-        let (integers, reals) =
-            unsafe { (input("integers", integers, integer_count)?, input("reals", reals, real_count)?) };
-        let made = WINDOWS.insert(Window::from_numbers(integers, reals)?)?;
-        // SAFETY: as the caller promises.
-        unsafe { target("window", window, 1)?.write([std::ptr::without_provenance_mut(made)]) };
-        Ok(())
+        unsafe { border::hand_out("window", window, make) }
     })
 }
 
@@ -205,35 +196,28 @@ pub unsafe extern "C" fn dc_create_in_window(
     interface: *mut *mut dc_interface,
 ) -> dc_status {
     border::call(|| {
-        // SAFETY: as the caller promises.
-        unsafe { target("interface", interface, 1)?.write([std::ptr::null_mut()]) };
-        // SAFETY: as the caller promises.
-        let (positions, slaves, facets, options) = unsafe {
-            (
-                points(positions, node_count)?,
-                input("slaves", slaves, slave_count)?,
-                facet_rows("slave_facets", slave_facets, slave_facet_count)?,
-                dc_options::read(options)?,
-            )
+        let make = || {
+            // SAFETY: as the caller promises.
+            let (positions, slaves, facets, options) = unsafe {
+                (
+                    points(positions, node_count)?,
+                    input("slaves", slaves, slave_count)?,
+                    facet_rows("slave_facets", slave_facets, slave_facet_count)?,
+                    dc_options::read(options)?,
+                )
+            };
+            check_nodes(positions.len())?;
+            let slaves = slaves_of(slaves)?;
+            let hint = Hint::new(options.cutback_penetration, slaves.len())?;
+            let (facets, options) = (facets_of(facets)?, options.interface()?);
+            let contact = WINDOWS.with(window.addr(), |window| {
+                Ok(threads::run(|| {
+                    ContactInterface::in_window(window, slaves, &facets, positions, options)
+                })??)
+            })?;
+            insert(State::new(contact, positions.len(), hint))
         };
-        check_nodes(positions.len())?;
-        let slaves = slaves_of(slaves)?;
-        let hint = Hint::new(options.cutback_penetration, slaves.len())?;
-        let (facets, options) = (facets_of(facets)?, options.interface()?);
-        let contact = WINDOWS.with(window.addr(), |window| {
-            Ok(threads::run(|| ContactInterface::in_window(window, slaves, &facets, positions, options))??)
-        })?;
-        let made = insert(State::new(contact, positions.len(), hint))?;
         // SAFETY: as the caller promises.
-        unsafe { target("interface", interface, 1)?.write([std::ptr::without_provenance_mut(made)]) };
-        Ok(())
+        unsafe { border::hand_out("interface", interface, make) }
     })
-}
-
-impl State {
-    /// Of an interface of so many nodes that has not been paired.
-    pub fn new(interface: ContactInterface, nodes: usize, hint: Hint) -> Self {
-        let dofs = Arc::new(DofMap::standard(nodes));
-        Self { interface, dofs, hint, triplets: Triplets::new(), nodes, frozen: false, evaluated: false }
-    }
 }

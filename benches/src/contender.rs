@@ -1,15 +1,9 @@
-//! The ways to evaluate an element, each behind the same two functions.
+//! What a contender is: a way to evaluate an element, behind the same two functions as all others.
 
 use diffuse_contact_kernels::support::Isa;
 use serde::Serialize;
 
 use crate::Elements;
-#[cfg(feature = "rivals")]
-use crate::{
-    batch::GapInBatches,
-    by_hand, dual,
-    generated::{GapOneByOne, SurfaceOneByOne},
-};
 
 /// What a contender computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -99,68 +93,3 @@ pub const GENERATED_SINGLE: &str = "generated-single";
 
 /// The generated kernels, many elements at a time.
 pub const GENERATED_BATCH: &str = "generated-batch";
-
-#[cfg(feature = "rivals")]
-/// All contenders. One more is one more entry here and its [`Run`].
-pub const CONTENDERS: [Contender; 10] = [
-    Contender {
-        kernel: GENERATED_SINGLE,
-        output: Output::GapHessian,
-        prepare: |elements, isa| Some(Box::new(GapOneByOne::new(elements, Output::GapHessian, isa))),
-        counted: true,
-    },
-    Contender {
-        kernel: GENERATED_SINGLE,
-        output: Output::GapGradient,
-        prepare: |elements, isa| Some(Box::new(GapOneByOne::new(elements, Output::GapGradient, isa))),
-        counted: true,
-    },
-    Contender {
-        kernel: GENERATED_SINGLE,
-        output: Output::GapCoMovingHessian,
-        prepare: |elements, isa| Some(Box::new(GapOneByOne::new(elements, Output::GapCoMovingHessian, isa))),
-        counted: true,
-    },
-    Contender {
-        kernel: GENERATED_SINGLE,
-        output: Output::SurfaceHessian,
-        prepare: |elements, _| Some(Box::new(SurfaceOneByOne::new(elements))),
-        counted: true,
-    },
-    Contender {
-        kernel: GENERATED_BATCH,
-        output: Output::GapHessian,
-        prepare: |elements, isa| Some(Box::new(GapInBatches::new(elements, Output::GapHessian, isa))),
-        counted: true,
-    },
-    Contender {
-        kernel: GENERATED_BATCH,
-        output: Output::GapGradient,
-        prepare: |elements, isa| Some(Box::new(GapInBatches::new(elements, Output::GapGradient, isa))),
-        counted: true,
-    },
-    Contender {
-        kernel: GENERATED_BATCH,
-        output: Output::GapCoMovingHessian,
-        prepare: |elements, isa| Some(Box::new(GapInBatches::new(elements, Output::GapCoMovingHessian, isa))),
-        counted: true,
-    },
-    Contender {
-        kernel: "by-hand-nalgebra",
-        output: Output::GapHessian,
-        prepare: |elements, _| by_hand::prepare(elements),
-        counted: false,
-    },
-    Contender {
-        kernel: "num-dual-dual2-vec",
-        output: Output::GapHessian,
-        prepare: |elements, _| dual::prepare_vectors(elements),
-        counted: false,
-    },
-    Contender {
-        kernel: "num-dual-hyper-dual",
-        output: Output::GapHessian,
-        prepare: |elements, _| dual::prepare_pairs(elements),
-        counted: false,
-    },
-];

@@ -9,7 +9,7 @@
 //! | --- | --- |
 //! | `elements.rs` | the elements all contenders evaluate |
 //! | `random.rs` | the numbers they are made of |
-//! | `contender.rs` | what a contender is, and the list of them |
+//! | `contender.rs`, `contenders.rs` | what a contender is, and the list of them |
 //! | `generated.rs` | the generated kernels one element at a time, and their operation counts |
 //! | `batch.rs` | the generated kernels for many elements at once |
 //! | `by_hand/` | the element written by hand with nalgebra |
@@ -25,6 +25,8 @@ pub mod batch;
 pub mod by_hand;
 pub mod contender;
 #[cfg(feature = "rivals")]
+pub mod contenders;
+#[cfg(feature = "rivals")]
 pub mod dual;
 pub mod elements;
 pub mod generated;
@@ -39,9 +41,9 @@ pub mod report;
 #[cfg(feature = "rivals")]
 pub mod tetrahedron;
 
-#[cfg(feature = "rivals")]
-pub use contender::CONTENDERS;
 pub use contender::{Contender, Evaluation, NoResult, Output, Run};
+#[cfg(feature = "rivals")]
+pub use contenders::CONTENDERS;
 pub use elements::{Elements, ElementsError};
 #[cfg(feature = "rivals")]
 pub use generated::operations;

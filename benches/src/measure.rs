@@ -4,7 +4,8 @@ use std::time::Instant;
 
 use diffuse_contact_kernels::support::Isa;
 
-use crate::contender::{CONTENDERS, Contender, Evaluation, NoResult, Run};
+use crate::contender::{Contender, Evaluation, NoResult, Run};
+use crate::contenders::CONTENDERS;
 use crate::generated::{compiled_for, operations, reference};
 use crate::report::{Absent, Report, Row};
 use crate::{Elements, ElementsError, peak};

@@ -34,13 +34,6 @@ impl BlockMatrix {
         self.blocks.fill([[0.0; 3]; 3]);
     }
 
-    /// Zero again with another pattern.
-    pub fn reset(&mut self, pattern: Arc<BlockPattern>) {
-        self.blocks.clear();
-        self.blocks.resize(pattern.blocks(), [[0.0; 3]; 3]);
-        self.pattern = pattern;
-    }
-
     /// The block of a pair of nodes, if there is one.
     #[must_use]
     pub fn block(&self, row: usize, column: usize) -> Option<&[[f64; 3]; 3]> {

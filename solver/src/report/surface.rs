@@ -183,24 +183,25 @@ fn pairs(rows: usize, length: impl Fn(usize) -> usize) -> impl Iterator<Item = (
 mod tests {
     use super::*;
 
+    /// Areas of the triangles, all in the plane of x and y.
+    fn areas(sample: &SurfaceSample) -> impl Iterator<Item = f64> {
+        sample.triangles.iter().map(|triangle| {
+            let [a, b, c] = triangle.map(|k| sample.flat[k]);
+            0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+        })
+    }
+
     #[test]
     fn samples_lie_on_the_facet_and_triangles_cover_it() {
         let positions = [[0.0; 3], [2.0, 0.0, 0.0], [2.0, 3.0, 0.0], [0.0, 3.0, 0.0]];
         for (facet, area) in [(Facet::Quadrilateral([0, 1, 2, 3]), 6.0), (Facet::Triangle([0, 1, 2]), 3.0)] {
             let mut found = SurfaceSample { grid: SAMPLES, ..SurfaceSample::default() };
             add_samples(&facet, &positions, &mut found);
-            let covered: f64 = found
-                .triangles
-                .iter()
-                .map(|triangle| {
-                    let [a, b, c] = triangle.map(|k| found.flat[k]);
-                    0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
-                })
-                .inspect(|&area| assert!(area > 0.0))
-                .sum();
+            let covered: f64 = areas(&found).inspect(|&area| assert!(area > 0.0)).sum();
             assert!((covered - area).abs() < 1e-12, "{covered} of {area}");
         }
     }
+
     #[test]
     fn surfaces_of_any_size_have_few_points() {
         for (cells, grid, points) in
@@ -221,14 +222,7 @@ mod tests {
             assert_eq!((found.grid, found.flat.len(), found.facets), (grid, points, cells * cells));
             assert!(found.is_sound());
             if points > 0 {
-                let covered: f64 = found
-                    .triangles
-                    .iter()
-                    .map(|triangle| {
-                        let [a, b, c] = triangle.map(|k| found.flat[k]);
-                        0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
-                    })
-                    .sum();
+                let covered: f64 = areas(found).sum();
                 assert!((covered / (cells * cells) as f64 - 1.0).abs() < 1e-12, "{covered}");
                 // A plane is fitted exactly.
                 assert!(found.smooth.iter().all(|point| point[2].abs() < 1e-9));

@@ -139,6 +139,20 @@ mod tests {
         assert!((pressure(false).at(1.5) - 7.0 * 1.75).abs() < 1e-12);
     }
 
+    /// Neither sum nor moment: to rounding, and to `tolerance` of the largest force.
+    fn assert_balanced(positions: &[[f64; 3]], forces: &[f64], tolerance: f64) {
+        let size = forces.iter().map(|f| f.abs()).fold(0.0, f64::max);
+        let mut moment = [0.0; 3];
+        for (x, f) in positions.iter().zip(forces.as_chunks::<3>().0) {
+            let turned = cross(*x, *f);
+            (0..3).for_each(|axis| moment[axis] += turned[axis]);
+        }
+        for axis in 0..3 {
+            assert!(forces.iter().skip(axis).step_by(3).sum::<f64>().abs() < 1e-13 * size);
+            assert!(moment[axis].abs() < tolerance * size, "{moment:?} {size}");
+        }
+    }
+
     /// The forces on a closed surface in a uniform pressure are in equilibrium, wherever its nodes are.
     #[test]
     fn followers_on_a_closed_surface_are_in_equilibrium() {
@@ -146,16 +160,7 @@ mod tests {
         let faces = vec![vec![0, 2, 1], vec![0, 1, 4], vec![1, 2, 4], vec![2, 0, 4]];
         let closed = Pressure { faces, ..pressure(true) };
         let found = forces(&closed, 2.0, &positions);
-        let size = found.iter().map(|f| f.abs()).fold(0.0, f64::max);
-        let mut moment = [0.0; 3];
-        for (x, f) in positions.iter().zip(found.as_chunks::<3>().0) {
-            let turned = cross(*x, *f);
-            (0..3).for_each(|axis| moment[axis] += turned[axis]);
-        }
-        for axis in 0..3 {
-            assert!(found.iter().skip(axis).step_by(3).sum::<f64>().abs() < 1e-13 * size);
-            assert!(moment[axis].abs() < 1e-12 * size, "{moment:?}");
-        }
+        assert_balanced(&positions, &found, 1e-12);
     }
 
     /// The same with the curved faces of a tetrahedron of second order.
@@ -175,16 +180,7 @@ mod tests {
         let closed = Pressure { faces: faces.to_vec(), ..pressure(true) };
         let mut found = vec![0.0; 30];
         closed.add_forces(2.0, &positions, &positions, &mut found);
-        let size = found.iter().map(|f| f.abs()).fold(0.0, f64::max);
-        let mut moment = [0.0; 3];
-        for (x, f) in positions.iter().zip(found.as_chunks::<3>().0) {
-            let turned = cross(*x, *f);
-            (0..3).for_each(|axis| moment[axis] += turned[axis]);
-        }
-        for axis in 0..3 {
-            assert!(found.iter().skip(axis).step_by(3).sum::<f64>().abs() < 1e-13 * size);
-            assert!(moment[axis].abs() < 1e-13 * size, "{moment:?} {size}");
-        }
+        assert_balanced(&positions, &found, 1e-13);
         // The derivative, by differences of what is quadratic in each coordinate.
         let mut matrix = BlockMatrix::new(Arc::new(BlockPattern::new(10, closed.faces.iter())));
         closed.add_tangent(2.0, &positions, &mut matrix);

@@ -121,7 +121,7 @@ fn a_gap_in_c_is_that_of_the_product() {
                 pole: 4,
             };
             expected.push(by_rust(rule, &inputs));
-            elements.push([&slave[..], AXES.as_flattened(), &[2.5, 4.0]].concat());
+            elements.push([&slave[..], AXES.as_flattened(), &[4.0, 2.5]].concat());
             for k in 0..NODES {
                 nodes.extend(masters[k]);
                 if is_material {

@@ -192,7 +192,8 @@ impl<R: CsrIndex, C: CsrIndex> Search<'_, R, C> {
         for &neighbour in self.neighbours.get(node as usize) {
             let Some(x) = self.dofs.three_in_a_row(neighbour as usize) else { return Ok(false) };
             let slot = find(columns, x, next).ok_or(AssemblyError::MissingEntry { row: first, column: x })?;
-            let is_there = |k: usize| columns.get(slot + k).is_some_and(|&own| own.try_into().ok() == Some(x + k));
+            let is_there =
+                |k: usize| columns.get(slot + k).is_some_and(|&own| own.try_into().ok() == Some(x + k));
             if !self.is_union
                 && let Some(k) = [1, 2].into_iter().find(|&k| !is_there(k))
             {

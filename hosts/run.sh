@@ -19,7 +19,7 @@ for host in "$@"; do
             "python3-dolfinx, python3-petsc4py, python3-mpi4py, openmpi-bin and python3-venv" >&2 && exit 2
     fi
     environment=$environments/$host
-    "$python" -m venv "${options[@]}" "$environment"
+    "$python" -m venv --clear "${options[@]}" "$environment"
     "$environment/bin/pip" install --quiet "${DIFFUSE_CONTACT_WHEEL:-./python}" "pytest>=8" "${packages[@]}"
     "$environment/bin/python" -m pytest -p no:cacheprovider "hosts/$host"
 done

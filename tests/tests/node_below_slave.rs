@@ -67,7 +67,7 @@ fn node_below_slave(backend: &impl Backend, reference: &impl Backend, tolerance:
         compare(&on_node, backend, reference, tolerance);
         let limit = gap(backend, &on_node);
         for r in DISTANCES {
-            for direction in [ASIDE, [0.0, -1.0]] {
+            for direction in [ASIDE, [1.0, 0.0], [0.0, -1.0], [-0.8, 0.6]] {
                 let case = above_node(basis, r, direction);
                 compare(&case, backend, reference, tolerance);
                 // N and M are Lipschitz functions of the position.

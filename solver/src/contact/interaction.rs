@@ -11,10 +11,10 @@ use diffuse_contact::surface::{Facet, SymmetryPlane, tributary_areas};
 use diffuse_contact::{Mode, Point};
 
 use super::face_pass::FacePass;
-use super::losses::{Way, is_failure};
+use super::losses::is_failure;
 use super::node_pass::NodePass;
 use super::pass::{FrictionHistory, NodalForces, Pass, PassError};
-use super::{ContactError, LostContact};
+use super::{ContactError, LostContact, Way};
 use crate::system::{BlockMatrix, Symmetry};
 
 /// What contact is integrated over.

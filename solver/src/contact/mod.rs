@@ -16,6 +16,7 @@ mod pass;
 mod resultant;
 #[cfg(test)]
 mod tests;
+mod tracks;
 
 pub use adjust::{AdjustError, adjust};
 pub use beginning::Beginning;
@@ -25,9 +26,10 @@ pub use interaction::{
     Augmentation, Augmented, Coefficient, Friction, Integration, Interaction, InteractionOptions,
     RefreshRule, SlaveState, TangentRule,
 };
-pub use losses::{Loss, LostContact, Way};
+pub use losses::{Loss, LostContact};
 pub use pass::{FrictionHistory, NodalForces};
 pub use resultant::Resultant;
+pub use tracks::Way;
 
 use diffuse_contact::Mode;
 use diffuse_contact::assembly::Tangent;

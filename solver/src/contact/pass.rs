@@ -8,8 +8,8 @@ use diffuse_contact::interface::{FrictionReport, InterfaceError, Outcome};
 use diffuse_contact::surface::MasterSurface;
 use serde::{Deserialize, Serialize};
 
-use super::losses::{Losses, Way};
-use super::{Coefficient, ContactError, Friction, InteractionOptions, LostContact, SlaveState};
+use super::losses::Losses;
+use super::{Coefficient, ContactError, Friction, InteractionOptions, LostContact, SlaveState, Way};
 use crate::system::{BlockMatrix, Symmetry};
 
 /// What contact exerts on each node, as slave and as master, in all passes.

@@ -192,4 +192,4 @@ fn shifted(facets: Vec<Facet>, by: usize) -> Vec<Facet> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -95,8 +95,8 @@ fn a_part_is_placed_by_rotation_and_translation() {
     Model::default().add("turned", part, Some(STEEL)).unwrap();
 }
 
-/// Two cubes side by side along x in one file, a shell on top of the first one, seen from below, and a rigid square.
-const INPUT: &str = "*NODE
+/// The nodes of two cubes side by side along x, in the format of Abaqus.
+pub const TWO_CUBES: &str = "*NODE
 1, 0, 0, 0
 2, 1, 0, 0
 3, 1, 1, 0
@@ -109,6 +109,10 @@ const INPUT: &str = "*NODE
 10, 2, 1, 0
 11, 2, 0, 1
 12, 2, 1, 1
+";
+
+/// Two cubes in one file, a shell on top of the first one, seen from below, and a rigid square.
+const INPUT: &str = "\
 21, 0, 0, 5
 22, 1, 0, 5
 23, 1, 1, 5
@@ -133,7 +137,7 @@ fn written(name: &str) -> PathBuf {
     let directory = std::env::temp_dir().join(format!("diffuse-contact-model-{}", std::process::id()));
     std::fs::create_dir_all(&directory).unwrap();
     let path = directory.join(name);
-    std::fs::write(&path, INPUT).unwrap();
+    std::fs::write(&path, format!("{TWO_CUBES}{INPUT}")).unwrap();
     path
 }
 

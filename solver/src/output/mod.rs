@@ -28,6 +28,7 @@ mod history;
 mod loads;
 mod picture;
 mod recorder;
+mod saved;
 mod seal;
 mod skin;
 mod summary;
@@ -39,7 +40,8 @@ pub use error::OutputError;
 pub use failed::{Failed, WorstNode};
 pub use fields::{ContactStatus, Fields, SlaveFields, Stresses};
 pub use history::{History, HistoryRow, read_history};
-pub use recorder::{Recorder, RecorderOptions, SKIN, Saved, Watcher};
+pub use recorder::{Recorder, RecorderOptions, SKIN, Watcher};
+pub use saved::Saved;
 pub use skin::{Skin, SkinFrame};
 pub use summary::{PartSummary, Summary};
 

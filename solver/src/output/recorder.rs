@@ -1,21 +1,16 @@
 //! Writes every increment as it converges.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use diffuse_contact_kernels::support::Isa;
-use serde::{Deserialize, Serialize};
-
 use super::directory::Directory;
-use super::{
-    Failed, Fields, OutputError, Skin, SkinFrame, SlaveFields, Summary, history, names, picture, seal,
-};
+use super::saved::{Saved, instructions};
+use super::{Failed, Fields, OutputError, Skin, SkinFrame, SlaveFields, Summary, history, names, picture};
 use crate::contact::Beginning;
 use crate::deck::{Colour, Output};
 use crate::model::Model;
-use crate::report::{self, SURFACES, SurfaceSample};
+use crate::report::{SURFACES, SurfaceSample};
 use crate::statics::{
     Control, FailedIncrement, Failure, IncrementRecord, IterationRecord, Observer, Problem, State, Timing,
 };
@@ -76,50 +71,12 @@ pub trait Watcher: Send {
     fn increment(&mut self, record: &IncrementRecord) -> Control;
 }
 
-/// `state.json`: what a restart goes on from.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Saved {
-    /// Of all the rest; `None` in what an earlier version wrote.
-    #[serde(default)]
-    checksum: Option<String>,
-    /// [`Model::fingerprint`] of the model.
-    model: String,
-    /// Name of the vector instructions it was made with; empty in what an earlier version wrote.
-    #[serde(default)]
-    instructions: String,
-    /// The last state.
-    pub state: State,
-    /// What the picture of the last increment needs besides, if it was not its turn.
-    pending: Option<SlaveFields>,
-    /// Names of the interfaces that carried force at the end of some increment.
-    #[serde(default)]
-    carried: BTreeSet<String>,
-    /// Interfaces whose force vanished under load, with the time of the first such increment.
-    #[serde(default)]
-    vanished: BTreeMap<String, f64>,
-    /// How the interfaces lay at the start.
-    beginnings: Vec<Beginning>,
-}
-
-/// The same while it is written.
-#[derive(Serialize)]
-struct Saving<'a> {
-    model: &'a str,
-    instructions: &'a str,
-    state: &'a State,
-    pending: Option<&'a SlaveFields>,
-    carried: &'a BTreeSet<String>,
-    vanished: &'a BTreeMap<String, f64>,
-    beginnings: &'a [Beginning],
-}
-
 /// Writes results to a directory.
 pub struct Recorder<'a> {
-    directory: Directory,
+    pub(super) directory: Directory,
     options: RecorderOptions,
     model: &'a Model,
-    fingerprint: String,
+    pub(super) fingerprint: String,
     skin: Skin,
     /// Number and time of each increment with a picture.
     series: Vec<(usize, f64)>,
@@ -130,7 +87,7 @@ pub struct Recorder<'a> {
     /// Sums of the columns of [`SUMS`].
     sums: [usize; SUMS.len()],
     /// How the interfaces lay at the start.
-    beginnings: Vec<Beginning>,
+    pub(super) beginnings: Vec<Beginning>,
     /// The last try, if it failed.
     failed: Option<Failed>,
     /// Deepest penetration and sum of the contact forces at the end of the last increment.
@@ -139,13 +96,13 @@ pub struct Recorder<'a> {
     /// The most memory of an iterative linear solution of this run, bytes.
     linear_bytes: usize,
     /// The last state that is on disk.
-    state: State,
+    pub(super) state: State,
     /// For the picture of the last increment, if it was not its turn.
-    pending: Option<SlaveFields>,
+    pub(super) pending: Option<SlaveFields>,
     /// Names of the interfaces that carried force at the end of some increment.
-    carried: BTreeSet<String>,
+    pub(super) carried: BTreeSet<String>,
     /// Interfaces whose force vanished under load, with the time of the first such increment.
-    vanished: BTreeMap<String, f64>,
+    pub(super) vanished: BTreeMap<String, f64>,
     watcher: &'a mut dyn Watcher,
 }
 
@@ -184,47 +141,6 @@ impl<'a> Recorder<'a> {
         Directory::new(&options.directory).is_begun(&options.deck)
     }
 
-    /// The last state in a directory of results of the same deck and the same model. Nothing is changed.
-    ///
-    /// # Errors
-    /// [`OutputError::NothingToRestart`], [`OutputError::OtherDeck`], [`OutputError::OtherModel`], [`OutputError::Read`],
-    /// [`OutputError::Content`], [`OutputError::Inconsistent`].
-    pub fn last_state(
-        options: &RecorderOptions,
-        model: &Model,
-        problem: &Problem,
-    ) -> Result<Saved, OutputError> {
-        let directory = Directory::new(&options.directory);
-        let path = directory.path(names::STATE);
-        if !path.exists() {
-            return Err(OutputError::NothingToRestart { path: options.directory.clone() });
-        }
-        check_deck(&directory.path(names::DECK), options)?;
-        let text = fs::read_to_string(&path).map_err(OutputError::read(&path))?;
-        let saved: Saved = super::parse_json(&path, &text)?;
-        if saved.checksum.is_some()
-            && let Some([found, expected]) = seal::broken(&text)
-        {
-            let problem =
-                format!("it is not what was written: its checksum is {found}, that of its text {expected}");
-            return Err(OutputError::Inconsistent { path, problem });
-        }
-        if saved.model != model.fingerprint() {
-            return Err(OutputError::OtherModel { path: options.directory.clone() });
-        }
-        if saved.pending.as_ref().is_some_and(|slaves| !slaves.fits(model.nodes.len())) {
-            let problem = "contact at nodes that there are not".to_owned();
-            return Err(OutputError::Inconsistent { path, problem });
-        }
-        check_tables(&directory, &saved.state, problem)?;
-        report::check_skins(
-            &directory.path(names::SKINS),
-            &Skin::of(model, options.shown()),
-            saved.state.increments,
-        )?;
-        Ok(saved)
-    }
-
     /// Goes on in a directory of results from its [`last_state`](Self::last_state).
     ///
     /// # Errors
@@ -235,9 +151,9 @@ impl<'a> Recorder<'a> {
         saved: Saved,
         watcher: &'a mut dyn Watcher,
     ) -> Result<Self, OutputError> {
-        let Saved { state, pending, carried, vanished, instructions, beginnings, .. } = saved;
-        if !instructions.is_empty() && instructions != self::instructions() {
-            watcher.other_instructions(&instructions, self::instructions());
+        let Saved { state, pending, carried, vanished, instructions: before, beginnings, .. } = saved;
+        if !before.is_empty() && before != instructions() {
+            watcher.other_instructions(&before, instructions());
         }
         let directory = Directory::new(&options.directory);
         directory.clean()?;
@@ -444,23 +360,6 @@ impl<'a> Recorder<'a> {
         self.directory.append(names::ITERATIONS, &history::iteration_rows(record.number, &record.history))?;
         self.write_state()
     }
-
-    fn write_state(&self) -> Result<(), OutputError> {
-        let Self { fingerprint, state, pending, carried, vanished, beginnings, .. } = self;
-        let instructions = instructions();
-        let saving = Saving {
-            model: fingerprint,
-            instructions,
-            state,
-            pending: pending.as_ref(),
-            carried,
-            vanished,
-            beginnings,
-        };
-        self.directory.write(names::STATE, |writer| {
-            writer.write_all(seal::sealed(&serde_json::to_string(&saving)?).as_bytes())
-        })
-    }
 }
 
 /// Names of the interfaces with a contact that carries force at the last evaluation.
@@ -475,7 +374,7 @@ pub const SKIN: &str = "skin.json";
 
 impl RecorderOptions {
     /// The field that the report shows first: the deck's, unless it is not written.
-    fn shown(&self) -> &'static str {
+    pub(super) fn shown(&self) -> &'static str {
         match self.output.colour {
             Colour::VonMises | Colour::PlasticStrain if !self.output.stress => "displacement",
             Colour::Displacement => "displacement",
@@ -485,59 +384,6 @@ impl RecorderOptions {
             Colour::Pressure => "contact_pressure",
         }
     }
-}
-
-/// The vector instructions that contacts are evaluated with.
-fn instructions() -> &'static str {
-    Isa::best().name()
-}
-
-/// The lines of both tables up to a state are those of its increments: everything that a report asks of them is asked now, and not
-/// after the other increments.
-fn check_tables(directory: &Directory, state: &State, problem: &Problem) -> Result<(), OutputError> {
-    let inconsistent =
-        |table: &str, problem: String| OutputError::Inconsistent { path: directory.path(table), problem };
-    let read = |table: &str, header: &str| {
-        let path = directory.path(table);
-        let text = history::up_to(&path, state.increments)?;
-        if text.lines().next() != Some(header) {
-            return Err(inconsistent(table, "its columns are not those of the deck".to_owned()));
-        }
-        history::parse(&path, &text)
-    };
-    let increments = read(names::HISTORY, &history::header(problem))?;
-    let numbers = increments.rows.iter().map(|row| row.increment);
-    if !numbers.eq(1..=state.increments) {
-        let (rows, expected) = (increments.rows.len(), state.increments);
-        let problem =
-            format!("its {rows} lines are not those of the {expected} increments of {}", names::STATE);
-        return Err(inconsistent(names::HISTORY, problem));
-    }
-    let time = increments.rows.last().map_or(0.0, |row| increments.value(row, "time"));
-    if time != state.time {
-        let problem =
-            format!("its last increment ends at time {time:?}, the state is of time {:?}", state.time);
-        return Err(inconsistent(names::HISTORY, problem));
-    }
-    let iterations = read(names::ITERATIONS, history::ITERATION_COLUMNS)?;
-    let numbers: BTreeSet<usize> = iterations.rows.iter().map(|row| row.increment).collect();
-    if !numbers.into_iter().eq(1..=state.increments) || !iterations.rows.is_sorted_by_key(|row| row.increment)
-    {
-        let problem =
-            format!("its lines are not those of the {} increments of {}", state.increments, names::STATE);
-        return Err(inconsistent(names::ITERATIONS, problem));
-    }
-    Ok(())
-}
-
-/// Results can only be gone on from with the deck that they are from.
-fn check_deck(path: &Path, options: &RecorderOptions) -> Result<(), OutputError> {
-    let before = fs::read_to_string(path).map_err(OutputError::read(path))?;
-    if before == options.deck {
-        return Ok(());
-    }
-    let same = before.lines().zip(options.deck.lines()).take_while(|(one, other)| one == other).count();
-    Err(OutputError::OtherDeck { path: options.directory.clone(), line: same + 1 })
 }
 
 impl Observer for Recorder<'_> {

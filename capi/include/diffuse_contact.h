@@ -815,7 +815,7 @@ enum dc_status dc_set_history(struct dc_interface *interface,
 // Adds the contact forces R on the nodes to `forces`, one entry per equation. R is the force: it stands on the side of the
 // external loads; the internal force of contact is -R. `active_count`, the number of slaves that carry force, may be NULL.
 //
-// DC_OVERFLOW if a sum is not finite: the forces then holds anything, and has to be made anew. With any other failure it is as it
+// DC_OVERFLOW if a sum is not finite: the forces then hold anything, and have to be made anew. With any other failure it is as it
 // was.
 //
 // # Safety
@@ -1225,7 +1225,7 @@ enum dc_status dc_faces_set_history(struct dc_faces *faces,
 // slave nodes that carry pressure, and `missed_count`, points of loaded faces that carry no force as their line of force meets no place
 // of the facet over them, may be NULL.
 //
-// DC_OVERFLOW if a sum is not finite: the forces then holds anything, and has to be made anew.
+// DC_OVERFLOW if a sum is not finite: the forces then hold anything, and have to be made anew.
 //
 // # Safety
 // `forces` has `equation_count` entries.

@@ -20,7 +20,7 @@ pub fn index(what: &'static str, value: usize) -> Result<i32, Failure> {
 /// Adds the contact forces R on the nodes to `forces`, one entry per equation. R is the force: it stands on the side of the
 /// external loads; the internal force of contact is -R. `active_count`, the number of slaves that carry force, may be NULL.
 ///
-/// DC_OVERFLOW if a sum is not finite: the forces then holds anything, and has to be made anew. With any other failure it is as it
+/// DC_OVERFLOW if a sum is not finite: the forces then hold anything, and have to be made anew. With any other failure it is as it
 /// was.
 ///
 /// # Safety

@@ -8,10 +8,8 @@ use runtime::faces::{
 };
 use runtime::surface::{Facet, MasterSurface};
 
-use crate::assembly::{index, write};
-use crate::border::{self, Versioned, disjoint, input, reserve, roomy, sums, target, wanted, wanted_report};
+use crate::border::{self, Versioned, disjoint, input, reserve, roomy, target, wanted, wanted_report};
 use crate::choice;
-use crate::friction::{Accepted, moves_of, write_history, write_slip_errors};
 use crate::law::{self, dc_law};
 use crate::mesh::{self, check_nodes, equations_of, facet_rows, facets_of, points, symmetry_planes};
 use crate::options::dc_options;
@@ -24,24 +22,30 @@ use crate::threads;
 /// it, any thread; a second one gets DC_BUSY.
 pub struct dc_faces;
 
+/// What stands behind a handle.
 #[derive(Debug)]
-struct State {
-    interface: FaceInterface,
-    dofs: DofMap,
+pub struct State {
+    pub interface: FaceInterface,
+    pub dofs: DofMap,
     nodes: usize,
     /// Faces of second order so far, of all calls.
     quadratic: Vec<QuadraticFace>,
-    evaluated: bool,
+    pub evaluated: bool,
 }
 
 static FACES: Registry<State> = Registry::new("faces", 3);
 
-fn with(handle: *mut dc_faces, work: impl FnOnce(&mut State) -> Result<(), Failure>) -> Result<(), Failure> {
+/// Runs a call on contact over faces.
+pub fn with(
+    handle: *mut dc_faces,
+    work: impl FnOnce(&mut State) -> Result<(), Failure>,
+) -> Result<(), Failure> {
     FACES.with(handle.addr(), work)
 }
 
 impl State {
-    fn contacts(&self) -> Result<&FaceContacts, Failure> {
+    /// The results of the moment.
+    pub fn contacts(&self) -> Result<&FaceContacts, Failure> {
         if self.evaluated {
             return Ok(self.interface.contacts());
         }
@@ -50,7 +54,8 @@ impl State {
         Err(Failure::new(DC_NOT_EVALUATED, message))
     }
 
-    fn expect_slaves(&self, found: usize) -> Result<(), Failure> {
+    /// An array with an entry for each slave node.
+    pub fn expect_slaves(&self, found: usize) -> Result<(), Failure> {
         mesh::expect_slaves(self.interface.slaves(), found)
     }
 }
@@ -79,36 +84,37 @@ pub unsafe extern "C" fn dc_faces_create(
     faces: *mut *mut dc_faces,
 ) -> dc_status {
     border::call(|| {
-        let make = || {
-            // SAFETY: as the caller promises.
-            let (positions, master, slave, options) = unsafe {
-                (
-                    points(positions, node_count)?,
-                    facet_rows("facets", facets, facet_count)?,
-                    facet_rows("slave_facets", slave_facets, slave_facet_count)?,
-                    dc_options::read(options)?,
-                )
-            };
-            check_nodes(positions.len())?;
-            let wanted = usize::try_from(degree).unwrap_or(0);
-            let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == wanted).ok_or_else(|| {
-                Failure::new(DC_BAD_OPTION, format!("invalid-option: degree has to be 2 or 4, not {degree}"))
-            })?;
-            let options = FaceOptions::new(options.interface()?).with_rule(rule);
-            let (master, slave) = (facets_of(master)?, facets_of(slave)?);
-            let interface = threads::run(|| -> Result<FaceInterface, Failure> {
-                Ok(FaceInterface::new(MasterSurface::new(positions, master)?, &slave, positions, options)?)
-            })??;
-            FACES.insert(State {
-                interface,
-                dofs: DofMap::standard(positions.len()),
-                nodes: positions.len(),
-                quadratic: Vec::new(),
-                evaluated: false,
-            })
-        };
         // SAFETY: as the caller promises.
-        unsafe { border::hand_out("faces", faces, make) }
+        unsafe { target("faces", faces, 1)?.write([std::ptr::null_mut()]) };
+        // SAFETY: as the caller promises.
+        let (positions, master, slave, options) = unsafe {
+            (
+                points(positions, node_count)?,
+                facet_rows("facets", facets, facet_count)?,
+                facet_rows("slave_facets", slave_facets, slave_facet_count)?,
+                dc_options::read(options)?,
+            )
+        };
+        check_nodes(positions.len())?;
+        let wanted = usize::try_from(degree).unwrap_or(0);
+        let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == wanted).ok_or_else(|| {
+            Failure::new(DC_BAD_OPTION, format!("invalid-option: degree has to be 2 or 4, not {degree}"))
+        })?;
+        let options = FaceOptions::new(options.interface()?).with_rule(rule);
+        let (master, slave) = (facets_of(master)?, facets_of(slave)?);
+        let interface = threads::run(|| -> Result<FaceInterface, Failure> {
+            Ok(FaceInterface::new(MasterSurface::new(positions, master)?, &slave, positions, options)?)
+        })??;
+        let made = FACES.insert(State {
+            interface,
+            dofs: DofMap::standard(positions.len()),
+            nodes: positions.len(),
+            quadratic: Vec::new(),
+            evaluated: false,
+        })?;
+        // SAFETY: as the caller promises.
+        unsafe { target("faces", faces, 1)?.write([std::ptr::without_provenance_mut(made)]) };
+        Ok(())
     })
 }
 
@@ -450,264 +456,6 @@ pub unsafe extern "C" fn dc_faces_contacts(
                 normals.write(nodes.iter().flat_map(|node| node.normal));
             }
             Ok(())
-        })
-    })
-}
-
-/// Friction of all slave nodes, of the last evaluation, one entry each: `states` dc_friction_state; `tractions` on the slave, force per area,
-/// 3 numbers each; `slips` since the place of touch or the last accepted state, length. Each may be NULL.
-///
-/// # Safety
-/// The arrays have `slave_count` entries, `tractions` three times as many.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn dc_faces_friction(
-    faces: *mut dc_faces,
-    states: *mut i32,
-    tractions: *mut f64,
-    slips: *mut f64,
-    slave_count: usize,
-) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            state.expect_slaves(slave_count)?;
-            let nodes = state.contacts()?.nodes();
-            let states = wanted("states", states, slave_count, slave_count)?;
-            let three = slave_count.saturating_mul(3);
-            let tractions = wanted("tractions", tractions, three, three)?;
-            let slips = wanted("slips", slips, slave_count, slave_count)?;
-            disjoint([states.span(), tractions.span(), slips.span()])?;
-            // SAFETY: as the caller promises.
-            unsafe {
-                states.write(nodes.iter().map(|node| choice::friction_state(node.friction_state)));
-                tractions.write(nodes.iter().flat_map(|node| node.friction));
-                slips.write(nodes.iter().map(|node| node.slip));
-            }
-            Ok(())
-        })
-    })
-}
-
-/// As dc_accept, of the positions of the last dc_faces_refresh or dc_faces_update: call it once before the first increment, after
-/// dc_faces_refresh, and then after each that has converged. `unanchored_count` gets the number of nodes that carry pressure without
-/// friction, as nothing lay over them at the end of the increment before. Every build of the library has it.
-///
-/// # Safety
-/// `law` as in dc_faces_evaluate; the others are NULL or may be written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn dc_faces_accept(
-    faces: *mut dc_faces,
-    law: *const dc_law,
-    stuck_count: *mut usize,
-    sliding_count: *mut usize,
-    unanchored_count: *mut usize,
-    dissipated: *mut f64,
-) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            let slave_count = state.interface.slaves().len();
-            let contacts = &mut state.interface;
-            let accepted = Accepted { stuck_count, sliding_count, unanchored_count, dissipated };
-            // SAFETY: as the caller promises.
-            let has_friction = unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? };
-            state.evaluated &= !has_friction;
-            Ok(())
-        })
-    })
-}
-
-/// As dc_augment, of the nodes of the slave's faces; then dc_faces_evaluate again.
-///
-/// # Safety
-/// As dc_augment.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn dc_faces_augment(
-    faces: *mut dc_faces,
-    law: *const dc_law,
-    moves: *const i32,
-    slave_count: usize,
-) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            state.expect_slaves(slave_count)?;
-            // SAFETY: as the caller promises.
-            let (law, moves) = unsafe { (law::read(law)?, moves_of(moves, slave_count)?) };
-            let law = law.contact()?;
-            let contacts = &mut state.interface;
-            threads::run(|| contacts.augment(&law, moves))??;
-            state.evaluated = false;
-            Ok(())
-        })
-    })
-}
-
-/// As dc_slip_errors, at the positions of the last dc_faces_update or dc_faces_refresh.
-///
-/// # Safety
-/// As dc_slip_errors.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn dc_faces_slip_errors(
-    faces: *mut dc_faces,
-    law: *const dc_law,
-    errors: *mut f64,
-    slave_count: usize,
-) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            state.expect_slaves(slave_count)?;
-            // SAFETY: as the caller promises.
-            unsafe { write_slip_errors(law, errors, slave_count, |law| state.interface.slip_errors(law)) }
-        })
-    })
-}
-
-/// As dc_roll_back; if there was anything to forget there is no contact until the next dc_faces_refresh.
-#[unsafe(no_mangle)]
-pub extern "C" fn dc_faces_roll_back(faces: *mut dc_faces) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            state.interface.roll_back();
-            state.evaluated = false;
-            Ok(())
-        })
-    })
-}
-
-/// As dc_history.
-///
-/// # Safety
-/// `history` is NULL or has `capacity` entries; `count` may be written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn dc_faces_history(
-    faces: *mut dc_faces,
-    history: *mut f64,
-    capacity: usize,
-    count: *mut usize,
-) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            // SAFETY: as the caller promises.
-            unsafe { write_history(state.interface.history(), history, capacity, count) }
-        })
-    })
-}
-
-/// Goes on from numbers that dc_faces_history gave, bit for bit; NULL and 0 for none. If they are others than the present ones there is no
-/// contact until the next dc_faces_refresh.
-///
-/// # Safety
-/// `history` has `count` entries.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn dc_faces_set_history(
-    faces: *mut dc_faces,
-    history: *const f64,
-    count: usize,
-) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            // SAFETY: as the caller promises.
-            let numbers = unsafe { input("history", history, count)? };
-            state.interface.set_history(numbers)?;
-            state.evaluated = false;
-            Ok(())
-        })
-    })
-}
-
-/// Adds the contact forces R on the nodes to `forces`, one entry per equation, as dc_add_forces does. `active_count`, the number of
-/// slave nodes that carry pressure, and `missed_count`, points of loaded faces that carry no force as their line of force meets no place
-/// of the facet over them, may be NULL.
-///
-/// DC_OVERFLOW if a sum is not finite: the forces then holds anything, and has to be made anew.
-///
-/// # Safety
-/// `forces` has `equation_count` entries.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn dc_faces_add_forces(
-    faces: *mut dc_faces,
-    forces: *mut f64,
-    equation_count: usize,
-    active_count: *mut usize,
-    missed_count: *mut usize,
-) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            let contacts = state.contacts()?;
-            let active_count = wanted("active_count", active_count, 1, 1)?;
-            let missed_count = wanted("missed_count", missed_count, 1, 1)?;
-            let whole = border::written("forces", forces, equation_count);
-            disjoint([whole, active_count.span(), missed_count.span()])?;
-            // SAFETY: as the caller promises; nothing overlaps.
-            let forces = unsafe { sums("forces", forces, equation_count)? };
-            let active = threads::run(|| contacts.add_forces(&state.dofs, forces))??;
-            // SAFETY: as the caller promises.
-            unsafe {
-                active_count.write([active]);
-                missed_count.write([contacts.missed()]);
-            }
-            Ok(())
-        })
-    })
-}
-
-/// Adds K v to `product`, one entry per equation, without a matrix, with the K of dc_faces_triplets, of friction, too. It differs from the
-/// product of the assembled matrix by rounding, and does not depend on the number of threads, bit for bit.
-///
-/// DC_OVERFLOW if a sum is not finite: the product then holds anything. With any other failure it is as it was.
-///
-/// # Safety
-/// The arrays have `equation_count` entries each.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn dc_faces_product(
-    faces: *mut dc_faces,
-    tangent: i32,
-    v: *const f64,
-    product: *mut f64,
-    equation_count: usize,
-) -> dc_status {
-    border::call(|| {
-        let tangent = choice::tangent(tangent)?;
-        with(faces, |state| {
-            let contacts = state.contacts()?;
-            disjoint([
-                border::read("v", v, equation_count),
-                border::written("product", product, equation_count),
-            ])?;
-            // SAFETY: as the caller promises; nothing overlaps.
-            let (v, product) =
-                unsafe { (input("v", v, equation_count)?, sums("product", product, equation_count)?) };
-            threads::run(|| contacts.add_product(tangent, &state.dofs, v, product))??;
-            Ok(())
-        })
-    })
-}
-
-/// The tangent K = -dR/dx as triplets, counted from 0, all of it, for it is not symmetric; entries of the same place are to be summed.
-/// `tangent` is a dc_tangent: DC_GAUSS_NEWTON leaves out what the directions of the forces add. Writes their number to `count`. If the
-/// arrays are shorter, or NULL, that is all it does: call it with `capacity` 0 first.
-///
-/// DC_BAD_SIZE if there is not room for all, and `capacity` is not 0; `count` is there even so.
-///
-/// # Safety
-/// The arrays have `capacity` entries each; `count` may be written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn dc_faces_triplets(
-    faces: *mut dc_faces,
-    tangent: i32,
-    rows: *mut i32,
-    columns: *mut i32,
-    values: *mut f64,
-    capacity: usize,
-    count: *mut usize,
-) -> dc_status {
-    border::call(|| {
-        let tangent = choice::tangent(tangent)?;
-        with(faces, |state| {
-            let contacts = state.contacts()?;
-            let count = target("count", count, 1)?;
-            let triplets = threads::run(|| contacts.triplets(tangent, &state.dofs))??;
-            index("equations", state.dofs.equations())?;
-            // SAFETY: as the caller promises.
-            unsafe { write(&triplets, (rows, columns, values), capacity, count) }
         })
     })
 }

@@ -59,6 +59,8 @@ mod contacts;
 mod cutback;
 mod element;
 mod faces;
+mod faces_assembly;
+mod faces_friction;
 mod feet;
 mod friction;
 mod interface;

@@ -58,6 +58,20 @@ pub extern "C" fn dc_operator_destroy(tangent: *mut dc_operator) -> dc_status {
     OPERATORS.destroy(tangent)
 }
 
+/// v, and the sums that K v is added to.
+///
+/// # Safety
+/// Both have `count` entries.
+pub unsafe fn factors<'a>(
+    v: *const f64,
+    product: *mut f64,
+    count: usize,
+) -> Result<(&'a [f64], &'a mut [f64]), Failure> {
+    disjoint([border::read("v", v, count), border::written("product", product, count)])?;
+    // SAFETY: as the caller promises; nothing overlaps.
+    unsafe { Ok((input("v", v, count)?, sums("product", product, count)?)) }
+}
+
 /// Adds K v to `product`, one entry per equation, in parallel. It differs from the product of the assembled matrix by rounding, and does not
 /// depend on the number of threads, bit for bit.
 ///
@@ -74,13 +88,8 @@ pub unsafe extern "C" fn dc_operator_product(
 ) -> dc_status {
     border::call(|| {
         OPERATORS.with(tangent.addr(), |tangent| {
-            disjoint([
-                border::read("v", v, equation_count),
-                border::written("product", product, equation_count),
-            ])?;
-            // SAFETY: as the caller promises; nothing overlaps.
-            let (v, product) =
-                unsafe { (input("v", v, equation_count)?, sums("product", product, equation_count)?) };
+            // SAFETY: as the caller promises.
+            let (v, product) = unsafe { factors(v, product, equation_count)? };
             threads::run(|| tangent.add_product(v, product))??;
             Ok::<(), Failure>(())
         })

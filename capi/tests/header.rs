@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// In the order in which the header has them.
-const SOURCES: [&str; 20] = [
+const SOURCES: [&str; 22] = [
     "status",
     "outcome",
     "choice",
@@ -21,6 +21,8 @@ const SOURCES: [&str; 20] = [
     "operator",
     "window",
     "faces",
+    "faces_friction",
+    "faces_assembly",
     "neighbours",
     "element",
     "batch",

@@ -11,6 +11,8 @@ use runtime::surface::{Facet, MasterSurface};
 
 use super::message;
 use crate::faces::*;
+use crate::faces_assembly::*;
+use crate::faces_friction::*;
 use crate::law::dc_law;
 use crate::status::{
     DC_BAD_HANDLE, DC_BAD_OPTION, DC_BAD_POINTER, DC_BAD_SIZE, DC_BAD_SURFACE, DC_NOT_EVALUATED, DC_OK,

@@ -14,6 +14,8 @@ use crate::assembly::dc_add_forces;
 use crate::choice::dc_coefficient::{DC_DECAYING, DC_TABULATED};
 use crate::contacts::dc_forces;
 use crate::faces::*;
+use crate::faces_assembly::*;
+use crate::faces_friction::*;
 use crate::friction::{dc_augment, dc_roll_back, dc_slip_errors};
 use crate::interface::{dc_destroy, dc_evaluate, dc_refresh};
 use crate::law::dc_law;

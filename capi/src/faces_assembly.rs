@@ -1,0 +1,103 @@
+//! Forces and tangent of contact over faces.
+
+use crate::assembly::{index, write};
+use crate::border::{self, disjoint, sums, target, wanted};
+use crate::choice;
+use crate::faces::{dc_faces, with};
+use crate::operator::factors;
+use crate::status::dc_status;
+use crate::threads;
+
+/// Adds the contact forces R on the nodes to `forces`, one entry per equation, as dc_add_forces does. `active_count`, the number of
+/// slave nodes that carry pressure, and `missed_count`, points of loaded faces that carry no force as their line of force meets no place
+/// of the facet over them, may be NULL.
+///
+/// DC_OVERFLOW if a sum is not finite: the forces then hold anything, and have to be made anew.
+///
+/// # Safety
+/// `forces` has `equation_count` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_add_forces(
+    faces: *mut dc_faces,
+    forces: *mut f64,
+    equation_count: usize,
+    active_count: *mut usize,
+    missed_count: *mut usize,
+) -> dc_status {
+    border::call(|| {
+        with(faces, |state| {
+            let contacts = state.contacts()?;
+            let active_count = wanted("active_count", active_count, 1, 1)?;
+            let missed_count = wanted("missed_count", missed_count, 1, 1)?;
+            let whole = border::written("forces", forces, equation_count);
+            disjoint([whole, active_count.span(), missed_count.span()])?;
+            // SAFETY: as the caller promises; nothing overlaps.
+            let forces = unsafe { sums("forces", forces, equation_count)? };
+            let active = threads::run(|| contacts.add_forces(&state.dofs, forces))??;
+            // SAFETY: as the caller promises.
+            unsafe {
+                active_count.write([active]);
+                missed_count.write([contacts.missed()]);
+            }
+            Ok(())
+        })
+    })
+}
+
+/// Adds K v to `product`, one entry per equation, without a matrix, with the K of dc_faces_triplets, of friction, too. It differs from the
+/// product of the assembled matrix by rounding, and does not depend on the number of threads, bit for bit.
+///
+/// DC_OVERFLOW if a sum is not finite: the product then holds anything. With any other failure it is as it was.
+///
+/// # Safety
+/// The arrays have `equation_count` entries each.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_product(
+    faces: *mut dc_faces,
+    tangent: i32,
+    v: *const f64,
+    product: *mut f64,
+    equation_count: usize,
+) -> dc_status {
+    border::call(|| {
+        let tangent = choice::tangent(tangent)?;
+        with(faces, |state| {
+            let contacts = state.contacts()?;
+            // SAFETY: as the caller promises.
+            let (v, product) = unsafe { factors(v, product, equation_count)? };
+            threads::run(|| contacts.add_product(tangent, &state.dofs, v, product))??;
+            Ok(())
+        })
+    })
+}
+
+/// The tangent K = -dR/dx as triplets, counted from 0, all of it, for it is not symmetric; entries of the same place are to be summed.
+/// `tangent` is a dc_tangent: DC_GAUSS_NEWTON leaves out what the directions of the forces add. Writes their number to `count`. If the
+/// arrays are shorter, or NULL, that is all it does: call it with `capacity` 0 first.
+///
+/// DC_BAD_SIZE if there is not room for all, and `capacity` is not 0; `count` is there even so.
+///
+/// # Safety
+/// The arrays have `capacity` entries each; `count` may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_triplets(
+    faces: *mut dc_faces,
+    tangent: i32,
+    rows: *mut i32,
+    columns: *mut i32,
+    values: *mut f64,
+    capacity: usize,
+    count: *mut usize,
+) -> dc_status {
+    border::call(|| {
+        let tangent = choice::tangent(tangent)?;
+        with(faces, |state| {
+            let contacts = state.contacts()?;
+            let count = target("count", count, 1)?;
+            let triplets = threads::run(|| contacts.triplets(tangent, &state.dofs))??;
+            index("equations", state.dofs.equations())?;
+            // SAFETY: as the caller promises.
+            unsafe { write(&triplets, (rows, columns, values), capacity, count) }
+        })
+    })
+}

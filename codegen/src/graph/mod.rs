@@ -9,6 +9,7 @@
 //!   variable of its own, which is what the implicit rules of [`crate::structure`] need.
 //! * Nothing here iterates over a hash map, so results depend on the order of construction only.
 
+mod choice;
 mod cost;
 mod derivative;
 mod polynomial;
@@ -590,4 +591,12 @@ impl Graph {
             | Op::RootFigure(..) => Scope::Element,
         }
     }
+}
+
+/// A graph with inputs x, y and z.
+#[cfg(test)]
+fn three_inputs() -> (Graph, ExprId, ExprId, ExprId) {
+    let mut g = Graph::new();
+    let [x, y, z] = ["x", "y", "z"].map(|name| g.input(name, Scope::Element));
+    (g, x, y, z)
 }

@@ -103,3 +103,24 @@ fn every_field_is_documented_and_every_documented_field_exists() {
     of_parts.extend(schema::SOLID_SHAPE.iter().map(|field| field.to_string()));
     assert_eq!(documented(), known);
 }
+
+/// A surface in contact with itself has no roles.
+#[test]
+fn self_stands_in_place_of_master_and_slave() {
+    let text = std::fs::read_to_string(root().join("examples/squeezed_tube.toml")).unwrap();
+    let own = "self = [\"tube.inner\", \"tube.outer\"]\n";
+    let deck = Deck::parse(&text).unwrap();
+    let (model, walls) = (deck.model(root()).unwrap(), &deck.interfaces[2]);
+    let sides = deck.sides(&model, walls).unwrap();
+    assert!(walls.self_contact && sides.master == sides.slave && sides.master.len() == 48);
+    for more in
+        ["master = \"below\"", "slave = \"tube.outer\"", "two_pass = true", "exchange = true", "adjust = 0.1"]
+    {
+        let error = Deck::parse(&text.replace(own, &format!("{own}{more}\n"))).unwrap_err().to_string();
+        assert!(error.contains("with self"), "{error}");
+    }
+    let over_faces =
+        text.replace("areas = true\n", "").replace(own, &format!("{own}integration = \"faces\"\n"));
+    let faces = Deck::parse(&over_faces).unwrap();
+    assert!(faces.interfaces[2].self_contact && faces.interfaces[2].integration != Integration::Nodes);
+}

@@ -232,3 +232,20 @@ fn contact_does_next_to_no_work_around_a_closed_path() {
         assert!(largest > 0.03 && work.abs() < 5e-4, "{row:?}");
     }
 }
+
+/// Pressures of an elastic cylinder on an elastic block are Hertz', whichever is the slave.
+#[test]
+fn pressures_of_a_cylinder_are_those_of_hertz() {
+    let Run { code, stdout, .. } = run(&["study", "hertz", "cylinder", "--finest", "4", "--meshes", "1"]);
+    assert_eq!(code, 0);
+    let rows: Vec<Vec<&str>> = stdout
+        .lines()
+        .filter(|line| line.starts_with("| block") || line.starts_with("| cylinder"))
+        .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
+        .collect();
+    assert_eq!(rows.len(), 2, "{stdout}");
+    for row in &rows {
+        let percent = |column: usize| row[column].trim_end_matches(" %").parse::<f64>().unwrap();
+        assert!(percent(6) < 1.0 && percent(8).abs() < 1.5 && percent(10).abs() < 1.0, "{row:?}");
+    }
+}

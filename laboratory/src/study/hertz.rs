@@ -187,7 +187,7 @@ struct Press {
 
 fn press(case: &Case, cells: usize, exchange: bool, threads: usize) -> Result<Press, SolveError> {
     let (deck, model) = scene(case, cells, exchange)?;
-    let width = slice(case, cells);
+    let width = slice(case);
     let run = trace_model(&deck, &model, threads, |snapshot| {
         let force = snapshot.contact_force()[2].abs();
         let [half_width, peak] = closed_form(case, force, width);
@@ -218,9 +218,9 @@ fn closed_form(case: &Case, force: f64, width: f64) -> [f64; 2] {
     }
 }
 
-/// Width of the slice: two cells of the body.
-fn slice(case: &Case, cells: usize) -> f64 {
-    2.0 * case.half_width / cells as f64
+/// Width of the slice, of two cells. Images in its sides are the more the narrower it is beside the largest cells.
+fn slice(case: &Case) -> f64 {
+    0.5 * case.half_width
 }
 
 /// The deck, and its boxes with their nodes moved to where they are in the bodies.
@@ -231,7 +231,7 @@ fn scene(case: &Case, cells: usize, exchange: bool) -> Result<(Deck, Model), Sol
         let along = ends(size, UNIFORM * case.half_width, extent);
         let depth = ends(size, case.half_width, extent);
         let across = if case.is_slice {
-            (0..=2).map(|k| 0.5 * f64::from(k) * slice(case, cells)).collect()
+            (0..=2).map(|k| 0.5 * f64::from(k) * slice(case)).collect()
         } else {
             along.clone()
         };
@@ -252,7 +252,7 @@ fn scene(case: &Case, cells: usize, exchange: bool) -> Result<(Deck, Model), Sol
         interface.penalty = Some(5.0 * YOUNG / size);
         interface.exchange = exchange;
         if case.is_slice {
-            let far = [0.0, slice(case, cells), 0.0];
+            let far = [0.0, slice(case), 0.0];
             interface.symmetry.push(SymmetryPlane { point: far, normal: [0.0, -1.0, 0.0] });
         }
     }

@@ -3,11 +3,13 @@
 !! Names and arguments are those of C. Handles are type(c_ptr). Indices of nodes and slaves count from 0, as in C. Arguments that may
 !! be NULL in C are optional. dc_text() is dc_message() as a Fortran string.
 module diffuse_contact
-    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_int, c_int32_t, c_int64_t, c_null_ptr, c_ptr, c_size_t
+    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_funptr, c_int, c_int32_t, c_int64_t, c_null_funptr, &
+        c_null_ptr, c_ptr, c_size_t
     implicit none
     public
 
-    private :: c_char, c_double, c_f_pointer, c_int, c_int32_t, c_int64_t, c_null_ptr, c_ptr, c_size_t, length_of
+    private :: c_char, c_double, c_f_pointer, c_funptr, c_int, c_int32_t, c_int64_t, c_null_funptr, c_null_ptr, &
+        c_ptr, c_size_t, length_of
 
     ! dc_status
     enum, bind(c)
@@ -34,7 +36,7 @@ module diffuse_contact
         enumerator :: DC_HULL_LAYERS = 0, DC_HULL_RADIUS, DC_NEAREST, DC_DOMAINS
         enumerator :: DC_LINEAR = 1, DC_QUADRATIC
         enumerator :: DC_OPEN = 0, DC_STICK, DC_SLIP
-        enumerator :: DC_CONSTANT = 0, DC_DECAYING, DC_TABULATED
+        enumerator :: DC_CONSTANT = 0, DC_DECAYING, DC_TABULATED, DC_FUNCTION
         enumerator :: DC_EXACT = 0, DC_GAUSS_NEWTON
         enumerator :: DC_FULL = 0, DC_LOWER
     end enum
@@ -71,9 +73,9 @@ module diffuse_contact
         real(c_double) :: gap = 0, foot(3) = 0, normal(3) = 0, area = 0, support_radius = 0
     end type
 
-    !> The law of contact. Arrays are c_loc of them, or c_null_ptr; friction is the coefficient, 0 for none.
+    !> The law of contact. Arrays are c_loc of them, or c_null_ptr, functions c_funloc; friction is the coefficient, 0 for none.
     type, bind(c) :: dc_law
-        integer(c_size_t) :: size = 160
+        integer(c_size_t) :: size = 184
         real(c_double) :: penalty = 0
         type(c_ptr) :: multipliers = c_null_ptr
         integer(c_size_t) :: multiplier_count = 0
@@ -88,6 +90,8 @@ module diffuse_contact
         type(c_ptr) :: friction_rates = c_null_ptr
         integer(c_size_t) :: friction_rate_count = 0
         type(c_ptr) :: friction_table = c_null_ptr
+        type(c_funptr) :: normal_law = c_null_funptr, friction_law = c_null_funptr
+        type(c_ptr) :: context = c_null_ptr
     end type
 
     !> What stays fixed for one slave until it is paired anew.
@@ -575,7 +579,8 @@ module diffuse_contact
             import :: c_double, c_int, c_int32_t, c_ptr, c_size_t, dc_options
             real(c_double), intent(in) :: positions(*)
             integer(c_size_t), value :: node_count, facet_count, slave_facet_count
-            integer(c_int32_t), intent(in) :: facets(*), slave_facets(*)
+            integer(c_int32_t), intent(in) :: facets(*)
+            integer(c_int32_t), intent(in), optional :: slave_facets(*)
             type(dc_options), intent(in), optional :: options
             integer(c_int32_t), value :: degree
             type(c_ptr), intent(out) :: faces

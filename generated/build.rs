@@ -6,7 +6,7 @@ use diffuse_contact_codegen::Config;
 use elements::{
     carried_by_quadrilateral, carried_by_quadrilateral8, carried_by_quadrilateral9, carried_by_triangle,
     carried_by_triangle6, coulomb, coulomb_sliding, decaying_coefficient, direction, foot_of_gap,
-    interpolated, traction, traction_sliding,
+    interpolated, slip_over_quadrilateral, slip_over_triangle, traction, traction_sliding,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -29,6 +29,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .element("interpolated", interpolated)?
         .element("direction", direction)?
         .element("foot_of_gap", foot_of_gap)?
+        .element("slip_over_triangle", slip_over_triangle)?
+        .element("slip_over_quadrilateral", slip_over_quadrilateral)?
         .element("carried_by_triangle", carried_by_triangle)?
         .element("carried_by_quadrilateral", carried_by_quadrilateral)?
         .element("carried_by_triangle6", carried_by_triangle6)?

@@ -119,6 +119,56 @@ pub fn foot_of_gap(m: &ElementModel<'_>) {
     m.residual("foot", slave - gap * normal);
 }
 
+/// Half the square of the slip over a triangle.
+pub fn slip_over_triangle(m: &ElementModel<'_>) {
+    slip(m, |_, _, [a, b, c]: [Vec3<'_>; 3]| (b - a).cross(c - a));
+}
+
+/// The same over a bilinear quadrilateral, at the foot that its gap has: the same minimum by the same way.
+pub fn slip_over_quadrilateral<'g>(m: &ElementModel<'g>) {
+    slip(m, |m, slave, corners: [Vec3<'g>; 4]| {
+        let [a, b, c, d] = corners.map(|corner| corner - slave);
+        let size: Expr<'_> = m.parameter("size");
+        m.describe("size", "Length that the equations of the foot are divided by");
+        // y(u) = v_0 + s v_1 + t v_2 + s t v_3 about the centre, with edges of length 1.
+        let vectors =
+            [0.25 * (a + b + c + d), 0.5 * (b + c - a - d), 0.5 * (c + d - a - b), (a + c) - (b + d)];
+        let [position, first, second, twist] = vectors.map(|v| (1.0 / size) * v);
+        let position = m.define("position", position);
+        let [first, second] = [m.define("first", first), m.define("second", second)];
+        let twist = m.define("twist", twist);
+        let foot = m.minimum("foot", |Vector([s, t])| {
+            let y = position + s * first + t * second + (s * t) * twist;
+            0.5 * y.dot(y)
+        });
+        m.value("residual", foot.residual);
+        m.describe("residual", "Of the foot's equations");
+        m.value("iterations", foot.iterations);
+        m.describe("iterations", "Evaluations of the foot's equations");
+        let Vector([s, t]) = foot.unknowns;
+        (first + t * twist).cross(second + s * twist)
+    });
+}
+
+/// q = ½ |ν × d|² for the unit normal of a facet at the foot of the slave, and the way d from the anchor (docs/equations.md, section 17).
+fn slip<'g, const N: usize>(
+    m: &ElementModel<'g>,
+    normal: impl FnOnce(&ElementModel<'g>, Vec3<'g>, [Vec3<'g>; N]) -> Vec3<'g>,
+) {
+    m.title("Half the square of the slip from an anchor over a facet (docs/equations.md, section 17).");
+    let slave: Vec3<'_> = m.variable("slave");
+    let corners = m.variable("corners");
+    let anchor: Vec3<'_> = m.variable("anchor");
+    let way = m.define("way", slave - anchor);
+    let normal = m.define("normal", normal(m, slave, corners).unit());
+    let across = normal.cross(way);
+    m.energy(0.5 * across.dot(across));
+    m.describe("slave", "Slave node, length");
+    m.describe("corners", "Corners of the facet, length");
+    m.describe("anchor", "Where the slave stuck, length");
+    m.describe("energy", "q, half the square of the slip, length²");
+}
+
 /// A force carried by a triangle.
 pub fn carried_by_triangle(m: &ElementModel<'_>) {
     carried(m, |m, [a, b, c]: [Vec3<'_>; 3], point, force| {

@@ -235,7 +235,7 @@ def text(result):
     parts += [
         "## A whole interface",
         f"`diffuse-contact study throughput`: {found['nodes']:,.0f} slaves over as many master nodes, {found['masters']:.1f} "
-        "masters each, the frame moving along, one thread. Elements of the same number of masters are gathered from "
+        "masters each, the frame moving along, one thread. Elements of nearly as many masters are gathered from "
         "the positions into vectors and evaluated side by side; results go straight to each slave's place in the arrays that "
         "assembly reads.",
         whole_interface(found),

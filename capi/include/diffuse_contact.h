@@ -212,6 +212,8 @@ typedef enum dc_coefficient {
     DC_DECAYING = 1,
     // A table of pressures and slip rates.
     DC_TABULATED = 2,
+    // A function of the caller's.
+    DC_FUNCTION = 3,
 } dc_coefficient;
 
 // Which tangent is assembled.
@@ -370,6 +372,17 @@ typedef struct dc_contact {
     double support_radius;
 } dc_contact;
 
+// A normal law of the caller's own. `pressure` has room for two numbers: p, force per area, or over nodes without areas force, and
+// dp/dg, at the signed gap of a slave. A contact whose p is not positive is open.
+//
+// It is called from several threads at once, within any call that takes the law, and has to answer the same each time. It must return:
+// no exception and no longjmp. What is no number is refused as that of a law.
+typedef void (*dc_normal_law)(void *context, size_t slave, double gap, double *pressure);
+
+// A coefficient of friction of the caller's own. `coefficient` has room for three numbers: mu, its derivative by the pressure and that by
+// the slip rate. It is called as a dc_normal_law; of contacts that stick with the slip rate 0.
+typedef void (*dc_friction_law)(void *context, double pressure, double rate, double *coefficient);
+
 // The law of contact. With e = penalty x area:
 //
 //     f = lambda - e g          the contact is active if f > 0
@@ -380,7 +393,7 @@ typedef struct dc_contact {
 // where contacts slide or have just closed. Call dc_accept, or dc_faces_accept, before the first increment and after each that has
 // converged: else contacts that carry force are refused with DC_NOT_EVALUATED.
 //
-// With a table of pressures f = area x p(g), and -area x dp/dg stands in the place of e.
+// With a normal law by table, or of the caller's own, f = area x p(g), and -area x dp/dg stands in the place of e.
 typedef struct dc_law {
     // sizeof(dc_law), set by the caller.
     size_t size;
@@ -431,6 +444,12 @@ typedef struct dc_law {
     // ... and coefficients, for each rate at the first pressure, then for each at the next one: bilinear between them, constant beyond.
     // `friction` is 0 then.
     const double *friction_table;
+    // A normal law of the caller's own, in the place of a table; NULL for none. What is said of the penalty beside a table holds.
+    dc_normal_law normal_law;
+    // DC_FUNCTION: the coefficient. `friction` is 0 then.
+    dc_friction_law friction_law;
+    // Handed to both.
+    void *context;
 } dc_law;
 
 // What the cutting of the faces gave.
@@ -782,7 +801,8 @@ enum dc_status dc_roll_back(struct dc_interface *interface);
 // force without friction, as they had no gap at the end of the increment before; `dissipated` the work of friction in the increment,
 // energy. Each may be NULL.
 //
-// DC_BAD_OPTION for a law with friction if there can be none: without DC_DIFFUSE and DC_DOMAINS, or in a library built without it.
+// DC_BAD_OPTION for a law with friction if there can be none: for DC_DIFFUSE without DC_DOMAINS, or in a library built without its
+// feature `friction`. DC_NODE_TO_FACET has friction in every build.
 //
 // # Safety
 // `law` as in dc_add_forces; the others are NULL or may be written.
@@ -1044,7 +1064,8 @@ enum dc_status dc_create_in_window(struct dc_window *window,
 //
 // `positions`: x, y, z of all `node_count` nodes in the first configuration; indices count from 0. `facets`: the master surface,
 // `slave_facets`: the faces of the slave, none of their nodes on the master; of both 4 nodes for each facet, counter-clockwise
-// seen from outside, the fourth -1 for a triangle. `options`: NULL for the defaults; `rule` has to be DC_DOMAINS, `areas` and
+// seen from outside, the fourth -1 for a triangle. NULL and 0: the surface of `facets` is in contact with itself, and its nodes are the
+// slaves; give the law half of the penalty then. `options`: NULL for the defaults; `rule` has to be DC_DOMAINS, `areas` and
 // `cutback_penetration` have no meaning. `degree`: 2 or 4, of the polynomials that are integrated exactly on each piece of a face.
 //
 // On failure the handle is NULL.

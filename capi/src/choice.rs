@@ -93,6 +93,8 @@ pub enum dc_coefficient {
     DC_DECAYING = 1,
     /// A table of pressures and slip rates.
     DC_TABULATED = 2,
+    /// A function of the caller's.
+    DC_FUNCTION = 3,
 }
 
 /// Which tangent is assembled.
@@ -184,8 +186,9 @@ pub fn basis_number(basis: Basis) -> i32 {
 }
 
 pub fn coefficient(value: i32) -> Result<dc_coefficient, Failure> {
-    use dc_coefficient::{DC_CONSTANT, DC_DECAYING, DC_TABULATED};
-    choose("coefficient", value, &[DC_CONSTANT, DC_DECAYING, DC_TABULATED].map(|kind| (kind as i32, kind)))
+    use dc_coefficient::{DC_CONSTANT, DC_DECAYING, DC_FUNCTION, DC_TABULATED};
+    let all = [DC_CONSTANT, DC_DECAYING, DC_TABULATED, DC_FUNCTION];
+    choose("coefficient", value, &all.map(|kind| (kind as i32, kind)))
 }
 
 pub fn tangent(value: i32) -> Result<Tangent, Failure> {

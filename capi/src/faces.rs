@@ -64,7 +64,8 @@ impl State {
 ///
 /// `positions`: x, y, z of all `node_count` nodes in the first configuration; indices count from 0. `facets`: the master surface,
 /// `slave_facets`: the faces of the slave, none of their nodes on the master; of both 4 nodes for each facet, counter-clockwise
-/// seen from outside, the fourth -1 for a triangle. `options`: NULL for the defaults; `rule` has to be DC_DOMAINS, `areas` and
+/// seen from outside, the fourth -1 for a triangle. NULL and 0: the surface of `facets` is in contact with itself, and its nodes are the
+/// slaves; give the law half of the penalty then. `options`: NULL for the defaults; `rule` has to be DC_DOMAINS, `areas` and
 /// `cutback_penetration` have no meaning. `degree`: 2 or 4, of the polynomials that are integrated exactly on each piece of a face.
 ///
 /// On failure the handle is NULL.
@@ -84,37 +85,42 @@ pub unsafe extern "C" fn dc_faces_create(
     faces: *mut *mut dc_faces,
 ) -> dc_status {
     border::call(|| {
-        // SAFETY: as the caller promises.
-        unsafe { target("faces", faces, 1)?.write([std::ptr::null_mut()]) };
-        // SAFETY: as the caller promises.
-        let (positions, master, slave, options) = unsafe {
-            (
-                points(positions, node_count)?,
-                facet_rows("facets", facets, facet_count)?,
-                facet_rows("slave_facets", slave_facets, slave_facet_count)?,
-                dc_options::read(options)?,
-            )
+        let make = || {
+            // SAFETY: as the caller promises.
+            let (positions, master, slave, options) = unsafe {
+                (
+                    points(positions, node_count)?,
+                    facet_rows("facets", facets, facet_count)?,
+                    facet_rows("slave_facets", slave_facets, slave_facet_count)?,
+                    dc_options::read(options)?,
+                )
+            };
+            check_nodes(positions.len())?;
+            let wanted = usize::try_from(degree).unwrap_or(0);
+            let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == wanted).ok_or_else(|| {
+                Failure::new(DC_BAD_OPTION, format!("invalid-option: degree has to be 2 or 4, not {degree}"))
+            })?;
+            let options = FaceOptions::new(options.interface()?).with_rule(rule);
+            let is_self_contact = slave_facets.is_null();
+            let (master, slave) = (facets_of(master)?, facets_of(slave)?);
+            let interface = threads::run(|| -> Result<FaceInterface, Failure> {
+                let master = MasterSurface::new(positions, master)?;
+                Ok(if is_self_contact {
+                    FaceInterface::self_contact(master, positions, options)?
+                } else {
+                    FaceInterface::new(master, &slave, positions, options)?
+                })
+            })??;
+            FACES.insert(State {
+                interface,
+                dofs: DofMap::standard(positions.len()),
+                nodes: positions.len(),
+                quadratic: Vec::new(),
+                evaluated: false,
+            })
         };
-        check_nodes(positions.len())?;
-        let wanted = usize::try_from(degree).unwrap_or(0);
-        let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == wanted).ok_or_else(|| {
-            Failure::new(DC_BAD_OPTION, format!("invalid-option: degree has to be 2 or 4, not {degree}"))
-        })?;
-        let options = FaceOptions::new(options.interface()?).with_rule(rule);
-        let (master, slave) = (facets_of(master)?, facets_of(slave)?);
-        let interface = threads::run(|| -> Result<FaceInterface, Failure> {
-            Ok(FaceInterface::new(MasterSurface::new(positions, master)?, &slave, positions, options)?)
-        })??;
-        let made = FACES.insert(State {
-            interface,
-            dofs: DofMap::standard(positions.len()),
-            nodes: positions.len(),
-            quadratic: Vec::new(),
-            evaluated: false,
-        })?;
         // SAFETY: as the caller promises.
-        unsafe { target("faces", faces, 1)?.write([std::ptr::without_provenance_mut(made)]) };
-        Ok(())
+        unsafe { border::hand_out("faces", faces, make) }
     })
 }
 

@@ -187,7 +187,8 @@ pub extern "C" fn dc_roll_back(interface: *mut dc_interface) -> dc_status {
 /// force without friction, as they had no gap at the end of the increment before; `dissipated` the work of friction in the increment,
 /// energy. Each may be NULL.
 ///
-/// DC_BAD_OPTION for a law with friction if there can be none: without DC_DIFFUSE and DC_DOMAINS, or in a library built without it.
+/// DC_BAD_OPTION for a law with friction if there can be none: for DC_DIFFUSE without DC_DOMAINS, or in a library built without its
+/// feature `friction`. DC_NODE_TO_FACET has friction in every build.
 ///
 /// # Safety
 /// `law` as in dc_add_forces; the others are NULL or may be written.

@@ -1,13 +1,30 @@
 //! The law of contact.
 
+use std::ffi::c_void;
 use std::mem::offset_of;
+use std::sync::atomic::{AtomicPtr, Ordering};
 
-use runtime::assembly::{ContactLaw, TabulatedPressure, Tangent};
-use runtime::friction::{Coulomb, DecayingCoefficient, FrictionCoefficient, TabulatedCoefficient};
+use runtime::assembly::{ContactLaw, NormalLaw, NormalPressure, TabulatedPressure, Tangent};
+use runtime::friction::{
+    CoefficientValue, Coulomb, DecayingCoefficient, FrictionCoefficient, TabulatedCoefficient,
+};
 
 use crate::border::{self, Span, Versioned, input, read_sized, reserved};
 use crate::choice::{self, dc_coefficient};
 use crate::status::{DC_BAD_OPTION, DC_BAD_SIZE, Failure};
+
+/// A normal law of the caller's own. `pressure` has room for two numbers: p, force per area, or over nodes without areas force, and
+/// dp/dg, at the signed gap of a slave. A contact whose p is not positive is open.
+///
+/// It is called from several threads at once, within any call that takes the law, and has to answer the same each time. It must return:
+/// no exception and no longjmp. What is no number is refused as that of a law.
+pub type dc_normal_law =
+    Option<unsafe extern "C" fn(context: *mut c_void, slave: usize, gap: f64, pressure: *mut f64)>;
+
+/// A coefficient of friction of the caller's own. `coefficient` has room for three numbers: mu, its derivative by the pressure and that by
+/// the slip rate. It is called as a dc_normal_law; of contacts that stick with the slip rate 0.
+pub type dc_friction_law =
+    Option<unsafe extern "C" fn(context: *mut c_void, pressure: f64, rate: f64, coefficient: *mut f64)>;
 
 /// The law of contact. With e = penalty x area:
 ///
@@ -19,7 +36,7 @@ use crate::status::{DC_BAD_OPTION, DC_BAD_SIZE, Failure};
 /// where contacts slide or have just closed. Call dc_accept, or dc_faces_accept, before the first increment and after each that has
 /// converged: else contacts that carry force are refused with DC_NOT_EVALUATED.
 ///
-/// With a table of pressures f = area x p(g), and -area x dp/dg stands in the place of e.
+/// With a normal law by table, or of the caller's own, f = area x p(g), and -area x dp/dg stands in the place of e.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct dc_law {
@@ -72,9 +89,53 @@ pub struct dc_law {
     /// ... and coefficients, for each rate at the first pressure, then for each at the next one: bilinear between them, constant beyond.
     /// `friction` is 0 then.
     pub friction_table: *const f64,
+    /// A normal law of the caller's own, in the place of a table; NULL for none. What is said of the penalty beside a table holds.
+    pub normal_law: dc_normal_law,
+    /// DC_FUNCTION: the coefficient. `friction` is 0 then.
+    pub friction_law: dc_friction_law,
+    /// Handed to both.
+    pub context: *mut c_void,
 }
 
-// SAFETY: numbers and addresses; the first one is the size.
+/// A function of the caller's with its context.
+#[derive(Debug)]
+struct Own<F> {
+    function: F,
+    context: AtomicPtr<c_void>,
+}
+
+impl<F> Own<F> {
+    fn new(function: F, law: &dc_law) -> Self {
+        Self { function, context: AtomicPtr::new(law.context) }
+    }
+
+    fn context(&self) -> *mut c_void {
+        self.context.load(Ordering::Relaxed)
+    }
+}
+
+impl NormalLaw for Own<unsafe extern "C" fn(*mut c_void, usize, f64, *mut f64)> {
+    fn pressure(&self, slave: usize, gap: f64) -> NormalPressure {
+        // What is not written is no number.
+        let mut found = [f64::NAN; 2];
+        // SAFETY: as the caller of [`read`] promises; there is room for two numbers.
+        unsafe { (self.function)(self.context(), slave, gap, found.as_mut_ptr()) };
+        let [pressure, by_gap] = found;
+        NormalPressure { pressure, by_gap }
+    }
+}
+
+impl FrictionCoefficient for Own<unsafe extern "C" fn(*mut c_void, f64, f64, *mut f64)> {
+    fn coefficient(&self, pressure: f64, rate: f64) -> CoefficientValue {
+        let mut found = [f64::NAN; 3];
+        // SAFETY: as the caller of [`read`] promises; there is room for three numbers.
+        unsafe { (self.function)(self.context(), pressure, rate, found.as_mut_ptr()) };
+        let [value, by_pressure, by_rate] = found;
+        CoefficientValue { value, by_pressure, by_rate }
+    }
+}
+
+// SAFETY: numbers and addresses, of which those of functions may be NULL; the first one is the size.
 unsafe impl Versioned for dc_law {
     const NAME: &'static str = "dc_law";
     const FIRST: usize = offset_of!(Self, reserved) + 4;
@@ -105,6 +166,9 @@ impl dc_law {
         friction_rates: std::ptr::null(),
         friction_rate_count: 0,
         friction_table: std::ptr::null(),
+        normal_law: None,
+        friction_law: None,
+        context: std::ptr::null_mut(),
     };
 
     /// The structure itself.
@@ -170,7 +234,8 @@ pub struct Law<'a> {
     given: dc_law,
     multipliers: Option<&'a [f64]>,
     tangent: Tangent,
-    normal: Option<TabulatedPressure>,
+    /// A normal law that is not the penalty's.
+    normal: Option<Box<dyn NormalLaw>>,
     /// A coefficient that is no constant.
     coefficient: Option<Box<dyn FrictionCoefficient>>,
     augmented: bool,
@@ -179,7 +244,8 @@ pub struct Law<'a> {
 /// The law of the caller.
 ///
 /// # Safety
-/// `law` is NULL or has as many bytes as its field `size` says, its arrays have their numbers of entries.
+/// `law` is NULL or has as many bytes as its field `size` says, its arrays have their numbers of entries, and its functions may be called
+/// while the law is used.
 pub unsafe fn read<'a>(law: *const dc_law) -> Result<Law<'a>, Failure> {
     // SAFETY: as the caller promises.
     let given = unsafe { dc_law::copy(law)? };
@@ -191,7 +257,16 @@ pub unsafe fn read<'a>(law: *const dc_law) -> Result<Law<'a>, Failure> {
             input("normal_pressures", given.normal_pressures, given.normal_count)?,
         )
     };
-    let normal = if gaps.is_empty() { None } else { Some(TabulatedPressure::new(gaps, pressures)?) };
+    let normal: Option<Box<dyn NormalLaw>> = match given.normal_law {
+        Some(_) if !gaps.is_empty() => {
+            let message =
+                "invalid-option: normal_law stands in the place of a table, and there are normal_gaps";
+            return Err(Failure::new(DC_BAD_OPTION, message.to_owned()));
+        }
+        Some(function) => Some(Box::new(Own::new(function, &given))),
+        None if gaps.is_empty() => None,
+        None => Some(Box::new(TabulatedPressure::new(gaps, pressures)?)),
+    };
     Ok(Law {
         multipliers: Some(multipliers).filter(|_| !given.multipliers.is_null()),
         tangent: choice::tangent(given.tangent)?,
@@ -209,6 +284,14 @@ pub unsafe fn read<'a>(law: *const dc_law) -> Result<Law<'a>, Failure> {
 /// As [`read`].
 unsafe fn variable(law: &dc_law) -> Result<Option<Box<dyn FrictionCoefficient>>, Failure> {
     let table_count = law.table_count()?;
+    let without_constant = |kind: &str| {
+        if law.friction == 0.0 {
+            return Ok(());
+        }
+        let message =
+            format!("invalid-option: with {kind} friction is 0, and not {}: it has its own", law.friction);
+        Err(Failure::new(DC_BAD_OPTION, message))
+    };
     Ok(match choice::coefficient(law.coefficient)? {
         dc_coefficient::DC_CONSTANT => None,
         dc_coefficient::DC_DECAYING => {
@@ -216,13 +299,7 @@ unsafe fn variable(law: &dc_law) -> Result<Option<Box<dyn FrictionCoefficient>>,
             Some(Box::new(made))
         }
         dc_coefficient::DC_TABULATED => {
-            if law.friction != 0.0 {
-                let message = format!(
-                    "invalid-option: with DC_TABULATED friction is 0, and not {}: the table has it",
-                    law.friction
-                );
-                return Err(Failure::new(DC_BAD_OPTION, message));
-            }
+            without_constant("DC_TABULATED")?;
             // SAFETY: as the caller promises.
             let (pressures, rates, table) = unsafe {
                 (
@@ -232,6 +309,15 @@ unsafe fn variable(law: &dc_law) -> Result<Option<Box<dyn FrictionCoefficient>>,
                 )
             };
             Some(Box::new(TabulatedCoefficient::new(pressures, rates, table)?))
+        }
+        dc_coefficient::DC_FUNCTION => {
+            without_constant("DC_FUNCTION")?;
+            let Some(function) = law.friction_law else {
+                let message =
+                    "invalid-option: DC_FUNCTION is the coefficient of friction_law, and that is NULL";
+                return Err(Failure::new(DC_BAD_OPTION, message.to_owned()));
+            };
+            Some(Box::new(Own::new(function, law)))
         }
     })
 }
@@ -249,7 +335,7 @@ impl Law<'_> {
         };
         let made = made.map(|made| made.with_shear_limit(limit)).transpose()?;
         Ok(ContactLaw::penalty(penalty)
-            .with_normal(self.normal.as_ref().map(|table| table as _))
+            .with_normal(self.normal.as_deref())
             .with_friction(made.map(|made| made.with_augmentation(self.augmented)))
             .with_multipliers(self.multipliers)
             .with_tangent(self.tangent))

@@ -45,7 +45,7 @@
 //!
 //! Tests: `src/tests` calls as C does: misuse, agreement with the runtime, and calls in no order with odd arguments
 //! (`DC_FUZZ_SECONDS=600` goes on with new seeds). `tests/installed` installs and links the library as users do, and compares its numbers
-//! with the runtime's bit for bit. `tests/fortran_module.rs` compares every declaration of the Fortran module with the header.
+//! with the runtime's bit for bit. `src/tests/fortran_module.rs` compares every declaration of the Fortran module with the header.
 //!
 //! The crate has no `rlib`: two libraries of one name would collide, and tests link what users link.
 // The names are those of the C interface.

@@ -1,5 +1,6 @@
 //! The tests of the public interface.
 
+mod config;
 mod element;
 mod element_c;
 mod element_nodes;

@@ -52,14 +52,15 @@ impl Faces {
 
 #[pymethods]
 impl Faces {
-    /// `degree`: of the rule on each piece of a face; the rest as of `Interface`.
+    /// `faces`: of the slave, without them the surface is in contact with itself. `degree`: of the rule on each piece of a face; the rest
+    /// as of `Interface`.
     #[new]
     #[pyo3(signature = (master, faces, positions, options, degree, equations, symmetry, quadratic))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
         master: &Surface,
-        faces: &Bound<'_, PyArray2<i64>>,
+        faces: Option<&Bound<'_, PyArray2<i64>>>,
         positions: &Bound<'_, PyArray2<f64>>,
         options: Options,
         degree: usize,
@@ -67,7 +68,7 @@ impl Faces {
         symmetry: &Bound<'_, PyArray2<f64>>,
         quadratic: Vec<Bound<'_, PyArray2<i64>>>,
     ) -> PyResult<Self> {
-        let faces = facets(py, &readable(faces)?)?;
+        let faces = faces.map(|faces| facets(py, &readable(faces)?)).transpose()?;
         let positions = readable(positions)?;
         let positions = points(py, &positions)?;
         let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == degree).ok_or_else(|| {
@@ -88,7 +89,10 @@ impl Faces {
             curved.extend(quadratic_faces(py, &readable(rows)?)?);
         }
         let made = threads::run(py, || {
-            let mut interface = FaceInterface::new(master, &faces, positions, options)?;
+            let mut interface = match &faces {
+                Some(faces) => FaceInterface::new(master, faces, positions, options)?,
+                None => FaceInterface::self_contact(master, positions, options)?,
+            };
             if !curved.is_empty() {
                 interface.set_quadratic_faces(&curved)?;
             }

@@ -292,3 +292,20 @@ def test_refusals():
     with pytest.raises(TypeError):
         copy.copy(faces)
     assert repr(faces) == "<FaceInterface of 25 nodes, diffuse>"
+
+
+def test_a_surface_touches_itself():
+    positions, master, slave = bumps()
+    # Apart at first: a sheet right behind another would be the back of one body.
+    apart = positions.copy()
+    apart[slave.min() :, 2] += 0.3
+    surface = dc.MasterSurface(apart, np.vstack([master, slave]))
+    own = dc.FaceInterface(surface, None, apart)
+    assert np.array_equal(own.slaves, np.arange(len(positions)))
+    own.refresh(positions)
+    contacts = own.evaluate(PENALTY)
+    forces = own.forces().reshape(-1, 3)
+    assert (contacts.pressure > 0.0).sum() > 10
+    below = master.max() + 1
+    assert abs(forces[:below, 2].sum()) > 1.0
+    assert np.allclose(forces.sum(axis=0), 0.0, atol=1e-12)

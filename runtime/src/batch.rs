@@ -4,8 +4,9 @@ use diffuse_contact_kernels::support::{
     Basis, BatchElement, ElementInputs, FrameRule, GapValues, KernelSet, SecondKind, Workspace,
 };
 
-use crate::generated::{frame_rule, inputs, validate, with_kernels};
-use crate::interface::recycled;
+use crate::kernels::{frame_rule, inputs, validate};
+use crate::scratch::recycled;
+use crate::weight::with_kernels;
 use crate::{ContactPoint, Element, ElementError, Generated, GeneratedWith, Mode, Weight};
 
 /// Room that batches use, kept from one to the next.
@@ -46,10 +47,20 @@ pub struct GapSlot<'a> {
     pub hessian: &'a mut [f64],
 }
 
+impl Key {
+    /// Whether an element goes side by side with the one before it.
+    fn goes_beside(&self, other: &Self, asked: Asked) -> bool {
+        let may_differ =
+            self.frame == FrameRule::Material && !self.has_slip && matches!(asked, Asked::Mode(_));
+        let nodes = if may_differ { self.nodes } else { other.nodes };
+        *self == Self { nodes, ..*other }
+    }
+}
+
 impl Generated {
     /// [`gap_into`](Self::gap_into) for many elements, which may differ in everything: those that share weight, basis,
-    /// frame rule and number of nodes are evaluated side by side, one per lane of the machine's vectors. What an element
-    /// gets does not depend on the others; it differs from what `gap_into` gives by rounding. Allocates the vector it
+    /// frame rule and number of nodes, or with domains in the first configuration have nearly as many, are evaluated side by
+    /// side, one per lane of the machine's vectors. What an element gets does not depend on the others; it differs from what `gap_into` gives by rounding. Allocates the vector it
     /// returns, and more only where `scratch` has to grow.
     ///
     /// # Errors
@@ -244,7 +255,7 @@ pub(crate) fn evaluate<'a>(
     ));
     order.sort_unstable();
     let mut elements = recycled(std::mem::take(memory));
-    for group in order.chunk_by(|x, y| x.0 == y.0) {
+    for group in order.chunk_by(|x, y| x.0.goes_beside(&y.0, asked)) {
         let Key { weight, frame, basis, has_slip, .. } = group[0].0;
         for group in group.chunks(MOST_AT_ONCE) {
             elements.clear();

@@ -1,63 +1,9 @@
 //! One contact element: a slave node, its master nodes, and the data held fixed between updates.
 
-use diffuse_contact_kernels::support::KernelSet;
-
-use crate::generated::with_kernels;
 use crate::material::check_place;
 use crate::vector::Vector3;
+pub use crate::weight::Weight;
 use crate::{Basis, Domains, ElementError, Frame, FrameDerivative, MaterialNode, Point};
-
-/// Weight function of the fit, a function of r = (in-plane distance from the slave) / (support radius).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
-pub enum Weight {
-    /// 1 − 3r² + 2r³ inside the support radius, 0 outside (Chamoret et al. 2008, eq. 14).
-    #[default]
-    Cubic = 0,
-    /// ω/(1 − ω) with ω the cubic weight (Chamoret et al. 2008, eq. 16): infinite at a node, so that the surface
-    /// passes through the master nodes. With the Cargo feature `interpolating`, which is on by default.
-    #[cfg(feature = "interpolating")]
-    CubicInterpolating = 1,
-    /// (1 − r)⁴ (1 + 4r) inside the support radius, 0 outside (Wendland 1995): twice differentiable at r = 1, where
-    /// the cubic weight's second derivative jumps.
-    WendlandC2 = 2,
-}
-
-impl Weight {
-    /// All weights.
-    #[cfg(feature = "interpolating")]
-    pub const ALL: [Self; 3] = [Self::Cubic, Self::CubicInterpolating, Self::WendlandC2];
-
-    /// All weights.
-    #[cfg(not(feature = "interpolating"))]
-    pub const ALL: [Self; 2] = [Self::Cubic, Self::WendlandC2];
-
-    /// Whether the surface passes through the master nodes.
-    #[must_use]
-    pub const fn is_interpolating(self) -> bool {
-        match self {
-            #[cfg(feature = "interpolating")]
-            Self::CubicInterpolating => true,
-            Self::Cubic | Self::WendlandC2 => false,
-        }
-    }
-
-    /// Name in input and output files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Cubic => "cubic",
-            #[cfg(feature = "interpolating")]
-            Self::CubicInterpolating => "cubic-interpolating",
-            Self::WendlandC2 => "wendland-c2",
-        }
-    }
-
-    /// The weight at r; of an interpolating weight ω/(1 − ω) that of ω. 0 where r ≥ 1.
-    #[must_use]
-    pub fn fitting(self, r: f64) -> f64 {
-        with_kernels!(self, K => K::fitting_weight(r))
-    }
-}
 
 /// What one evaluation needs: current positions, and the pairing data that stays fixed while differentiating.
 ///
@@ -181,33 +127,10 @@ impl<'a> Element<'a> {
                 return Err(ElementError::NonFiniteInput { what: "master", index });
             }
         }
-        let is_radius = |x: f64| x.is_finite() && x > 0.0;
         if !is_radius(self.support_radius) {
             return Err(ElementError::InvalidSupportRadius { value: self.support_radius });
         }
-        let expected = self.masters.len();
-        let wrong = |found| ElementError::WrongNumberOfDomains { found, expected };
-        if let Domains::Material(nodes) = self.domains {
-            if nodes.len() != expected {
-                return Err(wrong(nodes.len()));
-            }
-            let is_finite =
-                |node: &MaterialNode| node.offset.iter().chain(&node.metric).all(|x| x.is_finite());
-            if let Some(index) = nodes.iter().position(|node| !is_finite(node)) {
-                return Err(ElementError::NonFiniteInput { what: "domain", index });
-            }
-            if self.frame.derivative == FrameDerivative::Frozen {
-                return Err(ElementError::HeldFrame);
-            }
-        }
-        if let Domains::Each(radii) = self.domains {
-            if radii.len() != expected {
-                return Err(wrong(radii.len()));
-            }
-            if let Some(index) = radii.iter().position(|&radius| !is_radius(radius)) {
-                return Err(ElementError::InvalidDomain { index, value: radii[index] });
-            }
-        }
+        self.check_domains()?;
         if self.frame.derivative == FrameDerivative::CoMoving && !self.basis.is_isotropic() {
             return Err(ElementError::AnisotropicBasis { basis: self.basis.name() });
         }
@@ -231,6 +154,41 @@ impl<'a> Element<'a> {
             (x, weight)
         }))
     }
+
+    /// As many domains as masters, each of them sound.
+    fn check_domains(&self) -> Result<(), ElementError> {
+        let expected = self.masters.len();
+        let wrong = |found| ElementError::WrongNumberOfDomains { found, expected };
+        match self.domains {
+            Domains::Shared => {}
+            Domains::Material(nodes) => {
+                if nodes.len() != expected {
+                    return Err(wrong(nodes.len()));
+                }
+                let is_finite =
+                    |node: &MaterialNode| node.offset.iter().chain(&node.metric).all(|x| x.is_finite());
+                if let Some(index) = nodes.iter().position(|node| !is_finite(node)) {
+                    return Err(ElementError::NonFiniteInput { what: "domain", index });
+                }
+                if self.frame.derivative == FrameDerivative::Frozen {
+                    return Err(ElementError::HeldFrame);
+                }
+            }
+            Domains::Each(radii) => {
+                if radii.len() != expected {
+                    return Err(wrong(radii.len()));
+                }
+                if let Some(index) = radii.iter().position(|&radius| !is_radius(radius)) {
+                    return Err(ElementError::InvalidDomain { index, value: radii[index] });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn is_radius(x: f64) -> bool {
+    x.is_finite() && x > 0.0
 }
 
 /// Index of the node with the smallest distance over the radius of its domain; the first of several.

@@ -5,10 +5,12 @@
 //! jumps from facet to facet; the diffuse element ([`Element`](crate::Element)) is there to avoid that.
 
 use diffuse_contact_kernels::facet::{quadrilateral, triangle};
-use diffuse_contact_kernels::support::{FacetInputs, FacetValues};
+use diffuse_contact_kernels::support::{FacetInputs, FacetValues, RootSolution};
+use diffuse_contact_kernels::{slip_over_quadrilateral, slip_over_triangle};
 
+use crate::kernels::check_anchor;
 use crate::output::SymmetricMatrix;
-use crate::{ContactPoint, ElementError, Gap, Generated, Mode, Point};
+use crate::{ContactPoint, ElementError, Gap, Generated, Mode, Point, Slip};
 
 /// A slave node and the corners of one facet, current positions.
 ///
@@ -127,6 +129,47 @@ impl Generated {
         Ok(FacetPoint { point, natural: values.natural })
     }
 
+    /// The slip from an anchor on a facet, with the gap: q = ½ |P_ν d|² with d from `anchor` to the slave
+    /// (docs/equations.md, T16). Derivatives of q are over the coordinates of slave, corner 1, …, corner n, anchor.
+    ///
+    /// # Errors
+    /// As [`facet_gap`](Self::facet_gap); [`ElementError::NonFiniteInput`] for an anchor that is no point.
+    ///
+    /// ```
+    /// use diffuse_contact::{FacetElement, Generated, Mode};
+    ///
+    /// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let element = FacetElement { slave: [0.25, 0.5, -0.1], corners: &corners };
+    /// // The way along the normal is no slip.
+    /// let slip = Generated.facet_slip(&element, [0.25, 0.2, 0.7], Mode::Hessian)?;
+    /// assert!((slip.length() - 0.3).abs() < 1e-15);
+    /// assert_eq!(slip.gradient.len(), 3 * (4 + 2));
+    /// # Ok::<(), diffuse_contact::ElementError>(())
+    /// ```
+    pub fn facet_slip(
+        &self,
+        element: &FacetElement<'_>,
+        anchor: Point,
+        mode: Mode,
+    ) -> Result<Slip, ElementError> {
+        check_anchor(anchor)?;
+        let contact = self.facet_gap(element, mode)?;
+        let mut numbers = SlipNumbers::default();
+        let half_square = facet_slip(element, anchor, mode, &mut numbers)?;
+        let freedoms = 3 * (element.corners.len() + 2);
+        let mut slip = Slip { half_square, ..Slip::default() };
+        if mode >= Mode::Gradient {
+            slip.gradient = numbers.gradient[..freedoms].to_vec();
+            slip.foot_weights = foot_weights(&contact.gradient, contact.normal).collect();
+        }
+        if mode >= Mode::Hessian {
+            slip.hessian = SymmetricMatrix::zeros(freedoms);
+            let packed = slip.hessian.packed_mut();
+            packed.copy_from_slice(&numbers.hessian[..packed.len()]);
+        }
+        Ok(Slip { contact, ..slip })
+    }
+
     /// Gap, foot, normal and natural coordinates, without derivatives.
     ///
     /// # Errors
@@ -134,6 +177,75 @@ impl Generated {
     pub fn facet_point(&self, element: &FacetElement<'_>) -> Result<FacetPoint, ElementError> {
         self.facet_gap_into(element, Mode::Value, &mut [], &mut [])
     }
+}
+
+/// Most coordinates of a slip over a facet: slave, corners, anchor.
+const MOST: usize = 3 * (4 + 2);
+
+/// Derivatives of q, those that a mode asks for: the first entries of either.
+pub(crate) struct SlipNumbers {
+    pub gradient: [f64; MOST],
+    /// Packed lower triangle.
+    pub hessian: [f64; MOST * (MOST + 1) / 2],
+}
+
+impl Default for SlipNumbers {
+    fn default() -> Self {
+        Self { gradient: [0.0; MOST], hessian: [0.0; MOST * (MOST + 1) / 2] }
+    }
+}
+
+/// q of an element that has a gap, and its derivatives.
+pub(crate) fn facet_slip(
+    element: &FacetElement<'_>,
+    anchor: Point,
+    mode: Mode,
+    numbers: &mut SlipNumbers,
+) -> Result<f64, ElementError> {
+    // Seen from the slave and over the facet's size: powers of lengths would leave the range of numbers.
+    let origin = element.slave;
+    let edges =
+        element.corners.iter().flat_map(|x| (0..3).map(|axis| (x[axis] - element.corners[0][axis]).abs()));
+    let size = edges.fold(0.0, f64::max);
+    let seen = |x: Point| [0, 1, 2].map(|axis| (x[axis] - origin[axis]) / size);
+    let (slave, anchor) = ([0.0; 3], seen(anchor));
+    let SlipNumbers { gradient, hessian } = numbers;
+    let half_square = match *element.corners {
+        [a, b, c] => {
+            let inputs = slip_over_triangle::Inputs { slave, corners: [a, b, c].map(seen), anchor };
+            let found = slip_over_triangle::evaluate(mode, &inputs);
+            gradient[..found.gradient.len()].copy_from_slice(&found.gradient);
+            hessian[..found.hessian.len()].copy_from_slice(&found.hessian);
+            found.values.energy
+        }
+        [a, b, c, d] => {
+            let corners = [a, b, c, d].map(seen);
+            let inputs = slip_over_quadrilateral::Inputs { slave, corners, anchor, size: 1.0 };
+            let found = slip_over_quadrilateral::evaluate(mode, &inputs);
+            let slip_over_quadrilateral::Values { residual, iterations, energy } = found.values;
+            if !(residual < RootSolution::<f64>::TOLERANCE) {
+                return Err(ElementError::FootDiverged { residual, iterations: iterations as usize });
+            }
+            (*gradient, *hessian) = (found.gradient, found.hessian);
+            energy
+        }
+        _ => return Err(ElementError::FacetCorners { found: element.corners.len() }),
+    };
+    let half_square = size * size * half_square;
+    gradient.iter_mut().for_each(|by| *by *= size);
+    // The sum is finite only if each of them is.
+    let sum: f64 = gradient.iter().chain(&*hessian).map(|x| 0.0 * x).sum();
+    if half_square.is_finite() && sum == 0.0 {
+        Ok(half_square)
+    } else {
+        Err(ElementError::Overflow { what: "slip" })
+    }
+}
+
+/// The corners' parts in the foot, their shape functions: ∂g/∂x is −φ_k ν for a corner.
+pub(crate) fn foot_weights(gradient: &[f64], normal: Point) -> impl Iterator<Item = f64> + '_ {
+    let along = move |by: &Point| -(0..3).map(|axis| by[axis] * normal[axis]).sum::<f64>();
+    gradient.as_chunks::<3>().0.iter().skip(1).map(along)
 }
 
 /// Runs the kernel of a checked element.

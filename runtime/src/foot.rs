@@ -22,10 +22,12 @@ use diffuse_contact_kernels::foot_of_gap;
 use diffuse_contact_kernels::support::{AtFoot, KernelSet, SecondKind};
 
 use crate::batch::{Asked, gap_batch};
-use crate::generated::{frame_rule, inputs, with_kernels};
+use crate::facet::foot_weights;
+use crate::kernels::{frame_rule, inputs};
+use crate::weight::with_kernels;
 use crate::{
     BatchScratch, ContactPoint, Element, ElementError, FacetElement, GapSlot, Generated, GeneratedWith,
-    HessianForm, Mode, Point, Weight,
+    HessianForm, Mode, Weight,
 };
 
 /// The foot of one element with first derivatives.
@@ -160,9 +162,9 @@ pub(crate) fn facet_foot_derivatives(
     target: &mut FootSlot<'_>,
 ) -> Result<(), ElementError> {
     let freedoms = gradient.len();
-    // The gap is stationary in foot and normal: ∂g/∂x is ν for the slave and −φ_k ν for a corner.
-    for (weight, by) in target.weights.iter_mut().zip(gradient.as_chunks::<3>().0[1..].iter()) {
-        *weight = -dot(*by, point.normal);
+    // The gap is stationary in foot and normal: ∂g/∂x is ν for the slave.
+    for (weight, found) in target.weights.iter_mut().zip(foot_weights(gradient, point.normal)) {
+        *weight = found;
     }
     for component in 0..3 {
         for k in 0..freedoms {
@@ -171,10 +173,6 @@ pub(crate) fn facet_foot_derivatives(
         }
     }
     target.complete(point, gradient)
-}
-
-fn dot(x: Point, y: Point) -> f64 {
-    (0..3).map(|axis| x[axis] * y[axis]).sum()
 }
 
 /// [`Backend::foot_derivatives`](crate::Backend::foot_derivatives) of the generated kernels.

@@ -75,13 +75,16 @@ pub mod frame;
 pub mod friction;
 pub mod generated;
 pub mod interface;
+mod kernels;
 pub mod material;
 pub mod neighbourhood;
 pub mod output;
 pub mod pairing;
 pub mod product;
+mod scratch;
 pub mod surface;
 mod vector;
+mod weight;
 
 pub use affine::AffinePoint;
 pub use assembly::{ContactLaw, CsrPattern, DofMap, TangentOperator, Triplets, add_forces};

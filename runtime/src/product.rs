@@ -26,7 +26,8 @@
 use diffuse_contact_kernels::support::{FormRows, Isa, KernelSet, SecondKind};
 
 use crate::batch::{Asked, gap_batch};
-use crate::generated::{frame_rule, inputs, validate, with_kernels};
+use crate::kernels::{frame_rule, inputs, validate};
+use crate::weight::with_kernels;
 use crate::{BatchScratch, ContactPoint, Element, ElementError, GapSlot, Generated, GeneratedWith, Weight};
 
 /// How the factors of M lie in a slice of numbers, and what multiplies them.

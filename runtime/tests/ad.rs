@@ -491,3 +491,62 @@ fn many_masters() {
         assert!(sum.abs() < 1e-12 * size);
     }
 }
+
+/// The three outputs of an element with masters in the plane z = 0 and a slave a little above it, or the
+/// errors they end in.
+fn outcomes(
+    masters: &[[f64; 2]],
+    slave: [f64; 2],
+    basis: Basis,
+    mode: Mode,
+) -> [Result<(), ElementError>; 3] {
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let masters: Vec<_> = masters.iter().map(|[a, b]| [*a, *b, 0.0]).collect();
+    let element = Element::new(
+        [slave[0], slave[1], 0.1],
+        &masters,
+        Frame::given([0.0; 3], axes[0], axes[1], axes[2], None).unwrap(),
+        3.0,
+    )
+    .with_basis(basis);
+    [
+        Ad.gap(&element, mode).map(|_| ()),
+        Ad.coefficients(&element, mode).map(|_| ()),
+        Ad.surface(&element, [0.0; 2], mode).map(|_| ()),
+    ]
+}
+
+#[test]
+fn degenerate_layouts_are_singular() {
+    let hexagon: Vec<_> = (0..6)
+        .map(|i| {
+            let (s, c) = (f64::from(i) * std::f64::consts::FRAC_PI_3).sin_cos();
+            [c, s]
+        })
+        .collect();
+    let strip: Vec<_> = (0..8).map(|i| [0.5 * f64::from(i % 4), f64::from(i / 4)]).collect();
+    let line: Vec<_> = (0..5).map(|i| [0.3 * f64::from(i), 0.1 + 0.2 * f64::from(i)]).collect();
+    for (masters, basis) in [
+        (&hexagon, Basis::Quadratic),
+        (&strip, Basis::Quadratic),
+        (&line, Basis::Linear),
+        (&vec![[10.0, 0.0]; 6], Basis::Quadratic),
+        (&vec![[0.2, 0.1]; 4], Basis::Linear),
+    ] {
+        for slave in [[0.0, 0.0], [0.31, 0.17]] {
+            for mode in [Mode::Value, Mode::Hessian] {
+                for outcome in outcomes(masters, slave, basis, mode) {
+                    let Err(ElementError::SingularFit { pivot_ratio, tolerance }) = outcome else {
+                        panic!("{outcome:?}")
+                    };
+                    assert!(pivot_ratio.abs() < 1e-13 && tolerance == 1e-7);
+                }
+            }
+        }
+    }
+    // The same nodes carry the linear basis.
+    for masters in [hexagon, strip] {
+        let outcomes = outcomes(&masters, [0.1, 0.2], Basis::Linear, Mode::Hessian);
+        assert!(outcomes.iter().all(Result::is_ok));
+    }
+}

@@ -36,8 +36,14 @@ fn law(coefficient: f64) -> ContactLaw<'static> {
 }
 
 impl Pressed {
-    /// Slaves over [1, 7]² of a surface of 8 × 8 cells of irregular shape, accepted where they touch.
+    /// On the smooth surface.
     fn new(coefficient: f64, weight: Weight, planes: &[SymmetryPlane]) -> Self {
+        let element = ContactElement::diffuse(SearchOptions::domains()).with_weight(weight);
+        Self::on(coefficient, element, planes)
+    }
+
+    /// Slaves over [1, 7]² of a surface of 8 × 8 cells of irregular shape, accepted where they touch.
+    fn on(coefficient: f64, element: ContactElement, planes: &[SymmetryPlane]) -> Self {
         let mut random = Uniform(5);
         let moved: Vec<f64> = (0..200).map(|_| 0.15 * random.signed()).collect();
         let mesh = Mesh::grid([9, 9], [false; 2], |s, t| {
@@ -53,7 +59,6 @@ impl Pressed {
         let mut positions = mesh.positions.clone();
         let first = positions.len();
         positions.extend(&slaves);
-        let element = ContactElement::diffuse(SearchOptions::domains()).with_weight(weight);
         let options = InterfaceOptions::default().with_element(element);
         let slaves: Vec<usize> = (first..positions.len()).collect();
         let mut interface =
@@ -73,7 +78,16 @@ impl Pressed {
                 self.positions[slave][axis] += step[axis];
             }
         }
-        self.interface.follow(&self.positions).unwrap();
+        self.follow();
+    }
+
+    /// Facets are those below the slaves.
+    fn follow(&mut self) {
+        if self.interface.options().element == ContactElement::NodeToFacet {
+            self.interface.refresh_pairing(&self.positions).unwrap();
+        } else {
+            self.interface.follow(&self.positions).unwrap();
+        }
     }
 
     /// Moves all slaves, and the masters by what makes the surface another one.
@@ -93,7 +107,7 @@ impl Pressed {
             let (x, y) = (place(x), place(y));
             self.positions[slave] = [x, y, wave(x, y) - DEPTH];
         }
-        self.interface.follow(&self.positions).unwrap();
+        self.follow();
     }
 
     fn forces(&mut self) -> Vec<f64> {
@@ -149,20 +163,26 @@ fn largest(values: &[f64]) -> f64 {
 #[test]
 fn the_tangent_is_the_derivative_of_the_forces() {
     let plane = SymmetryPlane { point: [0.0; 3], normal: [1.0, 0.0, 0.0] };
-    let cases = [(Weight::Cubic, &[plane][..]), (Weight::WendlandC2, &[]), (Weight::CubicInterpolating, &[])];
-    for (weight, planes) in cases {
+    let smooth = |weight| ContactElement::diffuse(SearchOptions::domains()).with_weight(weight);
+    let cases = [
+        (smooth(Weight::Cubic), &[plane][..]),
+        (smooth(Weight::WendlandC2), &[]),
+        (smooth(Weight::CubicInterpolating), &[]),
+        (ContactElement::NodeToFacet, &[]),
+    ];
+    for (element, planes) in cases {
         // All stick, all slide.
-        for coefficient in [3.0, 0.1] {
-            let mut pressed = Pressed::new(coefficient, weight, planes);
+        for coefficient in [30.0, 0.1] {
+            let mut pressed = Pressed::on(coefficient, element, planes);
             pressed.slide_and_deform([0.03, 0.02, 0.001]);
-            assert_tangent(&mut pressed, coefficient == 3.0);
+            assert_tangent(&mut pressed, coefficient == 30.0);
         }
         // From anchors that no node within reach carries.
-        let mut pressed = Pressed::new(0.1, weight, planes);
+        let mut pressed = Pressed::on(0.1, element, planes);
         pressed.slide_far();
         assert_tangent(&mut pressed, false);
         // Slaves that were open.
-        let mut pressed = Pressed::new(0.5, weight, planes);
+        let mut pressed = Pressed::on(0.5, element, planes);
         pressed.slide([0.0, 0.0, 2.0 * DEPTH]);
         pressed.accept();
         pressed.slide([2e-4, 1e-4, -2.0 * DEPTH]);
@@ -211,6 +231,45 @@ fn forces_and_moments_balance_and_friction_has_an_effect() {
         assert!((ratio - 0.1).abs() < 0.001, "{ratio}");
         assert!(0.03 * traction[0] + 0.02 * traction[1] < 0.0);
     }
+}
+
+#[test]
+fn facets_draw_anchors_along_from_one_to_the_next() {
+    let mut pressed = Pressed::on(0.1, ContactElement::NodeToFacet, &[]);
+    let mut facets: Vec<Vec<u32>> = Vec::new();
+    for _ in 0..20 {
+        pressed.slide([0.05, 0.02, -0.001]);
+        assert_balance(&mut pressed);
+        for k in 0..4 {
+            let (traction, normal) = (pressed.traction(k), pressed.normal_force(k));
+            if normal > 0.0 {
+                // That of the force itself, over its part along the slave's normal: it turns with the slip across a facet that is not flat.
+                let ratio = length(traction) / normal;
+                assert!((ratio - 0.1).abs() < 0.002, "{k} {ratio}");
+                assert!(0.05 * traction[0] + 0.02 * traction[1] < 0.0, "{traction:?}");
+            }
+        }
+        let report = pressed.accept();
+        assert!(report.sliding >= 3 && report.dissipated > 0.0, "{report:?}");
+        facets.push(pressed.interface.contacts().get(0).nodes[..3].to_vec());
+        assert!(pressed.interface.anchors().unwrap().iter().flatten().all(|a| a.point.terms().len() <= 40));
+    }
+    facets.dedup();
+    assert!(facets.len() > 1, "{facets:?}");
+    // A restart from the numbers of the history has the same bits.
+    let history = pressed.interface.history();
+    let mut other = Pressed::on(0.1, ContactElement::NodeToFacet, &[]);
+    other.interface.set_history(&history).unwrap();
+    other.positions = pressed.positions.clone();
+    for pressed in [&mut pressed, &mut other] {
+        pressed.slide_and_deform([-1e-4, 2e-4, 0.0]);
+    }
+    assert_eq!(other.forces(), pressed.forces());
+    // Facets have no images.
+    let point = AffinePoint::new([(Carrier { node: 0, image: Some(0) }, 1.0)]).unwrap();
+    let anchor = Some(Anchor { point, ..Anchor::default() });
+    let refused = other.interface.set_anchors(Some(vec![anchor; 5])).unwrap_err();
+    assert_eq!(refused.code(), "foreign-carrier");
 }
 
 fn assert_balance(pressed: &mut Pressed) {
@@ -416,11 +475,9 @@ fn what_is_no_history_is_refused() {
     scene.refresh();
     assert_eq!(scene.interface.accept(&law(0.1)).unwrap().unanchored, 1);
 
-    // Facets and hull layers have no anchors.
-    for options in [InterfaceOptions::node_to_facet(), hull_layers()] {
-        let mut scene = plane.paired(&[[2.2, 2.1, -0.1]], options);
-        assert_eq!(scene.interface.accept(&law(0.1)), Err(InterfaceError::NoAnchors));
-    }
+    // Hull layers have no anchors.
+    let mut scene = plane.paired(&[[2.2, 2.1, -0.1]], hull_layers());
+    assert_eq!(scene.interface.accept(&law(0.1)), Err(InterfaceError::NoAnchors));
 }
 
 #[test]

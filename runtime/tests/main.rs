@@ -4,10 +4,13 @@
 mod ad;
 mod assembly;
 mod assembly_cases;
+mod assembly_single;
 #[cfg(feature = "ad")]
 mod co_moving;
 mod common;
+mod cutback;
 mod domains;
+mod faces;
 mod foot;
 mod interface_facets;
 #[cfg(feature = "friction")]
@@ -21,6 +24,7 @@ mod neighbourhood_cases;
 mod neighbourhood_fits;
 mod neighbourhood_layers;
 mod operator;
+mod pairing;
 mod regularity;
 mod self_contact;
 mod self_contact_faces;

@@ -253,30 +253,3 @@ fn master_surfaces(deck: &Deck, model: &Model, state: &State) -> Vec<report::Sur
     });
     sample_surfaces(surfaces, &state.positions)
 }
-
-#[cfg(test)]
-mod tests {
-    use std::fmt::Write;
-
-    use super::*;
-
-    /// Many boundaries of one set: their names are numbered without a look at all those before.
-    #[test]
-    fn many_boundaries_of_one_set_are_numbered_in_time() {
-        let begin = std::time::Instant::now();
-        let mut text =
-            "[materials.a]\nyoung = 1.0\npoisson = 0.3\n[parts.b]\nshape = \"box\"\nsize = [1.0, 1.0, 1.0]\n\
-                        divisions = [1, 1, 1]\nmaterial = \"a\"\n"
-                .to_owned();
-        const COUNT: usize = 5000;
-        for _ in 0..COUNT {
-            let _ = write!(text, "[[boundary]]\nnodes = \"b\"\nfix = [\"x\"]\n");
-        }
-        text.push_str("[time]\nincrement = 1.0\n");
-        let names = support_names(&Deck::parse(&text).unwrap());
-        assert_eq!((names[0].as_str(), names[1].as_str()), ("b", "b (2)"));
-        assert_eq!(names.last(), Some(&format!("b ({COUNT})")));
-        assert_eq!(names.iter().collect::<HashSet<_>>().len(), COUNT);
-        assert!(begin.elapsed() < std::time::Duration::from_secs(30), "{:?}", begin.elapsed());
-    }
-}

@@ -5,11 +5,15 @@
 const PROGRAM: &str = env!("CARGO_BIN_EXE_diffuse-contact-solve");
 
 mod common;
+mod contact;
+mod deck;
 #[cfg(feature = "program")]
 mod decks;
 mod element;
 mod examples;
 mod friction;
+mod model;
+mod multigrid;
 mod output;
 mod paper;
 #[cfg(feature = "program")]
@@ -18,9 +22,12 @@ mod report;
 #[path = "../../program/tests/runs.rs"]
 mod runs;
 mod self_contact;
+mod shapes;
 mod solid;
 #[cfg(feature = "program")]
 mod solve;
 #[cfg(feature = "program")]
 mod solve_interrupted;
+mod statics;
 mod system;
+mod warnings;

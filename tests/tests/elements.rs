@@ -4,6 +4,8 @@
 #[path = "../../generated/elements.rs"]
 mod formulas;
 
+use diffuse_contact::ad::Ad;
+use diffuse_contact::{FacetElement, Generated, Slip};
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
 use diffuse_contact_codegen::{ElementKernels, ElementModel, Mode};
 use diffuse_contact_kernels::{
@@ -18,13 +20,23 @@ const ROUNDING: f64 = 1e-12;
 
 /// Entries of a value and of its Jacobian by the interpreter, at inputs in the order of their declaration.
 fn interpreted(formulas: impl FnOnce(&ElementModel<'_>), inputs: &[f64], value: &str) -> [Vec<f64>; 2] {
+    results_of_graph(formulas, Mode::Gradient, inputs, [value, &format!("{value}_jacobian")])
+}
+
+/// Entries of results by the interpreter.
+fn results_of_graph<const N: usize>(
+    formulas: impl FnOnce(&ElementModel<'_>),
+    mode: Mode,
+    inputs: &[f64],
+    names: [&str; N],
+) -> [Vec<f64>; N] {
     let element = ElementKernels::new("test", formulas).unwrap();
     let mut nodes = NodeInputs::new(0);
     let symbols = element.signature.inputs.iter().flat_map(|input| &input.symbols);
     symbols.zip(inputs).for_each(|(name, &x)| nodes.set_element(name, x));
-    let kernel = element.kernels.iter().find(|kernel| kernel.spec.mode == Mode::Gradient).unwrap();
+    let kernel = element.kernels.iter().find(|kernel| kernel.spec.mode == mode).unwrap();
     let mut interpreter = Interpreter::new(&kernel.graph, &nodes);
-    [value.to_owned(), format!("{value}_jacobian")].map(|name| {
+    names.map(|name| {
         let value = kernel.values.iter().find(|v| v.name == name).unwrap();
         value.components.iter().map(|x| interpreter.element(*x)).collect()
     })
@@ -204,6 +216,36 @@ fn forces_carried_by_faces_of_second_order_have_three_witnesses() {
         };
         compare!(carried_by_quadrilateral8, &shaken(8, 4), [-0.2, -0.4], eight);
         compare!(carried_by_quadrilateral9, &shaken(9, 4), [-0.2, -0.4], nine);
+    }
+}
+
+/// With the slave over the facet and beyond an edge, and without any slip.
+#[test]
+fn the_slip_over_a_facet_has_three_witnesses() {
+    let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.1], [1.1, 1.0, 0.3], [0.0, 0.9, -0.1]];
+    let cases = [([0.4, 0.3, -0.1], [0.5, 0.1, 0.4]), ([1.2, 0.4, 0.3], [-0.4, 0.9, 0.0])];
+    for (slave, anchor) in cases.into_iter().chain([([0.3, 0.2, 0.1], [0.3, 0.2, 0.1])]) {
+        for corners in [&square[..3], &square] {
+            let element = FacetElement { slave, corners };
+            let points = [&[slave], corners, &[anchor]].concat();
+            let mut inputs = points.as_flattened().to_vec();
+            let names = ["energy", "gradient", "hessian"];
+            let of_graph = if corners.len() == 3 {
+                results_of_graph(formulas::slip_over_triangle, Mode::Hessian, &inputs, names)
+            } else {
+                inputs.push(1.1);
+                results_of_graph(formulas::slip_over_quadrilateral, Mode::Hessian, &inputs, names)
+            };
+            let entries = |Slip { half_square, gradient, hessian, .. }: Slip| {
+                [vec![half_square], gradient, hessian.packed().to_vec()]
+            };
+            let of_kernel = entries(Generated.facet_slip(&element, anchor, support::Mode::Hessian).unwrap());
+            let expected = entries(Ad.facet_slip(&element, anchor, support::Mode::Hessian).unwrap());
+            for (k, what) in ["q", "∇q", "∇²q"].into_iter().enumerate() {
+                assert_close(&of_graph[k], &expected[k], what);
+                assert_close(&of_kernel[k], &expected[k], what);
+            }
+        }
     }
 }
 

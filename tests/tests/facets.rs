@@ -77,6 +77,31 @@ proptest! {
     }
 
     #[test]
+    fn slips_agree_in_any_unit_and_balance(case in facet_cases(), seed: u64, exponent in -60..=60) {
+        let mut random = Random::new(seed);
+        let factor = 10f64.powi(exponent);
+        let anchor = scale(factor, add(case.slave, random.vector(0.5)));
+        let case = case.scaled(factor);
+        let found = Generated.facet_slip(&case.element(), anchor, Mode::Hessian).unwrap();
+        let expected = Ad.facet_slip(&case.element(), anchor, Mode::Hessian).unwrap();
+        prop_assert!((found.half_square - expected.half_square).abs() <= AGREEMENT * factor * factor);
+        let close = |found: &[f64], expected: &[f64]| difference(found, expected) <= AGREEMENT;
+        prop_assert!(close(&found.gradient, &expected.gradient), "∇q: {found:?} {expected:?}");
+        prop_assert!(close(found.hessian.packed(), expected.hessian.packed()), "∇²q: {found:?} {expected:?}");
+        prop_assert!(close(&found.foot_weights, &expected.foot_weights), "φ: {found:?} {expected:?}");
+        // Rigid motions of all points change no slip.
+        let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+        let points = [&[case.slave], &case.corners[..], &[anchor]].concat();
+        for (node, x) in points.into_iter().enumerate() {
+            let by = part(&found.gradient, node);
+            force = add(force, by);
+            moment = add(moment, cross(scale(1.0 / factor, minus(x, case.slave)), by));
+        }
+        let size = largest(&found.gradient);
+        prop_assert!(length(force) <= ROUNDING * size && length(moment) <= ROUNDING * size, "{force:?} {moment:?}");
+    }
+
+    #[test]
     fn slivers_agree_too(seed: u64, exponent in -2.0..0.0f64) {
         // Up to a hundred times as long as wide: the square of that is lost.
         let thickness = 10f64.powf(exponent);

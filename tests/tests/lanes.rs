@@ -252,6 +252,20 @@ fn neighbours_make_no_difference() {
     }
 }
 
+/// Nodes that carry no weight fill up the lanes of elements with fewer nodes.
+#[test]
+fn neighbours_with_other_numbers_of_nodes_make_no_difference() {
+    let mut workspace = Workspace::default();
+    for isa in instructions() {
+        for (set, kernel) in kernels().filter(|(_, (_, frame, _))| *frame == FrameRule::Material) {
+            let cases: Vec<Case> = [7, 12, 6, 9].iter().flat_map(|&n| mixture(&set, kernel, n, 4)).collect();
+            let alone = alone(&set, isa, kernel, &cases);
+            let (cases, alone): (Vec<&Case>, Vec<&Found>) = cases.iter().zip(&alone).unzip();
+            assert_independent(&set, isa, kernel, &cases, &alone, &mut workspace);
+        }
+    }
+}
+
 #[test]
 fn batches_of_any_size_are_their_elements_wherever_these_are() {
     let mut workspace = Workspace::default();

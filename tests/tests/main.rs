@@ -8,6 +8,7 @@ mod deep_formulas;
 mod documents;
 mod elements;
 mod every_size;
+mod facet_kernels;
 mod facet_lanes;
 mod facet_statuses;
 mod facets;

@@ -377,3 +377,47 @@ fn faces_have_friction() {
     assert_eq!(forces(handle), found);
     assert_eq!(dc_faces_destroy(handle), DC_OK);
 }
+
+/// Both lattices as one surface: what the runtime has, bit for bit.
+#[test]
+fn a_surface_touches_itself() {
+    let pair = Pair::new();
+    let (positions, _) = pair.positions.as_chunks::<3>();
+    // Apart at first: a sheet right behind another would be the back of one body.
+    let mut apart = positions.to_vec();
+    apart[81..].iter_mut().for_each(|position| position[2] += 0.1);
+    let facets = [flat(&pair.master), flat(&pair.slave)].concat();
+    let row = |row: &[i32; 4]| Facet::Quadrilateral(row.map(|node| node as usize));
+    let rows = facets.as_chunks::<4>().0.iter().map(row).collect();
+    let surface = MasterSurface::new(&apart, rows).unwrap();
+    let options = FaceOptions::new(InterfaceOptions::default());
+    let mut expected = FaceInterface::self_contact(surface, &apart, options).unwrap();
+    expected.refresh(positions).unwrap();
+    let expected = expected.evaluate(&ContactLaw::penalty(300.0), Mode::Gradient).unwrap();
+    let size = 3 * pair.nodes();
+    let (mut sum, mut residual, mut handle) = (vec![0.0; size], vec![0.0; size], null_mut());
+    expected.add_forces(&DofMap::standard(pair.nodes()), &mut sum).unwrap();
+    // SAFETY: the arrays have the lengths given.
+    unsafe {
+        let (nodes, count) = (pair.nodes(), facets.len() / 4);
+        let (start, moved) = (apart.as_flattened().as_ptr(), pair.positions.as_ptr());
+        let create = |slaves: usize, handle: &mut *mut dc_faces| {
+            dc_faces_create(start, nodes, facets.as_ptr(), count, null(), slaves, null(), 2, handle)
+        };
+        assert_eq!(create(1, &mut handle), DC_BAD_POINTER);
+        assert_eq!(create(0, &mut handle), DC_OK, "{}", message());
+        let mut slaves = 0;
+        assert_eq!(dc_faces_counts(handle, null_mut(), &mut slaves), DC_OK);
+        assert_eq!(slaves, nodes);
+        assert_eq!(dc_faces_refresh(handle, moved, nodes, null_mut()), DC_OK);
+        assert_eq!(dc_faces_evaluate(handle, &law(&[]), 1), DC_OK, "{}", message());
+        let status = dc_faces_add_forces(handle, residual.as_mut_ptr(), size, null_mut(), null_mut());
+        assert_eq!(status, DC_OK);
+    }
+    assert_eq!(residual, sum);
+    // The force on the upper side of one body is that on the lower side of the other.
+    let along = |nodes: std::ops::Range<usize>| nodes.map(|node| residual[3 * node + 2]).sum::<f64>();
+    let (below, above) = (along(0..81), along(81..pair.nodes()));
+    assert!(above.abs() > 1.0 && (below + above).abs() < 1e-12 * above.abs(), "{below} {above}");
+    assert_eq!(dc_faces_destroy(handle), DC_OK);
+}

@@ -3,11 +3,12 @@
 use std::ptr::null_mut;
 
 use super::misuse::LAW;
-use super::{Mesh, message};
+use super::{Mesh, message, options};
 use crate::assembly::{dc_add_forces, dc_triplets};
 use crate::friction::{dc_accept, dc_history, dc_set_history};
 use crate::interface::{dc_destroy, dc_evaluate, dc_interface, dc_refresh};
 use crate::law::dc_law;
+use crate::options::dc_options;
 use crate::status::{DC_BAD_OPTION, DC_BAD_SIZE, DC_NOT_EVALUATED, DC_OK};
 
 const FRICTION: dc_law = dc_law { friction: 0.2, tangential_stiffness: 500.0, ..LAW };
@@ -44,10 +45,26 @@ fn slid(mesh: &Mesh, step: f64) -> Mesh {
     mesh
 }
 
+/// On facets in every build.
 #[test]
-fn friction_has_a_history_that_outlives_the_handle() {
+fn facets_have_friction_with_a_history() {
+    a_history_outlives_the_handle(&dc_options { element: 1, ..options() });
+}
+
+#[test]
+#[cfg(feature = "friction")]
+fn the_smooth_surface_has_friction_with_a_history() {
+    a_history_outlives_the_handle(&options());
+}
+
+fn a_history_outlives_the_handle(options: &dc_options) {
     let mesh = Mesh::new();
-    let handle = mesh.interface();
+    let interface = || {
+        let (status, handle) = mesh.make(options);
+        assert_eq!(status, DC_OK, "{}", message());
+        handle
+    };
+    let handle = interface();
     refresh(&mesh, handle);
     assert_eq!(accept(handle, &FRICTION), DC_OK);
     let ahead = slid(&mesh, 0.05);
@@ -82,7 +99,7 @@ fn friction_has_a_history_that_outlives_the_handle() {
     let expected = residual(handle, &FRICTION);
     assert_eq!(dc_destroy(handle), DC_OK);
 
-    let handle = mesh.interface();
+    let handle = interface();
     // SAFETY: the array has the length given.
     assert_eq!(unsafe { dc_set_history(handle, history.as_ptr(), count) }, DC_OK);
     refresh(&further, handle);

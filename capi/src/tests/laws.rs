@@ -1,17 +1,20 @@
 //! Laws by table, coefficients by pressure and rate, rounds of augmentation: the numbers of the runtime bit for bit.
 
-use std::ptr::{null, null_mut};
+use std::ffi::c_void;
+use std::ptr::{from_mut, null, null_mut};
 
 use runtime::Mode;
-use runtime::assembly::{ContactLaw, DofMap, TabulatedPressure};
+use runtime::assembly::{ContactLaw, DofMap, NormalLaw, NormalPressure, TabulatedPressure};
 use runtime::faces::FaceInterface;
-use runtime::friction::{Coulomb, DecayingCoefficient, FrictionCoefficient, TabulatedCoefficient};
+use runtime::friction::{
+    CoefficientValue, Coulomb, DecayingCoefficient, FrictionCoefficient, TabulatedCoefficient,
+};
 
 use super::faces::{Pair, law};
 use super::misuse::LAW;
 use super::{Mesh, message};
 use crate::assembly::dc_add_forces;
-use crate::choice::dc_coefficient::{DC_DECAYING, DC_TABULATED};
+use crate::choice::dc_coefficient::{DC_DECAYING, DC_FUNCTION, DC_TABULATED};
 use crate::contacts::dc_forces;
 use crate::faces::*;
 use crate::faces_assembly::*;
@@ -46,6 +49,78 @@ fn sliding(coefficient: i32) -> dc_law {
         friction_table: COEFFICIENTS.as_ptr(),
         ..law
     }
+}
+
+/// Laws as functions of the caller's: those of objects that the context has.
+struct Laws {
+    normal: TabulatedPressure,
+    friction: DecayingCoefficient,
+}
+
+unsafe extern "C" fn pressure(context: *mut c_void, slave: usize, gap: f64, found: *mut f64) {
+    // SAFETY: of `as_functions`; there is room for two numbers.
+    let (laws, found) = unsafe { (&*context.cast::<Laws>(), &mut *found.cast::<[f64; 2]>()) };
+    let NormalPressure { pressure, by_gap } = laws.normal.pressure(slave, gap);
+    *found = [pressure, by_gap];
+}
+
+unsafe extern "C" fn coefficient(context: *mut c_void, pressure: f64, rate: f64, found: *mut f64) {
+    // SAFETY: of `as_functions`; there is room for three numbers.
+    let (laws, found) = unsafe { (&*context.cast::<Laws>(), &mut *found.cast::<[f64; 3]>()) };
+    let CoefficientValue { value, by_pressure, by_rate } = laws.friction.coefficient(pressure, rate);
+    *found = [value, by_pressure, by_rate];
+}
+
+unsafe extern "C" fn nothing(_: *mut c_void, _: usize, _: f64, _: *mut f64) {}
+
+fn as_functions(laws: &mut Laws) -> dc_law {
+    dc_law {
+        coefficient: DC_FUNCTION as i32,
+        duration: 0.5,
+        augmented: 1,
+        normal_law: Some(pressure),
+        friction_law: Some(coefficient),
+        context: from_mut(laws).cast(),
+        ..law(&[])
+    }
+}
+
+#[test]
+fn functions_of_the_caller_have_the_numbers_of_tables() {
+    let pair = Pair::new();
+    let moved: Vec<f64> = (0..)
+        .zip(&pair.positions)
+        .map(|(k, x)| if k >= 243 && k % 3 == 0 { x + 0.004 } else { *x })
+        .collect();
+    let mut laws = Laws {
+        normal: TabulatedPressure::new(&GAPS, &PRESSURES).unwrap(),
+        friction: DecayingCoefficient::new(0.5, 0.2, 2.0).unwrap(),
+    };
+    let own = as_functions(&mut laws);
+    let expected = by_calls(&pair, &moved, &tabulated(sliding(DC_DECAYING as i32)));
+    assert_eq!(by_calls(&pair, &moved, &own), expected);
+
+    // What is refused has a reason.
+    let mesh = Mesh::new();
+    let handle = mesh.interface();
+    let mut sum = vec![0.0; 120];
+    // SAFETY: the arrays have the lengths given, or are refused.
+    unsafe {
+        assert_eq!(dc_refresh(handle, mesh.positions.as_ptr(), 40, null_mut()), DC_OK);
+        assert_eq!(dc_evaluate(handle, 2), DC_OK);
+        let mut refused = |law: dc_law, code: &str| {
+            let status = dc_add_forces(handle, &law, sum.as_mut_ptr(), 120, null_mut());
+            assert_ne!(status, DC_OK, "{code}");
+            assert!(message().starts_with(code), "{code}: {}", message());
+            assert!(sum.iter().all(|x| *x == 0.0));
+        };
+        refused(tabulated(own), "invalid-option: normal_law");
+        refused(dc_law { friction: 0.1, ..own }, "invalid-option: with DC_FUNCTION");
+        refused(dc_law { friction_law: None, ..own }, "invalid-option: DC_FUNCTION");
+        // It writes nothing.
+        refused(dc_law { normal_law: Some(nothing), ..LAW }, "invalid-pressure");
+    }
+    assert_eq!(dc_destroy(handle), DC_OK);
 }
 
 /// Residual and slip errors after a step, after a round for every second node, and after it was rolled back.
@@ -173,7 +248,7 @@ fn nodes_have_pressures_by_table() {
         let multipliers = [0.0; 4];
         let both = dc_law { multipliers: multipliers.as_ptr(), multiplier_count: 4, ..law };
         refused(both, DC_BAD_OPTION, "multipliers-of-own-law");
-        refused(dc_law { coefficient: 3, ..LAW }, DC_BAD_OPTION, "invalid-option");
+        refused(dc_law { coefficient: 4, ..LAW }, DC_BAD_OPTION, "invalid-option");
         refused(dc_law { augmented: 2, ..LAW }, DC_BAD_OPTION, "invalid-option");
         refused(dc_law { duration: 0.0, ..sliding(1) }, DC_BAD_OPTION, "invalid-duration");
         refused(dc_law { friction_decay: -1.0, ..sliding(1) }, DC_BAD_OPTION, "invalid-decay");

@@ -1,4 +1,4 @@
-//! Calls as C makes them.
+//! Calls as C makes them; and the header and the Fortran module beside the sources.
 
 mod agreement;
 mod cutback;
@@ -6,9 +6,10 @@ mod defaults;
 mod domains;
 mod faces;
 mod feet;
-#[cfg(feature = "friction")]
+mod fortran_module;
 mod friction;
 mod fuzz;
+mod header;
 mod laws;
 mod memory;
 mod misuse;

@@ -11,7 +11,7 @@
 //! each row, of element scope.
 
 use super::elimination::Elimination;
-use super::fit_derivatives::{Hessian, NodeProblem};
+use super::node_problem::{Hessian, NodeProblem};
 use crate::expr::{Expr, dot, ids};
 use crate::graph::ExprId;
 

@@ -14,8 +14,8 @@
 //! with a factor.
 
 use super::factors::ScaledVector;
-use super::fit_derivatives::{Block, Functional, Lagrangian, NodeProblem};
 use super::follower::Follower;
+use super::node_problem::{Block, Functional, Lagrangian, NodeProblem};
 use crate::expr::{Expr, dot, total};
 
 /// How the unknowns of interest move with an outer unknown.

@@ -4,8 +4,8 @@
 //! node does, with G in the place of λ·ρ, and moves with the outer unknowns as a node does.
 
 use super::coordinates::CoordinateMap;
-use super::fit_derivatives::{Block, Functional, PointBlocks};
 use super::low_rank::Factors;
+use super::node_problem::{Block, Functional, PointBlocks};
 use crate::expr::{Expr, Mat3, Values, Vec3};
 
 /// How a quantity G(α, y) depends on a point y. Everything is of element scope.

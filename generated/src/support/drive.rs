@@ -107,6 +107,16 @@ const fn sizes<K: GapKernel>(nodes: usize, kind: SecondKind) -> (usize, usize) {
     }
 }
 
+/// Whether derivatives are those of N and M, which may have places.
+fn may_have_places<K: GapKernel>(kind: SecondKind) -> bool {
+    !K::ANCHOR && (K::MODE < Mode::Hessian || kind == SecondKind::Hessians)
+}
+
+/// Whether elements side by side may differ in their number of nodes.
+fn may_differ<K: GapKernel>(kind: SecondKind) -> bool {
+    K::MATERIAL && may_have_places::<K>(kind)
+}
+
 /// The form of the gap's Hessian.
 const fn form<K: GapKernel>(nodes: usize) -> FormRows {
     assert!(!K::ANCHOR, "no factors of a slip's Hessian");
@@ -231,10 +241,13 @@ fn at_least(blocks: &mut Vec<Block>, count: usize) -> &mut [Block] {
     &mut blocks[..count]
 }
 
-/// Evaluates elements of the same number of nodes, side by side. What one of them gets does not depend on the others.
+/// Evaluates elements side by side. What one of them gets does not depend on the others.
+///
+/// Those with domains in the first configuration may differ in their number of nodes, unless a slip or factors are asked for: others beside
+/// them get nodes that carry no weight. So elements that follow one another should have nearly as many.
 ///
 /// # Panics
-/// If the numbers of nodes differ, or a slice is shorter than the kernel needs.
+/// If other numbers of nodes differ, or a slice is shorter than the kernel needs.
 pub fn batch<K: GapKernel>(
     isa: Isa,
     weight_number: usize,
@@ -245,7 +258,7 @@ pub fn batch<K: GapKernel>(
     let Some(first) = elements.first() else { return };
     let count = first.inputs.masters.len();
     assert!(
-        elements.iter().all(|element| element.inputs.masters.len() == count),
+        may_differ::<K>(kind) || elements.iter().all(|element| element.inputs.masters.len() == count),
         "elements of as many nodes"
     );
     let code = Elements::<K> { elements, weight_number, kind, workspace, kernel: PhantomData };
@@ -282,7 +295,16 @@ fn one_by_one<K: GapKernel>(
         let (gradient, hessian) = numbers.split_at_mut(gradients);
         let second = Second::new(kind, hessian);
         element.values = single::<K>(isa, weight_number, inputs, gradient, second);
-        store::<K, f64>((gradient, hessian), kind, std::slice::from_mut(element), spread);
+        assert!(!K::ANCHOR && kind == SecondKind::Hessians, "places are those of N and M");
+        let elements = std::slice::from_mut(element);
+        let count = elements[0].inputs.masters.len();
+        spread.set(count, elements.iter().map(|element| (count, element.places)));
+        if gradients > 0 {
+            spread.store_gradients(gradient, elements, |element| element.gradient);
+        }
+        if hessians > 0 {
+            spread.store_packed(hessian, elements[0].hessian);
+        }
     }
 }
 
@@ -316,60 +338,74 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
 
     #[inline(always)]
     fn run<T: Vector>(self) {
-        let count = self.elements[0].inputs.masters.len();
-        let (gradients, hessians) = sizes::<K>(count, self.kind);
+        let most = most_nodes(self.elements);
+        let has_hessians = K::MODE == Mode::Hessian && self.kind == SecondKind::Hessians;
+        let (gradients, factors) = sizes::<K>(most, self.kind);
+        let factors = if has_hessians { 0 } else { factors };
         let read = material_values::<K>();
-        let needed =
-            (NODE_VALUES + read) * count + K::KEPT * scratch_vectors::<K>(count) + gradients + hessians;
+        let needed = (NODE_VALUES + read) * most + K::KEPT * scratch_vectors::<K>(most) + gradients + factors;
         let Workspace { blocks, spread, .. } = self.workspace;
         let blocks = at_least(blocks, Block::count::<T>(needed));
         let vectors = Block::vectors::<T>(blocks);
-        let (masters, vectors) = vectors.split_at_mut(NODE_VALUES * count);
+        let (masters, vectors) = vectors.split_at_mut(NODE_VALUES * most);
         let (masters, _) = masters.as_chunks_mut::<NODE_VALUES>();
-        let (material, vectors) = vectors.split_at_mut(read * count);
+        let (material, vectors) = vectors.split_at_mut(read * most);
         let (material, _) = material.as_chunks_mut::<MATERIAL_VALUES>();
-        let (scratch, vectors) = vectors.split_at_mut(K::KEPT * scratch_vectors::<K>(count));
+        let (scratch, vectors) = vectors.split_at_mut(K::KEPT * scratch_vectors::<K>(most));
         let (gradient, vectors) = vectors.split_at_mut(gradients);
-        let hessian = &mut vectors[..hessians];
+        let factors = &mut vectors[..factors];
         for elements in self.elements.chunks_mut(T::WIDTH) {
+            let count = most_nodes(elements);
+            let (gradients, _) = sizes::<K>(count, self.kind);
+            let masters = &mut masters[..count];
+            let material = &mut material[..if K::MATERIAL { count } else { 0 }];
             // The last element also fills the lanes beyond.
             let last = elements.len() - 1;
             for lane in 0..T::WIDTH {
                 let inputs = &elements[lane.min(last)].inputs;
-                fill_lane::<T, _>(masters, lane, |k| inputs.node(k));
-                fill_lane::<T, _>(material, lane, |k| inputs.material(k));
+                let own = inputs.masters.len();
+                fill_lane::<T, _>(masters, lane, |k| inputs.node(k.min(own - 1)));
+                fill_lane::<T, _>(material, lane, |k| if k < own { inputs.material(k) } else { NO_WEIGHT });
             }
             let of = |lane: usize| &elements[lane.min(last)].inputs;
-            let inputs = Inputs::gather(of, self.weight_number, masters, material);
-            let second = Second::new(self.kind, &mut hessian[..]);
+            let inputs = Inputs { count, ..Inputs::gather(of, self.weight_number, masters, material) };
+            let has_all = |element: &BatchElement<'_>| {
+                element.places.is_empty() && element.inputs.masters.len() == count
+            };
+            let have_all = elements.iter().all(has_all);
+            assert!(have_all || may_have_places::<K>(self.kind), "places are those of N and M");
+            if has_hessians || !have_all {
+                let anchor = usize::from(K::ANCHOR);
+                let own = |element: &BatchElement<'_>| element.inputs.masters.len() + anchor;
+                let all = elements.iter().map(|element| (own(element), element.places));
+                spread.set(count + anchor, all);
+            }
+            let second = if has_hessians {
+                Second::placed(spread.hessians(elements, |element| element.hessian))
+            } else {
+                Second::new(self.kind, &mut factors[..])
+            };
             let values = K::evaluate::<T, T, Batch<T>>(&inputs, scratch, gradient, second);
             for (lane, element) in elements.iter_mut().enumerate() {
                 element.values = values.lane(lane);
             }
-            store::<K, T>((gradient, hessian), self.kind, elements, spread);
+            let gradient = &gradient[..gradients];
+            if have_all {
+                T::store_transposed(gradient, elements, |element| element.gradient);
+            } else if gradients > 0 {
+                spread.store_gradients(gradient, elements, |element| element.gradient);
+            }
+            if !has_hessians {
+                T::store_transposed(factors, elements, |element| element.hessian);
+            }
         }
     }
 }
 
-/// Writes derivatives of elements side by side to where they belong.
-#[inline(always)]
-fn store<K: GapKernel, T: Vector>(
-    (gradient, hessian): (&[T], &[T]),
-    kind: SecondKind,
-    elements: &mut [BatchElement<'_>],
-    spread: &mut Spread,
-) {
-    if elements.iter().all(|element| element.places.is_empty()) {
-        T::store_transposed(gradient, elements, |element| element.gradient);
-        T::store_transposed(hessian, elements, |element| element.hessian);
-        return;
-    }
-    assert!(!K::ANCHOR && kind == SecondKind::Hessians, "places are those of N and M");
-    spread.set(elements[0].inputs.masters.len(), elements.iter().map(|element| element.places));
-    if !gradient.is_empty() {
-        spread.store_gradients(gradient, elements, |element| element.gradient);
-    }
-    if !hessian.is_empty() {
-        spread.store_packed(hessian, elements, |element| element.hessian);
-    }
+/// The largest number of nodes.
+fn most_nodes(elements: &[BatchElement<'_>]) -> usize {
+    elements.iter().fold(0, |most, element| most.max(element.inputs.masters.len()))
 }
+
+/// A node out of its own domain, as a kernel reads it.
+const NO_WEIGHT: [f64; MATERIAL_VALUES] = [2.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0];

@@ -3,9 +3,9 @@
 //! The own block O of a node stands at (node, node), −O at (node, slave).
 //! Rows are ordered b₀, c₀, b₁, c₁, …; first those that differ between nodes, then those that are the same for all.
 //!
-//! A product may overflow though others that it cancels with hide it: what multiplies also
-//! returns 0 times the sums of up to nine entries it wrote at a time: 0 if all are finite, NaN if not, or if one is within
-//! a factor of nine of overflow. The slave's rows are the negative sums of the nodes', and so is its own block.
+//! A product may overflow though others that it cancels with hide it: what multiplies also returns 0 times sums of entries it wrote: 0 if all
+//! are finite, NaN if not, or if their sum is within a factor of nine of overflow. The slave's rows are the negative sums of the nodes', and
+//! so is its own block.
 
 use super::simd::Vector;
 use super::{Lane, packed_row};
@@ -22,8 +22,8 @@ pub struct FormRows {
 }
 
 impl FormRows {
-    /// Room for a node's own block: three rows of four.
-    pub const OWN: usize = 12;
+    /// Room for a node's own block, and for a sum of blocks.
+    pub const OWN: usize = 15;
 
     /// Quantities that are combined from rows: x, y and z of the normal, and the height.
     pub(super) const FOOT: usize = 4;
@@ -65,15 +65,76 @@ pub(super) fn write<T: Copy, const VALUES: usize>(values: [T; VALUES], target: &
     }
 }
 
-const OWN: usize = FormRows::OWN;
+/// Where the blocks of a Hessian go, as [`batch::multiply`] writes them: node after node from the last one on, of each the blocks with nodes
+/// before it, ascending, then its own and the one with the slave.
+pub(super) trait Blocks<T> {
+    /// Goes on to the rows of a node, counted from 1.
+    fn begin(&mut self, node: usize);
 
-/// Elements side by side: of slave and nodes, one after another, the varying rows and the own block.
+    /// The block with a node before this one.
+    fn write_block(&mut self, column: usize, block: &[[T; 3]; 3]);
+
+    /// The node's own block, of which the lower triangle is read, and the one with the slave.
+    fn write_ends(&mut self, own: &[[T; 3]; 3], with_slave: &[[T; 3]; 3]);
+
+    /// The slave's own block, last of all.
+    fn write_slave(&mut self, block: &[[T; 3]; 3]);
+}
+
+/// A packed lower triangle, and the node whose rows are written.
+pub(super) struct Packed<'a, T> {
+    pub target: &'a mut [T],
+    pub node: usize,
+}
+
+impl<T: Lane> Packed<'_, T> {
+    #[inline(always)]
+    fn write_lower(&mut self, node: usize, block: &[[T; 3]; 3]) {
+        for i in 0..3 {
+            for j in 0..=i {
+                self.target[packed_row(3 * node + i) + 3 * node + j] = block[i][j];
+            }
+        }
+    }
+}
+
+impl<T: Lane> Blocks<T> for Packed<'_, T> {
+    #[inline(always)]
+    fn begin(&mut self, node: usize) {
+        self.node = node;
+    }
+
+    #[inline(always)]
+    fn write_block(&mut self, column: usize, block: &[[T; 3]; 3]) {
+        for i in 0..3 {
+            write(block[i], self.target, packed_row(3 * self.node + i) + 3 * column);
+        }
+    }
+
+    #[inline(always)]
+    fn write_ends(&mut self, own: &[[T; 3]; 3], with_slave: &[[T; 3]; 3]) {
+        self.write_lower(self.node, own);
+        self.write_block(0, with_slave);
+    }
+
+    #[inline(always)]
+    fn write_slave(&mut self, block: &[[T; 3]; 3]) {
+        self.write_lower(0, block);
+    }
+}
+
+/// Elements side by side: of the nodes, one after another, the varying rows and the own block; then room for a block of each node.
 pub(super) mod batch {
     use super::*;
 
+    /// Numbers of an own block, and of a block.
+    const OWN: usize = 6;
+    const BLOCK: usize = 9;
+    const _: () = assert!(OWN + BLOCK <= FormRows::OWN);
+
     #[inline(always)]
     pub fn length(rows: FormRows) -> usize {
-        node_length(rows) * (rows.count + 1)
+        (node_length(rows) + BLOCK) * rows.count
     }
 
     #[inline(always)]
@@ -83,82 +144,82 @@ pub(super) mod batch {
 
     #[inline(always)]
     pub fn keep_row<T: Lane>(form: &mut [T], rows: FormRows, row: usize, node: usize, values: [T; 3]) {
-        write(values, form, node_length(rows) * (node + 1) + 3 * row);
+        write(values, form, node_length(rows) * node + 3 * row);
     }
 
     #[inline(always)]
     pub fn keep_own<T: Lane>(form: &mut [T], rows: FormRows, node: usize, own: [T; 6]) {
-        write(own, form, node_length(rows) * (node + 1) + 3 * rows.varying);
+        write(own, form, node_length(rows) * node + 3 * rows.varying);
     }
 
+    /// Writes the Hessian, from the last row to the first: then the sum of a node's blocks with later ones is known when its own are, and the
+    /// block with the slave is what is left to zero.
+    ///
     /// Returns 0 or, if an entry is not finite, NaN.
     #[inline(always)]
     #[must_use]
-    pub fn multiply<T: Lane>(form: &mut [T], rows: FormRows, constant: &[[T; 3]], target: &mut [T]) -> T {
+    pub fn multiply<T: Vector>(
+        form: &mut [T],
+        rows: FormRows,
+        constant: &[[T; 3]],
+        target: &mut impl Blocks<T>,
+    ) -> T {
         let mut not_finite = T::ZERO;
         let size = node_length(rows);
-        let (slave, nodes) = form.split_at_mut(size);
-        for row in 0..rows.varying {
-            let mut sum = [T::ZERO; 3];
-            for node in nodes.chunks_exact(size) {
-                for axis in 0..3 {
-                    sum[axis] = sum[axis] - node[3 * row + axis];
-                }
-            }
-            write(sum, slave, 3 * row);
+        let (nodes, sums) = form.split_at_mut(size * rows.count);
+        let sums = &mut sums.as_chunks_mut::<BLOCK>().0[..rows.count];
+        for node in 0..rows.count {
+            sums[node] = [T::ZERO; BLOCK];
         }
         let zero = [[T::ZERO; 3]; 3];
         let all_nodes = products(zero, constant, constant);
-        // The slave's part of rows that are the same for all nodes is that of a node, −n times.
-        let mut slave_instead = zero;
-        for i in 0..3 {
-            for j in 0..3 {
-                slave_instead[i][j] = T::splat(-(rows.count as f64) - 1.0) * all_nodes[i][j];
-            }
-        }
-        let mut slave_own = zero;
-        for row_node in 1..=rows.count {
-            let row = &form[size * row_node..][..size];
-            let (row, own) = row.split_at(3 * rows.varying);
+        let mut slave = zero;
+        for row_node in (0..rows.count).rev() {
+            let (row, own) = nodes[size * row_node..][..size].split_at(3 * rows.varying);
             let (row, _) = row.as_chunks::<3>();
-            let own = [[own[0], own[1], own[3]], [own[1], own[2], own[4]], [own[3], own[4], own[5]]];
-            let first = 3 * row_node;
-            let starts = [packed_row(first), packed_row(first + 1), packed_row(first + 2)];
+            let (before, sum) = sums[..=row_node].split_at_mut(row_node);
+            let sum = &sum[0];
+            let mut with_slave =
+                [[-sum[0], -sum[1], -sum[2]], [-sum[3], -sum[4], -sum[5]], [-sum[6], -sum[7], -sum[8]]];
+            target.begin(row_node + 1);
             for column_node in 0..row_node {
-                let column = &form[size * column_node..][..3 * rows.varying];
-                let (column, _) = column.as_chunks::<3>();
-                let mut block = products(all_nodes, row, column);
-                if column_node == 0 {
-                    for i in 0..3 {
-                        for j in 0..3 {
-                            block[i][j] = block[i][j] + (slave_instead[i][j] - own[i][j]);
-                            slave_own[i][j] = slave_own[i][j] - block[i][j];
-                        }
+                let (column, _) = nodes[size * column_node..][..3 * rows.varying].as_chunks::<3>();
+                let block = products(all_nodes, row, column);
+                let of_column = &mut before[column_node];
+                for i in 0..3 {
+                    for j in 0..3 {
+                        with_slave[i][j] = with_slave[i][j] - block[i][j];
+                        of_column[3 * j + i] = of_column[3 * j + i] + block[i][j];
                     }
                 }
-                let [x, y, z] = &block;
-                let (x, y, z) = (x[0] + x[1] + x[2], y[0] + y[1] + y[2], z[0] + z[1] + z[2]);
-                not_finite = (x + y + z).mul_add(T::ZERO, not_finite);
-                for i in 0..3 {
-                    write(block[i], target, starts[i] + 3 * column_node);
-                }
+                target.write_block(column_node + 1, &block);
             }
             let half = half_products(row);
+            let own = [[own[0], own[1], own[3]], [own[1], own[2], own[4]], [own[3], own[4], own[5]]];
+            let mut diagonal = zero;
             for i in 0..3 {
                 for j in 0..=i {
-                    let same = all_nodes[i][j] + own[i][j];
-                    let entry = half[i][j] + same;
-                    not_finite = entry.mul_add(T::ZERO, not_finite);
-                    target[starts[i] + 3 * row_node + j] = entry;
+                    let entry = half[i][j] + (all_nodes[i][j] + own[i][j]);
+                    diagonal[i][j] = entry;
+                    with_slave[i][j] = with_slave[i][j] - entry;
+                    if i != j {
+                        with_slave[j][i] = with_slave[j][i] - entry;
+                    }
                 }
             }
-        }
-        for i in 0..3 {
-            for j in 0..=i {
-                not_finite = slave_own[i][j].mul_add(T::ZERO, not_finite);
-                target[packed_row(i) + j] = slave_own[i][j];
+            for i in 0..3 {
+                let [x, y, z] = with_slave[i];
+                // An entry of the row that is not finite does not leave its sum finite.
+                not_finite = (x + y + z).mul_add(T::ZERO, not_finite);
+                for j in 0..3 {
+                    slave[i][j] = slave[i][j] - with_slave[i][j];
+                }
             }
+            target.write_ends(&diagonal, &with_slave);
         }
+        let [x, y, z] = slave;
+        not_finite = (x[0] + (y[0] + y[1]) + (z[0] + z[1] + z[2])).mul_add(T::ZERO, not_finite);
+        target.write_slave(&slave);
         not_finite
     }
 
@@ -169,7 +230,7 @@ pub(super) mod batch {
         let (size, own) = (node_length(rows), 3 * rows.varying);
         let mut not_finite = T::ZERO;
         for node in 0..rows.count {
-            let form = &form[size * (node + 1)..][..size];
+            let form = &form[size * node..][..size];
             let target = &mut target[rows.node_factors() * node..][..rows.node_factors()];
             for row in 0..rows.varying {
                 for axis in 0..3 {
@@ -196,12 +257,12 @@ pub(super) mod batch {
     #[inline(always)]
     fn products<T: Lane>(start: [[T; 3]; 3], row: &[[T; 3]], column: &[[T; 3]]) -> [[T; 3]; 3] {
         let mut block = start;
-        for k in 0..row.len() {
-            // b with c, c with b
-            let (row, column) = (&row[k], &column[k ^ 1]);
+        let (row, column) = (row.as_chunks::<2>().0, column.as_chunks::<2>().0);
+        for k in 0..row.len().min(column.len()) {
+            let ([b, c], [column_b, column_c]) = (&row[k], &column[k]);
             for i in 0..3 {
                 for j in 0..3 {
-                    block[i][j] = row[i].mul_add(column[j], block[i][j]);
+                    block[i][j] = c[i].mul_add(column_b[j], b[i].mul_add(column_c[j], block[i][j]));
                 }
             }
         }
@@ -227,6 +288,10 @@ pub(super) mod batch {
 /// numbers for each coordinate, the fourth 0.
 pub(super) mod single {
     use super::*;
+
+    /// Numbers of an own block: three rows of four.
+    const OWN: usize = 12;
+    const _: () = assert!(OWN <= FormRows::OWN);
 
     #[inline(always)]
     pub fn length<T: Vector>(rows: FormRows) -> usize {
@@ -499,7 +564,7 @@ pub(super) mod single {
 
 #[cfg(test)]
 mod tests {
-    use super::super::simd::Block;
+    use super::super::simd::{Block, Spread};
     use super::super::{Isa, WithLanes};
     use super::*;
 
@@ -633,8 +698,8 @@ mod tests {
             let finite = Case { infinite: None, ..*case };
             for place in 0..T::WIDTH {
                 let case_of = |lane: usize| if lane == place { case } else { &finite };
-                let mut blocks = vec![Block::ZERO; Block::count::<T>(batch::length(rows) + size)];
-                let (form, rest) = Block::vectors::<T>(&mut blocks).split_at_mut(batch::length(rows));
+                let mut blocks = vec![Block::ZERO; Block::count::<T>(batch::length(rows))];
+                let form = &mut Block::vectors::<T>(&mut blocks)[..batch::length(rows)];
                 form.fill(T::splat(f64::NAN));
                 for node in 0..rows.count {
                     for row in 0..rows.varying {
@@ -650,11 +715,23 @@ mod tests {
                     let factors: Vec<f64> = factors.iter().map(|x| x.lane(lane)).collect();
                     case_of(lane).check_factors(&factors, sum.lane(lane));
                 }
-                let sum = batch::multiply(form, rows, &case.constant(), &mut rest[..size]);
+                let mut packed = vec![T::splat(f64::NAN); size];
+                let target = &mut Packed { target: &mut packed, node: 0 };
+                let sum = batch::multiply(form, rows, &case.constant(), target);
                 for lane in 0..T::WIDTH {
-                    let hessian: Vec<f64> = rest[..size].iter().map(|x| x.lane(lane)).collect();
+                    let hessian: Vec<f64> = packed.iter().map(|x| x.lane(lane)).collect();
+                    case_of(lane).check(&hessian, sum.lane(lane), "elements side by side, packed");
+                }
+                let mut hessians = vec![vec![f64::NAN; size + 1]; T::WIDTH];
+                let mut spread = Spread::default();
+                spread.set(rows.count, (0..T::WIDTH).map(|_| (rows.count, &[][..])));
+                let mut placed =
+                    spread.hessians(&mut hessians, |hessian| &mut hessian[..size]).next(rows.count);
+                let sum = batch::multiply(form, rows, &case.constant(), &mut placed);
+                for (lane, hessian) in hessians.iter().enumerate() {
                     let what = format!("elements side by side, {lane} of {}", T::WIDTH);
-                    case_of(lane).check(&hessian, sum.lane(lane), &what);
+                    case_of(lane).check(hessian, sum.lane(lane), &what);
+                    assert!(hessian[size].is_nan(), "beyond the end");
                 }
             }
         }

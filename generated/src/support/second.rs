@@ -10,7 +10,7 @@
 //! and z of the rows that are the same for all nodes.
 
 use super::form::write;
-use super::simd::{Vector, WithLanes};
+use super::simd::{MOST_LANES, Placed, Vector, WithLanes};
 use super::{FormRows, Isa};
 
 /// What is asked for of a second derivative.
@@ -30,6 +30,8 @@ pub struct Second<'a, O> {
     kind: SecondKind,
     target: &'a mut [O],
     written: usize,
+    /// Where Hessians go instead, of elements side by side.
+    placed: Option<Placed<'a>>,
 }
 
 impl<'a, O> Second<'a, O> {
@@ -37,7 +39,22 @@ impl<'a, O> Second<'a, O> {
     #[inline(always)]
     #[must_use]
     pub const fn new(kind: SecondKind, target: &'a mut [O]) -> Self {
-        Self { kind, target, written: 0 }
+        Self { kind, target, written: 0, placed: None }
+    }
+
+    /// Hessians to be written to their places.
+    #[inline(always)]
+    pub(super) fn placed(placed: Placed<'a>) -> Self {
+        Self { kind: SecondKind::Hessians, target: &mut [], written: 0, placed: Some(placed) }
+    }
+
+    /// The places of the next Hessian, over slave and `count` nodes.
+    ///
+    /// # Panics
+    /// If Hessians do not go to places, or there is no room.
+    #[inline(always)]
+    pub(super) fn next_placed(&mut self, count: usize) -> Placed<'a> {
+        self.placed.as_mut().expect("elements side by side have places").next(count)
     }
 
     /// What is asked for.
@@ -96,7 +113,7 @@ impl FormRows {
             v: &v[..freedoms],
             product: &mut product[..freedoms],
         };
-        isa.run_four(code).unwrap_or_else(|code| code.run::<f64>());
+        isa.run(code);
     }
 
     /// The diagonal of M from its factors, 3(n+1) entries.
@@ -151,7 +168,7 @@ impl WithLanes for Product<'_> {
         }
         // Products of the rows with v, those of b where those of c belong and the other way round.
         assert!(rows.varying <= MOST_ROWS, "{} rows", rows.varying);
-        let mut swapped = [0.0; MOST_ROWS + GROUP];
+        let mut swapped = [0.0; MOST_ROWS + MOST_LANES];
         let mut first = 0;
         while first < rows.varying {
             let vectors = (rows.varying - first).div_ceil(T::WIDTH);
@@ -163,7 +180,7 @@ impl WithLanes for Product<'_> {
                     _ => sums::<T, GROUP>(rows, factors, product, first, &mut swapped),
                 };
         }
-        for place in rows.varying..rows.varying + GROUP {
+        for place in rows.varying..rows.varying + MOST_LANES {
             swapped[place] = 0.0;
         }
         for pair in 0..rows.varying / 2 {

@@ -98,11 +98,12 @@ pub trait KernelSet {
         elements.iter_mut().for_each(|element| element.values = GapValues::NONE);
     }
 
-    /// As [`gap`](Self::gap), for elements of the same number of nodes, which are evaluated side by side. What one of
-    /// them gets does not depend on the others. Allocates only if `workspace` has to grow.
+    /// As [`gap`](Self::gap), for elements of the same number of nodes, which are evaluated side by side. With domains in the first
+    /// configuration numbers may differ; elements that follow one another take as long as the largest of them. What one of them gets does
+    /// not depend on the others. Allocates only if `workspace` has to grow.
     ///
     /// # Panics
-    /// Also if the numbers of nodes differ.
+    /// Also if the numbers of nodes differ elsewhere.
     fn gap_batch(
         isa: Isa,
         kernel: (Basis, FrameRule, Mode),

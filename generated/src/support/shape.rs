@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 
 use super::form::write;
-use super::form::{FormRows, batch, single};
+use super::form::{FormRows, Packed, batch, single};
 use super::simd::Vector;
 use super::{Lane, Second, SecondKind, packed_row};
 
@@ -94,10 +94,7 @@ pub trait Shape {
         second: &mut Second<'_, Self::Output>,
     ) -> Self::Element {
         match second.kind() {
-            SecondKind::Hessians => {
-                let target = second.next(packed_row(3 * (rows.count + 1)));
-                Self::multiply_form(form, rows, constant, target)
-            }
+            SecondKind::Hessians => Self::multiply_form(form, rows, constant, second),
             SecondKind::Factors | SecondKind::FactorsAndFoot => {
                 Self::write_factors(form, rows, constant, second.next(rows.factors()))
             }
@@ -124,7 +121,7 @@ pub trait Shape {
         form: &mut [Self::Output],
         rows: FormRows,
         constant: &[[Self::Element; 3]],
-        target: &mut [Self::Output],
+        second: &mut Second<'_, Self::Output>,
     ) -> Self::Element;
 }
 
@@ -132,7 +129,7 @@ pub trait Shape {
 #[derive(Clone, Copy, Debug)]
 pub struct Batch<T>(PhantomData<T>);
 
-impl<T: Lane> Shape for Batch<T> {
+impl<T: Vector> Shape for Batch<T> {
     type Element = T;
     type Node = T;
     type Output = T;
@@ -220,8 +217,14 @@ impl<T: Lane> Shape for Batch<T> {
     }
 
     #[inline(always)]
-    fn multiply_form(form: &mut [T], rows: FormRows, constant: &[[T; 3]], target: &mut [T]) -> T {
-        batch::multiply(form, rows, constant, target)
+    fn multiply_form(form: &mut [T], rows: FormRows, constant: &[[T; 3]], second: &mut Second<'_, T>) -> T {
+        // Number by number there is one element, whose numbers are its Hessian.
+        if const { T::WIDTH == 1 } {
+            let target = second.next(packed_row(3 * (rows.count + 1)));
+            batch::multiply(form, rows, constant, &mut Packed { target, node: 0 })
+        } else {
+            batch::multiply(form, rows, constant, &mut second.next_placed(rows.count))
+        }
     }
 }
 
@@ -331,8 +334,9 @@ impl<T: Vector> Shape for Single<T> {
         form: &mut [f64],
         rows: FormRows,
         constant: &[[T::Scalar; 3]],
-        target: &mut [f64],
+        second: &mut Second<'_, f64>,
     ) -> T::Scalar {
+        let target = second.next(packed_row(3 * (rows.count + 1)));
         T::Scalar::splat(single::multiply::<T>(form, rows, constant, target))
     }
 }

@@ -114,7 +114,8 @@ class FaceInterface(FrictionHistory):
     Args:
         master: the master surface.
         slave_facets: the slave's faces, as for ``MasterSurface``, counter-clockwise seen from outside; none of their
-            nodes may be on the master.
+            nodes may be on the master. None: the master is in contact with itself, and its nodes are the slaves; the
+            penalty is half of that between two surfaces then.
         positions: first positions of all nodes, shape (p, 3), length.
         degree: 2 or 4, of the polynomials integrated exactly on each piece of a face.
         dofs: equations of the nodes' x, y and z, shape (p, 3), −1 where there is none; if left out, 3·node + axis.
@@ -134,7 +135,7 @@ class FaceInterface(FrictionHistory):
     def __init__(
         self,
         master: MasterSurface,
-        slave_facets: Facets,
+        slave_facets: Facets | None,
         positions: ArrayLike,
         *,
         degree: int = 2,
@@ -148,7 +149,7 @@ class FaceInterface(FrictionHistory):
         positions = floats("positions", positions, "p", 3)
         self._faces = _native.Faces(
             master._surface,
-            facets("slave_facets", slave_facets),
+            None if slave_facets is None else facets("slave_facets", slave_facets),
             positions,
             self._options,
             count("degree", degree),

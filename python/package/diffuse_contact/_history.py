@@ -41,7 +41,7 @@ class FrictionHistory(ABC):
 
         Raises:
             InterfaceError: for a penalty or multipliers that are none; ``"not-refreshed"`` before the first refresh.
-                Over nodes ``"no-anchors"`` for facets and for other rules than ``"domains"``, and
+                Over nodes of the smooth surface ``"no-anchors"`` for other rules than ``"domains"``, and
                 ``"no-friction-kernels"`` if the module was built without its feature ``friction``.
             AssemblyError: for a coefficient or a stiffness that is none.
 

@@ -116,7 +116,7 @@ class Faces:
     def __new__(
         cls,
         master: Surface,
-        faces: _Ints,
+        faces: _Ints | None,
         positions: _Floats,
         options: Any,
         degree: int,

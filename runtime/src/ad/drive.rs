@@ -8,7 +8,7 @@
 use nalgebra::{Const, U1};
 use num_dual::{DualSVec64, HyperDualSVec64};
 
-use super::model::Scalar;
+use super::linear::Scalar;
 use super::{coordinates_of, finite};
 use crate::{Element, ElementError, Mode, SymmetricMatrix};
 

@@ -5,11 +5,12 @@ use num_dual::Dual64;
 
 use super::drive::{Derivatives, Quantity, differentiate, differentiate_at};
 use super::foot::{Foot, Polynomial};
+use super::linear::Scalar;
 use super::material::Place;
-use super::model::{Model, Scalar};
+use super::model::Model;
 use super::plane::{AveragePlane, Turn};
 use super::{RadialWeight, coordinates_of, finite};
-use crate::generated::check_anchor;
+use crate::kernels::check_anchor;
 use crate::{
     Basis, Coefficients, ContactPoint, Domains, Element, ElementError, FootDerivatives, FrameDerivative, Gap,
     Mode, Point, Slip, Surface,

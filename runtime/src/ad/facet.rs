@@ -7,9 +7,10 @@
 use num_dual::Dual;
 
 use super::drive::{Quantity, differentiate_at};
-use super::model::Scalar;
+use super::linear::{Scalar, determinant, inverse};
 use super::{Ad, finite};
-use crate::{ContactPoint, ElementError, FacetElement, FacetPoint, FootDerivatives, Gap, Mode, Point};
+use crate::kernels::check_anchor;
+use crate::{ContactPoint, ElementError, FacetElement, FacetPoint, FootDerivatives, Gap, Mode, Point, Slip};
 
 /// Steps of the descent after which it gives up.
 const MAX_ITERATIONS: usize = 200;
@@ -78,7 +79,7 @@ impl Ad {
     ) -> Result<FootDerivatives, ElementError> {
         let distance = Distance::of(element, MIDDLE)?;
         let size = distance.size;
-        let FacetPoint { point, natural: [xi, eta] } = distance.point(element)?;
+        let FacetPoint { point, natural } = distance.point(element)?;
         let coordinates: Vec<Point> =
             std::iter::once(element.slave).chain(element.corners.iter().copied()).collect();
         let mut all = differentiate_at(&FootQuantity(distance), &coordinates, size, Mode::Gradient)?;
@@ -86,12 +87,37 @@ impl Ad {
             all.scale(k, size, 1)?;
             all.scale(3 + k, size, 0)?;
         }
-        let weights = match element.corners.len() {
-            3 => vec![1.0 - xi - eta, xi, eta],
-            _ => CORNERS.map(|[a, b]| (xi * a + 1.0) * (eta * b + 1.0) * 0.25).to_vec(),
-        };
+        let weights = shape_functions(element, natural);
         let (foot, normal) = all.gradients.split_at(3);
         Ok(FootDerivatives { point, weights, foot: foot.concat(), normal: normal.concat() })
+    }
+
+    /// The slip on a facet, the counterpart of [`Generated::facet_slip`](crate::Generated::facet_slip).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn facet_slip(
+        &self,
+        element: &FacetElement<'_>,
+        anchor: Point,
+        mode: Mode,
+    ) -> Result<Slip, ElementError> {
+        check_anchor(anchor)?;
+        let contact = self.facet_gap(element, mode)?;
+        let distance = Distance::of(element, MIDDLE)?;
+        let (size, natural) = (distance.size, distance.point(element)?.natural);
+        let points = std::iter::once(element.slave).chain(element.corners.iter().copied());
+        let coordinates: Vec<Point> = points.chain([anchor]).collect();
+        let mut slip = differentiate_at(&SlipQuantity(distance), &coordinates, size, mode)?;
+        slip.scale(0, size, 2)?;
+        let foot_weights = if mode > Mode::Value { shape_functions(element, natural) } else { Vec::new() };
+        Ok(Slip {
+            contact,
+            half_square: slip.values[0],
+            gradient: slip.gradients.into_iter().next().unwrap_or_default(),
+            hessian: slip.hessians.into_iter().next().unwrap_or_default(),
+            foot_weights,
+        })
     }
 
     /// Gap, foot, normal and natural coordinates on a facet, without derivatives.
@@ -171,6 +197,35 @@ impl Quantity for Distance {
             }
             (_, corners) => plane(corners).1,
         }])
+    }
+}
+
+fn shape_functions(element: &FacetElement<'_>, [xi, eta]: [f64; 2]) -> Vec<f64> {
+    match element.corners.len() {
+        3 => vec![1.0 - xi - eta, xi, eta],
+        _ => CORNERS.map(|[a, b]| (xi * a + 1.0) * (eta * b + 1.0) * 0.25).to_vec(),
+    }
+}
+
+/// Half the square of the way from the anchor that is left without its part along the normal. The anchor comes last.
+struct SlipQuantity(Distance);
+
+impl Quantity for SlipQuantity {
+    fn evaluate<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<Vec<D>, ElementError> {
+        let Distance { size, foot } = &self.0;
+        let (slave, anchor) = (coordinates[0], coordinates[coordinates.len() - 1]);
+        let corners = offsets(slave, &coordinates[1..coordinates.len() - 1], *size);
+        let normal = match (foot, &*corners) {
+            (Some(foot), &[a, b, c, d]) => {
+                let facet = Bilinear([a, b, c, d]);
+                facet.normal(foot.propagate(&facet))
+            }
+            (_, corners) => plane(corners).0,
+        };
+        let way = minus(slave, anchor).map(|x| x / *size);
+        let along = dot(way, normal);
+        let left: [D; 3] = std::array::from_fn(|k| way[k] - normal[k] * along);
+        Ok(vec![dot(left, left) * 0.5])
     }
 }
 
@@ -362,16 +417,6 @@ fn descend(facet: &Bilinear<f64>, natural: [f64; 2], residual: [f64; 2]) -> Opti
         factor *= 0.5;
     }
     None
-}
-
-fn determinant([[a, b], [c, d]]: &[[f64; 2]; 2]) -> f64 {
-    a * d - b * c
-}
-
-fn inverse(matrix: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
-    let [[a, b], [c, d]] = *matrix;
-    let determinant = determinant(matrix);
-    [[d / determinant, -b / determinant], [-c / determinant, a / determinant]]
 }
 
 fn length2([a, b]: [f64; 2]) -> f64 {

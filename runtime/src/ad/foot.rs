@@ -6,7 +6,7 @@
 
 use num_dual::{Dual, HyperDual};
 
-use super::model::Scalar;
+use super::linear::{Coefficients, Scalar, determinant, inverse};
 use crate::{Basis, ElementError};
 
 /// Iterations after which the search for the foot gives up.
@@ -25,9 +25,6 @@ const PROPAGATION_STEPS: usize = 4;
 
 /// Directions of the two in-plane coordinates.
 const UNITS: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
-
-/// Coefficients, one per basis function; beyond the basis they are zero.
-pub(super) type Coefficients<D> = [D; Basis::MOST_COEFFICIENTS];
 
 /// The fitted surface z = α·p(a, b).
 #[derive(Clone, Copy, Debug)]
@@ -219,17 +216,6 @@ fn decreasing_step(
         factor *= 0.5;
     }
     None
-}
-
-fn determinant([[a, b], [c, d]]: &[[f64; 2]; 2]) -> f64 {
-    a * d - b * c
-}
-
-/// The inverse; infinite or NaN for a singular matrix.
-fn inverse(matrix: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
-    let [[a, b], [c, d]] = *matrix;
-    let determinant = determinant(matrix);
-    [[d / determinant, -b / determinant], [-c / determinant, a / determinant]]
 }
 
 fn multiply([[a, b], [c, d]]: &[[f64; 2]; 2], [x, y]: [f64; 2]) -> [f64; 2] {

@@ -4,8 +4,8 @@
 //! enters the system in one entry only, A₀₀ = S₀ + w_k with S₀ = Σ_{i≠k} w_i. Eliminating α₀ leaves expressions in
 //! ε = 1/w_k = (1 − ω)/ω, which is smooth, and a system for the other coefficients that is regular at ε = 0.
 
-use super::foot::{Coefficients, Polynomial, basis_functions};
-use super::model::{Matrix, Scalar, solve_cholesky};
+use super::foot::{Polynomial, basis_functions};
+use super::linear::{Coefficients, Matrix, Scalar, solve_cholesky};
 use super::{RadialWeight, WeightFunction};
 use crate::{Basis, ElementError};
 

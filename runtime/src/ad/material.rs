@@ -7,7 +7,8 @@
 use num_dual::DualSVec64;
 
 use super::RadialWeight;
-use super::model::{Model, Scalar};
+use super::linear::Scalar;
+use super::model::Model;
 use super::plane::{AveragePlane, Turn};
 use crate::{Domains, ElementError, MaterialNode};
 

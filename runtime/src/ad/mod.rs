@@ -22,6 +22,7 @@
 //! | `formula.rs` | weights written as text |
 //! | `plane.rs` | the average plane, where the frame moves with it |
 //! | `material.rs` | the slave's place in the first configuration, where domains of influence are there |
+//! | `linear.rs` | the numbers, and the solution of small systems over them |
 //! | `model.rs` | offsets, moment matrix, coefficients (Chamoret et al. 2008, eq. 13) |
 //! | `facet.rs` | the distance from a triangle or a quadrilateral |
 //! | `foot.rs` | the fitted polynomial, the foot point, the gap (Chamoret et al. 2008, eq. 19) |
@@ -34,6 +35,7 @@ mod facet;
 mod foot;
 mod formula;
 mod interpolating;
+mod linear;
 mod material;
 mod model;
 mod plane;

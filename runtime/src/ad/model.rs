@@ -3,27 +3,13 @@
 //! Lengths are divided by the support radius, so that the moment matrix has entries of order one whatever the
 //! length unit. Nothing here knows whether it runs on reals or on dual numbers.
 
-use num_dual::{Dual64, DualNum};
+use num_dual::Dual64;
 
-use super::foot::{Coefficients, Polynomial, basis_functions};
+use super::foot::{Polynomial, basis_functions};
+use super::linear::{Scalar, solve_cholesky};
 use super::plane::Turn;
 use super::{RadialWeight, WeightFunction, material};
 use crate::{Basis, Domains, Element, ElementError};
-
-/// A real, dual or hyper-dual number.
-pub(super) trait Scalar: DualNum<Primitive = f64> + Copy {}
-impl<D: DualNum<Primitive = f64> + Copy> Scalar for D {}
-
-/// A pivot of the Cholesky factorisation has to exceed this fraction of the diagonal entry it came from.
-///
-/// Layouts on a conic leave rounding here, up to about 1e-8.
-const PIVOT_TOLERANCE: f64 = 1e-7;
-/// Where all nodes are on a line or two along the axes, a diagonal entry is rounding itself: a pivot is compared with at
-/// least this fraction, to the power of its degree, of the diagonal's sum over its degree.
-const SMALLEST_PART: f64 = 1e-4;
-
-/// Lower triangle of a matrix over the basis functions.
-pub(super) type Matrix<D> = [Coefficients<D>; Basis::MOST_COEFFICIENTS];
 
 /// One element with the weight function in force.
 pub(super) struct Model<'a, W> {
@@ -158,144 +144,5 @@ impl<W: RadialWeight> Model<'_, W> {
         let coefficients = solve_cholesky(basis.monomials(), diagonals, moment_matrix, moment_vector)?;
         super::finite("coefficient", coefficients.map(|x| x.re()))?;
         Ok(Polynomial { basis, coefficients })
-    }
-}
-
-/// Solves A x = b for these basis functions by A = L Lᵀ; `matrix` holds the lower triangle, entries beyond the functions
-/// stay zero. `diagonals` are what the pivots are compared with.
-pub(super) fn solve_cholesky<D: Scalar>(
-    monomials: &[(u8, u8)],
-    diagonals: [f64; Basis::MOST_COEFFICIENTS],
-    mut matrix: Matrix<D>,
-    mut vector: Coefficients<D>,
-) -> Result<Coefficients<D>, ElementError> {
-    let size = monomials.len();
-    let degree = |j: usize| i32::from(monomials[j].0 + monomials[j].1);
-    for j in 0..size {
-        super::finite("moment", [diagonals[j]])?;
-        let same: f64 = (0..size).filter(|&k| degree(k) == degree(j)).map(|k| diagonals[k]).sum();
-        let diagonal = diagonals[j].max(SMALLEST_PART.powi(degree(j)) * same);
-        let mut pivot = matrix[j][j];
-        for entry in &matrix[j][..j] {
-            pivot -= *entry * *entry;
-        }
-        super::finite("pivot", [pivot.re()])?;
-        let pivot_ratio = if diagonal > 0.0 { pivot.re() / diagonal } else { 0.0 };
-        if pivot_ratio <= PIVOT_TOLERANCE {
-            return Err(ElementError::SingularFit { pivot_ratio, tolerance: PIVOT_TOLERANCE });
-        }
-        let root = pivot.sqrt();
-        matrix[j][j] = root;
-        for i in j + 1..size {
-            let products = (0..j).map(|k| matrix[i][k] * matrix[j][k]);
-            let entry = products.fold(matrix[i][j], |entry, product| entry - product);
-            matrix[i][j] = entry / root;
-        }
-    }
-    for i in 0..size {
-        for k in 0..i {
-            let known = vector[k];
-            vector[i] -= matrix[i][k] * known;
-        }
-        vector[i] /= matrix[i][i];
-    }
-    for i in (0..size).rev() {
-        for k in i + 1..size {
-            let known = vector[k];
-            vector[i] -= matrix[k][i] * known;
-        }
-        vector[i] /= matrix[i][i];
-    }
-    Ok(vector)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::Ad;
-    use super::*;
-    use crate::{Backend, Basis, Frame, Mode};
-
-    #[test]
-    fn cholesky_solves_a_known_system() {
-        // A = L Lᵀ with L = [[2], [1, 3], [-1, 2, 1]], x = (1, -2, 3).
-        let mut matrix = [[0.0; 15]; 15];
-        matrix[0][0] = 4.0;
-        matrix[1][..2].copy_from_slice(&[2.0, 10.0]);
-        matrix[2][..3].copy_from_slice(&[-2.0, 5.0, 6.0]);
-        let (mut vector, mut diagonals) = ([0.0; 15], [0.0; 15]);
-        vector[..3].copy_from_slice(&[4.0 - 4.0 - 6.0, 2.0 - 20.0 + 15.0, -2.0 - 10.0 + 18.0]);
-        diagonals[..3].copy_from_slice(&[4.0, 10.0, 6.0]);
-        let x: [f64; 15] = solve_cholesky(Basis::Linear.monomials(), diagonals, matrix, vector).unwrap();
-        for (found, expected) in x.iter().zip([1.0, -2.0, 3.0, 0.0, 0.0, 0.0]) {
-            assert!((found - expected).abs() < 1e-14, "{x:?}");
-        }
-    }
-
-    #[test]
-    fn an_indefinite_matrix_is_singular() {
-        let mut matrix = [[0.0; 15]; 15];
-        matrix[0][0] = 1.0;
-        matrix[1][..2].copy_from_slice(&[1.0, 1.0]);
-        let error = solve_cholesky(&[(1, 0), (0, 1)], [1.0; 15], matrix, [1.0; 15]).unwrap_err();
-        assert_eq!(error, ElementError::SingularFit { pivot_ratio: 0.0, tolerance: PIVOT_TOLERANCE });
-    }
-
-    /// The three outputs of an element with masters in the plane z = 0 and a slave a little above it, or the
-    /// errors they end in.
-    fn outcomes(
-        masters: &[[f64; 2]],
-        slave: [f64; 2],
-        basis: Basis,
-        mode: Mode,
-    ) -> [Result<(), ElementError>; 3] {
-        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let masters: Vec<_> = masters.iter().map(|[a, b]| [*a, *b, 0.0]).collect();
-        let element = Element::new(
-            [slave[0], slave[1], 0.1],
-            &masters,
-            Frame::given([0.0; 3], axes[0], axes[1], axes[2], None).unwrap(),
-            3.0,
-        )
-        .with_basis(basis);
-        [
-            Ad.gap(&element, mode).map(|_| ()),
-            Ad.coefficients(&element, mode).map(|_| ()),
-            Ad.surface(&element, [0.0; 2], mode).map(|_| ()),
-        ]
-    }
-
-    #[test]
-    fn degenerate_layouts_are_singular() {
-        let hexagon: Vec<_> = (0..6)
-            .map(|i| {
-                let (s, c) = (f64::from(i) * std::f64::consts::FRAC_PI_3).sin_cos();
-                [c, s]
-            })
-            .collect();
-        let strip: Vec<_> = (0..8).map(|i| [0.5 * f64::from(i % 4), f64::from(i / 4)]).collect();
-        let line: Vec<_> = (0..5).map(|i| [0.3 * f64::from(i), 0.1 + 0.2 * f64::from(i)]).collect();
-        for (masters, basis) in [
-            (&hexagon, Basis::Quadratic),
-            (&strip, Basis::Quadratic),
-            (&line, Basis::Linear),
-            (&vec![[10.0, 0.0]; 6], Basis::Quadratic),
-            (&vec![[0.2, 0.1]; 4], Basis::Linear),
-        ] {
-            for slave in [[0.0, 0.0], [0.31, 0.17]] {
-                for mode in [Mode::Value, Mode::Hessian] {
-                    for outcome in outcomes(masters, slave, basis, mode) {
-                        let Err(ElementError::SingularFit { pivot_ratio, tolerance }) = outcome else {
-                            panic!("{outcome:?}")
-                        };
-                        assert!(pivot_ratio.abs() < 1e-13 && tolerance == PIVOT_TOLERANCE);
-                    }
-                }
-            }
-        }
-        // The same nodes carry the linear basis.
-        for masters in [hexagon, strip] {
-            let outcomes = outcomes(&masters, [0.1, 0.2], Basis::Linear, Mode::Hessian);
-            assert!(outcomes.iter().all(Result::is_ok));
-        }
     }
 }

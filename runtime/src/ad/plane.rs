@@ -5,7 +5,7 @@
 //! Newton steps on C n = λ n over dual numbers taken at the given normal, as those of the foot do: no derivative
 //! of the plane is written down.
 
-use super::model::Scalar;
+use super::linear::Scalar;
 use crate::{Element, ElementError, Point};
 
 /// A pivot of the real equations for the plane's turn has to exceed this fraction of the principal moment it

@@ -19,7 +19,7 @@ use std::borrow::Cow;
 
 use num_dual::{Dual2, Dual3, DualNum};
 
-use super::model::Scalar;
+use super::linear::Scalar;
 use crate::{ElementError, Weight};
 
 /// A weight function of r, for 0 ≤ r < 1; it counts as zero outside.

@@ -405,6 +405,3 @@ fn sort(nodes: &mut Vec<u32>) {
     nodes.sort_unstable();
     nodes.dedup();
 }
-
-#[cfg(test)]
-mod tests;

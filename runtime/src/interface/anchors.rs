@@ -13,15 +13,15 @@ use rayon::prelude::*;
 use super::evaluator::{ElementScratch, Evaluator};
 use super::fold::{AnchorSource, Source};
 use super::pairings::{Paired, Pairings};
-use super::scratch::Pool;
 use super::{ContactElement, ContactInterface, InterfaceError, NoContact};
 use crate::affine::Carrier;
 use crate::assembly::{AssemblyError, ContactLaw};
 use crate::friction::{Coulomb, FrictionForce, FrictionState};
+use crate::scratch::Pool;
 use crate::surface::window::LARGEST_NUMBER;
 use crate::surface::{MasterSurface, NONE, Symmetry};
 use crate::vector::Vector3;
-use crate::{AffinePoint, Backend, ContactPoint, Gap, Generated, Mode, Point, Slip, Weight};
+use crate::{AffinePoint, Backend, ContactPoint, FacetElement, Gap, Generated, Mode, Point, Slip, Weight};
 
 /// Where a slave was on the master when the last step was accepted.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -249,6 +249,15 @@ pub fn list_carriers<'a>(
     }
 }
 
+/// The same of a node-to-facet element: they follow the corners.
+pub fn append_carriers<'a>(anchors: impl IntoIterator<Item = &'a Anchor>, masters: &mut Vec<u32>) {
+    for Carrier { node, .. } in anchors.into_iter().flat_map(Anchor::carriers) {
+        if !masters.contains(&node) {
+            masters.push(node);
+        }
+    }
+}
+
 impl ContactInterface {
     /// Accepts the state at the positions of the moment as the end of a step: friction of the next one is measured from here. Without
     /// friction in the law nothing happens.
@@ -343,9 +352,12 @@ impl ContactInterface {
     /// Whether there can be friction.
     ///
     /// # Errors
-    /// [`InterfaceError::NoAnchors`] for facets, and for other neighbour rules than domains of influence;
-    /// [`InterfaceError::NoFrictionKernels`].
+    /// [`InterfaceError::NoAnchors`] for a diffuse element with another neighbour rule than domains of influence;
+    /// [`InterfaceError::NoFrictionKernels`] for one without the feature `friction`.
     pub fn check_friction(&self) -> Result<(), InterfaceError> {
+        if self.options.element == ContactElement::NodeToFacet {
+            return Ok(());
+        }
         if self.nodal.is_none() {
             return Err(InterfaceError::NoAnchors);
         }
@@ -403,8 +415,10 @@ impl ContactInterface {
     pub fn set_anchors(&mut self, anchors: Option<Vec<Option<Anchor>>>) -> Result<(), InterfaceError> {
         if let Some(anchors) = &anchors {
             self.check_friction()?;
-            let Some(nodal) = &self.nodal else { return Err(InterfaceError::NoAnchors) };
-            check_anchors(anchors, self.slaves().len(), &self.master, &nodal.symmetry)?;
+            // Facets have no images.
+            let without = Symmetry::default();
+            let symmetry = self.nodal.as_ref().map_or(&without, |nodal| &nodal.symmetry);
+            check_anchors(anchors, self.slaves().len(), &self.master, symmetry)?;
         }
         if self.anchors != anchors || self.augmented.is_some() {
             self.anchors = anchors;
@@ -436,11 +450,16 @@ impl Evaluator<'_> {
     pub fn anchor_sources(paired: &Paired<'_>, anchor: &Anchor, sources: &mut Vec<AnchorSource>) {
         sources.clear();
         sources.extend(anchor.point.terms().iter().map(|&(Carrier { node, image }, weight)| {
+            // With nodal domains they are in ascending order.
+            let listed = if paired.places.is_empty() {
+                paired.masters.iter().position(|&master| master == node)
+            } else {
+                paired.masters.binary_search(&node).ok()
+            };
             // A refresh lists the carriers of all anchors, what is accepted has no others, and other anchors end the pairing.
-            let listed = paired.masters.binary_search(&node);
             let listed =
-                listed.unwrap_or_else(|_| unreachable!("node {node} carries an anchor and is listed")) as u32;
-            AnchorSource { source: Source { listed, image }, weight }
+                listed.unwrap_or_else(|| unreachable!("node {node} carries an anchor and is listed"));
+            AnchorSource { source: Source { listed: listed as u32, image }, weight }
         }));
     }
 
@@ -480,37 +499,28 @@ impl Evaluator<'_> {
         pool: &Pool<ElementScratch>,
         f: impl Fn(&Sticking<'_>) -> Option<T> + Sync,
     ) -> Result<Vec<Option<T>>, InterfaceError> {
-        let ContactElement::Diffuse { weight, .. } = self.options.element else {
-            return Err(InterfaceError::NoAnchors);
-        };
         let all = pairings.all().into_par_iter();
-        all.map(|k| {
-            pool.with(ElementScratch::default, |scratch| self.of_one(pairings, k, weight, law, scratch, &f))
-        })
-        .collect()
+        all.map(|k| pool.with(ElementScratch::default, |scratch| self.of_one(pairings, k, law, scratch, &f)))
+            .collect()
     }
 
     fn of_one<T>(
         &self,
         pairings: &Pairings,
         k: usize,
-        weight: Weight,
         law: &ContactLaw<'_>,
         scratch: &mut ElementScratch,
         f: impl Fn(&Sticking<'_>) -> Option<T>,
     ) -> Result<Option<T>, InterfaceError> {
         let Ok(paired) = pairings.get(k) else { return Ok(None) };
-        let ElementScratch { within_reach: all, border, .. } = scratch;
-        let Ok(found) = self.gather_one(&paired, weight, all) else { return Ok(None) };
         let old = self.anchor(k);
         let from = old.map_or(self.positions[paired.slave], |old| self.anchor_position(old));
-        let element = self.element_of(&paired, all, &found, weight);
-        let Ok(slip) = Generated.slip(&element, from, Mode::Gradient) else { return Ok(None) };
-        let Gap { gap, foot, normal, .. } = slip.contact;
-        if self.within_border(&paired, Ok(ContactPoint { gap, foot, normal }), border).is_err() {
-            return Ok(None);
-        }
-        let area = pairings.layout.area(k);
+        let found = match self.options.element {
+            ContactElement::Diffuse { weight, .. } => self.slip_of_fit(&paired, weight, from, scratch),
+            ContactElement::NodeToFacet => self.slip_of_facet(&paired, from, scratch),
+        };
+        let Ok((slip, terms)) = found else { return Ok(None) };
+        let (gap, area) = (slip.contact.gap, pairings.layout.area(k));
         let pressed = law.checked_normal_force(k, gap, area)?;
         let force = old.and_then(|old| law.friction_by(pressed, area, (slip.half_square, old.opening)));
         if let (Some(force), Some(old)) = (force, old)
@@ -519,11 +529,44 @@ impl Evaluator<'_> {
             let (half_square, opening) = (slip.half_square, old.opening);
             return Err(AssemblyError::InvalidSlip { element: k, half_square, opening }.into());
         }
+        Ok(f(&Sticking { k, old, is_open: !(pressed.force > 0.0), force, slip: &slip, terms }))
+    }
+
+    /// The slip of a diffuse element, and the carriers of its foot.
+    fn slip_of_fit(
+        &self,
+        paired: &Paired<'_>,
+        weight: Weight,
+        from: Point,
+        scratch: &mut ElementScratch,
+    ) -> Result<(Slip, Vec<(Carrier, f64)>), NoContact> {
+        let ElementScratch { within_reach: all, border, .. } = scratch;
+        let found = self.gather_one(paired, weight, all)?;
+        let element = self.element_of(paired, all, &found, weight);
+        let slip = Generated.slip(&element, from, Mode::Gradient)?;
+        let Gap { gap, foot, normal, .. } = slip.contact;
+        self.within_border(paired, Ok(ContactPoint { gap, foot, normal }), border)?;
         let carriers = all.sources[found.range]
             .iter()
             .map(|source| Carrier { node: paired.masters[source.listed as usize], image: source.image });
         let terms = carriers.zip(slip.foot_weights.iter().copied()).collect();
-        Ok(f(&Sticking { k, old, is_open: !(pressed.force > 0.0), force, slip: &slip, terms }))
+        Ok((slip, terms))
+    }
+
+    /// The same of a node-to-facet element.
+    fn slip_of_facet(
+        &self,
+        paired: &Paired<'_>,
+        from: Point,
+        scratch: &mut ElementScratch,
+    ) -> Result<(Slip, Vec<(Carrier, f64)>), NoContact> {
+        self.element(paired, Mode::Value, &mut [], &mut [], scratch)?;
+        let slave = self.positions[paired.slave];
+        let element = FacetElement { slave, corners: self.gather_corners(paired, scratch) };
+        let slip = Generated.facet_slip(&element, from, Mode::Gradient)?;
+        let carriers = self.corners_of(paired).iter().map(|&node| Carrier::from(node));
+        let terms = carriers.zip(slip.foot_weights.iter().copied()).collect();
+        Ok((slip, terms))
     }
 
     /// The next anchor of a slave in an equilibrium that is not the last one of its step.

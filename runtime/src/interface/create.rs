@@ -2,10 +2,10 @@
 
 use super::nodal::{Nodal, symmetry_of};
 use super::pairings::Pairings;
-use super::scratch::Pool;
 use super::{ContactElement, ContactInterface, Contacts, InterfaceError, InterfaceOptions};
 use crate::Point;
 use crate::neighbourhood::NeighbourRule;
+use crate::scratch::Pool;
 use crate::surface::{Creases, Facet, MasterSurface, OwnSurface, SymmetryPlane, tributary_areas};
 
 impl ContactInterface {

@@ -67,7 +67,7 @@ impl Evaluator<'_> {
                 PairedElement::Diffuse { slave, pairing }
             }
             ContactElement::NodeToFacet => {
-                PairedElement::Facet { slave, corners: self.gather(paired, scratch).to_vec() }
+                PairedElement::Facet { slave, corners: self.gather_corners(paired, scratch).to_vec() }
             }
         })
     }

@@ -38,7 +38,7 @@ pub enum InterfaceError {
     NoSymmetry,
     /// Anchors are kept with the smooth surface only.
     #[error(
-        "friction needs the diffuse element with the neighbour rule \"domains\", not facets or another rule"
+        "friction needs facets, or the diffuse element with the neighbour rule \"domains\", not with another one"
     )]
     NoAnchors,
     /// A step is accepted before any slave was paired: all would be without friction.

@@ -3,17 +3,18 @@
 use diffuse_contact_kernels::support::{ElementInputs, Masters};
 
 use super::anchors::{Anchor, Tracked};
-use super::contacts::{Layout, Slot, Slots};
+use super::contacts::{Layout, SlipSlot, Slot, Slots};
 use super::fold::{AnchorSource, Source, fold, fold_with_anchor};
 use super::nodal::Nodal;
 use super::pairings::{Paired, Pairings};
-use super::scratch::{Pool, recycled};
 use super::within_reach::WithinReach;
 use super::{ContactElement, InterfaceOptions, NoContact, Outcome};
 use crate::batch::{Asked, BatchScratch, GapSlot, Waiting, contact_point, evaluate};
 use crate::element::nearest_in_plane;
-use crate::generated::frame_rule;
+use crate::facet::{SlipNumbers, facet_slip};
+use crate::kernels::frame_rule;
 use crate::neighbourhood::Fallback;
+use crate::scratch::{Pool, recycled};
 use crate::surface::{BorderScratch, Creases, MasterSurface, OwnSurface, Shape, Symmetry};
 use crate::{
     ContactPoint, Domains, Element, ElementError, FacetElement, Frame, FrameDerivative, Generated, Mode,
@@ -138,24 +139,66 @@ impl Evaluator<'_> {
             ContactElement::Diffuse { weight, .. } => {
                 self.fill_side_by_side(pairings, request, slots, weight, scratch);
             }
-            ContactElement::NodeToFacet => slots.for_each(layout, |slot| {
-                let Slot { index, outcome, point, derived, gradient, hessian, .. } = slot;
-                let mut at = |mode, gradient: &mut [f64], hessian: &mut [f64]| {
-                    let result = pairings.get(index).and_then(|paired| {
-                        let point = self.element(&paired, mode, gradient, hessian, scratch)?;
-                        Ok((point, paired.record.fallback))
-                    });
-                    write(result, outcome, point);
-                    outcome.is_contact().then_some(point.gap)
-                };
-                *derived = request.is_loaded.is_none_or(|is_loaded| {
-                    at(Mode::Value, &mut [], &mut []).is_some_and(|gap| is_loaded(index, gap))
+            ContactElement::NodeToFacet => slots.for_each(layout, |mut slot| {
+                let is_derived = request.is_loaded.is_none_or(|is_loaded| {
+                    self.fill_facet(pairings, Mode::Value, &mut slot, scratch);
+                    slot.outcome.is_contact() && is_loaded(slot.index, slot.point.gap)
                 });
-                if *derived {
-                    at(request.mode, gradient, hessian);
+                *slot.derived = is_derived;
+                if is_derived {
+                    self.fill_facet(pairings, request.mode, &mut slot, scratch);
                 }
             }),
         });
+    }
+
+    /// An element of a node and a facet. Derivatives by the corners come first, those by the carriers of an anchor after them.
+    fn fill_facet(&self, pairings: &Pairings, mode: Mode, slot: &mut Slot<'_>, scratch: &mut ElementScratch) {
+        let result = pairings.get(slot.index).and_then(|paired| {
+            let point = self.element(&paired, mode, slot.gradient, slot.hessian, scratch)?;
+            let own = derivatives(mode, self.corners_of(&paired).len());
+            let by_carriers = [slot.gradient.get_mut(own.0..), slot.hessian.get_mut(own.1..)];
+            by_carriers.into_iter().flatten().for_each(|entries| entries.fill(0.0));
+            if let Some(slip) = &mut slot.slip {
+                *slip.tracked = Tracked::default();
+                if let (Some(anchor), true) = (self.anchor(slot.index), mode >= Mode::Gradient) {
+                    self.fill_slip_of_facet(&paired, anchor, mode, slip, scratch)?;
+                }
+            }
+            Ok((point, paired.record.fallback))
+        });
+        write(result, slot.outcome, slot.point);
+    }
+
+    /// The slip of such an element, by the nodes listed for its slave.
+    fn fill_slip_of_facet(
+        &self,
+        paired: &Paired<'_>,
+        anchor: &Anchor,
+        mode: Mode,
+        slip: &mut SlipSlot<'_>,
+        scratch: &mut ElementScratch,
+    ) -> Result<(), NoContact> {
+        let element = FacetElement {
+            slave: self.positions[paired.slave],
+            corners: self.gather_corners(paired, scratch),
+        };
+        let mut numbers = SlipNumbers::default();
+        let half_square = facet_slip(&element, self.anchor_position(anchor), mode, &mut numbers)?;
+        let count = element.corners.len();
+        let ElementScratch { carriers, rows, .. } = scratch;
+        Self::anchor_sources(paired, anchor, carriers);
+        let sources: [Source; 4] = std::array::from_fn(|k| Source { listed: k as u32, image: None });
+        let (gradient, hessian) = derivatives(mode, count + 1);
+        fold_with_anchor(
+            (&numbers.gradient[..gradient], &numbers.hessian[..hessian]),
+            (slip.gradient, slip.hessian),
+            (&sources[..count], carriers),
+            &Symmetry::default(),
+            rows,
+        );
+        *slip.tracked = Tracked { is_anchored: true, half_square, opening: anchor.opening };
+        Ok(())
     }
 
     /// Diffuse elements, those with the same number of masters side by side.
@@ -392,7 +435,7 @@ impl Evaluator<'_> {
                 return self.within_border(paired, point, &mut scratch.border);
             }
             ContactElement::NodeToFacet => {
-                let element = FacetElement { slave, corners: self.gather(paired, scratch) };
+                let element = FacetElement { slave, corners: self.gather_corners(paired, scratch) };
                 let found = Generated.facet_gap_into(&element, mode, gradient, hessian)?;
                 // Off its facet, the foot may lie over a neighbour or beyond the neighbour's end.
                 let beyond = if element.contains(found.natural, 0.0) {
@@ -400,7 +443,7 @@ impl Evaluator<'_> {
                 } else {
                     let ElementScratch { corners, patch, border, .. } = scratch;
                     corners.clear();
-                    corners.extend_from_slice(paired.masters);
+                    corners.extend_from_slice(self.corners_of(paired));
                     corners.sort_unstable();
                     self.creases.patch(self.surface, paired.record.facet, corners, patch);
                     self.creases.beyond(self.surface, self.positions, patch, found.point.foot, border)
@@ -481,6 +524,15 @@ impl Evaluator<'_> {
         scratch: &'s mut ElementScratch,
     ) -> Result<(Frame, &'s [Point]), NoContact> {
         Ok((self.current_frame(paired)?, self.gather(paired, scratch)))
+    }
+
+    /// The corners of a node-to-facet element's facet among the listed nodes.
+    pub fn corners_of<'s>(&self, paired: &Paired<'s>) -> &'s [u32] {
+        &paired.masters[..self.surface.facet(paired.record.facet as usize).corners().len()]
+    }
+
+    pub fn gather_corners<'s>(&self, paired: &Paired<'_>, scratch: &'s mut ElementScratch) -> &'s [Point] {
+        self.gather(&Paired { masters: self.corners_of(paired), ..*paired }, scratch)
     }
 
     pub fn gather<'s>(&self, paired: &Paired<'_>, scratch: &'s mut ElementScratch) -> &'s [Point] {

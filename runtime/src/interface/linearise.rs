@@ -11,8 +11,9 @@ use super::pairings::Pairings;
 use super::{ContactElement, ContactInterface, InterfaceError};
 use crate::affine::Carrier;
 use crate::batch::{Asked, GapSlot, Waiting, contact_point, evaluate};
-use crate::generated::{frame_rule, with_kernels};
+use crate::kernels::frame_rule;
 use crate::product::HessianForm;
+use crate::weight::with_kernels;
 use crate::{ContactPoint, Generated, Mode, Weight};
 
 /// How the second derivatives of a contact are held.
@@ -254,18 +255,19 @@ impl Evaluator<'_> {
             let packed = freedoms(points) * (freedoms(points) + 1) / 2;
             if with_second { packed } else { 0 }
         };
-        let points = |k: usize| pairings.layout.masters(k).len();
+        let points = |k: usize| pairings.get(k).map_or(0, |paired| self.corners_of(&paired).len());
         let gradients = loaded.iter().map(|&k| freedoms(points(k))).sum();
         found.allocate(gradients, loaded.iter().map(|&k| numbers(points(k))).sum())?;
         let (mut gradient, mut second_start) = (0, 0);
         for &index in loaded {
             let Ok(paired) = pairings.get(index) else { continue };
-            let points = paired.masters.len();
+            let corners = self.corners_of(&paired);
+            let points = corners.len();
             let own_gradient = &mut found.gradients[gradient..][..freedoms(points)];
             let own_second = &mut found.seconds[second_start..][..numbers(points)];
             let point = self.element(&paired, mode, own_gradient, own_second, scratch);
             let (point, area) = (point.unwrap_or(NONE), pairings.layout.area(index));
-            found.points.extend(paired.masters.iter().map(|&node| Carrier::from(node)));
+            found.points.extend(corners.iter().map(|&node| Carrier::from(node)));
             found.contacts.push(LinearContact { index, point, area, points, gradient, second, second_start });
             gradient += freedoms(points);
             second_start += numbers(points);

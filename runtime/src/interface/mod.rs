@@ -77,7 +77,6 @@ mod pairings;
 mod part;
 mod refresh;
 mod report;
-mod scratch;
 mod window;
 mod within_reach;
 
@@ -101,9 +100,9 @@ pub(crate) use linearise::{LinearContacts, SecondForm};
 use nodal::Nodal;
 use pairings::Pairings;
 use refresh::RefreshScratch;
-pub(crate) use scratch::{Pool, recycled};
 pub(crate) use within_reach::PointsWithinReach;
 
+use crate::scratch::Pool;
 use crate::surface::window::Known;
 use crate::surface::{
     Creases, MasterSurface, NodalDomains, OwnSurface, Symmetry, SymmetryPlane, check_position,

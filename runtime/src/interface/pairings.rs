@@ -21,7 +21,8 @@ pub struct Record {
 /// Pairing data of all slaves.
 #[derive(Clone, Debug)]
 pub struct Pairings {
-    /// Slaves and their masters. Masters are ascending; those of a node-to-facet element are in the facet's order.
+    /// Slaves and their masters. Masters are ascending; those of a node-to-facet element are in the facet's order, and after them come
+    /// carriers of its anchors that are no corners.
     pub layout: Arc<Layout>,
     pub records: Vec<Result<Record, NoContact>>,
     /// One frame per slave if frames are held, else none.

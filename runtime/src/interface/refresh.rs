@@ -6,17 +6,17 @@ use std::ops::Range;
 use crate::vector::Vector3;
 use rayon::prelude::*;
 
-use super::anchors::list_carriers;
+use super::anchors::{append_carriers, list_carriers};
 use super::contacts::Layout;
 use super::evaluator::{ElementScratch, Evaluator};
 use super::nodal::Nodal;
 use super::pairings::{Lists, Paired, Pairings, Record};
 use super::report::RefreshReport;
-use super::scratch::Pool;
 use super::window::Knowledge;
 use super::{ContactElement, InterfaceError, NoContact};
 use crate::neighbourhood::{Fallback, NeighbourSearch, NeighbourhoodError, SearchOptions};
 use crate::pairing::NearestNodes;
+use crate::scratch::Pool;
 use crate::surface::{Carried, Closest, Creases, Foot, Listed, NONE, SurfaceIndex, Walk};
 use crate::{Basis, Frame, Point, Weight};
 
@@ -294,6 +294,7 @@ impl Refresh<'_> {
         let Closest { facet, .. } = *closest;
         if options.element == ContactElement::NodeToFacet {
             masters.extend(surface.facet(facet as usize).corners().iter().map(|&node| node as u32));
+            append_carriers(self.evaluator.anchors_of(k), masters);
             return Ok(Record {
                 support_radius: self.index.shape(facet).extent(),
                 basis: Basis::Linear,

@@ -178,15 +178,15 @@ impl<T: Vector> Lanes<'_, T> {
         let aa = s1.neg_mul_add(a, s1.neg_mul_add(x1, dot(t1, images[0])));
         let ab = s1.neg_mul_add(b, s2.neg_mul_add(x1, dot(t2, images[0])));
         let bb = s2.neg_mul_add(b, s2.neg_mul_add(x2, dot(t2, images[1])));
-        let determinant = aa * bb - ab * ab;
-        let beta = [(ab * b - bb * a) / determinant, (ab * a - aa * b) / determinant];
-        let divisor = beta[1].mul_add(b, beta[0].mul_add(a, sums.total));
+        let inverse = T::ONE / (aa * bb - ab * ab);
+        let beta = [(ab * b - bb * a) * inverse, (ab * a - aa * b) * inverse];
+        let inverse = T::ONE / beta[1].mul_add(b, beta[0].mul_add(a, sums.total));
         // Σ ω (X − Ξ) (β·(x − s)) with β·x = (β₁ t₁ + β₂ t₂)·x
         let along = each!(i => beta[1].mul_add(t2[i], beta[0] * t1[i]));
         let less = T::ONE - beta[1].mul_add(s2, beta[0] * s1);
         each!(i => {
             let products = [sums.products[0][i], sums.products[1][i], sums.products[2][i]];
-            less.mul_add(sums.material[i], dot(along, products)) / divisor
+            less.mul_add(sums.material[i], dot(along, products)) * inverse
         })
     }
 }
@@ -195,7 +195,8 @@ impl<T: Vector> Sums<T> {
     /// The weighted mean of the positions.
     #[inline(always)]
     fn mean(&self) -> [T; 3] {
-        each!(i => self.first[i] / self.total)
+        let inverse = T::ONE / self.total;
+        each!(i => self.first[i] * inverse)
     }
 
     /// Σ ω (x − mean) (x − mean)ᵀ: xx, xy, xz, yy, yz, zz.
@@ -248,8 +249,8 @@ fn tangents<T: Lane>(normal: [T; 3]) -> [[T; 3]; 2] {
     let axis = [(T::ONE - is_y) * (T::ONE - is_z), is_y * (T::ONE - is_z), is_z];
     let along = dot(axis, normal);
     let across = each!(i => normal[i].neg_mul_add(along, axis[i]));
-    let length = dot(across, across).sqrt();
-    let t1 = each!(i => across[i] / length);
+    let inverse = T::ONE / dot(across, across).sqrt();
+    let t1 = each!(i => across[i] * inverse);
     [t1, cross(normal, t1)]
 }
 
@@ -267,8 +268,8 @@ fn smallest_direction<T: Lane>(scatter: [T; 6], near: Option<[T; 3]>) -> ([T; 3]
             let of_largest = T::select_less(x[0], y[1], y[1], x[0]);
             let is_z = T::select_less(of_largest, z[2], T::ONE, T::ZERO);
             let row = choose(is_z, z, largest);
-            let length = dot(row, row).sqrt();
-            each!(i => row[i] / length)
+            let inverse = T::ONE / dot(row, row).sqrt();
+            each!(i => row[i] * inverse)
         }
     };
     let (mut is_open, mut is_plane) = (T::ONE, T::ZERO);
@@ -277,8 +278,8 @@ fn smallest_direction<T: Lane>(scatter: [T; 6], near: Option<[T; 3]>) -> ([T; 3]
         let value = dot(image, normal);
         let rows = adjugate([xx - value, xy, xz, yy - value, yz, zz - value]);
         let next = each!(i => dot(rows[i], normal));
-        let length = dot(next, next).sqrt();
-        let next = each!(i => next[i] / length);
+        let inverse = T::ONE / dot(next, next).sqrt();
+        let next = each!(i => next[i] * inverse);
         let turn = cross(next, normal);
         let turned = dot(turn, turn);
         // The other eigenvalues less this one, from their sum and their product.

@@ -13,8 +13,8 @@ use super::equations::{Evaluated, Fitting, Lanes, OfKernels, VALUES, choose, dot
 use super::{MaterialDomain, MaterialPlace};
 use crate::eigen::symmetric_eigen;
 use crate::frame::{LINE_TOLERANCE, THICKNESS_TOLERANCE};
-use crate::generated::with_kernels;
 use crate::vector::Vector3;
+use crate::weight::with_kernels;
 use crate::{ElementError, Frame, Point, Weight};
 
 /// Steps of a lane.
@@ -263,8 +263,8 @@ impl<T: Lane> Inverse<T> {
         let change = self.times(change);
         let inverse = &mut self.0;
         let row = each!(j => dot([inverse[0][j], inverse[1][j], inverse[2][j]], moved));
-        let divisor = dot(moved, change);
-        let correction = each!(i => (moved[i] + change[i]).div_or_zero(divisor));
+        let inverse_length = T::ONE.div_or_zero(dot(moved, change));
+        let correction = each!(i => (moved[i] + change[i]) * inverse_length);
         for i in 0..3 {
             for j in 0..3 {
                 inverse[i][j] = correction[i].neg_mul_add(row[j], inverse[i][j]);

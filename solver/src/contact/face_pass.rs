@@ -289,9 +289,4 @@ impl Pass for FacePass {
             (0..3).for_each(|axis| sum[axis] += force[axis]);
         });
     }
-
-    #[cfg(test)]
-    fn mode(&self) -> Mode {
-        self.mode
-    }
 }

@@ -439,12 +439,6 @@ impl Interaction {
         all
     }
 
-    /// How many derivatives the last evaluation was for.
-    #[cfg(test)]
-    pub(super) fn mode(&self) -> Mode {
-        self.passes[0].mode()
-    }
-
     pub(super) fn refresh(&mut self, positions: &[Point]) -> Result<(), ContactError> {
         self.each(|pass| pass.refresh(positions))
     }

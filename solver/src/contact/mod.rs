@@ -14,8 +14,6 @@ mod losses;
 mod node_pass;
 mod pass;
 mod resultant;
-#[cfg(test)]
-mod tests;
 mod tracks;
 
 pub use adjust::{AdjustError, adjust};

@@ -172,11 +172,6 @@ impl Pass for NodePass {
         Ok(())
     }
 
-    #[cfg(test)]
-    fn mode(&self) -> Mode {
-        self.contacts().mode()
-    }
-
     fn add_internal_forces(&mut self, forces: &mut [f64]) -> Result<usize, PassError> {
         self.values.clear();
         self.values.resize(self.dofs.equations(), 0.0);

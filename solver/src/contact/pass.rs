@@ -302,10 +302,6 @@ pub trait Pass: std::fmt::Debug {
         let places = self.slaves().enumerate().filter(|(_, slave)| slave.force > 0.0);
         places.map(|(k, _)| k as u32).collect()
     }
-
-    /// How many derivatives the last evaluation was for.
-    #[cfg(test)]
-    fn mode(&self) -> Mode;
 }
 
 /// Multipliers of as many slaves, taken over.

@@ -229,6 +229,3 @@ fn listed<'a, T>(
     let expected = format!("a list of tables: write [[{field}]]");
     tables.list(&expected)?.iter().map(|table| read(table.section()?)).collect()
 }
-
-#[cfg(test)]
-mod tests;

@@ -190,6 +190,3 @@ fn shifted(facets: Vec<Facet>, by: usize) -> Vec<Facet> {
     };
     facets.into_iter().map(shift).collect()
 }
-
-#[cfg(test)]
-pub(crate) mod tests;

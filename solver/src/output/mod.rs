@@ -32,8 +32,6 @@ mod saved;
 mod seal;
 mod skin;
 mod summary;
-#[cfg(test)]
-mod tests;
 
 pub use directory::Claim;
 pub use error::OutputError;

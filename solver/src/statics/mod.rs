@@ -21,7 +21,7 @@
 //! of r, sizes without what [stiff contact takes up by itself](crate::system::Accuracy), by S. C. Eisenstat and H. F. Walker (SIAM Journal on Scientific Computing 17, 1996, 16–32), between bounds.
 //!
 //! **Line search**: if the slope Δx·r changes its sign over a full step and is not below 0.8 of what it was, s is sought by
-//! regula falsi between 0.1 and 1; of the steps tried the one with the smallest slope is taken. A slope that keeps its sign says
+//! regula falsi between 0.005 and 1; of the steps tried the one with the smallest slope is taken. A slope that keeps its sign says
 //! that no shorter step is better. A Newton step that turns an element inside out is halved first, the linear prediction is not.
 //!
 //! **Cut-back**: an increment that does not converge within its iterations, diverges, turns an element inside out in spite of
@@ -40,8 +40,6 @@ mod problem;
 mod settings;
 mod sparse;
 mod supports;
-#[cfg(test)]
-mod tests;
 
 pub use error::{Failure, StaticsError};
 pub use loose::{Loose, RigidMotion};

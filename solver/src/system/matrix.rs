@@ -40,12 +40,6 @@ impl BlockMatrix {
         self.pattern.block(row, column).map(|index| &self.blocks[index])
     }
 
-    /// All entries: block by block, in each row axis by row axis.
-    #[cfg(test)]
-    pub(crate) fn entries(&self) -> &[f64] {
-        self.blocks.as_flattened().as_flattened()
-    }
-
     /// All blocks, row by row.
     pub(super) fn blocks(&self) -> &[[[f64; 3]; 3]] {
         &self.blocks

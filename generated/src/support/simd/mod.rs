@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 
 use super::Lane;
 
-pub(super) use spread::Spread;
+pub(super) use spread::{Placed, Spread};
 
 /// Numbers in the widest vector.
 pub(super) const MOST_LANES: usize = 8;
@@ -87,6 +87,16 @@ pub trait Vector: Lane + sealed::Sealed {
     /// # Safety
     /// There is room for four numbers there, and there are no more targets than lanes and places.
     unsafe fn store_fours(source: [Self; 4], targets: &[*mut f64], places: &[u32; MOST_LANES]);
+
+    /// The same of three vectors and numbers.
+    ///
+    /// # Safety
+    /// There is room for three numbers there, and there are no more targets than lanes and places.
+    #[inline(always)]
+    unsafe fn store_threes(source: [Self; 3], targets: &[*mut f64], places: &[u32; MOST_LANES]) {
+        // SAFETY: as the caller says.
+        unsafe { by_number(&source, targets, places) };
+    }
 
     /// Writes lane l of the k-th vector to place k of the l-th target.
     ///
@@ -312,7 +322,7 @@ impl Vector for f64 {
     #[inline(always)]
     unsafe fn store_fours(source: [Self; 4], targets: &[*mut f64], places: &[u32; MOST_LANES]) {
         // SAFETY: as the caller says.
-        unsafe { fours_by_number(source, targets, places) };
+        unsafe { by_number(&source, targets, places) };
     }
 
     #[inline(always)]
@@ -371,14 +381,14 @@ macro_rules! common_lane_methods {
     };
 }
 
-/// [`Vector::store_fours`] number by number.
+/// [`Vector::store_fours`] and [`Vector::store_threes`] number by number.
 ///
 /// # Safety
 /// As there.
 #[inline(always)]
-unsafe fn fours_by_number<T: Vector>(source: [T; 4], targets: &[*mut f64], places: &[u32; MOST_LANES]) {
+unsafe fn by_number<T: Vector>(source: &[T], targets: &[*mut f64], places: &[u32; MOST_LANES]) {
     for lane in 0..targets.len() {
-        for k in 0..4 {
+        for k in 0..source.len() {
             // SAFETY: as the caller says.
             unsafe { *targets[lane].add(places[lane] as usize + k) = source[k].lane(lane) };
         }
@@ -399,7 +409,7 @@ macro_rules! stores_by_number {
         #[inline(always)]
         unsafe fn store_fours(source: [Self; 4], targets: &[*mut f64], places: &[u32; MOST_LANES]) {
             // SAFETY: as the caller says.
-            unsafe { fours_by_number(source, targets, places) };
+            unsafe { by_number(&source, targets, places) };
         }
 
         #[inline(always)]

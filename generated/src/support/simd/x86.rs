@@ -380,6 +380,20 @@ impl Vector for F64x4 {
         }
     }
 
+    #[inline(always)]
+    unsafe fn store_threes(source: [Self; 3], targets: &[*mut f64], places: &[u32; MOST_LANES]) {
+        let [x, y, z] = source;
+        let fours = Self::transposed([x, y, z, Self::ZERO]);
+        for lane in 0..targets.len() {
+            // SAFETY: as the caller says.
+            unsafe {
+                let (target, Self(four)) = (targets[lane].add(places[lane] as usize), fours[lane]);
+                _mm_storeu_pd(target, _mm256_castpd256_pd128(four));
+                _mm_store_sd(target.add(2), _mm256_extractf128_pd::<1>(four));
+            }
+        }
+    }
+
     stores_by_squares!();
 }
 
@@ -449,6 +463,39 @@ impl F64x8 {
         }
     }
 
+    #[inline(always)]
+    fn halves_added(self) -> F64x4 {
+        F64x4(unsafe { _mm256_add_pd(_mm512_castpd512_pd256(self.0), _mm512_extractf64x4_pd::<1>(self.0)) })
+    }
+
+    /// The numbers of each lane.
+    #[inline(always)]
+    fn fours([Self(a), Self(b), Self(c), Self(d)]: [Self; 4]) -> [__m256d; 8] {
+        // Lanes of one parity: 0 and 2, 4 and 6.
+        #[inline(always)]
+        unsafe fn pairs(ab: __m512d, cd: __m512d) -> (__m512d, __m512d) {
+            unsafe {
+                let low = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11);
+                let high = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
+                (_mm512_permutex2var_pd(ab, low, cd), _mm512_permutex2var_pd(ab, high, cd))
+            }
+        }
+        unsafe {
+            let (l02, l46) = pairs(_mm512_unpacklo_pd(a, b), _mm512_unpacklo_pd(c, d));
+            let (l13, l57) = pairs(_mm512_unpackhi_pd(a, b), _mm512_unpackhi_pd(c, d));
+            [
+                _mm512_castpd512_pd256(l02),
+                _mm512_castpd512_pd256(l13),
+                _mm512_extractf64x4_pd::<1>(l02),
+                _mm512_extractf64x4_pd::<1>(l13),
+                _mm512_castpd512_pd256(l46),
+                _mm512_castpd512_pd256(l57),
+                _mm512_extractf64x4_pd::<1>(l46),
+                _mm512_extractf64x4_pd::<1>(l57),
+            ]
+        }
+    }
+
     /// Stores the first numbers, as many as fit.
     #[inline(always)]
     fn store_first(self, target: &mut [f64]) {
@@ -463,8 +510,12 @@ impl Vector for F64x8 {
 
     #[inline(always)]
     fn sum(self) -> f64 {
-        F64x4(unsafe { _mm256_add_pd(_mm512_castpd512_pd256(self.0), _mm512_extractf64x4_pd::<1>(self.0)) })
-            .sum()
+        self.halves_added().sum()
+    }
+
+    #[inline(always)]
+    fn sums([a, b, c, d]: [Self; 4]) -> [f64; 4] {
+        F64x4::sums([a.halves_added(), b.halves_added(), c.halves_added(), d.halves_added()])
     }
 
     #[inline(always)]
@@ -495,30 +546,9 @@ impl Vector for F64x8 {
 
     #[inline(always)]
     unsafe fn store_fours(source: [Self; 4], targets: &[*mut f64], places: &[u32; MOST_LANES]) {
-        let [Self(a), Self(b), Self(c), Self(d)] = source;
-        // Lanes of one parity: 0 and 2, 4 and 6.
-        #[inline(always)]
-        unsafe fn pairs(ab: __m512d, cd: __m512d) -> (__m512d, __m512d) {
-            unsafe {
-                let low = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11);
-                let high = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
-                (_mm512_permutex2var_pd(ab, low, cd), _mm512_permutex2var_pd(ab, high, cd))
-            }
-        }
+        let fours = Self::fours(source);
+        // SAFETY: as the caller says.
         unsafe {
-            let (l02, l46) = pairs(_mm512_unpacklo_pd(a, b), _mm512_unpacklo_pd(c, d));
-            let (l13, l57) = pairs(_mm512_unpackhi_pd(a, b), _mm512_unpackhi_pd(c, d));
-            let fours = [
-                _mm512_castpd512_pd256(l02),
-                _mm512_castpd512_pd256(l13),
-                _mm512_extractf64x4_pd::<1>(l02),
-                _mm512_extractf64x4_pd::<1>(l13),
-                _mm512_castpd512_pd256(l46),
-                _mm512_castpd512_pd256(l57),
-                _mm512_extractf64x4_pd::<1>(l46),
-                _mm512_extractf64x4_pd::<1>(l57),
-            ];
-            // SAFETY: as the caller says.
             if targets.len() == Self::WIDTH {
                 for lane in 0..Self::WIDTH {
                     _mm256_storeu_pd(targets[lane].add(places[lane] as usize), fours[lane]);
@@ -527,6 +557,20 @@ impl Vector for F64x8 {
                 for lane in 0..targets.len() {
                     _mm256_storeu_pd(targets[lane].add(places[lane] as usize), fours[lane]);
                 }
+            }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn store_threes(source: [Self; 3], targets: &[*mut f64], places: &[u32; MOST_LANES]) {
+        let [x, y, z] = source;
+        let fours = Self::fours([x, y, z, Self::ZERO]);
+        for lane in 0..targets.len() {
+            // SAFETY: as the caller says.
+            unsafe {
+                let target = targets[lane].add(places[lane] as usize);
+                _mm_storeu_pd(target, _mm256_castpd256_pd128(fours[lane]));
+                _mm_store_sd(target.add(2), _mm256_extractf128_pd::<1>(fours[lane]));
             }
         }
     }

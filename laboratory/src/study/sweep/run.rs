@@ -264,7 +264,7 @@ mod tests {
 
     #[test]
     fn with_domains_neither_gap_nor_energy_jumps() {
-        let curve = sweep(cubic(NeighbourRule::Domains), 1, 1200, || ()).unwrap();
+        let curve = sweep(cubic(NeighbourRule::Domains), 1, 600, || ()).unwrap();
         assert!(curve.changes > 20 && curve.gap_jump < 1e-14, "{} {}", curve.changes, curve.gap_jump);
         assert!(curve.work.abs() < 1e-9 * curve.effort, "{:e} of {}", curve.work, curve.effort);
     }
@@ -272,7 +272,7 @@ mod tests {
     #[test]
     fn the_smooth_surface_bends_where_facets_kink() {
         let [facets, smooth] = [ContactElement::NodeToFacet, cubic(RULES[0])]
-            .map(|element| sweep(element, 1, 1200, || ()).unwrap());
+            .map(|element| sweep(element, 1, 600, || ()).unwrap());
         assert!(
             smooth.kink_degrees < 0.2 * facets.kink_degrees,
             "{} {}",

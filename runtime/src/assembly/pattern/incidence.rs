@@ -5,7 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::super::{AssemblyError, DofMap, Elements, reserve, zeros};
-use crate::interface::Pool;
+use crate::scratch::Pool;
 
 /// Nodes whose neighbours are sought in one go.
 const CHUNK: usize = 1024;

@@ -7,7 +7,7 @@ use super::incidence::{Incidence, Lists};
 use super::locate::{CsrIndex, Located, Slots, check_rows, locate};
 use super::rows::{RowGroup, row_groups};
 use super::split::for_each_part;
-use crate::interface::Pool;
+use crate::scratch::Pool;
 
 /// Elements that are added at once, for each thread: so few that their numbers stay in the processor's cache.
 const BATCH_PER_THREAD: usize = 256;

@@ -242,6 +242,3 @@ fn arc(field: &'static str, angles: [f64; 2], count: usize) -> Result<(), ShapeE
     in_range(!whole || count >= 3, "divisions", "at least 3 around a whole turn", count as f64)?;
     in_range(cell < 180.0, "divisions", "so many that a cell spans less than 180 degrees", count as f64)
 }
-
-#[cfg(test)]
-mod tests;

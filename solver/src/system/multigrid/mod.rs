@@ -10,8 +10,6 @@ mod bottom;
 mod level;
 mod smoother;
 mod sparse;
-#[cfg(test)]
-mod tests;
 
 pub(super) use bottom::Bottom;
 pub(super) use sparse::{Block, Sparse, View, add_scaled, dot, norm, scale_and_add};

@@ -36,7 +36,7 @@ fn a_continued_run_with_the_iterative_solver_has_the_same_bits() {
 
 /// The example of two blocks, small, with other lines in the interface and the material.
 fn two_blocks(solver: &str, interface: &str, material: &str) -> (Notes, State) {
-    let mut text = include_str!("../../../../examples/two_blocks.toml").to_owned();
+    let mut text = include_str!("../../../examples/two_blocks.toml").to_owned();
     for (line, own) in [
         ("divisions = [14, 14, 7]", "divisions = [7, 7, 3]"),
         ("divisions = [10, 10, 5]", "divisions = [4, 4, 2]"),

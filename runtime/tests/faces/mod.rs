@@ -3,10 +3,12 @@
 mod friction;
 mod law;
 
-use super::*;
-use crate::Weight;
-use crate::assembly::{AssemblyError, DofMap, Tangent};
-use crate::interface::ContactElement;
+use diffuse_contact::assembly::{AssemblyError, ContactLaw, DofMap, Tangent};
+use diffuse_contact::faces::*;
+use diffuse_contact::interface::{ContactElement, InterfaceError, InterfaceOptions};
+use diffuse_contact::surface::{Facet, MasterSurface};
+use diffuse_contact::{Mode, Point, Weight};
+use nalgebra::Vector3;
 
 /// Nodes and facets of a grid over [0, 6]², its nodes placed by `place`, seen from above or from below.
 struct Grid {
@@ -101,7 +103,9 @@ fn a_uniform_pressure_arrives_at_both_sides() {
         for triangles in [false, true] {
             let flat = |z: f64| move |x: f64, y: f64| [x, y, z];
             let pair = Pair::new([below, above], triangles, flat(0.0), flat(-0.02));
-            let areas = |facets: &[Facet]| crate::surface::tributary_areas(&pair.positions, facets).unwrap();
+            let areas = |facets: &[Facet]| {
+                diffuse_contact::surface::tributary_areas(&pair.positions, facets).unwrap()
+            };
             let (of_master, of_slave) = (areas(&pair.master), areas(&pair.slave));
             for element in elements() {
                 for rule in FaceRule::ALL {
@@ -256,7 +260,7 @@ fn assert_tangent(pair: &Pair, element: ContactElement, faces: &[QuadraticFace])
     let mut interface = pair.interface(element, FaceRule::Second);
     interface.set_quadratic_faces(faces).unwrap();
     interface.refresh(&pair.positions).unwrap();
-    assert_tangent_at(pair, &mut interface, &ContactLaw::penalty(50.0), &pair.positions, 7);
+    assert_tangent_at(pair, &mut interface, &ContactLaw::penalty(50.0), &pair.positions, 13);
 }
 
 /// Both bumps as one surface in contact with itself, made while they were apart: each is integrated over the other.
@@ -278,7 +282,7 @@ fn the_tangent_of_self_contact_is_exact_with_the_points_held() {
         let (low, high): (Vec<bool>, Vec<bool>) = sides.partition(|&is_low| is_low);
         assert!(low.len() > 8 && high.len() > 8);
         pair.assert_balance(&pair.forces(interface.contacts()));
-        assert_tangent_at(&pair, &mut interface, &law, &pair.positions, 7);
+        assert_tangent_at(&pair, &mut interface, &law, &pair.positions, 13);
     }
 }
 
@@ -312,7 +316,8 @@ fn assert_tangent_at(
         let mut at = |step: f64| {
             let mut moved = positions.to_vec();
             moved[column / 3][column % 3] += step;
-            interface.move_points(&moved).unwrap();
+            // So near to where the faces were cut their pieces stay, and what they are cut into is not differentiated.
+            interface.update(&moved).unwrap();
             let forces = pair.forces(interface.evaluate(law, Mode::Gradient).unwrap());
             forces.as_flattened().to_vec()
         };
@@ -344,30 +349,31 @@ fn assert_products(contacts: &FaceContacts, dofs: &DofMap) {
     }
 }
 
-/// Points that move with the cuts add what the rule does not integrate: the finer rule the less.
+/// Points that move with the cuts add what the rule does not integrate: the finer rule the less. Pieces stay while nobody has moved far.
 #[test]
 fn cutting_anew_changes_forces_by_the_error_of_the_rule() {
+    const FAR: f64 = 1e-4;
     let law = ContactLaw::penalty(50.0);
     let pair = bumps(false);
-    let moved: Vec<Point> = pair
-        .positions
-        .iter()
-        .enumerate()
-        .map(|(k, &[x, y, z])| if k < pair.first_slave { [x, y, z] } else { [x + 0.03, y - 0.02, z + 0.01] })
-        .collect();
+    let moved = |(k, &[x, y, z]): (usize, &Point)| {
+        let by = if k < pair.first_slave { 0.0 } else { FAR };
+        [x + 0.03 * by, y - 0.02 * by, z + 0.01 * by]
+    };
+    let moved: Vec<Point> = pair.positions.iter().enumerate().map(moved).collect();
     let error = |rule| {
-        let mut interface = pair.interface(ContactElement::default(), rule);
-        interface.refresh(&pair.positions).unwrap();
-        interface.move_points(&moved).unwrap();
-        let held = pair.forces(interface.evaluate(&law, Mode::Gradient).unwrap());
-        interface.update(&moved).unwrap();
-        let anew = pair.forces(interface.evaluate(&law, Mode::Gradient).unwrap());
+        let forces_of = |cut_at: &[Point]| {
+            let mut interface = pair.interface(ContactElement::default(), rule);
+            interface.refresh(cut_at).unwrap();
+            interface.update(&moved).unwrap();
+            pair.forces(interface.evaluate(&law, Mode::Gradient).unwrap())
+        };
+        let (held, anew) = (forces_of(&pair.positions), forces_of(&moved));
         let sizes = held.iter().zip(&anew).map(|(a, b)| (Vector3::from(*a) - Vector3::from(*b)).norm());
         let all: f64 = anew.iter().map(|force| Vector3::from(*force).norm()).sum();
         sizes.sum::<f64>() / all
     };
     let [second, fourth] = FaceRule::ALL.map(error);
-    assert!(second < 5e-3 && fourth < second, "{second:e} {fourth:e}");
+    assert!(second < 5e-3 * FAR && fourth < second && fourth > 1e-12, "{second:e} {fourth:e}");
 }
 
 /// A slave that hangs over the master's end: half of its area carries.
@@ -476,7 +482,7 @@ fn derivatives_that_were_not_evaluated_are_refused() {
 fn other_rules_than_domains_are_refused() {
     let pair = bumps(false);
     let master = MasterSurface::new(&pair.positions, pair.master.clone()).unwrap();
-    let element = ContactElement::diffuse(crate::neighbourhood::SearchOptions::default());
+    let element = ContactElement::diffuse(diffuse_contact::neighbourhood::SearchOptions::default());
     let options = FaceOptions::new(InterfaceOptions::default().with_element(element));
     let error = FaceInterface::new(master, &pair.slave, &pair.positions, options).unwrap_err();
     assert_eq!(error, InterfaceError::FacesNeedDomains);
@@ -500,9 +506,10 @@ fn there_is_no_history() {
     assert!(used.refresh(&shifted).unwrap().grown);
     used.evaluate(&law, Mode::Hessian).unwrap();
     assert!(used.update(&pair.positions).unwrap().grown);
-    assert!(!used.update(&shifted).unwrap().grown, "it has been there");
+    let report = used.update(&shifted).unwrap();
+    assert!(!report.grown, "it has been there");
     let nearly: Vec<Point> = shifted.iter().map(|x| x.map(|x| x + 1e-6)).collect();
-    assert_eq!(used.update(&nearly).unwrap(), FaceReport { grown: false, ..used.report });
+    assert_eq!(used.update(&nearly).unwrap(), report);
     used.update(&pair.positions).unwrap();
     assert_eq!(pair.forces(used.evaluate(&law, Mode::Gradient).unwrap()), expected);
 }

@@ -128,11 +128,9 @@ fn a_pairing_per_iteration_belongs_to_the_end_of_the_increment() {
             &format!("penalty = 2000.0\n{HULL_LAYERS}\nrefresh = \"{refresh}\""),
         );
         let (_, state, mut statics) = run(&base, more);
-        let forces = statics.problem.contacts().resultants(&state.positions);
-        let problem = &mut statics.problem;
-        problem.refresh(RefreshRule::Increment, &state.positions).unwrap();
-        problem.evaluate(state.time, &state.positions, &state.points, Order::Residual).unwrap();
-        (forces, problem.contacts().resultants(&state.positions))
+        let forces = statics.problem().contacts().resultants(&state.positions);
+        statics.look_at_contacts(&state).unwrap();
+        (forces, statics.problem().contacts().resultants(&state.positions))
     };
     let (before, after) = at_end("iteration");
     assert_eq!(before, after);

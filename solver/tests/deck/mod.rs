@@ -6,10 +6,10 @@ use diffuse_contact::neighbourhood::NeighbourRule;
 use diffuse_contact::pairing::MAX_NEIGHBOURS;
 use diffuse_contact::{FrameDerivative, Weight};
 
-use super::*;
-use crate::contact::{Augmentation, Integration, RefreshRule, TangentRule};
-use crate::statics::{Extrapolation, NewtonSettings, TimeSettings};
-use crate::system::LinearSolverChoice;
+use diffuse_contact_solver::contact::{Augmentation, Integration, RefreshRule, TangentRule};
+use diffuse_contact_solver::deck::*;
+use diffuse_contact_solver::statics::{Extrapolation, NewtonSettings, TimeSettings};
+use diffuse_contact_solver::system::LinearSolverChoice;
 
 mod files;
 mod pages;
@@ -79,6 +79,16 @@ fn refused(from: &str, to: &str, expected: &str) {
     assert!(message.contains(expected), "{message}\ndoes not contain\n{expected}");
 }
 
+/// End, first increment, shortest, longest, growth, cut-back.
+fn times(time: &TimeSettings) -> [f64; 6] {
+    [time.end, time.increment, time.minimum, time.maximum, time.growth, time.cutback]
+}
+
+/// Line search, extrapolation, stabilisation, solver.
+fn choices(newton: &NewtonSettings) -> (bool, Extrapolation, f64, LinearSolverChoice) {
+    (newton.line_search, newton.extrapolation, newton.stabilisation, newton.linear_solver)
+}
+
 #[test]
 fn a_deck_is_read_with_its_defaults() {
     let deck = Deck::parse(DECK).unwrap();
@@ -89,33 +99,14 @@ fn a_deck_is_read_with_its_defaults() {
     assert_eq!(deck.boundaries[1].axes, [true, false, true]);
     assert_eq!(deck.boundaries[1].motion.position(0.5, [0.0; 3]), [0.0, 0.0, -0.1]);
     assert_eq!(deck.pressures[0].amplitude.at(0.25), 0.25);
-    assert_eq!(
-        deck.time,
-        TimeSettings {
-            end: 1.0,
-            increment: 0.25,
-            minimum: 0.25 / 1024.0,
-            maximum: 0.25,
-            growth: 1.5,
-            cutback: 0.5
-        }
-    );
-    assert_eq!(
-        deck.newton,
-        NewtonSettings {
-            tolerance: 1e-6,
-            absolute: 1e-8,
-            max_iterations: 20,
-            few_iterations: 6,
-            line_search: true,
-            extrapolation: Extrapolation::None,
-            stabilisation: 0.0,
-            linear_solver: LinearSolverChoice::Auto
-        }
-    );
+    assert_eq!(times(&deck.time), [1.0, 0.25, 0.25 / 1024.0, 0.25, 1.5, 0.5]);
+    let NewtonSettings { tolerance, absolute, max_iterations, few_iterations, .. } = deck.newton;
+    assert_eq!((tolerance, absolute, max_iterations, few_iterations), (1e-6, 1e-8, 20, 6));
+    assert_eq!(choices(&deck.newton), (true, Extrapolation::None, 0.0, LinearSolverChoice::Auto));
     let fixed = Deck::parse(&changed("increment = 0.25", "increment = 0.25\nfixed = true")).unwrap().time;
-    assert_eq!(fixed, TimeSettings { minimum: 0.25, growth: 1.0, ..deck.time });
-    assert_eq!(deck.output, Output { every: 1, stress: true, colour: Colour::VonMises });
+    assert_eq!(times(&fixed), [1.0, 0.25, 0.25, 0.25, 1.0, 0.5]);
+    assert_eq!(deck.output, Output::default());
+    assert_eq!((deck.output.every, deck.output.stress, deck.output.colour), (1, true, Colour::VonMises));
     let interface = &deck.interfaces[0];
     assert_eq!(interface.options(Contact::Diffuse), Default::default());
     assert_eq!(interface.options(Contact::NodeToFacet).element, ContactElement::NodeToFacet);
@@ -200,7 +191,7 @@ fn every_field_is_taken() {
     let interface = &deck.interfaces[0];
     let options = interface.options(Contact::Diffuse);
     assert!(options.areas && interface.two_pass && interface.exchange && deck.pressures[0].follower);
-    assert_eq!(interface.augmentation, Some(Augmentation { max_rounds: 7, tolerance: 1e-3 }));
+    assert_eq!(interface.augmentation, Some(Augmentation::new(1e-3).with_max_rounds(7)));
     let ContactElement::Diffuse { weight, frame, search, .. } = options.element else {
         panic!("not diffuse")
     };
@@ -215,24 +206,11 @@ fn every_field_is_taken() {
         (interface.refresh, interface.tangent, deck.contact),
         (RefreshRule::Iteration, TangentRule::GaussNewton, Contact::NodeToFacet)
     );
-    assert_eq!(
-        deck.time,
-        TimeSettings { end: 4.0, increment: 0.5, minimum: 0.125, maximum: 1.0, growth: 2.0, cutback: 0.25 }
-    );
-    assert_eq!(
-        deck.newton,
-        NewtonSettings {
-            tolerance: 1e-8,
-            absolute: 0.0,
-            max_iterations: 11,
-            few_iterations: 6,
-            line_search: false,
-            extrapolation: Extrapolation::Linear,
-            stabilisation: 0.0,
-            linear_solver: LinearSolverChoice::Auto
-        }
-    );
-    assert_eq!(deck.output, Output { every: 3, stress: false, colour: Colour::Gap });
+    assert_eq!(times(&deck.time), [4.0, 0.5, 0.125, 1.0, 2.0, 0.25]);
+    let NewtonSettings { tolerance, absolute, max_iterations, few_iterations, .. } = deck.newton;
+    assert_eq!((tolerance, absolute, max_iterations, few_iterations), (1e-8, 0.0, 11, 6));
+    assert_eq!(choices(&deck.newton), (false, Extrapolation::Linear, 0.0, LinearSolverChoice::Auto));
+    assert_eq!((deck.output.every, deck.output.stress, deck.output.colour), (3, false, Colour::Gap));
     assert_eq!(deck.pressures[0].amplitude.at(2.5), 2.5);
     // Without an amplitude a motion lasts to the end.
     assert_eq!(deck.boundaries[1].motion.position(2.0, [0.0; 3]), [0.0, 0.0, -0.1]);

@@ -1,8 +1,8 @@
 //! Laws of the user's own over faces, and augmented friction.
 
 use super::*;
-use crate::assembly::{AssemblyError, NormalLaw, NormalPressure, TabulatedPressure};
-use crate::friction::{CoefficientValue, Coulomb, FrictionCoefficient, FrictionState};
+use diffuse_contact::assembly::{AssemblyError, NormalLaw, NormalPressure, TabulatedPressure};
+use diffuse_contact::friction::{CoefficientValue, Coulomb, FrictionCoefficient, FrictionState};
 
 const STIFFNESS: f64 = 60.0;
 const DURATION: f64 = 0.5;

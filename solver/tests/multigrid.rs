@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::system::{
+use diffuse_contact_solver::system::{
     Accuracy, BlockMatrix, BlockPattern, Equations, Geometry, IterativeReport, LinearReport, LinearSolver,
-    LinearSolverChoice, LinearSystem, SavedRows, Symmetry, SystemError, irregular, solve_iteratively,
+    LinearSolverChoice, LinearSystem, SavedRows, Symmetry, SystemError, solve_iteratively,
 };
 
 const LAMBDA: f64 = 576.9;
@@ -20,6 +20,14 @@ struct Example {
     before: SavedRows,
     equations: Equations,
     symmetry: Symmetry,
+}
+
+/// A number in [−1, 1) without visible order.
+fn irregular(index: usize) -> f64 {
+    let mut bits = (index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
 /// Stiffness between two corners of a cube with edges of length h, by corner; 2 × 2 × 2 points of Gauss.

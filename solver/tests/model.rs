@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use super::shape::{Block, RigidPlane};
-use super::*;
-use crate::material::Material;
+use diffuse_contact::surface::Facet;
 use diffuse_contact_mesh::ElementKind;
+use diffuse_contact_solver::material::Material;
+use diffuse_contact_solver::model::shape::{Block, RigidPlane};
+use diffuse_contact_solver::model::*;
 
 const STEEL: Material = Material { young: 200_000.0, poisson: 0.3, plasticity: None };
 
@@ -266,7 +267,7 @@ fn instances_of_a_file_become_parts() {
 /// Whoever has the file open finds the element by its number there; of a shape they count from 1, body by body.
 #[test]
 fn elements_are_called_by_their_part_and_their_number_in_the_file() {
-    use crate::solid::{Order, Solid, SolidResponse};
+    use diffuse_contact_solver::solid::{Order, Solid, SolidResponse};
     let path = std::env::temp_dir().join(format!("diffuse-contact-labels-{}.inp", std::process::id()));
     let corners = "1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n9,0,0,2\n10,1,0,2\n11,1,1,2\n12,0,1,2\n";
     let elements = "*ELEMENT, TYPE=C3D8R\n4711,1,2,3,4,5,6,7,8\n4712,5,6,7,8,9,10,11,12\n";

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::*;
-use crate::model::tests::TWO_CUBES;
+use crate::model::TWO_CUBES;
 
 /// A folder with a file of two cubes with these elements.
 fn two_cubes(name: &str, elements: &str) -> PathBuf {

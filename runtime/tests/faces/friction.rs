@@ -1,9 +1,9 @@
 //! Friction over faces.
 
 use super::*;
-use crate::Coulomb;
-use crate::friction::FrictionState;
-use crate::surface::SymmetryPlane;
+use diffuse_contact::Coulomb;
+use diffuse_contact::friction::FrictionState;
+use diffuse_contact::surface::SymmetryPlane;
 
 /// Pressures of the bumps are about 5 at this penalty, slips 0.02.
 const STIFFNESS: f64 = 60.0;
@@ -151,7 +151,8 @@ fn a_uniform_traction_arrives_at_both_sides() {
     let law = ContactLaw::penalty(50.0).with_friction(Some(friction));
     for triangles in [false, true] {
         let pair = Pair::new([6, 8], triangles, |x, y| [x, y, 0.0], |x, y| [0.1 + 0.9 * x, y, -0.02]);
-        let areas = |facets: &[Facet]| crate::surface::tributary_areas(&pair.positions, facets).unwrap();
+        let areas =
+            |facets: &[Facet]| diffuse_contact::surface::tributary_areas(&pair.positions, facets).unwrap();
         for element in elements() {
             let mut interface = pair.interface(element, FaceRule::Second);
             interface.refresh(&pair.positions).unwrap();

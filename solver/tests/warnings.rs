@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::PathBuf;
 
-use super::{Summary, Watcher, names, read_json};
-use crate::contact::Beginning;
-use crate::solve::{SolveOptions, solve};
-use crate::statics::{Control, Failure, IncrementRecord, IterationRecord};
+use diffuse_contact_solver::contact::Beginning;
+use diffuse_contact_solver::output::{Summary, Watcher, names};
+use diffuse_contact_solver::solve::{SolveOptions, solve};
+use diffuse_contact_solver::statics::{Control, Failure, IncrementRecord, IterationRecord};
 
 /// A block that is pressed onto a floor and comes back; a second floor is far below.
 const PRESSED: &str = r#"
@@ -104,7 +104,8 @@ fn run(scratch: &Scratch, deck: &str, restart: bool, stop_after: Option<usize>) 
     let options = SolveOptions::new(&out).with_restart(restart).with_overwrite(!restart);
     let mut notes = Notes { stop_after, ..Notes::default() };
     let summary = solve(&path, &options, &mut notes).unwrap();
-    assert_eq!(read_json::<Summary>(&out.join(names::SUMMARY)).unwrap(), summary);
+    let written = fs::read_to_string(out.join(names::SUMMARY)).unwrap();
+    assert_eq!(serde_json::from_str::<Summary>(&written).unwrap(), summary);
     (notes, summary)
 }
 

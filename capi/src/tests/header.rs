@@ -46,7 +46,7 @@ fn the_header_is_fresh() {
     let found = std::fs::read_to_string(&path).unwrap_or_default();
     assert!(
         found == made,
-        "{} is stale: run UPDATE_HEADER=1 cargo test -p diffuse-contact-capi --test all header",
+        "{} is stale: run UPDATE_HEADER=1 cargo test -p diffuse-contact-capi --lib header",
         path.display()
     );
 }

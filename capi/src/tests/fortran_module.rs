@@ -34,6 +34,7 @@ fn kind(ctype: &str) -> String {
         "size_t" => "c_size_t".into(),
         "char" => "c_char".into(),
         "dc_status" => "c_int".into(),
+        "dc_normal_law" | "dc_friction_law" => "c_funptr".into(),
         // The name of the type would be that of a function.
         "dc_contact" => "dc_contact_data".into(),
         other => other.into(),
@@ -90,6 +91,8 @@ fn header() -> Header {
                 let name = head.rsplit(' ').next().expect("a name").to_owned();
                 header.structures.insert(name, members(body));
             }
+        } else if head.starts_with("typedef") {
+            // Types of functions of the caller's: pointers to Fortran.
         } else if let Some((declared, arguments)) = head.split_once('(') {
             let (result, name) = declared.rsplit_once([' ', '*']).expect("a result");
             let result = if declared.contains('*') { "c_ptr".into() } else { kind(result) };

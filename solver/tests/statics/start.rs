@@ -1,9 +1,9 @@
 //! Starts: bodies exactly in touch or a little apart, a penalty that nobody gave, parts that nothing holds.
 
 use super::*;
-use crate::contact::AdjustError;
-use crate::deck::{DeckError, Problem as Wrong};
-use crate::model::AdjustedNode;
+use diffuse_contact_solver::contact::AdjustError;
+use diffuse_contact_solver::deck::{DeckError, Problem as Wrong};
+use diffuse_contact_solver::model::AdjustedNode;
 
 /// A block on another, pressed, held sideways; between them a gap.
 fn stacked(gap: f64, interface: &str, element: &str) -> String {
@@ -370,4 +370,21 @@ fn rigid_slaves_are_not_adjusted() {
     let error = Deck::parse(&format!("{text}\n{TIME}")).unwrap().model("").unwrap_err();
     let DeckError::Invalid { problem, .. } = &error else { panic!("{error}") };
     assert!(matches!(**problem, Wrong::Adjust { error: AdjustError::Rigid { .. }, .. }), "{error}");
+}
+
+/// Many boundaries of one set: their names are numbered without a look at all those before.
+#[test]
+fn many_boundaries_of_one_set_are_numbered_in_time() {
+    let begin = std::time::Instant::now();
+    let head = "[materials.a]\nyoung = 1.0\npoisson = 0.3\n[parts.b]\nshape = \"box\"\nsize = [1.0, 1.0, 1.0]\n\
+                divisions = [1, 1, 1]\nmaterial = \"a\"\n";
+    const COUNT: usize = 5000;
+    let boundaries = "[[boundary]]\nnodes = \"b\"\nfix = [\"x\"]\n".repeat(COUNT);
+    let (deck, model) = deck(head, &format!("{boundaries}[time]\nincrement = 1.0\n"));
+    let statics = statics(&deck, &model);
+    let names: Vec<&str> =
+        statics.problem().supports().groups().iter().map(|group| group.name.as_str()).collect();
+    assert_eq!((names[0], names[1], names[COUNT - 1]), ("b", "b (2)", "b (5000)"));
+    assert_eq!(names.iter().collect::<std::collections::HashSet<_>>().len(), COUNT);
+    assert!(begin.elapsed() < std::time::Duration::from_secs(30), "{:?}", begin.elapsed());
 }

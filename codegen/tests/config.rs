@@ -1,0 +1,49 @@
+//! What build scripts ask for.
+
+use diffuse_contact_codegen::emit::MOST_STATEMENTS;
+use diffuse_contact_codegen::{Config, ConfigError};
+
+#[test]
+fn three_weights_share_kernels() {
+    let config = Config::new()
+        .cubic()
+        .weight("quartic", "(1 - r)^3 * (1 + 3*r)")
+        .unwrap()
+        .cubic_interpolating()
+        .wendland_c2()
+        .share_kernels();
+    let source = config.source().unwrap();
+    assert!(source.contains("mod cubic_or_quartic_or_wendland_c2"));
+    for module in
+        ["pub mod cubic ", "pub mod quartic ", "pub mod wendland_c2 ", "pub mod cubic_interpolating "]
+    {
+        assert!(source.contains(module), "{module}");
+    }
+}
+
+#[test]
+fn a_weight_that_is_too_long_to_compile_is_named() {
+    let long = |factor: &str| {
+        let terms: Vec<String> =
+            (10..38).map(|k| format!("exp(-{k}*r^2/{factor})/sqrt(1 + r^{k})")).collect();
+        format!("(1 - r^2)^2 * ({})", terms.join(" + "))
+    };
+    let error = Config::new()
+        .weight("long", &long("7"))
+        .and_then(|config| config.weight("longer", &long("3")))
+        .unwrap()
+        .share_kernels()
+        .source()
+        .unwrap_err();
+    let ConfigError::WeightTooLong { weight, statements, .. } = &error else { panic!("{error}") };
+    assert!(weight == "long_or_longer" && *statements > MOST_STATEMENTS, "{error}");
+}
+
+/// `main` of a build script prints the error by `Debug`.
+#[test]
+fn an_error_of_a_build_script_points_at_the_character() {
+    let error = Config::new().weight("quartic", "(1 - r)^3 * (1 + 3*r").unwrap_err();
+    assert_eq!(format!("{error:?}"), error.to_string());
+    let text = format!("{:?}", Box::<dyn std::error::Error>::from(error));
+    assert!(text.contains("(1 - r)^3 * (1 + 3*r\n") && text.trim_end().ends_with('^'), "{text}");
+}

@@ -1,0 +1,95 @@
+//! Time of g, N, M and the slip q with its gradient and Hessian over that of g, N and M, in batches:
+//!
+//! ```text
+//! cargo run --release -p diffuse-contact --features friction --example slips
+//! ```
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use diffuse_contact::{Basis, Domains, Frame, Mode, Point};
+use diffuse_contact_kernels::cubic::Cubic;
+use diffuse_contact_kernels::support::{
+    BatchElement, ElementInputs, FrameRule, GapValues, KernelSet, Masters, Status, Workspace, packed_row,
+};
+
+type Failure = Box<dyn std::error::Error>;
+
+const ELEMENTS: usize = 256;
+const BATCH: usize = 32;
+const ROUNDS: usize = 200;
+
+fn main() -> Result<(), Failure> {
+    println!("one element of a batch, ns: g, N, M; g, N, M and q, ∇q, ∇²q; the ratio");
+    for rule in [FrameRule::Frozen, FrameRule::CoMoving] {
+        for nodes in [9, 16] {
+            let [gap, slip] = measure(nodes, rule)?;
+            println!("n = {nodes:2}, {rule:?}: {gap:6.0} {slip:6.0} {:.2}", slip / gap);
+        }
+    }
+    Ok(())
+}
+
+/// The masters of the k-th element about the origin, in rings.
+fn patch(nodes: usize, k: usize) -> Vec<Point> {
+    let masters = (0..nodes).map(|i| {
+        let noise = ((7 * i + 13 * k) as f64).sin();
+        let radius = ((i as f64 + 0.5) / nodes as f64).sqrt();
+        let angle = 2.399_963 * i as f64 + 0.1 * noise;
+        let (x, y) = (radius * angle.cos(), radius * angle.sin());
+        [x, y, 0.1 * x * x - 0.07 * x * y + 0.01 * noise]
+    });
+    masters.collect()
+}
+
+/// Nanoseconds, the least of all rounds, which take turns.
+fn measure(nodes: usize, rule: FrameRule) -> Result<[f64; 2], Failure> {
+    let patches: Vec<Vec<Point>> = (0..ELEMENTS).map(|k| patch(nodes, k)).collect();
+    let inputs = |(k, masters): (usize, &Vec<Point>)| -> Result<(usize, Frame), Failure> {
+        Ok((k, Frame::average_plane(masters, [0.0, 0.0, 1.0])?))
+    };
+    let frames: Vec<(usize, Frame)> = patches.iter().enumerate().map(inputs).collect::<Result<_, _>>()?;
+    let freedoms = 3 * (nodes + 1);
+    let sizes = [
+        (freedoms, packed_row(freedoms)),
+        (2 * freedoms + 3 + nodes, packed_row(freedoms) + packed_row(freedoms + 3)),
+    ];
+    let kernel = (Basis::Quadratic, rule, Mode::Hessian);
+    let (isa, mut workspace) = (Cubic::best_isa(), Workspace::default());
+    let mut best = [f64::INFINITY; 2];
+    for _ in 0..ROUNDS {
+        for (what, (gradients, hessians)) in sizes.into_iter().enumerate() {
+            let mut numbers = vec![0.0; BATCH * (gradients + hessians)];
+            let start = Instant::now();
+            for batch in frames.chunks(BATCH) {
+                let mut rest = numbers.chunks_exact_mut(gradients + hessians);
+                let element = |&(k, frame): &(usize, Frame)| {
+                    let (gradient, hessian) = rest.next()?.split_at_mut(gradients);
+                    let inputs = ElementInputs {
+                        slave: [0.05, -0.03, 0.1],
+                        masters: Masters::Positions(&patches[k]),
+                        domains: Domains::Shared,
+                        plane_reach: frame.reach,
+                        t1: frame.t1,
+                        t2: frame.t2,
+                        normal: frame.normal,
+                        support_radius: 1.3,
+                        point: [0.0; 2],
+                        anchor: [0.02, 0.01, 0.0],
+                        pole: 0,
+                    };
+                    Some(BatchElement { inputs, values: GapValues::NONE, gradient, hessian, places: &[] })
+                };
+                let mut elements: Vec<BatchElement<'_>> = batch.iter().filter_map(element).collect();
+                match what {
+                    0 => Cubic::gap_batch(isa, kernel, &mut elements, &mut workspace),
+                    _ => Cubic::slip_batch(isa, kernel, &mut elements, &mut workspace),
+                }
+                assert!(elements.iter().all(|element| element.values.status() == Status::Ok));
+                black_box(elements);
+            }
+            best[what] = best[what].min(start.elapsed().as_secs_f64());
+        }
+    }
+    Ok(best.map(|time| 1e9 * time / ELEMENTS as f64))
+}

@@ -22,16 +22,20 @@ const most = (values, start) => values.reduce((a, b) => (b > a ? b : a), start);
 
 // A plane plot; without a point it says so.
 function layout(traces, x, y) {
-  const axis = { zeroline: false, automargin: true, exponentformat: "power" };
   const empty = traces.every((trace) => trace.x.length === 0);
+  const axis = { zeroline: false, automargin: true, exponentformat: "power", visible: !empty };
   return {
     margin: { l: 64, r: 12, t: 8, b: 46 },
-    xaxis: Object.assign({}, axis, { title: { text: x.text } }, x.more),
-    yaxis: Object.assign({}, axis, { title: { text: y.text } }, y.more),
+    xaxis: Object.assign({}, axis, { title: { text: x.text, standoff: 12 } }, x.more),
+    yaxis: Object.assign({}, axis, { title: { text: y.text, standoff: 12 } }, y.more),
     legend: { orientation: "h", y: 1.12 }, showlegend: true, paper_bgcolor: "rgba(0,0,0,0)",
     annotations: empty ? [{ text: "no finished increment", showarrow: false, xref: "paper", yref: "paper", x: 0.5, y: 0.5 }] : [],
   };
 }
+// Plotly makes powers of ten a quarter larger than numbers.
+const logarithmic = (dtick) => ({ type: "log", dtick, tickfont: { size: 10 } });
+// Whole numbers along an axis, some twelve of them.
+const counted = (traces) => ({ dtick: Math.ceil(most(traces.map((trace) => trace.x.length), 0) / 12) || 1 });
 const config = { responsive: true, displaylogo: false, displayModeBar: false };
 const element = (id) => document.getElementById(id);
 
@@ -45,11 +49,11 @@ function options(id, names) {
   return select;
 }
 
-// Four digits.
+// Four digits, with the minus sign of the plots.
 function precise(x) {
   const rounded = Number(Number(x).toPrecision(4));
   const size = Math.abs(rounded);
-  return size !== 0 && (size < 1e-3 || size >= 1e5) ? rounded.toExponential() : String(rounded);
+  return (size !== 0 && (size < 1e-3 || size >= 1e5) ? rounded.toExponential() : String(rounded)).replaceAll("-", "−").replace("e+", "e");
 }
 
 function summary() {
@@ -85,10 +89,10 @@ function summary() {
   ];
   table("summary", rows.map(([name, value]) => [name, ...runs.map(value)]));
   const material = ({ young, poisson, plasticity: yields }) =>
-    `E ${precise(young)}, ν ${precise(poisson)}${yields ? `, yield stress ${precise(yields.yield_stress)}, hardening ${precise(yields.hardening)}` : ""}`;
+    `E\u00a0${precise(young)}, ν\u00a0${precise(poisson)}${yields ? `, yield stress ${precise(yields.yield_stress)}, hardening ${precise(yields.hardening)}` : ""}`;
   const parts = (run) => [
     ...run.summary.parts.map((part) => [part.name, part.nodes, part.elements || "", part.material ? material(part.material) : "rigid"]),
-    ...run.summary.interfaces.map((each) => [each.interface, "", "", `penalty ${precise(each.penalty)}${each.adjusted ? `, ${each.adjusted[0]} of ${each.slaves} slaves moved into touch` : ""}`]),
+    ...run.summary.interfaces.map((each) => [each.interface, "", "", `penalty\u00a0${precise(each.penalty)}${each.adjusted ? `, ${each.adjusted[0]} of ${each.slaves} slaves moved into touch` : ""}`]),
   ];
   // Runs of the same mesh share their lines.
   const seen = new Set();
@@ -164,11 +168,11 @@ function failed() {
     ["part", "node", "position", "residual, force"],
     ...failures.flatMap((run) => run.failed.worst.map((node) => [failures.length > 1 ? `${node.part} (${run.label})` : node.part, node.node, point(node.position), point(node.residual)])),
   ]);
-  return draw("failed", traces, layout(traces, { text: "iteration" }, { text: "residual over forces", more: { type: "log", dtick: 1 } }));
+  return draw("failed", traces, layout(traces, { text: "iteration", more: counted(traces) }, { text: "residual over forces", more: logarithmic(1) }));
 }
 
 function iterations() {
-  element("totals").textContent = runs.map((run) => `${run.label}: ${run.history.iterations.reduce((a, b) => a + b, 0)} in finished increments`).join(" · ");
+  element("totals").textContent = `in finished increments: ${runs.map((run) => `${run.label} ${run.history.iterations.reduce((a, b) => a + b, 0)}`).join(", ")}`;
   const traces = runs.map((run, k) => ({
     x: run.history.time, y: run.history.iterations, name: plain(run.label), mode: "lines+markers",
     line: { shape: "hvh", color: colours[k % colours.length] }, marker: { size: 5 },
@@ -184,9 +188,8 @@ function convergence() {
     const residuals = (run.residuals[number] || []).slice(1);
     return { x: residuals.map((_, i) => i + 1), y: residuals.map((r) => (r > 0 ? r : null)), name: plain(run.label), mode: "lines+markers", line: { color: colours[k % colours.length] } };
   });
-  const count = most(traces.map((trace) => trace.x.length), 0);
-  const x = { text: "linear solutions", more: { dtick: Math.ceil(count / 12) || 1 } };
-  return draw("convergence", traces, layout(traces, x, { text: "residual over forces", more: { type: "log", dtick: 2 } }));
+  const x = { text: "linear solutions", more: counted(traces) };
+  return draw("convergence", traces, layout(traces, x, { text: "residual over forces", more: logarithmic(2) }));
 }
 
 // Faces as triangles, and their edges as one line with gaps.
@@ -216,6 +219,13 @@ const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a
 const unit = (a) => a.map((x) => x / Math.sqrt(dot(a, a)));
 // What of a scene is in view from the bottom to its top, in plotly's units, with a margin.
 const VIEW = 1.6;
+// A scale below a scene, pixels.
+const SCALE = 76;
+
+// Whether an element is too narrow for a scale beside its scene: it goes below then.
+const isNarrow = (id) => element(id).clientWidth < 560;
+const scaleBar = (id, text) => Object.assign({ title: { text, side: "right" }, thickness: 14, exponentformat: "power" },
+  isNarrow(id) ? { orientation: "h", title: { text, side: "top" }, len: 0.96, x: 0.5, y: 0, yanchor: "bottom", nticks: 5 } : {});
 
 // A scene that holds all points and fills the element, the axis of the load up if there is one. It is seen along its shortest side, but not
 // along the load; without a load y is up unless that is the side.
@@ -237,7 +247,8 @@ function scene(id, points, revision, load) {
   const toEye = unit(direction);
   const aside = unit(cross([0, 1, 2].map((k) => Number(k === up)), toEye));
   const extent = (axis) => sides.reduce((sum, side, k) => sum + side * Math.abs(axis[k]), 0);
-  const shape = (0.8 * element(id).clientWidth) / element(id).clientHeight || 1;
+  const [across, upward] = isNarrow(id) ? [0.85, 1 - SCALE / element(id).clientHeight] : [0.8, 1];
+  const shape = (across * element(id).clientWidth) / (upward * element(id).clientHeight) || 1;
   const scale = Math.min(VIEW / extent(cross(toEye, aside)), (VIEW * shape) / extent(aside));
   // Numbers along a short side would lie on each other.
   const axis = (k) => ({
@@ -247,6 +258,7 @@ function scene(id, points, revision, load) {
   return {
     margin: { l: 0, r: 0, t: 0, b: 0 }, uirevision: revision, paper_bgcolor: "rgba(0,0,0,0)", showlegend: false,
     scene: {
+      domain: { y: [1 - upward, 1] },
       uirevision: revision, aspectmode: "manual", aspectratio: along(sides.map((side) => scale * side)),
       camera: { eye: along(direction), up: along([0, 1, 2].map((k) => Number(k === up))), projection: { type: "orthographic" } },
       xaxis: axis(0), yaxis: axis(1), zaxis: axis(2),
@@ -307,7 +319,7 @@ function shape() {
   const high = most(range.map((each) => most(each, 0)), low);
   const common = { x: points.map((p) => p[0]), y: points.map((p) => p[1]), z: points.map((p) => p[2]), type: "mesh3d", hoverinfo: "text", flatshading: true, lighting: { ambient: 0.75, diffuse: 0.5, specular: 0.05 } };
   const coloured = (list, more) => Object.assign({}, common, triangles(list), {
-    intensity: values, cmin: low, cmax: high > low ? high : low + 1, colorscale: "Viridis", colorbar: { title: { text: labelled(field), side: "right" }, thickness: 14, exponentformat: "power" },
+    intensity: values, cmin: low, cmax: high > low ? high : low + 1, colorscale: "Viridis", colorbar: scaleBar("shape", labelled(field)),
     text: values.map((value, k) => `node ${run.skin.nodes[k]}<br>${words[field] || field} ${precise(value)}`),
   }, more);
   const solid = faces(true, "shown");
@@ -355,7 +367,7 @@ function surfaces() {
     traces.push(Object.assign(lines(surface.flat), { line: { color: "#66737f", width: 2 } }));
   }
   if (element("show-smooth").checked) {
-    traces.push(mesh(surface.smooth, { intensity: distance, cmin: 0, cmax: top, colorscale: "Portland", colorbar: { title: { text: "distance, length", side: "right" }, thickness: 14, exponentformat: "power" } }));
+    traces.push(mesh(surface.smooth, { intensity: distance, cmin: 0, cmax: top, colorscale: "Portland", colorbar: scaleBar("surfaces", "distance, length") }));
     traces.push(Object.assign(lines(surface.smooth), { line: { color: "#1c2733", width: 2 } }));
   }
   return draw("surfaces", traces, scene("surfaces", surface.flat.concat(surface.smooth), `surface ${element("surface").value}`));

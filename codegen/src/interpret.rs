@@ -1,6 +1,8 @@
-//! Evaluates expressions of a graph in `f64`, structured nodes included: the second witness of every kernel.
+//! Evaluates expressions of a graph, structured nodes included: the second witness of every kernel, in `f64`, and the third, in
+//! [`Expansion`]s, which are automatic differentiation of the formulas before any was differentiated.
 //!
-//! [`element_results`] does so for all results of an element of the caller's.
+//! [`element_results`] evaluates all results of an element of the caller's, [`element_derivatives`] has its derivatives without those
+//! of the graph.
 //!
 //! It shares nothing with lowering, scheduling and emission: systems are solved here by Gaussian elimination,
 //! roots by Newton's iteration, sums by summing.
@@ -9,30 +11,44 @@ use std::collections::HashMap;
 
 use crate::graph::{ExprId, Graph, Op, RootFigure, RootId, Scope, SolveId, SymbolId, SystemId};
 
+pub use derivatives::element_derivatives;
 pub use element::element_results;
+pub use expansion::Expansion;
+pub use number::Number;
 
+mod derivatives;
 mod element;
+mod expansion;
+mod number;
 
 /// Values of the input symbols.
 #[derive(Clone, Debug, Default)]
-pub struct NodeInputs {
+pub struct NodeInputs<N = f64> {
     count: usize,
-    element: HashMap<String, f64>,
-    node: HashMap<String, Vec<f64>>,
+    element: HashMap<String, N>,
+    node: HashMap<String, Vec<N>>,
 }
 
 impl NodeInputs {
     /// No values yet, for `count` nodes.
     #[must_use]
     pub fn new(count: usize) -> Self {
-        let mut inputs = Self { count, ..Self::default() };
-        inputs.set_element(crate::graph::NODE_COUNT, count as f64);
-        inputs.set_node(crate::graph::NODE_INDEX, (0..count).map(|k| k as f64).collect());
+        Self::with_nodes(count)
+    }
+}
+
+impl<N: Number> NodeInputs<N> {
+    /// No values yet, of any kind of number, for `count` nodes.
+    #[must_use]
+    pub fn with_nodes(count: usize) -> Self {
+        let mut inputs = Self { count, element: HashMap::new(), node: HashMap::new() };
+        inputs.set_element(crate::graph::NODE_COUNT, N::constant(count as f64));
+        inputs.set_node(crate::graph::NODE_INDEX, (0..count).map(|k| N::constant(k as f64)).collect());
         inputs
     }
 
     /// Sets an input of element scope.
-    pub fn set_element(&mut self, name: &str, value: f64) {
+    pub fn set_element(&mut self, name: &str, value: N) {
         self.element.insert(name.to_owned(), value);
     }
 
@@ -40,7 +56,7 @@ impl NodeInputs {
     ///
     /// # Panics
     /// If there is not one value per node.
-    pub fn set_node(&mut self, name: &str, values: Vec<f64>) {
+    pub fn set_node(&mut self, name: &str, values: Vec<N>) {
         assert_eq!(values.len(), self.count, "one value of {name} per node");
         self.node.insert(name.to_owned(), values);
     }
@@ -50,35 +66,37 @@ impl NodeInputs {
 const MOST_ITERATIONS: usize = 100;
 
 /// Evaluates expressions, each once.
-pub struct Interpreter<'a> {
+pub struct Interpreter<'a, N = f64> {
     graph: &'a Graph,
-    inputs: &'a NodeInputs,
-    element: HashMap<ExprId, f64>,
-    node: HashMap<(ExprId, usize), f64>,
-    solutions: HashMap<(SolveId, Option<usize>), Vec<f64>>,
-    factors: HashMap<SystemId, Factor>,
-    roots: HashMap<RootId, RootSolution>,
+    inputs: &'a NodeInputs<N>,
+    element: HashMap<ExprId, N>,
+    node: HashMap<(ExprId, usize), N>,
+    solutions: HashMap<(SolveId, Option<usize>), Vec<N>>,
+    factors: HashMap<SystemId, Factor<N>>,
+    roots: HashMap<RootId, RootSolution<N>>,
     /// Values of a root's unknowns while its equations are evaluated.
-    trial: Vec<(SymbolId, f64)>,
+    trial: Vec<(SymbolId, N)>,
+    /// Values that hold for the trial only.
+    of_trial: HashMap<ExprId, N>,
 }
 
 #[derive(Clone)]
-struct Factor {
-    inverse: Vec<Vec<f64>>,
-    pivot_ratio: f64,
+struct Factor<N> {
+    inverse: Vec<Vec<N>>,
+    pivot_ratio: N,
 }
 
 #[derive(Clone)]
-struct RootSolution {
-    values: Vec<f64>,
+struct RootSolution<N> {
+    values: Vec<N>,
     residual: f64,
     iterations: usize,
 }
 
-impl<'a> Interpreter<'a> {
+impl<'a, N: Number> Interpreter<'a, N> {
     /// An interpreter for one set of inputs.
     #[must_use]
-    pub fn new(graph: &'a Graph, inputs: &'a NodeInputs) -> Self {
+    pub fn new(graph: &'a Graph, inputs: &'a NodeInputs<N>) -> Self {
         Self {
             graph,
             inputs,
@@ -88,6 +106,7 @@ impl<'a> Interpreter<'a> {
             factors: HashMap::new(),
             roots: HashMap::new(),
             trial: Vec::new(),
+            of_trial: HashMap::new(),
         }
     }
 
@@ -95,7 +114,7 @@ impl<'a> Interpreter<'a> {
     ///
     /// # Panics
     /// If an input has no value or the expression has another scope.
-    pub fn element(&mut self, expr: ExprId) -> f64 {
+    pub fn element(&mut self, expr: ExprId) -> N {
         assert_eq!(self.graph.scope(expr), Scope::Element);
         self.value(expr, None)
     }
@@ -104,7 +123,7 @@ impl<'a> Interpreter<'a> {
     ///
     /// # Panics
     /// As [`element`](Self::element).
-    pub fn node(&mut self, expr: ExprId, node: usize) -> f64 {
+    pub fn node(&mut self, expr: ExprId, node: usize) -> N {
         self.value(expr, Some(node))
     }
 
@@ -112,7 +131,7 @@ impl<'a> Interpreter<'a> {
     ///
     /// # Panics
     /// As [`element`](Self::element).
-    pub fn pair(&mut self, expr: ExprId, row: usize, column: usize) -> f64 {
+    pub fn pair(&mut self, expr: ExprId, row: usize, column: usize) -> N {
         if self.graph.scope(expr) != Scope::Pair {
             return self.value(expr, None);
         }
@@ -126,7 +145,7 @@ impl<'a> Interpreter<'a> {
         }
     }
 
-    fn value(&mut self, expr: ExprId, node: Option<usize>) -> f64 {
+    fn value(&mut self, expr: ExprId, node: Option<usize>) -> N {
         let at_node = match (self.graph.scope(expr), node) {
             (Scope::Node, Some(node)) => Some(node),
             (Scope::Element, _) => None,
@@ -134,25 +153,25 @@ impl<'a> Interpreter<'a> {
         };
         let known = match at_node {
             Some(node) => self.node.get(&(expr, node)),
-            None => self.element.get(&expr),
+            None => self.of_trial.get(&expr).or_else(|| self.element.get(&expr)),
         };
-        if let Some(&value) = known {
-            return value;
+        if let Some(value) = known {
+            return value.clone();
         }
         let value = self.compute(expr, at_node);
-        // Inside a root's equations values hold for the trial only.
-        if self.trial.is_empty() {
-            match at_node {
-                Some(node) => self.node.insert((expr, node), value),
-                None => self.element.insert(expr, value),
-            };
-        }
+        match at_node {
+            // Inside a root's equations values hold for the trial only.
+            None if !self.trial.is_empty() => self.of_trial.insert(expr, value.clone()),
+            None => self.element.insert(expr, value.clone()),
+            Some(_) if !self.trial.is_empty() => None,
+            Some(node) => self.node.insert((expr, node), value.clone()),
+        };
         value
     }
 
-    fn compute(&mut self, expr: ExprId, node: Option<usize>) -> f64 {
+    fn compute(&mut self, expr: ExprId, node: Option<usize>) -> N {
         match self.graph.op(expr) {
-            Op::Constant(bits) => f64::from_bits(bits),
+            Op::Constant(bits) => N::constant(f64::from_bits(bits)),
             Op::Symbol(symbol) => self.symbol(symbol, node),
             Op::Add(x, y) => self.value(x, node) + self.value(y, node),
             Op::Neg(x) => -self.value(x, node),
@@ -160,58 +179,61 @@ impl<'a> Interpreter<'a> {
             Op::Div(x, y) => self.value(x, node) / self.value(y, node),
             Op::DivOrZero(x, y) => {
                 let divisor = self.value(y, node);
-                if divisor == 0.0 { 0.0 } else { self.value(x, node) / divisor }
+                if divisor.value() == 0.0 { N::constant(0.0) } else { self.value(x, node) / divisor }
             }
             Op::Sqrt(x) => self.value(x, node).sqrt(),
             Op::Exp(x) => self.value(x, node).exp(),
-            Op::Function(function, x) => function.evaluate(self.value(x, node)),
-            Op::Atan2(y, x) => self.value(y, node).atan2(self.value(x, node)),
-            Op::RealPower(x, y) => self.value(x, node).powf(self.value(y, node)),
-            Op::Hypot(x, y) => self.value(x, node).hypot(self.value(y, node)),
+            Op::Function(function, x) => self.value(x, node).function(function),
+            Op::Atan2(y, x) => self.value(y, node).atan2(&self.value(x, node)),
+            Op::RealPower(x, y) => self.value(x, node).powf(&self.value(y, node)),
+            Op::Hypot(x, y) => self.value(x, node).hypot(&self.value(y, node)),
             Op::Power(x, exponent) => self.value(x, node).powi(exponent),
             Op::Polynomial(x, polynomial) => {
-                expanded_nearby(self.graph.polynomial_data(polynomial).coefficients(), self.value(x, node))
+                self.value(x, node).polynomial(self.graph.polynomial_data(polynomial).coefficients())
             }
             Op::Select { x, y, then, otherwise } => {
-                let taken = if self.value(x, node) < self.value(y, node) { then } else { otherwise };
-                self.value(taken, node)
+                let is_less = self.value(x, node).value() < self.value(y, node).value();
+                self.value(if is_less { then } else { otherwise }, node)
             }
-            Op::Sum(x) => (0..self.inputs.count).map(|node| self.value(x, Some(node))).sum(),
-            Op::Solution(solve, component) => self.solution(solve, node)[component as usize],
+            Op::Sum(x) => {
+                let terms = (0..self.inputs.count).map(|node| self.value(x, Some(node)));
+                terms.reduce(|sum, term| sum + term).unwrap_or_else(|| N::constant(0.0))
+            }
+            Op::Solution(solve, component) => self.solution(solve, node)[component as usize].clone(),
             Op::InverseFactor { system, row, column } => {
-                self.factor(system).inverse[row as usize][column as usize]
+                self.factor(system).inverse[row as usize][column as usize].clone()
             }
             Op::PivotRatio(system) => self.factor(system).pivot_ratio,
-            Op::RootValue(root, component) => self.root(root).values[component as usize],
-            Op::RootFigure(root, RootFigure::Residual) => self.root(root).residual,
-            Op::RootFigure(root, RootFigure::Iterations) => self.root(root).iterations as f64,
+            Op::RootValue(root, component) => self.root(root).values[component as usize].clone(),
+            Op::RootFigure(root, RootFigure::Residual) => N::constant(self.root(root).residual),
+            Op::RootFigure(root, RootFigure::Iterations) => N::constant(self.root(root).iterations as f64),
             op @ (Op::Row(_) | Op::Column(_)) => unreachable!("{op:?} outside a pair"),
         }
     }
 
-    fn symbol(&mut self, symbol: SymbolId, node: Option<usize>) -> f64 {
-        if let Some(&(_, value)) = self.trial.iter().find(|(s, _)| *s == symbol) {
-            return value;
+    fn symbol(&mut self, symbol: SymbolId, node: Option<usize>) -> N {
+        if let Some((_, value)) = self.trial.iter().find(|(s, _)| *s == symbol) {
+            return value.clone();
         }
         let data = self.graph.symbol_data(symbol);
         if let Some(definition) = data.definition {
             return self.value(definition, node);
         }
         let value = match node {
-            Some(node) => self.inputs.node.get(&data.name).map(|values| values[node]),
-            None => self.inputs.element.get(&data.name).copied(),
+            Some(node) => self.inputs.node.get(&data.name).map(|values| &values[node]),
+            None => self.inputs.element.get(&data.name),
         };
-        value.unwrap_or_else(|| panic!("the input {} has no value", data.name))
+        value.cloned().unwrap_or_else(|| panic!("the input {} has no value", data.name))
     }
 
-    fn matrix(&mut self, system: SystemId) -> Vec<Vec<f64>> {
+    fn matrix(&mut self, system: SystemId) -> Vec<Vec<N>> {
         let data = self.graph.system(system);
         (0..data.size())
             .map(|i| (0..data.size()).map(|j| self.value(data.entry(i, j), None)).collect())
             .collect()
     }
 
-    fn solution(&mut self, solve: SolveId, node: Option<usize>) -> Vec<f64> {
+    fn solution(&mut self, solve: SolveId, node: Option<usize>) -> Vec<N> {
         if let Some(known) = self.solutions.get(&(solve, node)) {
             return known.clone();
         }
@@ -224,49 +246,56 @@ impl<'a> Interpreter<'a> {
     }
 
     /// L⁻¹ of the matrix L S Lᵀ in elimination order, by the textbook recurrences.
-    fn factor(&mut self, system: SystemId) -> Factor {
+    fn factor(&mut self, system: SystemId) -> Factor<N> {
         if let Some(known) = self.factors.get(&system) {
             return known.clone();
         }
         let matrix = self.matrix(system);
         let data = self.graph.system(system);
         let size = data.size();
-        let references: Vec<Option<f64>> = (0..size)
+        let references: Vec<Option<N>> = (0..size)
             .map(|i| data.reference(data.eliminated(i)).map(|reference| self.value(reference, None)))
             .collect();
-        let sign = |k: usize| if data.is_negative(k) { -1.0 } else { 1.0 };
-        let a = |i: usize, j: usize| matrix[data.eliminated(i)][data.eliminated(j)];
-        let mut l = vec![vec![0.0; size]; size];
-        let mut pivot_ratio = f64::INFINITY;
+        let signed = |k: usize, x: N| if data.is_negative(k) { -x } else { x };
+        let a = |i: usize, j: usize| matrix[data.eliminated(i)][data.eliminated(j)].clone();
+        let mut l = vec![vec![N::constant(0.0); size]; size];
+        let mut pivot_ratio = N::constant(f64::INFINITY);
         for i in 0..size {
             for j in 0..=i {
-                let rest = sign(j) * (a(i, j) - (0..j).map(|k| sign(k) * l[i][k] * l[j][k]).sum::<f64>());
+                let known = (0..j).map(|k| signed(k, l[i][k].clone() * l[j][k].clone()));
+                let rest = match known.reduce(|sum, term| sum + term) {
+                    Some(known) => signed(j, a(i, j) - known),
+                    None => signed(j, a(i, j)),
+                };
                 if i == j {
-                    if let Some(reference) = references[i] {
-                        let ratio = rest / reference;
+                    if let Some(reference) = &references[i] {
+                        let ratio = rest.clone() / reference.clone();
                         // A NaN stays where it came first, and does not replace a number.
-                        pivot_ratio = if i == 0 || ratio < pivot_ratio { ratio } else { pivot_ratio };
+                        if i == 0 || ratio.value() < pivot_ratio.value() {
+                            pivot_ratio = ratio;
+                        }
                     }
                     l[i][i] = rest.sqrt();
                 } else {
-                    l[i][j] = rest / l[j][j];
+                    l[i][j] = rest / l[j][j].clone();
                 }
             }
         }
-        let inverse_columns: Vec<Vec<f64>> = (0..size)
+        let inverse_columns: Vec<Vec<N>> = (0..size)
             .map(|column| {
-                let unit = (0..size).map(|row| f64::from(u8::from(row == column))).collect();
+                let unit = (0..size).map(|row| N::constant(f64::from(u8::from(row == column)))).collect();
                 eliminate(l.clone(), unit)
             })
             .collect();
-        let inverse = (0..size).map(|i| (0..size).map(|j| inverse_columns[j][i]).collect()).collect();
+        let inverse = (0..size).map(|i| (0..size).map(|j| inverse_columns[j][i].clone()).collect()).collect();
         let factor = Factor { inverse, pivot_ratio };
         self.factors.insert(system, factor.clone());
         factor
     }
 
-    /// Newton's iteration with halving of steps that do not reduce the residual.
-    fn root(&mut self, root: RootId) -> RootSolution {
+    /// Newton's iteration with halving of steps that do not reduce the residual, by values. Steps with the Jacobian that the last
+    /// values have then give the derivatives of the unknowns, each step those of one more order.
+    fn root(&mut self, root: RootId) -> RootSolution<N> {
         if let Some(known) = self.roots.get(&root) {
             return known.clone();
         }
@@ -275,15 +304,16 @@ impl<'a> Interpreter<'a> {
             self.value(parameter, None);
         }
         let data = self.graph.root(root).clone();
-        let mut values = vec![0.0; data.unknowns.len()];
+        let mut values = vec![N::constant(0.0); data.unknowns.len()];
         let (mut residual, mut jacobian) = self.equations(root, &values);
-        let norm = |r: &[f64]| r.iter().map(|x| x.abs()).fold(0.0, f64::max);
+        let norm = |r: &[N]| r.iter().map(|x| x.value().abs()).fold(0.0, f64::max);
         let mut iterations = 0;
         while iterations < MOST_ITERATIONS && norm(&residual) > 0.0 {
-            let step = eliminate(jacobian.clone(), residual.clone());
+            let step = eliminate(jacobian.clone(), residual.iter().map(Number::value).collect());
             let mut fraction = 1.0;
             let accepted = loop {
-                let trial: Vec<f64> = values.iter().zip(&step).map(|(y, d)| y - fraction * d).collect();
+                let trial: Vec<N> =
+                    values.iter().zip(&step).map(|(y, d)| N::constant(y.value() - fraction * d)).collect();
                 let (r, j) = self.equations(root, &trial);
                 if norm(&r) < norm(&residual) {
                     break Some((trial, r, j));
@@ -297,62 +327,59 @@ impl<'a> Interpreter<'a> {
             (values, residual, jacobian) = (trial, r, j);
             iterations += 1;
         }
-        let solution = RootSolution { values, residual: norm(&residual), iterations };
+        let largest = norm(&residual);
+        let of_values: Vec<Vec<N>> =
+            jacobian.iter().map(|row| row.iter().map(|&x| N::constant(x)).collect()).collect();
+        for _ in 0..N::ORDER {
+            let step = eliminate(of_values.clone(), residual);
+            values = values.into_iter().zip(step).map(|(y, d)| y - d).collect();
+            (residual, _) = self.equations(root, &values);
+        }
+        let solution = RootSolution { values, residual: largest, iterations };
         self.roots.insert(root, solution.clone());
         solution
     }
 
-    fn equations(&mut self, root: RootId, values: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
+    /// The equations, and the values of their Jacobian.
+    fn equations(&mut self, root: RootId, values: &[N]) -> (Vec<N>, Vec<Vec<f64>>) {
         let data = self.graph.root(root).clone();
-        self.trial = data.unknowns.iter().copied().zip(values.iter().copied()).collect();
+        self.trial = data.unknowns.iter().copied().zip(values.iter().cloned()).collect();
         let residual = data.residuals.iter().map(|&r| self.value(r, None)).collect();
-        let jacobian =
-            data.jacobian.iter().map(|row| row.iter().map(|&x| self.value(x, None)).collect()).collect();
+        let jacobian = data
+            .jacobian
+            .iter()
+            .map(|row| row.iter().map(|&x| self.value(x, None).value()).collect())
+            .collect();
         self.trial.clear();
+        self.of_trial.clear();
         (residual, jacobian)
     }
 }
 
-/// A polynomial by its expansion about 0 or, from x = 1/2 on, about 1, where the leading coefficients of a weight
-/// vanish.
-fn expanded_nearby(coefficients: &[f64], x: f64) -> f64 {
-    let horner = |c: &[f64], x: f64| c.iter().rev().fold(0.0, |value, c| value * x + c);
-    if x < 0.5 {
-        return horner(coefficients, x);
-    }
-    // Coefficients about 1 by repeated synthetic division; what is rounding of zero is zero.
-    let size: f64 = coefficients.iter().enumerate().map(|(k, c)| c.abs() * 2f64.powi(k as i32)).sum();
-    let mut shifted = coefficients.to_vec();
-    for start in 0..shifted.len() {
-        for k in (start..shifted.len().saturating_sub(1)).rev() {
-            shifted[k] += shifted[k + 1];
-        }
-        if shifted[start].abs() <= 4.0 * f64::EPSILON * size {
-            shifted[start] = 0.0;
-        }
-    }
-    horner(&shifted, x - 1.0)
-}
-
 /// Gaussian elimination with partial pivoting.
-fn eliminate(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
+fn eliminate<N: Number>(mut a: Vec<Vec<N>>, mut b: Vec<N>) -> Vec<N> {
     let size = b.len();
     for k in 0..size {
-        let pivot = (k..size).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs())).unwrap_or(k);
+        let size_of = |x: &N| x.value().abs();
+        let pivot = (k..size).max_by(|&i, &j| size_of(&a[i][k]).total_cmp(&size_of(&a[j][k]))).unwrap_or(k);
         a.swap(k, pivot);
         b.swap(k, pivot);
         for i in k + 1..size {
-            let factor = a[i][k] / a[k][k];
+            let factor = a[i][k].clone() / a[k][k].clone();
             let (upper, lower) = a.split_at_mut(i);
             for (x, y) in lower[0][k..].iter_mut().zip(&upper[k][k..]) {
-                *x -= factor * y;
+                *x = x.clone() - factor.clone() * y.clone();
             }
-            b[i] -= factor * b[k];
+            b[i] = b[i].clone() - factor * b[k].clone();
         }
     }
     for k in (0..size).rev() {
-        let known: f64 = (k + 1..size).map(|j| a[k][j] * b[j]).sum();
-        b[k] = (b[k] - known) / a[k][k];
+        let known = (k + 1..size).map(|j| a[k][j].clone() * b[j].clone()).reduce(|sum, term| sum + term);
+        let rest = match known {
+            Some(known) => b[k].clone() - known,
+            None => b[k].clone(),
+        };
+        b[k] = rest / a[k][k].clone();
     }
     b
 }

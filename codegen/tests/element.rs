@@ -6,7 +6,7 @@ use diffuse_contact_codegen::emit::MOST_STATEMENTS;
 use diffuse_contact_codegen::emit::emit_element_kernel;
 use diffuse_contact_codegen::expr::{Expr, Mat3, Vec2, Vec3, Vector, total};
 use diffuse_contact_codegen::graph::{ExprId, Scope};
-use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
+use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs, element_derivatives, element_results};
 use diffuse_contact_codegen::model::Input;
 use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel, Mode};
 use num_dual::{DualNum as _, HyperDual};
@@ -400,6 +400,44 @@ fn a_test_that_cannot_be_is_refused() {
         assert_eq!(*source, expected);
     }
     assert!(config.test("a", &[&[2.0]], &[]).source().unwrap().contains("mod a_tests"));
+}
+
+#[test]
+fn a_test_where_a_norm_is_zero_is_refused() {
+    let length = |m: &ElementModel<'_>| {
+        let x: Vec2<'_> = m.variable("x");
+        m.residual("length", Vector([x[0].hypot(x[1])]));
+    };
+    let config = Config::new().element("a", length).unwrap();
+    let error = config.clone().test("a", &[&[0.0, 0.0]], &[]).source().unwrap_err();
+    let ConfigError::Element { source, .. } = &error else { panic!("{error}") };
+    assert_eq!(*source, ElementError::TestDerivative { result: "length_jacobian".to_owned() });
+    assert!(error.to_string().contains("`length_jacobian`"), "{error}");
+    assert!(config.test("a", &[&[0.3, 0.4]], &[]).source().is_ok());
+}
+
+/// A rule of differentiation that is wrong: interpreter and kernel agree on it, expansions do not know it.
+#[test]
+fn a_mistake_in_a_derivative_of_the_graph_does_not_reach_automatic_differentiation() {
+    let mut element = kernels(tet4);
+    let inputs: [&[f64]; 4] = [&numbers(12, 0.3), &numbers(12, 0.9), &[1.2], &[0.8]];
+    let interpreted = |element: &ElementKernels| {
+        let all = element_results(element.kernels.last().unwrap(), &inputs, &[]);
+        all.into_iter().find(|(name, _)| name == "gradient").unwrap().1
+    };
+    let expanded = |element: &ElementKernels| element_derivatives(element, &inputs, &[])[0].1.clone();
+    let right = expanded(&element);
+    assert!(difference(&interpreted(&element), &right) < 1e-12);
+    let gradient = |kernel: &mut diffuse_contact_codegen::model::Kernel<_>| {
+        kernel
+            .values
+            .iter_mut()
+            .filter(|value| value.name == "gradient")
+            .for_each(|value| value.components.swap(0, 1));
+    };
+    element.kernels.iter_mut().for_each(gradient);
+    assert!(difference(&interpreted(&element), &right) > 1e-2);
+    assert_eq!(expanded(&element), right);
 }
 
 #[test]

@@ -4,7 +4,7 @@
 
 use diffuse_contact_codegen::emit::emit_element_kernel;
 use diffuse_contact_codegen::expr::{Expr, Vec2, Vec3, Vector, dot};
-use diffuse_contact_codegen::interpret::element_results;
+use diffuse_contact_codegen::interpret::{element_derivatives, element_results};
 use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel, Mode};
 use num_dual::{DualNum as _, HyperDual};
 
@@ -35,6 +35,10 @@ fn check(
     nodes.iter().for_each(|node| x.extend(&node[..of_node]));
     let energy = f(&x.iter().map(|&x| HyperDual::from(x)).collect::<Vec<_>>()).re;
     let (gradient, hessian) = by_hyper_dual(&x, f);
+    for (name, found) in element_derivatives(&element, inputs, nodes) {
+        let worst = difference(&found, if name == "gradient" { &gradient } else { &hessian });
+        assert!(worst < 1e-12, "{name} by expansions: {worst:e}");
+    }
     for mode in Mode::ALL {
         let found = interpreted(&element, mode, inputs, nodes);
         assert!(difference(&found("energy"), &[energy]) < 1e-12, "{:?} {energy}", found("energy"));

@@ -3,7 +3,7 @@
 
 use diffuse_contact_codegen::emit::emit_element_kernel;
 use diffuse_contact_codegen::expr::{Expr, Mat3, Vec3, Vector, total};
-use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
+use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs, element_derivatives};
 use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel, Mode};
 use num_dual::{DualNum, HyperDual};
 
@@ -113,6 +113,13 @@ fn a_hexahedron_has_the_derivatives_of_automatic_differentiation() {
             worst = worst.max((found[place] - y).abs() / largest);
             place += 1;
         }
+    }
+    let inputs: [&[f64]; 4] = [&x, &X, &constants[..1], &constants[1..]];
+    let expanded: Vec<f64> =
+        element_derivatives(&element, &inputs, &[]).into_iter().flat_map(|(_, x)| x).collect();
+    assert_eq!(expanded.len(), 24 + 300);
+    for (part, expected) in [(&expanded[..24], &found[1..25]), (&expanded[24..], &found[25..])] {
+        worst = worst.max(crate::witnesses::difference(part, expected));
     }
     println!("largest relative difference {worst:.1e}");
     assert!(place == found.len() && worst < 1e-12, "{worst:e}");

@@ -1,21 +1,22 @@
-//! The test that stands beside an element's kernels: they have the results of the interpreter.
+//! The tests that stand beside an element's kernels: they have the results of the interpreter, and the derivatives of automatic
+//! differentiation.
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::element::{places, without_suffixes};
 use super::fixed::nested;
-use crate::interpret::element_results;
-use crate::model::{ElementError, ElementKernels, Input};
+use crate::interpret::{element_derivatives, element_results};
+use crate::model::{ElementError, ElementKernels, Input, Signature};
 
-/// Largest difference of a kernel from the interpreter, relative to the largest entry.
+/// Largest difference of a kernel from what it is compared with, relative to the largest entry.
 const TOLERANCE: f64 = 1e-12;
 
-/// A test at these inputs, in the order of [`element_results`]: `evaluate` and `batch` have what the formulas' graph has in the interpreter,
-/// which shares nothing with the emitter.
+/// Tests at these inputs, in the order of [`element_results`]: `evaluate` and `batch` have what the formulas' graph has in the interpreter,
+/// which shares nothing with the emitter, and the derivatives that the interpreter finds without those of the graph.
 ///
 /// # Errors
-/// [`ElementError::TestInputs`], [`ElementError::TestResult`].
+/// [`ElementError::TestInputs`], [`ElementError::TestResult`], [`ElementError::TestDerivative`].
 pub fn emit_element_test(
     element: &ElementKernels,
     support: &syn::Path,
@@ -25,39 +26,22 @@ pub fn emit_element_test(
     let (signature, Some(kernel)) = (&element.signature, element.kernels.last()) else {
         return Err(ElementError::NoOutput);
     };
-    let wrong = |input: &str, expected: usize, found: usize| {
-        let input = input.to_owned();
-        if expected == found { Ok(()) } else { Err(ElementError::TestInputs { input, expected, found }) }
-    };
-    wrong("inputs", signature.inputs.len(), inputs.len())?;
-    for (input, numbers) in signature.inputs.iter().zip(inputs) {
-        wrong(&input.name, input.symbols.len(), numbers.len())?;
-    }
-    let per_node: usize = signature.nodes.iter().map(|input| input.symbols.len()).sum();
-    nodes.iter().try_for_each(|node| wrong("node", per_node, node.len()))?;
-
-    let results = element_results(kernel, &slices(inputs), &slices(nodes));
-    let largest = |x: &[f64]| x.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
-    let returned = |name: &str| signature.values.iter().find(|returned| returned.name == name);
-    let values = results.iter().filter(|(name, _)| returned(name).is_some());
-    let of_values = values.map(|(_, x)| largest(x)).fold(0.0, f64::max);
-    let mut comparisons = Vec::new();
-    for (name, expected) in &results {
-        if !expected.iter().all(|x| x.is_finite()) {
-            return Err(ElementError::TestResult { result: name.clone() });
-        }
-        let field = format_ident!("{name}");
-        let (found, size) = match returned(name) {
-            Some(returned) => {
-                let places = places(&returned.dimensions);
-                let found = places.iter().map(|place| quote!(found.values.#field #place));
-                (quote!([#(#found),*]), of_values)
+    check_lengths(signature, inputs, nodes)?;
+    let interpreted = element_results(kernel, &slices(inputs), &slices(nodes));
+    let interpreted = comparisons(signature, &interpreted, |result| ElementError::TestResult { result })?;
+    let differentiated = element_derivatives(element, &slices(inputs), &slices(nodes));
+    let differentiated =
+        comparisons(signature, &differentiated, |result| ElementError::TestDerivative { result })?;
+    let differentiated = (!differentiated.is_empty()).then(|| {
+        quote! {
+            #[test]
+            fn derivatives_are_those_of_automatic_differentiation() {
+                for found in all() {
+                    #(#differentiated)*
+                }
             }
-            None => (quote!(found.#field), largest(expected)),
-        };
-        let tolerance = TOLERANCE * size;
-        comparisons.push(quote!(agree(#name, &#found[..], &[#(#expected),*], #tolerance);));
-    }
+        }
+    });
     let fields = fields(&signature.inputs, &inputs.concat());
     let of_nodes = (!signature.nodes.is_empty()).then(|| {
         let nodes = nodes.iter().map(|numbers| self::fields(&signature.nodes, numbers));
@@ -73,12 +57,20 @@ pub fn emit_element_test(
 
             #[test]
             fn values_and_derivatives_are_those_of_the_interpreter() {
-                let inputs = Inputs { #fields #of_nodes };
-                let mut lanes = [(); 3].map(|()| evaluate(Mode::Value, &inputs));
-                batch(best_isa(), Mode::Hessian, &[inputs; 3], &mut lanes);
-                for found in [evaluate(Mode::Hessian, &inputs)].iter().chain(&lanes) {
-                    #(#comparisons)*
+                for found in all() {
+                    #(#interpreted)*
                 }
+            }
+
+            #differentiated
+
+            /// Of one element, and of several side by side.
+            fn all() -> Vec<Results> {
+                let inputs = Inputs { #fields #of_nodes };
+                let mut all = vec![evaluate(Mode::Value, &inputs); 3];
+                batch(best_isa(), Mode::Hessian, &[inputs; 3], &mut all);
+                all.push(evaluate(Mode::Hessian, &inputs));
+                all
             }
 
             fn agree(name: &str, found: &[f64], expected: &[f64], tolerance: f64) {
@@ -92,6 +84,48 @@ pub fn emit_element_test(
             }
         }
     }))
+}
+
+fn check_lengths(signature: &Signature, inputs: &[Vec<f64>], nodes: &[Vec<f64>]) -> Result<(), ElementError> {
+    let wrong = |input: &str, expected: usize, found: usize| {
+        let input = input.to_owned();
+        if expected == found { Ok(()) } else { Err(ElementError::TestInputs { input, expected, found }) }
+    };
+    wrong("inputs", signature.inputs.len(), inputs.len())?;
+    for (input, numbers) in signature.inputs.iter().zip(inputs) {
+        wrong(&input.name, input.symbols.len(), numbers.len())?;
+    }
+    let per_node: usize = signature.nodes.iter().map(|input| input.symbols.len()).sum();
+    nodes.iter().try_for_each(|node| wrong("node", per_node, node.len()))
+}
+
+/// A statement for each result that compares it with the numbers of `expected`; all values have one tolerance.
+fn comparisons(
+    signature: &Signature,
+    expected: &[(String, Vec<f64>)],
+    not_finite: impl Fn(String) -> ElementError,
+) -> Result<Vec<TokenStream>, ElementError> {
+    let largest = |x: &[f64]| x.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+    let returned = |name: &str| signature.values.iter().find(|returned| returned.name == name);
+    let values = expected.iter().filter(|(name, _)| returned(name).is_some());
+    let of_values = values.map(|(_, x)| largest(x)).fold(0.0, f64::max);
+    let comparison = |(name, expected): &(String, Vec<f64>)| {
+        if !expected.iter().all(|x| x.is_finite()) {
+            return Err(not_finite(name.clone()));
+        }
+        let field = format_ident!("{name}");
+        let (found, size) = match returned(name) {
+            Some(returned) => {
+                let places = places(&returned.dimensions);
+                let found = places.iter().map(|place| quote!(found.values.#field #place));
+                (quote!([#(#found),*]), of_values)
+            }
+            None => (quote!(found.#field), largest(expected)),
+        };
+        let tolerance = TOLERANCE * size;
+        Ok(quote!(agree(#name, &#found[..], &[#(#expected),*], #tolerance);))
+    };
+    expected.iter().map(comparison).collect()
 }
 
 fn slices(rows: &[Vec<f64>]) -> Vec<&[f64]> {

@@ -110,6 +110,15 @@ pub enum ElementError {
         /// A value, `gradient`, `hessian`, or a Jacobian.
         result: String,
     },
+    /// A derivative that automatic differentiation of the formulas does not have with the inputs of the test, such as that of a norm at
+    /// zero.
+    #[error(
+        "automatic differentiation has no finite `{result}` with the inputs of the test; inputs where no norm or root is zero have one"
+    )]
+    TestDerivative {
+        /// `gradient`, `hessian`, or a Jacobian.
+        result: String,
+    },
     /// A function that rustc has no stack for.
     #[error(
         "its function `{function}` would have {statements} statements, at most {} can be compiled",

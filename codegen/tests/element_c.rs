@@ -210,48 +210,97 @@ fn fitted(m: &ElementModel<'_>) {
     m.value("residual", foot.residual);
 }
 
+/// Inputs of one element: its own numbers, then those of its nodes.
+fn fitted_numbers(count: usize, seed: &mut f64) -> (Vec<f64>, Vec<f64>) {
+    let x = (0..3).map(|_| random(seed)).chain([1.3]).collect();
+    let node = |k: usize| {
+        let [a, b, c, w] = [0; 4].map(|_| random(seed));
+        [a + 0.3 * k as f64, b, c, 1.0 + w]
+    };
+    (x, (0..count).flat_map(node).collect())
+}
+
+/// A program that prints all results of each element, first of functions for one, then of the batch.
+fn program_with_nodes(elements: &[(Vec<f64>, Vec<f64>)], arrays: &[(&str, usize)]) -> String {
+    let (all, count) = (elements.len(), elements[0].1.len() / 4);
+    let list = |x: &[f64]| x.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
+    let columns = |of: &dyn Fn(usize) -> Vec<f64>| {
+        let of: Vec<Vec<f64>> = (0..all).map(of).collect();
+        list(&(0..of[0].len()).flat_map(|i| of.iter().map(move |x| x[i])).collect::<Vec<f64>>())
+    };
+    let mut text = format!(
+        "#include \"elements.h\"\n#include <stdio.h>\n#include <string.h>\nint main(void) {{\n\
+         static const double inputs[] = {{{}}}, nodes[] = {{{}}};\n\
+         static const double side_by_side[] = {{{}}}, nodes_side_by_side[] = {{{}}};\n\
+         static double flat[5], all_flat[5 * {all}], scratch[DIFFUSE_CONTACT_LANES * {count} * FITTED_HESSIAN_SCRATCH];\n\
+         fitted_inputs of_one; fitted_node of_nodes[{count}]; fitted_values values;\n",
+        list(&elements.iter().flat_map(|(x, _)| x.clone()).collect::<Vec<_>>()),
+        list(&elements.iter().flat_map(|(_, nodes)| nodes.clone()).collect::<Vec<_>>()),
+        columns(&|k| elements[k].0.clone()),
+        columns(&|k| elements[k].1.clone()),
+    );
+    for (name, length) in arrays {
+        let _ = writeln!(text, "static double {name}[{length}], all_{name}[{length} * {all}];");
+    }
+    let names: Vec<&str> = arrays.iter().map(|(name, _)| *name).collect();
+    let _ = writeln!(
+        text,
+        "for (int k = 0; k < {all}; k++) {{ memcpy(&of_one, inputs + 4 * k, sizeof of_one); memcpy(of_nodes, nodes + {} * k, sizeof of_nodes);\n\
+         fitted_hessian({count}, &of_one, of_nodes, &values, {}, scratch); memcpy(flat, &values, sizeof values);",
+        4 * count,
+        names.join(", ")
+    );
+    for (name, length) in [("flat", 5)].iter().chain(arrays) {
+        let _ = writeln!(text, "for (int i = 0; i < {length}; i++) printf(\"%.17g\\n\", {name}[i]);");
+    }
+    let _ = writeln!(
+        text,
+        "}}\nfitted_hessian_batch({all}, {count}, side_by_side, nodes_side_by_side, all_flat, all_{}, scratch);\n\
+         for (int k = 0; k < {all}; k++) {{",
+        names.join(", all_")
+    );
+    for (name, length) in [("flat", 5)].iter().chain(arrays) {
+        let _ = writeln!(
+            text,
+            "for (int i = 0; i < {length}; i++) printf(\"%.17g\\n\", all_{name}[i * {all} + k]);"
+        );
+    }
+    text + "} return 0; }\n"
+}
+
 #[test]
 fn compiled_c_has_the_numbers_of_the_interpreter_for_any_number_of_nodes() {
     let element = ElementKernels::new("fitted", fitted).unwrap();
     let header = Config::new().element("fitted", fitted).unwrap().c_source();
     let mut seed = 0.37;
-    for count in [3, 8] {
-        let x: Vec<f64> = (0..3).map(|_| random(&mut seed)).collect();
-        let nodes: Vec<Vec<f64>> = (0..count)
-            .map(|k| {
-                let [a, b, c, w] = [0; 4].map(|_| random(&mut seed));
-                vec![a + 0.3 * f64::from(k), b, c, 1.0 + w]
+    // Fewer elements than lanes, and more, but no multiple.
+    for (all, count, options) in [(1, 3, &["-O1"][..]), (5, 8, &["-O3"]), (11, 4, &["-O3", "-march=native"])]
+    {
+        let elements: Vec<_> = (0..all).map(|_| fitted_numbers(count, &mut seed)).collect();
+        let results: Vec<Vec<(String, Vec<f64>)>> = elements
+            .iter()
+            .map(|(x, nodes)| {
+                let nodes: Vec<&[f64]> = nodes.chunks(4).collect();
+                element_results(&element.kernels[2], &[&x[..3], &x[3..]], &nodes)
             })
             .collect();
-        let slices: Vec<&[f64]> = nodes.iter().map(Vec::as_slice).collect();
-        let kernel = &element.kernels[2];
-        let all = element_results(kernel, &[&x, &[1.3]], &slices);
-        let list = |x: &[f64]| x.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
         let arrays: Vec<(&str, usize)> =
-            all.iter().skip(3).map(|(name, values)| (name.as_str(), values.len())).collect();
-        let mut body = format!(
-            "#include \"elements.h\"\n#include <stdio.h>\n#include <string.h>\nint main(void) {{\n\
-             static const double numbers[] = {{{}, 1.3}}, of_nodes[] = {{{}}};\n\
-             fitted_inputs inputs; fitted_node nodes[{count}]; fitted_values values; double flat[5];\n\
-             static double scratch[{count} * FITTED_HESSIAN_SCRATCH];\n\
-             memcpy(&inputs, numbers, sizeof inputs); memcpy(nodes, of_nodes, sizeof nodes);\n",
-            list(&x),
-            list(&nodes.concat())
-        );
-        for (name, length) in &arrays {
-            let _ = writeln!(body, "static double {name}[{length}];");
-        }
-        body += "fitted_hessian_batch(1, sizeof nodes / sizeof nodes[0], &inputs, nodes, &values, gap_jacobian, gradient, hessian, \
-                 scratch);\nmemcpy(flat, &values, sizeof values);\n";
-        for (name, length) in [("flat", 5)].iter().chain(&arrays) {
-            let _ = writeln!(body, "for (int i = 0; i < {length}; i++) printf(\"%.17g\\n\", {name}[i]);");
-        }
-        let found = printed("fitted", &header, &(body + "return 0; }\n"), &["-O1"]);
-        let expected: Vec<f64> = all.iter().flat_map(|(_, values)| values.clone()).collect();
-        assert_eq!(found.len(), expected.len());
-        assert!(found[4] < 1e-12 && expected[4] < 1e-12, "the foot is found");
-        for (k, (found, expected)) in found.iter().zip(&expected).enumerate().filter(|(k, _)| *k != 4) {
-            assert!((found - expected).abs() <= 1e-12 * (1.0 + expected.abs()), "{k}: {found} {expected}");
+            results[0].iter().skip(3).map(|(name, values)| (name.as_str(), values.len())).collect();
+        let found = printed("fitted", &header, &program_with_nodes(&elements, &arrays), options);
+        let expected: Vec<Vec<f64>> = results
+            .iter()
+            .map(|results| results.iter().flat_map(|(_, values)| values.clone()).collect())
+            .collect();
+        let length = expected[0].len();
+        assert_eq!(found.len(), 2 * all * length);
+        for (found, expected) in found.chunks(length).zip(expected.iter().chain(&expected)) {
+            assert!(found[4] < 1e-12 && expected[4] < 1e-12, "the foot is found");
+            for (k, (found, expected)) in found.iter().zip(expected).enumerate().filter(|(k, _)| *k != 4) {
+                assert!(
+                    (found - expected).abs() <= 1e-12 * (1.0 + expected.abs()),
+                    "{k}: {found} {expected}"
+                );
+            }
         }
     }
 }

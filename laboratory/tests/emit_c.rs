@@ -55,6 +55,11 @@ fn largest_difference(found: &[f64], expected: &[f64]) -> f64 {
     found.iter().zip(expected).fold(0.0, |worst: f64, (x, y)| worst.max((x - y).abs() / largest))
 }
 
+/// Entry i of element k at i * elements + k.
+fn side_by_side(elements: &[Vec<f64>]) -> Vec<f64> {
+    (0..elements[0].len()).flat_map(|i| elements.iter().map(move |numbers| numbers[i])).collect()
+}
+
 const NODES: usize = 9;
 
 /// Nodes of a bumpy surface, where they were before, and a slave above it.
@@ -122,40 +127,40 @@ fn a_gap_in_c_is_that_of_the_product() {
             };
             expected.push(by_rust(rule, &inputs));
             elements.push([&slave[..], AXES.as_flattened(), &[4.0, 2.5]].concat());
-            for k in 0..NODES {
-                nodes.extend(masters[k]);
-                if is_material {
-                    nodes.extend(inputs.material(k));
-                } else {
-                    nodes.push(inputs.node(k)[3]);
-                }
-            }
+            let of_node = |k: usize| {
+                let domain = if is_material { inputs.material(k).to_vec() } else { vec![inputs.node(k)[3]] };
+                [&masters[k][..], &domain].concat()
+            };
+            nodes.push((0..NODES).flat_map(of_node).collect::<Vec<f64>>());
         }
         let freedoms = 3 * (NODES + 1);
         let packed = freedoms * (freedoms + 1) / 2;
         let upper = name.to_uppercase();
         let mut body = format!(
-            "static {name}_inputs inputs[2]; static {name}_node nodes[2 * {NODES}]; static {name}_values values[2], one;\n\
-             static double gradient[2 * {freedoms}], hessian[2 * {packed}], scratch[{NODES} * {upper}_HESSIAN_SCRATCH], g[{freedoms}], h[{packed}];\n\
-             static const double element_numbers[] = {{{}}}, node_numbers[] = {{{}}};\n\
+            "static {name}_inputs inputs[2]; static {name}_node nodes[2 * {NODES}]; static {name}_values of_one;\n\
+             static double g[{freedoms}], h[{packed}], values[2 * sizeof of_one / sizeof(double)], gradient[2 * {freedoms}], \
+             hessian[2 * {packed}], scratch[DIFFUSE_CONTACT_LANES * {NODES} * {upper}_HESSIAN_SCRATCH];\n\
+             static const double element_numbers[] = {{{}}}, node_numbers[] = {{{}}}, elements[] = {{{}}}, all_nodes[] = {{{}}};\n\
              if (sizeof element_numbers != sizeof inputs || sizeof node_numbers != sizeof nodes) return 1;\n\
              memcpy(inputs, element_numbers, sizeof inputs);\nmemcpy(nodes, node_numbers, sizeof nodes);\n\
-             {name}_hessian_batch(2, {NODES}, inputs, nodes, values, gradient, hessian, scratch);\n\
+             {name}_hessian_batch(2, {NODES}, elements, all_nodes, values, gradient, hessian, scratch);\n\
              for (int k = 0; k < 2; k++) {{\n\
-             {name}_hessian({NODES}, inputs + k, nodes + k * {NODES}, &one, g, h, scratch);\n\
-             if (memcmp(&one, values + k, sizeof one) || memcmp(g, gradient + k * {freedoms}, sizeof g) || memcmp(h, hessian + k * {packed}, sizeof h)) return 2;\n\
-             printf(\"%.17g\\n\", values[k].gap);\n",
+             {name}_hessian({NODES}, inputs + k, nodes + k * {NODES}, &of_one, g, h, scratch);\n\
+             const double *v = (const double *)&of_one;\n\
+             for (size_t i = 0; i < sizeof of_one / sizeof(double); i++) if (v[i] != values[2 * i + k]) return 2;\n\
+             for (int i = 0; i < {freedoms}; i++) if (g[i] != gradient[2 * i + k]) return 3;\n\
+             for (int i = 0; i < {packed}; i++) if (h[i] != hessian[2 * i + k]) return 4;\n\
+             printf(\"%.17g\\n\", of_one.gap);\n",
             list(&elements.concat()),
-            list(&nodes)
+            list(&nodes.concat()),
+            list(&side_by_side(&elements)),
+            list(&side_by_side(&nodes))
         );
         for field in ["foot", "normal"] {
-            let _ = writeln!(body, "for (int i = 0; i < 3; i++) printf(\"%.17g\\n\", values[k].{field}[i]);");
+            let _ = writeln!(body, "for (int i = 0; i < 3; i++) printf(\"%.17g\\n\", of_one.{field}[i]);");
         }
-        for (array, length) in [("gradient", freedoms), ("hessian", packed)] {
-            let _ = writeln!(
-                body,
-                "for (int i = 0; i < {length}; i++) printf(\"%.17g\\n\", {array}[k * {length} + i]);"
-            );
+        for (array, length) in [("g", freedoms), ("h", packed)] {
+            let _ = writeln!(body, "for (int i = 0; i < {length}; i++) printf(\"%.17g\\n\", {array}[i]);");
         }
         body += "}\n";
         let found = printed(&format!("emit_c_{name}"), &header, &body);

@@ -1,11 +1,12 @@
 //! An element's kernels as C99: a header with a function for one element and one for arrays of many, by mode.
 //!
 //! The loop over many elements is straight-line code on arrays that run over the elements, which compilers turn into vector
-//! instructions: `-O3 -march=native`, and for functions such as `log` also `-ffast-math` with glibc. Products are not written as
-//! `fma`, which is a slow call where there is no instruction: compilers contract them by themselves. Roots are found in a loop of their own
-//! for each element, which no compiler turns into vector instructions. Nor does one do so with the loops over nodes of a number that is
-//! open: a batch of such elements takes them one by one.
+//! instructions: `-O3 -march=native -fno-math-errno`, and for functions such as `log` also `-ffast-math` with glibc. Products are not
+//! written as `fma`, which is a slow call where there is no instruction: compilers contract them by themselves. Roots are found in a loop of
+//! their own for each element, which no compiler turns into vector instructions. A batch of elements with nodes of a number that is open
+//! takes several of them side by side through each loop over the nodes, with a loop over those inside that compilers can do the same with.
 
+mod lanes;
 mod nodes;
 mod writer;
 

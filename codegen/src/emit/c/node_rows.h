@@ -24,4 +24,47 @@ static inline void diffuse_contact_multiply_rows(size_t first, size_t components
         }
     }
 }
+
+/* Elements that a batch takes side by side: a multiple of the numbers in a vector. */
+#ifndef DIFFUSE_CONTACT_LANES
+#define DIFFUSE_CONTACT_LANES 8
+#endif
+
+/* The same for elements side by side: entry i of an element is at i * DIFFUSE_CONTACT_LANES + lane of `form`, at i * elements + lane of the
+   Hessian. */
+static inline void diffuse_contact_multiply_rows_of_lanes(size_t first, size_t components, size_t products, size_t count, size_t lanes,
+                                                          size_t elements, const double *restrict form, double *restrict hessian) {
+    const size_t own = 2 * products * components, size = own + diffuse_contact_packed_row(components);
+    for (size_t i = 0; i < count; i++) {
+        for (size_t j = 0; j <= i; j++) {
+            const double *x = form + size * i * DIFFUSE_CONTACT_LANES, *y = form + size * j * DIFFUSE_CONTACT_LANES;
+            for (size_t a = 0; a < components; a++) {
+                const size_t place = diffuse_contact_packed_row(first + components * i + a) + first + components * j;
+                const size_t last = i == j ? a + 1 : components;
+                /* Three entries at a time: what is read of x serves all of them. */
+                for (size_t b = 0; b < last; b += 3) {
+                    const size_t c = b + 1 < components ? b + 1 : b, d = b + 2 < components ? b + 2 : b;
+                    double entries[3][DIFFUSE_CONTACT_LANES] = {{0.0}};
+                    for (size_t row = 0; row < 2 * products; row++) {
+                        const double *of_x = x + (components * row + a) * DIFFUSE_CONTACT_LANES;
+                        const double *of_y = y + components * (row ^ 1) * DIFFUSE_CONTACT_LANES;
+                        for (size_t lane = 0; lane < DIFFUSE_CONTACT_LANES; lane++) {
+                            entries[0][lane] += of_x[lane] * of_y[b * DIFFUSE_CONTACT_LANES + lane];
+                            entries[1][lane] += of_x[lane] * of_y[c * DIFFUSE_CONTACT_LANES + lane];
+                            entries[2][lane] += of_x[lane] * of_y[d * DIFFUSE_CONTACT_LANES + lane];
+                        }
+                    }
+                    for (size_t e = b; e < last && e < b + 3; e++) {
+                        double *entry = entries[e - b];
+                        if (i == j) {
+                            const double *of_own = x + (own + diffuse_contact_packed_row(a) + e) * DIFFUSE_CONTACT_LANES;
+                            for (size_t lane = 0; lane < DIFFUSE_CONTACT_LANES; lane++) entry[lane] += of_own[lane];
+                        }
+                        for (size_t lane = 0; lane < lanes; lane++) hessian[(place + e) * elements + lane] = entry[lane];
+                    }
+                }
+            }
+        }
+    }
+}
 #endif

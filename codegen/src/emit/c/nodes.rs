@@ -6,14 +6,50 @@ use super::super::element::title;
 use super::super::node_element::Scratch;
 use super::super::node_module::arguments;
 use super::writer::{Access, Writer};
-use super::{field, inputs_of, places, structure, values_of};
-use crate::graph::{NODE_COUNT, NODE_INDEX, Op};
+use super::{field, inputs_of, lanes, places, structure, values_of};
+use crate::graph::{ExprId, NODE_COUNT, NODE_INDEX, Op};
 use crate::lower::lower;
 use crate::model::{ElementKernels, ElementSpec, Kernel, Mode, NodeResult};
 use crate::schedule::{NodeLoop, NodeTarget, Program};
 
 /// Names of the surrounding code.
-const RESERVED: [&str; 6] = ["nodes", "node", "scratch", "form", "first", "elements"];
+const RESERVED: [&str; 10] =
+    ["nodes", "node", "scratch", "form", "first", "elements", "start", "lanes", "lane", "shared"];
+
+/// How many elements a function takes at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Width {
+    /// One, whose numbers stand one after another.
+    One,
+    /// Several, whose numbers stand side by side.
+    Lanes,
+}
+
+impl Width {
+    /// An entry of an array of the caller's.
+    pub fn entry(self, array: &str, index: &str) -> String {
+        match self {
+            Self::One => format!("{array}[{index}]"),
+            Self::Lanes => format!("{array}[({index}) * elements + lane]"),
+        }
+    }
+
+    /// An entry of the scratch, or of a part of it.
+    fn scratch(self, array: &str, index: &str) -> String {
+        match self {
+            Self::One => format!("{array}[{index}]"),
+            Self::Lanes => format!("{array}[({index}) * DIFFUSE_CONTACT_LANES + lane]"),
+        }
+    }
+
+    /// The index of an input of node scope, by its field and number.
+    fn node(self, field: &str, number: usize, fields: usize) -> String {
+        match self {
+            Self::One => format!("nodes[node].{field}"),
+            Self::Lanes => self.entry("nodes", &format!("{fields} * node + {number}")),
+        }
+    }
+}
 
 /// Types and kernels of an element.
 pub(super) fn element(element: &ElementKernels) -> String {
@@ -43,7 +79,12 @@ pub(super) fn element(element: &ElementKernels) -> String {
     text
 }
 
-/// Both functions of a kernel.
+/// Name of the scratch's size.
+fn scratch_of(upper: &str, mode: Mode) -> String {
+    format!("{upper}_{}_SCRATCH", mode.name().to_uppercase())
+}
+
+/// All functions of a kernel.
 fn kernel_text(program: &Program<ElementSpec>, kernel: &Kernel<ElementSpec>) -> String {
     let ElementSpec { signature, mode, .. } = &program.kernel.spec;
     let (name, mode_name, upper) = (&signature.name, mode.name(), signature.name.to_uppercase());
@@ -51,7 +92,7 @@ fn kernel_text(program: &Program<ElementSpec>, kernel: &Kernel<ElementSpec>) -> 
     let parameters: String = derivatives.iter().map(|name| format!(", double *{name}")).collect();
     let emitted = super::super::emit_element_kernel(kernel);
     let [per_node, per_pair] = emitted.per_node.map(|counts| counts.total());
-    let scratch = format!("{upper}_{}_SCRATCH", mode_name.to_uppercase());
+    let scratch = scratch_of(&upper, *mode);
     let mut text = format!(
         "\n/* One element: {mode_name}. Variables are those of the element, then those of the nodes, node by node; Hessians are packed \
          lower triangles. scratch: {scratch} numbers for each node. Operations: {} + {per_node} n + {per_pair} n(n-1)/2. */\n",
@@ -65,39 +106,7 @@ fn kernel_text(program: &Program<ElementSpec>, kernel: &Kernel<ElementSpec>) -> 
     text += &body(program, &derivatives);
     text += "}\n";
 
-    let _ = writeln!(
-        text,
-        "\n/* Many elements with as many nodes each: {mode_name}. Arrays have one element after another, scratch is for one. */"
-    );
-    let _ = writeln!(
-        text,
-        "static inline void {name}_{mode_name}_batch(size_t elements, size_t count, const {name}_inputs *inputs, const {name}_node *nodes, \
-         {name}_values *values{parameters}, double *scratch) {{"
-    );
-    let all = format!("({upper}_VARIABLES + {upper}_NODE_VARIABLES * count)");
-    if *mode > Mode::Value {
-        let _ = writeln!(text, "    const size_t variables = {all};");
-    }
-    let targets: String = derivatives
-        .iter()
-        .map(|name| {
-            let length = match name.strip_suffix("_jacobian") {
-                Some(value) => {
-                    let value = signature.values.iter().find(|returned| returned.name == value);
-                    let rows: usize = value.map_or(1, |value| value.dimensions.iter().product());
-                    format!("{rows} * variables")
-                }
-                None if name == "hessian" => "diffuse_contact_packed_row(variables)".to_owned(),
-                None => "variables".to_owned(),
-            };
-            format!(", {name} + {length} * k")
-        })
-        .collect();
-    let _ = writeln!(
-        text,
-        "    for (size_t k = 0; k < elements; k++) {name}_{mode_name}(count, inputs + k, nodes + count * k, values + k{targets}, scratch);"
-    );
-    text + "}\n"
+    text + &lanes::functions(program, &derivatives, scratch_of(&upper, *mode).as_str())
 }
 
 /// The body for one element.
@@ -106,28 +115,16 @@ fn body(program: &Program<ElementSpec>, derivatives: &[String]) -> String {
     let input = |name: &str, place: &str, _: usize| format!("inputs->{}{place}", field(name));
     let value = |name: &str, place: &str, _: usize| format!("values->{}{place}", field(name));
     let (of_element, of_node) = (signature.variables(), signature.node_variables());
-    let derivative = |name: &str, k: usize| {
-        if name.ends_with("_jacobian") && k >= of_element {
-            let (row, column) = (k / of_element, k % of_element);
-            return format!("{name}[{row} * ({of_element} + {of_node} * count) + {column}]");
-        }
-        format!("{name}[{k}]")
-    };
+    let derivative = |name: &str, k: usize| derivative_place(Width::One, name, k, (of_element, of_node));
     let access = Access { input: &input, value: &value, derivative: &derivative };
-    let reserved: Vec<(String, usize)> = derivatives.iter().map(|name| (name.clone(), 0)).collect();
-    let mut writer = Writer::new(program, &reserved, &access);
-    writer.names.reserve(&RESERVED);
+    let mut writer = writer(program, derivatives, &access);
     let scratch = Scratch::new(program);
 
     let mut text = "    (void)inputs;\n    (void)nodes;\n    (void)scratch;\n".to_owned();
     if scratch.form > 0 {
         let _ = writeln!(text, "    double *const form = scratch + {} * count;", scratch.kept);
     }
-    if program.kernel.graph.has_input(NODE_COUNT)
-        && let Some(count) = writer.symbol(NODE_COUNT)
-    {
-        let _ = writeln!(text, "    const double {} = (double)count;", writer.name(count));
-    }
+    text += &node_count(&mut writer);
     text += &writer.reads("    ");
     for phase in &program.phases {
         text += &writer.lets("    ", &phase.statements);
@@ -144,55 +141,148 @@ fn body(program: &Program<ElementSpec>, derivatives: &[String]) -> String {
     text
 }
 
+/// Writes a function with names of the surrounding code taken.
+pub(super) fn writer<'a>(
+    program: &'a Program<ElementSpec>,
+    derivatives: &[String],
+    access: &'a Access<'a>,
+) -> Writer<'a> {
+    let reserved: Vec<(String, usize)> = derivatives.iter().map(|name| (name.clone(), 0)).collect();
+    let mut writer = Writer::new(program, &reserved, access);
+    writer.names.reserve(&RESERVED);
+    writer
+}
+
+/// Where an entry of a derivative by variables of the element stands.
+pub(super) fn derivative_place(
+    width: Width,
+    name: &str,
+    k: usize,
+    (of_element, of_node): (usize, usize),
+) -> String {
+    if name.ends_with("_jacobian") && k >= of_element {
+        let (row, column) = (k / of_element, k % of_element);
+        return width.entry(name, &format!("{row} * ({of_element} + {of_node} * count) + {column}"));
+    }
+    width.entry(name, &k.to_string())
+}
+
+/// The number of nodes, where it is used.
+pub(super) fn node_count(writer: &mut Writer<'_>) -> String {
+    if writer.program.kernel.graph.has_input(NODE_COUNT)
+        && let Some(count) = writer.symbol(NODE_COUNT)
+    {
+        return format!("    const double {} = (double)count;\n", writer.name(count));
+    }
+    String::new()
+}
+
+/// The number of a node, where it is used.
+pub(super) fn node_index(writer: &mut Writer<'_>, nodes: &NodeLoop) -> Option<(ExprId, String)> {
+    let program = writer.program;
+    let expr = program.loop_reads(nodes, NODE_INDEX).then(|| program.node_input(NODE_INDEX))??;
+    Some((expr, format!("        const double {} = (double)node;\n", writer.name(expr))))
+}
+
+pub(super) fn is_empty(nodes: &NodeLoop) -> bool {
+    nodes.sums.is_empty() && nodes.stores.is_empty() && nodes.outputs.is_empty()
+}
+
 fn node_loop(writer: &mut Writer<'_>, nodes: &NodeLoop, scratch: Scratch) -> String {
-    if nodes.sums.is_empty() && nodes.stores.is_empty() && nodes.outputs.is_empty() {
+    if is_empty(nodes) {
         return String::new();
     }
-    let program = writer.program;
-    let graph = &program.kernel.graph;
-    let mut text = String::new();
+    let (indent, mut text) = ("        ", String::new());
     for &sum in &nodes.sums {
         let _ = writeln!(text, "    double {} = 0.0;", writer.name(sum));
     }
     text += "    for (size_t node = 0; node < count; node++) {\n";
-    let indent = "        ";
-    for input in &program.kernel.spec.signature.nodes {
+    text += &node_reads(writer, nodes, Width::One, indent);
+    text += &node_index(writer, nodes).map_or_else(String::new, |(_, text)| text);
+    text += &node_loads(writer, nodes, (Width::One, scratch), indent);
+    text += &writer.lets(indent, &nodes.statements);
+    for (sum, term) in terms(writer, nodes) {
+        let _ = writeln!(text, "{indent}{} += {term};", writer.name(sum));
+    }
+    text += &results(writer, nodes, (Width::One, scratch), indent);
+    text += &node_stores(writer, nodes, (Width::One, scratch), indent);
+    text + "    }\n"
+}
+
+/// What is read of a node.
+pub(super) fn node_reads(writer: &mut Writer<'_>, nodes: &NodeLoop, width: Width, indent: &str) -> String {
+    let program = writer.program;
+    let inputs = &program.kernel.spec.signature.nodes;
+    let fields: usize = inputs.iter().map(|input| input.symbols.len()).sum();
+    let (mut text, mut number) = (String::new(), 0);
+    for input in inputs {
         for (symbol, place) in input.symbols.iter().zip(places(&input.dimensions)) {
             if program.loop_reads(nodes, symbol)
                 && let Some(expr) = program.node_input(symbol)
             {
-                let (name, of) = (writer.name(expr), field(&input.name));
-                let _ = writeln!(text, "{indent}const double {name} = nodes[node].{of}{place};");
+                let of = width.node(&format!("{}{place}", field(&input.name)), number, fields);
+                writer.trace.defined.push(expr);
+                let _ = writeln!(text, "{indent}const double {} = {of};", writer.name(expr));
             }
+            number += 1;
         }
     }
-    if program.loop_reads(nodes, NODE_INDEX)
-        && let Some(expr) = program.node_input(NODE_INDEX)
-    {
-        let _ = writeln!(text, "{indent}const double {} = (double)node;", writer.name(expr));
-    }
-    let kept = program.kept();
-    let place = |x| {
-        let place = kept.iter().position(|&other| other == x).unwrap_or(0);
-        format!("scratch[{} * node + {place}]", scratch.kept)
-    };
+    text
+}
+
+/// Where a value of a node is kept.
+fn kept_place(writer: &Writer<'_>, x: ExprId, (width, scratch): (Width, Scratch)) -> String {
+    let place = writer.program.kept().iter().position(|&other| other == x).unwrap_or(0);
+    width.scratch("scratch", &format!("{} * node + {place}", scratch.kept))
+}
+
+/// What earlier loops kept of a node.
+pub(super) fn node_loads(
+    writer: &mut Writer<'_>,
+    nodes: &NodeLoop,
+    at: (Width, Scratch),
+    indent: &str,
+) -> String {
+    let mut text = String::new();
     for &load in &nodes.loads {
-        let _ = writeln!(text, "{indent}const double {} = {};", writer.name(load), place(load));
+        let place = kept_place(writer, load, at);
+        writer.trace.defined.push(load);
+        let _ = writeln!(text, "{indent}const double {} = {place};", writer.name(load));
     }
-    text += &writer.lets(indent, &nodes.statements);
-    for &sum in &nodes.sums {
-        let Op::Sum(term) = graph.op(sum) else { continue };
-        let _ = writeln!(text, "{indent}{} += {};", writer.name(sum), writer.operand(term).0);
-    }
-    text += &results(writer, nodes, scratch);
+    text
+}
+
+/// What later loops need of a node.
+pub(super) fn node_stores(
+    writer: &mut Writer<'_>,
+    nodes: &NodeLoop,
+    at: (Width, Scratch),
+    indent: &str,
+) -> String {
+    let mut text = String::new();
     for &store in &nodes.stores {
-        let _ = writeln!(text, "{indent}{} = {};", place(store), writer.name(store));
+        let _ = writeln!(text, "{indent}{} = {};", kept_place(writer, store, at), writer.name(store));
     }
-    text + "    }\n"
+    text
+}
+
+/// The sums of a loop, and what a node adds to them.
+pub(super) fn terms(writer: &mut Writer<'_>, nodes: &NodeLoop) -> Vec<(ExprId, String)> {
+    let graph = &writer.program.kernel.graph;
+    let term = |&sum: &ExprId| match graph.op(sum) {
+        Op::Sum(term) => Some((sum, writer.operand(term).0)),
+        _ => None,
+    };
+    nodes.sums.iter().filter_map(term).collect()
 }
 
 /// Results of a loop.
-fn results(writer: &mut Writer<'_>, nodes: &NodeLoop, scratch: Scratch) -> String {
+pub(super) fn results(
+    writer: &mut Writer<'_>,
+    nodes: &NodeLoop,
+    (width, scratch): (Width, Scratch),
+    indent: &str,
+) -> String {
     let spec = &writer.program.kernel.spec;
     let (of_element, of_node) = (spec.signature.variables(), spec.signature.node_variables());
     let all = format!("({of_element} + {of_node} * count)");
@@ -201,23 +291,20 @@ fn results(writer: &mut Writer<'_>, nodes: &NodeLoop, scratch: Scratch) -> Strin
     for (target, values) in &nodes.outputs {
         let NodeTarget::Value { value } = *target else { unreachable!("values of nodes only") };
         let x = writer.operand(values[0]).0;
+        let form = |place: usize| width.scratch("form", &format!("{} * node + {place}", scratch.form));
         let to = match &spec.node_results[value] {
-            NodeResult::First { argument, row: 0, component } => format!("{argument}[{first} + {component}]"),
+            NodeResult::First { argument, row: 0, component } => {
+                width.entry(argument, &format!("{first} + {component}"))
+            }
             NodeResult::First { argument, row, component } => {
-                format!("{argument}[{row} * {all} + {first} + {component}]")
+                width.entry(argument, &format!("{row} * {all} + {first} + {component}"))
             }
-            NodeResult::Mixed { component, variable } => {
-                format!("hessian[diffuse_contact_packed_row({first} + {component}) + {variable}]")
-            }
-            NodeResult::Row { row, component } => {
-                format!("form[{} * node + {}]", scratch.form, of_node * row + component)
-            }
-            NodeResult::Own { place } => {
-                let place = 2 * scratch.products * of_node + place;
-                format!("form[{} * node + {place}]", scratch.form)
-            }
+            NodeResult::Mixed { component, variable } => width
+                .entry("hessian", &format!("diffuse_contact_packed_row({first} + {component}) + {variable}")),
+            NodeResult::Row { row, component } => form(of_node * row + component),
+            NodeResult::Own { place } => form(2 * scratch.products * of_node + place),
         };
-        let _ = writeln!(text, "        {to} = {x};");
+        let _ = writeln!(text, "{indent}{to} = {x};");
     }
     text
 }

@@ -24,6 +24,16 @@ pub(super) struct Writer<'a> {
     layout: &'a Layout,
     access: &'a Access<'a>,
     pub names: Names,
+    pub trace: Trace,
+}
+
+/// Variables of a piece of code: a loop over lanes has to fetch what it uses and other loops define.
+#[derive(Default)]
+pub(super) struct Trace {
+    /// Those that it defines.
+    pub defined: Vec<ExprId>,
+    /// Those that it uses, in the order in which it does.
+    pub used: Vec<ExprId>,
 }
 
 impl<'a> Writer<'a> {
@@ -34,7 +44,8 @@ impl<'a> Writer<'a> {
         let iterations =
             program.roots.keys().map(|&root| format!("{}_iteration", program.kernel.graph.root(root).name));
         names.reserve(&iterations.collect::<Vec<_>>().iter().map(String::as_str).collect::<Vec<_>>());
-        Self { program, graph: &program.kernel.graph, layout: &program.layout, access, names }
+        let trace = Trace::default();
+        Self { program, graph: &program.kernel.graph, layout: &program.layout, access, names, trace }
     }
 
     pub fn reads(&mut self, indent: &str) -> String {
@@ -67,6 +78,7 @@ impl<'a> Writer<'a> {
             match statement {
                 Statement::Let(expr) => {
                     let (definition, _) = self.operation(expr);
+                    self.trace.defined.push(expr);
                     let _ = writeln!(text, "{indent}const double {} = {definition};", self.name(expr));
                 }
                 Statement::Solve(root) => text += &self.root(indent, root),
@@ -91,6 +103,7 @@ impl<'a> Writer<'a> {
         for (k, &unknown) in data.unknowns.iter().enumerate() {
             if let Some(expr) = self.symbol(&graph.symbol_data(unknown).name) {
                 let name = self.name(expr);
+                self.trace.defined.push(expr);
                 let _ = writeln!(
                     text,
                     "{inner}const double {name} = {iteration}.y[{k}] + {iteration}.step[{k}];"
@@ -117,6 +130,7 @@ impl<'a> Writer<'a> {
             })
             .collect();
         for (expr, figure) in figures {
+            self.trace.defined.push(expr);
             let _ = writeln!(text, "{indent}const double {} = {iteration}.{figure};", self.name(expr));
         }
         text
@@ -173,7 +187,10 @@ impl<'a> Writer<'a> {
                     (format!("{value:?}"), Strength::Atom)
                 }
             }
-            _ if self.layout.bound.contains(&expr) => (self.name(expr), Strength::Atom),
+            _ if self.layout.bound.contains(&expr) => {
+                self.trace.used.push(expr);
+                (self.name(expr), Strength::Atom)
+            }
             _ => self.operation(expr),
         }
     }

@@ -192,6 +192,15 @@ pub struct HertzArguments {
     /// Meshes, each with two thirds of the cells of the next
     #[arg(long, value_name = "K", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=3))]
     pub meshes: u32,
+    /// About the half width of the contact over the radius of the curved body
+    #[arg(long, value_name = "A/R", default_value_t = 0.005, value_parser = positive)]
+    pub slenderness: f64,
+    /// Penalty over E/h of the curved body's cells
+    #[arg(long, value_name = "F", default_value_t = 5.0, value_parser = positive)]
+    pub penalty: f64,
+    /// How much of both bodies there is, half widths [default: 20 of a cylinder, 10 of a ball]
+    #[arg(long, value_name = "W", value_parser = positive)]
+    pub extent: Option<f64>,
     /// Number of threads [default: one for each processor]
     #[arg(long, value_name = "K", value_parser = threads::parse)]
     pub threads: Option<usize>,

@@ -40,6 +40,16 @@ pub enum StudyError {
         /// Facets that each rank has at least.
         least: u64,
     },
+    /// A part of a cylinder or a ball that is wider than the whole.
+    #[error(
+        "the curved body would reach {widest} from its axis with a radius of {radius}: take a smaller --extent or --slenderness"
+    )]
+    WideBody {
+        /// How far, length.
+        widest: f64,
+        /// Of the cylinder or the ball, length.
+        radius: f64,
+    },
     /// The plot cannot be drawn.
     #[error("the plot cannot be drawn: {reason}")]
     Plot {

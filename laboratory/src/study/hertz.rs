@@ -11,8 +11,10 @@ use diffuse_contact_solver::model::Model;
 use diffuse_contact_solver::model::shape::Shape;
 use diffuse_contact_solver::output::Fields;
 use diffuse_contact_solver::solve::SolveError;
+use diffuse_contact_solver::system::LinearSolverChoice;
 use diffuse_contact_solver::verification::{LineContact, PointContact, trace_model};
 
+use super::StudyError;
 use super::arguments::{HertzArguments, HertzBody};
 use super::markdown::Table;
 use crate::error::CliError;
@@ -21,8 +23,6 @@ use crate::threads::with_threads;
 
 /// Both bodies are boxes of single cells in it.
 const DECK: &str = include_str!("hertz.toml");
-/// Of the curved body, length.
-const RADIUS: f64 = 10.0;
 /// Of the deck's material, force per area.
 const YOUNG: f64 = 200_000.0;
 /// E* of two bodies of it, force per area.
@@ -33,6 +33,8 @@ const FINER: f64 = 0.8;
 const GROWTH: f64 = 1.35;
 /// Cells are equally long within so many half widths.
 const UNIFORM: f64 = 1.3;
+/// How far a curved body reaches from its axis, at most, radii.
+const WIDEST: f64 = 0.9;
 /// Nodes within so many half widths are compared.
 const INNER: f64 = 0.85;
 
@@ -43,13 +45,35 @@ struct Case {
     is_slice: bool,
     /// About the half width of the contact at the end, length.
     half_width: f64,
+    /// Of the curved body, length.
+    radius: f64,
     /// How much of both bodies there is, half widths.
     extent: f64,
     /// What the far side of the body comes down by, length.
     approach: f64,
+    /// Of the interface, over E/h of the curved body's cells.
+    penalty: f64,
 }
 
 impl Case {
+    /// The body as it is, or with another half width over radius, another extent or penalty.
+    fn new(body: HertzBody, arguments: &HertzArguments) -> Result<Self, StudyError> {
+        // Approaches over a²/R belong to the extents.
+        let (name, is_slice, half_width, extent, approach) = match body {
+            HertzBody::Cylinder => ("cylinder", true, 0.4, 20.0, 1.90625),
+            HertzBody::Ball => ("ball", false, 0.5, 10.0, 0.96),
+        };
+        let radius = half_width / arguments.slenderness;
+        let extent = arguments.extent.unwrap_or(extent);
+        // To the corner of its grid; the half width at the end may be a little more than planned.
+        let widest = half_width * extent * if is_slice { 1.0 } else { 2.0_f64.sqrt() };
+        if widest > WIDEST * radius {
+            return Err(StudyError::WideBody { widest, radius });
+        }
+        let approach = approach * half_width * half_width / radius;
+        Ok(Self { name, is_slice, half_width, radius, extent, approach, penalty: arguments.penalty })
+    }
+
     /// From the line or the point of first touch.
     fn distance(&self, x: f64, y: f64) -> f64 {
         if self.is_slice { x } else { x.hypot(y) }
@@ -58,17 +82,6 @@ impl Case {
 
 impl HertzBody {
     const ALL: [Self; 2] = [Self::Cylinder, Self::Ball];
-
-    const fn case(self) -> Case {
-        match self {
-            Self::Cylinder => {
-                Case { name: "cylinder", is_slice: true, half_width: 0.4, extent: 20.0, approach: 0.0305 }
-            }
-            Self::Ball => {
-                Case { name: "ball", is_slice: false, half_width: 0.5, extent: 10.0, approach: 0.024 }
-            }
-        }
-    }
 }
 
 /// Solves all of them and prints a table.
@@ -80,8 +93,8 @@ pub fn run(arguments: &HertzArguments) -> Result<(), CliError> {
         .collect();
     with_threads(arguments.threads, || {
         for body in bodies {
-            let table =
-                table(&body.case(), &meshes, arguments.threads.unwrap_or(1)).map_err(CliError::job)?;
+            let case = Case::new(*body, arguments)?;
+            let table = table(&case, &meshes, arguments.threads.unwrap_or(1)).map_err(CliError::job)?;
             output::write_stdout(|writer| writeln!(writer, "{table}"))?;
         }
         Ok(())
@@ -210,10 +223,10 @@ fn press(case: &Case, cells: usize, exchange: bool, threads: usize) -> Result<Pr
 /// Half width and peak pressure at a force on half of the slice, or on a quarter of the ball.
 fn closed_form(case: &Case, force: f64, width: f64) -> [f64; 2] {
     if case.is_slice {
-        let line = LineContact { force: 2.0 * force / width, radius: RADIUS, modulus: MODULUS };
+        let line = LineContact { force: 2.0 * force / width, radius: case.radius, modulus: MODULUS };
         [line.half_width(), line.peak_pressure()]
     } else {
-        let point = PointContact { force: 4.0 * force, radius: RADIUS, modulus: MODULUS };
+        let point = PointContact { force: 4.0 * force, radius: case.radius, modulus: MODULUS };
         [point.half_width(), point.peak_pressure()]
     }
 }
@@ -247,9 +260,13 @@ fn scene(case: &Case, cells: usize, exchange: bool) -> Result<(Deck, Model), Sol
         let ends = ["body.y+", "block.y+"].map(|name| Reference { name: name.to_owned(), line: 0 });
         deck.boundaries[1].nodes.extend(ends);
     }
+    if !case.is_slice {
+        // Factors take minutes on its finer meshes.
+        deck.newton.linear_solver = LinearSolverChoice::Iterative;
+    }
     deck.boundaries[3].motion.translation[2] = -case.approach;
     for interface in &mut deck.interfaces {
-        interface.penalty = Some(5.0 * YOUNG / size);
+        interface.penalty = Some(case.penalty * YOUNG / size);
         interface.exchange = exchange;
         if case.is_slice {
             let far = [0.0, slice(case), 0.0];
@@ -266,7 +283,8 @@ fn scene(case: &Case, cells: usize, exchange: bool) -> Result<(Deck, Model), Sol
             let (x, y, depth) = (at(0), at(1), at(2));
             let distance = case.distance(x, y);
             // Both far sides are plane.
-            let sagitta = (1.0 - depth / extent) * (RADIUS - (RADIUS * RADIUS - distance * distance).sqrt());
+            let sagitta = (1.0 - depth / extent)
+                * (case.radius - (case.radius * case.radius - distance * distance).sqrt());
             model.nodes[node] = [x, y, if *name == "body" { depth + sagitta } else { -depth }];
         }
     }

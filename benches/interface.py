@@ -3,8 +3,8 @@
 
     python benches/interface.py 51eb4e6 [--rounds 7] [--side 317]
 
-Builds `runtime/examples/interface.rs` here and, in a work tree of its own that is removed afterwards, at the other commit. Both run in turn
-on one thread. What counts is the least time of each, and the median of the ratios of neighbouring runs.
+Builds `benches/examples/interface.rs` here and, in a work tree of its own that is removed afterwards, as an example of the runtime at the
+other commit. Both run in turn on one thread. What counts is the least time of each, and the median of the ratios of neighbouring runs.
 """
 
 import argparse
@@ -16,14 +16,16 @@ import subprocess
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-EXAMPLE = pathlib.Path("runtime/examples/interface.rs")
+EXAMPLE = pathlib.Path("benches/examples/interface.rs")
+# Where it goes at the other commit: packages there may be others, the runtime is one of them.
+ELSEWHERE = pathlib.Path("runtime/examples/interface.rs")
 ENVIRONMENT = {**os.environ, "RAYON_NUM_THREADS": "1"}
 
 
-def build(root: pathlib.Path, target: pathlib.Path) -> pathlib.Path:
+def build(root: pathlib.Path, target: pathlib.Path, package: str) -> pathlib.Path:
     """The program of a tree, with its default features."""
     subprocess.run(
-        ["cargo", "build", "--release", "-p", "diffuse-contact", "--example", "interface", "--target-dir", str(target)],
+        ["cargo", "build", "--release", "-p", package, "--example", "interface", "--target-dir", str(target)],
         cwd=root,
         check=True,
     )
@@ -48,14 +50,14 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=7, help="runs of each [default: 7]")
     parser.add_argument("--side", type=int, default=317, help="slaves along a side [default: 317, 100,489 slaves]")
     arguments = parser.parse_args()
-    here = build(ROOT, ROOT / "target")
+    here = build(ROOT, ROOT / "target", "diffuse-contact-benches")
     with tempfile.TemporaryDirectory() as folder:
         other = pathlib.Path(folder) / "tree"
         subprocess.run(["git", "worktree", "add", "--detach", str(other), arguments.commit], cwd=ROOT, check=True)
         try:
-            (other / EXAMPLE).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(ROOT / EXAMPLE, other / EXAMPLE)
-            there = build(other, pathlib.Path(folder) / "target")
+            (other / ELSEWHERE).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(ROOT / EXAMPLE, other / ELSEWHERE)
+            there = build(other, pathlib.Path(folder) / "target", "diffuse-contact")
             runs = [(times(there, arguments.side), times(here, arguments.side)) for _ in range(arguments.rounds)]
         finally:
             subprocess.run(["git", "worktree", "remove", "--force", str(other)], cwd=ROOT, check=True)

@@ -1,7 +1,7 @@
 //! Time of contact over faces per integration point, by one thread: gap and first derivatives with forces, and the tangent besides.
 //!
 //! ```text
-//! RAYON_NUM_THREADS=1 cargo run --release -p diffuse-contact --example faces [faces along a side] [rounds]
+//! RAYON_NUM_THREADS=1 cargo run --release -p diffuse-contact-benches --example faces [faces along a side] [rounds]
 //! ```
 //!
 //! Faces a little finer than the facets of a wavy surface, all of them pressed in. Before them the kernel of a point by itself, with nine

@@ -1,7 +1,7 @@
 //! Times of M v without M, and of the tangent of an interface as an operator:
 //!
 //! ```text
-//! cargo run --release -p diffuse-contact --example products [slaves along a side]
+//! cargo run --release -p diffuse-contact-benches --example products [slaves along a side]
 //! ```
 
 use std::hint::black_box;

@@ -1,7 +1,7 @@
 //! Time of g, N, M and the slip q with its gradient and Hessian over that of g, N and M, in batches:
 //!
 //! ```text
-//! cargo run --release -p diffuse-contact --features friction --example slips
+//! cargo run --release -p diffuse-contact-benches --features friction --example slips
 //! ```
 
 use std::hint::black_box;

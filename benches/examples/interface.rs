@@ -1,7 +1,7 @@
-//! Time of a whole interface per slave: gap, N and M of a large interface; pattern and values of its tangent.
+//! Time of a whole interface per slave: its pairing; gap, N and M; pattern and values of its tangent.
 //!
 //! ```text
-//! RAYON_NUM_THREADS=1 cargo run --release -p diffuse-contact --example interface [slaves along a side] [rounds]
+//! RAYON_NUM_THREADS=1 cargo run --release -p diffuse-contact-benches --example interface [slaves along a side] [rounds]
 //! ```
 //!
 //! The scene is that of `diffuse-contact-laboratory study throughput`: a wavy surface of quadrilaterals, and as many slaves on a grid that
@@ -23,13 +23,15 @@ const WAVELENGTH: f64 = 16.0;
 const INSET: f64 = 1.3;
 /// How far slaves lie off the surface, in cells.
 const DISTANCE: f64 = 0.05;
+/// How far slaves slide before they are paired once more, in cells.
+const SLIDE: f64 = 1e-3;
 
 fn main() -> Result<(), Failure> {
     let argument = |k: usize, otherwise: usize| {
         std::env::args().nth(k).map_or(Ok(otherwise), |argument| argument.parse::<usize>())
     };
     let (side, rounds) = (argument(1, 317)?, argument(2, 5)?);
-    let (positions, slaves, facets) = scene(side);
+    let (mut positions, slaves, facets) = scene(side);
     let count = slaves.len();
     let loads = vec![1e4; count];
     let master = MasterSurface::new(&positions, facets)?;
@@ -38,7 +40,14 @@ fn main() -> Result<(), Failure> {
     let per_slave = |start: f64| 1e6 * (clock.seconds() - start) / count as f64;
     let start = clock.seconds();
     interface.refresh_pairing(&positions)?;
-    println!("refresh {:.3}", per_slave(start));
+    println!("rebuilt {:.3}", per_slave(start));
+    // A small slide, as between two iterations.
+    positions[side * side..].iter_mut().for_each(|position| position[0] += SLIDE);
+    for _ in 0..rounds {
+        let start = clock.seconds();
+        interface.refresh_pairing(&positions)?;
+        println!("kept {:.3}", per_slave(start));
+    }
     for (mode, rounds) in [(Mode::Value, 1), (Mode::Gradient, 1), (Mode::Hessian, rounds)] {
         for _ in 0..rounds {
             let (mut contacts, mut nodes, mut sum) = (0, 0, 0.0);

@@ -306,7 +306,9 @@ impl<'a, N: Number> Interpreter<'a, N> {
         let data = self.graph.root(root).clone();
         let mut values = vec![N::constant(0.0); data.unknowns.len()];
         let (mut residual, mut jacobian) = self.equations(root, &values);
-        let norm = |r: &[N]| r.iter().map(|x| x.value().abs()).fold(0.0, f64::max);
+        // A NaN is larger than anything: no step leads out of where the equations are defined.
+        let larger = |x: f64, y: f64| if x.is_nan() || y <= x { x } else { y };
+        let norm = |r: &[N]| r.iter().map(|x| x.value().abs()).fold(0.0, larger);
         let mut iterations = 0;
         while iterations < MOST_ITERATIONS && norm(&residual) > 0.0 {
             let step = eliminate(jacobian.clone(), residual.iter().map(Number::value).collect());

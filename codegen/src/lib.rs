@@ -114,6 +114,7 @@ pub mod structure;
 
 pub use config::{Config, ConfigError};
 pub use expr::{Expr, Sheet};
+pub use graph::Limits;
 pub use model::{
     Basis, BasisError, CustomBasis, ElementError, ElementKernels, ElementModel, FacetShape, FacetSpec,
     FrameRule, Kernel, KernelSpec, Mode, NodeResult, Output, Stationary, Weight, WeightError, WeightNote,

@@ -230,16 +230,6 @@ fn a_root_takes_the_second_derivatives_of_its_equations() {
     }
 }
 
-#[test]
-fn a_root_of_three_equations_is_refused() {
-    let error = ElementKernels::new("test", |m| {
-        let x: Vec3<'_> = m.variable("x");
-        let root = m.root("point", |u| u - x);
-        m.energy(root.unknowns.dot(x));
-    });
-    assert_eq!(error.unwrap_err(), ElementError::Root { root: "point".to_owned(), equations: 3 });
-}
-
 /// A quantity in a root's equations that is itself made of others: a length, which the derivatives go through by a symbol of its own.
 #[test]
 fn a_root_depends_on_quantities_that_are_rewritten() {

@@ -4,9 +4,9 @@
 use std::fmt::Write as _;
 use std::process::Command;
 
-use diffuse_contact_codegen::expr::{Expr, Mat3, Vec3, Vector};
+use diffuse_contact_codegen::expr::{Expr, Mat3, Matrix, Vec3, Vector};
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs, element_results};
-use diffuse_contact_codegen::{Config, ElementKernels, ElementModel, Kernel, Mode};
+use diffuse_contact_codegen::{Config, ElementKernels, ElementModel, Kernel, Limits, Mode};
 
 use crate::witnesses::spring;
 
@@ -52,6 +52,20 @@ fn root(m: &ElementModel<'_>) {
     });
     m.energy(scale * foot.unknowns[0].max(0.1) * foot.unknowns[1]);
     m.value("residual", foot.residual);
+}
+
+/// Four equations from a start, and three that are linear without anything on the diagonal.
+fn equations(m: &ElementModel<'_>) {
+    let (x, scale): (Vector<'_, 4>, Expr<'_>) = (m.variable("x"), m.parameter("scale"));
+    let limits = Limits { longest_step: 2.0, evaluations: 40 };
+    let root = m.root_from("u", x, limits, |u| {
+        Vector::from_fn(|k| u[k] + 0.1 * scale * u[(k + 1) % 4].powi(2) - 2.0 * x[k])
+    });
+    let matrix =
+        Matrix::from_fn(|i, j| if i == j { m.sheet().zero() } else { x[i] + (1.0 + j as f64) * x[3] });
+    let solution = m.solve("v", matrix, Vec3::from_fn(|k| root.unknowns[k]));
+    m.energy(solution.unknowns.dot(solution.unknowns) * root.unknowns[3]);
+    m.value("residuals", Vector([root.residual, solution.residual]));
 }
 
 /// Numbers in (−0.5, 0.5) that look random.
@@ -167,7 +181,13 @@ fn printed(name: &str, header: &str, program: &str, options: &[&str]) -> Vec<f64
 
 #[test]
 fn compiled_c_has_the_numbers_of_the_interpreter() {
-    let all = [("tet4", tet4 as fn(&ElementModel<'_>)), ("words", words), ("points", points), ("root", root)];
+    let all = [
+        ("tet4", tet4 as fn(&ElementModel<'_>)),
+        ("words", words),
+        ("points", points),
+        ("root", root),
+        ("equations", equations),
+    ];
     for (name, formulas) in all {
         let element = ElementKernels::new(name, formulas).unwrap();
         let header = Config::new().element(name, formulas).unwrap().c_source();

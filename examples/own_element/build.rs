@@ -1,12 +1,12 @@
 //! Generates the kernels of solids of compressible neo-Hooke material, of a cohesive law with history, of contact with a curved patch and
-//! with a surface fitted to nodes, and of a robot's arm. Each is one function of `elements/`. Six have
-//! generated tests.
+//! with a surface fitted to nodes, of a robot's arm, of a chain in equilibrium and of coupled tanks. Each is one function of `elements/`.
+//! Eight have generated tests.
 #![allow(non_snake_case)]
 
 use diffuse_contact_codegen::{Config, ConfigError};
 
 mod elements;
-use elements::{arm, cohesive, contact, neo_hooke, surface};
+use elements::{arm, cohesive, contact, joint, neo_hooke, surface, tanks};
 
 /// Positions of a tetrahedron's nodes, at rest and after.
 const AT_REST: [f64; 12] = [0.0, 0.0, 0.0, 1.0, 0.1, 0.0, 0.2, 1.1, 0.0, 0.1, 0.0, 0.9];
@@ -31,6 +31,11 @@ const SURFACE: [&[f64]; 8] = [
     &[-0.7, 0.8, 0.1, 2.7],
     &[-0.8, -0.7, 0.2, 2.1],
 ];
+/// Cross sections of tanks and of their outlets, m².
+const AREAS: [f64; 4] = [2.8e-3, 3.2e-3, 2.8e-3, 3.2e-3];
+/// Levels that are wanted, m.
+const TARGETS: [f64; 4] = [0.14, 0.12, 0.03, 0.02];
+const OUTLETS: [f64; 4] = [7.1e-6, 5.7e-6, 7.1e-6, 5.7e-6];
 const ANGLES: [f64; 7] = [0.3, -0.7, 1.1, 0.9, -0.4, 0.6, 0.2];
 
 fn main() -> Result<(), ConfigError> {
@@ -44,12 +49,20 @@ fn main() -> Result<(), ConfigError> {
         .element("fitted_contact", surface::moving_least_squares)?
         .element("average", surface::average)?
         .element("seven_axes", arm::seven_axes)?
+        .element("chain", joint::chain)?
+        .element("four_tanks", tanks::four_tanks)?
         .test("tet4_neo_hooke", &[&STRETCHED, &AT_REST, &[1.2], &[0.8]], &[])
         .test("cohesive", &[&[0.4, -0.2, 0.1], &[3.0], &[0.7], &[0.2]], &[])
         .test("bezier_contact", &[&[0.1, -0.2, 0.1], &PATCH, &[7.0]], &[])
         .test("fitted_contact", &[&[0.05, -0.03, -0.3], &AXES, &[7.0]], &SURFACE)
         .test("average", &[&[0.3, 0.2, 0.1], &[0.5]], &NODES)
         .test("seven_axes", &[&ANGLES, &[0.3, -0.8, 0.5]], &[])
+        .test("chain", &[&[0.4, 0.7], &[0.3], &[2.0, 1.5, 1.0, 0.7, 0.5], &[0.1; 5]], &[])
+        .test(
+            "four_tanks",
+            &[&[0.12, 0.13, 0.02, 0.014], &[3e-6, 2.5e-6], &AREAS, &OUTLETS, &TARGETS, &[0.7, 0.6], &[20.0]],
+            &[],
+        )
         .compile()?;
     Ok(())
 }

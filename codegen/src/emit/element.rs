@@ -96,6 +96,7 @@ pub fn emit_element(
     let has_products = has_nodes && last == Mode::Hessian && signature.node_variables() > 0;
     let others = [
         ("packed_row", last == Mode::Hessian),
+        ("Equations", iterations.iter().any(|iteration| matches!(iteration, Iteration::Within(_)))),
         (solver_name(Iteration::Newton), iterations.contains(&Iteration::Newton)),
         (solver_name(Iteration::Descent), iterations.contains(&Iteration::Descent)),
         ("multiply_node_rows", has_products),

@@ -1,12 +1,12 @@
 //! Straight-line pieces of a function, and roots. Loops over the nodes: `node_loop`.
 
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::count::KernelCounts;
 use super::expression::Writer;
 use super::names::Names;
-use crate::graph::{ExprId, Iteration, Op, RootFigure, RootId};
+use crate::graph::{ExprId, Iteration, Limits, Op, RootFigure, RootId};
 use crate::schedule::{Program, Statement};
 
 /// Writes the function of a program.
@@ -65,7 +65,7 @@ impl<'a, S> FunctionWriter<'a, S> {
         }
     }
 
-    /// Newton's iteration for a root of two equations.
+    /// The iteration for a root.
     fn root(&mut self, root: RootId) -> TokenStream {
         let program = self.program;
         let graph = &program.kernel.graph;
@@ -75,16 +75,27 @@ impl<'a, S> FunctionWriter<'a, S> {
             data.unknowns.iter().map(|&u| format_ident!("{}", graph.symbol_data(u).name)).collect();
         let body = self.statements(&program.roots[&root]);
         let residuals: Vec<TokenStream> = data.residuals.iter().map(|&r| self.writer.used(r)).collect();
-        let jacobian: Vec<TokenStream> =
-            data.jacobian.iter().flatten().map(|&x| self.writer.used(x)).collect();
+        let jacobian: Vec<Vec<TokenStream>> =
+            data.jacobian.iter().map(|row| row.iter().map(|&x| self.writer.used(x)).collect()).collect();
         self.counts.iteration += self.writer.take_counts();
         self.counts.element += before;
 
         let (solution, solver) =
             (format_ident!("{}_solution", data.name), format_ident!("{}", solver_name(data.iteration)));
-        let figures = graph_roots(graph, root);
+        let (start, jacobian) = match data.iteration {
+            Iteration::Newton | Iteration::Descent => {
+                (quote!(#solver::<E>::start()), quote!(#(#(#jacobian),*),*))
+            }
+            Iteration::Within(Limits { longest_step, evaluations }) => {
+                let size = Literal::usize_unsuffixed(unknowns.len());
+                let evaluations = Literal::u32_unsuffixed(evaluations);
+                let longest =
+                    if longest_step.is_finite() { quote!(#longest_step) } else { quote!(f64::INFINITY) };
+                (quote!(#solver::<E, #size>::within(#longest, #evaluations)), quote!(#([#(#jacobian),*]),*))
+            }
+        };
+        let figures = graph_roots(graph, root).into_iter().filter(|(x, _)| program.layout.bound.contains(x));
         let lets: Vec<TokenStream> = figures
-            .into_iter()
             .map(|(expr, field)| {
                 let name = self.writer.ident(expr);
                 quote!(let #name = #solution.#field;)
@@ -93,11 +104,11 @@ impl<'a, S> FunctionWriter<'a, S> {
         self.statements += lets.len();
         let iteration = format_ident!("{}_iteration", data.name);
         quote! {
-            let mut #iteration = #solver::<E>::start();
+            let mut #iteration = #start;
             let #solution = loop {
                 let [#(#unknowns),*] = #iteration.point();
                 #body
-                if let Some(solution) = #iteration.advance([#(#residuals),*], [#(#jacobian),*]) {
+                if let Some(solution) = #iteration.advance([#(#residuals),*], [#jacobian]) {
                     break solution;
                 }
             };
@@ -110,6 +121,7 @@ impl<'a, S> FunctionWriter<'a, S> {
 pub(super) const fn solver_name(iteration: Iteration) -> &'static str {
     match iteration {
         Iteration::Newton => "TwoEquations",
+        Iteration::Within(_) => "Equations",
         Iteration::Descent => "TwoVariables",
     }
 }

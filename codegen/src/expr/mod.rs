@@ -19,6 +19,7 @@ use std::fmt;
 
 use crate::graph::{ExprId, Function, Graph, Op, Polynomial, Scope, SymbolId};
 pub use sheet::Sheet;
+pub(crate) use small::MOST_BY_CRAMER;
 pub use small::{determinant, inverse, inverse_by_elimination, solve};
 pub use system::System;
 pub(crate) use vector::entry_name;

@@ -3,7 +3,8 @@
 use std::borrow::Borrow;
 use std::cell::{Ref, RefCell};
 
-use super::{AXES, Expr, Vec3, Vector};
+use super::small::{MOST_BY_CRAMER, solve};
+use super::{AXES, Expr, Vec3, Vector, ids};
 use crate::graph::{ExprId, Graph, Iteration, Op, RootFigure, RootId, Scope, SymbolId};
 
 /// A graph while formulas are written into it.
@@ -157,6 +158,21 @@ impl Sheet {
         let residuals = residuals.0.map(Expr::id).to_vec();
         let (root, values) = self.edit(|g| g.add_root(name, &unknowns.0.map(Expr::id), residuals, iteration));
         (root, Vector::from_fn(|k| self.expr(values[k])))
+    }
+
+    /// A⁻¹ b: of up to three unknowns by Cramer's rule, of more with a search for pivots in the kernel.
+    #[must_use]
+    pub(crate) fn solve_general<'g>(
+        &'g self,
+        name: &str,
+        matrix: &[Vec<Expr<'g>>],
+        right_hand_side: &[Expr<'g>],
+    ) -> Vec<Expr<'g>> {
+        if matrix.len() <= MOST_BY_CRAMER {
+            return solve(matrix, right_hand_side);
+        }
+        let rows: Vec<Vec<ExprId>> = matrix.iter().map(|row| ids(row)).collect();
+        self.exprs(self.edit(|g| g.solve_general(name, &rows, &ids(right_hand_side)).1))
     }
 
     /// A figure of a root's iteration.

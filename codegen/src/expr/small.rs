@@ -3,13 +3,16 @@
 use super::{Expr, ids};
 use crate::graph::{ExprId, Graph};
 
+/// Most unknowns of a system that is solved by determinants.
+pub(crate) const MOST_BY_CRAMER: usize = 3;
+
 /// Determinant by expansion along the first row.
 ///
 /// # Panics
 /// If the matrix is empty or larger than 3 × 3, where expansion is no longer the right method.
 #[must_use]
 pub fn determinant<'g>(matrix: &[Vec<Expr<'g>>]) -> Expr<'g> {
-    assert!((1..=3).contains(&matrix.len()), "determinants by expansion are for 1 to 3 rows");
+    assert!((1..=MOST_BY_CRAMER).contains(&matrix.len()), "determinants by expansion are for 1 to 3 rows");
     if let [row] = matrix {
         return row[0];
     }

@@ -5,6 +5,7 @@
 //! nothing is differentiated through a factorisation or an iteration.
 
 use super::{ExprId, Function, Graph, Op, PolynomialId, RootId, Scope, SolveId, SymbolId};
+use crate::expr::MOST_BY_CRAMER;
 
 impl Graph {
     /// ∂`expr`/∂`symbol`.
@@ -284,7 +285,7 @@ impl Graph {
         self.solve_symmetric_once(system, &derived)[component as usize]
     }
 
-    /// r(y, x) = 0 -> y' = -r_y^-1 r_x
+    /// r(y, x) = 0 -> y' = -r_y^-1 r_x, for more than three equations with a search for pivots
     fn differentiate_root(&mut self, root: RootId, component: usize, symbol: SymbolId) -> ExprId {
         let data = self.root(root).clone();
         let at_root: Vec<(SymbolId, ExprId)> = data
@@ -301,8 +302,17 @@ impl Graph {
                 self.neg(partial)
             })
             .collect();
-        let derivatives = self.solve_small(&data.jacobian, &minus_partial);
-        self.substitute(derivatives[component], &at_root)
+        if data.unknowns.len() <= MOST_BY_CRAMER {
+            let derivatives = self.solve_small(&data.jacobian, &minus_partial);
+            return self.substitute(derivatives[component], &at_root);
+        }
+        let minus_partial = self.substitute_all(&minus_partial, &at_root);
+        if minus_partial.iter().all(|&x| self.is_zero(x)) {
+            return self.zero();
+        }
+        let jacobian: Vec<Vec<ExprId>> =
+            data.jacobian.iter().map(|row| self.substitute_all(row, &at_root)).collect();
+        self.solve_general(&format!("{}_derivative", data.name), &jacobian, &minus_partial).1[component]
     }
 }
 

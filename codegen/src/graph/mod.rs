@@ -21,7 +21,7 @@ mod substitute;
 use std::collections::HashMap;
 
 pub use polynomial::Polynomial;
-pub use structured::{Iteration, Root, Solve, SymmetricSystem};
+pub use structured::{Iteration, Limits, Root, Solve, SymmetricSystem};
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident) => {
@@ -222,6 +222,8 @@ pub struct Graph {
     systems: Vec<SymmetricSystem>,
     solves: Vec<Solve>,
     roots: Vec<Root>,
+    /// Linear equations that are roots, by their matrix and right-hand side.
+    linear: HashMap<(Vec<Vec<ExprId>>, Vec<ExprId>), RootId>,
 }
 
 impl Graph {
@@ -551,6 +553,42 @@ impl Graph {
         self.roots.push(root);
         let root = RootId(u32::try_from(self.roots.len() - 1).expect("fewer than 2³² roots"));
         (root, (0..count).map(|k| self.intern(Op::RootValue(root, k as u32))).collect())
+    }
+
+    /// Unknowns u of A u = b, with no symmetry: the root of linear equations, which kernels find with a search for pivots. The same
+    /// equations are solved once.
+    pub fn solve_general(
+        &mut self,
+        name: &str,
+        matrix: &[Vec<ExprId>],
+        right_hand_side: &[ExprId],
+    ) -> (RootId, Vec<ExprId>) {
+        let key = (matrix.to_vec(), right_hand_side.to_vec());
+        if let Some(&root) = self.linear.get(&key) {
+            return (root, (0..matrix.len()).map(|k| self.intern(Op::RootValue(root, k as u32))).collect());
+        }
+        // Roots are told apart by their names.
+        let name = self.root_name(name);
+        let unknowns: Vec<ExprId> =
+            (0..matrix.len()).map(|k| self.variable(&format!("{name}_unknown_{}", k + 1))).collect();
+        let residuals = matrix.iter().zip(right_hand_side).map(|(row, &b)| {
+            let product = self.dot(row, &unknowns);
+            self.sub(product, b)
+        });
+        let residuals = residuals.collect();
+        let iteration = Iteration::Within(Limits::LINEAR);
+        let (root, values) =
+            self.add_root_with_jacobian(&name, &unknowns, residuals, matrix.to_vec(), iteration);
+        self.linear.insert(key, root);
+        (root, values)
+    }
+
+    fn root_name(&self, name: &str) -> String {
+        let is_free = |name: &str| !self.roots.iter().any(|root| root.name == name);
+        if is_free(name) {
+            return name.to_owned();
+        }
+        (2..).map(|k| format!("{name}_{k}")).find(|name| is_free(name)).unwrap_or_default()
     }
 
     /// A figure of a root's iteration.

@@ -105,13 +105,50 @@ pub struct Solve {
     pub right_hand_side: Vec<ExprId>,
 }
 
+/// Bounds of an iteration for the root of equations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Most that an unknown changes in one step.
+    pub longest_step: f64,
+    /// Most evaluations of the equations.
+    pub evaluations: u32,
+}
+
+impl Limits {
+    /// Of equations that are linear: the first step leads to the solution.
+    pub const LINEAR: Self = Self { longest_step: f64::INFINITY, evaluations: 5 };
+}
+
+impl Default for Limits {
+    /// Steps of at most ½, for unknowns of order one, and 60 evaluations.
+    fn default() -> Self {
+        Self { longest_step: 0.5, evaluations: 60 }
+    }
+}
+
 /// How a small system of equations is solved, from y = 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Iteration {
-    /// By Newton's steps, which are bounded, and halved until they reduce the residual.
+    /// By Newton's steps for two unknowns, within the default [`Limits`], and halved until they reduce the residual.
     Newton,
-    /// The equations are the negative derivatives of a function: by steps down to a minimum of it, Newton's where it is convex.
+    /// The same for up to eight unknowns within chosen limits.
+    Within(Limits),
+    /// The two equations are the negative derivatives of a function: by steps down to a minimum of it, Newton's where it is convex.
     Descent,
+}
+
+impl Iteration {
+    /// Most equations that a kernel can solve.
+    pub const MOST_EQUATIONS: usize = 8;
+
+    /// Whether kernels solve as many equations by it.
+    #[must_use]
+    pub const fn takes(self, equations: usize) -> bool {
+        match self {
+            Self::Newton | Self::Descent => equations == 2,
+            Self::Within(_) => 1 <= equations && equations <= Self::MOST_EQUATIONS,
+        }
+    }
 }
 
 /// A small system of equations r(y) = 0, solved by an iteration from y = 0.

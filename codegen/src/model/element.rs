@@ -6,8 +6,8 @@ pub use super::element_error::ElementError;
 pub use super::element_outputs::{ElementKernels, ElementSpec, NodeResult};
 use super::element_outputs::{Finished, Outputs};
 use super::signature::{Differentiated, Input, Points, Quantity, Returned, Role, Signature};
-use crate::expr::{Expr, Sheet, Vector, inverse};
-use crate::graph::{ExprId, Iteration, Op, RootFigure, Scope, SymmetricSystem};
+use crate::expr::{Expr, MOST_BY_CRAMER, Matrix, Sheet, Vector, inverse, total};
+use crate::graph::{ExprId, Iteration, Limits, Op, RootFigure, Scope, SymmetricSystem};
 use crate::structure::{Implicit, Jacobian, contains_sum};
 
 /// Name of the value that [`ElementModel::energy`] states.
@@ -15,9 +15,6 @@ const ENERGY: &str = "energy";
 
 /// Name of the field with the nodes.
 const NODES: &str = "nodes";
-
-/// Unknowns of the roots that kernels can find.
-pub(super) const UNKNOWNS: usize = 2;
 
 /// The sheet that an element's formulas are written on, with its inputs and outputs.
 ///
@@ -38,7 +35,8 @@ pub struct ElementModel<'g> {
     error: RefCell<Option<ElementError>>,
 }
 
-/// Where equations are solved, see [`ElementModel::root`].
+/// Where equations are solved, see [`ElementModel::root`], [`ElementModel::root_from`], [`ElementModel::minimum`],
+/// [`ElementModel::stationary_from`] and [`ElementModel::solve`].
 #[derive(Clone, Copy, Debug)]
 pub struct Root<'g, const N: usize> {
     /// The unknowns.
@@ -174,8 +172,8 @@ impl<'g> ElementModel<'g> {
         })
     }
 
-    /// Unknowns at the root of as many equations r(u) = 0, such as the natural coordinates of a foot point: by a damped Newton
-    /// iteration from u = 0, with steps of at most ½. Derivatives are those of the implicit function theorem.
+    /// Unknowns at the root of as many equations r(u) = 0, one to eight, such as the natural coordinates of a foot point: by a damped
+    /// Newton iteration from u = 0, with steps of at most ½. Derivatives are those of the implicit function theorem.
     ///
     /// Whoever uses the kernels has to know whether there is a root: state [`Root::residual`] as a value.
     #[must_use]
@@ -184,7 +182,58 @@ impl<'g> ElementModel<'g> {
         name: &str,
         equations: impl FnOnce(Vector<'g, N>) -> Vector<'g, N>,
     ) -> Root<'g, N> {
-        self.root_by(Iteration::Newton, name, equations)
+        let iteration = if N == 2 { Iteration::Newton } else { Iteration::Within(Limits::default()) };
+        self.root_by(iteration, name, equations)
+    }
+
+    /// The same from a start, within chosen limits: for unknowns that are not of order one, such as those of a state before.
+    #[must_use]
+    pub fn root_from<const N: usize>(
+        &self,
+        name: &str,
+        start: Vector<'g, N>,
+        limits: Limits,
+        equations: impl FnOnce(Vector<'g, N>) -> Vector<'g, N>,
+    ) -> Root<'g, N> {
+        // The iteration starts at zero: it finds the way from the start.
+        let way = self.root_by(Iteration::Within(limits), &format!("{name}_way"), |way| {
+            equations(Vector::from_fn(|k| start[k] + way[k]))
+        });
+        let unknowns = self.define(name, Vector::from_fn(|k| start[k] + way.unknowns[k]));
+        Root { unknowns, ..way }
+    }
+
+    /// Unknowns, one to eight, at which any smooth function is stationary, by a damped Newton iteration from a start that is near. What
+    /// is quadratic has [`stationary`](Self::stationary).
+    #[must_use]
+    pub fn stationary_from<const N: usize>(
+        &self,
+        name: &str,
+        start: Vector<'g, N>,
+        limits: Limits,
+        function: impl FnOnce(Vector<'g, N>) -> Expr<'g>,
+    ) -> Root<'g, N> {
+        let way = self.root_by(Iteration::Within(limits), &format!("{name}_way"), |way| {
+            let function = function(Vector::from_fn(|k| start[k] + way[k]));
+            let function = self.with_bound_sums(function, &way.0);
+            way.map(|u| function.by(u))
+        });
+        let unknowns = self.define(name, Vector::from_fn(|k| start[k] + way.unknowns[k]));
+        Root { unknowns, ..way }
+    }
+
+    /// Unknowns u of linear equations A u = b, one to eight, without symmetry. Pivots are searched for in the kernel, in each lane by
+    /// itself. [`Root::residual`] stays above 10⁻¹² where A is singular.
+    #[must_use]
+    pub fn solve<const N: usize>(
+        &self,
+        name: &str,
+        matrix: Matrix<'g, N, N>,
+        right_hand_side: Vector<'g, N>,
+    ) -> Root<'g, N> {
+        self.root_by(Iteration::Within(Limits::LINEAR), name, |u| {
+            Vector::from_fn(|i| total((0..N).map(|j| matrix[i][j] * u[j])) - right_hand_side[i])
+        })
     }
 
     /// Unknowns at a minimum of a function, such as half a squared distance: from u = 0 by steps down to it, Newton's where the function
@@ -208,8 +257,14 @@ impl<'g> ElementModel<'g> {
         equations: impl FnOnce(Vector<'g, N>) -> Vector<'g, N>,
     ) -> Root<'g, N> {
         self.check_name(name);
-        if N != UNKNOWNS {
-            self.fail(ElementError::Root { root: name.to_owned(), equations: N });
+        let are_too_many = self.has_nodes() && N > MOST_BY_CRAMER;
+        if !iteration.takes(N) || are_too_many {
+            let root = name.to_owned();
+            self.fail(if are_too_many {
+                ElementError::RootWithNodes { root, equations: N }
+            } else {
+                ElementError::Root { root, equations: N }
+            });
             let zero = self.sheet.zero();
             return Root { unknowns: Vector::zero(self.sheet), residual: zero, iterations: zero };
         }

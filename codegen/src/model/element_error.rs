@@ -87,8 +87,21 @@ pub enum ElementError {
     #[error("an element has either nodes of a number that is open or quadrature points")]
     NodesAndPoints,
     /// A root of another number of equations than the kernels can solve.
-    #[error("the root `{root}` has {equations} equations; kernels solve two")]
+    #[error(
+        "the root `{root}` has {equations} equations; kernels solve one to {}, and find minima of functions of two unknowns",
+        crate::graph::Iteration::MOST_EQUATIONS
+    )]
     Root {
+        /// The root.
+        root: String,
+        /// Its equations.
+        equations: usize,
+    },
+    /// A root of more than three equations in an element with nodes.
+    #[error(
+        "the root `{root}` has {equations} equations; at most three may depend on nodes of a number that is open"
+    )]
+    RootWithNodes {
         /// The root.
         root: String,
         /// Its equations.

@@ -1,6 +1,6 @@
 //! The outputs of an element with their derivatives: from formulas to kernels.
 
-use super::element::{ElementModel, UNKNOWNS};
+use super::element::ElementModel;
 use super::element_error::ElementError;
 use super::kernel::{Kernel, Mode, Value};
 use super::signature::{Differentiated, Input, Returned, Role, Signature};
@@ -341,7 +341,7 @@ impl ElementKernels {
         let kernels: Vec<Kernel<ElementSpec>> = by_mode.into_iter().map(kernel).collect();
         for root in kernels.iter().flat_map(Kernel::roots) {
             let root = graph.root(root);
-            if root.unknowns.len() != UNKNOWNS {
+            if !root.iteration.takes(root.unknowns.len()) {
                 let (root, equations) = (root.name.clone(), root.unknowns.len());
                 return Err(ElementError::Root { root, equations });
             }

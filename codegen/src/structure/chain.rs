@@ -15,7 +15,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::expr::{Expr, Sheet, dot, solve};
+use crate::expr::{Expr, Sheet, dot};
 use crate::graph::{Op, RootId};
 
 /// Levels that are tried both ways.
@@ -373,7 +373,7 @@ fn weighted_equations<'g>(
     places.iter().for_each(|&k| adjoints[k] = sheet.zero());
     // Bound: constants of the derivatives that follow.
     let name = format!("by_equation_of_{}", root.name);
-    let multipliers = solve(&transposed, &minus);
+    let multipliers = sheet.solve_general(&name, &transposed, &minus);
     let multipliers = multipliers.iter().map(|x| sheet.make(|g| g.bind_unique(&name, x.id())));
     Some(dot(multipliers, root.residuals.iter().map(|&r| sheet.expr(r).at(&at))))
 }

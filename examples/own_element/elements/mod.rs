@@ -3,5 +3,7 @@
 pub mod arm;
 pub mod cohesive;
 pub mod contact;
+pub mod joint;
 pub mod neo_hooke;
 pub mod surface;
+pub mod tanks;

@@ -4,6 +4,7 @@
 
 mod descent;
 mod drive;
+mod equations;
 mod facet;
 mod foot;
 mod form;
@@ -20,6 +21,7 @@ mod values;
 
 pub use descent::TwoVariables;
 pub use drive::{BatchElement, GapKernel, Widths, Workspace, batch, scalar, single};
+pub use equations::{Equations, Solution};
 pub use facet::{AREA_TOLERANCE, FacetInputs, FacetValues, first_entries};
 pub use foot::AtFoot;
 pub use form::FormRows;

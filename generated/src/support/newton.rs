@@ -6,11 +6,11 @@ use super::Lane;
 const MOST_ITERATIONS: u32 = 60;
 /// Residual at which the iteration ends, relative to the starting residual or the unknowns, whichever is larger; a last
 /// full step follows and squares it.
-const TOLERANCE: f64 = 1e-12;
+pub(super) const TOLERANCE: f64 = 1e-12;
 /// The last step has to be shorter than this, by the same measure, or a nearly singular Jacobian makes it worthless.
-const LONGEST_LAST_STEP: f64 = 1e-6;
+pub(super) const LONGEST_LAST_STEP: f64 = 1e-6;
 /// Added to the measure, so that a root at the start is one.
-const TINY: f64 = 1e-290;
+pub(super) const TINY: f64 = 1e-290;
 /// Longest step, in units of the support radius, or of an edge of the facet.
 pub(super) const LONGEST_STEP: f64 = 0.5;
 
@@ -212,7 +212,7 @@ fn bounded_step<T: Lane>(r: [T; 2], j: [T; 4]) -> [T; 2] {
 
 /// `then` in the lanes where `condition` is 1, `otherwise` where it is 0.
 #[inline(always)]
-fn choose<T: Lane>(condition: T, then: T, otherwise: T) -> T {
+pub(super) fn choose<T: Lane>(condition: T, then: T, otherwise: T) -> T {
     T::select_less(T::ZERO, condition, then, otherwise)
 }
 
@@ -225,7 +225,7 @@ fn squared<T: Lane>(unit: T, x: [T; 2]) -> T {
 
 /// The larger value; x if x is NaN.
 #[inline(always)]
-fn larger<T: Lane>(x: T, y: T) -> T {
+pub(super) fn larger<T: Lane>(x: T, y: T) -> T {
     T::select_less(x, y, y, x)
 }
 

@@ -44,7 +44,7 @@ const TAKEN: [&str; 53] = [
 ];
 
 /// What finds roots.
-const TWO_EQUATIONS: &str = include_str!("two_equations.h");
+const EQUATIONS: &str = include_str!("equations.h");
 /// What finds minima, with what is in the other one.
 const TWO_VARIABLES: &str = include_str!("two_variables.h");
 /// What multiplies the rows of nodes.
@@ -60,7 +60,7 @@ pub fn emit_c(elements: &[ElementKernels]) -> String {
         .flat_map(|kernel| kernel.roots().into_iter().map(|root| kernel.graph.root(root).iteration))
         .collect();
     if !iterations.is_empty() {
-        text.push_str(TWO_EQUATIONS);
+        text.push_str(EQUATIONS);
     }
     if iterations.contains(&Iteration::Descent) {
         text.push_str(TWO_VARIABLES);

@@ -18,13 +18,11 @@ static inline void diffuse_contact_downhill_step(const double r[2], const double
     }
 }
 
-static inline double diffuse_contact_longest(const double y[2]) { return 0.5 * diffuse_contact_norm(y) + 0.5; }
+static inline double diffuse_contact_longest(const double y[2]) { return 0.5 * diffuse_contact_norm(2, y) + 0.5; }
 
 /* A step down to a minimum of the function whose negative derivatives the residuals are. It is cut to 1/2 and half of the way already made,
    and halved until it does not overshoot, or shortens the way by the same matrix. */
-static inline int diffuse_contact_descend(diffuse_contact_two_equations *at, double r1, double r2, double j11, double j12, double j21,
-                                          double j22) {
-    const double residual[2] = {r1, r2}, jacobian[4] = {j11, j12, j21, j22};
+static inline int diffuse_contact_descend(diffuse_contact_equations *at, const double *residual, const double *jacobian) {
     const int is_first = at->evaluations == 0, is_active = !(at->relative < 1e-12);
     int is_accepted = is_first;
     double full[2];
@@ -34,14 +32,14 @@ static inline int diffuse_contact_descend(diffuse_contact_two_equations *at, dou
         double rest[2];
         diffuse_contact_downhill_step(at->residual, at->jacobian, full);
         diffuse_contact_downhill_step(residual, at->jacobian, rest);
-        is_accepted = is_active && (-0.5 * before < after || diffuse_contact_norm(rest) <
-                                                                  diffuse_contact_norm(full) - 0.5 * diffuse_contact_norm(at->step));
+        is_accepted = is_active && (-0.5 * before < after || diffuse_contact_norm(2, rest) <
+                                                                  diffuse_contact_norm(2, full) - 0.5 * diffuse_contact_norm(2, at->step));
     }
     if (is_accepted) {
         for (int k = 0; k < 2; k++) at->y[k] += at->step[k], at->residual[k] = residual[k];
         for (int k = 0; k < 4; k++) at->jacobian[k] = jacobian[k];
         diffuse_contact_downhill_step(residual, jacobian, full);
-        const double length = diffuse_contact_norm(full), longest = diffuse_contact_longest(at->y);
+        const double length = diffuse_contact_norm(2, full), longest = diffuse_contact_longest(at->y);
         const double factor = longest < length ? longest / length : 1.0;
         for (int k = 0; k < 2; k++) at->step[k] = factor * full[k];
     } else {
@@ -54,7 +52,7 @@ static inline int diffuse_contact_descend(diffuse_contact_two_equations *at, dou
     }
     if (!diffuse_contact_is_over(at, full)) return 0;
     /* A singular Jacobian allows no last step. */
-    const int is_short = diffuse_contact_norm(full) < diffuse_contact_longest(at->y);
+    const int is_short = diffuse_contact_norm(2, full) < diffuse_contact_longest(at->y);
     for (int k = 0; k < 2 && is_short; k++) at->y[k] += full[k];
     return 1;
 }

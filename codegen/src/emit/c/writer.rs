@@ -6,7 +6,7 @@ use super::super::expression::Strength;
 use super::super::fixed::Argument;
 use super::super::names::Names;
 use super::{TAKEN, places};
-use crate::graph::{ExprId, Function, Graph, Iteration, Op, RootFigure, RootId};
+use crate::graph::{ExprId, Function, Graph, Iteration, Limits, Op, RootFigure, RootId};
 use crate::model::ElementSpec;
 use crate::schedule::{Layout, Program, Statement};
 
@@ -41,9 +41,15 @@ impl<'a> Writer<'a> {
         let mut names = Names::default();
         names.reserve(&TAKEN);
         names.reserve(&derivatives.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>());
-        let iterations =
-            program.roots.keys().map(|&root| format!("{}_iteration", program.kernel.graph.root(root).name));
-        names.reserve(&iterations.collect::<Vec<_>>().iter().map(String::as_str).collect::<Vec<_>>());
+        for &root in program.roots.keys() {
+            let iteration = format!("{}_iteration", program.kernel.graph.root(root).name);
+            names.reserve(
+                &["", "_residual", "_jacobian"]
+                    .map(|part| format!("{iteration}{part}"))
+                    .each_ref()
+                    .map(String::as_str),
+            );
+        }
         let trace = Trace::default();
         Self { program, graph: &program.kernel.graph, layout: &program.layout, access, names, trace }
     }
@@ -93,13 +99,18 @@ impl<'a> Writer<'a> {
         let data = graph.root(root);
         let iteration = format!("{}_iteration", data.name);
         let inner = format!("{indent}    ");
-        let mut text = format!(
-            "{indent}diffuse_contact_two_equations {iteration};\n{indent}diffuse_contact_begin(&{iteration});\n{indent}for (;;) {{\n"
-        );
-        let advance = match data.iteration {
-            Iteration::Newton => "advance",
-            Iteration::Descent => "descend",
+        let (advance, Limits { longest_step, evaluations }) = match data.iteration {
+            Iteration::Newton => ("advance", Limits::default()),
+            Iteration::Within(limits) => ("advance", limits),
+            Iteration::Descent => ("descend", Limits::default()),
         };
+        let size = data.unknowns.len();
+        let longest =
+            if longest_step.is_finite() { format!("{longest_step:?}") } else { "HUGE_VAL".to_owned() };
+        let mut text = format!(
+            "{indent}diffuse_contact_equations {iteration};\n\
+             {indent}diffuse_contact_begin(&{iteration}, {size}, {longest}, {evaluations});\n{indent}for (;;) {{\n"
+        );
         for (k, &unknown) in data.unknowns.iter().enumerate() {
             if let Some(expr) = self.symbol(&graph.symbol_data(unknown).name) {
                 let name = self.name(expr);
@@ -111,12 +122,15 @@ impl<'a> Writer<'a> {
             }
         }
         text += &self.lets(&inner, &program.roots[&root]);
-        let equations = data.residuals.iter().chain(data.jacobian.iter().flatten());
-        let equations: Vec<String> = equations.map(|&x| self.operand(x).0).collect();
-        let equations = equations.join(", ");
+        let mut list = |all: &mut dyn Iterator<Item = &ExprId>| {
+            all.map(|&x| self.operand(x).0).collect::<Vec<String>>().join(", ")
+        };
+        let residuals = list(&mut data.residuals.iter());
+        let jacobian = list(&mut data.jacobian.iter().flatten());
         let _ = writeln!(
             text,
-            "{inner}if (diffuse_contact_{advance}(&{iteration}, {equations})) break;\n{indent}}}"
+            "{inner}const double {iteration}_residual[] = {{{residuals}}}, {iteration}_jacobian[] = {{{jacobian}}};\n\
+             {inner}if (diffuse_contact_{advance}(&{iteration}, {iteration}_residual, {iteration}_jacobian)) break;\n{indent}}}"
         );
         let all = (0..graph.len()).map(|k| ExprId(k as u32)).filter(|x| self.layout.bound.contains(x));
         let figures: Vec<(ExprId, String)> = all

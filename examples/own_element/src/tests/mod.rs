@@ -6,7 +6,9 @@ mod cohesive;
 mod contact;
 #[path = "../../elements/mod.rs"]
 mod elements;
+mod joint;
 mod neo_hooke;
 mod surface;
+mod tanks;
 mod tet4;
 mod witnesses;

@@ -35,7 +35,7 @@ pub fn difference(found: &[f64], expected: &[f64]) -> f64 {
     let largest = expected.iter().fold(f64::MIN_POSITIVE, |largest: f64, x| largest.max(x.abs()));
     found.iter().zip(expected).fold(0.0, |worst: f64, (x, y)| {
         let difference = (x - y).abs() / largest;
-        if difference <= worst { worst } else { difference }
+        if worst.is_nan() || difference <= worst { worst } else { difference }
     })
 }
 

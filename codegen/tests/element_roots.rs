@@ -1,0 +1,201 @@
+//! Roots, linear equations and stationary points of one to eight unknowns, by the interpreter, against automatic differentiation of the
+//! same quantities found in another way.
+#![allow(non_snake_case)]
+
+use diffuse_contact_codegen::expr::{Expr, Matrix, Vec2, Vec3, Vector, dot, total};
+use diffuse_contact_codegen::interpret::{element_derivatives, element_results};
+use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel, Limits};
+use num_dual::{DualNum as _, HyperDual};
+
+use crate::witnesses::{Number, by_hyper_dual, difference, numbers, sum};
+
+/// Energy, gradient and Hessian of the graph, and the derivatives by expansions, against a function of all variables.
+fn check(
+    formulas: impl FnOnce(&ElementModel<'_>),
+    x: &[f64],
+    f: impl Fn(&[HyperDual<f64>]) -> HyperDual<f64>,
+) -> Vec<(String, Vec<f64>)> {
+    let element = ElementKernels::new("test", formulas).unwrap();
+    let all = element_results(element.kernels.last().unwrap(), &[x], &[]);
+    let value = |name: &str| &all.iter().find(|(other, _)| other == name).unwrap().1;
+    let energy = f(&x.iter().map(|&x| HyperDual::from(x)).collect::<Vec<_>>()).re;
+    let (gradient, hessian) = by_hyper_dual(x, f);
+    let worst = difference(value("energy"), &[energy])
+        .max(difference(value("gradient"), &gradient))
+        .max(difference(value("hessian"), &hessian));
+    assert!(worst < 1e-12, "{worst:e}");
+    for (name, found) in element_derivatives(&element, &[x], &[]) {
+        let worst = difference(&found, if name == "gradient" { &gradient } else { &hessian });
+        assert!(worst < 1e-12, "{name} by expansions: {worst:e}");
+    }
+    all
+}
+
+/// u_k + u_{k+1}²/10 = x_k, all around, for N unknowns: by Newton's iteration, and by one that only repeats.
+fn ring<const N: usize>() {
+    let formulas = |m: &ElementModel<'_>| {
+        let x: Vector<'_, N> = m.variable("x");
+        let root =
+            m.root("u", |u: Vector<'_, N>| Vector::from_fn(|k| u[k] + 0.1 * u[(k + 1) % N].powi(2) - x[k]));
+        let u = root.unknowns;
+        m.energy(total((0..N).map(|k| (u[k] + f64::from(k as u8) * u[0]).powi(2) * u[N - 1].exp())));
+        m.value("residual", root.residual);
+    };
+    let of = |x: &[HyperDual<f64>]| {
+        let mut u = x.to_vec();
+        for _ in 0..100 {
+            u = (0..N).map(|k| x[k] - u[(k + 1) % N] * u[(k + 1) % N] * 0.1).collect();
+        }
+        sum((0..N).map(|k| {
+            let term = u[k] + u[0] * k as f64;
+            term * term * u[N - 1].exp()
+        }))
+    };
+    let x: Vec<f64> = numbers(N, 0.31).iter().map(|x| x + 0.8).collect();
+    let all = check(formulas, &x, of);
+    assert!(all.iter().any(|(name, x)| name == "residual" && x[0] < 1e-12));
+}
+
+#[test]
+fn a_root_of_one_to_eight_equations() {
+    ring::<1>();
+    ring::<2>();
+    ring::<3>();
+    ring::<4>();
+    ring::<6>();
+    ring::<8>();
+}
+
+/// x u² = y by a start that is far from the root at −u, with unknowns of order hundred.
+#[test]
+fn a_root_from_a_start_within_limits() {
+    let formulas = |m: &ElementModel<'_>| {
+        let x: Vec2<'_> = m.variable("x");
+        let start = Vector([100.0 * x[0] / x[0], 60.0 + x[1] / 1e3]);
+        let limits = Limits { longest_step: 50.0, evaluations: 40 };
+        let root = m.root_from("u", start, limits, |u| {
+            Vector([x[0] * u[0] * u[0] - x[1], u[1] + 0.01 * u[0] - x[0]])
+        });
+        m.energy(root.unknowns[0] * root.unknowns[1].powi(2));
+    };
+    let of = |x: &[HyperDual<f64>]| {
+        let u = (x[1] / x[0]).sqrt();
+        let v = x[0] - u * 0.01;
+        u * v * v
+    };
+    check(formulas, &[2.5, 7e3], of);
+}
+
+/// Linear equations with zeros where elimination in the order of the rows looks for pivots.
+#[test]
+fn linear_equations_without_symmetry() {
+    let formulas =
+        |m: &ElementModel<'_>| {
+            let x: Vector<'_, 5> = m.variable("x");
+            let A = Matrix::from_fn(|i, j| {
+                if i == j { m.sheet().zero() } else { x[i] * (1.0 + j as f64) + x[j].powi(2) }
+            });
+            let b: Vector<'_, 5> = Vector::from_fn(|i| x[i].exp());
+            let solution = m.solve("u", A, b);
+            m.energy(dot(solution.unknowns.0, b.0) + solution.unknowns[2].powi(2));
+            m.value("residual", solution.residual);
+        };
+    let of = |x: &[HyperDual<f64>]| {
+        let entry = |i: usize, j: usize| {
+            if i == j { HyperDual::from(0.0) } else { x[i] * (1.0 + j as f64) + x[j] * x[j] }
+        };
+        let b: Vec<HyperDual<f64>> = x.iter().map(|x| x.exp()).collect();
+        let u = pivoted((0..5).map(|i| (0..5).map(|j| entry(i, j)).collect()).collect(), b.clone());
+        sum((0..5).map(|i| u[i] * b[i])) + u[2] * u[2]
+    };
+    let all = check(formulas, &[0.3, 0.9, -0.7, 0.4, 1.1], of);
+    assert!(all.iter().any(|(name, x)| name == "residual" && x[0] < 1e-12));
+}
+
+/// A⁻¹ b with the largest pivots.
+fn pivoted<D: Number>(mut A: Vec<Vec<D>>, mut b: Vec<D>) -> Vec<D> {
+    let n = b.len();
+    for k in 0..n {
+        let largest = (k..n).max_by(|&i, &j| A[i][k].re().abs().total_cmp(&A[j][k].re().abs())).unwrap();
+        A.swap(k, largest);
+        b.swap(k, largest);
+        for i in 0..n {
+            if i != k {
+                let (factor, pivot, known) = (A[i][k] / A[k][k], A[k].clone(), b[k]);
+                A[i].iter_mut().zip(pivot).for_each(|(x, y)| *x -= factor * y);
+                b[i] -= factor * known;
+            }
+        }
+    }
+    (0..n).map(|k| b[k] / A[k][k]).collect()
+}
+
+/// Where Σ (cosh-like) energies of four unknowns are stationary, from a start; two of them at a saddle.
+#[test]
+fn a_stationary_point_of_a_function_that_is_not_quadratic() {
+    let formulas = |m: &ElementModel<'_>| {
+        let x: Vector<'_, 4> = m.variable("x");
+        let limits = Limits { longest_step: 1.0, evaluations: 60 };
+        let start: Vector<'_, 4> = Vector::from_fn(|k| 0.9 * x[k]);
+        let found = m.stationary_from("u", start, limits, |u| {
+            let own = total((0..4).map(|k| {
+                let sign = if k < 2 { 1.0 } else { -1.0 };
+                sign * (0.5 * u[k] * u[k] + 0.05 * u[k].powi(4)) - sign * x[k] * u[k]
+            }));
+            own + 0.1 * u[0] * u[3]
+        });
+        let u = found.unknowns;
+        m.energy(u[0] * u[1] + u[2].sin() * u[3]);
+        m.value("residual", found.residual);
+    };
+    let of = |x: &[HyperDual<f64>]| {
+        let mut u = x.to_vec();
+        for _ in 0..300 {
+            let coupling = [u[3] * -0.1, x[0] * 0.0, x[0] * 0.0, u[0] * 0.1];
+            u = (0..4).map(|k| (x[k] + coupling[k]) / (u[k] * u[k] * 0.2 + 1.0)).collect();
+        }
+        u[0] * u[1] + u[2].sin() * u[3]
+    };
+    let all = check(formulas, &[0.7, -0.4, 0.9, 0.5], of);
+    assert!(all.iter().any(|(name, x)| name == "residual" && x[0] < 1e-12));
+}
+
+#[test]
+fn too_many_equations_are_refused() {
+    let error_of = |formulas: fn(&ElementModel<'_>)| {
+        let error = Config::new().element("test", formulas).unwrap_err();
+        let ConfigError::Element { source, .. } = error else { panic!("{error}") };
+        source
+    };
+    let nine = |m: &ElementModel<'_>| {
+        let x: Vector<'_, 9> = m.variable("x");
+        m.energy(m.root("u", |u| u - x).unknowns[0]);
+    };
+    assert_eq!(error_of(nine), ElementError::Root { root: "u".to_owned(), equations: 9 });
+    let minimum = |m: &ElementModel<'_>| {
+        let x: Vec3<'_> = m.variable("x");
+        m.energy(m.minimum("u", |u: Vec3<'_>| (u - x).dot(u - x)).unknowns[0]);
+    };
+    assert_eq!(error_of(minimum), ElementError::Root { root: "u".to_owned(), equations: 3 });
+    let of_nodes = |m: &ElementModel<'_>| {
+        let (x, weight): (Vector<'_, 4>, Expr<'_>) = (m.variable("x"), m.node_variable("weight"));
+        m.energy(m.root("u", |u| u * weight.sum() - x).unknowns[0]);
+    };
+    assert_eq!(error_of(of_nodes), ElementError::RootWithNodes { root: "u".to_owned(), equations: 4 });
+}
+
+/// The number of Hessian's statements stays small: multipliers are found once, not for each variable twice.
+#[test]
+fn derivatives_of_a_root_solve_few_equations() {
+    let element = ElementKernels::new("test", |m: &ElementModel<'_>| {
+        let x: Vector<'_, 6> = m.variable("x");
+        let root =
+            m.root("u", |u: Vector<'_, 6>| Vector::from_fn(|k| u[k] + 0.1 * u[(k + 1) % 6].powi(2) - x[k]));
+        m.energy(root.unknowns.dot(root.unknowns));
+    })
+    .unwrap();
+    let text = diffuse_contact_codegen::emit::emit_element_kernel(&element.kernels[2]).tokens.to_string();
+    let solves = text.matches("within").count();
+    println!("{solves} systems");
+    assert!(solves <= 8, "{solves}: {text}");
+}

@@ -102,6 +102,33 @@ pub(crate) fn quarter(weight: Weight) -> Scene {
     scene
 }
 
+/// K = ε N Nᵀ − f M
+#[test]
+fn the_curvature_is_what_gauss_newton_leaves_out() {
+    for (number, options) in variants().into_iter().enumerate() {
+        let scene = scene(options);
+        let dofs = DofMap::standard(scene.positions.len());
+        let v = vector(dofs.equations());
+        let law = ContactLaw::penalty(1.5);
+        let product = |law: &ContactLaw<'_>, is_rest: bool| {
+            let operator = TangentOperator::new(&scene.interface, law, &dofs).unwrap();
+            let mut operator = if is_rest { operator.curvature() } else { operator };
+            let mut product = vec![0.0; v.len()];
+            operator.add_product(&v, &mut product).unwrap();
+            product
+        };
+        let (whole, rest) = (product(&law, false), product(&law, true));
+        let law = law.with_tangent(Tangent::GaussNewton);
+        let gauss_newton = product(&law, false);
+        let largest = whole.iter().chain(&gauss_newton).fold(0.0_f64, |largest, x| largest.max(x.abs()));
+        for ((whole, rest), other) in whole.iter().zip(&rest).zip(&gauss_newton) {
+            let error = (whole - rest - other).abs();
+            assert!(error <= TOLERANCE * largest, "variant {number}: {error:e} of {largest:e}");
+        }
+        assert!(rest.iter().any(|&x| x != 0.0) && product(&law, true).iter().all(|&x| x == 0.0));
+    }
+}
+
 #[test]
 fn what_images_contribute_goes_back_to_their_nodes() {
     for weight in [Weight::Cubic, Weight::CubicInterpolating, Weight::WendlandC2] {

@@ -147,6 +147,15 @@ impl TangentOperator {
         Ok(Self { equations, nodes, parts, rotations, starts, uses, moves, contributions, sums })
     }
 
+    /// Its part −f M: what the exact tangent has beside ε N Nᵀ. For hosts that assemble ε N Nᵀ, such as for a preconditioner, and take the
+    /// rest as an operator.
+    #[must_use]
+    pub fn curvature(mut self) -> Self {
+        let contacts = self.parts.iter_mut().flat_map(|part| &mut part.contacts);
+        contacts.for_each(|contact| contact.stiffness = 0.0);
+        self
+    }
+
     /// Number of equations: rows and columns.
     #[must_use]
     pub const fn equations(&self) -> usize {

@@ -170,8 +170,7 @@ impl Example {
 
     fn iterative(&self, tolerance: f64) -> Result<(IterativeReport, Vec<[f64; 3]>), SystemError> {
         let mut x = Vec::new();
-        let report =
-            solve_iteratively(&self.system(), &self.rhs(), Accuracy::fixed(tolerance), &mut x)?;
+        let report = solve_iteratively(&self.system(), &self.rhs(), Accuracy::fixed(tolerance), &mut x)?;
         Ok((report, x))
     }
 
@@ -181,8 +180,12 @@ impl Example {
         tolerance: f64,
     ) -> Result<(LinearReport, Vec<[f64; 3]>), SystemError> {
         let mut x = Vec::new();
-        let report =
-            LinearSolver::new(choice, 1).solve(&self.system(), &self.rhs(), Accuracy::fixed(tolerance), &mut x)?;
+        let report = LinearSolver::new(choice, 1).solve(
+            &self.system(),
+            &self.rhs(),
+            Accuracy::fixed(tolerance),
+            &mut x,
+        )?;
         Ok((report, x))
     }
 

@@ -23,7 +23,9 @@ pub enum StaticsError {
         range: &'static str,
     },
     /// An operator has no factors.
-    #[error("newton.contact_tangent is an operator, which has no factors; newton.linear_solver has to be iterative or auto")]
+    #[error(
+        "newton.contact_tangent is an operator, which has no factors; newton.linear_solver has to be iterative or auto"
+    )]
     NoFactors,
     /// The shortest increment did not converge.
     #[error(

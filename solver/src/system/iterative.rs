@@ -106,16 +106,8 @@ pub fn solve_iteratively(
     let tolerance = accuracy.of(size);
     let target = tolerance * size;
     let x_start = std::mem::take(x);
-    let mut system = System {
-        matrix,
-        operator,
-        equations,
-        preconditioner,
-        x: x_start,
-        residual,
-        target,
-        iterations: 0,
-    };
+    let mut system =
+        System { matrix, operator, equations, preconditioner, x: x_start, residual, target, iterations: 0 };
     let is_done = symmetry == Symmetry::Symmetric && system.conjugate_gradients()?;
     if !is_done {
         system.gmres()?;

@@ -301,7 +301,9 @@ fn names_of_a_deck_are_shown_in_one_line_of_limited_length() {
 
 #[test]
 fn a_tangent_that_is_no_operator_is_refused() {
-    let with = |newton: &str| format!("[time]\nincrement = 0.25\n[newton]\ncontact_tangent = \"operator\"\n{newton}");
+    let with = |newton: &str| {
+        format!("[time]\nincrement = 0.25\n[newton]\ncontact_tangent = \"operator\"\n{newton}")
+    };
     let cases = [
         ("linear_solver = \"direct\"", "", "as an operator beside linear_solver = \"direct\""),
         ("", "friction = 0.3\n", "as an operator beside friction"),

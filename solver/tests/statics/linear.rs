@@ -102,8 +102,7 @@ fn the_tangent_as_an_operator_takes_the_same_steps() {
     ];
     for (interface, material) in cases {
         let (assembled, expected) = two_blocks("iterative", interface, material);
-        let (operator, found) =
-            two_blocks("iterative\"\ncontact_tangent = \"operator", interface, material);
+        let (operator, found) = two_blocks("iterative\"\ncontact_tangent = \"operator", interface, material);
         let (assembled, operator) = (&assembled.increments[0], &operator.increments[0]);
         assert_eq!(operator.iterations, assembled.iterations, "{interface} {material}");
         assert_eq!(operator.augmentations, assembled.augmentations, "{interface} {material}");

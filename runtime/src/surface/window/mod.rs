@@ -42,6 +42,11 @@
 //! and 1.5 times as far until they carry the basis; its list takes a walk as far as the longest domain met reaches. A [`SurfacePart`](crate::interface::SurfacePart)
 //! says for which of its facets it was not wide enough.
 //!
+//! # Faces
+//!
+//! A [`FaceInterface`](crate::faces::FaceInterface::in_window) has two windows. That of the master is as above, with its boxes around whole
+//! faces. That of the slave is made once, in the first positions: faces are as curved as fits through their own nodes say.
+//!
 //! # Borders
 //!
 //! An edge that only one facet of the window has is a border if the whole surface ends there. Else the window is *cut* there:

@@ -55,7 +55,8 @@ impl FaceWindow {
 impl FaceInterface {
     /// An interface of slaves that know windows of both surfaces only. Nodes are those of the [master's window](Window::nodes) in their
     /// order, then those of the slave's. `positions` are those when the master's window was made. The faces are the core of the slave's
-    /// window, which is made once, in the first positions: for the results of some nodes its boxes are to hold these with all faces at them.
+    /// window, which is made once, in the first positions: its boxes are to hold the nodes whose results are asked for, with all faces at
+    /// them.
     /// The master's boxes are to hold these faces and what is within the limit of the distance, at the positions until it is made anew.
     ///
     /// Gaps, pressures and areas after a [`refresh`](Self::refresh) are those of an interface of the whole surfaces, bit for bit, or the

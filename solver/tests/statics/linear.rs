@@ -93,7 +93,6 @@ fn the_tangent_as_an_operator_takes_the_same_steps() {
         ("areas = true\npenalty = 1e7", ""),
         ("areas = true\npenalty = 1e9", ""),
         ("areas = true\ntwo_pass = true\npenalty = 1e6", ""),
-        ("areas = true\npenalty = 1e7\ntangent = \"exact\"", ""),
         (
             "areas = true\npenalty = 1e6\nmethod = \"augmented-lagrangian\"\naugmentation = { tolerance = 1e-6, max = 5 }",
             "",

@@ -52,6 +52,20 @@ fn compare_with_dense(case: &Case, law: &ContactLaw<'_>, dofs: &DofMap) {
     }
     assert_eq!(places, pattern.entries());
 
+    // In the memory of a pattern with fewer elements, and of one with more.
+    let some = &elements[..elements.len() / 2];
+    let mut renewed = CsrPattern::union(some, dofs).unwrap();
+    for own in [elements, some, elements] {
+        renewed.renew(own, dofs).unwrap();
+        let expected = CsrPattern::union(own, dofs).unwrap();
+        assert_eq!(renewed.row_offsets(), expected.row_offsets());
+        assert_eq!(renewed.columns(), expected.columns());
+        assert!(renewed.map().fits(own));
+    }
+    let mut found = vec![f64::NAN; renewed.entries()];
+    assert_eq!(renewed.fill(elements, law, &mut found), Ok(expected.active));
+    assert_eq!(dense(&renewed, &found), expected.tangent);
+
     let mut again = values.clone();
     assert_eq!(pattern.add(elements, law, &mut again), Ok(expected.active));
     for (twice, once) in again.iter().zip(&values) {

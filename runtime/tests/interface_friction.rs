@@ -3,7 +3,9 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 
 use diffuse_contact::affine::{AffinePoint, Carrier};
-use diffuse_contact::assembly::{AssemblyError, ContactLaw, DofMap, Tangent, Triangle, Triplets, add_forces};
+use diffuse_contact::assembly::{
+    AssemblyError, ContactLaw, DofMap, Tangent, TangentOperator, Triangle, Triplets, add_forces,
+};
 use diffuse_contact::friction::Coulomb;
 use diffuse_contact::interface::{
     Anchor, ContactInterface, FrictionReport, InterfaceError, InterfaceOptions,
@@ -553,4 +555,51 @@ fn augmented_friction_forgets_its_stiffness_and_is_accepted_or_rolled_back() {
     assert_eq!(own.interface.history(), other.interface.history());
     let plain = ContactLaw::penalty(PENALTY).with_friction(Coulomb::new(0.3, STIFFNESS).ok());
     assert_eq!(own.interface.slip_errors(&plain).unwrap_err().code(), "no-augmentation");
+}
+
+/// K v, the diagonal, and what is beside ε N Nᵀ, of slaves that stick, slip and have anchors out of reach, on both elements.
+#[test]
+fn the_tangent_with_friction_is_an_operator() {
+    let planes = [SymmetryPlane::across(0, [0.0; 3])];
+    let cubic = ContactElement::diffuse(SearchOptions::domains()).with_weight(Weight::Cubic);
+    let cases: [(ContactElement, &[SymmetryPlane]); 3] =
+        [(cubic, &[]), (cubic, &planes), (ContactElement::NodeToFacet, &[])];
+    let mut unsymmetric = 0;
+    for (element, planes) in cases {
+        for (coefficient, is_far) in [(0.9, false), (0.05, false), (0.05, true)] {
+            let mut pressed = Pressed::on(coefficient, element, planes);
+            pressed.slide_and_deform([0.03, 0.02, 0.001]);
+            if is_far {
+                pressed.slide_far();
+            }
+            let matrix = pressed.tangent();
+            let size = matrix.len();
+            let dofs = DofMap::standard(size / 3);
+            let v: Vec<f64> = (0..size).map(|k| (0.37 * k as f64).sin()).collect();
+            let product = |law: &ContactLaw<'_>, is_rest: bool| {
+                let made = TangentOperator::new(&pressed.interface, law, &dofs).unwrap();
+                let mut made = if is_rest { made.curvature() } else { made };
+                assert!(made.contacts() > 2);
+                let (mut product, mut diagonal) = (vec![0.0; size], vec![0.0; size]);
+                made.add_product(&v, &mut product).unwrap();
+                made.add_diagonal(&mut diagonal).unwrap();
+                [product, diagonal]
+            };
+            let [found, diagonal] = product(&pressed.law, false);
+            let [rest, _] = product(&pressed.law, true);
+            let [normal, _] =
+                product(&ContactLaw::penalty(PENALTY).with_tangent(Tangent::GaussNewton), false);
+            let largest = matrix.iter().flatten().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+            for (row, entries) in matrix.iter().enumerate() {
+                let expected: f64 = entries.iter().zip(&v).map(|(entry, v)| entry * v).sum();
+                let tolerance = 1e-13 * largest;
+                assert!((found[row] - expected).abs() <= 10.0 * tolerance, "{} {expected}", found[row]);
+                assert!((diagonal[row] - entries[row]).abs() <= tolerance);
+                assert!((found[row] - rest[row] - normal[row]).abs() <= 10.0 * tolerance);
+                unsymmetric +=
+                    (0..row).filter(|&k| (entries[k] - matrix[k][row]).abs() > 1e-6 * largest).count();
+            }
+        }
+    }
+    assert!(unsymmetric > 100, "{unsymmetric}");
 }

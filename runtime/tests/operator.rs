@@ -102,6 +102,33 @@ pub(crate) fn quarter(weight: Weight) -> Scene {
     scene
 }
 
+/// K = ε N Nᵀ − f M
+#[test]
+fn the_curvature_is_what_gauss_newton_leaves_out() {
+    for (number, options) in variants().into_iter().enumerate() {
+        let scene = scene(options);
+        let dofs = DofMap::standard(scene.positions.len());
+        let v = vector(dofs.equations());
+        let law = ContactLaw::penalty(1.5);
+        let product = |law: &ContactLaw<'_>, is_rest: bool| {
+            let operator = TangentOperator::new(&scene.interface, law, &dofs).unwrap();
+            let mut operator = if is_rest { operator.curvature() } else { operator };
+            let mut product = vec![0.0; v.len()];
+            operator.add_product(&v, &mut product).unwrap();
+            product
+        };
+        let (whole, rest) = (product(&law, false), product(&law, true));
+        let law = law.with_tangent(Tangent::GaussNewton);
+        let gauss_newton = product(&law, false);
+        let largest = whole.iter().chain(&gauss_newton).fold(0.0_f64, |largest, x| largest.max(x.abs()));
+        for ((whole, rest), other) in whole.iter().zip(&rest).zip(&gauss_newton) {
+            let error = (whole - rest - other).abs();
+            assert!(error <= TOLERANCE * largest, "variant {number}: {error:e} of {largest:e}");
+        }
+        assert!(rest.iter().any(|&x| x != 0.0) && product(&law, true).iter().all(|&x| x == 0.0));
+    }
+}
+
 #[test]
 fn what_images_contribute_goes_back_to_their_nodes() {
     for weight in [Weight::Cubic, Weight::CubicInterpolating, Weight::WendlandC2] {
@@ -153,7 +180,7 @@ fn what_cannot_be_multiplied_is_refused() {
     let operator = |law: &ContactLaw<'_>, dofs: &DofMap| TangentOperator::new(&scene.interface, law, dofs);
     let friction = law.with_friction(Some(Coulomb::new(0.3, 1.0).unwrap()));
     let refused = |result: Result<TangentOperator, InterfaceError>| result.unwrap_err().code();
-    assert_eq!(refused(operator(&friction, &dofs)), "no-operator");
+    assert_eq!(refused(operator(&friction, &dofs)), "no-slip");
     assert_eq!(refused(operator(&ContactLaw::penalty(-1.0), &dofs)), "invalid-penalty");
     assert_eq!(refused(operator(&law.with_multipliers(Some(&[0.0])), &dofs)), "multiplier-count");
     assert_eq!(refused(operator(&law, &DofMap::standard(10))), "unknown-node");

@@ -163,12 +163,14 @@ impl Example {
         Geometry { positions: &self.positions, links: &self.links, before: &self.before }
     }
 
-    fn iterative(&self, tolerance: f64) -> Result<(IterativeReport, Vec<[f64; 3]>), SystemError> {
+    fn system(&self) -> LinearSystem<'_> {
         let Self { matrix, equations, symmetry, .. } = self;
+        LinearSystem { matrix, operator: None, equations, symmetry: *symmetry, geometry: self.geometry() }
+    }
+
+    fn iterative(&self, tolerance: f64) -> Result<(IterativeReport, Vec<[f64; 3]>), SystemError> {
         let mut x = Vec::new();
-        let (geometry, accuracy) = (self.geometry(), Accuracy::fixed(tolerance));
-        let report =
-            solve_iteratively(matrix, equations, *symmetry, geometry, &self.rhs(), accuracy, &mut x)?;
+        let report = solve_iteratively(&self.system(), &self.rhs(), Accuracy::fixed(tolerance), &mut x)?;
         Ok((report, x))
     }
 
@@ -177,11 +179,13 @@ impl Example {
         choice: LinearSolverChoice,
         tolerance: f64,
     ) -> Result<(LinearReport, Vec<[f64; 3]>), SystemError> {
-        let Self { matrix, equations, symmetry, .. } = self;
-        let system = LinearSystem { matrix, equations, symmetry: *symmetry, geometry: self.geometry() };
         let mut x = Vec::new();
-        let report =
-            LinearSolver::new(choice, 1).solve(&system, &self.rhs(), Accuracy::fixed(tolerance), &mut x)?;
+        let report = LinearSolver::new(choice, 1).solve(
+            &self.system(),
+            &self.rhs(),
+            Accuracy::fixed(tolerance),
+            &mut x,
+        )?;
         Ok((report, x))
     }
 

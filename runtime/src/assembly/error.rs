@@ -200,9 +200,6 @@ pub enum AssemblyError {
     /// One triangle of a tangent that is not symmetric was asked for.
     #[error("the exact tangent of friction is not symmetric: one triangle is not all of it")]
     Unsymmetric,
-    /// The tangent of friction is no operator: assemble it.
-    #[error("a law with friction has no tangent operator: assemble its tangent")]
-    NoOperator,
     /// A sum left the range of numbers, or was not finite before anything was added.
     #[error("the {what} of equation {equation} are not finite")]
     Overflow {
@@ -242,7 +239,6 @@ impl AssemblyError {
             Self::NoSlip { .. } => "no-slip",
             Self::InvalidSlip { .. } => "invalid-slip",
             Self::Unsymmetric => "unsymmetric",
-            Self::NoOperator => "no-operator",
         }
     }
 }

@@ -377,6 +377,28 @@ struct ActiveFriction<'a> {
     slip: SlipView<'a>,
 }
 
+/// What is not symmetric in the tangent of an element: a factor times ∇q Nᵀ.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Skew<'a> {
+    pub factor: f64,
+    /// ∇q.
+    pub slip: &'a [f64],
+}
+
+impl<'a> Active<'a> {
+    /// ε, a symmetric rest, and what is not symmetric: together the tangent.
+    pub fn split(self) -> (f64, Self, Option<Skew<'a>>) {
+        let skew = self.friction.filter(|friction| friction.force.factor_by_gap != 0.0);
+        let skew =
+            skew.map(|friction| Skew { factor: friction.force.factor_by_gap, slip: friction.slip.gradient });
+        let without = |friction: ActiveFriction<'a>| ActiveFriction {
+            force: FrictionForce { factor_by_gap: 0.0, ..friction.force },
+            ..friction
+        };
+        (self.stiffness, Self { stiffness: 0.0, friction: self.friction.map(without), ..self }, skew)
+    }
+}
+
 impl Active<'_> {
     /// Entry p of the contact force.
     pub fn contact_force(&self, p: usize) -> f64 {

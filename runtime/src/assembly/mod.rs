@@ -77,3 +77,16 @@ fn zeros<T: Clone + Default>(what: &'static str, count: usize) -> Result<Vec<T>,
     drop(reserve::<T>(what, count)?);
     Ok(vec![T::default(); count])
 }
+
+/// So many numbers, which are all to be written, in memory that is there already if it is large enough: its pages need not come again.
+fn in_memory<T: Clone + Default>(
+    what: &'static str,
+    count: usize,
+    mut memory: Vec<T>,
+) -> Result<Vec<T>, AssemblyError> {
+    if memory.capacity() < count {
+        return zeros(what, count);
+    }
+    memory.resize(count, T::default());
+    Ok(memory)
+}

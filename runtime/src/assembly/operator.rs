@@ -3,21 +3,26 @@
 //! What is held of a contact is N and the factors of M: 45 numbers for each of its points with a frame that is held, about 60 with the
 //! default options. M itself is never there, nor a pattern. A product reads the numbers once. Where positions or forces change, another
 //! operator is made.
+//!
+//! The slip of friction over nodes has no factors. With it the symmetric rest of the element's matrix is held as a packed triangle, and a
+//! rank one of what is not symmetric: more memory, but no pattern either, and no rows that a rank would have to send.
 
 use std::fmt;
 
 use rayon::prelude::*;
 
-use super::law::Needs;
+use super::law::{Needs, Skew};
 use super::{AssemblyError, ContactLaw, ContactView, DofMap, Tangent, reserve};
+use crate::Mode;
 use crate::affine::Carrier;
 use crate::friction::NormalForce;
-use crate::interface::{ContactInterface, InterfaceError, LinearContacts, SecondForm};
+use crate::interface::{ContactInterface, ContactRef, InterfaceError, LinearContacts, Results, SecondForm};
 
 /// Where there is no equation, or no image.
 const NONE: usize = usize::MAX;
 
-/// The tangent of an interface at the positions it was made for, K = Σ (ε N Nᵀ − f M) over the contacts that carry force.
+/// The tangent of an interface at the positions it was made for, K = Σ (ε N Nᵀ − f M) over the contacts that carry force; with friction
+/// what this adds.
 ///
 /// ```
 /// use diffuse_contact::assembly::{ContactLaw, DofMap, TangentOperator};
@@ -60,8 +65,17 @@ pub struct TangentOperator {
     sums: Vec<[f64; 3]>,
 }
 
+/// Slaves with friction that one thread evaluates in a row.
+const AT_ONCE: usize = 256;
+
+/// A contact with friction: its slave, by place among the slaves, and its nodes, slave first.
+struct Element {
+    index: usize,
+    nodes: Vec<usize>,
+}
+
 /// Contacts that one thread multiplies in a row.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 struct Part {
     contacts: Vec<Contact>,
     /// Slave and points of each contact, by place among the nodes that take part.
@@ -83,24 +97,26 @@ struct Contact {
     gradient: usize,
     second: SecondForm,
     second_start: usize,
+    /// Of friction whose size changes with the gap: a factor, and where ∇q begins among the gradients.
+    skew: Option<(f64, usize)>,
 }
 
 impl TangentOperator {
     /// The tangent of an interface by a law, at the positions of its last update, as an operator over the equations of `dofs`. Only what
-    /// carries force is derived.
+    /// carries force is derived. A law with friction takes an interface with [anchors](ContactInterface::accept).
     ///
     /// # Errors
-    /// [`AssemblyError::NoOperator`] for a law with friction, every reason for which the law is refused, and
+    /// Every reason for which the law is refused, [`AssemblyError::NoSlip`] where friction has no anchors, and
     /// [`AssemblyError::UnknownNode`], as [`InterfaceError::Law`]; [`InterfaceError::OutOfMemory`].
     pub fn new(
         interface: &ContactInterface,
         law: &ContactLaw<'_>,
         dofs: &DofMap,
     ) -> Result<Self, InterfaceError> {
-        if law.friction.is_some() {
-            return Err(AssemblyError::NoOperator.into());
-        }
         law.validate(interface.slaves().len())?;
+        if law.friction.is_some() {
+            return Self::with_friction(interface, law, dofs);
+        }
         let with_second = law.tangent == Tangent::Exact;
         // A contact that the law has no number for is looked at again, and refused.
         let carries = |k, gap, area| law.checked_normal_force(k, gap, area).map_or(true, |at| at.force > 0.0);
@@ -112,6 +128,46 @@ impl TangentOperator {
             parts.push(Part::new(contacts, interface.slaves(), law, &mut numbering)?);
         }
         Ok(Self::of(parts, numbering, rotations)?)
+    }
+
+    fn with_friction(
+        interface: &ContactInterface,
+        law: &ContactLaw<'_>,
+        dofs: &DofMap,
+    ) -> Result<Self, InterfaceError> {
+        let count = interface.slaves().len();
+        let starts: Vec<usize> = (0..count).step_by(AT_ONCE).collect();
+        let of_range = |start: usize| -> Result<(Part, Vec<Element>), InterfaceError> {
+            let range = start..count.min(start + AT_ONCE);
+            let (mut gaps, mut results) = (Results::default(), Results::default());
+            let gap = interface.evaluate_loaded(range.clone(), Mode::Value, &|_| true, &mut gaps)?;
+            let is_loaded = |k: usize| {
+                let ContactRef { outcome, point, area, .. } = gap(k);
+                // A contact that the law has no number for is looked at again, and refused.
+                outcome.is_contact()
+                    && law.checked_normal_force(k, point.gap, area).map_or(true, |at| at.force > 0.0)
+            };
+            let contact =
+                interface.evaluate_loaded(range.clone(), Mode::Hessian, &is_loaded, &mut results)?;
+            let (mut part, mut elements) = (Part::default(), Vec::new());
+            for k in range.filter(|&k| is_loaded(k)) {
+                part.push(k, &contact(k), law, &mut elements)?;
+            }
+            Ok((part, elements))
+        };
+        let found: Vec<Result<_, InterfaceError>> = starts.into_par_iter().map(of_range).collect();
+        let mut numbering = Numbering::new(dofs)?;
+        let mut parts = Vec::with_capacity(found.len());
+        for found in found {
+            let (mut part, elements) = found?;
+            for Element { index, nodes } in elements {
+                for node in nodes {
+                    part.nodes.push(numbering.number(index, node)?);
+                }
+            }
+            parts.push(part);
+        }
+        Ok(Self::of(parts, numbering, Vec::new())?)
     }
 
     fn of(
@@ -145,6 +201,15 @@ impl TangentOperator {
         let contributions = zeros("points", points)?;
         let equations = dofs.equations();
         Ok(Self { equations, nodes, parts, rotations, starts, uses, moves, contributions, sums })
+    }
+
+    /// Its part −f M, with what friction adds: all that the tangent has beside ε N Nᵀ. For hosts that assemble ε N Nᵀ, such as for a preconditioner, and take the
+    /// rest as an operator.
+    #[must_use]
+    pub fn curvature(mut self) -> Self {
+        let contacts = self.parts.iter_mut().flat_map(|part| &mut part.contacts);
+        contacts.for_each(|contact| contact.stiffness = 0.0);
+        self
     }
 
     /// Number of equations: rows and columns.
@@ -329,6 +394,7 @@ impl Part {
                 gradient: contact.gradient,
                 second: contact.second,
                 second_start: contact.second_start,
+                skew: None,
             });
             nodes.push(numbering.number(k, slaves[k])?);
             for &Carrier { node, image } in own {
@@ -340,6 +406,48 @@ impl Part {
             }
         }
         Ok(Self { contacts, nodes, images, gradients, seconds })
+    }
+
+    /// Appends a contact with friction that carries force, all but its nodes.
+    fn push(
+        &mut self,
+        k: usize,
+        contact: &ContactRef<'_>,
+        law: &ContactLaw<'_>,
+        elements: &mut Vec<Element>,
+    ) -> Result<(), AssemblyError> {
+        let &ContactRef { slave, nodes, point, area, gradient, hessian, slip, .. } = contact;
+        let view = ContactView { gap: point.gap, area, gradient, hessian, slip };
+        law.check_contact(k, &view, 3 * (nodes.len() + 1), Needs::Tangent)?;
+        let Some(active) = law.active_contact(k, &view) else { return Ok(()) };
+        let (stiffness, rest, skew) = active.split();
+        let (first, second_start) = (self.gradients.len(), self.seconds.len());
+        self.gradients.extend_from_slice(gradient);
+        let skew = skew.map(|Skew { factor, slip }| {
+            self.gradients.extend_from_slice(slip);
+            (factor, first + gradient.len())
+        });
+        for p in 0..gradient.len() {
+            let row = self.seconds.len();
+            self.seconds.resize(row + p + 1, 0.0);
+            if !rest.tangent_row(p, &mut self.seconds[row..]) {
+                let node = if p < 3 { slave } else { nodes[p / 3 - 1] as usize };
+                return Err(AssemblyError::Overflow { what: "values", equation: 3 * node + p % 3 });
+            }
+        }
+        // The rest stands for −f M.
+        self.contacts.push(Contact {
+            stiffness,
+            force: -1.0,
+            nodes: nodes.len() + 1,
+            gradient: first,
+            second: SecondForm::Packed,
+            second_start,
+            skew,
+        });
+        let nodes = std::iter::once(slave).chain(nodes.iter().map(|&node| node as usize)).collect();
+        elements.push(Element { index: k, nodes });
+        Ok(())
     }
 
     /// The contacts with where their points begin.
@@ -387,9 +495,13 @@ impl Part {
             SecondForm::Packed => multiply_packed(second, v, product),
         }
         let along: f64 = gradient.iter().zip(v).map(|(n, v)| n * v).sum();
-        let along = contact.stiffness * along;
+        let stiff = contact.stiffness * along;
         for (entry, n) in product.iter_mut().zip(gradient) {
-            *entry = along * n - contact.force * *entry;
+            *entry = stiff * n - contact.force * *entry;
+        }
+        if let Some((factor, start)) = contact.skew {
+            let slip = &self.gradients[start..][..v.len()];
+            product.iter_mut().zip(slip).for_each(|(entry, q)| *entry += factor * along * q);
         }
     }
 
@@ -445,6 +557,11 @@ impl Part {
         }
         for (entry, n) in diagonal.iter_mut().zip(gradient) {
             *entry = contact.stiffness * (n * n) - contact.force * *entry;
+        }
+        if let Some((factor, start)) = contact.skew {
+            let slip = &self.gradients[start..][..diagonal.len()];
+            let pairs = slip.iter().zip(gradient);
+            diagonal.iter_mut().zip(pairs).for_each(|(entry, (q, n))| *entry += factor * q * n);
         }
     }
 }

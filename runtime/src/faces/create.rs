@@ -64,9 +64,21 @@ impl FaceInterface {
         {
             return Err(InterfaceError::FacesNeedDomains);
         }
-        let nodes = nodes_of(faces);
-        let areas = areas_of(&nodes, faces, positions)?;
+        let areas = areas_of(&nodes_of(faces), faces, positions)?;
         let skin = Skin::new(faces, positions, &own, &[])?;
+        let interface = ContactInterface::new(master, Vec::new(), &[], positions, own)?;
+        Ok(Self::of((interface, skin, areas), faces.to_vec(), positions.to_vec(), options))
+    }
+
+    /// Of these parts, by positions in the first configuration.
+    pub(super) fn of(
+        (interface, skin, areas): (ContactInterface, Skin, Vec<f64>),
+        faces: Vec<Facet>,
+        first: Vec<Point>,
+        options: FaceOptions,
+    ) -> Self {
+        let master = interface.master();
+        let nodes = nodes_of(&faces);
         let mut around = vec![Vec::new(); nodes.len()];
         for (k, face) in faces.iter().enumerate() {
             for node in face.corners() {
@@ -76,17 +88,17 @@ impl FaceInterface {
             }
         }
         let facets = (0..master.facet_count()).map(|facet| master.facet(facet));
-        let extents = facets.chain(faces.iter().copied()).map(|facet| shape_of(&facet, positions).extent());
+        let extents = facets.chain(faces.iter().copied()).map(|facet| shape_of(&facet, &first).extent());
         let smallest = extents.fold(f64::INFINITY, f64::min);
-        Ok(Self {
-            carriers: Carriers::new(faces, &master, &[]),
-            interface: ContactInterface::new(master, Vec::new(), &[], positions, own)?,
+        Self {
+            carriers: Carriers::new(&faces, master, &[]),
+            interface,
             own: None,
+            window: None,
             options,
-            faces: faces.to_vec(),
             skin,
-            first: positions.to_vec(),
-            positions: positions.to_vec(),
+            positions: first.clone(),
+            first,
             cliques: vec![Vec::new(); nodes.len()],
             nodes,
             areas,
@@ -98,10 +110,11 @@ impl FaceInterface {
             report: FaceReport::default(),
             smallest,
             cuts: vec![FaceCut::default(); faces.len()],
+            faces,
             tracks: None,
             augmented: None,
             contacts: FaceContacts::default(),
-        })
+        }
     }
 
     /// Makes faces of second order carry the forces on the facets that they are made of, on both sides: those whose corners are all nodes of
@@ -109,8 +122,10 @@ impl FaceInterface {
     /// next [`refresh`](Self::refresh) or [`update`](Self::update).
     ///
     /// # Errors
-    /// [`InterfaceError::Surface`] if a node is not there: the interface is then as it was.
+    /// [`InterfaceError::Surface`] if a node is not there, [`InterfaceError::InWindow`] for a window of the surfaces: the interface is
+    /// then as it was.
     pub fn set_quadratic_faces(&mut self, faces: &[QuadraticFace]) -> Result<(), InterfaceError> {
+        self.check_whole("forces on faces of second order")?;
         quadratic::check(faces, &self.first)?;
         self.carriers = Carriers::new(&self.faces, self.master(), faces);
         self.tracks = None;
@@ -124,6 +139,7 @@ impl FaceInterface {
     /// # Errors
     /// As there. The interface is then as it was.
     pub fn set_symmetry(&mut self, planes: &[SymmetryPlane]) -> Result<(), InterfaceError> {
+        self.check_whole("a plane of symmetry")?;
         let own = InterfaceOptions { areas: false, ..self.options.interface };
         let skin = Skin::new(&self.faces, &self.first, &own, planes)?;
         let mut interface = ContactInterface::new(self.master().clone(), Vec::new(), &[], &self.first, own)?;
@@ -147,7 +163,7 @@ impl FaceInterface {
 }
 
 /// The corners of faces, ascending, each once.
-fn nodes_of(faces: &[Facet]) -> Vec<usize> {
+pub(super) fn nodes_of(faces: &[Facet]) -> Vec<usize> {
     let mut nodes: Vec<usize> = faces.iter().flat_map(|face| face.corners()).copied().collect();
     nodes.sort_unstable();
     nodes.dedup();

@@ -52,6 +52,9 @@ impl FaceInterface {
         &self,
         law: &ContactLaw<'_>,
     ) -> Result<(Vec<NodeContact>, Vec<Vector3>), InterfaceError> {
+        if law.friction.is_some() {
+            self.check_whole("friction over faces")?;
+        }
         let blank = |(k, &slave): (usize, &usize)| {
             NodeContact::without(slave, NoContact::NothingOver { limit: self.limit_around(k) })
         };
@@ -85,6 +88,11 @@ impl FaceInterface {
             }
         })?;
         for (k, (node, area)) in nodes.iter_mut().zip(&self.areas).enumerate() {
+            let unknown = self.window.as_ref().and_then(|window| window.of_node(k, &self.around[k]));
+            if let Some(reason) = unknown {
+                *node = NodeContact::without(node.slave, reason);
+                continue;
+            }
             if !(node.area > SMALLEST_AREA * area) {
                 let outcome = match node.outcome {
                     Outcome::Contact { .. } => {

@@ -67,6 +67,7 @@ mod friction;
 mod product;
 mod quadratic;
 mod skin;
+mod window;
 
 pub use contacts::{FaceContacts, NodeContact, TangentBlock};
 pub use cut::FaceRule;
@@ -80,6 +81,7 @@ use cut::{CutScratch, Cutting, FacePoint, cut};
 use friction::Track;
 use quadratic::Carriers;
 use skin::Skin;
+use window::FaceWindow;
 
 use crate::assembly::ContactLaw;
 use crate::interface::{ContactInterface, InterfaceError, InterfaceOptions};
@@ -137,6 +139,8 @@ pub struct FaceInterface {
     interface: ContactInterface,
     /// What faces may touch, if the surface is in contact with itself.
     own: Option<OwnSurface>,
+    /// What is known of the surfaces, if that is not all.
+    window: Option<FaceWindow>,
     options: FaceOptions,
     faces: Vec<Facet>,
     /// What carries the forces of faces and facets.
@@ -256,6 +260,9 @@ impl FaceInterface {
     /// Whether no node has moved far enough since the faces were cut for their pieces to be others.
     fn is_near_cut(&self, positions: &[Point]) -> bool {
         let Some(cut_at) = &self.cut_at else { return false };
+        if self.window.as_ref().is_some_and(|window| !window.holds_at(positions)) {
+            return false;
+        }
         let masters = self.master().nodes().iter().map(|&node| node as usize);
         let moved = |node: usize| (Vector3::from(positions[node]) - Vector3::from(cut_at[node])).norm();
         self.nodes.iter().copied().chain(masters).all(|node| moved(node) <= HELD * self.smallest)
@@ -282,11 +289,15 @@ impl FaceInterface {
             self.options.interface.distance_limit.unwrap_or(extent)
         };
         let limits: Vec<f64> = self.faces.iter().map(limit).collect();
+        let beyond = self.window.as_ref().map(|window| window.look(&self.faces, positions, &limits));
         let rule = self.carriers.rule(self.options.rule);
         let (by_face, unplaced): (Vec<Vec<FacePoint>>, Vec<usize>) = (0..self.faces.len())
             .into_par_iter()
             .map_init(CutScratch::default, |scratch, k| {
                 let mut points = Vec::new();
+                if beyond.as_ref().is_some_and(|beyond| beyond[k].is_some()) {
+                    return (points, 0);
+                }
                 let face = shape_of(&self.faces[k], positions);
                 let first = shape_of(&self.faces[k], &self.first);
                 let functions = |natural| self.carriers.faces[k].functions(&face, natural, positions);
@@ -308,6 +319,9 @@ impl FaceInterface {
         let report = self.interface.pair_points(all, positions.len(), &facets)?;
         self.positions.copy_from_slice(positions);
         self.limits = limits;
+        if let (Some(window), Some(beyond)) = (&mut self.window, beyond) {
+            window.take(beyond);
+        }
         self.unplaced = unplaced.iter().sum();
         self.points = by_face.concat();
         let mut end = 0;

@@ -7,9 +7,10 @@
 
 use crate::affine::Carrier;
 use crate::interface::{
-    ContactElement, ContactInterface, InterfaceError, InterfaceOptions, PointsWithinReach,
+    ContactElement, ContactInterface, InterfaceError, InterfaceOptions, NoContact, Outcome, PointsWithinReach,
 };
 use crate::neighbourhood::SearchOptions;
+use crate::surface::window::{Window, WindowError};
 use crate::surface::{Facet, Image, MasterSurface, Symmetry, SymmetryPlane, shape_of};
 use crate::vector::Vector3;
 use crate::{Basis, Mode, Point, Weight};
@@ -117,48 +118,83 @@ impl Skin {
         options: &InterfaceOptions,
         planes: &[SymmetryPlane],
     ) -> Result<Self, InterfaceError> {
-        let middles: Vec<Vec<usize>> = faces.iter().flat_map(between).collect();
-        let mut skin = Self::default();
-        let fitted = match options.element {
+        match options.element {
             ContactElement::NodeToFacet => {
                 let extents = faces.iter().map(|face| shape_of(face, first).extent());
-                skin.symmetry = Symmetry::of_planes(planes, extents.fold(0.0, f64::max));
-                vec![None; middles.len()]
+                let symmetry = Symmetry::of_planes(planes, extents.fold(0.0, f64::max));
+                Ok(Self { symmetry, straight: 0, ..Self::of(faces, |_, _| None) })
             }
             ContactElement::Diffuse { weight, .. } => {
-                let own = own_surface(faces, first, (options, weight), planes)?;
-                skin.symmetry = own.images();
-                let fit = |(k, middle): (usize, &Vec<usize>)| {
-                    let contact = own.contacts().get(k);
-                    let (points, basis) = own.fit(k).ok()?;
-                    let back = mean(first, middle) - Vector3::from(own.position_of(k));
-                    let foot =
-                        contact.outcome.is_contact().then(|| Vector3::from(contact.point.foot) + back)?;
-                    weights_at(&points, (weight, basis), foot)
-                };
-                middles.iter().enumerate().map(fit).collect()
+                let (points, options) = (inside(faces, first), own_options(options, weight));
+                let mut positions = first.to_vec();
+                positions.extend(points);
+                let surface = MasterSurface::new(first, faces.to_vec())?;
+                let points = (first.len()..positions.len()).collect();
+                let mut own = ContactInterface::new(surface, points, &[], &positions, options)?;
+                own.set_symmetry(planes)?;
+                evaluate(&mut own, &positions)?;
+                let skin = Self::of(faces, |k, middle| fit(&own, weight, k, mean(first, middle)));
+                Ok(Self { symmetry: own.images(), ..skin })
             }
+        }
+    }
+
+    /// The faces of a window's core, with its nodes from `offset` on. Also, for each face, what the window does not know of it.
+    pub fn in_window(
+        window: &Window,
+        offset: usize,
+        options: &InterfaceOptions,
+    ) -> Result<(Self, Vec<Option<NoContact>>), InterfaceError> {
+        let ContactElement::Diffuse { weight, .. } = options.element else {
+            return Err(WindowError::NeedsDomains.into());
         };
-        let mut points = middles.iter().zip(fitted);
+        let faces: Vec<Facet> = window.core_facets().collect();
+        let first: Vec<Point> = window.first_positions().collect();
+        let mut positions = first.clone();
+        positions.extend(inside(&faces, &first));
+        let points = (first.len()..positions.len()).collect();
+        let options = own_options(options, weight);
+        let mut own = ContactInterface::in_window(window, points, &[], &positions, options)?;
+        evaluate(&mut own, &positions)?;
+        let mut unknown = Vec::with_capacity(faces.len());
+        let mut k = 0;
+        for face in &faces {
+            let count = between(face).len();
+            unknown.push((k..k + count).find_map(|k| match own.contacts().get(k).outcome {
+                Outcome::None(reason @ NoContact::BeyondWindow { .. }) => Some(reason),
+                _ => None,
+            }));
+            k += count;
+        }
+        let mut skin = Self::of(&faces, |k, middle| fit(&own, weight, k, mean(&first, middle)));
+        let carriers = skin.faces.iter_mut().flat_map(|face| &mut face.carriers);
+        carriers.for_each(|carrier| carrier.node += offset as u32);
+        skin.symmetry = own.images();
+        Ok((skin, unknown))
+    }
+
+    /// Faces with what fits their points between the corners: of the k-th point, between these nodes.
+    fn of(faces: &[Facet], fit: impl Fn(usize, &[usize]) -> Option<Vec<(Carrier, f64)>>) -> Self {
+        let (mut skin, mut number) = (Self::default(), 0);
         for facet in faces {
             let mut face = SkinFace::default();
             for (k, &corner) in facet.corners().iter().enumerate() {
                 face.add(Carrier::from(corner as u32), k, 1.0);
             }
-            let count = between(facet).len();
-            for (k, (middle, fit)) in points.by_ref().take(count).enumerate() {
+            for (k, middle) in between(facet).iter().enumerate() {
                 let point = facet.corners().len() + k;
-                if let Some(weights) = fit {
+                if let Some(weights) = fit(number, middle) {
                     weights.into_iter().for_each(|(carrier, weight)| face.add(carrier, point, weight));
                 } else {
-                    skin.straight += usize::from(options.element != ContactElement::NodeToFacet);
+                    skin.straight += 1;
                     let weight = 1.0 / middle.len() as f64;
                     middle.iter().for_each(|&node| face.add(Carrier::from(node as u32), point, weight));
                 }
+                number += 1;
             }
             skin.faces.push(face);
         }
-        Ok(skin)
+        skin
     }
 }
 
@@ -167,33 +203,39 @@ fn mean(positions: &[Point], nodes: &[usize]) -> Vector3 {
     sum * (1.0 / nodes.len() as f64)
 }
 
-/// The smooth surface through the faces' nodes, evaluated where points lie between corners.
-fn own_surface(
-    faces: &[Facet],
-    first: &[Point],
-    (options, weight): (&InterfaceOptions, Weight),
-    planes: &[SymmetryPlane],
-) -> Result<ContactInterface, InterfaceError> {
-    let inside = faces.iter().flat_map(|face| {
+/// Points between the corners of faces, a little towards the centre of their face.
+fn inside(faces: &[Facet], first: &[Point]) -> Vec<Point> {
+    let of_face = |face: &Facet| {
         let centre = mean(first, face.corners());
-        between(face).into_iter().map(move |middle| {
+        let towards = move |middle: Vec<usize>| {
             let x = mean(first, &middle);
-            x + (centre - x) * INWARD
-        })
-    });
-    let mut positions = first.to_vec();
-    positions.extend(inside.map(Point::from));
+            Point::from(x + (centre - x) * INWARD)
+        };
+        between(face).into_iter().map(towards).collect::<Vec<_>>()
+    };
+    faces.iter().flat_map(of_face).collect()
+}
+
+/// Options of the smooth surface through the faces' nodes.
+fn own_options(options: &InterfaceOptions, weight: Weight) -> InterfaceOptions {
     let element = ContactElement::diffuse(SearchOptions::domains()).with_weight(weight);
     // Feet of points on a curved border lie a little beyond its straight edges.
-    let options =
-        InterfaceOptions { element, distance_limit: None, areas: false, border_tolerance: 0.5, ..*options };
-    let surface = MasterSurface::new(first, faces.to_vec())?;
-    let points = (first.len()..positions.len()).collect();
-    let mut own = ContactInterface::new(surface, points, &[], &positions, options)?;
-    own.set_symmetry(planes)?;
-    own.refresh_pairing(&positions)?;
+    InterfaceOptions { element, distance_limit: None, areas: false, border_tolerance: 0.5, ..*options }
+}
+
+fn evaluate(own: &mut ContactInterface, positions: &[Point]) -> Result<(), InterfaceError> {
+    own.refresh_pairing(positions)?;
     own.evaluate(Mode::Value)?;
-    Ok(own)
+    Ok(())
+}
+
+/// What the smooth surface's nodes have of its place next to a point, the k-th slave moved to `middle`; `None` without a fit.
+fn fit(own: &ContactInterface, weight: Weight, k: usize, middle: Vector3) -> Option<Vec<(Carrier, f64)>> {
+    let contact = own.contacts().get(k);
+    let (points, basis) = own.fit(k).ok()?;
+    let back = middle - Vector3::from(own.position_of(k));
+    let foot = contact.outcome.is_contact().then(|| Vector3::from(contact.point.foot) + back)?;
+    weights_at(&points, (weight, basis), foot)
 }
 
 /// φ_k of a fit at a place of the surface, with the carriers; `None` if the fit's equations are singular.

@@ -91,10 +91,10 @@ pub enum InterfaceError {
     /// The window of a surface is none, or not for these options.
     #[error(transparent)]
     Window(#[from] WindowError),
-    /// An option that domains of influence depend on is another one than the window was made with.
-    #[error("the {what} is not that with which the domains of the window were found")]
+    /// An option that results in a window depend on is another one than the window was made with.
+    #[error("the {what} is not that of the window")]
     OtherThanWindow {
-        /// `"weight"`, `"basis"` or `"feature angle"`.
+        /// `"weight"`, `"basis"` or `"feature angle"`; over faces also `"limit of the distance"` or `"symmetry of the slave"`.
         what: &'static str,
     },
     /// An interface of a window is asked for what takes the whole surface.

@@ -51,6 +51,15 @@ pub enum ContactError {
         /// What was given.
         value: f64,
     },
+    /// The tangent of such contact is no operator.
+    #[error(
+        "interface `{interface}`: the tangent is an operator only of contact over nodes without friction",
+        interface = shown(interface)
+    )]
+    NoOperator {
+        /// Its name.
+        interface: String,
+    },
     /// Multipliers of another problem.
     #[error("there are multipliers for {found} passes or slaves; this problem has {expected}")]
     OtherPasses {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use diffuse_contact::assembly::Tangent;
+use diffuse_contact::assembly::{Tangent, TangentOperator};
 use diffuse_contact::faces::{FaceRule, QuadraticFace};
 use diffuse_contact::friction::{DecayingCoefficient, FrictionState, TabulatedCoefficient};
 use diffuse_contact::interface::{FrictionReport, InterfaceOptions, NoContact};
@@ -498,6 +498,22 @@ impl Interaction {
 
     pub(super) fn cliques(&self) -> impl Iterator<Item = Vec<usize>> {
         self.passes.iter().flat_map(|pass| pass.cliques())
+    }
+
+    /// From here on −f M is not assembled.
+    pub(super) fn operate(&mut self) -> Result<(), ContactError> {
+        match self.passes.iter_mut().all(|pass| pass.operate()) {
+            true => Ok(()),
+            false => Err(ContactError::NoOperator { interface: self.options.name.clone() }),
+        }
+    }
+
+    /// Adds −f M of the passes that do not assemble it.
+    pub(super) fn add_curvature(&self, all: &mut Vec<TangentOperator>) -> Result<(), ContactError> {
+        for pass in &self.passes {
+            all.extend(pass.curvature().map_err(|error| error.of(&self.options.name))?);
+        }
+        Ok(())
     }
 
     pub(super) fn add_tangent(

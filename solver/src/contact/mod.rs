@@ -12,6 +12,7 @@ mod face_pass;
 mod interaction;
 mod losses;
 mod node_pass;
+mod operator;
 mod pass;
 mod resultant;
 mod tracks;
@@ -25,6 +26,7 @@ pub use interaction::{
     RefreshRule, SlaveState, TangentRule,
 };
 pub use losses::{Loss, LostContact};
+pub use operator::{ContactOperator, ContactTangent};
 pub use pass::{FrictionHistory, NodalForces};
 pub use resultant::Resultant;
 pub use tracks::Way;
@@ -107,6 +109,32 @@ impl ContactSet {
         self.interactions.iter().flat_map(Interaction::cliques)
     }
 
+    /// From here on exact tangents are ε N Nᵀ in [`add_tangent`](Self::add_tangent), and the rest is an [`operator`](Self::operator).
+    ///
+    /// # Errors
+    /// [`ContactError::NoOperator`] of an interaction over faces, or with friction; some interactions may then have changed.
+    pub fn operate(&mut self) -> Result<(), ContactError> {
+        self.interactions.iter_mut().try_for_each(Interaction::operate)
+    }
+
+    /// What [`add_tangent`](Self::add_tangent) leaves out of the tangents it is asked for by the same arguments; `None` if nothing.
+    ///
+    /// # Errors
+    /// [`ContactError::Interface`].
+    pub fn operator(
+        &self,
+        norms: [f64; 2],
+        tangent: Option<Tangent>,
+    ) -> Result<Option<ContactOperator>, ContactError> {
+        let mut passes = Vec::new();
+        for interaction in &self.interactions {
+            if asked(interaction, norms, tangent) == Tangent::Exact {
+                interaction.add_curvature(&mut passes)?;
+            }
+        }
+        Ok((!passes.is_empty()).then(|| ContactOperator::new(passes)))
+    }
+
     /// Adds the contact tangents to a stiffness whose pattern holds the [`cliques`](Self::cliques),
     /// at a state with these norms of the residual and of the forces, or all with the same tangent. Returns whether they are symmetric.
     ///
@@ -120,8 +148,7 @@ impl ContactSet {
     ) -> Result<Symmetry, ContactError> {
         let mut symmetry = Symmetry::Symmetric;
         for interaction in &mut self.interactions {
-            let [residual, force] = norms;
-            let tangent = tangent.unwrap_or_else(|| interaction.options().tangent.at(residual, force));
+            let tangent = asked(interaction, norms, tangent);
             if interaction.add_tangent(matrix, tangent)? == Symmetry::General {
                 symmetry = Symmetry::General;
             }
@@ -329,4 +356,9 @@ impl ContactSet {
     pub fn max_penetration(&self) -> f64 {
         self.interactions.iter().map(Interaction::max_penetration).fold(0.0, f64::max)
     }
+}
+
+/// The tangent of an interaction at a state with these norms of the residual and of the forces, if it is not given.
+fn asked(interaction: &Interaction, [residual, force]: [f64; 2], given: Option<Tangent>) -> Tangent {
+    given.unwrap_or_else(|| interaction.options().tangent.at(residual, force))
 }

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use diffuse_contact::assembly::{AssemblyError, ContactLaw, ContactView, DofMap, Tangent, add_forces};
+use diffuse_contact::assembly::{
+    AssemblyError, ContactLaw, ContactView, DofMap, Tangent, TangentOperator, add_forces,
+};
 use diffuse_contact::friction::{FrictionForce, FrictionState};
 use diffuse_contact::interface::{ContactInterface, ContactRef, Contacts, FrictionReport, Outcome};
 use diffuse_contact::neighbourhood::Fallback;
@@ -29,6 +31,8 @@ pub struct NodePass {
     friction: Option<PassFriction>,
     /// Whether the tangent leaves out what is not symmetric.
     is_symmetric: bool,
+    /// Whether −f M is an operator.
+    is_operator: bool,
     /// What friction remembers besides the interface's history, which is left empty here.
     history: FrictionHistory,
     dofs: DofMap,
@@ -79,6 +83,7 @@ impl NodePass {
             tangent,
             friction,
             is_symmetric: options.friction.as_ref().is_some_and(|friction| friction.is_symmetric),
+            is_operator: false,
             history: FrictionHistory::default(),
             dofs,
             multipliers,
@@ -163,7 +168,8 @@ impl Pass for NodePass {
 
     fn evaluate(&mut self, positions: &[Point], mode: Mode) -> Result<(), PassError> {
         // ε N Nᵀ needs no Hessians; friction does.
-        let needs_none = self.tangent == TangentRule::GaussNewton && self.friction.is_none();
+        let is_gauss_newton = self.tangent == TangentRule::GaussNewton && self.friction.is_none();
+        let needs_none = self.is_operator || is_gauss_newton;
         let mode = if needs_none { mode.min(Mode::Gradient) } else { mode };
         let Self { interface, penalty, multipliers, is_listed_anew, .. } = self;
         let law = normal_law(*penalty, multipliers);
@@ -194,7 +200,21 @@ impl Pass for NodePass {
         paired.map(of_element).collect()
     }
 
+    fn operate(&mut self) -> bool {
+        self.is_operator = self.friction.is_none();
+        self.is_operator
+    }
+
+    fn curvature(&self) -> Result<Option<TangentOperator>, PassError> {
+        if !self.is_operator {
+            return Ok(None);
+        }
+        let operator = TangentOperator::new(&self.interface, &self.law(), &self.dofs)?;
+        Ok((operator.contacts() > 0).then(|| operator.curvature()))
+    }
+
     fn add_tangent(&mut self, matrix: &mut BlockMatrix, tangent: Tangent) -> Result<Symmetry, PassError> {
+        let tangent = if self.is_operator { Tangent::GaussNewton } else { tangent };
         let mut entries = std::mem::take(&mut self.values);
         let law = self.with_friction(ContactLaw::penalty(self.penalty).with_tangent(tangent));
         let mut symmetry = Symmetry::Symmetric;

@@ -2,7 +2,7 @@
 
 use diffuse_contact::Mode;
 use diffuse_contact::Point;
-use diffuse_contact::assembly::{AssemblyError, Tangent};
+use diffuse_contact::assembly::{AssemblyError, Tangent, TangentOperator};
 use diffuse_contact::friction::{Coulomb, FrictionError};
 use diffuse_contact::interface::{FrictionReport, InterfaceError, Outcome};
 use diffuse_contact::surface::MasterSurface;
@@ -156,6 +156,16 @@ pub trait Pass: std::fmt::Debug {
 
     /// Adds the tangents of the contacts that carry force; whether they are symmetric.
     fn add_tangent(&mut self, matrix: &mut BlockMatrix, tangent: Tangent) -> Result<Symmetry, PassError>;
+
+    /// From here on −f M is an operator beside what is added to a matrix; whether that is possible.
+    fn operate(&mut self) -> bool {
+        false
+    }
+
+    /// −f M at the last evaluation, if it is an operator.
+    fn curvature(&self) -> Result<Option<TangentOperator>, PassError> {
+        Ok(None)
+    }
 
     /// Takes the slaves' feet for their anchors, if there is friction without a history.
     fn begin_friction(&mut self) -> Result<(), PassError>;

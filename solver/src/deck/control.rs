@@ -2,7 +2,8 @@
 
 use super::error::DeckError;
 use super::reader::Section;
-use super::schema;
+use super::{Interface, schema};
+use crate::contact::{ContactTangent, Integration};
 use crate::statics::{Extrapolation, NewtonSettings, TimeSettings};
 use crate::system::LinearSolverChoice;
 
@@ -118,7 +119,34 @@ pub(super) fn newton(deck: &Section) -> Result<NewtonSettings, DeckError> {
     if let Some(field) = section.get("linear_solver") {
         newton.linear_solver = field.word(&LinearSolverChoice::ALL.map(|choice| (choice.name(), choice)))?;
     }
+    if let Some(field) = section.get("contact_tangent") {
+        newton.contact_tangent = field.word(&ContactTangent::ALL.map(|form| (form.name(), form)))?;
+    }
     Ok(newton)
+}
+
+/// Refuses the tangent as an operator where it is none.
+pub(super) fn check_operator(
+    deck: &Section,
+    newton: &NewtonSettings,
+    interfaces: &[Interface],
+) -> Result<(), DeckError> {
+    let Some(field) = deck.get("newton") else { return Ok(()) };
+    let section = field.section()?;
+    if newton.contact_tangent == ContactTangent::Assembled {
+        return Ok(());
+    }
+    let refuse = |reason| section.refuse(&["contact_tangent"], reason);
+    if newton.linear_solver == LinearSolverChoice::Direct {
+        refuse("as an operator beside linear_solver = \"direct\"")?;
+    }
+    if interfaces.iter().any(|interface| interface.friction.is_some()) {
+        refuse("as an operator beside friction")?;
+    }
+    if interfaces.iter().any(|interface| interface.integration != Integration::Nodes) {
+        refuse("as an operator beside integration over faces")?;
+    }
+    Ok(())
 }
 
 pub(super) fn output(deck: &Section) -> Result<Output, DeckError> {

@@ -197,7 +197,7 @@ impl Deck {
             materials.insert(name, parts::material(&material)?);
         }
         let parts = named(&deck, "parts")?;
-        Ok(Self {
+        let made = Self {
             path: source.path.to_path_buf(),
             title: deck.get("title").map_or_else(|| Ok(String::new()), |title| title.text())?,
             contact: interface::contact(&deck)?,
@@ -209,7 +209,9 @@ impl Deck {
             newton: control::newton(&deck)?,
             output: control::output(&deck)?,
             time,
-        })
+        };
+        control::check_operator(&deck, &made.newton, &made.interfaces)?;
+        Ok(made)
     }
 }
 

@@ -97,6 +97,7 @@ pub const NEWTON: &[&str] = &[
     "extrapolation",
     "stabilisation",
     "linear_solver",
+    "contact_tangent",
 ];
 /// Fields of the output.
 pub const OUTPUT: &[&str] = &["every", "stress", "colour"];

@@ -22,6 +22,11 @@ pub enum StaticsError {
         /// What is allowed.
         range: &'static str,
     },
+    /// An operator has no factors.
+    #[error(
+        "newton.contact_tangent is an operator, which has no factors; newton.linear_solver has to be iterative or auto"
+    )]
+    NoFactors,
     /// The shortest increment did not converge.
     #[error(
         "no convergence after time {time}: {reason}; the increment of {length:.3e} may not be cut below {minimum:.3e}"

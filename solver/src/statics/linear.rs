@@ -7,8 +7,9 @@ use diffuse_contact::assembly::Tangent;
 
 use super::loose::{Loose, loose_parts};
 use super::{Failure, LinearEffort, Problem};
+use crate::contact::ContactOperator;
 use crate::system::{
-    Accuracy, BlockMatrix, BlockPattern, Geometry, LinearReport, LinearSystem, SavedRows, Symmetry,
+    Accuracy, BlockMatrix, BlockPattern, Geometry, LinearReport, LinearSystem, Operator, SavedRows, Symmetry,
     SystemError,
 };
 
@@ -18,6 +19,8 @@ const MOST_SUPPOSED: usize = 4;
 /// K Δx = −imbalance.
 struct Assembled {
     matrix: BlockMatrix,
+    /// What contact adds to it without being assembled.
+    operator: Option<ContactOperator>,
     symmetry: Symmetry,
     /// Rows of the nodes that contact couples without it, if the solution is iterative.
     before: SavedRows,
@@ -165,10 +168,11 @@ impl Problem {
         let before = matrix.rows_of(if is_iterative { &self.coupled } else { &[] });
         let norms = [self.balance.residual, self.balance.scale];
         let of_contact = self.contacts.add_tangent(&mut matrix, norms, tangent)?;
+        let operator = self.contacts.operator(norms, tangent)?;
         self.timing.contact += solid.elapsed();
         let has_followers = self.pressures.iter().any(|pressure| pressure.follower);
         let symmetry = if has_followers { Symmetry::General } else { of_contact };
-        Ok(Assembled { matrix, symmetry, before, imbalance: self.imbalance().collect() })
+        Ok(Assembled { matrix, operator, symmetry, before, imbalance: self.imbalance().collect() })
     }
 
     /// The step of all degrees of freedom, the prescribed ones among them.
@@ -184,6 +188,13 @@ impl Problem {
         }
         let mut right = vec![[0.0; 3]; self.start.len()];
         system.matrix.multiply(&step, &mut right);
+        if let Some(operator) = &system.operator {
+            operator.add_product(&step, &mut right).map_err(|entry| {
+                let (node, axis) = (entry / 3, entry % 3);
+                let equation = self.equations.number(node, axis).unwrap_or(0);
+                SystemError::NotFinite { equation, node, axis, value: right[node][axis] }
+            })?;
+        }
         for (right, force) in right.as_flattened_mut().iter_mut().zip(&system.imbalance) {
             *right = -force - *right;
         }
@@ -194,7 +205,9 @@ impl Problem {
         };
         let geometry = Geometry { positions, links, before: &system.before };
         let Assembled { matrix, symmetry, .. } = system;
-        let whole = LinearSystem { matrix, equations: &self.equations, symmetry: *symmetry, geometry };
+        let operator = system.operator.as_ref().map(|operator| operator as &dyn Operator);
+        let (equations, symmetry) = (&self.equations, *symmetry);
+        let whole = LinearSystem { matrix, operator, equations, symmetry, geometry };
         let solved = self.solver.solve(&whole, &right, accuracy, &mut solution);
         self.timing.linear += begin.elapsed();
         let report = solved?;

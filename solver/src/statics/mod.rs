@@ -53,6 +53,8 @@ pub use supports::{SupportGroup, SupportGroups};
 
 use increment::Increment;
 
+use crate::contact::ContactTangent;
+
 /// Leads a problem through time.
 pub struct Statics {
     problem: Problem,
@@ -75,11 +77,14 @@ impl Statics {
     /// A problem and how to solve it.
     ///
     /// # Errors
-    /// [`StaticsError::Setting`].
+    /// [`StaticsError::Setting`], [`StaticsError::NoFactors`]; [`StaticsError::Contact`] where the tangent is no operator.
     pub fn new(mut problem: Problem, settings: Settings) -> Result<Self, StaticsError> {
         settings.check()?;
         problem.stabilise(settings.newton.stabilisation);
-        problem.choose(settings.newton.linear_solver);
+        match settings.newton.contact_tangent {
+            ContactTangent::Assembled => problem.choose(settings.newton.linear_solver),
+            ContactTangent::Operator => problem.operate()?,
+        }
         Ok(Self { problem, settings, stops: Vec::new(), effort: Effort::default() })
     }
 

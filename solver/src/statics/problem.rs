@@ -264,6 +264,12 @@ impl Problem {
         self.solver.choose(choice);
     }
 
+    /// From here on the tangent of contact is an operator, and linear systems are solved iteratively.
+    pub(super) fn operate(&mut self) -> Result<(), ContactError> {
+        self.solver.choose(LinearSolverChoice::Iterative);
+        self.contacts.operate()
+    }
+
     /// Plastic states of the points at the last evaluation.
     #[must_use]
     pub fn last_points(&self) -> &[PointState] {

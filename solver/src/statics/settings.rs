@@ -1,6 +1,7 @@
 //! How increments and iterations go.
 
 use super::{State, StaticsError};
+use crate::contact::ContactTangent;
 use crate::system::LinearSolverChoice;
 
 /// All settings of a run.
@@ -77,11 +78,13 @@ pub struct NewtonSettings {
     pub stabilisation: f64,
     /// How linear systems are solved.
     pub linear_solver: LinearSolverChoice,
+    /// How the tangent of contact takes part in them.
+    pub contact_tangent: ContactTangent,
 }
 
 impl Default for NewtonSettings {
     /// 1e-6 of the forces or 1e-8, up to 20 iterations, 6 are few, with line search, without extrapolation and stabilisation; the linear
-    /// solver by the size.
+    /// solver by the size, the tangent of contact assembled.
     fn default() -> Self {
         Self {
             tolerance: 1e-6,
@@ -92,6 +95,7 @@ impl Default for NewtonSettings {
             extrapolation: Extrapolation::None,
             stabilisation: 0.0,
             linear_solver: LinearSolverChoice::Auto,
+            contact_tangent: ContactTangent::Assembled,
         }
     }
 }
@@ -132,6 +136,11 @@ impl Settings {
             absolute >= 0.0 && absolute.is_finite(),
             "at least 0 and finite",
         )?;
+        if newton.contact_tangent == ContactTangent::Operator
+            && newton.linear_solver == LinearSolverChoice::Direct
+        {
+            return Err(StaticsError::NoFactors);
+        }
         let part = newton.stabilisation;
         within("newton.stabilisation", part, (0.0..1.0).contains(&part), "at least 0 and below 1")?;
         within("newton.max_iterations", newton.max_iterations as f64, newton.max_iterations > 0, "at least 1")

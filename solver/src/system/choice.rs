@@ -1,8 +1,8 @@
 //! Which solver takes a system.
 
 use super::{
-    Accuracy, BlockMatrix, DirectSolver, Equations, Geometry, IterativeReport, Method, Symmetry, SystemError,
-    solve_iteratively,
+    Accuracy, BlockMatrix, DirectSolver, Equations, Geometry, IterativeReport, Method, Operator, Symmetry,
+    SystemError, solve_iteratively,
 };
 
 /// From so many equations on the choice by size is iterative: of solids with edges of like length the factors are the slower way by then.
@@ -42,6 +42,8 @@ impl LinearSolverChoice {
 pub struct LinearSystem<'a> {
     /// The matrix over all nodes.
     pub matrix: &'a BlockMatrix,
+    /// What is added to it without being assembled: it has no factors, and such a system is always solved iteratively.
+    pub operator: Option<&'a dyn Operator>,
     /// Which of it is free.
     pub equations: &'a Equations,
     /// What is known of the matrix.
@@ -118,19 +120,19 @@ impl LinearSolver {
         accuracy: Accuracy,
         solution: &mut Vec<[f64; 3]>,
     ) -> Result<LinearReport, SystemError> {
-        let &LinearSystem { matrix, equations, symmetry, geometry } = system;
+        let &LinearSystem { operator, equations, symmetry, .. } = system;
+        let may_be_direct = operator.is_none() && equations.len() <= DIRECT_UP_TO;
         // Restarted GMRES may stand still where contact is stiff and has friction.
-        let is_better_direct = self.choice == LinearSolverChoice::Auto
-            && symmetry == Symmetry::General
-            && equations.len() <= DIRECT_UP_TO;
-        if is_better_direct || !self.is_iterative(equations) {
+        let is_better_direct =
+            self.choice == LinearSolverChoice::Auto && symmetry == Symmetry::General && may_be_direct;
+        if is_better_direct || operator.is_none() && !self.is_iterative(equations) {
             return self.solve_directly(system, rhs, solution).map(LinearReport::Direct);
         }
-        match solve_iteratively(matrix, equations, symmetry, geometry, rhs, accuracy, solution) {
+        match solve_iteratively(system, rhs, accuracy, solution) {
             Ok(IterativeReport { iterations, size, bytes, .. }) => {
                 Ok(LinearReport::Iterative { iterations, size, bytes })
             }
-            Err(SystemError::NotConverged { iterations, .. }) if equations.len() <= DIRECT_UP_TO => {
+            Err(SystemError::NotConverged { iterations, .. }) if may_be_direct => {
                 self.solve_directly(system, rhs, solution)?;
                 Ok(LinearReport::Instead { iterations })
             }

@@ -1,8 +1,8 @@
 //! Krylov's methods for the free equations, preconditioned by [`Preconditioner`].
 
-use super::multigrid::{Geometry, add_scaled, dot, norm, scale_and_add};
+use super::multigrid::{add_scaled, dot, norm, scale_and_add};
 use super::preconditioner::Preconditioner;
-use super::{BlockMatrix, Equations, Symmetry, SystemError};
+use super::{BlockMatrix, Equations, LinearSystem, Operator, Symmetry, SystemError};
 
 /// Most iterations, of both methods together.
 const MAX_ITERATIONS: usize = 500;
@@ -63,6 +63,7 @@ pub struct IterativeReport {
 /// A system on its way.
 struct System<'a> {
     matrix: &'a BlockMatrix,
+    operator: Option<&'a dyn Operator>,
     equations: &'a Equations,
     preconditioner: Preconditioner,
     x: Vec<[f64; 3]>,
@@ -73,19 +74,18 @@ struct System<'a> {
 }
 
 /// Solves K x = b for the free equations as accurately as asked. Conjugate gradients are tried where K is symmetric; where it is
-/// not, or shows not to be definite, GMRES goes on. `rhs` and `x` are over all nodes; prescribed ones are not read, and 0 in `x`.
+/// not, or shows not to be definite, GMRES goes on. The preconditioner is that of the assembled matrix, also where an operator is added
+/// to it. `rhs` and `x` are over all nodes; prescribed ones are not read, and 0 in `x`.
 ///
 /// # Errors
 /// An entry that is not finite; a preconditioner that is singular; [`SystemError::NotConverged`].
 pub fn solve_iteratively(
-    matrix: &BlockMatrix,
-    equations: &Equations,
-    symmetry: Symmetry,
-    geometry: Geometry<'_>,
+    system: &LinearSystem<'_>,
     rhs: &[[f64; 3]],
     accuracy: Accuracy,
     x: &mut Vec<[f64; 3]>,
 ) -> Result<IterativeReport, SystemError> {
+    let &LinearSystem { matrix, operator, equations, symmetry, geometry } = system;
     let residual = checked(matrix, equations, rhs)?;
     let nodes = rhs.len();
     let scale = norm(&residual);
@@ -105,15 +105,16 @@ pub fn solve_iteratively(
     let size = preconditioner.left(equations, &residual)?.max(LEAST_SIZE * scale).min(scale);
     let tolerance = accuracy.of(size);
     let target = tolerance * size;
+    let x_start = std::mem::take(x);
     let mut system =
-        System { matrix, equations, preconditioner, x: std::mem::take(x), residual, target, iterations: 0 };
+        System { matrix, operator, equations, preconditioner, x: x_start, residual, target, iterations: 0 };
     let is_done = symmetry == Symmetry::Symmetric && system.conjugate_gradients()?;
     if !is_done {
         system.gmres()?;
     }
     // What the methods carry along has drifted.
     let mut product = vec![[0.0; 3]; nodes];
-    system.multiply(&system.x, &mut product);
+    system.multiply(&system.x, &mut product)?;
     system.residual.copy_from_slice(rhs);
     equations.clear_prescribed(&mut system.residual);
     add_scaled(&mut system.residual, -1.0, &product);
@@ -123,7 +124,7 @@ pub fn solve_iteratively(
         iterations: system.iterations,
         general: !is_done,
         levels: system.preconditioner.levels(),
-        bytes: matrix.bytes() + system.preconditioner.bytes() + system.bytes(!is_done),
+        bytes: system.bytes(!is_done),
     };
     if !(report.residual <= 2.0 * tolerance) {
         let IterativeReport { residual, iterations, .. } = report;
@@ -163,17 +164,26 @@ fn checked(
 
 impl System<'_> {
     /// y = K x among the free equations.
-    fn multiply(&self, x: &[[f64; 3]], y: &mut [[f64; 3]]) {
+    fn multiply(&self, x: &[[f64; 3]], y: &mut [[f64; 3]]) -> Result<(), SystemError> {
         self.matrix.multiply(x, y);
+        if let Some(operator) = self.operator {
+            operator.add_product(x, y).map_err(|entry| {
+                let (node, axis) = (entry / 3, entry % 3);
+                let equation = self.equations.number(node, axis).unwrap_or(0);
+                SystemError::NotFinite { equation, node, axis, value: y[node][axis] }
+            })?;
+        }
         self.equations.clear_prescribed(y);
+        Ok(())
     }
 
     /// r ← r − K Δx for a step Δx, which is added to x.
-    fn take(&mut self, step: &[[f64; 3]]) {
+    fn take(&mut self, step: &[[f64; 3]]) -> Result<(), SystemError> {
         add_scaled(&mut self.x, 1.0, step);
         let mut product = vec![[0.0; 3]; step.len()];
-        self.multiply(step, &mut product);
+        self.multiply(step, &mut product)?;
         add_scaled(&mut self.residual, -1.0, &product);
+        Ok(())
     }
 
     /// Whether the residual is small enough; else the matrix is not definite, or there are no more iterations. Leaves the best there is.
@@ -192,7 +202,7 @@ impl System<'_> {
             } else {
                 scale_and_add(&mut direction, now / before, &z);
             }
-            self.multiply(&direction, &mut product);
+            self.multiply(&direction, &mut product)?;
             let curvature = dot(&direction, &product);
             if !(now > 0.0 && curvature > 0.0) {
                 return Ok(false);
@@ -271,7 +281,7 @@ impl System<'_> {
         while self.iterations < MAX_ITERATIONS && least.columns.len() < RESTART {
             let z =
                 self.preconditioner.apply(self.matrix, self.equations, &directions[directions.len() - 1])?;
-            self.multiply(&z, &mut product);
+            self.multiply(&z, &mut product)?;
             let mut column = Vec::with_capacity(directions.len());
             for direction in &directions {
                 let part = dot(direction, &product);
@@ -291,14 +301,16 @@ impl System<'_> {
             add_scaled(&mut sum, *factor, direction);
         }
         let step = self.preconditioner.apply(self.matrix, self.equations, &sum)?;
-        self.take(&step);
-        Ok(())
+        self.take(&step)
     }
 
-    /// Memory of the vectors, bytes.
+    /// Memory of matrix, operator, preconditioner and vectors, bytes.
     fn bytes(&self, general: bool) -> usize {
         let vectors = if general { RESTART.min(self.iterations) + 5 } else { 5 };
-        vectors * self.x.len() * size_of::<[f64; 3]>()
+        self.matrix.bytes()
+            + self.operator.map_or(0, Operator::bytes)
+            + self.preconditioner.bytes()
+            + vectors * self.x.len() * size_of::<[f64; 3]>()
     }
 }
 

@@ -298,3 +298,22 @@ fn names_of_a_deck_are_shown_in_one_line_of_limited_length() {
     let said = Deck::parse(&text).unwrap().model(".").unwrap_err().to_string();
     assert!(said.len() < 500 && said.ends_with(" more"), "{said}");
 }
+
+#[test]
+fn a_tangent_that_is_no_operator_is_refused() {
+    let with = |newton: &str| {
+        format!("[time]\nincrement = 0.25\n[newton]\ncontact_tangent = \"operator\"\n{newton}")
+    };
+    let cases = [
+        ("linear_solver = \"direct\"", "", "as an operator beside linear_solver = \"direct\""),
+        ("", "friction = 0.3\n", "as an operator beside friction"),
+        ("", "integration = \"faces\"\n", "as an operator beside integration over faces"),
+    ];
+    for (newton, interface, reason) in cases {
+        let text = changed("[time]\nincrement = 0.25", &with(newton));
+        let text = text.replace("penalty =", &format!("{interface}penalty ="));
+        let expected = format!("newton.contact_tangent has no meaning {reason}");
+        let found = message(&text);
+        assert!(found.contains(&expected), "{found}\ndoes not contain\n{expected}");
+    }
+}

@@ -1,5 +1,7 @@
 //! Iterative linear solutions within increments.
 
+use diffuse_contact_solver::contact::ContactTangent;
+
 use super::*;
 
 fn with(solver: &str) -> String {
@@ -82,4 +84,61 @@ fn every_kind_of_contact_and_yielding_lead_where_factors_do() {
         // The upper block moves down by 0.02, to a tolerance of 1e-6 of the forces.
         assert!(error < 1e-6, "{error:e}: {interface} {material}");
     }
+}
+
+/// ε N Nᵀ is assembled, −f M is an operator: the same K in other parts.
+#[test]
+fn the_tangent_as_an_operator_takes_the_same_steps() {
+    let cases = [
+        ("areas = true\npenalty = 1e7", ""),
+        ("areas = true\npenalty = 1e9", ""),
+        ("areas = true\ntwo_pass = true\npenalty = 1e6", ""),
+        (
+            "areas = true\npenalty = 1e6\nmethod = \"augmented-lagrangian\"\naugmentation = { tolerance = 1e-6, max = 5 }",
+            "",
+        ),
+        ("areas = true\npenalty = 1e7", "yield_stress = 150.0\nhardening = 1000.0"),
+    ];
+    for (interface, material) in cases {
+        let (assembled, expected) = two_blocks("iterative", interface, material);
+        let (operator, found) = two_blocks("iterative\"\ncontact_tangent = \"operator", interface, material);
+        let (assembled, operator) = (&assembled.increments[0], &operator.increments[0]);
+        assert_eq!(operator.iterations, assembled.iterations, "{interface} {material}");
+        assert_eq!(operator.augmentations, assembled.augmentations, "{interface} {material}");
+        assert_eq!((operator.active, operator.linear.direct_instead), (assembled.active, 0));
+        let [own, other] = [operator, assembled].map(|record| record.linear.iterations);
+        assert!(own.abs_diff(other) <= 2, "{own} {other}: {interface} {material}");
+        for (own, other) in operator.contacts.iter().zip(&assembled.contacts) {
+            let difference = [0, 1, 2].map(|i| own.force[i] - other.force[i]);
+            assert!(size(difference) <= 1e-6 * size(other.force), "{difference:?} of {:?}", other.force);
+        }
+        let pairs = expected.positions.as_flattened().iter().zip(found.positions.as_flattened());
+        let error = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-7, "{error:e}: {interface} {material}");
+    }
+}
+
+/// A curved master under a stiff penalty, over increments: here −f M is what makes the last iterations quadratic.
+#[test]
+fn the_tangent_as_an_operator_is_as_exact_as_the_assembled_one() {
+    let with = |form: &str| format!("{}contact_tangent = \"{form}\"\ntolerance = 1e-9\n", with("iterative"));
+    let (assembled, expected, _) = run(PRESSED, &with("assembled"));
+    let (operator, found, _) = run(PRESSED, &with("operator"));
+    assert_eq!(assembled.increments.len(), operator.increments.len());
+    for (own, other) in operator.increments.iter().zip(&assembled.increments) {
+        assert_eq!(own.iterations, other.iterations);
+        let [.., before, last] = &own.history[..] else { panic!("{own:?}") };
+        assert!(last.relative < 1e-2 * before.relative, "{own:?}");
+    }
+    for (own, other) in found.positions.iter().zip(&expected.positions) {
+        assert!(size([0, 1, 2].map(|i| own[i] - other[i])) < 1e-8, "{own:?} {other:?}");
+    }
+}
+
+#[test]
+fn factors_of_an_operator_are_refused() {
+    let (mut deck, model) = deck(PRESSED, &with("direct"));
+    deck.newton.contact_tangent = ContactTangent::Operator;
+    let refused = solve::statics(&deck, &model, 1).err().unwrap().to_string();
+    assert!(refused.contains("newton.linear_solver has to be iterative or auto"), "{refused}");
 }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::super::{AssemblyError, DofMap, Elements, reserve, zeros};
+use super::super::{AssemblyError, DofMap, Elements, in_memory, reserve};
 use super::incidence::{Incidence, Lists};
 use super::locate::{CsrIndex, Located, Slots, check_rows, locate};
 use super::rows::{RowGroup, row_groups};
@@ -96,17 +96,19 @@ impl Found {
         Ok(Self { stamp: elements.stamp(), incidence, neighbours, groups })
     }
 
-    /// The places in a matrix whose row offsets have been checked. `is_union`: it is that of the union pattern.
+    /// The places in a matrix whose row offsets have been checked, in memory that may be there. `is_union`: it is that of the union
+    /// pattern.
     pub fn within<R: CsrIndex, C: CsrIndex>(
         self,
         dofs: &DofMap,
         row_offsets: &[R],
         columns: &[C],
         is_union: bool,
+        places: Vec<u32>,
     ) -> Result<CsrMap, AssemblyError> {
         let (groups, slots) = locate(&self.neighbours, &self.groups, dofs, row_offsets, columns, is_union)?;
         let of_nodes = groups_of_nodes(&groups, dofs.nodes())?;
-        let places = self.places(&groups, &of_nodes, &slots)?;
+        let places = self.places(&groups, &of_nodes, &slots, places)?;
         let batch_size = BATCH_PER_THREAD * rayon::current_num_threads();
         let batches: Vec<Result<Batch, AssemblyError>> = (0..self.incidence.nodes.len().div_ceil(batch_size))
             .into_par_iter()
@@ -132,10 +134,11 @@ impl Found {
         groups: &[Located],
         of_nodes: &Lists<u32>,
         slots: &Slots,
+        places: Vec<u32>,
     ) -> Result<Vec<u32>, AssemblyError> {
         let Incidence { nodes, elements, bases, .. } = &self.incidence;
         let count = elements.len();
-        let mut places = zeros("pairs of nodes of elements", bases[count])?;
+        let mut places = in_memory("pairs of nodes of elements", bases[count], places)?;
         let pool = Pool::default();
         for_each_part(0..count, &|node| bases[node], &mut places, &|range, places: &mut [u32]| {
             // Each is written before it is read.
@@ -288,7 +291,7 @@ impl CsrMap {
         columns: &[C],
     ) -> Result<Self, AssemblyError> {
         check_rows(dofs.equations(), row_offsets, columns.len())?;
-        Found::new(elements, dofs)?.within(dofs, row_offsets, columns, false)
+        Found::new(elements, dofs)?.within(dofs, row_offsets, columns, false, Vec::new())
     }
 
     /// Number of rows and columns, the equations of the [`DofMap`].

@@ -11,7 +11,7 @@ mod stream;
 pub use locate::CsrIndex;
 pub use map::CsrMap;
 
-use super::{AssemblyError, DofMap, Elements};
+use super::{AssemblyError, DofMap, ElementView, Elements};
 use map::Found;
 
 /// The places of the tangent's entries in compressed sparse rows, for all elements of a pairing whether they carry force
@@ -41,8 +41,39 @@ impl CsrPattern {
     /// program when the memory is used.)
     pub fn union<E: Elements + ?Sized>(elements: &E, dofs: &DofMap) -> Result<Self, AssemblyError> {
         let found = Found::new(elements, dofs)?;
-        let (row_offsets, columns) = rows::union(&found.neighbours, &found.groups, dofs)?;
-        let map = found.within(dofs, &row_offsets, &columns, true)?;
+        Self::of(found, dofs, (Vec::new(), Vec::new()), Vec::new())
+    }
+
+    /// The pattern of the elements as they are now, in the memory of this one: after a refresh that changed lists of nodes, where
+    /// [`fits`](CsrMap::fits) of the [`map`](Self::map) says no. The pages of new memory are a part of the time that
+    /// [`union`](Self::union) takes.
+    ///
+    /// # Errors
+    /// As [`union`](Self::union). The pattern is then as it was; without memory for the new one it has no elements and no entries.
+    pub fn renew<E: Elements + ?Sized>(&mut self, elements: &E, dofs: &DofMap) -> Result<(), AssemblyError> {
+        let found = Found::new(elements, dofs)?;
+        let memory = (std::mem::take(&mut self.row_offsets), std::mem::take(&mut self.columns));
+        let places = std::mem::take(&mut self.map.places);
+        match Self::of(found, dofs, memory, places) {
+            Ok(pattern) => {
+                *self = pattern;
+                Ok(())
+            }
+            Err(error) => {
+                *self = Self::union::<[ElementView<'_>]>(&[], &DofMap::standard(0))?;
+                Err(error)
+            }
+        }
+    }
+
+    fn of(
+        found: Found,
+        dofs: &DofMap,
+        memory: (Vec<usize>, Vec<u32>),
+        places: Vec<u32>,
+    ) -> Result<Self, AssemblyError> {
+        let (row_offsets, columns) = rows::union(&found.neighbours, &found.groups, dofs, memory)?;
+        let map = found.within(dofs, &row_offsets, &columns, true, places)?;
         Ok(Self { row_offsets, columns, map })
     }
 

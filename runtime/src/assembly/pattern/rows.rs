@@ -1,6 +1,6 @@
 //! Rows of a matrix by the nodes they belong to, and the columns of the union pattern.
 
-use super::super::{AssemblyError, DofMap, reserve, zeros};
+use super::super::{AssemblyError, DofMap, in_memory, reserve};
 use super::incidence::{Lists, NO_NODE};
 use super::split::for_each_part;
 
@@ -50,17 +50,19 @@ pub fn row_groups(neighbours: &Lists<u32>, dofs: &DofMap) -> Result<Vec<RowGroup
     Ok(groups)
 }
 
-/// Row offsets and columns of the union pattern.
+/// Row offsets and columns of the union pattern, in memory that may be there.
 pub fn union(
     neighbours: &Lists<u32>,
     groups: &[RowGroup],
     dofs: &DofMap,
+    (row_offsets, columns): (Vec<usize>, Vec<u32>),
 ) -> Result<(Vec<usize>, Vec<u32>), AssemblyError> {
     let equations = dofs.equations();
     if u32::try_from(equations).is_err() {
         return Err(AssemblyError::TooLarge { what: "equations", count: equations });
     }
-    let mut row_offsets: Vec<usize> = zeros("equations", equations + 1)?;
+    let mut row_offsets = in_memory("equations", equations + 1, row_offsets)?;
+    row_offsets.fill(0);
     for group in groups {
         let around = neighbours.get(group.node as usize).iter();
         let length = around.map(|&node| dofs.count(node as usize)).sum();
@@ -70,7 +72,7 @@ pub fn union(
     for offset in &mut row_offsets {
         sum = sum.saturating_add(std::mem::replace(offset, sum));
     }
-    let mut columns = zeros("entries", sum)?;
+    let mut columns = in_memory("entries", sum, columns)?;
     let start = |k: usize| groups.get(k).map_or(sum, |group| row_offsets[group.first]);
     for_each_part(0..groups.len(), &start, &mut columns, &|range, columns: &mut [u32]| {
         let mut rest = columns;

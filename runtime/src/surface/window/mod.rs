@@ -42,6 +42,11 @@
 //! and 1.5 times as far until they carry the basis; its list takes a walk as far as the longest domain met reaches. A [`SurfacePart`](crate::interface::SurfacePart)
 //! says for which of its facets it was not wide enough.
 //!
+//! # Faces
+//!
+//! A [`FaceInterface`](crate::faces::FaceInterface::in_window) has two windows. That of the master is as above, with its boxes around whole
+//! faces. That of the slave is made once, in the first positions: faces are as curved as fits through their own nodes say.
+//!
 //! # Borders
 //!
 //! An edge that only one facet of the window has is a border if the whole surface ends there. Else the window is *cut* there:
@@ -54,7 +59,7 @@ pub use boxes::boxes_around;
 
 use super::domains::NodalDomains;
 use super::topology::NONE;
-use super::{Carried, Creases, Listed, MasterSurface, SurfaceError, SurfaceIndex, SymmetryPlane};
+use super::{Carried, Creases, Facet, Listed, MasterSurface, SurfaceError, SurfaceIndex, SymmetryPlane};
 use crate::vector::Vector3;
 use crate::{Basis, MaterialDomain, Point, Weight};
 
@@ -428,6 +433,15 @@ impl Window {
         Ok((surface, NodalDomains::given(domains, bases, &lists), creases))
     }
 
+    /// The facets of its core by place among its nodes, ascending by number.
+    pub(crate) fn core_facets(&self) -> impl Iterator<Item = Facet> + '_ {
+        let core = self.facets.iter().filter(|facet| facet.core.is_some());
+        core.map(|facet| match facet.corners.map(|corner| corner as usize) {
+            [a, b, c, _] if facet.corners[3] == NONE => Facet::Triangle([a, b, c]),
+            corners => Facet::Quadrilateral(corners),
+        })
+    }
+
     /// What an interface of this window, made at these positions, knows of.
     pub(crate) fn known(&self, positions: &[Point]) -> Known {
         Known {
@@ -470,8 +484,13 @@ impl Known {
 
     /// The radius of the largest ball around a point that lies in one of the boxes; negative outside of all.
     pub fn around(&self, point: Point) -> f64 {
+        self.around_box([point; 2])
+    }
+
+    /// By how much a box may be widened to lie in one of the boxes; negative where it does not lie in any.
+    pub fn around_box(&self, own: Box3) -> f64 {
         let within = |[low, high]: &Box3| {
-            (0..3).map(|k| (point[k] - low[k]).min(high[k] - point[k])).fold(f64::INFINITY, f64::min)
+            (0..3).map(|k| (own[0][k] - low[k]).min(high[k] - own[1][k])).fold(f64::INFINITY, f64::min)
         };
         self.boxes.iter().map(within).fold(f64::NEG_INFINITY, f64::max)
     }

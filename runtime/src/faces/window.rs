@@ -1,0 +1,122 @@
+//! Faces of a rank, where nobody holds the whole of either surface. See [`surface::window`](crate::surface::window).
+
+use super::create::nodes_of;
+use super::skin::Skin;
+use super::{FaceInterface, FaceOptions};
+use crate::Point;
+use crate::interface::{ContactInterface, InterfaceError, InterfaceOptions, NoContact, areas_of};
+use crate::surface::window::{Known, Window};
+use crate::surface::{Facet, shape_of};
+
+/// What faces know of both surfaces.
+#[derive(Debug)]
+pub(super) struct FaceWindow {
+    master: Known,
+    /// Of each face, what is not known of its own smooth surface.
+    of_skin: Vec<Option<NoContact>>,
+    /// Of each of the slave's nodes, whether faces at it may not be there.
+    of_nodes: Vec<Option<NoContact>>,
+    /// Of each face at the last cut, what it does not know.
+    beyond: Vec<Option<NoContact>>,
+}
+
+impl FaceWindow {
+    /// Whether nothing of the master has moved by more than its skin.
+    pub fn holds_at(&self, positions: &[Point]) -> bool {
+        self.master.holds_at(positions)
+    }
+
+    /// Finds out at these positions which faces know all facets near enough.
+    pub fn look(&self, faces: &[Facet], positions: &[Point], limits: &[f64]) -> Vec<Option<NoContact>> {
+        let holds = self.holds_at(positions);
+        let of_face = |(k, face): (usize, &Facet)| {
+            let (low, high) = shape_of(face, positions).bounds();
+            let around = self.master.around_box([low.into(), high.into()]);
+            let known = if holds { around } else { f64::NEG_INFINITY };
+            let needed = self.master.needed(limits[k]);
+            let is_far = !(needed <= known);
+            self.of_skin[k].or_else(|| is_far.then_some(NoContact::BeyondWindow { needed, known }))
+        };
+        faces.iter().enumerate().map(of_face).collect()
+    }
+
+    /// Takes over what [`look`](Self::look) found.
+    pub fn take(&mut self, beyond: Vec<Option<NoContact>>) {
+        self.beyond = beyond;
+    }
+
+    /// Why the result of the k-th node, with these faces around it, is not known.
+    pub fn of_node(&self, k: usize, around: &[u32]) -> Option<NoContact> {
+        let of_face = |&face: &u32| self.beyond.get(face as usize).copied().flatten();
+        self.of_nodes[k].or_else(|| around.iter().find_map(of_face))
+    }
+}
+
+impl FaceInterface {
+    /// An interface of slaves that know windows of both surfaces only. Nodes are those of the [master's window](Window::nodes) in their
+    /// order, then those of the slave's. `positions` are those when the master's window was made. The faces are the core of the slave's
+    /// window, which is made once, in the first positions: its boxes are to hold the nodes whose results are asked for, with all faces at
+    /// them.
+    /// The master's boxes are to hold these faces and what is within the limit of the distance, at the positions until it is made anew.
+    ///
+    /// Gaps, pressures and areas after a [`refresh`](Self::refresh) are those of an interface of the whole surfaces, bit for bit, or the
+    /// node has the outcome [`NoContact::BeyondWindow`] and no pressure. What other nodes add to a row is not known there.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new) and [`ContactInterface::in_window`]; [`InterfaceError::OtherThanWindow`] without a limit of the distance, or
+    /// where the two windows have other planes of symmetry; [`InterfaceError::WrongNumberOfPositions`].
+    pub fn in_window(
+        master: &Window,
+        slave: &Window,
+        positions: &[Point],
+        options: FaceOptions,
+    ) -> Result<Self, InterfaceError> {
+        let own = InterfaceOptions { areas: false, ..options.interface };
+        if own.distance_limit.is_none() {
+            return Err(InterfaceError::OtherThanWindow { what: "limit of the distance" });
+        }
+        if master.setup.planes != slave.setup.planes {
+            return Err(InterfaceError::OtherThanWindow { what: "symmetry of the slave" });
+        }
+        let offset = master.nodes().len();
+        let (found, expected) = (positions.len(), offset + slave.nodes().len());
+        if found != expected {
+            return Err(InterfaceError::WrongNumberOfPositions { found, expected });
+        }
+        let interface = ContactInterface::in_window(master, Vec::new(), &[], positions, own)?;
+        let (skin, of_skin) = Skin::in_window(slave, offset, &own)?;
+        let faces: Vec<Facet> = slave.core_facets().map(|face| moved(&face, offset)).collect();
+        let first: Vec<Point> = master.first_positions().chain(slave.first_positions()).collect();
+        let areas = areas_of(&nodes_of(&faces), &faces, &first)?;
+        let mut made = Self::of((interface, skin, areas), faces, first, options);
+        made.positions.copy_from_slice(positions);
+        let known = slave.known(&made.first[offset..]);
+        let of_node = |&node: &usize| {
+            let (needed, around) = (known.needed(0.0), known.around(made.first[node]));
+            let is_beside = !(needed <= around);
+            is_beside.then_some(NoContact::BeyondWindow { needed, known: around })
+        };
+        let of_nodes = made.nodes.iter().map(of_node).collect();
+        made.window =
+            Some(FaceWindow { master: master.known(positions), of_skin, of_nodes, beyond: Vec::new() });
+        Ok(made)
+    }
+
+    /// Whether there are windows of the surfaces only.
+    #[must_use]
+    pub const fn is_in_window(&self) -> bool {
+        self.window.is_some()
+    }
+
+    pub(super) fn check_whole(&self, what: &'static str) -> Result<(), InterfaceError> {
+        if self.window.is_some() { Err(InterfaceError::InWindow { what }) } else { Ok(()) }
+    }
+}
+
+/// A facet with other numbers of nodes.
+fn moved(facet: &Facet, offset: usize) -> Facet {
+    match *facet {
+        Facet::Triangle(corners) => Facet::Triangle(corners.map(|node| node + offset)),
+        Facet::Quadrilateral(corners) => Facet::Quadrilateral(corners.map(|node| node + offset)),
+    }
+}

@@ -1,0 +1,247 @@
+//! Windows of both surfaces: nodes that know a part have the results of the whole, bit for bit, or say that they cannot know.
+
+use std::collections::HashMap;
+
+use diffuse_contact::interface::{ContactInterface, NoContact, Outcome};
+use diffuse_contact::surface::SymmetryPlane;
+use diffuse_contact::surface::window::{Box3, Window, boxes_around};
+
+use super::*;
+
+const LIMIT: f64 = 0.5;
+/// No face of the slave is wider.
+const WIDE: f64 = 0.8;
+/// How far the master moves at most before windows are made anew.
+const SKIN: f64 = 0.1;
+
+/// Wavy surfaces of irregular cells, one a little below the other.
+fn pair(triangles: bool) -> Pair {
+    let height = |x: f64, y: f64| 0.25 * (0.9 * x).sin() * (0.7 * y).cos();
+    let inner = |x: f64| if x > 0.0 && x < 6.0 { 0.07 } else { 0.0 };
+    let low = move |x: f64, y: f64| {
+        let (x, y) = (x + inner(x) * (5.0 * y).sin(), y + inner(y) * (7.0 * x).cos());
+        [x, y, height(x, y)]
+    };
+    let high = move |x: f64, y: f64| {
+        let (x, y) = (0.9 * x + 0.2 + inner(x) * (3.0 * y).cos(), 0.9 * y + 0.25);
+        [x, y, height(x, y) - 0.02 + 0.04 * (2.0 * x).sin()]
+    };
+    Pair::new([11, 13], triangles, low, high)
+}
+
+struct Whole {
+    pair: Pair,
+    options: FaceOptions,
+    /// Of the whole surfaces, to cut windows from.
+    master: ContactInterface,
+    slave: ContactInterface,
+    /// Where everything is.
+    moved: Vec<Point>,
+    interface: FaceInterface,
+}
+
+impl Whole {
+    fn new(triangles: bool, planes: &[SymmetryPlane]) -> Self {
+        let pair = pair(triangles);
+        let options = InterfaceOptions::default().with_distance_limit(Some(LIMIT));
+        let (options, positions) = (FaceOptions::new(options), &pair.positions);
+        let surface = |facets: &[Facet]| {
+            let surface = MasterSurface::new(positions, facets.to_vec()).unwrap();
+            let mut made =
+                ContactInterface::new(surface, Vec::new(), &[], positions, options.interface).unwrap();
+            made.set_symmetry(planes).unwrap();
+            made
+        };
+        let (master, slave) = (surface(&pair.master), surface(&pair.slave));
+        let surface = MasterSurface::new(positions, pair.master.clone()).unwrap();
+        let mut interface = FaceInterface::new(surface, &pair.slave, positions, options).unwrap();
+        interface.set_symmetry(planes).unwrap();
+        let move_a_little = |(k, x): (usize, &Point)| {
+            let t = 0.3 * k as f64;
+            [x[0] + 0.03 * t.sin(), x[1] + 0.03 * t.cos(), x[2] + 0.03 * (2.0 * t).sin()]
+        };
+        let moved: Vec<Point> = positions.iter().enumerate().map(move_a_little).collect();
+        interface.refresh(&moved).unwrap();
+        Self { pair, options, master, slave, moved, interface }
+    }
+
+    fn evaluate(&mut self, mode: Mode) -> FaceContacts {
+        self.interface.evaluate(&ContactLaw::penalty(100.0), mode).unwrap().clone()
+    }
+
+    /// An interface of these nodes of the slave, with numbers of the whole for its nodes. Boxes of the master reach `reach` beyond.
+    fn part(&self, nodes: &[usize], reach: f64) -> (FaceInterface, Vec<usize>) {
+        let place = |x: &Vec<Point>| nodes.iter().map(|&node| x[node]).collect::<Vec<_>>();
+        let sent = |window: Window| {
+            let (integers, reals) = window.to_numbers();
+            Window::from_numbers(&integers, &reals).unwrap()
+        };
+        let boxes: Vec<Box3> = boxes_around(&place(&self.pair.positions), WIDE, 4);
+        let slave = sent(self.slave.window(&boxes, 0.0).unwrap());
+        let boxes = boxes_around(&place(&self.moved), reach, 4);
+        let master = sent(self.master.window(&boxes, SKIN).unwrap());
+        let numbers: Vec<usize> = master.nodes().chain(slave.nodes()).map(|node| node as usize).collect();
+        let at = |positions: &[Point]| numbers.iter().map(|&node| positions[node]).collect::<Vec<_>>();
+        let positions = at(&self.pair.positions);
+        let mut interface = FaceInterface::in_window(&master, &slave, &positions, self.options).unwrap();
+        assert!(interface.is_in_window());
+        interface.refresh(&at(&self.moved)).unwrap();
+        (interface, numbers)
+    }
+}
+
+/// The nodes of the slave in four parts: strips, quarters, and by number.
+fn partitions(pair: &Pair) -> [Vec<Vec<usize>>; 3] {
+    let nodes: Vec<usize> = (pair.first_slave..pair.positions.len()).collect();
+    let by = |part: &dyn Fn(usize) -> usize| {
+        (0..4).map(|k| nodes.iter().copied().filter(|&node| part(node) == k).collect()).collect()
+    };
+    let x = |node: usize, axis: usize| pair.positions[node][axis];
+    [
+        by(&|node| ((x(node, 0) / 6.0 * 4.0) as usize).min(3)),
+        by(&|node| usize::from(x(node, 0) > 3.0) + 2 * usize::from(x(node, 1) > 3.0)),
+        by(&|node| node % 4),
+    ]
+}
+
+/// Everything that a node has, in bits.
+fn bits(node: &NodeContact) -> (Outcome, Vec<u64>) {
+    let numbers = [&[node.gap, node.area, node.pressure, node.stiffness], &node.normal[..]].concat();
+    (node.outcome, numbers.into_iter().map(f64::to_bits).collect())
+}
+
+#[test]
+fn any_partition_of_the_nodes_has_the_bits_of_the_whole() {
+    let across = SymmetryPlane::across(0, [0.0; 3]);
+    for (triangles, planes) in [(false, vec![]), (true, vec![]), (false, vec![across])] {
+        let mut whole = Whole::new(triangles, &planes);
+        let expected = whole.evaluate(Mode::Value);
+        let of_whole: HashMap<usize, NodeContact> =
+            expected.nodes().iter().map(|node| (node.slave, *node)).collect();
+        assert!(expected.nodes().iter().filter(|node| node.pressure > 0.0).count() > 60);
+        for (which, parts) in partitions(&whole.pair).iter().enumerate() {
+            for own in parts {
+                let (mut part, numbers) = whole.part(own, WIDE + LIMIT + SKIN);
+                let found = part.evaluate(&ContactLaw::penalty(100.0), Mode::Value).unwrap();
+                let mut count = 0;
+                for node in found.nodes() {
+                    let number = numbers[node.slave];
+                    let is_own = own.contains(&number);
+                    count += usize::from(is_own);
+                    let is_beyond = matches!(node.outcome, Outcome::None(NoContact::BeyondWindow { .. }));
+                    assert!(!(is_own && is_beyond), "{:?}: node {number}, partition {which}", node.outcome);
+                    let exact = &of_whole[&number];
+                    if is_beyond {
+                        assert_eq!((node.pressure, node.area), (0.0, 0.0));
+                    } else {
+                        assert_eq!(bits(node), bits(exact), "node {number}, partition {which} {planes:?}");
+                    }
+                }
+                assert_eq!(count, own.len());
+            }
+        }
+    }
+}
+
+/// Rows of nodes whose neighbours are known have the forces and the tangent of the whole.
+#[test]
+fn rows_inside_a_part_are_those_of_the_whole() {
+    let mut whole = Whole::new(false, &[]);
+    let expected = whole.evaluate(Mode::Hessian);
+    let own = &partitions(&whole.pair)[1][0];
+    let (mut part, numbers) = whole.part(own, WIDE + LIMIT + SKIN);
+    let contacts = part.evaluate(&ContactLaw::penalty(100.0), Mode::Hessian).unwrap().clone();
+    let is_beyond = |contact: &NodeContact| contact.outcome.code() == "beyond-window";
+    let beyond: Vec<usize> =
+        contacts.nodes().iter().filter(|node| is_beyond(node)).map(|node| node.slave).collect();
+    let is_known =
+        |node: usize| !beyond.iter().any(|&other| shares_a_face(&whole.pair, numbers[other], numbers[node]));
+    let (all, here) = (whole.pair.positions.len(), numbers.len());
+    let v = |number: usize, axis: usize| (0.7 * (3 * number + axis) as f64).sin();
+    let of_whole: Vec<f64> = (0..3 * all).map(|k| v(k / 3, k % 3)).collect();
+    let of_part: Vec<f64> = (0..3 * here).map(|k| v(numbers[k / 3], k % 3)).collect();
+    let results = |contacts: &FaceContacts, v: &[f64]| {
+        let dofs = DofMap::standard(v.len() / 3);
+        let (mut forces, mut product) = (vec![0.0; v.len()], vec![0.0; v.len()]);
+        contacts.add_forces(&dofs, &mut forces).unwrap();
+        contacts.add_product(Tangent::Exact, &dofs, v, &mut product).unwrap();
+        [forces, product]
+    };
+    let (exact, found) = (results(&expected, &of_whole), results(&contacts, &of_part));
+    let mut compared = 0;
+    for &node in part.slaves().iter().filter(|&&node| own.contains(&numbers[node]) && is_known(node)) {
+        for (exact, found) in exact.iter().zip(&found) {
+            let largest = exact.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+            for axis in 0..3 {
+                let error = (exact[3 * numbers[node] + axis] - found[3 * node + axis]).abs();
+                assert!(error <= 1e-14 * largest, "{error:e} of {largest:e}");
+            }
+        }
+        compared += 1;
+    }
+    assert!(compared > 20, "{compared}");
+}
+
+fn shares_a_face(pair: &Pair, one: usize, other: usize) -> bool {
+    pair.slave.iter().any(|face| face.corners().contains(&one) && face.corners().contains(&other))
+}
+
+#[test]
+fn narrow_boxes_say_so_and_give_no_other_number() {
+    let mut whole = Whole::new(false, &[]);
+    let expected = whole.evaluate(Mode::Value);
+    let of_whole: HashMap<usize, NodeContact> =
+        expected.nodes().iter().map(|node| (node.slave, *node)).collect();
+    let mut seen = [0; 2];
+    for own in &partitions(&whole.pair)[1] {
+        let (mut part, numbers) = whole.part(own, 0.6);
+        for node in part.evaluate(&ContactLaw::penalty(100.0), Mode::Value).unwrap().nodes() {
+            if let Outcome::None(NoContact::BeyondWindow { needed, known }) = node.outcome {
+                assert!(needed > known && node.pressure == 0.0, "{needed} {known}");
+                seen[0] += 1;
+            } else {
+                assert_eq!(bits(node), bits(&of_whole[&numbers[node.slave]]));
+                seen[1] += 1;
+            }
+        }
+        // Older than its skin a window knows nothing.
+        let mut far: Vec<Point> = numbers.iter().map(|&node| whole.moved[node]).collect();
+        far[0][2] -= 2.0 * SKIN;
+        part.update(&far).unwrap();
+        let found = part.evaluate(&ContactLaw::penalty(100.0), Mode::Value).unwrap();
+        let is_beyond = |node: &NodeContact| node.outcome.code() == "beyond-window";
+        assert!(found.nodes().iter().all(is_beyond));
+    }
+    assert!(seen[0] > 50 && seen[1] > 50, "{seen:?}");
+}
+
+#[test]
+fn what_takes_the_whole_is_refused() {
+    let whole = Whole::new(false, &[]);
+    let own = &partitions(&whole.pair)[1][0];
+    let (mut part, _) = whole.part(own, 2.0);
+    let friction =
+        ContactLaw::penalty(1.0).with_friction(Some(diffuse_contact::Coulomb::new(0.3, 1.0).unwrap()));
+    let refused = |error: InterfaceError| assert_eq!(error.code(), "in-window");
+    refused(part.evaluate(&friction, Mode::Value).unwrap_err());
+    refused(part.accept(&friction).unwrap_err());
+    refused(part.set_symmetry(&[]).unwrap_err());
+    refused(part.set_quadratic_faces(&[]).unwrap_err());
+
+    let place = |k: usize| whole.pair.positions[k];
+    let boxes = boxes_around(&own.iter().map(|&k| place(k)).collect::<Vec<_>>(), 1.0, 4);
+    let [master, slave] = [&whole.master, &whole.slave].map(|side| side.window(&boxes, SKIN).unwrap());
+    let positions: Vec<Point> = master.nodes().chain(slave.nodes()).map(|k| place(k as usize)).collect();
+    let made = |positions: &[Point], options: FaceOptions| {
+        FaceInterface::in_window(&master, &slave, positions, options).map(drop).unwrap_err().code()
+    };
+    assert_eq!(made(&positions[1..], whole.options), "wrong-number-of-positions");
+    let unlimited = FaceOptions::new(InterfaceOptions::default());
+    assert_eq!(made(&positions, unlimited), "other-than-window");
+    let element = ContactElement::diffuse(diffuse_contact::neighbourhood::SearchOptions::domains());
+    let other = element.with_weight(Weight::WendlandC2);
+    let other = FaceOptions::new(whole.options.interface.with_element(other));
+    assert_eq!(made(&positions, other), "other-than-window");
+    let facets = FaceOptions::new(whole.options.interface.with_element(ContactElement::NodeToFacet));
+    assert_eq!(made(&positions, facets), "window-needs-domains");
+}

@@ -1,0 +1,13 @@
+//! A part of a matrix that is there by its products alone.
+
+/// A symmetric matrix over all nodes that is never assembled. A linear system adds it to an assembled one, which alone is preconditioned.
+pub trait Operator {
+    /// y ← y + A x
+    ///
+    /// # Errors
+    /// The entry of y, three for a node, that is not finite. What y holds is then unspecified.
+    fn add_product(&self, x: &[[f64; 3]], y: &mut [[f64; 3]]) -> Result<(), usize>;
+
+    /// Memory, bytes.
+    fn bytes(&self) -> usize;
+}

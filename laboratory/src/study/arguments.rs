@@ -281,7 +281,7 @@ impl VerificationProblem {
 
     /// Whether it is also solved on meshes that take minutes.
     pub const fn has_fine_meshes(self) -> bool {
-        matches!(self, Self::HertzCylinder | Self::HertzSphere | Self::CattaneoMindlin)
+        matches!(self, Self::HertzCylinder | Self::HertzSphere | Self::CattaneoMindlin | Self::PipePinch)
     }
 
     /// Name of its deck.

@@ -119,7 +119,11 @@ impl<'a> Increment<'a> {
                 if self.augment(observer)? {
                     break;
                 }
-            } else if self.rounds.iterations >= newton.max_iterations {
+            } else if is_spent(
+                &self.history[self.rounds.begin..],
+                self.rounds.iterations,
+                newton.max_iterations,
+            ) {
                 let residual = balance.residual / balance.scale;
                 return Err(Failure::Iterations { residual, iterations: self.iterations });
             } else {
@@ -441,6 +445,14 @@ impl<'a> Increment<'a> {
     }
 }
 
+/// Whether a round after so many iterations, of `most`, is given up. One whose last step was whole and brought the residual down is close
+/// to equilibrium: it may have half as many more.
+fn is_spent(history: &[IterationRecord], iterations: usize, most: usize) -> bool {
+    let is_close =
+        matches!(history, [.., before, last] if last.step >= 1.0 && last.residual < before.residual);
+    iterations >= if is_close { most + most / 2 } else { most }
+}
+
 /// Whether the last five residuals are two in turn.
 fn comes_back(history: &[IterationRecord]) -> bool {
     let [.., a, b, c, d, e] = history else { return false };
@@ -467,6 +479,21 @@ mod tests {
             step: 1.0,
         };
         residuals.iter().zip(active).map(record).collect()
+    }
+
+    #[test]
+    fn whole_steps_towards_equilibrium_are_not_cut_off() {
+        let mut history = history(&[6.8, 3.7], &[77, 80]);
+        assert!(!is_spent(&history, 19, 20));
+        assert!(!is_spent(&history, 20, 20));
+        assert!(!is_spent(&history, 29, 20));
+        assert!(is_spent(&history, 30, 20));
+        assert!(is_spent(&history, 1, 1));
+        history[1].step = 0.5;
+        assert!(is_spent(&history, 20, 20));
+        history[1] = IterationRecord { step: 1.0, residual: 6.9, ..history[1] };
+        assert!(is_spent(&history, 20, 20));
+        assert!(is_spent(&history[1..], 20, 20));
     }
 
     #[test]

@@ -65,7 +65,8 @@ pub struct NewtonSettings {
     pub tolerance: f64,
     /// Residual that is small enough whatever the forces are, force, ≥ 0.
     pub absolute: f64,
-    /// Most linear solutions in an increment, and in each round of an augmented Lagrangian.
+    /// Most linear solutions in an increment, and in each round of an augmented Lagrangian; half as many more while steps are whole and
+    /// bring the residual down.
     pub max_iterations: usize,
     /// An increment that takes at most so many, in each round of an augmented Lagrangian, lets the next one grow.
     pub few_iterations: usize,

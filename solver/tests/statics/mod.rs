@@ -121,9 +121,9 @@ fn nothing_of_a_failed_increment_stays() {
         assert_eq!(state.points, known.points);
         assert_eq!(state.loaded, known.loaded);
         assert_eq!(notes.increments[0].history, cut.increments[0].history);
-        // The price is known.
+        // The price is known: at most five iterations, and two more of whole steps.
         let in_vain = known.iterations - state.iterations;
-        assert!(in_vain >= known.cutbacks && in_vain <= 5 * known.cutbacks, "{in_vain} {}", known.cutbacks);
+        assert!(in_vain >= known.cutbacks && in_vain <= 7 * known.cutbacks, "{in_vain} {}", known.cutbacks);
         assert_eq!(effort, Effort { iterations: known.iterations, cutbacks: known.cutbacks });
     }
 }

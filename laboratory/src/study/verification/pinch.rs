@@ -1,16 +1,23 @@
 //! A pipe pinched by a plate: contact along the axis, where there is none between bodies that end at planes of symmetry.
 
 use diffuse_contact::surface::SymmetryPlane;
+use diffuse_contact_solver::deck::{Deck, DeckError, Reference};
+use diffuse_contact_solver::material::Material;
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::trace;
 
-use super::{Decks, Findings, SURFACES, outcome, row};
+use super::{Decks, Findings, SURFACES, Way, divide, outcome, row};
 use crate::study::markdown::Table;
 
 /// The axis of the pipe, whose end z = 0 stays in its plane.
 const AXIS: usize = 2;
 
 pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
+    if decks.fine { refined(decks) } else { descriptions(decks) }
+}
+
+/// By description of the master, on the mesh of the deck.
+fn descriptions(decks: &Decks) -> Result<Findings, SolveError> {
     let columns = [
         "element",
         "planes of symmetry",
@@ -26,10 +33,8 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
         let planes: &[bool] = if way.hull_layers { &[false] } else { &[false, true] };
         for &with_planes in planes {
             let mut deck = decks.by(way)?;
-            for interface in &mut deck.interfaces {
-                if with_planes {
-                    interface.symmetry = (0..3).map(|axis| SymmetryPlane::across(axis, [0.0; 3])).collect();
-                }
+            if with_planes {
+                name_planes(&mut deck);
             }
             let run =
                 outcome(trace(&deck, decks.base(), decks.threads, |snapshot| Ok(snapshot.contact_force())))?;
@@ -47,6 +52,111 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                 ]
             });
             row(&mut table, [way.name(), if with_planes { "x, y, z" } else { "none" }], figures);
+        }
+    }
+    Ok(Findings { tables: vec![table], charts: Vec::new() })
+}
+
+fn name_planes(deck: &mut Deck) {
+    for interface in &mut deck.interfaces {
+        interface.symmetry = (0..3).map(|axis| SymmetryPlane::across(axis, [0.0; 3])).collect();
+    }
+}
+
+/// One way to refine the pinch.
+#[derive(Clone, Copy)]
+struct Refined {
+    /// Cells of the pipe around, through and along; the plate has three quarters of those around.
+    cells: [usize; 3],
+    /// Penalty per area, over that of the deck.
+    penalty: f64,
+    is_stiff: bool,
+    is_plate_master: bool,
+}
+
+impl Refined {
+    /// Of the deck.
+    const CELLS: [usize; 3] = [16, 2, 2];
+
+    fn plate(cells: [usize; 3]) -> [usize; 3] {
+        [cells[0] / 4 * 3, cells[1], cells[2]]
+    }
+
+    fn deck(&self, decks: &Decks) -> Result<Deck, DeckError> {
+        let mut deck = decks.by(Way::DIFFUSE)?;
+        name_planes(&mut deck);
+        divide(&mut deck, "pipe", &self.cells);
+        divide(&mut deck, "plate", &Self::plate(self.cells));
+        let slaves = |[around, _, along]: [usize; 3]| (around * along) as f64;
+        for interface in &mut deck.interfaces {
+            interface.exchange = self.is_plate_master;
+            let factor = self.penalty * slaves(Self::CELLS) / slaves(self.cells);
+            interface.penalty = interface.penalty.map(|penalty| penalty * factor);
+        }
+        if self.is_stiff {
+            let steel = deck.materials.values().next().copied();
+            let stiff = steel.map(|steel| Material { young: STIFF * steel.young, poisson: 0.0, ..steel });
+            deck.materials.extend(stiff.map(|stiff| ("stiff".to_owned(), stiff)));
+            for plate in deck.parts.iter_mut().filter(|part| part.name == "plate") {
+                plate.material = Some(Reference { name: "stiff".into(), line: plate.line });
+            }
+        }
+        Ok(deck)
+    }
+}
+
+/// Stiffness of a plate that hardly deforms, over that of the pipe.
+const STIFF: f64 = 1e4;
+
+/// What is left of the axial force on finer meshes, with a stiffer penalty, from either side.
+fn refined(decks: &Decks) -> Result<Findings, SolveError> {
+    let mut table = Table::new(
+        "Pinch of a pipe: axial force of contact on the pipe over the total, planes named",
+        [
+            "plate",
+            "pipe's cells",
+            "penalty",
+            "master",
+            "at 25 %",
+            "at 50 %",
+            "at 75 %",
+            "at the end",
+            "largest",
+        ],
+    );
+    for is_stiff in [false, true] {
+        // The normals of a flat plate that hardly deforms have no axial part.
+        for is_plate_master in [false, true].into_iter().take(if is_stiff { 1 } else { 2 }) {
+            for (cells, penalty) in
+                [(Refined::CELLS, 1.0), ([32, 2, 4], 1.0), ([32, 2, 8], 1.0), ([32, 2, 8], 10.0)]
+            {
+                let way = Refined { cells, penalty, is_stiff, is_plate_master };
+                let deck = way.deck(decks)?;
+                let run = outcome(trace(&deck, decks.base(), decks.threads, |snapshot| {
+                    Ok(snapshot.contact_force())
+                }))?;
+                let figures = run.map(|run| {
+                    // Forces are those on the slave.
+                    let sign = if is_plate_master { 100.0 } else { -100.0 };
+                    let share = |force: &[f64; 3]| {
+                        sign * force[AXIS] / force.iter().map(|f| f * f).sum::<f64>().sqrt()
+                    };
+                    let all: Vec<f64> = run.measures.iter().map(share).filter(|x| x.is_finite()).collect();
+                    let at = |quarter: usize| {
+                        let place = (quarter * all.len()).div_ceil(4).checked_sub(1);
+                        place.map_or_else(String::new, |place| format!("{:+.3} %", all[place]))
+                    };
+                    let largest = all.iter().map(|share| share.abs()).fold(0.0, f64::max);
+                    [at(1), at(2), at(3), at(4), format!("{largest:.3} %")]
+                });
+                let names = [
+                    if is_stiff { "10⁴ times as stiff" } else { "as stiff as the pipe" }.to_owned(),
+                    cells.map(|cells| cells.to_string()).join(" × "),
+                    format!("{penalty} ×"),
+                    if is_plate_master { "plate" } else { "pipe" }.to_owned(),
+                ];
+                row(&mut table, names, figures);
+            }
         }
     }
     Ok(Findings { tables: vec![table], charts: Vec::new() })

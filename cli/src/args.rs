@@ -75,6 +75,14 @@ mod tests {
 
     use super::*;
 
+    /// Without debug assertions in clap the tests of arguments find nothing.
+    #[test]
+    #[should_panic(expected = "Short option names must be unique")]
+    fn arguments_that_clash_are_found() {
+        let twice = [clap::Arg::new("one").short('o'), clap::Arg::new("other").short('o')];
+        clap::Command::new("clash").args(twice).debug_assert();
+    }
+
     #[test]
     fn the_arguments_are_consistent() {
         Arguments::command().debug_assert();

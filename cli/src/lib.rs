@@ -48,7 +48,7 @@ fn run(command: Command) -> Result<ExitCode, CliError> {
         Command::Demo(arguments) => demo::run(&arguments).map(done),
         Command::Evaluate(arguments) => evaluate::run(&arguments),
         Command::Surface(arguments) => surface::run(&arguments).map(done),
-        Command::Neighbours(arguments) => neighbours::run(&arguments).map(done),
+        Command::Neighbours(arguments) => neighbours::run(&arguments),
         Command::Solve(_) | Command::Report(_) => elsewhere::run(elsewhere::SOLVER),
         Command::Emit(_) | Command::Check(_) | Command::Study(_) | Command::Bench(_) => {
             elsewhere::run(elsewhere::LABORATORY)

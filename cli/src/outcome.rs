@@ -2,8 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
 
 use serde::Serialize;
+
+use crate::error::CliError;
+use crate::{input, output};
 
 /// One entry of an output file.
 #[derive(Debug, Serialize)]
@@ -20,6 +25,9 @@ pub enum Outcome<T> {
     },
 }
 
+/// Exit code if an entry has no result.
+const INCOMPLETE: u8 = 1;
+
 /// How often each reason occurred for which there is no result.
 #[derive(Debug, Default)]
 pub struct Failures(BTreeMap<&'static str, usize>);
@@ -32,14 +40,39 @@ impl Failures {
         }
     }
 
-    /// Says on standard error how many of the `total` entries, called `what`, have no result; nothing if all have.
-    pub fn report(&self, total: usize, what: &str) {
+    /// Says on standard error how many of the `total` entries, called `what`, have no result; nothing if all have. The exit code
+    /// tells the two apart.
+    fn report(&self, total: usize, what: &str) -> ExitCode {
         if self.0.is_empty() {
-            return;
+            return ExitCode::SUCCESS;
         }
         let codes: Vec<String> = self.0.iter().map(|(code, count)| format!("{code}: {count}")).collect();
         let failed: usize = self.0.values().sum();
         let _ =
             writeln!(io::stderr(), "note: {failed} of {total} {what} have no result ({})", codes.join(", "));
+        ExitCode::from(INCOMPLETE)
     }
+}
+
+/// Reads a document and writes what there is to say to it, to `target` or else standard output. Standard error and the exit code tell
+/// how many of its entries, called `what`, have no result.
+pub fn answer<D>(
+    (source, target): (&Path, Option<&Path>),
+    parse: impl FnOnce(&str, &[u8]) -> Result<D, CliError>,
+    write: impl FnOnce(&mut dyn Write, &D, &mut Failures) -> io::Result<()>,
+    (count, what): (impl FnOnce(&D) -> usize, &str),
+) -> Result<ExitCode, CliError> {
+    if let Some(path) = target {
+        output::check_target(path)?;
+        output::check_distinct(source, path)?;
+    }
+    let (file, text) = input::read(source)?;
+    let document = parse(&file, &text)?;
+    let mut failures = Failures::default();
+    let fill = |writer: &mut dyn Write| write(writer, &document, &mut failures);
+    match target {
+        Some(path) => output::write_file(path, fill)?,
+        None => output::write_stdout(fill)?,
+    }
+    Ok(failures.report(count(&document), what))
 }

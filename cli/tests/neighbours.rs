@@ -128,7 +128,7 @@ fn a_list_is_answered_by_a_list() {
     let sideways = with(good.clone(), "outward", json!([1, 0, 0]));
     let text = json!([good, line, beyond, sideways]).to_string();
     let Run { code, stdout, stderr } = run_with_input(&["neighbours", "-"], &text);
-    assert_eq!(code, 0);
+    assert_eq!(code, 1);
     assert_eq!(stderr, "note: 2 of 4 searches have no result (ambiguous-outward: 1, no-average-plane: 1)\n");
     let answers: Value = serde_json::from_str(&stdout).unwrap();
     let codes: Vec<&Value> = answers.as_array().unwrap().iter().map(|answer| &answer["code"]).collect();

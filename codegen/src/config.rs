@@ -337,7 +337,7 @@ impl Config {
         }
         let elements = self.element_modules(&support, optimised)?;
         let options =
-            EmitOptions { support: &support, bases: &self.bases, friction: self.friction, optimised };
+            EmitOptions::new(&support, &self.bases).with_friction(self.friction).with_optimised(optimised);
         Ok(emit_file(&self.weights, self.facets, &elements, options)?)
     }
 

@@ -448,7 +448,7 @@ impl<'a> Lowering<'a> {
         let lowered =
             self.target.add_root_with_jacobian(&data.name, &unknowns, residuals, jacobian, data.iteration);
         self.roots.insert(root, lowered.clone());
-        debug_assert!(lowered.1.iter().all(|&x| self.target.scope(x) == Scope::Element));
+        assert!(lowered.1.iter().all(|&x| self.target.scope(x) == Scope::Element));
         lowered
     }
 }

@@ -103,6 +103,24 @@ fn domains_carry_fits_on_meshes_of_all_kinds() {
     assert!(mean(of("regular, 12 × 12")) < 13.0);
 }
 
+/// A larger bound keeps errors of the heights smaller, and takes the quadratic basis from slaves at the border. The default takes it from none.
+#[test]
+fn the_default_bounds_errors_and_gives_up_no_quadratic_fit() {
+    let found = json(&["study", "regularity", "--meshes", "1", "--json"]);
+    let rows = found.as_array().unwrap();
+    assert_eq!(rows.len(), 5 * 4);
+    let enlarged = |row: &Value| row["enlarged_by"][1].as_f64().unwrap();
+    let mut largest = [0.0_f64; 2];
+    for kind in rows.chunks(4) {
+        let [default, more, _, much_more] = kind else { unreachable!("four bounds") };
+        assert_eq!((&default["bound"], &default["linear_percent"]), (&0.01.into(), &vec![0.0, 0.0].into()));
+        assert!(enlarged(default) < 7.0, "{default}");
+        assert!(much_more["linear_percent"][1].as_f64().unwrap() > 0.0, "{much_more}");
+        largest = [largest[0].max(enlarged(default)), largest[1].max(enlarged(more))];
+    }
+    assert!(largest[0] > 1.2 * largest[1], "{largest:?}");
+}
+
 #[test]
 fn a_sweep_leaves_its_files() {
     let scratch = Scratch::new("sweep");

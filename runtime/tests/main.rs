@@ -25,7 +25,6 @@ mod neighbourhood_fits;
 mod neighbourhood_layers;
 mod operator;
 mod pairing;
-mod regularity;
 mod self_contact;
 mod self_contact_faces;
 mod surface;

@@ -118,6 +118,9 @@ pub fn solve_text(
     let model = deck.model(base)?;
     let mut statics = statics(&deck, &model, options.threads)?;
     let recorded = RecorderOptions::new(&options.out, text).with_output(deck.output);
+    if options.out.exists() && !options.out.is_dir() {
+        return Err(OutputError::NoDirectory { path: options.out.clone() }.into());
+    }
     if !options.restart {
         std::fs::create_dir_all(&options.out).map_err(OutputError::write(&options.out))?;
     }

@@ -13,7 +13,8 @@ fn a_deck_becomes_results() {
     let solved = run(&["solve", &deck, "--out", &out, "--verbose"]);
     assert_eq!((solved.code, solved.stdout.as_str()), (0, ""), "{solved:?}");
     assert!(
-        solved.stderr.contains("iteration") && solved.stderr.contains("converged at time 1: 8 increments")
+        solved.stderr.contains("iteration")
+            && solved.stderr.contains("converged at time 1: 8 increments, 0 cut-backs")
     );
     let out = Path::new(&out);
     let numbers = (0..=8).map(|k| format!("{k:05}"));
@@ -127,6 +128,10 @@ fn results_are_not_replaced_unasked() {
     assert_eq!(run(&["solve", &other, "--out", &out, "--overwrite"]).code, 0);
     assert_eq!(summary(Path::new(&out))["increments"], 3);
     assert!(Path::new(&out).join("results/notes.txt").exists());
+    // Nor is a file a place for results.
+    let file = scratch.file("out.csv", "mine");
+    run(&["solve", &deck, "--out", &file]).assert_refused(&[&file, "is a file", "out.csv.results"]);
+    run(&["solve", &deck, "--out", &file, "--restart"]).assert_refused(&[&file, "is a file"]);
     // A deck that would be replaced by another is no place for results either.
     fs::create_dir(scratch.path("mine")).unwrap();
     fs::write(scratch.path("mine/deck.toml"), "precious").unwrap();

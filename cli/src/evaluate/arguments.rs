@@ -42,7 +42,7 @@ OUT.json, in the same order; vectors and rows over slave, master 1, ... master n
     {"status": "error", "code": "singular-fit", "message": "..."}
   ]}
 A file that does not follow this form is refused: exit code 2, nothing written. An element whose geometry or parameters have
-no result is an entry with status "error", and the exit code is 0.
+no result is an entry with status "error": the others have theirs, and the exit code is 1.
 place: the slave's in the first configuration, null without first_positions; support_radius then is the distance of the farthest
 master within reach, which lengths are divided by.
 regularity: how well the masters carry the fit, 0 on one conic (linear basis: on one line), at most 1; near 0 the entries

@@ -16,10 +16,8 @@ use diffuse_contact::{Backend, Basis, Generated};
 use crate::content::ContentError;
 use crate::elsewhere;
 use crate::error::CliError;
-use crate::input;
 use crate::json::Object;
-use crate::outcome::Failures;
-use crate::output;
+use crate::outcome::{Failures, answer};
 
 pub use arguments::{BackendKind, EvaluateArguments};
 
@@ -39,20 +37,12 @@ pub(crate) fn run(arguments: &EvaluateArguments) -> Result<ExitCode, CliError> {
 /// # Errors
 /// Files that cannot be read or written, and a document that does not follow the schema.
 pub fn run_with(arguments: &EvaluateArguments, backend: &dyn Backend) -> Result<ExitCode, CliError> {
-    if let Some(path) = &arguments.output {
-        output::check_target(path)?;
-        output::check_distinct(&arguments.input, path)?;
-    }
-    let (file, text) = input::read(&arguments.input)?;
-    let document = parse(&file, &text)?;
-    let mut failures = Failures::default();
-    let write = |writer: &mut dyn Write| write_results(writer, &document.elements, backend, &mut failures);
-    match &arguments.output {
-        Some(path) => output::write_file(path, write)?,
-        None => output::write_stdout(write)?,
-    }
-    failures.report(document.elements.len(), "elements");
-    Ok(ExitCode::SUCCESS)
+    answer(
+        (&arguments.input, arguments.output.as_deref()),
+        parse,
+        |writer, document, failures| write_results(writer, &document.elements, backend, failures),
+        (|document: &Document| document.elements.len(), "elements"),
+    )
 }
 
 /// Reads the document; an element that no basis can fit is bad input, not a result.

@@ -33,7 +33,8 @@ encloses_slave   whether the nodes of the first layer surround the slave; not so
 on_border        whether the slave lies on the border; beyond it the fit extrapolates
 complete         whether the nodes looked at sufficed to be sure of the layers
 fallback         null, {"kind": "extended", "by": layers or nodes more than asked for}, or
-                 {"kind": "linear", "quadratic_regularity": of the best nodes tried}"#;
+                 {"kind": "linear", "quadratic_regularity": of the best nodes tried}
+A search without a result leaves the others theirs; the exit code then is 1."#;
 
 /// Arguments of `neighbours`.
 #[derive(Args, Clone, Debug)]

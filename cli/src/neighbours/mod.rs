@@ -8,15 +8,14 @@ mod result;
 mod schema;
 
 use std::io::{self, Write};
+use std::process::ExitCode;
 
 use diffuse_contact::Basis;
 
 use crate::content::ContentError;
 use crate::error::CliError;
-use crate::input;
 use crate::json::Object;
-use crate::outcome::Failures;
-use crate::output;
+use crate::outcome::{Failures, answer};
 
 pub use arguments::NeighboursArguments;
 
@@ -24,21 +23,13 @@ use result::search;
 use schema::{Document, Layout, Rule, SearchInput};
 
 /// Searches the neighbours of all slaves of the input file.
-pub fn run(arguments: &NeighboursArguments) -> Result<(), CliError> {
-    if let Some(path) = &arguments.output {
-        output::check_target(path)?;
-        output::check_distinct(&arguments.input, path)?;
-    }
-    let (file, text) = input::read(&arguments.input)?;
-    let document = parse(&file, &text)?;
-    let mut failures = Failures::default();
-    let write = |writer: &mut dyn Write| write_results(writer, &document, &mut failures);
-    match &arguments.output {
-        Some(path) => output::write_file(path, write)?,
-        None => output::write_stdout(write)?,
-    }
-    failures.report(document.searches.len(), "searches");
-    Ok(())
+pub fn run(arguments: &NeighboursArguments) -> Result<ExitCode, CliError> {
+    answer(
+        (&arguments.input, arguments.output.as_deref()),
+        parse,
+        write_results,
+        (|document: &Document| document.searches.len(), "searches"),
+    )
 }
 
 /// Reads the document; masters that no basis can fit and fields without meaning are bad input.

@@ -15,6 +15,7 @@ const HEADER: &str =
 
 /// What the kernels of all weights have in common.
 #[derive(Clone, Copy)]
+#[non_exhaustive]
 pub struct EmitOptions<'a> {
     /// Path of the support module: `crate::support` or `::diffuse_contact_kernels::support`.
     pub support: &'a syn::Path,
@@ -24,6 +25,26 @@ pub struct EmitOptions<'a> {
     pub friction: bool,
     /// Whether the crate that the file goes into is compiled with optimisation.
     pub optimised: bool,
+}
+
+impl<'a> EmitOptions<'a> {
+    /// Kernels of these bases without friction, for a crate that is compiled with optimisation.
+    #[must_use]
+    pub const fn new(support: &'a syn::Path, bases: &'a [Basis]) -> Self {
+        Self { support, bases, friction: false, optimised: true }
+    }
+
+    /// With or without the slip from an anchor.
+    #[must_use]
+    pub const fn with_friction(self, friction: bool) -> Self {
+        Self { friction, ..self }
+    }
+
+    /// For a crate that is, or is not, compiled with optimisation.
+    #[must_use]
+    pub const fn with_optimised(self, optimised: bool) -> Self {
+        Self { optimised, ..self }
+    }
 }
 
 /// A function with more than [`MOST_STATEMENTS`].

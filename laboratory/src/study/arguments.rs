@@ -22,6 +22,8 @@ pub enum Study {
     Accuracy(AccuracyArguments),
     /// Masters of a slave, conditioning and error of its fit on regular, irregular, stretched and graded meshes.
     Domains(DomainsArguments),
+    /// Errors of the heights in the gap, and slaves on a linear basis, by the least regularity of a fit, on irregular meshes.
+    Regularity(RegularityArguments),
     /// Sweep a slave node along a closed path: jumps of the gap, kinks of the normal, work around the loop.
     Sweep(SweepArguments),
     /// Carry a rigid pad around a closed path over waves: work of contact over nodes and over faces, smooth and on facets.
@@ -66,6 +68,17 @@ pub struct DomainsArguments {
     /// Slave nodes on each mesh
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub slaves: u32,
+    /// Print JSON instead of a Markdown table
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `study regularity`.
+#[derive(Args, Clone, Debug)]
+pub struct RegularityArguments {
+    /// Meshes of each kind
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub meshes: u32,
     /// Print JSON instead of a Markdown table
     #[arg(long)]
     pub json: bool,

@@ -6,6 +6,7 @@
 //! * [`domains`]: masters, conditioning and error on stretched, graded and irregular meshes;
 //! * [`sweep`]: smoothness along a path over many facets;
 //! * [`hertz`]: pressures at the nodes of an elastic cylinder and an elastic ball on an elastic block, and their orders;
+//! * [`regularity`]: what the least regularity of a fit costs and gains on irregular, bumpy meshes;
 //! * [`scaling`]: what ranks hold and send with windows of a large surface, counted;
 //! * [`throughput`]: time and memory;
 //! * [`paper`]: the examples of the paper, solved with both elements.
@@ -20,6 +21,7 @@ mod hertz;
 mod markdown;
 mod paper;
 mod patch;
+mod regularity;
 mod scaling;
 mod sweep;
 mod throughput;
@@ -37,6 +39,7 @@ pub fn run(arguments: &StudyArguments) -> Result<(), CliError> {
     match &arguments.study {
         Study::Accuracy(arguments) => accuracy::run(arguments),
         Study::Domains(arguments) => domains::run(arguments),
+        Study::Regularity(arguments) => regularity::run(arguments),
         Study::Sweep(arguments) => sweep::run(arguments),
         Study::Scaling(arguments) => scaling::run(arguments),
         Study::Throughput(arguments) => throughput::run(arguments),

@@ -4,7 +4,6 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::anchors::Tracked;
 use super::{InterfaceError, Outcome};
 use crate::assembly::{ContactView, ElementView, Elements, SlipView};
 use crate::{ContactPoint, Mode};
@@ -109,6 +108,15 @@ impl Elements for Contacts {
     fn stamp(&self) -> Option<u64> {
         Some(self.layout.stamp)
     }
+}
+
+/// The slip of one slave at an evaluation.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tracked {
+    pub is_anchored: bool,
+    /// q
+    pub half_square: f64,
+    pub opening: f64,
 }
 
 /// Who is paired with whom, and where the numbers of each slave lie.

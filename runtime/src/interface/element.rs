@@ -1,7 +1,8 @@
 //! One element of an interface, taken out.
 
-use super::evaluator::{ElementScratch, Evaluator};
+use super::evaluator::Evaluator;
 use super::pairings::Paired;
+use super::scratch::ElementScratch;
 use super::{ContactElement, NoContact};
 use crate::Point;
 use crate::pairing::Pairing;

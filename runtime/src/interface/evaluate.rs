@@ -4,7 +4,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::contacts::Results;
-use super::evaluator::{CHUNK, ElementScratch, Evaluator, Request};
+use super::evaluator::Evaluator;
+use super::fill::{CHUNK, Request};
+use super::scratch::ElementScratch;
 use super::{ContactInterface, ContactRef, Contacts, InterfaceError, NoContact, PairedElement};
 use crate::Mode;
 

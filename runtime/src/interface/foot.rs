@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::contacts::Layout;
-use super::evaluator::CHUNK;
+use super::fill::CHUNK;
 use super::linearise::{LinearContact, Second, SecondForm};
 use super::{ContactInterface, InterfaceError, NoContact, Outcome, back};
 use crate::affine::Carrier;

@@ -6,8 +6,10 @@ use diffuse_contact_kernels::support::{KernelSet, SecondKind};
 use rayon::prelude::*;
 
 use super::contacts::Results;
-use super::evaluator::{CHUNK, ElementScratch, Evaluator, Request};
+use super::evaluator::Evaluator;
+use super::fill::{CHUNK, Request};
 use super::pairings::Pairings;
+use super::scratch::ElementScratch;
 use super::{ContactElement, ContactInterface, InterfaceError};
 use crate::affine::Carrier;
 use crate::batch::{Asked, GapSlot, Waiting, contact_point, evaluate};
@@ -175,7 +177,7 @@ impl Evaluator<'_> {
                     node: paired.masters[source.listed as usize],
                     image: source.image,
                 }));
-                (own.frame.derivative, within_reach.inputs(self, &paired, own, weight))
+                (own.frame.derivative, within_reach.inputs(self.positions[paired.slave], own, weight))
             } else {
                 let Ok(frame) = self.current_frame(&paired) else { continue };
                 found.points.extend(paired.masters.iter().map(|&node| Carrier::from(node)));

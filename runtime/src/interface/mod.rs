@@ -58,6 +58,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod accept;
 mod anchors;
 mod contacts;
 mod create;
@@ -66,9 +67,11 @@ mod element;
 mod error;
 mod evaluate;
 mod evaluator;
+mod fill;
 mod fold;
 mod follow;
 mod foot;
+mod gather;
 mod linearise;
 mod nodal;
 mod options;
@@ -77,10 +80,12 @@ mod pairings;
 mod part;
 mod refresh;
 mod report;
+mod scratch;
 mod window;
 mod within_reach;
 
-pub use anchors::{Anchor, FrictionReport, split_history};
+pub use accept::FrictionReport;
+pub use anchors::{Anchor, split_history};
 pub(crate) use anchors::{from_numbers, to_numbers};
 pub use contacts::{ContactRef, Contacts};
 pub use cutback::{Cutback, CutbackHint};
@@ -94,12 +99,12 @@ pub use report::{FallbackCounts, GapJump, RefreshReport, SlaveGap};
 
 pub(crate) use contacts::Results;
 pub(crate) use create::{areas_of, check_slaves};
-use evaluator::ElementScratch;
 pub(crate) use fold::back;
 pub(crate) use linearise::{LinearContacts, SecondForm};
 use nodal::Nodal;
 use pairings::Pairings;
 use refresh::RefreshScratch;
+use scratch::ElementScratch;
 pub(crate) use within_reach::PointsWithinReach;
 
 use crate::scratch::Pool;

@@ -8,10 +8,11 @@ use rayon::prelude::*;
 
 use super::anchors::{append_carriers, list_carriers};
 use super::contacts::Layout;
-use super::evaluator::{ElementScratch, Evaluator};
+use super::evaluator::Evaluator;
 use super::nodal::Nodal;
 use super::pairings::{Lists, Paired, Pairings, Record};
 use super::report::RefreshReport;
+use super::scratch::ElementScratch;
 use super::window::Knowledge;
 use super::{ContactElement, InterfaceError, NoContact};
 use crate::neighbourhood::{Fallback, NeighbourSearch, NeighbourhoodError, SearchOptions};

@@ -17,7 +17,7 @@ pub const MAX_LAYERS: usize = 6;
 /// An error in the heights of the nodes reaches the surface at the slave enlarged by about 0.6/√regularity: at this
 /// bound by no more than seven. Two layers of a regular grid have 0.2 to 0.3, of a random cloud at least
 /// 0.013, on the border or in a corner of a grid at least 0.014. A single ring has anything: on a random cloud half of
-/// them pass, the others take a second layer. `tests/regularity.rs` measures what other bounds gain and lose.
+/// them pass, the others take a second layer. `study regularity` of the laboratory measures what other bounds gain and lose.
 pub const SMALLEST_REGULARITY: f64 = 0.01;
 
 /// Which nodes take part.

@@ -44,6 +44,12 @@ pub enum OutputError {
         /// What is wrong.
         problem: String,
     },
+    /// There is a file where the directory would be.
+    #[error("{} is a file: results go to a directory, such as {}.results", path.display(), path.display())]
+    NoDirectory {
+        /// The file.
+        path: PathBuf,
+    },
     /// The directory holds results already.
     #[error("{} holds results already: go on from them with --restart, or replace them with --overwrite", path.display())]
     Occupied {

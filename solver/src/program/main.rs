@@ -6,7 +6,7 @@ mod solve;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use diffuse_contact_program::{error, input, output, threads};
+use diffuse_contact_program::{error, input, output, threads, words};
 
 use solve::{ReportArguments, SolveArguments};
 

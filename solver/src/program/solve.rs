@@ -18,6 +18,7 @@ use crate::error::{self, CliError, say};
 use crate::input;
 use crate::output;
 use crate::threads::{self, with_threads};
+use crate::words::counted;
 
 /// Exit code of a run that ended before the end of time.
 const ENDED_EARLY: u8 = 1;
@@ -200,44 +201,50 @@ impl Watcher for Progress {
         self.clear();
         let residual = record.history.last().map_or_else(String::new, decision);
         say(&format!(
-            "increment {:4}  time {:.6}  {:2} iterations  {residual}  contacts {}  penetration {:.3e}",
-            record.number, record.time, record.iterations, record.active, record.max_penetration
+            "increment {:4}  time {:.6}  {:2} {:<10}  {residual}  contacts {}  penetration {:.3e}",
+            record.number,
+            record.time,
+            record.iterations,
+            if record.iterations == 1 { "iteration" } else { "iterations" },
+            record.active,
+            record.max_penetration
         ));
         if record.is_short {
             say("  warning: the rounds of augmentation are over, the tolerance is not met");
         }
         if record.lost > 0 {
-            say(&format!("  warning: {} contacts that carried force were lost", record.lost));
+            say(&format!("  warning: lost {} that carried force", counted(record.lost, "contact")));
         }
         for (interface, slaves) in &record.vanished {
             let interface = shown(interface);
             say(&format!(
-                "  warning: the interface `{interface}` carries no force any more, although {slaves} slaves that carried it have not risen"
+                "  warning: the interface `{interface}` carries no force any more, although {} that carried it did not rise",
+                counted(*slaves, "slave")
             ));
         }
         if record.supposed > 0 {
             say(&format!(
-                "  note: nothing but contact can hold a body: slaves near their masters were taken to touch in {} linear solutions",
-                record.supposed
+                "  note: nothing but contact can hold a body: slaves near their masters were taken to touch in {}",
+                counted(record.supposed, "linear solution")
             ));
         }
         if record.stabilised > 0 {
             say(&format!(
-                "  note: nothing but the stabilisation holds a body in {} linear solutions",
-                record.stabilised
+                "  note: nothing but the stabilisation holds a body in {}",
+                counted(record.stabilised, "linear solution")
             ));
         }
         if record.linear.bytes > 0 {
             say(&format!(
-                "  linear solver: {} iterations, {:.2} GB",
-                record.linear.iterations,
+                "  linear solver: {}, {:.2} GB",
+                counted(record.linear.iterations, "iteration"),
                 record.linear.bytes as f64 / 1e9
             ));
         }
         if record.linear.direct_instead > 0 {
             say(&format!(
-                "  warning: {} linear systems were solved directly: the iterative solution did not converge",
-                record.linear.direct_instead
+                "  warning: solved {} directly: the iterative solution did not converge",
+                counted(record.linear.direct_instead, "linear system")
             ));
         }
         if record.missed > 0 {
@@ -282,11 +289,11 @@ impl Progress {
 fn tell(summary: &Summary, out: &Path) {
     let end = if summary.converged { "converged" } else { "stopped" };
     say(&format!(
-        "{end} at time {}: {} increments, {} cut-backs, {} Newton iterations, {:.2} s; {}",
+        "{end} at time {}: {}, {}, {}, {:.2} s; {}",
         summary.time,
-        summary.increments,
-        summary.cutbacks,
-        summary.newton_iterations,
+        counted(summary.increments, "increment"),
+        counted(summary.cutbacks, "cut-back"),
+        counted(summary.newton_iterations, "Newton iteration"),
         summary.wall_s,
         out.join(names::REPORT).display()
     ));

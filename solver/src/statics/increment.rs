@@ -370,7 +370,7 @@ impl<'a> Increment<'a> {
     fn forcing(&self) -> Accuracy {
         let enough = self.history.last().map_or(0.0, |last| 0.1 * last.allowed / last.residual);
         let tightest = if enough.is_finite() { enough.clamp(TIGHTEST, 0.1) } else { LOOSEST };
-        Accuracy { loosest: LOOSEST.max(tightest), tightest, before: self.size }
+        Accuracy::between(LOOSEST.max(tightest), tightest).after(self.size)
     }
 
     /// x ← origin + factor · step

@@ -20,6 +20,7 @@ const LEAST_SIZE: f64 = 1e-5;
 /// A trial state penetrates, and a stiff penalty makes contact forces of it that are many times those of equilibrium. The next step
 /// takes them away; how it moves the bodies depends on the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Accuracy {
     /// The residual may never be more than this part, …
     pub loosest: f64,
@@ -33,7 +34,19 @@ impl Accuracy {
     /// This one.
     #[must_use]
     pub const fn fixed(tolerance: f64) -> Self {
-        Self { loosest: tolerance, tightest: tolerance, before: None }
+        Self::between(tolerance, tolerance)
+    }
+
+    /// Never more than `loosest`, and no less than `tightest`.
+    #[must_use]
+    pub const fn between(loosest: f64, tightest: f64) -> Self {
+        Self { loosest, tightest, before: None }
+    }
+
+    /// As accurate as the gain since a Newton iteration with a right-hand side of this size deserves.
+    #[must_use]
+    pub const fn after(self, before: Option<f64>) -> Self {
+        Self { before, ..self }
     }
 
     /// Of a right-hand side of this size.

@@ -13,7 +13,7 @@ pub(super) fn parse(text: &str) -> Result<Vec<Step>, FormulaError> {
     if parser.peek().kind != Kind::End {
         return Err(parser.unexpected("an operator or the end of the formula"));
     }
-    debug_assert_eq!(value, parser.steps.len() - 1);
+    assert_eq!(value, parser.steps.len() - 1, "the value is the last step");
     Ok(parser.steps)
 }
 

@@ -1,0 +1,425 @@
+//! A step that ends: the anchors of the next one, and what friction did.
+//!
+//! An anchor changes only when a step is [accepted](ContactInterface::accept): until then a host may go back to where it began and try
+//! again. What [augmentation](ContactInterface::augment) makes of the anchors within a step is kept beside them.
+
+use std::ops::AddAssign;
+
+use diffuse_contact_kernels::cubic::Cubic;
+use diffuse_contact_kernels::support::KernelSet;
+use rayon::prelude::*;
+
+use super::anchors::{Anchor, check_anchors, from_numbers, to_numbers};
+use super::evaluator::Evaluator;
+use super::pairings::{Paired, Pairings};
+use super::scratch::ElementScratch;
+use super::{ContactElement, ContactInterface, InterfaceError, NoContact};
+use crate::affine::Carrier;
+use crate::assembly::{AssemblyError, ContactLaw};
+use crate::friction::{Coulomb, FrictionForce, FrictionState};
+use crate::scratch::Pool;
+use crate::surface::Symmetry;
+use crate::vector::Vector3;
+use crate::{AffinePoint, Backend, ContactPoint, FacetElement, Gap, Generated, Mode, Point, Slip, Weight};
+
+/// What friction did in a step that was accepted, in numbers of slaves, and its work.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct FrictionReport {
+    /// Contacts that stick.
+    pub stuck: usize,
+    /// Contacts that slide.
+    pub sliding: usize,
+    /// Contacts that carry force without friction: they had no gap, and so no anchor, when the step before was accepted. They have one now.
+    pub unanchored: usize,
+    /// Slaves that were closed when the step before was accepted, and have no contact element now: their history ends.
+    pub dropped: usize,
+    /// Work of the tractions over what slid in the step, energy: Σ μ p Δs.
+    pub dissipated: f64,
+}
+
+/// An anchor of the next step, and what the contact did in the last.
+struct Accepted {
+    anchor: Anchor,
+    state: Option<FrictionState>,
+    is_open: bool,
+    dissipated: f64,
+}
+
+impl AddAssign for FrictionReport {
+    fn add_assign(&mut self, other: Self) {
+        self.stuck += other.stuck;
+        self.sliding += other.sliding;
+        self.unanchored += other.unanchored;
+        self.dropped += other.dropped;
+        self.dissipated += other.dissipated;
+    }
+}
+
+impl FrictionReport {
+    /// `None`: there is no contact element; `was_closed` when the step before was accepted.
+    fn add(&mut self, accepted: Option<&Accepted>, was_closed: bool) {
+        let Some(accepted) = accepted else {
+            self.dropped += usize::from(was_closed);
+            return;
+        };
+        match accepted.state {
+            None => self.unanchored += usize::from(!accepted.is_open),
+            Some(FrictionState::Open) => {}
+            Some(FrictionState::Stick) => self.stuck += 1,
+            Some(FrictionState::Slip) => self.sliding += 1,
+        }
+        self.dissipated += accepted.dissipated;
+    }
+}
+
+impl ContactInterface {
+    /// Accepts the state at the positions of the moment as the end of a step: friction of the next one is measured from here. Without
+    /// friction in the law nothing happens.
+    ///
+    /// To be called once before the first step, after a refresh, and then whenever a step has converged, with the multipliers that it was
+    /// solved with: before they are updated. Until then nothing of the history changes: a host that cuts a step back has only to go
+    /// on from the positions it began with. A slave that sticks keeps its anchor; one that slides draws it along; of one that is open the
+    /// foot becomes it.
+    ///
+    /// # Errors
+    /// As [`check_friction`](Self::check_friction); [`InterfaceError::Law`] for a law that is none; [`InterfaceError::NotRefreshed`]
+    /// before the first refresh. The history then stays.
+    pub fn accept(&mut self, law: &ContactLaw<'_>) -> Result<FrictionReport, InterfaceError> {
+        let Some(friction) = law.friction else { return Ok(FrictionReport::default()) };
+        self.check_accepted(law)?;
+        let is_refreshed =
+            self.pairings.records.iter().any(|record| !matches!(record, Err(NoContact::NotPaired)));
+        if !is_refreshed {
+            return Err(InterfaceError::NotRefreshed);
+        }
+        let (anchors, report) = self.evaluator().accept(&self.pairings, law, &friction, &self.elements)?;
+        self.anchors = Some(anchors);
+        self.augmented = None;
+        Ok(report)
+    }
+
+    fn check_accepted(&self, law: &ContactLaw<'_>) -> Result<(), InterfaceError> {
+        self.check_friction()?;
+        law.validate(self.slaves().len())?;
+        Ok(())
+    }
+
+    /// A round of Uzawa's iteration for friction: the traction of each slave that carries force becomes its multiplier, so that the next
+    /// equilibrium has less slip where it sticks, and a traction that is closer to opposite where it slides. To be called in an
+    /// equilibrium whose [`slip_errors`](Self::slip_errors) are too large, with the law that it was solved with; then evaluate again. Slaves
+    /// of which `moves` says no stay as they are: there no multiplier can help.
+    ///
+    /// The multipliers are part of the step on its way. [`accept`](Self::accept) takes them over, [`roll_back`](Self::roll_back) forgets them.
+    ///
+    /// # Errors
+    /// As [`accept`](Self::accept); [`AssemblyError::NoAugmentation`] for a law without
+    /// [augmentation](crate::Coulomb::with_augmentation). Nothing is changed then.
+    pub fn augment(
+        &mut self,
+        law: &ContactLaw<'_>,
+        moves: impl Fn(usize) -> bool + Sync,
+    ) -> Result<(), InterfaceError> {
+        let (anchors, _) = self.augmented(law, moves)?;
+        if let Some(anchors) = anchors {
+            self.augmented = Some(anchors);
+        }
+        Ok(())
+    }
+
+    /// How far each slave is from Coulomb's law without ε_T, length: its slip in the step where it sticks, and what of it is not along the
+    /// traction where it slides; 0 without force or anchor.
+    ///
+    /// # Errors
+    /// As [`augment`](Self::augment).
+    pub fn slip_errors(&self, law: &ContactLaw<'_>) -> Result<Vec<f64>, InterfaceError> {
+        self.augmented(law, |_| true).map(|(_, errors)| errors)
+    }
+
+    /// Forgets what [`augment`](Self::augment) did since the last accepted step. If that is anything, all pairings end: refresh them.
+    pub fn roll_back(&mut self) {
+        if self.augmented.take().is_some() {
+            self.end_pairings();
+        }
+    }
+
+    /// The anchors of now with another round, and the errors.
+    #[allow(clippy::type_complexity)]
+    fn augmented(
+        &self,
+        law: &ContactLaw<'_>,
+        moves: impl Fn(usize) -> bool + Sync,
+    ) -> Result<(Option<Vec<Option<Anchor>>>, Vec<f64>), InterfaceError> {
+        if !law.friction.is_some_and(|friction| friction.is_augmented()) {
+            return Err(AssemblyError::NoAugmentation.into());
+        }
+        self.check_accepted(law)?;
+        let Some(committed) = &self.anchors else { return Ok((None, vec![0.0; self.slaves().len()])) };
+        let rounds = self.evaluator().augment(&self.pairings, law, moves, &self.elements)?;
+        let errors = rounds.iter().map(|round| round.as_ref().map_or(0.0, |round| round.error)).collect();
+        let next = rounds.into_iter().zip(committed).map(|(round, committed)| match round {
+            Some(Round { anchor: Some(anchor), .. }) => Some(anchor),
+            _ => committed.clone(),
+        });
+        Ok((Some(next.collect()), errors))
+    }
+
+    /// Whether there can be friction.
+    ///
+    /// # Errors
+    /// [`InterfaceError::NoAnchors`] for a diffuse element with another neighbour rule than domains of influence;
+    /// [`InterfaceError::NoFrictionKernels`] for one without the feature `friction`.
+    pub fn check_friction(&self) -> Result<(), InterfaceError> {
+        if self.options.element == ContactElement::NodeToFacet {
+            return Ok(());
+        }
+        if self.nodal.is_none() {
+            return Err(InterfaceError::NoAnchors);
+        }
+        if Cubic::FRICTION { Ok(()) } else { Err(InterfaceError::NoFrictionKernels) }
+    }
+
+    /// The history of friction as plain numbers, for a restart; empty before a state was [accepted](Self::accept). Nodes have their numbers
+    /// in the whole surface, in an interface of a [window](crate::surface::window), too: histories go with slaves from window to window,
+    /// [slave by slave](super::split_history).
+    #[must_use]
+    pub fn history(&self) -> Vec<f64> {
+        self.anchors.as_deref().map_or_else(Vec::new, |anchors| {
+            to_numbers(anchors, |node| match &self.known {
+                Some(known) => known.number_of(node).map_or(f64::NAN, |number| number as f64),
+                None => f64::from(node),
+            })
+        })
+    }
+
+    /// Goes on from a [`history`](Self::history), bit for bit; no numbers are no history. If it is another one than the present, all
+    /// pairings end: refresh them.
+    ///
+    /// # Errors
+    /// [`InterfaceError::InvalidHistory`], also for a node that is not in the window of this interface; and as
+    /// [`set_anchors`](Self::set_anchors). The history of before then stays.
+    pub fn set_history(&mut self, history: &[f64]) -> Result<(), InterfaceError> {
+        if history.is_empty() {
+            return self.set_anchors(None);
+        }
+        let anchors = from_numbers(history, |number| match &self.known {
+            Some(known) => known.node_of(number),
+            None => u32::try_from(number).ok(),
+        });
+        let anchors = anchors.map_err(|place| InterfaceError::InvalidHistory { place })?;
+        self.set_anchors(Some(anchors))
+    }
+
+    /// The anchors that friction is measured from: those of the last accepted step, or what augmentation made of them.
+    pub(super) fn present_anchors(&self) -> Option<&[Option<Anchor>]> {
+        self.augmented.as_deref().or(self.anchors.as_deref())
+    }
+
+    /// The history of friction, one entry per slave; `None` before a state was [accepted](Self::accept).
+    #[must_use]
+    pub fn anchors(&self) -> Option<&[Option<Anchor>]> {
+        self.anchors.as_deref()
+    }
+
+    /// Goes on from a history as [`anchors`](Self::anchors) gave it, or without any. If it is another one than the present, all pairings
+    /// end: refresh them.
+    ///
+    /// # Errors
+    /// [`InterfaceError::AnchorCount`], [`InterfaceError::InvalidOpening`], [`InterfaceError::ForeignCarrier`], and as
+    /// [`check_friction`](Self::check_friction). The history of before then stays.
+    pub fn set_anchors(&mut self, anchors: Option<Vec<Option<Anchor>>>) -> Result<(), InterfaceError> {
+        if let Some(anchors) = &anchors {
+            self.check_friction()?;
+            // Facets have no images.
+            let without = Symmetry::default();
+            let symmetry = self.nodal.as_ref().map_or(&without, |nodal| &nodal.symmetry);
+            check_anchors(anchors, self.slaves().len(), &self.master, symmetry)?;
+        }
+        if self.anchors != anchors || self.augmented.is_some() {
+            self.anchors = anchors;
+            self.augmented = None;
+            self.end_pairings();
+        }
+        Ok(())
+    }
+}
+
+impl Evaluator<'_> {
+    /// The anchors of all slaves after a step that ended here, and what friction did in it.
+    pub fn accept(
+        &self,
+        pairings: &Pairings,
+        law: &ContactLaw<'_>,
+        friction: &Coulomb<'_>,
+        pool: &Pool<ElementScratch>,
+    ) -> Result<(Vec<Option<Anchor>>, FrictionReport), InterfaceError> {
+        let accepted = self.of_all(pairings, law, pool, |slave| accept_one(slave, friction))?;
+        let mut report = FrictionReport::default();
+        for (k, one) in accepted.iter().enumerate() {
+            let was_closed = self.anchor(k).is_some_and(|anchor| anchor.opening == 0.0);
+            report.add(one.as_ref(), was_closed);
+        }
+        Ok((accepted.into_iter().map(|one| Some(one?.anchor)).collect(), report))
+    }
+
+    /// A round of augmentation; `None` without contact.
+    fn augment(
+        &self,
+        pairings: &Pairings,
+        law: &ContactLaw<'_>,
+        moves: impl Fn(usize) -> bool + Sync,
+        pool: &Pool<ElementScratch>,
+    ) -> Result<Vec<Option<Round>>, InterfaceError> {
+        self.of_all(pairings, law, pool, |slave| self.augment_one(slave, &moves))
+    }
+
+    /// Something of each slave with contact.
+    fn of_all<T: Send>(
+        &self,
+        pairings: &Pairings,
+        law: &ContactLaw<'_>,
+        pool: &Pool<ElementScratch>,
+        f: impl Fn(&Sticking<'_>) -> Option<T> + Sync,
+    ) -> Result<Vec<Option<T>>, InterfaceError> {
+        let all = pairings.all().into_par_iter();
+        all.map(|k| pool.with(ElementScratch::default, |scratch| self.of_one(pairings, k, law, scratch, &f)))
+            .collect()
+    }
+
+    fn of_one<T>(
+        &self,
+        pairings: &Pairings,
+        k: usize,
+        law: &ContactLaw<'_>,
+        scratch: &mut ElementScratch,
+        f: impl Fn(&Sticking<'_>) -> Option<T>,
+    ) -> Result<Option<T>, InterfaceError> {
+        let Ok(paired) = pairings.get(k) else { return Ok(None) };
+        let old = self.anchor(k);
+        let from = old.map_or(self.positions[paired.slave], |old| self.anchor_position(old));
+        let found = match self.options.element {
+            ContactElement::Diffuse { weight, .. } => self.slip_of_fit(&paired, weight, from, scratch),
+            ContactElement::NodeToFacet => self.slip_of_facet(&paired, from, scratch),
+        };
+        let Ok((slip, terms)) = found else { return Ok(None) };
+        let (gap, area) = (slip.contact.gap, pairings.layout.area(k));
+        let pressed = law.checked_normal_force(k, gap, area)?;
+        let force = old.and_then(|old| law.friction_by(pressed, area, (slip.half_square, old.opening)));
+        if let (Some(force), Some(old)) = (force, old)
+            && force.check().is_err()
+        {
+            let (half_square, opening) = (slip.half_square, old.opening);
+            return Err(AssemblyError::InvalidSlip { element: k, half_square, opening }.into());
+        }
+        Ok(f(&Sticking { k, old, is_open: !(pressed.force > 0.0), force, slip: &slip, terms }))
+    }
+
+    /// The slip of a diffuse element, and the carriers of its foot.
+    fn slip_of_fit(
+        &self,
+        paired: &Paired<'_>,
+        weight: Weight,
+        from: Point,
+        scratch: &mut ElementScratch,
+    ) -> Result<(Slip, Vec<(Carrier, f64)>), NoContact> {
+        let ElementScratch { within_reach: all, border, .. } = scratch;
+        let found = self.gather_one(paired, weight, all)?;
+        let element = self.element_of(paired, all, &found, weight);
+        let slip = Generated.slip(&element, from, Mode::Gradient)?;
+        let Gap { gap, foot, normal, .. } = slip.contact;
+        self.within_border(paired, Ok(ContactPoint { gap, foot, normal }), border)?;
+        let carriers = all.sources[found.range]
+            .iter()
+            .map(|source| Carrier { node: paired.masters[source.listed as usize], image: source.image });
+        let terms = carriers.zip(slip.foot_weights.iter().copied()).collect();
+        Ok((slip, terms))
+    }
+
+    /// The same of a node-to-facet element.
+    fn slip_of_facet(
+        &self,
+        paired: &Paired<'_>,
+        from: Point,
+        scratch: &mut ElementScratch,
+    ) -> Result<(Slip, Vec<(Carrier, f64)>), NoContact> {
+        self.element(paired, Mode::Value, &mut [], &mut [], scratch)?;
+        let slave = self.positions[paired.slave];
+        let element = FacetElement { slave, corners: self.gather_corners(paired, scratch) };
+        let slip = Generated.facet_slip(&element, from, Mode::Gradient)?;
+        let carriers = self.corners_of(paired).iter().map(|&node| Carrier::from(node));
+        let terms = carriers.zip(slip.foot_weights.iter().copied()).collect();
+        Ok((slip, terms))
+    }
+
+    /// The next anchor of a slave in an equilibrium that is not the last one of its step.
+    fn augment_one(&self, slave: &Sticking<'_>, moves: impl Fn(usize) -> bool) -> Option<Round> {
+        let (Some(old), Some(force), false) = (slave.old, slave.force, slave.is_open) else { return None };
+        if !moves(slave.k) {
+            return Some(Round { anchor: Some(old.clone()), error: 0.0 });
+        }
+        let foot = slave.foot()?;
+        let Gap { foot: at, normal, .. } = slave.slip.contact;
+        let (at, normal) = (Vector3::from(at), Vector3::from(normal));
+        let slip_from = |point: &AffinePoint| {
+            let way = at - Vector3::from(point.position(|carrier| self.place_of(carrier)));
+            way - normal * normal.dot(&way)
+        };
+        let sliding = force.sliding();
+        let error = sliding.error(slip_from(&old.point), slip_from(old.stuck_at()));
+        // From the place of touch on the contact is one that was closed.
+        let origin = old.stuck_at().towards(&foot, 1.0 - sliding.share);
+        let parts = [(&origin, 1.0), (&old.point, sliding.kept), (&foot, -sliding.kept)];
+        let point = AffinePoint::combined(&parts);
+        Some(Round { anchor: Some(Anchor { point, opening: 0.0, origin: Some(origin) }), error })
+    }
+}
+
+/// A slave with contact at the end of a step, or of a round of it.
+struct Sticking<'a> {
+    k: usize,
+    old: Option<&'a Anchor>,
+    is_open: bool,
+    force: Option<FrictionForce>,
+    slip: &'a Slip,
+    /// The foot's carriers and weights.
+    terms: Vec<(Carrier, f64)>,
+}
+
+impl Sticking<'_> {
+    /// The weights add up to one but for rounding: the check of it finds what is no number.
+    fn foot(&self) -> Option<AffinePoint> {
+        AffinePoint::new(self.terms.iter().copied()).ok()
+    }
+}
+
+/// What a round of augmentation makes of a slave.
+struct Round {
+    /// `None`: the anchor of the last accepted step.
+    anchor: Option<Anchor>,
+    /// Length.
+    error: f64,
+}
+
+fn accept_one(slave: &Sticking<'_>, friction: &Coulomb<'_>) -> Option<Accepted> {
+    let &Sticking { old, is_open, force, slip, .. } = slave;
+    let kept = force.map_or(0.0, |force| force.kept);
+    let (point, origin) = match old {
+        Some(old) if kept == 1.0 && !is_open => {
+            (old.point.clone(), old.origin.clone().filter(|_| friction.is_augmented()))
+        }
+        _ => {
+            let foot = slave.foot()?;
+            let slides = force.is_some_and(|force| force.state == FrictionState::Slip);
+            let origin = (slides && friction.is_augmented()).then(|| foot.clone());
+            let drawn = old.filter(|_| !is_open).map(|old| old.point.towards(&foot, 1.0 - kept));
+            (drawn.unwrap_or(foot), origin)
+        }
+    };
+    let gap = slip.contact.gap;
+    Some(Accepted {
+        anchor: Anchor { point, opening: if is_open { gap.max(0.0) } else { 0.0 }, origin },
+        state: force.map(|force| force.state),
+        is_open,
+        dissipated: force.map_or(0.0, |force| force.dissipated(slip.length())),
+    })
+}

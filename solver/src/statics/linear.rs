@@ -16,8 +16,8 @@ use crate::system::{
 const MOST_SUPPOSED: usize = 4;
 
 /// K Δx = −imbalance.
-struct Assembled {
-    matrix: BlockMatrix,
+pub(super) struct Assembled {
+    pub matrix: BlockMatrix,
     symmetry: Symmetry,
     /// Rows of the nodes that contact couples without it, if the solution is iterative.
     before: SavedRows,
@@ -134,12 +134,12 @@ impl Problem {
     }
 
     /// The parts that nothing holds.
-    fn loose(&self, system: &Assembled, positions: &[[f64; 3]]) -> Vec<Loose> {
+    pub(super) fn loose(&self, system: &Assembled, positions: &[[f64; 3]]) -> Vec<Loose> {
         loose_parts(&system.matrix, &self.equations, positions, &self.solid.parts())
     }
 
     /// The stiffness of everything at the last evaluation, contacts with this tangent or with their own.
-    fn assemble(
+    pub(super) fn assemble(
         &mut self,
         time: f64,
         positions: &[[f64; 3]],
@@ -230,6 +230,6 @@ impl Problem {
     }
 }
 
-fn motions(loose: &[Loose]) -> usize {
+pub(super) fn motions(loose: &[Loose]) -> usize {
     loose.iter().map(|loose| loose.motions.len()).sum()
 }

@@ -95,7 +95,9 @@ impl TractionProfile {
         places.sort_by(f64::total_cmp);
         let beside = |place: f64| {
             let next = |mut places: Box<dyn Iterator<Item = f64> + '_>| {
-                places.find(|other| (other - place).abs() > SAME_PLACE * place.abs().max(1.0)).unwrap_or(place)
+                places
+                    .find(|other| (other - place).abs() > SAME_PLACE * place.abs().max(1.0))
+                    .unwrap_or(place)
             };
             let at = places.partition_point(|&other| other < place);
             let below = next(Box::new(places[..at].iter().rev().copied()));

@@ -128,12 +128,9 @@ pub fn slip_over_triangle(m: &ElementModel<'_>) {
 pub fn slip_over_quadrilateral<'g>(m: &ElementModel<'g>) {
     slip(m, |m, slave, corners: [Vec3<'g>; 4]| {
         let [a, b, c, d] = corners.map(|corner| corner - slave);
-        let size: Expr<'_> = m.parameter("size");
-        m.describe("size", "Length that the equations of the foot are divided by");
-        // y(u) = v_0 + s v_1 + t v_2 + s t v_3 about the centre, with edges of length 1.
-        let vectors =
+        // y(u) = v_0 + s v_1 + t v_2 + s t v_3 about the centre, with edges of length 1. Callers divide lengths by the facet's size.
+        let [position, first, second, twist] =
             [0.25 * (a + b + c + d), 0.5 * (b + c - a - d), 0.5 * (c + d - a - b), (a + c) - (b + d)];
-        let [position, first, second, twist] = vectors.map(|v| (1.0 / size) * v);
         let position = m.define("position", position);
         let [first, second] = [m.define("first", first), m.define("second", second)];
         let twist = m.define("twist", twist);

@@ -218,7 +218,7 @@ pub unsafe extern "C" fn dc_forces(
             // SAFETY: as the caller promises. The multipliers are not looked at once the forces are written.
             let law = unsafe { law::read(law)? };
             let law = law.contact()?;
-            law.validate(slave_count)?;
+            law.validate_for(contacts)?;
             for (k, contact) in contacts.iter().enumerate() {
                 if !contact.outcome.is_contact() {
                     values.push([0.0; 3]);

@@ -62,7 +62,7 @@ impl Interface {
         let own = law.own(py)?;
         let law = own.law(py)?;
         let contacts = this.contacts(py)?;
-        law.validate(contacts.len()).map_err(|error| error.raise(py))?;
+        law.validate_for(contacts).map_err(|error| error.raise(py))?;
         let mut forces = Vec::with_capacity(contacts.len());
         for (element, contact) in contacts.iter().enumerate() {
             let (gap, area) = (contact.point.gap, contact.area);

@@ -39,10 +39,33 @@ def test_without_friction_nothing_is_to_be_accepted(scene):
     interface = scene.evaluated()
     with pytest.raises(dc.AssemblyError) as raised:
         interface.forces(PENALTY, friction=0.3)
-    assert raised.value.code == "no-slip"
+    assert raised.value.code in ("no-slip", "no-friction-kernels")
     with pytest.raises(dc.AssemblyError) as raised:
         interface.forces(PENALTY, friction=-0.3)
     assert raised.value.code == "invalid-friction-coefficient"
+
+
+@pytest.mark.parametrize("rule", ["domains", "hull-layers"])
+def test_a_law_is_refused_where_it_is_handed_in(scene, rule):
+    interface = scene.evaluated(rule=rule)
+    codes = set()
+    for call in (interface.forces, interface.tangent, interface.triplets, interface.normal_forces):
+        try:
+            call(PENALTY, friction=FRICTION)
+        except dc.AssemblyError as error:
+            codes.add(error.code)
+        else:
+            codes.add(None)
+    if rule == "hull-layers":
+        assert codes == {"no-anchors"}
+        return
+    try:
+        interface.accept(PENALTY, friction=FRICTION)
+    except dc.InterfaceError as error:
+        assert codes == {error.code} == {"no-friction-kernels"}
+    else:
+        # Only now does friction have a history; normal forces need none.
+        assert codes == {"no-slip", None}
 
 
 def test_forces_are_against_the_slip_and_balance(scene, started):

@@ -220,7 +220,7 @@ pub(crate) fn facet_slip(
         }
         [a, b, c, d] => {
             let corners = [a, b, c, d].map(seen);
-            let inputs = slip_over_quadrilateral::Inputs { slave, corners, anchor, size: 1.0 };
+            let inputs = slip_over_quadrilateral::Inputs { slave, corners, anchor };
             let found = slip_over_quadrilateral::evaluate(mode, &inputs);
             let slip_over_quadrilateral::Values { residual, iterations, energy } = found.values;
             if !(residual < RootSolution::<f64>::TOLERANCE) {

@@ -479,7 +479,7 @@ fn what_is_no_history_is_refused() {
 
     // Hull layers have no anchors.
     let mut scene = plane.paired(&[[2.2, 2.1, -0.1]], hull_layers());
-    assert_eq!(scene.interface.accept(&law(0.1)), Err(InterfaceError::NoAnchors));
+    assert_eq!(scene.interface.accept(&law(0.1)), Err(AssemblyError::NoAnchors.into()));
 }
 
 #[test]

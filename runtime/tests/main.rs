@@ -25,6 +25,7 @@ mod neighbourhood_fits;
 mod neighbourhood_layers;
 mod operator;
 mod pairing;
+mod refused_friction;
 mod self_contact;
 mod self_contact_faces;
 mod surface;

@@ -228,13 +228,12 @@ fn the_slip_over_a_facet_has_three_witnesses() {
         for corners in [&square[..3], &square] {
             let element = FacetElement { slave, corners };
             let points = [&[slave], corners, &[anchor]].concat();
-            let mut inputs = points.as_flattened().to_vec();
+            let inputs = points.as_flattened();
             let names = ["energy", "gradient", "hessian"];
             let of_graph = if corners.len() == 3 {
-                results_of_graph(formulas::slip_over_triangle, Mode::Hessian, &inputs, names)
+                results_of_graph(formulas::slip_over_triangle, Mode::Hessian, inputs, names)
             } else {
-                inputs.push(1.1);
-                results_of_graph(formulas::slip_over_quadrilateral, Mode::Hessian, &inputs, names)
+                results_of_graph(formulas::slip_over_quadrilateral, Mode::Hessian, inputs, names)
             };
             let entries = |Slip { half_square, gradient, hessian, .. }: Slip| {
                 [vec![half_square], gradient, hessian.packed().to_vec()]

@@ -486,10 +486,19 @@ fn a_library_without_friction_says_so() {
     assert!(message().starts_with("no-friction-kernels: "), "{}", message());
     assert_eq!(accept(&LAW), DC_OK);
     assert_eq!(dc_evaluate(handle, 2), DC_OK);
-    let mut sum = vec![0.0; 120];
-    // SAFETY: the array has the length given.
-    let status = unsafe { dc_add_forces(handle, &law, sum.as_mut_ptr(), 120, null_mut()) };
-    assert_eq!(status, DC_NOT_EVALUATED);
+    // Where the law is handed in, not only where a step is accepted.
+    let (mut sum, mut count) = (vec![0.0; 120], 7);
+    // SAFETY: the arrays have the lengths given.
+    let refused = unsafe {
+        [
+            dc_add_forces(handle, &law, sum.as_mut_ptr(), 120, null_mut()),
+            dc_triplets(handle, &law, 0, null_mut(), null_mut(), null_mut(), 0, &mut count),
+            dc_forces(handle, &law, null_mut(), null_mut(), null_mut(), 4),
+        ]
+    };
+    assert_eq!(refused, [DC_BAD_OPTION; 3]);
+    assert!(message().starts_with("no-friction-kernels: "), "{}", message());
+    assert!(sum.iter().all(|&force| force == 0.0) && count == 7);
     assert_eq!(dc_destroy(handle), DC_OK);
 }
 

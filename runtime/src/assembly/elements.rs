@@ -1,5 +1,6 @@
 //! What is assembled: contact elements as a list.
 
+use super::AssemblyError;
 use crate::Gap;
 
 /// A list of contact elements, one per slave node or any other number.
@@ -16,6 +17,14 @@ pub trait Elements: Sync {
 
     /// The element `k < len()`. It has to be the same each time it is asked for.
     fn element(&self, k: usize) -> ElementView<'_>;
+
+    /// Whether a law may have friction, before any element is looked at.
+    ///
+    /// # Errors
+    /// [`AssemblyError::NoAnchors`] or [`AssemblyError::NoFrictionKernels`] for elements that can have no slip.
+    fn check_friction(&self) -> Result<(), AssemblyError> {
+        Ok(())
+    }
 
     /// A number that only lists with the same nodes in the same order share, if that is known: a map of their entries then need not
     /// compare them.

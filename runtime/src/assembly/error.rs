@@ -179,6 +179,16 @@ pub enum AssemblyError {
     /// A round of augmentation by a law that has none.
     #[error("the law has no augmentation of friction")]
     NoAugmentation,
+    /// The law has friction, which masters that were found by another rule than domains of influence do not have.
+    #[error(
+        "friction needs facets, or the diffuse element with the neighbour rule \"domains\", not with another one"
+    )]
+    NoAnchors,
+    /// The law has friction, whose kernels were not compiled in.
+    #[error(
+        "this build has no kernels of friction over nodes: integrate contact over faces, or build it with the feature \"friction\", see docs/how-to/friction.md"
+    )]
+    NoFrictionKernels,
     /// The law has friction, but the elements come without slips.
     #[error("the law has friction, but element {element} has no slip: accept a state before the first step")]
     NoSlip {
@@ -236,6 +246,8 @@ impl AssemblyError {
             Self::MissingEntry { .. } => "missing-entry",
             Self::TooLarge { .. } => "too-large",
             Self::NoAugmentation => "no-augmentation",
+            Self::NoAnchors => "no-anchors",
+            Self::NoFrictionKernels => "no-friction-kernels",
             Self::NoSlip { .. } => "no-slip",
             Self::InvalidSlip { .. } => "invalid-slip",
             Self::Unsymmetric => "unsymmetric",

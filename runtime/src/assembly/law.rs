@@ -236,6 +236,21 @@ impl<'a> ContactLaw<'a> {
         (0..elements).try_for_each(|k| self.check_multiplier(k))
     }
 
+    /// As [`validate`](Self::validate), and that `elements` can have the friction that the law has.
+    ///
+    /// # Errors
+    /// As [`validate`](Self::validate) and [`Elements::check_friction`].
+    pub fn validate_for<E: Elements + ?Sized>(&self, elements: &E) -> Result<(), AssemblyError> {
+        self.check_for(elements)?;
+        (0..elements.len()).try_for_each(|k| self.check_multiplier(k))
+    }
+
+    /// Checks all of the law but the multipliers' values, for these elements.
+    pub(super) fn check_for<E: Elements + ?Sized>(&self, elements: &E) -> Result<(), AssemblyError> {
+        self.check(elements.len())?;
+        if self.friction.is_some() { elements.check_friction() } else { Ok(()) }
+    }
+
     fn multiplier(&self, k: usize) -> f64 {
         self.multipliers.map_or(0.0, |multipliers| multipliers[k])
     }
@@ -525,7 +540,7 @@ pub(super) fn check<E: Elements + ?Sized>(
     nodes: usize,
     needs: Needs,
 ) -> Result<(), AssemblyError> {
-    law.check(elements.len())?;
+    law.check_for(elements)?;
     for k in 0..elements.len() {
         let element = elements.element(k);
         if let Some(node) = element.nodes().find(|&node| node >= nodes) {

@@ -5,8 +5,6 @@
 
 use std::ops::AddAssign;
 
-use diffuse_contact_kernels::cubic::Cubic;
-use diffuse_contact_kernels::support::KernelSet;
 use rayon::prelude::*;
 
 use super::anchors::{Anchor, check_anchors, from_numbers, to_numbers};
@@ -167,16 +165,10 @@ impl ContactInterface {
     /// Whether there can be friction.
     ///
     /// # Errors
-    /// [`InterfaceError::NoAnchors`] for a diffuse element with another neighbour rule than domains of influence;
-    /// [`InterfaceError::NoFrictionKernels`] for one without the feature `friction`.
-    pub fn check_friction(&self) -> Result<(), InterfaceError> {
-        if self.options.element == ContactElement::NodeToFacet {
-            return Ok(());
-        }
-        if self.nodal.is_none() {
-            return Err(InterfaceError::NoAnchors);
-        }
-        if Cubic::FRICTION { Ok(()) } else { Err(InterfaceError::NoFrictionKernels) }
+    /// [`AssemblyError::NoAnchors`] for a diffuse element with another neighbour rule than domains of influence;
+    /// [`AssemblyError::NoFrictionKernels`] for one without the feature `friction`. Assembly with such a law is refused as well.
+    pub fn check_friction(&self) -> Result<(), AssemblyError> {
+        self.options.check_friction()
     }
 
     /// The history of friction as plain numbers, for a restart; empty before a state was [accepted](Self::accept). Nodes have their numbers

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::{InterfaceError, Outcome};
-use crate::assembly::{ContactView, ElementView, Elements, SlipView};
+use crate::assembly::{AssemblyError, ContactView, ElementView, Elements, SlipView};
 use crate::{ContactPoint, Mode};
 
 /// The contact of every slave node, in the order of the slaves.
@@ -15,6 +15,8 @@ use crate::{ContactPoint, Mode};
 pub struct Contacts {
     layout: Arc<Layout>,
     slots: Results,
+    /// Whether there can be slips.
+    friction: Result<(), AssemblyError>,
 }
 
 /// The contact of one slave node.
@@ -42,9 +44,8 @@ pub struct ContactRef<'a> {
 }
 
 impl Contacts {
-    pub(super) fn new(layout: Arc<Layout>) -> Self {
-        let slots = Results::default();
-        Self { layout, slots }
+    pub(super) fn new(layout: Arc<Layout>, friction: Result<(), AssemblyError>) -> Self {
+        Self { layout, slots: Results::default(), friction }
     }
 
     /// Number of slave nodes that have been evaluated.
@@ -103,6 +104,10 @@ impl Elements for Contacts {
         let contact = ContactView { gap: point.gap, area, gradient, hessian, slip };
         let contact = outcome.is_contact().then_some(contact);
         ElementView { slave, masters: nodes, contact }
+    }
+
+    fn check_friction(&self) -> Result<(), AssemblyError> {
+        self.friction
     }
 
     fn stamp(&self) -> Option<u64> {

@@ -99,7 +99,7 @@ impl ContactInterface {
         let areas = if options.areas { areas_of(&slaves, slave_facets, positions)? } else { Vec::new() };
         let pairings = Pairings::none(slaves, areas);
         let mut interface = Self {
-            contacts: Contacts::new(pairings.layout.clone()),
+            contacts: Contacts::new(pairings.layout.clone(), options.check_friction()),
             creases: Creases::default(),
             planes: Vec::new(),
             nodal: None,

@@ -36,21 +36,11 @@ pub enum InterfaceError {
     /// Symmetry planes need masters that are found by their domains of influence, or facets.
     #[error("symmetry planes need the neighbour rule \"domains\": other rules have no mirror images")]
     NoSymmetry,
-    /// Anchors are kept with the smooth surface only.
-    #[error(
-        "friction needs facets, or the diffuse element with the neighbour rule \"domains\", not with another one"
-    )]
-    NoAnchors,
     /// A step is accepted before any slave was paired: all would be without friction.
     #[error(
         "a step is accepted before the first refresh of the pairing: no slave has a foot that friction could begin from"
     )]
     NotRefreshed,
-    /// The kernels of friction were not compiled in.
-    #[error(
-        "this build has no kernels of friction over nodes: integrate contact over faces, or build it with the feature \"friction\", see docs/how-to/friction.md"
-    )]
-    NoFrictionKernels,
     /// Contact over faces with the diffuse element has nodal domains only: other rules would change the gap in every iteration.
     #[error(
         "contact integrated over faces needs the neighbour rule \"domains\", or the node-to-facet element"
@@ -177,9 +167,7 @@ impl InterfaceError {
             Self::InvalidOption { .. } => "invalid-option",
             Self::HeldFrame => "held-frame",
             Self::NoSymmetry => "no-symmetry",
-            Self::NoAnchors => "no-anchors",
             Self::NotRefreshed => "not-refreshed",
-            Self::NoFrictionKernels => "no-friction-kernels",
             Self::FacesNeedDomains => "faces-need-domains",
             Self::InvalidHistory { .. } => "invalid-history",
             Self::AnchorCount { .. } => "anchor-count",

@@ -1,6 +1,10 @@
 //! What a contact interface is made of, and how it pairs.
 
+use diffuse_contact_kernels::cubic::Cubic;
+use diffuse_contact_kernels::support::KernelSet;
+
 use super::InterfaceError;
+use crate::assembly::AssemblyError;
 use crate::neighbourhood::{NeighbourRule, SearchOptions};
 use crate::{FrameDerivative, Weight};
 
@@ -158,5 +162,17 @@ impl InterfaceOptions {
             }
         }
         Ok(())
+    }
+
+    /// Whether slaves of an interface with these options can have friction.
+    pub(super) fn check_friction(&self) -> Result<(), AssemblyError> {
+        match self.element {
+            ContactElement::NodeToFacet => Ok(()),
+            ContactElement::Diffuse { search, .. } if search.rule != NeighbourRule::Domains => {
+                Err(AssemblyError::NoAnchors)
+            }
+            ContactElement::Diffuse { .. } if Cubic::FRICTION => Ok(()),
+            ContactElement::Diffuse { .. } => Err(AssemblyError::NoFrictionKernels),
+        }
     }
 }

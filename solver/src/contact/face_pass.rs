@@ -157,6 +157,10 @@ impl Pass for FacePass {
         Ok(report)
     }
 
+    fn leave_out_friction(&mut self, is_left_out: bool) {
+        self.friction.iter_mut().for_each(|friction| friction.is_left_out = is_left_out);
+    }
+
     fn friction_history(&self) -> FrictionHistory {
         FrictionHistory { anchors: self.interface.history(), ..self.history.clone() }
     }

@@ -471,6 +471,10 @@ impl Interaction {
         Ok(sum)
     }
 
+    pub(super) fn leave_out_friction(&mut self, is_left_out: bool) {
+        self.passes.iter_mut().for_each(|pass| pass.leave_out_friction(is_left_out));
+    }
+
     pub(super) fn friction_history(&self) -> impl Iterator<Item = FrictionHistory> {
         self.passes.iter().map(|pass| pass.friction_history())
     }

@@ -180,6 +180,16 @@ impl ContactSet {
         self.evaluate(positions, Mode::Hessian)
     }
 
+    /// From here on without any friction, or with it again; the next evaluation sees it.
+    pub(crate) fn leave_out_friction(&mut self, is_left_out: bool) {
+        self.interactions.iter_mut().for_each(|interaction| interaction.leave_out_friction(is_left_out));
+    }
+
+    /// Whether any interaction has friction.
+    pub(crate) fn has_friction(&self) -> bool {
+        self.interactions.iter().any(|interaction| interaction.options().friction.is_some())
+    }
+
     /// Takes the feet of all slaves with friction for their anchors where there is no history yet. To be called before the first
     /// increment, after a refresh.
     ///

@@ -73,7 +73,7 @@ impl NodePass {
         }
         let friction = PassFriction::new(options, penalty)?;
         if friction.is_some() {
-            interface.check_friction().map_err(named)?;
+            interface.check_friction().map_err(|error| named(error.into()))?;
         }
         let dofs = DofMap::standard(positions.len());
         let tangent = options.tangent;
@@ -132,6 +132,10 @@ impl Pass for NodePass {
         let report = interface.accept(&normal_law(*penalty, multipliers).with_friction(friction))?;
         self.history.take(before, self.friction.as_ref(), &report);
         Ok(report)
+    }
+
+    fn leave_out_friction(&mut self, is_left_out: bool) {
+        self.friction.iter_mut().for_each(|friction| friction.is_left_out = is_left_out);
     }
 
     fn friction_history(&self) -> FrictionHistory {

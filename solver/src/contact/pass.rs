@@ -57,6 +57,8 @@ pub struct PassFriction {
     is_augmented: bool,
     /// How long the increment lasts.
     pub duration: f64,
+    /// Whether the law is for the moment that of no friction.
+    pub is_left_out: bool,
 }
 
 impl PassFriction {
@@ -72,6 +74,7 @@ impl PassFriction {
             shear_limit: friction.shear_limit.map(|limit| share * limit),
             is_augmented: friction.augmentation.is_some(),
             duration: 1.0,
+            is_left_out: false,
         };
         match made.checked() {
             Ok(_) => Ok(Some(made)),
@@ -80,6 +83,9 @@ impl PassFriction {
     }
 
     fn checked(&self) -> Result<Coulomb<'_>, FrictionError> {
+        if self.is_left_out {
+            return Coulomb::new(0.0, self.stiffness);
+        }
         let variable = |law| Coulomb::variable(law, self.duration, self.stiffness);
         let law = match &self.coefficient {
             &Coefficient::Constant(coefficient) => Coulomb::new(coefficient, self.stiffness),
@@ -172,6 +178,9 @@ pub trait Pass: std::fmt::Debug {
 
     /// Accepts the positions of the moment as the end of an increment.
     fn accept(&mut self) -> Result<FrictionReport, PassError>;
+
+    /// From here on without friction, if there is any, or with it again; the next evaluation sees it.
+    fn leave_out_friction(&mut self, is_left_out: bool);
 
     /// What friction remembers.
     fn friction_history(&self) -> FrictionHistory;

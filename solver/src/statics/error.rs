@@ -51,6 +51,21 @@ pub enum StaticsError {
         /// The parts that nothing holds; empty if a motion of other kind is free.
         loose: Vec<Loose>,
     },
+    /// Nothing but friction holds a part, and there is no force that friction could come from.
+    #[error(
+        "the run cannot go on from time {time}: {}contact acts on it with {force:.1e}, and equilibrium is known to {noise:.1e}: friction has nothing to come from",
+        all(loose)
+    )]
+    Unloaded {
+        /// The time that was reached.
+        time: f64,
+        /// The parts that nothing else holds.
+        loose: Vec<Loose>,
+        /// The largest contact force on one of them, the root of the sum of squares over its nodes.
+        force: f64,
+        /// What counts as none.
+        noise: f64,
+    },
     /// The solid was refused.
     #[error(transparent)]
     Solid(#[from] SolidError),

@@ -117,6 +117,9 @@ impl<'a> Increment<'a> {
             if balance.excess <= self.allowed(balance) {
                 self.check_losses()?;
                 if self.augment(observer)? {
+                    let before = (self.committed.increments > 0).then_some(&self.committed.positions[..]);
+                    let times = (self.end, self.committed.time);
+                    self.problem.check_loads(times, &self.positions, before, self.allowed(balance))?;
                     break;
                 }
             } else if is_spent(

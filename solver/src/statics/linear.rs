@@ -17,8 +17,8 @@ use crate::system::{
 const MOST_SUPPOSED: usize = 4;
 
 /// K Δx = −imbalance.
-struct Assembled {
-    matrix: BlockMatrix,
+pub(super) struct Assembled {
+    pub matrix: BlockMatrix,
     /// What contact adds to it without being assembled.
     operator: Option<ContactOperator>,
     symmetry: Symmetry,
@@ -137,12 +137,12 @@ impl Problem {
     }
 
     /// The parts that nothing holds.
-    fn loose(&self, system: &Assembled, positions: &[[f64; 3]]) -> Vec<Loose> {
+    pub(super) fn loose(&self, system: &Assembled, positions: &[[f64; 3]]) -> Vec<Loose> {
         loose_parts(&system.matrix, &self.equations, positions, &self.solid.parts())
     }
 
     /// The stiffness of everything at the last evaluation, contacts with this tangent or with their own.
-    fn assemble(
+    pub(super) fn assemble(
         &mut self,
         time: f64,
         positions: &[[f64; 3]],
@@ -243,6 +243,6 @@ impl Problem {
     }
 }
 
-fn motions(loose: &[Loose]) -> usize {
+pub(super) fn motions(loose: &[Loose]) -> usize {
     loose.iter().map(|loose| loose.motions.len()).sum()
 }

@@ -40,6 +40,7 @@ mod problem;
 mod settings;
 mod sparse;
 mod supports;
+mod unloaded;
 
 pub use error::{Failure, StaticsError};
 pub use loose::{Loose, RigidMotion};

@@ -388,3 +388,72 @@ fn many_boundaries_of_one_set_are_numbered_in_time() {
     assert_eq!(names.iter().collect::<std::collections::HashSet<_>>().len(), COUNT);
     assert!(begin.elapsed() < std::time::Duration::from_secs(30), "{:?}", begin.elapsed());
 }
+
+/// A block on a floor that moves, over faces with friction, and what else there is.
+fn carried(gap: f64, more: &str) -> String {
+    format!(
+        r#"
+[materials.m]
+young = 1000.0
+poisson = 0.3
+[parts.floor]
+shape = "rigid-plane"
+size = [4.0, 4.0]
+divisions = [4, 4]
+translate = [-1.5, -1.5, 0.0]
+[parts.block]
+shape = "box"
+origin = [0.0, 0.0, {gap:?}]
+size = [1.0, 1.0, 1.0]
+divisions = [2, 2, 2]
+material = "m"
+[[boundary]]
+nodes = "floor"
+translate = [0.5, 0.0, 0.0]
+[[interface]]
+name = "joint"
+master = "floor"
+slave = "block.z-"
+integration = "faces"
+friction = 0.3
+{more}
+[time]
+increment = 0.1
+"#
+    )
+}
+
+/// Friction comes from a force: where contact carries none, the part is named that only friction would hold, as without friction.
+#[test]
+fn friction_without_a_force_holds_nothing() {
+    for gap in [0.0, -1e-3, 0.01] {
+        let (deck, model) = deck(&carried(gap, ""), "");
+        let mut statics = statics(&deck, &model);
+        let start = statics.problem().start();
+        let mut notes = Notes::default();
+        let error = statics.run(start, &mut notes).unwrap_err();
+        assert!(notes.cuts.is_empty() && notes.increments.is_empty(), "{gap}: {error}");
+        let StaticsError::Unloaded { time, loose, force, noise } = &error else { panic!("{gap}: {error}") };
+        assert!(*time == 0.0 && *force > 0.0 && force <= noise && *noise < 1e-7, "{gap}: {error}");
+        let [Loose { parts, motions }] = &loose[..] else { panic!("{error}") };
+        assert_eq!((&parts[..], motions.len()), (&["block".to_owned()][..], 3), "{error}");
+        let text = "nothing holds `block` against moving along x, moving along y, turning about z through (";
+        assert!(error.to_string().contains(text), "{error}");
+    }
+}
+
+/// It is held by a load, by supports, or by a stabilisation; and what is unloaded at the end of the run is where friction left it.
+#[test]
+fn friction_with_a_force_holds() {
+    const LOAD: &str = "[[pressure]]\nsurface = \"block.z+\"\nvalue = 10.0\n";
+    let held = "[[boundary]]\nnodes = \"block.x-\"\nfix = [\"x\"]\n[[boundary]]\nnodes = \"block.y-\"\nfix = [\"y\"]\n";
+    let unloaded = format!("{LOAD}amplitude = [[0.0, 0.0], [0.5, 1.0], [1.0, 0.0]]\n");
+    let stabilised = "[newton]\nstabilisation = 1e-8\n";
+    for (gap, more) in [(0.01, LOAD), (0.01, held), (0.0, &unloaded), (0.0, stabilised)] {
+        let (notes, state, _) = run(&carried(gap, more), "");
+        assert_eq!((state.time, notes.cuts.len()), (1.0, 0), "{gap} {more}");
+    }
+    let (_, state, _) = run(&carried(0.0, LOAD), "");
+    let centre = state.positions[25..].iter().map(|x| x[0]).sum::<f64>() / 27.0;
+    assert!((centre - 1.0).abs() < 1e-3, "{centre}");
+}

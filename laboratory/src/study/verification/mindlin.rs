@@ -29,7 +29,8 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
         "c/a, closed form",
         "c/a by the tractions",
         "nodes stick to, slide from, x/a",
-        "traction, rms",
+        "traction at nodes, rms",
+        "means over faces, rms",
         "iterations",
         "cut-backs",
     ];
@@ -70,7 +71,7 @@ fn pushed(deck: &diffuse_contact_solver::deck::Deck, decks: &Decks) -> Result<Tr
     })
 }
 
-fn figures(run: &Trace<Pushed>) -> [String; 8] {
+fn figures(run: &Trace<Pushed>) -> [String; 9] {
     let Some((exact, profile)) = run.measures.last() else { return Default::default() };
     let a = exact.line.half_width();
     let [sticks, slides] = profile.border();
@@ -81,7 +82,8 @@ fn figures(run: &Trace<Pushed>) -> [String; 8] {
         format!("{:.4}", exact.half_width() / a),
         format!("{:.4}", profile.half_width(exact) / a),
         format!("{:.3}, {:.3}", sticks / a, slides / a),
-        format!("{:.1} %", 100.0 * profile.deviation(exact)),
+        format!("{:.2} %", 100.0 * profile.deviation(exact)),
+        format!("{:.2} %", 100.0 * profile.mean_deviation(exact)),
         run.iterations.to_string(),
         run.cutbacks.to_string(),
     ]

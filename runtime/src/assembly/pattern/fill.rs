@@ -80,7 +80,7 @@ impl CsrMap {
     ) -> Result<usize, AssemblyError> {
         self.check_values(values.len())?;
         self.check_elements(elements)?;
-        law.check(elements.len())?;
+        law.check_for(elements)?;
         let mut count = 0;
         for k in 0..elements.len() {
             law.check_element(k, &elements.element(k), Needs::Tangent)?;

@@ -82,7 +82,7 @@ impl CsrMap {
 
 /// Which elements carry force; none of them has to be refused then.
 fn loaded<E: Elements + ?Sized>(elements: &E, law: &ContactLaw<'_>) -> Result<Vec<bool>, AssemblyError> {
-    law.check(elements.len())?;
+    law.check_for(elements)?;
     let mut loaded = reserve("elements", elements.len())?;
     for k in 0..elements.len() {
         law.check_element(k, &elements.element(k), Needs::Residual)?;

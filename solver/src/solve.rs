@@ -118,7 +118,7 @@ pub fn solve_text(
     let model = deck.model(base)?;
     let mut statics = statics(&deck, &model, options.threads)?;
     let recorded = RecorderOptions::new(&options.out, text).with_output(deck.output);
-    if options.out.exists() && !options.out.is_dir() {
+    if options.out.is_file() {
         return Err(OutputError::NoDirectory { path: options.out.clone() }.into());
     }
     if !options.restart {

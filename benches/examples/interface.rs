@@ -64,7 +64,9 @@ fn main() -> Result<(), Failure> {
     }
     // Every slave carries force.
     let dofs = DofMap::standard(positions.len());
-    let law = ContactLaw::penalty(1e3).with_multipliers(Some(&loads));
+    // The field, not its builder: older commits have no other.
+    let mut law = ContactLaw::penalty(1e3);
+    law.multipliers = Some(&loads);
     let contacts = interface.evaluate(Mode::Hessian)?;
     for _ in 0..rounds {
         let start = clock.seconds();

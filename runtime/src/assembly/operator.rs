@@ -115,6 +115,7 @@ impl TangentOperator {
     ) -> Result<Self, InterfaceError> {
         law.validate(interface.slaves().len())?;
         if law.friction.is_some() {
+            interface.check_friction()?;
             return Self::with_friction(interface, law, dofs);
         }
         let with_second = law.tangent == Tangent::Exact;

@@ -49,7 +49,7 @@ def test_without_friction_nothing_is_to_be_accepted(scene):
 def test_a_law_is_refused_where_it_is_handed_in(scene, rule):
     interface = scene.evaluated(rule=rule)
     codes = set()
-    for call in (interface.forces, interface.tangent, interface.triplets, interface.normal_forces):
+    for call in (interface.forces, interface.tangent, interface.triplets):
         try:
             call(PENALTY, friction=FRICTION)
         except dc.AssemblyError as error:
@@ -64,8 +64,8 @@ def test_a_law_is_refused_where_it_is_handed_in(scene, rule):
     except dc.InterfaceError as error:
         assert codes == {error.code} == {"no-friction-kernels"}
     else:
-        # Only now does friction have a history; normal forces need none.
-        assert codes == {"no-slip", None}
+        # Only now does friction have a history.
+        assert codes == {"no-slip"}
 
 
 def test_forces_are_against_the_slip_and_balance(scene, started):

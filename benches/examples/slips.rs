@@ -10,7 +10,8 @@ use std::time::Instant;
 use diffuse_contact::{Basis, Domains, Frame, Mode, Point};
 use diffuse_contact_kernels::cubic::Cubic;
 use diffuse_contact_kernels::support::{
-    BatchElement, ElementInputs, FrameRule, GapValues, KernelSet, Masters, Status, Workspace, packed_row,
+    BatchElement, ElementInputs, FrameRule, GapValues, KernelSet, Masters, MaterialNode, Status, Workspace,
+    packed_row,
 };
 
 type Failure = Box<dyn std::error::Error>;
@@ -18,10 +19,12 @@ type Failure = Box<dyn std::error::Error>;
 const ELEMENTS: usize = 256;
 const BATCH: usize = 32;
 const ROUNDS: usize = 200;
+const SLAVE: Point = [0.05, -0.03, 0.1];
+const SUPPORT_RADIUS: f64 = 1.3;
 
 fn main() -> Result<(), Failure> {
     println!("one element of a batch, ns: g, N, M; g, N, M and q, ∇q, ∇²q; the ratio");
-    for rule in [FrameRule::Frozen, FrameRule::CoMoving] {
+    for rule in [FrameRule::Frozen, FrameRule::CoMoving, FrameRule::Material] {
         for nodes in [9, 16] {
             let [gap, slip] = measure(nodes, rule)?;
             println!("n = {nodes:2}, {rule:?}: {gap:6.0} {slip:6.0} {:.2}", slip / gap);
@@ -42,9 +45,19 @@ fn patch(nodes: usize, k: usize) -> Vec<Point> {
     masters.collect()
 }
 
+/// A domain of the support radius in the first configuration.
+fn domain(master: &Point) -> MaterialNode {
+    let scale = 1.0 / SUPPORT_RADIUS;
+    let offset = std::array::from_fn(|axis| master[axis] - SLAVE[axis]);
+    MaterialNode { offset, metric: [scale, 0.0, 0.0, scale, 0.0, scale] }
+}
+
 /// Nanoseconds, the least of all rounds, which take turns.
 fn measure(nodes: usize, rule: FrameRule) -> Result<[f64; 2], Failure> {
     let patches: Vec<Vec<Point>> = (0..ELEMENTS).map(|k| patch(nodes, k)).collect();
+    let is_material = rule == FrameRule::Material;
+    let domains: Vec<Vec<MaterialNode>> =
+        patches.iter().map(|masters| masters.iter().map(domain).collect()).collect();
     let inputs = |(k, masters): (usize, &Vec<Point>)| -> Result<(usize, Frame), Failure> {
         Ok((k, Frame::average_plane(masters, [0.0, 0.0, 1.0])?))
     };
@@ -66,14 +79,14 @@ fn measure(nodes: usize, rule: FrameRule) -> Result<[f64; 2], Failure> {
                 let element = |&(k, frame): &(usize, Frame)| {
                     let (gradient, hessian) = rest.next()?.split_at_mut(gradients);
                     let inputs = ElementInputs {
-                        slave: [0.05, -0.03, 0.1],
+                        slave: SLAVE,
                         masters: Masters::Positions(&patches[k]),
-                        domains: Domains::Shared,
+                        domains: if is_material { Domains::Material(&domains[k]) } else { Domains::Shared },
                         plane_reach: frame.reach,
                         t1: frame.t1,
                         t2: frame.t2,
                         normal: frame.normal,
-                        support_radius: 1.3,
+                        support_radius: SUPPORT_RADIUS,
                         point: [0.0; 2],
                         anchor: [0.02, 0.01, 0.0],
                         pole: 0,

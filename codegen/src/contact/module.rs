@@ -345,12 +345,12 @@ fn gap_kernel(kernel: &EmittedKernel<KernelSpec>, optimised: bool) -> Option<Tok
 }
 
 /// The quadratic basis with a fitting weight is what most elements have. Batches with another basis (a fallback) or an
-/// interpolating weight are compiled for vectors of four numbers only. Kernels with a slip are twice as long: those that
-/// interfaces evaluate most, with a frame that moves, have batches, and the others are evaluated number by number.
+/// interpolating weight are compiled for vectors of four numbers only. Kernels with a slip are twice as long: of them only the common ones
+/// have batches, without vectors of two numbers, and the others are evaluated number by number.
 fn widths(spec: &KernelSpec) -> &'static str {
     let is_common = spec.basis == Basis::Quadratic && !spec.weight.is_interpolating();
     match spec.output {
-        Output::Slip if is_common && spec.frame != FrameRule::Frozen => "FourAndOne",
+        Output::Slip if is_common => "FourAndEight",
         Output::Slip => "One",
         _ if is_common => "Every",
         _ => "Four",

@@ -44,8 +44,8 @@ pub enum Widths {
     Every,
     /// Batches in vectors of four numbers only.
     Four,
-    /// Batches in vectors of four numbers; one element number by number.
-    FourAndOne,
+    /// Batches in vectors of four and of eight numbers; one element number by number.
+    FourAndEight,
     /// Number by number.
     One,
 }
@@ -167,7 +167,7 @@ pub fn single<K: GapKernel>(
         kernel: PhantomData,
     };
     // Constants, not patterns: what a constant rules out is not compiled.
-    if const { matches!(K::WIDTHS, Widths::FourAndOne | Widths::One) } {
+    if const { matches!(K::WIDTHS, Widths::FourAndEight | Widths::One) } {
         code.run::<f64>()
     } else {
         isa.run_four(code).unwrap_or_else(|code| code.run::<f64>())
@@ -264,6 +264,8 @@ pub fn batch<K: GapKernel>(
     let code = Elements::<K> { elements, weight_number, kind, workspace, kernel: PhantomData };
     let left = if const { matches!(K::WIDTHS, Widths::Every) } {
         isa.run_vectors(code)
+    } else if const { matches!(K::WIDTHS, Widths::FourAndEight) } {
+        isa.run_four_or_eight(code)
     } else if const { matches!(K::WIDTHS, Widths::One) } {
         Err(code)
     } else {

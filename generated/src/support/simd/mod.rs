@@ -250,6 +250,17 @@ impl Isa {
             _ => Err(code),
         }
     }
+
+    /// Runs code with vectors of eight numbers, else of four; if there are neither (on aarch64, of two), it comes back.
+    #[inline]
+    pub fn run_four_or_eight<W: WithLanes>(self, code: W) -> Result<W::Output, W> {
+        match self.0 {
+            // SAFETY: an `Isa` exists only where its instructions do.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => Ok(unsafe { x86::run_avx512::<x86::F64x8, W>(code) }),
+            _ => self.run_four(code),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use runtime::assembly::{Triplets, add_forces};
 
 use crate::border::{self, Target, disjoint, sums, target, wanted};
 use crate::choice;
-use crate::interface::{dc_interface, with};
+use crate::interface::{call, dc_interface};
 use crate::law::{self, dc_law};
 use crate::status::{DC_TOO_LARGE, Failure, dc_status};
 use crate::threads;
@@ -33,21 +33,19 @@ pub unsafe extern "C" fn dc_add_forces(
     equation_count: usize,
     active_count: *mut usize,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            let contacts = state.contacts()?;
-            let active_count = wanted("active_count", active_count, 1, 1)?;
-            let whole = border::written("forces", forces, equation_count);
-            // SAFETY: as the caller promises.
-            unsafe { law::disjoint(law, [whole, active_count.span()])? };
-            // SAFETY: as the caller promises; nothing overlaps.
-            let (law, forces) = unsafe { (law::read(law)?, sums("forces", forces, equation_count)?) };
-            let law = law.contact()?;
-            let active = threads::run(|| add_forces(contacts, &law, &state.dofs, forces))??;
-            // SAFETY: as the caller promises.
-            unsafe { active_count.write([active]) };
-            Ok(())
-        })
+    call(interface, |state| {
+        let contacts = state.contacts()?;
+        let active_count = wanted("active_count", active_count, 1, 1)?;
+        let whole = border::written("forces", forces, equation_count);
+        // SAFETY: as the caller promises.
+        unsafe { law::disjoint(law, [whole, active_count.span()])? };
+        // SAFETY: as the caller promises; nothing overlaps.
+        let (law, forces) = unsafe { (law::read(law)?, sums("forces", forces, equation_count)?) };
+        let law = law.contact()?;
+        let active = threads::run(|| add_forces(contacts, &law, &state.dofs, forces))??;
+        // SAFETY: as the caller promises.
+        unsafe { active_count.write([active]) };
+        Ok(())
     })
 }
 
@@ -70,22 +68,20 @@ pub unsafe extern "C" fn dc_triplets(
     capacity: usize,
     count: *mut usize,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            let triangle = choice::triangle(triangle)?;
-            state.contacts()?;
-            let count = target("count", count, 1)?;
-            // SAFETY: as the caller promises.
-            let law = unsafe { law::read(law)? };
-            let law = law.contact()?;
-            let triplets = &mut state.triplets;
-            let (contacts, dofs) = (state.interface.contacts(), &*state.dofs);
-            let filling = &mut *triplets;
-            threads::run(|| filling.fill(contacts, &law, dofs, triangle))??;
-            index("equations", state.dofs.equations())?;
-            // SAFETY: as the caller promises; the law's multipliers are not looked at any more.
-            unsafe { write(triplets, (rows, columns, values), capacity, count) }
-        })
+    call(interface, |state| {
+        let triangle = choice::read(triangle)?;
+        state.contacts()?;
+        let count = target("count", count, 1)?;
+        // SAFETY: as the caller promises.
+        let law = unsafe { law::read(law)? };
+        let law = law.contact()?;
+        let triplets = &mut state.triplets;
+        let (contacts, dofs) = (state.interface.contacts(), &*state.dofs);
+        let filling = &mut *triplets;
+        threads::run(|| filling.fill(contacts, &law, dofs, triangle))??;
+        index("equations", state.dofs.equations())?;
+        // SAFETY: as the caller promises; the law's multipliers are not looked at any more.
+        unsafe { write(triplets, (rows, columns, values), capacity, count) }
     })
 }
 

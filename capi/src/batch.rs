@@ -45,7 +45,7 @@ pub unsafe extern "C" fn dc_gap_batch(
     hessian_size: usize,
 ) -> dc_status {
     border::call(|| {
-        let mode = choice::mode(mode)?;
+        let mode: Mode = choice::read(mode)?;
         // SAFETY: as the caller promises.
         let element = unsafe { dc_element::read(element)? };
         let kind = element.kind()?;

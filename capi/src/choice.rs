@@ -115,6 +115,50 @@ pub enum dc_triangle {
     DC_LOWER = 1,
 }
 
+/// A type of Rust whose values have numbers in C.
+pub trait Named: Copy + 'static {
+    /// What messages call it.
+    const NAME: &'static str;
+    /// Its values and their numbers.
+    const ALL: &'static [(i32, Self)];
+
+    /// The number of the value.
+    fn number(self) -> i32;
+}
+
+/// The values of a type and their names in C, and the number of others; a value without a number does not compile.
+macro_rules! named {
+    ($name:literal, $type:ty, $names:ty: $($value:ident = $number:ident),+ $(; $others:pat = $other:ident)?) => {
+        impl Named for $type {
+            const NAME: &'static str = $name;
+            const ALL: &'static [(i32, Self)] = &[$((<$names>::$number as i32, Self::$value)),+];
+
+            fn number(self) -> i32 {
+                match self {
+                    $(Self::$value => <$names>::$number as i32,)+
+                    $($others => <$names>::$other as i32,)?
+                }
+            }
+        }
+    };
+}
+
+named!("mode", Mode, dc_mode: Value = DC_VALUE, Gradient = DC_GRADIENT, Hessian = DC_HESSIAN);
+named!("weight", Weight, dc_weight: Cubic = DC_CUBIC, CubicInterpolating = DC_CUBIC_INTERPOLATING, WendlandC2 = DC_WENDLAND_C2);
+named!("frame", FrameDerivative, dc_frame: CoMoving = DC_CO_MOVING, Frozen = DC_HELD);
+named!("basis", Basis, dc_basis: Linear = DC_LINEAR, Quadratic = DC_QUADRATIC; Self::Custom(_) = DC_QUADRATIC);
+named!("friction state", FrictionState, dc_friction_state: Open = DC_OPEN, Stick = DC_STICK, Slip = DC_SLIP);
+named!("coefficient", dc_coefficient, dc_coefficient:
+    DC_CONSTANT = DC_CONSTANT, DC_DECAYING = DC_DECAYING, DC_TABULATED = DC_TABULATED, DC_FUNCTION = DC_FUNCTION);
+named!("tangent", Tangent, dc_tangent: Exact = DC_EXACT, GaussNewton = DC_GAUSS_NEWTON);
+named!("triangle", Triangle, dc_triangle: Full = DC_FULL, Lower = DC_LOWER);
+
+/// The value of a number.
+#[inline]
+pub fn read<T: Named>(number: i32) -> Result<T, Failure> {
+    choose(T::NAME, number, T::ALL)
+}
+
 /// The entry of `choices` that has this number.
 #[inline]
 pub fn choose<T: Copy>(name: &str, value: i32, choices: &[(i32, T)]) -> Result<T, Failure> {
@@ -126,98 +170,12 @@ pub fn choose<T: Copy>(name: &str, value: i32, choices: &[(i32, T)]) -> Result<T
     })
 }
 
-#[inline]
-pub fn mode(value: i32) -> Result<Mode, Failure> {
-    let choices = [
-        (dc_mode::DC_VALUE as i32, Mode::Value),
-        (dc_mode::DC_GRADIENT as i32, Mode::Gradient),
-        (dc_mode::DC_HESSIAN as i32, Mode::Hessian),
-    ];
-    choose("mode", value, &choices)
-}
-
-#[inline]
-pub fn weight(value: i32) -> Result<Weight, Failure> {
-    let choices = [
-        (dc_weight::DC_CUBIC as i32, Weight::Cubic),
-        (dc_weight::DC_CUBIC_INTERPOLATING as i32, Weight::CubicInterpolating),
-        (dc_weight::DC_WENDLAND_C2 as i32, Weight::WendlandC2),
-    ];
-    choose("weight", value, &choices)
-}
-
-pub fn weight_number(weight: Weight) -> i32 {
-    (match weight {
-        Weight::Cubic => dc_weight::DC_CUBIC,
-        Weight::CubicInterpolating => dc_weight::DC_CUBIC_INTERPOLATING,
-        Weight::WendlandC2 => dc_weight::DC_WENDLAND_C2,
-    }) as i32
-}
-
-/// What the frame of an interface does.
-#[inline]
-pub fn frame(value: i32) -> Result<FrameDerivative, Failure> {
-    let choices = [
-        (dc_frame::DC_CO_MOVING as i32, FrameDerivative::CoMoving),
-        (dc_frame::DC_HELD as i32, FrameDerivative::Frozen),
-    ];
-    choose("frame", value, &choices)
-}
-
 /// What the frame of a single element does that is not given.
 #[inline]
 pub fn element_frame(value: i32) -> Result<FrameDerivative, Failure> {
-    if value == dc_frame::DC_CO_MOVING as i32 || value == dc_frame::DC_HELD as i32 {
-        return frame(value);
-    }
-    let message = format!("invalid-option: frame is {value}, which is none of 0, 1, 2");
-    Err(Failure::new(DC_BAD_OPTION, message))
-}
-
-#[inline]
-pub fn basis(value: i32) -> Result<Basis, Failure> {
-    let choices =
-        [(dc_basis::DC_LINEAR as i32, Basis::Linear), (dc_basis::DC_QUADRATIC as i32, Basis::Quadratic)];
-    choose("basis", value, &choices)
-}
-
-pub fn basis_number(basis: Basis) -> i32 {
-    (if basis == Basis::Linear { dc_basis::DC_LINEAR } else { dc_basis::DC_QUADRATIC }) as i32
-}
-
-pub fn coefficient(value: i32) -> Result<dc_coefficient, Failure> {
-    use dc_coefficient::{DC_CONSTANT, DC_DECAYING, DC_FUNCTION, DC_TABULATED};
-    let all = [DC_CONSTANT, DC_DECAYING, DC_TABULATED, DC_FUNCTION];
-    choose("coefficient", value, &all.map(|kind| (kind as i32, kind)))
-}
-
-pub fn tangent(value: i32) -> Result<Tangent, Failure> {
-    let choices = [
-        (dc_tangent::DC_EXACT as i32, Tangent::Exact),
-        (dc_tangent::DC_GAUSS_NEWTON as i32, Tangent::GaussNewton),
-    ];
-    choose("tangent", value, &choices)
-}
-
-pub fn tangent_number(tangent: Tangent) -> i32 {
-    (match tangent {
-        Tangent::Exact => dc_tangent::DC_EXACT,
-        Tangent::GaussNewton => dc_tangent::DC_GAUSS_NEWTON,
-    }) as i32
-}
-
-pub fn friction_state(state: FrictionState) -> i32 {
-    (match state {
-        FrictionState::Open => dc_friction_state::DC_OPEN,
-        FrictionState::Stick => dc_friction_state::DC_STICK,
-        FrictionState::Slip => dc_friction_state::DC_SLIP,
-    }) as i32
-}
-
-pub fn triangle(value: i32) -> Result<Triangle, Failure> {
-    let choices =
-        [(dc_triangle::DC_FULL as i32, Triangle::Full), (dc_triangle::DC_LOWER as i32, Triangle::Lower)];
-    choose("triangle", value, &choices)
+    read(value).map_err(|_| {
+        Failure::new(DC_BAD_OPTION, format!("invalid-option: frame is {value}, which is none of 0, 1, 2"))
+    })
 }
 
 /// A flag: 0 or 1.

@@ -4,8 +4,8 @@ use runtime::Mode;
 use runtime::interface::{ContactRef, Outcome};
 use runtime::neighbourhood::Fallback;
 
-use crate::border::{self, Plain, disjoint, reserve, target, wanted};
-use crate::interface::{dc_interface, with};
+use crate::border::{Plain, disjoint, reserve, target, wanted};
+use crate::interface::{call, dc_interface};
 use crate::law::{self, dc_law};
 use crate::outcome;
 use crate::status::{DC_NO_CONTACT, DC_NOT_EVALUATED, DC_OVERFLOW, Failure, dc_status};
@@ -68,20 +68,16 @@ pub unsafe extern "C" fn dc_contact_of(
     slave: usize,
     contact: *mut dc_contact,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            let k = state.slave(slave)?;
-            let found = state.contacts()?.get(k);
-            let contact = target("contact", contact, 1)?;
-            // SAFETY: as the caller promises.
-            unsafe { contact.write([dc_contact::new(&found, state.interface.support_radius(k))]) };
-            match found.outcome {
-                Outcome::Contact { .. } => Ok(()),
-                Outcome::None(reason) => {
-                    Err(Failure::new(DC_NO_CONTACT, format!("{}: {reason}", reason.code())))
-                }
-            }
-        })
+    call(interface, |state| {
+        let k = state.slave(slave)?;
+        let found = state.contacts()?.get(k);
+        let contact = target("contact", contact, 1)?;
+        // SAFETY: as the caller promises.
+        unsafe { contact.write([dc_contact::new(&found, state.interface.support_radius(k))]) };
+        match found.outcome {
+            Outcome::Contact { .. } => Ok(()),
+            Outcome::None(reason) => Err(Failure::new(DC_NO_CONTACT, format!("{}: {reason}", reason.code()))),
+        }
     })
 }
 
@@ -103,49 +99,42 @@ pub unsafe extern "C" fn dc_derivatives(
     hessian: *mut f64,
     hessian_size: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            let k = state.slave(slave)?;
-            let contacts = state.contacts()?;
-            let found = contacts.get(k);
-            let count = if found.nodes.is_empty() { 0 } else { found.nodes.len() + 1 };
-            let freedoms = 3 * count;
-            let nodes = wanted("nodes", nodes, node_size, count)?;
-            let gradient = wanted("gradient", gradient, gradient_size, freedoms)?;
-            let hessian = wanted("hessian", hessian, hessian_size, freedoms * (freedoms + 1) / 2)?;
-            disjoint([nodes.span(), gradient.span(), hessian.span()])?;
-            let result = match found.outcome {
-                Outcome::Contact { .. } => {
-                    let wanted = [
-                        ("gradient", gradient.len(), found.gradient),
-                        ("hessian", hessian.len(), found.hessian),
-                    ];
-                    for (name, wanted, there) in wanted {
-                        if wanted > there.len() {
-                            let mode = mode_name(contacts.mode());
-                            let message = format!(
-                                "not-evaluated: there is no {name}, the last evaluation was with {mode}"
-                            );
-                            return Err(Failure::new(DC_NOT_EVALUATED, message));
-                        }
+    call(interface, |state| {
+        let k = state.slave(slave)?;
+        let contacts = state.contacts()?;
+        let found = contacts.get(k);
+        let count = if found.nodes.is_empty() { 0 } else { found.nodes.len() + 1 };
+        let freedoms = 3 * count;
+        let nodes = wanted("nodes", nodes, node_size, count)?;
+        let gradient = wanted("gradient", gradient, gradient_size, freedoms)?;
+        let hessian = wanted("hessian", hessian, hessian_size, freedoms * (freedoms + 1) / 2)?;
+        disjoint([nodes.span(), gradient.span(), hessian.span()])?;
+        let result = match found.outcome {
+            Outcome::Contact { .. } => {
+                let wanted =
+                    [("gradient", gradient.len(), found.gradient), ("hessian", hessian.len(), found.hessian)];
+                for (name, wanted, there) in wanted {
+                    if wanted > there.len() {
+                        let mode = mode_name(contacts.mode());
+                        let message =
+                            format!("not-evaluated: there is no {name}, the last evaluation was with {mode}");
+                        return Err(Failure::new(DC_NOT_EVALUATED, message));
                     }
-                    Ok(())
                 }
-                Outcome::None(reason) => {
-                    Err(Failure::new(DC_NO_CONTACT, format!("{}: {reason}", reason.code())))
-                }
-            };
-            let own = std::iter::once(found.slave as i32).chain(found.nodes.iter().map(|&node| node as i32));
-            // SAFETY: as the caller promises.
-            unsafe {
-                nodes.write(own);
-                if result.is_ok() {
-                    gradient.write(found.gradient.iter().copied());
-                    hessian.write(found.hessian.iter().copied());
-                }
+                Ok(())
             }
-            result
-        })
+            Outcome::None(reason) => Err(Failure::new(DC_NO_CONTACT, format!("{}: {reason}", reason.code()))),
+        };
+        let own = std::iter::once(found.slave as i32).chain(found.nodes.iter().map(|&node| node as i32));
+        // SAFETY: as the caller promises.
+        unsafe {
+            nodes.write(own);
+            if result.is_ok() {
+                gradient.write(found.gradient.iter().copied());
+                hessian.write(found.hessian.iter().copied());
+            }
+        }
+        result
     })
 }
 
@@ -168,20 +157,18 @@ pub unsafe extern "C" fn dc_gaps(
     gaps: *mut f64,
     slave_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            state.expect_slaves(slave_count)?;
-            let contacts = state.contacts()?;
-            let outcomes = wanted("outcomes", outcomes, slave_count, slave_count)?;
-            let gaps = wanted("gaps", gaps, slave_count, slave_count)?;
-            disjoint([outcomes.span(), gaps.span()])?;
-            // SAFETY: as the caller promises.
-            unsafe {
-                outcomes.write(contacts.iter().map(|contact| outcome::of(&contact.outcome) as i32));
-                gaps.write(contacts.iter().map(|contact| contact.point.gap));
-            }
-            Ok(())
-        })
+    call(interface, |state| {
+        state.expect_slaves(slave_count)?;
+        let contacts = state.contacts()?;
+        let outcomes = wanted("outcomes", outcomes, slave_count, slave_count)?;
+        let gaps = wanted("gaps", gaps, slave_count, slave_count)?;
+        disjoint([outcomes.span(), gaps.span()])?;
+        // SAFETY: as the caller promises.
+        unsafe {
+            outcomes.write(contacts.iter().map(|contact| outcome::of(&contact.outcome) as i32));
+            gaps.write(contacts.iter().map(|contact| contact.point.gap));
+        }
+        Ok(())
     })
 }
 
@@ -200,49 +187,47 @@ pub unsafe extern "C" fn dc_forces(
     pressures: *mut f64,
     slave_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            state.expect_slaves(slave_count)?;
-            let contacts = state.contacts()?;
-            let arrays = [("penetrations", penetrations), ("forces", forces), ("pressures", pressures)];
-            let [penetrations, forces, pressures] =
-                arrays.map(|(name, pointer)| wanted(name, pointer, slave_count, slave_count));
-            let (penetrations, forces, pressures) = (penetrations?, forces?, pressures?);
-            disjoint([penetrations.span(), forces.span(), pressures.span()])?;
+    call(interface, |state| {
+        state.expect_slaves(slave_count)?;
+        let contacts = state.contacts()?;
+        let arrays = [("penetrations", penetrations), ("forces", forces), ("pressures", pressures)];
+        let [penetrations, forces, pressures] =
+            arrays.map(|(name, pointer)| wanted(name, pointer, slave_count, slave_count));
+        let (penetrations, forces, pressures) = (penetrations?, forces?, pressures?);
+        disjoint([penetrations.span(), forces.span(), pressures.span()])?;
+        // SAFETY: as the caller promises.
+        unsafe {
+            law::disjoint(law, [penetrations.span(), pressures.span()])?;
+            law::disjoint_but_multipliers(law, forces.span())?;
+        }
+        let mut values = reserve("forces", slave_count)?;
+        // SAFETY: as the caller promises. The multipliers are not looked at once the forces are written.
+        let law = unsafe { law::read(law)? };
+        let law = law.contact()?;
+        law.validate_for(contacts)?;
+        for (k, contact) in contacts.iter().enumerate() {
+            if !contact.outcome.is_contact() {
+                values.push([0.0; 3]);
+                continue;
+            }
+            let force = law.force(k, contact.point.gap, contact.area);
+            let pressure = if contact.area > 0.0 { force / contact.area } else { 0.0 };
+            for (what, value) in [("force", force), ("pressure", pressure)] {
+                if !value.is_finite() {
+                    let (gap, area) = (contact.point.gap, contact.area);
+                    let message = format!(
+                        "overflow: the contact {what} of slave {k} is {value}, gap {gap:e}, area {area:e}"
+                    );
+                    return Err(Failure::new(DC_OVERFLOW, message));
+                }
+            }
+            values.push([(-contact.point.gap).max(0.0), force, pressure]);
+        }
+        for (which, target) in [penetrations, forces, pressures].into_iter().enumerate() {
             // SAFETY: as the caller promises.
-            unsafe {
-                law::disjoint(law, [penetrations.span(), pressures.span()])?;
-                law::disjoint_but_multipliers(law, forces.span())?;
-            }
-            let mut values = reserve("forces", slave_count)?;
-            // SAFETY: as the caller promises. The multipliers are not looked at once the forces are written.
-            let law = unsafe { law::read(law)? };
-            let law = law.contact()?;
-            law.validate_for(contacts)?;
-            for (k, contact) in contacts.iter().enumerate() {
-                if !contact.outcome.is_contact() {
-                    values.push([0.0; 3]);
-                    continue;
-                }
-                let force = law.force(k, contact.point.gap, contact.area);
-                let pressure = if contact.area > 0.0 { force / contact.area } else { 0.0 };
-                for (what, value) in [("force", force), ("pressure", pressure)] {
-                    if !value.is_finite() {
-                        let (gap, area) = (contact.point.gap, contact.area);
-                        let message = format!(
-                            "overflow: the contact {what} of slave {k} is {value}, gap {gap:e}, area {area:e}"
-                        );
-                        return Err(Failure::new(DC_OVERFLOW, message));
-                    }
-                }
-                values.push([(-contact.point.gap).max(0.0), force, pressure]);
-            }
-            for (which, target) in [penetrations, forces, pressures].into_iter().enumerate() {
-                // SAFETY: as the caller promises.
-                unsafe { target.write(values.iter().map(|values| values[which])) };
-            }
-            Ok(())
-        })
+            unsafe { target.write(values.iter().map(|values| values[which])) };
+        }
+        Ok(())
     })
 }
 
@@ -259,13 +244,11 @@ pub unsafe extern "C" fn dc_forces(
 /// `factor` may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dc_cutback(interface: *mut dc_interface, factor: *mut f64) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            state.contacts()?;
-            let factor = target("factor", factor, 1)?;
-            // SAFETY: as the caller promises.
-            unsafe { factor.write([state.hint.factor(&state.interface)]) };
-            Ok(())
-        })
+    call(interface, |state| {
+        state.contacts()?;
+        let factor = target("factor", factor, 1)?;
+        // SAFETY: as the caller promises.
+        unsafe { factor.write([state.hint.factor(&state.interface)]) };
+        Ok(())
     })
 }

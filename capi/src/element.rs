@@ -112,8 +112,8 @@ impl dc_element {
         let basis = if self.basis == 0 { dc_basis::DC_QUADRATIC as i32 } else { self.basis };
         let is_given = self.frame == dc_frame::DC_GIVEN as i32;
         Ok(Kind {
-            basis: choice::basis(basis)?,
-            weight: choice::weight(self.weight)?,
+            basis: choice::read(basis)?,
+            weight: choice::read(self.weight)?,
             frame: if is_given { None } else { Some(choice::element_frame(self.frame)?) },
         })
     }
@@ -177,7 +177,7 @@ pub unsafe extern "C" fn dc_gap(
     hessian_size: usize,
 ) -> dc_status {
     border::call(|| {
-        let mode = choice::mode(mode)?;
+        let mode: Mode = choice::read(mode)?;
         let Some([freedoms, packed]) = sizes(master_count, mode) else {
             return Err(Failure::new(
                 DC_BAD_SIZE,

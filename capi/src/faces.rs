@@ -35,12 +35,9 @@ pub struct State {
 
 static FACES: Registry<State> = Registry::new("faces", 3);
 
-/// Runs a call on contact over faces.
-pub fn with(
-    handle: *mut dc_faces,
-    work: impl FnOnce(&mut State) -> Result<(), Failure>,
-) -> Result<(), Failure> {
-    FACES.with(handle.addr(), work)
+/// A call on contact over faces.
+pub fn call(handle: *mut dc_faces, work: impl FnOnce(&mut State) -> Result<(), Failure>) -> dc_status {
+    FACES.call(handle, work)
 }
 
 impl State {
@@ -140,11 +137,9 @@ pub unsafe extern "C" fn dc_faces_counts(
     node_count: *mut usize,
     slave_count: *mut usize,
 ) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            // SAFETY: as the caller promises.
-            unsafe { mesh::write_counts(state.nodes, state.interface.slaves(), node_count, slave_count) }
-        })
+    call(faces, |state| {
+        // SAFETY: as the caller promises.
+        unsafe { mesh::write_counts(state.nodes, state.interface.slaves(), node_count, slave_count) }
     })
 }
 
@@ -158,14 +153,12 @@ pub unsafe extern "C" fn dc_faces_slaves(
     slaves: *mut i32,
     slave_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            state.expect_slaves(slave_count)?;
-            let slaves = target("slaves", slaves, slave_count)?;
-            // SAFETY: as the caller promises.
-            unsafe { slaves.write(state.interface.slaves().iter().map(|&node| node as i32)) };
-            Ok(())
-        })
+    call(faces, |state| {
+        state.expect_slaves(slave_count)?;
+        let slaves = target("slaves", slaves, slave_count)?;
+        // SAFETY: as the caller promises.
+        unsafe { slaves.write(state.interface.slaves().iter().map(|&node| node as i32)) };
+        Ok(())
     })
 }
 
@@ -180,15 +173,13 @@ pub unsafe extern "C" fn dc_faces_set_symmetry(
     planes: *const f64,
     plane_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            // SAFETY: as the caller promises.
-            let planes = unsafe { symmetry_planes(planes, plane_count)? };
-            let interface = &mut state.interface;
-            threads::run(|| interface.set_symmetry(&planes))??;
-            state.evaluated = false;
-            Ok(())
-        })
+    call(faces, |state| {
+        // SAFETY: as the caller promises.
+        let planes = unsafe { symmetry_planes(planes, plane_count)? };
+        let interface = &mut state.interface;
+        threads::run(|| interface.set_symmetry(&planes))??;
+        state.evaluated = false;
+        Ok(())
     })
 }
 
@@ -269,18 +260,16 @@ pub unsafe extern "C" fn dc_faces_add_quadratic(
     face_count: usize,
     nodes_per_face: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            // SAFETY: as the caller promises.
-            let more = unsafe { quadratic_faces(quadratic, face_count, nodes_per_face)? };
-            let mut all = reserve("faces", state.quadratic.len() + more.len())?;
-            all.extend_from_slice(&state.quadratic);
-            all.extend(more);
-            state.interface.set_quadratic_faces(&all)?;
-            state.quadratic = all;
-            state.evaluated = false;
-            Ok(())
-        })
+    call(faces, |state| {
+        // SAFETY: as the caller promises.
+        let more = unsafe { quadratic_faces(quadratic, face_count, nodes_per_face)? };
+        let mut all = reserve("faces", state.quadratic.len() + more.len())?;
+        all.extend_from_slice(&state.quadratic);
+        all.extend(more);
+        state.interface.set_quadratic_faces(&all)?;
+        state.quadratic = all;
+        state.evaluated = false;
+        Ok(())
     })
 }
 
@@ -295,12 +284,10 @@ pub unsafe extern "C" fn dc_faces_set_equations(
     node_count: usize,
     equation_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            // SAFETY: as the caller promises.
-            state.dofs = unsafe { equations_of(equations, (node_count, equation_count), state.nodes)? };
-            Ok(())
-        })
+    call(faces, |state| {
+        // SAFETY: as the caller promises.
+        state.dofs = unsafe { equations_of(equations, (node_count, equation_count), state.nodes)? };
+        Ok(())
     })
 }
 
@@ -369,34 +356,32 @@ unsafe fn take(
     report: *mut dc_faces_report,
     is_refresh: bool,
 ) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
+    call(faces, |state| {
+        // SAFETY: as the caller promises.
+        let positions = unsafe { points(positions, node_count)? };
+        // SAFETY: as the caller promises.
+        let report = unsafe { wanted_report(report, positions)? };
+        let interface = &mut state.interface;
+        let FaceReport { points, paired, faces, grown } = threads::run(|| {
+            if is_refresh { interface.refresh(positions) } else { interface.update(positions) }
+        })??;
+        state.evaluated = false;
+        let count = |x: usize| i32::try_from(x).unwrap_or(i32::MAX);
+        if let Some(report) = report {
             // SAFETY: as the caller promises.
-            let positions = unsafe { points(positions, node_count)? };
-            // SAFETY: as the caller promises.
-            let report = unsafe { wanted_report(report, positions)? };
-            let interface = &mut state.interface;
-            let FaceReport { points, paired, faces, grown } = threads::run(|| {
-                if is_refresh { interface.refresh(positions) } else { interface.update(positions) }
-            })??;
-            state.evaluated = false;
-            let count = |x: usize| i32::try_from(x).unwrap_or(i32::MAX);
-            if let Some(report) = report {
-                // SAFETY: as the caller promises.
-                unsafe {
-                    report.write(&dc_faces_report {
-                        size: size_of::<dc_faces_report>(),
-                        points: count(points),
-                        paired: count(paired),
-                        faces: count(faces),
-                        straight: count(state.interface.straight()),
-                        grown: i32::from(grown),
-                        reserved: 0,
-                    });
-                }
+            unsafe {
+                report.write(&dc_faces_report {
+                    size: size_of::<dc_faces_report>(),
+                    points: count(points),
+                    paired: count(paired),
+                    faces: count(faces),
+                    straight: count(state.interface.straight()),
+                    grown: i32::from(grown),
+                    reserved: 0,
+                });
             }
-            Ok(())
-        })
+        }
+        Ok(())
     })
 }
 
@@ -409,18 +394,16 @@ unsafe fn take(
 /// `law` is a dc_law with its `size` set, its multipliers have their number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dc_faces_evaluate(faces: *mut dc_faces, law: *const dc_law, mode: i32) -> dc_status {
-    border::call(|| {
-        let mode = choice::mode(mode)?;
-        with(faces, |state| {
-            // SAFETY: as the caller promises.
-            let law = unsafe { law::read(law)? };
-            let law = law.contact()?;
-            state.evaluated = false;
-            let interface = &mut state.interface;
-            threads::run(|| interface.evaluate(&law, mode).map(drop))??;
-            state.evaluated = true;
-            Ok(())
-        })
+    call(faces, |state| {
+        let mode = choice::read(mode)?;
+        // SAFETY: as the caller promises.
+        let law = unsafe { law::read(law)? };
+        let law = law.contact()?;
+        state.evaluated = false;
+        let interface = &mut state.interface;
+        threads::run(|| interface.evaluate(&law, mode).map(drop))??;
+        state.evaluated = true;
+        Ok(())
     })
 }
 
@@ -441,27 +424,25 @@ pub unsafe extern "C" fn dc_faces_contacts(
     normals: *mut f64,
     slave_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            state.expect_slaves(slave_count)?;
-            let nodes = state.contacts()?.nodes();
-            let outcomes = wanted("outcomes", outcomes, slave_count, slave_count)?;
-            let gaps = wanted("gaps", gaps, slave_count, slave_count)?;
-            let pressures = wanted("pressures", pressures, slave_count, slave_count)?;
-            let areas = wanted("areas", areas, slave_count, slave_count)?;
-            let three = slave_count.saturating_mul(3);
-            let normals = wanted("normals", normals, three, three)?;
-            disjoint([outcomes.span(), gaps.span(), pressures.span(), areas.span(), normals.span()])?;
-            let gap = |node: &NodeContact| if node.outcome.is_contact() { node.gap } else { 0.0 };
-            // SAFETY: as the caller promises.
-            unsafe {
-                outcomes.write(nodes.iter().map(|node| outcome::of(&node.outcome) as i32));
-                gaps.write(nodes.iter().map(gap));
-                pressures.write(nodes.iter().map(|node| node.pressure));
-                areas.write(nodes.iter().map(|node| node.area));
-                normals.write(nodes.iter().flat_map(|node| node.normal));
-            }
-            Ok(())
-        })
+    call(faces, |state| {
+        state.expect_slaves(slave_count)?;
+        let nodes = state.contacts()?.nodes();
+        let outcomes = wanted("outcomes", outcomes, slave_count, slave_count)?;
+        let gaps = wanted("gaps", gaps, slave_count, slave_count)?;
+        let pressures = wanted("pressures", pressures, slave_count, slave_count)?;
+        let areas = wanted("areas", areas, slave_count, slave_count)?;
+        let three = slave_count.saturating_mul(3);
+        let normals = wanted("normals", normals, three, three)?;
+        disjoint([outcomes.span(), gaps.span(), pressures.span(), areas.span(), normals.span()])?;
+        let gap = |node: &NodeContact| if node.outcome.is_contact() { node.gap } else { 0.0 };
+        // SAFETY: as the caller promises.
+        unsafe {
+            outcomes.write(nodes.iter().map(|node| outcome::of(&node.outcome) as i32));
+            gaps.write(nodes.iter().map(gap));
+            pressures.write(nodes.iter().map(|node| node.pressure));
+            areas.write(nodes.iter().map(|node| node.area));
+            normals.write(nodes.iter().flat_map(|node| node.normal));
+        }
+        Ok(())
     })
 }

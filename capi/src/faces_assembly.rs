@@ -3,7 +3,7 @@
 use crate::assembly::{index, write};
 use crate::border::{self, disjoint, sums, target, wanted};
 use crate::choice;
-use crate::faces::{dc_faces, with};
+use crate::faces::{call, dc_faces};
 use crate::operator::factors;
 use crate::status::dc_status;
 use crate::threads;
@@ -24,23 +24,21 @@ pub unsafe extern "C" fn dc_faces_add_forces(
     active_count: *mut usize,
     missed_count: *mut usize,
 ) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            let contacts = state.contacts()?;
-            let active_count = wanted("active_count", active_count, 1, 1)?;
-            let missed_count = wanted("missed_count", missed_count, 1, 1)?;
-            let whole = border::written("forces", forces, equation_count);
-            disjoint([whole, active_count.span(), missed_count.span()])?;
-            // SAFETY: as the caller promises; nothing overlaps.
-            let forces = unsafe { sums("forces", forces, equation_count)? };
-            let active = threads::run(|| contacts.add_forces(&state.dofs, forces))??;
-            // SAFETY: as the caller promises.
-            unsafe {
-                active_count.write([active]);
-                missed_count.write([contacts.missed()]);
-            }
-            Ok(())
-        })
+    call(faces, |state| {
+        let contacts = state.contacts()?;
+        let active_count = wanted("active_count", active_count, 1, 1)?;
+        let missed_count = wanted("missed_count", missed_count, 1, 1)?;
+        let whole = border::written("forces", forces, equation_count);
+        disjoint([whole, active_count.span(), missed_count.span()])?;
+        // SAFETY: as the caller promises; nothing overlaps.
+        let forces = unsafe { sums("forces", forces, equation_count)? };
+        let active = threads::run(|| contacts.add_forces(&state.dofs, forces))??;
+        // SAFETY: as the caller promises.
+        unsafe {
+            active_count.write([active]);
+            missed_count.write([contacts.missed()]);
+        }
+        Ok(())
     })
 }
 
@@ -59,15 +57,13 @@ pub unsafe extern "C" fn dc_faces_product(
     product: *mut f64,
     equation_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        let tangent = choice::tangent(tangent)?;
-        with(faces, |state| {
-            let contacts = state.contacts()?;
-            // SAFETY: as the caller promises.
-            let (v, product) = unsafe { factors(v, product, equation_count)? };
-            threads::run(|| contacts.add_product(tangent, &state.dofs, v, product))??;
-            Ok(())
-        })
+    call(faces, |state| {
+        let tangent = choice::read(tangent)?;
+        let contacts = state.contacts()?;
+        // SAFETY: as the caller promises.
+        let (v, product) = unsafe { factors(v, product, equation_count)? };
+        threads::run(|| contacts.add_product(tangent, &state.dofs, v, product))??;
+        Ok(())
     })
 }
 
@@ -89,15 +85,13 @@ pub unsafe extern "C" fn dc_faces_triplets(
     capacity: usize,
     count: *mut usize,
 ) -> dc_status {
-    border::call(|| {
-        let tangent = choice::tangent(tangent)?;
-        with(faces, |state| {
-            let contacts = state.contacts()?;
-            let count = target("count", count, 1)?;
-            let triplets = threads::run(|| contacts.triplets(tangent, &state.dofs))??;
-            index("equations", state.dofs.equations())?;
-            // SAFETY: as the caller promises.
-            unsafe { write(&triplets, (rows, columns, values), capacity, count) }
-        })
+    call(faces, |state| {
+        let tangent = choice::read(tangent)?;
+        let contacts = state.contacts()?;
+        let count = target("count", count, 1)?;
+        let triplets = threads::run(|| contacts.triplets(tangent, &state.dofs))??;
+        index("equations", state.dofs.equations())?;
+        // SAFETY: as the caller promises.
+        unsafe { write(&triplets, (rows, columns, values), capacity, count) }
     })
 }

@@ -1,8 +1,8 @@
 //! Friction of contact over faces, and its history.
 
-use crate::border::{self, disjoint, input, wanted};
-use crate::choice;
-use crate::faces::{dc_faces, with};
+use crate::border::{disjoint, input, wanted};
+use crate::choice::Named;
+use crate::faces::{call, dc_faces};
 use crate::friction::{Accepted, moves_of, write_history, write_slip_errors};
 use crate::law::{self, dc_law};
 use crate::status::dc_status;
@@ -21,23 +21,21 @@ pub unsafe extern "C" fn dc_faces_friction(
     slips: *mut f64,
     slave_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            state.expect_slaves(slave_count)?;
-            let nodes = state.contacts()?.nodes();
-            let states = wanted("states", states, slave_count, slave_count)?;
-            let three = slave_count.saturating_mul(3);
-            let tractions = wanted("tractions", tractions, three, three)?;
-            let slips = wanted("slips", slips, slave_count, slave_count)?;
-            disjoint([states.span(), tractions.span(), slips.span()])?;
-            // SAFETY: as the caller promises.
-            unsafe {
-                states.write(nodes.iter().map(|node| choice::friction_state(node.friction_state)));
-                tractions.write(nodes.iter().flat_map(|node| node.friction));
-                slips.write(nodes.iter().map(|node| node.slip));
-            }
-            Ok(())
-        })
+    call(faces, |state| {
+        state.expect_slaves(slave_count)?;
+        let nodes = state.contacts()?.nodes();
+        let states = wanted("states", states, slave_count, slave_count)?;
+        let three = slave_count.saturating_mul(3);
+        let tractions = wanted("tractions", tractions, three, three)?;
+        let slips = wanted("slips", slips, slave_count, slave_count)?;
+        disjoint([states.span(), tractions.span(), slips.span()])?;
+        // SAFETY: as the caller promises.
+        unsafe {
+            states.write(nodes.iter().map(|node| node.friction_state.number()));
+            tractions.write(nodes.iter().flat_map(|node| node.friction));
+            slips.write(nodes.iter().map(|node| node.slip));
+        }
+        Ok(())
     })
 }
 
@@ -56,16 +54,14 @@ pub unsafe extern "C" fn dc_faces_accept(
     unanchored_count: *mut usize,
     dissipated: *mut f64,
 ) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            let slave_count = state.interface.slaves().len();
-            let contacts = &mut state.interface;
-            let accepted = Accepted { stuck_count, sliding_count, unanchored_count, dissipated };
-            // SAFETY: as the caller promises.
-            let has_friction = unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? };
-            state.evaluated &= !has_friction;
-            Ok(())
-        })
+    call(faces, |state| {
+        let slave_count = state.interface.slaves().len();
+        let contacts = &mut state.interface;
+        let accepted = Accepted { stuck_count, sliding_count, unanchored_count, dissipated };
+        // SAFETY: as the caller promises.
+        let has_friction = unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? };
+        state.evaluated &= !has_friction;
+        Ok(())
     })
 }
 
@@ -80,17 +76,15 @@ pub unsafe extern "C" fn dc_faces_augment(
     moves: *const i32,
     slave_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            state.expect_slaves(slave_count)?;
-            // SAFETY: as the caller promises.
-            let (law, moves) = unsafe { (law::read(law)?, moves_of(moves, slave_count)?) };
-            let law = law.contact()?;
-            let contacts = &mut state.interface;
-            threads::run(|| contacts.augment(&law, moves))??;
-            state.evaluated = false;
-            Ok(())
-        })
+    call(faces, |state| {
+        state.expect_slaves(slave_count)?;
+        // SAFETY: as the caller promises.
+        let (law, moves) = unsafe { (law::read(law)?, moves_of(moves, slave_count)?) };
+        let law = law.contact()?;
+        let contacts = &mut state.interface;
+        threads::run(|| contacts.augment(&law, moves))??;
+        state.evaluated = false;
+        Ok(())
     })
 }
 
@@ -105,24 +99,20 @@ pub unsafe extern "C" fn dc_faces_slip_errors(
     errors: *mut f64,
     slave_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            state.expect_slaves(slave_count)?;
-            // SAFETY: as the caller promises.
-            unsafe { write_slip_errors(law, errors, slave_count, |law| state.interface.slip_errors(law)) }
-        })
+    call(faces, |state| {
+        state.expect_slaves(slave_count)?;
+        // SAFETY: as the caller promises.
+        unsafe { write_slip_errors(law, errors, slave_count, |law| state.interface.slip_errors(law)) }
     })
 }
 
 /// As dc_roll_back; if there was anything to forget there is no contact until the next dc_faces_refresh.
 #[unsafe(no_mangle)]
 pub extern "C" fn dc_faces_roll_back(faces: *mut dc_faces) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            state.interface.roll_back();
-            state.evaluated = false;
-            Ok(())
-        })
+    call(faces, |state| {
+        state.interface.roll_back();
+        state.evaluated = false;
+        Ok(())
     })
 }
 
@@ -137,11 +127,9 @@ pub unsafe extern "C" fn dc_faces_history(
     capacity: usize,
     count: *mut usize,
 ) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            // SAFETY: as the caller promises.
-            unsafe { write_history(state.interface.history(), history, capacity, count) }
-        })
+    call(faces, |state| {
+        // SAFETY: as the caller promises.
+        unsafe { write_history(state.interface.history(), history, capacity, count) }
     })
 }
 
@@ -156,13 +144,11 @@ pub unsafe extern "C" fn dc_faces_set_history(
     history: *const f64,
     count: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(faces, |state| {
-            // SAFETY: as the caller promises.
-            let numbers = unsafe { input("history", history, count)? };
-            state.interface.set_history(numbers)?;
-            state.evaluated = false;
-            Ok(())
-        })
+    call(faces, |state| {
+        // SAFETY: as the caller promises.
+        let numbers = unsafe { input("history", history, count)? };
+        state.interface.set_history(numbers)?;
+        state.evaluated = false;
+        Ok(())
     })
 }

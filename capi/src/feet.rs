@@ -2,8 +2,8 @@
 
 use runtime::interface::FootRef;
 
-use crate::border::{self, disjoint, wanted};
-use crate::interface::{dc_interface, with};
+use crate::border::{disjoint, wanted};
+use crate::interface::{call, dc_interface};
 use crate::outcome;
 use crate::status::dc_status;
 use crate::threads;
@@ -34,26 +34,24 @@ pub unsafe extern "C" fn dc_feet(
     normal: *mut f64,
     normal_size: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            state.expect_slaves(slave_count)?;
-            let outcomes = wanted("outcomes", outcomes, slave_count, slave_count)?;
-            let feet = threads::run(|| state.interface.foot_derivatives())??;
-            let masters: usize = feet.iter().map(|foot| foot.nodes.len()).sum();
-            let rows = 9 * (masters + feet.len());
-            let weights = wanted("weights", weights, weight_size, masters)?;
-            let foot = wanted("foot", foot, foot_size, rows)?;
-            let normal = wanted("normal", normal, normal_size, rows)?;
-            disjoint([outcomes.span(), weights.span(), foot.span(), normal.span()])?;
-            // SAFETY: as the caller promises.
-            unsafe {
-                outcomes.write(feet.iter().map(|foot| outcome::of(&foot.outcome) as i32));
-                weights.write(feet.iter().flat_map(|foot| padded(foot.weights, foot.nodes.len())));
-                foot.write(feet.iter().flat_map(|foot| padded(foot.foot, rows_of(&foot))));
-                normal.write(feet.iter().flat_map(|foot| padded(foot.normal, rows_of(&foot))));
-            }
-            Ok(())
-        })
+    call(interface, |state| {
+        state.expect_slaves(slave_count)?;
+        let outcomes = wanted("outcomes", outcomes, slave_count, slave_count)?;
+        let feet = threads::run(|| state.interface.foot_derivatives())??;
+        let masters: usize = feet.iter().map(|foot| foot.nodes.len()).sum();
+        let rows = 9 * (masters + feet.len());
+        let weights = wanted("weights", weights, weight_size, masters)?;
+        let foot = wanted("foot", foot, foot_size, rows)?;
+        let normal = wanted("normal", normal, normal_size, rows)?;
+        disjoint([outcomes.span(), weights.span(), foot.span(), normal.span()])?;
+        // SAFETY: as the caller promises.
+        unsafe {
+            outcomes.write(feet.iter().map(|foot| outcome::of(&foot.outcome) as i32));
+            weights.write(feet.iter().flat_map(|foot| padded(foot.weights, foot.nodes.len())));
+            foot.write(feet.iter().flat_map(|foot| padded(foot.foot, rows_of(&foot))));
+            normal.write(feet.iter().flat_map(|foot| padded(foot.normal, rows_of(&foot))));
+        }
+        Ok(())
     })
 }
 

@@ -5,7 +5,7 @@ use runtime::interface::{FrictionReport, InterfaceError};
 
 use crate::border::{self, disjoint, input, target, wanted};
 use crate::choice;
-use crate::interface::{dc_interface, with};
+use crate::interface::{call, dc_interface};
 use crate::law::{self, dc_law};
 use crate::status::{Failure, dc_status};
 use crate::threads;
@@ -129,17 +129,15 @@ pub unsafe extern "C" fn dc_augment(
     moves: *const i32,
     slave_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            state.expect_slaves(slave_count)?;
-            // SAFETY: as the caller promises.
-            let (law, moves) = unsafe { (law::read(law)?, moves_of(moves, slave_count)?) };
-            let law = law.contact()?;
-            let contacts = &mut state.interface;
-            threads::run(|| contacts.augment(&law, moves))??;
-            state.end_evaluation();
-            Ok(())
-        })
+    call(interface, |state| {
+        state.expect_slaves(slave_count)?;
+        // SAFETY: as the caller promises.
+        let (law, moves) = unsafe { (law::read(law)?, moves_of(moves, slave_count)?) };
+        let law = law.contact()?;
+        let contacts = &mut state.interface;
+        threads::run(|| contacts.augment(&law, moves))??;
+        state.end_evaluation();
+        Ok(())
     })
 }
 
@@ -155,12 +153,10 @@ pub unsafe extern "C" fn dc_slip_errors(
     errors: *mut f64,
     slave_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            state.expect_slaves(slave_count)?;
-            // SAFETY: as the caller promises.
-            unsafe { write_slip_errors(law, errors, slave_count, |law| state.interface.slip_errors(law)) }
-        })
+    call(interface, |state| {
+        state.expect_slaves(slave_count)?;
+        // SAFETY: as the caller promises.
+        unsafe { write_slip_errors(law, errors, slave_count, |law| state.interface.slip_errors(law)) }
     })
 }
 
@@ -168,12 +164,10 @@ pub unsafe extern "C" fn dc_slip_errors(
 /// dc_refresh.
 #[unsafe(no_mangle)]
 pub extern "C" fn dc_roll_back(interface: *mut dc_interface) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            state.interface.roll_back();
-            state.end_evaluation();
-            Ok(())
-        })
+    call(interface, |state| {
+        state.interface.roll_back();
+        state.end_evaluation();
+        Ok(())
     })
 }
 
@@ -201,17 +195,15 @@ pub unsafe extern "C" fn dc_accept(
     unanchored_count: *mut usize,
     dissipated: *mut f64,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            let slave_count = state.interface.slaves().len();
-            let contacts = &mut state.interface;
-            let accepted = Accepted { stuck_count, sliding_count, unanchored_count, dissipated };
-            // SAFETY: as the caller promises.
-            if unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? } {
-                state.end_evaluation();
-            }
-            Ok(())
-        })
+    call(interface, |state| {
+        let slave_count = state.interface.slaves().len();
+        let contacts = &mut state.interface;
+        let accepted = Accepted { stuck_count, sliding_count, unanchored_count, dissipated };
+        // SAFETY: as the caller promises.
+        if unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? } {
+            state.end_evaluation();
+        }
+        Ok(())
     })
 }
 
@@ -227,11 +219,9 @@ pub unsafe extern "C" fn dc_history(
     capacity: usize,
     count: *mut usize,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            // SAFETY: as the caller promises.
-            unsafe { write_history(state.interface.history(), history, capacity, count) }
-        })
+    call(interface, |state| {
+        // SAFETY: as the caller promises.
+        unsafe { write_history(state.interface.history(), history, capacity, count) }
     })
 }
 
@@ -246,13 +236,11 @@ pub unsafe extern "C" fn dc_set_history(
     history: *const f64,
     count: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            // SAFETY: as the caller promises.
-            let numbers = unsafe { input("history", history, count)? };
-            state.interface.set_history(numbers)?;
-            state.end_evaluation();
-            Ok(())
-        })
+    call(interface, |state| {
+        // SAFETY: as the caller promises.
+        let numbers = unsafe { input("history", history, count)? };
+        state.interface.set_history(numbers)?;
+        state.end_evaluation();
+        Ok(())
     })
 }

@@ -46,6 +46,11 @@ pub fn with<R>(
     INTERFACES.with(handle.addr(), work)
 }
 
+/// A call on an interface.
+pub fn call(handle: *mut dc_interface, work: impl FnOnce(&mut State) -> Result<(), Failure>) -> dc_status {
+    INTERFACES.call(handle, work)
+}
+
 /// The handle of a new interface.
 pub fn insert(state: State) -> Result<usize, Failure> {
     INTERFACES.insert(state)
@@ -164,11 +169,9 @@ pub unsafe extern "C" fn dc_counts(
     node_count: *mut usize,
     slave_count: *mut usize,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            // SAFETY: as the caller promises.
-            unsafe { mesh::write_counts(state.nodes, state.interface.slaves(), node_count, slave_count) }
-        })
+    call(interface, |state| {
+        // SAFETY: as the caller promises.
+        unsafe { mesh::write_counts(state.nodes, state.interface.slaves(), node_count, slave_count) }
     })
 }
 
@@ -188,15 +191,13 @@ pub unsafe extern "C" fn dc_set_symmetry(
     planes: *const f64,
     plane_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            // SAFETY: as the caller promises.
-            let planes = unsafe { symmetry_planes(planes, plane_count)? };
-            let interface = &mut state.interface;
-            threads::run(|| interface.set_symmetry(&planes))??;
-            state.evaluated = false;
-            Ok(())
-        })
+    call(interface, |state| {
+        // SAFETY: as the caller promises.
+        let planes = unsafe { symmetry_planes(planes, plane_count)? };
+        let interface = &mut state.interface;
+        threads::run(|| interface.set_symmetry(&planes))??;
+        state.evaluated = false;
+        Ok(())
     })
 }
 
@@ -210,13 +211,11 @@ pub unsafe extern "C" fn dc_update(
     positions: *const f64,
     node_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            // SAFETY: as the caller promises.
-            state.interface.update(unsafe { points(positions, node_count)? })?;
-            state.evaluated = false;
-            Ok(())
-        })
+    call(interface, |state| {
+        // SAFETY: as the caller promises.
+        state.interface.update(unsafe { points(positions, node_count)? })?;
+        state.evaluated = false;
+        Ok(())
     })
 }
 
@@ -318,24 +317,22 @@ pub unsafe extern "C" fn dc_follow(
     node_count: usize,
     rebuilt: *mut i32,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            // SAFETY: as the caller promises.
-            let positions = unsafe { points(positions, node_count)? };
-            let rebuilt = wanted("rebuilt", rebuilt, 1, 1)?;
-            disjoint([border::read("positions", positions.as_ptr(), positions.len()), rebuilt.span()])?;
-            let interface = &mut state.interface;
-            let was_rebuilt = if state.frozen {
-                interface.update(positions)?;
-                false
-            } else {
-                threads::run(|| interface.follow(positions))??
-            };
-            state.evaluated = false;
-            // SAFETY: as the caller promises.
-            unsafe { rebuilt.write([i32::from(was_rebuilt)]) };
-            if state.frozen { Err(frozen()) } else { Ok(()) }
-        })
+    call(interface, |state| {
+        // SAFETY: as the caller promises.
+        let positions = unsafe { points(positions, node_count)? };
+        let rebuilt = wanted("rebuilt", rebuilt, 1, 1)?;
+        disjoint([border::read("positions", positions.as_ptr(), positions.len()), rebuilt.span()])?;
+        let interface = &mut state.interface;
+        let was_rebuilt = if state.frozen {
+            interface.update(positions)?;
+            false
+        } else {
+            threads::run(|| interface.follow(positions))??
+        };
+        state.evaluated = false;
+        // SAFETY: as the caller promises.
+        unsafe { rebuilt.write([i32::from(was_rebuilt)]) };
+        if state.frozen { Err(frozen()) } else { Ok(()) }
     })
 }
 
@@ -360,26 +357,24 @@ pub unsafe extern "C" fn dc_refresh(
     node_count: usize,
     report: *mut dc_report,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
+    call(interface, |state| {
+        // SAFETY: as the caller promises.
+        let positions = unsafe { points(positions, node_count)? };
+        // SAFETY: as the caller promises.
+        let report = unsafe { wanted_report(report, positions)? };
+        let interface = &mut state.interface;
+        let result = if state.frozen {
+            interface.update(positions)?;
+            RefreshReport::default()
+        } else {
+            threads::run(|| interface.refresh_pairing(positions))??
+        };
+        state.evaluated = false;
+        if let Some(report) = report {
             // SAFETY: as the caller promises.
-            let positions = unsafe { points(positions, node_count)? };
-            // SAFETY: as the caller promises.
-            let report = unsafe { wanted_report(report, positions)? };
-            let interface = &mut state.interface;
-            let result = if state.frozen {
-                interface.update(positions)?;
-                RefreshReport::default()
-            } else {
-                threads::run(|| interface.refresh_pairing(positions))??
-            };
-            state.evaluated = false;
-            if let Some(report) = report {
-                // SAFETY: as the caller promises.
-                unsafe { report.write(&dc_report::new(&result)) };
-            }
-            if state.frozen { Err(frozen()) } else { Ok(()) }
-        })
+            unsafe { report.write(&dc_report::new(&result)) };
+        }
+        if state.frozen { Err(frozen()) } else { Ok(()) }
     })
 }
 
@@ -397,11 +392,9 @@ pub extern "C" fn dc_thaw(interface: *mut dc_interface) -> dc_status {
 }
 
 fn set_frozen(interface: *mut dc_interface, frozen: bool) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            state.frozen = frozen;
-            Ok(())
-        })
+    call(interface, |state| {
+        state.frozen = frozen;
+        Ok(())
     })
 }
 
@@ -411,17 +404,15 @@ fn set_frozen(interface: *mut dc_interface, frozen: bool) -> dc_status {
 /// DC_TOO_LARGE if there is no memory for the results: there are none then, and the pairing stays.
 #[unsafe(no_mangle)]
 pub extern "C" fn dc_evaluate(interface: *mut dc_interface, mode: i32) -> dc_status {
-    border::call(|| {
-        let mode = choice::mode(mode)?;
-        with(interface, |state| {
-            // Until it is done there is nothing.
-            state.evaluated = false;
-            let State { interface, hint, .. } = state;
-            threads::run(|| interface.evaluate(mode).map(drop))??;
-            hint.book(interface);
-            state.evaluated = true;
-            Ok(())
-        })
+    call(interface, |state| {
+        let mode = choice::read(mode)?;
+        // Until it is done there is nothing.
+        state.evaluated = false;
+        let State { interface, hint, .. } = state;
+        threads::run(|| interface.evaluate(mode).map(drop))??;
+        hint.book(interface);
+        state.evaluated = true;
+        Ok(())
     })
 }
 
@@ -438,12 +429,10 @@ pub unsafe extern "C" fn dc_set_equations(
     node_count: usize,
     equation_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            // SAFETY: as the caller promises.
-            let dofs = unsafe { equations_of(equations, (node_count, equation_count), state.nodes)? };
-            state.dofs = Arc::new(dofs);
-            Ok(())
-        })
+    call(interface, |state| {
+        // SAFETY: as the caller promises.
+        let dofs = unsafe { equations_of(equations, (node_count, equation_count), state.nodes)? };
+        state.dofs = Arc::new(dofs);
+        Ok(())
     })
 }

@@ -10,7 +10,7 @@ use runtime::friction::{
 };
 
 use crate::border::{self, Span, Versioned, input, read_sized, reserved};
-use crate::choice::{self, dc_coefficient};
+use crate::choice::{self, Named, dc_coefficient};
 use crate::status::{DC_BAD_OPTION, DC_BAD_SIZE, Failure};
 
 /// A normal law of the caller's own. `pressure` has room for two numbers: p, force per area, or over nodes without areas force, and
@@ -269,7 +269,7 @@ pub unsafe fn read<'a>(law: *const dc_law) -> Result<Law<'a>, Failure> {
     };
     Ok(Law {
         multipliers: Some(multipliers).filter(|_| !given.multipliers.is_null()),
-        tangent: choice::tangent(given.tangent)?,
+        tangent: choice::read(given.tangent)?,
         normal,
         // SAFETY: as the caller promises.
         coefficient: unsafe { variable(&given)? },
@@ -292,7 +292,7 @@ unsafe fn variable(law: &dc_law) -> Result<Option<Box<dyn FrictionCoefficient>>,
             format!("invalid-option: with {kind} friction is 0, and not {}: it has its own", law.friction);
         Err(Failure::new(DC_BAD_OPTION, message))
     };
-    Ok(match choice::coefficient(law.coefficient)? {
+    Ok(match choice::read(law.coefficient)? {
         dc_coefficient::DC_CONSTANT => None,
         dc_coefficient::DC_DECAYING => {
             let made = DecayingCoefficient::new(law.friction, law.friction_in_motion, law.friction_decay)?;
@@ -350,5 +350,5 @@ impl Law<'_> {
 /// DC_GAUSS_NEWTON, as for NaN.
 #[unsafe(no_mangle)]
 pub extern "C" fn dc_adaptive_tangent(residual: f64, force: f64) -> i32 {
-    choice::tangent_number(Tangent::adaptive(residual, force))
+    Tangent::adaptive(residual, force).number()
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use runtime::assembly::{CsrIndex, CsrMap};
 
 use crate::border::{self, Plain, disjoint, input, sums, target, wanted};
-use crate::interface::{dc_interface, with};
+use crate::interface::{call, dc_interface, with};
 use crate::law::{self, dc_law};
 use crate::pattern::OfEquations;
 use crate::registry::Registry;
@@ -113,23 +113,21 @@ pub unsafe extern "C" fn dc_map_add(
     entry_count: usize,
     active_count: *mut usize,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            state.contacts()?;
-            MAPS.with(map.addr(), |map| {
-                map.check_equations(&state.dofs)?;
-                let active_count = wanted("active_count", active_count, 1, 1)?;
-                let whole = border::written("values", values, entry_count);
-                // SAFETY: as the caller promises.
-                unsafe { law::disjoint(law, [whole, active_count.span()])? };
-                // SAFETY: as the caller promises; nothing overlaps.
-                let (law, values) = unsafe { (law::read(law)?, sums("values", values, entry_count)?) };
-                let law = law.contact()?;
-                let active = threads::run(|| map.places.add_from(&state.interface, &law, values))??;
-                // SAFETY: as the caller promises.
-                unsafe { active_count.write([active]) };
-                Ok(())
-            })
+    call(interface, |state| {
+        state.contacts()?;
+        MAPS.with(map.addr(), |map| {
+            map.check_equations(&state.dofs)?;
+            let active_count = wanted("active_count", active_count, 1, 1)?;
+            let whole = border::written("values", values, entry_count);
+            // SAFETY: as the caller promises.
+            unsafe { law::disjoint(law, [whole, active_count.span()])? };
+            // SAFETY: as the caller promises; nothing overlaps.
+            let (law, values) = unsafe { (law::read(law)?, sums("values", values, entry_count)?) };
+            let law = law.contact()?;
+            let active = threads::run(|| map.places.add_from(&state.interface, &law, values))??;
+            // SAFETY: as the caller promises.
+            unsafe { active_count.write([active]) };
+            Ok(())
         })
     })
 }

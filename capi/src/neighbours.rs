@@ -7,7 +7,7 @@ use runtime::neighbourhood::{NeighbourSearch, NeighbourhoodError};
 use runtime::pairing::NearestNodes;
 
 use crate::border::{self, Versioned, disjoint, input, reserve, sized_target, target};
-use crate::choice;
+use crate::choice::Named;
 use crate::options::dc_options;
 use crate::outcome;
 use crate::status::{DC_BAD_SIZE, Failure, dc_status};
@@ -98,7 +98,7 @@ pub unsafe extern "C" fn dc_pair(
         let result = dc_pairing {
             size: 0,
             master_count: nodes.len() as i32,
-            basis: choice::basis_number(found.basis),
+            basis: found.basis.number(),
             fallback: outcome::fallback_number(found.fallback),
             encloses_slave: i32::from(found.encloses_slave || found.on_border),
             support_radius: found.support_radius,

@@ -6,7 +6,7 @@ use runtime::interface::{ContactElement, InterfaceOptions};
 use runtime::neighbourhood::{NeighbourRule, SearchOptions};
 
 use crate::border::{self, Versioned, read_sized, reserved, sized_target};
-use crate::choice::{self, dc_element_kind, dc_frame, dc_rule};
+use crate::choice::{self, Named, dc_element_kind, dc_frame, dc_rule};
 use crate::cutback::DEFAULT_LIMIT;
 use crate::status::{Failure, dc_status};
 
@@ -83,7 +83,7 @@ impl dc_options {
         Self {
             size: size_of::<Self>(),
             element: dc_element_kind::DC_DIFFUSE as i32,
-            weight: choice::weight_number(runtime::Weight::default()),
+            weight: runtime::Weight::default().number(),
             frame: dc_frame::DC_CO_MOVING as i32,
             rule: dc_rule::DC_DOMAINS as i32,
             layers: 0,
@@ -92,7 +92,7 @@ impl dc_options {
             max_nearest: max_count as i32,
             candidates: search.candidates as i32,
             max_candidates: search.max_candidates as i32,
-            basis: choice::basis_number(search.basis),
+            basis: search.basis.number(),
             linear_fallback: i32::from(search.linear_fallback),
             areas: i32::from(interface.areas),
             reserved: 0,
@@ -133,7 +133,7 @@ impl dc_options {
         ];
         Ok(SearchOptions::default()
             .with_rule(choice::choose("rule", self.rule, &rules)?)
-            .with_basis(choice::basis(self.basis)?)
+            .with_basis(choice::read(self.basis)?)
             .with_linear_fallback(choice::flag("linear_fallback", self.linear_fallback)?)
             .with_smallest_regularity(self.smallest_regularity)
             .with_radius_factor(self.radius_factor)
@@ -152,8 +152,8 @@ impl dc_options {
     /// As the runtime has them; it checks the ranges.
     pub fn interface(&self) -> Result<InterfaceOptions, Failure> {
         let diffuse = ContactElement::diffuse(self.search()?)
-            .with_weight(choice::weight(self.weight)?)
-            .with_frame(choice::frame(self.frame)?);
+            .with_weight(choice::read(self.weight)?)
+            .with_frame(choice::read(self.frame)?);
         let elements = [
             (dc_element_kind::DC_DIFFUSE as i32, diffuse),
             (dc_element_kind::DC_NODE_TO_FACET as i32, ContactElement::NodeToFacet),

@@ -6,7 +6,7 @@ use runtime::assembly::{CsrPattern, DofMap};
 
 use crate::assembly::index;
 use crate::border::{self, disjoint, roomy, target, wanted};
-use crate::interface::{dc_interface, with};
+use crate::interface::{call, dc_interface, with};
 use crate::law::{self, dc_law};
 use crate::registry::Registry;
 use crate::status::{DC_BAD_SIZE, DC_PATTERN_MISMATCH, Failure, dc_status};
@@ -104,19 +104,17 @@ pub unsafe extern "C" fn dc_pattern_structure(
     columns: *mut i32,
     column_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        PATTERNS.with(pattern.addr(), |pattern| {
-            let (offsets, entries) = (pattern.places.row_offsets(), pattern.places.columns());
-            let row_offsets = wanted("row_offsets", row_offsets, row_offset_count, offsets.len())?;
-            let columns = wanted("columns", columns, column_count, entries.len())?;
-            disjoint([row_offsets.span(), columns.span()])?;
-            // SAFETY: as the caller promises.
-            unsafe {
-                row_offsets.write(offsets.iter().map(|&offset| offset as i32));
-                columns.write(entries.iter().map(|&column| column as i32));
-            }
-            Ok(())
-        })
+    PATTERNS.call(pattern, |pattern| {
+        let (offsets, entries) = (pattern.places.row_offsets(), pattern.places.columns());
+        let row_offsets = wanted("row_offsets", row_offsets, row_offset_count, offsets.len())?;
+        let columns = wanted("columns", columns, column_count, entries.len())?;
+        disjoint([row_offsets.span(), columns.span()])?;
+        // SAFETY: as the caller promises.
+        unsafe {
+            row_offsets.write(offsets.iter().map(|&offset| offset as i32));
+            columns.write(entries.iter().map(|&column| column as i32));
+        }
+        Ok(())
     })
 }
 
@@ -140,32 +138,29 @@ pub unsafe extern "C" fn dc_pattern_fill(
     entry_count: usize,
     active_count: *mut usize,
 ) -> dc_status {
-    border::call(|| {
-        with(interface, |state| {
-            state.contacts()?;
-            PATTERNS.with(pattern.addr(), |pattern| {
-                pattern.check_equations(&state.dofs)?;
-                let active_count = wanted("active_count", active_count, 1, 1)?;
-                let entries = pattern.places.entries();
-                if entry_count != entries {
-                    let message =
-                        format!("bad-size: values has {entry_count} entries, the pattern {entries}");
-                    return Err(Failure::new(DC_BAD_SIZE, message));
-                }
-                let values = roomy("values", values, entry_count, entries)?;
-                // SAFETY: as the caller promises.
-                unsafe { law::disjoint(law, [values.span(), active_count.span()])? };
-                // SAFETY: as the caller promises; nothing overlaps.
-                let law = unsafe { law::read(law)? };
-                let law = law.contact()?;
-                // SAFETY: as the caller promises; nothing overlaps.
-                let values = unsafe { values.unspecified() };
-                let map = pattern.places.map();
-                let active = threads::run(|| map.fill_from(&state.interface, &law, values))??;
-                // SAFETY: as the caller promises.
-                unsafe { active_count.write([active]) };
-                Ok(())
-            })
+    call(interface, |state| {
+        state.contacts()?;
+        PATTERNS.with(pattern.addr(), |pattern| {
+            pattern.check_equations(&state.dofs)?;
+            let active_count = wanted("active_count", active_count, 1, 1)?;
+            let entries = pattern.places.entries();
+            if entry_count != entries {
+                let message = format!("bad-size: values has {entry_count} entries, the pattern {entries}");
+                return Err(Failure::new(DC_BAD_SIZE, message));
+            }
+            let values = roomy("values", values, entry_count, entries)?;
+            // SAFETY: as the caller promises.
+            unsafe { law::disjoint(law, [values.span(), active_count.span()])? };
+            // SAFETY: as the caller promises; nothing overlaps.
+            let law = unsafe { law::read(law)? };
+            let law = law.contact()?;
+            // SAFETY: as the caller promises; nothing overlaps.
+            let values = unsafe { values.unspecified() };
+            let map = pattern.places.map();
+            let active = threads::run(|| map.fill_from(&state.interface, &law, values))??;
+            // SAFETY: as the caller promises.
+            unsafe { active_count.write([active]) };
+            Ok(())
         })
     })
 }

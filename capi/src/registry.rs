@@ -84,6 +84,11 @@ impl<T> Registry<T> {
         work(object.as_mut().ok_or_else(|| self.unknown(handle))?)
     }
 
+    /// A call that works with the object of a handle.
+    pub fn call<H>(&self, handle: *mut H, work: impl FnOnce(&mut T) -> Result<(), Failure>) -> dc_status {
+        border::call(|| self.with(handle.addr(), work))
+    }
+
     fn busy(&self) -> Failure {
         Failure::new(DC_BUSY, format!("busy: another thread is in a call with this {}", self.what))
     }

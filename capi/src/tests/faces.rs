@@ -10,6 +10,7 @@ use runtime::interface::InterfaceOptions;
 use runtime::surface::{Facet, MasterSurface};
 
 use super::message;
+use crate::choice::Named;
 use crate::faces::*;
 use crate::faces_assembly::*;
 use crate::faces_friction::*;
@@ -341,10 +342,7 @@ fn faces_have_friction() {
         assert_eq!(dc_faces_friction(handle, a, b, c, 24), DC_BAD_SIZE);
         assert_eq!(dc_faces_friction(handle, a, b, c, 25), DC_OK);
         for (k, node) in nodes.iter().enumerate() {
-            assert_eq!(
-                (states[k], slips[k]),
-                (crate::choice::friction_state(node.friction_state), node.slip)
-            );
+            assert_eq!((states[k], slips[k]), (node.friction_state.number(), node.slip));
             assert_eq!(tractions[3 * k..3 * k + 3], node.friction);
         }
         assert!(states.contains(&1) && states.contains(&2), "{states:?}");

@@ -1,15 +1,13 @@
 //! Contact over the slave's faces, from its points to the entries of the stiffness.
 
-use diffuse_contact::assembly::{ContactLaw, DofMap, Tangent};
+use diffuse_contact::assembly::Tangent;
 use diffuse_contact::faces::{FaceInterface, FaceOptions, FaceRule, NodeContact};
-use diffuse_contact::interface::{FrictionReport, Outcome};
+use diffuse_contact::interface::{FrictionReport, InterfaceError, Outcome};
 use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
-use super::losses::Losses;
-use super::node_pass::normal_law;
-use super::pass::{FrictionHistory, NodalForces, Pass, PassError, PassFriction, take_multipliers};
+use super::pass::{NodalForces, Pass, PassError, PassState};
 use super::{ContactError, InteractionOptions, SlaveState, TangentRule};
 use crate::system::{BlockMatrix, Symmetry};
 
@@ -17,20 +15,8 @@ use crate::system::{BlockMatrix, Symmetry};
 #[derive(Debug)]
 pub struct FacePass {
     interface: FaceInterface,
-    penalty: f64,
-    tangent: TangentRule,
-    /// Its stiffness is per area.
-    friction: Option<PassFriction>,
-    /// What friction remembers besides the interface's history, which is left empty here.
-    history: FrictionHistory,
-    dofs: DofMap,
-    /// λ, one pressure per slave; none without augmentation.
-    multipliers: Vec<f64>,
-    /// Whether all axes of each node are prescribed.
-    held: Vec<bool>,
-    /// Whether more nodes couple since somebody asked.
-    has_grown: bool,
-    losses: Losses,
+    /// Penalty, multipliers and stiffness of friction are per area.
+    state: PassState,
     /// The mode of the last evaluation.
     mode: Mode,
     /// What contact exerts on each coordinate.
@@ -61,50 +47,30 @@ impl FacePass {
         if !options.quadratic_faces.is_empty() {
             interface.set_quadratic_faces(&options.quadratic_faces).map_err(named)?;
         }
-        let slaves = interface.slaves().len();
-        Ok(Self {
-            interface,
-            penalty,
-            tangent: options.tangent,
-            friction: PassFriction::new(options, penalty)?,
-            history: FrictionHistory::default(),
-            dofs: DofMap::standard(positions.len()),
-            multipliers: if options.augmentation.is_some() { vec![0.0; slaves] } else { Vec::new() },
-            held: vec![false; positions.len()],
-            has_grown: false,
-            losses: Losses::new(options.self_contact),
-            mode: Mode::Value,
-            forces: vec![0.0; 3 * positions.len()],
-        })
+        let state = PassState::new(options, penalty, interface.slaves().len(), positions.len())?;
+        Ok(Self { interface, state, mode: Mode::Value, forces: vec![0.0; 3 * positions.len()] })
     }
 
     fn contacts(&self) -> &[NodeContact] {
         self.interface.contacts().nodes()
     }
 
-    /// Whether nothing moves whatever force the faces around a node exert.
-    fn is_held(&self, k: usize) -> bool {
-        self.interface.carriers(k).all(|node| self.held[node as usize])
-    }
-
     /// Gaps, pressures and forces by the law at the positions of the last update.
     fn apply_law(&mut self) -> Result<(), PassError> {
-        let law = law(self.penalty, &self.multipliers, self.friction.as_ref());
-        let contacts = self.interface.evaluate(&law, self.mode)?;
+        let contacts = self.interface.evaluate(&self.state.law(), self.mode)?;
         self.forces.fill(0.0);
-        contacts.add_forces(&self.dofs, &mut self.forces)?;
+        contacts.add_forces(&self.state.dofs, &mut self.forces)?;
         Ok(())
     }
 }
 
-/// Penalty and multipliers are per area.
-fn law<'a>(penalty: f64, multipliers: &'a [f64], friction: Option<&'a PassFriction>) -> ContactLaw<'a> {
-    normal_law(penalty, multipliers).with_friction(friction.map(PassFriction::law))
-}
-
 impl Pass for FacePass {
-    fn hold(&mut self, held: &[bool]) {
-        self.held.copy_from_slice(held);
+    fn state(&self) -> &PassState {
+        &self.state
+    }
+
+    fn state_mut(&mut self) -> &mut PassState {
+        &mut self.state
     }
 
     fn refresh(&mut self, positions: &[Point]) -> Result<(), PassError> {
@@ -113,14 +79,10 @@ impl Pass for FacePass {
     }
 
     fn evaluate(&mut self, positions: &[Point], mode: Mode) -> Result<(), PassError> {
-        let needs_none = self.tangent == TangentRule::GaussNewton;
+        let needs_none = self.state.tangent == TangentRule::GaussNewton;
         self.mode = if needs_none { mode.min(Mode::Gradient) } else { mode };
-        self.has_grown |= self.interface.update(positions)?.grown;
+        self.state.has_grown |= self.interface.update(positions)?.grown;
         self.apply_law()
-    }
-
-    fn take_grown(&mut self) -> bool {
-        std::mem::take(&mut self.has_grown)
     }
 
     fn cliques(&self) -> Vec<Vec<usize>> {
@@ -142,78 +104,37 @@ impl Pass for FacePass {
         Ok(Symmetry::General)
     }
 
-    fn begin_friction(&mut self) -> Result<(), PassError> {
-        if self.friction.is_some() && !self.interface.has_history() {
-            self.accept()?;
-        }
-        Ok(())
+    fn has_history(&self) -> bool {
+        self.interface.has_history()
     }
 
-    fn accept(&mut self) -> Result<FrictionReport, PassError> {
-        let before = self.interface.history();
-        let law = law(self.penalty, &self.multipliers, self.friction.as_ref());
-        let report = self.interface.accept(&law)?;
-        self.history.take(before, self.friction.as_ref(), &report);
-        Ok(report)
+    fn anchors(&self) -> Vec<f64> {
+        self.interface.history()
     }
 
-    fn leave_out_friction(&mut self, is_left_out: bool) {
-        self.friction.iter_mut().for_each(|friction| friction.is_left_out = is_left_out);
+    fn set_anchors(&mut self, anchors: &[f64]) -> Result<(), InterfaceError> {
+        self.interface.set_history(anchors)
     }
 
-    fn friction_history(&self) -> FrictionHistory {
-        FrictionHistory { anchors: self.interface.history(), ..self.history.clone() }
+    fn accept_anchors(&mut self) -> Result<FrictionReport, InterfaceError> {
+        self.interface.accept(&self.state.law())
     }
 
-    fn set_friction_history(&mut self, history: &FrictionHistory) -> Result<(), PassError> {
-        self.interface.set_history(&history.anchors)?;
-        self.history = FrictionHistory { anchors: Vec::new(), ..history.clone() };
-        Ok(())
+    fn slip_errors(&self) -> Result<Vec<f64>, InterfaceError> {
+        self.interface.slip_errors(&self.state.law())
     }
 
-    fn look_back(&mut self, history: &FrictionHistory) -> Result<bool, PassError> {
-        if history.anchors_before.is_empty() {
-            return Ok(false);
-        }
-        self.interface.set_history(&history.anchors_before)?;
-        self.lasts(history.lasted);
-        Ok(true)
+    fn augment_friction_of(&mut self, moved: &[bool]) -> Result<(), InterfaceError> {
+        self.interface.augment(&self.state.law(), |k| moved[k])
     }
 
-    fn dissipated(&self) -> f64 {
-        self.history.dissipated
+    fn is_held(&self, k: usize) -> bool {
+        self.interface.carriers(k).all(|node| self.state.held[node as usize])
     }
 
     fn augment(&mut self) {
         let pressures = |(k, node): (usize, &NodeContact)| if self.is_held(k) { 0.0 } else { node.pressure };
-        self.multipliers = self.contacts().iter().enumerate().map(pressures).collect();
-    }
-
-    fn lasts(&mut self, duration: f64) {
-        self.friction.iter_mut().for_each(|friction| friction.duration = duration);
-    }
-
-    fn slip_error(&self) -> Result<f64, PassError> {
-        let Some(friction) = self.friction.as_ref().filter(|friction| friction.is_augmented()) else {
-            return Ok(0.0);
-        };
-        let errors = self.interface.slip_errors(&law(self.penalty, &self.multipliers, Some(friction)))?;
-        let moved = errors.into_iter().enumerate().filter(|&(k, _)| !self.is_held(k));
-        Ok(moved.map(|(_, error)| error).fold(0.0, f64::max))
-    }
-
-    fn augment_friction(&mut self) -> Result<(), PassError> {
-        let moves: Vec<bool> = (0..self.slave_count()).map(|k| !self.is_held(k)).collect();
-        let law = law(self.penalty, &self.multipliers, self.friction.as_ref());
-        Ok(self.interface.augment(&law, |k| moves[k])?)
-    }
-
-    fn multipliers(&self) -> &[f64] {
-        &self.multipliers
-    }
-
-    fn set_multipliers(&mut self, multipliers: &[f64]) -> Result<(), ContactError> {
-        take_multipliers(&mut self.multipliers, multipliers)
+        self.state.multipliers = self.contacts().iter().enumerate().map(pressures).collect();
     }
 
     fn master(&self) -> &MasterSurface {
@@ -221,11 +142,7 @@ impl Pass for FacePass {
     }
 
     fn multiplier_of(&self, _slave: &SlaveState, gap: f64) -> f64 {
-        self.penalty * gap
-    }
-
-    fn exchange_multipliers(&mut self, multipliers: &mut Vec<f64>) {
-        std::mem::swap(&mut self.multipliers, multipliers);
+        self.state.penalty() * gap
     }
 
     fn slave_count(&self) -> usize {
@@ -234,14 +151,6 @@ impl Pass for FacePass {
 
     fn outcomes(&self) -> Vec<(usize, Outcome)> {
         self.contacts().iter().map(|node| (node.slave, node.outcome)).collect()
-    }
-
-    fn losses(&self) -> &Losses {
-        &self.losses
-    }
-
-    fn losses_mut(&mut self) -> &mut Losses {
-        &mut self.losses
     }
 
     fn straight(&self) -> usize {

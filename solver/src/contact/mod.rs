@@ -13,6 +13,7 @@ mod interaction;
 mod losses;
 mod node_pass;
 mod operator;
+mod options;
 mod pass;
 mod resultant;
 mod tracks;
@@ -21,12 +22,12 @@ pub use adjust::{AdjustError, adjust};
 pub use beginning::Beginning;
 pub use error::ContactError;
 pub(crate) use interaction::facet_size;
-pub use interaction::{
-    Augmentation, Augmented, Coefficient, Friction, Integration, Interaction, InteractionOptions,
-    RefreshRule, SlaveState, TangentRule,
-};
+pub use interaction::{Augmented, Interaction, SlaveState};
 pub use losses::{Loss, LostContact};
 pub use operator::{ContactOperator, ContactTangent};
+pub use options::{
+    Augmentation, Coefficient, Friction, Integration, InteractionOptions, RefreshRule, TangentRule,
+};
 pub use pass::{FrictionHistory, NodalForces};
 pub use resultant::Resultant;
 pub use tracks::Way;

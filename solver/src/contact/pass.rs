@@ -2,14 +2,16 @@
 
 use diffuse_contact::Mode;
 use diffuse_contact::Point;
-use diffuse_contact::assembly::{AssemblyError, Tangent, TangentOperator};
+use diffuse_contact::assembly::{AssemblyError, ContactLaw, DofMap, Tangent, TangentOperator};
 use diffuse_contact::friction::{Coulomb, FrictionError};
 use diffuse_contact::interface::{FrictionReport, InterfaceError, Outcome};
 use diffuse_contact::surface::MasterSurface;
 use serde::{Deserialize, Serialize};
 
 use super::losses::Losses;
-use super::{Coefficient, ContactError, Friction, InteractionOptions, LostContact, SlaveState, Way};
+use super::{
+    Coefficient, ContactError, Friction, InteractionOptions, LostContact, SlaveState, TangentRule, Way,
+};
 use crate::system::{BlockMatrix, Symmetry};
 
 /// What contact exerts on each node, as slave and as master, in all passes.
@@ -135,6 +137,66 @@ impl From<AssemblyError> for PassError {
     }
 }
 
+/// What every pass has, whatever contact is integrated over.
+#[derive(Debug)]
+pub struct PassState {
+    penalty: f64,
+    pub tangent: TangentRule,
+    pub friction: Option<PassFriction>,
+    /// What friction remembers besides the interface's history, which is left empty here.
+    history: FrictionHistory,
+    pub dofs: DofMap,
+    /// λ, one per slave; none without augmentation.
+    pub multipliers: Vec<f64>,
+    /// Whether all axes of each node are prescribed.
+    pub held: Vec<bool>,
+    /// Whether more nodes couple since somebody asked.
+    pub has_grown: bool,
+    losses: Losses,
+}
+
+impl PassState {
+    /// Of so many slaves among so many nodes; the penalty, over faces per area, is that of the pass.
+    pub fn new(
+        options: &InteractionOptions,
+        penalty: f64,
+        slaves: usize,
+        nodes: usize,
+    ) -> Result<Self, ContactError> {
+        Ok(Self {
+            penalty,
+            tangent: options.tangent,
+            friction: PassFriction::new(options, penalty)?,
+            history: FrictionHistory::default(),
+            dofs: DofMap::standard(nodes),
+            multipliers: if options.augmentation.is_some() { vec![0.0; slaves] } else { Vec::new() },
+            held: vec![false; nodes],
+            has_grown: false,
+            losses: Losses::new(options.self_contact),
+        })
+    }
+
+    pub const fn penalty(&self) -> f64 {
+        self.penalty
+    }
+
+    /// The law of all slaves' normal forces.
+    pub fn normal_law(&self) -> ContactLaw<'_> {
+        let multipliers = (!self.multipliers.is_empty()).then_some(self.multipliers.as_slice());
+        ContactLaw::penalty(self.penalty).with_multipliers(multipliers).with_tangent(Tangent::Exact)
+    }
+
+    /// The law of all slaves, also of friction.
+    pub fn law(&self) -> ContactLaw<'_> {
+        self.with_friction(self.normal_law())
+    }
+
+    /// A law with the pass's friction.
+    pub fn with_friction<'a>(&'a self, law: ContactLaw<'a>) -> ContactLaw<'a> {
+        law.with_friction(self.friction.as_ref().map(PassFriction::law))
+    }
+}
+
 /// Slaves farther from the master than the nearest one by this part of their facets' size are not supposed to touch.
 const NEAR: f64 = 0.1;
 /// Added to the gap of a slave that is supposed to touch, over the facets' size: without any force it would not count.
@@ -142,17 +204,17 @@ const LITTLE: f64 = 1e-12;
 
 /// One side's surface against the other's.
 pub trait Pass: std::fmt::Debug {
-    /// Takes over which nodes have all axes prescribed.
-    fn hold(&mut self, held: &[bool]);
+    /// What every pass has.
+    fn state(&self) -> &PassState;
+
+    /// The same, to be changed.
+    fn state_mut(&mut self) -> &mut PassState;
 
     /// Pairs anew.
     fn refresh(&mut self, positions: &[Point]) -> Result<(), PassError>;
 
     /// Contact at these positions, with as many derivatives as the tangent needs.
     fn evaluate(&mut self, positions: &[Point], mode: Mode) -> Result<(), PassError>;
-
-    /// Whether nodes couple that did not when this was asked last: the stiffness then needs another pattern.
-    fn take_grown(&mut self) -> bool;
 
     /// Lists of nodes that couple.
     fn cliques(&self) -> Vec<Vec<usize>>;
@@ -173,50 +235,32 @@ pub trait Pass: std::fmt::Debug {
         Ok(None)
     }
 
-    /// Takes the slaves' feet for their anchors, if there is friction without a history.
-    fn begin_friction(&mut self) -> Result<(), PassError>;
+    /// Whether the interface has a history of friction.
+    fn has_history(&self) -> bool;
 
-    /// Accepts the positions of the moment as the end of an increment.
-    fn accept(&mut self) -> Result<FrictionReport, PassError>;
-
-    /// From here on without friction, if there is any, or with it again; the next evaluation sees it.
-    fn leave_out_friction(&mut self, is_left_out: bool);
-
-    /// What friction remembers.
-    fn friction_history(&self) -> FrictionHistory;
+    /// That history; empty before the first increment.
+    fn anchors(&self) -> Vec<f64>;
 
     /// Goes on from it.
-    fn set_friction_history(&mut self, history: &FrictionHistory) -> Result<(), PassError>;
+    fn set_anchors(&mut self, anchors: &[f64]) -> Result<(), InterfaceError>;
 
-    /// Goes back to the start of the last increment, so that its end is evaluated as it was found; whether there was one.
-    fn look_back(&mut self, history: &FrictionHistory) -> Result<bool, PassError>;
-
-    /// Work of friction so far, energy.
-    fn dissipated(&self) -> f64;
+    /// Accepts the positions of the moment in the interface's history.
+    fn accept_anchors(&mut self) -> Result<FrictionReport, InterfaceError>;
 
     /// λ ← max(0, λ − ε g), but where nothing can move: there no multiplier closes the gap.
     fn augment(&mut self);
 
-    /// How long the increment lasts that is to be solved.
-    fn lasts(&mut self, duration: f64);
+    /// The slip of each slave that Coulomb's law does not allow, length.
+    fn slip_errors(&self) -> Result<Vec<f64>, InterfaceError>;
 
-    /// The slip that Coulomb's law does not allow, of slaves that can move, length; 0 without augmentation of friction.
-    fn slip_error(&self) -> Result<f64, PassError>;
+    /// The tractions of these slaves become multipliers.
+    fn augment_friction_of(&mut self, moved: &[bool]) -> Result<(), InterfaceError>;
 
-    /// Tractions become multipliers, but where nothing can move.
-    fn augment_friction(&mut self) -> Result<(), PassError>;
-
-    /// λ, one per slave; none without augmentation.
-    fn multipliers(&self) -> &[f64];
-
-    /// Goes on from them.
-    fn set_multipliers(&mut self, multipliers: &[f64]) -> Result<(), ContactError>;
+    /// Whether nothing moves whatever force the contact of the `k`-th slave exerts.
+    fn is_held(&self, k: usize) -> bool;
 
     /// The multiplier that a gap of this slave takes all force from.
     fn multiplier_of(&self, slave: &SlaveState, gap: f64) -> f64;
-
-    /// Exchanges the multipliers, one per slave or none.
-    fn exchange_multipliers(&mut self, multipliers: &mut Vec<f64>);
 
     /// The master's facets.
     fn master(&self) -> &MasterSurface;
@@ -236,7 +280,7 @@ pub trait Pass: std::fmt::Debug {
                 continue;
             };
             if multipliers.is_empty() {
-                multipliers.extend_from_slice(self.multipliers());
+                multipliers.extend_from_slice(&self.state().multipliers);
                 multipliers.resize(self.slave_count(), 0.0);
             }
             multipliers[k] = self.multiplier_of(&slave, 2.0 * gap + LITTLE * size);
@@ -249,12 +293,6 @@ pub trait Pass: std::fmt::Debug {
 
     /// Each slave node, and whether the last evaluation found contact for it.
     fn outcomes(&self) -> Vec<(usize, Outcome)>;
-
-    /// Which slaves carried force, and which need no element.
-    fn losses(&self) -> &Losses;
-
-    /// The same, to be changed.
-    fn losses_mut(&mut self) -> &mut Losses;
 
     /// The contact of every slave node at the last evaluation.
     fn slaves(&self) -> Box<dyn Iterator<Item = SlaveState> + '_>;
@@ -272,16 +310,106 @@ pub trait Pass: std::fmt::Debug {
         0
     }
 
+    /// Takes over which nodes have all axes prescribed.
+    fn hold(&mut self, held: &[bool]) {
+        self.state_mut().held.copy_from_slice(held);
+    }
+
+    /// Whether nodes couple that did not when this was asked last: the stiffness then needs another pattern.
+    fn take_grown(&mut self) -> bool {
+        std::mem::take(&mut self.state_mut().has_grown)
+    }
+
+    /// Takes the slaves' feet for their anchors, if there is friction without a history.
+    fn begin_friction(&mut self) -> Result<(), PassError> {
+        if self.state().friction.is_some() && !self.has_history() {
+            self.accept()?;
+        }
+        Ok(())
+    }
+
+    /// Accepts the positions of the moment as the end of an increment.
+    fn accept(&mut self) -> Result<FrictionReport, PassError> {
+        let before = self.anchors();
+        let report = self.accept_anchors()?;
+        let PassState { history, friction, .. } = self.state_mut();
+        history.take(before, friction.as_ref(), &report);
+        Ok(report)
+    }
+
+    /// From here on without friction, if there is any, or with it again; the next evaluation sees it.
+    fn leave_out_friction(&mut self, is_left_out: bool) {
+        self.state_mut().friction.iter_mut().for_each(|friction| friction.is_left_out = is_left_out);
+    }
+
+    /// What friction remembers.
+    fn friction_history(&self) -> FrictionHistory {
+        FrictionHistory { anchors: self.anchors(), ..self.state().history.clone() }
+    }
+
+    /// Goes on from it.
+    fn set_friction_history(&mut self, history: &FrictionHistory) -> Result<(), PassError> {
+        self.set_anchors(&history.anchors)?;
+        self.state_mut().history = FrictionHistory { anchors: Vec::new(), ..history.clone() };
+        Ok(())
+    }
+
+    /// Goes back to the start of the last increment, so that its end is evaluated as it was found; whether there was one.
+    fn look_back(&mut self, history: &FrictionHistory) -> Result<bool, PassError> {
+        if history.anchors_before.is_empty() {
+            return Ok(false);
+        }
+        self.set_anchors(&history.anchors_before)?;
+        self.lasts(history.lasted);
+        Ok(true)
+    }
+
+    /// Work of friction so far, energy.
+    fn dissipated(&self) -> f64 {
+        self.state().history.dissipated
+    }
+
+    /// How long the increment lasts that is to be solved.
+    fn lasts(&mut self, duration: f64) {
+        self.state_mut().friction.iter_mut().for_each(|friction| friction.duration = duration);
+    }
+
+    /// The slip that Coulomb's law does not allow, of slaves that can move, length; 0 without augmentation of friction.
+    fn slip_error(&self) -> Result<f64, PassError> {
+        if !self.state().friction.as_ref().is_some_and(PassFriction::is_augmented) {
+            return Ok(0.0);
+        }
+        let moved = self.slip_errors()?.into_iter().enumerate().filter(|&(k, _)| !self.is_held(k));
+        Ok(moved.map(|(_, error)| error).fold(0.0, f64::max))
+    }
+
+    /// Tractions become multipliers, but where nothing can move.
+    fn augment_friction(&mut self) -> Result<(), PassError> {
+        let moved: Vec<bool> = (0..self.slave_count()).map(|k| !self.is_held(k)).collect();
+        Ok(self.augment_friction_of(&moved)?)
+    }
+
+    /// Goes on from multipliers, as many as it has.
+    fn set_multipliers(&mut self, multipliers: &[f64]) -> Result<(), ContactError> {
+        let own = &mut self.state_mut().multipliers;
+        let (found, expected) = (multipliers.len(), own.len());
+        if found != expected {
+            return Err(ContactError::OtherPasses { found, expected });
+        }
+        own.copy_from_slice(multipliers);
+        Ok(())
+    }
+
     /// Begins to watch for losses; `loaded` as [`loaded`](Self::loaded) gave it.
     fn begin(&mut self, loaded: &[u32]) -> Result<(), ContactError> {
         let slaves = self.slave_count();
-        self.losses_mut().begin(slaves, loaded)
+        self.state_mut().losses.begin(slaves, loaded)
     }
 
     /// Notes which slaves carry force.
     fn note(&mut self) {
         for k in self.loaded() {
-            self.losses_mut().note(k as usize);
+            self.state_mut().losses.note(k as usize);
         }
     }
 
@@ -289,17 +417,17 @@ pub trait Pass: std::fmt::Debug {
     fn excuse(&mut self) {
         for (k, (_, outcome)) in self.outcomes().into_iter().enumerate() {
             if let Outcome::None(reason) = outcome {
-                self.losses_mut().excuse(k, reason);
+                self.state_mut().losses.excuse(k, reason);
             }
         }
     }
 
     /// The slaves that carried force and have no contact although they have not left the master.
     fn lost(&self, way: Way<'_>) -> Vec<LostContact> {
-        let mut tracks = self.losses().tracks(self.master(), way);
+        let mut tracks = self.state().losses.tracks(self.master(), way);
         let judged =
             self.outcomes().into_iter().enumerate().filter_map(|(k, (node, outcome))| match outcome {
-                Outcome::None(reason) => self.losses().judge(k, node, reason, &mut tracks),
+                Outcome::None(reason) => self.state().losses.judge(k, node, reason, &mut tracks),
                 Outcome::Contact { .. } => None,
             });
         judged.collect()
@@ -307,10 +435,10 @@ pub trait Pass: std::fmt::Debug {
 
     /// How many slaves carried force when the increment began, and have neither a contact now nor risen from the master.
     fn vanished(&self, way: Way<'_>) -> usize {
-        let mut tracks = self.losses().tracks(self.master(), way);
+        let mut tracks = self.state().losses.tracks(self.master(), way);
         let outcomes = self.outcomes().into_iter().enumerate();
         let vanished = outcomes.filter(|&(k, (node, outcome))| match outcome {
-            Outcome::None(reason) => self.losses().vanished(k, node, reason, &mut tracks),
+            Outcome::None(reason) => self.state().losses.vanished(k, node, reason, &mut tracks),
             Outcome::Contact { .. } => false,
         });
         vanished.count()
@@ -321,14 +449,4 @@ pub trait Pass: std::fmt::Debug {
         let places = self.slaves().enumerate().filter(|(_, slave)| slave.force > 0.0);
         places.map(|(k, _)| k as u32).collect()
     }
-}
-
-/// Multipliers of as many slaves, taken over.
-pub fn take_multipliers(own: &mut [f64], multipliers: &[f64]) -> Result<(), ContactError> {
-    let (found, expected) = (multipliers.len(), own.len());
-    if found != expected {
-        return Err(ContactError::OtherPasses { found, expected });
-    }
-    own.copy_from_slice(multipliers);
-    Ok(())
 }

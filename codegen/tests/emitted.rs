@@ -7,6 +7,11 @@ use std::fmt::Write;
 
 use diffuse_contact_codegen::Config;
 
+#[path = "../../examples/own_element/elements/mod.rs"]
+#[allow(dead_code, non_snake_case, clippy::many_single_char_names, clippy::similar_names)]
+mod elements;
+use elements::{arm, cohesive, contact, joint, neo_hooke, surface, tanks};
+
 const STORED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/emitted.txt");
 
 /// What the product's own build script asks for.
@@ -38,6 +43,21 @@ fn others() -> Config {
 /// A weight that shares its kernels with none.
 fn alone() -> Config {
     Config::new().cubic()
+}
+
+/// Elements of the caller's: of fixed size, with points, with roots, and with nodes.
+fn own() -> Config {
+    Config::new()
+        .element("tet4_neo_hooke", neo_hooke::tet4)
+        .and_then(|config| config.element("hex8_neo_hooke", neo_hooke::hex8))
+        .and_then(|config| config.element("cohesive", cohesive::exponential))
+        .and_then(|config| config.element("bezier_contact", contact::bezier))
+        .and_then(|config| config.element("fitted_contact", surface::moving_least_squares))
+        .and_then(|config| config.element("average", surface::average))
+        .and_then(|config| config.element("seven_axes", arm::seven_axes))
+        .and_then(|config| config.element("chain", joint::chain))
+        .and_then(|config| config.element("four_tanks", tanks::four_tanks))
+        .unwrap()
 }
 
 /// FNV-1a, which is the same everywhere.
@@ -76,8 +96,10 @@ fn digest(name: &str, source: &str) -> String {
 
 #[test]
 fn every_kernel_is_emitted_byte_for_byte() {
-    let sources = [("product", product()), ("alone", alone()), ("others", others())]
-        .map(|(name, config)| (name, config.source().unwrap()));
+    let own = own();
+    let mut sources = vec![("own", own.source().unwrap()), ("own_c", own.c_source())];
+    let contact = [("product", product()), ("alone", alone()), ("others", others())];
+    sources.extend(contact.map(|(name, config)| (name, config.source().unwrap())));
     let found: String = sources.iter().map(|(name, source)| digest(name, source)).collect();
     if let Some(folder) = std::env::var_os("EMITTED_TEXT") {
         for (name, source) in &sources {

@@ -6,7 +6,7 @@ use quote::{format_ident, quote};
 use crate::emit::{Combined, EmittedKernel, KernelCounts, ShapeHead, emit_shape, kept_name};
 use crate::lower::lower;
 use crate::model::{
-    DOMAIN_RATIO, FrameRule, Kernel, KernelSpec, MATERIAL_INPUTS, MOST_COEFFICIENTS, Mode, Output,
+    CHECKSUM, DOMAIN_RATIO, FrameRule, Kernel, KernelSpec, MATERIAL_INPUTS, MOST_COEFFICIENTS, Mode, Output,
     contact_signature,
 };
 use crate::schedule::Program;
@@ -30,6 +30,7 @@ pub fn emit_kernel(spec: &KernelSpec) -> EmittedKernel<KernelSpec> {
         constants: &constants,
         // A basis leaves the coefficients of the largest one that it does not have at zero.
         lengths: &[("coefficients", MOST_COEFFICIENTS)],
+        checksum: CHECKSUM,
         combined: Combined {
             name: "foot",
             kind: "FactorsAndFoot",

@@ -4,8 +4,9 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::element::{places, without_suffixes};
+use super::element::without_suffixes;
 use super::fixed::nested;
+use super::module::places;
 use crate::interpret::{element_derivatives, element_results};
 use crate::model::{ElementError, ElementKernels, Input, Signature};
 

@@ -7,7 +7,7 @@ use quote::{format_ident, quote};
 
 use super::count::OpCounts;
 use super::function::FunctionWriter;
-use crate::graph::{ExprId, Op};
+use crate::graph::{ExprId, NODE_COUNT, Op};
 use crate::model::{Input, Points, Value};
 use crate::schedule::{Program, Statement};
 
@@ -269,7 +269,7 @@ fn point_reads<S>(function: &mut FunctionWriter<'_, S>, points: &Points) -> Vec<
 }
 
 /// `let`s for the inputs that are used.
-pub(super) fn reads<S>(function: &mut FunctionWriter<'_, S>, fields: &[Input]) -> Vec<TokenStream> {
+fn reads<S>(function: &mut FunctionWriter<'_, S>, fields: &[Input]) -> Vec<TokenStream> {
     let symbols = symbols(function);
     let mut all = Vec::new();
     for input in fields {
@@ -286,6 +286,15 @@ pub(super) fn reads<S>(function: &mut FunctionWriter<'_, S>, fields: &[Input]) -
         all.push(quote!(let #pattern = inputs.#field;));
     }
     all
+}
+
+/// The same for functions with loops over the nodes, whose number may be an input.
+pub(super) fn reads_and_count<S>(function: &mut FunctionWriter<'_, S>, fields: &[Input]) -> Vec<TokenStream> {
+    let mut reads = reads(function, fields);
+    if function.program.kernel.graph.has_input(NODE_COUNT) {
+        reads.push(quote!(let node_count = E::splat(count as f64);));
+    }
+    reads
 }
 
 /// `[[a, b], [c, d]]` of entries in order, the last dimension fastest.

@@ -2,11 +2,14 @@
 
 mod c;
 mod count;
+mod derivatives;
 mod element;
+mod element_module;
 mod element_test;
 mod expression;
 mod fixed;
 mod function;
+mod module;
 mod names;
 mod node_element;
 mod node_loop;
@@ -15,7 +18,7 @@ mod shape;
 
 pub use c::emit_c;
 pub use count::{KernelCounts, OpCounts};
-pub(crate) use element::arguments;
+pub(crate) use derivatives::arguments;
 pub use element::{EmittedElementKernel, emit_element, emit_element_kernel};
 pub use element_test::emit_element_test;
 pub(crate) use fixed::{Fixed, Head};

@@ -6,12 +6,15 @@ use quote::{format_ident, quote};
 use super::count::OpCounts;
 use super::element::EmittedElementKernel;
 use super::expression::Lanes;
-use super::fixed::{nested, reads};
+use super::fixed::{nested, reads_and_count};
 use super::function::FunctionWriter;
 use super::node_loop::{NodeArray, Outputs};
-use crate::graph::NODE_COUNT;
 use crate::model::{ElementSpec, Input, NodeResult, Signature, Value};
 use crate::schedule::{NodeTarget, Program};
+
+/// Names of what surrounds a kernel.
+const RESERVED: &[&str] =
+    &["Node", "Inputs", "Values", "VARIABLES", "NODE_VARIABLES", "OPTIMISED", "SCRATCH", "kept", "first"];
 
 /// Numbers of a kernel's scratch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,6 +49,20 @@ impl Scratch {
         self.kept + self.form
     }
 
+    /// The statement that splits it.
+    fn split(self) -> TokenStream {
+        let Self { kept, form, .. } = self;
+        match (kept, form) {
+            (0, 0) => quote!(let _ = scratch;),
+            (0, _) => quote!(let form = scratch;),
+            (_, 0) => quote!(let nodes = scratch.as_chunks_mut::<#kept>().0;),
+            _ => quote! {
+                let (nodes, form) = scratch.split_at_mut(#kept * count);
+                let nodes = nodes.as_chunks_mut::<#kept>().0;
+            },
+        }
+    }
+
     /// Operations of the products: for each node, and for each pair of nodes.
     fn counts(self, variables: usize) -> [OpCounts; 2] {
         let fused = |fused| OpCounts { fused, ..OpCounts::default() };
@@ -65,17 +82,7 @@ pub(super) fn emit_node_kernel(
     let mut function = FunctionWriter::new(program);
     let names: Vec<&str> = arguments.iter().map(String::as_str).collect();
     function.writer.names.reserve(&names);
-    function.writer.names.reserve(&[
-        "Node",
-        "Inputs",
-        "Values",
-        "VARIABLES",
-        "NODE_VARIABLES",
-        "OPTIMISED",
-        "SCRATCH",
-        "kept",
-        "first",
-    ]);
+    function.writer.names.reserve(RESERVED);
     function.writer.lanes = Lanes::Elements;
 
     let arrays = [array(signature)];
@@ -84,10 +91,7 @@ pub(super) fn emit_node_kernel(
         .collect();
     let (outputs, fields) = element_outputs(&mut function, arguments);
     function.counts.element += function.writer.take_counts();
-    let mut reads = reads(&mut function, &signature.inputs);
-    if program.kernel.graph.has_input(NODE_COUNT) {
-        reads.push(quote!(let node_count = E::splat(count as f64);));
-    }
+    let reads = reads_and_count(&mut function, &signature.inputs);
     let [per_node, per_pair] = scratch.counts(signature.node_variables());
     let mut emitted = EmittedElementKernel {
         mode: *mode,
@@ -101,18 +105,9 @@ pub(super) fn emit_node_kernel(
 
     let name = format_ident!("{}", mode.name());
     let arguments = arguments.iter().map(|name| format_ident!("{name}"));
-    let Scratch { kept, form, products } = scratch;
-    let split = match (kept, form) {
-        (0, 0) => quote!(let _ = scratch;),
-        (0, _) => quote!(let form = scratch;),
-        (_, 0) => quote!(let nodes = scratch.as_chunks_mut::<#kept>().0;),
-        _ => quote! {
-            let (nodes, form) = scratch.split_at_mut(#kept * count);
-            let nodes = nodes.as_chunks_mut::<#kept>().0;
-        },
-    };
+    let (split, products) = (scratch.split(), scratch.products);
     let (element, of_node) = (signature.variables(), signature.node_variables());
-    let multiply = (form > 0)
+    let multiply = (scratch.form > 0)
         .then(|| quote!(multiply_node_rows::<E, #of_node>(#element, #products, count, form, hessian);));
     emitted.tokens = quote! {
         #(#[doc = #documentation])*

@@ -62,17 +62,8 @@ impl<S> FunctionWriter<'_, S> {
             2 * sums.len() + loads.len() + nodes.outputs.len() + stores.len() + spread.len() + 5;
 
         let head = self.head(phase, arrays);
-        let (presence, spread, total, zero) = match self.writer.lanes {
-            Lanes::Shape => (
-                (!sums.is_empty()).then(|| quote!(let presence = S::presence(S::NODES * vector, count);)),
-                spread_statement(&spread),
-                (!sums.is_empty()).then(|| quote!((#(S::total(#sums),)*))),
-                quote!(T::ZERO),
-            ),
-            Lanes::Elements => {
-                (None, None, (!sums.is_empty()).then(|| quote!((#(#sums,)*))), quote!(E::ZERO))
-            }
-        };
+        let (presence, total, zero) = self.around_sums(&sums);
+        let spread = (self.writer.lanes == Lanes::Shape).then(|| spread_statement(&spread)).flatten();
         let totals = (!sums.is_empty()).then(|| quote!(let (#(#sums,)*) =));
         let end = totals.is_some().then(|| quote!(;));
         let (counter, kept) = self.loop_names();
@@ -93,6 +84,19 @@ impl<S> FunctionWriter<'_, S> {
                 }
                 #total
             } #end
+        }
+    }
+
+    /// Which nodes there are, for loops with sums; the sums as they leave a loop; and what they begin with.
+    fn around_sums(&self, sums: &[Ident]) -> (Option<TokenStream>, Option<TokenStream>, TokenStream) {
+        let has_sums = !sums.is_empty();
+        match self.writer.lanes {
+            Lanes::Shape => (
+                has_sums.then(|| quote!(let presence = S::presence(S::NODES * vector, count);)),
+                has_sums.then(|| quote!((#(S::total(#sums),)*))),
+                quote!(T::ZERO),
+            ),
+            Lanes::Elements => (None, has_sums.then(|| quote!((#(#sums,)*))), quote!(E::ZERO)),
         }
     }
 

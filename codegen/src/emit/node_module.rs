@@ -1,93 +1,24 @@
-//! The module of an element with nodes of a number that is open: types, kernels by mode, and what runs them.
+//! The module of an element with nodes of a number that is open: its types, and what runs its kernels.
 
 use proc_macro2::{Ident, TokenStream};
-use quote::{format_ident, quote};
+use quote::quote;
 
-use super::element::{field, gathered, meaning, value_types};
+use super::derivatives::Derivative;
+use super::module::{best_isa, call_by_mode, gathered, hessian_at, input_fields, stored, value_types};
 use super::node_element::Scratch;
 use crate::lower::lower;
-use crate::model::{Differentiated, ElementKernels, Mode, Role, Signature};
+use crate::model::{ElementKernels, Mode, Signature};
 use crate::schedule::Program;
-
-/// Entries of what derivatives are written to, for `count` nodes.
-fn lengths(signature: &Signature, mode: Mode) -> Vec<(String, TokenStream)> {
-    let all = quote!(variables(count));
-    let mut lengths = Vec::new();
-    for value in signature.values.iter().filter(|_| mode > Mode::Value) {
-        match value.differentiated {
-            Differentiated::Twice => {
-                lengths.push(("gradient".to_owned(), all.clone()));
-                if mode == Mode::Hessian {
-                    lengths.push(("hessian".to_owned(), quote!(packed_row(variables(count)))));
-                }
-            }
-            Differentiated::Once => {
-                let rows: usize = value.dimensions.iter().product();
-                lengths.push((format!("{}_jacobian", value.name), quote!(#rows * variables(count))));
-            }
-            Differentiated::Not => {}
-        }
-    }
-    lengths
-}
-
-/// Names of what derivatives of a mode are written to.
-pub(super) fn arguments(signature: &Signature, mode: Mode) -> Vec<String> {
-    lengths(signature, mode).into_iter().map(|(name, _)| name).collect()
-}
 
 /// The structs, and what is known of sizes.
 pub(super) fn types(element: &ElementKernels, last: Mode) -> TokenStream {
     let signature = &element.signature;
-    let lane = quote!(E);
-    let inputs = signature.inputs.iter().map(|input| {
-        let default = match input.role {
-            Role::Variable => "A variable.",
-            Role::Parameter => "A parameter: derivatives are not taken by it.",
-        };
-        field(&input.name, &input.doc, default, &input.dimensions, &lane)
-    });
-    let nodes = signature.nodes.iter().map(|input| {
-        let default = match input.role {
-            Role::Variable => "A variable of the node.",
-            Role::Parameter => "A parameter of the node: derivatives are not taken by it.",
-        };
-        field(&input.name, &input.doc, default, &input.dimensions, &lane)
-    });
-    let gathered_inputs = signature.inputs.iter().map(gathered);
-    let gathered_node = signature.nodes.iter().map(gathered);
-    let values = value_types(signature);
-    let derivatives = lengths(signature, last).into_iter().map(|(name, _)| {
-        let doc = format!(" {}.", meaning(signature, &name));
-        let name = format_ident!("{name}");
-        quote! {
-            #[doc = #doc]
-            pub #name: Vec<f64>
-        }
-    });
-    let names: Vec<Ident> =
-        lengths(signature, last).iter().map(|(name, _)| format_ident!("{name}")).collect();
-    let reserved = lengths(signature, last).into_iter().map(|(name, length)| {
-        let (least, name) = (least(&name), format_ident!("{name}"));
-        quote! {
-            if mode >= #least {
-                self.#name.resize(#length, 0.0);
-            }
-        }
-    });
-    let at = (last == Mode::Hessian).then(|| {
-        quote! {
-            /// An entry of the Hessian, of either triangle.
-            ///
-            /// # Panics
-            /// If there is no such row or column.
-            #[must_use]
-            pub fn hessian_at(&self, row: usize, column: usize) -> f64 {
-                self.hessian[packed_row(row.max(column)) + row.min(column)]
-            }
-        }
-    });
-    let (of_element, of_node) = (signature.variables(), signature.node_variables());
+    let pieces = [sizes(element), inputs(signature), value_types(signature), results(signature, last)];
+    quote!(#(#pieces)*)
+}
+
+fn sizes(element: &ElementKernels) -> TokenStream {
+    let (of_element, of_node) = (element.signature.variables(), element.signature.node_variables());
     let scratch: Vec<usize> =
         element.kernels.iter().map(|kernel| Scratch::new(&Program::new(lower(kernel))).per_node()).collect();
     let modes = scratch.len();
@@ -107,7 +38,15 @@ pub(super) fn types(element: &ElementKernels, last: Mode) -> TokenStream {
         pub const fn variables(count: usize) -> usize {
             VARIABLES + NODE_VARIABLES * count
         }
+    }
+}
 
+fn inputs(signature: &Signature) -> TokenStream {
+    let (inputs, nodes) =
+        (input_fields(&signature.inputs, ""), input_fields(&signature.nodes, " of the node"));
+    let gathered_inputs = signature.inputs.iter().map(gathered);
+    let gathered_node = signature.nodes.iter().map(gathered);
+    quote! {
         /// What a kernel reads.
         #[derive(Clone, Copy, Debug)]
         pub struct Inputs<'a, E> {
@@ -137,9 +76,30 @@ pub(super) fn types(element: &ElementKernels, last: Mode) -> TokenStream {
                 Self { #(#gathered_node),* }
             }
         }
+    }
+}
 
-        #values
-
+fn results(signature: &Signature, last: Mode) -> TokenStream {
+    let all = Derivative::all(signature, last);
+    let derivatives = all.iter().map(|derivative| {
+        let (doc, name) = (format!(" {}.", derivative.meaning(signature)), derivative.ident());
+        quote! {
+            #[doc = #doc]
+            pub #name: Vec<f64>
+        }
+    });
+    let names: Vec<Ident> = all.iter().map(Derivative::ident).collect();
+    let reserved = all.iter().map(|derivative| {
+        let (least, name, length) =
+            (derivative.least_mode(), derivative.ident(), derivative.length_by_count());
+        quote! {
+            if mode >= #least {
+                self.#name.resize(#length, 0.0);
+            }
+        }
+    });
+    let at = hessian_at(last);
+    quote! {
         /// Values of one element and their derivatives, which have room for as many nodes as it has; those that were not asked for stay
         /// as they were.
         #[derive(Clone, Debug)]
@@ -166,41 +126,28 @@ pub(super) fn types(element: &ElementKernels, last: Mode) -> TokenStream {
     }
 }
 
-/// The mode from which on there is a derivative.
-fn least(name: &str) -> TokenStream {
-    if name == "hessian" { quote!(Mode::Hessian) } else { quote!(Mode::Gradient) }
+/// What a kernel is called with besides derivatives.
+fn inputs_and_scratch(inputs: &TokenStream, mode: Mode) -> TokenStream {
+    let index = mode as usize;
+    quote!(#inputs, &mut scratch[..SCRATCH[#index] * count])
 }
 
 /// `evaluate`, `evaluate_into`, `batch` and what they need.
 pub(super) fn runners(signature: &Signature, last: Mode) -> TokenStream {
-    let modes = &Mode::ALL[..=last as usize];
-    let arms = |inputs: &TokenStream, scratch: &TokenStream, target: &dyn Fn(&Ident) -> TokenStream| {
-        let arms = modes.iter().map(|&mode| {
-            let (function, index) = (format_ident!("{}", mode.name()), mode as usize);
-            let variant = [quote!(Mode::Value), quote!(Mode::Gradient), quote!(Mode::Hessian)];
-            // More derivatives than there are: all there are.
-            let pattern = if mode == last { quote!(_) } else { variant[index].clone() };
-            let targets = arguments(signature, mode).into_iter().map(|name| target(&format_ident!("{name}")));
-            quote!(#pattern => self::#function(#inputs, &mut #scratch[..SCRATCH[#index] * count], #(#targets),*),)
-        });
-        quote!(#(#arms)*)
+    let (single, batch, lanes) = (single(signature, last), batch(), lanes(signature, last));
+    quote! {
+        #single
+        #batch
+        #lanes
+    }
+}
+
+fn single(signature: &Signature, last: Mode) -> TokenStream {
+    let target = |derivative: &Derivative| {
+        let name = derivative.ident();
+        quote!(&mut results.#name)
     };
-    let single = arms(&quote!(inputs), &quote!(scratch), &|name| quote!(&mut results.#name));
-    let lanes = arms(&quote!(&gathered), &quote!(scratch), &|name| quote!(&mut #name));
-    let all = lengths(signature, last);
-    let names: Vec<Ident> = all.iter().map(|(name, _)| format_ident!("{name}")).collect();
-    let resized = all.iter().map(|(name, length)| {
-        let name = format_ident!("{name}");
-        quote!(#name.resize(#length, T::ZERO);)
-    });
-    let stored = all.iter().map(|(name, _)| {
-        let (least, name) = (least(name), format_ident!("{name}"));
-        quote! {
-            if mode >= #least {
-                T::store_transposed(&#name, lanes, |(_, result)| &mut result.#name[..]);
-            }
-        }
-    });
+    let values = call_by_mode(signature, last, |mode| inputs_and_scratch(&quote!(inputs), mode), target);
     let most = last as usize;
     quote! {
         /// Evaluates one element.
@@ -221,14 +168,15 @@ pub(super) fn runners(signature: &Signature, last: Mode) -> TokenStream {
             let count = inputs.nodes.len();
             results.reserve(mode, count);
             scratch.resize(scratch.len().max(SCRATCH[#most] * count), 0.0);
-            results.values = match mode { #single };
+            results.values = #values;
         }
+    }
+}
 
-        /// The instructions to run batches with: the widest that the machine has, or without optimisation one number at a time.
-        #[must_use]
-        pub fn best_isa() -> Isa {
-            if OPTIMISED { Isa::best() } else { Isa::SCALAR }
-        }
+fn batch() -> TokenStream {
+    let best_isa = best_isa();
+    quote! {
+        #best_isa
 
         /// Evaluates many elements, as many of the same number of nodes side by side as the instructions have lanes: [`best_isa`] unless
         /// there is a reason for others. What an element gets does not depend on its neighbours.
@@ -249,7 +197,22 @@ pub(super) fn runners(signature: &Signature, last: Mode) -> TokenStream {
                 }
             }
         }
+    }
+}
 
+/// Elements in lanes.
+fn lanes(signature: &Signature, last: Mode) -> TokenStream {
+    let all = Derivative::all(signature, last);
+    let names: Vec<Ident> = all.iter().map(Derivative::ident).collect();
+    let lengths = all.iter().map(Derivative::length_by_count);
+    let target = |derivative: &Derivative| {
+        let name = derivative.ident();
+        quote!(&mut #name)
+    };
+    let values = call_by_mode(signature, last, |mode| inputs_and_scratch(&quote!(&gathered), mode), target);
+    let stored = stored(signature, last, &quote!(lanes), &quote!((_, result)));
+    let most = last as usize;
+    quote! {
         type Element<'a> = (&'a Inputs<'a, f64>, &'a mut Results);
 
         /// Elements of the same number of nodes.
@@ -268,7 +231,7 @@ pub(super) fn runners(signature: &Signature, last: Mode) -> TokenStream {
                 let mut nodes: Vec<Node<T>> = Vec::with_capacity(count);
                 let mut scratch = vec![T::ZERO; SCRATCH[#most] * count];
                 #(let mut #names: Vec<T> = Vec::new();)*
-                #(#resized)*
+                #(#names.resize(#lengths, T::ZERO);)*
                 for lanes in elements.chunks_mut(T::WIDTH) {
                     let last = lanes.len() - 1;
                     nodes.clear();
@@ -276,12 +239,12 @@ pub(super) fn runners(signature: &Signature, last: Mode) -> TokenStream {
                         nodes.push(Node::gather(|lane| &lanes[lane.min(last)].0.nodes[node]));
                     }
                     let gathered = Inputs::gather(|lane| lanes[lane.min(last)].0, &nodes);
-                    let values = match mode { #lanes };
+                    let values = #values;
                     for (lane, (_, result)) in lanes.iter_mut().enumerate() {
                         result.values = values.lane(lane);
                         result.reserve(mode, count);
                     }
-                    #(#stored)*
+                    #stored
                 }
             }
         }

@@ -4,11 +4,11 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::count::{KernelCounts, OpCounts};
-use super::fixed::reads;
+use super::fixed::reads_and_count;
 use super::function::FunctionWriter;
 use super::node_loop::{NodeArray, Outputs};
-use crate::graph::{ExprId, NODE_COUNT};
-use crate::model::{CHECKSUM, Input};
+use crate::graph::ExprId;
+use crate::model::Input;
 use crate::schedule::{FormRows, NodeTarget, Program};
 
 /// What surrounds a function.
@@ -25,6 +25,8 @@ pub(crate) struct ShapeHead<'a> {
     pub constants: &'a [(&'static str, TokenStream)],
     /// Fields that are longer than the kernel's value, with their lengths; zeros follow.
     pub lengths: &'a [(&'static str, usize)],
+    /// The value that what the Hessians' products write is added to, and that is not finite where an entry is not.
+    pub checksum: &'static str,
     /// Where the kernel's combinations are written to.
     pub combined: Combined<'a>,
 }
@@ -97,28 +99,11 @@ impl<S: Clone> FunctionWriter<'_, S> {
         let kept_module = self.kept_module(&head.name, &kept);
 
         let ShapeHead { name: function, values: returned, .. } = head;
-        let masters = format_ident!("{}", head.arrays[0].0);
+        let nodes = self.split_scratch(head, &kept);
         let documentation = documentation(&self.counts);
-        let has_gradients = !self.program.kernel.gradients.is_empty();
-        let has_hessians = !self.program.kernel.hessians.is_empty();
-        let gradients = has_gradients.then(|| quote!(gradients: &mut [S::Output],));
-        let second = has_hessians.then(|| quote!(mut second: Second<'_, S::Output>,));
-        let nodes = if kept.is_empty() && !has_hessians {
-            quote!(let _ = scratch;)
-        } else {
-            let kept = kept_name(function);
-            // The forms have the scratch of one vector of nodes more, for the slave's rows, which the multiplication sums.
-            let split = if has_hessians {
-                quote!(let (scratch, forms) = scratch.split_at_mut(at::PLACES * inputs.#masters.len());)
-            } else {
-                quote!()
-            };
-            quote! {
-                use #kept as at;
-                #split
-                let nodes = &mut scratch.as_chunks_mut::<{ at::PLACES }>().0[..inputs.#masters.len()];
-            }
-        };
+        let kernel = &self.program.kernel;
+        let gradients = (!kernel.gradients.is_empty()).then(|| quote!(gradients: &mut [S::Output],));
+        let second = (!kernel.hessians.is_empty()).then(|| quote!(mut second: Second<'_, S::Output>,));
         let forms = self.forms();
         let many_gradients = self.program.kernel.gradients.len() > 1;
         let freedoms = many_gradients.then(|| quote!(let freedoms = 3 * (count + 1);));
@@ -149,12 +134,26 @@ impl<S: Clone> FunctionWriter<'_, S> {
         EmittedKernel { spec: spec.clone(), tokens, counts: self.counts, statements: self.statements, form }
     }
 
+    /// Scratch as what is kept of each node, and the forms'.
+    fn split_scratch(&self, head: &ShapeHead<'_>, kept: &[ExprId]) -> TokenStream {
+        let has_hessians = !self.program.kernel.hessians.is_empty();
+        if kept.is_empty() && !has_hessians {
+            return quote!(let _ = scratch;);
+        }
+        let (kept, nodes) = (kept_name(&head.name), format_ident!("{}", head.arrays[0].0));
+        // The forms have the scratch of one vector of nodes more, for rows that the multiplication sums.
+        let split = has_hessians
+            .then(|| quote!(let (scratch, forms) = scratch.split_at_mut(at::PLACES * inputs.#nodes.len());));
+        quote! {
+            use #kept as at;
+            #split
+            let nodes = &mut scratch.as_chunks_mut::<{ at::PLACES }>().0[..inputs.#nodes.len()];
+        }
+    }
+
     /// `let`s for the inputs of element scope.
     fn inputs(&mut self, head: &ShapeHead<'_>) -> TokenStream {
-        let mut reads = reads(self, head.fields);
-        if self.program.kernel.graph.has_input(NODE_COUNT) {
-            reads.push(quote!(let node_count = E::splat(count as f64);));
-        }
+        let reads = reads_and_count(self, head.fields);
         self.statements += reads.len();
         quote!(#(#reads)*)
     }
@@ -314,7 +313,7 @@ impl<S: Clone> FunctionWriter<'_, S> {
                     value.components.iter().map(|&x| self.writer.used(x)).collect();
                 if !value.is_array {
                     // What the Hessians' forms say of the entries they wrote.
-                    let forms = if value.name == CHECKSUM { kernel.hessians.len() } else { 0 };
+                    let forms = if value.name == head.checksum { kernel.hessians.len() } else { 0 };
                     let not_finite = (0..forms).map(not_finite_name);
                     return quote!(#field: #(#components)* #(+ #not_finite)*);
                 }

@@ -12,7 +12,8 @@ mod writer;
 
 use std::fmt::Write as _;
 
-use super::element::{arguments, title};
+use super::derivatives::arguments;
+use super::element::title;
 use super::fixed::{Argument, split};
 use crate::graph::Iteration;
 use crate::lower::lower;

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
+use super::super::derivatives::Derivative;
 use super::super::element::title;
 use super::super::node_element::Scratch;
-use super::super::node_module::arguments;
 use super::writer::{Access, Writer};
 use super::{field, inputs_of, lanes, places, structure, values_of};
 use crate::graph::{ExprId, NODE_COUNT, NODE_INDEX, Op};
@@ -88,7 +88,7 @@ fn scratch_of(upper: &str, mode: Mode) -> String {
 fn kernel_text(program: &Program<ElementSpec>, kernel: &Kernel<ElementSpec>) -> String {
     let ElementSpec { signature, mode, .. } = &program.kernel.spec;
     let (name, mode_name, upper) = (&signature.name, mode.name(), signature.name.to_uppercase());
-    let derivatives = arguments(signature, *mode);
+    let derivatives = Derivative::names(signature, *mode);
     let parameters: String = derivatives.iter().map(|name| format!(", double *{name}")).collect();
     let emitted = super::super::emit_element_kernel(kernel);
     let [per_node, per_pair] = emitted.per_node.map(|counts| counts.total());

@@ -225,8 +225,13 @@ fn fitted(m: &ElementModel<'_>) {
         0.5 * (u[0] - x[0]).powi(2) + 0.5 * (u[1] - x[1]).powi(2) + 0.5 * distance * distance
     });
     let [u, v] = foot.unknowns.0;
+    let ring = m.root("ring", |u: Vector<'_, 4>| {
+        Vector::from_fn(|k| u[k] + 0.1 * u[(k + 1) % 4].powi(2) - 0.3 * mean[k % 3] - 0.2 * height)
+    });
     m.residual("gap", x - mean);
-    m.energy(0.5 * stiffness * (x - mean).dot(x - mean) + u * v + height.exp());
+    m.energy(
+        0.5 * stiffness * (x - mean).dot(x - mean) + u * v + height.exp() + ring.unknowns.dot(ring.unknowns),
+    );
     m.value("residual", foot.residual);
 }
 

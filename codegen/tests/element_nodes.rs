@@ -3,9 +3,11 @@
 #![allow(non_snake_case)]
 
 use diffuse_contact_codegen::emit::emit_element_kernel;
-use diffuse_contact_codegen::expr::{Expr, Vec2, Vec3, Vector, dot};
+use diffuse_contact_codegen::expr::{Expr, Matrix, Vec2, Vec3, Vector, dot};
 use diffuse_contact_codegen::interpret::{element_derivatives, element_results};
-use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel, Mode};
+use diffuse_contact_codegen::{
+    Config, ConfigError, ElementError, ElementKernels, ElementModel, Limits, Mode,
+};
 use num_dual::{DualNum as _, HyperDual};
 
 use crate::witnesses::{Number, by_hyper_dual, difference, numbers, sum};
@@ -235,6 +237,81 @@ fn a_root_of_what_is_fitted() {
         (u * u + v * v + height * height) * 0.5 * 2.3 + moment * u
     };
     check(formulas, &[&[0.02, -0.05, 0.1], &[2.3]], &slices(&nodes), (3, 3), of);
+}
+
+/// A root of N equations with means of the nodes in them, u_k + 0.1 u_{k+1}² = s_k + Σ w X_k / Σ w, k counted round.
+fn ring_of_means<const N: usize>() {
+    let formulas = |m: &ElementModel<'_>| {
+        let s: Vector<'_, N> = m.variable("s");
+        let (X, w): (Vec3<'_>, Expr<'_>) = (m.node_variable("X"), m.node_parameter("w"));
+        let root = m.root("u", |u: Vector<'_, N>| {
+            Vector::from_fn(|k| {
+                let mean = (w * X[k % 3].powi(2)).sum() / w.sum();
+                u[k] + 0.1 * u[(k + 1) % N].powi(2) - 0.3 * s[k] - 0.1 * f64::from(k as u8 + 1) * mean
+            })
+        });
+        let u = root.unknowns;
+        let own = u.iter().skip(1).fold(u[0].exp(), |sum, &u| sum + u * u * u);
+        m.energy(own + (w * X[0] * X[1]).sum() * u[N - 1]);
+    };
+    let nodes = cloud(4);
+    let of = |x: &[HyperDual<f64>]| {
+        let (s, X) = x.split_at(N);
+        let total: f64 = nodes.iter().map(|node| node[3]).sum();
+        let mean = |k: usize| sum((0..4).map(|i| X[3 * i + k] * X[3 * i + k] * nodes[i][3])) / total;
+        let known: Vec<_> = (0..N).map(|k| s[k] * 0.3 + mean(k % 3) * 0.1 * (k as f64 + 1.0)).collect();
+        let mut u = known.clone();
+        for _ in 0..200 {
+            u = (0..N).map(|k| known[k] - u[(k + 1) % N] * u[(k + 1) % N] * 0.1).collect();
+        }
+        let product = sum((0..4).map(|i| X[3 * i] * X[3 * i + 1] * nodes[i][3]));
+        u[0].exp() + sum(u[1..].iter().map(|&u| u * u * u)) + product * u[N - 1]
+    };
+    let s: Vec<f64> = numbers(N, 0.43);
+    check(formulas, &[&s], &slices(&nodes), (N, 3), of);
+}
+
+#[test]
+fn a_root_of_one_to_eight_equations_with_sums() {
+    ring_of_means::<1>();
+    ring_of_means::<3>();
+    ring_of_means::<4>();
+    ring_of_means::<8>();
+}
+
+/// Linear equations and a stationary point of more than three unknowns with sums over the nodes in them.
+#[test]
+fn linear_equations_and_a_stationary_point_with_sums() {
+    let formulas = |m: &ElementModel<'_>| {
+        let (X, w): (Vec3<'_>, Expr<'_>) = (m.node_variable("X"), m.node_parameter("w"));
+        let [a, b, c] = [0, 1, 2].map(|k| (w * X[k].powi(2)).sum());
+        let [zero, one] = [m.sheet().zero(), m.sheet().one()];
+        // Pivots are zero in the order of the rows.
+        let matrix = Matrix([[zero, a, one, b], [c, zero, a, one], [one, b, zero, c], [b, one, a, zero]]);
+        let solution = m.solve("v", matrix, Vector([a, one, c, b]));
+        let v = solution.unknowns;
+        let limits = Limits { longest_step: 1.0, evaluations: 40 };
+        let found = m.stationary_from("u", Vector([zero; 4]), limits, |u| {
+            let own = (0..4).fold(zero, |sum, k| sum + 0.5 * u[k] * u[k] + 0.05 * u[k].powi(4) - v[k] * u[k]);
+            own + 0.1 * a * u[0] * u[3]
+        });
+        m.energy(found.unknowns.dot(v) + found.unknowns[0].powi(2));
+    };
+    let nodes = cloud(5);
+    let of = |x: &[HyperDual<f64>]| {
+        let [a, b, c] = [0, 1, 2].map(|k| sum((0..5).map(|i| x[3 * i + k] * x[3 * i + k] * nodes[i][3])));
+        let [zero, one] = [0.0, 1.0].map(HyperDual::from);
+        // The same rows in an order with pivots.
+        let rows = [[c, zero, a, one], [zero, a, one, b], [b, one, a, zero], [one, b, zero, c]];
+        let v = eliminated(rows.iter().map(|row| row.to_vec()).collect(), vec![one, a, b, c]);
+        let mut u = vec![zero; 4];
+        for _ in 0..300 {
+            let coupling = [a * u[3] * -0.1, zero, zero, a * u[0] * -0.1];
+            u = (0..4).map(|k| (v[k] + coupling[k]) / (u[k] * u[k] * 0.2 + 1.0)).collect();
+        }
+        sum((0..4).map(|k| u[k] * v[k])) + u[0] * u[0]
+    };
+    check(formulas, &[], &slices(&nodes), (0, 3), of);
 }
 
 /// Conditions with a Jacobian, and a count of nodes: a node held by the weighted average of others.

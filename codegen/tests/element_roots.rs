@@ -2,7 +2,7 @@
 //! same quantities found in another way.
 #![allow(non_snake_case)]
 
-use diffuse_contact_codegen::expr::{Expr, Matrix, Vec2, Vec3, Vector, dot, total};
+use diffuse_contact_codegen::expr::{Matrix, Vec2, Vec3, Vector, dot, total};
 use diffuse_contact_codegen::interpret::{element_derivatives, element_results};
 use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel, Limits};
 use num_dual::{DualNum as _, HyperDual};
@@ -177,11 +177,6 @@ fn too_many_equations_are_refused() {
         m.energy(m.minimum("u", |u: Vec3<'_>| (u - x).dot(u - x)).unknowns[0]);
     };
     assert_eq!(error_of(minimum), ElementError::Root { root: "u".to_owned(), equations: 3 });
-    let of_nodes = |m: &ElementModel<'_>| {
-        let (x, weight): (Vector<'_, 4>, Expr<'_>) = (m.variable("x"), m.node_variable("weight"));
-        m.energy(m.root("u", |u| u * weight.sum() - x).unknowns[0]);
-    };
-    assert_eq!(error_of(of_nodes), ElementError::RootWithNodes { root: "u".to_owned(), equations: 4 });
 }
 
 /// The number of Hessian's statements stays small: multipliers are found once, not for each variable twice.

@@ -1,12 +1,12 @@
 //! Generates the kernels of solids of compressible neo-Hooke material, of a cohesive law with history, of contact with a curved patch and
-//! with a surface fitted to nodes, of a robot's arm, of a chain in equilibrium and of coupled tanks. Each is one function of `elements/`.
-//! Eight have generated tests.
+//! with a surface fitted to nodes, of elastic matter without cells, of a robot's arm, of a chain in equilibrium and of coupled tanks. Each is
+//! one function of `elements/`. Nine have generated tests.
 #![allow(non_snake_case)]
 
 use diffuse_contact_codegen::{Config, ConfigError};
 
 mod elements;
-use elements::{arm, cohesive, contact, joint, neo_hooke, surface, tanks};
+use elements::{arm, cloud, cohesive, contact, joint, neo_hooke, surface, tanks};
 
 /// Positions of a tetrahedron's nodes, at rest and after.
 const AT_REST: [f64; 12] = [0.0, 0.0, 0.0, 1.0, 0.1, 0.0, 0.2, 1.1, 0.0, 0.1, 0.0, 0.9];
@@ -31,6 +31,14 @@ const SURFACE: [&[f64]; 8] = [
     &[-0.7, 0.8, 0.1, 2.7],
     &[-0.8, -0.7, 0.2, 2.1],
 ];
+/// Positions after and at rest, and weights.
+const CLOUD: [&[f64]; 5] = [
+    &[0.1, -0.1, 0.0, 0.0, 0.0, 0.0, 1.0],
+    &[0.9, 0.6, 0.1, 1.0, 0.0, 0.1, 0.8],
+    &[-0.5, 0.9, 0.2, 0.1, 1.0, 0.0, 1.3],
+    &[0.2, -0.2, 1.2, 0.0, 0.1, 1.0, 0.9],
+    &[0.4, 0.7, 1.0, 0.8, 0.7, 0.9, 0.6],
+];
 /// Cross sections of tanks and of their outlets, m².
 const AREAS: [f64; 4] = [2.8e-3, 3.2e-3, 2.8e-3, 3.2e-3];
 /// Levels that are wanted, m.
@@ -48,6 +56,7 @@ fn main() -> Result<(), ConfigError> {
         .element("bezier_contact", contact::bezier)?
         .element("fitted_contact", surface::moving_least_squares)?
         .element("average", surface::average)?
+        .element("co_rotated", cloud::co_rotated)?
         .element("seven_axes", arm::seven_axes)?
         .element("chain", joint::chain)?
         .element("four_tanks", tanks::four_tanks)?
@@ -56,6 +65,7 @@ fn main() -> Result<(), ConfigError> {
         .test("bezier_contact", &[&[0.1, -0.2, 0.1], &PATCH, &[7.0]], &[])
         .test("fitted_contact", &[&[0.05, -0.03, -0.3], &AXES, &[7.0]], &SURFACE)
         .test("average", &[&[0.3, 0.2, 0.1], &[0.5]], &NODES)
+        .test("co_rotated", &[&[1.2], &[0.8]], &CLOUD)
         .test("seven_axes", &[&ANGLES, &[0.3, -0.8, 0.5]], &[])
         .test("chain", &[&[0.4, 0.7], &[0.3], &[2.0, 1.5, 1.0, 0.7, 0.5], &[0.1; 5]], &[])
         .test(

@@ -6,7 +6,7 @@ pub use super::element_error::ElementError;
 pub use super::element_outputs::{ElementKernels, ElementSpec, NodeResult};
 use super::element_outputs::{Finished, Outputs};
 use super::signature::{Differentiated, Input, Points, Quantity, Returned, Role, Signature};
-use crate::expr::{Expr, MOST_BY_CRAMER, Matrix, Sheet, Vector, inverse, total};
+use crate::expr::{Expr, Matrix, Sheet, Vector, total};
 use crate::graph::{ExprId, Iteration, Limits, Op, RootFigure, Scope, SymmetricSystem};
 use crate::structure::{Implicit, Jacobian, contains_sum};
 
@@ -257,14 +257,8 @@ impl<'g> ElementModel<'g> {
         equations: impl FnOnce(Vector<'g, N>) -> Vector<'g, N>,
     ) -> Root<'g, N> {
         self.check_name(name);
-        let are_too_many = self.has_nodes() && N > MOST_BY_CRAMER;
-        if !iteration.takes(N) || are_too_many {
-            let root = name.to_owned();
-            self.fail(if are_too_many {
-                ElementError::RootWithNodes { root, equations: N }
-            } else {
-                ElementError::Root { root, equations: N }
-            });
+        if !iteration.takes(N) {
+            self.fail(ElementError::Root { root: name.to_owned(), equations: N });
             let zero = self.sheet.zero();
             return Root { unknowns: Vector::zero(self.sheet), residual: zero, iterations: zero };
         }
@@ -283,7 +277,9 @@ impl<'g> ElementModel<'g> {
             self.implicit.borrow_mut().push(Implicit {
                 unknowns: values.to_vec(),
                 equations: equations.to_vec(),
-                jacobian: Jacobian::Inverse(inverse(&jacobian)),
+                jacobian: Jacobian::Inverse(
+                    self.sheet.inverse_general(&format!("{name}_inverse"), &jacobian),
+                ),
             });
         }
         let figure = |figure| self.sheet.root_figure(root, figure);

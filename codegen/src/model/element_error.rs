@@ -97,16 +97,6 @@ pub enum ElementError {
         /// Its equations.
         equations: usize,
     },
-    /// A root of more than three equations in an element with nodes.
-    #[error(
-        "the root `{root}` has {equations} equations; at most three may depend on nodes of a number that is open"
-    )]
-    RootWithNodes {
-        /// The root.
-        root: String,
-        /// Its equations.
-        equations: usize,
-    },
     /// Too few or too many numbers for the test of an element.
     #[error("`{input}` of the test has {found} entries instead of {expected}")]
     TestInputs {

@@ -2,6 +2,7 @@
 //! dual numbers.
 
 mod arm;
+mod cloud;
 mod cohesive;
 mod contact;
 #[path = "../../elements/mod.rs"]

@@ -1,12 +1,12 @@
-//! Arrays of numbers, as text and as bytes.
+//! Arrays of numbers as bytes.
 
 use std::borrow::Cow;
 use std::io::{self, Write};
 
-/// Bytes before an appended array: its length, as `UInt64`.
-pub(super) const HEADER_BYTES: u64 = 8;
+/// Bytes before an array: its length, as `UInt64`.
+const HEADER_BYTES: usize = 8;
 
-/// The values of a field.
+/// An array of any type a file has, with an entry for each point or cell.
 #[derive(Clone, Debug)]
 pub(super) enum Values<'a> {
     Scalars(Cow<'a, [f64]>),
@@ -14,123 +14,61 @@ pub(super) enum Values<'a> {
     /// xx, yy, zz, xy, yz, xz
     Tensors(Cow<'a, [[f64; 6]]>),
     I32(Cow<'a, [i32]>),
-    I64(Cow<'a, [i64]>),
+    Indices(Cow<'a, [usize]>),
+    U8(Cow<'a, [u8]>),
+}
+
+/// How the entries of an array lie in a file.
+pub(super) struct Layout {
+    /// VTK's name of the numbers' type.
+    pub kind: &'static str,
+    /// Numbers of an entry.
+    pub components: usize,
+    /// Bytes of a number.
+    size: usize,
+    /// Number of entries.
+    pub count: usize,
+}
+
+impl Layout {
+    fn bytes(&self) -> usize {
+        self.count * self.components * self.size
+    }
+
+    /// With the header.
+    pub fn appended_bytes(&self) -> usize {
+        HEADER_BYTES + self.bytes()
+    }
 }
 
 impl Values<'_> {
-    pub fn array(&self) -> Array<'_> {
-        match self {
-            Values::Scalars(values) => Array::Scalars(values),
-            Values::Vectors(values) => Array::Vectors(values),
-            Values::Tensors(values) => Array::Tensors(values),
-            Values::I32(values) => Array::I32(values),
-            Values::I64(values) => Array::I64(values),
-        }
-    }
-
-    /// The number of points or cells the values are for.
-    pub fn len(&self) -> usize {
-        self.array().len()
-    }
-
-    /// The first point or cell whose value is not finite.
-    pub fn first_non_finite(&self) -> Option<usize> {
-        match self {
-            Values::Scalars(values) => values.iter().position(|value| !value.is_finite()),
-            Values::Vectors(values) => values.iter().position(|value| value.iter().any(|x| !x.is_finite())),
-            Values::Tensors(values) => values.iter().position(|value| value.iter().any(|x| !x.is_finite())),
-            Values::I32(_) | Values::I64(_) => None,
-        }
-    }
-}
-
-/// Borrowed values of any type a file has.
-#[derive(Clone, Copy)]
-pub(super) enum Array<'a> {
-    Scalars(&'a [f64]),
-    Vectors(&'a [[f64; 3]]),
-    Tensors(&'a [[f64; 6]]),
-    I32(&'a [i32]),
-    I64(&'a [i64]),
-    Indices(&'a [usize]),
-    U8(&'a [u8]),
-}
-
-impl Array<'_> {
-    fn len(self) -> usize {
-        match self {
-            Array::Scalars(values) => values.len(),
-            Array::Vectors(values) => values.len(),
-            Array::Tensors(values) => values.len(),
-            Array::I32(values) => values.len(),
-            Array::I64(values) => values.len(),
-            Array::Indices(values) => values.len(),
-            Array::U8(values) => values.len(),
-        }
-    }
-
-    pub fn components(self) -> usize {
-        match self {
-            Array::Vectors(_) => 3,
-            Array::Tensors(_) => 6,
-            _ => 1,
-        }
-    }
-
-    pub fn vtk_type(self) -> &'static str {
-        match self {
-            Array::Scalars(_) | Array::Vectors(_) | Array::Tensors(_) => "Float64",
-            Array::I32(_) => "Int32",
-            Array::I64(_) | Array::Indices(_) => "Int64",
-            Array::U8(_) => "UInt8",
-        }
-    }
-
-    pub fn byte_count(self) -> u64 {
-        let size = match self {
-            Array::Scalars(_) | Array::I64(_) | Array::Indices(_) => 8,
-            Array::Vectors(_) => 24,
-            Array::Tensors(_) => 48,
-            Array::I32(_) => 4,
-            Array::U8(_) => 1,
+    pub fn layout(&self) -> Layout {
+        let (kind, components, size, count) = match self {
+            Self::Scalars(values) => ("Float64", 1, 8, values.len()),
+            Self::Vectors(values) => ("Float64", 3, 8, values.len()),
+            Self::Tensors(values) => ("Float64", 6, 8, values.len()),
+            Self::I32(values) => ("Int32", 1, 4, values.len()),
+            Self::Indices(values) => ("Int64", 1, 8, values.len()),
+            Self::U8(values) => ("UInt8", 1, 1, values.len()),
         };
-        size * self.len() as u64
-    }
-
-    /// One point or cell per line; numbers as short as they can be without losing a bit.
-    pub fn write_text(self, writer: &mut impl Write) -> io::Result<()> {
-        match self {
-            Array::Scalars(values) => values.iter().try_for_each(|value| writeln!(writer, "{value:?}")),
-            Array::Vectors(values) => {
-                values.iter().try_for_each(|[x, y, z]| writeln!(writer, "{x:?} {y:?} {z:?}"))
-            }
-            Array::Tensors(values) => values.iter().try_for_each(|[xx, yy, zz, xy, yz, xz]| {
-                writeln!(writer, "{xx:?} {yy:?} {zz:?} {xy:?} {yz:?} {xz:?}")
-            }),
-            Array::I32(values) => values.iter().try_for_each(|value| writeln!(writer, "{value}")),
-            Array::I64(values) => values.iter().try_for_each(|value| writeln!(writer, "{value}")),
-            Array::Indices(values) => values.iter().try_for_each(|value| writeln!(writer, "{value}")),
-            Array::U8(values) => values.iter().try_for_each(|value| writeln!(writer, "{value}")),
-        }
+        Layout { kind, components, size, count }
     }
 
     /// The header and the values, little-endian.
-    pub fn write_binary(self, writer: &mut impl Write) -> io::Result<()> {
-        writer.write_all(&self.byte_count().to_le_bytes())?;
+    pub fn write(&self, writer: &mut impl Write) -> io::Result<()> {
+        writer.write_all(&(self.layout().bytes() as u64).to_le_bytes())?;
+        let reals = |writer: &mut _, values: &[f64]| -> io::Result<()> {
+            values.iter().try_for_each(|x| Write::write_all(writer, &x.to_le_bytes()))
+        };
         match self {
-            Array::Scalars(values) => values.iter().try_for_each(|x| writer.write_all(&x.to_le_bytes())),
-            Array::Vectors(values) => {
-                values.as_flattened().iter().try_for_each(|x| writer.write_all(&x.to_le_bytes()))
-            }
-            Array::Tensors(values) => {
-                values.as_flattened().iter().try_for_each(|x| writer.write_all(&x.to_le_bytes()))
-            }
-            Array::I32(values) => values.iter().try_for_each(|i| writer.write_all(&i.to_le_bytes())),
-            Array::I64(values) => values.iter().try_for_each(|i| writer.write_all(&i.to_le_bytes())),
-            Array::Indices(values) => {
+            Self::Scalars(values) => reals(writer, values),
+            Self::Vectors(values) => reals(writer, values.as_flattened()),
+            Self::Tensors(values) => reals(writer, values.as_flattened()),
+            Self::I32(values) => values.iter().try_for_each(|i| writer.write_all(&i.to_le_bytes())),
+            Self::Indices(values) => {
                 values.iter().try_for_each(|&index| writer.write_all(&(index as u64).to_le_bytes()))
             }
-            Array::U8(values) => writer.write_all(values),
+            Self::U8(values) => writer.write_all(values),
         }
     }
 }
@@ -168,19 +106,19 @@ mod tests {
     }
 
     #[test]
-    fn binary_arrays_are_as_long_as_announced() {
+    fn arrays_are_as_long_as_announced() {
         let arrays = [
-            Array::Scalars(&[1.0, 2.0]),
-            Array::Vectors(&[[1.0; 3]; 2]),
-            Array::I32(&[1, -2]),
-            Array::I64(&[1, -2, 3]),
-            Array::Indices(&[7]),
-            Array::U8(&[1, 2, 3]),
+            Values::Scalars(Cow::from(&[1.0, 2.0])),
+            Values::Vectors(Cow::from(&[[1.0; 3]; 2])),
+            Values::Tensors(Cow::from(&[[1.0; 6]; 3])),
+            Values::I32(Cow::from(&[1, -2])),
+            Values::Indices(Cow::from(&[7])),
+            Values::U8(Cow::from(&[1, 2, 3])),
         ];
         for array in arrays {
             let mut bytes = Vec::new();
-            array.write_binary(&mut bytes).unwrap();
-            assert_eq!(bytes.len() as u64, HEADER_BYTES + array.byte_count());
+            array.write(&mut bytes).unwrap();
+            assert_eq!(bytes.len(), array.layout().appended_bytes());
         }
     }
 }

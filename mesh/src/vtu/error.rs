@@ -76,14 +76,6 @@ pub enum VtuError {
         /// Which point, from 0.
         point: usize,
     },
-    /// NaN or an infinity is to be written as text, which VTK does not read.
-    #[error("value {index} of {name:?} is not a finite number, which only binary files can hold")]
-    NonFiniteText {
-        /// The array.
-        name: String,
-        /// Which value, from 0.
-        index: usize,
-    },
 }
 
 /// What an array belongs to.

@@ -1,4 +1,4 @@
-//! Writes unstructured grids in VTK's XML format (`.vtu`), as ParaView reads it.
+//! Writes unstructured grids in VTK's XML format (`.vtu`), as ParaView reads it: numbers bit for bit, appended as raw binary.
 //!
 //! ```
 //! use diffuse_contact_mesh::{ElementKind, VtuFile};
@@ -25,18 +25,8 @@ use std::path::Path;
 
 use crate::element::{Cell, ElementKind};
 use crate::mesh::Mesh;
-use array::{Array, Values, escaped, is_xml_text};
+use array::{Values, escaped, is_xml_text};
 pub use error::{Attached, VtuError};
-
-/// How numbers are written. Both keep every bit of a finite number.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Encoding {
-    /// Appended raw binary: compact and fast. XML tools other than VTK's do not read such a file.
-    #[default]
-    Binary,
-    /// Text in valid XML. Numbers must be finite, since VTK does not read others as text.
-    Ascii,
-}
 
 /// An unstructured grid with data on its points and cells, put together call by call and then written.
 ///
@@ -48,7 +38,6 @@ pub struct VtuFile<'a> {
     cells: Cells,
     point_data: Vec<Field<'a>>,
     cell_data: Vec<Field<'a>>,
-    encoding: Encoding,
 }
 
 /// Cells as VTK stores them.
@@ -130,14 +119,6 @@ impl<'a> VtuFile<'a> {
         self
     }
 
-    /// Adds a vertex cell for each of these points: without cells, ParaView shows no points.
-    pub fn vertices(mut self, points: impl IntoIterator<Item = usize>) -> Self {
-        for point in points {
-            self.cells.push(ElementKind::Point1, &[point]);
-        }
-        self
-    }
-
     /// Adds a number for each point.
     pub fn point_scalars(self, name: impl Into<String>, values: impl Into<Cow<'a, [f64]>>) -> Self {
         self.point_field(name, Values::Scalars(values.into()))
@@ -158,11 +139,6 @@ impl<'a> VtuFile<'a> {
         self.point_field(name, Values::I32(values.into()))
     }
 
-    /// Adds an integer for each point.
-    pub fn point_i64(self, name: impl Into<String>, values: impl Into<Cow<'a, [i64]>>) -> Self {
-        self.point_field(name, Values::I64(values.into()))
-    }
-
     /// Adds a number for each cell.
     pub fn cell_scalars(self, name: impl Into<String>, values: impl Into<Cow<'a, [f64]>>) -> Self {
         self.cell_field(name, Values::Scalars(values.into()))
@@ -176,17 +152,6 @@ impl<'a> VtuFile<'a> {
     /// Adds an integer for each cell.
     pub fn cell_i32(self, name: impl Into<String>, values: impl Into<Cow<'a, [i32]>>) -> Self {
         self.cell_field(name, Values::I32(values.into()))
-    }
-
-    /// Adds an integer for each cell.
-    pub fn cell_i64(self, name: impl Into<String>, values: impl Into<Cow<'a, [i64]>>) -> Self {
-        self.cell_field(name, Values::I64(values.into()))
-    }
-
-    /// Chooses how numbers are written; without this call they are [`Encoding::Binary`].
-    pub fn encoding(mut self, encoding: Encoding) -> Self {
-        self.encoding = encoding;
-        self
     }
 
     /// Checks the grid and writes it to a file, which appears whole or not at all: it is written under another
@@ -219,11 +184,11 @@ impl<'a> VtuFile<'a> {
             return Err(VtuError::NonFinitePoint { point });
         }
         self.cells.check(self.points.len())?;
-        self.check_fields(&self.point_data, Attached::Points, self.points.len())?;
-        self.check_fields(&self.cell_data, Attached::Cells, self.cells.kinds.len())
+        Self::check_fields(&self.point_data, Attached::Points, self.points.len())?;
+        Self::check_fields(&self.cell_data, Attached::Cells, self.cells.kinds.len())
     }
 
-    fn check_fields(&self, fields: &[Field], attached: Attached, expected: usize) -> Result<(), VtuError> {
+    fn check_fields(fields: &[Field], attached: Attached, expected: usize) -> Result<(), VtuError> {
         let mut names = HashSet::new();
         for Field { name, values } in fields {
             if name.is_empty() || !is_xml_text(name) {
@@ -232,12 +197,9 @@ impl<'a> VtuFile<'a> {
             if !names.insert(name) {
                 return Err(VtuError::DuplicateName { name: name.clone(), attached });
             }
-            let found = values.len();
+            let found = values.layout().count;
             if found != expected {
                 return Err(VtuError::LengthMismatch { name: name.clone(), attached, expected, found });
-            }
-            if let (Encoding::Ascii, Some(index)) = (self.encoding, values.first_non_finite()) {
-                return Err(VtuError::NonFiniteText { name: name.clone(), index });
             }
         }
         Ok(())
@@ -245,9 +207,12 @@ impl<'a> VtuFile<'a> {
 
     /// Writes the XML and, after it, the binary numbers to which the XML's offsets refer.
     fn write_grid(&self, writer: &mut impl Write) -> io::Result<()> {
-        let mut xml = Xml { writer, encoding: self.encoding, appended: Vec::new(), offset: 0 };
         let (points, cells) = (self.points.len(), self.cells.kinds.len());
-        let types: Vec<u8> = self.cells.kinds.iter().map(|&kind| vtk_type(kind)).collect();
+        let places = Values::Vectors(Cow::from(&*self.points));
+        let connectivity = Values::Indices(Cow::from(&self.cells.connectivity));
+        let offsets = Values::Indices(Cow::from(&self.cells.ends));
+        let types = Values::U8(self.cells.kinds.iter().map(|&kind| vtk_type(kind)).collect());
+        let mut xml = Xml { writer, appended: Vec::new(), offset: 0 };
         writeln!(
             xml.writer,
             "<?xml version=\"1.0\"?>\n\
@@ -256,23 +221,18 @@ impl<'a> VtuFile<'a> {
              <UnstructuredGrid>\n\
              <Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">"
         )?;
-        xml.section("PointData", self.point_data.iter().map(Field::array))?;
-        xml.section("CellData", self.cell_data.iter().map(Field::array))?;
-        xml.section("Points", [("Points", Array::Vectors(&self.points))])?;
-        let connectivity = Array::Indices(&self.cells.connectivity);
-        let offsets = Array::Indices(&self.cells.ends);
-        xml.section(
-            "Cells",
-            [("connectivity", connectivity), ("offsets", offsets), ("types", Array::U8(&types))],
-        )?;
+        xml.section("PointData", self.point_data.iter().map(Field::named))?;
+        xml.section("CellData", self.cell_data.iter().map(Field::named))?;
+        xml.section("Points", [("Points", &places)])?;
+        xml.section("Cells", [("connectivity", &connectivity), ("offsets", &offsets), ("types", &types)])?;
         writeln!(xml.writer, "</Piece>\n</UnstructuredGrid>")?;
         xml.finish()
     }
 }
 
-impl Field<'_> {
-    fn array(&self) -> (&str, Array<'_>) {
-        (&self.name, self.values.array())
+impl<'a> Field<'a> {
+    fn named(&self) -> (&str, &Values<'a>) {
+        (&self.name, &self.values)
     }
 }
 
@@ -300,52 +260,35 @@ fn vtk_type(kind: ElementKind) -> u8 {
 /// The file under way.
 struct Xml<'w, 'd, W> {
     writer: &'w mut W,
-    encoding: Encoding,
     /// Arrays announced in the XML, to follow it.
-    appended: Vec<Array<'d>>,
+    appended: Vec<&'d Values<'d>>,
     /// Bytes of `appended`.
-    offset: u64,
+    offset: usize,
 }
 
 impl<'d, W: Write> Xml<'_, 'd, W> {
     fn section<'n>(
         &mut self,
         name: &str,
-        arrays: impl IntoIterator<Item = (&'n str, Array<'d>)>,
+        arrays: impl IntoIterator<Item = (&'n str, &'d Values<'d>)>,
     ) -> io::Result<()> {
         writeln!(self.writer, "<{name}>")?;
         for (name, array) in arrays {
-            write!(
+            let (layout, name, offset) = (array.layout(), escaped(name), self.offset);
+            writeln!(
                 self.writer,
-                "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"",
-                array.vtk_type(),
-                escaped(name),
-                array.components()
+                "<DataArray type=\"{}\" Name=\"{name}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{offset}\"/>",
+                layout.kind, layout.components
             )?;
-            match self.encoding {
-                Encoding::Ascii => {
-                    writeln!(self.writer, " format=\"ascii\">")?;
-                    array.write_text(self.writer)?;
-                    writeln!(self.writer, "</DataArray>")?;
-                }
-                Encoding::Binary => {
-                    writeln!(self.writer, " format=\"appended\" offset=\"{}\"/>", self.offset)?;
-                    self.offset += array::HEADER_BYTES + array.byte_count();
-                    self.appended.push(array);
-                }
-            }
+            self.offset += layout.appended_bytes();
+            self.appended.push(array);
         }
         writeln!(self.writer, "</{name}>")
     }
 
     fn finish(self) -> io::Result<()> {
-        if self.encoding == Encoding::Binary {
-            write!(self.writer, "<AppendedData encoding=\"raw\">\n_")?;
-            for array in &self.appended {
-                array.write_binary(self.writer)?;
-            }
-            writeln!(self.writer, "\n</AppendedData>")?;
-        }
-        writeln!(self.writer, "</VTKFile>")
+        write!(self.writer, "<AppendedData encoding=\"raw\">\n_")?;
+        self.appended.iter().try_for_each(|array| array.write(self.writer))?;
+        writeln!(self.writer, "\n</AppendedData>\n</VTKFile>")
     }
 }

@@ -215,11 +215,8 @@ fn an_increment_that_loses_contacts_under_load_is_cut() {
 #[test]
 fn contacts_lost_in_the_shortest_increment_are_counted() {
     let (base, time) = slid("minimum = 0.2\ncutback = 0.3");
-    let (deck, model) = deck(&base, &time);
-    let mut statics = statics(&deck, &model);
-    let mut notes = Notes { stop_after: Some(3), ..Notes::default() };
-    let start = statics.problem().start();
-    statics.run(start, &mut notes).unwrap();
+    let (notes, end, _) = attempt(&base, &time, Notes { stop_after: Some(3), ..Notes::default() });
+    end.unwrap();
     assert!(notes.reasons.iter().all(|reason| !reason.starts_with("Lost")), "{:?}", notes.reasons);
     let lost: Vec<usize> = notes.increments.iter().map(|record| record.lost).collect();
     assert!(lost[..2] == [0, 0] && lost[2] > 0, "{lost:?} {:?}", notes.reasons);

@@ -66,14 +66,25 @@ fn statics(deck: &Deck, model: &Model) -> Statics {
     solve::statics(deck, model, 1).unwrap()
 }
 
-/// Runs to the end of time.
-fn run(base: &str, more: &str) -> (Notes, State, Statics) {
+/// Runs until it ends, one way or another.
+fn attempt(base: &str, more: &str, mut notes: Notes) -> (Notes, Result<State, StaticsError>, Statics) {
     let (deck, model) = deck(base, more);
     let mut statics = statics(&deck, &model);
-    let mut notes = Notes::default();
     let start = statics.problem().start();
-    let state = statics.run(start, &mut notes).unwrap();
-    (notes, state, statics)
+    let end = statics.run(start, &mut notes);
+    (notes, end, statics)
+}
+
+/// Runs to the end of time.
+fn run(base: &str, more: &str) -> (Notes, State, Statics) {
+    let (notes, end, statics) = attempt(base, more, Notes::default());
+    (notes, end.unwrap(), statics)
+}
+
+/// Runs in vain.
+fn fail(base: &str, more: &str) -> (Notes, StaticsError, Statics) {
+    let (notes, end, statics) = attempt(base, more, Notes::default());
+    (notes, end.unwrap_err(), statics)
 }
 
 fn size(vector: [f64; 3]) -> f64 {
@@ -102,12 +113,9 @@ fn nothing_of_a_failed_increment_stays() {
         let newton = "[newton]\nmax_iterations = 5\ntolerance = 1e-8";
         // The run to the end of its first increment.
         let first_increment = |time: &str| {
-            let (deck, model) = deck(&base, &format!("{newton}\n[time]\n{time}"));
-            let mut statics = statics(&deck, &model);
-            let mut notes = Notes { stop_after: Some(1), ..Notes::default() };
-            let start = statics.problem().start();
-            let state = statics.run(start, &mut notes).unwrap();
-            (notes, state, statics.effort())
+            let notes = Notes { stop_after: Some(1), ..Notes::default() };
+            let (notes, end, statics) = attempt(&base, &format!("{newton}\n[time]\n{time}"), notes);
+            (notes, end.unwrap(), statics.effort())
         };
         let (cut, after_cut, effort) = first_increment("increment = 0.5\ngrowth = 1.0\nminimum = 0.01");
         assert!(!cut.cuts.is_empty() && after_cut.cutbacks == cut.cuts.len());
@@ -149,14 +157,10 @@ fn the_smallest_increment_that_fails_ends_the_run_and_keeps_what_there_is() {
         "translate = [0.3, 0.0, -0.2]",
         "translate = [0.3, 0.0, -0.2]\namplitude = [[0.0, 0.0], [0.5, 0.0], [1.0, 1.0]]",
     );
-    let (deck, model) = deck(
+    let (notes, error, statics) = fail(
         &base.replace("0.5, 0.1]", "0.5, 0.11]"),
         "[newton]\nmax_iterations = 1\nline_search = false\n[time]\nincrement = 0.25\nminimum = 0.05\ngrowth = 1.0",
     );
-    let mut statics = statics(&deck, &model);
-    let mut notes = Notes::default();
-    let start = statics.problem().start();
-    let error = statics.run(start, &mut notes).unwrap_err();
     let StaticsError::NoConvergence { time, length, minimum, reason } = &error else { panic!("{error}") };
     assert_eq!((*time, *length, *minimum), (0.5, 0.0625, 0.05));
     assert!(matches!(**reason, Failure::Iterations { iterations: 1, .. }), "{reason:?}");
@@ -172,11 +176,7 @@ fn contact_that_cannot_be_evaluated_is_a_failed_increment() {
     let base = PRESSED
         .replace("fix = [\"x\", \"y\", \"z\"]", "translate = [0.0, 0.0, -1e80]")
         .replace("translate = [0.3, 0.0, -0.2]", "fix = [\"x\", \"y\", \"z\"]");
-    let (deck, model) = deck(&base, "[time]\nincrement = 0.5");
-    let mut statics = statics(&deck, &model);
-    let mut notes = Notes::default();
-    let start = statics.problem().start();
-    let error = statics.run(start, &mut notes).unwrap_err();
+    let (notes, error, ..) = fail(&base, "[time]\nincrement = 0.5");
     let StaticsError::NoConvergence { reason, .. } = error else { panic!("{error}") };
     assert!(matches!(*reason, Failure::Contact(_)), "{reason}");
     assert!(notes.cuts.len() > 3 && notes.increments.is_empty());
@@ -187,14 +187,10 @@ fn the_last_increment_is_cut_by_its_own_length() {
     // Planned 0.4, the last one is 0.2 long: half of it is 0.1.
     let base = PRESSED
         .replace("[0.3, 0.0, -0.2]", "[0.3, 0.0, -0.2]\namplitude = [[0.0, 0.0], [0.8, 0.0], [1.0, 1.0]]");
-    let (deck, model) = deck(
+    let (notes, ..) = fail(
         &base.replace("0.5, 0.1]", "0.5, 0.11]"),
         "[newton]\nmax_iterations = 1\n[time]\nincrement = 0.4\nminimum = 0.08\ngrowth = 1.0",
     );
-    let mut notes = Notes::default();
-    let mut statics = statics(&deck, &model);
-    let start = statics.problem().start();
-    statics.run(start, &mut notes).unwrap_err();
     let lengths: Vec<f64> = notes.cuts.iter().map(|cut| cut.1).collect();
     assert_eq!(lengths.len(), 2);
     assert!((lengths[0] - 0.2).abs() < 1e-12 && (lengths[1] - 0.1).abs() < 1e-12, "{lengths:?}");
@@ -499,10 +495,7 @@ fn a_setting_out_of_range_is_named() {
 #[test]
 fn a_body_that_nothing_holds_fails_and_says_why() {
     let loose = LOADED.replace("nodes = \"block.y-\"\nfix = [\"y\"]", "nodes = \"block.x-\"\nfix = [\"x\"]");
-    let (deck, model) = deck(&loose, "[time]\nincrement = 0.5\nminimum = 0.3");
-    let mut statics = self::statics(&deck, &model);
-    let start = statics.problem().start();
-    let error = statics.run(start, &mut Notes::default()).unwrap_err();
+    let (_, error, ..) = fail(&loose, "[time]\nincrement = 0.5\nminimum = 0.3");
     // A contact carries force: the increment was tried again, in vain.
     let StaticsError::NoConvergence { reason, .. } = &error else { panic!("{error}") };
     let Failure::Singular { loose, .. } = &**reason else { panic!("{error}") };

@@ -82,11 +82,7 @@ fn a_body_that_only_contact_holds_is_held() {
 /// A gap larger than a facet is none that contact closes, and the message says what is free.
 #[test]
 fn a_body_far_from_its_master_is_named() {
-    let (deck, model) = deck(&stacked(1.5, "", "hex8"), TIME);
-    let mut statics = statics(&deck, &model);
-    let start = statics.problem().start();
-    let mut notes = Notes::default();
-    let error = statics.run(start, &mut notes).unwrap_err();
+    let (notes, error, ..) = fail(&stacked(1.5, "", "hex8"), TIME);
     assert!(notes.cuts.is_empty(), "{:?}", notes.cuts);
     assert!(error.to_string().contains("nothing holds `upper` against moving along z; supports"), "{error}");
 }
@@ -94,14 +90,9 @@ fn a_body_far_from_its_master_is_named() {
 /// What is free is found for a part that turns, and for parts that hold one another.
 #[test]
 fn free_motions_are_found() {
-    let of = |text: &str| {
-        let (deck, model) = deck(text, TIME);
-        let mut statics = statics(&deck, &model);
-        let start = statics.problem().start();
-        match statics.run(start, &mut Notes::default()).unwrap_err() {
-            StaticsError::Singular { loose, .. } => loose,
-            error => panic!("{error}"),
-        }
+    let of = |text: &str| match fail(text, TIME).1 {
+        StaticsError::Singular { loose, .. } => loose,
+        error => panic!("{error}"),
     };
     let base = stacked(0.0, "", "hex8");
     // Without its supports along x and y the upper block slides and turns on the lower one.
@@ -173,12 +164,7 @@ fn parts_that_are_held_are_not_named() {
     let text = |more: &str| scattered(&[("held", [0.0, 0.0, 5.0]), ("loose", [4.0, 0.0, 5.0])], more);
     // Of `held` only the nodes at one end move, and only along y.
     let held = "[[boundary]]\nnodes = \"held.x-\"\nfix = [\"x\", \"y\", \"z\"]\n[[boundary]]\nnodes = \"held.x+\"\nfix = [\"x\", \"z\"]\n";
-    let (deck, model) = deck(&text(held), TIME);
-    let mut statics = statics(&deck, &model);
-    let start = statics.problem().start();
-    let StaticsError::Singular { loose, .. } = statics.run(start, &mut Notes::default()).unwrap_err() else {
-        panic!("singular")
-    };
+    let (_, StaticsError::Singular { loose, .. }, _) = fail(&text(held), TIME) else { panic!("singular") };
     assert_eq!((loose.len(), &loose[0].parts[..]), (1, &["loose".to_owned()][..]), "{loose:?}");
     assert_eq!(loose[0].motions.len(), 6);
 }
@@ -427,11 +413,7 @@ increment = 0.1
 #[test]
 fn friction_without_a_force_holds_nothing() {
     for gap in [0.0, -1e-3, 0.01] {
-        let (deck, model) = deck(&carried(gap, ""), "");
-        let mut statics = statics(&deck, &model);
-        let start = statics.problem().start();
-        let mut notes = Notes::default();
-        let error = statics.run(start, &mut notes).unwrap_err();
+        let (notes, error, ..) = fail(&carried(gap, ""), "");
         assert!(notes.cuts.is_empty() && notes.increments.is_empty(), "{gap}: {error}");
         let StaticsError::Unloaded { time, loose, force, noise } = &error else { panic!("{gap}: {error}") };
         assert!(*time == 0.0 && *force > 0.0 && force <= noise && *noise < 1e-7, "{gap}: {error}");

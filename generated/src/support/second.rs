@@ -9,7 +9,6 @@
 //! For each node the x of all rows b₀, c₀, b₁, c₁, …, their y, their z; then the lower triangle of its own block. At the end x, y
 //! and z of the rows that are the same for all nodes.
 
-use super::form::write;
 use super::simd::{MOST_LANES, Placed, Vector, WithLanes};
 use super::{FormRows, Isa};
 
@@ -100,6 +99,12 @@ const NODES: usize = 4;
 const MOST_ROWS: usize = 64;
 
 impl FormRows {
+    /// The factors of a node.
+    #[inline(always)]
+    fn of_node(self, node: usize, factors: &[f64]) -> &[f64] {
+        &factors[self.node_factors() * node..][..self.node_factors()]
+    }
+
     /// `product` = M v from the factors of M. Both have 3(n+1) entries, the slave's first. `isa`: [`Isa::best`] unless there is
     /// a reason for another.
     ///
@@ -113,7 +118,15 @@ impl FormRows {
             v: &v[..freedoms],
             product: &mut product[..freedoms],
         };
-        isa.run(code);
+        match self.varying {
+            // The quadratic basis: in a frame that is held, in one that moves, and with domains of nodes.
+            12 => in_fours(isa, Unrolled::<12>(code)),
+            18 => isa.run(Unrolled::<18>(code)),
+            28 => isa.run(Unrolled::<28>(code)),
+            // Vectors of eight are mostly empty.
+            ..16 => in_fours(isa, Unrolled::<0>(code)),
+            _ => isa.run(Unrolled::<0>(code)),
+        }
     }
 
     /// The diagonal of M from its factors, 3(n+1) entries.
@@ -147,6 +160,11 @@ impl FormRows {
     }
 }
 
+/// Runs code with vectors of four numbers at most.
+fn in_fours<W: WithLanes>(isa: Isa, code: W) -> W::Output {
+    isa.run_four(code).unwrap_or_else(|code| code.run::<f64>())
+}
+
 struct Product<'a> {
     rows: FormRows,
     factors: &'a [f64],
@@ -154,49 +172,48 @@ struct Product<'a> {
     product: &'a mut [f64],
 }
 
-impl WithLanes for Product<'_> {
+/// A product whose number of rows the compiler knows; 0: any.
+struct Unrolled<'a, const VARYING: usize>(Product<'a>);
+
+impl<const VARYING: usize> WithLanes for Unrolled<'_, VARYING> {
     type Output = ();
 
     #[inline(always)]
     fn run<T: Vector>(self) {
+        let Self(mut code) = self;
+        if VARYING > 0 {
+            code.rows.varying = VARYING;
+        }
+        code.multiply::<T>();
+    }
+}
+
+impl Product<'_> {
+    #[inline(always)]
+    fn multiply<T: Vector>(self) {
         let Self { rows, factors, v, product } = self;
-        let slave = [v[0], v[1], v[2]];
+        let (v, product) = (v.as_chunks::<3>().0, product.as_chunks_mut::<3>().0);
+        let (slave, v) = (v[0], &v[1..=rows.count]);
+        let (of_slave, product) = product.split_at_mut(1);
+        let product = &mut product[..rows.count];
         for node in 0..rows.count {
             for axis in 0..3 {
-                product[3 * (node + 1) + axis] = v[3 * (node + 1) + axis] - slave[axis];
+                product[node][axis] = v[node][axis] - slave[axis];
             }
         }
-        // Products of the rows with v, those of b where those of c belong and the other way round.
-        assert!(rows.varying <= MOST_ROWS, "{} rows", rows.varying);
         let mut swapped = [0.0; MOST_ROWS + MOST_LANES];
-        let mut first = 0;
-        while first < rows.varying {
-            let vectors = (rows.varying - first).div_ceil(T::WIDTH);
-            first += T::WIDTH
-                * match vectors {
-                    1 => sums::<T, 1>(rows, factors, product, first, &mut swapped),
-                    2 => sums::<T, 2>(rows, factors, product, first, &mut swapped),
-                    3 => sums::<T, 3>(rows, factors, product, first, &mut swapped),
-                    _ => sums::<T, GROUP>(rows, factors, product, first, &mut swapped),
-                };
-        }
-        for place in rows.varying..rows.varying + MOST_LANES {
-            swapped[place] = 0.0;
-        }
-        for pair in 0..rows.varying / 2 {
-            swapped.swap(2 * pair, 2 * pair + 1);
-        }
+        swapped_sums::<T>(rows, factors, product, &mut swapped);
         let same = same_for_all(rows, factors, product);
         let mut total = [0.0; 3];
         let mut node = 0;
         while node < rows.count {
             // The last nodes are computed again rather than fewer at once; what they get is the same.
-            let of_node = |k: usize| &factors[rows.node_factors() * (node + k).min(rows.count - 1)..];
-            let blocks = blocks::<T>(rows, [of_node(0), of_node(1), of_node(2), of_node(3)], &swapped);
+            let of_node = |k: usize| rows.of_node((node + k).min(rows.count - 1), factors);
+            let of_nodes = [of_node(0), of_node(1), of_node(2), of_node(3)];
+            let blocks = blocks::<T>(rows, of_nodes, &swapped);
             for k in 0..NODES.min(rows.count - node) {
-                let own = &factors[rows.node_factors() * (node + k) + 3 * rows.varying..][..6];
-                let place = 3 * (node + k + 1);
-                let [x, y, z] = [product[place], product[place + 1], product[place + 2]];
+                let own = &of_nodes[k][3 * rows.varying..][..6];
+                let [x, y, z] = product[node + k];
                 let own = [
                     own[0] * x + own[1] * y + own[3] * z,
                     own[1] * x + own[2] * y + own[4] * z,
@@ -204,13 +221,41 @@ impl WithLanes for Product<'_> {
                 ];
                 for axis in 0..3 {
                     let entry = blocks[axis][k] + (own[axis] + same[axis]);
-                    product[place + axis] = entry;
+                    product[node + k][axis] = entry;
                     total[axis] -= entry;
                 }
             }
             node += NODES;
         }
-        write(total, product, 0);
+        of_slave[0] = total;
+    }
+}
+
+/// Products of the rows with v, those of b where those of c belong and the other way round.
+#[inline(always)]
+fn swapped_sums<T: Vector>(
+    rows: FormRows,
+    factors: &[f64],
+    differences: &[[f64; 3]],
+    swapped: &mut [f64; MOST_ROWS + MOST_LANES],
+) {
+    assert!(rows.varying <= MOST_ROWS, "{} rows", rows.varying);
+    let mut first = 0;
+    while first < rows.varying {
+        let vectors = (rows.varying - first).div_ceil(T::WIDTH);
+        first += T::WIDTH
+            * match vectors {
+                1 => sums::<T, 1>(rows, factors, differences, first, swapped),
+                2 => sums::<T, 2>(rows, factors, differences, first, swapped),
+                3 => sums::<T, 3>(rows, factors, differences, first, swapped),
+                _ => sums::<T, GROUP>(rows, factors, differences, first, swapped),
+            };
+    }
+    for place in rows.varying..rows.varying + MOST_LANES {
+        swapped[place] = 0.0;
+    }
+    for pair in 0..rows.varying / 2 {
+        swapped.swap(2 * pair, 2 * pair + 1);
     }
 }
 
@@ -232,22 +277,22 @@ fn blocks<T: Vector>(rows: FormRows, factors: [&[f64]; NODES], of_rows: &[f64]) 
     [T::sums(sums[0]), T::sums(sums[1]), T::sums(sums[2])]
 }
 
-/// Products with v, of which the differences from the slave's part stand in `differences`, of some vectors of rows from `first` on. The
-/// last vector may reach beyond the rows, into numbers of the same node. Returns the number of vectors.
+/// Products with v, given as differences from the slave's part, of some vectors of rows from `first` on. The last vector may reach beyond
+/// the rows, into numbers of the same node. Returns the number of vectors.
 #[inline(always)]
 fn sums<T: Vector, const VECTORS: usize>(
     rows: FormRows,
     factors: &[f64],
-    differences: &[f64],
+    differences: &[[f64; 3]],
     first: usize,
     target: &mut [f64],
 ) -> usize {
     // A sum for each axis: one addition would wait for the other.
     let mut sums = [[T::ZERO; VECTORS]; 3];
-    for node in 0..rows.count {
-        let factors = &factors[rows.node_factors() * node..];
+    for node in 0..differences.len() {
+        let factors = rows.of_node(node, factors);
         for axis in 0..3 {
-            let difference = T::splat(differences[3 * (node + 1) + axis]);
+            let difference = T::splat(differences[node][axis]);
             for k in 0..VECTORS {
                 let row = T::load(factors, rows.varying * axis + first + T::WIDTH * k);
                 sums[axis][k] = row.mul_add(difference, sums[axis][k]);
@@ -262,16 +307,16 @@ fn sums<T: Vector, const VECTORS: usize>(
 
 /// What rows that are the same for all nodes bring to each.
 #[inline(always)]
-fn same_for_all(rows: FormRows, factors: &[f64], differences: &[f64]) -> [f64; 3] {
+fn same_for_all(rows: FormRows, factors: &[f64], differences: &[[f64; 3]]) -> [f64; 3] {
     let mut same = [0.0; 3];
     if rows.constant == 0 {
         return same;
     }
     let constant = &factors[rows.node_factors() * rows.count..];
     let mut sum = [0.0; 3];
-    for node in 0..rows.count {
+    for node in 0..differences.len() {
         for axis in 0..3 {
-            sum[axis] += differences[3 * (node + 1) + axis];
+            sum[axis] += differences[node][axis];
         }
     }
     let entry = |row: usize, axis: usize| constant[rows.constant * axis + row];
@@ -316,9 +361,20 @@ mod tests {
 
     #[test]
     fn factors_times_a_vector_are_the_hessian_times_the_vector() {
-        for (varying, constant) in
-            [(0, 0), (2, 0), (6, 2), (8, 0), (12, 0), (14, 2), (16, 4), (18, 0), (38, 2), (64, 0)]
-        {
+        for (varying, constant) in [
+            (0, 0),
+            (2, 0),
+            (6, 2),
+            (8, 0),
+            (12, 0),
+            (12, 2),
+            (14, 2),
+            (16, 4),
+            (18, 0),
+            (28, 0),
+            (38, 2),
+            (64, 0),
+        ] {
             for count in [1, 2, 3, 7, 12] {
                 let rows = FormRows { varying, constant, count };
                 let freedoms = 3 * (count + 1);

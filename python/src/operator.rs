@@ -29,11 +29,12 @@ impl Operator {
         Ok((this.operator.equations(), this.operator.contacts(), this.operator.bytes()))
     }
 
-    /// Adds K v.
+    /// Adds K v, or Kᵀ v.
     fn add_product(
         slf: &Bound<'_, Self>,
         v: &Bound<'_, PyArray1<f64>>,
         product: &Bound<'_, PyArray1<f64>>,
+        is_transposed: bool,
     ) -> PyResult<()> {
         let py = slf.py();
         let mut this = exclusive(slf)?;
@@ -42,7 +43,14 @@ impl Operator {
         let mut product = writable(product)?;
         let product = slice_mut(py, &mut product)?;
         let operator = &mut this.operator;
-        threads::run(py, || operator.add_product(v, product))?.map_err(|error| error.raise(py))
+        let added = threads::run(py, || {
+            if is_transposed {
+                operator.add_transposed_product(v, product)
+            } else {
+                operator.add_product(v, product)
+            }
+        })?;
+        added.map_err(|error| error.raise(py))
     }
 
     /// Adds the diagonal of K.

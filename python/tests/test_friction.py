@@ -91,6 +91,53 @@ def test_the_tangent_is_the_derivative_of_the_forces(scene, started):
     assert np.allclose(tangent @ direction.ravel(), expected, atol=1e-6 * np.abs(expected).max())
 
 
+@pytest.mark.parametrize("element", ["diffuse", "node-to-facet"])
+@pytest.mark.parametrize("tangent", ["exact", "gauss-newton"])
+@pytest.mark.parametrize("step", [[0.001, 0.0005, 0.0], [0.05, 0.02, 0.0]])
+def test_the_operator_is_the_tangent(scene, element, tangent, step):
+    dofs = np.arange(255).reshape(85, 3)[::-1].copy()
+    dofs[:4] = -1
+    interface = scene.interface(element=element, dofs=dofs)
+    interface.refresh_pairing(scene.positions)
+    try:
+        interface.accept(PENALTY, friction=FRICTION)
+    except dc.InterfaceError as error:
+        assert error.code == "no-friction-kernels" and element == "diffuse"
+        pytest.skip("built without friction")
+    interface.refresh_pairing(slid(scene, step))
+    law = {"friction": FRICTION, "tangent": tangent, "multipliers": [0.0, 3.0, 0.5, 0.0]}
+    # It needs no evaluation.
+    operator = interface.operator(PENALTY, **law)
+    interface.evaluate()
+    matrix = interface.tangent(PENALTY, **law)
+    largest = abs(matrix).max()
+    if step[0] > 0.01:
+        assert abs(matrix - matrix.T).max() > 0.1
+    v = np.random.default_rng(5).normal(size=(interface.equations, 2))
+    for found, expected in (
+        (operator @ v, matrix @ v),
+        (operator.T @ v, matrix.T @ v),
+        (operator.H @ v, matrix.T @ v),
+        ((v.T @ operator).T, matrix.T @ v),
+        (operator.diagonal(), matrix.diagonal()),
+    ):
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * largest)
+    assert operator.contacts == 4
+
+
+def test_an_operator_is_refused_friction_that_has_no_history(scene):
+    interface = scene.evaluated(element="node-to-facet")
+    with pytest.raises(dc.AssemblyError) as raised:
+        interface.operator(PENALTY, friction=FRICTION)
+    assert raised.value.code == "no-slip"
+    with pytest.raises(dc.AssemblyError) as raised:
+        interface.operator(PENALTY, friction=-0.3)
+    assert raised.value.code == "invalid-friction-coefficient"
+    with pytest.raises(dc.AssemblyError) as raised:
+        scene.evaluated(rule="hull-layers").operator(PENALTY, friction=FRICTION)
+    assert raised.value.code == "no-anchors"
+
+
 def test_a_history_goes_on_elsewhere(scene, started):
     at(started, slid(scene, [0.05, 0.0, 0.0]))
     report = started.accept(PENALTY, friction=FRICTION)

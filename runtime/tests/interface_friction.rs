@@ -557,7 +557,7 @@ fn augmented_friction_forgets_its_stiffness_and_is_accepted_or_rolled_back() {
     assert_eq!(own.interface.slip_errors(&plain).unwrap_err().code(), "no-augmentation");
 }
 
-/// K v, the diagonal, and what is beside ε N Nᵀ, of slaves that stick, slip and have anchors out of reach, on both elements.
+/// K v, Kᵀ v, the diagonal, and what is beside ε N Nᵀ, of slaves that stick, slip and have anchors out of reach, on both elements.
 #[test]
 fn the_tangent_with_friction_is_an_operator() {
     let planes = [SymmetryPlane::across(0, [0.0; 3])];
@@ -580,19 +580,23 @@ fn the_tangent_with_friction_is_an_operator() {
                 let made = TangentOperator::new(&pressed.interface, law, &dofs).unwrap();
                 let mut made = if is_rest { made.curvature() } else { made };
                 assert!(made.contacts() > 2);
-                let (mut product, mut diagonal) = (vec![0.0; size], vec![0.0; size]);
+                let [mut product, mut transposed, mut diagonal] = [(); 3].map(|()| vec![0.0; size]);
                 made.add_product(&v, &mut product).unwrap();
+                made.add_transposed_product(&v, &mut transposed).unwrap();
                 made.add_diagonal(&mut diagonal).unwrap();
-                [product, diagonal]
+                [product, transposed, diagonal]
             };
-            let [found, diagonal] = product(&pressed.law, false);
-            let [rest, _] = product(&pressed.law, true);
-            let [normal, _] =
+            let [found, transposed, diagonal] = product(&pressed.law, false);
+            let [rest, ..] = product(&pressed.law, true);
+            let [normal, of_left, _] =
                 product(&ContactLaw::penalty(PENALTY).with_tangent(Tangent::GaussNewton), false);
+            assert_eq!(normal, of_left);
             let largest = matrix.iter().flatten().fold(0.0_f64, |largest, x| largest.max(x.abs()));
             for (row, entries) in matrix.iter().enumerate() {
                 let expected: f64 = entries.iter().zip(&v).map(|(entry, v)| entry * v).sum();
+                let of_column: f64 = (0..size).map(|k| matrix[k][row] * v[k]).sum();
                 let tolerance = 1e-13 * largest;
+                assert!((transposed[row] - of_column).abs() <= 10.0 * tolerance, "{}", transposed[row]);
                 assert!((found[row] - expected).abs() <= 10.0 * tolerance, "{} {expected}", found[row]);
                 assert!((diagonal[row] - entries[row]).abs() <= tolerance);
                 assert!((found[row] - rest[row] - normal[row]).abs() <= 10.0 * tolerance);

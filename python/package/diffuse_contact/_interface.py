@@ -555,25 +555,28 @@ class ContactInterface(FrictionHistory):
         *,
         multipliers: ArrayLike | None = None,
         tangent: Tangent = "exact",
+        friction: Friction | None = None,
         normal: TabulatedPressure | None = None,
     ) -> TangentOperator:
         """The tangent at the positions of the last update or refresh as an operator that needs no matrix.
 
         It needs no evaluation either: what carries force is evaluated for it. It stays what it is when the interface
-        moves on. There is none with friction.
+        moves on. With friction it is not symmetric in general.
 
         Args:
             penalty: as for ``forces``.
             multipliers: as for ``forces``.
             tangent: as for ``tangent``.
+            friction: as for ``forces``; it needs ``accept`` before the first increment.
             normal: as for ``forces``.
 
         Raises:
-            AssemblyError: for the penalty or multipliers.
+            AssemblyError: for the penalty, multipliers or friction; ``"no-slip"`` before the first ``accept``.
             InterfaceError: if it does not fit into memory.
 
         """
-        return TangentOperator(self._interface.operator(law_of(penalty, multipliers, tangent, normal=normal)))
+        law = law_of(penalty, multipliers, tangent, friction, normal)
+        return TangentOperator(self._interface.operator(law))
 
     def triplets(
         self,

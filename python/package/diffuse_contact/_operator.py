@@ -13,12 +13,13 @@ from ._errors import BusyError
 
 
 class TangentOperator(scipy.sparse.linalg.LinearOperator):
-    """K = −∂R/∂x without a matrix, at the positions and by the law it was made for: symmetric, float64.
+    """K = −∂R/∂x without a matrix, at the positions and by the law it was made for, float64.
 
     ``ContactInterface.operator`` makes it. It is a scipy ``LinearOperator``: ``operator @ v``, sums with matrices made
     operators by ``scipy.sparse.linalg.aslinearoperator``, and the iterative solvers of scipy take it. A product differs
     from that of the assembled matrix by rounding and does not depend on the number of threads. Held are N and the
-    factors of M of each contact that carries force. It serves one thread at a time; others get a ``BusyError``.
+    factors of M of each contact that carries force; with friction N, the gradient of the slip, and a triangle of
+    numbers. Without friction K is symmetric. The operator serves one thread at a time; others get a ``BusyError``.
     """
 
     def __init__(self, operator: _native.Operator) -> None:
@@ -39,14 +40,14 @@ class TangentOperator(scipy.sparse.linalg.LinearOperator):
     def add_product(self, v: Any, out: Floats) -> Floats:
         """Adds K v to a vector, which is returned. Both have shape (equations,).
 
+        ``operator.T @ v`` is Kᵀ v.
+
         Raises:
             AssemblyError: for another length, or if a sum overflows; ``out`` then holds anything.
             InputError: for arrays of another type.
 
         """
-        v = floats("v", v, "equations")
-        self._call({"v": v}, out, lambda: self._operator.add_product(v, out))
-        return out
+        return self._add(v, out, is_transposed=False)
 
     def diagonal(self) -> Floats:
         """The diagonal of K, shape (equations,), force per length."""
@@ -59,24 +60,20 @@ class TangentOperator(scipy.sparse.linalg.LinearOperator):
         out.fill(0.0)
         return out
 
-    def _call(self, read: dict[str, Any], out: Any, call: Any) -> None:
+    def _add(self, v: Any, out: Floats, *, is_transposed: bool) -> Floats:
+        v = floats("v", v, "equations")
         vector("out", out)
         try:
-            call()
+            self._operator.add_product(v, out, is_transposed)
         except BusyError as error:
-            refuse_overlap(error, read, {"out": out})
+            refuse_overlap(error, {"v": v}, {"out": out})
+        return out
 
     def _matvec(self, x: Any) -> Floats:
-        return self.add_product(np.ravel(x), self._zeros())
+        return self._add(np.ravel(x), self._zeros(), is_transposed=False)
 
     def _rmatvec(self, x: Any) -> Floats:
-        return self._matvec(x)
-
-    def _adjoint(self) -> TangentOperator:
-        return self
-
-    def _transpose(self) -> TangentOperator:
-        return self
+        return self._add(np.ravel(x), self._zeros(), is_transposed=True)
 
     def __reduce__(self) -> NoReturn:
         raise TypeError("a TangentOperator cannot be pickled or copied: make one in each process")

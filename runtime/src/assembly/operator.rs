@@ -74,6 +74,13 @@ struct Element {
     nodes: Vec<usize>,
 }
 
+/// On which side of K the vector is: K v or vᵀ K.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Right,
+    Left,
+}
+
 /// Contacts that one thread multiplies in a row.
 #[derive(Clone, Default)]
 struct Part {
@@ -246,6 +253,18 @@ impl TangentOperator {
     /// [`AssemblyError::OutputLength`]; `product` is then unchanged. [`AssemblyError::Overflow`] if an entry is not finite; its contents
     /// are then unspecified.
     pub fn add_product(&mut self, v: &[f64], product: &mut [f64]) -> Result<(), AssemblyError> {
+        self.add_product_of(Side::Right, v, product)
+    }
+
+    /// Adds Kᵀ v. It is K v, bit for bit, unless friction is there, whose tangent is not symmetric.
+    ///
+    /// # Errors
+    /// As [`add_product`](Self::add_product).
+    pub fn add_transposed_product(&mut self, v: &[f64], product: &mut [f64]) -> Result<(), AssemblyError> {
+        self.add_product_of(Side::Left, v, product)
+    }
+
+    fn add_product_of(&mut self, side: Side, v: &[f64], product: &mut [f64]) -> Result<(), AssemblyError> {
         self.check_length("entries of v", v.len())?;
         self.check_length("products", product.len())?;
         let entry = |&equation: &usize| if equation == NONE { 0.0 } else { v[equation] };
@@ -256,7 +275,7 @@ impl TangentOperator {
             .for_each(|(moves, equations)| *moves = equations.each_ref().map(entry));
         let (moves, rotations) = (&self.moves, &self.rotations);
         let slots = split(&self.parts, &mut self.contributions);
-        slots.into_par_iter().for_each(|(part, target)| part.multiply(moves, rotations, target));
+        slots.into_par_iter().for_each(|(part, target)| part.multiply(side, moves, rotations, target));
         self.add_sums("products", product)
     }
 
@@ -470,8 +489,14 @@ impl Part {
         self.images.get(place).and_then(|&image| rotations.get(image))
     }
 
-    /// What each point contributes to K v, v given for all nodes.
-    fn multiply(&self, moves: &[[f64; 3]], rotations: &[[[f64; 3]; 3]], target: &mut [[f64; 3]]) {
+    /// What each point contributes to K v or Kᵀ v, v given for all nodes.
+    fn multiply(
+        &self,
+        side: Side,
+        moves: &[[f64; 3]],
+        rotations: &[[[f64; 3]; 3]],
+        target: &mut [[f64; 3]],
+    ) {
         let (mut v, mut product) = (self.room(), self.room());
         for (start, contact) in self.placed() {
             let freedoms = 3 * contact.nodes;
@@ -479,15 +504,15 @@ impl Part {
                 let node = moves[self.nodes[start + k] as usize];
                 *v = forth(self.rotation(rotations, start + k), node);
             }
-            self.element(contact, &v[..freedoms], &mut product[..freedoms]);
+            self.element(side, contact, &v[..freedoms], &mut product[..freedoms]);
             for (k, product) in product[..freedoms].as_chunks::<3>().0.iter().enumerate() {
                 target[start + k] = back(self.rotation(rotations, start + k), *product);
             }
         }
     }
 
-    /// (ε N Nᵀ − f M) v of one contact.
-    fn element(&self, contact: &Contact, v: &[f64], product: &mut [f64]) {
+    /// (ε N Nᵀ − f M) v of one contact, and what of friction is not symmetric, q Nᵀ v or N qᵀ v.
+    fn element(&self, side: Side, contact: &Contact, v: &[f64], product: &mut [f64]) {
         let gradient = &self.gradients[contact.gradient..][..v.len()];
         let second = &self.seconds[contact.second_start..];
         match contact.second {
@@ -502,7 +527,11 @@ impl Part {
         }
         if let Some((factor, start)) = contact.skew {
             let slip = &self.gradients[start..][..v.len()];
-            product.iter_mut().zip(slip).for_each(|(entry, q)| *entry += factor * along * q);
+            let (out, along) = match side {
+                Side::Right => (slip, along),
+                Side::Left => (gradient, slip.iter().zip(v).map(|(q, v)| q * v).sum()),
+            };
+            product.iter_mut().zip(out).for_each(|(entry, x)| *entry += factor * along * x);
         }
     }
 
@@ -534,7 +563,7 @@ impl Part {
                         let moved = forth(self.rotation(rotations, start + place), unit);
                         v[3 * place..][..3].copy_from_slice(&moved);
                     }
-                    self.element(contact, v, product);
+                    self.element(Side::Right, contact, v, product);
                     for place in same() {
                         let own = [0, 1, 2].map(|axis| product[3 * place + axis]);
                         target[start + k][axis] += back(self.rotation(rotations, start + place), own)[axis];

@@ -91,6 +91,29 @@ def test_the_tangent_is_the_derivative_of_the_forces(scene, started):
     assert np.allclose(tangent @ direction.ravel(), expected, atol=1e-6 * np.abs(expected).max())
 
 
+@pytest.mark.parametrize("tangent", ["exact", "gauss-newton"])
+@pytest.mark.parametrize("step", [[0.05, 0.02, 0.0], [1e-5, 0.0, -0.01]])
+def test_the_operator_is_the_matrix(scene, started, step, tangent):
+    at(started, slid(scene, step))
+    law = {"friction": FRICTION, "tangent": tangent, "multipliers": [0.0, 3.0, 0.5, 0.0]}
+    matrix, operator = started.tangent(PENALTY, **law), started.operator(PENALTY, **law)
+    assert operator.contacts == 4 and not operator.is_symmetric
+    v = np.random.default_rng(5).normal(size=(started.equations, 2))
+    np.testing.assert_allclose(operator @ v, matrix @ v, rtol=0, atol=1e-13 * abs(matrix).max())
+    np.testing.assert_allclose(operator.diagonal(), matrix.diagonal(), rtol=0, atol=1e-13 * abs(matrix).max())
+    for transposed in (lambda: operator.T, lambda: operator.H, lambda: operator.rmatvec(v[:, 0])):
+        with pytest.raises(dc.InputError) as raised:
+            transposed()
+        assert raised.value.code == "not-symmetric"
+
+
+def test_an_operator_with_friction_needs_anchors(scene, started):
+    with pytest.raises(dc.AssemblyError) as raised:
+        scene.evaluated().operator(PENALTY, friction=FRICTION)
+    assert raised.value.code == "no-slip"
+    assert started.operator(PENALTY).is_symmetric
+
+
 def test_a_history_goes_on_elsewhere(scene, started):
     at(started, slid(scene, [0.05, 0.0, 0.0]))
     report = started.accept(PENALTY, friction=FRICTION)

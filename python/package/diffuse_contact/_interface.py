@@ -555,25 +555,28 @@ class ContactInterface(FrictionHistory):
         *,
         multipliers: ArrayLike | None = None,
         tangent: Tangent = "exact",
+        friction: Friction | None = None,
         normal: TabulatedPressure | None = None,
     ) -> TangentOperator:
         """The tangent at the positions of the last update or refresh as an operator that needs no matrix.
 
         It needs no evaluation either: what carries force is evaluated for it. It stays what it is when the interface
-        moves on. There is none with friction.
+        moves on. With friction it needs anchors, and has no transpose: its matrix is not symmetric.
 
         Args:
             penalty: as for ``forces``.
             multipliers: as for ``forces``.
             tangent: as for ``tangent``.
+            friction: as for ``forces``.
             normal: as for ``forces``.
 
         Raises:
-            AssemblyError: for the penalty or multipliers.
+            AssemblyError: for the penalty, multipliers or friction; ``"no-slip"`` for friction without anchors.
             InterfaceError: if it does not fit into memory.
 
         """
-        return TangentOperator(self._interface.operator(law_of(penalty, multipliers, tangent, normal=normal)))
+        law = law_of(penalty, multipliers, tangent, friction, normal)
+        return TangentOperator(self._interface.operator(law), friction is None)
 
     def triplets(
         self,

@@ -9,20 +9,22 @@ import scipy.sparse.linalg
 
 from . import _native
 from ._arrays import Floats, floats, new, refuse_overlap, vector
-from ._errors import BusyError
+from ._errors import BusyError, InputError
 
 
 class TangentOperator(scipy.sparse.linalg.LinearOperator):
-    """K = −∂R/∂x without a matrix, at the positions and by the law it was made for: symmetric, float64.
+    """K = −∂R/∂x without a matrix, at the positions and by the law it was made for, float64.
 
     ``ContactInterface.operator`` makes it. It is a scipy ``LinearOperator``: ``operator @ v``, sums with matrices made
     operators by ``scipy.sparse.linalg.aslinearoperator``, and the iterative solvers of scipy take it. A product differs
-    from that of the assembled matrix by rounding and does not depend on the number of threads. Held are N and the
-    factors of M of each contact that carries force. It serves one thread at a time; others get a ``BusyError``.
+    from that of the assembled matrix by rounding and does not depend on the number of threads. Without friction it is
+    symmetric. Held are N and the factors of M of each contact that carries force, with friction a packed triangle. It
+    serves one thread at a time; others get a ``BusyError``.
     """
 
-    def __init__(self, operator: _native.Operator) -> None:
+    def __init__(self, operator: _native.Operator, is_symmetric: bool) -> None:
         self._operator = operator
+        self._is_symmetric = is_symmetric
         equations, self._contacts, self._bytes = operator.sizes()
         super().__init__(np.dtype(np.float64), (equations, equations))
 
@@ -30,6 +32,11 @@ class TangentOperator(scipy.sparse.linalg.LinearOperator):
     def contacts(self) -> int:
         """Number of contacts that carry force."""
         return self._contacts
+
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether K is its own transpose: without friction. With it there is no product with the transpose."""
+        return self._is_symmetric
 
     @property
     def nbytes(self) -> int:
@@ -70,12 +77,14 @@ class TangentOperator(scipy.sparse.linalg.LinearOperator):
         return self.add_product(np.ravel(x), self._zeros())
 
     def _rmatvec(self, x: Any) -> Floats:
-        return self._matvec(x)
+        return self._transpose()._matvec(x)
 
     def _adjoint(self) -> TangentOperator:
-        return self
+        return self._transpose()
 
     def _transpose(self) -> TangentOperator:
+        if not self._is_symmetric:
+            raise InputError("with friction there is no product with the transpose", "not-symmetric")
         return self
 
     def __reduce__(self) -> NoReturn:

@@ -1285,6 +1285,29 @@ enum dc_status dc_faces_triplets(struct dc_faces *faces,
                                  size_t capacity,
                                  size_t *count);
 
+// Makes an object for contact over faces that knows a window of either surface only, two handles. Nodes are those of `master` in the
+// order of dc_window_names, then those of `slave`; `positions` are where they were when the window of the master was made. The faces are
+// those that meet the boxes of `slave`, which is made once, in the first positions, of an interface whose master surface are the faces
+// of the slave. The boxes of `master` hold these faces and what is within the limit of the distance; it is made anew as for
+// dc_create_in_window.
+//
+// Gaps, pressures and areas after a dc_faces_refresh are those of the whole surfaces, bit for bit, or the node has the outcome
+// DC_BEYOND_WINDOW and no pressure. Rows of forces and tangent are those of the whole where all nodes of the faces at their node are
+// known.
+//
+// DC_BAD_OPTION without a `distance_limit`, and for windows of other options or planes of symmetry. Friction, dc_faces_set_symmetry and
+// dc_faces_add_quadratic are DC_BAD_OPTION, too, with the message "in-window". On failure the handle is NULL.
+//
+// # Safety
+// `positions` has 3 `node_count` entries, `options` as many bytes as its field `size` says; `faces` may be written.
+enum dc_status dc_faces_create_in_window(struct dc_window *master,
+                                         struct dc_window *slave,
+                                         const double *positions,
+                                         size_t node_count,
+                                         const struct dc_options *options,
+                                         int32_t degree,
+                                         struct dc_faces **faces);
+
 // Which of the candidates take part in the fit around a slave: the neighbour search of the options, as an interface does
 // it, but without facets, so without sharp edges, borders and domains of influence: DC_DOMAINS, the default rule, is DC_HULL_LAYERS
 // here, with the same layers as if that had been asked for. `slave` has 3 numbers, `candidates` 3 each, `outward` is a

@@ -57,6 +57,21 @@ impl State {
     }
 }
 
+/// With the rule of this degree.
+pub fn face_options(options: &dc_options, degree: i32) -> Result<FaceOptions, Failure> {
+    let wanted = usize::try_from(degree).unwrap_or(0);
+    let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == wanted).ok_or_else(|| {
+        Failure::new(DC_BAD_OPTION, format!("invalid-option: degree has to be 2 or 4, not {degree}"))
+    })?;
+    Ok(FaceOptions::new(options.interface()?).with_rule(rule))
+}
+
+/// The handle of a new object over so many nodes.
+pub fn insert(interface: FaceInterface, nodes: usize) -> Result<usize, Failure> {
+    let dofs = DofMap::standard(nodes);
+    FACES.insert(State { interface, dofs, nodes, quadratic: Vec::new(), evaluated: false })
+}
+
 /// Makes an object for contact over faces and writes its handle. Everything is copied.
 ///
 /// `positions`: x, y, z of all `node_count` nodes in the first configuration; indices count from 0. `facets`: the master surface,
@@ -93,11 +108,7 @@ pub unsafe extern "C" fn dc_faces_create(
                 )
             };
             check_nodes(positions.len())?;
-            let wanted = usize::try_from(degree).unwrap_or(0);
-            let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == wanted).ok_or_else(|| {
-                Failure::new(DC_BAD_OPTION, format!("invalid-option: degree has to be 2 or 4, not {degree}"))
-            })?;
-            let options = FaceOptions::new(options.interface()?).with_rule(rule);
+            let options = face_options(&options, degree)?;
             let is_self_contact = slave_facets.is_null();
             let (master, slave) = (facets_of(master)?, facets_of(slave)?);
             let interface = threads::run(|| -> Result<FaceInterface, Failure> {
@@ -108,13 +119,7 @@ pub unsafe extern "C" fn dc_faces_create(
                     FaceInterface::new(master, &slave, positions, options)?
                 })
             })??;
-            FACES.insert(State {
-                interface,
-                dofs: DofMap::standard(positions.len()),
-                nodes: positions.len(),
-                quadratic: Vec::new(),
-                evaluated: false,
-            })
+            insert(interface, positions.len())
         };
         // SAFETY: as the caller promises.
         unsafe { border::hand_out("faces", faces, make) }

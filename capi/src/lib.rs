@@ -24,7 +24,7 @@
 //! | `interface` | create and destroy, update, refresh, freeze, evaluate |
 //! | `contacts`, `cutback` | results of an evaluation, the cut-back hint |
 //! | `assembly`, `pattern`, `map`, `operator` | contact forces, triplets, compressed rows, the caller's matrix, products |
-//! | `window` | windows of a surface |
+//! | `window`, `faces_window` | windows of a surface, and what knows them only |
 //! | `faces` | contact over the slave's faces, an object of its own |
 //! | `element`, `batch`, `neighbours` | without interface: gap, force and stiffness, pairing |
 //!
@@ -61,6 +61,7 @@ mod element;
 mod faces;
 mod faces_assembly;
 mod faces_friction;
+mod faces_window;
 mod feet;
 mod friction;
 mod interface;

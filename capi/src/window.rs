@@ -15,7 +15,7 @@ use crate::threads;
 /// What some slaves can need of a master surface, by the numbers of the whole. One thread at a time may use it, any thread.
 pub struct dc_window;
 
-static WINDOWS: Registry<Window> = Registry::new("window", 4);
+pub(super) static WINDOWS: Registry<Window> = Registry::new("window", 4);
 
 /// Boxes, 6 numbers each.
 ///

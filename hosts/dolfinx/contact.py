@@ -281,7 +281,7 @@ class Contact:
         matrix.assemble()
 
     def linearise(self, which: str) -> None:
-        """Makes the tangent at these displacements an operator, for ``add_product``. There is none with friction."""
+        """Makes the tangent at these displacements an operator, for ``add_product``."""
         self.free = 1.0 - self.nodes.bring(self.held).reshape(-1)
         self.operator = None if self.interface is None else self.interface.operator(**self.law, tangent=which)
 

@@ -319,8 +319,8 @@ def main() -> None:
     parser.add_argument("--fine", type=int, default=1, help="cells in place of each, along x and y")
     parser.add_argument("--results", type=Path, help="a folder")
     arguments, others = parser.parse_known_args()
-    if arguments.tangent == "operator" and (arguments.friction is not None or arguments.integration == "faces"):
-        parser.error("there is an operator over nodes and without friction only")
+    if arguments.tangent == "operator" and arguments.integration == "faces":
+        parser.error("there is an operator over nodes only")
     if arguments.tangent == "operator" and arguments.linear == "mumps":
         parser.error("MUMPS factors a matrix: --tangent operator goes with --linear gamg")
     PETSc.Options().insertString(" ".join(others))

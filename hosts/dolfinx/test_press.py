@@ -246,6 +246,15 @@ def test_multigrid_gives_the_same(run, tangent):
     assert tangent == "assembled" or result["shell_error"] < 1e-13
 
 
+def test_the_operator_has_friction(run):
+    options = ("--friction", "0.2", "--press", "1", "--slide", "1")
+    one, expected = run(1, "dolfinx", *options)
+    result, found = run(2, "strips", "--linear", "gamg", "--tangent", "operator", *options)
+    assert result["shell_error"] < 1e-13
+    assert np.abs(found.displacements - expected.displacements).max() < 1e-9
+    assert one["force"][0] == pytest.approx(result["force"][0], rel=1e-8)
+
+
 def test_a_hundredfold_penalty_costs_no_iterations(run):
     options = ("--linear", "gamg", "--tangent", "operator", "--press", "1")
     soft, _ = run(2, "strips", *options)

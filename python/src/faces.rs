@@ -17,6 +17,7 @@ use crate::law::Law;
 use crate::options::{self, Options};
 use crate::surface::Surface;
 use crate::threads;
+use crate::window::Window;
 
 /// The flat facets of faces of second order: rows of four corners, the last one −1 for a triangle.
 #[pyfunction]
@@ -39,6 +40,23 @@ pub struct Faces {
 
 type Numbers<'py> = Bound<'py, PyArray1<f64>>;
 type Indices<'py> = Bound<'py, PyArray1<i64>>;
+
+/// With the rule of this degree.
+fn face_options(py: Python<'_>, options: Options, degree: usize) -> PyResult<FaceOptions> {
+    let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == degree).ok_or_else(|| {
+        errors::input(py, "invalid-option", &format!("degree has to be 2 or 4, not {degree}"))
+    })?;
+    Ok(FaceOptions::new(options.interface(py, false)?).with_rule(rule))
+}
+
+type Equations<'py> = Option<(usize, Bound<'py, PyArray2<i64>>)>;
+
+fn dofs_of(py: Python<'_>, equations: Equations<'_>, nodes: usize) -> PyResult<DofMap> {
+    match equations {
+        Some((count, numbers)) => dof_map(py, count, &numbers, nodes),
+        None => Ok(DofMap::standard(nodes)),
+    }
+}
 
 impl Faces {
     fn contacts(&self, py: Python<'_>) -> PyResult<&FaceContacts> {
@@ -64,21 +82,15 @@ impl Faces {
         positions: &Bound<'_, PyArray2<f64>>,
         options: Options,
         degree: usize,
-        equations: Option<(usize, Bound<'_, PyArray2<i64>>)>,
+        equations: Equations<'_>,
         symmetry: &Bound<'_, PyArray2<f64>>,
         quadratic: Vec<Bound<'_, PyArray2<i64>>>,
     ) -> PyResult<Self> {
         let faces = faces.map(|faces| facets(py, &readable(faces)?)).transpose()?;
         let positions = readable(positions)?;
         let positions = points(py, &positions)?;
-        let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == degree).ok_or_else(|| {
-            errors::input(py, "invalid-option", &format!("degree has to be 2 or 4, not {degree}"))
-        })?;
-        let options = FaceOptions::new(options.interface(py, false)?).with_rule(rule);
-        let dofs = match equations {
-            Some((count, numbers)) => dof_map(py, count, &numbers, positions.len())?,
-            None => DofMap::standard(positions.len()),
-        };
+        let options = face_options(py, options, degree)?;
+        let dofs = dofs_of(py, equations, positions.len())?;
         let master = master.surface.clone();
         let symmetry = readable(symmetry)?;
         let (planes, _) = points(py, &symmetry)?.as_chunks::<2>();
@@ -103,6 +115,33 @@ impl Faces {
         })?;
         let interface = made.map_err(|error: InterfaceError| error.raise(py))?;
         Ok(Self { interface, dofs, current: false })
+    }
+
+    /// Of faces that know windows of both surfaces only.
+    #[staticmethod]
+    #[pyo3(signature = (master, slave, positions, options, degree, equations))]
+    fn in_window(
+        py: Python<'_>,
+        master: &Window,
+        slave: &Window,
+        positions: &Bound<'_, PyArray2<f64>>,
+        options: Options,
+        degree: usize,
+        equations: Equations<'_>,
+    ) -> PyResult<Self> {
+        let positions = readable(positions)?;
+        let positions = points(py, &positions)?;
+        let options = face_options(py, options, degree)?;
+        let dofs = dofs_of(py, equations, positions.len())?;
+        let (master, slave) = (&master.window, &slave.window);
+        let made = threads::run(py, || FaceInterface::in_window(master, slave, positions, options))?;
+        let interface = made.map_err(|error| error.raise(py))?;
+        Ok(Self { interface, dofs, current: false })
+    }
+
+    /// Whether there are windows of the surfaces only.
+    fn is_in_window(slf: &Bound<'_, Self>) -> PyResult<bool> {
+        Ok(shared(slf)?.interface.is_in_window())
     }
 
     fn slaves<'py>(slf: &Bound<'py, Self>) -> PyResult<Indices<'py>> {

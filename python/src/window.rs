@@ -85,7 +85,7 @@ pub fn history_lengths<'py>(py: Python<'py>, history: &Numbers<'py>) -> PyResult
 /// What some slaves can need of a surface.
 #[pyclass(module = "diffuse_contact._native", frozen)]
 pub struct Window {
-    window: window::Window,
+    pub window: window::Window,
 }
 
 #[pymethods]

@@ -270,3 +270,96 @@ def test_histories_go_slave_by_slave():
     with pytest.raises(dc.InterfaceError) as error:
         dc.split_history([2.0, 0.1])
     assert error.value.code == "invalid-history"
+
+
+class Pair:
+    """A block's wavy underside just in the surface, both as interfaces without slaves, to cut windows from."""
+
+    def __init__(self):
+        self.surface = Surface(16, 9)
+        x, y = (a.ravel() for a in np.meshgrid(np.linspace(0.8, 15.0, 20), np.linspace(0.9, 8.2, 11)))
+        self.offset = len(self.surface.nodes)
+        self.positions = np.vstack([self.surface.nodes, np.column_stack([x, y, height(x, y) - 0.03])])
+        i, j = (a.ravel() for a in np.meshgrid(np.arange(19), np.arange(10)))
+        corner = self.offset + i + 20 * j
+        self.faces = np.column_stack([corner, corner + 20, corner + 21, corner + 1])
+        self.sides = [
+            dc.ContactInterface(dc.MasterSurface(self.positions, facets), [], self.positions, distance_limit=LIMIT)
+            for facets in (self.surface.facets, self.faces)
+        ]
+
+    def whole(self):
+        master = dc.MasterSurface(self.positions, self.surface.facets)
+        return dc.FaceInterface(master, self.faces, self.positions, distance_limit=LIMIT)
+
+    def windows(self, places, reach):
+        """Windows of both sides around nodes, sent, with the numbers of their nodes."""
+        around = self.positions[places]
+        boxes = [dc.boxes_around(around, width, 4) for width in (reach, 1.2)]
+        windows = [side.window(box, 0.0) for side, box in zip(self.sides, boxes, strict=True)]
+        windows = [pickle.loads(pickle.dumps(window)) for window in windows]
+        return windows, np.concatenate([window.nodes for window in windows])
+
+
+@pytest.mark.parametrize("reach", [3.0, 0.8])
+@pytest.mark.parametrize("parts", [2, 4])
+def test_faces_in_windows_have_the_bits_of_the_whole(parts, reach):
+    pair = Pair()
+    whole = pair.whole()
+    assert not whole.is_in_window
+    whole.refresh(pair.positions)
+    expected = whole.evaluate(1e2)
+    assert (expected.pressure > 0.0).sum() > 150
+    place = {node: k for k, node in enumerate(whole.slaves)}
+    known = beyond = 0
+    for part in partitions(pair.positions[whole.slaves], parts).values():
+        for rank in range(parts):
+            own = whole.slaves[part == rank]
+            windows, numbers = pair.windows(own, reach)
+            positions = pair.positions[numbers]
+            faces = dc.FaceInterface.in_window(*windows, positions, distance_limit=LIMIT)
+            assert faces.is_in_window
+            faces.refresh(positions)
+            found = faces.evaluate(1e2)
+            assert np.isin(own, numbers[faces.slaves]).all()
+            for k, number in enumerate(numbers[faces.slaves]):
+                if found.outcomes[k] == "beyond-window":
+                    assert found.pressure[k] == found.area[k] == 0.0 and np.isnan(found.gap[k])
+                    assert number not in own or reach < 1.0
+                    beyond += 1
+                    continue
+                for name in ("gap", "area", "pressure", "normal"):
+                    of_part, of_whole = getattr(found, name)[k], getattr(expected, name)[place[number]]
+                    assert np.array_equal(of_part, of_whole, equal_nan=True), name
+                known += number in own
+    own = 3 * len(whole.slaves)
+    assert beyond > 0 and (known == own if reach > 1.0 else 0 < known < own)
+
+
+def test_faces_in_windows_refuse_what_takes_the_whole():
+    pair = Pair()
+    windows, numbers = pair.windows(np.arange(pair.offset, pair.offset + 50), 3.0)
+    positions = pair.positions[numbers]
+
+    def code(call, *arguments, **options):
+        with pytest.raises(dc.DiffuseContactError) as error:
+            call(*arguments, **options)
+        return error.value.code
+
+    make = dc.FaceInterface.in_window
+    assert code(make, *windows, positions) == "other-than-window"
+    assert code(make, *windows, positions, distance_limit=LIMIT, weight="wendland-c2") == "other-than-window"
+    assert code(make, *windows, positions[1:], distance_limit=LIMIT) == "wrong-number-of-positions"
+    assert code(make, windows[0], "window", positions, distance_limit=LIMIT) == "wrong-type"
+    assert code(make, *windows, positions, distance_limit=LIMIT, degree=3) == "invalid-option"
+    assert code(make, *windows, positions, distance_limit=LIMIT, penalty=1.0) == "unknown-option"
+    faces = make(*windows, positions, distance_limit=LIMIT)
+    faces.refresh(positions)
+    assert code(faces.evaluate, 1e2, friction=0.3) == "in-window"
+    assert code(faces.accept, 1e2, friction=0.3) == "in-window"
+    dofs = np.arange(positions.size).reshape(-1, 3)[::-1]
+    numbered = make(*windows, positions, distance_limit=LIMIT, dofs=dofs)
+    for interface in (faces, numbered):
+        interface.refresh(positions)
+        interface.evaluate(1e2)
+    np.testing.assert_array_equal(numbered.forces()[dofs], faces.forces().reshape(-1, 3))

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// In the order in which the header has them.
-const SOURCES: [&str; 22] = [
+const SOURCES: [&str; 23] = [
     "status",
     "outcome",
     "choice",
@@ -23,6 +23,7 @@ const SOURCES: [&str; 22] = [
     "faces",
     "faces_friction",
     "faces_assembly",
+    "faces_window",
     "neighbours",
     "element",
     "batch",

@@ -28,9 +28,10 @@ from ._arrays import (
 from ._batch import Mode
 from ._errors import BusyError
 from ._history import FrictionHistory
-from ._interface import Options, _equations, _options
+from ._interface import Options, _equations, _named_options, _options
 from ._law import Friction, TabulatedPressure, Tangent, law_of
 from ._surface import MasterSurface
+from ._window import Window, _checked
 
 
 def flat_facets(faces: ArrayLike) -> Ints:
@@ -157,6 +158,59 @@ class FaceInterface(FrictionHistory):
             planes("symmetry", symmetry),
             _arrays.quadratic("quadratic", quadratic),
         )
+
+    @classmethod
+    def in_window(
+        cls,
+        master: Window,
+        slave: Window,
+        positions: ArrayLike,
+        *,
+        degree: int = 2,
+        dofs: ArrayLike | None = None,
+        equations: int | None = None,
+        **options: Any,
+    ) -> FaceInterface:
+        """An interface of faces that know a window of either surface only.
+
+        The faces are those that meet the boxes of the slave's window. Gaps, pressures and areas after a ``refresh`` are
+        those of an interface of the whole surfaces, bit for bit, or a node has the outcome ``"beyond-window"`` and no
+        pressure. Rows of forces and tangent are those of the whole where all nodes of the faces at their node are
+        known. Friction is refused.
+
+        Args:
+            master: holds these faces and what is within the limit of the distance, until it is made anew.
+            slave: cut once, in the first positions, from a surface of the slave's faces.
+            positions: first those of ``master.nodes``, then those of ``slave.nodes``, where they were when the window
+                of the master was made.
+            degree: as for ``FaceInterface``.
+            dofs: as for ``FaceInterface``.
+            equations: as for ``FaceInterface``.
+            options: those that the windows were made with; ``distance_limit`` has to be given.
+
+        Raises:
+            InterfaceError: ``"other-than-window"`` for other options, without a limit of the distance, or where planes
+                of symmetry differ; ``"incomplete-window"`` for a window with something missing; ``"in-window"`` later
+                for what takes the whole.
+
+        """
+        made = cls.__new__(cls)
+        made._options = _named_options("FaceInterface.in_window", options)
+        positions = floats("positions", positions, "p", 3)
+        made._faces = _native.Faces.in_window(
+            _checked(master),
+            _checked(slave),
+            positions,
+            made._options,
+            count("degree", degree),
+            _equations(dofs, equations, len(positions)),
+        )
+        return made
+
+    @property
+    def is_in_window(self) -> bool:
+        """Whether there are windows of the surfaces only."""
+        return self._faces.is_in_window()
 
     @property
     def options(self) -> Options:

@@ -490,13 +490,7 @@ impl Part {
     }
 
     /// What each point contributes to K v or Kᵀ v, v given for all nodes.
-    fn multiply(
-        &self,
-        side: Side,
-        moves: &[[f64; 3]],
-        rotations: &[[[f64; 3]; 3]],
-        target: &mut [[f64; 3]],
-    ) {
+    fn multiply(&self, side: Side, moves: &[[f64; 3]], rotations: &[[[f64; 3]; 3]], target: &mut [[f64; 3]]) {
         let (mut v, mut product) = (self.room(), self.room());
         for (start, contact) in self.placed() {
             let freedoms = 3 * contact.nodes;

@@ -52,12 +52,14 @@
 ! Static and other procedures without inertia; a dynamic one (LFLAGS(1) = 11, 12, 13) ends the analysis with a message, as do any other
 ! LFLAGS(3), wrong sizes and SVARS that are not this element's. Compile with diffuse_contact.f90 beside it and link libdiffuse_contact.
 include 'diffuse_contact.f90'
+include 'uel_domains.f90'
 
 subroutine uel(rhs, amatrx, svars, energy, ndofel, nrhs, nsvars, props, nprops, coords, mcrd, nnode, u, du, v, a, &
         jtype, time, dtime, kstep, kinc, jelem, params, ndload, jdltyp, adlmag, predef, npredf, lflags, mlvarx, &
         ddlmag, mdload, pnewdt, jprops, njprop, period)
     use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int32_t, c_size_t
     use diffuse_contact
+    use diffuse_contact_domains
     implicit none
 
     integer, intent(in) :: ndofel, nrhs, nsvars, nprops, mcrd, nnode, jtype, kstep, kinc, jelem, ndload, npredf, &
@@ -76,8 +78,10 @@ subroutine uel(rhs, amatrx, svars, energy, ndofel, nrhs, nsvars, props, nprops, 
     type(dc_point) :: point
     integer(c_int32_t) :: masters(nnode)
     integer :: anchor
-    logical :: is_paired, is_perturbation, ends_increment, wants_force, wants_stiffness, has_result
+    logical :: has_facets, is_paired, is_perturbation, ends_increment, wants_force, wants_stiffness, has_result
 
+    has_facets = .false.
+    if (njprop > 0) has_facets = jprops(1) /= 0
     call check_input()
     is_perturbation = lflags(4) /= 0 .or. lflags(3) == 100
     ! Only a call for an increment's force and stiffness ends in the state at the end of it.
@@ -95,6 +99,12 @@ subroutine uel(rhs, amatrx, svars, energy, ndofel, nrhs, nsvars, props, nprops, 
     ! In a perturbation step U is the base state, and DU is not in it.
     if (.not. is_perturbation) start = now - reshape(du(1:ndofel, 1), [3, nnode])
 
+    if (has_facets) then
+        call run_contact_call(contact_call(jelem, ends_increment, is_perturbation, wants_force, wants_stiffness), &
+            coords, now, start, du(1:ndofel, 1:nrhs), props(1:nprops), jprops(1:njprop), svars(1:nsvars), &
+            rhs(1:ndofel, 1:nrhs), amatrx, energy, pnewdt)
+        return
+    end if
     call read_pairing()
     if (.not. is_paired) call pair_at(start)
     has_result = .false.
@@ -116,7 +126,8 @@ contains
             'PROPS(9), where there is one, of at least 0 and below 1', &
             'a procedure without inertia', &
             'LFLAGS(3) of 1, 2, 3, 4, 5 or 100', &
-            'SVARS that it has written itself, or zeros']
+            'SVARS that it has written itself, or zeros', &
+            'facets in JPROPS for friction, PROPS(10)']
         logical :: is_met(size(needs))
         integer :: k
 
@@ -124,22 +135,32 @@ contains
         is_met(1) = nnode >= 4 .and. ndofel == 3*nnode .and. mlvarx >= ndofel
         is_met(2) = mcrd >= 3
         is_met(3) = nprops >= 8
-        is_met(4) = nsvars >= nnode + before_masters - 1
+        is_met(4) = has_facets .or. nsvars >= nnode + before_masters - 1
         if (is_met(3)) then
             is_met(5) = props(1) > 0 .and. props(2) >= 0 .and. props(8) >= 0
             is_met(6) = any(props(3) == [0d0, 1d0, 2d0]) .and. any(props(7) == [0d0, 1d0])
-            is_met(7) = all(abs(props(4:6)) <= huge(1d0)) .and. any(abs(props(4:6)) > 0)
+            is_met(7) = has_facets .or. all(abs(props(4:6)) <= huge(1d0)) .and. any(abs(props(4:6)) > 0)
         end if
+        ! NaN is a coefficient, too.
+        if (nprops >= 10) is_met(12) = has_facets .or. abs(props(10)) <= 0
         if (nprops >= 9) is_met(8) = props(9) >= 0 .and. props(9) < 1
         is_met(9) = all(lflags(1) /= [11, 12, 13])
         is_met(10) = any(lflags(3) == [1, 2, 3, 4, 5, 100])
-        if (is_met(1) .and. is_met(4)) is_met(11) = is_own_history()
+        if (is_met(1) .and. is_met(4) .and. .not. has_facets) is_met(11) = is_own_history()
         do k = 1, size(needs)
-            if (.not. is_met(k)) then
-                write (7, '(a, i0, 2a)') 'diffuse contact: element ', jelem, ' needs ', trim(needs(k))
-                call xit
-            end if
+            if (.not. is_met(k)) call refuse(trim(needs(k)))
         end do
+        if (.not. has_facets) return
+        associate (demand => unmet_demand(nnode, svars(1:nsvars), nsvars, props(1:nprops), nprops, jprops(1:njprop), njprop))
+            if (demand /= '') call refuse(demand)
+        end associate
+    end subroutine
+
+    subroutine refuse(demand)
+        character(len=*), intent(in) :: demand
+
+        write (7, '(a, i0, 2a)') 'diffuse contact: element ', jelem, ' needs ', demand
+        call xit
     end subroutine
 
     !> Whether SVARS can be what write_pairing wrote: they become indices and lengths.

@@ -1,5 +1,6 @@
 //! The Abaqus user element, driven as Abaqus does, against the Rust crate, bit for bit.
 
+use std::path::PathBuf;
 use std::process::Command;
 
 use crate::support::{Installed, assert_same, from_bits, groups, has, records, root, run};
@@ -52,6 +53,11 @@ fn the_user_element_has_the_numbers_of_rust() {
 
 /// Compiles a driver of this name with the user element.
 fn build(installed: &Installed, driver: &str) {
+    let user_element = installed.prefix.join("share/diffuse_contact/uel.f90");
+    compile(installed, driver, &[user_element, root().join("fortran").join(driver).with_extension("f90")]);
+}
+
+fn compile(installed: &Installed, name: &str, sources: &[PathBuf]) {
     let mut command = Command::new("gfortran");
     // Comparisons of numbers are meant, and so are dummy arguments that Abaqus passes and nobody needs.
     command.args([
@@ -63,11 +69,68 @@ fn build(installed: &Installed, driver: &str) {
         "-Wno-unused-dummy-argument",
     ]);
     command.args(["-Wno-surprising", "-fcheck=all", "-O1", "-J"]);
-    command.arg(&installed.prefix).arg("-o").arg(installed.prefix.join(driver));
-    command
-        .arg(installed.prefix.join("share/diffuse_contact/uel.f90"))
-        .arg(root().join("fortran").join(driver).with_extension("f90"));
+    command.arg(&installed.prefix).arg("-o").arg(installed.prefix.join(name)).args(sources);
     run(command.args(installed.flags(&["--libs"])));
+}
+
+/// The driver compares each force and stiffness with an interface of the whole surface, bit for bit.
+#[test]
+fn the_user_element_with_facets_has_the_numbers_of_the_whole_surface() {
+    if !(has("pkg-config") && has("gfortran")) {
+        return;
+    }
+    let installed = Installed::new("fortran-domains");
+    build(&installed, "drive_uel_domains");
+    let printed = run(&mut installed.program("drive_uel_domains"));
+    let is_built_in = !printed.contains("friction is not built in");
+    assert_eq!(is_built_in, printed.contains("with friction: "), "{printed}");
+    assert_eq!(is_built_in, printed.contains("a coefficient of zero is no friction"), "{printed}");
+    for said in [
+        "without friction: ",
+        "tangents against central differences",
+        "all facets give what a window gives",
+        "perturbations are linear",
+        "a slave beyond its window asks for a cut-back",
+    ] {
+        assert!(printed.contains(said), "{said}: {printed}");
+    }
+    refuse_mistakes_with_facets(&installed, is_built_in);
+}
+
+fn refuse_mistakes_with_facets(installed: &Installed, is_built_in: bool) {
+    let facets = "JPROPS of facets whose corners are nodes 2 to NNODE, or of a window";
+    let history = "SVARS that it has written itself, or zeros";
+    let unbuilt = "friction";
+    let says = [
+        "VARIABLES of at least 12 with facets",
+        "VARIABLES of at least 3 times the number of nodes and 11 with friction",
+        facets,
+        facets,
+        facets,
+        "PROPS(9) of 0",
+        "PROPS(10:13), where there are such, that are finite and not negative",
+        history,
+        history,
+        if is_built_in { "invalid-history" } else { unbuilt },
+        "JPROPS are no window",
+        "its nodes are not those of its window, in the order of that",
+        "has left what its window holds",
+        "weight",
+        "facets in JPROPS for friction",
+        unbuilt,
+        facets,
+    ];
+    for (mistake, expected) in (1..).zip(says) {
+        // It is none where friction is built in.
+        if mistake == 16 && is_built_in {
+            continue;
+        }
+        let output = installed.program("drive_uel_domains").args(["--refuse", &mistake.to_string()]).output();
+        let output = output.expect("the driver");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "mistake {mistake}: {said}{}", String::from_utf8_lossy(&output.stdout));
+        assert!(said.contains("diffuse contact: element 1") && said.contains(expected), "mistake {mistake}: {said}");
+    }
 }
 
 /// The input file is read, checked and run by a driver; with a mistake in it, it is not.

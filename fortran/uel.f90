@@ -100,6 +100,8 @@ subroutine uel(rhs, amatrx, svars, energy, ndofel, nrhs, nsvars, props, nprops, 
     if (.not. is_perturbation) start = now - reshape(du(1:ndofel, 1), [3, nnode])
 
     if (has_facets) then
+        ! In the first increment these are COORDS, without rounding.
+        if (.not. is_perturbation) start = coords(1:3, :) + reshape(u - du(1:ndofel, 1), [3, nnode])
         call run_contact_call(contact_call(jelem, ends_increment, is_perturbation, wants_force, wants_stiffness), &
             coords, now, start, du(1:ndofel, 1:nrhs), props(1:nprops), jprops(1:njprop), svars(1:nsvars), &
             rhs(1:ndofel, 1:nrhs), amatrx, energy, pnewdt)
@@ -129,6 +131,7 @@ contains
             'SVARS that it has written itself, or zeros', &
             'facets in JPROPS for friction, PROPS(10)']
         logical :: is_met(size(needs))
+        character(len=120) :: demand
         integer :: k
 
         is_met = .true.
@@ -151,9 +154,8 @@ contains
             if (.not. is_met(k)) call refuse(trim(needs(k)))
         end do
         if (.not. has_facets) return
-        associate (demand => unmet_demand(nnode, svars(1:nsvars), nsvars, props(1:nprops), nprops, jprops(1:njprop), njprop))
-            if (demand /= '') call refuse(demand)
-        end associate
+        call find_unmet_demand(nnode, svars(1:nsvars), nsvars, props(1:nprops), nprops, jprops(1:njprop), njprop, demand)
+        if (demand /= '') call refuse(trim(demand))
     end subroutine
 
     subroutine refuse(demand)

@@ -7,7 +7,7 @@ module diffuse_contact_domains
     use diffuse_contact
     implicit none
     private
-    public :: contact_call, run_contact_call, unmet_demand, encoded_window, FRICTION_PROPERTIES, FACETS_STATE
+    public :: contact_call, run_contact_call, find_unmet_demand, encoded_window, FRICTION_PROPERTIES, FACETS_STATE
 
     !> SVARS(1) of an element with facets, once it was called.
     integer, parameter :: FACETS_STATE = 3
@@ -27,10 +27,10 @@ module diffuse_contact_domains
 contains
 
     !> What an element with facets needs that it has not; nothing if all is well.
-    function unmet_demand(nnode, svars, nsvars, props, nprops, jprops, njprop) result(demand)
+    subroutine find_unmet_demand(nnode, svars, nsvars, props, nprops, jprops, njprop, demand)
         integer, intent(in) :: nnode, nsvars, nprops, njprop, jprops(njprop)
         real(8), intent(in) :: svars(nsvars), props(nprops)
-        character(len=:), allocatable :: demand
+        character(len=*), intent(out) :: demand
         real(8) :: told(FRICTION_PROPERTIES)
 
         demand = ''
@@ -78,7 +78,7 @@ contains
             ! Another coefficient than none goes on from a history, and none needs none.
             if (is_own_history .and. told(10) > 0) is_own_history = svars(2) > 0
         end function
-    end function
+    end subroutine
 
     !> PROPS, with zeros for those that are not given.
     pure function all_properties(props) result(told)
@@ -115,7 +115,7 @@ contains
         if (has_friction) call take_history()
         call expect(dc_refresh(interface, in_order(now), count_of(order)))
         call expect(dc_evaluate(interface, int(DC_HESSIAN, c_int32_t)))
-        call expect(dc_contact_of(interface, 0_c_size_t, contact))
+        call look_at_contact()
         if (contact%outcome == DC_BEYOND_WINDOW) then
             call leave_window()
         else
@@ -205,6 +205,13 @@ contains
                 if (.not. maxval(abs(first - coords(:, k + 1))) <= 1d-8*span) &
                     call stop_with('its nodes are not those of its window, in the order of that')
             end do
+        end subroutine
+
+        subroutine look_at_contact()
+            integer(c_int) :: status
+
+            status = dc_contact_of(interface, 0_c_size_t, contact)
+            if (status /= DC_NO_CONTACT) call expect(status)
         end subroutine
 
         !> The history at the start of the increment.

@@ -1,5 +1,6 @@
 //! The Abaqus user element, driven as Abaqus does, against the Rust crate, bit for bit.
 
+use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::Command;
 
@@ -112,13 +113,13 @@ fn refuse_mistakes_with_facets(installed: &Installed, is_built_in: bool) {
         history,
         history,
         if is_built_in { "invalid-history" } else { unbuilt },
-        "JPROPS are no window",
+        "invalid-window",
         "its nodes are not those of its window, in the order of that",
         "has left what its window holds",
         "weight",
         "facets in JPROPS for friction",
         unbuilt,
-        facets,
+        "JPROPS are no window",
     ];
     for (mistake, expected) in (1..).zip(says) {
         // It is none where friction is built in.
@@ -170,6 +171,88 @@ fn the_example_input_is_consistent_and_runs() {
     let vertical: f64 = held.split_whitespace().nth(2).expect("z").parse().expect("a number");
     assert!(vertical < sum && vertical > 0.997 * sum, "{vertical} {sum}");
     refuse_mistakes_of_input(&installed, &std::fs::read_to_string(&example).expect("the example"));
+}
+
+/// With friction, facets in the file; and with the windows that write_uel writes: the same numbers.
+#[test]
+fn the_example_with_friction_runs_with_facets_and_with_windows() {
+    if !(has("pkg-config") && has("gfortran")) {
+        return;
+    }
+    let installed = Installed::new("fortran-friction-input");
+    build(&installed, "drive_input");
+    let share = installed.prefix.join("share/diffuse_contact");
+    compile(&installed, "write_uel", &[share.join("write_uel.f90")]);
+    let sound = std::fs::read_to_string(share.join("examples/block_on_cylinder_friction.inp")).expect("the example");
+    let with_windows = with_windows(&installed, &sound);
+    let run_file = |text: &str| {
+        let path = installed.prefix.join("input.inp");
+        std::fs::write(&path, text).expect("a file");
+        installed.program("drive_input").arg(&path).output().expect("the driver")
+    };
+    let output = run_file(&sound);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    if said.contains("friction") && output.status.code() == Some(2) {
+        // Without its kernels.
+        return;
+    }
+    let printed = String::from_utf8(output.stdout).expect("text");
+    assert!(output.status.success(), "{printed}{said}");
+    let slaves: Vec<&str> = printed.lines().filter(|line| line.starts_with("slave")).collect();
+    assert_eq!(slaves.len(), 9);
+    for line in slaves {
+        let (_, force) = line.split_once("force").expect("a force");
+        let (force, friction) = force.split_once(", slip, friction").unwrap_or_else(|| panic!("{line}"));
+        let force: f64 = force.trim().parse().expect("a number");
+        let friction = friction.split_whitespace().map(|word| word.parse::<f64>().expect("a number").powi(2));
+        // The slip is elastic over the penalty: 0.3 of the gap, over a radius of 20.
+        assert!((friction.sum::<f64>().sqrt() / (0.3 * force) - 1.0).abs() < 2e-4, "{line}");
+    }
+    // But for the number of nodes the same text.
+    let windows = run_file(&with_windows);
+    let windows_printed = String::from_utf8(windows.stdout).expect("text");
+    assert!(windows.status.success(), "{windows_printed}{}", String::from_utf8_lossy(&windows.stderr));
+    let after = |text: &str| text.split_once('\n').map(|(_, after)| after.to_owned()).expect("lines");
+    let by_slave = |text: &str| {
+        let mut lines: Vec<String> = after(text).lines().map(str::to_owned).collect();
+        lines.sort();
+        lines
+    };
+    assert_eq!(by_slave(&windows_printed), by_slave(&printed));
+    for (one, other, says) in [
+        (", UNSYMM", "", "friction needs UNSYMM"),
+        ("I PROPERTIES=193", "I PROPERTIES=192", "not PROPERTIES values"),
+    ] {
+        assert_eq!(sound.matches(one).count(), 1, "{one:?}");
+        let output = run_file(&sound.replace(one, other));
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{one} → {other}: {said}");
+        assert!(said.contains(says), "{one} → {other}: {said}");
+    }
+}
+
+/// The example with what write_uel writes in the place of its user elements.
+fn with_windows(installed: &Installed, example: &str) -> String {
+    let rows = |keyword: &str| -> Vec<&str> {
+        let (_, after) = example.split_once(keyword).expect("the keyword");
+        after.lines().skip(1).take_while(|line| !line.starts_with('*')).collect()
+    };
+    let mut surfaces = format!("*NODE\n{}\n{}\n*FACET\n", rows("*NODE, NSET=CYLINDER").join("\n"), rows("*NODE, NSET=BLOCK").join("\n"));
+    for (row, column) in (0..6).flat_map(|row| (0..8).map(move |column| (row, column))) {
+        let first = 9 * row + column + 1;
+        writeln!(surfaces, "{first}, {}, {}, {}", first + 1, first + 10, first + 9).expect("a string");
+    }
+    surfaces.push_str("** slaves and areas\n*SLAVE\n");
+    for (label, area) in (101..).zip([0.2025, 0.405, 0.2025, 0.405, 0.81, 0.405, 0.2025, 0.405, 0.2025]) {
+        writeln!(surfaces, "{label}, {area}").expect("a string");
+    }
+    surfaces.push_str("*BOX\n0.9, 0.5, 0.5\n*PROPERTY\n20000., 0., 0.3, 0., 0., 0.3\n*FIRST\n1001\n");
+    let path = installed.prefix.join("surfaces.txt");
+    std::fs::write(&path, surfaces).expect("a file");
+    let written = run(installed.program("write_uel").arg(&path));
+    let (before, _) = example.split_once("*USER ELEMENT").expect("user elements");
+    let (_, after) = example.split_once("*ELSET, ELSET=CONTACT").expect("a set");
+    format!("{before}{written}*ELSET, ELSET=CONTACT{after}")
 }
 
 fn refuse_mistakes_of_input(installed: &Installed, sound: &str) {

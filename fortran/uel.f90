@@ -3,14 +3,14 @@
 !     *USER ELEMENT, TYPE=U1, NODES=26, COORDINATES=3, PROPERTIES=8, VARIABLES=37
 !     1, 2, 3
 !
-! examples/block_on_cylinder.inp is a whole input file.
+! examples/block_on_cylinder.inp is a whole input file, block_on_cylinder_friction.inp one with facets and friction.
 !
 ! Nodes: 1 the slave; 2 ... NNODE the candidates, every master node that may come to carry the surface under the slave in the whole
 ! analysis: all within the way it slides and two or three rows of nodes more on each side. Nodes that take no part get zeros. A
 ! slave that comes to lie outside its candidates, or on their border, has no contact.
 !
-! Masters are those of the first hull layers around the slave (DC_HULL_LAYERS). The library's default for interfaces, domains of
-! influence, belongs to the nodes of a surface: a user element has candidates, but no facets.
+! With I PROPERTIES there are facets, and what follows is said under "With facets" below. Without them masters are those of the first
+! hull layers around the slave (DC_HULL_LAYERS): domains of influence belong to the nodes of a surface.
 !
 !     PROPS(1)     penalty, force per length (per length^3 with an area), positive
 !     PROPS(2)     tributary area of the slave; 0 for a penalty per node
@@ -37,6 +37,30 @@
 !     SVARS(12)    dc_fallback of the pairing
 !     SVARS(12+k)  the k-th master as a candidate counted from 1; NSVARS is at least NNODE + 11
 !
+! With facets masters are those of domains of influence (DC_DOMAINS), the library's default, and there is friction:
+!
+!     *USER ELEMENT, TYPE=U1, NODES=64, COORDINATES=3, PROPERTIES=13, I PROPERTIES=193, VARIABLES=203, UNSYMM
+!
+!     JPROPS       the number of facets, then four nodes for each, counter-clockwise seen from outside: k is the k-th node of the
+!                  element, 0 the fourth of a triangle. They are the whole master surface, and its nodes the candidates. Or a window
+!                  of the surface, as write_uel.f90 writes it: -1 and its numbers; nodes 2 and following are those of the window
+!     PROPS(1:8)   as above; PROPS(4:6) are not looked at, PROPS(9) is 0
+!     PROPS(10)    coefficient of friction; 0, or PROPERTIES below 10: none
+!     PROPS(11)    tangential stiffness, in units of the penalty; 0 for the penalty
+!     PROPS(12)    shear limit, force (per area with an area); 0 for none
+!     PROPS(13)    slaves farther from the master have no contact, length; 0 for no limit
+!
+!     SVARS(1)     0 at the beginning, 3 afterwards
+!     SVARS(2)     how many numbers of history there are from SVARS(13) on, the anchor of friction as dc_history gives it; NSVARS is at
+!                  least 3 NNODE + 11 with friction, 12 without. All other SVARS are for output:
+!     SVARS(3)     support radius
+!     SVARS(4)     0 open, 1 sticks, 2 slides
+!     SVARS(5:7)   force of friction on the slave
+!     SVARS(8)     work of friction until now
+!     SVARS(9:12)  as above
+!
+! ENERGY(2) is what the penalties store, ENERGY(4), plastic dissipation, the work of friction.
+!
 ! RHS = f N is the contact force on the nodes, AMATRX = K = -d RHS/dU = e N N^T - f M, f = -e g > 0; both zero where nothing touches.
 !
 !     LFLAGS(3)    general step (LFLAGS(4) = 0)        linear perturbation step (LFLAGS(4) = 1)
@@ -50,7 +74,8 @@
 ! SVARS, the base state, as they are. A second column of RHS (Riks) is zero: contact is no load.
 !
 ! Static and other procedures without inertia; a dynamic one (LFLAGS(1) = 11, 12, 13) ends the analysis with a message, as do any other
-! LFLAGS(3), wrong sizes and SVARS that are not this element's. Compile with diffuse_contact.f90 beside it and link libdiffuse_contact.
+! LFLAGS(3), wrong sizes and SVARS that are not this element's. Compile with diffuse_contact.f90 and uel_domains.f90 beside it and link
+! libdiffuse_contact.
 include 'diffuse_contact.f90'
 include 'uel_domains.f90'
 

@@ -18,6 +18,9 @@ module diffuse_contact_domains
     !> In place of an integer of a window that needs more than JPROPS have; three pieces follow.
     integer, parameter :: LARGE = -2, LARGEST = 999999999
 
+    character(len=*), parameter :: LEFT = &
+        'its slave, or its master, has left what its window holds: write a window with wider boxes, or a larger skin'
+
     !> A call of UEL: what was asked, and by which element.
     type :: contact_call
         integer :: label = 0
@@ -198,7 +201,7 @@ contains
 
             call decode(jprops, integers, reals)
             before = size(reals) - 9*nodes
-            ! Abaqus may have moved them by rounding: fewer digits, or a translation of an instance.
+            ! An input file may have fewer digits than what the window was made of.
             span = maxval(maxval(coords(:, 2:), 2) - minval(coords(:, 2:), 2))
             do k = 1, nodes
                 first = reals(before + 9*k - 8:before + 9*k - 6)
@@ -224,6 +227,9 @@ contains
                 return
             end if
             call expect(dc_refresh(interface, in_order(start), count_of(order)))
+            call expect(dc_evaluate(interface, int(DC_VALUE, c_int32_t)))
+            call look_at_contact()
+            if (contact%outcome == DC_BEYOND_WINDOW) call stop_with(LEFT)
             call expect(dc_accept(interface, law))
         end subroutine
 
@@ -318,11 +324,8 @@ contains
 
         !> The slave has left what its window holds: there is no result. In an iteration a smaller increment may help.
         subroutine leave_window()
-            character(len=*), parameter :: says = &
-                'its slave, or its master, has left what its window holds: write a window with wider boxes, or a larger skin'
-
-            if (.not. this%ends_increment) call stop_with(says)
-            write (7, '(a, i0, 2a)') 'diffuse contact: element ', this%label, ': ', says
+            if (.not. this%ends_increment) call stop_with(LEFT)
+            write (7, '(a, i0, 2a)') 'diffuse contact: element ', this%label, ': ', LEFT
             pnewdt = min(pnewdt, 0.25d0)
         end subroutine
 

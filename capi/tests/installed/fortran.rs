@@ -128,8 +128,16 @@ fn refuse_mistakes_with_facets(installed: &Installed, is_built_in: bool) {
         let output = installed.program("drive_uel_domains").args(["--refuse", &mistake.to_string()]).output();
         let output = output.expect("the driver");
         let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "mistake {mistake}: {said}{}", String::from_utf8_lossy(&output.stdout));
-        assert!(said.contains("diffuse contact: element 1") && said.contains(expected), "mistake {mistake}: {said}");
+        assert_eq!(
+            output.status.code(),
+            Some(2),
+            "mistake {mistake}: {said}{}",
+            String::from_utf8_lossy(&output.stdout)
+        );
+        assert!(
+            said.contains("diffuse contact: element 1") && said.contains(expected),
+            "mistake {mistake}: {said}"
+        );
     }
 }
 
@@ -182,7 +190,8 @@ fn the_example_with_friction_runs_with_facets_and_with_windows() {
     build(&installed, "drive_input");
     let share = installed.prefix.join("share/diffuse_contact");
     compile(&installed, "write_uel", &[share.join("write_uel.f90")]);
-    let sound = std::fs::read_to_string(share.join("examples/block_on_cylinder_friction.inp")).expect("the example");
+    let sound =
+        std::fs::read_to_string(share.join("examples/block_on_cylinder_friction.inp")).expect("the example");
     let with_windows = with_windows(&installed, &sound);
     let run_file = |text: &str| {
         let path = installed.prefix.join("input.inp");
@@ -235,7 +244,11 @@ fn with_windows(installed: &Installed, example: &str) -> String {
         let (_, after) = example.split_once(keyword).expect("the keyword");
         after.lines().skip(1).take_while(|line| !line.starts_with('*')).collect()
     };
-    let mut surfaces = format!("*NODE\n{}\n{}\n*FACET\n", rows("*NODE, NSET=CYLINDER").join("\n"), rows("*NODE, NSET=BLOCK").join("\n"));
+    let mut surfaces = format!(
+        "*NODE\n{}\n{}\n*FACET\n",
+        rows("*NODE, NSET=CYLINDER").join("\n"),
+        rows("*NODE, NSET=BLOCK").join("\n")
+    );
     for (row, column) in (0..6).flat_map(|row| (0..8).map(move |column| (row, column))) {
         let first = 9 * row + column + 1;
         writeln!(surfaces, "{first}, {}, {}, {}", first + 1, first + 10, first + 9).expect("a string");

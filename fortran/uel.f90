@@ -128,7 +128,7 @@ subroutine uel(rhs, amatrx, svars, energy, ndofel, nrhs, nsvars, props, nprops, 
         ! In the first increment these are COORDS, without rounding.
         if (.not. is_perturbation) start = coords(1:3, :) + reshape(u - du(1:ndofel, 1), [3, nnode])
         call run_contact_call(contact_call(jelem, ends_increment, is_perturbation, wants_force, wants_stiffness), &
-            coords, now, start, du(1:ndofel, 1:nrhs), props(1:nprops), jprops(1:njprop), svars(1:nsvars), &
+            coords(1:3, :), now, start, du(1:ndofel, 1:nrhs), props(1:nprops), jprops(1:njprop), svars(1:nsvars), &
             rhs(1:ndofel, 1:nrhs), amatrx, energy, pnewdt)
         return
     end if

@@ -283,8 +283,8 @@ contains
                 count_of(values), found))
             tangent = 0
             do k = 1, int(found)
-                associate (entry => tangent(rows(k) + 1, columns(k) + 1))
-                    entry = entry + values(k)
+                associate (here => tangent(rows(k) + 1, columns(k) + 1))
+                    here = here + values(k)
                 end associate
             end do
         end subroutine
@@ -334,7 +334,7 @@ contains
             real(8), intent(in) :: positions(:, :)
             real(8) :: ordered(3*size(order))
 
-            ordered = reshape(positions(1:3, order), [3*size(order)])
+            ordered = reshape(positions(:, order), [3*size(order)])
         end function
 
         subroutine expect(status)

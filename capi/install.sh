@@ -7,7 +7,7 @@
 #     PREFIX/lib/libdiffuse_contact.so -> .so.0.1 -> .so.0.1.0, libdiffuse_contact.a
 #     PREFIX/lib/pkgconfig/diffuse_contact.pc
 #     PREFIX/lib/cmake/diffuse_contact/diffuse_contact-config.cmake
-#     PREFIX/share/diffuse_contact/diffuse_contact.f90, uel.f90, examples/block_on_cylinder.inp
+#     PREFIX/share/diffuse_contact/diffuse_contact.f90, uel.f90, uel_domains.f90, write_uel.f90, examples/*.inp
 #
 # Builds the libraries with optimisation first, or takes them from the directory BUILT. With DESTDIR set, everything goes below it
 # (for packagers). Needs Rust and a C linker; gcc or gfortran to use what it installs.
@@ -52,6 +52,8 @@ for file in diffuse_contact-config.cmake diffuse_contact-config-version.cmake; d
     sed -e "s|@VERSION@|$version|" -e "s|@INTERFACE@|$interface|" -e "s|@PRIVATE@|$private|" "$here/$file.in" \
         >"$root/lib/cmake/diffuse_contact/$file"
 done
-install -m 644 "$here/../fortran/diffuse_contact.f90" "$here/../fortran/uel.f90" "$root/share/diffuse_contact/"
-install -m 644 "$here/../fortran/examples/block_on_cylinder.inp" "$root/share/diffuse_contact/examples/"
+install -m 644 "$here/../fortran/diffuse_contact.f90" "$here/../fortran/uel.f90" \
+    "$here/../fortran/uel_domains.f90" "$here/../fortran/write_uel.f90" "$root/share/diffuse_contact/"
+install -m 644 "$here/../fortran/examples/block_on_cylinder.inp" \
+    "$here/../fortran/examples/block_on_cylinder_friction.inp" "$root/share/diffuse_contact/examples/"
 echo "installed $version in $root"

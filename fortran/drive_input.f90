@@ -4,7 +4,7 @@
 !     ./drive_input examples/block_on_cylinder.inp
 !
 ! It knows the keywords of that example: *NODE, *NSET, *ELEMENT (C3D8 and U1), *ELASTIC, *USER ELEMENT, *UEL PROPERTY, *STATIC and
-! *BOUNDARY; others are skipped. Checked is what uel.f90 and the manual demand of the lines; uel.f90 checks the numbers it is given.
+! *BOUNDARY; others are skipped. *USER ELEMENT may have I PROPERTIES, and has to say UNSYMM where there is friction. Checked is what uel.f90 and the manual demand of the lines; uel.f90 checks the numbers it is given.
 !
 ! The solid here is linear: bricks with 2 x 2 x 2 points, small strains. Abaqus' C3D8 under NLGEOM is neither. Contact is the same.
 !
@@ -31,7 +31,9 @@ program drive_input
 
     type :: property_list
         character(len=40) :: set = ''
+        ! PROPS, then JPROPS.
         real(8), allocatable :: values(:)
+        integer, allocatable :: integers(:)
     end type
 
     !> A line of *BOUNDARY.
@@ -51,7 +53,8 @@ program drive_input
     integer :: contact_count = 0, set_count = 0, property_count = 0, condition_count = 0
     real(8) :: young = 0, poisson = 0, control(4) = 0, pnewdt
     ! Of *USER ELEMENT.
-    integer :: told_nodes = 0, told_coordinates = 0, told_properties = 0, told_variables = 0, line_number = 0
+    integer :: told_nodes = 0, told_coordinates = 0, told_properties = 0, told_integers = 0, told_variables = 0, line_number = 0
+    logical :: is_unsymmetric = .false.
     character(len=line_length) :: file, option
 
     open (7, file='/dev/stderr')
@@ -119,6 +122,8 @@ contains
             told_coordinates = whole(parameter_of(keyword, 'COORDINATES'))
             told_properties = whole(parameter_of(keyword, 'PROPERTIES'))
             told_variables = whole(parameter_of(keyword, 'VARIABLES'))
+            if (parameter_of(keyword, 'IPROPERTIES') /= '') told_integers = whole(parameter_of(keyword, 'IPROPERTIES'))
+            is_unsymmetric = index(pack_blanks(keyword)//',', ',UNSYMM,') > 0
         case ('*ELEMENT')
             if (all(parameter_of(keyword, 'TYPE') /= [character(len=4) :: 'C3D8', 'U1'])) &
                 call fail('elements are C3D8 or U1: line ', line_number)
@@ -309,7 +314,8 @@ contains
 
         if (told_nodes < 4 .or. told_coordinates /= 3) call fail('*USER ELEMENT: NODES of at least 4, COORDINATES=3')
         if (told_properties < 8) call fail('*USER ELEMENT: PROPERTIES=8 or 9')
-        if (told_variables < told_nodes + 11) call fail('*USER ELEMENT: VARIABLES of at least the number of nodes and 11')
+        if (told_integers == 0 .and. told_variables < told_nodes + 11) &
+            call fail('*USER ELEMENT: VARIABLES of at least the number of nodes and 11')
         if (contact_count == 0 .or. size(bricks) == 0) call fail('there are no elements')
         do e = 1, contact_count
             associate (element => contacts(e))
@@ -333,7 +339,15 @@ contains
             end associate
         end do
         do k = 1, property_count
-            if (size(properties(k)%values) /= told_properties) call fail('not PROPERTIES values: *UEL PROPERTY ', k)
+            associate (own => properties(k))
+                if (size(own%values) /= told_properties + told_integers) call fail('not PROPERTIES values: *UEL PROPERTY ', k)
+                own%integers = nint(own%values(told_properties + 1:))
+                if (any(own%values(told_properties + 1:) /= own%integers)) call fail('I PROPERTIES are whole: *UEL PROPERTY ', k)
+                own%values = own%values(:told_properties)
+                if (told_properties >= 10 .and. .not. is_unsymmetric) then
+                    if (own%values(10) > 0) call fail('friction needs UNSYMM: *UEL PROPERTY ', k)
+                end if
+            end associate
         end do
         if (condition_count == 0 .or. control(2) <= 0) call fail('there is no step')
         print '(4(i0, a))', size(labels), ' nodes, ', size(bricks, 2), ' bricks, ', contact_count, &
@@ -370,7 +384,8 @@ contains
             end if
             total = total + dt
             do e = 1, contact_count
-                if (increment > 1 .and. contacts(e)%svars(8) /= contacts(e)%history(8)) pairings = pairings + 1
+                if (told_integers == 0 .and. increment > 1 .and. contacts(e)%svars(8) /= contacts(e)%history(8)) &
+                    pairings = pairings + 1
                 contacts(e)%history = contacts(e)%svars
             end do
             accepted = u
@@ -472,7 +487,8 @@ contains
         call uel(forces, element%amatrx, element%svars, energy, size(own), 1, told_variables, &
             properties(element%properties)%values, told_properties, coords(:, element%nodes), told_coordinates, told_nodes, &
             u(own), moved, none, none, 1, [total, total], dt, 1, increment, element%label, [0d0], 0, no_types, no_loads, &
-            predefined, 1, [1, 1, 1, 0, 0], size(own), no_loads, 1, pnewdt, [0], 0, control(2))
+            predefined, 1, [1, 1, 1, 0, 0], size(own), no_loads, 1, pnewdt, &
+            properties(element%properties)%integers, told_integers, control(2))
         element%rhs = forces(:, 1)
     end subroutine
 
@@ -574,9 +590,10 @@ contains
         reaction = matmul(stiffness, u)
         do e = 1, contact_count
             associate (element => contacts(e))
-                if (.not. (element%svars(1) == 1 .and. element%svars(9) < 0 .and. element%svars(10) > 0)) &
+                if (.not. (element%svars(1) > 0 .and. element%svars(9) < 0 .and. element%svars(10) > 0)) &
                     call fail('there is no contact: user element ', element%label)
-                if (element%svars(4) /= 2 .or. element%svars(12) /= 0) call fail('no quadratic fit: user element ', element%label)
+                if (element%svars(12) /= 0 .or. told_integers == 0 .and. element%svars(4) /= 2) &
+                    call fail('no quadratic fit: user element ', element%label)
                 force = 0
                 moment = 0
                 do k = 1, told_nodes
@@ -590,8 +607,7 @@ contains
                 size_of_forces = sum(abs(element%rhs))
                 if (.not. (all(abs(force) < 1d-12*size_of_forces) .and. all(abs(moment) < 1d-11*size_of_forces))) &
                     call fail('forces and moments are not in balance: user element ', element%label)
-                print '(a, i0, a, es20.12, a, es20.12, a, i0, a)', 'slave ', labels(element%nodes(1)), ': gap', element%svars(9), &
-                    ', force', element%svars(10), ', ', nint(element%svars(2)), ' masters'
+                call print_slave(element)
             end associate
         end do
         force = 0
@@ -602,6 +618,19 @@ contains
         x = [(sum(reaction(k::3), mask=.not. is_free(k::3)), k=1, 3)]
         if (.not. maxval(abs(x + force)) < 1d-6*maxval(abs(force))) call fail('the block is not in balance')
         print '(a, 3es20.12)', 'force on the block', force
+    end subroutine
+
+    subroutine print_slave(element)
+        type(contact_element), intent(in) :: element
+        character(len=5), parameter :: states(0:2) = [character(len=5) :: 'open', 'stick', 'slip']
+
+        write (*, '(a, i0, a, es20.12, a, es20.12)', advance='no') 'slave ', labels(element%nodes(1)), ': gap', element%svars(9), &
+            ', force', element%svars(10)
+        if (told_integers == 0) then
+            print '(a, i0, a)', ', ', nint(element%svars(2)), ' masters'
+        else
+            print '(3a, 3es20.12)', ', ', trim(states(nint(element%svars(4)))), ', friction', element%svars(5:7)
+        end if
     end subroutine
 end program drive_input
 

@@ -3,14 +3,14 @@
 !     *USER ELEMENT, TYPE=U1, NODES=26, COORDINATES=3, PROPERTIES=8, VARIABLES=37
 !     1, 2, 3
 !
-! examples/block_on_cylinder.inp is a whole input file.
+! examples/block_on_cylinder.inp is a whole input file, block_on_cylinder_friction.inp one with facets and friction.
 !
 ! Nodes: 1 the slave; 2 ... NNODE the candidates, every master node that may come to carry the surface under the slave in the whole
 ! analysis: all within the way it slides and two or three rows of nodes more on each side. Nodes that take no part get zeros. A
 ! slave that comes to lie outside its candidates, or on their border, has no contact.
 !
-! Masters are those of the first hull layers around the slave (DC_HULL_LAYERS). The library's default for interfaces, domains of
-! influence, belongs to the nodes of a surface: a user element has candidates, but no facets.
+! With I PROPERTIES there are facets, and what follows is said under "With facets" below. Without them masters are those of the first
+! hull layers around the slave (DC_HULL_LAYERS): domains of influence belong to the nodes of a surface.
 !
 !     PROPS(1)     penalty, force per length (per length^3 with an area), positive
 !     PROPS(2)     tributary area of the slave; 0 for a penalty per node
@@ -37,6 +37,30 @@
 !     SVARS(12)    dc_fallback of the pairing
 !     SVARS(12+k)  the k-th master as a candidate counted from 1; NSVARS is at least NNODE + 11
 !
+! With facets masters are those of domains of influence (DC_DOMAINS), the library's default, and there is friction:
+!
+!     *USER ELEMENT, TYPE=U1, NODES=64, COORDINATES=3, PROPERTIES=13, I PROPERTIES=193, VARIABLES=203, UNSYMM
+!
+!     JPROPS       the number of facets, then four nodes for each, counter-clockwise seen from outside: k is the k-th node of the
+!                  element, 0 the fourth of a triangle. They are the whole master surface, and its nodes the candidates. Or a window
+!                  of the surface, as write_uel.f90 writes it: -1 and its numbers; nodes 2 and following are those of the window
+!     PROPS(1:8)   as above; PROPS(4:6) are not looked at, PROPS(9) is 0
+!     PROPS(10)    coefficient of friction; 0, or PROPERTIES below 10: none
+!     PROPS(11)    tangential stiffness, in units of the penalty; 0 for the penalty
+!     PROPS(12)    shear limit, force (per area with an area); 0 for none
+!     PROPS(13)    slaves farther from the master have no contact, length; 0 for no limit
+!
+!     SVARS(1)     0 at the beginning, 3 afterwards
+!     SVARS(2)     how many numbers of history there are from SVARS(13) on, the anchor of friction as dc_history gives it; NSVARS is at
+!                  least 3 NNODE + 11 with friction, 12 without. All other SVARS are for output:
+!     SVARS(3)     support radius
+!     SVARS(4)     0 open, 1 sticks, 2 slides
+!     SVARS(5:7)   force of friction on the slave
+!     SVARS(8)     work of friction until now
+!     SVARS(9:12)  as above
+!
+! ENERGY(2) is what the penalties store, ENERGY(4), plastic dissipation, the work of friction.
+!
 ! RHS = f N is the contact force on the nodes, AMATRX = K = -d RHS/dU = e N N^T - f M, f = -e g > 0; both zero where nothing touches.
 !
 !     LFLAGS(3)    general step (LFLAGS(4) = 0)        linear perturbation step (LFLAGS(4) = 1)
@@ -50,14 +74,17 @@
 ! SVARS, the base state, as they are. A second column of RHS (Riks) is zero: contact is no load.
 !
 ! Static and other procedures without inertia; a dynamic one (LFLAGS(1) = 11, 12, 13) ends the analysis with a message, as do any other
-! LFLAGS(3), wrong sizes and SVARS that are not this element's. Compile with diffuse_contact.f90 beside it and link libdiffuse_contact.
+! LFLAGS(3), wrong sizes and SVARS that are not this element's. Compile with diffuse_contact.f90 and uel_domains.f90 beside it and link
+! libdiffuse_contact.
 include 'diffuse_contact.f90'
+include 'uel_domains.f90'
 
 subroutine uel(rhs, amatrx, svars, energy, ndofel, nrhs, nsvars, props, nprops, coords, mcrd, nnode, u, du, v, a, &
         jtype, time, dtime, kstep, kinc, jelem, params, ndload, jdltyp, adlmag, predef, npredf, lflags, mlvarx, &
         ddlmag, mdload, pnewdt, jprops, njprop, period)
     use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int32_t, c_size_t
     use diffuse_contact
+    use diffuse_contact_domains
     implicit none
 
     integer, intent(in) :: ndofel, nrhs, nsvars, nprops, mcrd, nnode, jtype, kstep, kinc, jelem, ndload, npredf, &
@@ -76,8 +103,10 @@ subroutine uel(rhs, amatrx, svars, energy, ndofel, nrhs, nsvars, props, nprops, 
     type(dc_point) :: point
     integer(c_int32_t) :: masters(nnode)
     integer :: anchor
-    logical :: is_paired, is_perturbation, ends_increment, wants_force, wants_stiffness, has_result
+    logical :: has_facets, is_paired, is_perturbation, ends_increment, wants_force, wants_stiffness, has_result
 
+    has_facets = .false.
+    if (njprop > 0) has_facets = jprops(1) /= 0
     call check_input()
     is_perturbation = lflags(4) /= 0 .or. lflags(3) == 100
     ! Only a call for an increment's force and stiffness ends in the state at the end of it.
@@ -95,6 +124,14 @@ subroutine uel(rhs, amatrx, svars, energy, ndofel, nrhs, nsvars, props, nprops, 
     ! In a perturbation step U is the base state, and DU is not in it.
     if (.not. is_perturbation) start = now - reshape(du(1:ndofel, 1), [3, nnode])
 
+    if (has_facets) then
+        ! In the first increment these are COORDS, without rounding.
+        if (.not. is_perturbation) start = coords(1:3, :) + reshape(u - du(1:ndofel, 1), [3, nnode])
+        call run_contact_call(contact_call(jelem, ends_increment, is_perturbation, wants_force, wants_stiffness), &
+            coords(1:3, :), now, start, du(1:ndofel, 1:nrhs), props(1:nprops), jprops(1:njprop), svars(1:nsvars), &
+            rhs(1:ndofel, 1:nrhs), amatrx, energy, pnewdt)
+        return
+    end if
     call read_pairing()
     if (.not. is_paired) call pair_at(start)
     has_result = .false.
@@ -116,30 +153,41 @@ contains
             'PROPS(9), where there is one, of at least 0 and below 1', &
             'a procedure without inertia', &
             'LFLAGS(3) of 1, 2, 3, 4, 5 or 100', &
-            'SVARS that it has written itself, or zeros']
+            'SVARS that it has written itself, or zeros', &
+            'facets in JPROPS for friction, PROPS(10)']
         logical :: is_met(size(needs))
+        character(len=120) :: demand
         integer :: k
 
         is_met = .true.
         is_met(1) = nnode >= 4 .and. ndofel == 3*nnode .and. mlvarx >= ndofel
         is_met(2) = mcrd >= 3
         is_met(3) = nprops >= 8
-        is_met(4) = nsvars >= nnode + before_masters - 1
+        is_met(4) = has_facets .or. nsvars >= nnode + before_masters - 1
         if (is_met(3)) then
             is_met(5) = props(1) > 0 .and. props(2) >= 0 .and. props(8) >= 0
             is_met(6) = any(props(3) == [0d0, 1d0, 2d0]) .and. any(props(7) == [0d0, 1d0])
-            is_met(7) = all(abs(props(4:6)) <= huge(1d0)) .and. any(abs(props(4:6)) > 0)
+            is_met(7) = has_facets .or. all(abs(props(4:6)) <= huge(1d0)) .and. any(abs(props(4:6)) > 0)
         end if
+        ! NaN is a coefficient, too.
+        if (nprops >= 10) is_met(12) = has_facets .or. abs(props(10)) <= 0
         if (nprops >= 9) is_met(8) = props(9) >= 0 .and. props(9) < 1
         is_met(9) = all(lflags(1) /= [11, 12, 13])
         is_met(10) = any(lflags(3) == [1, 2, 3, 4, 5, 100])
-        if (is_met(1) .and. is_met(4)) is_met(11) = is_own_history()
+        if (is_met(1) .and. is_met(4) .and. .not. has_facets) is_met(11) = is_own_history()
         do k = 1, size(needs)
-            if (.not. is_met(k)) then
-                write (7, '(a, i0, 2a)') 'diffuse contact: element ', jelem, ' needs ', trim(needs(k))
-                call xit
-            end if
+            if (.not. is_met(k)) call refuse(trim(needs(k)))
         end do
+        if (.not. has_facets) return
+        call find_unmet_demand(nnode, svars(1:nsvars), nsvars, props(1:nprops), nprops, jprops(1:njprop), njprop, demand)
+        if (demand /= '') call refuse(trim(demand))
+    end subroutine
+
+    subroutine refuse(demand)
+        character(len=*), intent(in) :: demand
+
+        write (7, '(a, i0, 2a)') 'diffuse contact: element ', jelem, ' needs ', demand
+        call xit
     end subroutine
 
     !> Whether SVARS can be what write_pairing wrote: they become indices and lengths.

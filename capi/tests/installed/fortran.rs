@@ -1,5 +1,7 @@
 //! The Abaqus user element, driven as Abaqus does, against the Rust crate, bit for bit.
 
+use std::fmt::Write as _;
+use std::path::PathBuf;
 use std::process::Command;
 
 use crate::support::{Installed, assert_same, from_bits, groups, has, records, root, run};
@@ -52,6 +54,11 @@ fn the_user_element_has_the_numbers_of_rust() {
 
 /// Compiles a driver of this name with the user element.
 fn build(installed: &Installed, driver: &str) {
+    let user_element = installed.prefix.join("share/diffuse_contact/uel.f90");
+    compile(installed, driver, &[user_element, root().join("fortran").join(driver).with_extension("f90")]);
+}
+
+fn compile(installed: &Installed, name: &str, sources: &[PathBuf]) {
     let mut command = Command::new("gfortran");
     // Comparisons of numbers are meant, and so are dummy arguments that Abaqus passes and nobody needs.
     command.args([
@@ -63,11 +70,75 @@ fn build(installed: &Installed, driver: &str) {
         "-Wno-unused-dummy-argument",
     ]);
     command.args(["-Wno-surprising", "-fcheck=all", "-O1", "-J"]);
-    command.arg(&installed.prefix).arg("-o").arg(installed.prefix.join(driver));
-    command
-        .arg(installed.prefix.join("share/diffuse_contact/uel.f90"))
-        .arg(root().join("fortran").join(driver).with_extension("f90"));
+    command.arg(&installed.prefix).arg("-o").arg(installed.prefix.join(name)).args(sources);
     run(command.args(installed.flags(&["--libs"])));
+}
+
+/// The driver compares each force and stiffness with an interface of the whole surface, bit for bit.
+#[test]
+fn the_user_element_with_facets_has_the_numbers_of_the_whole_surface() {
+    if !(has("pkg-config") && has("gfortran")) {
+        return;
+    }
+    let installed = Installed::new("fortran-domains");
+    build(&installed, "drive_uel_domains");
+    let printed = run(&mut installed.program("drive_uel_domains"));
+    let is_built_in = !printed.contains("friction is not built in");
+    assert_eq!(is_built_in, printed.contains("with friction: "), "{printed}");
+    assert_eq!(is_built_in, printed.contains("a coefficient of zero is no friction"), "{printed}");
+    for said in [
+        "without friction: ",
+        "tangents against central differences",
+        "all facets give what a window gives",
+        "perturbations are linear",
+        "a slave beyond its window asks for a cut-back",
+    ] {
+        assert!(printed.contains(said), "{said}: {printed}");
+    }
+    refuse_mistakes_with_facets(&installed, is_built_in);
+}
+
+fn refuse_mistakes_with_facets(installed: &Installed, is_built_in: bool) {
+    let facets = "JPROPS of facets whose corners are nodes 2 to NNODE, or of a window";
+    let history = "SVARS that it has written itself, or zeros";
+    let says = [
+        "VARIABLES of at least 12 with facets",
+        "VARIABLES of at least 3 times the number of nodes and 11 with friction",
+        facets,
+        facets,
+        facets,
+        "PROPS(9) of 0",
+        "PROPS(10:13), where there are such, that are finite and not negative",
+        history,
+        history,
+        "invalid-history",
+        "invalid-window",
+        "its nodes are not those of its window, in the order of that",
+        "has left what its window holds",
+        "weight",
+        "facets in JPROPS for friction",
+        "no-friction-kernels",
+        "JPROPS are no window",
+    ];
+    for (mistake, expected) in (1..).zip(says) {
+        // It is none where friction is built in.
+        if mistake == 16 && is_built_in {
+            continue;
+        }
+        let output = installed.program("drive_uel_domains").args(["--refuse", &mistake.to_string()]).output();
+        let output = output.expect("the driver");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(
+            output.status.code(),
+            Some(2),
+            "mistake {mistake}: {said}{}",
+            String::from_utf8_lossy(&output.stdout)
+        );
+        assert!(
+            said.contains("diffuse contact: element 1") && said.contains(expected),
+            "mistake {mistake}: {said}"
+        );
+    }
 }
 
 /// The input file is read, checked and run by a driver; with a mistake in it, it is not.
@@ -107,6 +178,94 @@ fn the_example_input_is_consistent_and_runs() {
     let vertical: f64 = held.split_whitespace().nth(2).expect("z").parse().expect("a number");
     assert!(vertical < sum && vertical > 0.997 * sum, "{vertical} {sum}");
     refuse_mistakes_of_input(&installed, &std::fs::read_to_string(&example).expect("the example"));
+}
+
+/// With friction, facets in the file; and with the windows that write_uel writes: the same numbers.
+#[test]
+fn the_example_with_friction_runs_with_facets_and_with_windows() {
+    if !(has("pkg-config") && has("gfortran")) {
+        return;
+    }
+    let installed = Installed::new("fortran-friction-input");
+    build(&installed, "drive_input");
+    let share = installed.prefix.join("share/diffuse_contact");
+    compile(&installed, "write_uel", &[share.join("write_uel.f90")]);
+    let sound =
+        std::fs::read_to_string(share.join("examples/block_on_cylinder_friction.inp")).expect("the example");
+    let with_windows = with_windows(&installed, &sound);
+    let run_file = |text: &str| {
+        let path = installed.prefix.join("input.inp");
+        std::fs::write(&path, text).expect("a file");
+        installed.program("drive_input").arg(&path).output().expect("the driver")
+    };
+    let output = run_file(&sound);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    if said.contains("no-friction-kernels") && output.status.code() == Some(2) {
+        return;
+    }
+    let printed = String::from_utf8(output.stdout).expect("text");
+    assert!(output.status.success(), "{printed}{said}");
+    let slaves: Vec<&str> = printed.lines().filter(|line| line.starts_with("slave")).collect();
+    assert_eq!(slaves.len(), 9);
+    for line in slaves {
+        let (gap, force) = line.split_once(", force").expect("a force");
+        let gap: f64 = gap.split_once("gap").expect("a gap").1.trim().parse().expect("a number");
+        let (force, friction) = force.split_once(", slip, friction").unwrap_or_else(|| panic!("{line}"));
+        let force: f64 = force.trim().parse().expect("a number");
+        let friction = friction.split_whitespace().map(|word| word.parse::<f64>().expect("a number").powi(2));
+        // A slave below the surface moves less than its foot, by the depth over the radius of the cylinder.
+        let expected = 1.0 - gap / 20.0;
+        assert!((friction.sum::<f64>().sqrt() / (0.3 * force) - expected).abs() < 1e-5, "{line}");
+    }
+    // In another order of elements the sum of all forces has other last digits.
+    let windows = run_file(&with_windows);
+    let windows_printed = String::from_utf8(windows.stdout).expect("text");
+    assert!(windows.status.success(), "{windows_printed}{}", String::from_utf8_lossy(&windows.stderr));
+    let by_slave = |text: &str| {
+        let mut lines: Vec<String> =
+            text.lines().filter(|line| line.starts_with("slave")).map(str::to_owned).collect();
+        lines.sort();
+        lines
+    };
+    assert_eq!(by_slave(&windows_printed), by_slave(&printed));
+    for (one, other, says) in [
+        (", UNSYMM", "", "friction needs UNSYMM"),
+        ("I PROPERTIES=193", "I PROPERTIES=192", "not PROPERTIES values"),
+    ] {
+        assert_eq!(sound.matches(one).count(), 1, "{one:?}");
+        let output = run_file(&sound.replace(one, other));
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{one} → {other}: {said}");
+        assert!(said.contains(says), "{one} → {other}: {said}");
+    }
+}
+
+/// The example with what write_uel writes in the place of its user elements.
+fn with_windows(installed: &Installed, example: &str) -> String {
+    let rows = |keyword: &str| -> Vec<&str> {
+        let (_, after) = example.split_once(keyword).expect("the keyword");
+        after.lines().skip(1).take_while(|line| !line.starts_with('*')).collect()
+    };
+    let mut surfaces = format!(
+        "*NODE\n{}\n{}\n*FACET\n",
+        rows("*NODE, NSET=CYLINDER").join("\n"),
+        rows("*NODE, NSET=BLOCK").join("\n")
+    );
+    for (row, column) in (0..6).flat_map(|row| (0..8).map(move |column| (row, column))) {
+        let first = 9 * row + column + 1;
+        writeln!(surfaces, "{first}, {}, {}, {}", first + 1, first + 10, first + 9).expect("a string");
+    }
+    surfaces.push_str("** slaves and areas\n*SLAVE\n");
+    for (label, area) in (101..).zip([0.2025, 0.405, 0.2025, 0.405, 0.81, 0.405, 0.2025, 0.405, 0.2025]) {
+        writeln!(surfaces, "{label}, {area}").expect("a string");
+    }
+    surfaces.push_str("*BOX\n0.9, 0.5, 0.5\n*PROPERTY\n20000., 0., 0.3, 0., 0., 0.3\n*FIRST\n1001\n");
+    let path = installed.prefix.join("surfaces.txt");
+    std::fs::write(&path, surfaces).expect("a file");
+    let written = run(installed.program("write_uel").arg(&path));
+    let (before, _) = example.split_once("*USER ELEMENT").expect("user elements");
+    let (_, after) = example.split_once("*ELSET, ELSET=CONTACT").expect("a set");
+    format!("{before}{written}*ELSET, ELSET=CONTACT{after}")
 }
 
 fn refuse_mistakes_of_input(installed: &Installed, sound: &str) {

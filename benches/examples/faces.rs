@@ -100,19 +100,19 @@ fn kernel(rounds: usize) -> Result<f64, Failure> {
     let form = Generated.hessian_form(&elements[0])?;
     let freedoms = form.degrees_of_freedom();
     let mut gradients = vec![0.0; freedoms * ELEMENTS];
-    let mut numbers = vec![0.0; form.numbers_with_foot() * ELEMENTS];
+    let mut numbers = vec![0.0; form.foot_numbers() * ELEMENTS];
     let (mut weights, mut rows) = (vec![0.0; MASTERS], [vec![0.0; 3 * freedoms], vec![0.0; 3 * freedoms]]);
     let mut scratch = BatchScratch::default();
     let mut best = f64::INFINITY;
     for _ in 0..20 * rounds {
         let start = Instant::now();
-        let slots = gradients.chunks_mut(freedoms).zip(numbers.chunks_mut(form.numbers_with_foot()));
+        let slots = gradients.chunks_mut(freedoms).zip(numbers.chunks_mut(form.foot_numbers()));
         let slots = slots.map(|(gradient, hessian)| GapSlot { gradient, hessian });
         let points = Generated.gap_foot_batch(&elements, slots, &mut scratch);
         for (k, point) in points.into_iter().enumerate() {
             let [foot, normal] = &mut rows;
             let mut target = FootSlot { weights: &mut weights, foot, normal };
-            let own = &numbers[form.numbers_with_foot() * k..][..form.numbers_with_foot()];
+            let own = &numbers[form.foot_numbers() * k..][..form.foot_numbers()];
             form.foot_derivatives(&point?, &gradients[freedoms * k..][..freedoms], own, &mut target)?;
         }
         best = best.min(start.elapsed().as_secs_f64());

@@ -19,7 +19,7 @@
 //! ```
 
 use diffuse_contact_kernels::foot_of_gap;
-use diffuse_contact_kernels::support::{AtFoot, KernelSet, SecondKind};
+use diffuse_contact_kernels::support::{Isa, KernelSet, SecondKind, Vector, WithLanes};
 
 use crate::batch::{Asked, gap_batch};
 use crate::facet::foot_weights;
@@ -74,28 +74,70 @@ impl FootSlot<'_> {
         let inputs = foot_of_gap::Inputs { slave: [0.0; 3], gap, normal };
         let by = foot_of_gap::evaluate(Mode::Gradient, &inputs).foot_jacobian;
         let freedoms = gradient.len();
-        for (component, by) in by.as_chunks::<7>().0.iter().enumerate() {
-            let &[x, y, z, by_gap, ref by_normal @ ..] = by;
-            let row = &mut self.foot[freedoms * component..][..freedoms];
-            for (k, entry) in row.iter_mut().enumerate() {
-                let of_normal = (0..3).map(|axis| by_normal[axis] * self.normal[freedoms * axis + k]);
-                *entry = by_gap * gradient[k] + of_normal.sum::<f64>();
-            }
-            for (entry, of_slave) in row.iter_mut().zip([x, y, z]) {
-                *entry += of_slave;
+        let (by, _) = by.as_chunks::<7>();
+        let (normal, foot) = (&self.normal[..3 * freedoms], &mut self.foot[..3 * freedoms]);
+        let rows = FootRows { by, gradient, normal, foot: &mut *foot };
+        let mut not_finite = Isa::best().run(rows);
+        for (row, by) in foot.chunks_exact_mut(freedoms).zip(by) {
+            for axis in 0..3 {
+                row[axis] += by[axis];
+                not_finite += 0.0 * row[axis];
             }
         }
-        let numbers = self.weights.iter().chain(&*self.normal).chain(&*self.foot);
-        let is_finite = numbers.map(|x| x * 0.0).sum::<f64>() == 0.0;
+        not_finite += self.weights.iter().map(|x| x * 0.0).sum::<f64>();
+        let is_finite = not_finite == 0.0;
         if is_finite { Ok(()) } else { Err(ElementError::Overflow { what: "derivative at the foot" }) }
     }
 }
 
+/// Rows of the foot, as far as they follow from gap and normal.
+struct FootRows<'a> {
+    /// Derivatives of each component by the slave, gap and normal.
+    by: &'a [[f64; 7]],
+    gradient: &'a [f64],
+    normal: &'a [f64],
+    foot: &'a mut [f64],
+}
+
+impl WithLanes for FootRows<'_> {
+    /// 0, or NaN if an entry is not finite.
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<T: Vector>(self) -> f64 {
+        let Self { by, gradient, normal, foot } = self;
+        let freedoms = gradient.len();
+        let mut not_finite = T::ZERO;
+        for vector in 0..freedoms.div_ceil(T::WIDTH) {
+            // The last vector writes some entries once more.
+            let place = (T::WIDTH * vector).min(freedoms - T::WIDTH);
+            let by_nodes = [
+                T::load(gradient, place),
+                T::load(normal, place),
+                T::load(normal, freedoms + place),
+                T::load(normal, 2 * freedoms + place),
+            ];
+            let mut sum = by_nodes[1] + by_nodes[2] + by_nodes[3];
+            for component in 0..3 {
+                let by = &by[component];
+                let mut entry = T::splat(by[3]) * by_nodes[0];
+                for k in 1..4 {
+                    entry = T::splat(by[3 + k]).mul_add(by_nodes[k], entry);
+                }
+                entry.store(foot, freedoms * component + place);
+                sum = sum + entry;
+            }
+            not_finite = sum.mul_add(T::ZERO, not_finite);
+        }
+        not_finite.sum()
+    }
+}
+
 impl HessianForm {
-    /// How many numbers the factors are with what the derivatives at the foot need besides.
+    /// How many numbers [`gap_foot_batch`](Generated::gap_foot_batch) gives.
     #[must_use]
-    pub const fn numbers_with_foot(self) -> usize {
-        self.numbers() + self.rows().foot_numbers()
+    pub const fn foot_numbers(self) -> usize {
+        self.rows().foot_numbers()
     }
 
     /// The derivatives at the foot, from what [`gap_foot_batch`](Generated::gap_foot_batch) gave: gap, foot and normal, N, and `numbers`.
@@ -112,16 +154,17 @@ impl HessianForm {
         numbers: &[f64],
         target: &mut FootSlot<'_>,
     ) -> Result<(), ElementError> {
-        let at_foot = AtFoot { weights: target.weights, normal: target.normal };
-        self.rows().foot_derivatives(numbers, at_foot);
+        let masters = self.rows().count;
+        let (weights, normal) = numbers[..self.foot_numbers()].split_at(masters);
+        target.weights[..masters].copy_from_slice(weights);
+        target.normal[..normal.len()].copy_from_slice(normal);
         target.complete(point, &gradient[..self.degrees_of_freedom()])
     }
 }
 
 impl Generated {
-    /// As [`gap_factors_batch`](Self::gap_factors_batch), with what the derivatives at the foot need behind the factors of M:
-    /// [`numbers_with_foot`](HessianForm::numbers_with_foot) numbers, of which
-    /// [`foot_derivatives`](HessianForm::foot_derivatives) makes them.
+    /// As [`gap_factors_batch`](Self::gap_factors_batch), with φ and ∂ν/∂x in the place of the factors of M:
+    /// [`foot_numbers`](HessianForm::foot_numbers) numbers, which [`foot_derivatives`](HessianForm::foot_derivatives) completes.
     ///
     /// # Errors
     /// An entry for each element, as [`gap_into`](Self::gap_into).
@@ -184,7 +227,7 @@ pub(crate) fn of_element(element: &Element<'_>) -> Result<FootDerivatives, Eleme
 pub(crate) fn of_element_with<K: KernelSet>(element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
     let form = GeneratedWith::<K>::new().hessian_form(element)?;
     let mut gradient = vec![0.0; form.degrees_of_freedom()];
-    let mut numbers = vec![0.0; form.numbers_with_foot()];
+    let mut numbers = vec![0.0; form.foot_numbers()];
     let kernel = (element.basis, frame_rule(element.frame.derivative, &element.domains));
     let inputs = inputs::<K>(element, [0.0; 2]);
     let kind = SecondKind::FactorsAndFoot;

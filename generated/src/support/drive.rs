@@ -86,7 +86,7 @@ const fn scratch_vectors<K: GapKernel>(vectors: usize) -> usize {
     if K::ANCHOR { vectors + 2 } else { vectors + 1 }
 }
 
-/// Entries of the gradients and of the packed Hessians that a kernel computes, see [`KernelSet::gap`](super::KernelSet::gap) and
+/// Entries of the gradients and of the packed Hessians that a kernel computes, or of what it leaves in their place, see [`KernelSet::gap`](super::KernelSet::gap) and
 /// [`KernelSet::slip`](super::KernelSet::slip).
 const fn sizes<K: GapKernel>(nodes: usize, kind: SecondKind) -> (usize, usize) {
     let freedoms = 3 * (nodes + 1);
@@ -102,9 +102,19 @@ const fn sizes<K: GapKernel>(nodes: usize, kind: SecondKind) -> (usize, usize) {
         (Mode::Hessian, SecondKind::Hessians) => (gradients, hessians),
         (Mode::Hessian, SecondKind::Factors) => (gradients, form::<K>(nodes).factors()),
         (Mode::Hessian, SecondKind::FactorsAndFoot) => {
-            (gradients, form::<K>(nodes).factors() + form::<K>(nodes).foot_numbers())
+            (gradients, form::<K>(nodes).factors() + form::<K>(nodes).foot_coefficients())
         }
     }
+}
+
+/// Numbers of second derivatives that an element gets.
+const fn second_numbers<K: GapKernel>(nodes: usize, kind: SecondKind) -> usize {
+    if is_foot::<K>(kind) { form::<K>(nodes).foot_numbers() } else { sizes::<K>(nodes, kind).1 }
+}
+
+/// Whether what the kernel leaves is combined to derivatives at the foot.
+const fn is_foot<K: GapKernel>(kind: SecondKind) -> bool {
+    matches!((K::MODE, kind), (Mode::Hessian, SecondKind::FactorsAndFoot))
 }
 
 /// Whether derivatives are those of N and M, which may have places.
@@ -157,13 +167,14 @@ pub fn single<K: GapKernel>(
     second: Second<'_, f64>,
 ) -> GapValues<f64> {
     let kind = second.kind();
-    let (gradients, hessians) = sizes::<K>(inputs.masters.len(), kind);
+    let count = inputs.masters.len();
+    let (gradients, _) = sizes::<K>(count, kind);
     let code = SingleElement::<K> {
         inputs,
         weight_number,
         gradient: &mut gradient[..gradients],
         kind,
-        second: &mut second.into_target()[..hessians],
+        second: &mut second.into_target()[..second_numbers::<K>(count, kind)],
         kernel: PhantomData,
     };
     // Constants, not patterns: what a constant rules out is not compiled.
@@ -192,11 +203,14 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
         let count = inputs.masters.len();
         let vectors = count.div_ceil(T::WIDTH);
         let read = material_values::<K>();
-        let needed = (NODE_VALUES + read) * vectors + K::KEPT * scratch_vectors::<K>(vectors);
+        let left = if is_foot::<K>(kind) { sizes::<K>(count, kind).1 } else { 0 };
+        let kept = K::KEPT * scratch_vectors::<K>(vectors);
+        let needed = (NODE_VALUES + read) * vectors + kept + left.div_ceil(T::WIDTH);
         let mut blocks = memory(Block::count::<T>(needed));
         let (masters, scratch) = Block::vectors::<T>(&mut blocks).split_at_mut(NODE_VALUES * vectors);
         let (masters, _) = masters.as_chunks_mut::<NODE_VALUES>();
         let (material, scratch) = scratch.split_at_mut(read * vectors);
+        let (scratch, numbers) = scratch.split_at_mut(kept);
         let (material, _) = material.as_chunks_mut::<MATERIAL_VALUES>();
         for (k, master) in masters.iter_mut().enumerate() {
             // The last node also fills the rest of the last vector.
@@ -212,8 +226,13 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
             }
         }
         let inputs = Inputs::gather(|_| inputs, weight_number, masters, material);
-        let second = Second::new(kind, second);
-        let values = K::evaluate::<T::Scalar, T, Single<T>>(&inputs, scratch, gradient, second).lane(0);
+        let numbers = &mut T::numbers(numbers)[..left];
+        let target = if is_foot::<K>(kind) { &mut *numbers } else { &mut *second };
+        let target = Second::new(kind, target);
+        let values = K::evaluate::<T::Scalar, T, Single<T>>(&inputs, scratch, gradient, target).lane(0);
+        if is_foot::<K>(kind) {
+            form::<K>(count).foot_derivatives(numbers, second);
+        }
         BLOCKS.set(blocks);
         values
     }
@@ -344,8 +363,11 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
         let has_hessians = K::MODE == Mode::Hessian && self.kind == SecondKind::Hessians;
         let (gradients, factors) = sizes::<K>(most, self.kind);
         let factors = if has_hessians { 0 } else { factors };
+        let is_foot = is_foot::<K>(self.kind);
+        let at_foot = if is_foot { second_numbers::<K>(most, self.kind) } else { 0 };
         let read = material_values::<K>();
-        let needed = (NODE_VALUES + read) * most + K::KEPT * scratch_vectors::<K>(most) + gradients + factors;
+        let kept = K::KEPT * scratch_vectors::<K>(most);
+        let needed = (NODE_VALUES + read) * most + kept + gradients + factors + at_foot;
         let Workspace { blocks, spread, .. } = self.workspace;
         let blocks = at_least(blocks, Block::count::<T>(needed));
         let vectors = Block::vectors::<T>(blocks);
@@ -353,9 +375,10 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
         let (masters, _) = masters.as_chunks_mut::<NODE_VALUES>();
         let (material, vectors) = vectors.split_at_mut(read * most);
         let (material, _) = material.as_chunks_mut::<MATERIAL_VALUES>();
-        let (scratch, vectors) = vectors.split_at_mut(K::KEPT * scratch_vectors::<K>(most));
+        let (scratch, vectors) = vectors.split_at_mut(kept);
         let (gradient, vectors) = vectors.split_at_mut(gradients);
-        let factors = &mut vectors[..factors];
+        let (factors, vectors) = vectors.split_at_mut(factors);
+        let at_foot = &mut vectors[..at_foot];
         for elements in self.elements.chunks_mut(T::WIDTH) {
             let count = most_nodes(elements);
             let (gradients, _) = sizes::<K>(count, self.kind);
@@ -397,7 +420,10 @@ impl<K: GapKernel> WithLanes for Elements<'_, '_, K> {
             } else if gradients > 0 {
                 spread.store_gradients(gradient, elements, |element| element.gradient);
             }
-            if !has_hessians {
+            if is_foot {
+                form::<K>(count).foot_derivatives(factors, at_foot);
+                T::store_transposed(at_foot, elements, |element| element.hessian);
+            } else if !has_hessians {
                 T::store_transposed(factors, elements, |element| element.hessian);
             }
         }

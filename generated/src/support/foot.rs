@@ -4,52 +4,82 @@
 //! [`SecondKind::FactorsAndFoot`](super::SecondKind) leaves a coefficient for each product of the form: for x, y and z of the normal, and
 //! for the height of the surface over the foot; then the normal n̂ of the frame.
 
-use super::FormRows;
-
-/// Where first derivatives at the foot go.
-#[derive(Debug)]
-pub struct AtFoot<'a> {
-    /// φ, a number for each master: the foot is Σ φ_k x_k.
-    pub weights: &'a mut [f64],
-    /// ∂ν/∂x, a row of 3(n+1) entries for each component, the slave's first, 1/length.
-    pub normal: &'a mut [f64],
-}
+use super::form::write;
+use super::second::MOST_ROWS;
+use super::{FormRows, Lane};
 
 impl FormRows {
-    /// First derivatives at the foot, from the numbers of a kernel that was asked for factors and foot.
+    /// Numbers of [the derivatives at the foot](Self::foot_derivatives).
+    #[inline(always)]
+    #[must_use]
+    pub const fn foot_numbers(self) -> usize {
+        self.count + 9 * (self.count + 1)
+    }
+
+    /// First derivatives at the foot, of what a kernel leaves that was asked for factors and foot: φ, a number for each master, so that
+    /// the foot is Σ φ_k x_k; then ∂ν/∂x, a row of 3(n+1) entries for each component, the slave's first, 1/length.
     ///
     /// # Panics
-    /// If a slice is too short.
-    pub fn foot_derivatives(self, numbers: &[f64], target: AtFoot<'_>) {
-        let (factors, foot) = numbers.split_at(self.factors());
+    /// If a slice is too short, or there are more than 64 rows.
+    #[inline(always)]
+    pub(super) fn foot_derivatives<T: Lane>(self, factors: &[T], target: &mut [T]) {
+        let coefficients = &factors[self.factors()..][..self.foot_coefficients()];
+        // Of each product the four coefficients side by side.
+        let mut of_products = [[T::ZERO; Self::FOOT]; MOST_ROWS / 2];
         let products = (self.varying + self.constant) / 2;
-        let (combinations, frame_normal) = foot[..self.foot_numbers()].split_at(Self::FOOT * products);
+        for product in 0..products {
+            for quantity in 0..Self::FOOT {
+                of_products[product][quantity] = coefficients[products * quantity + product];
+            }
+        }
+        let frame_normal = &coefficients[Self::FOOT * products..];
+        let (of_varying, of_constant) = of_products[..products].split_at(self.varying / 2);
         let constant = &factors[self.node_factors() * self.count..];
         let freedoms = 3 * (self.count + 1);
-        let normal = &mut target.normal[..3 * freedoms];
-        let weights = &mut target.weights[..self.count];
-        for row in normal.chunks_exact_mut(freedoms) {
-            row[..3].fill(0.0);
-        }
+        let (weights, normal) = target[..self.foot_numbers()].split_at_mut(self.count);
+        let mut slave = [[T::ZERO; 3]; 3];
         for node in 0..self.count {
             let own = &factors[self.node_factors() * node..];
-            // Of each product the row b, then the row c.
-            let along = |quantity: usize, axis: usize| -> f64 {
-                let (varying, same) =
-                    combinations[products * quantity..][..products].split_at(self.varying / 2);
-                let varying = varying.iter().zip(own[self.varying * axis..].iter().step_by(2));
-                let same = same.iter().zip(constant[self.constant * axis..].iter().step_by(2));
-                varying.chain(same).map(|(c, b)| c * b).sum()
-            };
-            for (component, row) in normal.chunks_exact_mut(freedoms).enumerate() {
-                for axis in 0..3 {
-                    let entry = along(component, axis);
-                    row[3 * (node + 1) + axis] = entry;
+            let mut weight = T::ZERO;
+            for axis in 0..3 {
+                let mut sums = [T::ZERO; Self::FOOT];
+                add_rows(of_varying, &own[self.varying * axis..], &mut sums);
+                add_rows(of_constant, &constant[self.constant * axis..], &mut sums);
+                for component in 0..3 {
+                    normal[freedoms * component + 3 * (node + 1) + axis] = sums[component];
                     // Translations change nothing.
-                    row[axis] -= entry;
+                    slave[component][axis] = slave[component][axis] - sums[component];
                 }
+                weight = frame_normal[axis].mul_add(sums[3], weight);
             }
-            weights[node] = (0..3).map(|axis| frame_normal[axis] * along(3, axis)).sum();
+            weights[node] = weight;
+        }
+        for component in 0..3 {
+            write(slave[component], normal, freedoms * component);
+        }
+    }
+
+    /// Numbers that follow the [factors](Self::factors) where the foot is asked for too: four for each product, and n̂.
+    #[inline(always)]
+    pub(super) const fn foot_coefficients(self) -> usize {
+        Self::FOOT * ((self.varying + self.constant) / 2) + 3
+    }
+
+    /// Quantities that are combined from rows: x, y and z of the normal, and the height.
+    const FOOT: usize = 4;
+}
+
+/// Adds the combinations of the rows b, each of which a row c follows.
+#[inline(always)]
+fn add_rows<T: Lane, const QUANTITIES: usize>(
+    coefficients: &[[T; QUANTITIES]],
+    rows: &[T],
+    sums: &mut [T; QUANTITIES],
+) {
+    for product in 0..coefficients.len() {
+        let b = rows[2 * product];
+        for quantity in 0..QUANTITIES {
+            sums[quantity] = coefficients[product][quantity].mul_add(b, sums[quantity]);
         }
     }
 }

@@ -25,9 +25,6 @@ impl FormRows {
     /// Room for a node's own block, and for a sum of blocks.
     pub const OWN: usize = 15;
 
-    /// Quantities that are combined from rows: x, y and z of the normal, and the height.
-    pub(super) const FOOT: usize = 4;
-
     /// Numbers of the [factors](super::Second) that a form leaves.
     #[inline(always)]
     #[must_use]
@@ -40,14 +37,6 @@ impl FormRows {
     #[must_use]
     pub(super) const fn node_factors(self) -> usize {
         3 * self.varying + 6
-    }
-
-    /// Numbers that follow the [factors](Self::factors) where [the foot](Self::foot_derivatives) is asked for too: four for each product,
-    /// and the normal of the frame.
-    #[inline(always)]
-    #[must_use]
-    pub const fn foot_numbers(self) -> usize {
-        Self::FOOT * (self.all() / 2) + 3
     }
 
     const fn all(self) -> usize {

@@ -23,7 +23,6 @@ pub use descent::TwoVariables;
 pub use drive::{BatchElement, GapKernel, Widths, Workspace, batch, scalar, single};
 pub use equations::{Equations, Solution};
 pub use facet::{AREA_TOLERANCE, FacetInputs, FacetValues, first_entries};
-pub use foot::AtFoot;
 pub use form::FormRows;
 pub use inputs::{Domains, ElementInputs, Inputs, MATERIAL_VALUES, Masters, MaterialNode, NODE_VALUES};
 pub use lane::Lane;

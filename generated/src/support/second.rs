@@ -19,7 +19,7 @@ pub enum SecondKind {
     Hessians,
     /// The factors that these are made of.
     Factors,
-    /// The factors, and what makes the first derivatives at the foot of them: see [`FormRows::foot_derivatives`].
+    /// First derivatives at the foot, [`FormRows::foot_numbers`]. A kernel leaves the factors, and coefficients that make them of these.
     FactorsAndFoot,
 }
 
@@ -96,7 +96,7 @@ const GROUP: usize = 4;
 /// Nodes whose rows are multiplied at once.
 const NODES: usize = 4;
 /// Rows of the largest basis with its outer unknowns, in full vectors.
-const MOST_ROWS: usize = 64;
+pub(super) const MOST_ROWS: usize = 64;
 
 impl FormRows {
     /// The factors of a node.

@@ -1,6 +1,8 @@
 //! The contribution of one slave face: forces by unit pressures and tractions of its corners, gradients of their gaps, and what the
 //! directions of the forces add to the tangent.
 
+use diffuse_contact_kernels::support::{Isa, Vector, WithLanes};
+
 use super::carried::{Carried, direction_along};
 use super::cut::FacePoint;
 use super::quadratic::{Carrying, MOST_NODES};
@@ -212,32 +214,60 @@ impl FaceBlock {
     ) {
         let width = self.gradients[0].len();
         let Line { force, by_along, along_by_nodes } = line_of_force;
-        let mut line = vec![0.0; width];
-        let count = columns.facet.len() + 1;
-        for own in 0..count {
+        let mut rows = Vec::with_capacity(3 * carriers.len());
+        for &(row, own, part) in carriers {
+            let factor = -load * part;
             for axis in 0..3 {
-                let by = force.row(3 * own + axis);
-                line.fill(0.0);
-                for k in 0..3 {
-                    let factor: f64 = (0..3).map(|j| by[3 + j] * by_along[j][k]).sum();
-                    for (entry, other) in line.iter_mut().zip(&along_by_nodes[k * width..][..width]) {
-                        *entry += factor * other;
-                    }
-                }
+                let (row, by) = (3 * row + axis, force.row(3 * own + axis));
+                let of_direction =
+                    [0, 1, 2].map(|k| factor * (0..3).map(|j| by[3 + j] * by_along[j][k]).sum::<f64>());
+                rows.push((row, of_direction));
+                let target = &mut self.directions[row * width..][..width];
                 for k in 0..3 {
                     for (&place, n) in columns.face.iter().zip(functions) {
-                        line[3 * place + k] += n * by[k];
+                        target[3 * place + k] += factor * (n * by[k]);
                     }
                     for (node, &place) in columns.facet.iter().enumerate() {
-                        line[3 * place + k] += by[6 + 3 * node + k];
+                        target[3 * place + k] += factor * by[6 + 3 * node + k];
                     }
                 }
-                for &(row, _, part) in carriers.iter().filter(|carrier| carrier.1 == own) {
-                    let target = &mut self.directions[(3 * row + axis) * width..][..width];
-                    for (sum, entry) in target.iter_mut().zip(&line) {
-                        *sum -= load * part * entry;
-                    }
-                }
+            }
+        }
+        let target = &mut self.directions[..];
+        Isa::best().run(Combinations { rows: &rows, along_by_nodes, width, target });
+    }
+}
+
+/// Combinations of three rows, each added to a row of a matrix.
+struct Combinations<'a> {
+    /// The row that is added to, and the factors.
+    rows: &'a [(usize, [f64; 3])],
+    along_by_nodes: &'a [f64],
+    width: usize,
+    target: &'a mut [f64],
+}
+
+impl WithLanes for Combinations<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<T: Vector>(self) {
+        let Self { rows, along_by_nodes, width, target } = self;
+        let whole = width - width % T::WIDTH;
+        for &(row, [a, b, c]) in rows {
+            let target = &mut target[width * row..][..width];
+            let (x, y, z) = (T::splat(a), T::splat(b), T::splat(c));
+            let mut place = 0;
+            while place < whole {
+                let sum = x.mul_add(T::load(along_by_nodes, place), T::load(target, place));
+                let sum = y.mul_add(T::load(along_by_nodes, width + place), sum);
+                let sum = z.mul_add(T::load(along_by_nodes, 2 * width + place), sum);
+                sum.store(target, place);
+                place += T::WIDTH;
+            }
+            for place in whole..width {
+                let [x, y, z] = [0, 1, 2].map(|k| along_by_nodes[k * width + place]);
+                target[place] += a * x + b * y + c * z;
             }
         }
     }

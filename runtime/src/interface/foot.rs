@@ -140,7 +140,7 @@ impl ContactInterface {
         }
         let present: Vec<usize> =
             slots.range.clone().filter(|&k| slots.outcomes[k - first].is_contact()).collect();
-        let found = self.linearise_slaves(&present, Second::WithFoot)?;
+        let found = self.linearise_slaves(&present, Second::AtFoot)?;
         // Without a reason of its own a result is missing where numbers overflowed.
         let overflow =
             Outcome::None(NoContact::from(ElementError::Overflow { what: "derivative at the foot" }));

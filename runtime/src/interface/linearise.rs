@@ -36,8 +36,8 @@ pub(super) enum Second {
     None,
     /// Second derivatives.
     Hessians,
-    /// These, with what the derivatives at the foot need.
-    WithFoot,
+    /// φ and ∂ν/∂x; of facets second derivatives, which have them.
+    AtFoot,
 }
 
 impl Second {
@@ -46,7 +46,7 @@ impl Second {
         match self {
             Self::None => 0,
             Self::Hessians => form.numbers(),
-            Self::WithFoot => form.numbers_with_foot(),
+            Self::AtFoot => form.foot_numbers(),
         }
     }
 }
@@ -226,7 +226,7 @@ impl Evaluator<'_> {
         let asked = match asked {
             Second::None => Asked::Mode(Mode::Gradient),
             Second::Hessians => Asked::Factors(SecondKind::Factors),
-            Second::WithFoot => Asked::Factors(SecondKind::FactorsAndFoot),
+            Second::AtFoot => Asked::Factors(SecondKind::FactorsAndFoot),
         };
         evaluate(&Generated, asked, &mut waiting, batch, |place, element| {
             // Without a result it stays a NaN, which carries no force.

@@ -86,8 +86,8 @@ const fn scratch_vectors<K: GapKernel>(vectors: usize) -> usize {
     if K::ANCHOR { vectors + 2 } else { vectors + 1 }
 }
 
-/// Entries of the gradients and of the packed Hessians that a kernel computes, or of what it leaves in their place, see [`KernelSet::gap`](super::KernelSet::gap) and
-/// [`KernelSet::slip`](super::KernelSet::slip).
+/// Entries of the gradients and of the packed Hessians that a kernel computes, or of what it leaves in their place, see
+/// [`KernelSet::gap`](super::KernelSet::gap) and [`KernelSet::slip`](super::KernelSet::slip).
 const fn sizes<K: GapKernel>(nodes: usize, kind: SecondKind) -> (usize, usize) {
     let freedoms = 3 * (nodes + 1);
     let with_anchor = freedoms + 3;

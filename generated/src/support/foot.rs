@@ -9,7 +9,7 @@ use super::second::MOST_ROWS;
 use super::{FormRows, Lane};
 
 impl FormRows {
-    /// Numbers of [the derivatives at the foot](Self::foot_derivatives).
+    /// Numbers of the derivatives at the foot: φ and ∂ν/∂x.
     #[inline(always)]
     #[must_use]
     pub const fn foot_numbers(self) -> usize {

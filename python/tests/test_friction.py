@@ -111,7 +111,7 @@ def test_the_operator_is_the_tangent(scene, element, tangent, step):
     interface.evaluate()
     matrix = interface.tangent(PENALTY, **law)
     largest = abs(matrix).max()
-    if step[0] > 0.01:
+    if step[0] > 0.01 and tangent == "exact":
         assert abs(matrix - matrix.T).max() > 0.1
     v = np.random.default_rng(5).normal(size=(interface.equations, 2))
     for found, expected in (

@@ -231,7 +231,7 @@ impl<K: GapKernel> WithLanes for SingleElement<'_, K> {
         let target = Second::new(kind, target);
         let values = K::evaluate::<T::Scalar, T, Single<T>>(&inputs, scratch, gradient, target).lane(0);
         if is_foot::<K>(kind) {
-            form::<K>(count).foot_derivatives(numbers, second);
+            form::<K>(count).foot_derivatives_of_one(numbers, second);
         }
         BLOCKS.set(blocks);
         values

@@ -59,6 +59,12 @@ impl FormRows {
         }
     }
 
+    /// [`foot_derivatives`](Self::foot_derivatives) of one element: compiled once, not for every kernel.
+    #[inline(never)]
+    pub(super) fn foot_derivatives_of_one(self, factors: &[f64], target: &mut [f64]) {
+        self.foot_derivatives(factors, target);
+    }
+
     /// Numbers that follow the [factors](Self::factors) where the foot is asked for too: four for each product, and n̂.
     #[inline(always)]
     pub(super) const fn foot_coefficients(self) -> usize {

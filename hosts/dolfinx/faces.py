@@ -9,13 +9,10 @@ from contact import ADD, Nodes, Pattern
 from dolfinx import fem
 from exchange import Exchange
 from petsc4py import PETSc
-from surfaces import Facets, boundary, meets
+from surfaces import Facets, Part, boundary, meets
 
 import diffuse_contact as dc
 
-#: How far a rank knows both surfaces around its own nodes beyond the limit of the distance, in facets: averages and
-#: pressures of neighbours take two, the fits of either side three, and the fits that those depend on three.
-HALO = 8
 #: Faces stay cut while nothing has moved by more than this part of the smallest facet. It is half of what
 #: ``FaceInterface`` allows, so that no rank decides by itself.
 HELD = 5e-6
@@ -24,9 +21,9 @@ HELD = 5e-6
 class FaceContact:
     """Contact over faces with the interface of ``Contact``.
 
-    A pressure is an average over all faces at a node, and forces go to the nodes of faces and facets. So each rank
-    makes a ``FaceInterface`` of all faces and facets near its own nodes of either surface, and keeps the rows of these
-    nodes: nothing of forces and tangent goes to another rank. What lies at a border is evaluated on both sides.
+    A pressure is an average over all faces at a node, and forces go to the nodes of faces and facets. So each rank has
+    windows of both surfaces around its own nodes of either, and keeps the rows of these nodes: nothing of forces and
+    tangent goes to another rank. What lies at a border is evaluated on both sides.
 
     Args:
         space: displacements.
@@ -35,7 +32,7 @@ class FaceContact:
         slave: the same of the slave surface.
         penalty: force per length³.
         limit: nothing farther away than this from a face is over it, length.
-        skin: how far nodes may move until surfaces are gathered anew, length.
+        skin: how far nodes may move until windows are made anew, length.
         friction: coefficient, or None.
 
     """
@@ -55,18 +52,22 @@ class FaceContact:
         self.exchange = Exchange(space.mesh.comm)
         self.vector, self.skin, self.limit = vector, skin, limit
         self.law = {"penalty": penalty} if friction is None else {"penalty": penalty, "friction": friction}
-        #: Facets of cells of this rank, master and slave.
+        #: Facets of cells of this rank, master and slave, and those around them.
         self.own = [boundary(space, is_on) for is_on in (master, slave)]
-        self.around = [Nodes(blocks, first, vector) for _, blocks, _, first, _ in (own.by_node() for own in self.own)]
+        self.parts = [Part(self.exchange, own, {}) for own in self.own]
+        self.around = [Nodes(part.blocks, part.positions, vector) for part in self.parts]
         self.kept = [self._owned(own) for own in self.own]
         self.slaves = self.kept[1][0]
         corners = np.concatenate([own.positions for own in self.own])
         sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
         self.smallest = -self.exchange.largest(-sides.min(initial=np.inf))
+        #: No facet is wider along an axis.
         self.largest = self.exchange.largest(np.ptp(corners, axis=1).max(initial=0.0))
         self.interface, self.renewals, self.history = None, 0, {}
         self.cut_at = None
         self.held = vector.duplicate()
+        #: Displacements at the end of the last increment: what slaves stuck to is there.
+        self.accepted = vector.copy()
         self.renew(vector)
 
     def _owned(self, own: Facets) -> tuple[np.ndarray, Nodes]:
@@ -80,82 +81,94 @@ class FaceContact:
     @property
     def masters(self) -> int:
         """Nodes of the master that this rank knows."""
-        return len(np.unique(self.facets[0].nodes))
+        return 0 if self.windows[0] is None else len(self.windows[0].nodes)
 
     @property
     def nbytes(self) -> int:
-        """Bytes of surface that this rank holds."""
-        return sum(array.nbytes for facets in (*self.own, *self.facets) for array in facets.arrays)
+        """Bytes of surface that this rank holds: its parts and its windows."""
+        windows = [array.nbytes for window in self.windows if window is not None for array in window.numbers]
+        return sum(part.nbytes for part in self.parts) + sum(windows)
 
     def renew(self, u: PETSc.Vec) -> None:
-        """Gathers what is near the own nodes of either surface; histories are those that owners have."""
-        exchange = self.exchange
-        points = np.concatenate([nodes.positions(u) for _, nodes in self.kept])
-        reach = self.limit + self.skin + HALO * self.largest
-        boxes = exchange.gather("boxes", dc.boxes_around(points, reach, 8))
-        self.facets = []
-        for own, nodes in zip(self.own, self.around, strict=True):
-            moved = nodes.positions(u)[own.by_node()[4]]
-            bounds = np.stack([moved.min(axis=1), moved.max(axis=1)], axis=1)
-            messages = {}
-            for rank, others in enumerate(boxes):
-                near = meets(bounds[:, np.newaxis], others).any(axis=1)
-                if near.any():
-                    messages[rank] = own[near].arrays
-            found = [*exchange.to("windows", messages).values()]
-            self.facets.append(Facets.together(found) if found else own[:0])
-        self._gather_history()
-        both = Facets.together([facets.arrays for facets in self.facets])
-        self.names, blocks, self.owners, first, _ = both.by_node()
-        self.nodes = Nodes(blocks, first, self.vector)
+        """Makes the windows anew, and the interface in them; histories are those that owners have."""
+        # Rows of the own nodes take the pressures at all corners of the faces beside them, which take all faces there.
+        near = dc.boxes_around(self.watched(u), self.limit + self.skin + 2 * self.largest, 8)
+        facets = self._faces_near(u, near)
+        _, blocks, _, first, _ = facets.by_node()
+        corners = Nodes(blocks, first, self.vector)
+        boxes = dc.boxes_around(first, self.largest, 8)
+        slave = self.parts[1].window(self.parts[1].positions, boxes, 0.0)
+        # Also where slaves have stuck.
+        points = np.concatenate([corners.positions(u), corners.positions(self.accepted)])
+        boxes = dc.boxes_around(points, 1.001 * self.limit + self.skin + self.largest, 8)
+        master = self.parts[0].window(self.around[0].positions(u), boxes, self.skin)
+        self.windows = [master[0], slave[0]]
+        blocks, self.owners = (np.concatenate(both) for both in zip(master[1:], slave[1:], strict=True))
+        nowhere = np.empty((0, 3))
+        first = [nowhere if window is None else window.first_positions for window in self.windows]
+        self.nodes = Nodes(blocks, np.concatenate(first), self.vector)
+        self.first_slave = len(first[0])
         self.interface = None
-        if all(len(facets.numbers) for facets in self.facets):
-            master, slave = (np.searchsorted(self.names, facets.nodes) for facets in self.facets)
-            surface = dc.MasterSurface(first, master)
-            self.interface = dc.FaceInterface(surface, slave, first, distance_limit=self.limit)
-            if self.history:
-                self.interface.history = self._own_history()
+        if all(window is not None for window in self.windows):
+            positions = self.nodes.positions(u)
+            self.interface = dc.FaceInterface.in_window(*self.windows, positions, distance_limit=self.limit)
+            at = positions[self.interface.slaves]
+            self.needed = meets(np.stack([at, at], axis=1)[:, np.newaxis], near).any(axis=1)
+        self._gather_history()
         self.start, self.cut_at = self.watched(u), None
         self.renewals += 1
 
+    def _faces_near(self, u: PETSc.Vec, boxes: np.ndarray) -> Facets:
+        """The faces of the slave that are in these boxes at these displacements, from the ranks that have their cells."""
+        own = self.own[1]
+        part, moved = self.parts[1], self.around[1].positions(u)
+        corners = moved[np.searchsorted(part.nodes, own.nodes)]
+        bounds = np.stack([corners.min(axis=1), corners.max(axis=1)], axis=1)
+        messages = {}
+        for rank, others in enumerate(self.exchange.gather("boxes", boxes)):
+            near = meets(bounds[:, np.newaxis], others).any(axis=1)
+            if near.any():
+                messages[rank] = own[near].arrays
+        found = [*self.exchange.to("windows", messages).values()]
+        return Facets.together(found) if found else own[:0]
+
     def _gather_history(self) -> None:
-        """Histories of the slaves that this rank knows, by their numbers in the input, from the ranks that own them."""
-        _, first = np.unique(self.facets[1].nodes, return_index=True)
-        numbers, owners = (array.reshape(-1)[first] for array in (self.facets[1].nodes, self.facets[1].owners))
+        """Takes over the histories of the nodes here from the ranks that own them."""
+        nodes = np.empty(0, dtype=np.int64) if self.interface is None else self.interface.slaves
+        numbers = self._numbers(nodes)
+        owners = self.owners[nodes]
         asked = self.exchange.to("history", {int(rank): (numbers[owners == rank],) for rank in np.unique(owners)})
         answers = {}
         for rank, (wanted,) in asked.items():
-            rows = [self.history[number] for number in wanted.tolist() if number in self.history]
-            if rows:
-                answers[rank] = (wanted, np.array([len(row) for row in rows]), np.concatenate(rows))
-        self.history = {}
-        for wanted, lengths, numbers in self.exchange.to("history", answers).values():
-            rows = np.split(numbers, np.cumsum(lengths)[:-1])
-            self.history.update(zip(wanted.tolist(), rows, strict=True))
+            known = [number for number in wanted.tolist() if number in self.history]
+            if known:
+                rows = [self.history[number] for number in known]
+                answers[rank] = (np.array(known), np.array([len(row) for row in rows]), np.concatenate(rows))
+        found = {}
+        for wanted, lengths, values in self.exchange.to("history", answers).values():
+            rows = np.split(values, np.cumsum(lengths)[:-1])
+            found.update(zip(wanted.tolist(), rows, strict=True))
+        if found:
+            nothing = np.array([-1.0, -1.0])
+            self.interface.history = np.concatenate([found.get(number, nothing) for number in numbers.tolist()])
 
-    def _own_history(self) -> np.ndarray:
-        """The history of all slaves here, with nodes as they are numbered here."""
-        nothing = np.array([-1.0, -1.0])
-        rows = [self.history.get(number, nothing).copy() for number in self.names[self.interface.slaves].tolist()]
-        for row in rows:
-            _rename(row, self._place)
-        return np.concatenate(rows)
-
-    def _place(self, numbers: np.ndarray) -> np.ndarray:
-        place = np.searchsorted(self.names, numbers)
-        if not np.array_equal(self.names[np.minimum(place, len(self.names) - 1)], numbers):
-            raise RuntimeError(f"rank {self.exchange.comm.rank} does not know all nodes that its slaves stuck to")
-        return place
+    def _numbers(self, nodes: np.ndarray) -> np.ndarray:
+        """Of nodes of the slave in the input."""
+        return nodes if self.interface is None else self.windows[1].nodes[nodes - self.first_slave]
 
     def watched(self, u: PETSc.Vec) -> np.ndarray:
         """Positions of the own nodes of either surface: on all ranks together, of everybody."""
         return np.concatenate([nodes.positions(u) for _, nodes in self.kept])
 
     def evaluate(self, u: PETSc.Vec, mode: str) -> None:
-        """Evaluates at these displacements."""
+        """Evaluates at these displacements. Raises on all ranks if a node that counts cannot know its result."""
         self._follow(u)
+        beyond = 0
         if self.interface is not None:
-            self.interface.evaluate(**self.law, mode=mode)
+            outcomes = self.interface.evaluate(**self.law, mode=mode).outcomes
+            beyond = sum(outcomes[k] == "beyond-window" for k in np.flatnonzero(self.needed).tolist())
+        if self.exchange.largest(float(beyond)) > 0:
+            raise RuntimeError(f"{beyond} nodes of rank {self.exchange.comm.rank} reach beyond their windows")
 
     def _follow(self, u: PETSc.Vec) -> None:
         """Takes over positions. Faces are cut anew on all ranks or on none."""
@@ -178,17 +191,16 @@ class FaceContact:
 
     def accept(self, u: PETSc.Vec) -> None:
         """The end of an increment: friction of the next one begins here."""
+        u.copy(self.accepted)
         if "friction" in self.law:
             self._follow(u)
             self.history = {}
             if self.interface is not None:
                 self.interface.accept(**self.law)
-                # Two points of each slave.
+                # Two points of each node.
                 parts = dc.split_history(self.interface.history)
                 rows = map(np.concatenate, zip(parts[::2], parts[1::2], strict=True))
-                self.history = dict(zip(self.names[self.interface.slaves].tolist(), rows, strict=True))
-                for row in self.history.values():
-                    _rename(row, lambda names: self.names[names])
+                self.history = dict(zip(self._numbers(self.interface.slaves).tolist(), rows, strict=True))
 
     def _kept_rows(self) -> np.ndarray:
         return np.repeat(self.owners == self.exchange.comm.rank, 3)
@@ -232,7 +244,7 @@ class FaceContact:
         found = {"slaves": self.slaves, "slave_forces": np.zeros((len(self.slaves), 3)), "contacts": []}
         if self.interface is None:
             return found
-        place = np.searchsorted(self.names, self.slaves)
+        place = self.first_slave + np.searchsorted(self.windows[1].nodes, self.slaves)
         found["slave_forces"] = self.interface.forces().reshape(-1, 3)[place]
         contacts, rows = self.interface.contacts, np.searchsorted(self.interface.slaves, place)
         fields = contacts.gap[rows], contacts.pressure[rows], contacts.friction[rows]
@@ -243,16 +255,3 @@ class FaceContact:
     def is_changed(self) -> bool:
         """The tangent couples what carries pressure, at every iteration."""
         return True
-
-
-def _rename(numbers: np.ndarray, names: Callable[[np.ndarray], np.ndarray]) -> None:
-    """Gives the nodes in a history other numbers: see ``FaceInterface.history``."""
-    place = 0
-    while place < len(numbers):
-        if numbers[place] == -1.0:
-            place += 1
-            continue
-        count = int(numbers[place])
-        nodes = numbers[place + 2 : place + 2 + 3 * count : 3]
-        nodes[:] = names(nodes.astype(np.int64))
-        place += 2 + 3 * count

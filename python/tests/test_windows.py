@@ -336,6 +336,51 @@ def test_faces_in_windows_have_the_bits_of_the_whole(parts, reach):
     assert beyond > 0 and (known == own if reach > 1.0 else 0 < known < own)
 
 
+def test_friction_over_faces_goes_with_nodes_to_other_windows():
+    pair = Pair()
+    law = {"penalty": 1e2, "friction": (0.3, 60.0)}
+    whole = pair.whole()
+    steps = [pair.positions.copy() for _ in range(3)]
+    for k, step in enumerate(steps):
+        step[pair.offset :] += k * np.array([0.02, 0.01, -0.005])
+    expected, after = [], []
+    for step in steps:
+        whole.refresh(step)
+        expected.append(whole.evaluate(**law, mode="value") if after else None)
+        whole.accept(**law)
+        parts = dc.split_history(whole.history)
+        after.append({node: np.concatenate(parts[2 * k : 2 * k + 2]) for k, node in enumerate(whole.slaves)})
+    assert {"stick", "slip"} <= set(expected[2].friction_states)
+    rows = {node: k for k, node in enumerate(whole.slaves)}
+    for which, parts in enumerate((2, 4)):
+        # Windows of other nodes in each step.
+        for part in list(partitions(pair.positions[whole.slaves], parts).values())[which : which + 1]:
+            for rank in range(parts):
+                own = whole.slaves[part == rank]
+                windows, numbers = pair.windows(own, 3.0)
+                faces = dc.FaceInterface.in_window(*windows, pair.positions[numbers], distance_limit=LIMIT)
+                own = np.flatnonzero(np.isin(numbers[faces.slaves], own))
+                history = [np.array([-1.0, -1.0]) for _ in faces.slaves]
+                for k in own:
+                    history[k] = after[which][numbers[faces.slaves[k]]]
+                faces.history = np.concatenate(history)
+                faces.refresh(steps[which + 1][numbers])
+                found = faces.evaluate(**law, mode="value")
+                place = [rows[number] for number in numbers[faces.slaves[own]]]
+                for name in ("gap", "pressure", "friction", "slip"):
+                    of_part, of_whole = (getattr(of, name) for of in (found, expected[which + 1]))
+                    assert np.array_equal(of_part[own], of_whole[place], equal_nan=True), name
+                faces.accept(**law)
+                kept = dc.split_history(faces.history)
+                for k in own:
+                    exact = after[which + 1][numbers[faces.slaves[k]]]
+                    assert np.array_equal(np.concatenate(kept[2 * k : 2 * k + 2]), exact)
+    foreign = np.concatenate([[1.0, 0.0, 1e6, -1.0, 1.0] * 2, *history[1:]])
+    with pytest.raises(dc.InterfaceError) as error:
+        faces.history = foreign
+    assert error.value.code == "invalid-history"
+
+
 def test_faces_in_windows_refuse_what_takes_the_whole():
     pair = Pair()
     windows, numbers = pair.windows(np.arange(pair.offset, pair.offset + 50), 3.0)
@@ -355,8 +400,6 @@ def test_faces_in_windows_refuse_what_takes_the_whole():
     assert code(make, *windows, positions, distance_limit=LIMIT, penalty=1.0) == "unknown-option"
     faces = make(*windows, positions, distance_limit=LIMIT)
     faces.refresh(positions)
-    assert code(faces.evaluate, 1e2, friction=0.3) == "in-window"
-    assert code(faces.accept, 1e2, friction=0.3) == "in-window"
     dofs = np.arange(positions.size).reshape(-1, 3)[::-1]
     numbered = make(*windows, positions, distance_limit=LIMIT, dofs=dofs)
     for interface in (faces, numbered):

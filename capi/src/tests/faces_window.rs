@@ -5,7 +5,7 @@ use std::ptr::{null, null_mut};
 use super::faces::law;
 use super::{message, options};
 use crate::faces::*;
-use crate::faces_friction::dc_faces_accept;
+use crate::faces_friction::{dc_faces_accept, dc_faces_friction};
 use crate::faces_window::dc_faces_create_in_window;
 use crate::interface::{dc_create, dc_destroy, dc_interface};
 use crate::law::dc_law;
@@ -67,28 +67,47 @@ fn limited() -> dc_options {
     dc_options { distance_limit: LIMIT, ..options() }
 }
 
-/// What a node has, in bits, by its number in the whole.
-type Node = (i32, [u64; 3]);
+/// What a node has: outcome, stick or slip, and gap, pressure, area and traction in bits.
+type Node = ([i32; 2], [u64; 6]);
 
-fn nodes(faces: *mut dc_faces, positions: &[f64]) -> Vec<(i32, Node)> {
+fn rubbing() -> dc_law {
+    dc_law { friction: 0.3, ..law(&[]) }
+}
+
+/// Nodes by their place, after the slave, which begins with the node `first`, was accepted and has slid.
+fn nodes(faces: *mut dc_faces, positions: &[f64], first: usize) -> Vec<(i32, Node)> {
     let mut count = 0;
+    let slide = |(k, x): (usize, &f64)| {
+        let way = if k % 3 == 0 { 0.004 + 0.002 * x.sin() } else { 0.0 };
+        if k < 3 * first { *x } else { x + way }
+    };
+    let slid: Vec<f64> = positions.iter().enumerate().map(slide).collect();
     // SAFETY: the arrays have the lengths given.
     unsafe {
         assert_eq!(dc_faces_counts(faces, null_mut(), &mut count), DC_OK);
-        let (mut slaves, mut outcomes) = (vec![0; count], vec![9; count]);
+        let [mut slaves, mut outcomes, mut states] = [0, 9, 9].map(|blank| vec![blank; count]);
+        let mut tractions = vec![0.0; 3 * count];
         let [mut gaps, mut pressures, mut areas] = [(); 3].map(|()| vec![0.0; count]);
         let number = positions.len() / 3;
         assert_eq!(dc_faces_slaves(faces, slaves.as_mut_ptr(), count), DC_OK);
         assert_eq!(dc_faces_refresh(faces, positions.as_ptr(), number, null_mut()), DC_OK, "{}", message());
-        assert_eq!(dc_faces_evaluate(faces, &law(&[]), 0), DC_OK, "{}", message());
+        let accepted = dc_faces_accept(faces, &rubbing(), null_mut(), null_mut(), null_mut(), null_mut());
+        assert_eq!(accepted, DC_OK, "{}", message());
+        assert_eq!(dc_faces_refresh(faces, slid.as_ptr(), number, null_mut()), DC_OK, "{}", message());
+        assert_eq!(dc_faces_evaluate(faces, &rubbing(), 0), DC_OK, "{}", message());
         let [of_gaps, of_pressures, of_areas] =
             [&mut gaps, &mut pressures, &mut areas].map(|x| x.as_mut_ptr());
         let of_outcomes = outcomes.as_mut_ptr();
         let status =
             dc_faces_contacts(faces, of_outcomes, of_gaps, of_pressures, of_areas, null_mut(), count);
         assert_eq!(status, DC_OK);
-        let bits = |k: usize| [gaps[k], pressures[k], areas[k]].map(f64::to_bits);
-        (0..count).map(|k| (slaves[k], (outcomes[k], bits(k)))).collect()
+        let (of_states, of_tractions) = (states.as_mut_ptr(), tractions.as_mut_ptr());
+        assert_eq!(dc_faces_friction(faces, of_states, of_tractions, null_mut(), count), DC_OK);
+        let bits = |k: usize| {
+            let [x, y, z] = [0, 1, 2].map(|axis| tractions[3 * k + axis]);
+            [gaps[k], pressures[k], areas[k], x, y, z].map(f64::to_bits)
+        };
+        (0..count).map(|k| (slaves[k], ([outcomes[k], states[k]], bits(k)))).collect()
     }
 }
 
@@ -147,7 +166,11 @@ fn faces_in_windows_have_the_bits_of_the_whole_or_none() {
         dc_faces_create(positions, number, m, master.len() / 4, s, slave.len() / 4, &options, 2, &mut whole)
     };
     assert_eq!(status, DC_OK, "{}", message());
-    let expected: std::collections::HashMap<i32, Node> = nodes(whole, &pair.positions).into_iter().collect();
+    let first = SIDES[0] * SIDES[0];
+    let all = nodes(whole, &pair.positions, first);
+    let count = |state| all.iter().filter(|(_, (of, _))| of[1] == state).count();
+    assert!(count(1) > 10 && count(2) > 10, "{} {}", count(1), count(2));
+    let expected: std::collections::HashMap<i32, Node> = all.into_iter().collect();
     let sides = [pair.side(0), pair.side(1)];
     let mut seen = [0; 2];
     for [i, j] in [[0, 0], [1, 0], [0, 1], [1, 1]] {
@@ -156,13 +179,14 @@ fn faces_in_windows_have_the_bits_of_the_whole_or_none() {
         let (status, part) = make(windows, &positions, &options);
         assert_eq!(status, DC_OK, "{}", message());
         destroy(windows);
-        for (node, found) in nodes(part, &positions) {
+        let first = names.iter().take_while(|&&name| (name as usize) < first).count();
+        for (node, found) in nodes(part, &positions, first) {
             let name = names[node as usize];
             let place = &pair.positions[3 * name as usize..][..2];
             let is_own = (0..2).all(|k| low[k] <= place[k] && place[k] <= low[k] + 3.2);
-            if found.0 == dc_outcome::DC_BEYOND_WINDOW as i32 {
+            if found.0[0] == dc_outcome::DC_BEYOND_WINDOW as i32 {
                 assert!(!is_own, "{place:?}");
-                assert_eq!(found.1, [0; 3]);
+                assert_eq!(found.1, [0; 6]);
                 seen[1] += 1;
             } else {
                 assert_eq!(found, expected[&(name as i32)]);
@@ -194,10 +218,6 @@ fn faces_in_windows_refuse_what_takes_the_whole() {
         let in_window = |status| {
             assert!(status == DC_BAD_OPTION && message().starts_with("in-window: "), "{}", message());
         };
-        let rubbing = dc_law { friction: 0.3, ..law(&[]) };
-        assert_eq!(dc_faces_refresh(part, positions.as_ptr(), positions.len() / 3, null_mut()), DC_OK);
-        in_window(dc_faces_accept(part, &rubbing, null_mut(), null_mut(), null_mut(), null_mut()));
-        in_window(dc_faces_evaluate(part, &rubbing, 1));
         in_window(dc_faces_set_symmetry(part, null(), 0));
         let faces = [0, 1, 2, 3, 4, 5];
         in_window(dc_faces_add_quadratic(part, faces.as_ptr(), 1, 6));

@@ -176,7 +176,8 @@ class FaceInterface(FrictionHistory):
         The faces are those that meet the boxes of the slave's window. Gaps, pressures and areas after a ``refresh`` are
         those of an interface of the whole surfaces, bit for bit, or a node has the outcome ``"beyond-window"`` and no
         pressure. Rows of forces and tangent are those of the whole where all nodes of the faces at their node are
-        known. Friction is refused.
+        known. The history of friction names nodes by their numbers in the whole surfaces: two parts of
+        ``split_history`` go with each node from window to window.
 
         Args:
             master: holds these faces and what is within the limit of the distance, until it is made anew.

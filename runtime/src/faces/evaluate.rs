@@ -52,9 +52,6 @@ impl FaceInterface {
         &self,
         law: &ContactLaw<'_>,
     ) -> Result<(Vec<NodeContact>, Vec<Vector3>), InterfaceError> {
-        if law.friction.is_some() {
-            self.check_whole("friction over faces")?;
-        }
         let blank = |(k, &slave): (usize, &usize)| {
             NodeContact::without(slave, NoContact::NothingOver { limit: self.limit_around(k) })
         };

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 
 use super::contacts::NodeContact;
 use super::quadratic::Carrying;
+use super::window::Side;
 use super::{FaceInterface, sort};
 use crate::affine::Carrier;
 use crate::assembly::{AssemblyError, ContactLaw};
@@ -376,7 +377,9 @@ impl FaceInterface {
         self.tracks.is_some()
     }
 
-    /// The history of friction as plain numbers, for a restart; empty before a state was [accepted](Self::accept).
+    /// The history of friction as plain numbers, for a restart; empty before a state was [accepted](Self::accept). Each node has two
+    /// points, its own and its anchor. In [windows](crate::surface::window) their nodes have their numbers in the whole surfaces, too: two
+    /// parts of [`split_history`](crate::interface::split_history) go with a node from window to window.
     #[must_use]
     pub fn history(&self) -> Vec<f64> {
         let point = |track: &Option<Track>| {
@@ -384,7 +387,9 @@ impl FaceInterface {
             [Some(Anchor { point: own.clone(), ..Anchor::default() }), Some(anchor.clone())]
         };
         self.tracks.as_deref().map_or_else(Vec::new, |tracks| {
-            to_numbers(&tracks.iter().flat_map(point).collect::<Vec<Option<Anchor>>>(), f64::from)
+            to_numbers(&tracks.iter().flat_map(point).collect::<Vec<Option<Anchor>>>(), |node| {
+                self.number_of(node)
+            })
         })
     }
 
@@ -392,8 +397,8 @@ impl FaceInterface {
     /// contact until the next [`refresh`](Self::refresh).
     ///
     /// # Errors
-    /// [`InterfaceError::InvalidHistory`], [`InterfaceError::AnchorCount`], [`InterfaceError::InvalidOpening`],
-    /// [`InterfaceError::ForeignCarrier`]. The history of before then stays.
+    /// [`InterfaceError::InvalidHistory`], also for a node that is not in the windows; [`InterfaceError::AnchorCount`],
+    /// [`InterfaceError::InvalidOpening`], [`InterfaceError::ForeignCarrier`]. The history of before then stays.
     pub fn set_history(&mut self, history: &[f64]) -> Result<(), InterfaceError> {
         let tracks = if history.is_empty() { None } else { Some(self.tracks_of(history)?) };
         if self.tracks != tracks || self.augmented.is_some() {
@@ -404,7 +409,8 @@ impl FaceInterface {
     }
 
     fn tracks_of(&self, history: &[f64]) -> Result<Vec<Option<Track>>, InterfaceError> {
-        let points = from_numbers(history, |number| u32::try_from(number).ok());
+        let side = |point: usize| if point.is_multiple_of(2) { Side::Slave } else { Side::Master };
+        let points = from_numbers(history, |point, number| self.node_of(side(point), number));
         let points = points.map_err(|place| InterfaceError::InvalidHistory { place })?;
         let (pairs, rest) = points.as_chunks::<2>();
         if !rest.is_empty() {
@@ -443,8 +449,10 @@ impl FaceInterface {
             }
             let origin = (anchor.stuck_at(), &of_facets);
             for (point, known) in [(&own.point, &of_faces), (&anchor.point, &of_facets), origin] {
+                // In windows nodes beside the faces belong to histories of the rim, and have been looked for.
                 let is_foreign = |(carrier, _): &&(Carrier, f64)| {
-                    carrier.image.is_some() || known.binary_search(&carrier.node).is_err()
+                    let is_known = self.is_in_window() || known.binary_search(&carrier.node).is_ok();
+                    carrier.image.is_some() || !is_known
                 };
                 if let Some(&(Carrier { node, .. }, _)) = point.terms().iter().find(is_foreign) {
                     return Err(InterfaceError::ForeignCarrier { index, node });

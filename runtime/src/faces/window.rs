@@ -8,10 +8,17 @@ use crate::interface::{ContactInterface, InterfaceError, InterfaceOptions, NoCon
 use crate::surface::window::{Known, Window};
 use crate::surface::{Facet, shape_of};
 
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Side {
+    Master,
+    Slave,
+}
+
 /// What faces know of both surfaces.
 #[derive(Debug)]
 pub(super) struct FaceWindow {
     master: Known,
+    slave: Known,
     /// Of each face, what is not known of its own smooth surface.
     of_skin: Vec<Option<NoContact>>,
     /// Of each of the slave's nodes, whether faces at it may not be there.
@@ -40,6 +47,19 @@ impl FaceWindow {
         faces.iter().enumerate().map(of_face).collect()
     }
 
+    fn number_of(&self, node: u32) -> Option<u64> {
+        let of_slave = || self.slave.number_of(node - self.master.node_count());
+        self.master.number_of(node).or_else(of_slave)
+    }
+
+    /// Both surfaces may be numbered from nought.
+    fn node_of(&self, side: Side, number: u64) -> Option<u32> {
+        match side {
+            Side::Master => self.master.node_of(number),
+            Side::Slave => self.slave.node_of(number).map(|node| self.master.node_count() + node),
+        }
+    }
+
     /// Takes over what [`look`](Self::look) found.
     pub fn take(&mut self, beyond: Vec<Option<NoContact>>) {
         self.beyond = beyond;
@@ -60,7 +80,8 @@ impl FaceInterface {
     /// The master's boxes are to hold these faces and what is within the limit of the distance, at the positions until it is made anew.
     ///
     /// Gaps, pressures and areas after a [`refresh`](Self::refresh) are those of an interface of the whole surfaces, bit for bit, or the
-    /// node has the outcome [`NoContact::BeyondWindow`] and no pressure. What other nodes add to a row is not known there.
+    /// node has the outcome [`NoContact::BeyondWindow`] and no pressure. What other nodes add to a row is not known there. Friction goes on
+    /// with the [history](Self::history) of its nodes, whose anchors have to be in the master's window, too.
     ///
     /// # Errors
     /// As [`new`](Self::new) and [`ContactInterface::in_window`]; [`InterfaceError::OtherThanWindow`] without a limit of the distance, or
@@ -97,8 +118,8 @@ impl FaceInterface {
             is_beside.then_some(NoContact::BeyondWindow { needed, known: around })
         };
         let of_nodes = made.nodes.iter().map(of_node).collect();
-        made.window =
-            Some(FaceWindow { master: master.known(positions), of_skin, of_nodes, beyond: Vec::new() });
+        let master = master.known(positions);
+        made.window = Some(FaceWindow { master, slave: known, of_skin, of_nodes, beyond: Vec::new() });
         Ok(made)
     }
 
@@ -106,6 +127,22 @@ impl FaceInterface {
     #[must_use]
     pub const fn is_in_window(&self) -> bool {
         self.window.is_some()
+    }
+
+    /// The number of a node in a history, which is its number in the whole surfaces.
+    pub(super) fn number_of(&self, node: u32) -> f64 {
+        match &self.window {
+            Some(window) => window.number_of(node).map_or(f64::NAN, |number| number as f64),
+            None => f64::from(node),
+        }
+    }
+
+    /// The node of the slave, or of the master, with this number in a history.
+    pub(super) fn node_of(&self, side: Side, number: u64) -> Option<u32> {
+        match &self.window {
+            Some(window) => window.node_of(side, number),
+            None => u32::try_from(number).ok(),
+        }
     }
 
     pub(super) fn check_whole(&self, what: &'static str) -> Result<(), InterfaceError> {

@@ -194,7 +194,7 @@ impl ContactInterface {
         if history.is_empty() {
             return self.set_anchors(None);
         }
-        let anchors = from_numbers(history, |number| match &self.known {
+        let anchors = from_numbers(history, |_, number| match &self.known {
             Some(known) => known.node_of(number),
             None => u32::try_from(number).ok(),
         });

@@ -61,10 +61,10 @@ fn push_terms(point: &AffinePoint, number_of: impl Fn(u32) -> f64, numbers: &mut
 }
 
 /// What [`to_numbers`] made numbers of. The error is the place of a number that is none of a history; of weights that do not add up to
-/// one it is the first. `node_of`: the node of a number, if there is one.
+/// one it is the first. `node_of`: the node of a number in the k-th anchor, if there is one.
 pub fn from_numbers(
     numbers: &[f64],
-    node_of: impl Fn(u64) -> Option<u32>,
+    node_of: impl Fn(usize, u64) -> Option<u32>,
 ) -> Result<Vec<Option<Anchor>>, usize> {
     let number = |place: usize| {
         let value = numbers.get(place).copied().ok_or(place)?;
@@ -72,12 +72,12 @@ pub fn from_numbers(
         if is_number { Ok(value as u64) } else { Err(place) }
     };
     let index = |place: usize| u32::try_from(number(place)?).map_err(|_| place);
-    let point = |start: usize, count: usize| {
+    let point = |anchor: usize, start: usize, count: usize| {
         let mut terms = Vec::new();
         for at in (0..count).map(|k| start + 3 * k) {
             let image = if numbers.get(at + 1) == Some(&-1.0) { None } else { Some(index(at + 1)?) };
             let weight = numbers.get(at + 2).copied().filter(|weight| weight.is_finite()).ok_or(at + 2)?;
-            let node = node_of(number(at)?).ok_or(at)?;
+            let node = node_of(anchor, number(at)?).ok_or(at)?;
             terms.push((Carrier { node, image }, weight));
         }
         // Of weights that do not add up to one any may be wrong.
@@ -94,12 +94,13 @@ pub fn from_numbers(
         let mut origin = None;
         if numbers[place] == -2.0 {
             let count = index(place + 1)? as usize;
-            origin = Some(point(place + 2, count)?);
+            origin = Some(point(anchors.len(), place + 2, count)?);
             place += 2 + 3 * count;
         }
         let count = index(place)? as usize;
         let opening = numbers.get(place + 1).copied().ok_or(place + 1)?;
-        anchors.push(Some(Anchor { point: point(place + 2, count)?, opening, origin }));
+        let point = point(anchors.len(), place + 2, count)?;
+        anchors.push(Some(Anchor { point, opening, origin }));
         place += 2 + 3 * count;
     }
     Ok(anchors)

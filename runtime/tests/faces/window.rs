@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
-use diffuse_contact::interface::{ContactInterface, NoContact, Outcome};
+use diffuse_contact::Coulomb;
+use diffuse_contact::friction::FrictionState;
+use diffuse_contact::interface::{ContactInterface, NoContact, Outcome, split_history};
 use diffuse_contact::surface::SymmetryPlane;
 use diffuse_contact::surface::window::{Box3, Window, boxes_around};
 
@@ -106,8 +108,107 @@ fn partitions(pair: &Pair) -> [Vec<Vec<usize>>; 3] {
 
 /// Everything that a node has, in bits.
 fn bits(node: &NodeContact) -> (Outcome, Vec<u64>) {
-    let numbers = [&[node.gap, node.area, node.pressure, node.stiffness], &node.normal[..]].concat();
+    let of_pressure = [node.gap, node.area, node.pressure, node.stiffness, node.slip];
+    let numbers = [&of_pressure[..], &node.normal, &node.friction].concat();
     (node.outcome, numbers.into_iter().map(f64::to_bits).collect())
+}
+
+/// Slips of the test are 0.01 to 0.03, pressures about 5.
+fn friction() -> ContactLaw<'static> {
+    ContactLaw::penalty(100.0).with_friction(Some(Coulomb::new(0.2, 25.0).unwrap()))
+}
+
+/// The history of each node by its number in the whole.
+fn histories(interface: &FaceInterface, numbers: &[usize]) -> HashMap<usize, Vec<f64>> {
+    let history = interface.history();
+    let parts = split_history(&history).unwrap();
+    let (pairs, []) = parts.as_chunks::<2>() else { unreachable!("two points of each node") };
+    interface.slaves().iter().zip(pairs).map(|(&node, pair)| (numbers[node], pair.concat())).collect()
+}
+
+fn is_known(history: &[f64], numbers: &[usize]) -> bool {
+    let points = split_history(history).unwrap();
+    let carriers = points.iter().flat_map(|point| point.get(2..).unwrap_or_default().chunks(3));
+    carriers.map(|carrier| carrier[0] as usize).all(|node| numbers.contains(&node))
+}
+
+/// Hands over what nodes have stuck to, as far as the windows have it.
+fn go_on(part: &mut FaceInterface, numbers: &[usize], histories: &HashMap<usize, Vec<f64>>) {
+    let of_node = |&node: &usize| {
+        let own = &histories[&numbers[node]];
+        if is_known(own, numbers) { own.clone() } else { vec![-1.0, -1.0] }
+    };
+    let history: Vec<f64> = part.slaves().iter().flat_map(of_node).collect();
+    part.set_history(&history).unwrap();
+}
+
+/// The slave slides, by less than the skin.
+fn slid(whole: &Whole) -> Vec<Point> {
+    let slide = |(k, &[x, y, z]): (usize, &Point)| {
+        if k < whole.pair.first_slave {
+            return [x, y, z];
+        }
+        let way = 0.02 * (1.0 + (0.4 * x).sin());
+        [x + way, y - 0.3 * way, z - 0.005]
+    };
+    whole.moved.iter().enumerate().map(slide).collect()
+}
+
+#[test]
+fn any_partition_of_the_nodes_goes_on_with_friction_as_the_whole() {
+    let across = SymmetryPlane::across(0, [0.0; 3]);
+    for (triangles, planes) in [(false, vec![]), (true, vec![across])] {
+        let mut whole = Whole::new(triangles, &planes);
+        let all: Vec<usize> = (0..whole.pair.positions.len()).collect();
+        whole.interface.accept(&friction()).unwrap();
+        let before = histories(&whole.interface, &all);
+        let slid = slid(&whole);
+        whole.interface.refresh(&slid).unwrap();
+        let expected = whole.interface.evaluate(&friction(), Mode::Value).unwrap().nodes().to_vec();
+        let of_whole: HashMap<usize, NodeContact> = expected.iter().map(|node| (node.slave, *node)).collect();
+        let count = |state| expected.iter().filter(|node| node.friction_state == state).count();
+        assert!(count(FrictionState::Stick) > 5 && count(FrictionState::Slip) > 20);
+        whole.interface.accept(&friction()).unwrap();
+        let after = histories(&whole.interface, &all);
+        for (which, parts) in partitions(&whole.pair).iter().enumerate() {
+            for own in parts {
+                let (mut part, numbers) = whole.part(own, WIDE + LIMIT + SKIN);
+                go_on(&mut part, &numbers, &before);
+                let at: Vec<Point> = numbers.iter().map(|&node| slid[node]).collect();
+                part.refresh(&at).unwrap();
+                for node in part.evaluate(&friction(), Mode::Value).unwrap().nodes() {
+                    let number = numbers[node.slave];
+                    if own.contains(&number) {
+                        let exact = &of_whole[&number];
+                        assert_eq!(node.friction_state, exact.friction_state);
+                        assert_eq!(bits(node), bits(exact), "node {number}, partition {which} {planes:?}");
+                    }
+                }
+                part.accept(&friction()).unwrap();
+                let found = histories(&part, &numbers);
+                for node in own {
+                    assert_eq!(found[node], after[node], "node {node}, partition {which}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_history_of_nodes_beyond_the_windows_is_refused() {
+    let mut whole = Whole::new(false, &[]);
+    let all: Vec<usize> = (0..whole.pair.positions.len()).collect();
+    whole.interface.accept(&friction()).unwrap();
+    let histories = histories(&whole.interface, &all);
+    let own = &partitions(&whole.pair)[1][0];
+    let (mut part, numbers) = whole.part(own, WIDE + LIMIT + SKIN);
+    go_on(&mut part, &numbers, &histories);
+    let kept = part.history();
+    let foreign = histories.values().find(|own| !is_known(own, &numbers)).unwrap();
+    let of_node = |k: usize| if k == 0 { foreign.clone() } else { vec![-1.0, -1.0] };
+    let history: Vec<f64> = (0..part.slaves().len()).flat_map(of_node).collect();
+    assert_eq!(part.set_history(&history).unwrap_err().code(), "invalid-history");
+    assert_eq!(part.history(), kept);
 }
 
 #[test]
@@ -146,11 +247,25 @@ fn any_partition_of_the_nodes_has_the_bits_of_the_whole() {
 /// Rows of nodes whose neighbours are known have the forces and the tangent of the whole.
 #[test]
 fn rows_inside_a_part_are_those_of_the_whole() {
+    for law in [ContactLaw::penalty(100.0), friction()] {
+        assert_rows(&law);
+    }
+}
+
+fn assert_rows(law: &ContactLaw<'_>) {
     let mut whole = Whole::new(false, &[]);
-    let expected = whole.evaluate(Mode::Hessian);
     let own = &partitions(&whole.pair)[1][0];
-    let (mut part, numbers) = whole.part(own, WIDE + LIMIT + SKIN);
-    let contacts = part.evaluate(&ContactLaw::penalty(100.0), Mode::Hessian).unwrap().clone();
+    let (mut part, numbers) = whole.part(own, 2.0 * WIDE + LIMIT + SKIN);
+    whole.interface.accept(law).unwrap();
+    let all: Vec<usize> = (0..whole.pair.positions.len()).collect();
+    if law.friction.is_some() {
+        go_on(&mut part, &numbers, &histories(&whole.interface, &all));
+    }
+    let slid = slid(&whole);
+    whole.interface.refresh(&slid).unwrap();
+    part.refresh(&numbers.iter().map(|&node| slid[node]).collect::<Vec<_>>()).unwrap();
+    let expected = whole.interface.evaluate(law, Mode::Hessian).unwrap().clone();
+    let contacts = part.evaluate(law, Mode::Hessian).unwrap().clone();
     let is_beyond = |contact: &NodeContact| contact.outcome.code() == "beyond-window";
     let beyond: Vec<usize> =
         contacts.nodes().iter().filter(|node| is_beyond(node)).map(|node| node.slave).collect();
@@ -220,11 +335,7 @@ fn what_takes_the_whole_is_refused() {
     let whole = Whole::new(false, &[]);
     let own = &partitions(&whole.pair)[1][0];
     let (mut part, _) = whole.part(own, 2.0);
-    let friction =
-        ContactLaw::penalty(1.0).with_friction(Some(diffuse_contact::Coulomb::new(0.3, 1.0).unwrap()));
     let refused = |error: InterfaceError| assert_eq!(error.code(), "in-window");
-    refused(part.evaluate(&friction, Mode::Value).unwrap_err());
-    refused(part.accept(&friction).unwrap_err());
     refused(part.set_symmetry(&[]).unwrap_err());
     refused(part.set_quadratic_faces(&[]).unwrap_err());
 

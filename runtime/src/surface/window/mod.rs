@@ -505,6 +505,11 @@ impl Known {
         self.numbers.get(node as usize).copied()
     }
 
+    /// How many nodes the window has.
+    pub fn node_count(&self) -> u32 {
+        self.numbers.len() as u32
+    }
+
     /// The node with this number.
     pub fn node_of(&self, number: u64) -> Option<u32> {
         self.numbers.binary_search(&number).ok().map(|place| place as u32)

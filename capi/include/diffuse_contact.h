@@ -1293,9 +1293,9 @@ enum dc_status dc_faces_triplets(struct dc_faces *faces,
 //
 // Gaps, pressures and areas after a dc_faces_refresh are those of the whole surfaces, bit for bit, or the node has the outcome
 // DC_BEYOND_WINDOW and no pressure. Rows of forces and tangent are those of the whole where all nodes of the faces at their node are
-// known.
+// known. The history of friction names nodes by their numbers in the whole surfaces, as dc_window_names: two points of each node.
 //
-// DC_BAD_OPTION without a `distance_limit`, and for windows of other options or planes of symmetry. Friction, dc_faces_set_symmetry and
+// DC_BAD_OPTION without a `distance_limit`, and for windows of other options or planes of symmetry. dc_faces_set_symmetry and
 // dc_faces_add_quadratic are DC_BAD_OPTION, too, with the message "in-window". On failure the handle is NULL.
 //
 // # Safety

@@ -338,7 +338,7 @@ def test_faces_in_windows_have_the_bits_of_the_whole(parts, reach):
 
 def test_friction_over_faces_goes_with_nodes_to_other_windows():
     pair = Pair()
-    law = {"penalty": 1e2, "friction": (0.3, 60.0)}
+    law = {"penalty": 1e2, "friction": (0.3, 30.0)}
     whole = pair.whole()
     steps = [pair.positions.copy() for _ in range(3)]
     for k, step in enumerate(steps):

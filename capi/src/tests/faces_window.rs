@@ -78,7 +78,7 @@ fn rubbing() -> dc_law {
 fn nodes(faces: *mut dc_faces, positions: &[f64], first: usize) -> Vec<(i32, Node)> {
     let mut count = 0;
     let slide = |(k, x): (usize, &f64)| {
-        let way = if k % 3 == 0 { 0.004 + 0.002 * x.sin() } else { 0.0 };
+        let way = if k % 3 == 0 { 0.006 + 0.004 * x.sin() } else { 0.0 };
         if k < 3 * first { *x } else { x + way }
     };
     let slid: Vec<f64> = positions.iter().enumerate().map(slide).collect();

@@ -437,6 +437,100 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        function dc_extents(positions, node_count, facets, facet_count, extents) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_size_t
+            real(c_double), intent(in) :: positions(*)
+            integer(c_int32_t), intent(in) :: facets(*)
+            integer(c_size_t), value :: node_count, facet_count
+            real(c_double), intent(out) :: extents(*)
+            integer(c_int) :: status
+        end function
+
+        function dc_boxes_around(positions, point_count, reach, most, boxes, box_count) bind(c) result(status)
+            import :: c_double, c_int, c_size_t
+            real(c_double), intent(in) :: positions(*)
+            integer(c_size_t), value :: point_count, most
+            real(c_double), value :: reach
+            real(c_double), intent(out) :: boxes(*)
+            integer(c_size_t), intent(out) :: box_count
+            integer(c_int) :: status
+        end function
+
+        function dc_part_create(positions, node_names, node_count, facets, facet_names, owned, facet_count, known, extents, &
+                planes, plane_count, options, part) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_int64_t, c_ptr, c_size_t, dc_options
+            real(c_double), intent(in) :: positions(*), known(*), extents(*)
+            integer(c_int64_t), intent(in) :: node_names(*), facet_names(*)
+            integer(c_int32_t), intent(in) :: facets(*), owned(*)
+            real(c_double), intent(in), optional :: planes(*)
+            integer(c_size_t), value :: node_count, facet_count, plane_count
+            type(dc_options), intent(in), optional :: options
+            type(c_ptr), intent(out) :: part
+            integer(c_int) :: status
+        end function
+
+        function dc_part_destroy(part) bind(c) result(status)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: part
+            integer(c_int) :: status
+        end function
+
+        function dc_part_demands(part, integers, integer_capacity, integer_count, reals, real_capacity, real_count) bind(c) &
+                result(status)
+            import :: c_double, c_int, c_int64_t, c_ptr, c_size_t
+            type(c_ptr), value :: part
+            integer(c_int64_t), intent(out), optional :: integers(*)
+            real(c_double), intent(out), optional :: reals(*)
+            integer(c_size_t), value :: integer_capacity, real_capacity
+            integer(c_size_t), intent(out), optional :: integer_count, real_count
+            integer(c_int) :: status
+        end function
+
+        function dc_part_settle(part, integers, integer_count, reals, real_count, is_settled) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_int64_t, c_ptr, c_size_t
+            type(c_ptr), value :: part
+            integer(c_int64_t), intent(in) :: integers(*)
+            real(c_double), intent(in) :: reals(*)
+            integer(c_size_t), value :: integer_count, real_count
+            integer(c_int32_t), intent(out) :: is_settled
+            integer(c_int) :: status
+        end function
+
+        function dc_part_window(part, positions, node_count, boxes, box_count, skin, window) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t
+            type(c_ptr), value :: part
+            real(c_double), intent(in) :: positions(*), boxes(*)
+            integer(c_size_t), value :: node_count, box_count
+            real(c_double), value :: skin
+            type(c_ptr), intent(out) :: window
+            integer(c_int) :: status
+        end function
+
+        function dc_window_joined(windows, window_count, joined) bind(c) result(status)
+            import :: c_int, c_ptr, c_size_t
+            type(c_ptr), intent(in) :: windows(*)
+            integer(c_size_t), value :: window_count
+            type(c_ptr), intent(out) :: joined
+            integer(c_int) :: status
+        end function
+
+        function dc_window_first_positions(window, positions, node_count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t
+            type(c_ptr), value :: window
+            real(c_double), intent(out) :: positions(*)
+            integer(c_size_t), value :: node_count
+            integer(c_int) :: status
+        end function
+
+        function dc_history_lengths(history, count, lengths, capacity, part_count) bind(c) result(status)
+            import :: c_double, c_int, c_size_t
+            real(c_double), intent(in) :: history(*)
+            integer(c_size_t), value :: count, capacity
+            integer(c_size_t), intent(out), optional :: lengths(*)
+            integer(c_size_t), intent(out) :: part_count
+            integer(c_int) :: status
+        end function
+
         function dc_create_in_window(window, positions, node_count, slaves, slave_count, slave_facets, slave_facet_count, &
                 options, interface) bind(c) result(status)
             import :: c_double, c_int, c_int32_t, c_ptr, c_size_t, dc_options

@@ -247,6 +247,9 @@ typedef struct dc_map dc_map;
 // it, any thread.
 typedef struct dc_operator dc_operator;
 
+// The facets of a master surface that a rank owns and those around them. One thread at a time may use it, any thread.
+typedef struct dc_part dc_part;
+
 // The places of the tangent's entries, for a pairing. One thread at a time may use it, any thread.
 typedef struct dc_pattern dc_pattern;
 
@@ -1059,6 +1062,122 @@ enum dc_status dc_create_in_window(struct dc_window *window,
                                    size_t slave_facet_count,
                                    const struct dc_options *options,
                                    struct dc_interface **interface);
+
+// Lowest x, y, z, highest x, y, z of facets, then the largest extent of one, 7 numbers. Those of the whole surface, for dc_part_create,
+// are the least of the first three of all ranks, and the greatest of the others. Without facets they are infinite, and 0.
+//
+// # Safety
+// `positions` has 3 `node_count` entries, `facets` 4 `facet_count`; `extents` has room for 7.
+enum dc_status dc_extents(const double *positions,
+                          size_t node_count,
+                          const int32_t *facets,
+                          size_t facet_count,
+                          double *extents);
+
+// Boxes around groups of points, for windows: at most `most`, 6 numbers each as in dc_window_create, reaching `reach` beyond each point.
+// `box_count` gets how many there are. Points that are not finite belong to no box.
+//
+// # Safety
+// `positions` has 3 `point_count` entries, `boxes` room for 6 `most`; `box_count` may be written.
+enum dc_status dc_boxes_around(const double *positions,
+                               size_t point_count,
+                               double reach,
+                               size_t most,
+                               double *boxes,
+                               size_t *box_count);
+
+// Makes a part of a master surface where no rank holds the whole, in the first positions. `facets` are those that the rank owns and
+// those around them, as in dc_create; each facet of the whole surface is owned by one rank. `node_names` and `facet_names` are their
+// numbers in the whole surface. `owned` is 1 for the own facets and 0 for the others. `known`, lowest and highest x, y, z, is a box:
+// every facet that meets it is here. `extents` are those of the whole surface, see dc_extents. `planes` as in dc_set_symmetry. Of
+// `options` weight, basis and feature angle count.
+//
+// Then ranks exchange dc_part_demands and call dc_part_settle, twice, and cut windows with dc_part_window. DC_BAD_OPTION with the
+// message "part-too-narrow" asks for more facets around the own ones and a larger box. On failure the handle is NULL.
+//
+// # Safety
+// The arrays have the given lengths, `known` has 6 entries, `extents` 7, `planes` 6 `plane_count`; `part` may be written.
+enum dc_status dc_part_create(const double *positions,
+                              const int64_t *node_names,
+                              size_t node_count,
+                              const int32_t *facets,
+                              const int64_t *facet_names,
+                              const int32_t *owned,
+                              size_t facet_count,
+                              const double *known,
+                              const double *extents,
+                              const double *planes,
+                              size_t plane_count,
+                              const struct dc_options *options,
+                              struct dc_part **part);
+
+// Destroys a part. NULL is DC_OK. Windows cut from it stay.
+enum dc_status dc_part_destroy(struct dc_part *part);
+
+// What other ranks have to know in this round, those whose known boxes meet that of this part, as plain numbers. The counts get how
+// many there are; each may be NULL. So may both arrays be.
+//
+// # Safety
+// Each array is NULL or has room for as many entries as said; each count is NULL or may be written.
+enum dc_status dc_part_demands(struct dc_part *part,
+                               int64_t *integers,
+                               size_t integer_capacity,
+                               size_t *integer_count,
+                               double *reals,
+                               size_t real_capacity,
+                               size_t *real_count);
+
+// Takes over what other ranks ask for: the numbers of dc_part_demands of all of them, one after another. `is_settled` gets 1 when
+// windows can be cut, and 0 when there is another round; all ranks take the same number. DC_BAD_OPTION with the message
+// "part-too-narrow" as in dc_part_create. Nothing has changed then.
+//
+// # Safety
+// The arrays have the given lengths, `is_settled` may be written.
+enum dc_status dc_part_settle(struct dc_part *part,
+                              const int64_t *integers,
+                              size_t integer_count,
+                              const double *reals,
+                              size_t real_count,
+                              int32_t *is_settled);
+
+// As dc_window_create, of the own facets. `positions` are those of the moment, of the nodes of dc_part_create in their order; only the
+// corners of own facets are looked at. DC_BAD_OPTION before dc_part_settle has said that domains are settled.
+//
+// # Safety
+// `positions` has 3 `node_count` entries, `boxes` 6 `box_count`; `window` may be written.
+enum dc_status dc_part_window(struct dc_part *part,
+                              const double *positions,
+                              size_t node_count,
+                              const double *boxes,
+                              size_t box_count,
+                              double skin,
+                              struct dc_window **window);
+
+// Makes one window of those of the same boxes from several ranks. DC_BAD_OPTION for those of different surfaces, options, boxes or
+// skins, and for none. The windows stay. On failure the handle is NULL.
+//
+// # Safety
+// `windows` has `window_count` entries, `joined` may be written.
+enum dc_status dc_window_joined(struct dc_window *const *windows,
+                                size_t window_count,
+                                struct dc_window **joined);
+
+// First positions of the nodes of a window, x, y, z each, in the order of dc_window_names.
+//
+// # Safety
+// `positions` has 3 `node_count` entries.
+enum dc_status dc_window_first_positions(struct dc_window *window, double *positions, size_t node_count);
+
+// How many numbers of a history each slave has, so that histories go with slaves to another rank: one after another they are a history
+// again. One of dc_faces_history has two parts for each node. `part_count` gets the number of parts; `lengths` is NULL to ask for it.
+//
+// # Safety
+// `history` has `count` entries; `lengths` is NULL or has `capacity`; `part_count` may be written.
+enum dc_status dc_history_lengths(const double *history,
+                                  size_t count,
+                                  size_t *lengths,
+                                  size_t capacity,
+                                  size_t *part_count);
 
 // Makes an object for contact over faces and writes its handle. Everything is copied.
 //

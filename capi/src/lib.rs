@@ -24,7 +24,7 @@
 //! | `interface` | create and destroy, update, refresh, freeze, evaluate |
 //! | `contacts`, `cutback` | results of an evaluation, the cut-back hint |
 //! | `assembly`, `pattern`, `map`, `operator` | contact forces, triplets, compressed rows, the caller's matrix, products |
-//! | `window`, `faces_window` | windows of a surface, and what knows them only |
+//! | `window`, `part`, `faces_window` | windows of a surface, the parts they are cut from, and what knows them only |
 //! | `faces` | contact over the slave's faces, an object of its own |
 //! | `element`, `batch`, `neighbours` | without interface: gap, force and stiffness, pairing |
 //!
@@ -73,6 +73,7 @@ mod neighbours;
 mod operator;
 mod options;
 mod outcome;
+mod part;
 mod pattern;
 mod registry;
 mod status;

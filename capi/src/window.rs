@@ -21,7 +21,7 @@ pub(super) static WINDOWS: Registry<Window> = Registry::new("window", 4);
 ///
 /// # Safety
 /// As [`input`].
-unsafe fn boxes_of(boxes: *const f64, box_count: usize) -> Result<Vec<Box3>, Failure> {
+pub unsafe fn boxes_of(boxes: *const f64, box_count: usize) -> Result<Vec<Box3>, Failure> {
     let too_many = || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {box_count} boxes"));
     let count = box_count.checked_mul(6).ok_or_else(too_many)?;
     // SAFETY: as the caller promises.

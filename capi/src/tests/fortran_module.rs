@@ -45,8 +45,8 @@ fn kind(ctype: &str) -> String {
 fn passed(name: &str, ctype: &str) -> Passed {
     let stars = ctype.matches('*').count();
     let base = kind(&ctype.replace('*', ""));
-    const HANDLES: [&str; 6] =
-        ["dc_interface", "dc_pattern", "dc_map", "dc_operator", "dc_faces", "dc_window"];
+    const HANDLES: [&str; 7] =
+        ["dc_interface", "dc_pattern", "dc_map", "dc_operator", "dc_faces", "dc_window", "dc_part"];
     let is_handle = HANDLES.contains(&base.as_str());
     let (kind, by_value) = match (stars, is_handle) {
         (0, _) => (base, true),

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// In the order in which the header has them.
-const SOURCES: [&str; 23] = [
+const SOURCES: [&str; 24] = [
     "status",
     "outcome",
     "choice",
@@ -20,6 +20,7 @@ const SOURCES: [&str; 23] = [
     "map",
     "operator",
     "window",
+    "part",
     "faces",
     "faces_friction",
     "faces_assembly",

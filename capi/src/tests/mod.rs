@@ -14,6 +14,7 @@ mod header;
 mod laws;
 mod memory;
 mod misuse;
+mod part;
 mod random;
 mod tangent;
 mod window;

@@ -89,6 +89,55 @@ enum Stage {
 }
 
 impl PartDemands {
+    /// As integers and floating-point numbers, for a host to send.
+    #[must_use]
+    pub fn to_numbers(&self) -> (Vec<i64>, Vec<f64>) {
+        let Self { nodes, factors, crowded, facets, bases } = self;
+        let mut integers = vec![nodes.len() as i64, facets.len() as i64];
+        integers.extend(nodes.iter().map(|&number| number as i64));
+        integers.extend(crowded.iter().map(|&is| i64::from(is)));
+        integers.extend(facets.iter().map(|&number| number as i64));
+        integers.extend(bases.iter().map(|&base| i64::from(base)));
+        (integers, factors.clone())
+    }
+
+    /// The demands that [`to_numbers`](Self::to_numbers) made numbers of, those of any number of ranks one after another.
+    ///
+    /// # Errors
+    /// [`WindowError::Invalid`] for numbers that are none of demands.
+    pub fn from_numbers(integers: &[i64], reals: &[f64]) -> Result<Vec<Self>, WindowError> {
+        let (mut all, mut rest, mut factors) = (Vec::new(), integers, reals);
+        while !rest.is_empty() {
+            let place = integers.len() - rest.len();
+            let invalid = |place| WindowError::Invalid { what: "integer", place };
+            let mut take = |count: i64| -> Result<&[i64], WindowError> {
+                let count = usize::try_from(count).map_err(|_| invalid(place))?;
+                let (own, after) = rest.split_at_checked(count).ok_or_else(|| invalid(integers.len()))?;
+                rest = after;
+                Ok(own)
+            };
+            let &[nodes, facets] = take(2)? else { return Err(invalid(place)) };
+            let numbers = |own: &[i64]| own.iter().map(|&x| u64::try_from(x).ok()).collect::<Option<_>>();
+            let small = |own: &[i64]| own.iter().map(|&x| u8::try_from(x).ok()).collect::<Option<_>>();
+            let lists =
+                (numbers(take(nodes)?), small(take(nodes)?), numbers(take(facets)?), small(take(facets)?));
+            let (Some(nodes), Some(crowded), Some(facets), Some(bases)) = lists else {
+                return Err(invalid(place));
+            };
+            let nodes: Vec<u64> = nodes;
+            let missing = WindowError::Invalid { what: "floating-point number", place: reals.len() };
+            let (own, after) = factors.split_at_checked(nodes.len()).ok_or(missing)?;
+            factors = after;
+            let demands = Self { nodes, factors: own.to_vec(), crowded, facets, bases };
+            demands.check()?;
+            all.push(demands);
+        }
+        if factors.is_empty() {
+            return Ok(all);
+        }
+        Err(WindowError::Invalid { what: "floating-point number", place: reals.len() - factors.len() })
+    }
+
     fn check(&self) -> Result<(), WindowError> {
         let Self { nodes, factors, crowded, facets, bases } = self;
         if nodes.len() != factors.len() || nodes.len() != crowded.len() || facets.len() != bases.len() {

@@ -68,6 +68,7 @@ fn parts_that_are_not_sound_are_refused() {
     assert!(
         matches!(error, ModelError::InvertedElement { element: 3, corner: 0, jacobian, .. } if jacobian < 0.0)
     );
+    assert!(error.to_string().ends_with("have to turn counter-clockwise as seen from the others"), "{error}");
 
     let mut lost = block();
     lost.node_sets.insert("lost".into(), vec![24]);

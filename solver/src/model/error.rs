@@ -164,6 +164,17 @@ pub enum ModelError {
     /// A mesh file cannot be read, or has no such set.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// A solid element was not read, and nothing says that it is no part of this part.
+    #[error(
+        "element {tag} (in the mesh file) is of type {kind}, which is not supported; `elements` can name a set without it, \
+         docs/how-to/decks.md lists what is supported"
+    )]
+    UnreadSolid {
+        /// The element's number in the mesh file.
+        tag: u64,
+        /// Its type as the file names it.
+        kind: String,
+    },
     /// A mesh file has no solid elements where a solid part was asked for.
     #[error("the mesh file has no solid elements{}", in_set(set))]
     NoSolids {

@@ -24,6 +24,10 @@ case $prefix in
 *) prefix=$(pwd)/$prefix ;;
 esac
 
+# Before minutes of building: a folder that may not be written ends the script here.
+root=${DESTDIR:-}$prefix
+mkdir -p "$root/include" "$root/lib/pkgconfig" "$root/lib/cmake/diffuse_contact" "$root/share/diffuse_contact/examples"
+
 if [ $# = 2 ]; then
     built=$(cd "$2" && pwd)
 else
@@ -38,8 +42,6 @@ case $version in
 *) interface=${version%%.*} ;;
 esac
 
-root=${DESTDIR:-}$prefix
-mkdir -p "$root/include" "$root/lib/pkgconfig" "$root/lib/cmake/diffuse_contact" "$root/share/diffuse_contact/examples"
 install -m 644 "$here/include/diffuse_contact.h" "$root/include/"
 install -m 755 "$built/libdiffuse_contact.so" "$root/lib/libdiffuse_contact.so.$version"
 ln -sf "libdiffuse_contact.so.$version" "$root/lib/libdiffuse_contact.so.$interface"
@@ -57,3 +59,4 @@ install -m 644 "$here/../fortran/diffuse_contact.f90" "$here/../fortran/uel.f90"
 install -m 644 "$here/../fortran/examples/block_on_cylinder.inp" \
     "$here/../fortran/examples/block_on_cylinder_friction.inp" "$root/share/diffuse_contact/examples/"
 echo "installed $version in $root"
+echo "for pkg-config and programs: export PKG_CONFIG_PATH=$prefix/lib/pkgconfig LD_LIBRARY_PATH=$prefix/lib"

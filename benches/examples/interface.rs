@@ -4,7 +4,7 @@
 //! RAYON_NUM_THREADS=1 cargo run --release -p diffuse-contact-benches --example interface [slaves along a side] [rounds]
 //! ```
 //!
-//! The scene is that of `diffuse-contact-laboratory study throughput`: a wavy surface of quadrilaterals, and as many slaves on a grid that
+//! The scene is that of `cargo lab study throughput`: a wavy surface of quadrilaterals, and as many slaves on a grid that
 //! is shifted and a little finer, just above and below it. Times are of the processor where the system tells them, which other work on
 //! the machine disturbs less. `benches/interface.py` runs this beside the same program of an older commit, so it uses nothing that is new.
 

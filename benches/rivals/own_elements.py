@@ -430,9 +430,9 @@ rounds. [An element of your own](../how-to/own-element.md) shows the formulas.
 * This generator's compile time is that of the book's crate, outside the workspace: Cargo runs the build script, compiles and links.
 * SymX's figures are its authors' (ACM TOG 45(1):5, 2026), on one thread of a Ryzen 9 5900X with AVX2: another machine.
 
-## What was asked
+## Goals
 
-{table(["", "asked", "measured", ""], [row[:3] + ["✓" if row[3] else "✗"] for row in asked])}
+{table(["", "goal", "measured", ""], [row[:3] + ["✓" if row[3] else "✗"] for row in asked])}
 This machine does {found["peak"]:.1f} fused multiply-adds a nanosecond; the hexahedron takes {duration(hexahedron)} here.
 
 {platform.system()} {platform.machine()}, {isa}, {version("rustc")}, {version("gcc")}, CasADi {ca.__version__}, SymPy {sp.__version__},

@@ -92,8 +92,8 @@ def targets(result):
 def text(result):
     """The section."""
     return (
-        f"Ratios hold within this run. Times were asked for on a machine with {REFERENCE_PEAK} fused multiply-adds a "
+        f"Ratios hold within this run. Goals in µs are for a machine with {REFERENCE_PEAK} fused multiply-adds a "
         f"nanosecond; this one does {result['peak']:.1f}, by which they are scaled. Where a processor runs one vector of "
         "eight a cycle instead of two, ratios to scalar rivals are smaller for that reason alone.\n\n"
-        + table(["", "asked", "found", "reached"], targets(result), left=True)
+        + table(["", "goal", "found", "reached"], targets(result), left=True)
     )

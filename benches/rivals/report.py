@@ -248,7 +248,7 @@ def text(result):
             by_nodes(native, GAP, NAMES, duration),
         ]
     parts += [
-        "## What was asked for",
+        "## Goals",
         reach.text(result),
         "## Where we lose",
         losses(result),

@@ -47,6 +47,8 @@ fn the_main_job_finds_the_cylinder() {
     assert!(bytes.ends_with(b"</VTKFile>\n"));
     let picture = std::fs::read_to_string(scratch.path("diffuse-contact.svg")).unwrap();
     assert!(picture.starts_with("<svg ") && picture.ends_with("</svg>\n"));
+    // All of it is seen in a narrow window.
+    assert!(picture.lines().next().is_some_and(|line| line.contains("max-width:100%")), "{picture:.200}");
     // 36 pieces of each facet, and the slave facets.
     assert!(picture.matches("<path color=").count() > 8000 && !picture.contains("NaN"));
     assert_eq!(scratch.names(), ["diffuse-contact.svg", "diffuse-contact.vtu"]);

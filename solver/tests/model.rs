@@ -68,6 +68,7 @@ fn parts_that_are_not_sound_are_refused() {
     assert!(
         matches!(error, ModelError::InvertedElement { element: 3, corner: 0, jacobian, .. } if jacobian < 0.0)
     );
+    assert!(error.to_string().ends_with("have to turn counter-clockwise as seen from the others"), "{error}");
 
     let mut lost = block();
     lost.node_sets.insert("lost".into(), vec![24]);
@@ -257,7 +258,11 @@ fn instances_of_a_file_become_parts() {
     // The pyramid is in these.
     assert!(!block.node_sets.contains_key("All") && !block.surfaces.contains_key("side"));
     let error = read_solid_part(&path, Some("block-1"), None).unwrap_err().to_string();
-    assert!(error.contains("\"the whole file\" holds element 3 of type C3D5"), "{error}");
+    assert!(
+        error.contains("element 3 (in the mesh file) is of type C3D5")
+            && error.contains("`elements` can name a set"),
+        "{error}"
+    );
     let punch = read_rigid_part(&path, Some("punch-1"), "face").unwrap();
     assert_eq!((punch.nodes.len(), punch.facets.len()), (4, 1));
     assert!(punch.nodes.iter().all(|node| (node[2] - 2.0).abs() < 1e-12));

@@ -47,11 +47,15 @@ pub fn write(
         writeln!(
             writer,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
-             font-family=\"sans-serif\" font-size=\"15\">"
+             style=\"max-width:100%;height:auto\" font-family=\"sans-serif\" font-size=\"15\">"
         )?;
         writeln!(writer, "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>")?;
         left.write(writer, 0.0, "smooth master surface, its facets as lines")?;
-        right.write(writer, SIZE[0] + 2.0 * MARGIN, "slave surface, coloured by its gap")?;
+        right.write(
+            writer,
+            SIZE[0] + 2.0 * MARGIN,
+            "slave surface, coloured by its gap: where it is red it penetrates",
+        )?;
         if let Some(range) = nodes.counts().gaps {
             write_bar(writer, range)?;
         }

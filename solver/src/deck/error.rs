@@ -261,7 +261,11 @@ fn list(names: &[String]) -> String {
 }
 
 fn all(names: &[String], what: &str) -> String {
-    if names.is_empty() { format!("is no {what}") } else { format!("are {}", list(names)) }
+    match names {
+        [] => format!("is no {what}"),
+        [only] => format!("is only {}", shown(only)),
+        _ => format!("are {}", list(names)),
+    }
 }
 
 fn triple([x, y, z]: &[f64; 3]) -> String {

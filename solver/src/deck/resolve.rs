@@ -189,7 +189,7 @@ impl Deck {
         name: &Reference,
     ) -> Result<&'a T, DeckError> {
         among.get(&name.name).or_else(|| alike(among, &name.name)).ok_or_else(|| {
-            let nearest = nearest(&name.name, among.keys().map(String::as_str)).map(str::to_owned);
+            let nearest = nearest_name(&name.name, among.keys().map(String::as_str)).map(str::to_owned);
             let known = among.keys().cloned().collect();
             self.error(name.line, Problem::UnknownName { what, name: name.name.clone(), nearest, known })
         })
@@ -235,6 +235,22 @@ fn alike<'a, T>(among: &'a BTreeMap<String, T>, name: &str) -> Option<&'a T> {
     let mut found = among.keys().filter(is_alike);
     let first = found.next()?;
     if found.next().is_none() { among.get(first) } else { None }
+}
+
+/// The name that was meant. If the part is right its set is misspelt, and compared alone: beside a long part any set looks like a slip.
+fn nearest_name<'a>(name: &str, among: impl Iterator<Item = &'a str> + Clone) -> Option<&'a str> {
+    let sets_of = |part| {
+        among.clone().filter_map(move |other| {
+            other.split_once('.').filter(|(owner, _)| *owner == part).map(|(_, set)| (set, other))
+        })
+    };
+    match name.split_once('.') {
+        Some((part, set)) if among.clone().any(|other| other == part) => {
+            let meant = nearest(set, sets_of(part).map(|(set, _)| set))?;
+            sets_of(part).find(|(set, _)| *set == meant).map(|(_, other)| other)
+        }
+        _ => nearest(name, among),
+    }
 }
 
 fn nodes_of(facets: &[Facet]) -> BTreeSet<usize> {

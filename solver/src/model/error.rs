@@ -3,6 +3,9 @@
 use diffuse_contact_mesh::MeshError;
 use diffuse_contact_mesh::names::shown;
 
+/// The order of the nodes of tetrahedra, wedges and hexahedra, in Abaqus' and Gmsh's files alike.
+const ORDER: &str = "; below 0 its nodes are in the wrong order: those of the first face have to turn counter-clockwise as seen from the others";
+
 /// A shape that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ShapeError {
@@ -103,9 +106,9 @@ pub enum ModelError {
     /// An element is turned inside out or flat at one of its corners.
     #[error(
         "element {} of the part {part:?} is inside out, flat or not convex: the triple product of the directions of the edges at its \
-         corner {} is {jacobian:e}",
+         corner {} is {jacobian:e}{}",
         number_of(*element, *label),
-        corner + 1, part = shown(part)
+        corner + 1, if *jacobian < 0.0 { ORDER } else { "" }, part = shown(part)
     )]
     InvertedElement {
         /// The part.
@@ -161,6 +164,17 @@ pub enum ModelError {
     /// A mesh file cannot be read, or has no such set.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// A solid element was not read, and nothing says that it is no part of this part.
+    #[error(
+        "element {tag} (in the mesh file) is of type {kind}, which is not supported; `elements` can name a set without it, \
+         docs/how-to/decks.md lists what is supported"
+    )]
+    UnreadSolid {
+        /// The element's number in the mesh file.
+        tag: u64,
+        /// Its type as the file names it.
+        kind: String,
+    },
     /// A mesh file has no solid elements where a solid part was asked for.
     #[error("the mesh file has no solid elements{}", in_set(set))]
     NoSolids {

@@ -26,7 +26,7 @@ pub fn read_solid_part(
         && let Some(solid) = mesh.unread_elements().iter().find(|element| is_solid(&element.kind))
     {
         let mesh::UnreadElement { tag, kind } = solid.clone();
-        return Err(mesh::MeshError::UnreadElement { name: WHOLE.into(), tag, kind }.into());
+        return Err(ModelError::UnreadSolid { tag, kind });
     }
     let all: Vec<usize>;
     let chosen = match elements {
@@ -72,9 +72,6 @@ pub fn read_rigid_part(path: &Path, instance: Option<&str>, surface: &str) -> Re
     let (surfaces, _) = part.surfaces(&mesh, |facet| own.get(&sorted(&facet)).copied());
     Ok(Part { facets, surfaces, ..part.into_part(&mesh) })
 }
-
-/// What stands in messages for the set that is everything.
-const WHOLE: &str = "the whole file";
 
 fn read(path: &Path, instance: Option<&str>) -> Result<Mesh, ModelError> {
     Ok(match instance {

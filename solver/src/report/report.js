@@ -81,7 +81,7 @@ function summary() {
     ["cut-backs", (run) => run.summary.cutbacks],
     ["Newton iterations", (run) => run.summary.newton_iterations],
     ["largest penetration", (run) => precise(run.summary.max_penetration_ever)],
-    ["contact force at the end", (run) => run.summary.contact_force.map(precise).join(", ")],
+    ["contact force at the end: x, y, z", (run) => run.summary.contact_force.map(precise).join(", ")],
     ["wall time, s", (run) => precise(run.summary.wall_s)],
     ["share of contact evaluation", (run) => `${(100 * run.summary.contact_share).toFixed(1)} %`],
     ["share of pairing", (run) => `${(100 * run.summary.pairing_share).toFixed(1)} %`],

@@ -103,7 +103,8 @@ pub enum StaticsError {
 /// A clause for each part, and what may help.
 fn all(loose: &[Loose]) -> String {
     let parts: String = loose.iter().map(|loose| format!("{loose}; ")).collect();
-    let help = "supports, contact closer than a facet's size, or, where no load acts along that, `stabilisation` hold it; ";
+    let help = "a `boundary` can hold it, a master closer than a facet's size, or, where no load acts along that, \
+                `newton.stabilisation`; ";
     if parts.is_empty() { parts } else { parts + help }
 }
 

@@ -48,12 +48,18 @@ fn misspelt_words_and_names_name_the_nearest() {
     refused(
         "material = \"steel\"",
         "material = \"stel\"",
-        "line 14: no material is named \"stel\" (did you mean \"steel\"?)",
+        "line 14: no material is named \"stel\" (did you mean \"steel\"?); there is only steel",
     );
     refused(
         "\"block.z+\"",
         "\"blok.z+\"",
         "line 27: no node set is named \"blok.z+\" (did you mean \"block.z+\"?)",
+    );
+    // No set of the block is spelt like that, only all of the name is.
+    refused(
+        "\"block.z+\"",
+        "\"block.top\"",
+        "line 27: no node set is named \"block.top\"; there are block, block.x+",
     );
     refused(
         "surface = \"block.x+\"",

@@ -84,7 +84,10 @@ fn a_body_that_only_contact_holds_is_held() {
 fn a_body_far_from_its_master_is_named() {
     let (notes, error, ..) = fail(&stacked(1.5, "", "hex8"), TIME);
     assert!(notes.cuts.is_empty(), "{:?}", notes.cuts);
-    assert!(error.to_string().contains("nothing holds `upper` against moving along z; supports"), "{error}");
+    assert!(
+        error.to_string().contains("nothing holds `upper` against moving along z; a `boundary` can hold it"),
+        "{error}"
+    );
 }
 
 /// What is free is found for a part that turns, and for parts that hold one another.

@@ -96,11 +96,11 @@ fn introduction(is_quick: bool) -> String {
     let option = if is_quick { " --quick" } else { "" };
     format!(
         "# The examples of the paper\n\n\
-         Written by `diffuse-contact-laboratory study paper -o docs/results/paper.md{option}`; do not edit.\n\n\
+         Written by `cargo lab study paper -o docs/results/paper.md{option}`; do not edit.\n\n\
          The diffuse element and the classic one, nodes against facets, in the same code: same meshes, penalties, tolerances, line \
          search and predictor. Both have the same tangent, `tangent = \"adaptive\"`, except where that is the question and in \
          `ring_block`, whose deck has the exact one. Decks are those of `examples/` with the changes \
-         named in the tables; `--decks DIR` writes every one of them, and `diffuse-contact solve DIR/NAME.toml` runs it. \
+         named in the tables; `--decks DIR` writes every one of them, and `cargo solve DIR/NAME.toml` runs it. \
          *Iterations* are linear solutions, the predictor's and those of failed increments included. An increment \
          has converged at a residual of 10⁻⁶ of the forces. Runs are on one thread.\n"
     )

@@ -112,7 +112,7 @@ pub fn run(arguments: &ScalingArguments) -> Result<(), CliError> {
     };
     let document = format!(
         "# Scaling\n\n\
-         Written by `diffuse-contact-laboratory study scaling -o docs/results/scaling.md`; do not edit.\n\n\
+         Written by `cargo lab study scaling -o docs/results/scaling.md`; do not edit.\n\n\
          {}\n## Simulated\n\n{found}\n{}",
         include_str!("measured.txt"),
         include_str!("model.txt"),

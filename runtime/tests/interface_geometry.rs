@@ -96,7 +96,7 @@ fn around(name: &str, random: &mut Uniform) -> Point {
 #[test]
 fn on_curved_surfaces_the_gap_converges_with_the_third_power_of_the_mesh_size() {
     for name in ["cylinder", "sphere", "torus"] {
-        let errors = [8, 16].map(|n| {
+        let errors = [6, 12].map(|n| {
             let (mesh, gap) = curved(name, n);
             let mut random = Uniform(5);
             let slaves: Vec<Point> = (0..400).map(|_| around(name, &mut random)).collect();

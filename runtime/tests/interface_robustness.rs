@@ -79,9 +79,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
         assert!(one.1.changed > 40 && one.1.largest_gap_jump.is_some() != is_nodal, "{:?}", one.1);
         assert!(one.1.rebuilt && (is_nodal || one.1.renewed > 100), "{:?}", one.1);
         assert!(one.0.paired > 1000 && one.2.iter().any(|(outcome, ..)| outcome.contains("BeyondBorder")));
-        for threads in [2, 5] {
-            assert!(everything(threads, options) == one, "{threads} threads");
-        }
+        assert!(everything(3, options) == one);
     }
 }
 
@@ -178,9 +176,11 @@ fn a_facet_element_is_paired_with_the_corners_of_the_closest_facet() {
 
 #[test]
 fn coincident_masters_and_slaves_on_them_have_an_outcome() {
-    // Two nodes of a flat grid coincide in the deformed state, and slaves sit on nodes.
+    // Two nodes of a flat grid coincide in the deformed state, and slaves sit on them and on every third node.
     let mesh = Mesh::plane(6.0, 6.0, 1.0);
-    let slaves: Vec<Point> = mesh.positions.iter().map(|x| [x[0], x[1], 0.0]).collect();
+    let has_slave = |node: &usize| node.is_multiple_of(3) || (23..27).contains(node);
+    let slaves: Vec<Point> =
+        (0..mesh.positions.len()).filter(has_slave).map(|node| mesh.positions[node]).collect();
     let mut scene = mesh.paired(&slaves, InterfaceOptions::default());
     assert!(
         scene

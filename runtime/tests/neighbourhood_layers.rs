@@ -12,16 +12,29 @@ use diffuse_contact::neighbourhood::{
 use diffuse_contact::pairing::{NearestNodes, node_normals};
 use diffuse_contact::{Basis, Point};
 use nalgebra::Vector3;
+use spade::handles::FixedVertexHandle;
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 
-/// Neighbours of `slave` in the Delaunay triangulation of it and all points, seen from above.
-fn delaunay_ring(points: &[Point], slave: Point) -> Vec<usize> {
-    let mut triangulation = DelaunayTriangulation::<Point2<f64>>::new();
-    let handles: Vec<_> =
-        points.iter().map(|x| triangulation.insert(Point2::new(x[0], x[1])).unwrap()).collect();
-    let centre = triangulation.insert(Point2::new(slave[0], slave[1])).unwrap();
-    let ring: BTreeSet<_> = triangulation.vertex(centre).out_edges().map(|edge| edge.to().fix()).collect();
-    (0..points.len()).filter(|&k| ring.contains(&handles[k])).collect()
+/// The Delaunay triangulation of points seen from above.
+struct Delaunay {
+    of_points: DelaunayTriangulation<Point2<f64>>,
+    handles: Vec<FixedVertexHandle>,
+}
+
+impl Delaunay {
+    fn new(points: &[Point]) -> Self {
+        let mut of_points = DelaunayTriangulation::new();
+        let handles = points.iter().map(|x| of_points.insert(Point2::new(x[0], x[1])).unwrap()).collect();
+        Self { of_points, handles }
+    }
+
+    /// Neighbours of `slave` in the triangulation of it and all points.
+    fn ring(&self, slave: Point) -> Vec<usize> {
+        let mut with_slave = self.of_points.clone();
+        let centre = with_slave.insert(Point2::new(slave[0], slave[1])).unwrap();
+        let ring: BTreeSet<_> = with_slave.vertex(centre).out_edges().map(|edge| edge.to().fix()).collect();
+        (0..self.handles.len()).filter(|&k| ring.contains(&self.handles[k])).collect()
+    }
 }
 
 /// The largest angle under which the slave sees none of its nearest nodes.
@@ -43,6 +56,7 @@ fn the_first_layer_is_the_delaunay_ring() {
     for cloud in 0..200 {
         let points = flat_cloud(&mut random, 300);
         let nodes = NearestNodes::new(points.clone()).unwrap();
+        let delaunay = Delaunay::new(&points);
         let mut search = NeighbourSearch::new(hull(None)).unwrap();
         for _ in 0..10 {
             let slave = [0.05 + 0.9 * random.next(), 0.05 + 0.9 * random.next(), 0.05 * random.next()];
@@ -55,7 +69,7 @@ fn the_first_layer_is_the_delaunay_ring() {
             certain += usize::from(found.complete);
             one_layer += usize::from(found.layers.len() == 1);
             if found.encloses_slave && found.complete {
-                assert_eq!(found.layers[0], delaunay_ring(&points, slave), "cloud {cloud}, slave {slave:?}");
+                assert_eq!(found.layers[0], delaunay.ring(slave), "cloud {cloud}, slave {slave:?}");
             }
             assert!(found.regularity > SMALLEST_REGULARITY && found.condition.is_finite(), "{found:?}");
         }
@@ -76,7 +90,7 @@ fn beyond_the_border_the_layer_is_part_of_the_delaunay_ring() {
         let found = hull_layers(slave, &points, UP, 2).unwrap();
         assert!(!found.encloses_slave);
         assert!(found.layers[0].contains(&found.nodes[0]), "the nearest node belongs to the layer");
-        let ring = delaunay_ring(&points, slave);
+        let ring = Delaunay::new(&points).ring(slave);
         for &node in found.layers[0].iter().filter(|k| !ring.contains(k)) {
             // Within the tolerance of a circle through the slave and two nodes of the layer.
             let image = |k: usize| {
@@ -419,13 +433,14 @@ fn inside_stretched_and_stepped_grids_rings_are_complete() {
     let mut farthest: f64 = 0.0;
     for (name, map) in inside {
         let points = mapped(map);
+        let delaunay = Delaunay::new(&points);
         for _ in 0..100 {
             let [x, y] = map(19.0 + 2.0 * random.next(), 9.0 + 2.0 * random.next());
             let slave = [x, y, 0.05];
             let found = hull_layers(slave, &points, UP, 1).unwrap();
             assert!(found.encloses_slave && !found.on_border, "{name} {x} {y}");
             if found.complete {
-                assert_eq!(found.layers[0], delaunay_ring(&points, slave), "{name} {x} {y}");
+                assert_eq!(found.layers[0], delaunay.ring(slave), "{name} {x} {y}");
             }
             farthest = farthest.max(spread(&found, &points, slave)[0]);
         }

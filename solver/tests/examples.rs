@@ -102,8 +102,8 @@ fn patch_test_over_faces_of_all_kinds() {
         for (other, lower) in [upper, kinds[(k + 1) % kinds.len()]].into_iter().enumerate() {
             let (exchange, penalty) = [(false, 5e3), (true, 5e6)][(k + other) % 2];
             let mut deck = deck("patch_test.toml", Contact::Diffuse);
-            divide(&mut deck, "lower", &[3, 3, 2]);
-            divide(&mut deck, "upper", &[2, 4, 2]);
+            divide(&mut deck, "lower", &[3, 2, 1]);
+            divide(&mut deck, "upper", &[2, 3, 1]);
             for part in &mut deck.parts {
                 part.element = if part.name == "lower" { lower } else { upper };
             }

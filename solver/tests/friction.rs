@@ -253,6 +253,12 @@ fn the_work_of_the_push_is_dissipated() {
     }
 }
 
+/// A deck that ends earlier.
+fn until(end: f64, mut deck: Deck) -> Deck {
+    deck.time.end = end;
+    deck
+}
+
 /// T2/T1 of the belt at the end over exp(μ θ r_i/r_m), less one.
 fn belt(deck: &Deck) -> f64 {
     let run = run(deck, |snapshot| snapshot.contact_force());
@@ -263,10 +269,10 @@ fn belt(deck: &Deck) -> f64 {
     ratio / exact - 1.0
 }
 
-/// On facets of 10°.
+/// On facets of 10°. The whole belt slides from t = 0.15 on.
 #[test]
 fn a_belt_slides_over_a_drum() {
-    let error = belt(&deck("belt.toml"));
+    let error = belt(&until(0.4, deck("belt.toml")));
     assert!(error.abs() < 0.005, "{error}");
 }
 
@@ -284,10 +290,10 @@ fn shaft(deck: &Deck) -> [f64; 2] {
     range
 }
 
-/// Over more than a facet of the shaft.
+/// Over 9.6°, more than a facet of the shaft.
 #[test]
 fn a_shaft_turns_in_a_bush() {
-    let [low, high] = shaft(&deck("shaft_in_bush.toml"));
+    let [low, high] = shaft(&until(0.8, deck("shaft_in_bush.toml")));
     assert!((low - 1.0).abs() < 0.01 && (high - 1.0).abs() < 0.01, "{low} {high}");
     assert!(high - low < 0.001, "{low} {high}");
 }
@@ -351,13 +357,13 @@ fn facets_have_friction_over_nodes() {
     let deck = |name| Deck { contact: Contact::NodeToFacet, ..over_nodes(name) };
     let ratio = inclined(&deck("inclined_block.toml"));
     assert!((ratio / INCLINED - 1.0).abs() < 1e-8, "{ratio} {INCLINED}");
-    let errors = [15, 30, 60].map(|facets| {
+    let errors = [15, 60].map(|facets| {
         let mut deck = deck("belt.toml");
         divide(&mut deck, "drum", &[facets, 4]);
         belt(&deck)
     });
-    println!("belt on facets of 10, 5 and 2.5 degrees {errors:?}");
-    assert!(errors[2].abs() < 0.5 * errors[0].abs(), "{errors:?}");
+    println!("belt on facets of 10 and 2.5 degrees {errors:?}");
+    assert!(errors[1].abs() < 0.5 * errors[0].abs(), "{errors:?}");
 }
 
 /// The same with forces at the slave's nodes.
@@ -379,13 +385,13 @@ mod over_nodes {
 
     #[test]
     fn a_belt_slides_over_a_drum() {
-        let error = belt(&deck("belt.toml"));
+        let error = belt(&until(0.4, deck("belt.toml")));
         assert!(error.abs() < 0.005, "{error}");
     }
 
     #[test]
     fn a_shaft_turns_in_a_bush() {
-        let [low, high] = shaft(&deck("shaft_in_bush.toml"));
+        let [low, high] = shaft(&until(0.8, deck("shaft_in_bush.toml")));
         assert!((low - 1.0).abs() < 0.01 && (high - 1.0).abs() < 0.01, "{low} {high}");
         assert!(high - low < 0.005, "{low} {high}");
     }

@@ -121,6 +121,6 @@ fn legs_of_a_crushed_serpentine_touch_one_another() {
 
 #[test]
 fn coils_of_a_spring_touch_one_another() {
-    let curve = pressed("coil_spring.toml", "spring", [60, 2, 2], 0.1, Contact::Diffuse);
+    let curve = pressed("coil_spring.toml", "spring", [48, 1, 2], 0.1, Contact::Diffuse);
     assert!(curve.last().unwrap()[1] > 10.0 && curve[3][1] == 0.0, "{curve:?}");
 }

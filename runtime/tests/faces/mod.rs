@@ -261,7 +261,7 @@ fn assert_tangent(pair: &Pair, element: ContactElement, faces: &[QuadraticFace])
     let mut interface = pair.interface(element, FaceRule::Second);
     interface.set_quadratic_faces(faces).unwrap();
     interface.refresh(&pair.positions).unwrap();
-    assert_tangent_at(pair, &mut interface, &ContactLaw::penalty(50.0), &pair.positions, 13);
+    assert_tangent_at(pair, &mut interface, &ContactLaw::penalty(50.0), &pair.positions, 31);
 }
 
 /// Both bumps as one surface in contact with itself, made while they were apart: each is integrated over the other.

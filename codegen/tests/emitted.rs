@@ -96,7 +96,8 @@ fn digest(name: &str, source: &str) -> String {
 
 #[test]
 fn every_kernel_is_emitted_byte_for_byte() {
-    let emitted: [(&str, fn() -> String); 5] = [
+    type Emit = fn() -> String;
+    let emitted: [(&str, Emit); 5] = [
         ("own", || own().source().unwrap()),
         ("own_c", || own().c_source()),
         ("product", || product().source().unwrap()),

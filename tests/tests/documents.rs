@@ -20,7 +20,8 @@ fn root() -> PathBuf {
 
 /// All files below a folder that end so; build output and hidden folders apart.
 fn files(folder: &Path, ending: &str, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap().flatten() {
+    // A folder that other tests, which run beside, made and removed is none.
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let (path, name) = (entry.path(), entry.file_name().into_string().unwrap_or_default());
         if path.is_dir() && !name.starts_with('.') && name != "target" && !name.ends_with(".results") {
             files(&path, ending, found);

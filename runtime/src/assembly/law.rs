@@ -1,6 +1,6 @@
 //! From the gap to force and stiffness.
 
-use diffuse_contact_kernels::support::packed_row;
+use diffuse_contact_kernels::support::{Vector, packed_row};
 
 use super::{AssemblyError, ContactView, ElementView, Elements, NormalLaw, SlipView};
 use crate::friction::{Coulomb, FrictionForce, NormalForce};
@@ -452,7 +452,8 @@ impl Active<'_> {
     }
 
     /// Writes the rows of the element's node `a`, 3(n+1) entries each: the same numbers as [`tangent`](Self::tangent).
-    pub fn rows(&self, a: usize, rows: [&mut [f64]; 3]) {
+    #[inline(always)]
+    pub fn rows<T: Vector>(&self, a: usize, rows: [&mut [f64]; 3]) {
         let freedoms = self.gradient.len();
         let [x, y, z] = rows.map(|row| &mut row[..freedoms]);
         let (stiffness, force) = (self.stiffness, self.force);
@@ -483,14 +484,26 @@ impl Active<'_> {
         x[p + 1] = entry(0, own[1], second(p + 1, p));
         x[p + 2] = entry(0, own[2], second(p + 2, p));
         y[p + 2] = entry(1, own[2], second(p + 2, p + 1));
-        let mut start = packed_row(p + 3) + p;
-        let rest = x[p + 3..].iter_mut().zip(&mut y[p + 3..]).zip(&mut z[p + 3..]);
-        for (row, (((x, y), z), &other)) in rest.zip(&self.gradient[p + 3..]).enumerate() {
+        let mut q = p + 3;
+        if T::WIDTH == 4 {
+            // Three of four numbers are looked at: the fourth is there, as a row has one more at least.
+            let of_row = |q: usize| {
+                let normal = T::splat(stiffness) * (T::load(self.gradient, p) * T::splat(self.gradient[q]));
+                normal - T::splat(force) * T::load(hessian, packed_row(q) + p)
+            };
+            while q + 4 <= freedoms {
+                let columns = [of_row(q), of_row(q + 1), of_row(q + 2), of_row(q + 3)];
+                let mut targets = [&mut x[q..q + 4], &mut y[q..q + 4], &mut z[q..q + 4]];
+                T::store_transposed(&columns, &mut targets, |target| &mut **target);
+                q += 4;
+            }
+        }
+        for q in q..freedoms {
+            let (other, start) = (self.gradient[q], packed_row(q) + p);
             let seconds = &hessian[start..start + 3];
-            start += p + 4 + row;
-            *x = entry(0, other, seconds[0]);
-            *y = entry(1, other, seconds[1]);
-            *z = entry(2, other, seconds[2]);
+            x[q] = entry(0, other, seconds[0]);
+            y[q] = entry(1, other, seconds[1]);
+            z[q] = entry(2, other, seconds[2]);
         }
     }
 

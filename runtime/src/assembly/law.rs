@@ -486,13 +486,11 @@ impl Active<'_> {
         y[p + 2] = entry(1, own[2], second(p + 2, p + 1));
         let mut q = p + 3;
         if T::WIDTH == 4 {
-            // Three of four numbers are looked at: the fourth is there, as a row has one more at least.
-            let of_row = |q: usize| {
-                let normal = T::splat(stiffness) * (T::load(self.gradient, p) * T::splat(self.gradient[q]));
-                normal - T::splat(force) * T::load(hessian, packed_row(q) + p)
-            };
             while q + 4 <= freedoms {
-                let columns = [of_row(q), of_row(q + 1), of_row(q + 2), of_row(q + 3)];
+                let mut columns = [T::ZERO; 4];
+                for k in 0..4 {
+                    columns[k] = self.column(q + k, p);
+                }
                 let mut targets = [&mut x[q..q + 4], &mut y[q..q + 4], &mut z[q..q + 4]];
                 T::store_transposed(&columns, &mut targets, |target| &mut **target);
                 q += 4;
@@ -505,6 +503,14 @@ impl Active<'_> {
             y[q] = entry(1, other, seconds[1]);
             z[q] = entry(2, other, seconds[2]);
         }
+    }
+
+    /// Entries (q, p) to (q, p + 2) of the tangent without friction, and one more: row q has it, as it belongs to a later node.
+    #[inline(always)]
+    fn column<T: Vector>(&self, q: usize, p: usize) -> T {
+        let own = T::load(self.gradient, p) * T::splat(self.gradient[q]);
+        let second = T::load(self.hessian.unwrap_or_default(), packed_row(q) + p);
+        T::splat(self.stiffness) * own - T::splat(self.force) * second
     }
 
     /// Entries (p, 0) … (p, p) of the tangent, and whether all are finite. The same numbers as [`tangent`](Self::tangent).

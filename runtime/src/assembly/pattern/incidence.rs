@@ -71,7 +71,7 @@ impl Neighbours {
 pub struct Incidence {
     /// Nodes of each element, slave first.
     pub nodes: Lists<u32>,
-    /// Which of them begin a run: nodes with consecutive numbers and consecutive equations. In each row that has one, they lie side by side.
+    /// Which of them begin a run: consecutive numbers and equations. In each row that has one, they lie side by side.
     pub runs: Lists<u32>,
     /// Elements of each node, ascending: as often as it is one of their nodes.
     pub elements: Lists<u32>,

@@ -28,7 +28,7 @@ pub struct Located {
     pub ends: [u32; 3],
     /// Whether it has three rows with the same columns, of which each neighbour has three in a row.
     pub is_regular: bool,
-    /// Whether it is regular, and its columns are those of its neighbours in their order and no others up to the last of them: slots follow.
+    /// Whether it is regular, and its columns up to the last are those of its neighbours, in their order: slots follow.
     is_dense: bool,
     /// Number of the node's neighbours.
     neighbours: u32,

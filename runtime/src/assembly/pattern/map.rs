@@ -25,8 +25,8 @@ const PIECES_PER_THREAD: usize = 2;
 /// # Memory
 ///
 /// For each slave with n masters 4 (n + 1) r bytes for the places of its blocks, 28 (n + 1) + 4 r for its nodes, and 24 besides; for each
-/// node 80. Slave and masters make up r runs of nodes whose numbers and equations are consecutive: n + 1 if there are no such neighbours. With
-/// nodes that have not three consecutive equations it is 36 bytes more for each pair of nodes that occur together.
+/// node 80. Slave and masters make up r runs of nodes whose numbers and equations are consecutive: n + 1 if there are no such
+/// neighbours. With nodes that have not three consecutive equations it is 36 bytes more for each pair of nodes that occur together.
 #[derive(Clone, Debug)]
 pub struct CsrMap {
     /// Whose nodes the lists are; `None` if they tell nobody.

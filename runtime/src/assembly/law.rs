@@ -1,6 +1,6 @@
 //! From the gap to force and stiffness.
 
-use diffuse_contact_kernels::support::packed_row;
+use diffuse_contact_kernels::support::{Vector, packed_row};
 
 use super::{AssemblyError, ContactView, ElementView, Elements, NormalLaw, SlipView};
 use crate::friction::{Coulomb, FrictionForce, NormalForce};
@@ -452,7 +452,8 @@ impl Active<'_> {
     }
 
     /// Writes the rows of the element's node `a`, 3(n+1) entries each: the same numbers as [`tangent`](Self::tangent).
-    pub fn rows(&self, a: usize, rows: [&mut [f64]; 3]) {
+    #[inline(always)]
+    pub fn rows<T: Vector>(&self, a: usize, rows: [&mut [f64]; 3]) {
         let freedoms = self.gradient.len();
         let [x, y, z] = rows.map(|row| &mut row[..freedoms]);
         let (stiffness, force) = (self.stiffness, self.force);
@@ -483,15 +484,33 @@ impl Active<'_> {
         x[p + 1] = entry(0, own[1], second(p + 1, p));
         x[p + 2] = entry(0, own[2], second(p + 2, p));
         y[p + 2] = entry(1, own[2], second(p + 2, p + 1));
-        let mut start = packed_row(p + 3) + p;
-        let rest = x[p + 3..].iter_mut().zip(&mut y[p + 3..]).zip(&mut z[p + 3..]);
-        for (row, (((x, y), z), &other)) in rest.zip(&self.gradient[p + 3..]).enumerate() {
-            let seconds = &hessian[start..start + 3];
-            start += p + 4 + row;
-            *x = entry(0, other, seconds[0]);
-            *y = entry(1, other, seconds[1]);
-            *z = entry(2, other, seconds[2]);
+        let mut q = p + 3;
+        if T::WIDTH == 4 {
+            while q + 4 <= freedoms {
+                let mut columns = [T::ZERO; 4];
+                for k in 0..4 {
+                    columns[k] = self.column(q + k, p);
+                }
+                let mut targets = [&mut x[q..q + 4], &mut y[q..q + 4], &mut z[q..q + 4]];
+                T::store_transposed(&columns, &mut targets, |target| &mut **target);
+                q += 4;
+            }
         }
+        for q in q..freedoms {
+            let (other, start) = (self.gradient[q], packed_row(q) + p);
+            let seconds = &hessian[start..start + 3];
+            x[q] = entry(0, other, seconds[0]);
+            y[q] = entry(1, other, seconds[1]);
+            z[q] = entry(2, other, seconds[2]);
+        }
+    }
+
+    /// Entries (q, p) to (q, p + 2) of the tangent without friction, and one more: row q has it, as it belongs to a later node.
+    #[inline(always)]
+    fn column<T: Vector>(&self, q: usize, p: usize) -> T {
+        let own = T::load(self.gradient, p) * T::splat(self.gradient[q]);
+        let second = T::load(self.hessian.unwrap_or_default(), packed_row(q) + p);
+        T::splat(self.stiffness) * own - T::splat(self.force) * second
     }
 
     /// Entries (p, 0) … (p, p) of the tangent, and whether all are finite. The same numbers as [`tangent`](Self::tangent).

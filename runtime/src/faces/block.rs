@@ -1,12 +1,14 @@
 //! The contribution of one slave face: forces by unit pressures and tractions of its corners, gradients of their gaps, and what the
 //! directions of the forces add to the tangent.
 
+use std::sync::{Mutex, PoisonError};
+
 use diffuse_contact_kernels::support::{Isa, Vector, WithLanes};
 
 use super::carried::{Carried, direction_along};
 use super::cut::FacePoint;
 use super::quadratic::{Carrying, MOST_NODES};
-use super::skin::Skin;
+use super::skin::{Skin, SkinFace};
 use crate::interface::{ContactRef, back};
 use crate::surface::{Facet, Image, Shape};
 use crate::vector::Vector3;
@@ -28,6 +30,97 @@ pub struct FaceView<'a> {
     /// Nodes that forces depend on, ascending.
     pub columns: &'a [u32],
     pub load: FaceLoad,
+    pub places: FacePlaces<'a>,
+}
+
+/// Where a face's nodes are found, at any of its points.
+pub struct FacePlaces<'a> {
+    /// The skin's carriers in the columns, and the images that they are.
+    skin: Vec<(usize, Option<&'a Image>)>,
+    /// The nodes that carry the face's forces.
+    own: Vec<Place>,
+}
+
+/// Where a node is in the rows and in the columns.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    row: usize,
+    column: usize,
+}
+
+impl Place {
+    fn of(node: usize, rows: &[u32], columns: &[u32]) -> Self {
+        Self { row: place(rows, node as u32), column: place(columns, node as u32) }
+    }
+}
+
+impl<'a> FacePlaces<'a> {
+    /// Of the face with this number.
+    pub fn new(skin: &'a Skin, face: usize, carrying: &Carrying, rows: &[u32], columns: &[u32]) -> Self {
+        let carriers = skin.faces[face].carriers.iter();
+        Self {
+            skin: carriers.map(|&carrier| (place(columns, carrier.node), skin.image(carrier))).collect(),
+            own: carrying.nodes().iter().map(|&node| Place::of(node, rows, columns)).collect(),
+        }
+    }
+}
+
+/// Where a node is in a list that has it.
+fn place(list: &[u32], node: u32) -> usize {
+    list.binary_search(&node).unwrap_or_else(|_| unreachable!("lists hold all nodes of their points"))
+}
+
+/// What goes from point to point.
+#[derive(Default)]
+pub struct PointScratch {
+    /// What each of the skin's carriers has of the point.
+    weights: Vec<f64>,
+    /// The masters in the columns.
+    masters: Vec<usize>,
+    /// Face and facet that `over` belongs to.
+    of: Option<(usize, u32)>,
+    /// The nodes that carry the facet's forces.
+    over: Vec<Place>,
+    /// Derivatives of ∂g/∂x of the slave by the columns: three rows.
+    along_by_nodes: Vec<f64>,
+    /// Who carries the point's force: row, which part of it, and the factor.
+    carriers: Vec<(usize, usize, f64)>,
+    /// Rows that the turning of the force is added to.
+    rows: Vec<(usize, [f64; 3])>,
+}
+
+impl PointScratch {
+    /// Finds what there is of a point.
+    fn look(&mut self, view: &FaceView<'_>, point: &FacePoint, over: &Carrying, contact: &ContactRef<'_>) {
+        let weights = view.face().weights(view.facet.corners().len(), point.natural);
+        self.weights.clear();
+        self.weights.extend(weights);
+        // Masters ascend as columns do, but for those of a facet by itself.
+        let mut next = 0;
+        self.masters.clear();
+        self.masters.extend(contact.nodes.iter().map(|&node| {
+            let found = view.columns[next..].iter().position(|&column| column >= node);
+            let at = found.map_or(0, |more| next + more);
+            next = if view.columns[at] == node { at } else { place(view.columns, node) };
+            next
+        }));
+        let of = Some((view.face, point.facet));
+        if self.of != of {
+            self.of = of;
+            self.over.clear();
+            self.over.extend(over.nodes().iter().map(|&node| Place::of(node, view.rows, view.columns)));
+        }
+        self.carriers.clear();
+        let own = view.places.own.iter().zip(point.functions);
+        self.carriers.extend(own.map(|(place, n)| (place.row, 0, n)));
+        self.carriers.extend(self.over.iter().enumerate().map(|(k, place)| (place.row, k + 1, -1.0)));
+    }
+}
+
+impl FaceView<'_> {
+    fn face(&self) -> &SkinFace {
+        &self.skin.faces[self.face]
+    }
 }
 
 /// What the corners of a face carry.
@@ -70,14 +163,12 @@ pub struct FaceBlock {
 
 /// Where the derivatives of a point's gap and normal are found among those by all columns.
 struct Columns<'a> {
-    /// Of the skin's carriers, with what each has of the point.
-    skin: Vec<(usize, Option<&'a Image>, f64)>,
+    /// Of the skin's carriers, and the images that they are.
+    skin: &'a [(usize, Option<&'a Image>)],
+    /// What each of them has of the point.
+    weights: &'a [f64],
     /// Of the masters.
-    masters: Vec<usize>,
-    /// Of the nodes that carry the face's forces.
-    face: Vec<usize>,
-    /// Of those that carry the facet's.
-    facet: Vec<usize>,
+    masters: &'a [usize],
 }
 
 /// A force with its derivatives, and those of its line.
@@ -98,25 +189,31 @@ impl Columns<'_> {
     /// Adds `factor` times a derivative by the contact's own points to one by the columns. `own`: by coordinate of slave and masters.
     fn spread(&self, own: impl Fn(usize) -> f64, factor: f64, sum: &mut [f64]) {
         let by_point = [0, 1, 2].map(|axis| factor * own(axis));
-        for &(place, image, weight) in &self.skin {
-            for (axis, value) in back(image, by_point).into_iter().enumerate() {
-                sum[3 * place + axis] += weight * value;
+        let sum = sum.as_chunks_mut::<3>().0;
+        for (&(place, image), weight) in self.skin.iter().zip(self.weights) {
+            for (sum, value) in sum[place].iter_mut().zip(back(image, by_point)) {
+                *sum += weight * value;
             }
         }
         for (k, &place) in self.masters.iter().enumerate() {
-            for axis in 0..3 {
-                sum[3 * place + axis] += factor * own(3 * (k + 1) + axis);
+            for (axis, sum) in sum[place].iter_mut().enumerate() {
+                *sum += factor * own(3 * (k + 1) + axis);
             }
         }
     }
 }
 
 impl FaceBlock {
-    /// No points yet.
-    pub fn new(view: &FaceView<'_>, mode: Mode) -> Self {
+    /// No points yet. `memory`: of blocks of before.
+    pub fn new(view: &FaceView<'_>, mode: Mode, memory: &Mutex<Vec<Vec<f64>>>) -> Self {
         let (rows, columns) = (3 * view.rows.len(), 3 * view.columns.len());
         let of_corners = |count: usize| std::array::from_fn(|_| vec![0.0; count]);
-        let directions = if mode >= Mode::Hessian { vec![0.0; rows * columns] } else { Vec::new() };
+        let mut directions = Vec::new();
+        if mode >= Mode::Hessian {
+            directions = memory.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
+            directions.clear();
+            directions.resize(rows * columns, 0.0);
+        }
         let mut block =
             Self { forces: of_corners(rows), gradients: of_corners(columns), directions, ..Self::default() };
         if view.load.tractions.is_some() {
@@ -129,29 +226,21 @@ impl FaceBlock {
     }
 
     /// Adds a point. `over`: what carries the forces of the facet over it.
-    pub fn add(&mut self, view: &FaceView<'_>, point: &FacePoint, over: &Carrying, contact: &ContactRef<'_>) {
+    pub fn add(
+        &mut self,
+        view: &FaceView<'_>,
+        point: &FacePoint,
+        over: &Carrying,
+        contact: &ContactRef<'_>,
+        scratch: &mut PointScratch,
+    ) {
+        scratch.look(view, point, over, contact);
+        let PointScratch { weights, masters, over: facet, along_by_nodes, carriers, rows, .. } = scratch;
         let functions = view.shape.functions(point.natural);
         let along = [contact.gradient[0], contact.gradient[1], contact.gradient[2]];
         // Where the point is on what carries it.
-        let own = view.carrying.nodes();
         let x = view.carrying.point(&point.functions, view.positions);
-        let place = |list: &[u32], node: usize| {
-            list.binary_search(&(node as u32))
-                .unwrap_or_else(|_| unreachable!("lists hold all nodes of their points"))
-        };
-        let in_columns = |node: usize| place(view.columns, node);
-        let face = &view.skin.faces[view.face];
-        let weights = face.weights(view.facet.corners().len(), point.natural);
-        let skin =
-            face.carriers.iter().zip(weights).map(|(&carrier, weight)| {
-                (in_columns(carrier.node as usize), view.skin.image(carrier), weight)
-            });
-        let columns = Columns {
-            skin: skin.collect(),
-            masters: contact.nodes.iter().map(|&node| in_columns(node as usize)).collect(),
-            face: own.iter().map(|&node| in_columns(node)).collect(),
-            facet: over.nodes().iter().map(|&node| in_columns(node)).collect(),
-        };
+        let columns = Columns { skin: &view.places.skin, weights, masters };
         for (corner, &n) in functions.iter().enumerate().take(view.facet.corners().len()) {
             columns.spread(|own| contact.gradient[own], point.weight * n, &mut self.gradients[corner]);
         }
@@ -161,12 +250,13 @@ impl FaceBlock {
         let mode = if needs_hessian || is_moved { Mode::Gradient } else { Mode::Value };
         // The direction is along ∂g/∂x of the slave: its derivatives are the slave's rows of M.
         let width = self.gradients[0].len();
-        let mut by_nodes = vec![0.0; if needs_hessian { 3 * width } else { 0 }];
-        for (axis, row) in by_nodes.chunks_exact_mut(width.max(1)).enumerate() {
+        along_by_nodes.clear();
+        along_by_nodes.resize(if needs_hessian { 3 * width } else { 0 }, 0.0);
+        for (axis, row) in along_by_nodes.chunks_exact_mut(width.max(1)).enumerate() {
             columns.spread(|own| contact_entry(contact.hessian, axis, own), 1.0, row);
         }
         for (sums, n) in self.normals.iter_mut().zip(functions) {
-            sums.iter_mut().zip(&by_nodes).for_each(|(sum, by)| *sum += point.weight * n * by);
+            sums.iter_mut().zip(&*along_by_nodes).for_each(|(sum, by)| *sum += point.weight * n * by);
         }
         // A pressure of one, and the traction that goes with it.
         let load = traction.map_or(direction, |traction| (Vector3::from(direction) + traction).into());
@@ -175,13 +265,9 @@ impl FaceBlock {
             return;
         };
         // Who carries the force: +N_a of it the nodes of the face, −N_k those of the facet.
-        let of_face = own.iter().zip(point.functions).map(|(&node, n)| (place(view.rows, node), 0, n));
-        let of_facet =
-            over.nodes().iter().enumerate().map(|(k, &node)| (place(view.rows, node), k + 1, -1.0));
-        let carriers: Vec<(usize, usize, f64)> = of_face.chain(of_facet).collect();
         for (corner, &n) in functions.iter().enumerate().take(view.facet.corners().len()) {
             let weight = point.weight * n;
-            for &(row, own, part) in &carriers {
+            for &(row, own, part) in &*carriers {
                 for axis in 0..3 {
                     // Forces are linear in a traction and a pressure that grow together, not in either of them.
                     let by_pressure = if is_moved {
@@ -198,8 +284,10 @@ impl FaceBlock {
             }
         }
         if needs_hessian && pressure != 0.0 {
-            let of_line = Line { force: &force, by_along: &by_along, along_by_nodes: &by_nodes };
-            self.add_directions(of_line, &columns, &carriers, &point.functions, point.weight * pressure);
+            let of_line = Line { force: &force, by_along: &by_along, along_by_nodes };
+            let load = point.weight * pressure;
+            let held = (&view.places.own[..], &facet[..], &point.functions);
+            self.add_directions(of_line, held, carriers, load, rows);
         }
     }
 
@@ -207,34 +295,40 @@ impl FaceBlock {
     fn add_directions(
         &mut self,
         line_of_force: Line<'_>,
-        columns: &Columns<'_>,
+        (own, facet, functions): (&[Place], &[Place], &[f64; MOST_NODES]),
         carriers: &[(usize, usize, f64)],
-        functions: &[f64; MOST_NODES],
         load: f64,
+        rows: &mut Vec<(usize, [f64; 3])>,
     ) {
         let width = self.gradients[0].len();
         let Line { force, by_along, along_by_nodes } = line_of_force;
-        let mut rows = Vec::with_capacity(3 * carriers.len());
-        for &(row, own, part) in carriers {
-            let factor = -load * part;
+        rows.clear();
+        for &(row, part, sign) in carriers {
+            let factor = -load * sign;
             for axis in 0..3 {
-                let (row, by) = (3 * row + axis, force.row(3 * own + axis));
+                let (row, by) = (3 * row + axis, force.row(3 * part + axis));
                 let of_direction =
                     [0, 1, 2].map(|k| factor * (0..3).map(|j| by[3 + j] * by_along[j][k]).sum::<f64>());
                 rows.push((row, of_direction));
-                let target = &mut self.directions[row * width..][..width];
-                for k in 0..3 {
-                    for (&place, n) in columns.face.iter().zip(functions) {
-                        target[3 * place + k] += factor * (n * by[k]);
+                if part == 0 {
+                    // The force itself: it does not depend on where the nodes are.
+                    continue;
+                }
+                let target = self.directions[row * width..][..width].as_chunks_mut::<3>().0;
+                for (place, n) in own.iter().zip(functions) {
+                    for (sum, by) in target[place.column].iter_mut().zip(by) {
+                        *sum += factor * (n * by);
                     }
-                    for (node, &place) in columns.facet.iter().enumerate() {
-                        target[3 * place + k] += factor * by[6 + 3 * node + k];
+                }
+                for (place, by) in facet.iter().zip(by[6..].as_chunks::<3>().0) {
+                    for (sum, by) in target[place.column].iter_mut().zip(by) {
+                        *sum += factor * by;
                     }
                 }
             }
         }
         let target = &mut self.directions[..];
-        Isa::best().run(Combinations { rows: &rows, along_by_nodes, width, target });
+        Isa::best().run(Combinations { rows, along_by_nodes, width, target });
     }
 }
 

@@ -1,8 +1,10 @@
 //! Gaps and pressures of the nodes, forces and tangent of the faces.
 
+use std::sync::Mutex;
+
 use rayon::prelude::*;
 
-use super::block::{FaceBlock, FaceLoad, FaceView};
+use super::block::{FaceBlock, FaceLoad, FacePlaces, FaceView, PointScratch};
 use super::contacts::{DirectionBlock, FaceContacts, FrictionBlock, NodeBlock, NodeContact};
 use super::cut::FacePoint;
 use super::friction::Track;
@@ -59,9 +61,17 @@ impl FaceInterface {
         let (mode, normals) =
             if law.friction.is_some() { (Mode::Gradient, nodes.len()) } else { (Mode::Value, 0) };
         let mut normals = vec![Vector3::zeros(); normals];
+        // A face's points come one after another.
+        let mut corners = (usize::MAX, [None; 4]);
         self.for_each_point(mode, |face, point, functions, contact| {
-            for (corner, n) in self.faces[face].corners().iter().zip(functions) {
-                let Ok(place) = self.nodes.binary_search(corner) else { continue };
+            if corners.0 != face {
+                corners = (face, [None; 4]);
+                let found =
+                    self.faces[face].corners().iter().map(|corner| self.nodes.binary_search(corner).ok());
+                corners.1.iter_mut().zip(found).for_each(|(place, found)| *place = found);
+            }
+            for (place, n) in corners.1.into_iter().zip(functions) {
+                let Some(place) = place else { continue };
                 let node = &mut nodes[place];
                 match (contact.outcome, node.outcome) {
                     (Outcome::Contact { .. }, _) => {
@@ -112,12 +122,13 @@ impl FaceInterface {
         Ok((nodes, normals))
     }
 
-    /// Forces and tangents of the faces around nodes that carry pressure.
+    /// Forces and tangents of the faces around nodes that carry pressure. `earlier`: what was found before, for its memory.
     pub(super) fn derive(
         &self,
         mode: Mode,
         tractions: &[Option<Traction>],
         contacts: &mut FaceContacts,
+        earlier: Vec<DirectionBlock>,
     ) -> Result<(), InterfaceError> {
         let load = |face: &Facet| {
             let mut load = FaceLoad::default();
@@ -134,10 +145,11 @@ impl FaceInterface {
         let is_loaded =
             |k: &usize| !self.cuts[*k].points.is_empty() && loads[*k].pressures.iter().any(|&p| p > 0.0);
         let loaded: Vec<usize> = (0..self.faces.len()).filter(is_loaded).collect();
+        let memory = Mutex::new(earlier.into_iter().rev().map(|block| block.entries).collect());
         let blocks: Vec<Vec<FaceBlock>> = self
             .runs(&loaded)
             .into_par_iter()
-            .map_init(Results::default, |results, faces| self.blocks(faces, mode, &loads, results))
+            .map_init(Results::default, |results, faces| self.blocks(faces, mode, &loads, (results, &memory)))
             .collect::<Result<_, _>>()?;
         let mut of_face: Vec<Option<FaceBlock>> = vec![None; self.faces.len()];
         for (&k, block) in loaded.iter().zip(blocks.into_iter().flatten()) {
@@ -186,7 +198,7 @@ impl FaceInterface {
         faces: &[usize],
         mode: Mode,
         loads: &[FaceLoad],
-        results: &mut Results,
+        (results, memory): (&mut Results, &Mutex<Vec<Vec<f64>>>),
     ) -> Result<Vec<FaceBlock>, InterfaceError> {
         let views: Vec<FaceView<'_>> = faces
             .iter()
@@ -200,12 +212,21 @@ impl FaceInterface {
                 rows: &self.cuts[k].rows,
                 columns: &self.cuts[k].columns,
                 load: loads[k],
+                places: FacePlaces::new(
+                    &self.skin,
+                    k,
+                    &self.carriers.faces[k],
+                    &self.cuts[k].rows,
+                    &self.cuts[k].columns,
+                ),
             })
             .collect();
-        let mut blocks: Vec<FaceBlock> = views.iter().map(|view| FaceBlock::new(view, mode)).collect();
+        let mut blocks: Vec<FaceBlock> =
+            views.iter().map(|view| FaceBlock::new(view, mode, memory)).collect();
+        let mut scratch = PointScratch::default();
         self.for_each_contact_of(faces, mode, results, |own, point, contact| {
             let over = &self.carriers.facets[point.facet as usize];
-            blocks[own].add(&views[own], point, over, contact);
+            blocks[own].add(&views[own], point, over, contact, &mut scratch);
         })?;
         Ok(blocks)
     }

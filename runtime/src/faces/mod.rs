@@ -399,7 +399,7 @@ impl FaceInterface {
     /// [`Mode::Hessian`] the exact tangent. The law's penalty is per area, and so are its multipliers: pressures, one per node.
     ///
     /// # Errors
-    /// [`InterfaceError::Law`], [`InterfaceError::OutOfMemory`]. A law with friction needs a state that was [accepted](Self::accept) before
+    /// [`InterfaceError::Law`]; [`InterfaceError::OutOfMemory`], after which there are no contacts. A law with friction needs a state that was [accepted](Self::accept) before
     /// nodes carry pressure.
     pub fn evaluate(&mut self, law: &ContactLaw<'_>, mode: Mode) -> Result<&FaceContacts, InterfaceError> {
         law.validate(self.nodes.len())?;
@@ -407,7 +407,9 @@ impl FaceInterface {
         let tractions = self.tractions(law, &mut nodes, &normals)?;
         let mut contacts = FaceContacts { nodes, mode, missed: self.unplaced, ..FaceContacts::default() };
         if mode >= Mode::Gradient {
-            self.derive(mode, &tractions, &mut contacts)?;
+            // In the memory of the last evaluation: new pages would take as long as their numbers.
+            let earlier = std::mem::take(&mut self.contacts).directions;
+            self.derive(mode, &tractions, &mut contacts, earlier)?;
         }
         self.contacts = contacts;
         Ok(&self.contacts)

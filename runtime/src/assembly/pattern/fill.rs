@@ -3,6 +3,8 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use diffuse_contact_kernels::support::{Isa, Vector, WithLanes};
+
 use super::super::law::{Active, Needs};
 use super::super::{AssemblyError, ContactLaw, Elements};
 use super::locate::{Located, NO_SLOT, of_row};
@@ -108,7 +110,7 @@ impl CsrMap {
         from_zero: bool,
     ) -> Result<(), AssemblyError> {
         let failed = AtomicUsize::new(usize::MAX);
-        let work = Work { map: self, batch, active, from_zero, failed: &failed };
+        let work = Work { map: self, batch, active, from_zero, failed: &failed, isa: Isa::best() };
         work.pieces(batch.pieces(), 0, values);
         match failed.into_inner() {
             usize::MAX => Ok(()),
@@ -125,6 +127,7 @@ struct Work<'a, A> {
     from_zero: bool,
     /// The first row that has a value that is not finite.
     failed: &'a AtomicUsize,
+    isa: Isa,
 }
 
 impl<'e, A: Fn(usize) -> Option<Active<'e>> + Sync> Work<'_, A> {
@@ -167,14 +170,15 @@ impl<'e, A: Fn(usize) -> Option<Active<'e>> + Sync> Work<'_, A> {
             rows.fill(0.0);
         }
         if let Some(active) = active {
-            let (local, places) = (task.local as usize, &map.places[task.places..]);
+            let (local, runs) = (task.local as usize, map.runs.get(task.element as usize));
+            let places = &map.places[task.places..][..runs.len()];
             if group.is_regular {
-                add_rows(active, local, places, rows, scratch);
+                add_rows(self.isa, AddRows { active, local, runs, slots: places, rows, scratch });
             } else {
                 let mut start = 0;
                 for (row, (&axis, &end)) in group.rows.axes().iter().zip(&group.ends).enumerate() {
                     let (slots, values) = (of_row(&map.others, group, row), &mut rows[start..end as usize]);
-                    add_row(active, 3 * local + usize::from(axis), places, slots, values);
+                    add_row(active, 3 * local + usize::from(axis), (runs, places), slots, values);
                     start = end as usize;
                 }
             }
@@ -201,37 +205,131 @@ fn is_finite(values: &[f64]) -> bool {
     sums.iter().chain(rest).all(|value| value.is_finite())
 }
 
-/// Adds the rows of node `a` of an element to three rows of the matrix: its node b begins at `slots[b]`.
-fn add_rows(active: &Active<'_>, a: usize, slots: &[u32], rows: &mut [f64], scratch: &mut Vec<f64>) {
-    let freedoms = 3 * active.nodes();
-    if scratch.len() < 3 * freedoms {
-        scratch.resize(3 * freedoms, 0.0);
+/// The rows of a node of an element, which are added to three rows of the matrix.
+struct AddRows<'a> {
+    active: &'a Active<'a>,
+    /// The node, among those of the element.
+    local: usize,
+    /// Which nodes of the element begin a run, …
+    runs: &'a [u32],
+    /// … and the slot of the first column of each.
+    slots: &'a [u32],
+    rows: &'a mut [f64],
+    scratch: &'a mut Vec<f64>,
+}
+
+/// Four numbers at a time, as runs have few.
+fn add_rows(isa: Isa, rows: AddRows<'_>) {
+    isa.run_four(rows).unwrap_or_else(|rows| isa.run(rows));
+}
+
+impl WithLanes for AddRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<T: Vector>(self) {
+        let Self { active, local, runs, slots, rows, scratch } = self;
+        let freedoms = 3 * active.nodes();
+        if scratch.len() < 3 * freedoms {
+            scratch.resize(3 * freedoms, 0.0);
+        }
+        let (x, rest) = scratch.split_at_mut(freedoms);
+        let (y, z) = rest.split_at_mut(freedoms);
+        let z = &mut z[..freedoms];
+        active.rows::<T>(local, [&mut *x, &mut *y, &mut *z]);
+        let length = rows.len() / 3;
+        let (first, rest) = rows.split_at_mut(length);
+        let (second, third) = rest.split_at_mut(length);
+        let ends = runs.iter().skip(1).map(|&local| 3 * local as usize).chain([freedoms]);
+        let mut start = 0;
+        for (&slot, end) in slots.iter().zip(ends) {
+            let columns = slot as usize..slot as usize + end - start;
+            add::<T>(&mut first[columns.clone()], &x[start..end]);
+            add::<T>(&mut second[columns.clone()], &y[start..end]);
+            add::<T>(&mut third[columns], &z[start..end]);
+            start = end;
+        }
     }
-    let (x, rest) = scratch.split_at_mut(freedoms);
-    let (y, z) = rest.split_at_mut(freedoms);
-    active.rows(a, [&mut *x, &mut *y, &mut *z]);
-    let length = rows.len() / 3;
-    let (first, rest) = rows.split_at_mut(length);
-    let (second, third) = rest.split_at_mut(length);
-    let third = &mut third[..length];
-    let [x, y, z] = [&*x, &*y, &z[..freedoms]].map(|row| row.as_chunks::<3>().0);
-    for (((&slot, x), y), z) in slots.iter().zip(x).zip(y).zip(z) {
-        let columns = slot as usize..slot as usize + 3;
-        let targets = [&mut first[columns.clone()], &mut second[columns.clone()], &mut third[columns]];
-        for (target, values) in targets.into_iter().zip([x, y, z]) {
-            for (entry, value) in target.iter_mut().zip(values) {
-                *entry += value;
+}
+
+/// Adds as many numbers as there are.
+#[inline(always)]
+fn add<T: Vector>(target: &mut [f64], source: &[f64]) {
+    let target = &mut target[..source.len()];
+    let whole = source.len() - source.len() % T::WIDTH;
+    let mut place = 0;
+    while place < whole {
+        (T::load(target, place) + T::load(source, place)).store(target, place);
+        place += T::WIDTH;
+    }
+    for place in whole..source.len() {
+        target[place] += source[place];
+    }
+}
+
+/// Adds row `p` of an element's tangent to a row of the matrix. `runs`: which nodes begin one, and which of the slots each has.
+fn add_row(
+    active: &Active<'_>,
+    p: usize,
+    (runs, places): (&[u32], &[u32]),
+    slots: &[[u32; 3]],
+    row: &mut [f64],
+) {
+    let ends = runs.iter().skip(1).copied().chain([active.nodes() as u32]);
+    for ((&first, end), &place) in runs.iter().zip(ends).zip(places) {
+        for (b, slots) in (first as usize..end as usize).zip(&slots[place as usize..]) {
+            for (axis, &slot) in slots.iter().enumerate() {
+                if slot != NO_SLOT {
+                    row[slot as usize] += active.tangent(p, 3 * b + axis);
+                }
             }
         }
     }
 }
 
-/// Adds row `p` of an element's tangent to a row of the matrix.
-fn add_row(active: &Active<'_>, p: usize, places: &[u32], slots: &[[u32; 3]], row: &mut [f64]) {
-    for (b, &place) in places[..active.nodes()].iter().enumerate() {
-        for (axis, &slot) in slots[place as usize].iter().enumerate() {
-            if slot != NO_SLOT {
-                row[slot as usize] += active.tangent(p, 3 * b + axis);
+#[cfg(test)]
+mod tests {
+    use super::super::super::{ContactLaw, ContactView};
+    use super::*;
+
+    /// All instruction sets add the same numbers to the same places, bit for bit.
+    #[test]
+    fn rows_are_those_of_single_entries_with_all_instructions() {
+        let number = |k: usize| (1.7 * k as f64 + 0.3).sin();
+        let law = ContactLaw::penalty(3.7);
+        for nodes in 1..9 {
+            let freedoms = 3 * nodes;
+            let gradient: Vec<f64> = (0..freedoms).map(number).collect();
+            let hessian: Vec<f64> = (0..freedoms * (freedoms + 1) / 2).map(|k| number(k + 100)).collect();
+            let view =
+                ContactView { gap: -0.1, area: 0.3, gradient: &gradient, hessian: &hessian, slip: None };
+            let active = law.active_contact(0, &view).unwrap();
+            // Runs of one, two, … nodes, with two other columns before each.
+            let runs: Vec<u32> = [0, 1, 3, 6].into_iter().filter(|&first| first < nodes as u32).collect();
+            let slots: Vec<u32> = runs.iter().zip(1..).map(|(&first, k)| 3 * first + 2 * k).collect();
+            let length = freedoms + 2 * runs.len() + 1;
+            let place = |b: usize| {
+                let run = runs.partition_point(|&first| first as usize <= b) - 1;
+                slots[run] as usize + 3 * (b - runs[run] as usize)
+            };
+            for local in 0..nodes {
+                let start: Vec<f64> = (0..3 * length).map(|k| number(k + 1000)).collect();
+                let mut expected = start.clone();
+                for (i, row) in expected.chunks_exact_mut(length).enumerate() {
+                    for q in 0..freedoms {
+                        row[place(q / 3) + q % 3] += active.tangent(3 * local + i, q);
+                    }
+                }
+                for isa in Isa::available() {
+                    let (mut rows, mut scratch) = (start.clone(), Vec::new());
+                    let (active, scratch) = (&active, &mut scratch);
+                    add_rows(
+                        isa,
+                        AddRows { active, local, runs: &runs, slots: &slots, rows: &mut rows, scratch },
+                    );
+                    let is_same = rows.iter().zip(&expected).all(|(a, b)| a.to_bits() == b.to_bits());
+                    assert!(is_same, "{isa}, node {local} of {nodes}");
+                }
             }
         }
     }

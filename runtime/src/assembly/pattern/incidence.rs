@@ -56,17 +56,26 @@ impl<T> Lists<T> {
     }
 }
 
-/// Lists one after another, and where each ends.
-type Ends = (Vec<u32>, Vec<usize>);
+/// The neighbours of consecutive nodes, [`CHUNK`] at a time: the nodes that each occurs together with, itself among them, ascending.
+#[derive(Debug)]
+pub struct Neighbours(Vec<Lists<u32>>);
+
+impl Neighbours {
+    pub fn get(&self, node: usize) -> &[u32] {
+        self.0[node / CHUNK].get(node % CHUNK)
+    }
+}
 
 /// Who occurs where.
 #[derive(Debug)]
 pub struct Incidence {
     /// Nodes of each element, slave first.
     pub nodes: Lists<u32>,
+    /// Which of them begin a run: consecutive numbers and equations. In each row that has one, they lie side by side.
+    pub runs: Lists<u32>,
     /// Elements of each node, ascending: as often as it is one of their nodes.
     pub elements: Lists<u32>,
-    /// Where the places of the columns begin, for each node of each element.
+    /// Where the places of the runs begin, for each node of each element.
     pub starts: Vec<usize>,
     /// Where those of each node begin, and after the last node, where they end.
     pub bases: Vec<usize>,
@@ -98,16 +107,36 @@ fn element_nodes<E: Elements + ?Sized>(elements: &E, nodes: usize) -> Result<Lis
     Ok(Lists { offsets, numbers })
 }
 
+/// [`Incidence::runs`].
+fn element_runs(nodes: &Lists<u32>, dofs: &DofMap) -> Result<Lists<u32>, AssemblyError> {
+    let goes_on = |before: u32, node: u32| {
+        let [first, next] = [before, node].map(|node| dofs.three_in_a_row(node as usize));
+        before.checked_add(1) == Some(node) && first.is_some_and(|first| next == Some(first + 3))
+    };
+    let mut offsets = reserve("elements", nodes.len() + 1)?;
+    let mut numbers = reserve("nodes of elements", nodes.numbers.len())?;
+    offsets.push(0);
+    for k in 0..nodes.len() {
+        let own = nodes.get(k);
+        let begins = |&local: &usize| local == 0 || !goes_on(own[local - 1], own[local]);
+        numbers.extend((0..own.len()).filter(begins).map(|local| local as u32));
+        offsets.push(numbers.len());
+    }
+    numbers.shrink_to_fit();
+    Ok(Lists { offsets, numbers })
+}
+
 impl Incidence {
     pub fn new<E: Elements + ?Sized>(elements: &E, dofs: &DofMap) -> Result<Self, AssemblyError> {
         let nodes = element_nodes(elements, dofs.nodes())?;
+        let runs = element_runs(&nodes, dofs)?;
         let mut offsets = zeros("nodes", dofs.nodes() + 1)?;
         let mut bases = zeros("nodes", dofs.nodes() + 1)?;
         for k in 0..nodes.len() {
-            let own = nodes.get(k);
-            for &node in own {
+            let count = runs.range(k).len();
+            for &node in nodes.get(k) {
                 offsets[node as usize] += 1;
-                bases[node as usize] += own.len();
+                bases[node as usize] += count;
             }
         }
         for node in (0..dofs.nodes()).filter(|&node| dofs.of_node(node) == [None; 3]) {
@@ -124,60 +153,71 @@ impl Incidence {
         let mut starts = reserve("nodes of elements", occurrences)?;
         let (mut next, mut next_start) = (offsets.clone(), bases.clone());
         for k in 0..nodes.len() {
-            let own = nodes.get(k);
-            for &node in own {
+            let count = runs.range(k).len();
+            for &node in nodes.get(k) {
                 let node = node as usize;
                 of_nodes[next[node]] = k as u32;
                 next[node] += 1;
                 starts.push(next_start[node]);
-                next_start[node] += own.len();
+                next_start[node] += count;
             }
         }
-        Ok(Self { nodes, elements: Lists { offsets, numbers: of_nodes }, starts, bases })
+        Ok(Self { nodes, runs, elements: Lists { offsets, numbers: of_nodes }, starts, bases })
     }
 
-    /// The nodes that occur together with each node, itself among them, ascending.
-    pub fn neighbours(&self) -> Result<Lists<u32>, AssemblyError> {
+    /// The nodes that occur together with each node.
+    pub fn neighbours(&self) -> Result<Neighbours, AssemblyError> {
         let nodes = self.elements.len();
         let pool = Pool::default();
-        let chunks: Vec<Result<Ends, AssemblyError>> = (0..nodes.div_ceil(CHUNK))
+        let chunks: Vec<Result<Lists<u32>, AssemblyError>> = (0..nodes.div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
                 let range = chunk * CHUNK..nodes.min((chunk + 1) * CHUNK);
-                pool.with(|| NodeSet::new(nodes), |set| self.together(range, set))
+                pool.with(
+                    || (NodeSet::new(nodes), Vec::new()),
+                    |(set, found)| self.together(range, set, found),
+                )
             })
             .collect();
-        let chunks = chunks.into_iter().collect::<Result<Vec<_>, _>>()?;
-        let count = chunks.iter().map(|(numbers, _)| numbers.len()).sum();
-        let mut numbers = reserve("pairs of nodes", count)?;
-        let mut offsets = reserve("nodes", nodes + 1)?;
-        offsets.push(0);
-        for (more, ends) in chunks {
-            let base = numbers.len();
-            numbers.extend(more);
-            offsets.extend(ends.into_iter().map(|end| base + end));
-        }
-        Ok(Lists { offsets, numbers })
+        Ok(Neighbours(chunks.into_iter().collect::<Result<_, _>>()?))
     }
 
-    /// The neighbours of consecutive nodes, one list after another, and where each ends.
-    fn together(&self, range: Range<usize>, set: &mut NodeSet) -> Result<Ends, AssemblyError> {
-        let (mut numbers, mut ends) = (Vec::new(), Vec::with_capacity(range.len()));
+    /// The neighbours of consecutive nodes. `found` is memory.
+    fn together(
+        &self,
+        range: Range<usize>,
+        set: &mut NodeSet,
+        found: &mut Vec<u32>,
+    ) -> Result<Lists<u32>, AssemblyError> {
+        found.clear();
+        let mut offsets = reserve("nodes", range.len() + 1)?;
+        offsets.push(0);
         for node in range {
             let mut last = None;
             for &element in self.elements.get(node) {
                 // A node that occurs twice in an element has the same neighbours there.
                 if last.replace(element) != Some(element) {
-                    self.nodes.get(element as usize).iter().for_each(|&other| set.insert(other));
+                    self.insert(element as usize, set);
                 }
             }
-            let count = numbers.len() + set.count();
+            let count = found.len() + set.count();
             let too_large = |_| AssemblyError::TooLarge { what: "pairs of nodes", count };
-            numbers.try_reserve(set.count()).map_err(too_large)?;
-            set.take(&mut numbers);
-            ends.push(numbers.len());
+            found.try_reserve(set.count()).map_err(too_large)?;
+            set.take(found);
+            offsets.push(found.len());
         }
-        Ok((numbers, ends))
+        let mut numbers = reserve("pairs of nodes", found.len())?;
+        numbers.extend_from_slice(found);
+        Ok(Lists { offsets, numbers })
+    }
+
+    /// Puts the nodes of an element into a set, run by run.
+    fn insert(&self, element: usize, set: &mut NodeSet) {
+        let (own, runs) = (self.nodes.get(element), self.runs.get(element));
+        let ends = runs.iter().skip(1).copied().chain([own.len() as u32]);
+        for (&first, end) in runs.iter().zip(ends) {
+            set.insert(own[first as usize], end - first);
+        }
     }
 }
 
@@ -195,12 +235,19 @@ impl NodeSet {
         Self { words: vec![0; nodes.div_ceil(64)], touched: Vec::new() }
     }
 
-    fn insert(&mut self, node: u32) {
-        let word = &mut self.words[(node / 64) as usize];
-        if *word == 0 {
-            self.touched.push(node / 64);
+    /// Inserts consecutive nodes.
+    fn insert(&mut self, mut node: u32, mut count: u32) {
+        while count > 0 {
+            let (place, bit) = (node / 64, node % 64);
+            let here = count.min(64 - bit);
+            let word = &mut self.words[place as usize];
+            if *word == 0 {
+                self.touched.push(place);
+            }
+            *word |= (u64::MAX >> (64 - here)) << bit;
+            node += here;
+            count -= here;
         }
-        *word |= 1 << (node % 64);
     }
 
     fn count(&self) -> usize {
@@ -228,7 +275,7 @@ mod tests {
     fn a_set_of_nodes_gives_them_back_ascending_and_is_empty_then() {
         let mut set = NodeSet::new(200);
         for nodes in [vec![199, 3, 64, 3, 63, 128, 0], vec![64], vec![]] {
-            nodes.iter().for_each(|&node| set.insert(node));
+            nodes.iter().for_each(|&node| set.insert(node, 1));
             let mut expected = nodes;
             expected.sort_unstable();
             expected.dedup();
@@ -236,6 +283,18 @@ mod tests {
             let mut found = Vec::new();
             set.take(&mut found);
             assert_eq!(found, expected);
+        }
+    }
+
+    #[test]
+    fn runs_of_nodes_are_inserted_across_words() {
+        let mut set = NodeSet::new(300);
+        for (first, count) in [(60, 8), (0, 1), (64, 64), (130, 170), (63, 2), (5, 0)] {
+            set.insert(first, count);
+            let mut found = Vec::new();
+            assert_eq!(set.count(), count as usize);
+            set.take(&mut found);
+            assert_eq!(found, (first..first + count).collect::<Vec<_>>());
         }
     }
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::super::{AssemblyError, DofMap, reserve};
-use super::incidence::Lists;
+use super::incidence::Neighbours;
 use super::rows::RowGroup;
 
 /// Groups of rows that are worked on in one go.
@@ -28,6 +28,8 @@ pub struct Located {
     pub ends: [u32; 3],
     /// Whether it has three rows with the same columns, of which each neighbour has three in a row.
     pub is_regular: bool,
+    /// Whether it is regular, and its columns up to the last are those of its neighbours, in their order: slots follow.
+    is_dense: bool,
     /// Number of the node's neighbours.
     neighbours: u32,
     /// Where the slots begin, in [`Slots::regular`] or in [`Slots::others`].
@@ -44,16 +46,18 @@ impl Located {
 /// Slots of the columns of each group's neighbours, seen from the beginning of their row.
 #[derive(Debug, Default)]
 pub struct Slots {
-    /// Of regular groups: the first one of each neighbour.
+    /// Of regular groups that are not dense: the first one of each neighbour.
     regular: Vec<u32>,
     /// Of the others row by row: those of each neighbour, or [`NO_SLOT`].
     pub others: Vec<[u32; 3]>,
 }
 
 impl Slots {
-    /// Of a regular group.
-    pub fn regular(&self, group: &Located) -> &[u32] {
-        &self.regular[group.slots..][..group.neighbours as usize]
+    /// The first slot of each neighbour of a regular group.
+    pub fn regular(&self, group: &Located) -> impl Iterator<Item = u32> {
+        let count = if group.is_dense { 0 } else { group.neighbours };
+        let listed = self.regular[group.slots..][..count as usize].iter().copied();
+        listed.chain((count..group.neighbours).map(|neighbour| 3 * neighbour))
     }
 }
 
@@ -84,7 +88,7 @@ pub fn check_rows<R: CsrIndex>(rows: usize, offsets: &[R], entries: usize) -> Re
 
 /// A matrix, and what is sought in it.
 struct Search<'a, R, C> {
-    neighbours: &'a Lists<u32>,
+    neighbours: &'a Neighbours,
     dofs: &'a DofMap,
     row_offsets: &'a [R],
     columns: &'a [C],
@@ -95,7 +99,7 @@ struct Search<'a, R, C> {
 /// Where the rows of all groups and the columns in them are. Row offsets have been checked. `is_union`: columns are those that the union
 /// pattern has.
 pub fn locate<R: CsrIndex, C: CsrIndex>(
-    neighbours: &Lists<u32>,
+    neighbours: &Neighbours,
     groups: &[RowGroup],
     dofs: &DofMap,
     row_offsets: &[R],
@@ -146,13 +150,17 @@ impl<R: CsrIndex, C: CsrIndex> Search<'_, R, C> {
         }
         let neighbours = self.neighbours.get(rows.node as usize).len() as u32;
         let first = slots.regular.len();
-        let mut group = Located { rows: *rows, start, ends, is_regular: true, neighbours, slots: first };
+        let mut group =
+            Located { rows: *rows, start, ends, is_regular: true, is_dense: false, neighbours, slots: first };
         if !self.regular(&group, &mut slots.regular)? {
             slots.regular.truncate(group.slots);
             (group.is_regular, group.slots) = (false, slots.others.len());
             for k in 0..count {
                 self.row_slots(rows.first + k, rows.node, &mut slots.others)?;
             }
+        } else if slots.regular[first..].iter().zip(0..).all(|(&slot, neighbour)| slot == 3 * neighbour) {
+            slots.regular.truncate(first);
+            group.is_dense = true;
         }
         Ok(group)
     }

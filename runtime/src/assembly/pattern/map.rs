@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::super::{AssemblyError, DofMap, Elements, in_memory, reserve};
-use super::incidence::{Incidence, Lists};
+use super::incidence::{Incidence, Lists, Neighbours};
 use super::locate::{CsrIndex, Located, Slots, check_rows, locate};
 use super::rows::{RowGroup, row_groups};
 use super::split::for_each_part;
@@ -24,8 +24,9 @@ const PIECES_PER_THREAD: usize = 2;
 ///
 /// # Memory
 ///
-/// For each slave with n masters 4 (n + 1)² bytes for the places of its blocks and 28 (n + 1) for its nodes; for each node 80, and 16 for
-/// each slave. With nodes that have not three consecutive equations it is 36 bytes more for each pair of nodes that occur together.
+/// For each slave with n masters 4 (n + 1) r bytes for the places of its blocks, 28 (n + 1) + 4 r for its nodes, and 24 besides; for each
+/// node 80. Slave and masters make up r runs of nodes whose numbers and equations are consecutive: n + 1 if there are no such
+/// neighbours. With nodes that have not three consecutive equations it is 36 bytes more for each pair of nodes that occur together.
 #[derive(Clone, Debug)]
 pub struct CsrMap {
     /// Whose nodes the lists are; `None` if they tell nobody.
@@ -34,10 +35,12 @@ pub struct CsrMap {
     entries: usize,
     /// Nodes of each element, slave first.
     element_nodes: Lists<u32>,
+    /// Which of them begin a run, see [`Incidence::runs`].
+    pub(super) runs: Lists<u32>,
     /// Rows that are added to, ascending.
     pub(super) groups: Vec<Located>,
-    /// For each node of an element, and each of the element's nodes: the slot of its first column in the rows of the former. Where these are
-    /// not regular: which of the neighbours it is.
+    /// For each node of an element, and each of the element's runs: the slot of its first column in the rows of the former. Where these are
+    /// not regular: which of the neighbours its first node is.
     pub(super) places: Vec<u32>,
     /// Slots of the neighbours in rows that are not regular.
     pub(super) others: Vec<[u32; 3]>,
@@ -67,7 +70,7 @@ struct Piece {
 /// What an element adds to a group of rows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Task {
-    /// Where the places of its columns begin.
+    /// Where the places of its runs begin.
     pub places: usize,
     pub element: u32,
     /// The node that the rows belong to, among those of the element.
@@ -84,7 +87,7 @@ pub(super) struct Task {
 pub(super) struct Found {
     stamp: Option<u64>,
     incidence: Incidence,
-    pub neighbours: Lists<u32>,
+    pub neighbours: Neighbours,
     pub groups: Vec<RowGroup>,
 }
 
@@ -119,6 +122,7 @@ impl Found {
             equations: dofs.equations(),
             entries: columns.len(),
             element_nodes: self.incidence.nodes,
+            runs: self.incidence.runs,
             groups,
             places,
             others: slots.others,
@@ -136,9 +140,9 @@ impl Found {
         slots: &Slots,
         places: Vec<u32>,
     ) -> Result<Vec<u32>, AssemblyError> {
-        let Incidence { nodes, elements, bases, .. } = &self.incidence;
+        let Incidence { nodes, runs, elements, bases, .. } = &self.incidence;
         let count = elements.len();
-        let mut places = in_memory("pairs of nodes of elements", bases[count], places)?;
+        let mut places = in_memory("runs of nodes of elements", bases[count], places)?;
         let pool = Pool::default();
         for_each_part(0..count, &|node| bases[node], &mut places, &|range, places: &mut [u32]| {
             // Each is written before it is read.
@@ -152,17 +156,16 @@ impl Found {
                         if group.is_regular {
                             around
                                 .zip(slots.regular(group))
-                                .for_each(|(&node, &slot)| marks[node as usize] = slot);
+                                .for_each(|(&node, slot)| marks[node as usize] = slot);
                         } else {
                             around.zip(0..).for_each(|(&node, place)| marks[node as usize] = place);
                         }
                         for &element in elements.get(node) {
-                            let own = nodes.get(element as usize);
-                            let (front, after) = rest.split_at_mut(own.len());
-                            front
-                                .iter_mut()
-                                .zip(own)
-                                .for_each(|(place, &node)| *place = marks[node as usize]);
+                            let (own, runs) = (nodes.get(element as usize), runs.get(element as usize));
+                            let (front, after) = rest.split_at_mut(runs.len());
+                            for (place, &local) in front.iter_mut().zip(runs) {
+                                *place = marks[own[local as usize] as usize];
+                            }
                             rest = after;
                         }
                     }
@@ -191,11 +194,12 @@ impl Batch {
         let mut tasks = reserve("nodes of elements", nodes.len())?;
         for element in elements {
             let (own, at) = (incidence.nodes.get(element), incidence.nodes.range(element).start);
+            let runs = incidence.runs.range(element).len();
             for (local, &node) in own.iter().enumerate() {
                 let places = incidence.starts[at + local];
                 let [opens, closes] = [
                     places == incidence.bases[node as usize],
-                    places + own.len() == incidence.bases[node as usize + 1],
+                    places + runs == incidence.bases[node as usize + 1],
                 ];
                 let (element, local) = (element as u32, local as u32);
                 let of_node = of_nodes.get(node as usize).iter();
@@ -310,6 +314,7 @@ impl CsrMap {
     #[must_use]
     pub fn memory(&self) -> usize {
         self.element_nodes.memory()
+            + self.runs.memory()
             + size_of_val(self.groups.as_slice())
             + size_of_val(self.places.as_slice())
             + size_of_val(self.others.as_slice())

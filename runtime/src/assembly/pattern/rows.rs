@@ -1,7 +1,7 @@
 //! Rows of a matrix by the nodes they belong to, and the columns of the union pattern.
 
 use super::super::{AssemblyError, DofMap, in_memory, reserve};
-use super::incidence::{Lists, NO_NODE};
+use super::incidence::{NO_NODE, Neighbours};
 use super::split::for_each_part;
 
 /// Consecutive rows of the same node: all three of them, unless the map of degrees of freedom tears them apart.
@@ -23,7 +23,7 @@ impl RowGroup {
 }
 
 /// The rows of nodes that have neighbours, ascending.
-pub fn row_groups(neighbours: &Lists<u32>, dofs: &DofMap) -> Result<Vec<RowGroup>, AssemblyError> {
+pub fn row_groups(neighbours: &Neighbours, dofs: &DofMap) -> Result<Vec<RowGroup>, AssemblyError> {
     let equations = dofs.equations();
     let mut owners = reserve("equations", equations)?;
     owners.resize(equations, (NO_NODE, 0_u8));
@@ -52,7 +52,7 @@ pub fn row_groups(neighbours: &Lists<u32>, dofs: &DofMap) -> Result<Vec<RowGroup
 
 /// Row offsets and columns of the union pattern, in memory that may be there.
 pub fn union(
-    neighbours: &Lists<u32>,
+    neighbours: &Neighbours,
     groups: &[RowGroup],
     dofs: &DofMap,
     (row_offsets, columns): (Vec<usize>, Vec<u32>),
@@ -86,7 +86,7 @@ pub fn union(
 }
 
 /// The columns of a group's rows.
-fn of_group(group: &RowGroup, neighbours: &Lists<u32>, dofs: &DofMap, columns: &mut [u32]) {
+fn of_group(group: &RowGroup, neighbours: &Neighbours, dofs: &DofMap, columns: &mut [u32]) {
     let (row, others) = columns.split_at_mut(columns.len() / usize::from(group.count));
     let mut rest = &mut *row;
     for &node in neighbours.get(group.node as usize) {

@@ -71,6 +71,14 @@ impl FormRows {
         rows
     }
 
+    /// Whether this form has the rows b of another one without constant rows, and a point besides.
+    #[must_use]
+    pub fn extends(&self, other: &Self) -> bool {
+        let b = |form: &Self| -> Vec<[ExprId; 3]> { form.varying.iter().step_by(2).copied().collect() };
+        let has_constant = !(self.constant.is_empty() && other.constant.is_empty());
+        self.point.is_some() && other.point.is_none() && !has_constant && b(self) == b(other)
+    }
+
     /// Whether the rows of a term are the same for all nodes.
     fn is_constant(graph: &Graph, form: &LowRankForm, LowRankTerm { b, c, .. }: &LowRankTerm) -> bool {
         form.point.is_none() && b[0].iter().chain(&c[0]).all(|&x| graph.scope(x) == Scope::Element)
@@ -148,6 +156,12 @@ impl<S: Clone> Program<S> {
     #[must_use]
     pub fn new(kernel: Kernel<S>) -> Self {
         Scheduler::new(&kernel).run()
+    }
+
+    /// Whether the Hessians are two, of which the second's form [extends](FormRows::extends) the first's.
+    #[must_use]
+    pub fn has_pair(&self) -> bool {
+        matches!(&self.forms[..], [first, second] if second.extends(first))
     }
 }
 

@@ -32,3 +32,18 @@ fn a_moving_frame_adds_a_rank_of_six_to_the_pairs() {
         assert_eq!(moving - held, 6 * 9, "{}", basis.name());
     }
 }
+
+/// The slip's Hessian has the rows b of the gap's, of which the kernel keeps one copy.
+#[test]
+fn the_hessians_of_gap_and_slip_have_rows_in_common() {
+    for basis in Basis::ALL {
+        for weight in [Weight::cubic(), Weight::cubic_interpolating()] {
+            for frame in [FrameRule::Frozen, FrameRule::CoMoving, FrameRule::Material] {
+                let (output, mode, weight) = (Output::Slip, Mode::Hessian, weight.clone());
+                let text = emit_kernel(&KernelSpec { output, mode, basis, weight, frame }).tokens.to_string();
+                let calls = ["finish_pair", "finish_form"].map(|name| text.matches(name).count());
+                assert_eq!(calls, [1, 0], "{}, {frame:?}", basis.name());
+            }
+        }
+    }
+}

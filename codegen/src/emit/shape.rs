@@ -172,7 +172,10 @@ impl<S: Clone> FunctionWriter<'_, S> {
                 }
                 NodeTarget::Row { hessian, row } => {
                     let (form, rows) = (form_name(hessian), rows_name(hessian));
-                    quote!(S::keep_row(#form, #rows, #row, vector, [#(#values),*]);)
+                    // Rows b of a pair's second form are those of the first.
+                    let is_common = hessian == 1 && row % 2 == 0 && self.program.has_pair();
+                    let keep = format_ident!("{}", if is_common { "keep_common_row" } else { "keep_row" });
+                    quote!(S::#keep(#form, #rows, #row, vector, [#(#values),*]);)
                 }
                 NodeTarget::Value { value } => {
                     let (offset, size) = (self.node_value_offset(), quote!(count));
@@ -218,6 +221,7 @@ impl<S: Clone> FunctionWriter<'_, S> {
     /// Finishes the forms of the Hessians: as products, or as they are.
     fn updates(&mut self) -> TokenStream {
         let program = self.program;
+        let is_pair = program.has_pair();
         let updates = program.forms.iter().enumerate().map(|(hessian, rows)| {
             let (form, name) = (form_name(hessian), rows_name(hessian));
             let mut row = |x: &[ExprId; 3]| {
@@ -228,7 +232,6 @@ impl<S: Clone> FunctionWriter<'_, S> {
             let (per_node, per_pair) = form_counts(rows);
             self.counts.node += per_node;
             self.counts.pair += per_pair;
-            let not_finite = not_finite_name(hessian);
             let mut point = TokenStream::new();
             if let Some((c, own)) = &rows.point {
                 let c = c.iter().enumerate().map(|(k, c)| {
@@ -239,6 +242,10 @@ impl<S: Clone> FunctionWriter<'_, S> {
                 let own = own.map(|x| self.writer.used(x));
                 point = quote!(#(#c)* S::keep_point_own(#form, #name, [#(#own),*]););
             }
+            if is_pair {
+                return point;
+            }
+            let not_finite = not_finite_name(hessian);
             quote! {
                 #point
                 let #not_finite = S::finish_form(
@@ -252,7 +259,14 @@ impl<S: Clone> FunctionWriter<'_, S> {
         let updates: Vec<TokenStream> = updates.collect();
         self.counts.element += self.writer.take_counts();
         self.statements += updates.len();
-        quote!(#(#updates)*)
+        let pair = is_pair.then(|| {
+            let [not_finite, forms, rows] =
+                [not_finite_name, form_name, rows_name].map(|name| [0, 1].map(name));
+            quote! {
+                let [#(#not_finite),*] = S::finish_pair([#(#forms),*], [#(#rows),*], &mut second);
+            }
+        });
+        quote!(#(#updates)* #pair)
     }
 
     /// What is combined from the first Hessian's rows, if it is asked for. Its operations are not counted.

@@ -153,39 +153,131 @@ pub(super) mod batch {
         constant: &[[T; 3]],
         target: &mut impl Blocks<T>,
     ) -> T {
-        let mut not_finite = T::ZERO;
-        let size = node_length(rows);
-        let (nodes, sums) = form.split_at_mut(size * rows.count);
-        let sums = &mut sums.as_chunks_mut::<BLOCK>().0[..rows.count];
-        for node in 0..rows.count {
-            sums[node] = [T::ZERO; BLOCK];
-        }
+        let all_nodes = products([[T::ZERO; 3]; 3], [constant; 2], [constant; 2]);
+        let mut hessian = Unfinished::new(form, rows);
+        let of_b = hessian.nodes;
+        hessian.write_rows(all_nodes, of_b, rows.count, target);
+        hessian.end(target)
+    }
+
+    /// Writes two Hessians: the second has the rows b of the first, its own rows c, and a last node that the first does not have, whose
+    /// rows b are zero. Neither has constant rows. (Blocks of the first and of the second by turns took longer.)
+    ///
+    /// Returns of each 0 or, if an entry is not finite, NaN.
+    #[inline(always)]
+    #[must_use]
+    pub fn multiply_pair<T: Vector>(
+        [form, other]: [&mut [T]; 2],
+        [rows, other_rows]: [FormRows; 2],
+        [target, other_target]: [&mut impl Blocks<T>; 2],
+    ) -> [T; 2] {
         let zero = [[T::ZERO; 3]; 3];
-        let all_nodes = products(zero, constant, constant);
-        let mut slave = zero;
-        for row_node in (0..rows.count).rev() {
-            let (row, own) = nodes[size * row_node..][..size].split_at(3 * rows.varying);
-            let (row, _) = row.as_chunks::<3>();
-            let (before, sum) = sums[..=row_node].split_at_mut(row_node);
-            let sum = &sum[0];
-            let mut with_slave =
-                [[-sum[0], -sum[1], -sum[2]], [-sum[3], -sum[4], -sum[5]], [-sum[6], -sum[7], -sum[8]]];
-            target.begin(row_node + 1);
-            for column_node in 0..row_node {
-                let (column, _) = nodes[size * column_node..][..3 * rows.varying].as_chunks::<3>();
-                let block = products(all_nodes, row, column);
-                let of_column = &mut before[column_node];
-                for i in 0..3 {
-                    for j in 0..3 {
-                        with_slave[i][j] = with_slave[i][j] - block[i][j];
-                        of_column[3 * j + i] = of_column[3 * j + i] + block[i][j];
-                    }
-                }
-                target.write_block(column_node + 1, &block);
+        let mut hessian = Unfinished::new(form, rows);
+        let of_b = hessian.nodes;
+        hessian.write_rows(zero, of_b, rows.count, target);
+        let first = hessian.end(target);
+
+        let mut other = Unfinished::new(other, other_rows);
+        let point = other.row(other.nodes, rows.count);
+        let mut with_slave = other.begin(rows.count, other_target);
+        for column in 0..rows.count {
+            let block = products_of_c(point, other.row(of_b, column));
+            other.write_block(column, &block, &mut with_slave, other_target);
+        }
+        other.end_row(rows.count, zero, zero, with_slave, other_target);
+        other.write_rows(zero, of_b, rows.count, other_target);
+        [first, other.end(other_target)]
+    }
+
+    /// A Hessian whose rows are written from the last to the first.
+    struct Unfinished<'a, T> {
+        rows: FormRows,
+        /// The form.
+        nodes: &'a [T],
+        /// Sums of each node's blocks with later ones.
+        sums: &'a mut [[T; BLOCK]],
+        /// The slave's own block, as far as it is known.
+        slave: [[T; 3]; 3],
+        not_finite: T,
+    }
+
+    impl<'a, T: Vector> Unfinished<'a, T> {
+        #[inline(always)]
+        fn new(form: &'a mut [T], rows: FormRows) -> Self {
+            let (nodes, sums) = form.split_at_mut(node_length(rows) * rows.count);
+            let sums = &mut sums.as_chunks_mut::<BLOCK>().0[..rows.count];
+            for node in 0..rows.count {
+                sums[node] = [T::ZERO; BLOCK];
             }
-            let half = half_products(row);
+            Self { rows, nodes, sums, slave: [[T::ZERO; 3]; 3], not_finite: T::ZERO }
+        }
+
+        /// The varying rows of a node in a form of as many.
+        #[inline(always)]
+        fn row<'b>(&self, form: &'b [T], node: usize) -> &'b [[T; 3]] {
+            form[node_length(self.rows) * node..][..3 * self.rows.varying].as_chunks::<3>().0
+        }
+
+        /// Goes on to the rows of a node. Returns its block with the slave, as far as it is known.
+        #[inline(always)]
+        fn begin(&self, node: usize, target: &mut impl Blocks<T>) -> [[T; 3]; 3] {
+            target.begin(node + 1);
+            let sum = &self.sums[node];
+            [[-sum[0], -sum[1], -sum[2]], [-sum[3], -sum[4], -sum[5]], [-sum[6], -sum[7], -sum[8]]]
+        }
+
+        /// Writes the rows of the first `count` nodes. `of_b`: the form whose rows b they have. `all_nodes`: what every block begins with.
+        #[inline(always)]
+        fn write_rows(
+            &mut self,
+            all_nodes: [[T; 3]; 3],
+            of_b: &[T],
+            count: usize,
+            target: &mut impl Blocks<T>,
+        ) {
+            let of_c = self.nodes;
+            for node in (0..count).rev() {
+                let row = [self.row(of_b, node), self.row(of_c, node)];
+                let mut with_slave = self.begin(node, target);
+                for column in 0..node {
+                    let block = products(all_nodes, row, [self.row(of_b, column), self.row(of_c, column)]);
+                    self.write_block(column, &block, &mut with_slave, target);
+                }
+                self.end_row(node, all_nodes, half_products(row), with_slave, target);
+            }
+        }
+
+        #[inline(always)]
+        fn write_block(
+            &mut self,
+            column_node: usize,
+            block: &[[T; 3]; 3],
+            with_slave: &mut [[T; 3]; 3],
+            target: &mut impl Blocks<T>,
+        ) {
+            let of_column = &mut self.sums[column_node];
+            for i in 0..3 {
+                for j in 0..3 {
+                    with_slave[i][j] = with_slave[i][j] - block[i][j];
+                    of_column[3 * j + i] = of_column[3 * j + i] + block[i][j];
+                }
+            }
+            target.write_block(column_node + 1, block);
+        }
+
+        /// Writes a node's own block, `half` its products, and the one with the slave.
+        #[inline(always)]
+        fn end_row(
+            &mut self,
+            node: usize,
+            all_nodes: [[T; 3]; 3],
+            half: [[T; 3]; 3],
+            mut with_slave: [[T; 3]; 3],
+            target: &mut impl Blocks<T>,
+        ) {
+            let own = &self.nodes[node_length(self.rows) * node + 3 * self.rows.varying..][..OWN];
             let own = [[own[0], own[1], own[3]], [own[1], own[2], own[4]], [own[3], own[4], own[5]]];
-            let mut diagonal = zero;
+            let mut diagonal = [[T::ZERO; 3]; 3];
             for i in 0..3 {
                 for j in 0..=i {
                     let entry = half[i][j] + (all_nodes[i][j] + own[i][j]);
@@ -199,17 +291,21 @@ pub(super) mod batch {
             for i in 0..3 {
                 let [x, y, z] = with_slave[i];
                 // An entry of the row that is not finite does not leave its sum finite.
-                not_finite = (x + y + z).mul_add(T::ZERO, not_finite);
+                self.not_finite = (x + y + z).mul_add(T::ZERO, self.not_finite);
                 for j in 0..3 {
-                    slave[i][j] = slave[i][j] - with_slave[i][j];
+                    self.slave[i][j] = self.slave[i][j] - with_slave[i][j];
                 }
             }
             target.write_ends(&diagonal, &with_slave);
         }
-        let [x, y, z] = slave;
-        not_finite = (x[0] + (y[0] + y[1]) + (z[0] + z[1] + z[2])).mul_add(T::ZERO, not_finite);
-        target.write_slave(&slave);
-        not_finite
+
+        /// Writes the slave's own block.
+        #[inline(always)]
+        fn end(self, target: &mut impl Blocks<T>) -> T {
+            let [x, y, z] = self.slave;
+            target.write_slave(&self.slave);
+            (x[0] + (y[0] + y[1]) + (z[0] + z[1] + z[2])).mul_add(T::ZERO, self.not_finite)
+        }
     }
 
     /// Writes the factors. Returns 0 or, if one is not finite, NaN.
@@ -242,13 +338,14 @@ pub(super) mod batch {
         not_finite
     }
 
-    /// start + Σ cᵀb + bᵀc
+    /// start + Σ cᵀb + bᵀc, the rows b and c of both nodes among those of any form.
     #[inline(always)]
-    fn products<T: Lane>(start: [[T; 3]; 3], row: &[[T; 3]], column: &[[T; 3]]) -> [[T; 3]; 3] {
+    fn products<T: Lane>(start: [[T; 3]; 3], row: [&[[T; 3]]; 2], column: [&[[T; 3]]; 2]) -> [[T; 3]; 3] {
         let mut block = start;
-        let (row, column) = (row.as_chunks::<2>().0, column.as_chunks::<2>().0);
-        for k in 0..row.len().min(column.len()) {
-            let ([b, c], [column_b, column_c]) = (&row[k], &column[k]);
+        let ([row_b, row_c], [column_b, column_c]) = (pairs(row), pairs(column));
+        for k in 0..row_b.len().min(row_c.len()).min(column_b.len().min(column_c.len())) {
+            let ([b, _], [_, c]) = (&row_b[k], &row_c[k]);
+            let ([column_b, _], [_, column_c]) = (&column_b[k], &column_c[k]);
             for i in 0..3 {
                 for j in 0..3 {
                     block[i][j] = c[i].mul_add(column_b[j], b[i].mul_add(column_c[j], block[i][j]));
@@ -258,11 +355,29 @@ pub(super) mod batch {
         block
     }
 
-    /// The lower triangle of Σ cᵀb + bᵀc for a node with itself.
+    /// Σ cᵀb for a node whose rows b are zero.
     #[inline(always)]
-    fn half_products<T: Lane>(row: &[[T; 3]]) -> [[T; 3]; 3] {
+    fn products_of_c<T: Lane>(row: &[[T; 3]], column: &[[T; 3]]) -> [[T; 3]; 3] {
         let mut block = [[T::ZERO; 3]; 3];
-        for [b, c] in row.as_chunks::<2>().0 {
+        let [row, column] = pairs([row, column]);
+        for k in 0..row.len().min(column.len()) {
+            let ([_, c], [b, _]) = (&row[k], &column[k]);
+            for i in 0..3 {
+                for j in 0..3 {
+                    block[i][j] = c[i].mul_add(b[j], block[i][j]);
+                }
+            }
+        }
+        block
+    }
+
+    /// The lower triangle of Σ cᵀb + bᵀc for a node with itself, its rows b and c among those of any form.
+    #[inline(always)]
+    fn half_products<T: Lane>(row: [&[[T; 3]]; 2]) -> [[T; 3]; 3] {
+        let mut block = [[T::ZERO; 3]; 3];
+        let [of_b, of_c] = pairs(row);
+        for k in 0..of_b.len().min(of_c.len()) {
+            let ([b, _], [_, c]) = (&of_b[k], &of_c[k]);
             for i in 0..3 {
                 for j in 0..=i {
                     block[i][j] = c[i].mul_add(b[j], b[i].mul_add(c[j], block[i][j]));
@@ -270,6 +385,12 @@ pub(super) mod batch {
             }
         }
         block
+    }
+
+    /// Rows b and c of each product.
+    #[inline(always)]
+    fn pairs<T>([x, y]: [&[[T; 3]]; 2]) -> [&[[[T; 3]; 2]]; 2] {
+        [x.as_chunks::<2>().0, y.as_chunks::<2>().0]
     }
 }
 
@@ -562,6 +683,8 @@ mod tests {
         rows: FormRows,
         /// An entry of a node's own block that is infinite: node, row, column.
         infinite: Option<(usize, usize, usize)>,
+        /// Whether it is the second of a pair: the last node is a point, and the rows c are others.
+        has_point: bool,
     }
 
     /// A lower triangle.
@@ -573,7 +696,12 @@ mod tests {
                 return -(1..=self.rows.count).map(|node| self.entry(row, node, axis)).sum::<f64>();
             }
             let node = if row < self.rows.varying { node } else { 1 };
-            ((7 * row + 13 * node + 5 * axis) % 17) as f64 - 8.0
+            let is_c = row % 2 == 1;
+            if self.has_point && node == self.rows.count && !is_c {
+                return 0.0;
+            }
+            let shift = if self.has_point && is_c { 3 } else { 0 };
+            ((7 * row + 13 * node + 5 * axis + shift) % 17) as f64 - 8.0
         }
 
         fn own(&self, node: usize, row: usize, column: usize) -> f64 {
@@ -635,6 +763,28 @@ mod tests {
             rows.map(|row| [0, 1, 2].map(|axis| E::splat(self.entry(row, 1, axis)))).collect()
         }
 
+        /// The same for elements side by side, of which another case says which block is infinite. NaN where nothing is kept: rows b of
+        /// the second of a pair, which are the first's.
+        fn form<'b, T: Vector>(
+            &self,
+            blocks: &'b mut Vec<Block>,
+            case_of: impl Fn(usize) -> &'b Self,
+        ) -> &'b mut [T] {
+            let length = batch::length(self.rows);
+            blocks.resize(Block::count::<T>(length), Block::ZERO);
+            let form = &mut Block::vectors::<T>(blocks)[..length];
+            form.fill(T::splat(f64::NAN));
+            for node in 0..self.rows.count {
+                for row in (0..self.rows.varying).filter(|row| !self.has_point || row % 2 == 1) {
+                    let values = [0, 1, 2].map(|axis| T::splat(self.entry(row, node + 1, axis)));
+                    batch::keep_row(form, self.rows, row, node, values);
+                }
+                let own = LOWER.map(|(i, j)| T::from_fn(|lane| case_of(lane).own(node + 1, i, j)));
+                batch::keep_own(form, self.rows, node, own);
+            }
+            form
+        }
+
         /// The lower triangle of own blocks.
         fn own_of<T: Lane>(&self, node: impl Fn(usize) -> usize) -> [T; 6] {
             LOWER.map(|(row, column)| T::from_fn(|lane| self.own(node(lane), row, column)))
@@ -687,17 +837,8 @@ mod tests {
             let finite = Case { infinite: None, ..*case };
             for place in 0..T::WIDTH {
                 let case_of = |lane: usize| if lane == place { case } else { &finite };
-                let mut blocks = vec![Block::ZERO; Block::count::<T>(batch::length(rows))];
-                let form = &mut Block::vectors::<T>(&mut blocks)[..batch::length(rows)];
-                form.fill(T::splat(f64::NAN));
-                for node in 0..rows.count {
-                    for row in 0..rows.varying {
-                        let values = [0, 1, 2].map(|axis| T::splat(case.entry(row, node + 1, axis)));
-                        batch::keep_row(form, rows, row, node, values);
-                    }
-                    let own = LOWER.map(|(i, j)| T::from_fn(|lane| case_of(lane).own(node + 1, i, j)));
-                    batch::keep_own(form, rows, node, own);
-                }
+                let mut blocks = Vec::new();
+                let form = case.form::<T>(&mut blocks, case_of);
                 let mut factors = vec![T::ZERO; rows.factors()];
                 let sum = batch::write_factors(form, rows, &case.constant(), &mut factors);
                 for lane in 0..T::WIDTH {
@@ -726,6 +867,56 @@ mod tests {
         }
     }
 
+    /// Elements side by side with two Hessians, one case in one lane after the other.
+    struct Pairs<'a>([&'a Case; 2]);
+
+    impl WithLanes for Pairs<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn run<T: Vector>(self) {
+            let Self(cases) = self;
+            let rows = cases.map(|case| case.rows);
+            let size = rows.map(|rows| packed_row(3 * (rows.count + 1)));
+            let finite = cases.map(|case| Case { infinite: None, ..*case });
+            for place in 0..T::WIDTH {
+                let case_of = |k: usize, lane: usize| if lane == place { cases[k] } else { &finite[k] };
+                let check = |hessians: [&[f64]; 2], sums: [T; 2], lane: usize, what: &str| {
+                    for k in 0..2 {
+                        let what = format!("{what}, Hessian {k}, lane {lane} of {}", T::WIDTH);
+                        case_of(k, lane).check(hessians[k], sums[k].lane(lane), &what);
+                    }
+                };
+                let mut blocks = [Vec::new(), Vec::new()];
+                let [first, other] = &mut blocks;
+                let first = cases[0].form::<T>(first, |lane| case_of(0, lane));
+                let other = cases[1].form::<T>(other, |lane| case_of(1, lane));
+                let mut packed = size.map(|size| vec![T::splat(f64::NAN); size]);
+                let [mut target, mut other_target] =
+                    packed.each_mut().map(|target| Packed { target: &mut target[..], node: 0 });
+                let targets = [&mut target, &mut other_target];
+                let sums = batch::multiply_pair([&mut *first, &mut *other], rows, targets);
+                for lane in 0..T::WIDTH {
+                    let [first, other] = packed
+                        .each_ref()
+                        .map(|packed| -> Vec<f64> { packed.iter().map(|x| x.lane(lane)).collect() });
+                    check([&first, &other], sums, lane, "packed");
+                }
+                let mut hessians = vec![vec![f64::NAN; size[0] + size[1] + 1]; T::WIDTH];
+                let mut spread = Spread::default();
+                spread.set(rows[1].count, (0..T::WIDTH).map(|_| (rows[1].count, &[][..])));
+                let mut placed = spread.hessians(&mut hessians, |hessian| &mut hessian[..size[0] + size[1]]);
+                let (mut target, mut other_target) = (placed.next(rows[0].count), placed.next(rows[1].count));
+                let sums = batch::multiply_pair([first, other], rows, [&mut target, &mut other_target]);
+                for (lane, hessians) in hessians.iter().enumerate() {
+                    let (first, other) = hessians.split_at(size[0]);
+                    check([first, other], sums, lane, "in places");
+                    assert!(other[size[1]].is_nan(), "beyond the end");
+                }
+            }
+        }
+    }
+
     /// In vectors of every width that there is code for.
     fn check_all_widths(isa: Isa, case: &Case) {
         isa.run(Elements(case));
@@ -746,7 +937,7 @@ mod tests {
                 // All remainders of all widths, and many vectors.
                 for count in (1..=17).chain([32, 33]) {
                     let rows = FormRows { varying, constant, count };
-                    check_all_widths(isa, &Case { rows, infinite: None });
+                    check_all_widths(isa, &Case { rows, infinite: None, has_point: false });
                 }
             }
         }
@@ -759,8 +950,29 @@ mod tests {
                 for node in 1..=count {
                     for (row, column) in LOWER {
                         let rows = FormRows { varying: 4, constant: 2, count };
-                        check_all_widths(isa, &Case { rows, infinite: Some((node, row, column)) });
+                        let infinite = Some((node, row, column));
+                        check_all_widths(isa, &Case { rows, infinite, has_point: false });
                     }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn two_hessians_with_the_same_rows_b_are_those_of_their_rows() {
+        let case = |count: usize, infinite: Option<(usize, usize, usize)>, has_point: bool| {
+            let rows = FormRows { varying: 12, constant: 0, count };
+            Case { rows, infinite, has_point }
+        };
+        for isa in Isa::available() {
+            for count in 1..=17 {
+                isa.run(Pairs([&case(count, None, false), &case(count + 1, None, true)]));
+            }
+            for node in 1..=6 {
+                for (row, column) in LOWER {
+                    let infinite = Some((node, row, column));
+                    isa.run(Pairs([&case(5, infinite.filter(|_| node < 6), false), &case(6, None, true)]));
+                    isa.run(Pairs([&case(5, None, false), &case(6, infinite, true)]));
                 }
             }
         }

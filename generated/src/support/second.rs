@@ -74,6 +74,16 @@ impl<'a, O> Second<'a, O> {
         &mut self.target[start..start + length]
     }
 
+    /// The places of the next two.
+    ///
+    /// # Panics
+    /// If they are too short.
+    #[inline(always)]
+    pub(super) fn next_two(&mut self, [length, other]: [usize; 2]) -> [&mut [O]; 2] {
+        let (first, second) = self.next(length + other).split_at_mut(length);
+        [first, second]
+    }
+
     /// The last numbers of all.
     ///
     /// # Panics

@@ -63,6 +63,16 @@ pub trait Shape {
         values: [Self::Node; 3],
     );
 
+    /// Keeps the nodes' part of a varying row b that the form before has, too: with [`finish_pair`](Self::finish_pair) a shape may read it
+    /// there.
+    fn keep_common_row(
+        form: &mut [Self::Output],
+        rows: FormRows,
+        row: usize,
+        vector: usize,
+        values: [Self::Node; 3],
+    );
+
     /// Keeps the nodes' own blocks, lower triangles.
     fn keep_own(form: &mut [Self::Output], rows: FormRows, vector: usize, own: [Self::Node; 6]);
 
@@ -100,6 +110,17 @@ pub trait Shape {
             }
         }
     }
+
+    /// Writes the packed Hessians of two forms without constant rows. The second has the rows b of the first and one node more, a point whose
+    /// rows b are zero. Returns of each 0 if every entry written is finite, else NaN.
+    ///
+    /// # Panics
+    /// If a slice is shorter than `rows` says, or factors are asked for.
+    fn finish_pair(
+        forms: [&mut [Self::Output]; 2],
+        rows: [FormRows; 2],
+        second: &mut Second<'_, Self::Output>,
+    ) -> [Self::Element; 2];
 
     /// Writes the factors of a form; arguments and what is returned as for [`finish_form`](Self::finish_form).
     ///
@@ -191,6 +212,9 @@ impl<T: Vector> Shape for Batch<T> {
     }
 
     #[inline(always)]
+    fn keep_common_row(_: &mut [T], _: FormRows, _: usize, _: usize, _: [T; 3]) {}
+
+    #[inline(always)]
     fn keep_own(form: &mut [T], rows: FormRows, vector: usize, own: [T; 6]) {
         batch::keep_own(form, rows, vector, own);
     }
@@ -224,6 +248,21 @@ impl<T: Vector> Shape for Batch<T> {
             batch::multiply(form, rows, constant, &mut Packed { target, node: 0 })
         } else {
             batch::multiply(form, rows, constant, &mut second.next_placed(rows.count))
+        }
+    }
+
+    #[inline(always)]
+    fn finish_pair(forms: [&mut [T]; 2], rows: [FormRows; 2], second: &mut Second<'_, T>) -> [T; 2] {
+        assert!(second.kind() == SecondKind::Hessians, "factors are those of one form");
+        if const { T::WIDTH == 1 } {
+            let [first, other] = second.next_two(rows.map(|rows| packed_row(3 * (rows.count + 1))));
+            let (mut first, mut other) =
+                (Packed { target: first, node: 0 }, Packed { target: other, node: 0 });
+            batch::multiply_pair(forms, rows, [&mut first, &mut other])
+        } else {
+            let (mut first, mut other) =
+                (second.next_placed(rows[0].count), second.next_placed(rows[1].count));
+            batch::multiply_pair(forms, rows, [&mut first, &mut other])
         }
     }
 }
@@ -296,6 +335,11 @@ impl<T: Vector> Shape for Single<T> {
     }
 
     #[inline(always)]
+    fn keep_common_row(form: &mut [f64], rows: FormRows, row: usize, vector: usize, values: [T; 3]) {
+        single::keep_row(form, rows, row, vector, values);
+    }
+
+    #[inline(always)]
     fn keep_own(form: &mut [f64], rows: FormRows, vector: usize, own: [T; 6]) {
         single::keep_own(form, rows, vector, own);
     }
@@ -338,5 +382,16 @@ impl<T: Vector> Shape for Single<T> {
     ) -> T::Scalar {
         let target = second.next(packed_row(3 * (rows.count + 1)));
         T::Scalar::splat(single::multiply::<T>(form, rows, constant, target))
+    }
+
+    #[inline(always)]
+    fn finish_pair(
+        forms: [&mut [f64]; 2],
+        rows: [FormRows; 2],
+        second: &mut Second<'_, f64>,
+    ) -> [T::Scalar; 2] {
+        assert!(second.kind() == SecondKind::Hessians, "factors are those of one form");
+        let [form, other] = forms;
+        [Self::multiply_form(form, rows[0], &[], second), Self::multiply_form(other, rows[1], &[], second)]
     }
 }

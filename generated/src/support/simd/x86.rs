@@ -374,9 +374,12 @@ impl Vector for F64x4 {
     #[inline(always)]
     unsafe fn store_fours(source: [Self; 4], targets: &[*mut f64], places: &[u32; MOST_LANES]) {
         let fours = Self::transposed(source);
-        for lane in 0..targets.len() {
-            // SAFETY: as the caller says.
-            unsafe { _mm256_storeu_pd(targets[lane].add(places[lane] as usize), fours[lane].0) };
+        // By constant numbers of lanes, or the fours would go by way of memory.
+        for lane in 0..Self::WIDTH {
+            if lane < targets.len() {
+                // SAFETY: as the caller says.
+                unsafe { _mm256_storeu_pd(targets[lane].add(places[lane] as usize), fours[lane].0) };
+            }
         }
     }
 
@@ -554,8 +557,11 @@ impl Vector for F64x8 {
                     _mm256_storeu_pd(targets[lane].add(places[lane] as usize), fours[lane]);
                 }
             } else {
-                for lane in 0..targets.len() {
-                    _mm256_storeu_pd(targets[lane].add(places[lane] as usize), fours[lane]);
+                // By constant numbers of lanes, or the fours would go by way of memory for full vectors, too.
+                for lane in 0..Self::WIDTH {
+                    if lane < targets.len() {
+                        _mm256_storeu_pd(targets[lane].add(places[lane] as usize), fours[lane]);
+                    }
                 }
             }
         }

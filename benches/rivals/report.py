@@ -234,7 +234,7 @@ def text(result):
     found = result["interface"]
     parts += [
         "## A whole interface",
-        f"`diffuse-contact study throughput`: {found['nodes']:,.0f} slaves over as many master nodes, {found['masters']:.1f} "
+        f"`cargo lab study throughput`: {found['nodes']:,.0f} slaves over as many master nodes, {found['masters']:.1f} "
         "masters each, the frame moving along, one thread. Elements of nearly as many masters are gathered from "
         "the positions into vectors and evaluated side by side; results go straight to each slave's place in the arrays that "
         "assembly reads.",

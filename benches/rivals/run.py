@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs `diffuse-contact bench` and its rivals CasADi and JAX in turn, and writes docs/results/performance.md with its picture.
+"""Runs `cargo lab bench` and its rivals CasADi and JAX in turn, and writes docs/results/performance.md with its picture.
 
     python benches/rivals/run.py                 the whole report, into docs/results/
     python benches/rivals/run.py --nodes 9 --rounds 2 --docs target/rivals/trial
@@ -66,7 +66,7 @@ def bench(program, nodes, kernels=()):
 
 
 def interface(program):
-    """A whole interface on one thread: medians of three runs of `diffuse-contact study throughput`."""
+    """A whole interface on one thread: medians of three runs of `cargo lab study throughput`."""
     command = [program, "study", "throughput", "--nodes", str(SLAVES), "--threads", "1", "--json"]
     runs = [json.loads(subprocess.run(command, check=True, capture_output=True).stdout) for _ in range(3)]
     return {key: statistics.median(run[key] for run in runs) for key in runs[0] if runs[0][key] is not None}
@@ -128,7 +128,7 @@ def rivals(folder, program, nodes):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--nodes", default="6,9,12,16", help="numbers of master nodes of the rivals")
-    parser.add_argument("--kernel-nodes", default="6,8,9,12,16,20,24", help="those of diffuse-contact bench")
+    parser.add_argument("--kernel-nodes", default="6,8,9,12,16,20,24", help="those of cargo lab bench")
     parser.add_argument("--rounds", type=int, default=5, help="rounds of which times are medians")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "target" / "rivals", help="folder for objects")
     parser.add_argument("--docs", type=pathlib.Path, default=ROOT / "docs" / "results", help="where the report goes")

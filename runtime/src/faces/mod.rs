@@ -399,8 +399,8 @@ impl FaceInterface {
     /// [`Mode::Hessian`] the exact tangent. The law's penalty is per area, and so are its multipliers: pressures, one per node.
     ///
     /// # Errors
-    /// [`InterfaceError::Law`]; [`InterfaceError::OutOfMemory`], after which there are no contacts. A law with friction needs a state that was [accepted](Self::accept) before
-    /// nodes carry pressure.
+    /// [`InterfaceError::Law`]; [`InterfaceError::OutOfMemory`], after which there are no contacts. A law with friction needs a state that
+    /// was [accepted](Self::accept) before nodes carry pressure.
     pub fn evaluate(&mut self, law: &ContactLaw<'_>, mode: Mode) -> Result<&FaceContacts, InterfaceError> {
         law.validate(self.nodes.len())?;
         let (mut nodes, normals) = self.averages(law)?;

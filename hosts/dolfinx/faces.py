@@ -119,7 +119,7 @@ class FaceContact:
         self.renewals += 1
 
     def _faces_near(self, u: PETSc.Vec, boxes: np.ndarray) -> Facets:
-        """The faces of the slave that are in these boxes at these displacements, from the ranks that have their cells."""
+        """The faces of the slave in these boxes at these displacements, from the ranks with their cells."""
         own = self.own[1]
         part, moved = self.parts[1], self.around[1].positions(u)
         corners = moved[np.searchsorted(part.nodes, own.nodes)]

@@ -7,7 +7,7 @@
 //! It shares nothing with lowering, scheduling and emission: systems are solved here by Gaussian elimination,
 //! roots by Newton's iteration, sums by summing.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use crate::graph::{ExprId, Graph, Op, RootFigure, RootId, Scope, SolveId, SymbolId, SystemId};
 
@@ -25,8 +25,8 @@ mod number;
 #[derive(Clone, Debug, Default)]
 pub struct NodeInputs<N = f64> {
     count: usize,
-    element: HashMap<String, N>,
-    node: HashMap<String, Vec<N>>,
+    element: FxHashMap<String, N>,
+    node: FxHashMap<String, Vec<N>>,
 }
 
 impl NodeInputs {
@@ -41,7 +41,7 @@ impl<N: Number> NodeInputs<N> {
     /// No values yet, of any kind of number, for `count` nodes.
     #[must_use]
     pub fn with_nodes(count: usize) -> Self {
-        let mut inputs = Self { count, element: HashMap::new(), node: HashMap::new() };
+        let mut inputs = Self { count, element: FxHashMap::default(), node: FxHashMap::default() };
         inputs.set_element(crate::graph::NODE_COUNT, N::constant(count as f64));
         inputs.set_node(crate::graph::NODE_INDEX, (0..count).map(|k| N::constant(k as f64)).collect());
         inputs
@@ -69,15 +69,15 @@ const MOST_ITERATIONS: usize = 100;
 pub struct Interpreter<'a, N = f64> {
     graph: &'a Graph,
     inputs: &'a NodeInputs<N>,
-    element: HashMap<ExprId, N>,
-    node: HashMap<(ExprId, usize), N>,
-    solutions: HashMap<(SolveId, Option<usize>), Vec<N>>,
-    factors: HashMap<SystemId, Factor<N>>,
-    roots: HashMap<RootId, RootSolution<N>>,
+    element: FxHashMap<ExprId, N>,
+    node: FxHashMap<(ExprId, usize), N>,
+    solutions: FxHashMap<(SolveId, Option<usize>), Vec<N>>,
+    factors: FxHashMap<SystemId, Factor<N>>,
+    roots: FxHashMap<RootId, RootSolution<N>>,
     /// Values of a root's unknowns while its equations are evaluated.
     trial: Vec<(SymbolId, N)>,
     /// Values that hold for the trial only.
-    of_trial: HashMap<ExprId, N>,
+    of_trial: FxHashMap<ExprId, N>,
 }
 
 #[derive(Clone)]
@@ -100,13 +100,13 @@ impl<'a, N: Number> Interpreter<'a, N> {
         Self {
             graph,
             inputs,
-            element: HashMap::new(),
-            node: HashMap::new(),
-            solutions: HashMap::new(),
-            factors: HashMap::new(),
-            roots: HashMap::new(),
+            element: FxHashMap::default(),
+            node: FxHashMap::default(),
+            solutions: FxHashMap::default(),
+            factors: FxHashMap::default(),
+            roots: FxHashMap::default(),
             trial: Vec::new(),
-            of_trial: HashMap::new(),
+            of_trial: FxHashMap::default(),
         }
     }
 
@@ -300,7 +300,7 @@ impl<'a, N: Number> Interpreter<'a, N> {
             return known.clone();
         }
         // Parameters are evaluated before the trial values hide anything.
-        for parameter in self.graph.dependencies_of_root(root) {
+        for &parameter in self.graph.dependencies_of_root(root) {
             self.value(parameter, None);
         }
         let data = self.graph.root(root).clone();

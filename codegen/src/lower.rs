@@ -4,7 +4,7 @@
 //! nodes, rows and columns of pairs, and roots, whose equations are lowered too. Symmetric systems become an unrolled
 //! factorisation, Cholesky's without his square roots, and unrolled substitutions.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use crate::graph::{ExprId, Graph, Op, PolynomialId, RootId, Scope, SolveId, SymbolId, SystemId};
 use crate::model::Kernel;
@@ -73,14 +73,14 @@ pub fn lower<S: Clone>(kernel: &Kernel<S>) -> Kernel<S> {
 struct Lowering<'a> {
     source: &'a Graph,
     target: Graph,
-    done: HashMap<ExprId, ExprId>,
-    symbols: HashMap<SymbolId, ExprId>,
-    factors: HashMap<SystemId, Factor>,
-    inverses: HashMap<(SystemId, usize, usize), ExprId>,
-    solutions: HashMap<SolveId, Vec<ExprId>>,
-    roots: HashMap<RootId, (RootId, Vec<ExprId>)>,
+    done: FxHashMap<ExprId, ExprId>,
+    symbols: FxHashMap<SymbolId, ExprId>,
+    factors: FxHashMap<SystemId, Factor>,
+    inverses: FxHashMap<(SystemId, usize, usize), ExprId>,
+    solutions: FxHashMap<SolveId, Vec<ExprId>>,
+    roots: FxHashMap<RootId, (RootId, Vec<ExprId>)>,
     /// How many quotients divide by an expression: from two on, a reciprocal is shared.
-    divisors: HashMap<ExprId, usize>,
+    divisors: FxHashMap<ExprId, usize>,
 }
 
 /// A = U D Uᵀ in elimination order, U with ones on its diagonal. L = U |D|^½, but no square root is waited for: it is
@@ -97,7 +97,7 @@ struct Factor {
 
 impl<'a> Lowering<'a> {
     fn new<S>(kernel: &'a Kernel<S>) -> Self {
-        let mut divisors = HashMap::new();
+        let mut divisors = FxHashMap::default();
         for index in 0..kernel.graph.len() {
             if let Op::Div(_, y) = kernel.graph.op(ExprId(index as u32)) {
                 *divisors.entry(y).or_insert(0) += 1;
@@ -106,12 +106,12 @@ impl<'a> Lowering<'a> {
         Self {
             source: &kernel.graph,
             target: Graph::new(),
-            done: HashMap::new(),
-            symbols: HashMap::new(),
-            factors: HashMap::new(),
-            inverses: HashMap::new(),
-            solutions: HashMap::new(),
-            roots: HashMap::new(),
+            done: FxHashMap::default(),
+            symbols: FxHashMap::default(),
+            factors: FxHashMap::default(),
+            inverses: FxHashMap::default(),
+            solutions: FxHashMap::default(),
+            roots: FxHashMap::default(),
             divisors,
         }
     }

@@ -8,7 +8,7 @@
 mod layout;
 mod reads;
 
-use std::collections::{HashMap, HashSet};
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::graph::{ExprId, Graph, Op, RootId, Scope};
 use crate::model::{Kernel, KernelSpec};
@@ -128,9 +128,9 @@ pub struct Phase {
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
     /// Expressions that have a name in the emitted code; all others are written where they are used.
-    pub bound: HashSet<ExprId>,
+    pub bound: FxHashSet<ExprId>,
     /// For an addition, the operand whose product is fused with it.
-    pub fused: HashMap<ExprId, ExprId>,
+    pub fused: FxHashMap<ExprId, ExprId>,
 }
 
 /// A scheduled kernel.
@@ -146,7 +146,7 @@ pub struct Program<S = KernelSpec> {
     /// its own.
     pub combinations: (Vec<Statement>, Vec<Vec<ExprId>>),
     /// Bodies of the roots' equations: statements for residuals and Jacobian.
-    pub roots: HashMap<RootId, Vec<Statement>>,
+    pub roots: FxHashMap<RootId, Vec<Statement>>,
     /// How expressions are written.
     pub layout: Layout,
 }
@@ -169,7 +169,7 @@ struct Scheduler<'a, S> {
     kernel: &'a Kernel<S>,
     graph: &'a Graph,
     forms: Vec<FormRows>,
-    levels: HashMap<ExprId, usize>,
+    levels: FxHashMap<ExprId, usize>,
     /// Everything the results depend on, operands first.
     reachable: Vec<ExprId>,
 }
@@ -178,8 +178,9 @@ impl<'a, S: Clone> Scheduler<'a, S> {
     fn new(kernel: &'a Kernel<S>) -> Self {
         let graph = &kernel.graph;
         let forms = kernel.hessians.iter().map(|(_, hessian)| FormRows::new(graph, &hessian.form)).collect();
-        let mut scheduler = Self { kernel, graph, forms, levels: HashMap::new(), reachable: Vec::new() };
-        let mut seen = HashSet::new();
+        let mut scheduler =
+            Self { kernel, graph, forms, levels: FxHashMap::default(), reachable: Vec::new() };
+        let mut seen = FxHashSet::default();
         for root in scheduler.results() {
             scheduler.reach(root, &mut seen);
         }
@@ -231,7 +232,7 @@ impl<'a, S: Clone> Scheduler<'a, S> {
         all
     }
 
-    fn reach(&mut self, expr: ExprId, seen: &mut HashSet<ExprId>) {
+    fn reach(&mut self, expr: ExprId, seen: &mut FxHashSet<ExprId>) {
         if !seen.insert(expr) {
             return;
         }
@@ -251,7 +252,7 @@ impl<'a, S: Clone> Scheduler<'a, S> {
         let of_combinations = self.only_of_combinations(&combinations);
         let roots = self.schedule_elements(&mut phases, (&combinations, &of_combinations), &mut layout);
         let results = combinations.concat();
-        let own = self.lay_out(&of_combinations, &results, &HashSet::new(), &mut layout);
+        let own = self.lay_out(&of_combinations, &results, &FxHashSet::default(), &mut layout);
         let combinations = (own, combinations);
         while phases.last().is_some_and(|p| p.statements.is_empty() && p.nodes.is_empty()) {
             phases.pop();
@@ -270,7 +271,7 @@ impl<'a, S: Clone> Scheduler<'a, S> {
 
     /// What is needed for combinations only, operands first.
     fn only_of_combinations(&self, combinations: &[Vec<ExprId>]) -> Vec<ExprId> {
-        let of_results: HashSet<ExprId> = self.reachable.iter().copied().collect();
+        let of_results: FxHashSet<ExprId> = self.reachable.iter().copied().collect();
         let members = self.members(&combinations.concat(), |x| !of_results.contains(&x));
         for &x in &members {
             let is_straight =
@@ -284,8 +285,8 @@ impl<'a, S: Clone> Scheduler<'a, S> {
     }
 
     fn schedule_nodes(&self, phases: &mut [Phase], layout: &mut Layout) {
-        let mut computed_in: HashMap<ExprId, usize> = HashMap::new();
-        let mut stores: Vec<HashSet<ExprId>> = vec![HashSet::new(); phases.len()];
+        let mut computed_in: FxHashMap<ExprId, usize> = FxHashMap::default();
+        let mut stores: Vec<FxHashSet<ExprId>> = vec![FxHashSet::default(); phases.len()];
         let mut loop_members: Vec<(Vec<ExprId>, Vec<ExprId>)> = Vec::new();
         for (level, phase) in phases.iter_mut().enumerate() {
             let at_level = |x: &ExprId| self.levels[x] == level;
@@ -345,14 +346,14 @@ impl<'a, S: Clone> Scheduler<'a, S> {
         phases: &mut [Phase],
         (combinations, of_combinations): (&[Vec<ExprId>], &[ExprId]),
         layout: &mut Layout,
-    ) -> HashMap<RootId, Vec<Statement>> {
+    ) -> FxHashMap<RootId, Vec<Statement>> {
         let is_element = |x: ExprId| self.graph.scope(x) == Scope::Element;
         let mut members: Vec<Vec<ExprId>> = vec![Vec::new(); phases.len()];
         for &x in self.reachable.iter().filter(|&&x| is_element(x)) {
             members[self.levels[&x]].push(x);
         }
         // What another piece of code uses needs a name.
-        let mut external: HashSet<ExprId> = HashSet::new();
+        let mut external: FxHashSet<ExprId> = FxHashSet::default();
         let node_results = self.node_results().into_iter().flat_map(|(_, values)| values);
         external.extend(node_results.filter(|&x| is_element(x)).map(|x| self.without_sign(x)));
         for &x in &self.reachable {
@@ -366,11 +367,11 @@ impl<'a, S: Clone> Scheduler<'a, S> {
                 }
             }
         }
-        let own: HashSet<ExprId> = of_combinations.iter().copied().collect();
+        let own: FxHashSet<ExprId> = of_combinations.iter().copied().collect();
         let of_own = of_combinations.iter().flat_map(|&x| self.graph.operands(x));
         let used = of_own.chain(combinations.concat()).filter(|x| !own.contains(x));
         external.extend(used.map(|x| self.without_sign(x)));
-        let mut roots = HashMap::new();
+        let mut roots = FxHashMap::default();
         let results = self.element_results();
         for (phase, members) in phases.iter_mut().zip(&members) {
             phase.statements = self.lay_out(members, &results, &external, layout);
@@ -381,12 +382,13 @@ impl<'a, S: Clone> Scheduler<'a, S> {
                 continue;
             }
             let data = self.graph.root(root);
-            let parameters: HashSet<ExprId> = self.graph.dependencies_of_root(root).into_iter().collect();
+            let parameters: FxHashSet<ExprId> =
+                self.graph.dependencies_of_root(root).iter().copied().collect();
             let results: Vec<ExprId> =
                 data.residuals.iter().chain(data.jacobian.iter().flatten()).copied().collect();
             // Values computed outside stay names here too.
             let inner = self.members(&results, |x| !parameters.contains(&x) && !layout.bound.contains(&x));
-            let statements = self.lay_out(&inner, &results, &HashSet::new(), layout);
+            let statements = self.lay_out(&inner, &results, &FxHashSet::default(), layout);
             roots.insert(root, statements);
         }
         roots
@@ -402,7 +404,7 @@ impl<'a, S: Clone> Scheduler<'a, S> {
 
     /// Expressions reachable from `roots` through members, operands first.
     fn members(&self, roots: &[ExprId], is_member: impl Fn(ExprId) -> bool) -> Vec<ExprId> {
-        let mut seen = HashSet::new();
+        let mut seen = FxHashSet::default();
         let mut order = Vec::new();
         for &root in roots {
             self.visit(root, &is_member, &mut seen, &mut order);
@@ -414,7 +416,7 @@ impl<'a, S: Clone> Scheduler<'a, S> {
         &self,
         expr: ExprId,
         is_member: &impl Fn(ExprId) -> bool,
-        seen: &mut HashSet<ExprId>,
+        seen: &mut FxHashSet<ExprId>,
         order: &mut Vec<ExprId>,
     ) {
         if !is_member(expr) || !seen.insert(expr) {

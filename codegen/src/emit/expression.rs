@@ -277,7 +277,8 @@ mod tests {
     fn functions_are_methods_of_numbers_and_lanes() {
         let sheet = Sheet::new();
         let [x, y] = ["x", "y"].map(|name| sheet.input(name, Scope::Element));
-        let layout = Layout { bound: [x, y].map(|symbol| symbol.id()).into(), ..Layout::default() };
+        let layout =
+            Layout { bound: [x, y].into_iter().map(|symbol| symbol.id()).collect(), ..Layout::default() };
         let cases = [
             (x.ln(), "x.ln()"),
             (x.sin() + y, "y + x.sin()"),

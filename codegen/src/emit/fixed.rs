@@ -1,6 +1,6 @@
 //! Kernels of fixed size: straight-line functions that read a struct, return a struct and write derivatives to arrays.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -245,7 +245,7 @@ fn table(points: &Points) -> TokenStream {
 }
 
 /// The symbols that a function uses, by name.
-fn symbols<S>(function: &FunctionWriter<'_, S>) -> HashMap<String, ExprId> {
+fn symbols<S>(function: &FunctionWriter<'_, S>) -> FxHashMap<String, ExprId> {
     let graph = &function.program.kernel.graph;
     (0..graph.len())
         .map(|k| ExprId(k as u32))

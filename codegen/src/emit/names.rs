@@ -1,6 +1,6 @@
 //! Identifiers for expressions: their names in the formulas, made unique.
 
-use std::collections::{HashMap, HashSet};
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use proc_macro2::Ident;
 use quote::format_ident;
@@ -13,8 +13,8 @@ const MOST_CHARACTERS: usize = 14;
 /// Names given so far in one function.
 #[derive(Default)]
 pub(super) struct Names {
-    given: HashMap<ExprId, Ident>,
-    taken: HashSet<String>,
+    given: FxHashMap<ExprId, Ident>,
+    taken: FxHashSet<String>,
 }
 
 impl Names {

@@ -1,13 +1,13 @@
 //! An estimate of what expressions cost to evaluate.
 
-use std::collections::{HashMap, HashSet};
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{ExprId, Graph, Op};
 
 impl Graph {
     /// Whether a symbol is among what an expression is made of; definitions are not entered.
     pub(crate) fn contains(&self, expr: ExprId, symbol: ExprId) -> bool {
-        let (mut seen, mut open) = (HashSet::new(), vec![expr]);
+        let (mut seen, mut open) = (FxHashSet::default(), vec![expr]);
         while let Some(x) = open.pop() {
             if x == symbol {
                 return true;
@@ -21,7 +21,7 @@ impl Graph {
 
     /// About how many operations the expressions take together. A product that all its users add to something is free there.
     pub(crate) fn operations(&self, exprs: &[ExprId]) -> usize {
-        let mut reachable = HashSet::new();
+        let mut reachable = FxHashSet::default();
         let mut open = exprs.to_vec();
         while let Some(x) = open.pop() {
             if reachable.insert(x) {
@@ -33,8 +33,8 @@ impl Graph {
             _ => x,
         };
         // Uses of a product, and how many of them are additions that take no other product in.
-        let mut uses: HashMap<ExprId, usize> = HashMap::new();
-        let mut fused: HashMap<ExprId, usize> = HashMap::new();
+        let mut uses: FxHashMap<ExprId, usize> = FxHashMap::default();
+        let mut fused: FxHashMap<ExprId, usize> = FxHashMap::default();
         for &x in reachable.iter().filter(|&&x| !matches!(self.op(x), Op::Neg(_))) {
             let operands: Vec<ExprId> = self.dependencies(x).into_iter().map(positive).collect();
             operands.iter().for_each(|&y| *uses.entry(y).or_insert(0) += 1);

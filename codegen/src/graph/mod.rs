@@ -18,7 +18,7 @@ mod simplify;
 mod structured;
 mod substitute;
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 pub use polynomial::Polynomial;
 pub use structured::{Iteration, Limits, Root, Solve, SymmetricSystem};
@@ -212,18 +212,21 @@ pub(crate) const NODE_INDEX: &str = "node_index";
 pub struct Graph {
     ops: Vec<Op>,
     scopes: Vec<Scope>,
-    interned: HashMap<Op, ExprId>,
+    interned: FxHashMap<Op, ExprId>,
     /// Products by their sorted factors, so that (w a) b and w (a b) are one expression.
-    products: HashMap<Vec<ExprId>, ExprId>,
-    names: HashMap<ExprId, String>,
+    products: FxHashMap<Vec<ExprId>, ExprId>,
+    /// Of each expression, if it has one.
+    names: Vec<Option<String>>,
     symbols: Vec<Symbol>,
-    derivatives: HashMap<(ExprId, SymbolId), ExprId>,
+    derivatives: FxHashMap<(ExprId, SymbolId), ExprId>,
     polynomials: Vec<Polynomial>,
     systems: Vec<SymmetricSystem>,
     solves: Vec<Solve>,
     roots: Vec<Root>,
+    /// What each root depends on.
+    parameters: Vec<Vec<ExprId>>,
     /// Linear equations that are roots, by their matrix and right-hand side.
-    linear: HashMap<(Vec<Vec<ExprId>>, Vec<ExprId>), RootId>,
+    linear: FxHashMap<(Vec<Vec<ExprId>>, Vec<ExprId>), RootId>,
 }
 
 impl Graph {
@@ -300,7 +303,7 @@ impl Graph {
                 all.extend((0..system.size()).filter_map(|row| system.reference(row)));
                 all
             }
-            Op::RootValue(root, _) | Op::RootFigure(root, _) => self.dependencies_of_root(root),
+            Op::RootValue(root, _) | Op::RootFigure(root, _) => self.dependencies_of_root(root).to_vec(),
             _ => self.operands(expr),
         }
     }
@@ -337,9 +340,12 @@ impl Graph {
 
     /// What a root's equations depend on besides its own unknowns: their largest subexpressions that contain
     /// none of them.
-    pub(crate) fn dependencies_of_root(&self, root: RootId) -> Vec<ExprId> {
-        let root = self.root(root);
-        let mut varies = HashMap::new();
+    pub(crate) fn dependencies_of_root(&self, root: RootId) -> &[ExprId] {
+        &self.parameters[root.index()]
+    }
+
+    fn parameters_of(&self, root: &Root) -> Vec<ExprId> {
+        let mut varies = FxHashMap::default();
         let mut parameters = Vec::new();
         for &expr in root.residuals.iter().chain(root.jacobian.iter().flatten()) {
             if !self.varies_with(expr, &root.unknowns, &mut varies, &mut parameters) {
@@ -356,7 +362,7 @@ impl Graph {
         &self,
         expr: ExprId,
         unknowns: &[SymbolId],
-        varies: &mut HashMap<ExprId, bool>,
+        varies: &mut FxHashMap<ExprId, bool>,
         parameters: &mut Vec<ExprId>,
     ) -> bool {
         if let Some(&known) = varies.get(&expr) {
@@ -461,11 +467,11 @@ impl Graph {
             Op::Constant(_) | Op::Symbol(_) => {}
             Op::Neg(positive) => {
                 if self.name_of(positive).is_none() {
-                    self.names.insert(positive, format!("minus_{name}"));
+                    self.names[positive.index()] = Some(format!("minus_{name}"));
                 }
             }
             _ => {
-                self.names.entry(expr).or_insert_with(|| name.to_owned());
+                self.names[expr.index()].get_or_insert_with(|| name.to_owned());
             }
         }
         expr
@@ -476,7 +482,7 @@ impl Graph {
     pub fn name_of(&self, expr: ExprId) -> Option<&str> {
         match self.op(expr) {
             Op::Symbol(symbol) => Some(&self.symbols[symbol.index()].name),
-            _ => self.names.get(&expr).map(String::as_str),
+            _ => self.names[expr.index()].as_deref(),
         }
     }
 
@@ -550,6 +556,7 @@ impl Graph {
 
     fn push_root(&mut self, root: Root) -> (RootId, Vec<ExprId>) {
         let count = root.unknowns.len();
+        self.parameters.push(self.parameters_of(&root));
         self.roots.push(root);
         let root = RootId(u32::try_from(self.roots.len() - 1).expect("fewer than 2³² roots"));
         (root, (0..count).map(|k| self.intern(Op::RootValue(root, k as u32))).collect())
@@ -604,6 +611,7 @@ impl Graph {
         let id = ExprId(u32::try_from(self.ops.len()).expect("fewer than 2³² expressions"));
         self.scopes.push(self.scope_of_op(op));
         self.ops.push(op);
+        self.names.push(None);
         self.interned.insert(op, id);
         id
     }

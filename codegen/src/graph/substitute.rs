@@ -1,6 +1,6 @@
 //! Substitution of expressions for symbols.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use super::{ExprId, Graph, Op, SymbolId};
 
@@ -17,7 +17,7 @@ impl Graph {
         if replacements.is_empty() {
             return exprs.to_vec();
         }
-        let mut done = HashMap::new();
+        let mut done = FxHashMap::default();
         exprs.iter().map(|&expr| self.substituted(expr, replacements, &mut done)).collect()
     }
 
@@ -31,7 +31,7 @@ impl Graph {
         &mut self,
         expr: ExprId,
         replacements: &[(SymbolId, ExprId)],
-        done: &mut HashMap<ExprId, ExprId>,
+        done: &mut FxHashMap<ExprId, ExprId>,
     ) -> ExprId {
         if let Some(&known) = done.get(&expr) {
             return known;

@@ -1,6 +1,6 @@
 //! The contact kernels as elements with a signature, as an element of the caller's has one: what reads and writes them then knows no model.
 
-use std::collections::HashSet;
+use rustc_hash::FxHashSet;
 
 use super::basis::Basis;
 use super::element_outputs::{ElementKernels, ElementSpec, NODE_VALUE, NodeResult};
@@ -73,7 +73,7 @@ impl ElementKernels {
 
     /// The kernels without the inputs that none of them reads.
     fn of_used(mut signature: Signature, mut kernels: Vec<Kernel<ElementSpec>>) -> Self {
-        let used: HashSet<String> = kernels.iter().flat_map(inputs_read).collect();
+        let used: FxHashSet<String> = kernels.iter().flat_map(inputs_read).collect();
         let is_used = |input: &Input| {
             input.role == Role::Variable || input.symbols.iter().any(|symbol| used.contains(symbol))
         };
@@ -91,7 +91,7 @@ fn inputs_read(kernel: &Kernel<ElementSpec>) -> Vec<String> {
     let graph = &kernel.graph;
     let mut open: Vec<ExprId> = kernel.values.iter().flat_map(|value| value.components.clone()).collect();
     open.extend(kernel.node_values.iter().map(|(_, x)| *x));
-    let (mut seen, mut names) = (HashSet::new(), Vec::new());
+    let (mut seen, mut names) = (FxHashSet::default(), Vec::new());
     while let Some(x) = open.pop() {
         if !seen.insert(x) {
             continue;

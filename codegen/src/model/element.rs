@@ -490,7 +490,7 @@ fn innermost_sums(x: Expr<'_>) -> Vec<Expr<'_>> {
     let sheet = x.sheet();
     let sums: Vec<ExprId> = {
         let graph = sheet.graph();
-        let (mut seen, mut open, mut sums) = (std::collections::HashSet::new(), vec![x.id()], Vec::new());
+        let (mut seen, mut open, mut sums) = (rustc_hash::FxHashSet::default(), vec![x.id()], Vec::new());
         while let Some(expr) = open.pop() {
             if !seen.insert(expr) {
                 continue;

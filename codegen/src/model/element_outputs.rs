@@ -272,7 +272,7 @@ fn check_output(output: &str, x: Expr<'_>, declared: &[&str]) -> Result<(), Elem
         return Err(ElementError::Scope { output: output.to_owned(), scope: x.scope() });
     }
     let graph = x.sheet().graph();
-    let (mut seen, mut open) = (std::collections::HashSet::new(), vec![x.id()]);
+    let (mut seen, mut open) = (rustc_hash::FxHashSet::default(), vec![x.id()]);
     while let Some(expr) = open.pop() {
         if !seen.insert(expr) {
             continue;
@@ -291,7 +291,7 @@ fn check_output(output: &str, x: Expr<'_>, declared: &[&str]) -> Result<(), Elem
 impl Kernel<ElementSpec> {
     /// Roots among what the results are made of.
     pub(crate) fn roots(&self) -> Vec<RootId> {
-        let (mut seen, mut roots) = (std::collections::HashSet::new(), Vec::new());
+        let (mut seen, mut roots) = (rustc_hash::FxHashSet::default(), Vec::new());
         let mut open: Vec<ExprId> = self.values.iter().flat_map(|value| value.components.clone()).collect();
         open.extend(self.node_values.iter().map(|(_, x)| *x));
         while let Some(expr) = open.pop() {

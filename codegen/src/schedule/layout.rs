@@ -1,6 +1,6 @@
 //! How the expressions of a piece of code are written: which get a name, and which products fuse with an addition.
 
-use std::collections::{HashMap, HashSet};
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{Layout, MOST_DEPTH, Scheduler, Statement};
 use crate::graph::{ExprId, Op};
@@ -12,11 +12,11 @@ impl<S: Clone> Scheduler<'_, S> {
         &self,
         members: &[ExprId],
         results: &[ExprId],
-        external: &HashSet<ExprId>,
+        external: &FxHashSet<ExprId>,
         layout: &mut Layout,
     ) -> Vec<Statement> {
-        let inside: HashSet<ExprId> = members.iter().copied().collect();
-        let mut users: HashMap<ExprId, Vec<ExprId>> = HashMap::new();
+        let inside: FxHashSet<ExprId> = members.iter().copied().collect();
+        let mut users: FxHashMap<ExprId, Vec<ExprId>> = FxHashMap::default();
         for &x in members {
             if matches!(self.graph.op(x), Op::Sum(_)) {
                 continue;
@@ -25,13 +25,13 @@ impl<S: Clone> Scheduler<'_, S> {
                 users.entry(operand).or_default().push(x);
             }
         }
-        let mut result_uses: HashMap<ExprId, usize> = HashMap::new();
+        let mut result_uses: FxHashMap<ExprId, usize> = FxHashMap::default();
         for &x in results {
             *result_uses.entry(x).or_insert(0) += 1;
         }
         self.fuse(members, external, &users, layout);
 
-        let mut depth: HashMap<ExprId, usize> = HashMap::new();
+        let mut depth: FxHashMap<ExprId, usize> = FxHashMap::default();
         let mut statements = Vec::new();
         for &x in members {
             match self.graph.op(x) {
@@ -88,7 +88,7 @@ impl<S: Clone> Scheduler<'_, S> {
         &self,
         x: ExprId,
         user: ExprId,
-        users: &HashMap<ExprId, Vec<ExprId>>,
+        users: &FxHashMap<ExprId, Vec<ExprId>>,
         layout: &Layout,
     ) -> bool {
         match self.graph.op(user) {
@@ -105,11 +105,11 @@ impl<S: Clone> Scheduler<'_, S> {
     fn fuse(
         &self,
         members: &[ExprId],
-        external: &HashSet<ExprId>,
-        users: &HashMap<ExprId, Vec<ExprId>>,
+        external: &FxHashSet<ExprId>,
+        users: &FxHashMap<ExprId, Vec<ExprId>>,
         layout: &mut Layout,
     ) {
-        let inside: HashSet<ExprId> = members.iter().copied().collect();
+        let inside: FxHashSet<ExprId> = members.iter().copied().collect();
         let is_product = |x: ExprId| {
             let x = match self.graph.op(x) {
                 Op::Neg(inner) => inner,

@@ -40,7 +40,7 @@ impl<S> Program<S> {
 
     /// What is kept of a node between the loops, in the order of the loops.
     pub(crate) fn kept(&self) -> Vec<ExprId> {
-        let mut seen = std::collections::HashSet::new();
+        let mut seen = rustc_hash::FxHashSet::default();
         let stores = self.phases.iter().flat_map(|phase| phase.nodes.stores.clone());
         stores.filter(|x| seen.insert(*x)).collect()
     }

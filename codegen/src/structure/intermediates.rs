@@ -8,7 +8,8 @@
 //! * **arguments**: what stands in a root, a logarithm, a power or a divisor and depends on several symbols, such as a determinant. The
 //!   second derivative of f(u) is f″ ∇u ⊗ ∇u + f′ ∇²u, which has one product of rank one for all of f.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use rustc_hash::{FxHashMap, FxHashSet};
+use std::collections::BTreeSet;
 
 use super::chain::{Chain, Intermediate};
 use crate::expr::{Expr, Sheet};
@@ -67,7 +68,7 @@ fn bound<'g>(outputs: &[Expr<'g>], variables: &[Expr<'g>]) -> Vec<Intermediate<'
     let Some(first) = outputs.first() else { return Vec::new() };
     let sheet = first.sheet();
     let graph = sheet.graph();
-    let mut depends: HashMap<ExprId, bool> = variables.iter().map(|x| (x.id(), true)).collect();
+    let mut depends: FxHashMap<ExprId, bool> = variables.iter().map(|x| (x.id(), true)).collect();
     let mut order = Vec::new();
     for output in outputs {
         visit(&graph, output.id(), &mut depends, &mut order);
@@ -83,7 +84,7 @@ fn bound<'g>(outputs: &[Expr<'g>], variables: &[Expr<'g>]) -> Vec<Intermediate<'
 fn visit(
     graph: &Graph,
     expr: ExprId,
-    depends: &mut HashMap<ExprId, bool>,
+    depends: &mut FxHashMap<ExprId, bool>,
     order: &mut Vec<(ExprId, ExprId)>,
 ) -> bool {
     if let Some(&known) = depends.get(&expr) {
@@ -150,7 +151,7 @@ impl<'g> Finder<'g> {
     /// A linear image or an argument that contains no other one.
     fn first_found_in(&self, piece: ExprId) -> Option<ExprId> {
         let graph = self.sheet.graph();
-        let mut kinds = HashMap::new();
+        let mut kinds = FxHashMap::default();
         self.kind(&graph, piece, &mut kinds);
         let mut found: Option<ExprId> = None;
         for (&expr, kind) in &kinds {
@@ -174,7 +175,7 @@ impl<'g> Finder<'g> {
     }
 
     /// An expression without factors that depend on no symbol.
-    fn core(&self, graph: &Graph, expr: ExprId, kinds: &HashMap<ExprId, Kind>) -> ExprId {
+    fn core(&self, graph: &Graph, expr: ExprId, kinds: &FxHashMap<ExprId, Kind>) -> ExprId {
         if self.is_symbol(expr) {
             return expr;
         }
@@ -187,7 +188,7 @@ impl<'g> Finder<'g> {
         }
     }
 
-    fn kind(&self, graph: &Graph, expr: ExprId, kinds: &mut HashMap<ExprId, Kind>) -> Kind {
+    fn kind(&self, graph: &Graph, expr: ExprId, kinds: &mut FxHashMap<ExprId, Kind>) -> Kind {
         if let Some(&known) = kinds.get(&expr) {
             return known;
         }
@@ -220,7 +221,7 @@ fn is_linear(op: Op, operands: &[Kind]) -> bool {
 }
 
 /// Operands that a function which is not linear is applied to.
-fn arguments(graph: &Graph, expr: ExprId) -> HashSet<ExprId> {
+fn arguments(graph: &Graph, expr: ExprId) -> FxHashSet<ExprId> {
     let arguments = match graph.op(expr) {
         Op::Sqrt(x) | Op::Exp(x) | Op::Function(_, x) | Op::Power(x, _) | Op::Polynomial(x, _) => vec![x],
         Op::Div(_, y) | Op::DivOrZero(_, y) => vec![y],

@@ -20,8 +20,9 @@
 //!
 //! with a row b_k for each sum, and for each unknown. The terms of sums that only enter equations have none.
 
+use rustc_hash::{FxHashMap, FxHashSet};
+use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
-use std::collections::{BTreeMap, HashMap, HashSet};
 
 use crate::expr::{Expr, Sheet, System, dot};
 use crate::graph::{ExprId, Graph, Op};
@@ -146,7 +147,8 @@ fn groups<'g>(
 ) -> Vec<Group<'g>> {
     let sheet = function.sheet();
     let graph = sheet.graph();
-    let mut order = Order { sheet, graph: &graph, implicit, varies: HashMap::new(), groups: Vec::new() };
+    let mut order =
+        Order { sheet, graph: &graph, implicit, varies: FxHashMap::default(), groups: Vec::new() };
     order.varies.extend(element.iter().chain(node).map(|x| (x.id(), true)));
     order.visit(function.id());
     order.groups
@@ -156,7 +158,7 @@ struct Order<'a, 'g> {
     sheet: &'g Sheet,
     graph: &'a Graph,
     implicit: &'a [Implicit<'g>],
-    varies: HashMap<ExprId, bool>,
+    varies: FxHashMap<ExprId, bool>,
     groups: Vec<Group<'g>>,
 }
 
@@ -250,7 +252,7 @@ impl<'g> Group<'g> {
 /// Whether a sum over the nodes is part of an expression.
 pub(crate) fn contains_sum(expr: Expr<'_>) -> bool {
     let graph = expr.sheet().graph();
-    let (mut seen, mut open) = (HashSet::new(), vec![expr.id()]);
+    let (mut seen, mut open) = (FxHashSet::default(), vec![expr.id()]);
     while let Some(x) = open.pop() {
         if matches!(graph.op(x), Op::Sum(_)) {
             return true;

@@ -3,7 +3,7 @@
 //! Compilers turn an innermost loop into vector instructions, and only that. So each piece of straight-line code has a loop over the lanes
 //! of its own around it, inside of the loop over the nodes if there is one. What several pieces use has an entry for each lane.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 use std::fmt::Write as _;
 
 use super::super::node_element::Scratch;
@@ -119,12 +119,12 @@ const fn is_let(statement: &Statement) -> bool {
 struct LanesWriter<'a> {
     writer: Writer<'a>,
     /// Inputs that each loop reads for itself, and where they stand.
-    inputs: HashMap<ExprId, String>,
+    inputs: FxHashMap<ExprId, String>,
     /// What is defined outside the loops over lanes: numbers that are the same in all.
     common: Vec<ExprId>,
     parts: Vec<Part>,
     /// Variables with an entry for each lane, by their row.
-    shared: HashMap<ExprId, usize>,
+    shared: FxHashMap<ExprId, usize>,
 }
 
 impl<'a> LanesWriter<'a> {
@@ -137,7 +137,7 @@ impl<'a> LanesWriter<'a> {
             })
             .collect();
         let common = writer.symbol(NODE_COUNT).into_iter().collect();
-        Self { writer, inputs, common, parts: Vec::new(), shared: HashMap::new() }
+        Self { writer, inputs, common, parts: Vec::new(), shared: FxHashMap::default() }
     }
 
     /// A loop over lanes around what `write` writes.

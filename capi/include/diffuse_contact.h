@@ -545,7 +545,7 @@ const char *dc_outcome_code(int32_t outcome);
 // The version of the library, such as "0.1.0". A constant text.
 const char *dc_version(void);
 
-// Chooses the vector instructions for the whole process: "scalar", "sse2", "avx2", "avx512" or "neon". To be called before
+// Chooses the vector instructions for the whole process: "scalar", "avx2", "avx512" or "neon". To be called before
 // the first evaluation; without it the widest are used that the machine has, or those that the environment variable
 // DIFFUSE_CONTACT_ISA names. Results with different instructions differ by rounding.
 //

@@ -14,7 +14,7 @@ pub extern "C" fn dc_version() -> *const c_char {
     VERSION.as_ptr().cast()
 }
 
-/// Chooses the vector instructions for the whole process: "scalar", "sse2", "avx2", "avx512" or "neon". To be called before
+/// Chooses the vector instructions for the whole process: "scalar", "avx2", "avx512" or "neon". To be called before
 /// the first evaluation; without it the widest are used that the machine has, or those that the environment variable
 /// DIFFUSE_CONTACT_ISA names. Results with different instructions differ by rounding.
 ///
@@ -46,7 +46,7 @@ pub unsafe extern "C" fn dc_set_isa(name: *const c_char) -> dc_status {
 /// The vector instructions in use, such as "avx2". A constant text.
 #[unsafe(no_mangle)]
 pub extern "C" fn dc_isa() -> *const c_char {
-    let names = [c"scalar", c"sse2", c"avx2", c"avx512", c"neon"];
+    let names = [c"scalar", c"avx2", c"avx512", c"neon"];
     let used = Isa::best().name();
     names.into_iter().find(|name| name.to_bytes() == used.as_bytes()).unwrap_or(c"unknown").as_ptr()
 }

@@ -253,12 +253,15 @@ pub mod spring {
     #[must_use]
     pub fn evaluate(mode: Mode, inputs: &Inputs<f64>) -> Results {
         let mut results = Results::ZERO;
+        evaluate_into(mode, inputs, &mut results);
+        results
+    }
+    fn evaluate_into(mode: Mode, inputs: &Inputs<f64>, results: &mut Results) {
         results.values = match mode {
             Mode::Value => self::value(inputs),
             Mode::Gradient => self::gradient(inputs, &mut results.gradient),
             _ => self::hessian(inputs, &mut results.gradient, &mut results.hessian),
         };
-        results
     }
     /// The instructions to run batches with: the widest that the machine has, or without optimisation one number at a time.
     #[must_use]
@@ -273,10 +276,11 @@ pub mod spring {
     pub fn batch(isa: Isa, mode: Mode, inputs: &[Inputs<f64>], results: &mut [Results]) {
         assert_eq!(inputs.len(), results.len(), "as many results as inputs");
         let elements = Elements { mode, inputs, results };
-        if OPTIMISED {
-            isa.run(elements);
-        } else {
-            elements.run::<f64>();
+        let left = if OPTIMISED { isa.run_vectors(elements) } else { Err(elements) };
+        if let Err(Elements { mode, inputs, results }) = left {
+            for (inputs, results) in inputs.iter().zip(results) {
+                evaluate_into(mode, inputs, results);
+            }
         }
     }
     struct Elements<'a> {

@@ -35,13 +35,15 @@
 //! `Isa` is a set of vector instructions that the machine has. `Isa::run` compiles a job, `WithLanes`, for each and runs the one asked for.
 //! `support/simd/` is the one place with `unsafe`, and the one that can make an `Isa`, by asking the machine.
 //!
-//! | | scalar | SSE2 | AVX2 | AVX-512 | NEON |
-//! | --- | --- | --- | --- | --- | --- |
-//! | single | 1 | scalar | 4 nodes | as AVX2 | 2 |
-//! | batch, quadratic basis, fitting weight | 1 | 2 elements | 4 | 8 | 2 |
-//! | batch, other bases, interpolating weight | 1 | scalar | 4 | as AVX2 | 2 |
+//! | | scalar | AVX2 | AVX-512 | NEON |
+//! | --- | --- | --- | --- | --- |
+//! | single | 1 | 4 nodes | as AVX2 | 2 |
+//! | batch, quadratic basis, fitting weight | 1 | 4 elements | 8 | 2 |
+//! | batch, other bases, interpolating weight | 1 | 4 | as AVX2 | 2 |
 //!
-//! Other combinations were left out for compile time and size: 30 bodies of each kernel instead of 14. A single element of 9 to 16 nodes
+//! Processors of x86-64 without AVX2 and fused multiply-adds, most of them from before 2014, compute number by number.
+//!
+//! Other combinations were left out for compile time and size: about twice the bodies of each kernel. A single element of 9 to 16 nodes
 //! gains nothing from vectors of eight. For the same reason the cubic and the C² weight share kernels (`Config::share_kernels`): a choice
 //! between two polynomials per node costs 0.8 % of the operations.
 //!

@@ -49,7 +49,7 @@ pub struct BenchArguments {
     /// Only kernels whose names contain one of these texts [default: all]
     #[arg(long, value_name = "TEXT,TEXT,...", value_delimiter = ',')]
     pub kernels: Vec<String>,
-    /// Vector instructions the generated kernels are run with: scalar, sse2, avx2, avx512 or neon, as far as the
+    /// Vector instructions the generated kernels are run with: scalar, avx2, avx512 or neon, as far as the
     /// machine has them [default: the widest]
     #[arg(long, value_name = "NAME", value_parser = isa_named)]
     pub isa: Option<Isa>,

@@ -2,7 +2,7 @@
 //! the same 16 elements so many times over, `single` one after another or `batch` all at once. With 0 rounds it makes the elements and warms up only, so that the difference of
 //! two runs is the kernel alone. Exits with 2 on whatever goes wrong.
 //!
-//! ISA, for instance `sse2` or `avx2`, is what the kernels are run with; tools that count instructions do not know all
+//! ISA, for instance `scalar` or `avx2`, is what the kernels are run with; tools that count instructions do not know all
 //! that processors do.
 
 use std::error::Error;

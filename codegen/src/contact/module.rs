@@ -346,11 +346,11 @@ fn gap_kernel(kernel: &EmittedKernel<KernelSpec>, optimised: bool) -> Option<Tok
 
 /// The quadratic basis with a fitting weight is what most elements have. Batches with another basis (a fallback) or an
 /// interpolating weight are compiled for vectors of four numbers only. Kernels with a slip are twice as long: of them only the common ones
-/// have batches, without vectors of two numbers, and the others are evaluated number by number.
+/// have batches, and the others are evaluated number by number.
 fn widths(spec: &KernelSpec) -> &'static str {
     let is_common = spec.basis == Basis::Quadratic && !spec.weight.is_interpolating();
     match spec.output {
-        Output::Slip if is_common => "FourAndEight",
+        Output::Slip if is_common => "EveryBatch",
         Output::Slip => "One",
         _ if is_common => "Every",
         _ => "Four",

@@ -81,8 +81,12 @@ pub(super) fn runners(signature: &Signature, last: Mode) -> TokenStream {
         #[must_use]
         pub fn evaluate(mode: Mode, inputs: &Inputs<f64>) -> Results {
             let mut results = Results::ZERO;
-            results.values = #single;
+            evaluate_into(mode, inputs, &mut results);
             results
+        }
+
+        fn evaluate_into(mode: Mode, inputs: &Inputs<f64>, results: &mut Results) {
+            results.values = #single;
         }
 
         #best_isa
@@ -96,10 +100,11 @@ pub(super) fn runners(signature: &Signature, last: Mode) -> TokenStream {
             assert_eq!(inputs.len(), results.len(), "as many results as inputs");
             let elements = Elements { mode, inputs, results };
             // What a constant rules out is not compiled.
-            if OPTIMISED {
-                isa.run(elements);
-            } else {
-                elements.run::<f64>();
+            let left = if OPTIMISED { isa.run_vectors(elements) } else { Err(elements) };
+            if let Err(Elements { mode, inputs, results }) = left {
+                for (inputs, results) in inputs.iter().zip(results) {
+                    evaluate_into(mode, inputs, results);
+                }
             }
         }
 

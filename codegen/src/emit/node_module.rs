@@ -185,15 +185,17 @@ fn batch() -> TokenStream {
         /// If there are not as many results as inputs.
         pub fn batch(isa: Isa, mode: Mode, inputs: &[Inputs<'_, f64>], results: &mut [Results]) {
             assert_eq!(inputs.len(), results.len(), "as many results as inputs");
+            let mut scratch = Vec::new();
             let mut elements: Vec<Element<'_>> = inputs.iter().zip(results).collect();
             elements.sort_by_key(|(inputs, _)| inputs.nodes.len());
             for group in elements.chunk_by_mut(|(x, _), (y, _)| x.nodes.len() == y.nodes.len()) {
                 let elements = Elements { mode, elements: group };
                 // What a constant rules out is not compiled.
-                if OPTIMISED {
-                    isa.run(elements);
-                } else {
-                    elements.run::<f64>();
+                let left = if OPTIMISED { isa.run_vectors(elements) } else { Err(elements) };
+                if let Err(Elements { mode, elements }) = left {
+                    for (inputs, results) in elements {
+                        evaluate_into(mode, inputs, &mut scratch, results);
+                    }
                 }
             }
         }

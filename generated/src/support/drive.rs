@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::marker::PhantomData;
 
-use super::simd::{Block, Spread, Vector};
+use super::simd::{Block, ByNumber, Spread, Vector};
 use super::{
     Batch, ElementInputs, FormRows, GapValues, Inputs, Isa, Lane, MATERIAL_VALUES, Mode, NODE_VALUES, Second,
     SecondKind, Shape, Single, WithLanes, packed_row,
@@ -44,8 +44,8 @@ pub enum Widths {
     Every,
     /// Batches in vectors of four numbers only.
     Four,
-    /// Batches in vectors of four and of eight numbers; one element number by number.
-    FourAndEight,
+    /// Batches in vectors of every width; one element number by number.
+    EveryBatch,
     /// Number by number.
     One,
 }
@@ -178,10 +178,10 @@ pub fn single<K: GapKernel>(
         kernel: PhantomData,
     };
     // Constants, not patterns: what a constant rules out is not compiled.
-    if const { matches!(K::WIDTHS, Widths::FourAndEight | Widths::One) } {
-        code.run::<f64>()
+    if const { matches!(K::WIDTHS, Widths::EveryBatch | Widths::One) } {
+        K::run_by_number(code)
     } else {
-        isa.run_four(code).unwrap_or_else(|code| code.run::<f64>())
+        isa.run_four_beside::<K, _>(code).unwrap_or_else(|code| K::run_by_number(code))
     }
 }
 
@@ -281,14 +281,12 @@ pub fn batch<K: GapKernel>(
         "elements of as many nodes"
     );
     let code = Elements::<K> { elements, weight_number, kind, workspace, kernel: PhantomData };
-    let left = if const { matches!(K::WIDTHS, Widths::Every) } {
-        isa.run_vectors(code)
-    } else if const { matches!(K::WIDTHS, Widths::FourAndEight) } {
-        isa.run_four_or_eight(code)
+    let left = if const { matches!(K::WIDTHS, Widths::Every | Widths::EveryBatch) } {
+        isa.run_vectors_beside::<K, _>(code)
     } else if const { matches!(K::WIDTHS, Widths::One) } {
         Err(code)
     } else {
-        isa.run_four(code)
+        isa.run_four_beside::<K, _>(code)
     };
     if let Err(Elements { elements, workspace, .. }) = left {
         one_by_one::<K>(isa, weight_number, kind, elements, workspace);

@@ -117,8 +117,6 @@ pub struct Isa(Kind);
 enum Kind {
     Scalar,
     #[cfg(target_arch = "x86_64")]
-    Sse2,
-    #[cfg(target_arch = "x86_64")]
     Avx2,
     #[cfg(target_arch = "x86_64")]
     Avx512,
@@ -138,12 +136,7 @@ impl Isa {
     /// All that this machine has, the widest last.
     pub fn available() -> impl DoubleEndedIterator<Item = Self> {
         #[cfg(target_arch = "x86_64")]
-        let kinds = [
-            (Kind::Scalar, true),
-            (Kind::Sse2, true),
-            (Kind::Avx2, x86::has_avx2()),
-            (Kind::Avx512, x86::has_avx512()),
-        ];
+        let kinds = [(Kind::Scalar, true), (Kind::Avx2, x86::has_avx2()), (Kind::Avx512, x86::has_avx512())];
         #[cfg(target_arch = "aarch64")]
         let kinds = [(Kind::Scalar, true), (Kind::Neon, true)];
         #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
@@ -183,13 +176,11 @@ impl Isa {
         Self::available().find(|isa| isa.name() == name)
     }
 
-    /// `scalar`, `sse2`, `avx2`, `avx512` or `neon`.
+    /// `scalar`, `avx2`, `avx512` or `neon`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self.0 {
             Kind::Scalar => "scalar",
-            #[cfg(target_arch = "x86_64")]
-            Kind::Sse2 => "sse2",
             #[cfg(target_arch = "x86_64")]
             Kind::Avx2 => "avx2",
             #[cfg(target_arch = "x86_64")]
@@ -204,8 +195,6 @@ impl Isa {
     pub const fn width(self) -> usize {
         match self.0 {
             Kind::Scalar => 1,
-            #[cfg(target_arch = "x86_64")]
-            Kind::Sse2 => 2,
             #[cfg(target_arch = "x86_64")]
             Kind::Avx2 => 4,
             #[cfg(target_arch = "x86_64")]
@@ -224,58 +213,50 @@ impl Isa {
     /// As [`run`](Self::run), or the code back if there are no vectors.
     #[inline]
     pub fn run_vectors<W: WithLanes>(self, code: W) -> Result<W::Output, W> {
-        match self.0 {
-            Kind::Scalar => Err(code),
-            // SAFETY: an `Isa` exists only where its instructions do.
-            #[cfg(target_arch = "x86_64")]
-            Kind::Sse2 => Ok(code.run::<x86::F64x2>()),
-            #[cfg(target_arch = "x86_64")]
-            Kind::Avx2 => Ok(unsafe { x86::run_avx2::<x86::F64x4, W>(code) }),
-            #[cfg(target_arch = "x86_64")]
-            Kind::Avx512 => Ok(unsafe { x86::run_avx512::<x86::F64x8, W>(code) }),
-            #[cfg(target_arch = "aarch64")]
-            Kind::Neon => Ok(code.run::<neon::F64x2>()),
-        }
+        self.run_vectors_beside::<W, W>(code)
     }
 
     /// Runs code with vectors of four numbers; if there are none (on aarch64, of two), it comes back.
     #[inline]
     pub fn run_four<W: WithLanes>(self, code: W) -> Result<W::Output, W> {
-        match self.0 {
-            // SAFETY: an `Isa` exists only where its instructions do, and those of four numbers are among them.
-            #[cfg(target_arch = "x86_64")]
-            Kind::Avx2 | Kind::Avx512 => Ok(unsafe { x86::run_avx2::<x86::F64x4, W>(code) }),
-            #[cfg(target_arch = "aarch64")]
-            Kind::Neon => Ok(code.run::<neon::F64x2>()),
-            _ => Err(code),
-        }
+        self.run_four_beside::<W, W>(code)
     }
 
-    /// Runs code with vectors of eight numbers, else of four; if there are neither (on aarch64, of two), it comes back.
+    /// [`run_vectors`](Self::run_vectors) with code that is compiled in the module of `P`: what a function becomes for many types is
+    /// compiled in one piece, what a type's method becomes in the piece of the type's module, and pieces are compiled side by side.
     #[inline]
-    pub fn run_four_or_eight<W: WithLanes>(self, code: W) -> Result<W::Output, W> {
+    pub(super) fn run_vectors_beside<P, W: WithLanes>(self, code: W) -> Result<W::Output, W> {
         match self.0 {
             // SAFETY: an `Isa` exists only where its instructions do.
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx512 => Ok(unsafe { x86::run_avx512::<x86::F64x8, W>(code) }),
-            _ => self.run_four(code),
+            Kind::Avx512 => Ok(unsafe { <P as x86::Avx512>::run_avx512::<x86::F64x8, W>(code) }),
+            _ => self.run_four_beside::<P, W>(code),
+        }
+    }
+
+    /// The same of [`run_four`](Self::run_four).
+    #[inline]
+    pub(super) fn run_four_beside<P, W: WithLanes>(self, code: W) -> Result<W::Output, W> {
+        match self.0 {
+            Kind::Scalar => Err(code),
+            // SAFETY: an `Isa` exists only where its instructions do, and those of four numbers are among them.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 | Kind::Avx512 => Ok(unsafe { <P as x86::Avx2>::run_avx2::<x86::F64x4, W>(code) }),
+            #[cfg(target_arch = "aarch64")]
+            Kind::Neon => Ok(code.run::<neon::F64x2>()),
         }
     }
 }
 
-#[cfg(test)]
-impl Isa {
-    /// Runs code with vectors of two numbers, if there are any.
-    pub(super) fn run_two<W: WithLanes>(self, code: W) -> Result<W::Output, W> {
-        match self.0 {
-            #[cfg(target_arch = "x86_64")]
-            Kind::Sse2 => Ok(code.run::<x86::F64x2>()),
-            #[cfg(target_arch = "aarch64")]
-            Kind::Neon => Ok(code.run::<neon::F64x2>()),
-            _ => Err(code),
-        }
+/// Runs code number by number, compiled in the module of the type, as [`Isa::run_vectors_beside`].
+pub(super) trait ByNumber {
+    #[inline(never)]
+    fn run_by_number<W: WithLanes>(code: W) -> W::Output {
+        code.run::<f64>()
     }
 }
+
+impl<P> ByNumber for P {}
 
 impl Default for Isa {
     fn default() -> Self {

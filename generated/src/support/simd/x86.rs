@@ -4,34 +4,36 @@ use std::arch::x86_64::*;
 
 use super::*;
 
-/// A question whether the machine has some features, and what runs code compiled for them.
+/// Features, whether the machine has all of them, and a method of all types that runs code compiled for them.
 macro_rules! compiled_for {
-    ($has:ident, $run:ident: $($feature:tt),+) => {
+    ($trait:ident, $has:ident, $run:ident: $($feature:tt),+) => {
         #[doc = concat!("Whether the machine has", $(" ", $feature),+, ".")]
         pub fn $has() -> bool {
             $(is_x86_feature_detected!($feature))&&+
         }
 
-        /// # Safety
-        /// The machine has the instructions.
-        $(#[target_feature(enable = $feature)])+
-        pub unsafe fn $run<T: Vector, W: WithLanes>(code: W) -> W::Output {
-            code.run::<T>()
+        /// Runs code with these instructions, compiled beside the type.
+        pub trait $trait {
+            /// # Safety
+            /// The machine has the instructions.
+            unsafe fn $run<T: Vector, W: WithLanes>(code: W) -> W::Output;
+        }
+
+        impl<P> $trait for P {
+            $(#[target_feature(enable = $feature)])+
+            unsafe fn $run<T: Vector, W: WithLanes>(code: W) -> W::Output {
+                code.run::<T>()
+            }
         }
     };
 }
-compiled_for!(has_avx2, run_avx2: "avx2", "fma");
-compiled_for!(has_avx512, run_avx512: "avx512f", "avx512dq", "avx512vl", "avx2", "fma");
+compiled_for!(Avx2, has_avx2, run_avx2: "avx2", "fma");
+compiled_for!(Avx512, has_avx512, run_avx512: "avx512f", "avx512dq", "avx512vl", "avx2", "fma");
 
 /// One number, with fused multiply-adds.
 #[derive(Clone, Copy, Debug)]
 #[repr(transparent)]
 pub struct Fused(f64);
-
-/// Two numbers; multiply-adds are not fused.
-#[derive(Clone, Copy, Debug)]
-#[repr(transparent)]
-pub struct F64x2(__m128d);
 
 /// Four numbers.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +46,6 @@ pub struct F64x4(__m256d);
 pub struct F64x8(__m512d);
 
 impl sealed::Sealed for Fused {}
-impl sealed::Sealed for F64x2 {}
 impl sealed::Sealed for F64x4 {}
 impl sealed::Sealed for F64x8 {}
 
@@ -194,75 +195,8 @@ macro_rules! stores_by_squares {
     };
 }
 
-operators!(F64x2, Add add _mm_add_pd, Sub sub _mm_sub_pd, Mul mul _mm_mul_pd, Div div _mm_div_pd);
 operators!(F64x4, Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd);
 operators!(F64x8, Add add _mm512_add_pd, Sub sub _mm512_sub_pd, Mul mul _mm512_mul_pd, Div div _mm512_div_pd);
-
-impl Neg for F64x2 {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self(unsafe { _mm_xor_pd(self.0, _mm_set1_pd(-0.0)) })
-    }
-}
-
-impl Lane for F64x2 {
-    common_lane_methods!(__m128d, 2);
-
-    #[inline(always)]
-    fn splat(value: f64) -> Self {
-        Self(unsafe { _mm_set1_pd(value) })
-    }
-
-    #[inline(always)]
-    fn mul_add(self, factor: Self, term: Self) -> Self {
-        self * factor + term
-    }
-
-    #[inline(always)]
-    fn mul_sub(self, factor: Self, term: Self) -> Self {
-        self * factor - term
-    }
-
-    #[inline(always)]
-    fn neg_mul_add(self, factor: Self, term: Self) -> Self {
-        term - self * factor
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Self(unsafe { _mm_sqrt_pd(self.0) })
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        Self(unsafe { _mm_andnot_pd(_mm_set1_pd(-0.0), self.0) })
-    }
-
-    #[inline(always)]
-    fn select_less(x: Self, y: Self, then: Self, otherwise: Self) -> Self {
-        Self(unsafe {
-            let less = _mm_cmplt_pd(x.0, y.0);
-            _mm_or_pd(_mm_and_pd(less, then.0), _mm_andnot_pd(less, otherwise.0))
-        })
-    }
-
-    #[inline(always)]
-    fn all_less(x: Self, y: Self) -> bool {
-        unsafe { _mm_movemask_pd(_mm_cmplt_pd(x.0, y.0)) == 0b11 }
-    }
-}
-
-impl Vector for F64x2 {
-    type Scalar = f64;
-
-    #[inline(always)]
-    fn sum(self) -> f64 {
-        self.lane(0) + self.lane(1)
-    }
-
-    stores_by_number!();
-}
 
 impl Neg for F64x4 {
     type Output = Self;

@@ -43,7 +43,7 @@
 //!
 //! Processors of x86-64 without AVX2 and fused multiply-adds, most of them from before 2014, compute number by number.
 //!
-//! Other combinations were left out for compile time and size: about twice the bodies of each kernel. A single element of 9 to 16 nodes
+//! Other combinations were left out for compile time and size. A single element of 9 to 16 nodes
 //! gains nothing from vectors of eight. For the same reason the cubic and the C² weight share kernels (`Config::share_kernels`): a choice
 //! between two polynomials per node costs 0.8 % of the operations.
 //!

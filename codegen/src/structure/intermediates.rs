@@ -8,8 +8,9 @@
 //! * **arguments**: what stands in a root, a logarithm, a power or a divisor and depends on several symbols, such as a determinant. The
 //!   second derivative of f(u) is f″ ∇u ⊗ ∇u + f′ ∇²u, which has one product of rank one for all of f.
 
-use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeSet;
+
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::chain::{Chain, Intermediate};
 use crate::expr::{Expr, Sheet};

@@ -20,9 +20,10 @@
 //!
 //! with a row b_k for each sum, and for each unknown. The terms of sums that only enter equations have none.
 
-use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::expr::{Expr, Sheet, System, dot};
 use crate::graph::{ExprId, Graph, Op};

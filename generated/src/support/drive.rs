@@ -101,6 +101,7 @@ const fn sizes<K: GapKernel>(nodes: usize, kind: SecondKind) -> (usize, usize) {
         (Mode::Gradient, _) => (gradients, 0),
         (Mode::Hessian, SecondKind::Hessians) => (gradients, hessians),
         (Mode::Hessian, SecondKind::Factors) => (gradients, form::<K>(nodes).factors()),
+        (Mode::Hessian, SecondKind::SlaveRows) => (gradients, form::<K>(nodes).slave_rows()),
         (Mode::Hessian, SecondKind::FactorsAndFoot) => {
             (gradients, form::<K>(nodes).factors() + form::<K>(nodes).foot_coefficients())
         }

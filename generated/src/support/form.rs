@@ -7,6 +7,7 @@
 //! are finite, NaN if not, or if their sum is within a factor of nine of overflow. The slave's rows are the negative sums of the nodes', and
 //! so is its own block.
 
+use super::second::MOST_ROWS;
 use super::simd::Vector;
 use super::{Lane, packed_row};
 
@@ -32,7 +33,14 @@ impl FormRows {
         self.node_factors() * self.count + 3 * self.constant
     }
 
-    /// Those of one node.
+    /// Numbers of the slave's [rows](super::SecondKind::SlaveRows) of M.
+    #[inline(always)]
+    #[must_use]
+    pub const fn slave_rows(self) -> usize {
+        9 * (self.count + 1)
+    }
+
+    /// Factors of one node.
     #[inline(always)]
     #[must_use]
     pub(super) const fn node_factors(self) -> usize {
@@ -338,6 +346,58 @@ pub(super) mod batch {
         not_finite
     }
 
+    /// Writes the slave's three rows of the Hessian: the negative sums of the nodes' rows, made of the sums of the form's. Returns 0 or, if
+    /// an entry is not finite, NaN.
+    ///
+    /// # Panics
+    /// If a slice is too short, or there are more than 64 rows.
+    #[inline(always)]
+    #[must_use]
+    pub fn write_slave_rows<T: Lane>(form: &[T], rows: FormRows, constant: &[[T; 3]], target: &mut [T]) -> T {
+        let (size, own, freedoms) = (node_length(rows), 3 * rows.varying, 3 * (rows.count + 1));
+        let mut negative_sums = [[T::ZERO; 3]; MOST_ROWS];
+        let negative_sums = &mut negative_sums[..rows.varying];
+        for node in 0..rows.count {
+            let of_node = form[size * node..][..own].as_chunks::<3>().0;
+            for row in 0..rows.varying {
+                for axis in 0..3 {
+                    negative_sums[row][axis] = negative_sums[row][axis] - of_node[row][axis];
+                }
+            }
+        }
+        let mut start = products([[T::ZERO; 3]; 3], [constant; 2], [constant; 2]);
+        for i in 0..3 {
+            for j in 0..3 {
+                start[i][j] = T::splat(-(rows.count as f64)) * start[i][j];
+            }
+        }
+        let mut slave = [[T::ZERO; 3]; 3];
+        let mut not_finite = T::ZERO;
+        for node in 0..rows.count {
+            let form = &form[size * node..][..size];
+            let (of_node, block) = (form[..own].as_chunks::<3>().0, &form[own..own + OWN]);
+            let block = [
+                [block[0], block[1], block[3]],
+                [block[1], block[2], block[4]],
+                [block[3], block[4], block[5]],
+            ];
+            let sums = products(start, [&*negative_sums; 2], [of_node; 2]);
+            for i in 0..3 {
+                let entries = [sums[i][0] - block[i][0], sums[i][1] - block[i][1], sums[i][2] - block[i][2]];
+                for j in 0..3 {
+                    slave[i][j] = slave[i][j] - entries[j];
+                }
+                not_finite = (entries[0] + entries[1] + entries[2]).mul_add(T::ZERO, not_finite);
+                write(entries, target, freedoms * i + 3 * (node + 1));
+            }
+        }
+        for i in 0..3 {
+            not_finite = (slave[i][0] + slave[i][1] + slave[i][2]).mul_add(T::ZERO, not_finite);
+            write(slave[i], target, freedoms * i);
+        }
+        not_finite
+    }
+
     /// start + Σ cᵀb + bᵀc, the rows b and c of both nodes among those of any form.
     #[inline(always)]
     fn products<T: Lane>(start: [[T; 3]; 3], row: [&[[T; 3]]; 2], column: [&[[T; 3]]; 2]) -> [[T; 3]; 3] {
@@ -463,20 +523,7 @@ pub(super) mod single {
         let mut not_finite = T::ZERO;
         let stride = stride::<T>(rows);
         let (form, own) = form.split_at_mut(stride * rows.all());
-        for row in 0..rows.varying {
-            let (slave, nodes) = form[stride * row..][..3 * (rows.count + 1)].split_at_mut(3);
-            write(negative_sum::<T>(nodes), slave, 0);
-        }
-        for row in 0..constant.len() {
-            let [x, y, z] = &constant[row];
-            let values = [x.lane(0), y.lane(0), z.lane(0)];
-            for node in 1..stride / 3 {
-                write(values, form, stride * (rows.varying + row) + 3 * node);
-            }
-            let times = -(rows.count as f64);
-            let slave = [times * values[0], times * values[1], times * values[2]];
-            write(slave, form, stride * (rows.varying + row));
-        }
+        complete::<T>(form, rows, constant);
         for node in 1..=rows.count {
             let mut end = 3 * node + 3;
             let strip = Strip { form, own, stride, node };
@@ -521,6 +568,73 @@ pub(super) mod single {
             }
         }
         not_finite.sum()
+    }
+
+    /// Fills in the slave's part of all rows, and those that are the same for all nodes.
+    #[inline(always)]
+    fn complete<T: Vector>(form: &mut [f64], rows: FormRows, constant: &[[T::Scalar; 3]]) {
+        let stride = stride::<T>(rows);
+        for row in 0..rows.varying {
+            let (slave, nodes) = form[stride * row..][..3 * (rows.count + 1)].split_at_mut(3);
+            write(negative_sum::<T>(nodes), slave, 0);
+        }
+        for row in 0..constant.len() {
+            let [x, y, z] = &constant[row];
+            let values = [x.lane(0), y.lane(0), z.lane(0)];
+            for node in 1..stride / 3 {
+                write(values, form, stride * (rows.varying + row) + 3 * node);
+            }
+            let times = -(rows.count as f64);
+            let slave = [times * values[0], times * values[1], times * values[2]];
+            write(slave, form, stride * (rows.varying + row));
+        }
+    }
+
+    /// Writes the slave's three rows of the Hessian. Returns 0 or, if an entry is not finite, NaN.
+    ///
+    /// # Panics
+    /// If a slice is too short.
+    #[inline(always)]
+    #[must_use]
+    pub fn write_slave_rows<T: Vector>(
+        form: &mut [f64],
+        rows: FormRows,
+        constant: &[[T::Scalar; 3]],
+        target: &mut [f64],
+    ) -> f64 {
+        let (stride, freedoms) = (stride::<T>(rows), 3 * (rows.count + 1));
+        let (form, own) = form.split_at_mut(stride * rows.all());
+        complete::<T>(form, rows, constant);
+        let mut vector = 0;
+        while vector < freedoms {
+            // The last vector writes some entries once more.
+            let column = vector.min(freedoms - T::WIDTH);
+            let mut entries = Entries { column, x: T::ZERO, y: T::ZERO, z: T::ZERO };
+            for pair in form.chunks_exact(2 * stride) {
+                let (b, c) = pair.split_at(stride);
+                entries.add(T::splat(c[0]), T::splat(c[1]), T::splat(c[2]), b);
+                entries.add(T::splat(b[0]), T::splat(b[1]), T::splat(b[2]), c);
+            }
+            entries.x.store(target, column);
+            entries.y.store(target, freedoms + column);
+            entries.z.store(target, 2 * freedoms + column);
+            vector += T::WIDTH;
+        }
+        let mut not_finite = 0.0;
+        for axis in 0..3 {
+            let row = &mut target[freedoms * axis..][..freedoms];
+            for node in 1..=rows.count {
+                for column in 0..3 {
+                    let own = own[OWN * node + 4 * axis + column];
+                    row[3 * node + column] -= own;
+                    row[column] += own;
+                }
+            }
+            for column in 0..freedoms {
+                not_finite += 0.0 * row[column];
+            }
+        }
+        not_finite
     }
 
     /// The negative sums of x, y and z of the nodes.

@@ -21,6 +21,8 @@ pub enum SecondKind {
     Factors,
     /// First derivatives at the foot, [`FormRows::foot_numbers`]. A kernel leaves the factors, and coefficients that make them of these.
     FactorsAndFoot,
+    /// The slave's rows of M, 3(n+1) entries each: the derivatives of ∂g/∂x of the slave, in whose direction forces act.
+    SlaveRows,
 }
 
 /// Where second derivatives go, one after another.

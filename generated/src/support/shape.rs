@@ -91,7 +91,7 @@ pub trait Shape {
     /// Writes a number of each node of a vector to its place among those of all.
     fn write_values(value: Self::Node, vector: usize, target: &mut [Self::Output]);
 
-    /// Writes what is asked for of a form: the packed Hessian, or the factors it is made of. `constant`: a node's part of the rows that
+    /// Writes what is asked for of a form: the packed Hessian, its rows of the slave, or the factors it is made of. `constant`: a node's part of the rows that
     /// are the same for all. Returns 0 if every entry written is finite, else NaN.
     ///
     /// # Panics
@@ -107,6 +107,9 @@ pub trait Shape {
             SecondKind::Hessians => Self::multiply_form(form, rows, constant, second),
             SecondKind::Factors | SecondKind::FactorsAndFoot => {
                 Self::write_factors(form, rows, constant, second.next(rows.factors()))
+            }
+            SecondKind::SlaveRows => {
+                Self::write_slave_rows(form, rows, constant, second.next(rows.slave_rows()))
             }
         }
     }
@@ -128,6 +131,17 @@ pub trait Shape {
     /// If a slice is shorter than `rows` says.
     fn write_factors(
         form: &[Self::Output],
+        rows: FormRows,
+        constant: &[[Self::Element; 3]],
+        target: &mut [Self::Output],
+    ) -> Self::Element;
+
+    /// Writes the slave's rows of the Hessian of a form; arguments and what is returned as for [`finish_form`](Self::finish_form).
+    ///
+    /// # Panics
+    /// If a slice is shorter than `rows` says.
+    fn write_slave_rows(
+        form: &mut [Self::Output],
         rows: FormRows,
         constant: &[[Self::Element; 3]],
         target: &mut [Self::Output],
@@ -238,6 +252,11 @@ impl<T: Vector> Shape for Batch<T> {
     #[inline(always)]
     fn write_factors(form: &[T], rows: FormRows, constant: &[[T; 3]], target: &mut [T]) -> T {
         batch::write_factors(form, rows, constant, target)
+    }
+
+    #[inline(always)]
+    fn write_slave_rows(form: &mut [T], rows: FormRows, constant: &[[T; 3]], target: &mut [T]) -> T {
+        batch::write_slave_rows(form, rows, constant, target)
     }
 
     #[inline(always)]
@@ -371,6 +390,16 @@ impl<T: Vector> Shape for Single<T> {
         target: &mut [f64],
     ) -> T::Scalar {
         T::Scalar::splat(single::write_factors::<T>(form, rows, constant, target))
+    }
+
+    #[inline(always)]
+    fn write_slave_rows(
+        form: &mut [f64],
+        rows: FormRows,
+        constant: &[[T::Scalar; 3]],
+        target: &mut [f64],
+    ) -> T::Scalar {
+        T::Scalar::splat(single::write_slave_rows::<T>(form, rows, constant, target))
     }
 
     #[inline(always)]

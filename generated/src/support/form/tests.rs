@@ -78,6 +78,18 @@ impl Case {
         assert_eq!(factors, expected, "{:?}", self.rows);
     }
 
+    /// The slave's rows, over all coordinates.
+    fn check_slave_rows(&self, found: &[f64], sum: f64) {
+        let freedoms = 3 * (self.rows.count + 1);
+        assert_eq!(sum.is_nan(), self.infinite.is_some(), "{:?}: {:?}", self.rows, self.infinite);
+        for (place, &entry) in found[..3 * freedoms].iter().enumerate() {
+            let (row, column) = (place / freedoms, place % freedoms);
+            let expected = self.expected(row.max(column), row.min(column));
+            assert_eq!(entry, expected, "{:?}: ({row}, {column})", self.rows);
+        }
+        assert!(found[3 * freedoms..].iter().all(|x| x.is_nan()), "beyond the end");
+    }
+
     fn constant<E: Lane>(&self) -> Vec<[E; 3]> {
         let rows = self.rows.varying..self.rows.all();
         rows.map(|row| [0, 1, 2].map(|axis| E::splat(self.entry(row, 1, axis)))).collect()
@@ -135,8 +147,11 @@ impl WithLanes for Nodes<'_> {
         let mut factors = vec![f64::NAN; rows.factors()];
         let sum = single::write_factors::<T>(&form, rows, &case.constant::<T::Scalar>(), &mut factors);
         case.check_factors(&factors, sum);
-        let mut hessian = vec![f64::NAN; size + 1];
         let constant = case.constant::<T::Scalar>();
+        let mut slave_rows = vec![f64::NAN; rows.slave_rows() + 1];
+        let sum = single::write_slave_rows::<T>(&mut form, rows, &constant, &mut slave_rows);
+        case.check_slave_rows(&slave_rows, sum);
+        let mut hessian = vec![f64::NAN; size + 1];
         let sum = single::multiply::<T>(&mut form, rows, &constant, &mut hessian[..size]);
         case.check(&hessian, sum, &format!("nodes side by side, {}", T::WIDTH));
         assert!(hessian[size].is_nan(), "beyond the end");
@@ -164,6 +179,12 @@ impl WithLanes for Elements<'_> {
             for lane in 0..T::WIDTH {
                 let factors: Vec<f64> = factors.iter().map(|x| x.lane(lane)).collect();
                 case_of(lane).check_factors(&factors, sum.lane(lane));
+            }
+            let mut slave_rows = vec![T::splat(f64::NAN); rows.slave_rows() + 1];
+            let sum = batch::write_slave_rows(form, rows, &case.constant(), &mut slave_rows);
+            for lane in 0..T::WIDTH {
+                let found: Vec<f64> = slave_rows.iter().map(|x| x.lane(lane)).collect();
+                case_of(lane).check_slave_rows(&found, sum.lane(lane));
             }
             let mut packed = vec![T::splat(f64::NAN); size];
             let target = &mut Packed { target: &mut packed, node: 0 };

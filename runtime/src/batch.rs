@@ -123,8 +123,8 @@ impl<K: KernelSet> GeneratedWith<K> {
 pub(crate) enum Asked {
     /// Those of a mode.
     Mode(Mode),
-    /// N, and factors in the place of M; of elements without a slip.
-    Factors(SecondKind),
+    /// N, and this in the place of M; of elements without a slip.
+    Second(SecondKind),
 }
 
 /// The kernel sets of a backend.
@@ -177,7 +177,7 @@ impl<K: KernelSet> KernelSets for GeneratedWith<K> {
         match asked {
             Asked::Mode(mode) if has_slip => K::slip_batch(isa, (basis, frame, mode), elements, workspace),
             Asked::Mode(mode) => K::gap_batch(isa, (basis, frame, mode), elements, workspace),
-            Asked::Factors(kind) => K::gap_factors_batch(isa, (basis, frame), kind, elements, workspace),
+            Asked::Second(kind) => K::gap_factors_batch(isa, (basis, frame), kind, elements, workspace),
         }
     }
 }

@@ -177,7 +177,7 @@ impl Generated {
         slots: impl IntoIterator<Item = GapSlot<'a>>,
         scratch: &mut BatchScratch,
     ) -> Vec<Result<ContactPoint, ElementError>> {
-        gap_batch(self, elements, Asked::Factors(SecondKind::FactorsAndFoot), slots, scratch)
+        gap_batch(self, elements, Asked::Second(SecondKind::FactorsAndFoot), slots, scratch)
     }
 
     /// The foot on a facet with first derivatives. The weights are the facet's shape functions.

@@ -159,7 +159,7 @@ impl Generated {
         slots: impl IntoIterator<Item = GapSlot<'a>>,
         scratch: &mut BatchScratch,
     ) -> Vec<Result<ContactPoint, ElementError>> {
-        gap_batch(self, elements, Asked::Factors(SecondKind::Factors), slots, scratch)
+        gap_batch(self, elements, Asked::Second(SecondKind::Factors), slots, scratch)
     }
 }
 
@@ -202,6 +202,6 @@ impl<K: KernelSet> GeneratedWith<K> {
         slots: impl IntoIterator<Item = GapSlot<'a>>,
         scratch: &mut BatchScratch,
     ) -> Vec<Result<ContactPoint, ElementError>> {
-        gap_batch(self, elements, Asked::Factors(SecondKind::Factors), slots, scratch)
+        gap_batch(self, elements, Asked::Second(SecondKind::Factors), slots, scratch)
     }
 }

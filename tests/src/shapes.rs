@@ -73,51 +73,59 @@ impl GapKernels {
         (self.form)((basis, frame), case.masters.len())
     }
 
-    /// One element by itself, with the factors of M in the place of M. Slices are longer than needed by `spare` numbers.
+    /// One element by itself, with the factors of M or its rows of the slave in the place of M. Slices are longer than needed by `spare`
+    /// numbers.
     ///
     /// # Panics
     /// If something is not written, or written that should not be.
     #[track_caller]
     #[must_use]
-    pub fn single_factors(&self, isa: Isa, kernel: Kernel, case: &Case, spare: usize) -> Found {
-        let [mut gradient, mut factors] = self.room_of_factors(kernel, case, spare);
-        let (basis, frame, _) = kernel;
-        let (inputs, numbers) = (case.inputs(), factors.numbers_mut());
-        let values = (self.single_factors)(
-            isa,
-            (basis, frame),
-            SecondKind::Factors,
-            &inputs,
-            gradient.numbers_mut(),
-            numbers,
-        );
-        Found { values, gradient: gradient.written(), hessian: factors.written() }
-    }
-
-    /// Elements side by side, with the factors of M in the place of M. Slices are longer than needed by `spare` numbers.
-    ///
-    /// # Panics
-    /// If something is not written, or written that should not be.
-    #[track_caller]
-    #[must_use]
-    pub fn batch_factors(
+    pub fn single_second(
         &self,
         isa: Isa,
         kernel: Kernel,
-        cases: &[&Case],
-        workspace: &mut Workspace,
+        kind: SecondKind,
+        case: &Case,
+        spare: usize,
+    ) -> Found {
+        let [mut gradient, mut second] = self.room_of_second(kernel, kind, case, spare);
+        let (basis, frame, _) = kernel;
+        let (inputs, numbers) = (case.inputs(), second.numbers_mut());
+        let values =
+            (self.single_factors)(isa, (basis, frame), kind, &inputs, gradient.numbers_mut(), numbers);
+        Found { values, gradient: gradient.written(), hessian: second.written() }
+    }
+
+    /// The same of elements side by side.
+    ///
+    /// # Panics
+    /// If something is not written, or written that should not be.
+    #[track_caller]
+    #[must_use]
+    pub fn batch_second(
+        &self,
+        isa: Isa,
+        kernel: Kernel,
+        kind: SecondKind,
+        (cases, workspace): (&[&Case], &mut Workspace),
         spare: usize,
     ) -> Vec<Found> {
-        let rooms = cases.iter().map(|case| self.room_of_factors(kernel, case, spare)).collect();
+        let rooms = cases.iter().map(|case| self.room_of_second(kernel, kind, case, spare)).collect();
         let (basis, frame, _) = kernel;
         in_batch(cases, rooms, |elements| {
-            (self.batch_factors)(isa, (basis, frame), SecondKind::Factors, elements, workspace)
+            (self.batch_factors)(isa, (basis, frame), kind, elements, workspace)
         })
     }
 
-    fn room_of_factors(&self, kernel: Kernel, case: &Case, spare: usize) -> [Guarded; 2] {
-        let needed = [freedoms(case), self.form(kernel, case).factors()];
-        needed.map(|needed| Guarded::new(needed, spare))
+    fn room_of_second(&self, kernel: Kernel, kind: SecondKind, case: &Case, spare: usize) -> [Guarded; 2] {
+        let rows = self.form(kernel, case);
+        let second = match kind {
+            SecondKind::Hessians => packed_row(freedoms(case)),
+            SecondKind::Factors => rows.factors(),
+            SecondKind::FactorsAndFoot => rows.foot_numbers(),
+            SecondKind::SlaveRows => rows.slave_rows(),
+        };
+        [freedoms(case), second].map(|needed| Guarded::new(needed, spare))
     }
 
     /// One element by itself. Slices are longer than needed by `spare` numbers.

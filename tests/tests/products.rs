@@ -1,8 +1,8 @@
-//! M v from the factors of M: the same as M times v, whatever the weight, basis, frame, shape and instructions.
+//! M v from the factors of M, and the slave's rows of M: the same as of M itself, whatever the weight, basis, frame, shape and instructions.
 
 use diffuse_contact::ad::Ad;
 use diffuse_contact::{Backend, Basis, Generated, Mode, SymmetricMatrix, Weight};
-use diffuse_contact_kernels::support::{FrameRule, Isa, Workspace};
+use diffuse_contact_kernels::support::{FrameRule, Isa, SecondKind, Workspace};
 use diffuse_contact_tests::{Case, Found, GAP_KERNELS, instructions, largest};
 
 use crate::lanes::{BASES, FRAMES, sound, with_frame};
@@ -39,9 +39,13 @@ fn factors_times_a_vector_are_the_hessian_times_it() {
             let both = cases.each_ref();
             for isa in instructions() {
                 let matrices = set.batch(isa, kernel, &both, &mut workspace, 0);
-                let factors = set.batch_factors(isa, kernel, &both, &mut workspace, n % 2 * 5);
+                let factors =
+                    set.batch_second(isa, kernel, SecondKind::Factors, (&both, &mut workspace), n % 2 * 5);
                 let alone = both.map(|case| {
-                    (set.single(isa, kernel, case, 0), set.single_factors(isa, kernel, case, n % 2 * 5))
+                    (
+                        set.single(isa, kernel, case, 0),
+                        set.single_second(isa, kernel, SecondKind::Factors, case, n % 2 * 5),
+                    )
                 });
                 let pairs = matrices.iter().zip(&factors).chain(alone.iter().map(|(x, y)| (x, y)));
                 for ((of_matrix, of_factors), case) in pairs.zip(both.iter().cycle()) {
@@ -73,6 +77,37 @@ fn factors_times_a_vector_are_the_hessian_times_it() {
 }
 
 #[test]
+fn rows_of_the_slave_are_those_of_the_hessian() {
+    let mut workspace = Workspace::default();
+    let kernels = BASES.into_iter().flat_map(|basis| FRAMES.map(|frame| (basis, frame, Mode::Hessian)));
+    for (set, kernel) in GAP_KERNELS.into_iter().flat_map(|set| kernels.clone().map(move |k| (set, k))) {
+        for n in [kernel.0.size(), 9, 13] {
+            let cases = [3000, 4000].map(|seed| sound(&set, kernel, n, seed));
+            let both = cases.each_ref();
+            for isa in instructions() {
+                let (kind, spare) = (SecondKind::SlaveRows, n % 2 * 5);
+                let matrices = set.batch(isa, kernel, &both, &mut workspace, 0);
+                let rows = set.batch_second(isa, kernel, kind, (&both, &mut workspace), spare);
+                let alone = both.map(|case| {
+                    (set.single(isa, kernel, case, 0), set.single_second(isa, kernel, kind, case, spare))
+                });
+                let pairs = matrices.iter().zip(&rows).chain(alone.iter().map(|(x, y)| (x, y)));
+                for ((of_matrix, of_rows), case) in pairs.zip(both.iter().cycle()) {
+                    assert_eq!(of_matrix.gradient, of_rows.gradient);
+                    assert_eq!(of_matrix.status(), of_rows.status());
+                    let matrix = of_matrix.gap(case).hessian;
+                    let (size, found) = (matrix.size(), &of_rows.hessian);
+                    let differences: Vec<f64> =
+                        (0..3 * size).map(|k| found[k] - matrix.get(k / size, k % size)).collect();
+                    let worst = largest(&differences) / largest(matrix.packed());
+                    assert!(worst < TOLERANCE, "{} {kernel:?} {n} {isa}: {worst:e}", set.weight);
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn products_are_those_of_automatic_differentiation() {
     let weights = [Weight::Cubic, Weight::CubicInterpolating, Weight::WendlandC2];
     for (set, weight) in GAP_KERNELS.into_iter().zip(weights) {
@@ -97,7 +132,7 @@ fn factors_that_are_not_finite_are_no_result() {
         for n in [9, 12] {
             let mut case = with_frame(Case::random(n, kernel.0, 5), kernel.1);
             case.masters[n - 1][2] = f64::NAN;
-            let found = set.single_factors(Isa::SCALAR, kernel, &case, 0);
+            let found = set.single_second(Isa::SCALAR, kernel, SecondKind::Factors, &case, 0);
             assert!(found.values.checksum.is_nan());
             assert_ne!(found.status(), diffuse_contact_kernels::support::Status::Ok);
         }

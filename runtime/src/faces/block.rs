@@ -9,7 +9,8 @@ use super::carried::{Carried, direction_along};
 use super::cut::FacePoint;
 use super::quadratic::{Carrying, MOST_NODES};
 use super::skin::{Skin, SkinFace};
-use crate::interface::{ContactRef, back};
+use crate::affine::Carrier;
+use crate::interface::{ContactInterface, back};
 use crate::surface::{Facet, Image, Shape};
 use crate::vector::Vector3;
 use crate::{Mode, Point};
@@ -23,6 +24,7 @@ pub struct FaceView<'a> {
     /// Of all nodes.
     pub positions: &'a [Point],
     pub skin: &'a Skin,
+    pub interface: &'a ContactInterface,
     /// The face's number.
     pub face: usize,
     /// Nodes that forces act on, ascending: those of the face and of the facets over it.
@@ -33,10 +35,23 @@ pub struct FaceView<'a> {
     pub places: FacePlaces<'a>,
 }
 
+/// The contact of a point.
+pub struct PointContact<'a> {
+    /// Nodes of its element, or images of nodes.
+    pub carriers: &'a [Carrier],
+    /// N by the point and its carriers.
+    pub gradient: &'a [f64],
+    /// Derivatives of ∂g/∂x of the point by the same, three rows; empty below Hessian mode.
+    pub slave_rows: &'a [f64],
+}
+
+/// A column, and the image that its node is, if it is one.
+type Column<'a> = (usize, Option<&'a Image>);
+
 /// Where a face's nodes are found, at any of its points.
 pub struct FacePlaces<'a> {
-    /// The skin's carriers in the columns, and the images that they are.
-    skin: Vec<(usize, Option<&'a Image>)>,
+    /// The skin's carriers in the columns.
+    skin: Vec<Column<'a>>,
     /// The nodes that carry the face's forces.
     own: Vec<Place>,
 }
@@ -72,11 +87,13 @@ fn place(list: &[u32], node: u32) -> usize {
 
 /// What goes from point to point.
 #[derive(Default)]
-pub struct PointScratch {
+pub struct PointScratch<'a> {
     /// What each of the skin's carriers has of the point.
     weights: Vec<f64>,
-    /// The masters in the columns.
-    masters: Vec<usize>,
+    /// The contact's carriers in the columns.
+    masters: Vec<Column<'a>>,
+    /// ∂g/∂x by the columns that it depends on.
+    gradient: Vec<(usize, Point)>,
     /// Face and facet that `over` belongs to.
     of: Option<(usize, u32)>,
     /// The nodes that carry the facet's forces.
@@ -89,20 +106,21 @@ pub struct PointScratch {
     rows: Vec<(usize, [f64; 3])>,
 }
 
-impl PointScratch {
+impl<'a> PointScratch<'a> {
     /// Finds what there is of a point.
-    fn look(&mut self, view: &FaceView<'_>, point: &FacePoint, over: &Carrying, contact: &ContactRef<'_>) {
+    fn look(&mut self, view: &FaceView<'a>, point: &FacePoint, over: &Carrying, contact: &PointContact<'_>) {
         let weights = view.face().weights(view.facet.corners().len(), point.natural);
         self.weights.clear();
         self.weights.extend(weights);
-        // Masters ascend as columns do, but for those of a facet by itself.
+        // Nodes ascend as columns do, but for those of a facet by itself.
         let mut next = 0;
         self.masters.clear();
-        self.masters.extend(contact.nodes.iter().map(|&node| {
+        self.masters.extend(contact.carriers.iter().map(|&carrier| {
+            let node = carrier.node;
             let found = view.columns[next..].iter().position(|&column| column >= node);
             let at = found.map_or(0, |more| next + more);
             next = if view.columns[at] == node { at } else { place(view.columns, node) };
-            next
+            (next, view.interface.image_of(carrier))
         }));
         let of = Some((view.face, point.facet));
         if self.of != of {
@@ -163,12 +181,12 @@ pub struct FaceBlock {
 
 /// Where the derivatives of a point's gap and normal are found among those by all columns.
 struct Columns<'a> {
-    /// Of the skin's carriers, and the images that they are.
-    skin: &'a [(usize, Option<&'a Image>)],
+    /// Of the skin's carriers.
+    skin: &'a [Column<'a>],
     /// What each of them has of the point.
     weights: &'a [f64],
-    /// Of the masters.
-    masters: &'a [usize],
+    /// Of the contact's carriers.
+    masters: &'a [Column<'a>],
 }
 
 /// A force with its derivatives, and those of its line.
@@ -180,25 +198,15 @@ struct Line<'a> {
     along_by_nodes: &'a [f64],
 }
 
-/// An entry of a packed symmetric matrix.
-fn contact_entry(hessian: &[f64], i: usize, j: usize) -> f64 {
-    if i >= j { hessian[i * (i + 1) / 2 + j] } else { hessian[j * (j + 1) / 2 + i] }
-}
-
 impl Columns<'_> {
-    /// Adds `factor` times a derivative by the contact's own points to one by the columns. `own`: by coordinate of slave and masters.
-    fn spread(&self, own: impl Fn(usize) -> f64, factor: f64, sum: &mut [f64]) {
-        let by_point = [0, 1, 2].map(|axis| factor * own(axis));
-        let sum = sum.as_chunks_mut::<3>().0;
+    /// Hands over a derivative by the contact's point and carriers as one by columns; some come more than once.
+    fn spread(&self, own: &[f64], mut f: impl FnMut(usize, Point)) {
+        let (own, _) = own.as_chunks::<3>();
         for (&(place, image), weight) in self.skin.iter().zip(self.weights) {
-            for (sum, value) in sum[place].iter_mut().zip(back(image, by_point)) {
-                *sum += weight * value;
-            }
+            f(place, back(image, own[0]).map(|value| weight * value));
         }
-        for (k, &place) in self.masters.iter().enumerate() {
-            for (axis, sum) in sum[place].iter_mut().enumerate() {
-                *sum += factor * own(3 * (k + 1) + axis);
-            }
+        for (&(place, image), &value) in self.masters.iter().zip(&own[1..]) {
+            f(place, back(image, value));
         }
     }
 }
@@ -226,23 +234,29 @@ impl FaceBlock {
     }
 
     /// Adds a point. `over`: what carries the forces of the facet over it.
-    pub fn add(
+    pub fn add<'a>(
         &mut self,
-        view: &FaceView<'_>,
+        view: &FaceView<'a>,
         point: &FacePoint,
         over: &Carrying,
-        contact: &ContactRef<'_>,
-        scratch: &mut PointScratch,
+        contact: &PointContact<'_>,
+        scratch: &mut PointScratch<'a>,
     ) {
         scratch.look(view, point, over, contact);
-        let PointScratch { weights, masters, over: facet, along_by_nodes, carriers, rows, .. } = scratch;
+        let PointScratch { weights, masters, gradient, over: facet, along_by_nodes, carriers, rows, .. } =
+            scratch;
         let functions = view.shape.functions(point.natural);
         let along = [contact.gradient[0], contact.gradient[1], contact.gradient[2]];
         // Where the point is on what carries it.
         let x = view.carrying.point(&point.functions, view.positions);
         let columns = Columns { skin: &view.places.skin, weights, masters };
+        gradient.clear();
+        columns.spread(contact.gradient, |place, by| gradient.push((place, by)));
         for (corner, &n) in functions.iter().enumerate().take(view.facet.corners().len()) {
-            columns.spread(|own| contact.gradient[own], point.weight * n, &mut self.gradients[corner]);
+            let (sums, weight) = (self.gradients[corner].as_chunks_mut::<3>().0, point.weight * n);
+            for &(place, by) in &*gradient {
+                sums[place].iter_mut().zip(by).for_each(|(sum, by)| *sum += weight * by);
+            }
         }
         let (direction, by_along) = direction_along(along);
         let (pressure, traction) = view.load.at(&functions);
@@ -252,8 +266,12 @@ impl FaceBlock {
         let width = self.gradients[0].len();
         along_by_nodes.clear();
         along_by_nodes.resize(if needs_hessian { 3 * width } else { 0 }, 0.0);
-        for (axis, row) in along_by_nodes.chunks_exact_mut(width.max(1)).enumerate() {
-            columns.spread(|own| contact_entry(contact.hessian, axis, own), 1.0, row);
+        let by_contact = contact.slave_rows.chunks_exact(contact.gradient.len());
+        for (row, own) in along_by_nodes.chunks_exact_mut(width.max(1)).zip(by_contact) {
+            let row = row.as_chunks_mut::<3>().0;
+            columns.spread(own, |place, by| {
+                row[place].iter_mut().zip(by).for_each(|(sum, by)| *sum += by);
+            });
         }
         for (sums, n) in self.normals.iter_mut().zip(functions) {
             sums.iter_mut().zip(&*along_by_nodes).for_each(|(sum, by)| *sum += point.weight * n * by);

@@ -4,7 +4,7 @@ use std::sync::Mutex;
 
 use rayon::prelude::*;
 
-use super::block::{FaceBlock, FaceLoad, FacePlaces, FaceView, PointScratch};
+use super::block::{FaceBlock, FaceLoad, FacePlaces, FaceView, PointContact, PointScratch};
 use super::contacts::{DirectionBlock, FaceContacts, FrictionBlock, NodeBlock, NodeContact};
 use super::cut::FacePoint;
 use super::friction::Track;
@@ -12,7 +12,7 @@ use super::friction::Traction;
 use super::{FaceCut, FaceInterface, sort};
 use crate::Mode;
 use crate::assembly::ContactLaw;
-use crate::interface::{ContactRef, InterfaceError, NoContact, Outcome, Results};
+use crate::interface::{ContactRef, InterfaceError, NoContact, Outcome, Results, Second};
 use crate::neighbourhood::Fallback;
 use crate::surface::{Facet, shape_of};
 use crate::vector::Vector3;
@@ -23,6 +23,16 @@ const SMALLEST_AREA: f64 = 1e-9;
 const CHUNK: usize = 256;
 /// Points whose results are held at once.
 const AT_ONCE: usize = 1 << 16;
+
+/// What the first look at all points gives.
+pub(super) struct Averages {
+    /// Gap and pressure of each node.
+    pub nodes: Vec<NodeContact>,
+    /// With friction in the law the average of ∂g/∂x of each node's points.
+    pub normals: Vec<Vector3>,
+    /// Of each point whether it has a contact.
+    pub is_contact: Vec<bool>,
+}
 
 impl FaceInterface {
     /// Hands over each point with the number of its face, the shape functions of the face's corners, and its contact.
@@ -49,11 +59,8 @@ impl FaceInterface {
         Ok(())
     }
 
-    /// The average gap at each node, and its pressure; with friction in the law also the average of ∂g/∂x of the points.
-    pub(super) fn averages(
-        &self,
-        law: &ContactLaw<'_>,
-    ) -> Result<(Vec<NodeContact>, Vec<Vector3>), InterfaceError> {
+    /// The average gap at each node, and its pressure.
+    pub(super) fn averages(&self, law: &ContactLaw<'_>) -> Result<Averages, InterfaceError> {
         let blank = |(k, &slave): (usize, &usize)| {
             NodeContact::without(slave, NoContact::NothingOver { limit: self.limit_around(k) })
         };
@@ -61,9 +68,11 @@ impl FaceInterface {
         let (mode, normals) =
             if law.friction.is_some() { (Mode::Gradient, nodes.len()) } else { (Mode::Value, 0) };
         let mut normals = vec![Vector3::zeros(); normals];
+        let mut is_contact = Vec::with_capacity(self.points.len());
         // A face's points come one after another.
         let mut corners = (usize::MAX, [None; 4]);
         self.for_each_point(mode, |face, point, functions, contact| {
+            is_contact.push(contact.outcome.is_contact());
             if corners.0 != face {
                 corners = (face, [None; 4]);
                 let found =
@@ -119,14 +128,14 @@ impl FaceInterface {
             let normal_force = law.checked_normal_force(k, node.gap, 1.0)?;
             (node.pressure, node.stiffness) = (normal_force.force, normal_force.stiffness);
         }
-        Ok((nodes, normals))
+        Ok(Averages { nodes, normals, is_contact })
     }
 
     /// Forces and tangents of the faces around nodes that carry pressure. `earlier`: what was found before, for its memory.
     pub(super) fn derive(
         &self,
         mode: Mode,
-        tractions: &[Option<Traction>],
+        (is_contact, tractions): (&[bool], &[Option<Traction>]),
         contacts: &mut FaceContacts,
         earlier: Vec<DirectionBlock>,
     ) -> Result<(), InterfaceError> {
@@ -149,7 +158,7 @@ impl FaceInterface {
         let blocks: Vec<Vec<FaceBlock>> = self
             .runs(&loaded)
             .into_par_iter()
-            .map_init(Results::default, |results, faces| self.blocks(faces, mode, &loads, (results, &memory)))
+            .map(|faces| self.blocks(faces, mode, (&loads, is_contact), &memory))
             .collect::<Result<_, _>>()?;
         let mut of_face: Vec<Option<FaceBlock>> = vec![None; self.faces.len()];
         for (&k, block) in loaded.iter().zip(blocks.into_iter().flatten()) {
@@ -197,8 +206,8 @@ impl FaceInterface {
         &self,
         faces: &[usize],
         mode: Mode,
-        loads: &[FaceLoad],
-        (results, memory): (&mut Results, &Mutex<Vec<Vec<f64>>>),
+        (loads, is_contact): (&[FaceLoad], &[bool]),
+        memory: &Mutex<Vec<Vec<f64>>>,
     ) -> Result<Vec<FaceBlock>, InterfaceError> {
         let views: Vec<FaceView<'_>> = faces
             .iter()
@@ -208,6 +217,7 @@ impl FaceInterface {
                 carrying: &self.carriers.faces[k],
                 positions: &self.positions,
                 skin: &self.skin,
+                interface: &self.interface,
                 face: k,
                 rows: &self.cuts[k].rows,
                 columns: &self.cuts[k].columns,
@@ -224,10 +234,33 @@ impl FaceInterface {
         let mut blocks: Vec<FaceBlock> =
             views.iter().map(|view| FaceBlock::new(view, mode, memory)).collect();
         let mut scratch = PointScratch::default();
-        self.for_each_contact_of(faces, mode, results, |own, point, contact| {
+        let points = faces.iter().flat_map(|&k| self.cuts[k].points.clone());
+        let present: Vec<usize> = points.filter(|&k| is_contact[k]).collect();
+        let second = if mode >= Mode::Hessian { Second::SlaveRows } else { Second::None };
+        let found = self.interface.linearise_slaves(&present, second)?;
+        let (mut own, mut rest) = (0, &found.points[..]);
+        for contact in &found.contacts {
+            let (carriers, others) = rest.split_at(contact.points);
+            rest = others;
+            while !self.cuts[faces[own]].points.contains(&contact.index) {
+                own += 1;
+            }
+            if contact.point.gap.is_nan() {
+                // Derivatives that overflow, of a gap that does not.
+                blocks[own].missed += 1;
+                continue;
+            }
+            let freedoms = 3 * (carriers.len() + 1);
+            let rows = if second == Second::SlaveRows { 3 * freedoms } else { 0 };
+            let by_contact = PointContact {
+                carriers,
+                gradient: &found.gradients[contact.gradient..][..freedoms],
+                slave_rows: &found.seconds[contact.second_start..][..rows],
+            };
+            let point = &self.points[contact.index];
             let over = &self.carriers.facets[point.facet as usize];
-            blocks[own].add(&views[own], point, over, contact, &mut scratch);
-        })?;
+            blocks[own].add(&views[own], point, over, &by_contact, &mut scratch);
+        }
         Ok(blocks)
     }
 

@@ -13,6 +13,7 @@
 use rayon::prelude::*;
 
 use super::contacts::NodeContact;
+use super::evaluate::Averages;
 use super::quadratic::Carrying;
 use super::window::Side;
 use super::{FaceInterface, sort};
@@ -169,7 +170,7 @@ impl FaceInterface {
             return Err(InterfaceError::NotRefreshed);
         }
         let history = self.present_history();
-        let (mut nodes, normals) = self.averages(law)?;
+        let Averages { mut nodes, normals, .. } = self.averages(law)?;
         let present = self.present_tracks()?;
         let mut report = FrictionReport::default();
         let mut tracks = Vec::with_capacity(nodes.len());
@@ -270,7 +271,7 @@ impl FaceInterface {
             return Err(AssemblyError::NoAugmentation.into());
         };
         law.validate(self.nodes.len())?;
-        let (nodes, normals) = self.averages(law)?;
+        let Averages { nodes, normals, .. } = self.averages(law)?;
         let mut errors = vec![0.0; nodes.len()];
         let (Some(committed), Some(present)) = (&self.tracks, self.present_history()) else {
             return Ok((None, errors));

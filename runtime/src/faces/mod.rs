@@ -78,6 +78,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use cut::{CutScratch, Cutting, FacePoint, cut};
+use evaluate::Averages;
 use friction::Track;
 use quadratic::Carriers;
 use skin::Skin;
@@ -403,13 +404,13 @@ impl FaceInterface {
     /// was [accepted](Self::accept) before nodes carry pressure.
     pub fn evaluate(&mut self, law: &ContactLaw<'_>, mode: Mode) -> Result<&FaceContacts, InterfaceError> {
         law.validate(self.nodes.len())?;
-        let (mut nodes, normals) = self.averages(law)?;
+        let Averages { mut nodes, normals, is_contact } = self.averages(law)?;
         let tractions = self.tractions(law, &mut nodes, &normals)?;
         let mut contacts = FaceContacts { nodes, mode, missed: self.unplaced, ..FaceContacts::default() };
         if mode >= Mode::Gradient {
             // In the memory of the last evaluation: new pages would take as long as their numbers.
             let earlier = std::mem::take(&mut self.contacts).directions;
-            self.derive(mode, &tractions, &mut contacts, earlier)?;
+            self.derive(mode, (&is_contact, &tractions), &mut contacts, earlier)?;
         }
         self.contacts = contacts;
         Ok(&self.contacts)

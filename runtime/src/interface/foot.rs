@@ -174,10 +174,6 @@ impl ContactInterface {
         listed: &[u32],
         [weights, foot, normal]: [&mut [f64]; 3],
     ) {
-        let image = |carrier: &Carrier| match (&self.nodal, carrier.image) {
-            (Some(nodal), Some(number)) => Some(nodal.symmetry.image(number)),
-            _ => None,
-        };
         let (own, freedoms) = (3 * (carriers.len() + 1), 3 * (listed.len() + 1));
         // Points are in the order of the listed nodes.
         let mut place = 0;
@@ -198,7 +194,7 @@ impl ContactInterface {
                 let (slave, points) = row.split_at(3);
                 target[..3].copy_from_slice(slave);
                 for ((by, carrier), &place) in points.as_chunks::<3>().0.iter().zip(carriers).zip(&places) {
-                    let by_node = back(image(carrier), *by);
+                    let by_node = back(self.image_of(*carrier), *by);
                     for (entry, value) in target[3 * (place + 1)..].iter_mut().zip(by_node) {
                         *entry += value;
                     }

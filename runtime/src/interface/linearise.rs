@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use diffuse_contact_kernels::support::{KernelSet, SecondKind};
+use diffuse_contact_kernels::support::{KernelSet, SecondKind, packed_row};
 use rayon::prelude::*;
 
 use super::contacts::Results;
@@ -31,22 +31,34 @@ pub(crate) enum SecondForm {
 
 /// What is made beside gradients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Second {
+pub(crate) enum Second {
     /// Nothing.
     None,
     /// Second derivatives.
     Hessians,
     /// φ and ∂ν/∂x; of facets second derivatives, which have them.
     AtFoot,
+    /// The slave's rows of M, whatever the element.
+    SlaveRows,
 }
 
 impl Second {
-    /// Numbers of an element whose factors have this form.
-    const fn numbers(self, form: HessianForm) -> usize {
+    /// How it is held, of an element whose factors have this form, and numbers of it.
+    const fn of_fit(self, form: HessianForm) -> (SecondForm, usize) {
         match self {
-            Self::None => 0,
-            Self::Hessians => form.numbers(),
-            Self::AtFoot => form.foot_numbers(),
+            Self::None => (SecondForm::None, 0),
+            Self::Hessians => (SecondForm::Factors(form), form.numbers()),
+            Self::AtFoot => (SecondForm::Factors(form), form.foot_numbers()),
+            Self::SlaveRows => (SecondForm::None, form.rows().slave_rows()),
+        }
+    }
+
+    /// The same of a facet with so many derivatives.
+    const fn of_facet(self, freedoms: usize) -> (SecondForm, usize) {
+        match self {
+            Self::None => (SecondForm::None, 0),
+            Self::Hessians | Self::AtFoot => (SecondForm::Packed, freedoms * (freedoms + 1) / 2),
+            Self::SlaveRows => (SecondForm::None, 3 * freedoms),
         }
     }
 }
@@ -64,7 +76,7 @@ pub(crate) struct LinearContact {
     /// Where its gradient begins.
     pub gradient: usize,
     pub second: SecondForm,
-    /// Where its second derivatives begin.
+    /// Where its second derivatives begin, or the slave's rows of them.
     pub second_start: usize,
 }
 
@@ -133,7 +145,7 @@ impl ContactInterface {
     }
 
     /// The contacts of these slaves, which are contacts.
-    pub(super) fn linearise_slaves(
+    pub(crate) fn linearise_slaves(
         &self,
         loaded: &[usize],
         second: Second,
@@ -186,7 +198,7 @@ impl Evaluator<'_> {
             let (basis, points) = (paired.record.basis, inputs.masters.len());
             let frame = frame_rule(derivative, &inputs.domains);
             let form = with_kernels!(weight, K => HessianForm::new(K::gap_form((basis, frame), points)));
-            let second = if asked == Second::None { SecondForm::None } else { SecondForm::Factors(form) };
+            let (second, numbers) = asked.of_fit(form);
             found.contacts.push(LinearContact {
                 index,
                 point: NONE,
@@ -197,20 +209,16 @@ impl Evaluator<'_> {
                 second_start: seconds,
             });
             gradients += 3 * (points + 1);
-            seconds += asked.numbers(form);
-            kernels.push((frame, basis, inputs));
+            seconds += numbers;
+            kernels.push((frame, basis, inputs, numbers));
         }
         found.allocate(gradients, seconds)?;
         let LinearContacts { contacts, gradients, seconds, .. } = &mut found;
         let (mut free_gradients, mut free_seconds) = (&mut gradients[..], &mut seconds[..]);
         let mut waiting: Vec<Waiting<'_, '_>> = Vec::with_capacity(contacts.len());
-        for (contact, (frame, basis, inputs)) in contacts.iter().zip(kernels) {
-            let second = match contact.second {
-                SecondForm::Factors(form) => asked.numbers(form),
-                SecondForm::None | SecondForm::Packed => 0,
-            };
+        for (contact, (frame, basis, inputs, numbers)) in contacts.iter().zip(kernels) {
             let gradient = free_gradients.split_off_mut(..3 * (contact.points + 1)).unwrap_or_default();
-            let hessian = free_seconds.split_off_mut(..second).unwrap_or_default();
+            let hessian = free_seconds.split_off_mut(..numbers).unwrap_or_default();
             let slot = GapSlot { gradient, hessian };
             waiting.push(Waiting {
                 weight,
@@ -225,8 +233,9 @@ impl Evaluator<'_> {
         }
         let asked = match asked {
             Second::None => Asked::Mode(Mode::Gradient),
-            Second::Hessians => Asked::Factors(SecondKind::Factors),
-            Second::AtFoot => Asked::Factors(SecondKind::FactorsAndFoot),
+            Second::Hessians => Asked::Second(SecondKind::Factors),
+            Second::AtFoot => Asked::Second(SecondKind::FactorsAndFoot),
+            Second::SlaveRows => Asked::Second(SecondKind::SlaveRows),
         };
         evaluate(&Generated, asked, &mut waiting, batch, |place, element| {
             // Without a result it stays a NaN, which carries no force.
@@ -247,32 +256,37 @@ impl Evaluator<'_> {
         scratch: &mut ElementScratch,
     ) -> Result<LinearContacts, InterfaceError> {
         let mut found = LinearContacts::default();
-        let with_second = asked != Second::None;
-        let (mode, second) = match with_second {
-            true => (Mode::Hessian, SecondForm::Packed),
-            false => (Mode::Gradient, SecondForm::None),
-        };
+        let mode = if asked == Second::None { Mode::Gradient } else { Mode::Hessian };
         let freedoms = |points: usize| 3 * (points + 1);
-        let numbers = |points: usize| {
-            let packed = freedoms(points) * (freedoms(points) + 1) / 2;
-            if with_second { packed } else { 0 }
-        };
         let points = |k: usize| pairings.get(k).map_or(0, |paired| self.corners_of(&paired).len());
         let gradients = loaded.iter().map(|&k| freedoms(points(k))).sum();
-        found.allocate(gradients, loaded.iter().map(|&k| numbers(points(k))).sum())?;
+        let seconds = loaded.iter().map(|&k| asked.of_facet(freedoms(points(k))).1).sum();
+        found.allocate(gradients, seconds)?;
+        let mut packed = [0.0; packed_row(3 * (4 + 1))];
         let (mut gradient, mut second_start) = (0, 0);
         for &index in loaded {
             let Ok(paired) = pairings.get(index) else { continue };
             let corners = self.corners_of(&paired);
             let points = corners.len();
+            let (second, numbers) = asked.of_facet(freedoms(points));
             let own_gradient = &mut found.gradients[gradient..][..freedoms(points)];
-            let own_second = &mut found.seconds[second_start..][..numbers(points)];
-            let point = self.element(&paired, mode, own_gradient, own_second, scratch);
+            let own_second = &mut found.seconds[second_start..][..numbers];
+            let point = if asked == Second::SlaveRows {
+                let packed = &mut packed[..packed_row(freedoms(points))];
+                let point = self.element(&paired, mode, own_gradient, packed, scratch);
+                for (row, entries) in own_second.chunks_exact_mut(freedoms(points)).enumerate() {
+                    let entry = |column: usize| packed[packed_row(row.max(column)) + row.min(column)];
+                    entries.iter_mut().zip(0..).for_each(|(target, column)| *target = entry(column));
+                }
+                point
+            } else {
+                self.element(&paired, mode, own_gradient, own_second, scratch)
+            };
             let (point, area) = (point.unwrap_or(NONE), pairings.layout.area(index));
             found.points.extend(corners.iter().map(|&node| Carrier::from(node)));
             found.contacts.push(LinearContact { index, point, area, points, gradient, second, second_start });
             gradient += freedoms(points);
-            second_start += numbers(points);
+            second_start += numbers;
         }
         Ok(found)
     }

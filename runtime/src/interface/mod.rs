@@ -100,17 +100,18 @@ pub use report::{FallbackCounts, GapJump, RefreshReport, SlaveGap};
 pub(crate) use contacts::Results;
 pub(crate) use create::{areas_of, check_slaves};
 pub(crate) use fold::back;
-pub(crate) use linearise::{LinearContacts, SecondForm};
+pub(crate) use linearise::{LinearContacts, Second, SecondForm};
 use nodal::Nodal;
 use pairings::Pairings;
 use refresh::RefreshScratch;
 use scratch::ElementScratch;
 pub(crate) use within_reach::PointsWithinReach;
 
+use crate::affine::Carrier;
 use crate::scratch::Pool;
 use crate::surface::window::Known;
 use crate::surface::{
-    Creases, MasterSurface, NodalDomains, OwnSurface, Symmetry, SymmetryPlane, check_position,
+    Creases, Image, MasterSurface, NodalDomains, OwnSurface, Symmetry, SymmetryPlane, check_position,
 };
 use crate::{Basis, Point};
 
@@ -216,6 +217,12 @@ impl ContactInterface {
     /// Domains of influence, if the element has any.
     pub(crate) fn domains(&self) -> Option<&NodalDomains> {
         self.nodal.as_ref().map(|nodal| &nodal.domains)
+    }
+
+    /// The image that a carrier is, if it is one.
+    pub(crate) fn image_of(&self, carrier: Carrier) -> Option<&Image> {
+        let (nodal, number) = (self.nodal.as_ref()?, carrier.image?);
+        Some(nodal.symmetry.image(number))
     }
 
     /// Where the `k`-th slave is.

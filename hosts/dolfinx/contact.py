@@ -134,6 +134,9 @@ class Contact:
 
     """
 
+    #: In gaps the penalty is a diagonal: what preconditions the operator needs no matrix of contact.
+    preconditioned_by_matrix = False
+
     def __init__(
         self,
         space: fem.FunctionSpace,
@@ -280,16 +283,18 @@ class Contact:
             matrix.setValuesIJV(rows, equations[tangent.indices], values, addv=ADD, rowmap=equations)
         matrix.assemble()
 
-    def linearise(self, which: str) -> None:
+    def linearise(self, u: PETSc.Vec, which: str) -> None:
         """Makes the tangent at these displacements an operator, for ``add_product``."""
+        self.evaluate(u, "gradient")
         self.free = 1.0 - self.nodes.bring(self.held).reshape(-1)
         self.operator = None if self.interface is None else self.interface.operator(**self.law, tangent=which)
 
     def add_product(self, v: PETSc.Vec, out: PETSc.Vec) -> None:
         """Adds the tangent times a vector. Only values at nodes go between neighbours, and no entries of a matrix."""
-        product = self.free * self.nodes.bring(v).reshape(-1)
+        v = self.free * self.nodes.bring(v).reshape(-1)
+        product = np.zeros_like(v)
         if self.operator is not None:
-            product = self.free * self.operator.add_product(product, np.zeros_like(product))
+            product = self.free * self.operator.add_product(v, product)
         self.nodes.add(product, out)
 
     def gaps(self) -> list[Gap]:

@@ -37,6 +37,9 @@ class FaceContact:
 
     """
 
+    #: Gaps are averages, which do not replace an unknown each: what preconditions the operator is assembled.
+    preconditioned_by_matrix = True
+
     def __init__(
         self,
         space: fem.FunctionSpace,
@@ -222,6 +225,19 @@ class FaceContact:
             rows = tangent.indptr.astype(PETSc.IntType)
             matrix.setValuesIJV(rows, equations[tangent.indices], values, addv=ADD, rowmap=equations[kept])
         matrix.assemble()
+
+    def linearise(self, u: PETSc.Vec, which: str) -> None:
+        """Makes the tangent at these displacements an operator, for ``add_product``."""
+        self.evaluate(u, "hessian")
+        self.free, self.which = 1.0 - self.nodes.bring(self.held).reshape(-1), which
+
+    def add_product(self, v: PETSc.Vec, out: PETSc.Vec) -> None:
+        """Adds the tangent times a vector: its values come from neighbours, and each rank has the rows of its nodes."""
+        v = self.free * self.nodes.bring(v).reshape(-1)
+        product = np.zeros_like(v)
+        if self.interface is not None:
+            product = self.interface.product(v, self.which) * self.free * self._kept_rows()
+        self.nodes.add(product, out)
 
     def union(self, solids: Pattern) -> PETSc.Mat:
         """An empty matrix with room for the solids and for the nodes that carry pressure at the last positions."""

@@ -48,7 +48,7 @@ class Problem:
     """What SNES asks for."""
 
     def __init__(self, u: fem.Function, form: ufl.Form, conditions: list, contact: Contact, shell: bool) -> None:
-        self.u, self.vector, self.conditions, self.contact, self.shell = u, vector(u), conditions, contact, shell
+        self.u, self.vector, self.conditions, self.contact = u, vector(u), conditions, contact
         self.residual_form = fem.form(form)
         self.tangent_form = fem.form(ufl.derivative(form, u))
         self.way = fem.Function(u.function_space)
@@ -56,6 +56,10 @@ class Problem:
         solids = petsc.assemble_matrix(self.tangent_form)
         solids.assemble()
         self.pattern, self.solids = Pattern.of(solids), solids
+        #: The tangent, if it is an operator.
+        self.shell = ShellTangent(solids, contact).matrix() if shell else None
+        #: Whether SNES has a matrix with the contact's tangent: all of it, or what preconditions the operator.
+        self.assembles = not shell or contact.preconditioned_by_matrix
         self.residual, self.forces = self.vector.duplicate(), self.vector.duplicate()
         #: Equations of this rank with given displacements, as they are numbered here; behind them come those of ghosts.
         held = np.concatenate([given.dof_indices()[0] for given in conditions])
@@ -96,23 +100,26 @@ class Problem:
         if self.contact.is_changed():
             matrix = self.contact.union(self.pattern)
             matrix.setNearNullSpace(self.near_null_space)
-            snes.setJacobian(self.J, matrix)
+            snes.setJacobian(self.J, self.shell or matrix, matrix)
 
     def J(self, snes: PETSc.SNES, x: PETSc.Vec, A: PETSc.Mat, P: PETSc.Mat) -> None:
         """The derivative of F, which SNES has called here last."""
         self.take_over(x)
-        P.zeroEntries()
-        petsc.assemble_matrix(P, self.tangent_form, bcs=self.conditions)
-        P.assemble()
-        if self.shell:
-            self.contact.evaluate(self.vector, "gradient")
-            self.contact.linearise(self.which)
-            A.assemble()
-        else:
+        self.solids.zeroEntries()
+        petsc.assemble_matrix(self.solids, self.tangent_form, bcs=self.conditions)
+        self.solids.assemble()
+        if self.shell is None:
             self.contact.evaluate(self.vector, "hessian")
-            self.contact.add_tangent(P, self.which)
+        else:
+            self.contact.linearise(self.vector, self.which)
+            A.assemble()
+        if self.assembles:
+            P.zeroEntries()
+            P.axpy(1.0, self.solids, structure=PETSc.Mat.Structure.SUBSET)
+            # The operator turns its forces; a matrix that only preconditions it need not.
+            self.contact.add_tangent(P, self.which if self.shell is None else "gauss-newton")
 
-    def shell_error(self, shell: PETSc.Mat) -> float:
+    def shell_error(self) -> float:
         """By how much a product of the shell differs from that of the assembled matrix, over the latter; after J."""
         self.contact.evaluate(self.vector, "hessian")
         matrix = self.contact.union(self.pattern)
@@ -121,7 +128,7 @@ class Problem:
         self.contact.add_tangent(matrix, self.which)
         v = self.vector.duplicate()
         v.setRandom()
-        expected, found = matrix * v, shell * v
+        expected, found = matrix * v, self.shell * v
         return (found - expected).norm() / expected.norm()
 
     def predict(self, snes: PETSc.SNES, x: PETSc.Vec) -> int:
@@ -131,7 +138,7 @@ class Problem:
         """
         b = self.residual.duplicate()
         self.F(snes, x, b)
-        if not self.shell:
+        if self.assembles:
             self.prepare(snes, 0)
         A, P = snes.getJacobian()[:2]
         with beside_the_edge(self.contact):
@@ -242,13 +249,13 @@ def problem_of(domain: mesh.Mesh, arguments: argparse.Namespace) -> tuple[Proble
 def newton_of(comm: MPI.Comm, problem: Problem, arguments: argparse.Namespace) -> PETSc.SNES:
     """The solver of the problem."""
     symmetric = arguments.friction is None and arguments.integration == "nodes"
-    multigrid = GapMultigrid(problem.contact, problem.u.function_space, adds=problem.shell)
+    multigrid = GapMultigrid(problem.contact, problem.u.function_space, adds=not problem.assembles)
     snes = solver(comm, arguments.linear, symmetric, multigrid)
     snes.setFunction(problem.F, problem.residual)
-    if problem.shell:
-        snes.setJacobian(problem.J, ShellTangent(problem.solids, problem.contact).matrix(), problem.solids)
-    else:
+    if problem.assembles:
         snes.setUpdate(problem.prepare)
+    else:
+        snes.setJacobian(problem.J, problem.shell, problem.solids)
     return snes
 
 
@@ -281,10 +288,10 @@ def solve(comm: MPI.Comm, arguments: argparse.Namespace) -> tuple[dict, dict]:
     if not found["iterations"]:
         contact.evaluate(u, "hessian")
         results = contact.results()
-    if problem.shell:
-        tangent, solids = snes.getJacobian()[:2]
-        problem.J(snes, x, tangent, solids)
-        found["shell_error"] = problem.shell_error(tangent)
+    if problem.shell is not None:
+        tangent, preconditioner = snes.getJacobian()[:2]
+        problem.J(snes, x, tangent, preconditioner)
+        found["shell_error"] = problem.shell_error()
     results["displacements"] = u.array_r.reshape(-1, 3).copy()
     results["nodes"] = input_numbers(problem.u.function_space)
     of_ranks = {
@@ -319,8 +326,6 @@ def main() -> None:
     parser.add_argument("--fine", type=int, default=1, help="cells in place of each, along x and y")
     parser.add_argument("--results", type=Path, help="a folder")
     arguments, others = parser.parse_known_args()
-    if arguments.tangent == "operator" and arguments.integration == "faces":
-        parser.error("there is an operator over nodes only")
     if arguments.tangent == "operator" and arguments.linear == "mumps":
         parser.error("MUMPS factors a matrix: --tangent operator goes with --linear gamg")
     PETSc.Options().insertString(" ".join(others))

@@ -256,6 +256,16 @@ def test_the_operator_has_friction(run):
     assert one["force"][0] == pytest.approx(result["force"][0], rel=1e-8)
 
 
+@pytest.mark.parametrize("friction", [(), ("--friction", "0.2")])
+def test_faces_have_an_operator(run, friction):
+    options = ("--integration", "faces", "--press", "1", *friction)
+    one, expected = run(1, "dolfinx", *options)
+    result, found = run(3, "strips", "--linear", "gamg", "--tangent", "operator", *options)
+    assert result["shell_error"] < 1e-13
+    assert np.abs(found.displacements - expected.displacements).max() < 1e-9
+    assert one["force"][2] == pytest.approx(result["force"][2], rel=1e-8)
+
+
 def test_a_hundredfold_penalty_costs_no_iterations(run):
     options = ("--linear", "gamg", "--tangent", "operator", "--press", "1")
     soft, _ = run(2, "strips", *options)

@@ -36,30 +36,30 @@ impl Graph {
 
     /// Splits x into a number and its sorted other factors.
     pub(crate) fn coefficient_and_factors(&self, x: ExprId) -> (f64, Vec<ExprId>) {
+        let mut factors = Vec::new();
+        let coefficient = self.collect_factors(x, &mut factors);
+        factors.sort_unstable();
+        (coefficient, factors)
+    }
+
+    /// Adds the factors of x, and returns its coefficient.
+    fn collect_factors(&self, x: ExprId, factors: &mut Vec<ExprId>) -> f64 {
         match self.op(x) {
-            Op::Mul(..) if self.is_whole(x) => (1.0, vec![x]),
-            Op::Constant(bits) => (f64::from_bits(bits), Vec::new()),
-            Op::Neg(inner) => {
-                let (coefficient, factors) = self.coefficient_and_factors(inner);
-                (-coefficient, factors)
+            Op::Constant(bits) => return f64::from_bits(bits),
+            Op::Neg(inner) => return -self.collect_factors(inner, factors),
+            Op::Mul(left, right) if !self.is_whole(x) => {
+                return self.collect_factors(left, factors) * self.collect_factors(right, factors);
             }
-            Op::Mul(left, right) => {
-                let (c, mut factors) = self.coefficient_and_factors(left);
-                let (d, others) = self.coefficient_and_factors(right);
-                factors.extend(others);
-                factors.sort_unstable();
-                (c * d, factors)
-            }
-            _ => (1.0, vec![x]),
+            _ => factors.push(x),
         }
+        1.0
     }
 
     pub(super) fn merged_factors(&self, x: ExprId, y: ExprId) -> (f64, Vec<ExprId>) {
-        let (c, mut factors) = self.coefficient_and_factors(x);
-        let (d, others) = self.coefficient_and_factors(y);
-        factors.extend(others);
+        let mut factors = Vec::new();
+        let coefficient = self.collect_factors(x, &mut factors) * self.collect_factors(y, &mut factors);
         factors.sort_unstable();
-        (c * d, factors)
+        (coefficient, factors)
     }
 
     /// x without its numerical coefficient, if that expression exists already.

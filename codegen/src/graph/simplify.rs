@@ -391,17 +391,14 @@ impl Graph {
                 self.append_terms(right, sign, terms);
             }
             Op::Neg(inner) => self.append_terms(inner, -sign, terms),
-            _ => {
-                let (coefficient, factors) = self.coefficient_and_factors(x);
-                let core = match factors.is_empty() {
-                    true => None,
-                    false => self.core(x),
-                };
-                match core {
+            Op::Mul(..) => {
+                let (coefficient, _) = self.coefficient_and_factors(x);
+                match self.core(x) {
                     Some(core) => terms.push((sign * coefficient, core)),
                     None => terms.push((sign, x)),
                 }
             }
+            _ => terms.push((sign, x)),
         }
     }
 }

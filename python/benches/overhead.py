@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What a call from Python costs beyond the Rust library, in nanoseconds an element: `overhead.py [elements] [rounds]`.
 
-`cargo run --release --example batch` evaluates a batch on request; the same elements go through `diffuse_contact.gap`,
+`cargo run --release --bin batch` evaluates a batch on request; the same elements go through `diffuse_contact.gap`,
 in turns, on one thread. Both write to memory that is reused. The table has the best of all rounds, and the median of
 the differences of neighbouring rounds. The first line is the cost of a call with a single element, kernel included:
 spread over a batch it is all that does not grow with the batch. On a busy machine smaller batches are disturbed less.
@@ -34,7 +34,7 @@ class Rust:
     """The program that evaluates with the Rust library."""
 
     def __init__(self) -> None:
-        command = ["cargo", "run", "--quiet", "--release", "--example", "batch"]
+        command = ["cargo", "run", "--quiet", "--release", "--bin", "batch"]
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(command, cwd=PACKAGE, stdin=pipe, stdout=pipe, text=True)
 

@@ -20,7 +20,7 @@ ELEMENTS = {
 
 @pytest.fixture(scope="session")
 def reference():
-    command = ["cargo", "run", "--quiet", "--release", "--example", "reference"]
+    command = ["cargo", "run", "--quiet", "--release", "--bin", "reference"]
     text = subprocess.run(command, cwd=PACKAGE, check=True, capture_output=True, text=True).stdout
     arrays = {}
     for line in text.splitlines():

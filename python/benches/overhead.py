@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import diffuse_contact as dc
+from diffuse_contact import _native
 
 PACKAGE = Path(__file__).resolve().parents[1]
 
@@ -35,6 +36,9 @@ class Rust:
 
     def __init__(self) -> None:
         command = ["cargo", "run", "--quiet", "--release", "--bin", "batch"]
+        # The kernels that the module was compiled with need not be compiled again.
+        if _native.HAS_FRICTION:
+            command += ["--features", "friction"]
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(command, cwd=PACKAGE, stdin=pipe, stdout=pipe, text=True)
 

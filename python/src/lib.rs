@@ -43,6 +43,7 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("HAS_FRICTION", cfg!(feature = "friction"))?;
     module.add("STATUS_CODES", batch::STATUS_CODES.to_vec())?;
     module.add_class::<surface::Surface>()?;
     module.add_class::<interface::Interface>()?;

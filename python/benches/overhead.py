@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What a call from Python costs beyond the Rust library, in nanoseconds an element: `overhead.py [elements] [rounds]`.
 
-`cargo run --release --example batch` evaluates a batch on request; the same elements go through `diffuse_contact.gap`,
+`cargo run --release --bin batch` evaluates a batch on request; the same elements go through `diffuse_contact.gap`,
 in turns, on one thread. Both write to memory that is reused. The table has the best of all rounds, and the median of
 the differences of neighbouring rounds. The first line is the cost of a call with a single element, kernel included:
 spread over a batch it is all that does not grow with the batch. On a busy machine smaller batches are disturbed less.
@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import diffuse_contact as dc
+from diffuse_contact import _native
 
 PACKAGE = Path(__file__).resolve().parents[1]
 
@@ -34,7 +35,10 @@ class Rust:
     """The program that evaluates with the Rust library."""
 
     def __init__(self) -> None:
-        command = ["cargo", "run", "--quiet", "--release", "--example", "batch"]
+        command = ["cargo", "run", "--quiet", "--release", "--bin", "batch"]
+        # The kernels that the module was compiled with need not be compiled again.
+        if _native.HAS_FRICTION:
+            command += ["--features", "friction"]
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(command, cwd=PACKAGE, stdin=pipe, stdout=pipe, text=True)
 

@@ -15,8 +15,10 @@
 //! * An interface is a `ContactInterface`, a `DofMap`, the pattern of its lists of nodes, and whether the contacts are those of the present
 //!   positions: others are not handed out. Matrices share the pattern's index arrays, which are read-only.
 //! * Default options are written out in Python, where people read them; a test compares them with Rust's.
-//! * Profiles are repeated in this workspace's `Cargo.toml`: kernels are compiled alike, and numbers are equal to the last bit.
+//! * Kernels are compiled as those of all programs of the workspace are: numbers are equal to the last bit.
 #![forbid(unsafe_code)]
+// Python sees what is exported; to Rust all of it is private.
+#![allow(rustdoc::private_intra_doc_links)]
 
 mod arrays;
 mod assembly;
@@ -41,6 +43,7 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("HAS_FRICTION", cfg!(feature = "friction"))?;
     module.add("STATUS_CODES", batch::STATUS_CODES.to_vec())?;
     module.add_class::<surface::Surface>()?;
     module.add_class::<interface::Interface>()?;

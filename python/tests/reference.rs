@@ -1,6 +1,6 @@
 //! Prints inputs and results of the Rust library, every number as the hexadecimal digits of its bits, for
 //! `test_reference.py` to compare with: one line `name number number …` per array. Run with
-//! `cargo run --release --example reference`, so that kernels are compiled as those of the Python module are.
+//! `cargo run --release --bin reference` in `python/`, so that kernels are compiled as those of the Python module are.
 #![forbid(unsafe_code)]
 
 use std::error::Error;

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import diffuse_contact as dc
+from diffuse_contact import _native
 
 PACKAGE = Path(__file__).resolve().parents[1]
 ELEMENTS = {
@@ -20,7 +21,10 @@ ELEMENTS = {
 
 @pytest.fixture(scope="session")
 def reference():
-    command = ["cargo", "run", "--quiet", "--release", "--example", "reference"]
+    command = ["cargo", "run", "--quiet", "--release", "--bin", "reference"]
+    # The kernels that the module was compiled with need not be compiled again.
+    if _native.HAS_FRICTION:
+        command += ["--features", "friction"]
     text = subprocess.run(command, cwd=PACKAGE, check=True, capture_output=True, text=True).stdout
     arrays = {}
     for line in text.splitlines():

@@ -9,6 +9,7 @@ _Indices = NDArray[np.int32] | NDArray[np.int64]
 _Tangent = Literal["exact", "gauss-newton"]
 
 __all__ = [
+    "HAS_FRICTION",
     "STATUS_CODES",
     "Faces",
     "Interface",
@@ -32,6 +33,7 @@ __all__ = [
 ]
 
 __version__: str
+HAS_FRICTION: bool
 STATUS_CODES: list[str]
 
 def adaptive_tangent(residual: float, force: float) -> _Tangent: ...

@@ -160,6 +160,8 @@ fn bad_input_is_one_sentence_and_no_file() {
     let flipped = scratch.file("flipped.inp", &plane().replace("6, 7, 8, 13, 12", "6, 7, 12, 13, 8"));
     let flat = scratch
         .file("flat.inp", &plane().replace("13, 2, 2, 0", "13, 1, 2, 0").replace("8, 2, 1, 0", "8, 1, 1, 0"));
+    let third = "*ELEMENT, TYPE=S3, ELSET=MASTER\n99, 7, 8, 101\n";
+    let branching = scratch.file("branching.inp", &(plane() + third));
     let before = scratch.names();
     let refused = |arguments: &[&str], parts: &[&str]| {
         let all = [&["surface"], arguments, &["-o", "out.vtu"]].concat();
@@ -169,7 +171,12 @@ fn bad_input_is_one_sentence_and_no_file() {
     refused(&["none.msh"], &["none.msh"]);
     refused(&[&mesh, "--master", "drum"], &["plane.inp", "\"drum\""]);
     refused(&[&mesh, "--slave", "MASTER"], &["set \"MASTER\"", "node 1 ", "too"]);
-    refused(&[&flipped], &["flipped.inp", "set \"master\"", "same direction", "flipped"]);
+    let at_the_edge = "facets 2 (nodes 2, 3, 8, 7) and 6 (nodes 7, 12, 13, 8) run through the edge from node 8 to node 7 in the \
+                       same direction";
+    refused(&[&flipped], &["flipped.inp", "set \"master\"", at_the_edge, "flipped"]);
+    let at_three = "facets 2 (nodes 2, 3, 8, 7), 6 (nodes 7, 8, 13, 12) and 17 (nodes 7, 8, 101), and perhaps more, share the edge \
+                    between the nodes 7 and 8";
+    refused(&[&branching], &["branching.inp", "set \"master\"", at_three]);
     refused(&[&flat], &["flat.inp", "2, 3, 8, 7", "not convex at node 8"]);
     refused(&[&mesh, "--element", "node-to-facet", "--rule", "nearest"], &["--rule", "no meaning"]);
     refused(&[&mesh, "--feature-angle", "200"], &["'200'", "0 to 180"]);

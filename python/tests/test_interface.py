@@ -457,6 +457,23 @@ def test_bad_interfaces_are_refused(scene, change, error, code):
     assert caught.value.code == code
 
 
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [("wieght", "weight"), ("Basis", "basis"), ("feature_angel", "feature_angle"), ("slave_facet", "slave_facets")],
+)
+def test_a_misspelt_option_names_the_nearest(scene, name, meant):
+    with pytest.raises(dc.InputError) as caught:
+        dc.ContactInterface(scene.master(), slaves=scene.slaves, positions=scene.positions, **{name: 1})
+    beginning = f"ContactInterface has no option {name!r} (did you mean {meant!r}?); the options are element, weight, "
+    assert caught.value.message.startswith(beginning)
+
+
+def test_an_option_like_no_other_names_none(scene):
+    with pytest.raises(dc.InputError, match="has no option 'penalty'; the options are element") as caught:
+        dc.ContactInterface(scene.master(), slaves=scene.slaves, positions=scene.positions, penalty=1.0)
+    assert caught.value.code == "unknown-option"
+
+
 def test_bad_positions_leave_the_interface_as_it_was(scene):
     interface = scene.evaluated()
     gap = interface.contacts.gap

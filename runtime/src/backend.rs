@@ -33,8 +33,8 @@ pub trait Backend: Sync {
     /// Every reason for which the element has no gap; see [`ElementError`].
     fn foot_derivatives(&self, element: &Element<'_>) -> Result<FootDerivatives, ElementError>;
 
-    /// Gap and normal with the slip from an anchor: q, ∇q and ∇²q with respect to the 3(n+2) coordinates of slave, masters and anchor, and the
-    /// masters' weights in the foot. `anchor` is where the anchor is today, global axes, length.
+    /// Gap and normal with the slip from an anchor: q, ∇q and ∇²q with respect to the 3(n+2) coordinates of slave, masters and anchor, and
+    /// the masters' weights in the foot. `anchor` is where the anchor is today, global axes, length.
     ///
     /// # Errors
     /// Every reason for which the element has no gap, and [`ElementError::NonFiniteInput`] for an anchor that is no point.

@@ -60,8 +60,8 @@ impl Key {
 impl Generated {
     /// [`gap_into`](Self::gap_into) for many elements, which may differ in everything: those that share weight, basis,
     /// frame rule and number of nodes, or with domains in the first configuration have nearly as many, are evaluated side by
-    /// side, one per lane of the machine's vectors. What an element gets does not depend on the others; it differs from what `gap_into` gives by rounding. Allocates the vector it
-    /// returns, and more only where `scratch` has to grow.
+    /// side, one per lane of the machine's vectors. What an element gets does not depend on the others; it differs from what `gap_into`
+    /// gives by rounding. Allocates the vector it returns, and more only where `scratch` has to grow.
     ///
     /// # Errors
     /// An entry for each element, as [`gap_into`](Self::gap_into).

@@ -83,8 +83,8 @@ impl<'a> Element<'a> {
         3 * (self.masters.len() + 1)
     }
 
-    /// Index of the master node nearest to the slave in the plane (t1, t2), or in the first configuration, its distance over the radius of its domain; the
-    /// first of several; 0 if there are none.
+    /// Index of the master node nearest to the slave in the plane (t1, t2), or in the first configuration, its distance over the radius of
+    /// its domain; the first of several; 0 if there are none.
     #[must_use]
     pub fn nearest_in_plane(&self) -> usize {
         if let Domains::Material(nodes) = self.domains {

@@ -111,8 +111,8 @@ pub struct Gap {
 /// The contact quantities of one element with friction.
 ///
 /// The *anchor* x^a is a material point of the master that the slave stuck to: an affine combination of master nodes. With
-/// d = x^c − x^a and the unit normal ν at the foot of today, q = ½ |P_ν d|², P_ν = 1 − ν νᵀ, is half the square of the slip (docs/equations.md, T16).
-/// Coordinates are ordered slave, masters, anchor.
+/// d = x^c − x^a and the unit normal ν at the foot of today, q = ½ |P_ν d|², P_ν = 1 − ν νᵀ, is half the square of the slip
+/// (docs/equations.md, T16). Coordinates are ordered slave, masters, anchor.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Slip {
     /// Gap, foot and normal, N and M.

@@ -3,8 +3,8 @@
 //! M leaves the kernels as a form of low rank: products of rows, and each node's own block (`docs/equations.md`, section 5). Multiplied
 //! out it has 3(n+1) rows. A solver that only multiplies it with vectors takes the rows as they are, the *factors* of M.
 //!
-//! The kernel is the one of [`Mode::Hessian`](crate::Mode) up to the products. With the quadratic basis and a frame that is held the factors
-//! are 42 n numbers; the packed M has 9 n (n + 2) / 2 and more.
+//! The kernel is the one of [`Mode::Hessian`](crate::Mode) up to the products. With the quadratic basis and a frame that is held the
+//! factors are 42 n numbers; the packed M has 9 n (n + 2) / 2 and more.
 //!
 //! ```
 //! use diffuse_contact::{Element, Frame, Generated};

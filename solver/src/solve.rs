@@ -12,7 +12,7 @@ use crate::output::{Claim, OutputError, Recorder, RecorderOptions, Summary, Watc
 use crate::report::{self, sample_surfaces};
 use crate::solid::Solid;
 use crate::statics::{
-    Pressure, Problem, Settings, State, Statics, StaticsError, SupportGroup, SupportGroups,
+    Pressure, Problem, Settings, ShownTime, State, Statics, StaticsError, SupportGroup, SupportGroups,
 };
 
 /// What to do with a deck.
@@ -72,7 +72,7 @@ pub enum SolveError {
     #[error(transparent)]
     Output(#[from] OutputError),
     /// The run ended before the end of time; all increments before are on disk.
-    #[error("{reason}; finished increments: {increments}, up to time {time}, in {}", out.display())]
+    #[error("{reason}; finished increments: {increments}, up to time {}, in {}", ShownTime(*time), out.display())]
     EndedEarly {
         /// Why.
         reason: String,

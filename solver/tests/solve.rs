@@ -13,7 +13,7 @@ fn a_deck_becomes_results() {
     let solved = run(&["solve", &deck, "--out", &out, "--verbose"]);
     assert_eq!((solved.code, solved.stdout.as_str()), (0, ""), "{solved:?}");
     assert!(
-        solved.stderr.contains("iteration")
+        solved.stderr.contains("increment    1  time 0.125     ")
             && solved.stderr.contains("converged at time 1: 8 increments, 0 cut-backs")
     );
     let out = Path::new(&out);

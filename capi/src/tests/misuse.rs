@@ -170,6 +170,16 @@ fn pointers_sizes_and_handles() {
         assert_eq!(nodes[0], 0, "a refusal writes nothing");
         let mut residual = [0.0; 120];
         assert_eq!(dc_add_forces(handle, &LAW, residual.as_mut_ptr(), 120, null_mut()), DC_NOT_EVALUATED);
+        // Which array of which slave, its length, and the one it has to have.
+        let sentence = message();
+        assert_eq!(dc_contact_of(handle, 0, &mut contact), DC_OK);
+        let needed = 3 * (contact.master_count + 1);
+        assert_eq!(
+            sentence,
+            format!(
+                "derivative-length: the gradient of element 0 has 0 entries instead of {needed}: it was not evaluated"
+            )
+        );
         assert_eq!(dc_evaluate(handle, 2), DC_OK);
         assert_eq!(derivatives(&mut nodes, &mut gradient), DC_OK);
         assert_eq!(dc_add_forces(handle, &LAW, residual.as_mut_ptr(), 119, null_mut()), DC_BAD_SIZE);

@@ -69,11 +69,14 @@ impl Surfaces {
     /// The library's statement, with facets and nodes named as in the file.
     fn surface_sentence(&self, facets: &[Facet], error: SurfaceError) -> String {
         let tag = |node: usize| self.mesh.node_tags()[node];
-        let corners = |facet: usize| {
+        let tags = |facet: usize| {
             let tags: Vec<String> =
                 facets[facet].corners().iter().map(|&node| tag(node).to_string()).collect();
-            format!("the facet with the nodes {}", tags.join(", "))
+            tags.join(", ")
         };
+        let corners = |facet: usize| format!("the facet with the nodes {}", tags(facet));
+        // Its number in the set, from 1, tells a facet from another with the same nodes.
+        let numbered = |facet: usize| format!("{} (nodes {})", facet + 1, tags(facet));
         match error {
             SurfaceError::NoArea { facet, .. } => format!("{} has no area", corners(facet)),
             SurfaceError::NotCyclic { facet, order } => {
@@ -86,11 +89,19 @@ impl Surfaces {
             SurfaceError::RepeatedNode { facet, node } => {
                 format!("{} has node {} for two of its corners", corners(facet), tag(node))
             }
-            SurfaceError::BranchingEdge { nodes: [a, b], .. } => {
-                format!("more than two facets share the edge between the nodes {} and {}", tag(a), tag(b))
-            }
-            SurfaceError::InconsistentOrientation { nodes: [a, b], .. } => format!(
-                "two facets run through the edge from node {} to node {} in the same direction: one of them is flipped",
+            SurfaceError::BranchingEdge { nodes: [a, b], facets: [one, two, three] } => format!(
+                "facets {}, {} and {}, and perhaps more, share the edge between the nodes {} and {}",
+                numbered(one),
+                numbered(two),
+                numbered(three),
+                tag(a),
+                tag(b)
+            ),
+            SurfaceError::InconsistentOrientation { nodes: [a, b], facets: [one, two] } => format!(
+                "facets {} and {} run through the edge from node {} to node {} in the same direction: one of them is \
+                 flipped",
+                numbered(one),
+                numbered(two),
                 tag(a),
                 tag(b)
             ),

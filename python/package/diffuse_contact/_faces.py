@@ -146,7 +146,7 @@ class FaceInterface(FrictionHistory):
         quadratic: ArrayLike | Sequence[ArrayLike] = (),
         **options: Any,
     ) -> None:
-        self._options = _options("FaceInterface", master, options)
+        self._options = _options(FaceInterface, master, options)
         positions = floats("positions", positions, "p", 3)
         self._faces = _native.Faces(
             master._surface,
@@ -196,7 +196,7 @@ class FaceInterface(FrictionHistory):
 
         """
         made = cls.__new__(cls)
-        made._options = _named_options("FaceInterface.in_window", options)
+        made._options = _named_options(cls.in_window, options)
         positions = floats("positions", positions, "p", 3)
         made._faces = _native.Faces.in_window(
             _checked(master),

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
+import inspect
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, NoReturn
 
@@ -111,17 +114,24 @@ class Options:
         object.__setattr__(self, "linear_fallback", flag("linear_fallback", self.linear_fallback))
 
 
-def _options(owner: str, master: Any, options: dict[str, Any]) -> Options:
+def _options(owner: Callable[..., Any], master: Any, options: dict[str, Any]) -> Options:
     if not isinstance(master, MasterSurface):
         raise InputError(f"master has to be a MasterSurface, not {type(master).__name__}", "wrong-type")
     return _named_options(owner, options)
 
 
-def _named_options(owner: str, options: dict[str, Any]) -> Options:
-    try:
-        return Options(**options)
-    except TypeError as error:
-        raise InputError(str(error).replace("Options.__init__()", owner), "unknown-option") from None
+def _named_options(owner: Callable[..., Any], options: dict[str, Any]) -> Options:
+    known = list(Options.__dataclass_fields__)
+    for name in options:
+        if name not in known:
+            # A parameter of the owner may be meant as well.
+            parameters = inspect.signature(owner).parameters.values()
+            meant = [parameter.name for parameter in parameters if parameter.kind is not parameter.VAR_KEYWORD]
+            nearest = difflib.get_close_matches(name, meant + known, n=1)
+            suggestion = f" (did you mean {nearest[0]!r}?)" if nearest else ""
+            message = f"{owner.__qualname__} has no option {name!r}{suggestion}; the options are {', '.join(known)}"
+            raise InputError(message, "unknown-option")
+    return Options(**options)
 
 
 def _equations(dofs: ArrayLike | None, equations: int | None, nodes: int) -> tuple[int, Ints] | None:
@@ -206,7 +216,7 @@ class ContactInterface(FrictionHistory):
         symmetry: Planes = (),
         **options: Any,
     ) -> None:
-        self._options = _options("ContactInterface", master, options)
+        self._options = _options(ContactInterface, master, options)
         positions = floats("positions", positions, "p", 3)
         numbers = _equations(dofs, equations, len(positions))
         self._interface = _native.Interface(
@@ -253,7 +263,7 @@ class ContactInterface(FrictionHistory):
 
         """
         made = cls.__new__(cls)
-        made._options = _named_options("ContactInterface.in_window", options)
+        made._options = _named_options(cls.in_window, options)
         positions = floats("positions", positions, "p", 3)
         made._interface = _native.Interface.in_window(
             _checked(window),

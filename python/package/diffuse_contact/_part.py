@@ -114,7 +114,7 @@ class SurfacePart:
         symmetry: Planes = (),
         **options: Any,
     ) -> None:
-        self._options = _named_options("SurfacePart", options)
+        self._options = _named_options(SurfacePart, options)
         owned = np.asarray(owned)
         if owned.dtype != np.bool_ or owned.ndim != 1:
             raise InputError(f"owned: a row of bools is needed, not {owned.dtype} of shape {owned.shape}", "wrong-type")

@@ -1,9 +1,9 @@
 //! The average plane of the masters on dual numbers, for a frame that moves with them.
 //!
 //! n̂ minimises Σ ω_i (n·(x_i − x̄))² over unit vectors: C n̂ = λ n̂ with the smallest eigenvalue of the scatter matrix
-//! C = Σ ω_i (x_i − x̄)(x_i − x̄)ᵀ, x̄ the mean with the same weights. On reals n̂ is known: it is the given frame's normal. Its derivatives come from
-//! Newton steps on C n = λ n over dual numbers taken at the given normal, as those of the foot do: no derivative
-//! of the plane is written down.
+//! C = Σ ω_i (x_i − x̄)(x_i − x̄)ᵀ, x̄ the mean with the same weights. On reals n̂ is known: it is the given frame's normal. Its
+//! derivatives come from Newton steps on C n = λ n over dual numbers taken at the given normal, as those of the foot do: no derivative of
+//! the plane is written down.
 
 use super::linear::Scalar;
 use crate::{Element, ElementError, Point};

@@ -211,8 +211,8 @@ impl TangentOperator {
         Ok(Self { equations, nodes, parts, rotations, starts, uses, moves, contributions, sums })
     }
 
-    /// Its part −f M, with what friction adds: all that the tangent has beside ε N Nᵀ. For hosts that assemble ε N Nᵀ, such as for a preconditioner, and take the
-    /// rest as an operator.
+    /// Its part −f M, with what friction adds: all that the tangent has beside ε N Nᵀ. For hosts that assemble ε N Nᵀ, such as for a
+    /// preconditioner, and take the rest as an operator.
     #[must_use]
     pub fn curvature(mut self) -> Self {
         let contacts = self.parts.iter_mut().flat_map(|part| &mut part.contacts);

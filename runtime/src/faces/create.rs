@@ -17,7 +17,8 @@ impl FaceInterface {
     /// into them. Faces run counter-clockwise seen from outside.
     ///
     /// # Errors
-    /// As [`ContactInterface::new`]; [`InterfaceError::FacesNeedDomains`]; [`InterfaceError::Surface`] also for faces whose own smooth surface cannot be found.
+    /// As [`ContactInterface::new`]; [`InterfaceError::FacesNeedDomains`]; [`InterfaceError::Surface`] also for faces whose own smooth
+    /// surface cannot be found.
     pub fn new(
         master: MasterSurface,
         faces: &[Facet],
@@ -28,9 +29,10 @@ impl FaceInterface {
         Self::build(master, faces, positions, options)
     }
 
-    /// A surface in contact with itself: every face of it is a slave, and may touch every other one that faces it, is far along the skin, is
-    /// not its back and lies in front of it, by the rules of [`ContactInterface::self_contact`]. Each corner of a face has to be apart from
-    /// the facet, and points lie below it by no more than the least depth of all corners. The surface may be the skins of several bodies.
+    /// A surface in contact with itself: every face of it is a slave, and may touch every other one that faces it, is far along the skin,
+    /// is not its back and lies in front of it, by the rules of [`ContactInterface::self_contact`]. Each corner of a face has to be apart
+    /// from the facet, and points lie below it by no more than the least depth of all corners. The surface may be the skins of several
+    /// bodies.
     ///
     /// Each of two faces in touch is integrated over the other one. Give the law half of the penalty: so the pressures of both are one.
     /// No side has a role, and forces and moments are in balance.
@@ -117,9 +119,9 @@ impl FaceInterface {
         }
     }
 
-    /// Makes faces of second order carry the forces on the facets that they are made of, on both sides: those whose corners are all nodes of
-    /// one face. Only so are forces in equilibrium with a uniform stress inside. The history of friction ends, and there is no contact until the
-    /// next [`refresh`](Self::refresh) or [`update`](Self::update).
+    /// Makes faces of second order carry the forces on the facets that they are made of, on both sides: those whose corners are all nodes
+    /// of one face. Only so are forces in equilibrium with a uniform stress inside. The history of friction ends, and there is no contact
+    /// until the next [`refresh`](Self::refresh) or [`update`](Self::update).
     ///
     /// # Errors
     /// [`InterfaceError::Surface`] if a node is not there, [`InterfaceError::InWindow`] for a window of the surfaces: the interface is

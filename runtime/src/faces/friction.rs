@@ -157,9 +157,9 @@ impl FaceInterface {
     /// Accepts the state at the positions of the moment as the end of a step: friction of the next one is measured from here. Without
     /// friction in the law nothing happens.
     ///
-    /// To be called as [`ContactInterface::accept`](crate::ContactInterface::accept): once before the first step, after a refresh, and whenever
-    /// a step has converged. Nodes that carry pressure without a history, as they had nothing over them when the step before was accepted, are
-    /// counted as unanchored.
+    /// To be called as [`ContactInterface::accept`](crate::ContactInterface::accept): once before the first step, after a refresh, and
+    /// whenever a step has converged. Nodes that carry pressure without a history, as they had nothing over them when the step before was
+    /// accepted, are counted as unanchored.
     ///
     /// # Errors
     /// [`InterfaceError::Law`], [`InterfaceError::NotRefreshed`], [`InterfaceError::OutOfMemory`]. The history then stays.
@@ -394,8 +394,8 @@ impl FaceInterface {
         })
     }
 
-    /// Goes on from a [`history`](Self::history), bit for bit; no numbers are no history. If it is another one than the present, there is no
-    /// contact until the next [`refresh`](Self::refresh).
+    /// Goes on from a [`history`](Self::history), bit for bit; no numbers are no history. If it is another one than the present, there is
+    /// no contact until the next [`refresh`](Self::refresh).
     ///
     /// # Errors
     /// [`InterfaceError::InvalidHistory`], also for a node that is not in the windows; [`InterfaceError::AnchorCount`],

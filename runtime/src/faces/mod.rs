@@ -16,8 +16,8 @@
 //! * **Areas** are those of the first configuration: p is force per area there.
 //! * **Tangent.** Exact but for the places of the points, which are held: what a face integrates does not depend on them to the order
 //!   of the [`FaceRule`]. It is not symmetric. The energy form of [`ContactInterface`], symmetric and conservative, stays beside it.
-//! * **History.** Without friction there is none: points follow from the positions of a refresh. A restart needs the first positions and the
-//!   multipliers. Friction remembers for each node what it stuck to: [`history`](FaceInterface::history).
+//! * **History.** Without friction there is none: points follow from the positions of a refresh. A restart needs the first positions and
+//!   the multipliers. Friction remembers for each node what it stuck to: [`history`](FaceInterface::history).
 //! * **Second order.** Faces of 6, 8 or 9 nodes come as flat facets between all of their nodes, for gaps, pieces and pressures. With
 //!   [`set_quadratic_faces`](FaceInterface::set_quadratic_faces) N_a and N_k are theirs as a whole.
 //! * **Layers.** Where facets that look at a face lie over one another, the nearest carries.

@@ -159,8 +159,8 @@ pub struct Neighbourhood {
 }
 
 /// How well the masters of an element carry its fit, from 0 to 1: [`Neighbourhood::regularity`] in the element's own frame and support
-/// radius, or domains in the first configuration. Where it is below [`SMALLEST_REGULARITY`], no search would choose them, and derivatives may be large. `None` for a basis of
-/// one's own.
+/// radius, or domains in the first configuration. Where it is below [`SMALLEST_REGULARITY`], no search would choose them, and derivatives
+/// may be large. `None` for a basis of one's own.
 #[must_use]
 pub fn element_regularity(element: &Element<'_>) -> Option<f64> {
     let Element { slave, masters, frame, support_radius, domains, basis, .. } = element;

@@ -63,7 +63,7 @@ impl Colour {
 const SMALLEST_INCREMENT: f64 = 1e-9;
 
 pub(super) fn time(deck: &Section) -> Result<TimeSettings, DeckError> {
-    let section = deck.need("time")?.section()?.expect(schema::TIME)?;
+    let section = deck.need_table("time")?.section()?.expect(schema::TIME)?;
     let end = section.get("end").map_or(Ok(1.0), |field| field.positive())?;
     let sensible = |value| value >= SMALLEST_INCREMENT * end && value <= end;
     let increment = section.need("increment")?.number_in("from 1e-9 times end to end", sensible)?;

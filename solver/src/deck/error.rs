@@ -61,10 +61,12 @@ pub enum Problem {
     #[error("there is nothing in the deck; docs/how-to/decks.md lists what there can be")]
     Empty,
     /// A field that does not exist here.
-    #[error("{table} has no field {field:?}{}; it has {}", did_you_mean(nearest), list(known), field = shown(field))]
+    #[error("{table} has no {what} {field:?}{}; it has {}", did_you_mean(nearest), list(known), field = shown(field))]
     UnknownField {
         /// The table.
         table: String,
+        /// `"field"`, or `"table"` if that is what stands there.
+        what: &'static str,
         /// The field.
         field: String,
         /// The known field closest in spelling, if one is close.
@@ -73,10 +75,12 @@ pub enum Problem {
         known: Vec<String>,
     },
     /// A field that has to be there is not.
-    #[error("{table} needs a field {field:?}", field = shown(field))]
+    #[error("{table} needs a {what} {field:?}", field = shown(field))]
     Missing {
         /// The table.
         table: String,
+        /// `"field"`, or `"table"` if it has to be one.
+        what: &'static str,
         /// The field.
         field: &'static str,
     },

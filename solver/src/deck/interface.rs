@@ -185,7 +185,7 @@ fn augmentation(section: &Section) -> Result<Option<Augmentation>, DeckError> {
         section.refuse(&["augmentation"], "without method = \"augmented-lagrangian\"")?;
         return Ok(None);
     }
-    rounds(&section.need("augmentation")?).map(Some)
+    rounds(&section.need_table("augmentation")?).map(Some)
 }
 
 /// A tolerance, and how many rounds there are at most.

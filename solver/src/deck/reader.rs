@@ -49,11 +49,13 @@ impl<'a> Section<'a> {
     pub fn expect(self, known: &[&str]) -> Result<Self, DeckError> {
         let unknown = self.table.keys().filter(|key| !known.contains(&key.get_ref().as_ref()));
         let Some(key) = unknown.min_by_key(|key| key.span().start) else { return Ok(self) };
+        let is_table = self.get(key.get_ref()).is_some_and(|found| found.holds_tables());
+        let what = if is_table { "table" } else { "field" };
         let field = key.get_ref().to_string();
         let nearest = nearest(&field, known.iter().copied()).map(str::to_owned);
         let known = known.iter().map(|name| name.to_string()).collect();
         let table = self.name.clone();
-        Err(self.source.error(key.span().start, Problem::UnknownField { table, field, nearest, known }))
+        Err(self.source.error(key.span().start, Problem::UnknownField { table, what, field, nearest, known }))
     }
 
     /// The field, if it is there.
@@ -65,7 +67,16 @@ impl<'a> Section<'a> {
 
     /// The field.
     pub fn need(&self, field: &'static str) -> Result<Field<'a>, DeckError> {
-        let missing = || self.error(Problem::Missing { table: self.name.clone(), field });
+        self.need_what("field", field)
+    }
+
+    /// The field, which is a table.
+    pub fn need_table(&self, field: &'static str) -> Result<Field<'a>, DeckError> {
+        self.need_what("table", field)
+    }
+
+    fn need_what(&self, what: &'static str, field: &'static str) -> Result<Field<'a>, DeckError> {
+        let missing = || self.error(Problem::Missing { table: self.name.clone(), what, field });
         self.get(field).ok_or_else(missing)
     }
 
@@ -242,6 +253,15 @@ impl<'a> Field<'a> {
 
     pub fn is_list(&self) -> bool {
         self.value.is_array()
+    }
+
+    /// Whether this is a table or a list of tables.
+    fn holds_tables(&self) -> bool {
+        let is_table = |value: &DeValue| value.as_table().is_some();
+        let are_tables = |items: &[Spanned<DeValue>]| {
+            !items.is_empty() && items.iter().all(|item| is_table(item.get_ref()))
+        };
+        is_table(self.value) || self.value.as_array().is_some_and(|items| are_tables(items))
     }
 
     /// A table.

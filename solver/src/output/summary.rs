@@ -9,7 +9,7 @@ use crate::contact::Beginning;
 use crate::deck::Deck;
 use crate::material::Material;
 use crate::model::Model;
-use crate::statics::Effort;
+use crate::statics::{Effort, ShownTime};
 
 /// `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -165,9 +165,10 @@ impl Summary {
         });
         let vanished = self.interfaces_vanished.iter().map(|(interface, time)| {
             format!(
-                "the force of the interface `{}` vanished in the increment to time {time:.6}, although slaves that carried it have not \
+                "the force of the interface `{}` vanished in the increment to time {}, although slaves that carried it have not \
                  risen from the master: they went through it or beyond its border",
-                shown(interface)
+                shown(interface),
+                ShownTime(*time)
             )
         });
         counted.map(|(count, what)| format!("{count} {what}")).chain(idle).chain(vanished).collect()

@@ -12,7 +12,7 @@ use diffuse_contact_solver::contact::Beginning;
 use diffuse_contact_solver::output::{Summary, Watcher, is_result, names};
 use diffuse_contact_solver::report::report as page;
 use diffuse_contact_solver::solve::{SolveError, SolveOptions, solve_text};
-use diffuse_contact_solver::statics::{Control, Failure, IncrementRecord, IterationRecord};
+use diffuse_contact_solver::statics::{Control, Failure, IncrementRecord, IterationRecord, ShownTime};
 
 use crate::error::{self, CliError, say};
 use crate::input;
@@ -180,20 +180,24 @@ impl Watcher for Progress {
     fn iteration(&mut self, record: &IterationRecord) {
         self.iterations += 1;
         let IterationRecord { time, iteration, relative, active, step, .. } = record;
+        let time = ShownTime(*time);
         if self.verbose {
-            let line = format!("  time {time:.6}  iteration {iteration:2}  residual {relative:.3e}");
+            let line = format!("  time {time:<8}  iteration {iteration:2}  residual {relative:.3e}");
             say(&format!("{line}  contacts {active}  step {step:.3}"));
         } else if stderr().is_terminal() {
             let _ = write!(
                 stderr().lock(),
-                "\r  time {time:.6}  iteration {iteration:2}  residual {relative:.3e}\x1b[K"
+                "\r  time {time:<8}  iteration {iteration:2}  residual {relative:.3e}\x1b[K"
             );
         }
     }
 
     fn cut_back(&mut self, end: f64, length: f64, reason: &Failure) -> Control {
         self.clear();
-        say(&format!("cut back: no equilibrium at time {end:.6} (increment {length:.3e}): {reason}"));
+        say(&format!(
+            "cut back: no equilibrium at time {} (increment {length:.3e}): {reason}",
+            ShownTime(end)
+        ));
         self.control()
     }
 
@@ -201,9 +205,9 @@ impl Watcher for Progress {
         self.clear();
         let residual = record.history.last().map_or_else(String::new, decision);
         say(&format!(
-            "increment {:4}  time {:.6}  {:2} {:<10}  {residual}  contacts {}  penetration {:.3e}",
+            "increment {:4}  time {:<8}  {:2} {:<10}  {residual}  contacts {}  penetration {:.3e}",
             record.number,
-            record.time,
+            ShownTime(record.time),
             record.iterations,
             if record.iterations == 1 { "iteration" } else { "iterations" },
             record.active,
@@ -290,7 +294,7 @@ fn tell(summary: &Summary, out: &Path) {
     let end = if summary.converged { "converged" } else { "stopped" };
     say(&format!(
         "{end} at time {}: {}, {}, {}, {:.2} s; {}",
-        summary.time,
+        ShownTime(summary.time),
         counted(summary.increments, "increment"),
         counted(summary.cutbacks, "cut-back"),
         counted(summary.newton_iterations, "Newton iteration"),

@@ -3,7 +3,7 @@
 use diffuse_contact_mesh::names::shown;
 use thiserror::Error;
 
-use super::Loose;
+use super::{Loose, ShownTime};
 use crate::contact::{ContactError, Loss};
 use crate::solid::SolidError;
 use crate::system::SystemError;
@@ -29,7 +29,8 @@ pub enum StaticsError {
     NoFactors,
     /// The shortest increment did not converge.
     #[error(
-        "no convergence after time {time}: {reason}; the increment of {length:.3e} may not be cut below {minimum:.3e}"
+        "no convergence after time {}: {reason}; the increment of {length:.3e} may not be cut below {minimum:.3e}",
+        ShownTime(*time)
     )]
     NoConvergence {
         /// The time that was reached.
@@ -42,7 +43,7 @@ pub enum StaticsError {
         reason: Box<Failure>,
     },
     /// A part is loose, and no contact carries force that could hold it.
-    #[error("the run cannot go on from time {time}: {}{error}", all(loose))]
+    #[error("the run cannot go on from time {}: {}{error}", ShownTime(*time), all(loose))]
     Singular {
         /// The time that was reached.
         time: f64,
@@ -53,7 +54,8 @@ pub enum StaticsError {
     },
     /// Nothing but friction holds a part, and there is no force that friction could come from.
     #[error(
-        "the run cannot go on from time {time}: {}contact acts on it with {force:.1e}, and equilibrium is known to {noise:.1e}: friction has nothing to come from",
+        "the run cannot go on from time {}: {}contact acts on it with {force:.1e}, and equilibrium is known to {noise:.1e}: friction has nothing to come from",
+        ShownTime(*time),
         all(loose)
     )]
     Unloaded {

@@ -38,6 +38,7 @@ mod observer;
 mod pressure;
 mod problem;
 mod settings;
+mod shown_time;
 mod sparse;
 mod supports;
 mod unloaded;
@@ -50,6 +51,7 @@ pub use observer::{
 pub use pressure::Pressure;
 pub use problem::{Past, Problem, State};
 pub use settings::{Extrapolation, NewtonSettings, Settings, TimeSettings};
+pub use shown_time::ShownTime;
 pub use supports::{SupportGroup, SupportGroups};
 
 use increment::Increment;

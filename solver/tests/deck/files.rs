@@ -19,7 +19,7 @@ fn broken_texts_and_files_are_errors() {
     assert!(text.starts_with("deck, line 1: not valid TOML"), "{text}");
     assert!(message("[time]\nincrement = 0.1\nincrement = 0.2").starts_with("deck, line 3: not valid TOML"));
     assert!(message("\n# nothing yet\n").contains("nothing in the deck"));
-    assert!(message("title = \"\"").contains("the deck needs a field \"time\""));
+    assert!(message("title = \"\"").contains("the deck needs a table \"time\""));
     assert!(
         message("boundary = 3\n[time]\nincrement = 1")
             .contains("boundary must be a list of tables: write [[boundary]], not 3")

@@ -10,6 +10,8 @@ fn misspelt_fields_name_the_nearest() {
         "deck, line 6: [materials.steel] has no field \"poison\" (did you mean \"poisson\"?); it has young, poisson, yield_stress, hardening",
     );
     refused("title =", "tilte =", "line 2: the deck has no field \"tilte\" (did you mean \"title\"?)");
+    refused("[time]", "[tiem]", "the deck has no table \"tiem\" (did you mean \"time\"?)");
+    refused("[[pressure]]", "[[presure]]", "the deck has no table \"presure\" (did you mean \"pressure\"?)");
     refused(
         "divisions = [2, 2, 2]",
         "division = [2, 2, 2]",
@@ -183,7 +185,7 @@ fn fields_that_do_not_go_together_are_refused() {
     refused(
         "penalty = 1e5",
         "penalty = 1e5\nmethod = \"augmented-lagrangian\"",
-        "[interface[1]] needs a field \"augmentation\"",
+        "[interface[1]] needs a table \"augmentation\"",
     );
     let over_faces = |fields: &str| format!("penalty = 1e5\nintegration = \"faces\"\n{fields}");
     refused(
@@ -232,7 +234,7 @@ fn fields_that_do_not_go_together_are_refused() {
         "[parts.block] needs either a shape or a file",
     );
     refused("material = \"steel\"\n", "", "[parts.block] needs a field \"material\"");
-    refused("[time]\nincrement = 0.25", "", "the deck needs a field \"time\"");
+    refused("[time]\nincrement = 0.25", "", "the deck needs a table \"time\"");
     let second =
         "[[interface]]\nname = \"joint\"\nmaster = \"floor\"\nslave = \"block.x-\"\npenalty = 1\n[time]";
     refused("[time]", second, "two interfaces are named \"joint\"; the other is in line 35");

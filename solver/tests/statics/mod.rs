@@ -169,6 +169,10 @@ fn the_smallest_increment_that_fails_ends_the_run_and_keeps_what_there_is() {
     assert_eq!(notes.states[1].time, 0.5);
     assert_eq!(statics.effort(), Effort { iterations: 5, cutbacks: 3 });
     assert!(error.to_string().contains("after time 0.5"), "{error}");
+    // Sums of increments leave digits behind that say nothing.
+    let StaticsError::NoConvergence { length, minimum, reason, .. } = error else { unreachable!() };
+    let summed = StaticsError::NoConvergence { time: 0.1 + 0.2, length, minimum, reason };
+    assert!(summed.to_string().starts_with("no convergence after time 0.3: "), "{summed}");
 }
 
 #[test]

@@ -39,8 +39,8 @@
 //! influence reach, 2 to 4 on a regular mesh.
 //!
 //! Domains themselves depend on more, once: the fits at the centres of a facet take the nodes of its sheet within 3.5 of its extents,
-//! and 1.5 times as far until they carry the basis; its list takes a walk as far as the longest domain met reaches. A [`SurfacePart`](crate::interface::SurfacePart)
-//! says for which of its facets it was not wide enough.
+//! and 1.5 times as far until they carry the basis; its list takes a walk as far as the longest domain met reaches. A
+//! [`SurfacePart`](crate::interface::SurfacePart) says for which of its facets it was not wide enough.
 //!
 //! # Faces
 //!

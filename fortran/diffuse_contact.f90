@@ -32,7 +32,7 @@ module diffuse_contact
         enumerator :: DC_VALUE = 0, DC_GRADIENT, DC_HESSIAN
         enumerator :: DC_DIFFUSE = 0, DC_NODE_TO_FACET
         enumerator :: DC_CUBIC = 0, DC_CUBIC_INTERPOLATING, DC_WENDLAND_C2
-        enumerator :: DC_CO_MOVING = 0, DC_FROZEN_FRAME, DC_GIVEN
+        enumerator :: DC_CO_MOVING = 0, DC_HELD, DC_GIVEN
         enumerator :: DC_HULL_LAYERS = 0, DC_HULL_RADIUS, DC_NEAREST, DC_DOMAINS
         enumerator :: DC_LINEAR = 1, DC_QUADRATIC
         enumerator :: DC_OPEN = 0, DC_STICK, DC_SLIP

@@ -166,8 +166,8 @@ typedef enum dc_frame {
     // The average plane of the masters, moving with them: N and M are the exact derivatives of the gap.
     DC_CO_MOVING = 0,
     // The average plane of the masters, held while differentiating. An interface holds that of the last refresh; with DC_DOMAINS, where
-    // the plane is one with the slave's place, it is refused. (DC_FROZEN is a dc_status, of a frozen pairing.)
-    DC_FROZEN_FRAME = 1,
+    // the plane is one with the slave's place, it is refused.
+    DC_HELD = 1,
     // Directions given by the caller, held (dc_gap only).
     DC_GIVEN = 2,
 } dc_frame;
@@ -269,7 +269,7 @@ typedef struct dc_options {
     int32_t element;
     // dc_weight. Default: DC_CUBIC.
     int32_t weight;
-    // dc_frame: DC_CO_MOVING, or DC_FROZEN_FRAME with another rule than DC_DOMAINS. Default: DC_CO_MOVING.
+    // dc_frame: DC_CO_MOVING, or DC_HELD with another rule than DC_DOMAINS. Default: DC_CO_MOVING.
     int32_t frame;
     // dc_rule. dc_pair, which has no surface, takes DC_DOMAINS for DC_HULL_LAYERS. Default: DC_DOMAINS.
     int32_t rule;

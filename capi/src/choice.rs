@@ -42,8 +42,8 @@ pub enum dc_frame {
     /// The average plane of the masters, moving with them: N and M are the exact derivatives of the gap.
     DC_CO_MOVING = 0,
     /// The average plane of the masters, held while differentiating. An interface holds that of the last refresh; with DC_DOMAINS, where
-    /// the plane is one with the slave's place, it is refused. (DC_FROZEN is a dc_status, of a frozen pairing.)
-    DC_FROZEN_FRAME = 1,
+    /// the plane is one with the slave's place, it is refused.
+    DC_HELD = 1,
     /// Directions given by the caller, held (dc_gap only).
     DC_GIVEN = 2,
 }
@@ -145,7 +145,7 @@ macro_rules! named {
 
 named!("mode", Mode, dc_mode: Value = DC_VALUE, Gradient = DC_GRADIENT, Hessian = DC_HESSIAN);
 named!("weight", Weight, dc_weight: Cubic = DC_CUBIC, CubicInterpolating = DC_CUBIC_INTERPOLATING, WendlandC2 = DC_WENDLAND_C2);
-named!("frame", FrameDerivative, dc_frame: CoMoving = DC_CO_MOVING, Frozen = DC_FROZEN_FRAME);
+named!("frame", FrameDerivative, dc_frame: CoMoving = DC_CO_MOVING, Frozen = DC_HELD);
 named!("basis", Basis, dc_basis: Linear = DC_LINEAR, Quadratic = DC_QUADRATIC; Self::Custom(_) = DC_QUADRATIC);
 named!("friction state", FrictionState, dc_friction_state: Open = DC_OPEN, Stick = DC_STICK, Slip = DC_SLIP);
 named!("coefficient", dc_coefficient, dc_coefficient:

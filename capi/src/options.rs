@@ -25,7 +25,7 @@ pub struct dc_options {
     pub element: i32,
     /// dc_weight. Default: DC_CUBIC.
     pub weight: i32,
-    /// dc_frame: DC_CO_MOVING, or DC_FROZEN_FRAME with another rule than DC_DOMAINS. Default: DC_CO_MOVING.
+    /// dc_frame: DC_CO_MOVING, or DC_HELD with another rule than DC_DOMAINS. Default: DC_CO_MOVING.
     pub frame: i32,
     /// dc_rule. dc_pair, which has no surface, takes DC_DOMAINS for DC_HULL_LAYERS. Default: DC_DOMAINS.
     pub rule: i32,

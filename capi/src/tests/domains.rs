@@ -324,13 +324,13 @@ fn a_slave_far_away_has_a_gap_like_any_other() {
 }
 
 #[test]
-fn a_frozen_frame_needs_another_rule() {
+fn a_held_frame_needs_another_rule() {
     let mesh = Mesh::new();
-    let frozen = dc_options { frame: dc_frame::DC_FROZEN_FRAME as i32, ..options() };
-    assert_eq!(mesh.make(&frozen).0, DC_BAD_OPTION);
+    let held = dc_options { frame: dc_frame::DC_HELD as i32, ..options() };
+    assert_eq!(mesh.make(&held).0, DC_BAD_OPTION);
     assert!(message().starts_with("held-frame: "), "{}", message());
     for rule in [dc_rule::DC_HULL_LAYERS, dc_rule::DC_HULL_RADIUS, dc_rule::DC_NEAREST] {
-        let (status, handle) = mesh.make(&dc_options { rule: rule as i32, ..frozen });
+        let (status, handle) = mesh.make(&dc_options { rule: rule as i32, ..held });
         assert_eq!(status, DC_OK, "{}", message());
         // SAFETY: as many positions as nodes.
         assert_eq!(unsafe { dc_refresh(handle, mesh.positions.as_ptr(), 40, null_mut()) }, DC_OK);
@@ -338,6 +338,6 @@ fn a_frozen_frame_needs_another_rule() {
         assert_eq!(dc_destroy(handle), DC_OK);
     }
     // Facets have no frame.
-    let (status, handle) = mesh.make(&dc_options { element: 1, ..frozen });
+    let (status, handle) = mesh.make(&dc_options { element: 1, ..held });
     assert_eq!((status, dc_destroy(handle)), (DC_OK, DC_OK));
 }

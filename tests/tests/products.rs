@@ -3,7 +3,7 @@
 use diffuse_contact::ad::Ad;
 use diffuse_contact::{Backend, Basis, Generated, Mode, SymmetricMatrix, Weight};
 use diffuse_contact_kernels::support::{FrameRule, Isa, SecondKind, Workspace};
-use diffuse_contact_tests::{Case, Found, GAP_KERNELS, instructions, largest};
+use diffuse_contact_tests::{Case, Found, GAP_KERNELS, GapKernels, Kernel, instructions, largest};
 
 use crate::lanes::{BASES, FRAMES, sound, with_frame};
 
@@ -29,47 +29,47 @@ fn difference(found: &[f64], matrix: &SymmetricMatrix, v: &[f64]) -> f64 {
     largest(&differences) / scale
 }
 
-#[test]
-fn factors_times_a_vector_are_the_hessian_times_it() {
+/// What was asked for in the place of M, beside the matrix of the same element in the same shape.
+struct Pair<'a> {
+    set: &'a GapKernels,
+    kernel: Kernel,
+    isa: Isa,
+    case: &'a Case,
+    of_matrix: &'a Found,
+    of_second: &'a Found,
+}
+
+impl Pair<'_> {
+    fn check(&self, error: f64) {
+        let Self { set, kernel, isa, case, .. } = self;
+        let n = case.masters.len();
+        assert!(error < TOLERANCE, "{} {kernel:?} {n} {isa}: {error:e}", set.weight);
+    }
+}
+
+/// All kernels, some sizes and all instructions, elements side by side and alone. It is one kernel up to the products.
+fn for_each_pair(kind: SecondKind, check: impl Fn(Pair<'_>)) {
     let mut workspace = Workspace::default();
     let kernels = BASES.into_iter().flat_map(|basis| FRAMES.map(|frame| (basis, frame, Mode::Hessian)));
     for (set, kernel) in GAP_KERNELS.into_iter().flat_map(|set| kernels.clone().map(move |k| (set, k))) {
         for n in [kernel.0.size(), 9, 13] {
             let cases = [1000, 2000].map(|seed| sound(&set, kernel, n, seed));
-            let both = cases.each_ref();
+            let (both, spare) = (cases.each_ref(), n % 2 * 5);
             for isa in instructions() {
                 let matrices = set.batch(isa, kernel, &both, &mut workspace, 0);
-                let factors =
-                    set.batch_second(isa, kernel, SecondKind::Factors, (&both, &mut workspace), n % 2 * 5);
+                let seconds = set.batch_second(isa, kernel, kind, (&both, &mut workspace), spare);
                 let alone = both.map(|case| {
-                    (
-                        set.single(isa, kernel, case, 0),
-                        set.single_second(isa, kernel, SecondKind::Factors, case, n % 2 * 5),
-                    )
+                    (set.single(isa, kernel, case, 0), set.single_second(isa, kernel, kind, case, spare))
                 });
-                let pairs = matrices.iter().zip(&factors).chain(alone.iter().map(|(x, y)| (x, y)));
-                for ((of_matrix, of_factors), case) in pairs.zip(both.iter().cycle()) {
-                    // One kernel up to the products.
+                let pairs = matrices.iter().zip(&seconds).chain(alone.iter().map(|(x, y)| (x, y)));
+                for ((of_matrix, of_second), case) in pairs.zip(both.iter().cycle()) {
                     let values = |found: &Found| {
                         let values = found.values;
                         (values.gap, values.foot, values.normal, found.gradient.clone())
                     };
-                    assert_eq!(values(of_matrix), values(of_factors));
-                    assert_eq!(of_matrix.status(), of_factors.status());
-                    let matrix = of_matrix.gap(case).hessian;
-                    let rows = set.form(kernel, case);
-                    let v = vector(matrix.size(), n);
-                    let mut found = vec![f64::NAN; v.len()];
-                    rows.multiply_factors(isa, &of_factors.hessian, &v, &mut found);
-                    let worst = difference(&found, &matrix, &v);
-                    assert!(worst < TOLERANCE, "{} {kernel:?} {n} {isa}: {worst:e}", set.weight);
-                    // Translations change nothing, not even a bit.
-                    let together: Vec<f64> = (0..v.len()).map(|k| [0.3, -0.7, 1.1][k % 3]).collect();
-                    rows.multiply_factors(isa, &of_factors.hessian, &together, &mut found);
-                    assert!(found.iter().all(|x| *x == 0.0), "{found:?}");
-                    rows.factors_diagonal(&of_factors.hessian, &mut found);
-                    let entries: Vec<f64> = (0..v.len()).map(|k| found[k] - matrix.get(k, k)).collect();
-                    assert!(largest(&entries) < TOLERANCE * largest(matrix.packed()));
+                    assert_eq!(values(of_matrix), values(of_second));
+                    assert_eq!(of_matrix.status(), of_second.status());
+                    check(Pair { set: &set, kernel, isa, case, of_matrix, of_second });
                 }
             }
         }
@@ -77,34 +77,34 @@ fn factors_times_a_vector_are_the_hessian_times_it() {
 }
 
 #[test]
+fn factors_times_a_vector_are_the_hessian_times_it() {
+    for_each_pair(SecondKind::Factors, |pair| {
+        let Pair { set, kernel, isa, case, of_matrix, of_second } = pair;
+        let matrix = of_matrix.gap(case).hessian;
+        let rows = set.form(kernel, case);
+        let v = vector(matrix.size(), case.masters.len());
+        let mut found = vec![f64::NAN; v.len()];
+        rows.multiply_factors(isa, &of_second.hessian, &v, &mut found);
+        pair.check(difference(&found, &matrix, &v));
+        // Translations change nothing, not even a bit.
+        let together: Vec<f64> = (0..v.len()).map(|k| [0.3, -0.7, 1.1][k % 3]).collect();
+        rows.multiply_factors(isa, &of_second.hessian, &together, &mut found);
+        assert!(found.iter().all(|x| *x == 0.0), "{found:?}");
+        rows.factors_diagonal(&of_second.hessian, &mut found);
+        let entries: Vec<f64> = (0..v.len()).map(|k| found[k] - matrix.get(k, k)).collect();
+        pair.check(largest(&entries) / largest(matrix.packed()));
+    });
+}
+
+#[test]
 fn rows_of_the_slave_are_those_of_the_hessian() {
-    let mut workspace = Workspace::default();
-    let kernels = BASES.into_iter().flat_map(|basis| FRAMES.map(|frame| (basis, frame, Mode::Hessian)));
-    for (set, kernel) in GAP_KERNELS.into_iter().flat_map(|set| kernels.clone().map(move |k| (set, k))) {
-        for n in [kernel.0.size(), 9, 13] {
-            let cases = [3000, 4000].map(|seed| sound(&set, kernel, n, seed));
-            let both = cases.each_ref();
-            for isa in instructions() {
-                let (kind, spare) = (SecondKind::SlaveRows, n % 2 * 5);
-                let matrices = set.batch(isa, kernel, &both, &mut workspace, 0);
-                let rows = set.batch_second(isa, kernel, kind, (&both, &mut workspace), spare);
-                let alone = both.map(|case| {
-                    (set.single(isa, kernel, case, 0), set.single_second(isa, kernel, kind, case, spare))
-                });
-                let pairs = matrices.iter().zip(&rows).chain(alone.iter().map(|(x, y)| (x, y)));
-                for ((of_matrix, of_rows), case) in pairs.zip(both.iter().cycle()) {
-                    assert_eq!(of_matrix.gradient, of_rows.gradient);
-                    assert_eq!(of_matrix.status(), of_rows.status());
-                    let matrix = of_matrix.gap(case).hessian;
-                    let (size, found) = (matrix.size(), &of_rows.hessian);
-                    let differences: Vec<f64> =
-                        (0..3 * size).map(|k| found[k] - matrix.get(k / size, k % size)).collect();
-                    let worst = largest(&differences) / largest(matrix.packed());
-                    assert!(worst < TOLERANCE, "{} {kernel:?} {n} {isa}: {worst:e}", set.weight);
-                }
-            }
-        }
-    }
+    for_each_pair(SecondKind::SlaveRows, |pair| {
+        let matrix = pair.of_matrix.gap(pair.case).hessian;
+        let (size, found) = (matrix.size(), &pair.of_second.hessian);
+        let differences: Vec<f64> =
+            (0..3 * size).map(|k| found[k] - matrix.get(k / size, k % size)).collect();
+        pair.check(largest(&differences) / largest(matrix.packed()));
+    });
 }
 
 #[test]

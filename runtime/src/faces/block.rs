@@ -175,7 +175,7 @@ pub struct FaceBlock {
     pub normals: [Vec<f64>; 4],
     /// −∂R/∂x with pressures and tractions held, a row per coordinate of the rows' nodes; empty below Hessian mode.
     pub directions: Vec<f64>,
-    /// Points whose line of force meets no place of their facet: they count for the gap, but carry no force.
+    /// Points whose line of force meets no place of their facet, or whose derivatives overflow: they count for the gap, but carry no force.
     pub missed: usize,
 }
 

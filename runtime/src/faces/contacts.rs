@@ -150,8 +150,8 @@ impl FaceContacts {
         self.blocks.len()
     }
 
-    /// Points of loaded faces whose line of force meets no place of the facet over them, and points that have no place on their own curved
-    /// face: they carry no force.
+    /// Points of loaded faces whose line of force meets no place of the facet over them, or whose derivatives overflow, and points that have
+    /// no place on their own curved face: they carry no force.
     #[must_use]
     pub const fn missed(&self) -> usize {
         self.missed

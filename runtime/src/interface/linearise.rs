@@ -1,4 +1,4 @@
-//! The contacts that carry force with N and the factors of M, for products that need no matrix.
+//! The contacts that carry force with N and the factors of M, for products that need no matrix; or with the slave's rows of M, for faces.
 
 use std::ops::Range;
 

@@ -113,6 +113,12 @@ pub fn multiply<T: Vector>(
     not_finite.sum()
 }
 
+/// The numbers of vectors of one lane.
+#[inline(always)]
+fn numbers<E: Vector>([x, y, z]: &[E; 3]) -> [f64; 3] {
+    [x.lane(0), y.lane(0), z.lane(0)]
+}
+
 /// Fills in the slave's part of all rows, and those that are the same for all nodes.
 #[inline(always)]
 fn complete<T: Vector>(form: &mut [f64], rows: FormRows, constant: &[[T::Scalar; 3]]) {
@@ -122,8 +128,7 @@ fn complete<T: Vector>(form: &mut [f64], rows: FormRows, constant: &[[T::Scalar;
         write(negative_sum::<T>(nodes), slave, 0);
     }
     for row in 0..constant.len() {
-        let [x, y, z] = &constant[row];
-        let values = [x.lane(0), y.lane(0), z.lane(0)];
+        let values = numbers(&constant[row]);
         for node in 1..stride / 3 {
             write(values, form, stride * (rows.varying + row) + 3 * node);
         }
@@ -226,8 +231,7 @@ pub fn write_factors<T: Vector>(
         }
     }
     for row in 0..constant.len() {
-        let [x, y, z] = &constant[row];
-        let values = [x.lane(0), y.lane(0), z.lane(0)];
+        let values = numbers(&constant[row]);
         for axis in 0..3 {
             target[rows.node_factors() * rows.count + rows.constant * axis + row] = values[axis];
         }

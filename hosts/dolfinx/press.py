@@ -310,12 +310,22 @@ def solve(comm: MPI.Comm, arguments: argparse.Namespace) -> tuple[dict, dict]:
 
 def main() -> None:
     """Prints the results, and writes what each rank has to files if a folder is named."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    shows_defaults = argparse.ArgumentDefaultsHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0], formatter_class=shows_defaults)
     parser.add_argument("mesh", type=Path, help="an XDMF file: scene.py writes one")
-    parser.add_argument("--partitioner", choices=["dolfinx", "strips", "blocks", "random"], default="dolfinx")
-    parser.add_argument("--linear", choices=["mumps", "gamg"], default="mumps")
-    parser.add_argument("--integration", choices=["nodes", "faces"], default="nodes")
-    parser.add_argument("--tangent", choices=["assembled", "operator"], default="assembled")
+    parser.add_argument(
+        "--partitioner", choices=["dolfinx", "strips", "blocks", "random"], default="dolfinx", help="of the mesh"
+    )
+    parser.add_argument(
+        "--linear", choices=["mumps", "gamg"], default="mumps", help="factors, or iterations with multigrid"
+    )
+    parser.add_argument("--integration", choices=["nodes", "faces"], default="nodes", help="of the contact")
+    parser.add_argument(
+        "--tangent",
+        choices=["assembled", "operator"],
+        default="assembled",
+        help="a matrix, or a PETSc shell: with --linear gamg",
+    )
     parser.add_argument(
         "--friction", type=float, help="coefficient; the module has to be built with its feature friction"
     )
@@ -326,6 +336,11 @@ def main() -> None:
     parser.add_argument("--fine", type=int, default=1, help="cells in place of each, along x and y")
     parser.add_argument("--results", type=Path, help="a folder")
     arguments, others = parser.parse_known_args()
+    for file in (arguments.mesh, arguments.mesh.with_suffix(".h5")):
+        if not file.is_file():
+            parser.error(f"there is no file {file}: scene.py writes an .xdmf file with an .h5 beside it")
+    if arguments.fine < 1 or min(arguments.press, arguments.slide) < 0:
+        parser.error("--fine has to be 1 or more, --press and --slide 0 or more")
     if arguments.tangent == "operator" and arguments.linear == "mumps":
         parser.error("MUMPS factors a matrix: --tangent operator goes with --linear gamg")
     PETSc.Options().insertString(" ".join(others))

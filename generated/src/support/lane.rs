@@ -43,14 +43,14 @@ pub trait Lane:
 
     /// `self` · `factor` − `term`.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     fn mul_sub(self, factor: Self, term: Self) -> Self {
         self.mul_add(factor, -term)
     }
 
     /// `term` − `self` · `factor`.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     fn neg_mul_add(self, factor: Self, term: Self) -> Self {
         (-self).mul_add(factor, term)
     }
@@ -130,7 +130,7 @@ impl Lane for f64 {
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
 
-    #[inline(always)]
+    #[inline]
     fn splat(value: f64) -> Self {
         value
     }
@@ -146,7 +146,7 @@ impl Lane for f64 {
         *self
     }
 
-    #[inline(always)]
+    #[inline]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         // Without the instruction, a fused multiply-add is a slow library call.
         if cfg!(any(target_feature = "fma", target_arch = "aarch64")) {
@@ -156,7 +156,7 @@ impl Lane for f64 {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn sqrt(self) -> Self {
         f64::sqrt(self)
     }

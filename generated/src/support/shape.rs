@@ -170,37 +170,37 @@ impl<T: Vector> Shape for Batch<T> {
     type Output = T;
     const NODES: usize = 1;
 
-    #[inline(always)]
+    #[inline]
     fn spread(value: T) -> T {
         value
     }
 
-    #[inline(always)]
+    #[inline]
     fn total(value: T) -> T {
         value
     }
 
-    #[inline(always)]
+    #[inline]
     fn node_index(first: usize, _: usize) -> T {
         T::splat(first as f64)
     }
 
-    #[inline(always)]
+    #[inline]
     fn presence(_: usize, _: usize) -> T {
         T::ONE
     }
 
-    #[inline(always)]
+    #[inline]
     fn add(_: T, x: T, sum: T) -> T {
         sum + x
     }
 
-    #[inline(always)]
+    #[inline]
     fn add_product(_: T, x: T, y: T, sum: T) -> T {
         x.mul_add(y, sum)
     }
 
-    #[inline(always)]
+    #[inline]
     fn element_output(value: T) -> T {
         value
     }
@@ -296,37 +296,37 @@ impl<T: Vector> Shape for Single<T> {
     type Output = f64;
     const NODES: usize = T::WIDTH;
 
-    #[inline(always)]
+    #[inline]
     fn spread(value: T::Scalar) -> T {
         T::splat(value.lane(0))
     }
 
-    #[inline(always)]
+    #[inline]
     fn total(value: T) -> T::Scalar {
         T::Scalar::splat(value.sum())
     }
 
-    #[inline(always)]
+    #[inline]
     fn node_index(first: usize, count: usize) -> T {
         T::from_fn(|k| (first + k).min(count - 1) as f64)
     }
 
-    #[inline(always)]
+    #[inline]
     fn presence(first: usize, count: usize) -> T {
         T::from_fn(|k| if first + k < count { 1.0 } else { 0.0 })
     }
 
-    #[inline(always)]
+    #[inline]
     fn add(presence: T, x: T, sum: T) -> T {
         x.mul_add(presence, sum)
     }
 
-    #[inline(always)]
+    #[inline]
     fn add_product(presence: T, x: T, y: T, sum: T) -> T {
         (x * y).mul_add(presence, sum)
     }
 
-    #[inline(always)]
+    #[inline]
     fn element_output(value: T::Scalar) -> f64 {
         value.lane(0)
     }

@@ -331,7 +331,7 @@ macro_rules! operators {
     ($name:ident, $($trait:ident $method:ident $intrinsic:ident),*) => {
         $(impl $trait for $name {
             type Output = Self;
-            #[inline(always)]
+            #[inline]
             fn $method(self, other: Self) -> Self {
                 // SAFETY: the type exists only where the instructions do.
                 Self(unsafe { $intrinsic(self.0, other.0) })

@@ -26,22 +26,22 @@ impl Neg for F64x2 {
 impl Lane for F64x2 {
     common_lane_methods!(float64x2_t, 2);
 
-    #[inline(always)]
+    #[inline]
     fn splat(value: f64) -> Self {
         Self(unsafe { vdupq_n_f64(value) })
     }
 
-    #[inline(always)]
+    #[inline]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         Self(unsafe { vfmaq_f64(term.0, self.0, factor.0) })
     }
 
-    #[inline(always)]
+    #[inline]
     fn neg_mul_add(self, factor: Self, term: Self) -> Self {
         Self(unsafe { vfmsq_f64(term.0, self.0, factor.0) })
     }
 
-    #[inline(always)]
+    #[inline]
     fn sqrt(self) -> Self {
         Self(unsafe { vsqrtq_f64(self.0) })
     }

@@ -53,7 +53,7 @@ macro_rules! fused_operators {
     ($($trait:ident $method:ident $operator:tt),*) => {
         $(impl $trait for Fused {
             type Output = Self;
-            #[inline(always)]
+            #[inline]
             fn $method(self, other: Self) -> Self {
                 Self(self.0 $operator other.0)
             }
@@ -75,7 +75,7 @@ impl Lane for Fused {
     const ZERO: Self = Self(0.0);
     const ONE: Self = Self(1.0);
 
-    #[inline(always)]
+    #[inline]
     fn splat(value: f64) -> Self {
         Self(value)
     }
@@ -90,12 +90,12 @@ impl Lane for Fused {
         self.0.lane(k)
     }
 
-    #[inline(always)]
+    #[inline]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         Self(f64::mul_add(self.0, factor.0, term.0))
     }
 
-    #[inline(always)]
+    #[inline]
     fn sqrt(self) -> Self {
         Self(self.0.sqrt())
     }
@@ -137,27 +137,27 @@ impl Vector for Fused {
 /// What F64x4 and F64x8 do by the same intrinsics of different width.
 macro_rules! fused_lane_methods {
     ($splat:ident, $mul_add:ident, $mul_sub:ident, $neg_mul_add:ident, $sqrt:ident) => {
-        #[inline(always)]
+        #[inline]
         fn splat(value: f64) -> Self {
             Self(unsafe { $splat(value) })
         }
 
-        #[inline(always)]
+        #[inline]
         fn mul_add(self, factor: Self, term: Self) -> Self {
             Self(unsafe { $mul_add(self.0, factor.0, term.0) })
         }
 
-        #[inline(always)]
+        #[inline]
         fn mul_sub(self, factor: Self, term: Self) -> Self {
             Self(unsafe { $mul_sub(self.0, factor.0, term.0) })
         }
 
-        #[inline(always)]
+        #[inline]
         fn neg_mul_add(self, factor: Self, term: Self) -> Self {
             Self(unsafe { $neg_mul_add(self.0, factor.0, term.0) })
         }
 
-        #[inline(always)]
+        #[inline]
         fn sqrt(self) -> Self {
             Self(unsafe { $sqrt(self.0) })
         }

@@ -63,7 +63,7 @@ impl<T: Lane> TwoVariables<T> {
         // A singular Jacobian allows no last step: `residual` reports the failure.
         let last = newton_step(iterate.residual, iterate.jacobian);
         let longest = longest_step(iterate.y);
-        Some(iterate.solution(last.map(|x| T::select_less(norm(last), longest, x, T::ZERO))))
+        Some(iterate.solution(pair(|k| T::select_less(norm(last), longest, last[k], T::ZERO))))
     }
 }
 
@@ -76,7 +76,7 @@ fn longest_step<T: Lane>(y: [T; 2]) -> T {
 fn bounded<T: Lane>(y: [T; 2], step: [T; 2]) -> [T; 2] {
     let (length, longest) = (norm(step), longest_step(y));
     let factor = T::select_less(longest, length, longest / length, T::ONE);
-    step.map(|x| factor * x)
+    pair(|k| factor * step[k])
 }
 
 /// H⁻¹ r with H = −J where that is positive definite; elsewhere with the absolute values of its eigenvalues, none of
@@ -89,17 +89,23 @@ fn downhill_step<T: Lane>(r: [T; 2], j: [T; 4]) -> [T; 2] {
     let radius = difference.mul_add(difference, off * off).sqrt();
     let smallest = mean - radius;
     // r along the eigenvectors, through the projections ½ (1 ± (H − mean) / radius).
-    let deviation = [difference.mul_add(r[0], off * r[1]), off.mul_sub(r[0], difference * r[1])]
-        .map(|x| x.div_or_zero(radius));
+    let turned = [difference.mul_add(r[0], off * r[1]), off.mul_sub(r[0], difference * r[1])];
+    let deviation = pair(|k| turned[k].div_or_zero(radius));
     let largest = (mean + radius).abs();
     let floor = T::splat(SMALLEST_CURVATURE) * largest;
     let other = T::select_less(smallest.abs(), floor, floor, smallest.abs());
     let newton = newton_step(r, j);
-    [0, 1].map(|k| {
+    pair(|k| {
         let (upper, lower) = (half * (r[k] + deviation[k]), half * (r[k] - deviation[k]));
         let downhill = upper / largest + lower / other;
         T::select_less(T::ZERO, smallest, newton[k], downhill)
     })
+}
+
+/// Not `map` of arrays, which is not always inlined: then its closures are compiled without vector instructions.
+#[inline(always)]
+fn pair<T>(value: impl Fn(usize) -> T) -> [T; 2] {
+    [value(0), value(1)]
 }
 
 #[inline(always)]

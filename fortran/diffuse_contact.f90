@@ -738,6 +738,16 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        function dc_faces_add_quadratic_by_number(faces, side, quadratic, face_count, nodes_per_face) bind(c) &
+            result(status)
+            import :: c_int, c_int32_t, c_int64_t, c_ptr, c_size_t
+            type(c_ptr), value :: faces
+            integer(c_int32_t), value :: side
+            integer(c_int64_t), intent(in) :: quadratic(*)
+            integer(c_size_t), value :: face_count, nodes_per_face
+            integer(c_int) :: status
+        end function
+
         function dc_faces_set_equations(faces, equations, node_count, equation_count) bind(c) result(status)
             import :: c_int, c_int32_t, c_ptr, c_size_t
             type(c_ptr), value :: faces

@@ -1415,7 +1415,7 @@ enum dc_status dc_faces_triplets(struct dc_faces *faces,
 // known. The history of friction names nodes by their numbers in the whole surfaces, as dc_window_names: two points of each node.
 //
 // DC_BAD_OPTION without a `distance_limit`, and for windows of other options or planes of symmetry. dc_faces_set_symmetry and
-// dc_faces_add_quadratic are DC_BAD_OPTION, too, with the message "in-window". On failure the handle is NULL.
+// dc_faces_add_quadratic are DC_BAD_OPTION, too, with the message "in-window"; dc_faces_add_quadratic_by_number is for windows. On failure the handle is NULL.
 //
 // # Safety
 // `positions` has 3 `node_count` entries, `options` as many bytes as its field `size` says; `faces` may be written.
@@ -1426,6 +1426,18 @@ enum dc_status dc_faces_create_in_window(struct dc_window *master,
                                          const struct dc_options *options,
                                          int32_t degree,
                                          struct dc_faces **faces);
+
+// As dc_faces_add_quadratic, for windows too: nodes are numbers in the whole surface, as dc_window_names. `side`: 0 for faces of the
+// master, 1 for faces of the slave. Hand over all faces that have a node in the window; more do no harm. Where forces would act on a node
+// that the window does not have, the outcome is DC_BEYOND_WINDOW.
+//
+// # Safety
+// `quadratic` has `face_count` times `nodes_per_face` entries.
+enum dc_status dc_faces_add_quadratic_by_number(struct dc_faces *faces,
+                                                int32_t side,
+                                                const int64_t *quadratic,
+                                                size_t face_count,
+                                                size_t nodes_per_face);
 
 // Which of the candidates take part in the fit around a slave: the neighbour search of the options, as an interface does
 // it, but without facets, so without sharp edges, borders and domains of influence: DC_DOMAINS, the default rule, is DC_HULL_LAYERS

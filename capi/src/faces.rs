@@ -8,7 +8,7 @@ use runtime::faces::{
 };
 use runtime::surface::{Facet, MasterSurface};
 
-use crate::border::{self, Versioned, disjoint, input, reserve, roomy, target, wanted, wanted_report};
+use crate::border::{self, Plain, Versioned, disjoint, input, reserve, roomy, target, wanted, wanted_report};
 use crate::choice;
 use crate::law::{self, dc_law};
 use crate::mesh::{self, check_nodes, equations_of, facet_rows, facets_of, points, symmetry_planes};
@@ -29,7 +29,9 @@ pub struct State {
     pub dofs: DofMap,
     nodes: usize,
     /// Faces of second order so far, of all calls.
-    quadratic: Vec<QuadraticFace>,
+    pub quadratic: Vec<QuadraticFace>,
+    /// Of windows: of the master and of the slave, by the numbers of their nodes.
+    pub by_number: [Vec<QuadraticFace>; 2],
     pub evaluated: bool,
 }
 
@@ -41,6 +43,15 @@ pub fn call(handle: *mut dc_faces, work: impl FnOnce(&mut State) -> Result<(), F
 }
 
 impl State {
+    /// Adds faces of second order by their nodes.
+    pub fn add_quadratic(&mut self, more: Vec<QuadraticFace>) -> Result<(), Failure> {
+        let all = joined(&self.quadratic, more)?;
+        self.interface.set_quadratic_faces(&all)?;
+        self.quadratic = all;
+        self.evaluated = false;
+        Ok(())
+    }
+
     /// The results of the moment.
     pub fn contacts(&self) -> Result<&FaceContacts, Failure> {
         if self.evaluated {
@@ -69,7 +80,8 @@ pub fn face_options(options: &dc_options, degree: i32) -> Result<FaceOptions, Fa
 /// The handle of a new object over so many nodes.
 pub fn insert(interface: FaceInterface, nodes: usize) -> Result<usize, Failure> {
     let dofs = DofMap::standard(nodes);
-    FACES.insert(State { interface, dofs, nodes, quadratic: Vec::new(), evaluated: false })
+    let (quadratic, by_number) = Default::default();
+    FACES.insert(State { interface, dofs, nodes, quadratic, by_number, evaluated: false })
 }
 
 /// Makes an object for contact over faces and writes its handle. Everything is copied.
@@ -188,12 +200,20 @@ pub unsafe extern "C" fn dc_faces_set_symmetry(
     })
 }
 
+/// Some faces, and more of them.
+pub fn joined(some: &[QuadraticFace], more: Vec<QuadraticFace>) -> Result<Vec<QuadraticFace>, Failure> {
+    let mut all = reserve("faces", some.len() + more.len())?;
+    all.extend_from_slice(some);
+    all.extend(more);
+    Ok(all)
+}
+
 /// Faces of 6, 8 or 9 nodes.
 ///
 /// # Safety
 /// As [`input`].
-unsafe fn quadratic_faces(
-    rows: *const i32,
+pub unsafe fn quadratic_faces<T: Plain + std::fmt::Display + TryInto<usize>>(
+    rows: *const T,
     face_count: usize,
     nodes_per_face: usize,
 ) -> Result<Vec<QuadraticFace>, Failure> {
@@ -209,7 +229,7 @@ unsafe fn quadratic_faces(
     for (k, row) in numbers.chunks(nodes_per_face).enumerate() {
         let mut nodes = [0; 9];
         for (node, &number) in nodes.iter_mut().zip(row) {
-            *node = usize::try_from(number).map_err(|_| {
+            *node = number.try_into().map_err(|_| {
                 Failure::new(DC_OUT_OF_RANGE, format!("node-out-of-range: face {k} has node {number}"))
             })?;
         }
@@ -268,13 +288,7 @@ pub unsafe extern "C" fn dc_faces_add_quadratic(
     call(faces, |state| {
         // SAFETY: as the caller promises.
         let more = unsafe { quadratic_faces(quadratic, face_count, nodes_per_face)? };
-        let mut all = reserve("faces", state.quadratic.len() + more.len())?;
-        all.extend_from_slice(&state.quadratic);
-        all.extend(more);
-        state.interface.set_quadratic_faces(&all)?;
-        state.quadratic = all;
-        state.evaluated = false;
-        Ok(())
+        state.add_quadratic(more)
     })
 }
 

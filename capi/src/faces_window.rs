@@ -3,10 +3,10 @@
 use runtime::faces::FaceInterface;
 
 use crate::border;
-use crate::faces::{dc_faces, face_options, insert};
+use crate::faces::{call, dc_faces, face_options, insert, joined, quadratic_faces};
 use crate::mesh::{check_nodes, points};
 use crate::options::dc_options;
-use crate::status::dc_status;
+use crate::status::{DC_BAD_OPTION, Failure, dc_status};
 use crate::threads;
 use crate::window::{WINDOWS, dc_window};
 
@@ -21,7 +21,7 @@ use crate::window::{WINDOWS, dc_window};
 /// known. The history of friction names nodes by their numbers in the whole surfaces, as dc_window_names: two points of each node.
 ///
 /// DC_BAD_OPTION without a `distance_limit`, and for windows of other options or planes of symmetry. dc_faces_set_symmetry and
-/// dc_faces_add_quadratic are DC_BAD_OPTION, too, with the message "in-window". On failure the handle is NULL.
+/// dc_faces_add_quadratic are DC_BAD_OPTION, too, with the message "in-window"; dc_faces_add_quadratic_by_number is for windows. On failure the handle is NULL.
 ///
 /// # Safety
 /// `positions` has 3 `node_count` entries, `options` as many bytes as its field `size` says; `faces` may be written.
@@ -51,5 +51,38 @@ pub unsafe extern "C" fn dc_faces_create_in_window(
         };
         // SAFETY: as the caller promises.
         unsafe { border::hand_out("faces", faces, make) }
+    })
+}
+
+/// As dc_faces_add_quadratic, for windows too: nodes are numbers in the whole surface, as dc_window_names. `side`: 0 for faces of the
+/// master, 1 for faces of the slave. Hand over all faces that have a node in the window; more do no harm. Where forces would act on a node
+/// that the window does not have, the outcome is DC_BEYOND_WINDOW.
+///
+/// # Safety
+/// `quadratic` has `face_count` times `nodes_per_face` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_add_quadratic_by_number(
+    faces: *mut dc_faces,
+    side: i32,
+    quadratic: *const i64,
+    face_count: usize,
+    nodes_per_face: usize,
+) -> dc_status {
+    call(faces, |state| {
+        // SAFETY: as the caller promises.
+        let more = unsafe { quadratic_faces(quadratic, face_count, nodes_per_face)? };
+        let Some(place) = usize::try_from(side).ok().filter(|&side| side < 2) else {
+            let message = format!("invalid-option: side has to be 0 or 1, not {side}");
+            return Err(Failure::new(DC_BAD_OPTION, message));
+        };
+        if !state.interface.is_in_window() {
+            return state.add_quadratic(more);
+        }
+        let mut all = state.by_number.clone();
+        all[place] = joined(&all[place], more)?;
+        state.interface.set_quadratic_faces_by_number(&all[0], &all[1])?;
+        state.by_number = all;
+        state.evaluated = false;
+        Ok(())
     })
 }

@@ -119,7 +119,8 @@ impl Faces {
 
     /// Of faces that know windows of both surfaces only.
     #[staticmethod]
-    #[pyo3(signature = (master, slave, positions, options, degree, equations))]
+    #[pyo3(signature = (master, slave, positions, options, degree, equations, quadratic))]
+    #[allow(clippy::too_many_arguments)]
     fn in_window(
         py: Python<'_>,
         master: &Window,
@@ -128,14 +129,27 @@ impl Faces {
         options: Options,
         degree: usize,
         equations: Equations<'_>,
+        quadratic: [Vec<Bound<'_, PyArray2<i64>>>; 2],
     ) -> PyResult<Self> {
         let positions = readable(positions)?;
         let positions = points(py, &positions)?;
         let options = face_options(py, options, degree)?;
         let dofs = dofs_of(py, equations, positions.len())?;
         let (master, slave) = (&master.window, &slave.window);
-        let made = threads::run(py, || FaceInterface::in_window(master, slave, positions, options))?;
-        let interface = made.map_err(|error| error.raise(py))?;
+        let [mut below, mut above] = [Vec::new(), Vec::new()];
+        for (all, own) in quadratic.iter().zip([&mut below, &mut above]) {
+            for rows in all {
+                own.extend(quadratic_faces(py, &readable(rows)?)?);
+            }
+        }
+        let made = threads::run(py, || {
+            let mut interface = FaceInterface::in_window(master, slave, positions, options)?;
+            if !(below.is_empty() && above.is_empty()) {
+                interface.set_quadratic_faces_by_number(&below, &above)?;
+            }
+            Ok(interface)
+        })?;
+        let interface = made.map_err(|error: InterfaceError| error.raise(py))?;
         Ok(Self { interface, dofs, current: false })
     }
 

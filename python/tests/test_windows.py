@@ -381,6 +381,50 @@ def test_friction_over_faces_goes_with_nodes_to_other_windows():
     assert error.value.code == "invalid-history"
 
 
+def quadrilaterals(first, cells, width):
+    """Faces of 9 nodes over a lattice with so many nodes in a row."""
+    i, j = (a.ravel() for a in np.meshgrid(*(2 * np.arange(count) for count in cells)))
+    corner = first + i + width * j
+    steps = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1)]
+    return np.column_stack([corner + a + width * b for a, b in steps])
+
+
+def test_faces_of_second_order_in_windows_have_the_rows_of_the_whole():
+    pair = Pair()
+    # The lattice's last cells stay faces of first order, where it has an odd number.
+    master = quadrilaterals(0, (8, 4), 17)
+    slave = quadrilaterals(pair.offset, (9, 5), 20)[:, [0, 3, 2, 1, 7, 6, 5, 4, 8]]
+    surface = dc.MasterSurface(pair.positions, pair.surface.facets)
+    whole = dc.FaceInterface(surface, pair.faces, pair.positions, distance_limit=LIMIT, quadratic=[master, slave])
+    whole.refresh(pair.positions)
+    expected = whole.evaluate(1e2)
+    forces = whole.forces().reshape(-1, 3)
+    flat = pair.whole()
+    flat.refresh(pair.positions)
+    flat.evaluate(1e2)
+    assert np.abs(flat.forces().reshape(-1, 3) - forces).max() > 0.1 * np.abs(forces).max()
+    place = {node: k for k, node in enumerate(whole.slaves)}
+    x = pair.positions[whole.slaves]
+    windows, numbers = pair.windows(whole.slaves[x[:, 0] < 9.0], 3.0)
+    positions = pair.positions[numbers]
+    of_second = {"quadratic_master": master, "quadratic_slave": [slave]}
+    faces = dc.FaceInterface.in_window(*windows, positions, distance_limit=LIMIT, **of_second)
+    faces.refresh(positions)
+    found = faces.evaluate(1e2)
+    known = [k for k, node in enumerate(faces.slaves) if pair.positions[numbers[node], 0] < 9.0]
+    assert len(known) > 100
+    for k in known:
+        number = numbers[faces.slaves[k]]
+        assert found.outcomes[k] == expected.outcomes[place[number]] != "beyond-window"
+        assert found.pressure[k] == expected.pressure[place[number]]
+    rows = faces.slaves[[k for k in known if pair.positions[numbers[faces.slaves[k]], 0] < 7.0]]
+    own = faces.forces().reshape(-1, 3)[rows]
+    np.testing.assert_allclose(own, forces[numbers[rows]], atol=1e-13 * np.abs(forces).max())
+    with pytest.raises(dc.InterfaceError) as error:
+        dc.FaceInterface.in_window(*windows, positions, distance_limit=LIMIT, quadratic_slave=slave[:, [0] * 9])
+    assert error.value.code == "repeated-node"
+
+
 def test_faces_in_windows_refuse_what_takes_the_whole():
     pair = Pair()
     windows, numbers = pair.windows(np.arange(pair.offset, pair.offset + 50), 3.0)

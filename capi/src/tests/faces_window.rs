@@ -6,12 +6,12 @@ use super::faces::law;
 use super::{message, options};
 use crate::faces::*;
 use crate::faces_friction::{dc_faces_accept, dc_faces_friction};
-use crate::faces_window::dc_faces_create_in_window;
+use crate::faces_window::{dc_faces_add_quadratic_by_number, dc_faces_create_in_window};
 use crate::interface::{dc_create, dc_destroy, dc_interface};
 use crate::law::dc_law;
 use crate::options::dc_options;
 use crate::outcome::dc_outcome;
-use crate::status::{DC_BAD_HANDLE, DC_BAD_OPTION, DC_BAD_SIZE, DC_BUSY, DC_OK, dc_status};
+use crate::status::{DC_BAD_HANDLE, DC_BAD_OPTION, DC_BAD_SIZE, DC_BUSY, DC_OK, DC_OUT_OF_RANGE, dc_status};
 use crate::window::{dc_window, dc_window_counts, dc_window_create, dc_window_destroy, dc_window_names};
 
 const LIMIT: f64 = 0.4;
@@ -154,8 +154,36 @@ fn destroy(windows: [*mut dc_window; 2]) {
     }
 }
 
+/// Faces of nine nodes over the cells of either side, by the numbers of their nodes.
+fn quadratic() -> [Vec<i64>; 2] {
+    [0, 1].map(|which| {
+        let (n, first) = (SIDES[which] as i64, if which == 0 { 0 } else { (SIDES[0] * SIDES[0]) as i64 });
+        let steps = [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1], [1, 1]];
+        let turned = |[a, b]: [i64; 2]| if which == 0 { a + n * b } else { b + n * a };
+        let corners = (0..(n / 2) * (n / 2)).map(|k| first + 2 * (k % (n / 2)) + 2 * n * (k / (n / 2)));
+        corners.flat_map(|corner| steps.map(|step| corner + turned(step))).collect()
+    })
+}
+
+fn add(faces: *mut dc_faces, side: i32, rows: &[i64]) -> dc_status {
+    // SAFETY: the array has the length given.
+    unsafe { dc_faces_add_quadratic_by_number(faces, side, rows.as_ptr(), rows.len() / 9, 9) }
+}
+
 #[test]
 fn faces_in_windows_have_the_bits_of_the_whole_or_none() {
+    assert_bits(&[Vec::new(), Vec::new()]);
+    assert_bits(&quadratic());
+}
+
+fn assert_bits(quadratic: &[Vec<i64>; 2]) {
+    let add_all = |faces: *mut dc_faces| {
+        for (rows, side) in quadratic.iter().zip([0, 1]).filter(|(rows, _)| !rows.is_empty()) {
+            // In two calls: the second adds to the first.
+            let (some, more) = rows.split_at(18);
+            assert!(add(faces, side, some) == DC_OK && add(faces, side, more) == DC_OK, "{}", message());
+        }
+    };
     let pair = Pair::new();
     let (mut whole, options) = (null_mut(), limited());
     let [master, slave] = &pair.facets;
@@ -166,6 +194,7 @@ fn faces_in_windows_have_the_bits_of_the_whole_or_none() {
         dc_faces_create(positions, number, m, master.len() / 4, s, slave.len() / 4, &options, 2, &mut whole)
     };
     assert_eq!(status, DC_OK, "{}", message());
+    add_all(whole);
     let first = SIDES[0] * SIDES[0];
     let all = nodes(whole, &pair.positions, first);
     let count = |state| all.iter().filter(|(_, (of, _))| of[1] == state).count();
@@ -179,6 +208,7 @@ fn faces_in_windows_have_the_bits_of_the_whole_or_none() {
         let (status, part) = make(windows, &positions, &options);
         assert_eq!(status, DC_OK, "{}", message());
         destroy(windows);
+        add_all(part);
         let first = names.iter().take_while(|&&name| (name as usize) < first).count();
         for (node, found) in nodes(part, &positions, first) {
             let name = names[node as usize];
@@ -222,6 +252,12 @@ fn faces_in_windows_refuse_what_takes_the_whole() {
         let faces = [0, 1, 2, 3, 4, 5];
         in_window(dc_faces_add_quadratic(part, faces.as_ptr(), 1, 6));
     }
+    let status = add(part, 2, &quadratic()[0]);
+    assert!(status == DC_BAD_OPTION && message().contains("side has to be 0 or 1, not 2"), "{}", message());
+    let status = add(part, 1, &[0, 1, 2, 3, 4, 5, 6, 7, 0]);
+    assert!(message().starts_with("repeated-node: ") && status != DC_OK, "{}", message());
+    let status = add(part, 1, &[0, 1, 2, 3, 4, 5, 6, 7, -1]);
+    assert!(status == DC_OUT_OF_RANGE && message().starts_with("node-out-of-range: "), "{}", message());
     assert_eq!(dc_faces_destroy(part), DC_OK);
     destroy(both);
     assert!(sides.into_iter().all(|side| dc_destroy(side) == DC_OK));

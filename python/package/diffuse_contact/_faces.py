@@ -169,6 +169,8 @@ class FaceInterface(FrictionHistory):
         degree: int = 2,
         dofs: ArrayLike | None = None,
         equations: int | None = None,
+        quadratic_master: ArrayLike | Sequence[ArrayLike] = (),
+        quadratic_slave: ArrayLike | Sequence[ArrayLike] = (),
         **options: Any,
     ) -> FaceInterface:
         """An interface of faces that know a window of either surface only.
@@ -187,6 +189,9 @@ class FaceInterface(FrictionHistory):
             degree: as for ``FaceInterface``.
             dofs: as for ``FaceInterface``.
             equations: as for ``FaceInterface``.
+            quadratic_master: faces of second order of the master, as ``quadratic`` of ``FaceInterface``, with the numbers
+                of their nodes in the whole surface: all that have a node in the window; more do no harm.
+            quadratic_slave: the same of the slave.
             options: those that the windows were made with; ``distance_limit`` has to be given.
 
         Raises:
@@ -205,6 +210,10 @@ class FaceInterface(FrictionHistory):
             made._options,
             count("degree", degree),
             _equations(dofs, equations, len(positions)),
+            [
+                _arrays.quadratic("quadratic_master", quadratic_master),
+                _arrays.quadratic("quadratic_slave", quadratic_slave),
+            ],
         )
         return made
 

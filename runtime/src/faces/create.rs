@@ -124,8 +124,8 @@ impl FaceInterface {
     /// until the next [`refresh`](Self::refresh) or [`update`](Self::update).
     ///
     /// # Errors
-    /// [`InterfaceError::Surface`] if a node is not there, [`InterfaceError::InWindow`] for a window of the surfaces: the interface is
-    /// then as it was.
+    /// [`InterfaceError::Surface`] if a node is not there, [`InterfaceError::InWindow`] for a window of the surfaces, which takes faces
+    /// [by number](Self::set_quadratic_faces_by_number): the interface is then as it was.
     pub fn set_quadratic_faces(&mut self, faces: &[QuadraticFace]) -> Result<(), InterfaceError> {
         self.check_whole("forces on faces of second order")?;
         quadratic::check(faces, &self.first)?;

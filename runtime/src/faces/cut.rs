@@ -112,7 +112,8 @@ impl View {
 /// What a face is cut with.
 #[derive(Clone, Copy)]
 pub struct Cutting<'a> {
-    pub rule: FaceRule,
+    /// Of the piece over a facet.
+    pub rule: &'a dyn Fn(u32) -> FaceRule,
     /// The largest distance of a facet, length.
     pub limit: f64,
     /// How deep the face's points may lie below a facet, length; `None` if they do not touch it at all.
@@ -154,7 +155,7 @@ pub fn cut(
             continue;
         }
         found += area(piece);
-        for (place, weight) in rule_on(piece, rule) {
+        for (place, weight) in rule_on(piece, rule(facet)) {
             let x = view.point(place);
             let Some(on_face) = carried(face, x.into(), view.normal.into(), Mode::Value) else { continue };
             let Some(height) = height_over(&shape, x, view.normal) else { continue };

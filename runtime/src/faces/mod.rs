@@ -19,7 +19,8 @@
 //! * **History.** Without friction there is none: points follow from the positions of a refresh. A restart needs the first positions and
 //!   the multipliers. Friction remembers for each node what it stuck to: [`history`](FaceInterface::history).
 //! * **Second order.** Faces of 6, 8 or 9 nodes come as flat facets between all of their nodes, for gaps, pieces and pressures. With
-//!   [`set_quadratic_faces`](FaceInterface::set_quadratic_faces) N_a and N_k are theirs as a whole.
+//!   [`set_quadratic_faces`](FaceInterface::set_quadratic_faces) N_a and N_k are theirs as a whole, in windows with
+//!   [`set_quadratic_faces_by_number`](FaceInterface::set_quadratic_faces_by_number).
 //! * **Layers.** Where facets that look at a face lie over one another, the nearest carries.
 //! * **Self contact.** [`self_contact`](FaceInterface::self_contact) has one surface, whose faces are slaves and facets at once.
 //!
@@ -80,13 +81,13 @@ use rayon::prelude::*;
 use cut::{CutScratch, Cutting, FacePoint, cut};
 use evaluate::Averages;
 use friction::Track;
-use quadratic::Carriers;
+use quadratic::{Carriers, Carrying};
 use skin::Skin;
 use window::FaceWindow;
 
 use crate::assembly::ContactLaw;
-use crate::interface::{ContactInterface, InterfaceError, InterfaceOptions};
-use crate::surface::{Facet, MasterSurface, OwnSurface, shape_of};
+use crate::interface::{ContactInterface, InterfaceError, InterfaceOptions, NoContact};
+use crate::surface::{Facet, MasterSurface, OwnSurface, SurfaceIndex, shape_of};
 use crate::vector::Vector3;
 use crate::{Mode, Point};
 
@@ -101,7 +102,8 @@ pub struct FaceOptions {
     /// The master's element, and how points are paired with it. A distance limit of `None` is a facet's and a face's extent together.
     /// Areas are always those of the faces.
     pub interface: InterfaceOptions,
-    /// Points of each piece of a face. With quadrilaterals of second order it is [`FaceRule::Fourth`] always.
+    /// Points of each piece of a face. Between a face and a facet of which one belongs to a quadrilateral of second order it is
+    /// [`FaceRule::Fourth`] always.
     pub rule: FaceRule,
 }
 
@@ -177,6 +179,16 @@ pub struct FaceInterface {
     /// What augmentation made of it since.
     augmented: Option<Vec<Option<Track>>>,
     contacts: FaceContacts,
+}
+
+/// What cutting a face gave.
+#[derive(Debug, Default)]
+struct CutFace {
+    points: Vec<FacePoint>,
+    /// Points whose place was not found.
+    unplaced: usize,
+    /// What its window does not know; then there are no points.
+    beyond: Option<NoContact>,
 }
 
 /// The points of a face and the nodes of its sums.
@@ -291,26 +303,20 @@ impl FaceInterface {
         };
         let limits: Vec<f64> = self.faces.iter().map(limit).collect();
         let beyond = self.window.as_ref().map(|window| window.look(&self.faces, positions, &limits));
-        let rule = self.carriers.rule(self.options.rule);
-        let (by_face, unplaced): (Vec<Vec<FacePoint>>, Vec<usize>) = (0..self.faces.len())
+        let results: Vec<CutFace> = (0..self.faces.len())
             .into_par_iter()
-            .map_init(CutScratch::default, |scratch, k| {
-                let mut points = Vec::new();
-                if beyond.as_ref().is_some_and(|beyond| beyond[k].is_some()) {
-                    return (points, 0);
-                }
-                let face = shape_of(&self.faces[k], positions);
-                let first = shape_of(&self.faces[k], &self.first);
-                let functions = |natural| self.carriers.faces[k].functions(&face, natural, positions);
-                let depth = |facet| match &self.own {
-                    Some(own) => own.depth_below(self.master(), self.interface.domains(), k as u32, facet),
-                    None => Some(f64::INFINITY),
-                };
-                let cutting = Cutting { rule, limit: limits[k], depth: &depth };
-                let unplaced = cut(&face, &first, functions, &index, cutting, scratch, &mut points);
-                (points, unplaced)
+            .map_init(CutScratch::default, |scratch, k| match beyond.as_ref().and_then(|beyond| beyond[k]) {
+                Some(reason) => CutFace { beyond: Some(reason), ..CutFace::default() },
+                None => self.cut_face(k, positions, (&index, limits[k]), scratch),
             })
-            .unzip();
+            .collect();
+        let mut by_face = Vec::with_capacity(results.len());
+        let (mut unplaced, mut beyond) = (0, Vec::with_capacity(results.len()));
+        for result in results {
+            by_face.push(result.points);
+            beyond.push(result.beyond);
+            unplaced += result.unplaced;
+        }
         let mut all = positions.to_vec();
         for (k, points) in by_face.iter().enumerate() {
             let corners = self.faces[k].corners().len();
@@ -320,10 +326,10 @@ impl FaceInterface {
         let report = self.interface.pair_points(all, positions.len(), &facets)?;
         self.positions.copy_from_slice(positions);
         self.limits = limits;
-        if let (Some(window), Some(beyond)) = (&mut self.window, beyond) {
+        if let Some(window) = &mut self.window {
             window.take(beyond);
         }
-        self.unplaced = unplaced.iter().sum();
+        self.unplaced = unplaced;
         self.points = by_face.concat();
         let mut end = 0;
         let ranges: Vec<Range<usize>> = by_face
@@ -339,6 +345,35 @@ impl FaceInterface {
         self.cut_at = Some(positions.to_vec());
         self.report = FaceReport { points: self.points.len(), paired: report.paired, faces, grown };
         Ok(self.report)
+    }
+
+    /// Cuts a face along the edges of the facets within its limit.
+    fn cut_face(
+        &self,
+        k: usize,
+        positions: &[Point],
+        (index, limit): (&SurfaceIndex<'_>, f64),
+        scratch: &mut CutScratch,
+    ) -> CutFace {
+        let face = shape_of(&self.faces[k], positions);
+        let first = shape_of(&self.faces[k], &self.first);
+        let functions = |natural| self.carriers.faces[k].functions(&face, natural, positions);
+        let depth = |facet| match &self.own {
+            Some(own) => own.depth_below(self.master(), self.interface.domains(), k as u32, facet),
+            None => Some(f64::INFINITY),
+        };
+        let rule = |facet| self.carriers.rule((k, facet), self.options.rule);
+        let cutting = Cutting { rule: &rule, limit, depth: &depth };
+        let mut points = Vec::new();
+        let unplaced = cut(&face, &first, functions, index, cutting, scratch, &mut points);
+        let carrying = |point: &FacePoint| &self.carriers.facets[point.facet as usize];
+        let unknown = points.iter().find(|point| matches!(carrying(point), Carrying::Beyond));
+        let beyond = unknown.and_then(|point| Some(self.window.as_ref()?.beside(&index.shape(point.facet))));
+        if beyond.is_some() {
+            CutFace { beyond, ..CutFace::default() }
+        } else {
+            CutFace { points, unplaced, beyond }
+        }
     }
 
     /// The largest limit of the faces around a node, at the last positions.

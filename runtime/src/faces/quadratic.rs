@@ -16,6 +16,9 @@ use crate::{Mode, Point};
 /// The most nodes of a face.
 pub(super) const MOST_NODES: usize = 9;
 
+/// In the place of a node that a window does not have.
+pub(super) const BEYOND: usize = usize::MAX;
+
 /// A face of second order: a triangle with 6 nodes, a quadrilateral with 8 or 9. Corners come first, then the middles of the edges from
 /// the first corner on, then the centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -60,6 +63,13 @@ impl QuadraticFace {
         (0..corners).map(|k| Facet::Triangle([before(k), corner[k], middle[k]])).chain([inner]).collect()
     }
 
+    /// With other numbers for its nodes.
+    pub(super) fn renumbered(&self, number: impl Fn(usize) -> usize) -> Self {
+        let mut renumbered = *self;
+        renumbered.nodes[..self.count].iter_mut().for_each(|node| *node = number(*node));
+        renumbered
+    }
+
     /// Natural coordinates of its nodes: from 0 to 1 on a triangle, from −1 to 1 on a quadrilateral.
     fn natural(&self) -> &'static [[f64; 2]] {
         const TRIANGLE: [[f64; 2]; 6] =
@@ -85,6 +95,8 @@ pub(super) enum Carrying {
     Facet(Facet),
     /// The face, and where in it the facet's centre is.
     Face(QuadraticFace, [f64; 2]),
+    /// A face with nodes beyond the window.
+    Beyond,
 }
 
 impl Carrying {
@@ -93,6 +105,7 @@ impl Carrying {
         match self {
             Self::Facet(facet) => facet.corners(),
             Self::Face(face, _) => face.nodes(),
+            Self::Beyond => &[],
         }
     }
 
@@ -116,6 +129,7 @@ impl Carrying {
                 }
                 carried_by_quadratic(&nodes[..face.count], *start, point, force, mode)
             }
+            Self::Beyond => None,
         }
     }
 
@@ -136,6 +150,7 @@ impl Carrying {
                     *function = Vector3::from(part).dot(&along);
                 }
             }
+            Self::Beyond => return None,
         }
         Some(functions)
     }
@@ -150,11 +165,12 @@ pub(super) struct Carriers {
 
 impl Carriers {
     /// Looks for the face that each facet of both sides is a part of: the one that has all of its corners. Facets without one carry their
-    /// own forces.
+    /// own forces. Nodes beyond a window are [`BEYOND`].
     pub fn new(faces: &[Facet], master: &MasterSurface, quadratic: &[QuadraticFace]) -> Self {
         let mut around: HashMap<usize, Vec<&QuadraticFace>> = HashMap::new();
         for face in quadratic {
-            face.nodes().iter().for_each(|&node| around.entry(node).or_default().push(face));
+            let known = face.nodes().iter().filter(|&&node| node != BEYOND);
+            known.for_each(|&node| around.entry(node).or_default().push(face));
         }
         let of = |facet: Facet| {
             let corners = facet.corners();
@@ -165,7 +181,11 @@ impl Carriers {
                 let sum = natural.fold([0.0; 2], |sum, x| [sum[0] + x[0], sum[1] + x[1]]);
                 Some((*face, sum.map(|x| x / corners.len() as f64)))
             });
-            found.map_or(Carrying::Facet(facet), |(face, start)| Carrying::Face(face, start))
+            match found {
+                Some((face, _)) if face.nodes().contains(&BEYOND) => Carrying::Beyond,
+                Some((face, start)) => Carrying::Face(face, start),
+                None => Carrying::Facet(facet),
+            }
         };
         Self {
             faces: faces.iter().map(|&face| of(face)).collect(),
@@ -175,11 +195,13 @@ impl Carriers {
 }
 
 impl Carriers {
-    /// The rule that a uniform pressure needs: the shape functions of quadrilaterals with 8 and 9 nodes have the third and fourth degree.
-    pub fn rule(&self, wanted: FaceRule) -> FaceRule {
+    /// The rule that a uniform pressure needs between a face and a facet: the shape functions of quadrilaterals with 8 and 9 nodes have
+    /// the third and fourth degree.
+    pub fn rule(&self, (face, facet): (usize, u32), wanted: FaceRule) -> FaceRule {
         let is_quadrilateral =
             |carrying: &Carrying| matches!(carrying, Carrying::Face(face, _) if face.count > 6);
-        if self.faces.iter().chain(&self.facets).any(is_quadrilateral) { FaceRule::Fourth } else { wanted }
+        let both = [&self.faces[face], &self.facets[facet as usize]];
+        if both.into_iter().any(is_quadrilateral) { FaceRule::Fourth } else { wanted }
     }
 }
 
@@ -190,6 +212,13 @@ pub(super) fn check(quadratic: &[QuadraticFace], positions: &[Point]) -> Result<
         if let Some(&node) = face.nodes().iter().find(|&&node| node >= count) {
             return Err(SurfaceError::NodeOutOfRange { facet, node, count }.into());
         }
+    }
+    check_distinct(quadratic)
+}
+
+/// Checks that no node stands twice in one of the faces.
+pub(super) fn check_distinct(quadratic: &[QuadraticFace]) -> Result<(), InterfaceError> {
+    for (facet, face) in quadratic.iter().enumerate() {
         let nodes = face.nodes();
         if let Some(place) = (1..nodes.len()).find(|&place| nodes[..place].contains(&nodes[place])) {
             return Err(SurfaceError::RepeatedNode { facet, node: nodes[place] }.into());

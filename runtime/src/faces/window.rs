@@ -1,12 +1,13 @@
 //! Faces of a rank, where nobody holds the whole of either surface. See [`surface::window`](crate::surface::window).
 
 use super::create::nodes_of;
+use super::quadratic::{self, BEYOND, Carriers, Carrying};
 use super::skin::Skin;
-use super::{FaceInterface, FaceOptions};
+use super::{FaceInterface, FaceOptions, QuadraticFace};
 use crate::Point;
 use crate::interface::{ContactInterface, InterfaceError, InterfaceOptions, NoContact, areas_of};
 use crate::surface::window::{Known, Window};
-use crate::surface::{Facet, shape_of};
+use crate::surface::{Facet, Shape, shape_of};
 
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Side {
@@ -21,6 +22,8 @@ pub(super) struct FaceWindow {
     slave: Known,
     /// Of each face, what is not known of its own smooth surface.
     of_skin: Vec<Option<NoContact>>,
+    /// Of each face, what is not known of its face of second order.
+    of_carriers: Vec<Option<NoContact>>,
     /// Of each of the slave's nodes, whether faces at it may not be there.
     of_nodes: Vec<Option<NoContact>>,
     /// Of each face at the last cut, what it does not know.
@@ -42,9 +45,16 @@ impl FaceWindow {
             let known = if holds { around } else { f64::NEG_INFINITY };
             let needed = self.master.needed(limits[k]);
             let is_far = !(needed <= known);
-            self.of_skin[k].or_else(|| is_far.then_some(NoContact::BeyondWindow { needed, known }))
+            self.of_skin[k]
+                .or(self.of_carriers[k])
+                .or_else(|| is_far.then_some(NoContact::BeyondWindow { needed, known }))
         };
         faces.iter().enumerate().map(of_face).collect()
+    }
+
+    /// That a facet of the master belongs to a face of second order with nodes farther away.
+    pub fn beside(&self, facet: &Shape) -> NoContact {
+        beside(&self.master, facet)
     }
 
     fn number_of(&self, node: u32) -> Option<u64> {
@@ -119,8 +129,42 @@ impl FaceInterface {
         };
         let of_nodes = made.nodes.iter().map(of_node).collect();
         let master = master.known(positions);
-        made.window = Some(FaceWindow { master, slave: known, of_skin, of_nodes, beyond: Vec::new() });
+        let of_carriers = vec![None; made.faces.len()];
+        made.window =
+            Some(FaceWindow { master, slave: known, of_skin, of_carriers, of_nodes, beyond: Vec::new() });
         Ok(made)
+    }
+
+    /// As [`set_quadratic_faces`](Self::set_quadratic_faces), for windows too: faces of the master and of the slave, whose nodes are numbers
+    /// in the whole surfaces. Hand over all faces that have a node in the window; more do no harm. Where forces would act on a node that
+    /// the window does not have, the outcome is [`NoContact::BeyondWindow`].
+    ///
+    /// # Errors
+    /// [`InterfaceError::Surface`] for a node twice in a face; of the whole surfaces, as there. The interface is then as it was.
+    pub fn set_quadratic_faces_by_number(
+        &mut self,
+        master: &[QuadraticFace],
+        slave: &[QuadraticFace],
+    ) -> Result<(), InterfaceError> {
+        let Some(window) = &mut self.window else {
+            return self.set_quadratic_faces(&[master, slave].concat());
+        };
+        let mut known = Vec::with_capacity(master.len() + slave.len());
+        for (side, faces) in [(Side::Master, master), (Side::Slave, slave)] {
+            quadratic::check_distinct(faces)?;
+            let node =
+                |number: usize| window.node_of(side, number as u64).map_or(BEYOND, |node| node as usize);
+            known.extend(faces.iter().map(|face| face.renumbered(node)));
+        }
+        self.carriers = Carriers::new(&self.faces, self.interface.master(), &known);
+        let unknown = |(face, carrying): (&Facet, &Carrying)| {
+            let is_beyond = matches!(carrying, Carrying::Beyond);
+            is_beyond.then(|| beside(&window.slave, &shape_of(face, &self.first)))
+        };
+        window.of_carriers = self.faces.iter().zip(&self.carriers.faces).map(unknown).collect();
+        self.tracks = None;
+        self.forget();
+        Ok(())
     }
 
     /// Whether there are windows of the surfaces only.
@@ -148,6 +192,13 @@ impl FaceInterface {
     pub(super) fn check_whole(&self, what: &'static str) -> Result<(), InterfaceError> {
         if self.window.is_some() { Err(InterfaceError::InWindow { what }) } else { Ok(()) }
     }
+}
+
+/// What is missing beside a facet whose face has nodes beyond the window: boxes that reach farther by the facet's extent.
+fn beside(side: &Known, facet: &Shape) -> NoContact {
+    let (low, high) = facet.bounds();
+    let known = side.around_box([low.into(), high.into()]);
+    NoContact::BeyondWindow { needed: known + facet.extent(), known }
 }
 
 /// A facet with other numbers of nodes.

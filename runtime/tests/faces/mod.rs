@@ -156,7 +156,7 @@ fn forces_and_moments_balance() {
 }
 
 /// How nine nodes become faces of second order.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Second {
     Triangle6,
     Quadrilateral8,

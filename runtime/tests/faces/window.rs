@@ -17,7 +17,7 @@ const WIDE: f64 = 0.8;
 const SKIN: f64 = 0.1;
 
 /// Wavy surfaces of irregular cells, one a little below the other.
-fn pair(triangles: bool) -> Pair {
+fn pair(cells: Cells) -> (Pair, [Vec<QuadraticFace>; 2]) {
     let height = |x: f64, y: f64| 0.25 * (0.9 * x).sin() * (0.7 * y).cos();
     let inner = |x: f64| if x > 0.0 && x < 6.0 { 0.07 } else { 0.0 };
     let low = move |x: f64, y: f64| {
@@ -28,11 +28,27 @@ fn pair(triangles: bool) -> Pair {
         let (x, y) = (0.9 * x + 0.2 + inner(x) * (3.0 * y).cos(), 0.9 * y + 0.25);
         [x, y, height(x, y) - 0.02 + 0.04 * (2.0 * x).sin()]
     };
-    Pair::new([11, 13], triangles, low, high)
+    let Cells::Second(second) = cells else {
+        return (Pair::new([11, 13], cells == Cells::Triangles, low, high), Default::default());
+    };
+    let mut pair = Pair::new([10, 14], false, low, high);
+    let (master, below) = second.grid(10, 0, true);
+    let (slave, above) = second.grid(14, pair.first_slave, false);
+    (pair.master, pair.slave) = (master, slave);
+    (pair, [below, above])
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Cells {
+    Quadrilaterals,
+    Triangles,
+    Second(Second),
 }
 
 struct Whole {
     pair: Pair,
+    /// Of second order, of the master and of the slave.
+    quadratic: [Vec<QuadraticFace>; 2],
     options: FaceOptions,
     /// Of the whole surfaces, to cut windows from.
     master: ContactInterface,
@@ -43,8 +59,8 @@ struct Whole {
 }
 
 impl Whole {
-    fn new(triangles: bool, planes: &[SymmetryPlane]) -> Self {
-        let pair = pair(triangles);
+    fn new(cells: Cells, planes: &[SymmetryPlane]) -> Self {
+        let (pair, quadratic) = pair(cells);
         let options = InterfaceOptions::default().with_distance_limit(Some(LIMIT));
         let (options, positions) = (FaceOptions::new(options), &pair.positions);
         let surface = |facets: &[Facet]| {
@@ -58,13 +74,22 @@ impl Whole {
         let surface = MasterSurface::new(positions, pair.master.clone()).unwrap();
         let mut interface = FaceInterface::new(surface, &pair.slave, positions, options).unwrap();
         interface.set_symmetry(planes).unwrap();
+        let [below, above] = &quadratic;
+        interface.set_quadratic_faces_by_number(below, above).unwrap();
         let move_a_little = |(k, x): (usize, &Point)| {
             let t = 0.3 * k as f64;
             [x[0] + 0.03 * t.sin(), x[1] + 0.03 * t.cos(), x[2] + 0.03 * (2.0 * t).sin()]
         };
         let moved: Vec<Point> = positions.iter().enumerate().map(move_a_little).collect();
         interface.refresh(&moved).unwrap();
-        Self { pair, options, master, slave, moved, interface }
+        Self { pair, quadratic, options, master, slave, moved, interface }
+    }
+
+    /// Whether a face of the slave has both nodes.
+    fn share_a_face(&self, one: usize, other: usize) -> bool {
+        let faces = self.pair.slave.iter().map(|face| face.corners());
+        let mut all = faces.chain(self.quadratic[1].iter().map(|face| face.nodes()));
+        all.any(|nodes| nodes.contains(&one) && nodes.contains(&other))
     }
 
     fn evaluate(&mut self, mode: Mode) -> FaceContacts {
@@ -87,6 +112,8 @@ impl Whole {
         let positions = at(&self.pair.positions);
         let mut interface = FaceInterface::in_window(&master, &slave, &positions, self.options).unwrap();
         assert!(interface.is_in_window());
+        let [below, above] = &self.quadratic;
+        interface.set_quadratic_faces_by_number(below, above).unwrap();
         interface.refresh(&at(&self.moved)).unwrap();
         (interface, numbers)
     }
@@ -94,7 +121,9 @@ impl Whole {
 
 /// The nodes of the slave in four parts: strips, quarters, and by number.
 fn partitions(pair: &Pair) -> [Vec<Vec<usize>>; 3] {
-    let nodes: Vec<usize> = (pair.first_slave..pair.positions.len()).collect();
+    let mut nodes: Vec<usize> = pair.slave.iter().flat_map(|face| face.corners()).copied().collect();
+    nodes.sort_unstable();
+    nodes.dedup();
     let by = |part: &dyn Fn(usize) -> usize| {
         (0..4).map(|k| nodes.iter().copied().filter(|&node| part(node) == k).collect()).collect()
     };
@@ -157,8 +186,11 @@ fn slid(whole: &Whole) -> Vec<Point> {
 #[test]
 fn any_partition_of_the_nodes_goes_on_with_friction_as_the_whole() {
     let across = SymmetryPlane::across(0, [0.0; 3]);
-    for (triangles, planes) in [(false, vec![]), (true, vec![across])] {
-        let mut whole = Whole::new(triangles, &planes);
+    let second = Cells::Second(Second::Quadrilateral8);
+    for (cells, planes) in
+        [(Cells::Quadrilaterals, vec![]), (Cells::Triangles, vec![across]), (second, vec![])]
+    {
+        let mut whole = Whole::new(cells, &planes);
         let all: Vec<usize> = (0..whole.pair.positions.len()).collect();
         whole.interface.accept(&friction()).unwrap();
         let before = histories(&whole.interface, &all);
@@ -196,7 +228,7 @@ fn any_partition_of_the_nodes_goes_on_with_friction_as_the_whole() {
 
 #[test]
 fn a_history_of_nodes_beyond_the_windows_is_refused() {
-    let mut whole = Whole::new(false, &[]);
+    let mut whole = Whole::new(Cells::Quadrilaterals, &[]);
     let all: Vec<usize> = (0..whole.pair.positions.len()).collect();
     whole.interface.accept(&friction()).unwrap();
     let histories = histories(&whole.interface, &all);
@@ -214,8 +246,12 @@ fn a_history_of_nodes_beyond_the_windows_is_refused() {
 #[test]
 fn any_partition_of_the_nodes_has_the_bits_of_the_whole() {
     let across = SymmetryPlane::across(0, [0.0; 3]);
-    for (triangles, planes) in [(false, vec![]), (true, vec![]), (false, vec![across])] {
-        let mut whole = Whole::new(triangles, &planes);
+    let plain = [Cells::Quadrilaterals, Cells::Triangles].map(|cells| (cells, vec![]));
+    let of_second = Second::ALL.map(|second| (Cells::Second(second), vec![]));
+    let symmetric =
+        [Cells::Quadrilaterals, Cells::Second(Second::Triangle6)].map(|cells| (cells, vec![across]));
+    for (cells, planes) in plain.into_iter().chain(of_second).chain(symmetric) {
+        let mut whole = Whole::new(cells, &planes);
         let expected = whole.evaluate(Mode::Value);
         let of_whole: HashMap<usize, NodeContact> =
             expected.nodes().iter().map(|node| (node.slave, *node)).collect();
@@ -248,12 +284,13 @@ fn any_partition_of_the_nodes_has_the_bits_of_the_whole() {
 #[test]
 fn rows_inside_a_part_are_those_of_the_whole() {
     for law in [ContactLaw::penalty(100.0), friction()] {
-        assert_rows(&law);
+        assert_rows(&law, Cells::Quadrilaterals);
+        Second::ALL.into_iter().for_each(|second| assert_rows(&law, Cells::Second(second)));
     }
 }
 
-fn assert_rows(law: &ContactLaw<'_>) {
-    let mut whole = Whole::new(false, &[]);
+fn assert_rows(law: &ContactLaw<'_>, cells: Cells) {
+    let mut whole = Whole::new(cells, &[]);
     let own = &partitions(&whole.pair)[1][0];
     let (mut part, numbers) = whole.part(own, 2.0 * WIDE + LIMIT + SKIN);
     whole.interface.accept(law).unwrap();
@@ -270,7 +307,7 @@ fn assert_rows(law: &ContactLaw<'_>) {
     let beyond: Vec<usize> =
         contacts.nodes().iter().filter(|node| is_beyond(node)).map(|node| node.slave).collect();
     let is_known =
-        |node: usize| !beyond.iter().any(|&other| shares_a_face(&whole.pair, numbers[other], numbers[node]));
+        |node: usize| !beyond.iter().any(|&other| whole.share_a_face(numbers[other], numbers[node]));
     let (all, here) = (whole.pair.positions.len(), numbers.len());
     let v = |number: usize, axis: usize| (0.7 * (3 * number + axis) as f64).sin();
     let of_whole: Vec<f64> = (0..3 * all).map(|k| v(k / 3, k % 3)).collect();
@@ -297,13 +334,9 @@ fn assert_rows(law: &ContactLaw<'_>) {
     assert!(compared > 20, "{compared}");
 }
 
-fn shares_a_face(pair: &Pair, one: usize, other: usize) -> bool {
-    pair.slave.iter().any(|face| face.corners().contains(&one) && face.corners().contains(&other))
-}
-
 #[test]
 fn narrow_boxes_say_so_and_give_no_other_number() {
-    let mut whole = Whole::new(false, &[]);
+    let mut whole = Whole::new(Cells::Quadrilaterals, &[]);
     let expected = whole.evaluate(Mode::Value);
     let of_whole: HashMap<usize, NodeContact> =
         expected.nodes().iter().map(|node| (node.slave, *node)).collect();
@@ -330,9 +363,43 @@ fn narrow_boxes_say_so_and_give_no_other_number() {
     assert!(seen[0] > 50 && seen[1] > 50, "{seen:?}");
 }
 
+/// A face of second order with a node that nobody has is known to be one: no force goes by its facets instead.
+#[test]
+fn faces_of_second_order_beyond_the_window_say_so() {
+    for side in [0, 1] {
+        let mut whole = Whole::new(Cells::Second(Second::Quadrilateral9), &[]);
+        let expected = whole.evaluate(Mode::Value);
+        let of_whole: HashMap<usize, NodeContact> =
+            expected.nodes().iter().map(|node| (node.slave, *node)).collect();
+        let own = &partitions(&whole.pair)[1][0];
+        // The outermost node of the face at the corner of the surface: three of four facets do not have it.
+        let face = &mut whole.quadratic[side][0];
+        let (centre, rest) = (face.nodes()[8], &face.nodes()[1..]);
+        *face = QuadraticFace::new(&[&[1_000_000], rest].concat()).unwrap();
+        let place = Vector3::from(whole.moved[centre]);
+        let (mut part, numbers) = whole.part(own, WIDE + LIMIT + SKIN);
+        let found = part.evaluate(&ContactLaw::penalty(100.0), Mode::Value).unwrap();
+        let (mut near, mut far) = (0, 0);
+        for node in found.nodes().iter().filter(|node| own.contains(&numbers[node.slave])) {
+            if let Outcome::None(NoContact::BeyondWindow { needed, known }) = node.outcome {
+                let distance = (Vector3::from(whole.moved[numbers[node.slave]]) - place).norm();
+                assert!(needed > known && node.pressure == 0.0 && distance < 2.0, "{distance}");
+                near += 1;
+            } else {
+                assert_eq!(bits(node), bits(&of_whole[&numbers[node.slave]]));
+                far += 1;
+            }
+        }
+        assert!(near >= 8 && far > 20, "{side}: {near} {far}");
+        let twice = QuadraticFace::new(&[0, 1, 2, 3, 4, 1]).unwrap();
+        let error = part.set_quadratic_faces_by_number(&[], &[twice]).unwrap_err();
+        assert!(matches!(error, InterfaceError::Surface(_)), "{error}");
+    }
+}
+
 #[test]
 fn what_takes_the_whole_is_refused() {
-    let whole = Whole::new(false, &[]);
+    let whole = Whole::new(Cells::Quadrilaterals, &[]);
     let own = &partitions(&whole.pair)[1][0];
     let (mut part, _) = whole.part(own, 2.0);
     let refused = |error: InterfaceError| assert_eq!(error.code(), "in-window");
